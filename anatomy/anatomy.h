@@ -1,0 +1,117 @@
+// What a body is made of: bones on joints, muscles as strips of ellipse slices along action lines, and the skin around them.
+//
+// A fitted anatomy is again an Anatomy: nothing downstream knows whether its body was sized, scanned or the template's own.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "anatomy/skeleton.h"
+#include "anatomy/types.h"
+
+namespace ecorche {
+
+struct Bone {
+  std::string name;     // "femur_l"
+  Side side = Side::middle;
+  int joint = 0;        // the joint whose frame carries it
+  TriMesh mesh;         // world coordinates of the rest pose
+};
+
+// A point of an action line. It is carried by one joint, or by a blend of two (belly wall: thorax and pelvis):
+//   posed = share * T(joints[0]) * rest + (1 - share) * T(joints[1]) * rest,   T(j) = X_WJ(pose) * X_WJ(rest)^-1
+struct PathPoint {
+  Vec3 rest = Vec3::Zero();          // world, rest pose
+  std::array<int, 2> joints{0, -1};  // joints[1] = -1: one carrier only
+  double share = 1;
+};
+
+// One cross-section, relative to the line it sits on, so that it cannot be mistaken for a posed one.
+struct Slice {
+  double s = 0;                  // parameter along the smooth line, 0 origin .. 1 insertion
+  double roll = 0;               // angle from the line's rotation-minimising frame to the width axis, rad
+  Vec2 offset = Vec2::Zero();    // of the section's centre from the line, in the rolled frame (width, thickness), m
+  Vec2 radii = Vec2::Zero();     // half width, half thickness, m
+};
+
+// A surface that the line slides over when joints move; it rides on a joint. Paths are pushed out of it, never into it.
+struct Wrap {
+  enum class Kind { sphere, cylinder, ellipsoid };
+  Kind kind = Kind::sphere;
+  int joint = 0;
+  Transform X_WO = Transform::Identity();  // object frame in the world at rest; a cylinder's axis is its z
+  Vec3 radii = Vec3::Zero();               // sphere: (r,r,r); cylinder: (r,r,half length); ellipsoid: semi axes
+};
+
+struct Strip {
+  std::vector<PathPoint> path;    // origin, via points, insertion; at least two
+  Vec3 reference = Vec3::UnitX();  // zero direction of roll at the origin, world at rest
+  std::vector<Slice> slices;      // rising s
+  std::vector<Wrap> wraps;
+  double belly_begin = 0;         // s where the origin tendon ends
+  double belly_end = 1;           // s where the insertion tendon begins
+  double rest_length = 0;         // length of the smooth line at rest, m
+};
+
+struct Muscle {
+  std::string name;         // "biceps_femoris_long_l"
+  Side side = Side::middle;
+  std::string label;        // "biceps femoris, long head"
+  std::string group;        // region: "thigh", "trunk_shoulder", ...
+  std::string layer;        // "superficial", "intermediate", "deep"
+  std::string origin;       // in words, for people
+  std::string insertion;
+  std::string origin_bone;     // name of the bone that the origin lies on ("" where it is fascia)
+  std::string insertion_bone;
+  std::vector<Strip> strips;
+  double volume = 0;           // all strips, m^3
+  double fibre_length = 0;     // optimal, m
+  double pennation = 0;        // rad
+  bool sheet = false;          // strips lie side by side and are drawn as one surface
+};
+
+struct Anatomy {
+  Skeleton skeleton;
+  std::vector<Bone> bones;
+  std::vector<Muscle> muscles;
+};
+
+struct Landmark {
+  std::string name;
+  Vec3 position = Vec3::Zero();
+};
+
+enum class Sex { male, female };
+
+struct Body {
+  TriMesh skin;                     // rest pose, world; base mesh vertex order unless refined
+  std::vector<Landmark> landmarks;
+  std::string name;
+  Sex sex = Sex::male;
+  double age = 25;                  // years; 0 where unknown
+  double mass = 0;                  // kg; 0 where unknown
+};
+
+// An anatomy and the body it was authored in.
+struct Template {
+  Anatomy anatomy;
+  Body body;
+};
+
+// A slice posed in the world.
+struct Ellipse {
+  Vec3 center = Vec3::Zero();
+  Mat3 axes = Mat3::Identity();  // columns: width, thickness, tangent (right-handed, orthonormal)
+  Vec2 radii = Vec2::Zero();
+};
+
+// Throws std::invalid_argument that names the part: indices out of range, parents after children, fewer than two path points,
+// falling s, radii that are negative or not finite.
+void validate(const Anatomy& anatomy);
+
+int find_bone(const Anatomy& anatomy, std::string_view name);      // index or -1
+int find_muscle(const Anatomy& anatomy, std::string_view name);    // index or -1
+int slice_count(const Anatomy& anatomy);                           // all strips of all muscles
+
+}  // namespace ecorche

@@ -1,0 +1,65 @@
+#include "anatomy/skeleton.h"
+
+#include <stdexcept>
+
+namespace ecorche {
+
+int find_joint(const Skeleton& skeleton, std::string_view name) {
+  for (size_t j = 0; j < skeleton.joints.size(); ++j)
+    if (skeleton.joints[j].name == name) return static_cast<int>(j);
+  return -1;
+}
+
+std::vector<Vec3> rest_positions(const Skeleton& skeleton) {
+  std::vector<Vec3> positions(skeleton.joints.size());
+  for (size_t j = 0; j < positions.size(); ++j) {
+    const Joint& joint = skeleton.joints[j];
+    positions[j] = joint.X_PJ.translation();
+    if (joint.parent >= 0) positions[j] += positions[joint.parent];
+  }
+  return positions;
+}
+
+Pose rest_pose(const Skeleton& skeleton) {
+  Pose pose;
+  if (!skeleton.joints.empty()) pose.root = skeleton.joints[0].X_PJ.translation();
+  pose.rotations.assign(skeleton.joints.size(), Quat::Identity());
+  return pose;
+}
+
+void forward_kinematics(const Skeleton& skeleton, const Pose& pose, std::vector<Transform>& out) {
+  if (pose.rotations.size() != skeleton.joints.size())
+    throw std::invalid_argument("forward_kinematics: " + std::to_string(pose.rotations.size()) + " rotations for " +
+                                std::to_string(skeleton.joints.size()) + " joints");
+  out.resize(skeleton.joints.size());
+  for (size_t j = 0; j < out.size(); ++j) {
+    const Joint& joint = skeleton.joints[j];
+    Transform local = Transform::Identity();
+    local.linear() = pose.rotations[j].toRotationMatrix();
+    if (joint.parent < 0) {
+      local.translation() = pose.root;
+      out[j] = local;
+    } else {
+      local.translation() = joint.X_PJ.translation();
+      out[j] = out[joint.parent] * local;
+    }
+  }
+}
+
+void complete_pose(const Skeleton& skeleton, Pose& pose) {
+  // The patella glides round the condyles at about 0.6 of the knee's flexion (Amis 2006 reports 0.6-0.7 at 90 deg).
+  constexpr double kPatellaShare = 0.62;
+  for (const char* side : {"_l", "_r"}) {
+    const int knee = find_joint(skeleton, std::string("knee") + side);
+    const int patella = find_joint(skeleton, std::string("patella") + side);
+    if (knee < 0 || patella < 0) continue;
+    const Vec3 axis = skeleton.joints[knee].axes.col(0);
+    const Quat& q = pose.rotations[knee];
+    // Twist of the knee's rotation about its flexion axis.
+    const double angle = 2 * std::atan2(q.vec().dot(axis), q.w());
+    const double wrapped = std::remainder(angle, 2 * 3.14159265358979323846);
+    pose.rotations[patella] = Quat(Eigen::AngleAxisd(kPatellaShare * wrapped, axis));
+  }
+}
+
+}  // namespace ecorche
