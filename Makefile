@@ -1,0 +1,38 @@
+# Two commands do everything: `make demo` and `make test`. See README.md.
+BUILD := build
+NINJA := ninja -C $(BUILD)
+export ECORCHE_PACKAGES ?= $(CURDIR)/$(BUILD)/packages
+
+.PHONY: all setup build demo test clients asan bench clean
+all: build
+
+setup:
+	@data/setup.sh $(BUILD)/packages
+
+$(BUILD)/build.ninja: CMakeLists.txt | setup
+	@cmake --preset release > $(BUILD)/configure.log || { cat $(BUILD)/configure.log; exit 1; }
+
+build: setup $(BUILD)/build.ninja
+	@$(NINJA) ecorche
+
+demo: build
+	@$(BUILD)/ecorche demo -o out/long-jump
+
+# The clients that exported files are tried in: the glTF validator and Blender.
+clients: setup
+	@data/setup.sh $(BUILD)/packages tests/clients/apt.txt
+	@tests/clients/setup.sh $(BUILD)/clients
+
+test: setup clients $(BUILD)/build.ninja
+	@$(NINJA)
+	@ctest --test-dir $(BUILD) --output-on-failure --timeout 600
+
+asan: setup
+	@cmake --preset asan > /dev/null && ninja -C $(BUILD)/asan parser_tests
+	@ctest --test-dir $(BUILD)/asan -L parsers --output-on-failure
+
+bench: build
+	@$(BUILD)/ecorche bench
+
+clean:
+	@rm -rf $(BUILD) out
