@@ -1,0 +1,59 @@
+// Anchors every skin vertex to the bones and muscles beneath it.
+//
+// Two parts move a vertex:
+//   1. A blend of joint frames. Each vertex takes the joints of the bones beneath it (exact nearest points, reached without leaving
+//      the body), the shares are diffused over the skin by a screened Poisson solve whose length is the local depth of bone
+//      (after Baran & Popovic 2007, 10.1145/1276377.1276467), and where two joints share a vertex their half-way rotation about
+//      the joint between them is blended in, so that a bent limb keeps its girth. All carriers of the blend are linear maps:
+//        x = sum_c w_c C_c(pose) X.
+//   2. A sparse set of nodes on the skin, each anchored to the strips beneath it. A node keeps its height over the posed muscle
+//      surface (fat and skin keep their thickness, Wilhelms & Van Gelder 1997, 10.1145/258734.258833); muscles may glide
+//      underneath, so only the height counts. The nodes' lifts are spread to the vertices between them.
+// In the rest pose the input skin comes back; rigid motion is reproduced.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "anatomy/anatomy.h"
+#include "anatomy/pose_anatomy.h"
+
+namespace ecorche {
+
+struct BindOptions {
+  double blend_width = 1.0;    // of the passage from one joint to the next, in units of the limb's local radius
+  double muscle_share = 1.0;   // how much of the height change of the muscles reaches the skin; 0: bones only
+  double lift_limit = 0.03;    // m, largest lift or sink of the skin by muscles
+  double node_spacing = 0.03;  // m, between muscle nodes
+};
+
+// The component of the anatomy nearest to a skin vertex at rest, exact.
+struct Anchor {
+  enum class Kind : std::uint8_t { none, bone, muscle };
+  Kind kind = Kind::none;
+  int part = -1;               // index into Anatomy::bones, or flat index of the nearer slice
+  double distance = 0;         // m
+  Vec3 point = Vec3::Zero();   // on the component, world, rest pose
+};
+
+struct Influence {
+  int joint = 0;
+  double weight = 0;
+};
+
+struct SkinTables;  // the per-frame tables, opaque; see skin_tables.h
+
+struct Binding {
+  int vertex_count = 0;
+  std::vector<Anchor> anchors;                            // #V
+  std::vector<std::array<Influence, 4>> joint_weights;    // #V, sum 1: what an engine with four influences can use
+  std::shared_ptr<const SkinTables> tables;
+};
+
+// Precondition: body.skin is the rest pose of the anatomy, closed enough to have an inside; throws UnfitError for a vertex that is
+// not finite, for a skin without triangles, or an anatomy without bones.
+Binding bind_skin(const Anatomy& anatomy, const Body& body, const BindOptions& options = {});
+
+}  // namespace ecorche

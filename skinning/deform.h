@@ -1,0 +1,13 @@
+// Moves a bound skin to a pose. Per frame; allocates only when `out` changes size.
+#pragma once
+
+#include "skinning/bind.h"
+#include "skinning/skin_frame.h"
+
+namespace ecorche {
+
+// Precondition: `posed` comes from the anatomy that was bound (same joints and slices); otherwise std::invalid_argument.
+// Same input, same bytes; one thread.
+void deform_skin(const Binding& binding, const PosedAnatomy& posed, SkinFrame& out);
+
+}  // namespace ecorche
