@@ -1,0 +1,51 @@
+// What every verb of the command line shares. One file a verb; each adds its subcommand and the function that runs it.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "app/report.h"
+
+namespace ecorche {
+
+struct Common {
+  std::filesystem::path report_file;  // --report; empty: none
+  int threads = 0;                    // --threads; 0: all cores
+  std::uint64_t seed = 1;             // --seed; same seed, same bytes
+  bool quiet = false;                 // -q
+  bool verbose = false;               // -v
+};
+
+// What a verb hands back. `exit_code` 0, or 8 when an accuracy target was missed although the output was written.
+using VerbFunction = std::function<int(const Common&, Report&)>;
+
+struct VerbRegistry {
+  CLI::App& app;
+  Common& common;
+  VerbFunction& chosen;  // set by the subcommand that was given
+};
+
+// Adds --report, --threads, --seed, -q and -v, an example to --help, and makes `run` the chosen function.
+// Returns the subcommand, for the verb's own options. `parent` is the executable or a verb with verbs of its own.
+CLI::App* add_verb(VerbRegistry& registry, CLI::App& parent, const std::string& name, const std::string& summary, const std::string& example,
+                   VerbFunction run);
+
+void add_template_verb(VerbRegistry& registry);
+void add_body_verb(VerbRegistry& registry);
+void add_fit_verb(VerbRegistry& registry);
+void add_animate_verb(VerbRegistry& registry);
+void add_render_verb(VerbRegistry& registry);
+void add_view_verb(VerbRegistry& registry);
+void add_bench_verb(VerbRegistry& registry);
+void add_demo_verb(VerbRegistry& registry);
+
+// Notes for people go to stderr; data goes to stdout.
+void note(const Common& common, const std::string& text);
+
+// A bar on a terminal, silent in pipes and with -q. Call with rising `done`; finished when done == total.
+void progress(const Common& common, const std::string& what, int done, int total);
+
+}  // namespace ecorche
