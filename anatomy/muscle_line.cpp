@@ -8,7 +8,7 @@
 namespace ecorche {
 namespace {
 
-constexpr int kPieces = 24;         // per segment, for arc length
+constexpr int kPieces = 96;         // per segment, for arc length
 constexpr double kTiny = 1e-9;      // m; shorter segments count as this long
 
 using Weights = std::array<double, 4>;  // of path points first .. first + 3
