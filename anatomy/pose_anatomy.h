@@ -1,10 +1,14 @@
 // Anatomy + pose -> posed slices, every muscle at its rest volume.
 //
-// The line of each strip is a spline through its posed path points, pushed out of its wraps; slices sit at fixed parameters,
-// their frames are rotation-minimising (Wang et al. 2008, 10.1145/1330511.1330513) with the insertion's twist spread along the
-// strip; belly radii grow as the line shortens so that the volume stays what it was, tendons keep their section.
+// A strip's line is a spline through its posed path points (see muscle_line.h), pushed out of its wraps. Slices stay where
+// the bones put them; the muscle's substance slides through them: when the line shortens, tendons keep their length but for a
+// tenth, the belly takes up the rest, and each slice gets the outline of the substance that lies there now. Then the belly
+// swells by one factor so that the strip's volume is exactly that of the rest pose. Sheets swell in thickness only.
+// Frames are rotation-minimising; the insertion's turn about the line, relative to rest, is spread along the strip, tendons
+// three times softer than bellies. Everything is a function of the pose alone, without history.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -12,8 +16,14 @@
 
 namespace ecorche {
 
-// The anatomy flattened for posing: built once a character, read every frame. Slices are flat: muscles, strips, slices in order.
-struct PosingTable;  // opaque; see pose_anatomy.cpp
+// The anatomy flattened for posing: built once a character, read every frame. Copies share the same read-only data.
+struct PosingTable {
+  struct Data;
+  std::shared_ptr<const Data> data;
+
+  int strips() const;
+  int slices() const;
+};
 
 struct SliceRange {
   int muscle = 0, strip = 0;
@@ -22,10 +32,36 @@ struct SliceRange {
 
 struct PosedAnatomy {
   std::vector<Transform> X_WJ;   // #joints
-  std::vector<Ellipse> slices;   // #all slices
+  std::vector<Ellipse> slices;   // #all slices: muscles, strips, slices in order
   std::vector<double> lengths;   // #all strips, posed line lengths, m
+  std::vector<double> swelling;  // #all strips, factor of the belly's radii (sheets: its square root of the thickness), 1 at rest
+  int clamped = 0;               // strips whose swelling met its limits 0.6 .. 1.6, so that their volume is not kept
+  int overtwisted = 0;           // strips whose ends turn against each other by more than 140 deg; the excess is taken back
 };
 
+constexpr int kMaxStripSlices = 64;
+constexpr int kMaxPathPoints = 32;
+
 std::vector<SliceRange> slice_ranges(const Anatomy& anatomy);  // one a strip, in flat order
+
+// Throws std::invalid_argument if `anatomy` is not valid, a strip has fewer than two or more than kMaxStripSlices slices or
+// more than kMaxPathPoints path points. Wraps are cut so that they do not move the rest line; one that would have to lose more
+// than half its size is dropped.
+PosingTable make_posing_table(const Anatomy& anatomy);
+
+// Wraps that make_posing_table had to shrink or drop, for reports. Names as "muscle strip wrap".
+struct WrapNote {
+  int muscle = 0, strip = 0, wrap = 0;
+  double kept = 1;  // share of its radius that is used; 0 dropped
+};
+std::vector<WrapNote> wrap_notes(const PosingTable& table);
+
+// `out` is resized once and then reused: no allocation from the second call on. The same bytes at any number of threads;
+// threads > 1 are used only where they pay. Precondition: `skeleton` has the joints of the table's anatomy.
+void pose_anatomy(const PosingTable& table, const Skeleton& skeleton, const Pose& pose, PosedAnatomy& out, int threads = 1);
+
+// Volume of one posed strip or muscle by tube_volume, m^3.
+double strip_volume(const PosedAnatomy& posed, const SliceRange& range);
+double muscle_volume(const PosedAnatomy& posed, std::span<const SliceRange> ranges, int muscle);
 
 }  // namespace ecorche

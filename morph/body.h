@@ -1,0 +1,80 @@
+// Bodies of a wanted sex, age, height and mass, from the blend targets of the body package.
+//
+// Lengths in metres, masses in kilograms, ages in years. A made body stands with its soles on y = 0, in the base mesh's A-pose,
+// with the base mesh's vertices and triangles.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "anatomy/anatomy.h"
+#include "anatomy/body_package.h"
+
+namespace ecorche {
+
+// The package's shape sliders, each in [0, 1]; one half is the average. The recipe is that of MakeHuman and its Blender add-on.
+struct Macros {
+  double male = 1;          // 0 female
+  double age = 0.5;         // 0 baby, 0.1875 child of ten, 0.5 young, 1 old
+  double muscle = 0.5;
+  double weight = 0.5;
+  double height = 0.5;
+  double proportions = 0.5;  // 1 "ideal"
+  double cup = 0.5;          // breast size, of females
+  double firmness = 0.5;
+  Vec3 origin = Vec3(0, 0, 1);  // African, Asian, Caucasian shares; scaled to sum 1
+};
+
+// All points of the package in that shape. #P x 3, metres, not yet put on the floor.
+// Throws std::invalid_argument for sliders outside [0, 1], InputError for damaged targets.
+Points shape_points(const BodyPackage& package, const Macros& macros);
+
+// The package's age slider for a person's age: 1 year .. 90 years. Ages outside are brought to the nearer end.
+double age_slider(double years);
+
+// Height of the skin above its lowest point, m.
+double stature(const BodyPackage& package, const Points& points);
+
+// Volume inside the skin with mouth and eye cavities closed off, m^3.
+double skin_volume(const BodyPackage& package, const Points& points);
+
+// Mass for the volume inside a skin: tissue of 1055 kg/m^3 less the air of half-filled lungs.
+inline constexpr double kBodyDensity = 1010;  // kg/m^3
+
+struct BodySpec {
+  Sex sex = Sex::male;
+  double age = 25;
+  std::optional<double> height;  // the package's average for sex and age when left out
+  std::optional<double> mass;    // follows from average build when left out
+  // Slider. Left out, it moves with mass: the package's weight slider alone only reaches a body mass index of 18 to 23.5.
+  std::optional<double> muscle;
+  double proportions = 0.5;
+  double cup = 0.5;
+  double firmness = 0.5;
+  Vec3 origin = Vec3(0, 0, 1);
+  std::string name;
+};
+
+struct ShapedBody {
+  Body body;
+  Points points;    // #P x 3, all points of the package in this shape, on the floor: what rigs are placed by
+  Macros macros;    // that give it
+  double stature = 0;
+  double volume = 0;
+  double mass = 0;
+};
+
+// Height is met to 0.1 mm, mass to 10 g. Throws UnfitError that states the reachable range when the package's shapes cannot.
+ShapedBody shape_body(const BodyPackage& package, const BodySpec& spec);
+
+// The same without what only rigs need.
+Body make_body(const BodyPackage& package, const BodySpec& spec);
+
+// The bodies that fits are judged on: default male and female, thin, heavy, muscular, short, tall, old, young. Unique names.
+std::vector<BodySpec> standard_bodies();
+
+// The long jumper: lean, muscular, 1.85 m.
+BodySpec athlete();
+
+}  // namespace ecorche
