@@ -1,0 +1,184 @@
+#include "anatomy/bare_skin.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "anatomy/errors.h"
+#include "anatomy/input_file.h"
+
+namespace ecorche {
+namespace {
+
+using Edge = std::pair<int, int>;
+
+// Share of the base mesh's quad edges that a mesh has among its first vertices.
+double shared_edges(const TriMesh& mesh, const BodyPackage& package) {
+  std::set<Edge> edges;
+  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const int a = mesh.F(f, k), b = mesh.F(f, (k + 1) % 3);
+      if (a < package.skin_size && b < package.skin_size) edges.insert(std::minmax(a, b));
+    }
+  }
+  long long found = 0;
+  for (Eigen::Index q = 0; q < package.quads.rows(); ++q) {
+    for (int k = 0; k < 4; ++k) found += edges.contains(std::minmax(package.quads(q, k), package.quads(q, (k + 1) % 4)));
+  }
+  return static_cast<double>(found) / static_cast<double>(4 * package.quads.rows());
+}
+
+// The part of a file that is the skin, or a message that says why there is none.
+const TriMesh& find_skin(const MeshFile& file, const std::string& name, const BodyPackage& package) {
+  std::string counts;
+  double best = 0;
+  for (const auto& part : file.parts) {
+    if (part.mesh.V.rows() >= package.skin_size) {
+      const double share = shared_edges(part.mesh, package);
+      if (share > 0.99) return part.mesh;
+      best = std::max(best, share);
+    }
+    counts += fmt::format("{}{}", counts.empty() ? "" : ", ", part.mesh.V.rows());
+    if (counts.size() > 200) break;
+  }
+  const auto advice = "a skin must keep the base mesh's vertices and their order: export without merging, splitting or re-ordering";
+  if (best > 0) {
+    throw UnfitError(fmt::format("{}: {} vertices, but only {:.0f} % of the base mesh's edges; {}", name, counts, 100 * best, advice));
+  }
+  throw UnfitError(fmt::format("{}: {} vertices; the base mesh's skin has {}; {}", name, counts, package.skin_size, advice));
+}
+
+Points centred(const Points& points) { return points.rowwise() - points.colwise().mean(); }
+
+const char* axis_name(const Vec3& axis) {
+  constexpr const char* kNames[] = {"+X", "-X", "+Y", "-Y", "+Z", "-Z"};
+  Eigen::Index k = 0;
+  axis.cwiseAbs().maxCoeff(&k);
+  return kNames[2 * k + (axis[k] < 0)];
+}
+
+// The rotation (or, for left-handed axes, reflection) that turns the file's axes into ours: the best fit to the base mesh, brought
+// to the nearest turn by right angles when that is less than 15 degrees away.
+Mat3 file_to_world(const Points& skin, const BodyPackage& package, BareSkin& out) {
+  const Points from = centred(skin), to = centred(package.points.topRows(package.skin_size));
+  const Mat3 moments = to.transpose() * from;
+  const Eigen::JacobiSVD<Mat3> svd(moments, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Mat3 fitted = svd.matrixU() * svd.matrixV().transpose();
+  out.mirrored = fitted.determinant() < 0;
+  Mat3 nearest = Mat3::Identity();
+  double best = -4;
+  std::array<int, 3> order{0, 1, 2};
+  do {
+    for (int signs = 0; signs < 8; ++signs) {
+      Mat3 turn = Mat3::Zero();
+      for (int k = 0; k < 3; ++k) turn(k, order[static_cast<std::size_t>(k)]) = (signs >> k & 1) != 0 ? -1 : 1;
+      if ((turn.determinant() < 0) == out.mirrored && (turn.transpose() * fitted).trace() > best) {
+        best = (turn.transpose() * fitted).trace();
+        nearest = turn;
+      }
+    }
+  } while (std::next_permutation(order.begin(), order.end()));
+  const double angle = std::acos(std::clamp((best - 1) / 2, -1.0, 1.0));
+  const bool aligned = angle < 15 * std::numbers::pi / 180;
+  const Mat3 turn = aligned ? nearest : fitted;
+  out.up = aligned ? axis_name(turn.row(1).transpose()) : "oblique";
+  out.front = aligned ? axis_name(turn.row(2).transpose()) : "oblique";
+  return turn;
+}
+
+struct Unit {
+  const char* name;
+  double metres;
+};
+
+// Heights from a newborn to the tallest person; the units lie so far apart that at most one fits.
+double find_unit(double height, const std::string& name, std::vector<std::string>& notes) {
+  constexpr Unit kUnits[] = {{"metres", 1}, {"decimetres", 0.1}, {"centimetres", 0.01}, {"millimetres", 0.001}};
+  for (const auto& unit : kUnits) {
+    if (height * unit.metres < 0.45 || height * unit.metres > 2.8) continue;
+    notes.push_back(fmt::format("{}: read as {} ({:.3f} m tall)", name, unit.name, height * unit.metres));
+    return unit.metres;
+  }
+  throw UnfitError(fmt::format("{}: {:g} units tall, which is no human height in m, dm, cm or mm; scale it to metres", name, height));
+}
+
+// Direction from the middle of one part to the middle of another.
+Vec3 limb_direction(const Points& skin, const std::vector<VertexPart>& parts, BodyPart from, BodyPart to, Side side) {
+  const auto centre = [&](BodyPart part) {
+    Vec3 sum = Vec3::Zero();
+    double count = 0;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (parts[i].part != part || parts[i].side != side) continue;
+      sum += skin.row(static_cast<Eigen::Index>(i)).transpose();
+      ++count;
+    }
+    return Vec3(sum / count);
+  };
+  return (centre(to) - centre(from)).normalized();
+}
+
+void check_pose(const Points& skin, const std::string& name, const BodyPackage& package) {
+  constexpr double kMost = 20;  // degrees; shapes themselves differ by up to 8
+  struct Limb {
+    const char* name;
+    BodyPart from, to;
+  };
+  constexpr Limb kLimbs[] = {{"upper arm", BodyPart::upper_arm, BodyPart::forearm}, {"forearm", BodyPart::forearm, BodyPart::hand},
+                             {"thigh", BodyPart::thigh, BodyPart::shank},           {"shank", BodyPart::shank, BodyPart::foot}};
+  const auto parts = vertex_parts(package);
+  const Points base = package.points.topRows(package.skin_size);
+  for (const auto& limb : kLimbs) {
+    for (const Side side : {Side::left, Side::right}) {
+      const Vec3 here = limb_direction(skin, parts, limb.from, limb.to, side), there = limb_direction(base, parts, limb.from, limb.to, side);
+      const double angle = std::acos(std::clamp(here.dot(there), -1.0, 1.0)) * 180 / std::numbers::pi;
+      if (angle > kMost) {
+        throw UnfitError(fmt::format("{}: the {} {} is turned {:.0f} degrees from the base mesh's pose (at most {:.0f}); save the skin in its rest pose",
+                                     name, side == Side::left ? "left" : "right", limb.name, angle, kMost));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+BareSkin bare_skin(const MeshFile& file, const std::string& name, const BodyPackage& package) {
+  BareSkin out;
+  out.notes = file.notes;
+  const TriMesh& mesh = find_skin(file, name, package);
+  const bool helpers = mesh.V.rows() == package.points.rows();
+  if (mesh.V.rows() > package.skin_size) {
+    out.notes.push_back(fmt::format("{}: {} vertices; the first {} are the skin{}", name, mesh.V.rows(), package.skin_size,
+                                    helpers ? ", the rest the base mesh's helper geometry" : ", the rest is left out"));
+  }
+  const Points skin = mesh.V.topRows(package.skin_size);
+  if (!(centred(skin).rowwise().norm().maxCoeff() > 0)) throw UnfitError(fmt::format("{}: all vertices lie in one point", name));
+  const Mat3 turn = file_to_world(skin, package, out);
+  // Centred first: files far from the origin keep their precision.
+  const Vec3 middle = skin.colwise().mean();
+  out.points = ((helpers ? mesh.V : skin).rowwise() - middle.transpose()) * turn.transpose();
+  const auto body = [&] { return out.points.topRows(package.skin_size); };
+  out.unit = find_unit(body().col(1).maxCoeff() - body().col(1).minCoeff(), name, out.notes);
+  out.points *= out.unit;
+  double midplane = 0;
+  for (int i = 0; i < package.skin_size; ++i) midplane += out.points(i, 0) + out.points(package.mirror[static_cast<std::size_t>(i)], 0);
+  const double depth = package.points.topRows(package.skin_size).col(2).mean() - body().col(2).mean();
+  out.points.rowwise() += Eigen::RowVector3d(-midplane / (2.0 * package.skin_size), -body().col(1).minCoeff(), depth);
+  check_pose(body(), name, package);
+  if (out.up != "+Y" || out.front != "+Z") out.notes.push_back(fmt::format("{}: turned from up {} and front {} to up +Y and front +Z", name, out.up, out.front));
+  if (out.mirrored) out.notes.push_back(fmt::format("{}: mirrored, because its axes are left-handed", name));
+  out.body.skin = skin_mesh(package, out.points);
+  out.body.name = std::filesystem::path(name).stem().string();
+  out.body.age = 0;
+  return out;
+}
+
+BareSkin read_bare_skin(const std::filesystem::path& file, const BodyPackage& package) {
+  return bare_skin(read_mesh_file(file), printable(file.string()), package);
+}
+
+}  // namespace ecorche

@@ -1,0 +1,107 @@
+#include "anatomy/bare_skin.h"
+
+#include <gtest/gtest.h>
+
+#include "anatomy/errors.h"
+#include "tests/body_fixture.h"
+
+namespace ecorche {
+namespace {
+
+class BareSkinTest : public BodyFixture {
+ protected:
+  MeshFile file_of(const Points& V, const Triangles& F) const { return {{{"skin", {V, F}}}, {}}; }
+  Points base() const { return package().points.topRows(package().skin_size); }
+
+  // The base skin as read back should be: on the floor.
+  Points grounded() const {
+    Points out = base();
+    out.col(1).array() -= out.col(1).minCoeff();
+    return out;
+  }
+};
+
+TEST_F(BareSkinTest, UnitsAndAxesAreFoundOut) {
+  struct Case {
+    double per_metre;
+    Mat3 turn;
+    const char *up, *front;
+    bool mirrored;
+  };
+  Mat3 z_up, sideways, left_handed;
+  z_up << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  sideways << 0, 1, 0, 0, 0, 1, 1, 0, 0;
+  left_handed << 1, 0, 0, 0, 1, 0, 0, 0, -1;
+  const Case cases[] = {{1, Mat3::Identity(), "+Y", "+Z", false}, {10, z_up, "+Z", "-Y", false},         {100, sideways, "+X", "+Y", false},
+                        {1000, z_up, "+Z", "-Y", false},          {1, left_handed, "+Y", "-Z", true}};
+  for (const auto& c : cases) {
+    Points V = c.per_metre * base() * c.turn.transpose();
+    V.rowwise() += Eigen::RowVector3d(3, -40, 1234);
+    Triangles F = package().triangles;
+    if (c.mirrored) F.col(1).swap(F.col(2));
+    const BareSkin read = bare_skin(file_of(V, F), "somebody.obj", package());
+    EXPECT_NEAR(read.unit, 1 / c.per_metre, 1e-12);
+    EXPECT_EQ(read.up, c.up);
+    EXPECT_EQ(read.front, c.front);
+    EXPECT_EQ(read.mirrored, c.mirrored);
+    EXPECT_LT((read.body.skin.V - grounded()).cwiseAbs().maxCoeff(), 1e-6);
+    EXPECT_FALSE(read.notes.empty());
+  }
+}
+
+TEST_F(BareSkinTest, ObliqueAxesAreTurnedBack) {
+  const Mat3 turn = (Eigen::AngleAxisd(0.7, Vec3::UnitY()) * Eigen::AngleAxisd(0.4, Vec3::UnitX())).toRotationMatrix();
+  const BareSkin read = bare_skin(file_of(base() * turn.transpose(), package().triangles), "turned.obj", package());
+  EXPECT_EQ(read.up, "oblique");
+  EXPECT_LT((read.body.skin.V - grounded()).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+TEST_F(BareSkinTest, HelperGeometryIsKept) {
+  const BareSkin read = bare_skin(file_of(package().points, package().triangles), "full.obj", package());
+  EXPECT_EQ(read.points.rows(), package().points.rows());
+  EXPECT_EQ(read.body.skin.V.rows(), package().skin_size);
+}
+
+TEST_F(BareSkinTest, TheSkinIsFoundAmongOtherMeshes) {
+  MeshFile file = file_of(base(), package().triangles);
+  file.parts.insert(file.parts.begin(), {"shoe", {Points::Random(50, 3), Triangles::Zero(1, 3)}});
+  EXPECT_EQ(bare_skin(file, "clothed.glb", package()).body.skin.V.rows(), package().skin_size);
+}
+
+std::string message_of(const MeshFile& file, const BodyPackage& package) {
+  try {
+    bare_skin(file, "wrong.obj", package);
+  } catch (const UnfitError& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+TEST_F(BareSkinTest, OtherMeshesAreRefusedWithTheirCounts) {
+  const Points few = base().topRows(13000);
+  Triangles F = package().triangles;
+  F = F.unaryExpr([](int i) { return std::min(i, 12999); });
+  EXPECT_NE(message_of(file_of(few, F), package()).find("13000 vertices; the base mesh's skin has 13380"), std::string::npos);
+  const Points reversed = base().colwise().reverse();
+  const Triangles G = (package().skin_size - 1 - package().triangles.array()).matrix();
+  EXPECT_NE(message_of(file_of(reversed, G), package()).find("% of the base mesh's edges"), std::string::npos);
+  EXPECT_NE(message_of(file_of(17 * base(), package().triangles), package()).find("no human height"), std::string::npos);
+  EXPECT_NE(message_of(file_of(0 * base(), package().triangles), package()).find("one point"), std::string::npos);
+}
+
+TEST_F(BareSkinTest, RaisedArmsAreRefused) {
+  const auto parts = vertex_parts(package());
+  Points V = base();
+  const Vec3 shoulder(0.17, 0.50, -0.02);
+  const Mat3 raise = Eigen::AngleAxisd(0.8, Vec3::UnitZ()).toRotationMatrix();
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const bool arm = parts[i].part == BodyPart::upper_arm || parts[i].part == BodyPart::forearm || parts[i].part == BodyPart::hand;
+    if (!arm || parts[i].side != Side::left) continue;
+    const auto row = static_cast<Eigen::Index>(i);
+    V.row(row) = (shoulder + raise * (Vec3(V.row(row)) - shoulder)).transpose();
+  }
+  EXPECT_NE(message_of(file_of(V, package().triangles), package()).find("left upper arm"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ecorche
