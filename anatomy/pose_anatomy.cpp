@@ -1,0 +1,315 @@
+#include "anatomy/pose_anatomy.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "anatomy/muscle_line.h"
+#include "anatomy/posing_table.h"
+#include "anatomy/wrap_push.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kTwistLimit = 120 * std::numbers::pi / 180;
+constexpr int kSlicesForThreads = 3000;  // below this the second thread's wake-up costs more than it saves
+
+struct Lane3 {
+  Lane x, y, z;
+};
+inline Lane3 operator+(const Lane3& a, const Lane3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Lane3 operator-(const Lane3& a, const Lane3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Lane3 operator*(const Lane& s, const Lane3& a) { return {s * a.x, s * a.y, s * a.z}; }
+inline Lane dot(const Lane3& a, const Lane3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Lane3 cross(const Lane3& a, const Lane3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline Lane3 unit(const Lane3& a) { return dot(a, a).max(1e-300).rsqrt() * a; }
+
+// What a batch needs while it is posed; lives on the stack.
+struct Scratch {
+  Lane points[kLanes][kMaxStripSlices];  // x, y, z, 1
+  Lane3 line[kMaxStripSlices], tangent[kMaxStripSlices], r[kMaxStripSlices];
+  Lane chord[kMaxStripSlices];           // cumulative
+  Lane3 center[kMaxStripSlices], width[kMaxStripSlices], thickness[kMaxStripSlices];
+  Lane a[kMaxStripSlices], b[kMaxStripSlices], belly[kMaxStripSlices];
+};
+
+inline Lane homogeneous(const Transform& X, const Vec3& p) {
+  return X.matrix().col(0).array() * p.x() + X.matrix().col(1).array() * p.y() + X.matrix().col(2).array() * p.z() +
+         X.matrix().col(3).array();
+}
+
+inline Lane posed_point(const PosingPoint& p, const std::vector<Transform>& X_WJ) {
+  const Lane first = homogeneous(X_WJ[p.first], p.in_first);
+  if (p.second < 0) return first;
+  return p.share * first + (1 - p.share) * homogeneous(X_WJ[p.second], p.in_second);
+}
+
+inline Vec3 turned(const PosingPoint& p, const std::vector<Transform>& X_WJ, const Vec3& v) {
+  if (p.second < 0) return X_WJ[p.first].linear() * v;
+  return (p.share * (X_WJ[p.first].linear() * v) + (1 - p.share) * (X_WJ[p.second].linear() * v)).normalized();
+}
+
+// Slice points of the line: spline, then wraps; and across the lanes.
+void lay_line(const PosingTable::Data& data, const PosingBatch& batch, const std::vector<Transform>& X_WJ, Scratch& t) {
+  for (int lane = 0; lane < kLanes; ++lane) {
+    if (lane >= batch.strips) {
+      std::copy_n(t.points[batch.strips - 1], batch.rows, t.points[lane]);
+      continue;
+    }
+    const PosingStrip& strip = data.strip[batch.strip[lane]];
+    Lane path[kMaxPathPoints];
+    for (int i = 0; i < strip.points; ++i) path[i] = posed_point(data.points[strip.point + i], X_WJ);
+    const PosingNode* nodes = &data.nodes[batch.node + lane * batch.rows];
+    for (int k = 0; k < batch.rows; ++k) {
+      const Lane* p = path + nodes[k].first;
+      const Lane& w = nodes[k].weight;
+      t.points[lane][k] = w[0] * p[0] + w[1] * p[1] + w[2] * p[2] + w[3] * p[3];
+    }
+    for (int w = 0; w < strip.wraps; ++w) {
+      const PosingWrap& wrap = data.wraps[strip.wrap + w];
+      push_out(wrap, X_WJ[wrap.joint], t.points[lane]);
+    }
+  }
+  for (int k = 0; k < batch.rows; ++k) {
+    Eigen::Matrix4d m;
+    for (int lane = 0; lane < kLanes; ++lane) m.col(lane) = t.points[lane][k].matrix();
+    m.transposeInPlace();
+    t.line[k] = {m.col(0).array(), m.col(1).array(), m.col(2).array()};
+  }
+}
+
+// Chords and unit tangents (the parabola through three neighbours, as in line_tangents).
+void find_tangents(int rows, Scratch& t) {
+  t.chord[0].setZero();
+  Lane3 before = t.line[1] - t.line[0];
+  Lane h0 = dot(before, before).max(1e-18);
+  t.chord[1] = h0.sqrt();
+  if (rows == 2) {
+    t.tangent[0] = t.tangent[1] = unit(before);
+    return;
+  }
+  for (int k = 1; k + 1 < rows; ++k) {
+    const Lane3 after = t.line[k + 1] - t.line[k];
+    const Lane h1 = dot(after, after).max(1e-18);
+    t.tangent[k] = unit(h1 * before + h0 * after);
+    t.chord[k + 1] = t.chord[k] + h1.sqrt();
+    if (k == 1) {
+      const Lane l0 = h0.sqrt(), l1 = h1.sqrt();
+      t.tangent[0] = unit(((2 * l0 + l1) * l1) * before - h0 * after);
+    }
+    if (k + 2 == rows) {
+      const Lane l0 = h0.sqrt(), l1 = h1.sqrt();
+      t.tangent[rows - 1] = unit(((2 * l1 + l0) * l0) * after - h1 * before);
+    }
+    before = after;
+    h0 = h1;
+  }
+}
+
+// Rotation-minimising frames by double reflection from the reference that the first path point carries.
+void carry_frames(const PosingTable::Data& data, const PosingBatch& batch, const std::vector<Transform>& X_WJ, Scratch& t) {
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const PosingStrip& strip = data.strip[batch.strip[lane]];
+    const PosingPoint& origin = data.points[strip.point];
+    const Vec3 tangent(t.tangent[0].x[lane], t.tangent[0].y[lane], t.tangent[0].z[lane]);
+    Vec3 r = least_turn(turned(origin, X_WJ, strip.begin_tangent), tangent, turned(origin, X_WJ, strip.reference));
+    r = (r - r.dot(tangent) * tangent).normalized();
+    t.r[0].x[lane] = r.x();
+    t.r[0].y[lane] = r.y();
+    t.r[0].z[lane] = r.z();
+  }
+  for (int k = 0; k + 1 < batch.rows; ++k) {
+    const Lane3 v1 = t.line[k + 1] - t.line[k];
+    const Lane c1 = 2 / dot(v1, v1).max(1e-300);
+    const Lane3 r = t.r[k] - (c1 * dot(v1, t.r[k])) * v1;
+    const Lane3 v2 = t.tangent[k + 1] - (t.tangent[k] - (c1 * dot(v1, t.tangent[k])) * v1);
+    t.r[k + 1] = r - (2 * dot(v2, r) / dot(v2, v2).max(1e-300)) * v2;
+  }
+}
+
+// Turn of the insertion's reference against the transported frame; what exceeds the limit is taken back, to zero at 180 deg,
+// so that the pose in which the branch changes is passed without a jump.
+Lane find_twist(const PosingTable::Data& data, const PosingBatch& batch, const std::vector<Transform>& X_WJ, const Scratch& t,
+                PosedAnatomy& out) {
+  Lane twist;
+  const int last = batch.rows - 1;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const PosingStrip& strip = data.strip[batch.strip[lane]];
+    const PosingPoint& insertion = data.points[strip.point + strip.points - 1];
+    const Vec3 tangent(t.tangent[last].x[lane], t.tangent[last].y[lane], t.tangent[last].z[lane]);
+    const Vec3 r(t.r[last].x[lane], t.r[last].y[lane], t.r[last].z[lane]);
+    const Vec3 wish = least_turn(turned(insertion, X_WJ, strip.end_tangent), tangent, turned(insertion, X_WJ, strip.end_reference));
+    const double angle = std::atan2(wish.dot(tangent.cross(r)), wish.dot(r));
+    out.twists[strip.strip] = angle;
+    const double size = std::abs(angle);
+    twist[lane] = size <= kTwistLimit ? angle : std::copysign(kTwistLimit * (std::numbers::pi - size) / (std::numbers::pi - kTwistLimit), angle);
+  }
+  return twist;
+}
+
+// cos and sin of |x| <= pi to 1e-10, by series at half the angle.
+inline void cos_sin(const Lane& x, Lane& c, Lane& s) {
+  const Lane h = 0.5 * x, q = h * h;
+  const Lane sh = h * (1 + q * (-1.0 / 6 + q * (1.0 / 120 + q * (-1.0 / 5040 + q * (1.0 / 362880 + q * (-1.0 / 39916800 + q / 6227020800.0))))));
+  const Lane ch = 1 + q * (-0.5 + q * (1.0 / 24 + q * (-1.0 / 720 + q * (1.0 / 40320 + q * (-1.0 / 3628800 + q * (1.0 / 479001600 - q / 87178291200.0))))));
+  const Lane norm = 1 / (sh * sh + ch * ch);
+  c = (ch * ch - sh * sh) * norm;
+  s = 2 * sh * ch * norm;
+}
+
+inline Lane gather_profile(const PosingTable::Data& data, const PosingBatch& batch, const Lane& bins, Lane& a, Lane& b) {
+  Eigen::Matrix4d m;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const auto& at = data.profiles[batch.profile + lane].at;
+    const int i = static_cast<int>(bins[lane]);
+    const Lane low = at[i].cast<double>(), high = at[i + 1].cast<double>();
+    m.col(lane) = (low + (bins[lane] - i) * (high - low)).matrix();
+  }
+  m.transposeInPlace();
+  a = m.col(0).array();
+  b = m.col(1).array();
+  return m.col(2).array();
+}
+
+// Axes, radii and centres of every slice, before swelling.
+void lay_slices(const PosingTable::Data& data, const PosingBatch& batch, const Lane& twist, Scratch& t) {
+  const PosingLanes& c = batch.lanes;
+  // The belly's stretch; tendons give a tenth of it.
+  const Lane whole = t.chord[batch.rows - 1];
+  const Lane stretch = ((whole - c.rest_chords) / c.give).max(-0.9);
+  const Lane belly = 1 + stretch, tendon = 1 + 0.1 * stretch;
+  const Lane belly_begin = c.tendon_begin * tendon;
+  const Lane belly_length = (c.tendon_end - c.tendon_begin) * belly;
+  const Lane per_belly = belly.inverse(), per_tendon = tendon.inverse();
+  const Lane zero = Lane::Zero();
+  for (int k = 0; k < batch.rows; ++k) {
+    const PosingRow& row = data.rows[batch.row + k];
+    Lane cos_twist, sin_twist;
+    cos_sin(twist * row.twist, cos_twist, sin_twist);
+    const Lane cs = row.cos_roll * cos_twist - row.sin_roll * sin_twist;
+    const Lane sn = row.sin_roll * cos_twist + row.cos_roll * sin_twist;
+    const Lane3 side = cross(t.tangent[k], t.r[k]);
+    t.width[k] = cs * t.r[k] + sn * side;
+    t.thickness[k] = cs * side - sn * t.r[k];
+    t.center[k] = t.line[k] + row.offset_x * t.width[k] + row.offset_y * t.thickness[k];
+
+    // Which part of the rest line's substance is here now.
+    const Lane at = t.chord[k];
+    const Lane past = (at - belly_begin).max(zero);
+    const Lane rest_at = at.min(belly_begin) * per_tendon + past.min(belly_length) * per_belly + (past - belly_length).max(zero) * per_tendon;
+    const Lane bins = (rest_at.max(zero) * c.bins).min(static_cast<double>(kProfileBins));
+    Lane a, b;
+    t.belly[k] = gather_profile(data, batch, bins, a, b);
+    a = (a + row.width).max(zero);
+    b = (b + row.thickness).max(zero);
+
+    const int before = std::max(k - 1, 0), after = std::min(k + 1, batch.rows - 1);
+    const Lane3 bend = (1 / (t.chord[after] - t.chord[before]).max(1e-9)) * (t.tangent[after] - t.tangent[before]);
+    t.a[k] = a * fold_factor(dot(bend, t.width[k]) * a) * row.fold_width;
+    t.b[k] = b * fold_factor(dot(bend, t.thickness[k]) * b) * row.fold_thickness;
+  }
+}
+
+// The growth of the belly that gives the rest volume: tube_volume is a quadratic in it (a line for sheets).
+Lane find_growth(const PosingBatch& batch, const Scratch& t) {
+  const Lane& w = batch.lanes.width_swells;
+  Lane q0 = -batch.lanes.volume, q1 = Lane::Zero(), q2 = Lane::Zero();
+  Lane3 a0 = t.a[0] * t.width[0], b0 = t.b[0] * t.thickness[0];
+  for (int k = 0; k + 1 < batch.rows; ++k) {
+    const Lane3 a1 = t.a[k + 1] * t.width[k + 1], b1 = t.b[k + 1] * t.thickness[k + 1];
+    const Lane3 d = t.center[k + 1] - t.center[k];
+    const Lane s00 = t.a[k] * t.b[k] * dot(d, t.tangent[k]), s11 = t.a[k + 1] * t.b[k + 1] * dot(d, t.tangent[k + 1]);
+    const Lane p = 0.5 * dot(d, cross(a0, b1)), q = 0.5 * dot(d, cross(a1, b0));
+    const Lane &g0 = t.belly[k], &g1 = t.belly[k + 1];
+    q0 += s00 + p + q + s11;
+    q1 += (w + 1) * (s00 * g0 + s11 * g1) + p * (w * g0 + g1) + q * (w * g1 + g0);
+    q2 += w * (s00 * g0 * g0 + (p + q) * g0 * g1 + s11 * g1 * g1);
+    a0 = a1;
+    b0 = b1;
+  }
+  const Lane root = (q1 * q1 - 4 * q2 * q0).max(0.0).sqrt();
+  // A strip without belly has nothing to grow.
+  return 1 - 2 * q0 / (q1 + root).max(0.01 * batch.lanes.volume.abs() + 1e-15);
+}
+
+void store(const PosingTable::Data& data, const PosingBatch& batch, const Lane& growth, const Scratch& t, PosedAnatomy& out) {
+  for (int k = 0; k < batch.rows; ++k) {
+    const Lane g = 1 + t.belly[k] * (growth - 1);
+    const Lane a = t.a[k] * (1 + batch.lanes.width_swells * (g - 1)), b = t.b[k] * g;
+    for (int lane = 0; lane < batch.strips; ++lane) {
+      Ellipse& e = out.slices[data.strip[batch.strip[lane]].slice + k];
+      e.center = Vec3(t.center[k].x[lane], t.center[k].y[lane], t.center[k].z[lane]);
+      e.axes.col(0) = Vec3(t.width[k].x[lane], t.width[k].y[lane], t.width[k].z[lane]);
+      e.axes.col(1) = Vec3(t.thickness[k].x[lane], t.thickness[k].y[lane], t.thickness[k].z[lane]);
+      e.axes.col(2) = Vec3(t.tangent[k].x[lane], t.tangent[k].y[lane], t.tangent[k].z[lane]);
+      e.radii = Vec2(a[lane], b[lane]);
+    }
+  }
+  const Lane lengths = t.chord[batch.rows - 1] * batch.lanes.length_factor;
+  for (int lane = 0; lane < batch.strips; ++lane) {
+    const int strip = data.strip[batch.strip[lane]].strip;
+    out.lengths[strip] = lengths[lane];
+    out.swelling[strip] = batch.lanes.width_swells[lane] > 0 ? growth[lane] : std::sqrt(growth[lane]);
+  }
+}
+
+void pose_batch(const PosingTable::Data& data, const PosingBatch& batch, PosedAnatomy& out) {
+  Scratch t;
+  lay_line(data, batch, out.X_WJ, t);
+  find_tangents(batch.rows, t);
+  carry_frames(data, batch, out.X_WJ, t);
+  const Lane twist = find_twist(data, batch, out.X_WJ, t, out);
+  lay_slices(data, batch, twist, t);
+  const Lane growth = find_growth(batch, t).max(batch.lanes.grow_min).min(batch.lanes.grow_max);
+  store(data, batch, growth, t, out);
+}
+
+}  // namespace
+
+void pose_anatomy(const PosingTable& table, const Skeleton& skeleton, const Pose& pose, PosedAnatomy& out, int threads) {
+  if (!table.data) throw std::invalid_argument("pose_anatomy: empty table");
+  const PosingTable::Data& data = *table.data;
+  if (static_cast<int>(skeleton.joints.size()) != data.joints)
+    throw std::invalid_argument("pose_anatomy: " + std::to_string(skeleton.joints.size()) + " joints, the table has " +
+                                std::to_string(data.joints));
+  forward_kinematics(skeleton, pose, out.X_WJ);
+  out.slices.resize(data.slices);
+  out.lengths.resize(data.strips);
+  out.swelling.resize(data.strips);
+  out.twists.resize(data.strips);
+  const int batches = static_cast<int>(data.batches.size());
+  if (threads > 1 && data.slices >= kSlicesForThreads) {
+    const int grain = (batches + 2 * threads - 1) / (2 * threads);
+    tbb::parallel_for(
+        tbb::blocked_range<int>(0, batches, grain),
+        [&](const tbb::blocked_range<int>& some) {
+          for (int i = some.begin(); i < some.end(); ++i) pose_batch(data, data.batches[i], out);
+        },
+        tbb::simple_partitioner());
+  } else {
+    for (const PosingBatch& batch : data.batches) pose_batch(data, batch, out);
+  }
+  out.clamped = out.overtwisted = 0;
+  for (int i = 0; i < data.strips; ++i) {
+    out.clamped += out.swelling[i] < 0.6 + 1e-9 || out.swelling[i] > 1.6 - 1e-9;
+    out.overtwisted += std::abs(out.twists[i]) > kTwistLimit;
+  }
+}
+
+double strip_volume(const PosedAnatomy& posed, const SliceRange& range) {
+  return tube_volume(std::span(posed.slices).subspan(range.begin, range.end - range.begin));
+}
+
+double muscle_volume(const PosedAnatomy& posed, std::span<const SliceRange> ranges, int muscle) {
+  double volume = 0;
+  for (const SliceRange& range : ranges)
+    if (range.muscle == muscle) volume += strip_volume(posed, range);
+  return volume;
+}
+
+}  // namespace ecorche

@@ -1,0 +1,301 @@
+#include "anatomy/posing_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <stdexcept>
+
+#include "anatomy/muscle_line.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kTendonGive = 0.1;      // stretch of tendon over stretch of belly
+constexpr double kTendonTwist = 3;       // turn of tendon over turn of belly, per metre
+constexpr double kJunction = 0.06;       // of the line: half width of the passage from tendon to belly
+constexpr double kWrapMargin = 0.0015;   // m
+constexpr double kWrapReach = 4;         // object radii: slices farther off hold still
+
+struct RestStrip {
+  std::vector<Vec3> line;       // slice points without offset
+  std::vector<Vec3> tangents;
+  std::vector<double> chord;    // cumulative
+  std::vector<Ellipse> slices;
+};
+
+RestStrip rest_strip(const Strip& strip) {
+  RestStrip rest;
+  std::vector<double> s;
+  for (const Slice& slice : strip.slices) s.push_back(slice.s);
+  rest.line = line_points(strip.path, s);
+  rest.tangents = line_tangents(rest.line);
+  rest.slices = rest_slices(strip);
+  rest.chord.push_back(0);
+  for (size_t k = 1; k < rest.line.size(); ++k) rest.chord.push_back(rest.chord.back() + (rest.line[k] - rest.line[k - 1]).norm());
+  return rest;
+}
+
+double smooth_step(double x) {
+  x = std::clamp(x, 0.0, 1.0);
+  return x * x * (3 - 2 * x);
+}
+
+// 1 on the belly, 0 on tendon; a strip without tendon is belly to its end.
+double belly_share(const Strip& strip, double s) {
+  double share = 1;
+  if (strip.belly_begin > 0) share *= smooth_step((s - strip.belly_begin) / (2 * kJunction) + 0.5);
+  if (strip.belly_end < 1) share *= smooth_step((strip.belly_end - s) / (2 * kJunction) + 0.5);
+  return share;
+}
+
+PosingPoint posing_point(const PathPoint& p, const std::vector<Vec3>& joints) {
+  PosingPoint point;
+  point.first = p.joints[0];
+  point.in_first = p.rest - joints[p.joints[0]];
+  if (p.joints[1] >= 0 && p.share < 1) {
+    point.second = p.joints[1];
+    point.share = p.share;
+    point.in_second = p.rest - joints[p.joints[1]];
+  }
+  return point;
+}
+
+PosingProfile profile(const Strip& strip, const RestStrip& rest) {
+  PosingProfile table;
+  const double whole = rest.chord.back();
+  for (int i = 0; i <= kProfileBins; ++i) {
+    const double at = whole * i / kProfileBins;
+    size_t k = 1;
+    while (k + 1 < rest.chord.size() && rest.chord[k] < at) ++k;
+    const double gap = rest.chord[k] - rest.chord[k - 1];
+    const double share = gap > 0 ? std::clamp((at - rest.chord[k - 1]) / gap, 0.0, 1.0) : 0;
+    const Slice &p = strip.slices[k - 1], &q = strip.slices[k];
+    const Vec2 radii = p.radii + share * (q.radii - p.radii);
+    table.at[i] << static_cast<float>(radii.x()), static_cast<float>(radii.y()),
+        static_cast<float>(belly_share(strip, p.s + share * (q.s - p.s))), 0.0f;
+  }
+  table.at[kProfileBins + 1] = table.at[kProfileBins];
+  return table;
+}
+
+Eigen::Array4d profile_at(const PosingProfile& table, double bin) {
+  const int i = static_cast<int>(bin);
+  const Eigen::Array4d a = table.at[i].cast<double>(), b = table.at[i + 1].cast<double>();
+  return a + (bin - i) * (b - a);
+}
+
+// One wrap against the rest line: its side, its reach, and how much of it fits beside the line. Share kept, 0 for none.
+double fit_wrap(const Wrap& wrap, const RestStrip& rest, const Vec3& joint, PosingWrap& out) {
+  const int n = static_cast<int>(rest.line.size());
+  out.joint = wrap.joint;
+  out.cylinder = wrap.kind == Wrap::Kind::cylinder;
+  out.center = wrap.X_WO.translation() - joint;
+  if (!(wrap.radii.minCoeff() > 1e-4)) return 0;
+  const auto units = [&](double kept) {
+    Vec3 radii = kept * wrap.radii;
+    if (out.cylinder) radii.z() = wrap.radii.z();
+    out.to_unit = radii.cwiseInverse().asDiagonal() * wrap.X_WO.linear().transpose();
+    out.from_unit = wrap.X_WO.linear() * Mat3(radii.asDiagonal());
+  };
+  const auto seen = [&](int k) {
+    Vec3 x = out.to_unit * (rest.line[k] - wrap.X_WO.translation());
+    if (out.cylinder) x.z() = 0;
+    return x;
+  };
+  units(1);
+  int nearest = -1;
+  double least = 1e300;
+  for (int k = 1; k + 1 < n; ++k) {
+    const double beyond = out.cylinder ? std::abs((out.to_unit * (rest.line[k] - wrap.X_WO.translation())).z()) : 0;
+    const double d = seen(k).norm();
+    if (beyond < 1.5 && d < least) least = d, nearest = k;
+  }
+  if (nearest < 0 || least > kWrapReach || least < 0.2) return 0;
+  out.side = seen(nearest).normalized();
+  const double mean_radius = out.cylinder ? wrap.radii.x() : std::cbrt(wrap.radii.prod());
+  const double margin = kWrapMargin / mean_radius;
+
+  // Below the wedge by less than the margin? Under the ball's cap the object can shrink; beside it the line bends round so far
+  // that only slices nearer than this one may be pushed.
+  const auto clear = [&](int k, double kept) {
+    const Vec3 x = seen(k) / kept;
+    const double u = x.dot(out.side);
+    return u - wedge_height(std::max(0.0, x.squaredNorm() - u * u)) >= margin / kept;
+  };
+  const auto beside = [&](int k) {
+    const Vec3 x = seen(k);
+    const double u = x.dot(out.side);
+    return x.squaredNorm() - u * u > kWedgeSine * kWedgeSine && !clear(k, 1);
+  };
+  out.begin = out.end = nearest;
+  while (out.begin > 0 && !beside(out.begin - 1) && seen(out.begin).norm() < kWrapReach) --out.begin;
+  while (out.end + 1 < n && !beside(out.end + 1) && seen(out.end).norm() < kWrapReach) ++out.end;
+  out.begin = std::min(out.begin, nearest - 1);
+  out.end = std::max(out.end, nearest + 1);
+
+  double kept = 1;
+  for (int tries = 0; tries < 60; ++tries) {
+    bool fits = true;
+    for (int k = out.begin + 1; k < out.end; ++k) fits = fits && clear(k, kept);
+    if (fits) break;
+    kept *= 0.98;
+  }
+  if (kept < 0.5) return 0;
+  units(kept);
+  out.soft = margin / kept;
+  out.begin_at = seen(out.begin).normalized();
+  out.end_at = seen(out.end).normalized();
+  return kept;
+}
+
+void add_lane(PosingTable::Data& data, PosingBatch& batch, int lane, const Strip& strip, bool sheet, const RestStrip& rest) {
+  const int n = batch.rows;
+  PosingLanes& lanes = batch.lanes;
+  const double whole = rest.chord.back(), line = line_length(strip.path);
+  lanes.rest_chords[lane] = whole;
+  lanes.length_factor[lane] = line / whole;
+  const double begin = std::clamp(strip.belly_begin, 0.0, 1.0) * whole, end = std::clamp(strip.belly_end, 0.0, 1.0) * whole;
+  const bool has_belly = end > begin + 1e-6;
+  lanes.tendon_begin[lane] = has_belly ? begin : 0;
+  lanes.tendon_end[lane] = has_belly ? end : whole;
+  const double belly = lanes.tendon_end[lane] - lanes.tendon_begin[lane];
+  lanes.give[lane] = belly + kTendonGive * (whole - belly);
+  lanes.bins[lane] = kProfileBins / whole;
+  lanes.volume[lane] = tube_volume(rest.slices) * 3 / std::numbers::pi;
+  lanes.width_swells[lane] = sheet ? 0 : 1;
+  lanes.grow_min[lane] = sheet ? 0.36 : 0.6;
+  lanes.grow_max[lane] = sheet ? 2.56 : 1.6;
+
+  PosingProfile& table = data.profiles[batch.profile + lane] = profile(strip, rest);
+  double turn = 0;
+  std::vector<double> turns{0};
+  for (int k = 1; k < n; ++k) {
+    const double middle = 0.5 * (strip.slices[k - 1].s + strip.slices[k].s);
+    const bool tendon = middle < strip.belly_begin || middle > strip.belly_end;
+    turns.push_back(turn += (tendon ? kTendonTwist : 1) * (rest.chord[k] - rest.chord[k - 1]));
+  }
+  for (int k = 0; k < n; ++k) {
+    PosingRow& row = data.rows[batch.row + k];
+    const Slice& slice = strip.slices[k];
+    row.cos_roll[lane] = std::cos(slice.roll);
+    row.sin_roll[lane] = std::sin(slice.roll);
+    row.offset_x[lane] = slice.offset.x();
+    row.offset_y[lane] = slice.offset.y();
+    const Eigen::Array4d own = profile_at(table, rest.chord[k] * lanes.bins[lane]);
+    row.width[lane] = slice.radii.x() - own[0];
+    row.thickness[lane] = slice.radii.y() - own[1];
+    row.twist[lane] = turns[k] / turn;
+    const int before = std::max(k - 1, 0), after = std::min(k + 1, n - 1);
+    const Vec3 bend = (rest.tangents[after] - rest.tangents[before]) / (rest.chord[after] - rest.chord[before]);
+    const Mat3& axes = rest.slices[k].axes;
+    row.fold_width[lane] = 1 / fold_factor(Lane::Constant(bend.dot(axes.col(0)) * slice.radii.x()))[0];
+    row.fold_thickness[lane] = 1 / fold_factor(Lane::Constant(bend.dot(axes.col(1)) * slice.radii.y()))[0];
+  }
+}
+
+// A strip's own data: points, nodes (of its lane), wraps, end frames.
+void add_strip(PosingTable::Data& data, const Strip& strip, const RestStrip& rest, const std::vector<Vec3>& joints,
+               const SliceRange& range, int index) {
+  PosingStrip out;
+  out.strip = index;
+  out.slice = range.begin;
+  out.point = static_cast<int>(data.points.size());
+  for (const PathPoint& p : strip.path) data.points.push_back(posing_point(p, joints));
+  while (static_cast<int>(data.points.size()) - out.point < 4) data.points.push_back(data.points.back());
+  out.points = static_cast<int>(data.points.size()) - out.point;
+  out.wrap = static_cast<int>(data.wraps.size());
+  for (size_t w = 0; w < strip.wraps.size(); ++w) {
+    PosingWrap wrap;
+    const double kept = fit_wrap(strip.wraps[w], rest, joints[strip.wraps[w].joint], wrap);
+    if (kept > 0) data.wraps.push_back(wrap);
+    if (kept < 0.999) data.notes.push_back({range.muscle, range.strip, static_cast<int>(w), kept});
+  }
+  out.wraps = static_cast<int>(data.wraps.size()) - out.wrap;
+  const auto unrolled = [&](int k) -> Vec3 {
+    const Mat3& axes = rest.slices[k].axes;
+    return std::cos(strip.slices[k].roll) * axes.col(0) - std::sin(strip.slices[k].roll) * axes.col(1);
+  };
+  out.reference = unrolled(0);
+  out.begin_tangent = rest.tangents.front();
+  out.end_reference = unrolled(static_cast<int>(rest.slices.size()) - 1);
+  out.end_tangent = rest.tangents.back();
+  data.strip.push_back(out);
+}
+
+void check(const Anatomy& anatomy) {
+  validate(anatomy);
+  for (const Muscle& muscle : anatomy.muscles)
+    for (size_t i = 0; i < muscle.strips.size(); ++i) {
+      const Strip& strip = muscle.strips[i];
+      const std::string where = "make_posing_table: muscle '" + muscle.name + "': strip " + std::to_string(i + 1) + ": ";
+      if (strip.slices.size() < 2 || strip.slices.size() > kMaxStripSlices)
+        throw std::invalid_argument(where + std::to_string(strip.slices.size()) + " slices, need 2 .. " + std::to_string(kMaxStripSlices));
+      if (strip.path.size() > kMaxPathPoints)
+        throw std::invalid_argument(where + std::to_string(strip.path.size()) + " path points, at most " + std::to_string(kMaxPathPoints));
+      if (!(line_length(strip.path) > 1e-6)) throw std::invalid_argument(where + "the line has no length");
+    }
+}
+
+}  // namespace
+
+int PosingTable::strips() const { return data ? data->strips : 0; }
+int PosingTable::slices() const { return data ? data->slices : 0; }
+
+std::vector<SliceRange> slice_ranges(const Anatomy& anatomy) {
+  std::vector<SliceRange> ranges;
+  int at = 0;
+  for (size_t m = 0; m < anatomy.muscles.size(); ++m)
+    for (size_t i = 0; i < anatomy.muscles[m].strips.size(); ++i) {
+      const int count = static_cast<int>(anatomy.muscles[m].strips[i].slices.size());
+      ranges.push_back({static_cast<int>(m), static_cast<int>(i), at, at + count});
+      at += count;
+    }
+  return ranges;
+}
+
+PosingTable make_posing_table(const Anatomy& anatomy) {
+  check(anatomy);
+  const auto data = std::make_shared<PosingTable::Data>();
+  const std::vector<SliceRange> ranges = slice_ranges(anatomy);
+  const std::vector<Vec3> joints = rest_positions(anatomy.skeleton);
+  data->joints = static_cast<int>(joints.size());
+  data->strips = static_cast<int>(ranges.size());
+  data->slices = slice_count(anatomy);
+
+  std::vector<int> order(ranges.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto rows = [&](int i) { return ranges[i].end - ranges[i].begin; };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return rows(a) < rows(b); });
+  for (size_t at = 0; at < order.size();) {
+    PosingBatch batch;
+    batch.rows = rows(order[at]);
+    while (batch.strips < kLanes && at + batch.strips < order.size() && rows(order[at + batch.strips]) == batch.rows) ++batch.strips;
+    batch.row = static_cast<int>(data->rows.size());
+    batch.node = static_cast<int>(data->nodes.size());
+    batch.profile = static_cast<int>(data->profiles.size());
+    data->rows.resize(data->rows.size() + batch.rows);
+    data->profiles.resize(data->profiles.size() + kLanes);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int i = order[at + std::min(lane, batch.strips - 1)];
+      const Muscle& muscle = anatomy.muscles[ranges[i].muscle];
+      const Strip& strip = muscle.strips[ranges[i].strip];
+      const RestStrip rest = rest_strip(strip);
+      batch.strip[lane] = static_cast<int>(data->strip.size());
+      if (lane < batch.strips) add_strip(*data, strip, rest, joints, ranges[i], i);
+      else batch.strip[lane] = batch.strip[batch.strips - 1];
+      std::vector<double> s;
+      for (const Slice& slice : strip.slices) s.push_back(slice.s);
+      for (const LineNode& node : line_nodes(strip.path, s))
+        data->nodes.push_back({node.first, Lane(node.weight[0], node.weight[1], node.weight[2], node.weight[3])});
+      add_lane(*data, batch, lane, strip, muscle.sheet, rest);
+    }
+    data->batches.push_back(batch);
+    at += batch.strips;
+  }
+  return PosingTable{data};
+}
+
+std::vector<WrapNote> wrap_notes(const PosingTable& table) { return table.data ? table.data->notes : std::vector<WrapNote>{}; }
+
+}  // namespace ecorche

@@ -1,0 +1,118 @@
+// The flat form of an anatomy that pose_anatomy reads. Private to make_posing_table and pose_anatomy.
+//
+// Strips of equal slice count are posed four at a time, one a lane: the frames along a strip depend on one another, so the
+// arithmetic runs in parallel across strips. Lane constants are stored row by row in the order in which a frame reads them.
+#pragma once
+
+#include <Eigen/Core>
+
+#include <vector>
+
+#include "anatomy/pose_anatomy.h"
+
+namespace ecorche {
+
+constexpr int kLanes = 4;
+using Lane = Eigen::Array<double, kLanes, 1>;  // the same quantity of four strips; or x, y, z, 1 of one point
+
+constexpr int kProfileBins = 32;
+
+// Carried by one joint (second = -1) or a blend of two.
+struct PosingPoint {
+  int first = 0, second = -1;
+  double share = 1;
+  Vec3 in_first = Vec3::Zero(), in_second = Vec3::Zero();  // in the joints' frames
+};
+
+struct PosingNode {
+  int first = 0;  // path point within the strip; four follow
+  Lane weight = Lane::Zero();
+};
+
+// All lengths in units of the object: it is the unit ball, or the unit cylinder about z.
+struct PosingWrap {
+  int joint = 0;
+  bool cylinder = false;
+  int begin = 0, end = 0;             // slices that hold still at either side; those between are pushed
+  Vec3 center = Vec3::Zero();         // in the joint's frame
+  Mat3 to_unit = Mat3::Identity();    // joint directions -> object units
+  Mat3 from_unit = Mat3::Identity();
+  Vec3 side = Vec3::UnitX();          // where the line passes at rest, unit
+  Vec3 begin_at = Vec3::UnitX(), end_at = Vec3::UnitX();  // unit directions of the still slices at rest
+  double soft = 0.1;                  // margin over which the push sets in
+};
+
+struct PosingStrip {
+  int strip = 0;                      // index among all strips
+  int slice = 0;                      // first flat slice
+  int point = 0, points = 0;          // path points, at least four (padded)
+  int wrap = 0, wraps = 0;
+  Vec3 reference = Vec3::UnitX();     // unit, perpendicular to the tangent; carried by the first path point
+  Vec3 begin_tangent = Vec3::UnitY();
+  Vec3 end_reference = Vec3::UnitX();  // where the rest frame has arrived; carried by the last path point
+  Vec3 end_tangent = Vec3::UnitY();
+};
+
+// Constants of the four strips of a batch that do not depend on the row.
+struct PosingLanes {
+  Lane rest_chords;    // sum of the rest distances of slice points, m
+  Lane length_factor;  // rest length of the smooth line over rest_chords
+  Lane tendon_begin, tendon_end;  // chord positions where the belly begins and ends, m
+  Lane give;           // belly length + tendon length * compliance ratio, m
+  Lane bins;           // profile bins a metre
+  Lane volume;         // rest volume * 3 / pi, m^3
+  Lane width_swells;   // 1 tube, 0 sheet
+  Lane grow_min, grow_max;  // limits of the growth factor
+};
+
+struct PosingRow {
+  Lane cos_roll, sin_roll, offset_x, offset_y;
+  Lane width, thickness;  // rest radii less the profile's value at the slice's own place
+  Lane twist;             // share of the insertion's turn
+  Lane fold_width, fold_thickness;  // reciprocals of the rest fold factors
+};
+
+struct PosingBatch {
+  int rows = 0;          // slices of each strip
+  int strips = 0;        // 1 .. kLanes; the rest repeat the last
+  int row = 0;           // first PosingRow
+  int node = 0;          // first PosingNode; lane by lane, rows each
+  int profile = 0;       // first of kLanes profiles
+  std::array<int, kLanes> strip{};  // index into strip data
+  PosingLanes lanes;
+};
+
+// Radii and belly share along the rest line at kProfileBins + 2 even places (the last twice).
+struct PosingProfile {
+  std::array<Eigen::Array4f, kProfileBins + 2> at;  // half width, half thickness, belly share, 0
+};
+
+struct PosingTable::Data {
+  int slices = 0, strips = 0, joints = 0;
+  std::vector<PosingPoint> points;
+  std::vector<PosingNode> nodes;
+  std::vector<PosingWrap> wraps;
+  std::vector<PosingStrip> strip;
+  std::vector<PosingBatch> batches;
+  std::vector<PosingRow> rows;
+  std::vector<PosingProfile> profiles;
+  std::vector<WrapNote> notes;
+};
+
+// How much of a fold a radius survives: q is curvature times radius toward the bend's centre; 1 for q = 0, 0.9 / q for q >> 1.
+inline Lane fold_factor(const Lane& q) {
+  const Lane p = (q * (1 / 0.9)).square();
+  return (1 + p.square()).sqrt().sqrt().inverse();
+}
+
+// Height of the rounded wedge that stands for a wrap: over the unit ball's cap up to kWedgeSine from the side axis, then
+// straight down. Points lower than it, seen from the side the line passes on, are inside or behind the object.
+constexpr double kWedgeSine = 0.7660444431189780;    // sin 50 deg
+constexpr double kWedgeSlope = 1.1917535925942100;   // tan 50 deg
+constexpr double kWedgeTop = 1.5557238268604120;     // 1 / cos 50 deg
+inline double wedge_height(double across_squared) {
+  if (across_squared < kWedgeSine * kWedgeSine) return std::sqrt(1 - across_squared);
+  return kWedgeTop - kWedgeSlope * std::sqrt(across_squared);
+}
+
+}  // namespace ecorche

@@ -1,0 +1,73 @@
+// Pushing posed slice points out of a wrap object. Private to pose_anatomy.
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+#include "anatomy/posing_table.h"
+
+namespace ecorche {
+
+// Turns `v` by the smallest rotation that takes unit `from` to unit `to`; tends to the identity when they are opposite.
+inline Vec3 least_turn(const Vec3& from, const Vec3& to, const Vec3& v) {
+  const Vec3 axis = from.cross(to);
+  const Vec3 once = axis.cross(v);
+  return v + once + axis.cross(once) / (1 + from.dot(to) + 1e-9);
+}
+
+// The path must stay on its side of the object, so points are moved along one direction `side`, which turns by half of what
+// the still slices at either end have turned about the object since rest. The need for displacement is read off a rounded
+// wedge, so that a point that has slipped behind the object is brought back and nothing jumps when the line passes the centre.
+// Displacements then spread to the neighbours as those of a taut string: a straight decay to the still slices.
+inline void push_out(const PosingWrap& wrap, const Transform& X_WJ, Lane* points) {
+  const Mat3 R = X_WJ.linear();
+  const Vec3 center = R * wrap.center + X_WJ.translation();
+  const Mat3 to_unit = wrap.to_unit * R.transpose();
+  const auto seen = [&](int k) -> Vec3 {
+    Vec3 x = to_unit * (points[k].head<3>().matrix() - center);
+    if (wrap.cylinder) x.z() = 0;
+    return x;
+  };
+  const auto direction = [](const Vec3& x) -> Vec3 { return x / std::sqrt(x.squaredNorm() + 1e-12); };
+  Vec3 side = least_turn(wrap.begin_at, direction(seen(wrap.begin)), wrap.side) +
+              least_turn(wrap.end_at, direction(seen(wrap.end)), wrap.side);
+  if (wrap.cylinder) side.z() = 0;
+  side = direction(side);
+
+  double need[kMaxStripSlices];
+  bool any = false;
+  for (int k = wrap.begin + 1; k < wrap.end; ++k) {
+    Vec3 x = to_unit * (points[k].head<3>().matrix() - center);
+    double fade = 1;
+    if (wrap.cylinder) {
+      fade = std::clamp(2 - std::abs(x.z()), 0.0, 1.0);  // past the cylinder's end the push dies away over half its length
+      x.z() = 0;
+    }
+    const double u = x.dot(side);
+    const double below = wedge_height(std::max(0.0, x.squaredNorm() - u * u)) - u;
+    // Zero below -soft, a parabola up to +soft, then the depth itself.
+    const double soft = below <= -wrap.soft ? 0 : below >= wrap.soft ? below : (below + wrap.soft) * (below + wrap.soft) / (4 * wrap.soft);
+    need[k] = fade * soft;
+    any = any || need[k] > 0;
+  }
+  if (!any) return;
+
+  double push[kMaxStripSlices];
+  std::fill(push + wrap.begin, push + wrap.end + 1, 0.0);
+  for (int k = wrap.begin + 1; k < wrap.end; ++k) {
+    if (!(need[k] > 0)) continue;
+    for (int i = wrap.begin + 1; i <= k; ++i) push[i] = std::max(push[i], need[k] * (i - wrap.begin) / (k - wrap.begin));
+    for (int i = k + 1; i < wrap.end; ++i) push[i] = std::max(push[i], need[k] * (wrap.end - i) / (wrap.end - k));
+  }
+  const Vec3 step = R * (wrap.from_unit * side);
+  double before = 0;
+  for (int k = wrap.begin + 1; k < wrap.end; ++k) {
+    const double smooth = 0.25 * before + 0.5 * push[k] + 0.25 * push[k + 1];
+    before = push[k];
+    points[k].head<3>() += (std::max(push[k], smooth) * step).array();
+  }
+}
+
+}  // namespace ecorche
