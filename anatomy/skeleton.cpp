@@ -47,8 +47,6 @@ void forward_kinematics(const Skeleton& skeleton, const Pose& pose, std::vector<
 }
 
 void complete_pose(const Skeleton& skeleton, Pose& pose) {
-  // The patella glides round the condyles at about 0.6 of the knee's flexion (Amis 2006 reports 0.6-0.7 at 90 deg).
-  constexpr double kPatellaShare = 0.62;
   for (const char* side : {"_l", "_r"}) {
     const int knee = find_joint(skeleton, std::string("knee") + side);
     const int patella = find_joint(skeleton, std::string("patella") + side);

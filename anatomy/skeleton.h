@@ -49,6 +49,9 @@ Pose rest_pose(const Skeleton& skeleton);
 // Precondition: pose.rotations has one entry a joint.
 void forward_kinematics(const Skeleton& skeleton, const Pose& pose, std::vector<Transform>& out);
 
+// Share of the knee's flexion that the patella turns on the femur (0.6-0.7 at 90 degrees, Amis 2006).
+inline constexpr double kPatellaShare = 0.62;
+
 // Dependent joints: the patella turns on the femur with the knee. Called by whoever makes a Pose from outside.
 void complete_pose(const Skeleton& skeleton, Pose& pose);
 
