@@ -1,0 +1,92 @@
+#include "viewer/camera.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "anatomy/errors.h"
+
+namespace ecorche {
+
+Mat4f look_along(const Vec3f& eye, const Vec3f& forward, const Vec3f& up) {
+  const Vec3f f = forward.normalized();
+  // Looking straight up or down, any horizontal direction serves as up.
+  Vec3f side = f.cross(up);
+  if (side.squaredNorm() < 1e-8f) side = f.cross(std::abs(f.z()) < 0.9f ? Vec3f(0, 0, -1) : Vec3f(1, 0, 0));
+  const Vec3f s = side.normalized();
+  const Vec3f u = s.cross(f);
+  Mat4f m = Mat4f::Identity();
+  m.row(0) << s.transpose(), -s.dot(eye);
+  m.row(1) << u.transpose(), -u.dot(eye);
+  m.row(2) << -f.transpose(), f.dot(eye);
+  return m;
+}
+
+Mat4f orthographic(float half_width, float half_height, float near_plane, float far_plane) {
+  Mat4f m = Mat4f::Identity();
+  m(0, 0) = 1 / half_width;
+  m(1, 1) = 1 / half_height;
+  m(2, 2) = -2 / (far_plane - near_plane);
+  m(2, 3) = -(far_plane + near_plane) / (far_plane - near_plane);
+  return m;
+}
+
+Mat4f view_matrix(const Camera& camera) { return look_along(camera.eye, camera.target - camera.eye, camera.up); }
+
+Mat4f projection_matrix(const Camera& camera, float aspect) {
+  const float n = camera.near_plane, f = camera.far_plane;
+  if (camera.ortho_height > 0) return orthographic(0.5f * camera.ortho_height * aspect, 0.5f * camera.ortho_height, n, f);
+  const float t = 1 / std::tan(0.5f * camera.fov_y);
+  Mat4f m = Mat4f::Zero();
+  m(0, 0) = t / aspect;
+  m(1, 1) = t;
+  m(2, 2) = -(f + n) / (f - n);
+  m(2, 3) = -2 * f * n / (f - n);
+  m(3, 2) = -1;
+  return m;
+}
+
+Camera orbit_camera(const Vec3f& center, float radius, float azimuth, float elevation, float fov_y, float aspect) {
+  if (!(radius > 0) || !(fov_y > 0) || !(fov_y < std::numbers::pi_v<float>))
+    throw std::invalid_argument(fmt::format("orbit_camera: radius {} and field of view {} must be above 0", radius, fov_y));
+  Camera camera;
+  const float narrow = std::min(fov_y, 2 * std::atan(std::tan(0.5f * fov_y) * aspect));
+  const float distance = radius / std::sin(0.5f * narrow);
+  const Vec3f away(std::cos(elevation) * std::sin(azimuth), std::sin(elevation), std::cos(elevation) * std::cos(azimuth));
+  camera.eye = center + distance * away;
+  camera.target = center;
+  camera.fov_y = fov_y;
+  camera.near_plane = std::max(0.05f * radius, distance - 3 * radius);
+  camera.far_plane = distance + 20 * radius;
+  return camera;
+}
+
+ViewAngles view_angles(std::string_view name) {
+  constexpr float degree = std::numbers::pi_v<float> / 180;
+  if (name == "front") return {0, 0};
+  if (name == "back") return {180 * degree, 0};
+  if (name == "left") return {90 * degree, 0};
+  if (name == "right") return {-90 * degree, 0};
+  if (name == "top") return {0, 90 * degree};
+  if (name == "bottom") return {0, -90 * degree};
+  if (name == "oblique") return {35 * degree, 12 * degree};
+  float angles[2] = {0, 0};
+  const std::size_t comma = name.find(',');
+  bool good = comma != std::string_view::npos;
+  if (good) {
+    const std::string_view texts[2] = {name.substr(0, comma), name.substr(comma + 1)};
+    for (int i = 0; i < 2 && good; ++i) {
+      const auto [end, code] = std::from_chars(texts[i].data(), texts[i].data() + texts[i].size(), angles[i]);
+      good = code == std::errc() && end == texts[i].data() + texts[i].size() && std::isfinite(angles[i]);
+    }
+  }
+  if (!good)
+    throw UsageError(fmt::format("view '{}': expected front, back, left, right, top, bottom, oblique or AZIMUTH,ELEVATION in degrees", name));
+  return {angles[0] * degree, angles[1] * degree};
+}
+
+}  // namespace ecorche

@@ -1,0 +1,26 @@
+// Where the eye is, as matrices and as named views.
+#pragma once
+
+#include <string_view>
+
+#include "viewer/draw_list.h"
+
+namespace ecorche {
+
+Mat4f view_matrix(const Camera& camera);                       // world -> eye, which looks along its -z
+Mat4f projection_matrix(const Camera& camera, float aspect);   // eye -> clip, aspect = width / height
+Mat4f look_along(const Vec3f& eye, const Vec3f& forward, const Vec3f& up);
+Mat4f orthographic(float half_width, float half_height, float near_plane, float far_plane);
+
+// A camera on the ball around `center` that just sees all of it.
+// Azimuth 0 looks at the front (+Z), pi/2 at the body's left side (+X); elevation above 0 looks down. Radians.
+// Throws std::invalid_argument unless radius > 0 and 0 < fov_y < pi.
+Camera orbit_camera(const Vec3f& center, float radius, float azimuth, float elevation, float fov_y = 0.35f, float aspect = 1);
+
+struct ViewAngles {
+  float azimuth = 0, elevation = 0;
+};
+// "front", "back", "left", "right", "top", "bottom", "oblique", or "AZIMUTH,ELEVATION" in degrees. Throws UsageError.
+ViewAngles view_angles(std::string_view name);
+
+}  // namespace ecorche

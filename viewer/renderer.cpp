@@ -1,0 +1,387 @@
+#include "viewer/renderer.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "anatomy/errors.h"
+#include "viewer/camera.h"
+#include "viewer/gl_api.h"
+#include "viewer/gl_context.h"
+#include "viewer/gl_program.h"
+#include "viewer/gl_targets.h"
+#include "viewer/gpu_mesh.h"
+#include "viewer/shaders.h"
+
+namespace ecorche {
+namespace {
+
+constexpr int largest_side = 16384;
+constexpr double largest_sample_count = 1 << 26;
+
+Vec3f linear(const Vec3f& srgb) {
+  return srgb.unaryExpr([](float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); });
+}
+
+struct Ball {
+  Vec3f center = Vec3f::Zero();
+  float radius = 1;
+};
+
+// What shadows have to cover: the list's focus, else the box around everything that casts one.
+Ball focus_ball(const DrawList& list) {
+  if (list.focus_radius > 0) return {list.focus, list.focus_radius};
+  Vec3f low = Vec3f::Constant(1e30f), high = -low;
+  for (const DrawItem& item : list.items) {
+    if (!item.casts_shadow) continue;
+    const Eigen::Matrix3f linear_part = item.X_WM.topLeftCorner<3, 3>();
+    const Vec3f shift = item.X_WM.topRightCorner<3, 1>();
+    for (const Vec3f& v : list.meshes[item.mesh].positions) {
+      const Vec3f p = linear_part * v + shift;
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+  }
+  if (!(low.x() <= high.x())) return {};
+  return {0.5f * (low + high), std::max(0.5f * (high - low).norm(), 1e-6f)};
+}
+
+// Everything that does not change from pass to pass of one picture.
+struct Frame {
+  Mat4f view_projection, unproject, shadow_view_projection;
+  Vec3f key, rim;
+  Ball ball;
+  float shadow_texel_world = 0;
+};
+
+Frame make_frame(const DrawList& list, float aspect, int shadow_size) {
+  Frame frame;
+  const Mat4f view = view_matrix(list.camera);
+  frame.view_projection = projection_matrix(list.camera, aspect) * view;
+  frame.unproject = frame.view_projection.inverse();
+  frame.ball = focus_ball(list);
+  const Eigen::Matrix3f from_eye = view.topLeftCorner<3, 3>().transpose();
+  frame.key = list.lighting.key_direction.normalized();
+  if (list.lighting.follows_camera) frame.key = from_eye * frame.key;
+  // The rim light stands behind the subject, above and on the side that the key leaves dark.
+  const float side = (from_eye.col(0).dot(frame.key) > 0) ? -1.0f : 1.0f;
+  frame.rim = (from_eye * Vec3f(side * 0.6f, -0.5f, 0.7f)).normalized();
+  const float r = frame.ball.radius;
+  frame.shadow_view_projection = orthographic(r, r, 0, 4 * r) * look_along(frame.ball.center - 2 * r * frame.key, frame.key, {0, 1, 0});
+  frame.shadow_texel_world = shadow_size > 0 ? 2 * r / static_cast<float>(shadow_size) : 0;
+  return frame;
+}
+
+bool is_opaque(const DrawItem& item) { return item.surface.opacity >= 1; }
+bool is_hidden(const DrawItem& item) {
+  return (item.surface.opacity <= 0 && item.surface.edge_opacity <= 0) || item.surface.dissolved >= 1;
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+  Impl(RenderOptions wanted, std::unique_ptr<GlContext> own, GetProc get_proc)
+      : options(wanted), context(std::move(own)), gl(load_gl(get_proc)) {
+    GLint largest = 0;
+    gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+    driver_side = std::min(static_cast<int>(largest), largest_side);
+    driver = fmt::format("{}, {}, OpenGL {}", context ? context->kind() : "window",
+                         reinterpret_cast<const char*>(gl.GetString(GL_RENDERER)), reinterpret_cast<const char*>(gl.GetString(GL_VERSION)));
+    gl.GenVertexArrays(1, &empty_array);
+    gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  }
+  ~Impl() {
+    if (context) context->make_current();
+    gl.DeleteVertexArrays(1, &empty_array);
+  }
+
+  void draw(const DrawList& list, int width, int height, GLuint framebuffer);
+  void set_frame(const GlProgram& program, const DrawList& list) const;
+  void draw_shadows(const DrawList& list);
+  void draw_background(const DrawList& list);
+  void draw_opaque(const DrawList& list);
+  void draw_occlusion(const DrawList& list);
+  void draw_translucent(const DrawList& list);
+  void draw_resolved(int width, int height, GLuint framebuffer);
+  void draw_item(const GlProgram& program, const DrawList& list, const DrawItem& item) const;
+  void bind_texture(int unit, GLuint texture) const {
+    gl.ActiveTexture(GL_TEXTURE0 + unit);
+    gl.BindTexture(GL_TEXTURE_2D, texture);
+  }
+  void draw_screen() const {
+    gl.BindVertexArray(empty_array);
+    gl.DrawArrays(GL_TRIANGLES, 0, 3);
+  }
+
+  RenderOptions options;
+  std::unique_ptr<GlContext> context;  // outlives what was made in it
+  GlApi gl;
+  std::string driver;
+  int driver_side = 0;
+  GLuint empty_array = 0;
+  Frame frame;
+  int samples = 1;
+  int width = 0, height = 0;
+  GpuMeshes meshes{gl};
+  GlTarget shadow{gl, {}, true};
+  GlTarget scene{gl, {GL_RGBA16F, GL_R32UI, GL_RGBA8}, true};
+  GlTarget open{gl, {GL_R8}, false};
+  GlTarget result{gl, {GL_RGBA8}, false};
+  GlProgram surface_program{gl, "surface", shader_prelude, surface_vertex, surface_fragment};
+  GlProgram shadow_program{gl, "shadow", shader_prelude, shadow_vertex, shadow_fragment};
+  GlProgram background_program{gl, "background", shader_prelude, screen_vertex, background_fragment};
+  GlProgram occlusion_program{gl, "occlusion", shader_prelude, screen_vertex, occlusion_fragment};
+  GlProgram apply_program{gl, "occlusion apply", shader_prelude, screen_vertex, occlusion_apply_fragment};
+  GlProgram resolve_program{gl, "resolve", shader_prelude, screen_vertex, resolve_fragment};
+};
+
+void Renderer::Impl::set_frame(const GlProgram& program, const DrawList& list) const {
+  const Lighting& light = list.lighting;
+  program.use();
+  program.set("u_view_projection", frame.view_projection);
+  program.set("u_unproject", frame.unproject);
+  program.set("u_eye", list.camera.eye);
+  program.set("u_forward", Vec3f((list.camera.target - list.camera.eye).normalized()));
+  program.set("u_parallel", list.camera.ortho_height > 0 ? 1.0f : 0.0f);
+  program.set("u_key_direction", frame.key);
+  program.set("u_key_color", Vec3f(linear(light.key_color) * light.key_strength));
+  program.set("u_sky_color", Vec3f(linear(light.sky_color) * light.ambient_strength));
+  program.set("u_floor_color", Vec3f(linear(light.floor_color) * light.ambient_strength));
+  program.set("u_rim_direction", frame.rim);
+  program.set("u_rim_color", Vec3f(linear(light.rim_color) * light.rim_strength));
+  Mat4f half = Mat4f::Identity() * 0.5f;
+  half.col(3) = Vec4f(0.5f, 0.5f, 0.5f, 1);
+  program.set("u_shadow", Mat4f(half * frame.shadow_view_projection));
+  program.set("u_shadow_strength", options.shadow_size > 0 ? light.shadow_strength : 0.0f);
+  program.set("u_shadow_texel", options.shadow_size > 0 ? 1.0f / static_cast<float>(options.shadow_size) : 0.0f);
+  program.set("u_shadow_world", frame.shadow_texel_world);
+  program.set("u_shadow_map", 0);
+}
+
+void Renderer::Impl::draw_item(const GlProgram& program, const DrawList& list, const DrawItem& item) const {
+  program.set("u_model", item.X_WM);
+  program.set("u_dissolved", item.surface.dissolved);
+  meshes.draw(list, item);
+}
+
+void Renderer::Impl::draw_shadows(const DrawList& list) {
+  if (options.shadow_size <= 0 || list.lighting.shadow_strength <= 0) return;
+  const int size = std::min(options.shadow_size, driver_side);
+  const bool fresh = shadow.width() != size;
+  shadow.resize(size, size);
+  if (fresh) {
+    bind_texture(0, shadow.depth());
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  }
+  shadow.bind(0);
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthMask(GL_TRUE);
+  gl.DepthFunc(GL_LESS);
+  gl.Clear(GL_DEPTH_BUFFER_BIT);
+  gl.Enable(GL_POLYGON_OFFSET_FILL);
+  gl.PolygonOffset(1.5f, 2.0f);
+  shadow_program.use();
+  shadow_program.set("u_view_projection", frame.shadow_view_projection);
+  for (const DrawItem& item : list.items)
+    if (item.casts_shadow && item.surface.opacity >= 0.5f && !is_hidden(item)) draw_item(shadow_program, list, item);
+  gl.Disable(GL_POLYGON_OFFSET_FILL);
+}
+
+void Renderer::Impl::draw_background(const DrawList& list) {
+  const Ground& g = list.ground;
+  const GlProgram& p = background_program;
+  set_frame(p, list);
+  p.set("u_top", list.background_top);
+  p.set("u_bottom", list.background_bottom);
+  p.set("u_ground_visible", g.visible ? 1.0f : 0.0f);
+  p.set("u_ground_height", g.height);
+  p.set("u_ground_color", g.color);
+  p.set("u_grid", g.grid);
+  p.set("u_board", g.board);
+  p.set("u_fade_distance", 30.0f);
+  p.set("u_track", Vec4f(g.track_center, g.track_half_width, g.track_begin, g.track_end));
+  p.set("u_pit", Vec3f(g.pit_half_width, g.pit_begin, g.pit_end));
+  gl.DepthFunc(GL_ALWAYS);
+  draw_screen();
+  gl.DepthFunc(GL_LESS);
+}
+
+void Renderer::Impl::draw_opaque(const DrawList& list) {
+  for (const DrawItem& item : list.items) {
+    if (!is_opaque(item) || is_hidden(item)) continue;
+    const Surface& s = item.surface;
+    surface_program.set("u_normal", Eigen::Matrix3f(item.X_WM.topLeftCorner<3, 3>().inverse().transpose()));
+    surface_program.set("u_opacity", s.opacity);
+    surface_program.set("u_edge_opacity", s.edge_opacity);
+    surface_program.set("u_roughness", s.roughness);
+    surface_program.set("u_specular", s.specular);
+    surface_program.set("u_scatter", s.scatter);
+    surface_program.set("u_striation", s.striation);
+    draw_item(surface_program, list, item);
+  }
+}
+
+// Worked out at one sample a pixel, then multiplied into what has been drawn; glass skin comes after it and stays clear.
+void Renderer::Impl::draw_occlusion(const DrawList& list) {
+  open.resize(width, height);
+  open.bind();
+  gl.Disable(GL_DEPTH_TEST);
+  bind_texture(1, scene.depth());
+  bind_texture(2, scene.texture(2));
+  set_frame(occlusion_program, list);
+  occlusion_program.set("u_depth", 1);
+  occlusion_program.set("u_normals", 2);
+  occlusion_program.set("u_radius", 0.11f * frame.ball.radius);
+  draw_screen();
+
+  // The depth texture must not be attached while it is read.
+  scene.bind(1);
+  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, 0, 0);
+  bind_texture(2, open.texture(0));
+  gl.Enable(GL_BLEND);
+  gl.BlendFunc(GL_ZERO, GL_SRC_COLOR);
+  set_frame(apply_program, list);
+  apply_program.set("u_depth", 1);
+  apply_program.set("u_open", 2);
+  apply_program.set("u_pixel", Eigen::Vector2f(1.0f / static_cast<float>(width), 1.0f / static_cast<float>(height)));
+  apply_program.set("u_range", 0.02f);
+  draw_screen();
+  gl.Disable(GL_BLEND);
+  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, scene.depth(), 0);
+  gl.Enable(GL_DEPTH_TEST);
+}
+
+// First the depth of the nearest layer, then that layer alone is blended: no sorting, no inner walls.
+void Renderer::Impl::draw_translucent(const DrawList& list) {
+  scene.bind(1);
+  set_frame(surface_program, list);
+  for (const DrawItem& item : list.items) {
+    if (is_opaque(item) || is_hidden(item)) continue;
+    const Surface& s = item.surface;
+    surface_program.set("u_normal", Eigen::Matrix3f(item.X_WM.topLeftCorner<3, 3>().inverse().transpose()));
+    surface_program.set("u_opacity", s.opacity);
+    surface_program.set("u_edge_opacity", s.edge_opacity);
+    surface_program.set("u_roughness", s.roughness);
+    surface_program.set("u_specular", s.specular);
+    surface_program.set("u_scatter", s.scatter);
+    surface_program.set("u_striation", s.striation);
+    gl.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    draw_item(surface_program, list, item);
+    gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    gl.DepthFunc(GL_EQUAL);
+    gl.Enablei(GL_BLEND, 0);
+    gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    draw_item(surface_program, list, item);
+    gl.Disablei(GL_BLEND, 0);
+    gl.DepthFunc(GL_LESS);
+  }
+}
+
+void Renderer::Impl::draw_resolved(int out_width, int out_height, GLuint framebuffer) {
+  gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  gl.Viewport(0, 0, out_width, out_height);
+  gl.Disable(GL_DEPTH_TEST);
+  bind_texture(1, scene.texture(0));
+  bind_texture(2, scene.texture(1));
+  resolve_program.use();
+  resolve_program.set("u_color", 1);
+  resolve_program.set("u_parts", 2);
+  resolve_program.set("u_samples", samples);
+  resolve_program.set("u_outline", options.outline);
+  draw_screen();
+}
+
+void Renderer::Impl::draw(const DrawList& list, int out_width, int out_height, GLuint framebuffer) {
+  if (out_width < 1 || out_height < 1) throw UsageError(fmt::format("picture size {}x{}: must be at least 1x1", out_width, out_height));
+  if (std::max(out_width, out_height) > driver_side)
+    throw LimitError(fmt::format("picture size {}x{}: the graphics driver draws at most {} a side", out_width, out_height, driver_side));
+  for (const DrawItem& item : list.items)
+    if (item.mesh < 0 || item.mesh >= static_cast<int>(list.meshes.size()))
+      throw std::invalid_argument(fmt::format("draw list: item of part {}: mesh {} of {}", item.part, item.mesh, list.meshes.size()));
+  width = out_width;
+  height = out_height;
+  samples = std::clamp(options.supersample, 1, 4);
+  while (samples > 1 && (std::max(width, height) * samples > driver_side ||
+                         double(width) * height * samples * samples > largest_sample_count))
+    --samples;
+  frame = make_frame(list, static_cast<float>(width) / static_cast<float>(height), options.shadow_size);
+  gl.Disable(GL_BLEND);
+  gl.Disable(GL_CULL_FACE);
+  meshes.begin(list);
+  draw_shadows(list);
+  scene.resize(width * samples, height * samples);
+  scene.bind();
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthMask(GL_TRUE);
+  bind_texture(0, shadow.depth());
+  draw_background(list);
+  set_frame(surface_program, list);
+  draw_opaque(list);
+  if (options.ambient_occlusion) draw_occlusion(list);
+  bind_texture(0, shadow.depth());
+  draw_translucent(list);
+  draw_resolved(width, height, framebuffer);
+}
+
+Renderer::Renderer(RenderOptions options) {
+  std::unique_ptr<GlContext> context = make_headless_context();
+  const GetProc get_proc = context->get_proc();
+  impl_ = std::make_unique<Impl>(options, std::move(context), get_proc);
+}
+
+Renderer::Renderer(RenderOptions options, GetProc get_proc) : impl_(std::make_unique<Impl>(options, nullptr, get_proc)) {}
+
+Renderer::~Renderer() = default;
+
+RenderOptions& Renderer::options() { return impl_->options; }
+const std::string& Renderer::driver() const { return impl_->driver; }
+
+Image Renderer::render(const DrawList& list, int width, int height) {
+  Impl& r = *impl_;
+  if (r.context) r.context->make_current();
+  if (width >= 1 && height >= 1 && std::max(width, height) <= r.driver_side) r.result.resize(width, height);
+  r.draw(list, width, height, r.result.framebuffer());
+  Image upside_down = make_image(width, height), image = make_image(width, height);
+  r.gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
+  r.gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, upside_down.rgba.data());
+  for (int y = 0; y < height; ++y) std::copy_n(upside_down.pixel(0, height - 1 - y), 4 * width, image.pixel(0, y));
+  return image;
+}
+
+void Renderer::render_to(const DrawList& list, int width, int height, unsigned framebuffer) {
+  impl_->draw(list, width, height, framebuffer);
+}
+
+std::uint32_t Renderer::part_at(int x, int y) {
+  Impl& r = *impl_;
+  if (x < 0 || y < 0 || x >= r.width || y >= r.height) return 0;
+  if (r.context) r.context->make_current();
+  std::uint32_t part = 0;
+  r.gl.BindFramebuffer(GL_FRAMEBUFFER, r.scene.framebuffer());
+  r.gl.ReadBuffer(GL_COLOR_ATTACHMENT1);
+  r.gl.ReadPixels(x * r.samples, (r.height - 1 - y) * r.samples, 1, 1, GL_RED_INTEGER, GL_UNSIGNED_INT, &part);
+  return part;
+}
+
+std::vector<std::uint32_t> Renderer::parts() {
+  Impl& r = *impl_;
+  if (r.context) r.context->make_current();
+  const int w = r.width * r.samples, h = r.height * r.samples;
+  std::vector<std::uint32_t> all(static_cast<std::size_t>(w) * h), out(static_cast<std::size_t>(r.width) * r.height);
+  r.gl.BindFramebuffer(GL_FRAMEBUFFER, r.scene.framebuffer());
+  r.gl.ReadBuffer(GL_COLOR_ATTACHMENT1);
+  r.gl.ReadPixels(0, 0, w, h, GL_RED_INTEGER, GL_UNSIGNED_INT, all.data());
+  for (int y = 0; y < r.height; ++y)
+    for (int x = 0; x < r.width; ++x)
+      out[static_cast<std::size_t>(y) * r.width + x] = all[static_cast<std::size_t>((r.height - 1 - y) * r.samples) * w + x * r.samples];
+  return out;
+}
+
+}  // namespace ecorche
