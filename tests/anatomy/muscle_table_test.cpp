@@ -1,0 +1,281 @@
+// Laws of the muscle table: both sides, mirrored, with the volumes it states, hanging on bones; and bad lines get exact errors.
+#include "anatomy/muscle_table.h"
+
+#include <cmath>
+#include <numbers>
+#include <regex>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "anatomy/carry_muscles.h"
+#include "anatomy/errors.h"
+#include "anatomy/muscle_line.h"
+#include "anatomy/package.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kMidPlane = -0.0251;
+
+const MuscleTable& real_table() {
+  static const MuscleTable table = read_muscle_table(data_folder());
+  return table;
+}
+
+// A skeleton that has every bone and joint the table names, each bone on a joint of its own and without a mesh.
+Anatomy named_skeleton(const MuscleTable& table) {
+  static const std::regex paired_by_name("rib.*");
+  static const std::set<std::string> middle = {"skull", "mandible", "sacrum", "sternum"};
+  Anatomy anatomy;
+  const auto add = [&](const std::string& joint, const std::string& bone) {
+    if (find_joint(anatomy.skeleton, joint) >= 0) return;
+    Joint entry;
+    entry.name = joint;
+    entry.parent = anatomy.skeleton.joints.empty() ? -1 : 0;
+    anatomy.skeleton.joints.push_back(entry);
+    if (!bone.empty()) anatomy.bones.push_back({bone, Side::middle, static_cast<int>(anatomy.skeleton.joints.size()) - 1, {}});
+  };
+  for (const SourceLandmark& landmark : table.landmarks) {
+    const std::string& name = landmark.carrier;
+    bool soft = false;
+    for (const SoftCarrier& carrier : table.carriers) soft |= carrier.name == name;
+    if (soft) continue;
+    if (middle.contains(name) || std::regex_match(name, std::regex("[ctl][0-9]+"))) {
+      add("joint of " + name, name);
+    } else {
+      for (const char* side : {"_l", "_r"}) add("joint of " + name + side, name + side);
+    }
+  }
+  for (const SoftCarrier& carrier : table.carriers)
+    for (const std::string& joint : carrier.joints) add(joint, "");
+  return anatomy;
+}
+
+const Anatomy& placed() {
+  static const Anatomy anatomy = [] {
+    Anatomy a = named_skeleton(real_table());
+    a.muscles = place_muscles(real_table(), a);
+    return a;
+  }();
+  return anatomy;
+}
+
+TEST(MuscleTable, HasFourHundredMusclesOfSevenHundredLines) {
+  int lines = 0;
+  for (const Muscle& muscle : placed().muscles) lines += static_cast<int>(muscle.strips.size());
+  EXPECT_GE(placed().muscles.size(), 400u);
+  EXPECT_GE(lines, 700);
+  EXPECT_NO_THROW(validate(placed()));
+}
+
+TEST(MuscleTable, EveryStripHasTwelveSlicesAndABelly) {
+  for (const Muscle& muscle : placed().muscles) {
+    for (const Strip& strip : muscle.strips) {
+      EXPECT_GE(strip.slices.size(), 12u) << muscle.name;
+      EXPECT_LE(strip.slices.size(), 24u) << muscle.name;
+      EXPECT_LT(strip.belly_begin, strip.belly_end) << muscle.name;
+      EXPECT_NEAR(strip.rest_length, line_length(strip.path), 1e-9) << muscle.name;
+      EXPECT_EQ(strip.slices.front().s, 0) << muscle.name;
+      EXPECT_EQ(strip.slices.back().s, 1) << muscle.name;
+    }
+  }
+}
+
+// Frustums of elliptic sections, summed here without the library's own volume.
+TEST(MuscleTable, TubesHoldTheVolumesOfTheTable) {
+  const auto& muscles = placed().muscles;
+  for (std::size_t m = 0; m < muscles.size(); ++m) {
+    double volume = 0;
+    for (const Strip& strip : muscles[m].strips) {
+      const std::vector<Ellipse> slices = rest_slices(strip);
+      for (std::size_t k = 0; k + 1 < slices.size(); ++k) {
+        const double area = (slices[k].radii.prod() + slices[k + 1].radii.prod()) / 2 +
+                            (slices[k].radii.x() - slices[k + 1].radii.x()) * (slices[k + 1].radii.y() - slices[k].radii.y()) / 6;
+        volume += std::numbers::pi * area * (slices[k + 1].center - slices[k].center).norm();
+      }
+    }
+    const double stated = real_table().muscles[m / 2].volume_male;
+    EXPECT_EQ(muscles[m].volume, stated) << muscles[m].name;
+    EXPECT_NEAR(rest_volume(muscles[m]) / stated, 1, 1e-9) << muscles[m].name;
+    EXPECT_NEAR(volume / stated, 1, 0.06) << muscles[m].name;  // bends and twists cost straight frustums a few per cent
+  }
+}
+
+TEST(MuscleTable, FemaleVolumesAreTheTablesToo) {
+  const std::vector<Muscle> female = place_muscles(real_table(), named_skeleton(real_table()), {.sex = Sex::female});
+  for (std::size_t m = 0; m < female.size(); ++m)
+    EXPECT_NEAR(rest_volume(female[m]) / real_table().muscles[m / 2].volume_female, 1, 1e-9) << female[m].name;
+}
+
+TEST(MuscleTable, RightIsTheMirrorOfLeft) {
+  const auto& muscles = placed().muscles;
+  for (std::size_t m = 0; m + 1 < muscles.size(); m += 2) {
+    const Muscle &left = muscles[m], &right = muscles[m + 1];
+    ASSERT_EQ(left.name, real_table().muscles[m / 2].name + "_l");
+    ASSERT_EQ(right.name, real_table().muscles[m / 2].name + "_r");
+    for (std::size_t i = 0; i < left.strips.size(); ++i) {
+      const std::vector<Ellipse> a = rest_slices(left.strips[i]), b = rest_slices(right.strips[i]);
+      ASSERT_EQ(a.size(), b.size()) << left.name;
+      for (std::size_t k = 0; k < a.size(); ++k) {
+        const Vec3 mirrored(2 * kMidPlane - b[k].center.x(), b[k].center.y(), b[k].center.z());
+        EXPECT_LT((a[k].center - mirrored).norm(), 1e-6) << left.name;
+        const Vec3 width(-b[k].axes(0, 0), b[k].axes(1, 0), b[k].axes(2, 0));
+        EXPECT_GT(std::abs(width.dot(a[k].axes.col(0))), 1 - 1e-6) << left.name;
+        EXPECT_LT((a[k].radii - b[k].radii).norm(), 1e-6) << left.name;
+      }
+    }
+  }
+}
+
+TEST(MuscleTable, PathsFollowTheirLandmarks) {
+  MuscleTable moved = real_table();
+  const Vec3 shift(0.01, -0.02, 0.03);
+  for (SourceLandmark& landmark : moved.landmarks)
+    if (landmark.carrier == "femur") landmark.position += shift;
+  const std::vector<Muscle> muscles = place_muscles(moved, named_skeleton(moved));
+  int on_femur = 0;
+  for (std::size_t m = 0; m < muscles.size(); m += 2) {
+    for (std::size_t i = 0; i < muscles[m].strips.size(); ++i) {
+      const auto& before = placed().muscles[m].strips[i].path;
+      const auto& after = muscles[m].strips[i].path;
+      for (std::size_t k = 0; k < before.size(); ++k) {
+        const int landmark = real_table().muscles[m / 2].strips[i].path[k].landmark;
+        const bool femur = real_table().landmarks[static_cast<std::size_t>(landmark)].carrier == "femur";
+        on_femur += femur;
+        EXPECT_LT((after[k].rest - before[k].rest - (femur ? shift : Vec3::Zero())).norm(), 1e-12) << muscles[m].name;
+      }
+    }
+  }
+  EXPECT_GT(on_femur, 100);
+}
+
+TEST(MuscleTable, BellyWallFollowsThoraxAboveAndPelvisBelow) {
+  const Anatomy& anatomy = placed();
+  const int thorax = find_joint(anatomy.skeleton, "thorax"), pelvis = find_joint(anatomy.skeleton, "pelvis");
+  int blended = 0;
+  for (const Muscle& muscle : anatomy.muscles) {
+    for (const Strip& strip : muscle.strips) {
+      for (const PathPoint& point : strip.path) {
+        if (point.joints[0] != thorax || point.joints[1] != pelvis) continue;
+        ++blended;
+        EXPECT_NEAR(point.share, (point.rest.y() - 1.05) / 0.18, 1e-9) << muscle.name;
+      }
+    }
+  }
+  EXPECT_GT(blended, 50);
+}
+
+// ---- bad lines --------------------------------------------------------------------------------------------------------
+
+constexpr const char* kLandmarks =
+    "id,bone,left_mm,up_mm,front_mm,rule\n"
+    "high,femur,80,900,0,top\n"
+    "low,femur,80,500,0,bottom\n"
+    "shin,tibia,80,480,0,top\n";
+
+constexpr const char* kHead =
+    "wrap knob sphere at low 0 0 0 radius 12\n"
+    "muscle one\n"
+    "  label one\n  group thigh\n  layer deep\n  from femur: top\n  to tibia: top\n"
+    "  volume 100 70\n  fibre 10\n  pennation 5\n  tendon 0.2\n";
+
+constexpr const char* kSections = "    section 0 10 10  0 0 1\n    section 1 10 10  0 0 1\n";
+
+MuscleTable read_text(const std::string& text) {
+  MuscleTable table;
+  read_landmark_text(kLandmarks, "marks.csv", table);
+  read_muscle_text(text, "bad.txt", table);
+  return table;
+}
+
+TEST(MuscleText, ReadsItsOwnFormat) {
+  const MuscleTable table = read_text(std::string(kHead) + "  strip  # remark\n    origin high\n    via low 1 2 3  # beside\n    insertion shin\n    over knob 8\n    belly 0.1 0.9\n" + kSections);
+  ASSERT_EQ(table.muscles.size(), 1u);
+  const TableStrip& strip = table.muscles[0].strips.at(0);
+  EXPECT_NEAR(position(table, strip.path[1]).x(), 0.081 + kMidPlane, 1e-12);
+  EXPECT_NEAR(position(table, strip.path[1]).y(), 0.502, 1e-12);
+  EXPECT_EQ(strip.wraps.at(0).radius, 0.008);
+  EXPECT_EQ(strip.sections.at(0).radii.x(), 0.005);
+}
+
+struct BadText {
+  std::string body;      // what follows kHead
+  std::string message;   // what the error must contain
+};
+
+class BadMuscleText : public testing::TestWithParam<BadText> {};
+
+TEST_P(BadMuscleText, IsRefusedWithFileLineMuscleAndValue) {
+  try {
+    read_text(kHead + GetParam().body);
+    FAIL() << "accepted:\n" << GetParam().body;
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find(GetParam().message), std::string::npos) << error.what();
+    EXPECT_EQ(error.exit_code(), 3);
+  }
+}
+
+const std::string kGood = std::string("  strip\n    origin high\n    insertion shin\n") + kSections;
+
+INSTANTIATE_TEST_SUITE_P(
+    Corpus, BadMuscleText,
+    testing::Values(
+        BadText{"  strip\n    origin high\n" + std::string(kSections), "one: a strip with 1 path point"},
+        BadText{"  strip\n    origin high\n    insertion shinn\n" + std::string(kSections), "bad.txt:14: one: unknown landmark 'shinn'"},
+        BadText{"  strip\n    origin high\n    via low\n    insertion high\n" + std::string(kSections), "the origin is the insertion"},
+        BadText{"  strip\n    origin high\n    insertion high\n" + std::string(kSections), "bad.txt:14: one: the insertion lies on the point before it"},
+        BadText{"  strip\n    origin high nan 0 0\n", "bad.txt:13: one: offset: 'nan' is not a finite number"},
+        BadText{"  strip\n    origin high 1 2\n", "bad.txt:13: one: offset is missing"},
+        BadText{"  strip\n    origin high 1 2 inf\n", "'inf' is not a finite number"},
+        BadText{"  strip\n    origin high 1 2 3 4\n", "unexpected '4'"},
+        BadText{"  strip\n    origin high 9999 0 0\n", "offset: 9999 is not within"},
+        BadText{"  strip\n    via high\n", "the path must begin with an origin"},
+        BadText{"  strip\n    origin high\n    origin low\n", "a path has one origin"},
+        BadText{"  strip\n    origin high\n    insertion shin\n    via low\n", "a point after the insertion"},
+        BadText{"  strip\n    origin high\n    insertion shin\n    over elbow\n", "bad.txt:15: one: unknown wrap 'elbow'"},
+        BadText{"  strip\n    origin high\n    insertion shin\n    over knob -3\n", "'-3' is not a radius"},
+        BadText{"  strip\n    origin high\n    insertion shin\n    belly 0.8 0.2\n", "the belly ends before it begins"},
+        BadText{"  strip\n    origin high\n    insertion shin\n    section 0.5 1 1 1 0 0\n", "section at 0.5: sections rise from 0 to 1"},
+        BadText{"  strip\n    origin high\n    insertion shin\n    section 0 1 0 1 0 0\n", "thickness in mm: 0 is not within"},
+        BadText{"  strip\n    origin high\n    insertion shin\n    section 0 1 1 0 0 0\n", "the width direction has no length"},
+        BadText{"  strip\n    origin high\n    insertion shin\n    section 0 1 1 1 0 0\n", "one: a strip needs sections from 0 to 1"},
+        BadText{"  volume -1 3\n", "male volume in ml: -1 is not within"},
+        BadText{"  volume 1e999 3\n", "'1e999' is not a finite number"},
+        BadText{"  colour red\n", "bad.txt:12: one: unknown keyword 'colour'"},
+        BadText{"", "one: no strip"},
+        BadText{kGood + "muscle one\n" + kGood, "bad.txt:17: one: the muscle is given twice"},
+        BadText{kGood + "muscle two\n" + kGood, "two: no volume"},
+        BadText{kGood + "wrap knob sphere at low 0 0 0 radius 12\n", "wrap 'knob' is given twice"},
+        BadText{"wrap \n", "one: no strip"}));
+
+TEST(BadMuscleTable, OutsideAMuscle) {
+  EXPECT_THROW(read_text("strip\n"), InputError);
+  EXPECT_THROW(read_text("wrap a sphere at low 0 0 0 radius 0\n"), InputError);
+  EXPECT_THROW(read_text("wrap a cone at low 0 0 0 radius 3\n"), InputError);
+  EXPECT_THROW(read_text("wrap a cylinder at low 0 0 0 radius 3 half 4 axis 0 0 0\n"), InputError);
+  EXPECT_THROW(read_text("carrier wall between thorax pelvis heights 1 2\n"), InputError);
+  EXPECT_THROW(read_text("carrier wall between thorax pelvis share 1.5\n"), InputError);
+}
+
+TEST(BadMuscleTable, LandmarksGivenTwiceOrWithoutNumbers) {
+  MuscleTable table;
+  EXPECT_THROW(read_landmark_text("id,bone,left_mm,up_mm,front_mm,rule\na,femur,1,2,3,x\na,femur,1,2,3,x\n", "m.csv", table), InputError);
+  EXPECT_THROW(read_landmark_text("id,bone,left_mm,up_mm,front_mm,rule\nb,femur,nan,2,3,x\n", "m.csv", table), InputError);
+  EXPECT_THROW(read_landmark_text("id,bone,left_mm,up_mm,front_mm\nc,femur,1,2,3\n", "m.csv", table), InputError);
+}
+
+TEST(BadMuscleTable, BoneThatTheSkeletonDoesNotHave) {
+  const MuscleTable table = read_text(kHead + kGood);
+  Anatomy anatomy = named_skeleton(table);
+  std::erase_if(anatomy.bones, [](const Bone& bone) { return bone.name.starts_with("tibia"); });
+  try {
+    place_muscles(table, anatomy);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "marks.csv:4: no bone or carrier 'tibia' in the skeleton");
+  }
+}
+
+}  // namespace
+}  // namespace ecorche
