@@ -69,7 +69,9 @@ class JointPlacer {
     const auto w = words(rule, 2, 3);
     if (w[0] == "body") return world_from_mjcf(known(mjcf_.bodies, w[1], "MJCF body").translation());
     if (w[0] == "head" && w.size() == 3) return facing_end(bone(w[1]), bone(w[2]));
-    if (w[0] == "disc" && w.size() == 3) return (vertebral_body(bone(w[1])) + vertebral_body(bone(w[2]))) / 2;
+    if (w[0] == "disc" && w.size() == 3) return (front(bone(w[1])) + front(bone(w[2]))) / 2;
+    if (w[0] == "axis" && w.size() == 3) return nearest_on_axis(w[1], surface_centroid(bone(w[2])));
+    if (w[0] == "front") return front(bone(w[1]));
     if (w[0] == "top") return top(bone(w[1]));
     if (w[0] == "condyles") return condyles(bone(w[1]));
     if (w[0] == "glide") return glide_center(w[1]);
@@ -99,8 +101,15 @@ class JointPlacer {
     return surface_centroid(part);
   }
 
-  // The body of a vertebra is its foremost third.
-  static Vec3 vertebral_body(const TriMesh& mesh) {
+  // A turn about an axis is the same about each of its points; one amid the bones is the best to draw and to measure from.
+  Vec3 nearest_on_axis(const std::string& name, const Vec3& target) const {
+    const MjcfJoint& joint = known(mjcf_.joints, name, "MJCF joint");
+    const Vec3 at = world_from_mjcf(joint.center), axis = world_from_mjcf(joint.axis);
+    return at + axis * axis.dot(target - at);
+  }
+
+  // The foremost third: the body of a vertebra, the front arch of the atlas.
+  static Vec3 front(const TriMesh& mesh) {
     const Eigen::VectorXd z = mesh.V.col(2);
     return centroid_where(mesh, z, z.maxCoeff() - (z.maxCoeff() - z.minCoeff()) / 3);
   }
@@ -121,10 +130,11 @@ class JointPlacer {
     return (highest[0] + highest[1]) / 2;
   }
 
-  // c minimises sum |c + R(share t) (p(0) - c) - p(t)|^2 over knee angles t, R about the knee's axis, p(t) the patella's origin.
-  Vec3 glide_center(const std::string& body) const {
-    const Vec3 start = world_from_mjcf(known(mjcf_.bodies, body, "MJCF body").translation());
-    const Vec3 axis = world_from_mjcf(known(mjcf_.joints, "knee_angle" + body.substr(body.size() - 2), "MJCF joint").axis);
+  // c minimises sum |c + R(share t) (p(0) - c) - p(t)|^2 over knee angles t, R about the knee's axis, p(t) the patella's centre as
+  // the MJCF couples it to the knee.
+  Vec3 glide_center(const std::string& name) const {
+    const Vec3 start = surface_centroid(bone(name));
+    const Vec3 axis = world_from_mjcf(known(mjcf_.joints, "knee_angle_l", "MJCF joint").axis);
     Eigen::MatrixXd A(0, 3);
     Eigen::VectorXd b(0);
     const auto add = [&](const Mat3& rows, const Vec3& right) {
@@ -135,23 +145,29 @@ class JointPlacer {
     };
     for (double angle = 10; angle <= 110; angle += 10) {
       const Mat3 R = Eigen::AngleAxisd(kPatellaShare * angle * kDegree, axis).toRotationMatrix();
-      add(Mat3::Identity() - R, start + glide(body, angle * kDegree) - R * start);
+      add(Mat3::Identity() - R, coupled(name + "_l", start, angle * kDegree) - R * start);
     }
     add(1e-3 * axis * axis.transpose(), 1e-3 * axis * axis.dot(start));  // nothing else holds it along the axis
     return A.colPivHouseholderQr().solve(b);
   }
 
-  // How far the body's slides have carried it at a knee angle, rad.
-  Vec3 glide(const std::string& body, double angle) const {
-    Vec3 shift = Vec3::Zero();
+  // Where the couplings of a body's joints to the knee carry a point of the neutral pose, at a knee angle in rad.
+  Vec3 coupled(const std::string& body, const Vec3& point, double angle) const {
+    const Vec3 origin = world_from_mjcf(known(mjcf_.bodies, body, "MJCF body").translation());
+    Vec3 shift = Vec3::Zero(), arm = point - origin;
     for (const MjcfCoupling& c : mjcf_.couplings) {
       const auto joint = mjcf_.joints.find(c.joint1);
-      if (joint == mjcf_.joints.end() || joint->second.body != body || !joint->second.slide) continue;
-      double q = 0;
-      for (int power = 4; power >= 1; --power) q = (q + c.coefficients[static_cast<std::size_t>(power)]) * angle;
-      shift += q * world_from_mjcf(joint->second.axis);
+      if (joint == mjcf_.joints.end() || joint->second.body != body) continue;
+      double q = 0;  // beyond the neutral value
+      for (std::size_t power = 4; power >= 1; --power) q = (q + c.coefficients[power]) * angle;
+      const Vec3 axis = world_from_mjcf(joint->second.axis);
+      if (joint->second.slide) {
+        shift += q * axis;
+      } else {
+        arm = Eigen::AngleAxisd(q, axis) * arm;
+      }
     }
-    return shift;
+    return origin + shift + arm;
   }
 
   // --- axes --------------------------------------------------------------------------------------------------------------------
