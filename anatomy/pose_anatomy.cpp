@@ -14,7 +14,7 @@
 namespace ecorche {
 namespace {
 
-constexpr double kTwistLimit = 120 * std::numbers::pi / 180;
+constexpr double kTwistLimit = 100 * std::numbers::pi / 180;
 constexpr int kSlicesForThreads = 3000;  // below this the second thread's wake-up costs more than it saves
 
 struct Lane3 {
@@ -132,8 +132,16 @@ void carry_frames(const PosingTable::Data& data, const PosingBatch& batch, const
   }
 }
 
-// Turn of the insertion's reference against the transported frame; what exceeds the limit is taken back, to zero at 180 deg,
-// so that the pose in which the branch changes is passed without a jump.
+// Beyond the limit the twist is taken back along a cubic, to zero at 180 deg, so that the pose in which the branch changes is
+// passed without a jump.
+double bearable_twist(double angle) {
+  const double size = std::abs(angle);
+  if (size <= kTwistLimit) return angle;
+  const double span = std::numbers::pi - kTwistLimit, u = (size - kTwistLimit) / span, v = 1 - u;
+  return std::copysign(v * v * (1 + 2 * u) * kTwistLimit + u * v * v * span + 2 * u * u * v * span, angle);
+}
+
+// Turn of the insertion's reference against the transported frame.
 Lane find_twist(const PosingTable::Data& data, const PosingBatch& batch, const std::vector<Transform>& X_WJ, const Scratch& t,
                 PosedAnatomy& out) {
   Lane twist;
@@ -146,8 +154,7 @@ Lane find_twist(const PosingTable::Data& data, const PosingBatch& batch, const s
     const Vec3 wish = least_turn(turned(insertion, X_WJ, strip.end_tangent), tangent, turned(insertion, X_WJ, strip.end_reference));
     const double angle = std::atan2(wish.dot(tangent.cross(r)), wish.dot(r));
     out.twists[strip.strip] = angle;
-    const double size = std::abs(angle);
-    twist[lane] = size <= kTwistLimit ? angle : std::copysign(kTwistLimit * (std::numbers::pi - size) / (std::numbers::pi - kTwistLimit), angle);
+    twist[lane] = bearable_twist(angle);
   }
   return twist;
 }

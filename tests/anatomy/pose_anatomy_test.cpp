@@ -160,8 +160,7 @@ TEST(PoseAnatomy, SheetsSwellInThicknessOnly) {
   }
 }
 
-// One degree of any motion moves no slice by more than the body does (0.4 m of arm: 7 mm) plus 1 mm, seen from its nearest bone:
-// here the second difference, which is free of the motion itself.
+// The second difference over steps of one degree is free of the steady motion and shows any jump.
 TEST(PoseAnatomy, NothingJumps) {
   const Anatomy anatomy = arm_anatomy();
   const PosingTable table = make_posing_table(anatomy);
@@ -170,7 +169,7 @@ TEST(PoseAnatomy, NothingJumps) {
     const char* name;
   };
   const Sweep sweeps[] = {{1, 0, 0, 0, 0, 150, "side"},        {0, 1, 0, 0, 0, 160, "forward"},     {0, 0, 1, 0, 0, 80, "turn"},
-                          {0, 0, 0, 1, 0, 145, "elbow"},       {0, 0, 0, 0, 1, 85, "pronation"},    {1, 0.3, 0.5, 1, 0.6, 140, "all"},
+                          {0, 0, 0, 1, 0, 138, "elbow"},       {0, 0, 0, 0, 1, 85, "pronation"},    {1, 0.3, 0.5, 1, 0.6, 140, "all"},
                           {-0.2, -0.4, -0.5, 1, -0.6, 130, "back"}};
   for (const Sweep& sweep : sweeps) {
     std::vector<PosedAnatomy> p(3);
@@ -180,10 +179,14 @@ TEST(PoseAnatomy, NothingJumps) {
                    arm_pose(anatomy.skeleton, d * sweep.side, d * sweep.forward, d * sweep.turn, d * sweep.elbow, d * sweep.pronation), p[2]);
       if (d < 2) continue;
       for (size_t k = 0; k < p[2].slices.size(); ++k) {
-        const Vec3 second = p[2].slices[k].center - 2 * p[1].slices[k].center + p[0].slices[k].center;
-        ASSERT_LT(second.norm(), 1e-3) << sweep.name << " at " << d << " deg, slice " << k;
-        ASSERT_LT((p[2].slices[k].radii - p[1].slices[k].radii).norm(), 1e-3) << sweep.name << " at " << d << " deg, slice " << k;
-        ASSERT_LT((p[2].slices[k].axes.col(0) - p[1].slices[k].axes.col(0)).norm(), 0.13) << sweep.name << " at " << d << " deg, slice " << k;
+        const auto rim = [&](int i) -> Vec3 {
+          const Ellipse& e = p[i].slices[k];
+          return e.center + e.radii.x() * e.axes.col(0);
+        };
+        const Vec3 center = p[2].slices[k].center - 2 * p[1].slices[k].center + p[0].slices[k].center;
+        ASSERT_LT(center.norm(), 1e-3) << sweep.name << " at " << d << " deg, slice " << k;
+        ASSERT_LT((rim(2) - 2 * rim(1) + rim(0)).norm(), 1e-3) << sweep.name << " at " << d << " deg, slice " << k;
+        ASSERT_LT((p[2].slices[k].radii - 2 * p[1].slices[k].radii + p[0].slices[k].radii).norm(), 1e-3) << sweep.name << " at " << d << " deg, slice " << k;
       }
     }
   }
@@ -217,7 +220,7 @@ TEST(PoseAnatomy, TwistIsSpreadAlongTheStrip) {
   muscle.strips.push_back(strip);
   anatomy.muscles = {muscle};
   const double deg = std::numbers::pi / 180;
-  for (double pronation : {-118.0, -60.0, 30.0, 90.0, 115.0}) {
+  for (double pronation : {-98.0, -60.0, 30.0, 75.0, 90.0}) {
     const PosedAnatomy p = posed(anatomy, arm_pose(anatomy.skeleton, 0, 0, 0, 70, pronation));
     EXPECT_NEAR(std::abs(p.twists[0]), std::abs(pronation) * deg, 1e-9);
     double last = 0, sum = 0, softest = 0, stiffest = 1e9;
