@@ -1,0 +1,19 @@
+// Plain figures of triangle meshes.
+#pragma once
+
+#include "anatomy/types.h"
+
+namespace ecorche {
+
+// By the divergence theorem; positive for closed meshes with outward normals, m^3.
+double mesh_volume(const TriMesh& mesh);
+
+double mesh_area(const TriMesh& mesh);  // m^2
+
+// Area-weighted unit normals, #V x 3; zero for vertices of no triangle.
+Points vertex_normals(const TriMesh& mesh);
+
+// Whether every edge has exactly two triangles, which run along it in opposite directions.
+bool is_closed(const Triangles& F);
+
+}  // namespace ecorche
