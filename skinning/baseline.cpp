@@ -36,9 +36,8 @@ void prepare(const BlendSkin& skin, std::span<const Transform> bones, SkinFrame&
   const std::size_t n = skin.bones.size();
   if (skin.positions.size() != 3 * n || skin.normals.size() != 3 * n || skin.weights.size() != n)
     throw std::invalid_argument("blend skin: positions, normals, bones and weights differ in length");
-  for (const std::array<int, 4>& row : skin.bones)
-    for (int b : row)
-      if (b < 0 || static_cast<std::size_t>(b) >= bones.size()) throw std::invalid_argument("blend skin: bone index out of range");
+  if (bones.size() < static_cast<std::size_t>(skin.bone_count))
+    throw std::invalid_argument("blend skin: fewer bone maps than the weights refer to");
   out.positions.resize(4 * n);
   out.normals.resize(4 * n);
 }
@@ -82,7 +81,9 @@ BlendSkin make_blend_skin(const TriMesh& rest, std::span<const std::vector<BoneW
     for (const BoneWeight& w : row) sum += w.weight;
     if (!(sum > 0)) throw std::invalid_argument("make_blend_skin: a vertex without weight");
     for (std::size_t k = 0; k < row.size(); ++k) {
+      if (row[k].bone < 0) throw std::invalid_argument("make_blend_skin: a negative bone index");
       skin.bones[i][k] = row[k].bone;
+      skin.bone_count = std::max(skin.bone_count, row[k].bone + 1);
       skin.weights[i][k] = static_cast<float>(row[k].weight / sum);
     }
   }

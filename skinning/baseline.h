@@ -15,6 +15,7 @@ struct BlendSkin {
   std::vector<float> normals;                    // #V x 3, rest
   std::vector<std::array<int, 4>> bones;         // #V
   std::vector<std::array<float, 4>> weights;     // #V, sum 1
+  int bone_count = 0;                            // every index is below it
 };
 
 struct BoneWeight {

@@ -56,4 +56,7 @@ struct Binding {
 // not finite, for a skin without triangles, or an anatomy without bones.
 Binding bind_skin(const Anatomy& anatomy, const Body& body, const BindOptions& options = {});
 
+// The same with the anatomy's rest pose already at hand.
+Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin, const BindOptions& options = {});
+
 }  // namespace ecorche

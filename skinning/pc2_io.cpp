@@ -1,10 +1,10 @@
 #include "skinning/pc2_io.h"
 
-#include <unistd.h>
-
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
+#include <fstream>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -27,44 +27,30 @@ static_assert(sizeof(Header) == 32);
 }  // namespace
 
 Pc2Writer::Pc2Writer(std::filesystem::path path, int point_count, float start_frame, float frame_step)
-    : path_(std::move(path)), points_(point_count) {
+    : path_(std::move(path)), file_(path_), points_(point_count) {
   if (point_count <= 0) throw std::invalid_argument("Pc2Writer: a cache needs at least one point");
-  temporary_ = path_;
-  temporary_ += fmt::format(".{}.part", ::getpid());
-  file_.open(temporary_, std::ios::binary | std::ios::trunc);
   Header header;
   header.points = point_count;
   header.start_frame = start_frame;
   header.frame_step = frame_step;
-  file_.write(reinterpret_cast<const char*>(&header), sizeof header);
-  if (!file_) throw OutputError(fmt::format("{}: cannot be written; check that the folder exists and has room", path_.string()));
+  file_.stream().write(reinterpret_cast<const char*>(&header), sizeof header);
   row_.resize(3 * static_cast<std::size_t>(points_));
-}
-
-Pc2Writer::~Pc2Writer() {
-  if (finished_) return;
-  file_.close();
-  std::error_code ignored;
-  std::filesystem::remove(temporary_, ignored);
 }
 
 void Pc2Writer::add_frame(std::span<const float> positions, int stride) {
   if (stride < 3 || positions.size() < static_cast<std::size_t>(points_) * static_cast<std::size_t>(stride))
     throw std::invalid_argument(fmt::format("Pc2Writer: {} floats do not hold {} points", positions.size(), points_));
-  for (int i = 0; i < points_; ++i) std::memcpy(&row_[3 * std::size_t(i)], &positions[std::size_t(i) * std::size_t(stride)], 12);
-  file_.write(reinterpret_cast<const char*>(row_.data()), static_cast<std::streamsize>(row_.size() * sizeof(float)));
-  if (!file_) throw OutputError(fmt::format("{}: writing frame {} failed; is the disk full?", path_.string(), frames_));
+  const std::size_t step = static_cast<std::size_t>(stride);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(points_); ++i) std::memcpy(&row_[3 * i], &positions[i * step], 12);
+  file_.stream().write(reinterpret_cast<const char*>(row_.data()), static_cast<std::streamsize>(row_.size() * sizeof(float)));
+  if (!file_.stream()) throw OutputError(fmt::format("{}: writing frame {} failed; is the disk full?", path_.string(), frames_));
   ++frames_;
 }
 
 void Pc2Writer::finish() {
-  file_.seekp(offsetof(Header, frames));
-  file_.write(reinterpret_cast<const char*>(&frames_), sizeof frames_);
-  file_.close();
-  std::error_code error;
-  if (file_) std::filesystem::rename(temporary_, path_, error);
-  if (!file_ || error) throw OutputError(fmt::format("{}: could not be completed; is the disk full?", path_.string()));
-  finished_ = true;
+  file_.stream().seekp(offsetof(Header, frames));
+  file_.stream().write(reinterpret_cast<const char*>(&frames_), sizeof frames_);
+  file_.commit();
 }
 
 Pc2Cache read_pc2(const std::filesystem::path& path, std::uint64_t max_bytes) {

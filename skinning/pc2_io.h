@@ -4,9 +4,10 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <span>
 #include <vector>
+
+#include "anatomy/atomic_file.h"
 
 namespace ecorche {
 
@@ -15,21 +16,17 @@ class Pc2Writer {
  public:
   // start_frame and frame_step are what readers show, in frames. Throws OutputError.
   Pc2Writer(std::filesystem::path path, int point_count, float start_frame = 0, float frame_step = 1);
-  ~Pc2Writer();
-  Pc2Writer(const Pc2Writer&) = delete;
-  Pc2Writer& operator=(const Pc2Writer&) = delete;
 
   // Precondition: positions holds point_count rows of `stride` floats, x y z first.
   void add_frame(std::span<const float> positions, int stride = 4);
   void finish();
 
  private:
-  std::filesystem::path path_, temporary_;
-  std::ofstream file_;
+  std::filesystem::path path_;
+  AtomicFile file_;
   std::vector<float> row_;
   int points_ = 0;
   std::int32_t frames_ = 0;
-  bool finished_ = false;
 };
 
 struct Pc2Cache {

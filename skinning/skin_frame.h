@@ -12,6 +12,12 @@ namespace ecorche {
 struct SkinFrame {
   std::vector<float> positions;  // #V x 4
   std::vector<float> normals;    // #V x 4, unit length
+
+  // Working memory of the deformer; its content means nothing between frames.
+  struct Scratch {
+    std::vector<Transform> frames;
+    std::vector<float> carriers, lifts, lifts_smoothed, positions, normals;
+  } scratch;
 };
 
 // Positions of a frame as doubles. `out` is resized once and then reused.

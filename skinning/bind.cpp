@@ -1,0 +1,73 @@
+#include "skinning/bind.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "anatomy/errors.h"
+#include "skinning/build_tables.h"
+#include "skinning/joint_shares.h"
+#include "skinning/share_rules.h"
+#include "skinning/skin_survey.h"
+#include "skinning/skin_tables.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kLeastShare = 0.015;
+constexpr int kMostShares = 6;
+
+void check(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin) {
+  if (skin.F.rows() == 0) throw UnfitError("skin: has no triangles; a surface is needed");
+  for (Eigen::Index i = 0; i < skin.V.rows(); ++i)
+    if (!skin.V.row(i).allFinite()) throw UnfitError(fmt::format("skin: vertex {} is not finite", i));
+  if (skin.F.minCoeff() < 0 || skin.F.maxCoeff() >= skin.V.rows()) throw UnfitError("skin: a triangle refers to no vertex");
+  if (std::none_of(anatomy.bones.begin(), anatomy.bones.end(), [](const Bone& b) { return b.mesh.F.rows() > 0; }))
+    throw UnfitError("anatomy: has no bones to bind a skin to");
+  if (rest.X_WJ.size() != anatomy.skeleton.joints.size()) throw std::invalid_argument("bind_skin: the rest pose is of another anatomy");
+}
+
+// Twist carriers count for their joint; the four largest are kept.
+std::array<Influence, 4> four_joints(const ShareRow& row, const SkinTables& tables) {
+  ShareRow joints;
+  for (Influence w : row) {
+    if (w.joint >= tables.joint_count) w.joint = tables.twists[static_cast<std::size_t>(w.joint - tables.joint_count)].joint;
+    const auto it = std::find_if(joints.begin(), joints.end(), [&](const Influence& o) { return o.joint == w.joint; });
+    if (it == joints.end()) joints.push_back(w);
+    else it->weight += w.weight;
+  }
+  std::stable_sort(joints.begin(), joints.end(), [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
+  joints.resize(4);
+  double sum = 0;
+  for (const Influence& w : joints) sum += w.weight;
+  std::array<Influence, 4> out;
+  for (std::size_t k = 0; k < 4; ++k) out[k] = {joints[k].joint, joints[k].weight / sum};
+  return out;
+}
+
+}  // namespace
+
+Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin, const BindOptions& options) {
+  check(anatomy, rest, skin);
+  auto tables = std::make_shared<SkinTables>();
+  tables->joint_count = static_cast<int>(anatomy.skeleton.joints.size());
+  tables->slice_count = static_cast<int>(rest.slices.size());
+  tables->origins = rest_positions(anatomy.skeleton);
+
+  const SkinSurvey survey = survey_skin(anatomy, rest, skin);
+  std::vector<ShareRow> rows = diffuse_shares(skin, survey, tables->joint_count, options.blend_width);
+  let_scapula_glide(anatomy.skeleton, skin, rows);
+  thin_shares(rows, kLeastShare, kMostShares);
+  spread_twist(anatomy.skeleton, skin, rows, tables->twists);
+
+  Binding binding;
+  binding.vertex_count = static_cast<int>(skin.V.rows());
+  binding.anchors = survey.anchors;
+  for (const ShareRow& row : rows) binding.joint_weights.push_back(four_joints(row, *tables));
+  tables->pairs = add_pairs(anatomy.skeleton, tables->twists, rows);
+  lay_out(skin, rows, {}, *tables);
+  binding.tables = std::move(tables);
+  return binding;
+}
+
+}  // namespace ecorche

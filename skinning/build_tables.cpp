@@ -1,0 +1,89 @@
+#include "skinning/build_tables.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+
+namespace ecorche {
+namespace {
+
+constexpr int kBlock = 1024;  // vertices that are regrouped by shape: small enough to stay in the nearest cache
+
+std::uint64_t spread_bits(std::uint64_t x) {
+  x &= 0x1fffff;
+  x = (x | x << 32) & 0x1f00000000ffff;
+  x = (x | x << 16) & 0x1f0000ff0000ff;
+  x = (x | x << 8) & 0x100f00f00f00f00f;
+  x = (x | x << 4) & 0x10c30c30c30c30c3;
+  return (x | x << 2) & 0x1249249249249249;
+}
+
+}  // namespace
+
+std::vector<int> spatial_order(const Points& V) {
+  std::vector<int> order(static_cast<std::size_t>(V.rows()));
+  std::iota(order.begin(), order.end(), 0);
+  if (order.empty()) return order;
+  const Vec3 low = V.colwise().minCoeff(), high = V.colwise().maxCoeff();
+  const double scale = 2097151 / std::max((high - low).maxCoeff(), 1e-9);
+  std::vector<std::uint64_t> key(order.size());
+  for (std::size_t i = 0; i < key.size(); ++i) {
+    const Vec3 p = (Vec3(V.row(static_cast<Eigen::Index>(i))) - low) * scale;
+    key[i] = spread_bits(static_cast<std::uint64_t>(p.x())) | spread_bits(static_cast<std::uint64_t>(p.y())) << 1 |
+             spread_bits(static_cast<std::uint64_t>(p.z())) << 2;
+  }
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return key[static_cast<std::size_t>(a)] < key[static_cast<std::size_t>(b)]; });
+  return order;
+}
+
+void lay_out(const TriMesh& skin, const std::vector<ShareRow>& rows, const std::vector<ShareRow>& node_rows, SkinTables& tables) {
+  const int n = static_cast<int>(skin.V.rows());
+  tables.vertex_count = n;
+  tables.order = spatial_order(skin.V);
+  std::vector<int> sorted_place(static_cast<std::size_t>(n));
+  for (int s = 0; s < n; ++s) sorted_place[static_cast<std::size_t>(tables.order[static_cast<std::size_t>(s)])] = s;
+
+  // Triangles in sorted vertices, ordered by their lowest one.
+  std::vector<std::array<int, 3>> triangles(static_cast<std::size_t>(skin.F.rows()));
+  for (std::size_t f = 0; f < triangles.size(); ++f)
+    for (int k = 0; k < 3; ++k)
+      triangles[f][static_cast<std::size_t>(k)] = sorted_place[static_cast<std::size_t>(skin.F(static_cast<Eigen::Index>(f), k))];
+  std::stable_sort(triangles.begin(), triangles.end(), [](const auto& a, const auto& b) {
+    return *std::min_element(a.begin(), a.end()) < *std::min_element(b.begin(), b.end());
+  });
+  for (const std::array<int, 3>& t : triangles) tables.triangles.insert(tables.triangles.end(), t.begin(), t.end());
+
+  // Within each block, vertices of equal shape follow each other.
+  const auto shape = [&](int s) {
+    const std::size_t v = static_cast<std::size_t>(tables.order[static_cast<std::size_t>(s)]);
+    return std::pair<int, int>(static_cast<int>(rows[v].size()), static_cast<int>(node_rows.empty() ? 0 : node_rows[v].size()));
+  };
+  tables.place.resize(static_cast<std::size_t>(n));
+  std::iota(tables.place.begin(), tables.place.end(), 0);
+  for (int begin = 0; begin < n; begin += kBlock)
+    std::stable_sort(tables.place.begin() + begin, tables.place.begin() + std::min(n, begin + kBlock),
+                     [&](int a, int b) { return shape(a) < shape(b); });
+
+  const Vec3 root = tables.origins[0];
+  for (int e = 0; e < n; ++e) {
+    const int s = tables.place[static_cast<std::size_t>(e)];
+    const std::size_t v = static_cast<std::size_t>(tables.order[static_cast<std::size_t>(s)]);
+    const auto [carriers, nodes] = shape(s);
+    if (tables.runs.empty() || tables.runs.back().carriers != carriers || tables.runs.back().nodes != nodes)
+      tables.runs.push_back({e, e, carriers, nodes, tables.carrier.size(), tables.node.size()});
+    tables.runs.back().end = e + 1;
+    for (int k = 0; k < 3; ++k) tables.rest.push_back(static_cast<float>(skin.V(static_cast<Eigen::Index>(v), k) - root[k]));
+    tables.rest.push_back(1);
+    for (const Influence& w : rows[v]) {
+      tables.carrier.push_back(static_cast<std::uint16_t>(w.joint));
+      tables.carrier_weight.push_back(static_cast<float>(w.weight));
+    }
+    for (int k = 0; k < nodes; ++k) {
+      tables.node.push_back(static_cast<std::uint16_t>(node_rows[v][static_cast<std::size_t>(k)].joint));
+      tables.node_weight.push_back(static_cast<float>(node_rows[v][static_cast<std::size_t>(k)].weight));
+    }
+  }
+  if (std::is_sorted(tables.order.begin(), tables.order.end())) tables.order.clear();
+}
+
+}  // namespace ecorche

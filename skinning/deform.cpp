@@ -1,0 +1,99 @@
+#include "skinning/deform.h"
+
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "skinning/carriers.h"
+#include "skinning/muscle_lift.h"
+#include "skinning/normals.h"
+#include "skinning/skin_tables.h"
+
+namespace ecorche {
+namespace {
+
+using Eight = Eigen::Array<float, 8, 1>;
+using Four = Eigen::Array<float, 4, 1>;
+
+// All vertices of a run blend the same number of carriers, so the inner loop has a constant length.
+template <int kCarriers>
+void blend_run(const SkinTables& tables, const VertexRun& run, const float* carriers, const float* lifts, const Four& root, float* out) {
+  const int count = kCarriers > 0 ? kCarriers : run.carriers;
+  const std::uint16_t* carrier = &tables.carrier[run.carrier_entry];
+  const float* weight = &tables.carrier_weight[run.carrier_entry];
+  const std::uint16_t* node = tables.node.data() + run.node_entry;
+  const float* share = tables.node_weight.data() + run.node_entry;
+  for (int e = run.begin; e < run.end; ++e, carrier += count, weight += count) {
+    Eight low = Eight::Zero(), high = Eight::Zero();  // columns 0 and 1; columns 2 and 3
+    for (int k = 0; k < count; ++k) {
+      const float* map = carriers + 16 * carrier[k];
+      low += weight[k] * Eigen::Map<const Eight>(map);
+      high += weight[k] * Eigen::Map<const Eight>(map + 8);
+    }
+    const float* X = &tables.rest[4 * static_cast<std::size_t>(e)];
+    Four p = root + low.head<4>() * X[0] + low.tail<4>() * X[1] + high.head<4>() * X[2] + high.tail<4>();
+    for (int k = 0; k < run.nodes; ++k) p += share[k] * Eigen::Map<const Four>(lifts + 4 * node[k]);
+    node += run.nodes;
+    share += run.nodes;
+    Eigen::Map<Four>(out + 4 * static_cast<std::size_t>(tables.place[static_cast<std::size_t>(e)])) = p;
+  }
+}
+
+void blend_vertices(const SkinTables& tables, const float* carriers, const float* lifts, const Four& root, float* out) {
+  for (const VertexRun& run : tables.runs) {
+    switch (run.carriers) {
+      case 1: blend_run<1>(tables, run, carriers, lifts, root, out); break;
+      case 2: blend_run<2>(tables, run, carriers, lifts, root, out); break;
+      case 3: blend_run<3>(tables, run, carriers, lifts, root, out); break;
+      case 4: blend_run<4>(tables, run, carriers, lifts, root, out); break;
+      case 5: blend_run<5>(tables, run, carriers, lifts, root, out); break;
+      case 6: blend_run<6>(tables, run, carriers, lifts, root, out); break;
+      default: blend_run<0>(tables, run, carriers, lifts, root, out);
+    }
+  }
+}
+
+void scatter(const std::vector<float>& sorted, const std::vector<int>& order, std::vector<float>& out) {
+  for (std::size_t s = 0; s < order.size(); ++s)
+    Eigen::Map<Four>(&out[4 * static_cast<std::size_t>(order[s])]) = Eigen::Map<const Four>(&sorted[4 * s]);
+}
+
+}  // namespace
+
+void deform_skin(const Binding& binding, const PosedAnatomy& posed, SkinFrame& out) {
+  if (!binding.tables) throw std::invalid_argument("deform_skin: an empty binding");
+  const SkinTables& tables = *binding.tables;
+  if (static_cast<int>(posed.X_WJ.size()) != tables.joint_count || static_cast<int>(posed.slices.size()) != tables.slice_count)
+    throw std::invalid_argument(fmt::format("deform_skin: the pose has {} joints and {} slices, the binding {} and {}", posed.X_WJ.size(),
+                                            posed.slices.size(), tables.joint_count, tables.slice_count));
+  const std::size_t size = 4 * static_cast<std::size_t>(tables.vertex_count);
+  out.positions.resize(size);
+  out.normals.resize(size);
+  SkinFrame::Scratch& scratch = out.scratch;
+  pose_carriers(tables, posed.X_WJ, scratch.frames, scratch.carriers);
+  lift_nodes(tables, posed, scratch.carriers, scratch.lifts, scratch.lifts_smoothed);
+  const Vec3 root = posed.X_WJ[0].translation();
+  const Four root4(float(root.x()), float(root.y()), float(root.z()), 1.0f);
+  const bool sorted = tables.order.empty();
+  if (!sorted) {
+    scratch.positions.resize(size);
+    scratch.normals.resize(size);
+  }
+  std::vector<float>& positions = sorted ? out.positions : scratch.positions;
+  std::vector<float>& normals = sorted ? out.normals : scratch.normals;
+  blend_vertices(tables, scratch.carriers.data(), scratch.lifts.data(), root4, positions.data());
+  vertex_normals(positions, tables.triangles, normals);
+  if (!sorted) {
+    scatter(positions, tables.order, out.positions);
+    scatter(normals, tables.order, out.normals);
+  }
+}
+
+void to_points(const SkinFrame& frame, Points& out) {
+  const Eigen::Index n = static_cast<Eigen::Index>(frame.positions.size() / 4);
+  out.resize(n, 3);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index k = 0; k < 3; ++k) out(i, k) = frame.positions[static_cast<std::size_t>(4 * i + k)];
+}
+
+}  // namespace ecorche

@@ -1,0 +1,142 @@
+#include "skinning/share_rules.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+namespace ecorche {
+namespace {
+
+constexpr double kLeastRange = 0.6;     // rad, joints that move less are blended linearly
+constexpr double kLeastPair = 0.01;     // 2 w_a w_b below it is not worth a carrier
+constexpr std::size_t kMostPairs = 4;   // a vertex
+
+double smooth_step(double x, double low, double high) {
+  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
+double* find_share(ShareRow& row, int joint) {
+  for (Influence& w : row)
+    if (w.joint == joint) return &w.weight;
+  return nullptr;
+}
+
+void move_share(ShareRow& row, int from, int to, double share) {
+  double* source = find_share(row, from);
+  if (source == nullptr || share <= 0) return;
+  const double moved = *source * share;
+  *source -= moved;
+  if (double* target = find_share(row, to)) *target += moved;
+  else row.push_back({to, moved});
+}
+
+// Position along the segment from joint a to joint b, 0 at a and 1 at b.
+double along(const Vec3& p, const Vec3& a, const Vec3& b) { return (p - a).dot(b - a) / (b - a).squaredNorm(); }
+
+double range_of_motion(const Joint& joint) { return (joint.max - joint.min).maxCoeff(); }
+
+// Joints that turn between a and b: up from both to their common ancestor, which itself is not among them.
+std::vector<int> joints_between(const Skeleton& skeleton, int a, int b) {
+  std::vector<int> up_a, up_b;
+  for (int j = a; j >= 0; j = skeleton.joints[static_cast<std::size_t>(j)].parent) up_a.push_back(j);
+  for (int j = b; j >= 0; j = skeleton.joints[static_cast<std::size_t>(j)].parent) up_b.push_back(j);
+  while (!up_a.empty() && !up_b.empty() && up_a.back() == up_b.back()) up_a.pop_back(), up_b.pop_back();
+  up_a.insert(up_a.end(), up_b.begin(), up_b.end());
+  return up_a;
+}
+
+// The joint with the widest range between two carriers is where they hinge. False: they hardly turn against each other.
+bool find_center(const Skeleton& skeleton, const std::vector<Vec3>& origins, int a, int b, Vec3& center) {
+  double widest = 0;
+  for (int j : joints_between(skeleton, a, b)) widest = std::max(widest, range_of_motion(skeleton.joints[static_cast<std::size_t>(j)]));
+  if (widest < kLeastRange) return false;
+  int count = 0;
+  center.setZero();
+  for (int j : joints_between(skeleton, a, b))
+    if (range_of_motion(skeleton.joints[static_cast<std::size_t>(j)]) > 0.95 * widest) {
+      center += origins[static_cast<std::size_t>(j)];
+      ++count;
+    }
+  center /= count;
+  return true;
+}
+
+}  // namespace
+
+void spread_twist(const Skeleton& skeleton, const TriMesh& skin, std::vector<ShareRow>& rows, std::vector<TwistCarrier>& twists) {
+  const std::vector<Vec3> origins = rest_positions(skeleton);
+  const auto origin = [&](int j) { return origins[static_cast<std::size_t>(j)]; };
+  for (const std::string side : {"_l", "_r"}) {
+    for (const auto& [upper, lower] : {std::pair{"shoulder", "elbow"}, std::pair{"hip", "knee"}}) {
+      const int j = find_joint(skeleton, upper + side), end = find_joint(skeleton, lower + side);
+      if (j < 0 || end < 0 || skeleton.joints[static_cast<std::size_t>(j)].parent < 0) continue;
+      const int carrier = static_cast<int>(skeleton.joints.size() + twists.size());
+      twists.push_back({j, skeleton.joints[static_cast<std::size_t>(j)].parent, (origin(end) - origin(j)).normalized()});
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const double t = along(skin.V.row(static_cast<Eigen::Index>(i)), origin(j), origin(end));
+        move_share(rows[i], j, carrier, 1 - std::clamp(t, 0.0, 1.0));
+      }
+    }
+    const int elbow = find_joint(skeleton, "elbow" + side), forearm = find_joint(skeleton, "forearm" + side);
+    const int wrist = find_joint(skeleton, "wrist" + side);
+    if (elbow < 0 || forearm < 0 || wrist < 0) continue;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const double t = along(skin.V.row(static_cast<Eigen::Index>(i)), origin(elbow), origin(wrist));
+      move_share(rows[i], elbow, forearm, 1);
+      move_share(rows[i], forearm, elbow, 1 - std::clamp((t - 0.1) / 0.85, 0.0, 1.0));
+    }
+  }
+  for (ShareRow& row : rows) std::erase_if(row, [](const Influence& w) { return w.weight <= 1e-6; });
+}
+
+void let_scapula_glide(const Skeleton& skeleton, const TriMesh& skin, std::vector<ShareRow>& rows) {
+  const int thorax = find_joint(skeleton, "thorax");
+  const std::vector<Vec3> origins = rest_positions(skeleton);
+  for (const std::string side : {"_l", "_r"}) {
+    const int scapula = find_joint(skeleton, "scapula" + side), shoulder = find_joint(skeleton, "shoulder" + side);
+    const int elbow = find_joint(skeleton, "elbow" + side);
+    if (thorax < 0 || scapula < 0 || shoulder < 0 || elbow < 0) continue;
+    const Vec3 center = origins[static_cast<std::size_t>(shoulder)];
+    const double arm = (origins[static_cast<std::size_t>(elbow)] - center).norm();
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const double away = (Vec3(skin.V.row(static_cast<Eigen::Index>(i))) - center).norm() / arm;
+      move_share(rows[i], scapula, thorax, 0.6 * smooth_step(away, 0.25, 0.6));
+    }
+  }
+}
+
+std::vector<PairCarrier> add_pairs(const Skeleton& skeleton, const std::vector<TwistCarrier>& twists, std::vector<ShareRow>& rows) {
+  const int joints = static_cast<int>(skeleton.joints.size());
+  const std::vector<Vec3> origins = rest_positions(skeleton);
+  const auto joint_of = [&](int carrier) { return carrier < joints ? carrier : twists[static_cast<std::size_t>(carrier - joints)].joint; };
+  std::map<std::pair<int, int>, int> index;  // -1: blended linearly
+  std::vector<PairCarrier> pairs;
+  for (ShareRow& row : rows) {
+    std::sort(row.begin(), row.end(), [](const Influence& a, const Influence& b) { return a.joint < b.joint; });
+    std::vector<Influence> found;
+    for (std::size_t x = 0; x < row.size(); ++x)
+      for (std::size_t y = x + 1; y < row.size(); ++y) {
+        const double product = 2 * row[x].weight * row[y].weight;
+        if (product < kLeastPair) continue;
+        const std::pair<int, int> key{row[x].joint, row[y].joint};
+        auto it = index.find(key);
+        if (it == index.end()) {
+          PairCarrier pair{key.first, key.second, Vec3::Zero()};
+          const int a = joint_of(key.first), b = joint_of(key.second);
+          const bool hinged = a == b ? (pair.center = origins[static_cast<std::size_t>(a)], true)
+                                     : find_center(skeleton, origins, a, b, pair.center);
+          it = index.emplace(key, hinged ? static_cast<int>(pairs.size()) : -1).first;
+          if (hinged) pairs.push_back(pair);
+        }
+        if (it->second >= 0) found.push_back({joints + static_cast<int>(twists.size()) + it->second, product});
+      }
+    std::stable_sort(found.begin(), found.end(), [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
+    if (found.size() > kMostPairs) found.resize(kMostPairs);
+    row.insert(row.end(), found.begin(), found.end());
+  }
+  return pairs;
+}
+
+}  // namespace ecorche

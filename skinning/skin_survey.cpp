@@ -1,0 +1,139 @@
+#include "skinning/skin_survey.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "skinning/nearest_surface.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kInset = 1e-3;          // m, below the skin: where lines of sight start
+constexpr double kAlwaysInReach = 6e-3;  // m, a bone this close belongs to the vertex even if it pokes through the skin
+constexpr double kMinRadius = 3e-3, kMaxRadius = 0.15;
+
+std::vector<Vec3> rest_normals(const TriMesh& skin) {
+  std::vector<Vec3> normals(static_cast<std::size_t>(skin.V.rows()), Vec3::Zero());
+  for (Eigen::Index f = 0; f < skin.F.rows(); ++f) {
+    const Vec3 a = skin.V.row(skin.F(f, 0)), b = skin.V.row(skin.F(f, 1)), c = skin.V.row(skin.F(f, 2));
+    const Vec3 area = (b - a).cross(c - a);
+    for (int k = 0; k < 3; ++k) normals[static_cast<std::size_t>(skin.F(f, k))] += area;
+  }
+  for (Vec3& n : normals) n = n.norm() > 0 ? Vec3(n.normalized()) : Vec3::UnitY();
+  return normals;
+}
+
+// Averages with the neighbours, so that a ray through a fold or between fingers does not stand alone.
+void smooth(const std::vector<std::vector<int>>& neighbours, int rounds, std::vector<double>& values) {
+  std::vector<double> next(values.size());
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      double sum = values[i];
+      for (int k : neighbours[i]) sum += values[static_cast<std::size_t>(k)];
+      next[i] = sum / (1.0 + static_cast<double>(neighbours[i].size()));
+    }
+    values.swap(next);
+  }
+}
+
+}  // namespace
+
+std::vector<std::vector<int>> vertex_neighbours(const TriMesh& mesh) {
+  std::vector<std::vector<int>> out(static_cast<std::size_t>(mesh.V.rows()));
+  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      out[static_cast<std::size_t>(mesh.F(f, k))].push_back(mesh.F(f, (k + 1) % 3));
+      out[static_cast<std::size_t>(mesh.F(f, k))].push_back(mesh.F(f, (k + 2) % 3));
+    }
+  for (std::vector<int>& row : out) {
+    std::sort(row.begin(), row.end());
+    row.erase(std::unique(row.begin(), row.end()), row.end());
+  }
+  return out;
+}
+
+PartMesh bone_mesh(const Anatomy& anatomy) {
+  Eigen::Index vertices = 0, triangles = 0;
+  for (const Bone& bone : anatomy.bones) vertices += bone.mesh.V.rows(), triangles += bone.mesh.F.rows();
+  PartMesh out;
+  out.mesh.V.resize(vertices, 3);
+  out.mesh.F.resize(triangles, 3);
+  out.part.reserve(static_cast<std::size_t>(triangles));
+  Eigen::Index v = 0, f = 0;
+  for (std::size_t b = 0; b < anatomy.bones.size(); ++b) {
+    const TriMesh& mesh = anatomy.bones[b].mesh;
+    out.mesh.V.middleRows(v, mesh.V.rows()) = mesh.V;
+    out.mesh.F.middleRows(f, mesh.F.rows()) = mesh.F.array() + static_cast<int>(v);
+    out.part.insert(out.part.end(), static_cast<std::size_t>(mesh.F.rows()), static_cast<int>(b));
+    v += mesh.V.rows();
+    f += mesh.F.rows();
+  }
+  return out;
+}
+
+PartMesh muscle_mesh(const Anatomy& anatomy, const PosedAnatomy& rest, int sides) {
+  const std::vector<SliceRange> ranges = slice_ranges(anatomy);
+  Eigen::Index bands = 0;
+  for (const SliceRange& range : ranges) bands += std::max(0, range.end - range.begin - 1);
+  PartMesh out;
+  out.mesh.V.resize(static_cast<Eigen::Index>(rest.slices.size()) * sides, 3);
+  out.mesh.F.resize(2 * bands * sides, 3);
+  for (std::size_t s = 0; s < rest.slices.size(); ++s) {
+    const Ellipse& e = rest.slices[s];
+    for (int k = 0; k < sides; ++k) {
+      const double angle = 2 * std::numbers::pi * k / sides;
+      out.mesh.V.row(static_cast<Eigen::Index>(s) * sides + k) =
+          e.center + e.axes.col(0) * (e.radii.x() * std::cos(angle)) + e.axes.col(1) * (e.radii.y() * std::sin(angle));
+    }
+  }
+  Eigen::Index f = 0;
+  for (const SliceRange& range : ranges)
+    for (int s = range.begin; s + 1 < range.end; ++s)
+      for (int k = 0; k < sides; ++k) {
+        const int a = s * sides + k, b = s * sides + (k + 1) % sides;
+        out.mesh.F.row(f++) << a, b, b + sides;
+        out.mesh.F.row(f++) << a, b + sides, a + sides;
+        out.part.insert(out.part.end(), 2, s);
+      }
+  return out;
+}
+
+SkinSurvey survey_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin) {
+  const std::size_t n = static_cast<std::size_t>(skin.V.rows());
+  SkinSurvey out;
+  out.anchors.resize(n);
+  out.joint.assign(n, -1);
+  out.depth.assign(n, 0);
+  out.radius.assign(n, 0);
+  out.normal = rest_normals(skin);
+  const PartMesh bones = bone_mesh(anatomy), muscles = muscle_mesh(anatomy, rest);
+  const NearestSurface bone_surface(bones.mesh), skin_surface(skin);
+  std::unique_ptr<NearestSurface> muscle_surface;
+  if (muscles.mesh.F.rows() > 0) muscle_surface = std::make_unique<NearestSurface>(muscles.mesh);
+  tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) {
+    const Vec3 p = skin.V.row(static_cast<Eigen::Index>(i));
+    const Vec3 inside = p - kInset * out.normal[i];
+    const SurfacePoint bone = bone_surface.nearest(p);
+    const int b = bones.part[static_cast<std::size_t>(bone.triangle)];
+    out.anchors[i] = {Anchor::Kind::bone, b, bone.distance, bone.point};
+    out.depth[i] = bone.distance;
+    if (bone.distance < kAlwaysInReach || !skin_surface.blocked(inside, bone.point))
+      out.joint[i] = anatomy.bones[static_cast<std::size_t>(b)].joint;
+    if (muscle_surface) {
+      const SurfacePoint muscle = muscle_surface->nearest(p);
+      if (muscle.distance < bone.distance)
+        out.anchors[i] = {Anchor::Kind::muscle, muscles.part[static_cast<std::size_t>(muscle.triangle)], muscle.distance, muscle.point};
+    }
+    const std::optional<double> through = skin_surface.cast(inside, -out.normal[i]);
+    out.radius[i] = std::clamp(0.5 * through.value_or(2 * kMaxRadius), kMinRadius, kMaxRadius);
+  });
+  const std::vector<std::vector<int>> neighbours = vertex_neighbours(skin);
+  smooth(neighbours, 12, out.radius);
+  smooth(neighbours, 4, out.depth);
+  return out;
+}
+
+}  // namespace ecorche

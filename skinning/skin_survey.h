@@ -1,0 +1,32 @@
+// What lies beneath each vertex of a skin at rest. Private to the room.
+#pragma once
+
+#include <vector>
+
+#include "anatomy/anatomy.h"
+#include "anatomy/pose_anatomy.h"
+#include "skinning/bind.h"
+
+namespace ecorche {
+
+struct SkinSurvey {
+  std::vector<Anchor> anchors;   // #V nearest component, exact
+  std::vector<int> joint;        // #V of the nearest bone, if it can be reached without leaving the body; else -1
+  std::vector<double> depth;     // #V to that bone, m
+  std::vector<double> radius;    // #V half the thickness of the body beneath, smoothed, m
+  std::vector<Vec3> normal;      // #V rest
+};
+
+// Bones as one mesh, and the strips as one mesh of tubes; with the part of each triangle.
+struct PartMesh {
+  TriMesh mesh;
+  std::vector<int> part;  // #F: bone index, or flat index of the slice where the triangle begins
+};
+PartMesh bone_mesh(const Anatomy& anatomy);
+PartMesh muscle_mesh(const Anatomy& anatomy, const PosedAnatomy& rest, int sides = 12);
+
+std::vector<std::vector<int>> vertex_neighbours(const TriMesh& mesh);
+
+SkinSurvey survey_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin);
+
+}  // namespace ecorche

@@ -1,0 +1,73 @@
+// What deform_skin() reads every frame. Built by bind_skin(); private to the room.
+//
+// Carriers are linear maps of rest points, world to world:
+//   0 .. #joints            T_j, the joint frames
+//   then #twists            a joint without its rotation about the axis of its own bone (upper arm and thigh turn gradually)
+//   then #pairs             D = 2 H - (T_a + T_b), H = the half-way rotation of the two about `center`
+// A vertex is sum w_a T_a X + sum w_ab D_ab X with w_ab = 2 w_a w_b: the parabola through T_a, H and T_b, which is smooth in the
+// weights for any number of joints and keeps the girth that the plain sum loses.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "anatomy/types.h"
+
+namespace ecorche {
+
+struct TwistCarrier {
+  int joint = 0;
+  int parent = 0;
+  Vec3 axis = Vec3::UnitY();  // world, rest
+};
+
+struct PairCarrier {
+  int a = 0, b = 0;             // joints or twist carriers
+  Vec3 center = Vec3::Zero();   // world, rest: the point about which a and b turn against each other
+};
+
+// A point of the skin that keeps its height over the strips beneath it.
+struct MuscleAnchor {
+  int slice = 0;                  // flat index of the slice before the point
+  double along = 0;               // share of the next slice
+  double cosine = 1, sine = 0;    // direction of the surface point in the slices' (width, thickness) plane
+  double weight = 0;              // of this anchor in its node
+  int first = 0, last = 0;        // flat range of the strip's slices, last inclusive
+};
+
+struct MuscleNode {
+  int vertex = 0;                                  // of the skin
+  std::vector<std::pair<int, float>> carriers;     // as a vertex's
+  Vec3 normal = Vec3::UnitY();                     // rest
+  std::vector<MuscleAnchor> anchors;
+  std::vector<Vec3> surface;                       // rest surface point of each anchor
+};
+
+// Vertices of equal shape are evaluated together, so that loops have constant length.
+struct VertexRun {
+  int begin = 0, end = 0;      // evaluation order
+  int carriers = 0, nodes = 0; // a vertex
+  std::size_t carrier_entry = 0, node_entry = 0;
+};
+
+struct SkinTables {
+  int joint_count = 0, slice_count = 0, vertex_count = 0;
+  std::vector<Vec3> origins;               // #joints, rest
+  std::vector<TwistCarrier> twists;
+  std::vector<PairCarrier> pairs;
+
+  std::vector<VertexRun> runs;
+  std::vector<float> rest;                 // #V x 4, relative to origins[0], evaluation order
+  std::vector<int> place;                  // #V: evaluation order -> sorted order
+  std::vector<std::uint16_t> carrier;
+  std::vector<float> carrier_weight;
+  std::vector<std::uint16_t> node;
+  std::vector<float> node_weight;
+
+  std::vector<int> order;                  // sorted -> caller's vertex; empty when they agree
+  std::vector<int> triangles;              // 3 indices each, sorted order
+
+  std::vector<MuscleNode> nodes;
+};
+
+}  // namespace ecorche
