@@ -1,5 +1,6 @@
 #include "skinning/deform.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -35,7 +36,8 @@ void blend_run(const SkinTables& tables, const VertexRun& run, const float* carr
     for (int k = 0; k < run.nodes; ++k) p += share[k] * Eigen::Map<const Four>(lifts + 4 * node[k]);
     node += run.nodes;
     share += run.nodes;
-    Eigen::Map<Four>(out + 4 * static_cast<std::size_t>(tables.place[static_cast<std::size_t>(e)])) = p;
+    Eigen::Map<Four> target(out + 4 * static_cast<std::size_t>(tables.place[static_cast<std::size_t>(e)]));
+    target = p;
   }
 }
 
@@ -54,8 +56,7 @@ void blend_vertices(const SkinTables& tables, const float* carriers, const float
 }
 
 void scatter(const std::vector<float>& sorted, const std::vector<int>& order, std::vector<float>& out) {
-  for (std::size_t s = 0; s < order.size(); ++s)
-    Eigen::Map<Four>(&out[4 * static_cast<std::size_t>(order[s])]) = Eigen::Map<const Four>(&sorted[4 * s]);
+  for (std::size_t s = 0; s < order.size(); ++s) std::copy_n(&sorted[4 * s], 4, &out[4 * static_cast<std::size_t>(order[s])]);
 }
 
 }  // namespace
