@@ -55,7 +55,7 @@ Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMes
   tables->origins = rest_positions(anatomy.skeleton);
 
   const SkinSurvey survey = survey_skin(anatomy, rest, skin);
-  std::vector<ShareRow> rows = diffuse_shares(skin, survey, tables->joint_count, options.blend_width);
+  std::vector<ShareRow> rows = diffuse_shares(anatomy.skeleton, skin, survey, options.blend_width);
   let_scapula_glide(anatomy.skeleton, skin, rows);
   thin_shares(rows, kLeastShare, kMostShares);
   spread_twist(anatomy.skeleton, skin, rows, tables->twists);
@@ -64,7 +64,7 @@ Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMes
   binding.vertex_count = static_cast<int>(skin.V.rows());
   binding.anchors = survey.anchors;
   for (const ShareRow& row : rows) binding.joint_weights.push_back(four_joints(row, *tables));
-  tables->pairs = add_pairs(anatomy.skeleton, tables->twists, rows);
+  tables->pairs = add_pairs(anatomy.skeleton, skin, tables->twists, rows);
   lay_out(skin, rows, {}, *tables);
   binding.tables = std::move(tables);
   return binding;

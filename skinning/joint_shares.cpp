@@ -4,6 +4,7 @@
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "anatomy/errors.h"
@@ -50,42 +51,93 @@ Eigen::VectorXd vertex_areas(const TriMesh& skin) {
   return areas;
 }
 
+// Spreads indicator functions of labels with the lengths given; see the header.
+class Diffusion {
+ public:
+  // known: 1 where the label of a vertex counts.
+  Diffusion(const TriMesh& skin, const Eigen::VectorXd& length, const Eigen::VectorXd& known) {
+    screen_ = vertex_areas(skin).cwiseQuotient(length.cwiseAbs2());
+    anchor_ = screen_.cwiseProduct(known) + 1e-6 * screen_;
+    first_.compute(screened_laplacian(skin, anchor_));
+    second_.compute(screened_laplacian(skin, screen_));
+  }
+
+  Eigen::VectorXd spread(const std::vector<int>& members) const {
+    Eigen::VectorXd target = Eigen::VectorXd::Zero(anchor_.size());
+    for (int i : members) target[i] = anchor_[i];
+    const Eigen::VectorXd once = first_.solve(target);
+    return second_.solve(screen_.cwiseProduct(once));
+  }
+
+ private:
+  Eigen::VectorXd screen_, anchor_;
+  Eigen::SimplicialLDLT<Sparse> first_, second_;
+};
+
+// Group 0 is the trunk with the head; 1 .. 4 the limbs.
+std::vector<int> limb_groups(const Skeleton& skeleton) {
+  std::vector<int> group(skeleton.joints.size(), 0);
+  const char* roots[] = {"shoulder_l", "shoulder_r", "hip_l", "hip_r"};
+  for (std::size_t j = 0; j < group.size(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    if (parent >= 0) group[j] = group[static_cast<std::size_t>(parent)];
+    for (int g = 0; g < 4; ++g)
+      if (skeleton.joints[j].name == roots[g]) group[j] = g + 1;
+  }
+  return group;
+}
+
+// Longest length with which limbs are told from the trunk: 30 mm at the shoulders and 50 mm at the hips of a trunk of 0.5 m.
+Eigen::VectorXd limb_length_limit(const Skeleton& skeleton, const TriMesh& skin) {
+  const std::vector<Vec3> origins = rest_positions(skeleton);
+  const int shoulder = find_joint(skeleton, "shoulder_l"), hip = find_joint(skeleton, "hip_l");
+  if (shoulder < 0 || hip < 0) return Eigen::VectorXd::Constant(skin.V.rows(), 1.0);
+  const double low = origins[static_cast<std::size_t>(hip)].y(), trunk = origins[static_cast<std::size_t>(shoulder)].y() - low;
+  Eigen::VectorXd limit(skin.V.rows());
+  for (Eigen::Index i = 0; i < limit.size(); ++i) {
+    const double t = std::clamp((skin.V(i, 1) - low) / std::abs(trunk), 0.0, 1.0);
+    limit[i] = std::abs(trunk) * (0.10 - 0.04 * t);
+  }
+  return limit;
+}
+
 }  // namespace
 
-std::vector<ShareRow> diffuse_shares(const TriMesh& skin, const SkinSurvey& survey, int joint_count, double blend_width) {
-  const Eigen::Index n = skin.V.rows();
-  std::vector<std::vector<int>> members(static_cast<std::size_t>(joint_count));
-  for (Eigen::Index i = 0; i < n; ++i)
-    if (const int j = survey.joint[static_cast<std::size_t>(i)]; j >= 0) members[static_cast<std::size_t>(j)].push_back(static_cast<int>(i));
+std::vector<ShareRow> diffuse_shares(const Skeleton& skeleton, const TriMesh& skin, const SkinSurvey& survey, double blend_width) {
+  const std::size_t n = static_cast<std::size_t>(skin.V.rows()), joints = skeleton.joints.size();
+  const std::vector<int> group = limb_groups(skeleton);
+  std::vector<std::vector<int>> members(joints), limbs(5);
+  Eigen::VectorXd length(skin.V.rows()), known(skin.V.rows());
+  for (std::size_t i = 0; i < n; ++i) {
+    const int j = survey.joint[i];
+    known[static_cast<Eigen::Index>(i)] = j >= 0;
+    // The inside of a bent limb stays unfolded while l > radius * angle / 4.
+    length[static_cast<Eigen::Index>(i)] = blend_width * (0.4 * survey.radius[i] + 0.25 * std::min(survey.depth[i], 2 * survey.radius[i]));
+    if (j < 0) continue;
+    members[static_cast<std::size_t>(j)].push_back(static_cast<int>(i));
+    limbs[static_cast<std::size_t>(group[static_cast<std::size_t>(j)])].push_back(static_cast<int>(i));
+  }
   std::vector<int> used;
-  for (int j = 0; j < joint_count; ++j)
-    if (!members[static_cast<std::size_t>(j)].empty()) used.push_back(j);
+  for (std::size_t j = 0; j < joints; ++j)
+    if (!members[j].empty()) used.push_back(static_cast<int>(j));
   if (used.empty()) throw UnfitError("skin: no vertex has a bone beneath it; is the anatomy inside this skin?");
 
-  // Half the radius and a little of the depth: the inside of a bent limb needs l > 0.5 * radius * angle to stay unfolded.
-  Eigen::VectorXd screen = vertex_areas(skin);  // M / l^2 where the label counts
-  Eigen::VectorXd anchor = screen;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const std::size_t k = static_cast<std::size_t>(i);
-    const double length = blend_width * (0.4 * survey.radius[k] + 0.25 * std::min(survey.depth[k], 2 * survey.radius[k]));
-    screen[i] /= length * length;
-    anchor[i] = survey.joint[k] >= 0 ? screen[i] : 1e-6 * screen[i];
-  }
-  const Eigen::SimplicialLDLT<Sparse> first(screened_laplacian(skin, anchor));
-  const Eigen::SimplicialLDLT<Sparse> second(screened_laplacian(skin, screen));
+  const Diffusion wide(skin, length, known);
+  const Diffusion narrow(skin, length.cwiseMin(blend_width * limb_length_limit(skeleton, skin)), known);
+  std::vector<Eigen::VectorXd> shares(used.size()), limb_shares(limbs.size());
+  tbb::parallel_for(std::size_t{0}, used.size(), [&](std::size_t u) { shares[u] = wide.spread(members[static_cast<std::size_t>(used[u])]); });
+  tbb::parallel_for(std::size_t{0}, limbs.size(), [&](std::size_t g) { limb_shares[g] = narrow.spread(limbs[g]); });
 
-  std::vector<Eigen::VectorXd> shares(used.size());
-  tbb::parallel_for(std::size_t{0}, used.size(), [&](std::size_t u) {
-    Eigen::VectorXd target = Eigen::VectorXd::Zero(n);
-    for (int i : members[static_cast<std::size_t>(used[u])]) target[i] = anchor[i];
-    const Eigen::VectorXd once = first.solve(target);
-    shares[u] = second.solve(screen.cwiseProduct(once));
-  });
-  std::vector<ShareRow> rows(static_cast<std::size_t>(n));
-  for (std::size_t i = 0; i < rows.size(); ++i) {
+  std::vector<ShareRow> rows(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Eigen::Index row = static_cast<Eigen::Index>(i);
+    std::array<double, 5> within{};  // sum of a group's joints, so that they share what the group has
+    for (std::size_t u = 0; u < used.size(); ++u)
+      within[static_cast<std::size_t>(group[static_cast<std::size_t>(used[u])])] += std::max(0.0, shares[u][row]);
     double sum = 0;
     for (std::size_t u = 0; u < used.size(); ++u) {
-      const double w = shares[u][static_cast<Eigen::Index>(i)];
+      const std::size_t g = static_cast<std::size_t>(group[static_cast<std::size_t>(used[u])]);
+      const double w = std::max(0.0, limb_shares[g][row]) * std::max(0.0, shares[u][row]) / std::max(within[g], 1e-12);
       if (w < 1e-4) continue;
       rows[i].push_back({used[u], w});
       sum += w;

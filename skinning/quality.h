@@ -1,6 +1,7 @@
 // How good a deformed skin is, measured against its rest shape.
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,11 +12,12 @@
 
 namespace ecorche {
 
-// A piece of limb about a joint, closed by cutting planes that ride on the two neighbouring segments.
+// A piece of limb about a joint, from half way along the segment above to half way along the segment below. Its two ends are
+// closed by fans about the centroids of their rims.
 struct LimbSection {
-  std::string name;                  // "elbow_l"
-  int upper = 0, lower = 0;          // joints that carry the planes
-  std::vector<int> triangles;        // of the skin, between the planes at rest
+  std::string name;                               // "elbow_l"
+  std::vector<int> triangles;                     // of the skin
+  std::vector<std::vector<std::array<int, 2>>> rims;  // directed edges of each open end, as the missing faces would wind
 };
 
 struct SkinQuality {
@@ -29,12 +31,16 @@ struct SkinQuality {
   std::vector<double> limb_volume_change;  // one a section, (V - V0) / V0
 };
 
-// Sections of both elbows and both knees: skin between planes half way along the segments above and below the joint.
-std::vector<LimbSection> limb_sections(const Anatomy& anatomy, const TriMesh& skin, const Binding& binding);
+// Sections of the elbows and knees ("elbow_l", "elbow_r", "knee_l", "knee_r"); a joint that the skeleton lacks is left out.
+std::vector<LimbSection> limb_sections(const Skeleton& skeleton, const TriMesh& skin, const Binding& binding);
+
+// Volume of a section in the shape V, m^3.
+double section_volume(const LimbSection& section, const Triangles& F, const Points& V);
 
 // The same yardstick for every deformer: triangles are compared with their rest normal turned by the blended joint rotation of
 // the binding, wherever `frame` comes from.
+// Precondition: posed.X_WJ and the positions are those of the binding's skeleton and skin.
 SkinQuality measure_skin(const TriMesh& rest, const Binding& binding, std::span<const LimbSection> sections,
-                         const PosedAnatomy& posed, const SkinFrame& frame);
+                         std::span<const Transform> X_WJ, const SkinFrame& frame);
 
 }  // namespace ecorche

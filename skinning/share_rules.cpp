@@ -11,6 +11,7 @@ namespace {
 constexpr double kLeastRange = 0.6;     // rad, joints that move less are blended linearly
 constexpr double kLeastPair = 0.01;     // 2 w_a w_b below it is not worth a carrier
 constexpr std::size_t kMostPairs = 4;   // a vertex
+constexpr double kReachQuantile = 0.5, kReachSlack = 1.35;
 
 double smooth_step(double x, double low, double high) {
   const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
@@ -63,6 +64,29 @@ bool find_center(const Skeleton& skeleton, const std::vector<Vec3>& origins, int
   return true;
 }
 
+// A pair's reach is the distance from its hinge at which most of the flesh about it lies; beyond it shares fade with its square.
+void fade_with_distance(const TriMesh& skin, const std::vector<PairCarrier>& pairs, std::vector<ShareRow>& found) {
+  const auto distance = [&](std::size_t i, int pair) {
+    return (Vec3(skin.V.row(static_cast<Eigen::Index>(i))) - pairs[static_cast<std::size_t>(pair)].center).norm();
+  };
+  std::vector<std::vector<double>> around(pairs.size());
+  for (std::size_t i = 0; i < found.size(); ++i)
+    for (const Influence& w : found[i])
+      if (w.weight > 0.2) around[static_cast<std::size_t>(w.joint)].push_back(distance(i, w.joint));
+  std::vector<double> reach(pairs.size(), 1.0);
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    if (around[k].empty()) continue;
+    const auto rank = around[k].begin() + static_cast<std::ptrdiff_t>(kReachQuantile * static_cast<double>(around[k].size() - 1));
+    std::nth_element(around[k].begin(), rank, around[k].end());
+    reach[k] = kReachSlack * *rank;
+  }
+  for (std::size_t i = 0; i < found.size(); ++i)
+    for (Influence& w : found[i]) {
+      const double ratio = reach[static_cast<std::size_t>(w.joint)] / std::max(distance(i, w.joint), 1e-6);
+      w.weight *= std::min(1.0, ratio * ratio);
+    }
+}
+
 }  // namespace
 
 void spread_twist(const Skeleton& skeleton, const TriMesh& skin, std::vector<ShareRow>& rows, std::vector<TwistCarrier>& twists) {
@@ -107,15 +131,17 @@ void let_scapula_glide(const Skeleton& skeleton, const TriMesh& skin, std::vecto
   }
 }
 
-std::vector<PairCarrier> add_pairs(const Skeleton& skeleton, const std::vector<TwistCarrier>& twists, std::vector<ShareRow>& rows) {
-  const int joints = static_cast<int>(skeleton.joints.size());
+std::vector<PairCarrier> add_pairs(const Skeleton& skeleton, const TriMesh& skin, const std::vector<TwistCarrier>& twists,
+                                   std::vector<ShareRow>& rows) {
+  const int joints = static_cast<int>(skeleton.joints.size()), carriers = joints + static_cast<int>(twists.size());
   const std::vector<Vec3> origins = rest_positions(skeleton);
   const auto joint_of = [&](int carrier) { return carrier < joints ? carrier : twists[static_cast<std::size_t>(carrier - joints)].joint; };
   std::map<std::pair<int, int>, int> index;  // -1: blended linearly
   std::vector<PairCarrier> pairs;
-  for (ShareRow& row : rows) {
+  std::vector<ShareRow> found(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    ShareRow& row = rows[i];
     std::sort(row.begin(), row.end(), [](const Influence& a, const Influence& b) { return a.joint < b.joint; });
-    std::vector<Influence> found;
     for (std::size_t x = 0; x < row.size(); ++x)
       for (std::size_t y = x + 1; y < row.size(); ++y) {
         const double product = 2 * row[x].weight * row[y].weight;
@@ -125,16 +151,19 @@ std::vector<PairCarrier> add_pairs(const Skeleton& skeleton, const std::vector<T
         if (it == index.end()) {
           PairCarrier pair{key.first, key.second, Vec3::Zero()};
           const int a = joint_of(key.first), b = joint_of(key.second);
-          const bool hinged = a == b ? (pair.center = origins[static_cast<std::size_t>(a)], true)
-                                     : find_center(skeleton, origins, a, b, pair.center);
+          if (a == b) pair.center = origins[static_cast<std::size_t>(a)];
+          const bool hinged = a == b || find_center(skeleton, origins, a, b, pair.center);
           it = index.emplace(key, hinged ? static_cast<int>(pairs.size()) : -1).first;
           if (hinged) pairs.push_back(pair);
         }
-        if (it->second >= 0) found.push_back({joints + static_cast<int>(twists.size()) + it->second, product});
+        if (it->second >= 0) found[i].push_back({it->second, product});
       }
-    std::stable_sort(found.begin(), found.end(), [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
-    if (found.size() > kMostPairs) found.resize(kMostPairs);
-    row.insert(row.end(), found.begin(), found.end());
+  }
+  fade_with_distance(skin, pairs, found);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::stable_sort(found[i].begin(), found[i].end(), [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
+    if (found[i].size() > kMostPairs) found[i].resize(kMostPairs);
+    for (const Influence& w : found[i]) rows[i].push_back({carriers + w.joint, w.weight});
   }
   return pairs;
 }

@@ -20,6 +20,8 @@ void let_scapula_glide(const Skeleton& skeleton, const TriMesh& skin, std::vecto
 
 // Pairs of carriers that share vertices and turn much against each other, with 2 w_a w_b for every vertex; see skin_tables.h.
 // rows gain influences of pair carriers (#joints + #twists + k).
-std::vector<PairCarrier> add_pairs(const Skeleton& skeleton, const std::vector<TwistCarrier>& twists, std::vector<ShareRow>& rows);
+// Far from the hinge the share fades: the web of the armpit is drawn straight, no bone pushes it out to the full circle.
+std::vector<PairCarrier> add_pairs(const Skeleton& skeleton, const TriMesh& skin, const std::vector<TwistCarrier>& twists,
+                                   std::vector<ShareRow>& rows);
 
 }  // namespace ecorche
