@@ -47,6 +47,12 @@ std::array<Influence, 4> four_joints(const ShareRow& row, const SkinTables& tabl
 
 }  // namespace
 
+Binding bind_skin(const Anatomy& anatomy, const Body& body, const BindOptions& options) {
+  PosedAnatomy rest;
+  pose_anatomy(make_posing_table(anatomy), anatomy.skeleton, rest_pose(anatomy.skeleton), rest);
+  return bind_skin(anatomy, rest, body.skin, options);
+}
+
 Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin, const BindOptions& options) {
   check(anatomy, rest, skin);
   auto tables = std::make_shared<SkinTables>();

@@ -64,11 +64,10 @@ std::vector<RigLink> link_default_rig(const Rig& rig, const Skeleton& skeleton) 
   const std::vector<Vec3> origins = rest_positions(skeleton);
   std::vector<RigLink> links(rig.names.size());
   for (std::size_t b = 0; b < links.size(); ++b) {
-    std::string bone = rig.names[b], side;
-    if (bone.ends_with(".L") || bone.ends_with(".R")) {
-      side = bone.back() == 'L' ? "_l" : "_r";
-      bone.resize(bone.size() - 2);
-    }
+    const std::string& name = rig.names[b];
+    const bool paired = name.ends_with(".L") || name.ends_with(".R");
+    const std::string bone = paired ? name.substr(0, name.size() - 2) : name;
+    const std::string side = !paired ? "" : name.back() == 'L' ? "_l" : "_r";
     RigLink& link = links[b];
     for (const Rule& rule : kRules)
       if (bone == rule.bone) {

@@ -1,0 +1,191 @@
+// Laws of bound skins, on a synthetic arm.
+#include <gtest/gtest.h>
+
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <random>
+
+#include "anatomy/errors.h"
+#include "skinning/bind.h"
+#include "skinning/deform.h"
+#include "skinning/quality.h"
+#include "tests/skinning/arm.h"
+
+namespace ecorche {
+namespace {
+
+using test::Arm;
+using test::make_arm;
+
+struct Bound {
+  Arm arm;
+  PosingTable table;
+  Binding binding;
+};
+
+Bound bind_arm(const Arm& arm, const BindOptions& options = {}) {
+  Body body;
+  body.skin = arm.skin;
+  return {arm, make_posing_table(arm.anatomy), bind_skin(arm.anatomy, body, options)};
+}
+
+Pose bent(const Anatomy& anatomy, double elbow) {
+  Pose pose = rest_pose(anatomy.skeleton);
+  pose.rotations[3] = Quat(Eigen::AngleAxisd(-elbow, Vec3::UnitX()));
+  return pose;
+}
+
+SkinFrame deform(const Bound& bound, const Pose& pose, PosedAnatomy& posed) {
+  pose_anatomy(bound.table, bound.arm.anatomy.skeleton, pose, posed);
+  SkinFrame frame;
+  deform_skin(bound.binding, posed, frame);
+  return frame;
+}
+
+SkinFrame deform(const Bound& bound, const Pose& pose) {
+  PosedAnatomy posed;
+  return deform(bound, pose, posed);
+}
+
+TEST(Skin, RestPoseGivesTheInputBack) {
+  const Bound bound = bind_arm(make_arm());
+  Points V;
+  to_points(deform(bound, rest_pose(bound.arm.anatomy.skeleton)), V);
+  EXPECT_LT((V - bound.arm.skin.V).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+TEST(Skin, FollowsRigidMotionExactly) {
+  const Bound bound = bind_arm(make_arm());
+  Pose pose = rest_pose(bound.arm.anatomy.skeleton);
+  const Quat turn(Eigen::AngleAxisd(2.1, Vec3(1, -2, 0.5).normalized()));
+  const Vec3 root = pose.root, moved(0.7, 1.2, -0.4);
+  pose.root = moved;
+  pose.rotations[0] = turn;
+  Points V;
+  to_points(deform(bound, pose), V);
+  double worst = 0;
+  for (Eigen::Index i = 0; i < V.rows(); ++i)
+    worst = std::max(worst, (turn * (Vec3(bound.arm.skin.V.row(i)) - root) + moved - Vec3(V.row(i))).norm());
+  EXPECT_LT(worst, 1e-6);
+}
+
+TEST(Skin, MirroredInputGivesMirroredSkin) {
+  const Bound left = bind_arm(make_arm(1)), right = bind_arm([] {
+    Arm arm = make_arm(-1);
+    const Arm other = make_arm(1);  // the same vertices in the same order, reflected
+    arm.skin = other.skin;
+    arm.skin.V.col(0) *= -1;
+    arm.skin.F.col(1).swap(arm.skin.F.col(2));
+    for (std::size_t b = 0; b < arm.anatomy.bones.size(); ++b) {
+      arm.anatomy.bones[b].mesh = other.anatomy.bones[b].mesh;
+      arm.anatomy.bones[b].mesh.V.col(0) *= -1;
+      arm.anatomy.bones[b].mesh.F.col(1).swap(arm.anatomy.bones[b].mesh.F.col(2));
+    }
+    return arm;
+  }());
+  Points L, R;
+  to_points(deform(left, bent(left.arm.anatomy, 1.8)), L);
+  to_points(deform(right, bent(right.arm.anatomy, 1.8)), R);
+  R.col(0) *= -1;
+  EXPECT_LT((L - R).cwiseAbs().maxCoeff(), 1e-5);
+}
+
+TEST(Skin, EndsOfTheArmAreCarriedByTheirBones) {
+  const Bound bound = bind_arm(make_arm(1, false));
+  PosedAnatomy posed;
+  Points V;
+  to_points(deform(bound, bent(bound.arm.anatomy, 2.0), posed), V);
+  const std::vector<Vec3> origins = rest_positions(bound.arm.anatomy.skeleton);
+  int upper = 0, lower = 0;
+  for (Eigen::Index i = 0; i < V.rows(); ++i) {
+    const Vec3 X = bound.arm.skin.V.row(i);
+    const int joint = X.y() > origins[3].y() + 0.18 ? 2 : X.y() < origins[3].y() - 0.18 ? 3 : -1;
+    if (joint < 0) continue;
+    (joint == 2 ? upper : lower)++;
+    const Vec3 carried = posed.X_WJ[static_cast<std::size_t>(joint)] * (X - origins[static_cast<std::size_t>(joint)]);
+    EXPECT_LT((carried - Vec3(V.row(i))).norm(), 2e-3);
+  }
+  EXPECT_GT(upper, 100);
+  EXPECT_GT(lower, 100);
+}
+
+TEST(Skin, BentElbowDoesNotFoldAndKeepsItsVolume) {
+  const Bound bound = bind_arm(make_arm(1, false));
+  const std::vector<LimbSection> sections = limb_sections(bound.arm.anatomy.skeleton, bound.arm.skin, bound.binding);
+  ASSERT_EQ(sections.size(), 1u);
+  PosedAnatomy posed;
+  const SkinFrame frame = deform(bound, bent(bound.arm.anatomy, 2 * std::numbers::pi / 3), posed);
+  const SkinQuality quality = measure_skin(bound.arm.skin, bound.binding, sections, posed.X_WJ, frame);
+  EXPECT_EQ(quality.not_finite, 0);
+  EXPECT_LE(quality.flipped_share, 0.001);
+  EXPECT_GT(quality.limb_volume_change[0], -0.04);
+  EXPECT_LT(quality.limb_volume_change[0], 0.04);
+}
+
+TEST(Skin, AnchorsAreTheNearestComponents) {
+  const Bound bound = bind_arm(make_arm());
+  PosedAnatomy rest;
+  pose_anatomy(bound.table, bound.arm.anatomy.skeleton, rest_pose(bound.arm.anatomy.skeleton), rest);
+  for (std::size_t i = 0; i < bound.binding.anchors.size(); i += 7) {
+    const Anchor& anchor = bound.binding.anchors[i];
+    const Vec3 p = bound.arm.skin.V.row(static_cast<Eigen::Index>(i));
+    EXPECT_NEAR((p - anchor.point).norm(), anchor.distance, 1e-9);
+    for (const Bone& bone : bound.arm.anatomy.bones) {  // no bone vertex may be nearer
+      for (Eigen::Index v = 0; v < bone.mesh.V.rows(); ++v)
+        EXPECT_GE((p - Vec3(bone.mesh.V.row(v))).norm(), anchor.distance - 1e-9);
+    }
+    if (anchor.kind == Anchor::Kind::muscle) {
+      EXPECT_LT((anchor.point - rest.slices[static_cast<std::size_t>(anchor.part)].center).norm(), 0.05);
+    }
+  }
+}
+
+TEST(Skin, SameBytesAtOneAndTwoThreads) {
+  const auto run = [](std::size_t threads) {
+    tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const Bound bound = bind_arm(make_arm());
+    return deform(bound, bent(bound.arm.anatomy, 1.5));
+  };
+  const SkinFrame one = run(1), two = run(2);
+  EXPECT_EQ(one.positions, two.positions);
+  EXPECT_EQ(one.normals, two.normals);
+}
+
+TEST(Skin, OrderOfVerticesDoesNotMatter) {
+  Arm arm = make_arm(), shuffled = arm;
+  std::vector<int> order(static_cast<std::size_t>(arm.skin.V.rows()));
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+  std::shuffle(order.begin(), order.end(), std::mt19937(7));
+  for (std::size_t i = 0; i < order.size(); ++i) shuffled.skin.V.row(order[i]) = arm.skin.V.row(static_cast<Eigen::Index>(i));
+  for (Eigen::Index e = 0; e < arm.skin.F.size(); ++e) shuffled.skin.F.data()[e] = order[static_cast<std::size_t>(arm.skin.F.data()[e])];
+  const Bound a = bind_arm(arm), b = bind_arm(shuffled);
+  Points A, B;
+  to_points(deform(a, bent(arm.anatomy, 1.5)), A);
+  to_points(deform(b, bent(arm.anatomy, 1.5)), B);
+  for (std::size_t i = 0; i < order.size(); ++i)
+    EXPECT_LT((A.row(static_cast<Eigen::Index>(i)) - B.row(order[i])).norm(), 2e-6);
+}
+
+TEST(Skin, RefusesWhatItCannotBind) {
+  Arm arm = make_arm(1, false);
+  Body body;
+  EXPECT_THROW(bind_skin(arm.anatomy, body), UnfitError);
+  body.skin = arm.skin;
+  body.skin.V(5, 1) = std::nan("");
+  EXPECT_THROW(bind_skin(arm.anatomy, body), UnfitError);
+  body.skin = arm.skin;
+  arm.anatomy.bones.clear();
+  EXPECT_THROW(bind_skin(arm.anatomy, body), UnfitError);
+}
+
+TEST(Skin, RefusesAPoseOfAnotherAnatomy) {
+  const Bound bound = bind_arm(make_arm());
+  PosedAnatomy posed;
+  posed.X_WJ.resize(2);
+  SkinFrame frame;
+  EXPECT_THROW(deform_skin(bound.binding, posed, frame), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace ecorche
