@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -93,10 +94,13 @@ struct Body {
   double mass = 0;                  // kg; 0 where unknown
 };
 
+struct FitTables;  // morph/template.h: what fitting needs to know beside the anatomy
+
 // An anatomy and the body it was authored in.
 struct Template {
   Anatomy anatomy;
   Body body;
+  std::shared_ptr<const FitTables> tables;  // set by read_template and build_template
 };
 
 // A slice posed in the world.

@@ -19,7 +19,9 @@ struct Joint {
   Mat3 axes = Mat3::Identity();          // columns: flexion(+), abduction(+), internal/axial rotation(+) axes, world at rest
   Vec3 min = Vec3::Constant(-0.01);      // lower limits about the three axes, rad, from the anatomical zero
   Vec3 max = Vec3::Constant(0.01);       // upper limits
-  Vec3 zero = Vec3::Zero();              // anatomical angles of the rest pose (the A-pose is not the anatomical zero)
+  // Anatomical angles of the rest pose (the A-pose is not the anatomical zero). A pose's angles (f, a, r) are those of
+  //   Rx(f) Ry(a) Rz(r) = axes^T * L * axes * Rx(zero.x) Ry(zero.y) Rz(zero.z),   L the joint's local rotation.
+  Vec3 zero = Vec3::Zero();
 };
 
 struct Skeleton {

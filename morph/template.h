@@ -1,0 +1,41 @@
+// The template: the skeleton and the muscles placed in the default male body, and what is needed to place them in any other.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "anatomy/anatomy.h"
+#include "anatomy/body_package.h"
+#include "anatomy/package.h"
+#include "morph/half_skeleton.h"
+#include "morph/joint_centres.h"
+#include "morph/place_bones.h"
+
+namespace ecorche {
+
+// What fitting needs to know beside the anatomy.
+struct FitTables {
+  FitRules rules;
+  BodyPackage topology;              // faces, cavities, mirror of the skin; no points, no targets
+  HalfSkeleton half;                 // the template's own, placed
+  std::vector<LandmarkTarget> landmarks;  // palpable points with the depth that they have in the template
+  CentreRegressor regressor;
+  double stature = 0;                // of the template's body, m
+};
+
+// Builds it from the packages and our tables; some seconds to a minute. Throws InputError for missing or altered inputs.
+Template build_template(const Packages& packages);
+
+// The same from the cache, building and storing it when there is none: $XDG_CACHE_HOME/ecorche, else ~/.cache/ecorche, else no
+// cache. The file's name is the hash of all it was built from, so that it is never stale; a damaged one is built anew.
+Template read_template();
+Template read_template(const Packages& packages);
+
+// As bytes, for the cache. read_template_bytes throws InputError for anything but what write_template_bytes gave.
+std::string write_template_bytes(const Template& body_template);
+Template read_template_bytes(std::string_view bytes);
+
+// Hash of everything that a template is built from: pinned packages, our tables, the version of the building code.
+std::string template_key();
+
+}  // namespace ecorche

@@ -1,0 +1,92 @@
+// The template: complete, mirrored, inside its body, and read back from its cache as it was written.
+#include "morph/template.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "anatomy/errors.h"
+#include "morph/skin_field.h"
+
+namespace ecorche {
+namespace {
+
+const Template* the_template() {
+  static const std::shared_ptr<const Template> built = []() -> std::shared_ptr<const Template> {
+    try {
+      return std::make_shared<Template>(read_template());
+    } catch (const InputError&) {
+      return nullptr;
+    }
+  }();
+  return built.get();
+}
+
+#define NEED_TEMPLATE()                                                              \
+  const Template* shared = the_template();                                           \
+  if (!shared) GTEST_SKIP() << "the data packages are not there (make setup)";       \
+  const Template& tmpl = *shared
+
+TEST(Template, Has178BonesAnd400Muscles) {
+  NEED_TEMPLATE();
+  EXPECT_EQ(tmpl.anatomy.bones.size(), 178u);
+  EXPECT_GE(tmpl.anatomy.muscles.size(), 400u);
+  EXPECT_NO_THROW(validate(tmpl.anatomy));
+}
+
+TEST(Template, LeftAndRightMirror) {
+  NEED_TEMPLATE();
+  double worst = 0;
+  for (const Bone& bone : tmpl.anatomy.bones) {
+    if (bone.side != Side::left) continue;
+    const int other = find_bone(tmpl.anatomy, bone.name.substr(0, bone.name.size() - 2) + "_r");
+    ASSERT_GE(other, 0) << bone.name;
+    const Points& R = tmpl.anatomy.bones[other].mesh.V;
+    ASSERT_EQ(R.rows(), bone.mesh.V.rows());
+    Points M = R;
+    M.col(0) *= -1;
+    worst = std::max(worst, (M - bone.mesh.V).rowwise().norm().maxCoeff());
+  }
+  EXPECT_LT(worst, 1e-3);
+}
+
+TEST(Template, NoBoneVertexIsOutsideItsSkin) {
+  NEED_TEMPLATE();
+  const SkinField skin(capped_skin(tmpl.tables->topology, tmpl.body.skin.V));
+  int outside = 0;
+  for (const Bone& bone : tmpl.anatomy.bones)
+    for (int i = 0; i < bone.mesh.V.rows(); ++i) outside += skin.winding_number(bone.mesh.V.row(i)) < 0.5;
+  EXPECT_EQ(outside, 0);
+}
+
+TEST(Template, CentreRegressorGivesTheTemplatesOwnCentres) {
+  NEED_TEMPLATE();
+  const NamedPoints centres = joint_centres(tmpl.tables->regressor, tmpl.body.skin.V);
+  EXPECT_GT(centres.size(), 40u);
+  for (const auto& [name, centre] : centres) EXPECT_LT((centre - tmpl.tables->half.points.at(name)).norm(), 1e-7) << name;
+}
+
+TEST(Template, CentreRegressorFollowsAffineMaps) {
+  NEED_TEMPLATE();
+  Mat3 A;
+  A << 1.1, 0.2, 0, -0.1, 0.9, 0.05, 0.3, 0, 1.2;
+  const Vec3 shift(3, -2, 1);
+  const Points moved = (tmpl.body.skin.V * A.transpose()).rowwise() + shift.transpose();
+  const NamedPoints before = joint_centres(tmpl.tables->regressor, tmpl.body.skin.V);
+  for (const auto& [name, centre] : joint_centres(tmpl.tables->regressor, moved))
+    EXPECT_LT((centre - (A * before.at(name) + shift)).norm(), 1e-9) << name;
+}
+
+TEST(Template, CacheGivesBackWhatWasWritten) {
+  NEED_TEMPLATE();
+  const std::string bytes = write_template_bytes(tmpl);
+  EXPECT_EQ(write_template_bytes(read_template_bytes(bytes)), bytes);
+  std::string damaged = bytes;
+  damaged[damaged.size() / 2] ^= 1;
+  EXPECT_THROW(read_template_bytes(damaged), InputError);
+  EXPECT_THROW(read_template_bytes(bytes.substr(0, 1000)), InputError);
+  EXPECT_THROW(read_template_bytes(""), InputError);
+}
+
+}  // namespace
+}  // namespace ecorche
