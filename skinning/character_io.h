@@ -1,0 +1,33 @@
+// A character as a .glb that any glTF viewer opens, and that reads back as the anatomy it was written from.
+//
+// Scene: mesh node `skin`, mesh nodes `bone/<name>` and `muscle/<name>`, the joint hierarchy under `pelvis`; metres, +Y up, facing +Z.
+// Skin and muscles carry four joint influences a vertex; bones ride on their joints. What glTF has no word for is in `extras`: schema
+// number and body on the asset's scene, axes and limits on joints, label, attachments, path and slices on muscles. The skin's nearest
+// parts are the vertex attributes _ANCHOR_PART (bone index, or number of bones + slice index) and _ANCHOR_DISTANCE (m).
+// glTF has nothing exact for a skin that moves by muscles: its four influences are the joint part of the binding. Vertex caches
+// (skinning/pc2_io.h) are exact.
+#pragma once
+
+#include <filesystem>
+
+#include "anatomy/anatomy.h"
+#include "skinning/bind.h"
+
+namespace ecorche {
+
+struct Character {
+  Anatomy anatomy;
+  Body body;
+};
+
+inline constexpr int kCharacterSchema = 1;
+
+// With a motion, the file holds it as one animation named `motion`, a key a frame. Binding and motion must belong to the character
+// (std::invalid_argument otherwise). Throws OutputError.
+void write_character(const std::filesystem::path& file, const Character& character, const Binding& binding, const Motion* motion = nullptr);
+
+// Throws InputError for a file that is no character of ours (it names what is missing), or one of a newer schema.
+// Positions come back in single precision (1e-7 m).
+Character read_character(const std::filesystem::path& file);
+
+}  // namespace ecorche
