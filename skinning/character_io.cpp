@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 #include <map>
@@ -21,6 +22,8 @@ namespace {
 
 using gltf::Object;
 using tinygltf::Value;
+
+constexpr std::array kSkinColour{0.80, 0.58, 0.47, 1.0};
 
 // Builds the one buffer and the accessors over it.
 class GlbBuilder {
@@ -180,7 +183,7 @@ void add_joints(GlbBuilder& glb, const Skeleton& skeleton) {
 }
 
 void add_skin(GlbBuilder& glb, const Character& character, const Binding& binding) {
-  const int material = glb.add_material("skin", {0.80, 0.58, 0.47, 1}, 0.6);
+  const int material = glb.add_material("skin", kSkinColour, 0.6);
   tinygltf::Primitive& primitive = glb.add_mesh("skin", character.body.skin, material);
   glb.add_influences(primitive, binding.joint_weights);
   const int bones = static_cast<int>(character.anatomy.bones.size());
@@ -264,7 +267,7 @@ void add_muscles(GlbBuilder& glb, const Anatomy& anatomy) {
   }
 }
 
-void add_channel(GlbBuilder& glb, tinygltf::Animation& animation, int node, const char* path, int times, int values) {
+void add_channel(tinygltf::Animation& animation, int node, const char* path, int times, int values) {
   animation.samplers.push_back({});
   animation.samplers.back().input = times;
   animation.samplers.back().output = values;
@@ -284,7 +287,7 @@ void add_motion(GlbBuilder& glb, const Skeleton& skeleton, const Motion& motion)
     for (int k = 0; k < 3; ++k) roots.push_back(static_cast<float>(motion.frames[f].root[k]));
   }
   const int times = glb.add_scalars(seconds, true, 0);
-  add_channel(glb, animation, 0, "translation", times, glb.add_accessor(roots, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 3, 0));
+  add_channel(animation, 0, "translation", times, glb.add_accessor(roots, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 3, 0));
   for (size_t j = 0; j < skeleton.joints.size(); ++j) {
     std::vector<float> turns;
     Quat last = Quat::Identity();
@@ -297,13 +300,24 @@ void add_motion(GlbBuilder& glb, const Skeleton& skeleton, const Motion& motion)
       for (int k = 0; k < 4; ++k) turns.push_back(static_cast<float>(q.coeffs()[k]));
     }
     if (!moves) continue;
-    add_channel(glb, animation, static_cast<int>(j), "rotation", times,
+    add_channel(animation, static_cast<int>(j), "rotation", times,
                 glb.add_accessor(turns, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC4, 4, 0));
   }
   Object extras;
   extras["fps"] = gltf::number(motion.fps);
   animation.extras = Value(std::move(extras));
   glb.model().animations.push_back(std::move(animation));
+}
+
+void finish(GlbBuilder& glb, const Body& body, const std::filesystem::path& file, AtomicFile& out) {
+  Object ecorche{{"schema", Value(kCharacterSchema)}, {"body", gltf::body_extras(body)}};
+  Object extras;
+  extras["ecorche"] = Value(std::move(ecorche));
+  glb.scene().extras = Value(std::move(extras));
+  glb.scene().name = body.name.empty() ? "body" : body.name;
+  if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&glb.model(), out.stream(), false, true))
+    throw OutputError(fmt::format("{}: could not be written", file.string()));
+  out.commit();
 }
 
 void check(const Character& character, const Binding& binding, const Motion* motion) {
@@ -330,15 +344,18 @@ void write_character(const std::filesystem::path& file, const Character& charact
   add_bones(glb, character.anatomy);
   add_muscles(glb, character.anatomy);
   if (motion) add_motion(glb, character.anatomy.skeleton, *motion);
-  Object ecorche{{"schema", Value(kCharacterSchema)}, {"body", gltf::body_extras(character.body)}};
-  Object extras;
-  extras["ecorche"] = Value(std::move(ecorche));
-  glb.scene().extras = Value(std::move(extras));
-  glb.scene().name = character.body.name.empty() ? "character" : character.body.name;
+  finish(glb, character.body, file, out);
+}
 
-  if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&glb.model(), out.stream(), false, true))
-    throw OutputError(fmt::format("{}: could not be written", file.string()));
-  out.commit();
+void write_body(const std::filesystem::path& file, const Body& body) {
+  AtomicFile out(file);
+  GlbBuilder glb;
+  glb.add_mesh("skin", body.skin, glb.add_material("skin", kSkinColour, 0.6));
+  tinygltf::Node node;
+  node.name = "skin";
+  node.mesh = 0;
+  glb.add_node(std::move(node));
+  finish(glb, body, file, out);
 }
 
 }  // namespace ecorche

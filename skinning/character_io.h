@@ -30,4 +30,13 @@ void write_character(const std::filesystem::path& file, const Character& charact
 // Positions come back in single precision (1e-7 m).
 Character read_character(const std::filesystem::path& file);
 
+// A body without anatomy: the mesh node `skin` and the body's notes (name, sex, age, mass, landmarks). Throws OutputError.
+void write_body(const std::filesystem::path& file, const Body& body);
+
+// The body of a file that write_body or write_character wrote. Throws InputError.
+Body read_body(const std::filesystem::path& file);
+
+// Whether the file is a binary glTF that write_body or write_character may have written: by its first bytes and the mark in its text.
+bool has_body_notes(const std::filesystem::path& file);
+
 }  // namespace ecorche

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <fstream>
 #include <map>
+#include <set>
 
 #include "anatomy/errors.h"
 #include "skinning/character_io.h"
@@ -52,27 +53,35 @@ class Reader {
     std::string error, warning;
     if (!loader.LoadBinaryFromMemory(&model_, &error, &warning, bytes.data(), static_cast<unsigned>(bytes.size()))) fail("malformed glTF: " + error);
     if (model_.scenes.empty() || !model_.scenes[0].extras.Has("ecorche"))
-      fail("a glTF file, but no character; `ecorche fit` makes one from a body");
-    for (size_t n = 0; n < model_.nodes.size(); ++n)
-      if (!by_name_.emplace(model_.nodes[n].name, static_cast<int>(n)).second) fail(fmt::format("two nodes are named '{}'", model_.nodes[n].name));
+      fail("a glTF file, but not one that ecorche wrote; `ecorche fit` makes a character from a body");
+    std::set<std::string> names;
+    for (const tinygltf::Node& node : model_.nodes)
+      if (!names.insert(node.name).second) fail(fmt::format("two nodes are named '{}'", node.name));
   }
 
-  Character read() {
+  Body read_body() {
     const Value& ecorche = model_.scenes[0].extras.Get("ecorche");
     const int schema = gltf::read_schema(ecorche, name_);
     if (schema > kCharacterSchema)
       fail(fmt::format("written by a newer version (schema {}, this program reads up to {}); update ecorche", schema, kCharacterSchema));
-    Character character;
+    Body body;
     if (!ecorche.Has("body")) fail("'body' is missing");
-    gltf::read_body_extras(ecorche.Get("body"), name_ + ": body", character.body);
+    gltf::read_body_extras(ecorche.Get("body"), name_ + ": body", body);
+    for (const tinygltf::Node& node : model_.nodes)
+      if (node.name == "skin") body.skin = read_mesh(node);
+    if (body.skin.V.rows() == 0) fail("mesh node 'skin' is missing");
+    return body;
+  }
+
+  Character read() {
+    Character character;
+    character.body = read_body();
     read_skeleton(character.anatomy.skeleton);
     const auto positions = rest_positions(character.anatomy.skeleton);
     for (const tinygltf::Node& node : model_.nodes) {
-      if (node.name == "skin") character.body.skin = read_mesh(node);
-      else if (node.name.starts_with("bone/")) character.anatomy.bones.push_back(read_bone(node, positions));
-      else if (node.name.starts_with("muscle/")) character.anatomy.muscles.push_back(read_muscle(node));
+      if (node.name.starts_with("bone/")) character.anatomy.bones.push_back(read_bone(node, positions));
+      if (node.name.starts_with("muscle/")) character.anatomy.muscles.push_back(read_muscle(node));
     }
-    if (character.body.skin.V.rows() == 0) fail("mesh node 'skin' is missing");
     try {
       validate(character.anatomy);
     } catch (const std::invalid_argument& e) {
@@ -165,11 +174,26 @@ class Reader {
 
   std::string name_;
   tinygltf::Model model_;
-  std::map<std::string, int> by_name_;
 };
 
 }  // namespace
 
 Character read_character(const fs::path& file) { return Reader(file).read(); }
+
+Body read_body(const fs::path& file) { return Reader(file).read_body(); }
+
+bool has_body_notes(const fs::path& file) {
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return false;
+  std::ifstream in(file, std::ios::binary);
+  char header[20];
+  if (!in.read(header, sizeof header) || std::memcmp(header, "glTF", 4) != 0) return false;
+  std::uint32_t length = 0;
+  std::memcpy(&length, header + 12, sizeof length);
+  if (length > fs::file_size(file, error)) return false;
+  std::string text(length, '\0');
+  in.read(text.data(), length);
+  return text.find("\"ecorche\"") != std::string::npos;
+}
 
 }  // namespace ecorche
