@@ -1,0 +1,64 @@
+// A character ready to move, and what its motion is judged by. Shared by the verbs animate, render, view, bench and demo.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "anatomy/body_package.h"
+#include "anatomy/pose_anatomy.h"
+#include "app/report.h"
+#include "skinning/character_io.h"
+#include "skinning/deform.h"
+#include "skinning/quality.h"
+#include "skinning/retarget.h"
+
+namespace ecorche {
+
+struct Actor {
+  Character character;
+  PosingTable table;
+  Binding binding;
+};
+
+// Builds the tables and binds the skin. Timings: posing_table, anchoring.
+Actor make_actor(Character character, Report& report);
+
+struct ActorFrame {
+  PosedAnatomy posed;
+  SkinFrame skin;
+};
+
+// One frame: kinematics, muscles, skin with normals. Reuses the memory of `frame`.
+void play(const Actor& actor, const Pose& pose, ActorFrame& frame);
+
+// A body of ours (.glb), or a bare skin in the base mesh's topology and vertex order. Throws InputError or UnfitError.
+Body open_body(const std::filesystem::path& file, const BodyPackage& package);
+
+// Reads a BVH file and retargets it to the character. What was assumed goes to the report under `motion`.
+Motion open_motion(const std::filesystem::path& file, const Character& character, const RetargetOptions& options, Report& report);
+
+// What a motion did to muscles and skin, over all frames.
+struct MotionQuality {
+  int frames = 0;
+  double volume_drift_max = 0;        // largest relative change of any muscle's volume
+  std::string volume_drift_muscle;    // whose
+  double flipped_share_max = 0;       // of the skin's triangles, worst frame
+  double flipped_share_mean = 0;
+  int flipped_worst_frame = 0;
+  double stretch_p99_max = 0;
+  int not_finite = 0;
+  int strips_clamped_max = 0;
+  // The same poses with linear blend skinning and the body package's own weights; absent for skins of another topology.
+  std::optional<double> linear_flipped_share_max;
+  std::optional<double> linear_flipped_share_mean;
+  std::optional<double> linear_stretch_p99_max;
+};
+
+MotionQuality survey_motion(const Actor& actor, const Motion& motion, const BodyPackage* package);
+
+// Under `prefix`: stable names, see docs/report.md.
+void report_quality(const MotionQuality& quality, const std::string& prefix, Report& report);
+
+}  // namespace ecorche

@@ -1,0 +1,23 @@
+// How a motion file is to be read: options shared by the verbs that take one.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+
+#include "skinning/retarget.h"
+
+namespace ecorche {
+
+struct MotionOptions {
+  std::filesystem::path map_file;  // --map
+  std::string up;                  // --up
+  double unit = 0;                 // --unit, metres
+  bool clamp = false;              // --clamp
+  bool free_feet = false;          // --no-plant
+};
+
+void add_motion_options(CLI::App& verb, MotionOptions& options);
+RetargetOptions to_retarget_options(const MotionOptions& options);
+
+}  // namespace ecorche
