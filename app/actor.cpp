@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "anatomy/errors.h"
+#include "anatomy/bare_skin.h"
 #include "skinning/baseline.h"
 #include "skinning/linear_rival.h"
 
@@ -26,6 +26,16 @@ Actor make_actor(Character character, Report& report) {
 void play(const Actor& actor, const Pose& pose, ActorFrame& frame) {
   pose_anatomy(actor.table, actor.character.anatomy.skeleton, pose, frame.posed);
   deform_skin(actor.binding, frame.posed, frame.skin);
+}
+
+Body open_body(const std::filesystem::path& file, const BodyPackage& package, Report& report) {
+  if (has_body_notes(file)) return read_body(file);
+  BareSkin bare = read_bare_skin(file, package);
+  for (const std::string& text : bare.notes) report.append_text("body.notes", text);
+  report.set("body.unit", bare.unit);
+  report.set("body.up", bare.up);
+  report.set("body.front", bare.front);
+  return std::move(bare.body);
 }
 
 Motion open_motion(const std::filesystem::path& file, const Character& character, const RetargetOptions& options, Report& report) {

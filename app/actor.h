@@ -33,8 +33,9 @@ struct ActorFrame {
 // One frame: kinematics, muscles, skin with normals. Reuses the memory of `frame`.
 void play(const Actor& actor, const Pose& pose, ActorFrame& frame);
 
-// A body of ours (.glb), or a bare skin in the base mesh's topology and vertex order. Throws InputError or UnfitError.
-Body open_body(const std::filesystem::path& file, const BodyPackage& package);
+// A body of ours (.glb), or a bare skin in the base mesh's topology and vertex order. What was found out about the
+// latter's units and axes goes to the report under `body`. Throws InputError or UnfitError.
+Body open_body(const std::filesystem::path& file, const BodyPackage& package, Report& report);
 
 // Reads a BVH file and retargets it to the character. What was assumed goes to the report under `motion`.
 Motion open_motion(const std::filesystem::path& file, const Character& character, const RetargetOptions& options, Report& report);

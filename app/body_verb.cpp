@@ -1,9 +1,7 @@
 // ecorche body new: a body of a wanted sex, age, height and mass.
 #include <fmt/format.h>
 
-#include "anatomy/errors.h"
 #include "anatomy/package.h"
-#include "app/files.h"
 #include "app/verb.h"
 #include "morph/body.h"
 #include "skinning/character_io.h"
@@ -28,7 +26,7 @@ int run_new(const NewOptions& options, const Common& common, Report& report) {
   if (options.muscle >= 0) spec.muscle = options.muscle;
   spec.name = options.output.stem().string();
 
-  const BodyPackage package = open_body_package();
+  const BodyPackage package = read_body_package(find_packages());
   const StageTimer timer(report, "body");
   const ShapedBody shaped = shape_body(package, spec);
   write_body(options.output, shaped.body);
