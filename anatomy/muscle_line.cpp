@@ -11,7 +11,12 @@ namespace {
 constexpr int kPieces = 96;         // per segment, for arc length
 constexpr double kTiny = 1e-9;      // m; shorter segments count as this long
 
-using Weights = std::array<double, 4>;  // of path points first .. first + 3
+constexpr double kJunction = 0.06;   // of the line: half width of the passage from tendon to belly
+
+double smooth_step(double x) {
+  x = std::clamp(x, 0.0, 1.0);
+  return x * x * (3 - 2 * x);
+}
 
 // The spline of a path. Windows: the weights of segment i refer to path points window(i) .. window(i) + 3.
 class Spline {
@@ -319,6 +324,13 @@ void set_slices(Strip& strip, std::span<const Ellipse> ellipses) {
     slice.offset = Vec2(offset.dot(w), offset.dot(f.tangents[k].cross(w)));
     slice.radii = ellipses[k].radii;
   }
+}
+
+double belly_weight(const Strip& strip, double s) {
+  double share = 1;
+  if (strip.belly_begin > 0) share *= smooth_step((s - strip.belly_begin) / (2 * kJunction) + 0.5);
+  if (strip.belly_end < 1) share *= smooth_step((strip.belly_end - s) / (2 * kJunction) + 0.5);
+  return share;
 }
 
 double tube_volume(std::span<const Ellipse> ellipses) {

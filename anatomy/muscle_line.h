@@ -66,6 +66,10 @@ std::vector<Station> resample_stations(std::span<const PathPoint> path, std::spa
 // The way back from a change made to the ellipses (dilation). Precondition: one ellipse a slice.
 void set_slices(Strip& strip, std::span<const Ellipse> ellipses);
 
+// 1 on the belly, 0 on tendon, smooth over 6 % of the line on either side of a junction. A strip without tendon is belly to its
+// end (belly_begin 0, belly_end 1).
+double belly_weight(const Strip& strip, double s);
+
 // Volume of the tube lofted through the ellipses in order, exact for linear interpolation of centre and axes (no caps), m^3:
 //   V = sum over pieces of pi (c1 - c0) . (M00 + (M01 + M10) / 2 + M11) / 3,   Mij = (width axis of i) x (thickness axis of j)
 // It holds however the line bends or twists, as the volume of methods by Pappus does to first order.

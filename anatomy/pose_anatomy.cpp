@@ -255,6 +255,7 @@ void store(const PosingTable::Data& data, const PosingBatch& batch, const Lane& 
       e.axes.col(1) = Vec3(t.thickness[k].x[lane], t.thickness[k].y[lane], t.thickness[k].z[lane]);
       e.axes.col(2) = Vec3(t.tangent[k].x[lane], t.tangent[k].y[lane], t.tangent[k].z[lane]);
       e.radii = Vec2(a[lane], b[lane]);
+      out.belly[data.strip[batch.strip[lane]].slice + k] = static_cast<float>(t.belly[k][lane]);
     }
   }
   const Lane lengths = t.chord[batch.rows - 1] * batch.lanes.length_factor;
@@ -286,6 +287,7 @@ void pose_anatomy(const PosingTable& table, const Skeleton& skeleton, const Pose
                                 std::to_string(data.joints));
   forward_kinematics(skeleton, pose, out.X_WJ);
   out.slices.resize(data.slices);
+  out.belly.resize(data.slices);
   out.lengths.resize(data.strips);
   out.swelling.resize(data.strips);
   out.twists.resize(data.strips);

@@ -33,6 +33,7 @@ struct SliceRange {
 struct PosedAnatomy {
   std::vector<Transform> X_WJ;   // #joints
   std::vector<Ellipse> slices;   // #all slices: muscles, strips, slices in order
+  std::vector<float> belly;      // #all slices, 1 where belly lies now, 0 where tendon, smooth between (for colour)
   std::vector<double> lengths;   // #all strips, posed line lengths, m
   std::vector<double> swelling;  // #all strips, factor of the belly's radii (sheets: its square root of the thickness), 1 at rest
   std::vector<double> twists;    // #all strips, turn of the insertion about the line against the origin, relative to rest, rad

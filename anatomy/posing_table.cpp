@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kTendonGive = 0.1;      // stretch of tendon over stretch of belly
 constexpr double kTendonTwist = 3;       // turn of tendon over turn of belly, per metre
-constexpr double kJunction = 0.06;       // of the line: half width of the passage from tendon to belly
 constexpr double kWrapMargin = 0.0015;   // m
 constexpr double kWrapReach = 4;         // object radii: slices farther off hold still
 
@@ -34,19 +33,6 @@ RestStrip rest_strip(const Strip& strip) {
   rest.chord.push_back(0);
   for (size_t k = 1; k < rest.line.size(); ++k) rest.chord.push_back(rest.chord.back() + (rest.line[k] - rest.line[k - 1]).norm());
   return rest;
-}
-
-double smooth_step(double x) {
-  x = std::clamp(x, 0.0, 1.0);
-  return x * x * (3 - 2 * x);
-}
-
-// 1 on the belly, 0 on tendon; a strip without tendon is belly to its end.
-double belly_share(const Strip& strip, double s) {
-  double share = 1;
-  if (strip.belly_begin > 0) share *= smooth_step((s - strip.belly_begin) / (2 * kJunction) + 0.5);
-  if (strip.belly_end < 1) share *= smooth_step((strip.belly_end - s) / (2 * kJunction) + 0.5);
-  return share;
 }
 
 PosingPoint posing_point(const PathPoint& p, const std::vector<Vec3>& joints) {
@@ -73,7 +59,7 @@ PosingProfile profile(const Strip& strip, const RestStrip& rest) {
     const Slice &p = strip.slices[k - 1], &q = strip.slices[k];
     const Vec2 radii = p.radii + share * (q.radii - p.radii);
     table.at[i] << static_cast<float>(radii.x()), static_cast<float>(radii.y()),
-        static_cast<float>(belly_share(strip, p.s + share * (q.s - p.s))), 0.0f;
+        static_cast<float>(belly_weight(strip, p.s + share * (q.s - p.s))), 0.0f;
   }
   table.at[kProfileBins + 1] = table.at[kProfileBins];
   return table;

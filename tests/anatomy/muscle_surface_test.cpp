@@ -1,0 +1,131 @@
+// Laws of muscle surfaces: closed, outward, of the slices' volume, at rest and in motion.
+#include "anatomy/muscle_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "anatomy/carry_muscles.h"
+
+#include "tests/anatomy/strips.h"
+
+using namespace ecorche;
+using namespace ecorche::testing;
+
+namespace {
+
+// Every directed edge once, its opposite once.
+bool closed(const Triangles& F) {
+  std::map<std::pair<int, int>, int> edges;
+  for (Eigen::Index f = 0; f < F.rows(); ++f)
+    for (int i = 0; i < 3; ++i) ++edges[{F(f, i), F(f, (i + 1) % 3)}];
+  for (const auto& [edge, count] : edges)
+    if (count != 1 || edges.count({edge.second, edge.first}) != 1) return false;
+  return true;
+}
+
+PosedAnatomy posed(const Anatomy& anatomy, const Pose& pose) {
+  PosedAnatomy out;
+  pose_anatomy(make_posing_table(anatomy), anatomy.skeleton, pose, out);
+  return out;
+}
+
+}  // namespace
+
+TEST(MuscleSurface, EveryMuscleIsClosed) {
+  const Anatomy anatomy = arm_anatomy();
+  for (bool loft : {false, true}) {
+    const MuscleSurface surface = make_muscle_surface(anatomy, {16, loft});
+    ASSERT_EQ(surface.parts.size(), anatomy.muscles.size());
+    for (const auto& part : surface.parts) {
+      EXPECT_TRUE(closed(surface.F.middleRows(part.face_begin, part.face_end - part.face_begin))) << part.muscle;
+      EXPECT_EQ(part.sheet, loft && anatomy.muscles[part.muscle].sheet);
+    }
+  }
+}
+
+TEST(MuscleSurface, TubesEncloseTheVolumeOfTheirSlices) {
+  const Anatomy anatomy = arm_anatomy();
+  const MuscleSurface surface = make_muscle_surface(anatomy, {32, false});
+  Points positions;
+  update_muscle_surface(surface, rest_slices(anatomy), positions);
+  for (const auto& part : surface.parts)
+    EXPECT_NEAR(part_volume(surface, part, positions) / rest_volume(anatomy.muscles[part.muscle]), 1, 0.012) << part.muscle;
+}
+
+TEST(MuscleSurface, SheetsHaveTheVolumeOfTheirStripsAtRest) {
+  const Anatomy anatomy = arm_anatomy();
+  const MuscleSurface surface = make_muscle_surface(anatomy);
+  Points positions;
+  update_muscle_surface(surface, rest_slices(anatomy), positions);
+  for (const auto& part : surface.parts)
+    if (part.sheet) {
+      EXPECT_NEAR(part_volume(surface, part, positions) / rest_volume(anatomy.muscles[part.muscle]), 1, 0.005);
+    }
+}
+
+TEST(MuscleSurface, VolumeStaysInMotion) {
+  const Anatomy anatomy = arm_anatomy();
+  const MuscleSurface surface = make_muscle_surface(anatomy, {16, false});
+  Points rest, moved;
+  update_muscle_surface(surface, rest_slices(anatomy), rest);
+  for (double elbow : {30.0, 90.0, 130.0})
+    for (double side : {0.0, 60.0, 110.0}) {
+      update_muscle_surface(surface, posed(anatomy, arm_pose(anatomy.skeleton, side, 20, 10, elbow, 60)), moved);
+      ASSERT_TRUE(moved.allFinite());
+      for (const auto& part : surface.parts)
+        EXPECT_NEAR(part_volume(surface, part, moved) / part_volume(surface, part, rest), 1, 0.01)
+            << anatomy.muscles[part.muscle].name << " elbow " << elbow << " side " << side;
+    }
+}
+
+TEST(MuscleSurface, NormalsAreUnitAndPointOutward) {
+  const Anatomy anatomy = arm_anatomy();
+  const MuscleSurface surface = make_muscle_surface(anatomy);
+  const PosedAnatomy p = posed(anatomy, arm_pose(anatomy.skeleton, 30, 20, 10, 60, 30));
+  PointsF positions, normals;
+  update_muscle_surface(surface, p, positions, &normals);
+  int inward = 0;
+  for (int i = 0; i < surface.vertices(); ++i) {
+    EXPECT_NEAR(normals.row(i).norm(), 1, 1e-5);
+    const Vec3 from_center = positions.row(i).cast<double>().transpose() - p.slices[surface.slice[i]].center;
+    inward += normals.row(i).cast<double>().dot(from_center.transpose()) < 0;
+  }
+  EXPECT_LT(inward, 0.01 * surface.vertices());
+}
+
+TEST(MuscleSurface, VerticesLieOnTheirSlicesAtTheirAngles) {
+  const Anatomy anatomy = arm_anatomy();
+  const MuscleSurface surface = make_muscle_surface(anatomy, {16, false});
+  const auto slices = rest_slices(anatomy);
+  Points positions;
+  update_muscle_surface(surface, slices, positions);
+  int on_rings = 0;
+  for (int i = 0; i < surface.vertices(); ++i) {
+    const Ellipse& e = slices[surface.slice[i]];
+    const Vec3 at = positions.row(i).transpose();
+    const double a = surface.angle[i];
+    const Vec3 ring = e.center + e.axes.col(0) * e.radii.x() * std::cos(a) + e.axes.col(1) * e.radii.y() * std::sin(a);
+    on_rings += (at - ring).norm() < 1e-7;
+  }
+  EXPECT_EQ(on_rings, 16 * slice_count(anatomy));
+}
+
+TEST(MuscleSurface, SheetsOfUnequalSliceCountsAreClosedToo) {
+  Anatomy anatomy = arm_anatomy();
+  Muscle& sheet = anatomy.muscles.back();
+  ASSERT_TRUE(sheet.sheet);
+  const Anatomy coarse = arm_anatomy(1, 1, 8);
+  sheet.strips[1] = coarse.muscles.back().strips[1];
+  const MuscleSurface surface = make_muscle_surface(anatomy);
+  const auto& part = surface.parts.back();
+  EXPECT_TRUE(closed(surface.F.middleRows(part.face_begin, part.face_end - part.face_begin)));
+  Points positions;
+  update_muscle_surface(surface, rest_slices(anatomy), positions);
+  EXPECT_NEAR(part_volume(surface, part, positions) / rest_volume(sheet), 1, 0.01);
+  const TriMesh mesh = part_mesh(surface, part, positions);
+  EXPECT_EQ(mesh.V.rows(), part.vertex_end - part.vertex_begin);
+  EXPECT_EQ(mesh.F.maxCoeff() + 1, mesh.V.rows());
+}
+
+TEST(MuscleSurface, RefusesAbsurdOptions) { EXPECT_THROW(make_muscle_surface(arm_anatomy(), {7, true}), std::invalid_argument); }
