@@ -114,7 +114,7 @@ std::vector<double> spread_slices(std::span<const PathPoint> path, std::span<con
     turning += turn;
     weight.push_back(weight.back() + 1.0 / kProbe + 0.25 * turn + 0.12 * swell);
   }
-  const int wish = options.min_slices + static_cast<int>(std::lround(2.5 * turning)) + (path.size() > 6 ? static_cast<int>(path.size()) - 6 : 0);
+  const int wish = options.min_slices + static_cast<int>(1.5 * turning) + std::max(0, (static_cast<int>(path.size()) - 8) / 2);
   const int count = std::clamp(wish, options.min_slices, std::max(options.min_slices, options.max_slices));
   std::vector<double> s{0};
   for (int k = 1, i = 1; k + 1 < count; ++k) {
