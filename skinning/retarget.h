@@ -24,13 +24,14 @@ namespace ecorche {
 struct RetargetOptions {
   // The file's joint -> our joint, before any guess of ours; an empty name leaves the joint out. See read_joint_map().
   std::map<std::string, std::string> joint_map;
-  std::optional<double> metres_per_unit;  // instead of the guess from leg length (it is only reported: paths are scaled by leg length)
-  std::optional<char> up;                 // 'x', 'y' or 'z' of the file, instead of the guess
-  std::optional<double> sole_height;      // world y of the soles in the skeleton's rest pose; from the toe joints if absent
+  std::optional<double>
+      metres_per_unit;     // instead of the guess from leg length (it is only reported: paths are scaled by leg length)
+  std::optional<char> up;  // 'x', 'y' or 'z' of the file, instead of the guess
+  std::optional<double> sole_height;  // world y of the soles in the skeleton's rest pose; from the toe joints if absent
   bool plant_feet = true;
-  bool keep_flights = true;               // centre of mass in free flight on a parabola of 9.81 m/s^2
+  bool keep_flights = true;  // centre of mass in free flight on a parabola of 9.81 m/s^2
   bool shoulder_rhythm = true;
-  bool clamp_limits = false;              // bring joints back inside their limits; otherwise only reported
+  bool clamp_limits = false;  // bring joints back inside their limits; otherwise only reported
 };
 
 struct JointMatch {
@@ -41,43 +42,43 @@ struct JointMatch {
 
 struct Contact {
   Side side = Side::left;
-  int begin = 0, end = 0;   // frames [begin, end)
-  double slide = 0;         // largest horizontal distance of the planted point from its place, m
+  int begin = 0, end = 0;  // frames [begin, end)
+  double slide = 0;        // largest horizontal distance of the planted point from its place, m
 };
 
 struct Flight {
-  int begin = 0, end = 0;   // frames [begin, end)
+  int begin = 0, end = 0;     // frames [begin, end)
   double gravity_before = 0;  // of the scaled source, m/s^2; 9.81 afterwards
 };
 
 struct LimitBreak {
   std::string joint;
-  int frames = 0;           // how many frames are outside
+  int frames = 0;  // how many frames are outside
   int worst_frame = 0;
-  double worst = 0;         // rad beyond the limit
+  double worst = 0;  // rad beyond the limit
 };
 
 struct RetargetReport {
-  std::string unit;              // "cm", "m", "inch", "CMU unit", ... or "unknown"
+  std::string unit;  // "cm", "m", "inch", "CMU unit", ... or "unknown"
   double metres_per_unit = 1;
-  char up = 'y';                 // of the file
-  std::string facing;            // of the rest pose, file axes: "+z"
-  double source_leg = 0;         // hip to ankle along the leg, file units
-  double scale = 1;              // file units -> metres of our figure
-  bool same_rest = false;        // taken over rotation for rotation
-  int reference_frame = -1;      // pose the rest alignment starts from: -1 the file's rest pose, else a frame near standing
+  char up = 'y';                     // of the file
+  std::string facing;                // of the rest pose, file axes: "+z"
+  double source_leg = 0;             // hip to ankle along the leg, file units
+  double scale = 1;                  // file units -> metres of our figure
+  bool same_rest = false;            // taken over rotation for rotation
+  int reference_frame = -1;          // pose the rest alignment starts from: -1 the file's rest pose, else a frame near standing
   bool dropped_first_frame = false;  // it was a marker pose
   std::vector<JointMatch> matches;   // one a joint of the file
   std::vector<std::string> warnings;
   std::vector<Contact> contacts;
   std::vector<Flight> flights;
-  double slide_p95 = 0;          // of the contacts' slides, m
-  double penetration = 0;        // deepest point of a sole below the ground, m
+  double slide_p95 = 0;    // of the contacts' slides, m
+  double penetration = 0;  // deepest point of a sole below the ground, m
   std::vector<LimitBreak> limit_breaks;
 };
 
-// Throws UnfitError that lists what could not be matched (hips, chest, head, both arms, both legs are needed) with the table so far.
-// Precondition (std::invalid_argument): `ours` has the joints of data/joints.csv.
+// Throws UnfitError that lists what could not be matched (hips, chest, head, both arms, both legs are needed) with the table so
+// far. Precondition (std::invalid_argument): `ours` has the joints of data/joints.csv.
 Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOptions& options, RetargetReport& report);
 
 // The matches as a table for people, one joint a line.

@@ -1,0 +1,119 @@
+#include "skinning/retarget.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+
+#include "anatomy/errors.h"
+#include "skinning/joint_limits.h"
+#include "skinning/pose_transfer.h"
+#include "skinning/rest_alignment.h"
+#include "skinning/source_rig.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180;
+constexpr double kLimitTolerance = 0.5 * kDegree;
+
+// Some files begin with a T-pose for the calibration: far from the second frame, while the third is near it.
+bool first_frame_is_marker(const std::vector<Pose>& frames) {
+  if (frames.size() < 3) return false;
+  auto step = [&](int f) {
+    double largest = 0;
+    for (size_t j = 0; j < frames[f].rotations.size(); ++j)
+      largest = std::max(largest, frames[f].rotations[j].angularDistance(frames[f + 1].rotations[j]));
+    return largest;
+  };
+  return step(0) > 30 * kDegree && step(0) > 5 * step(1);
+}
+
+// q and -q are the same turn: the one nearer to the frame before.
+void unwrap(std::vector<Pose>& frames) {
+  for (size_t f = 1; f < frames.size(); ++f)
+    for (size_t j = 0; j < frames[f].rotations.size(); ++j)
+      if (frames[f].rotations[j].dot(frames[f - 1].rotations[j]) < 0) frames[f].rotations[j].coeffs() *= -1;
+}
+
+void report_limits(const Skeleton& skeleton, const Motion& motion, RetargetReport& report) {
+  for (size_t j = 1; j < skeleton.joints.size(); ++j) {
+    LimitBreak broken{skeleton.joints[j].name};
+    for (size_t f = 0; f < motion.frames.size(); ++f) {
+      const double excess = limit_excess(skeleton.joints[j], motion.frames[f].rotations[j]);
+      if (excess <= kLimitTolerance) continue;
+      ++broken.frames;
+      if (excess > broken.worst) broken.worst = excess, broken.worst_frame = static_cast<int>(f);
+    }
+    if (broken.frames > 0) report.limit_breaks.push_back(broken);
+  }
+}
+
+}  // namespace
+
+Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOptions& options, RetargetReport& report) {
+  report = RetargetReport{};
+  report.warnings = source.warnings;
+  const SourceRig rig = match_joints(source, ours, options.joint_map);
+  const RestAlignment alignment = align_rest(source, rig, ours, options.up);
+  report.matches = rig.matches;
+  report.warnings.insert(report.warnings.end(), rig.warnings.begin(), rig.warnings.end());
+  report.warnings.insert(report.warnings.end(), alignment.warnings.begin(), alignment.warnings.end());
+  report.up = alignment.up;
+  report.facing = alignment.facing;
+  report.reference_frame = alignment.reference_frame;
+  report.same_rest = alignment.same_rest;
+  report.source_leg = alignment.leg;
+  std::tie(report.unit, report.metres_per_unit) = guess_unit(alignment.leg);
+  if (options.metres_per_unit) report.unit = "given", report.metres_per_unit = *options.metres_per_unit;
+
+  PoseTransfer transfer(source, rig, alignment, ours, options.shoulder_rhythm);
+  report.scale = transfer.scale();
+  Motion motion{source.fps, std::vector<Pose>(std::max(source.frames, 1))};
+  std::vector<Transform> X;
+  for (size_t f = 0; f < motion.frames.size(); ++f) {
+    bvh_kinematics(source, source.frames == 0 ? -1 : static_cast<int>(f), X);
+    transfer.transfer(X, motion.frames[f]);
+  }
+  if (first_frame_is_marker(motion.frames)) {
+    motion.frames.erase(motion.frames.begin());
+    report.dropped_first_frame = true;
+    report.warnings.push_back(source.name + ": the first frame is a marker pose and is left out");
+  }
+  unwrap(motion.frames);
+  report_limits(ours, motion, report);
+  return motion;
+}
+
+std::string format_matches(const RetargetReport& report) {
+  size_t width = 4;
+  for (const JointMatch& match : report.matches) width = std::max(width, match.source.size());
+  std::string out = fmt::format("{:{}}  {:24}  how\n", "file", width, "ours");
+  for (const JointMatch& match : report.matches)
+    out += fmt::format("{:{}}  {:24}  {}\n", match.source, width, match.ours.empty() ? "-" : match.ours, match.how);
+  return out;
+}
+
+std::map<std::string, std::string> read_joint_map(const std::filesystem::path& file) {
+  if (!std::filesystem::is_regular_file(file)) throw InputError(file.string() + ": no such file");
+  std::ifstream stream(file);
+  std::map<std::string, std::string> out;
+  auto trimmed = [](const std::string& text) {
+    const size_t begin = text.find_first_not_of(" \t\r"), end = text.find_last_not_of(" \t\r");
+    return begin == std::string::npos ? std::string() : text.substr(begin, end - begin + 1);
+  };
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    line = trimmed(line.substr(0, line.find('#')));
+    if (line.empty()) continue;
+    const size_t equals = line.rfind('=');
+    if (equals == std::string::npos)
+      throw InputError(fmt::format("{}:{}: '{}': expected 'file joint = our joint'", file.string(), number, line));
+    const std::string joint = trimmed(line.substr(0, equals));
+    if (joint.empty() || out.count(joint))
+      throw InputError(fmt::format("{}:{}: '{}': empty or given twice", file.string(), number, joint));
+    out[joint] = trimmed(line.substr(equals + 1));
+  }
+  return out;
+}
+
+}  // namespace ecorche
