@@ -92,7 +92,8 @@ std::vector<PoseTransfer::Knot> PoseTransfer::knots(const std::string& from, con
 void PoseTransfer::plan_trunk() {
   spine_knots_ = knots("pelvis", rig_.spine, "thorax", false);
   neck_knots_ = knots("thorax", rig_.neck, "head", true);
-  // Each joint takes a share by how far it can move: bending mostly the loins and the neck's middle, axial turning mostly thorax, c1.
+  // Each joint takes a share by how far it can move: bending mostly the loins and the neck's middle, axial turning mostly thorax,
+  // c1.
   auto plan = [&](const auto& chain, Rule rule) {
     Vec3 total = Vec3::Zero(), so_far = Vec3::Zero();
     auto range = [&](const char* name) { return Vec3(skeleton_.joints[ours(name)].max - skeleton_.joints[ours(name)].min); };

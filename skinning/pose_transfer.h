@@ -27,7 +27,7 @@ class PoseTransfer {
   enum class Rule { follow, direct, collar, spine, neck, clavicle, scapula, elbow, forearm, ankle, subtalar, finger };
   struct Plan {
     Rule rule = Rule::follow;
-    std::string part;     // whose rotation in the file
+    std::string part;                 // whose rotation in the file
     double bending = 0, turning = 0;  // share of the way along spine or neck that has been bent, turned
     Quat relaxed = Quat::Identity();
   };

@@ -100,8 +100,7 @@ inline Skeleton plain_skeleton(double scale = 1) {
     joint.min = kDegree * Vec3(plain.flexion[0], plain.abduction[0], plain.rotation[0]);
     joint.max = kDegree * Vec3(plain.flexion[1], plain.abduction[1], plain.rotation[1]);
     const std::string hinge = plain.hinge;
-    if (hinge == "-x") joint.const Vec3 before_joint = name.starts_with("elbow") ? Vec3(at[j] - at[find_joint(skeleton, "shoulder" + side)]) : upper;
-      axes.col(0) = before_joint.normalized().cross(lower.normalized());
+    if (hinge == "-x") joint.axes.col(0) = -Vec3::UnitX(), joint.axes.col(1) = -Vec3::UnitY();
     if (hinge == "y") joint.axes << 0, 0, 1, -mirror, 0, 0, 0, mirror, 0;
     skeleton.joints.push_back(joint);
     at.push_back(position);
@@ -126,9 +125,8 @@ inline Skeleton plain_skeleton(double scale = 1) {
       const Vec3 lower = next >= 0 ? Vec3(at[next] - at[j]) : Vec3(at[j] - at[before]);
       const Vec3 upper = next >= 0 ? Vec3(at[j] - at[before]) : Vec3(at[before] - at[skeleton.joints[before].parent]);
       Mat3& axes = skeleton.joints[j].axes;
-      axes.col(0) = (name.starts_with("elbow") ? Vec3(at[j] - at[find_joint(skeleton, "shoulder" + side)]) : upper)
-                        .cross(lower)
-                        .normalized();
+      const Vec3 before_joint = name.starts_with("elbow") ? Vec3(at[j] - at[find_joint(skeleton, "shoulder" + side)]) : upper;
+      axes.col(0) = before_joint.normalized().cross(lower.normalized());
       skeleton.joints[j].zero[0] = std::asin(std::min(1.0, axes.col(0).norm()));
       axes.col(0).normalize();
       axes.col(2) = lower.normalized();
