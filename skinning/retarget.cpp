@@ -16,16 +16,25 @@ namespace {
 constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr double kLimitTolerance = 0.5 * kDegree;
 
-// Some files begin with a T-pose for the calibration: far from the second frame, while the third is near it.
-bool first_frame_is_marker(const std::vector<Pose>& frames) {
-  if (frames.size() < 3) return false;
-  auto step = [&](int f) {
+// Some files begin with a T-pose for the calibration, or glide out of one in a few frames. How many frames at the start belong to
+// it: those that move five times as fast as the movement that follows and together turn some joint by more than 30 deg.
+int marker_frames(const std::vector<Pose>& frames) {
+  constexpr int kAtMost = 6, kLookAhead = 30;
+  std::vector<double> steps;
+  for (size_t f = 0; f + 1 < frames.size() && f < kAtMost + kLookAhead; ++f) {
     double largest = 0;
     for (size_t j = 0; j < frames[f].rotations.size(); ++j)
       largest = std::max(largest, frames[f].rotations[j].angularDistance(frames[f + 1].rotations[j]));
-    return largest;
-  };
-  return step(0) > 30 * kDegree && step(0) > 5 * step(1);
+    steps.push_back(largest);
+  }
+  if (steps.size() < 2 * kAtMost) return 0;
+  std::vector<double> later(steps.begin() + kAtMost, steps.end());
+  std::nth_element(later.begin(), later.begin() + later.size() / 2, later.end());
+  const double usual = later[later.size() / 2];
+  int count = 0;
+  double total = 0;
+  while (count < kAtMost && steps[count] > 5 * usual) total += steps[count++];
+  return count < kAtMost && total > 30 * kDegree ? count : 0;
 }
 
 // q and -q are the same turn: the one nearer to the frame before.
@@ -74,10 +83,11 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
     bvh_kinematics(source, source.frames == 0 ? -1 : static_cast<int>(f), X);
     transfer.transfer(X, motion.frames[f]);
   }
-  if (first_frame_is_marker(motion.frames)) {
-    motion.frames.erase(motion.frames.begin());
-    report.dropped_first_frame = true;
-    report.warnings.push_back(source.name + ": the first frame is a marker pose and is left out");
+  report.dropped_frames = marker_frames(motion.frames);
+  if (report.dropped_frames > 0) {
+    motion.frames.erase(motion.frames.begin(), motion.frames.begin() + report.dropped_frames);
+    report.warnings.push_back(
+        fmt::format("{}: a marker pose at the start is left out ({} frames)", source.name, report.dropped_frames));
   }
   unwrap(motion.frames);
   report_limits(ours, motion, report);

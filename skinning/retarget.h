@@ -61,14 +61,14 @@ struct LimitBreak {
 struct RetargetReport {
   std::string unit;  // "cm", "m", "inch", "CMU unit", ... or "unknown"
   double metres_per_unit = 1;
-  char up = 'y';                     // of the file
-  std::string facing;                // of the rest pose, file axes: "+z"
-  double source_leg = 0;             // hip to ankle along the leg, file units
-  double scale = 1;                  // file units -> metres of our figure
-  bool same_rest = false;            // taken over rotation for rotation
-  int reference_frame = -1;          // pose the rest alignment starts from: -1 the file's rest pose, else a frame near standing
-  bool dropped_first_frame = false;  // it was a marker pose
-  std::vector<JointMatch> matches;   // one a joint of the file
+  char up = 'y';                    // of the file
+  std::string facing;               // of the rest pose, file axes: "+z"
+  double source_leg = 0;            // hip to ankle along the leg, file units
+  double scale = 1;                 // file units -> metres of our figure
+  bool same_rest = false;           // taken over rotation for rotation
+  int reference_frame = -1;         // pose the rest alignment starts from: -1 the file's rest pose, else a frame near standing
+  int dropped_frames = 0;           // at the start: a marker pose
+  std::vector<JointMatch> matches;  // one a joint of the file
   std::vector<std::string> warnings;
   std::vector<Contact> contacts;
   std::vector<Flight> flights;

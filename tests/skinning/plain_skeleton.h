@@ -100,7 +100,11 @@ inline Skeleton plain_skeleton(double scale = 1) {
     joint.min = kDegree * Vec3(plain.flexion[0], plain.abduction[0], plain.rotation[0]);
     joint.max = kDegree * Vec3(plain.flexion[1], plain.abduction[1], plain.rotation[1]);
     const std::string hinge = plain.hinge;
-    if (hinge == "-x") joint.axes.col(0) = -Vec3::UnitX(), joint.axes.col(1) = -Vec3::UnitY();
+    // Columns: flexion, abduction (to the own side; trunk: to the left), rotation.
+    const bool trunk = suffix.empty();
+    if (hinge == "x" && trunk) joint.axes << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+    if (hinge == "x" && !trunk) joint.axes << 1, 0, 0, 0, 0, -mirror, 0, mirror, 0;
+    if (hinge == "-x") joint.axes << -1, 0, 0, 0, 0, mirror, 0, mirror, 0;
     if (hinge == "y") joint.axes << 0, 0, 1, -mirror, 0, 0, 0, mirror, 0;
     skeleton.joints.push_back(joint);
     at.push_back(position);
