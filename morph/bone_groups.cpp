@@ -49,8 +49,10 @@ std::vector<GroupRule> read_groups(const Table& table) {
     free[BoneMap::bow_x] = free[BoneMap::bow_z] = length("bow");
     free[BoneMap::shear_z] = length("shear");
     free[BoneMap::tuck_z] = length("tuck");
+    free[BoneMap::tilt_near] = percent("tilt_near");
+    free[BoneMap::tilt_far] = percent("tilt_far");
     if (!rule.paired)  // the middle stays its own mirror image
-      for (const auto way : {BoneMap::shift_x, BoneMap::turn_y, BoneMap::turn_z, BoneMap::bow_x}) free[way] = 0;
+      for (const auto way : {BoneMap::shift_x, BoneMap::turn_y, BoneMap::turn_z, BoneMap::bow_x, BoneMap::tilt_near, BoneMap::tilt_far}) free[way] = 0;
   }
   return out;
 }
@@ -89,6 +91,7 @@ FitRules read_fit_rules(const std::filesystem::path& folder) {
     rule.along = contacts.text(row, "along");
     rule.spread = contacts.number(row, "spread") * kMillimetre;
     rule.loose = contacts.number(row, "loose") * kMillimetre;
+    for (int k = 0; k < 3; ++k) rule.close[k] = contacts.number_or(row, std::string("close_") + "xyz"[k], 0) * kMillimetre;
   }
 
   const Table landmarks(folder / "palpable.csv");

@@ -31,6 +31,7 @@ struct ContactRule {  // data/bone_contacts.csv
   std::string along;        // "", "x", "z", "hinge"
   double spread = 0;        // m
   double loose = 0;         // m
+  Vec3 close = Vec3::Zero();  // of a in b, to narrow a gap that the bones are delivered with, m
 };
 
 struct LandmarkRule {  // data/palpable.csv

@@ -7,6 +7,7 @@ namespace ecorche {
 namespace {
 
 constexpr double kEnd = 0.16;   // of the length: the joint's end, scaled evenly
+constexpr double kTilted = 0.3;  // of the length: the share that a joint surface's tilt fades out over
 constexpr double kRamp = 0.14;  // of the length: from the end's scale to the shaft's
 
 // Integral from 0 of a slope that is 1 up to kEnd, falls smoothly to 0 over kRamp and stays there.
@@ -45,6 +46,7 @@ Vec3 BoneMap::operator()(const Vec3& x) const {
   v.z() = wz * u.z() + shape[bow_z] * bend + shape[shear_z] * c;
   if (shape[tuck_z] != 0) v.z() -= shape[tuck_z] * smooth_step(1.4 - 2.2 * t) * smooth_step(u.z() / depth);
   v.y() = shaft ? length * along(t, std::exp(0.5 * (shape[log_width_x] + shape[log_width_z])), scale) : scale * u.y();
+  v.y() += u.x() * (shape[tilt_near] * smooth_step(1 - t / kTilted) + shape[tilt_far] * smooth_step(1 - (1 - t) / kTilted));
   return target_origin + target_frame * v;
 }
 

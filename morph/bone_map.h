@@ -22,6 +22,7 @@ struct BoneMap {
     bow_x, bow_z,                          // sideways bend of the middle, m
     shear_z,                               // slide along z from the near to the far end, m
     tuck_z,                                // the near end's front drawn in, m
+    tilt_near, tilt_far,                   // slope of a joint surface from side to side: ends sheared along y by x
     way_count
   };
 

@@ -81,7 +81,7 @@ struct NormalEquations {
 double longest_step(BoneMap::Way way) {
   if (way <= BoneMap::shift_z) return 0.03;
   if (way <= BoneMap::turn_z) return 0.12;
-  return way >= BoneMap::bow_x ? 0.01 : 0.06;
+  return way >= BoneMap::bow_x && way <= BoneMap::tuck_z ? 0.01 : 0.06;
 }
 
 struct Probe {  // answer of the skin field for an inside or depth point

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "anatomy/errors.h"
 
@@ -80,6 +81,47 @@ Mat3 group_frame(const GroupRule& rule, const NamedPoints& points, const NamedPo
 
 }  // namespace
 
+std::vector<int> surface_samples(const TriMesh& mesh, int count) {
+  const int n = static_cast<int>(mesh.V.rows());
+  std::vector<int> out;
+  if (n <= count) {
+    for (int i = 0; i < n; ++i) out.push_back(i);
+    return out;
+  }
+  Eigen::VectorXd away = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
+  const auto choose = [&](int i) {
+    out.push_back(i);
+    away = away.cwiseMin((mesh.V.rowwise() - mesh.V.row(i)).rowwise().squaredNorm());
+  };
+  for (int k = 0; k < 27; ++k) {
+    const Vec3 d(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+    int i = 0;
+    (mesh.V * d).maxCoeff(&i);
+    if (away[i] > 0) choose(i);
+  }
+  while (static_cast<int>(out.size()) < count) {
+    int i = 0;
+    away.maxCoeff(&i);
+    choose(i);
+  }
+  return out;
+}
+
+std::vector<int> watched_vertices(const TriMesh& mesh) {
+  constexpr int kAll = 300, kDirections = 300, kSpread = 150;
+  if (mesh.V.rows() <= kAll) return surface_samples(mesh, kAll);
+  std::vector<int> out = surface_samples(mesh, kSpread);
+  for (int k = 0; k < kDirections; ++k) {  // directions on a Fibonacci lattice
+    const double y = 1 - (2 * k + 1.0) / kDirections, r = std::sqrt(1 - y * y), turn = 2.399963229728653 * k;
+    Eigen::Index i = 0;
+    (mesh.V * Vec3(r * std::cos(turn), y, r * std::sin(turn))).maxCoeff(&i);
+    out.push_back(static_cast<int>(i));
+  }
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
 HalfSkeleton left_half(const Anatomy& anatomy, const FitRules& rules, double mid_plane, double stature) {
   HalfSkeleton half;
   half.mid_plane = mid_plane;
@@ -96,7 +138,7 @@ HalfSkeleton left_half(const Anatomy& anatomy, const FitRules& rules, double mid
     if (side == Side::right) continue;
     const auto group = rules.group_of_bone.find(name);
     if (group == rules.group_of_bone.end()) throw UnfitError(fmt::format("bone '{}' is in no group of bone_groups.csv", bone.name));
-    half.bones.push_back({name, group->second, bone.mesh});
+    half.bones.push_back({name, group->second, side == Side::left, bone.mesh, watched_vertices(bone.mesh)});
   }
   // The signs that guess_hinges gives: bending the knee and pulling up the foot turn about +x, bending the elbow about -x.
   for (const auto& [joint, sign] : {std::pair("knee", 1.0), std::pair("ankle", 1.0), std::pair("elbow", -1.0)})
@@ -188,15 +230,14 @@ NamedPoints guess_hinges(const NamedPoints& c) {
 }
 
 BoneMap expected_map(const GroupRule& rule, const NamedPoints& source, const NamedPoints& source_hinges, const NamedPoints& target,
-                     const NamedPoints& target_hinges, double size) {
+                     const NamedPoints& target_hinges, double width) {
   BoneMap map;
   map.origin = need(source, rule.near);
   map.target_origin = need(target, rule.near);
   map.frame = group_frame(rule, source, source_hinges);
   map.target_frame = group_frame(rule, target, target_hinges);
   map.shaft = rule.shaft;
-  const double width = std::log(rule.width * size);
-  map.shape[BoneMap::log_length] = map.shape[BoneMap::log_width_x] = map.shape[BoneMap::log_width_z] = width;
+  map.shape[BoneMap::log_length] = map.shape[BoneMap::log_width_x] = map.shape[BoneMap::log_width_z] = std::log(width);
   if (!rule.far.empty()) {
     const Vec3 a = need(source, rule.far) - map.origin, b = need(target, rule.far) - map.target_origin;
     map.length = rule.paired ? a.norm() : std::abs(a.y());

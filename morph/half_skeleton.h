@@ -16,8 +16,14 @@ using NamedPoints = std::map<std::string, Vec3, std::less<>>;
 struct HalfBone {
   std::string name;  // without suffix
   int group = 0;
+  bool paired = false;
   TriMesh mesh;
+  std::vector<int> watched;  // vertices that stick out first, whatever way the bone goes
 };
+
+// Samples that stand for a bone's surface: far points in 26 directions, then furthest from those already chosen.
+std::vector<int> surface_samples(const TriMesh& mesh, int count);
+std::vector<int> watched_vertices(const TriMesh& mesh);
 
 struct HalfSkeleton {
   NamedPoints points;              // joint centres, tips of fingers and toes, bases of the hand's rays
@@ -53,8 +59,8 @@ void complete_centres(const HalfSkeleton& source, NamedPoints& target);
 // Flexion axes from joint centres alone, unit, for the pose that the limbs are in.
 NamedPoints guess_hinges(const NamedPoints& centres);
 
-// The map that carries a group by its joint centres, before any correction. `size`: ratio of statures.
+// The map that carries a group by its joint centres, before any correction. `width`: scale across the long axis.
 BoneMap expected_map(const GroupRule& rule, const NamedPoints& source, const NamedPoints& source_hinges, const NamedPoints& target,
-                     const NamedPoints& target_hinges, double size);
+                     const NamedPoints& target_hinges, double width);
 
 }  // namespace ecorche

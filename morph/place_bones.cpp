@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kSamplesPerBone = 60;
 constexpr int kPushRounds = 6;
+constexpr double kPushMargin = 0.4e-3;  // m below the skin that every bone vertex reaches
 
 bool in_hand(const std::string& group) {
   return group == "carpus" || group.starts_with("metacarpal") || group.find("_phalanx") != std::string::npos;
@@ -42,13 +43,22 @@ void add_contacts(const PlaceInput& input, const FitRules& rules, BoneProblem& p
   for (const ContactRule& rule : rules.contacts) {
     const auto at = input.source->points.find(rule.point);
     if (at == input.source->points.end()) throw UnfitError(fmt::format("bone_contacts.csv: the skeleton has no joint '{}'", rule.point));
-    const Vec3 p = at->second;
-    problem.joints.push_back({rule.a, rule.b, p, p, rule.tolerance});
+    const Vec3 p = at->second, q = input.authored ? Vec3(p + rule.close) : p;
+    problem.joints.push_back({rule.a, rule.b, p, q, rule.tolerance});
     if (rule.along.empty()) continue;
     const Vec3 side = rule.spread * contact_direction(rule, *input.source);
-    problem.joints.push_back({rule.a, rule.b, p + side, p + side, rule.loose});
-    problem.joints.push_back({rule.a, rule.b, p - side, p - side, rule.loose});
+    problem.joints.push_back({rule.a, rule.b, p + side, q + side, rule.loose});
+    problem.joints.push_back({rule.a, rule.b, p - side, q - side, rule.loose});
   }
+}
+
+std::vector<SurfaceSample> wanted_margins(const HalfSkeleton& half, const FitRules& rules, const PlaceInput& input) {
+  std::vector<SurfaceSample> out;
+  for (size_t b = 0; b < half.bones.size(); ++b) {
+    const double margin = in_hand(rules.groups[half.bones[b].group].name) ? input.hand_margin : input.margin;
+    for (const int i : surface_samples(half.bones[b].mesh, kSamplesPerBone)) out.push_back({static_cast<int>(b), i, margin});
+  }
+  return out;
 }
 
 BoneProblem state_problem(const PlaceInput& input, const FitRules& rules) {
@@ -71,10 +81,12 @@ BoneProblem state_problem(const PlaceInput& input, const FitRules& rules) {
       centres[rule.near] = problem.groups[index.at(carrier->second)].map(source.points.at(rule.near));
     }
     BoneGroup& group = problem.groups[g];
-    group.map = expected_map(rule, source.points, source.hinges, centres, hinges, input.size);
+    group.map = expected_map(rule, source.points, source.hinges, centres, hinges, input.size * (input.authored ? rule.width : 1));
     group.expected = group.map;
     group.freedom = rule.freedom;
-    for (double& tolerance : group.freedom) tolerance *= input.freedom;
+    const bool fixed = input.middle_fixed && !rule.paired;
+    for (double& tolerance : group.freedom) tolerance *= fixed ? 0 : input.freedom;
+    if (input.start) group.map = input.start->maps[g];
   }
   for (const auto& [name, tolerance] : input.tolerances) {
     const int group = group_of_point(rules, name);
@@ -84,11 +96,9 @@ BoneProblem state_problem(const PlaceInput& input, const FitRules& rules) {
   add_contacts(input, rules, problem);
   for (const LandmarkTarget& target : input.landmarks)
     problem.depths.push_back({target.point.group, target.point.position, target.wanted, target.tolerance, target.slack, target.deeper});
-  for (const HalfBone& bone : source.bones) {
-    const double margin = in_hand(rules.groups[bone.group].name) ? input.hand_margin : input.margin;
-    for (const int i : surface_samples(bone.mesh, kSamplesPerBone))
-      problem.inside.push_back({bone.group, bone.mesh.V.row(i), margin, 1e-3});
-  }
+  const std::vector<SurfaceSample> own = input.margins ? std::vector<SurfaceSample>{} : wanted_margins(source, rules, input);
+  for (const SurfaceSample& s : input.margins ? *input.margins : own)
+    problem.inside.push_back({source.bones[s.bone].group, source.bones[s.bone].mesh.V.row(s.vertex), s.margin, 1e-3});
   return problem;
 }
 
@@ -97,61 +107,30 @@ struct Violation {
   double distance;
 };
 
-// All bone vertices that lie less than `margin` below the skin, bone by bone.
-std::vector<Violation> violations(const HalfSkeleton& source, const BoneProblem& problem, const SkinField& skin, double margin) {
+// Bone vertices (all, or the watched ones) that lie less than `margin` below the skin, bone by bone.
+std::vector<Violation> violations(const HalfSkeleton& source, const BoneProblem& problem, const SkinField& skin, double margin, bool all) {
   std::vector<std::vector<Violation>> found(source.bones.size());
   tbb::parallel_for(size_t{0}, source.bones.size(), [&](size_t b) {
     const HalfBone& bone = source.bones[b];
+    const int count = static_cast<int>(all ? bone.mesh.V.rows() : bone.watched.size());
     int seed = -1;
-    for (int i = 0; i < bone.mesh.V.rows(); ++i) {
-      const Vec3 p = bone.mesh.V.row(i);
-      const SkinPoint at = skin.nearest(problem.groups[bone.group].map(p), seed);
+    for (int k = 0; k < count; ++k) {
+      const int i = all ? k : bone.watched[k];
+      const SkinPoint at = skin.nearest(problem.groups[bone.group].map(bone.mesh.V.row(i)), seed);
       seed = at.triangle;
       if (at.distance > -margin) found[b].push_back({static_cast<int>(b), i, at.distance});
     }
   });
-  std::vector<Violation> all;
-  for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
-  return all;
+  std::vector<Violation> joined;
+  for (const auto& part : found) joined.insert(joined.end(), part.begin(), part.end());
+  return joined;
 }
 
-}  // namespace
-
-std::vector<int> surface_samples(const TriMesh& mesh, int count) {
-  const int n = static_cast<int>(mesh.V.rows());
-  std::vector<int> out;
-  if (n <= count) {
-    for (int i = 0; i < n; ++i) out.push_back(i);
-    return out;
-  }
-  Eigen::VectorXd away = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
-  const auto choose = [&](int i) {
-    out.push_back(i);
-    away = away.cwiseMin((mesh.V.rowwise() - mesh.V.row(i)).rowwise().squaredNorm());
-  };
-  for (int k = 0; k < 27; ++k) {
-    const Vec3 d(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
-    int i = 0;
-    (mesh.V * d).maxCoeff(&i);
-    if (away[i] > 0) choose(i);
-  }
-  while (static_cast<int>(out.size()) < count) {
-    int i = 0;
-    away.maxCoeff(&i);
-    choose(i);
-  }
-  return out;
-}
-
-Placement place_bones(const PlaceInput& input, const FitRules& rules, const SkinField& skin, PlaceReport* report) {
-  BoneProblem problem = state_problem(input, rules);
-  SolveSummary summary = solve_bones(problem, skin, input.iterations);
-  int iterations = summary.iterations;
-  // Vertices between the samples may still stick out: aim at the worst of them too, and solve again.
-  std::vector<Violation> out;
+// Vertices between the samples may still stick out: aims at the worst of them too, and solves again.
+void push_in(const PlaceInput& input, const SkinField& skin, BoneProblem& problem, bool all, int& iterations) {
   for (int round = 0; round < kPushRounds; ++round) {
-    out = violations(*input.source, problem, skin, 0.3 * input.hand_margin);
-    if (out.empty()) break;
+    std::vector<Violation> out = violations(*input.source, problem, skin, kPushMargin, all);
+    if (out.empty()) return;
     std::stable_sort(out.begin(), out.end(), [](const Violation& a, const Violation& b) { return a.distance > b.distance; });
     std::vector<int> taken(input.source->bones.size(), 0);
     for (const Violation& v : out) {
@@ -159,20 +138,35 @@ Placement place_bones(const PlaceInput& input, const FitRules& rules, const Skin
       const HalfBone& bone = input.source->bones[v.bone];
       problem.inside.push_back({bone.group, bone.mesh.V.row(v.vertex), input.hand_margin, 0.4e-3});
     }
-    summary = solve_bones(problem, skin, 12);
-    iterations += summary.iterations;
+    iterations += solve_bones(problem, skin, 12).iterations;
   }
+}
+
+}  // namespace
+
+Placement place_bones(const PlaceInput& input, const FitRules& rules, const SkinField& skin, PlaceReport* report) {
+  BoneProblem problem = state_problem(input, rules);
+  int iterations = solve_bones(problem, skin, input.iterations).iterations;
+  push_in(input, skin, problem, false, iterations);
+  push_in(input, skin, problem, true, iterations);
   Placement placement;
   for (const BoneGroup& group : problem.groups) placement.maps.push_back(group.map);
   if (report) {
-    out = violations(*input.source, problem, skin, 0);
     report->iterations = iterations;
-    report->cost = summary.cost;
-    report->outside = static_cast<int>(out.size());
-    report->furthest = 0;
-    for (const Violation& v : out) report->furthest = std::max(report->furthest, v.distance);
+    report->outside.assign(input.source->bones.size(), 0);
+    report->furthest = -kPushMargin;
+    for (const Violation& v : violations(*input.source, problem, skin, kPushMargin, true)) {
+      report->outside[v.bone] += v.distance > 0;
+      report->furthest = std::max(report->furthest, v.distance);
+    }
   }
   return placement;
+}
+
+std::vector<SurfaceSample> sample_margins(const HalfSkeleton& half, const FitRules& rules, const PlaceInput& input, const SkinField& skin) {
+  std::vector<SurfaceSample> out = wanted_margins(half, rules, input);
+  for (SurfaceSample& s : out) s.margin = std::min(s.margin, -skin.distance(half.bones[s.bone].mesh.V.row(s.vertex)));
+  return out;
 }
 
 HalfSkeleton moved(const HalfSkeleton& half, const FitRules& rules, const Placement& placement) {

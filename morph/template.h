@@ -19,6 +19,7 @@ struct FitTables {
   BodyPackage topology;              // faces, cavities, mirror of the skin; no points, no targets
   HalfSkeleton half;                 // the template's own, placed
   std::vector<LandmarkTarget> landmarks;  // palpable points with the depth that they have in the template
+  std::vector<SurfaceSample> margins;     // bone points with the distance that they keep from the skin
   CentreRegressor regressor;
   double stature = 0;                // of the template's body, m
 };
@@ -30,6 +31,9 @@ Template build_template(const Packages& packages);
 // cache. The file's name is the hash of all it was built from, so that it is never stale; a damaged one is built anew.
 Template read_template();
 Template read_template(const Packages& packages);
+
+// What places the template's bones in another skin. The tables must outlive it.
+PlaceInput fit_input(const FitTables& tables, const Points& skin, double stature);
 
 // As bytes, for the cache. read_template_bytes throws InputError for anything but what write_template_bytes gave.
 std::string write_template_bytes(const Template& body_template);

@@ -1,0 +1,147 @@
+#include "morph/fit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+#include "anatomy/errors.h"
+#include "morph/fitted_skeleton.h"
+#include "morph/skin_field.h"
+
+namespace ecorche {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kSymmetric = 1e-3;      // m: skins more even than this are fitted on one side and mirrored
+constexpr double kShortest = 0.4, kTallest = 3;  // m
+
+double since(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
+
+void check_skin(const BodyPackage& topology, const Points& skin) {
+  if (skin.rows() < topology.skin_size)
+    throw UnfitError(fmt::format("the skin has {} vertices; bodies here have the base mesh's {}", skin.rows(), topology.skin_size));
+  if (!skin.allFinite()) throw UnfitError("the skin has vertices that are not finite numbers");
+}
+
+// The plane of symmetry x = c of a skin, and how far it is from being symmetric.
+struct Symmetry {
+  double plane = 0, largest = 0;
+};
+Symmetry symmetry_of(const Points& skin, const std::vector<int>& mirror) {
+  Symmetry out;
+  for (size_t i = 0; i < mirror.size(); ++i) out.plane += (skin(i, 0) + skin(mirror[i], 0)) / 2;
+  out.plane /= static_cast<double>(mirror.size());
+  for (size_t i = 0; i < mirror.size(); ++i) {
+    const Vec3 other(2 * out.plane - skin(mirror[i], 0), skin(mirror[i], 1), skin(mirror[i], 2));
+    out.largest = std::max(out.largest, (skin.row(i).transpose() - other).norm());
+  }
+  return out;
+}
+
+// The skin seen in a mirror, in the same vertex order.
+Points mirrored_skin(const Points& skin, const std::vector<int>& mirror, double plane) {
+  Points out(static_cast<Eigen::Index>(mirror.size()), 3);
+  for (size_t i = 0; i < mirror.size(); ++i) out.row(i) << 2 * plane - skin(mirror[i], 0), skin(mirror[i], 1), skin(mirror[i], 2);
+  return out;
+}
+
+// The two sides agree on what the middle shares: the mean of their maps.
+void share_middle(const FitRules& rules, Placement& left, Placement& right) {
+  for (size_t g = 0; g < rules.groups.size(); ++g) {
+    if (rules.groups[g].paired) continue;
+    BoneMap& a = left.maps[g];
+    BoneMap& b = right.maps[g];
+    const Quat turn = Quat(a.target_frame).slerp(0.5, Quat(b.target_frame));
+    a.target_frame = turn.toRotationMatrix();
+    a.target_origin = (a.target_origin + b.target_origin) / 2;
+    for (size_t w = 0; w < a.shape.size(); ++w) a.shape[w] = (a.shape[w] + b.shape[w]) / 2;
+    b = a;
+  }
+}
+
+struct BothSides {
+  SidedPlacement placement;
+  PlaceReport left, right;
+};
+
+BothSides place_both(const FitTables& tables, const Points& skin, const SkinField& field, double stature, const Symmetry& symmetry) {
+  BothSides out;
+  SidedPlacement& p = out.placement;
+  p.source_plane = tables.half.mid_plane;
+  p.target_plane = symmetry.plane;
+  p.left = place_bones(fit_input(tables, skin, stature), tables.rules, field, &out.left);
+  if (symmetry.largest < kSymmetric) {
+    p.right = p.left;
+    out.right = out.left;
+    return out;
+  }
+  const Points other = mirrored_skin(skin, tables.topology.mirror, symmetry.plane);
+  const SkinField other_field(capped_skin(tables.topology, other));
+  p.right = place_bones(fit_input(tables, other, stature), tables.rules, other_field);
+  share_middle(tables.rules, p.left, p.right);
+  const auto again = [&](const Points& side, const SkinField& side_field, Placement& placement, PlaceReport& report) {
+    PlaceInput input = fit_input(tables, side, stature);
+    const Placement start = placement;
+    input.start = &start;
+    input.middle_fixed = true;
+    placement = place_bones(input, tables.rules, side_field, &report);
+  };
+  again(skin, field, p.left, out.left);
+  again(other, other_field, p.right, out.right);
+  return out;
+}
+
+void measure_bones(const FitTables& tables, const BothSides& sides, const Anatomy& anatomy, const SkinField& field, FitReport& report) {
+  for (const Bone& bone : anatomy.bones) report.bone_vertices += static_cast<int>(bone.mesh.V.rows());
+  for (size_t b = 0; b < tables.half.bones.size(); ++b)
+    report.bones_outside += sides.left.outside[b] + (tables.half.bones[b].paired ? sides.right.outside[b] : 0);
+  report.bones_furthest = std::max(sides.left.furthest, sides.right.furthest);
+  for (size_t k = 0; k < tables.landmarks.size(); ++k) {
+    const LandmarkRule& rule = tables.rules.landmarks[k];
+    const BonePoint& point = tables.landmarks[k].point;
+    report.landmarks.push_back({rule.name, -field.distance(sides.placement.left.maps[point.group](point.position)), rule.low, rule.high});
+  }
+}
+
+}  // namespace
+
+Fit fit_anatomy(const Template& body_template, const Body& body, const FitOptions& options) {
+  if (!body_template.tables) throw std::invalid_argument("fit_anatomy: the template has no tables; take it from read_template");
+  const FitTables& tables = *body_template.tables;
+  check_skin(tables.topology, body.skin.V);
+  const Points skin = body.skin.V.topRows(tables.topology.skin_size);
+  Fit fit;
+  fit.report.stature = skin.col(1).maxCoeff() - skin.col(1).minCoeff();
+  if (fit.report.stature < kShortest || fit.report.stature > kTallest)
+    throw UnfitError(fmt::format("the skin is {:.3g} m tall; is it in metres, upright?", fit.report.stature));
+
+  auto start = Clock::now();
+  const Symmetry symmetry = symmetry_of(skin, tables.topology.mirror);
+  fit.report.asymmetry = symmetry.largest;
+  const SkinField field(capped_skin(tables.topology, skin));
+  const BothSides sides = place_both(tables, skin, field, fit.report.stature, symmetry);
+  const SkeletonCarrier carrier(body_template.anatomy, tables.rules, sides.placement);
+  fit.anatomy = carrier.skeleton();
+  fit.report.bones_ms = since(start);
+
+  start = Clock::now();
+  fit.anatomy.muscles =
+      carry_muscles(body_template.anatomy.muscles, [&](const Vec3& x, int joint) { return carrier.by_joint(joint, x); });
+  for (size_t m = 0; m < fit.anatomy.muscles.size(); ++m) {
+    for (size_t k = 0; k < fit.anatomy.muscles[m].strips.size(); ++k) {
+      const double before = body_template.anatomy.muscles[m].strips[k].rest_length;
+      Strip& strip = fit.anatomy.muscles[m].strips[k];
+      if (before > 0) scale_radii(strip, Vec2::Constant(1 + options.alpha * (strip.rest_length / before - 1)));
+    }
+    fit.anatomy.muscles[m].volume = rest_volume(fit.anatomy.muscles[m]);
+  }
+  fit.report.muscles_ms = since(start);
+  measure_bones(tables, sides, fit.anatomy, field, fit.report);
+  return fit;
+}
+
+}  // namespace ecorche

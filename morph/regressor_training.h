@@ -1,0 +1,17 @@
+// Learning where joint centres are from bodies whose skeletons have been placed.
+#pragma once
+
+#include "morph/body.h"
+#include "morph/template.h"
+
+namespace ecorche {
+
+// What places the bone package's skeleton in a body of average build of the body package.
+PlaceInput source_input(const BodyPackage& package, const HalfSkeleton& source, const FitRules& rules, const ShapedBody& body);
+
+// Examples: the template's own body, exactly; the average woman with the source skeleton placed in her; short, tall and old
+// bodies with the template's bones placed in them; and other builds, whose joints are those of the average build moved as the
+// package's joint marks move with weight and muscle. Preconditions: tables.half and everything that fit_input needs are set but the regressor.
+CentreRegressor train_regressor(const BodyPackage& package, const HalfSkeleton& source, const ShapedBody& own, const FitTables& tables);
+
+}  // namespace ecorche
