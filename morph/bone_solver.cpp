@@ -95,8 +95,12 @@ void probe_skin(BoneProblem& problem, const SkinField& skin, std::vector<Probe>&
   depths.assign(problem.depths.size(), {});
   tbb::parallel_for(size_t{0}, problem.inside.size(), [&](size_t i) {
     InsidePoint& p = problem.inside[i];
-    const SkinPoint at = skin.nearest(problem.groups[p.group].map(p.x), p.seed);
+    const Vec3 x = problem.groups[p.group].map(p.x);
+    if (p.answer + (x - p.asked_at).norm() + p.margin < 0) return;
+    const SkinPoint at = skin.nearest(x, p.seed);
     p.seed = at.triangle;
+    p.asked_at = x;
+    p.answer = at.distance;
     if (at.distance + p.margin > 0) inside[i] = {(at.distance + p.margin) / p.tolerance, 1 / p.tolerance, at.gradient};
   });
   tbb::parallel_for(size_t{0}, problem.depths.size(), [&](size_t i) {

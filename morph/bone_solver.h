@@ -29,7 +29,9 @@ struct InsidePoint {
   Vec3 x;           // in the source
   double margin;    // metres below the skin
   double tolerance;
-  int seed = -1;    // triangle of the last answer
+  int seed = -1;    // triangle of the last answer,
+  Vec3 asked_at = Vec3::Zero();  // where it was asked for,
+  double answer = 1e300;         // and the distance: as distances change no faster than places, most need not be asked for again
 };
 
 struct DepthPoint {

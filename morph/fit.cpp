@@ -7,6 +7,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <tbb/parallel_for.h>
+
 #include "anatomy/errors.h"
 #include "morph/fitted_skeleton.h"
 #include "morph/skin_field.h"
@@ -99,12 +101,42 @@ void measure_bones(const FitTables& tables, const BothSides& sides, const Anatom
   for (const Bone& bone : anatomy.bones) report.bone_vertices += static_cast<int>(bone.mesh.V.rows());
   for (size_t b = 0; b < tables.half.bones.size(); ++b)
     report.bones_outside += sides.left.outside[b] + (tables.half.bones[b].paired ? sides.right.outside[b] : 0);
+  report.iterations = sides.left.iterations;
   report.bones_furthest = std::max(sides.left.furthest, sides.right.furthest);
   for (size_t k = 0; k < tables.landmarks.size(); ++k) {
     const LandmarkRule& rule = tables.rules.landmarks[k];
     const BonePoint& point = tables.landmarks[k].point;
     report.landmarks.push_back({rule.name, -field.distance(sides.placement.left.maps[point.group](point.position)), rule.low, rule.high});
   }
+}
+
+// Share of the template's muscle volume that a body has: as big bodies of the same build are; of what a body weighs beyond that,
+// muscle takes a part (heavier people carry more muscle, but less than in proportion).
+double body_volume_ratio(const FitTables& tables, const Template& body_template, const Points& skin) {
+  const auto volume = [&](const Points& V) {
+    const TriMesh closed = capped_skin(tables.topology, V);
+    double sum = 0;
+    for (Eigen::Index f = 0; f < closed.F.rows(); ++f) {
+      const Vec3 a = closed.V.row(closed.F(f, 0)), b = closed.V.row(closed.F(f, 1)), c = closed.V.row(closed.F(f, 2));
+      sum += a.dot(b.cross(c)) / 6;
+    }
+    return sum;
+  };
+  return volume(skin) / volume(body_template.body.skin.V);
+}
+
+void carry_all(const std::vector<Muscle>& muscles, const SkeletonCarrier& carrier, double size, double volume, std::vector<Muscle>& out) {
+  const double grown = size * size * size;
+  const double wanted = grown * std::sqrt(volume / grown);
+  const CarryMap map = [&](const Vec3& x, int joint) { return carrier.by_joint(joint, x); };
+  out = muscles;
+  tbb::parallel_for(size_t{0}, muscles.size(), [&](size_t m) {
+    for (Strip& strip : out[m].strips) strip = carry_strip(strip, map);
+    const double before = rest_volume(muscles[m]), now = rest_volume(out[m]);
+    if (now <= 0) return;
+    for (Strip& strip : out[m].strips) scale_radii(strip, Vec2::Constant(std::sqrt(wanted * before / now)));
+    out[m].volume = wanted * muscles[m].volume;
+  });
 }
 
 }  // namespace
@@ -129,16 +161,8 @@ Fit fit_anatomy(const Template& body_template, const Body& body, const FitOption
   fit.report.bones_ms = since(start);
 
   start = Clock::now();
-  fit.anatomy.muscles =
-      carry_muscles(body_template.anatomy.muscles, [&](const Vec3& x, int joint) { return carrier.by_joint(joint, x); });
-  for (size_t m = 0; m < fit.anatomy.muscles.size(); ++m) {
-    for (size_t k = 0; k < fit.anatomy.muscles[m].strips.size(); ++k) {
-      const double before = body_template.anatomy.muscles[m].strips[k].rest_length;
-      Strip& strip = fit.anatomy.muscles[m].strips[k];
-      if (before > 0) scale_radii(strip, Vec2::Constant(1 + options.alpha * (strip.rest_length / before - 1)));
-    }
-    fit.anatomy.muscles[m].volume = rest_volume(fit.anatomy.muscles[m]);
-  }
+  carry_all(body_template.anatomy.muscles, carrier, fit.report.stature / tables.stature, body_volume_ratio(tables, body_template, skin),
+            fit.anatomy.muscles);
   fit.report.muscles_ms = since(start);
   measure_bones(tables, sides, fit.anatomy, field, fit.report);
   return fit;

@@ -29,6 +29,7 @@ struct FitReport {
   double bones_ms = 0, muscles_ms = 0;
   double stature = 0;            // m
   double asymmetry = 0;          // largest distance of a skin vertex from its partner's mirror image, m
+  int iterations = 0;            // of the bones' placement
   int bone_vertices = 0;         // of the whole skeleton
   int bones_outside = 0;         // bone vertices outside the skin, mouth and eyes closed off
   double bones_furthest = 0;     // m

@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kSamplesPerBone = 60;
 constexpr int kPushRounds = 6;
+constexpr int kGlideRounds = 3;
 constexpr double kPushMargin = 0.4e-3;  // m below the skin that every bone vertex reaches
 
 bool in_hand(const std::string& group) {
@@ -113,11 +114,15 @@ std::vector<Violation> violations(const HalfSkeleton& source, const BoneProblem&
   tbb::parallel_for(size_t{0}, source.bones.size(), [&](size_t b) {
     const HalfBone& bone = source.bones[b];
     const int count = static_cast<int>(all ? bone.mesh.V.rows() : bone.watched.size());
-    int seed = -1;
+    SkinPoint at;
+    Vec3 asked = Vec3::Zero();
+    at.distance = 1e300;
     for (int k = 0; k < count; ++k) {
       const int i = all ? k : bone.watched[k];
-      const SkinPoint at = skin.nearest(problem.groups[bone.group].map(bone.mesh.V.row(i)), seed);
-      seed = at.triangle;
+      const Vec3 x = problem.groups[bone.group].map(bone.mesh.V.row(i));
+      if (at.distance + (x - asked).norm() < -margin) continue;  // distances change no faster than places
+      at = skin.nearest(x, at.triangle);
+      asked = x;
       if (at.distance > -margin) found[b].push_back({static_cast<int>(b), i, at.distance});
     }
   });
@@ -127,10 +132,10 @@ std::vector<Violation> violations(const HalfSkeleton& source, const BoneProblem&
 }
 
 // Vertices between the samples may still stick out: aims at the worst of them too, and solves again.
-void push_in(const PlaceInput& input, const SkinField& skin, BoneProblem& problem, bool all, int& iterations) {
-  for (int round = 0; round < kPushRounds; ++round) {
-    std::vector<Violation> out = violations(*input.source, problem, skin, kPushMargin, all);
-    if (out.empty()) return;
+// Returns what is left in the end.
+std::vector<Violation> push_in(const PlaceInput& input, const SkinField& skin, BoneProblem& problem, bool all, int& iterations) {
+  std::vector<Violation> out = violations(*input.source, problem, skin, kPushMargin, all);
+  for (int round = 0; round < kPushRounds && !out.empty(); ++round) {
     std::stable_sort(out.begin(), out.end(), [](const Violation& a, const Violation& b) { return a.distance > b.distance; });
     std::vector<int> taken(input.source->bones.size(), 0);
     for (const Violation& v : out) {
@@ -139,28 +144,85 @@ void push_in(const PlaceInput& input, const SkinField& skin, BoneProblem& proble
       problem.inside.push_back({bone.group, bone.mesh.V.row(v.vertex), input.hand_margin, 0.4e-3});
     }
     iterations += solve_bones(problem, skin, 12).iterations;
+    out = violations(*input.source, problem, skin, kPushMargin, all);
   }
+  return out;
+}
+
+std::vector<BoneMap> current_maps(const BoneProblem& problem) {
+  std::vector<BoneMap> maps;
+  for (const BoneGroup& group : problem.groups) maps.push_back(group.map);
+  return maps;
+}
+
+// The shoulder blade glides on the ribs: points of its inner side and the rib points under them, in the placement of `maps`.
+// Gaps are what they are in the source.
+std::vector<GapPair> glide_pairs(const HalfSkeleton& source, const FitRules& rules, const std::vector<BoneMap>& maps) {
+  constexpr double kReach = 0.018;  // m: blade vertices this near to the ribs in the source glide
+  constexpr int kPairs = 14;
+  const int blade_group = rules.group_of_bone.at("scapula"), cage_group = rules.group_of_bone.at("rib5");
+  Points cage(0, 3);
+  const HalfBone* blade = nullptr;
+  for (const HalfBone& bone : source.bones) {
+    if (bone.name == "scapula") blade = &bone;
+    if (bone.name < "rib2" || bone.name > "rib8") continue;
+    cage.conservativeResize(cage.rows() + bone.mesh.V.rows(), 3);
+    cage.bottomRows(bone.mesh.V.rows()) = bone.mesh.V;
+  }
+  Points placed = cage;
+  for (Eigen::Index i = 0; i < cage.rows(); ++i) placed.row(i) = maps[cage_group](cage.row(i));
+  TriMesh near;  // blade vertices that lie on the ribs, as a cloud
+  std::vector<double> gaps;
+  for (Eigen::Index i = 0; i < blade->mesh.V.rows(); ++i) {
+    const double gap = (cage.rowwise() - blade->mesh.V.row(i)).rowwise().norm().minCoeff();
+    if (gap > kReach) continue;
+    near.V.conservativeResize(near.V.rows() + 1, 3);
+    near.V.bottomRows(1) = blade->mesh.V.row(i);
+    gaps.push_back(gap);
+  }
+  const Vec3 middle = 0.5 * (Vec3(placed.colwise().minCoeff()) + Vec3(placed.colwise().maxCoeff()));
+  std::vector<GapPair> out;
+  if (near.V.rows() == 0) return out;
+  for (const int i : surface_samples(near, kPairs)) {
+    const Vec3 x = near.V.row(i), on_blade = maps[blade_group](x);
+    Eigen::Index k = 0;
+    (placed.rowwise() - on_blade.transpose()).rowwise().squaredNorm().minCoeff(&k);
+    const Vec3 on_rib = placed.row(k);
+    const Vec3 outward = Vec3(on_rib.x(), 0, on_rib.z() - middle.z()).normalized();
+    out.push_back({blade_group, cage_group, x, cage.row(k), outward, gaps[i], 3e-3});
+  }
+  return out;
 }
 
 }  // namespace
 
 Placement place_bones(const PlaceInput& input, const FitRules& rules, const SkinField& skin, PlaceReport* report) {
   BoneProblem problem = state_problem(input, rules);
+  problem.gaps = input.gaps;
   int iterations = solve_bones(problem, skin, input.iterations).iterations;
+  for (int round = 0; round < kGlideRounds && input.authored; ++round) {
+    problem.gaps = glide_pairs(*input.source, rules, current_maps(problem));
+    iterations += solve_bones(problem, skin, input.iterations).iterations;
+  }
   push_in(input, skin, problem, false, iterations);
-  push_in(input, skin, problem, true, iterations);
-  Placement placement;
-  for (const BoneGroup& group : problem.groups) placement.maps.push_back(group.map);
+  const std::vector<Violation> left = push_in(input, skin, problem, true, iterations);
   if (report) {
     report->iterations = iterations;
     report->outside.assign(input.source->bones.size(), 0);
     report->furthest = -kPushMargin;
-    for (const Violation& v : violations(*input.source, problem, skin, kPushMargin, true)) {
+    for (const Violation& v : left) {
       report->outside[v.bone] += v.distance > 0;
       report->furthest = std::max(report->furthest, v.distance);
     }
   }
-  return placement;
+  return {current_maps(problem)};
+}
+
+std::vector<GapPair> glide_pairs_at_rest(const HalfSkeleton& half, const FitRules& rules) {
+  const std::vector<BoneMap> still(rules.groups.size());
+  std::vector<GapPair> out = glide_pairs(half, rules, still);
+  for (GapPair& pair : out) pair.gap = pair.normal.dot(pair.x_a - pair.x_b);
+  return out;
 }
 
 std::vector<SurfaceSample> sample_margins(const HalfSkeleton& half, const FitRules& rules, const PlaceInput& input, const SkinField& skin) {

@@ -39,6 +39,7 @@ struct PlaceInput {
   double freedom = 1;                           // factor on the tolerances of data/bone_groups.csv
   bool authored = true;                         // the source is not yet fitted to skins: apply the tables' width shares and narrow gaps
   const std::vector<SurfaceSample>* margins = nullptr;  // points to keep inside; null: samples of each bone at the margins above
+  std::vector<GapPair> gaps;                    // surfaces that glide; of an authored source they are found while placing
   const Placement* start = nullptr;             // where to start from; null: from the joint centres
   bool middle_fixed = false;                    // groups of the middle stay as `start` has them
   int iterations = 40;
@@ -55,6 +56,9 @@ Placement place_bones(const PlaceInput& input, const FitRules& rules, const Skin
 
 // The skeleton seen through its maps: the half, moved.
 HalfSkeleton moved(const HalfSkeleton& half, const FitRules& rules, const Placement& placement);
+
+// The pairs of points between shoulder blade and ribs of a placed skeleton, with the gaps that they have.
+std::vector<GapPair> glide_pairs_at_rest(const HalfSkeleton& half, const FitRules& rules);
 
 // Points of each bone's surface with the margins that `input` asks for, or less where the bones lie nearer to the skin.
 std::vector<SurfaceSample> sample_margins(const HalfSkeleton& half, const FitRules& rules, const PlaceInput& input, const SkinField& skin);

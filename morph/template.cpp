@@ -17,7 +17,7 @@
 namespace ecorche {
 namespace {
 
-constexpr const char* kVersion = "template 2";  // to be changed with the code that builds
+constexpr const char* kVersion = "template 3";  // to be changed with the code that builds
 constexpr double kSourceStature = 1.707;        // the bone package's skeleton with 5 mm of scalp and 15 mm of heel pad, m
 constexpr double kCentreTolerance = 4e-3;       // m: how well the regressor knows a joint centre
 constexpr double kTableMass = 77;               // of the man whose muscle volumes the table lists, kg
@@ -53,6 +53,7 @@ PlaceInput fit_input(const FitTables& tables, const Points& skin, double stature
   input.authored = false;
   input.landmarks = tables.landmarks;
   input.margins = &tables.margins;
+  input.gaps = tables.gaps;
   return input;
 }
 
@@ -89,6 +90,7 @@ Template build_template(const Packages& packages) {
   // Bodies' axes are guessed from their joint centres; the template's must be found the same way to be compared.
   for (const auto& [name, axis] : guess_hinges(tables->half.points)) tables->half.hinges[name] = axis;
   tables->stature = shaped.stature;
+  tables->gaps = glide_pairs_at_rest(tables->half, rules);
   tables->margins = sample_margins(tables->half, rules, input, skin);
   tables->landmarks = input.landmarks;
   for (LandmarkTarget& target : tables->landmarks) {

