@@ -1,0 +1,28 @@
+// A character's motion as a film: layers, camera, ground. Shared by the verbs render and demo.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "app/actor.h"
+#include "app/verb.h"
+#include "viewer/film.h"
+
+namespace ecorche {
+
+struct ActorFilm {
+  std::filesystem::path output;      // FILM.mp4 or DIR/%04d.png
+  int width = 1280, height = 720;
+  double fps = 30;
+  bool skin = true, muscles = true, bones = true;
+  bool beside = false;               // the skin, and the écorché beside it; otherwise one figure with the layers above
+  std::string camera = "follow";     // "follow", or a named view or AZIMUTH,ELEVATION that travels with the figure
+  Ground ground;                     // shown as it is
+};
+
+// The pose at a time, between frames by the shorter way; clamped to the motion's ends. Precondition: a motion with frames.
+Pose pose_at(const Motion& motion, double seconds);
+
+FilmReport film_actor(const Actor& actor, const Motion& motion, const ActorFilm& film, const Common& common);
+
+}  // namespace ecorche

@@ -1,0 +1,71 @@
+// ecorche render: a character's motion as a film or as pictures.
+#include <fmt/format.h>
+
+#include <sstream>
+
+#include "anatomy/errors.h"
+#include "app/actor_film.h"
+#include "app/motion_options.h"
+#include "app/verb.h"
+
+namespace ecorche {
+namespace {
+
+struct RenderVerbOptions {
+  std::filesystem::path character, motion;
+  std::string layers = "skin,muscles,bones", size = "1280x720";
+  MotionOptions retarget;
+  ActorFilm film;
+};
+
+void set_layers(const std::string& text, ActorFilm& film) {
+  film.skin = film.muscles = film.bones = false;
+  std::istringstream names(text);
+  for (std::string name; std::getline(names, name, ',');) {
+    if (name == "skin") film.skin = true;
+    else if (name == "muscles") film.muscles = true;
+    else if (name == "bones") film.bones = true;
+    else throw UsageError(fmt::format("--layers: '{}' is no layer; there are skin, muscles and bones", name));
+  }
+}
+
+void set_size(const std::string& text, ActorFilm& film) {
+  char trailing = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%c", &film.width, &film.height, &trailing) != 2)
+    throw UsageError(fmt::format("--size: '{}' is no size; write WIDTHxHEIGHT, for example 1280x720", text));
+}
+
+int run(RenderVerbOptions options, const Common& common, Report& report) {
+  set_layers(options.layers, options.film);
+  set_size(options.size, options.film);
+  const Actor actor = make_actor(read_character(options.character), report);
+  const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), report);
+  options.film.ground.visible = true;
+  const FilmReport film = film_actor(actor, motion, options.film, common);
+  report.set("timings_ms.film", 1e3 * film.seconds);
+  report.set("film.frames", film.frames);
+  report.set("film.driver", film.driver);
+  note(common, fmt::format("{}: {} frames of {}x{} in {:.1f} s", options.film.output.string(), film.frames, film.width, film.height, film.seconds));
+  return 0;
+}
+
+}  // namespace
+
+void add_render_verb(VerbRegistry& registry) {
+  auto options = std::make_shared<RenderVerbOptions>();
+  CLI::App* verb = add_verb(registry, registry.app, "render", "Film a character's motion",
+                            "ecorche render anna.glb walk.bvh -o anna.mp4 --layers muscles,bones --camera left",
+                            [options](const Common& common, Report& report) { return run(*options, common, report); });
+  verb->add_option("character", options->character, "Character written by `ecorche fit`")->required();
+  verb->add_option("motion", options->motion, "Motion (.bvh)")->required();
+  verb->add_option("-o,--output", options->film.output, "FILM.mp4, or numbered pictures DIR/%04d.png")->required();
+  verb->add_option("--layers", options->layers, "What is seen: skin, muscles, bones; the skin is glass over other layers")->capture_default_str();
+  verb->add_flag("--beside", options->film.beside, "The skin, and the figure without it beside it");
+  verb->add_option("--size", options->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+  verb->add_option("--fps", options->film.fps, "Frames a second")->check(CLI::Range(1.0, 240.0))->capture_default_str();
+  verb->add_option("--camera", options->film.camera, "follow; or front, back, left, right, top, oblique, or AZIMUTH,ELEVATION in degrees")
+      ->capture_default_str();
+  add_motion_options(*verb, options->retarget);
+}
+
+}  // namespace ecorche
