@@ -1,0 +1,209 @@
+// ecorche demo: an athlete's long jump, from the template to the film.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "anatomy/atomic_file.h"
+#include "anatomy/errors.h"
+#include "anatomy/package.h"
+#include "app/actor_film.h"
+#include "app/demo_page.h"
+#include "app/fitting.h"
+#include "app/stage_pictures.h"
+#include "app/verb.h"
+#include "morph/body.h"
+#include "skinning/pc2_io.h"
+
+namespace ecorche {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct DemoOptions {
+  fs::path folder = "out/long-jump";
+};
+
+// The motion's world: the take-off line lies at z = 0 and the pit begins a metre behind it (data/motions/make_long_jump.py).
+Ground jump_ground(double scale) {
+  Ground ground;
+  ground.visible = true;
+  ground.track_begin = -60;
+  ground.track_end = static_cast<float>(1.0 * scale);
+  ground.board = 1e-3f;
+  ground.pit_begin = static_cast<float>(1.0 * scale);
+  ground.pit_end = static_cast<float>(10.0 * scale);
+  return ground;
+}
+
+// The highest moment of the root, and when it was last and next at its mean running height: take-off and landing, for the curves.
+std::vector<std::pair<double, std::string>> flight_events(const Motion& motion) {
+  size_t top = 0;
+  for (size_t f = 1; f < motion.frames.size(); ++f)
+    if (motion.frames[f].root.y() > motion.frames[top].root.y()) top = f;
+  const double ground = motion.frames.front().root.y();
+  const double level = ground + 0.35 * (motion.frames[top].root.y() - ground);
+  size_t up = top, down = top;
+  while (up > 0 && motion.frames[up].root.y() > level) --up;
+  while (down + 1 < motion.frames.size() && motion.frames[down].root.y() > level) ++down;
+  return {{static_cast<double>(up) / motion.fps, "take-off"}, {static_cast<double>(top) / motion.fps, "highest"}, {static_cast<double>(down) / motion.fps, "landing"}};
+}
+
+// Muscles of the take-off leg that a coach would ask for.
+std::vector<MuscleCurve> follow_muscles(const Actor& actor, const Motion& motion, std::vector<double>& seconds) {
+  const std::pair<const char*, const char*> wanted[] = {{"rectus_femoris_l", "rectus femoris"},
+                                                        {"vastus_lateralis_l", "vastus lateralis"},
+                                                        {"biceps_femoris_long_l", "biceps femoris, long head"},
+                                                        {"gluteus_maximus_middle_l", "gluteus maximus"},
+                                                        {"gastrocnemius_medial_l", "gastrocnemius, medial head"},
+                                                        {"soleus_l", "soleus"}};
+  const Anatomy& anatomy = actor.character.anatomy;
+  const auto ranges = slice_ranges(anatomy);
+  struct Followed {
+    int strip = 0, slice = 0;
+    double length = 1, thickness = 1;
+  };
+  ActorFrame frame;
+  play(actor, rest_pose(anatomy.skeleton), frame);
+  std::vector<MuscleCurve> curves;
+  std::vector<Followed> followed;
+  for (const auto& [name, label] : wanted) {
+    const int m = find_muscle(anatomy, name);
+    const auto range = std::find_if(ranges.begin(), ranges.end(), [m](const SliceRange& r) { return r.muscle == m; });
+    if (m < 0 || range == ranges.end()) continue;
+    Followed one;
+    one.strip = static_cast<int>(range - ranges.begin());
+    one.slice = range->begin;
+    for (int k = range->begin; k < range->end; ++k)
+      if (frame.posed.slices[k].radii.prod() > frame.posed.slices[one.slice].radii.prod()) one.slice = k;
+    one.length = frame.posed.lengths[one.strip];
+    one.thickness = frame.posed.slices[one.slice].radii.y();
+    followed.push_back(one);
+    curves.push_back({label, {}, {}});
+  }
+  for (size_t f = 0; f < motion.frames.size(); ++f) {
+    play(actor, motion.frames[f], frame);
+    seconds.push_back(static_cast<double>(f) / motion.fps);
+    for (size_t i = 0; i < followed.size(); ++i) {
+      curves[i].length.push_back(frame.posed.lengths[followed[i].strip] / followed[i].length);
+      curves[i].thickness.push_back(frame.posed.slices[followed[i].slice].radii.y() / followed[i].thickness);
+    }
+  }
+  return curves;
+}
+
+void add_stage_pictures(const Template& body_template, const Body& body, const Anatomy& shrunk, const Actor& actor, const Motion& motion, DemoRecord& record) {
+  Renderer renderer;
+  const std::vector<std::string> views{"front", "left", "back"};
+  constexpr int kWidth = 360, kHeight = 640;
+  const auto add = [&](const Anatomy& anatomy, const Look& look, const std::string& caption) {
+    record.pictures.push_back({encode_png(picture_at_rest(renderer, anatomy, body.skin, look, views, kWidth, kHeight)), caption});
+  };
+  Look skin_only, glass_bones, glass_all, flayed;
+  skin_only.muscles = skin_only.bones = 0;
+  glass_bones.skin = glass_all.skin = 0.10f;
+  glass_bones.skin_edge = glass_all.skin_edge = 0.45f;
+  glass_bones.muscles = 0;
+  flayed.skin = 0;
+  const Anatomy& fitted = actor.character.anatomy;
+  add(fitted, skin_only, "The athlete's skin (the paper's figure 4a)");
+  add(body_template.anatomy, glass_bones, "The template before it is transformed, in the athlete's skin (4b)");
+  add(fitted, glass_bones, "Its bones transformed (4c)");
+  add(shrunk, glass_all, "Its muscles transformed and shrunk, before dilation (4d)");
+  add(fitted, glass_all, "After dilation up to the layer of fat and skin (4e)");
+  add(fitted, flayed, "The écorché");
+
+  const auto events = flight_events(motion);
+  const double takeoff = events[0].first, highest = events[1].first, landing = events[2].first;
+  const std::vector<double> moments{takeoff - 1.2, takeoff - 0.45, takeoff - 0.12, takeoff, (takeoff + highest) / 2, highest, (highest + landing) / 2, landing + 0.05};
+  record.pictures.push_back({encode_png(picture_of_moments(renderer, actor, motion, moments, 190, 260)),
+                             "Run-up, take-off, flight and landing: the skin, and the muscles that move it (the paper's figures 6 and 7)"});
+}
+
+double mean_frame_ms(const Actor& actor, const Motion& motion) {
+  ActorFrame frame;
+  play(actor, motion.frames[0], frame);
+  const auto start = std::chrono::steady_clock::now();
+  for (const Pose& pose : motion.frames) play(actor, pose, frame);
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() / static_cast<double>(motion.frames.size());
+}
+
+void write_cache(const fs::path& file, const Actor& actor, const Motion& motion) {
+  Pc2Writer writer(file, actor.binding.vertex_count);
+  ActorFrame frame;
+  for (const Pose& pose : motion.frames) {
+    play(actor, pose, frame);
+    writer.add_frame(frame.skin.positions);
+  }
+  writer.finish();
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw OutputError(fmt::format("{}: {}", folder.string(), error.message()));
+}
+
+int run(const DemoOptions& options, const Common& common, Report& report) {
+  make_folder(options.folder);
+  note(common, "template");
+  StageTimer template_timer(report, "template");
+  const Template body_template = read_template();
+  report.set("timings_ms.template", template_timer.milliseconds());
+  const BodyPackage package = read_body_package(find_packages());
+
+  note(common, "fit");
+  const Body body = make_body(package, athlete());
+  FitOptions shrunk_only;
+  shrunk_only.dilate_muscles = false;
+  FittedCharacter fitted = fit_character(body_template, body, {}, report);
+  const Actor actor = make_actor(std::move(fitted.character), report);
+  const Anatomy& anatomy = actor.character.anatomy;
+  report.set("bones", static_cast<int>(anatomy.bones.size()));
+  report.set("muscles", static_cast<int>(anatomy.muscles.size()));
+  report.set("strips", actor.table.strips());
+  report.set("slices", actor.table.slices());
+  report.set("skin_vertices", actor.binding.vertex_count);
+
+  note(common, "motion");
+  const Motion motion = open_motion(data_folder() / "motions" / "long_jump.bvh", actor.character, {}, report);
+  report.set("frame_ms", mean_frame_ms(actor, motion));
+  report_quality(survey_motion(actor, motion, &package), "quality", report);
+
+  note(common, "files");
+  write_character(options.folder / "athlete.glb", actor.character, actor.binding, &motion);
+  write_cache(options.folder / "long-jump.pc2", actor, motion);
+
+  ActorFilm film;
+  film.output = options.folder / "long-jump.mp4";
+  film.beside = true;
+  film.ground = jump_ground(report.number("motion.scale"));
+  const FilmReport filmed = film_actor(actor, motion, film, common);
+  report.set("timings_ms.film", 1e3 * filmed.seconds);
+  report.set("film.frames", filmed.frames);
+  report.set("film.driver", filmed.driver);
+
+  DemoRecord record;
+  record.curves = follow_muscles(actor, motion, record.seconds);
+  record.events = flight_events(motion);
+  add_stage_pictures(body_template, body, fit_anatomy(body_template, body, shrunk_only).anatomy, actor, motion, record);
+  write_file_atomically(options.folder / "report.html", demo_page(record, report));
+  const auto missed = missed_targets(fitted.report);
+  report.set("exit_code", missed.empty() ? 0 : 8);
+  report.write(options.folder / "report.json");
+  for (const std::string& target : missed) note(common, "missed: " + target);
+  note(common, fmt::format("look at {0}/long-jump.mp4 and {0}/report.html; {0}/athlete.glb opens in Blender", options.folder.string()));
+  return missed.empty() ? 0 : 8;
+}
+
+}  // namespace
+
+void add_demo_verb(VerbRegistry& registry) {
+  auto options = std::make_shared<DemoOptions>();
+  CLI::App* verb = add_verb(registry, registry.app, "demo", "An athlete's long jump, end to end: film, character, vertex cache, report",
+                            "ecorche demo -o out/long-jump",
+                            [options](const Common& common, Report& report) { return run(*options, common, report); });
+  verb->add_option("-o,--output", options->folder, "Folder to write to; made where it is missing")->capture_default_str();
+}
+
+}  // namespace ecorche

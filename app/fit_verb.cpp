@@ -1,0 +1,46 @@
+// ecorche fit: bones and muscles inside a skin, and the skin anchored to them.
+#include <fmt/format.h>
+
+#include "app/actor.h"
+#include "app/fitting.h"
+#include "app/verb.h"
+
+namespace ecorche {
+namespace {
+
+struct FitVerbOptions {
+  std::filesystem::path body, output;
+  std::string method = "ecorche";
+  FitOptions fit;
+};
+
+int run(FitVerbOptions options, const Common& common, Report& report) {
+  if (options.method == "paper") options.fit.dilate.method = DilateMethod::paper;
+  const BodyPackage package = read_body_package(find_packages());
+  const Body body = open_body(options.body, package, report);
+  const Template body_template = read_template();
+  FittedCharacter fitted = fit_character(body_template, body, options.fit, report);
+  const Actor actor = make_actor(std::move(fitted.character), report);
+  write_character(options.output, actor.character, actor.binding);
+  note(common, fmt::format("{}: {} bones, {} muscles, {} skin vertices", options.output.string(), actor.character.anatomy.bones.size(),
+                           actor.character.anatomy.muscles.size(), actor.binding.vertex_count));
+  const auto missed = missed_targets(fitted.report);
+  for (const std::string& target : missed) note(common, "missed: " + target);
+  return missed.empty() ? 0 : 8;
+}
+
+}  // namespace
+
+void add_fit_verb(VerbRegistry& registry) {
+  auto options = std::make_shared<FitVerbOptions>();
+  CLI::App* verb = add_verb(registry, registry.app, "fit", "Put bones and muscles inside a skin, and anchor the skin to them",
+                            "ecorche fit anna.glb -o anna-anatomy.glb --report anna.json",
+                            [options](const Common& common, Report& report) { return run(*options, common, report); });
+  verb->add_option("body", options->body, "Body of `ecorche body new`, or a skin in the base mesh's topology (.obj, .ply, .glb)")->required();
+  verb->add_option("-o,--output", options->output, "Character to write (.glb)")->required();
+  verb->add_option("--method", options->method, "How muscles grow to the skin: ecorche, or paper (one factor a muscle)")
+      ->check(CLI::IsMember({"ecorche", "paper"}))
+      ->capture_default_str();
+}
+
+}  // namespace ecorche
