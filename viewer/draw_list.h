@@ -18,7 +18,7 @@ using Triangle32 = Eigen::Matrix<std::uint32_t, 3, 1>;
 // Geometry. Arrays other than positions, normals and triangles may be empty; those present have #V entries.
 struct DrawMesh {
   std::uint64_t key = 0;       // names the mesh from one list to the next, so that it is sent to the GPU once; 0: send every time
-  std::uint64_t revision = 0;  // change it when a vertex array has changed; triangles stay the same for a key
+  std::uint64_t revision = 0;  // another one: positions, normals and colours have changed; the rest stays for a key
   std::vector<Vec3f> positions;
   std::vector<Vec3f> normals;           // unit
   std::vector<Vec3f> colors;            // empty: the item's colour

@@ -91,6 +91,7 @@ void GpuMeshes::send(Slot& slot, const DrawMesh& mesh, bool fresh) const {
   floats(0, 3, mesh.positions);
   floats(1, 3, mesh.normals);
   floats(2, 3, mesh.colors);
+  if (!fresh) return;
   floats(3, 1, mesh.occlusion);
   floats(4, 1, mesh.dissolve);
   floats(5, 4, mesh.fibres);
@@ -102,11 +103,9 @@ void GpuMeshes::send(Slot& slot, const DrawMesh& mesh, bool fresh) const {
     gl_.VertexAttribIPointer(6, 1, GL_UNSIGNED_INT, 0, nullptr);
     gl_.EnableVertexAttribArray(6);
   }
-  if (fresh) {
-    gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, slot.indices);
-    gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.triangles.size() * sizeof(Triangle32)), mesh.triangles.data(),
-                   GL_STATIC_DRAW);
-  }
+  gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, slot.indices);
+  gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.triangles.size() * sizeof(Triangle32)), mesh.triangles.data(),
+                 GL_STATIC_DRAW);
   slot.vertices = mesh.positions.size();
   slot.triangles = mesh.triangles.size();
 }

@@ -1,0 +1,294 @@
+#include "viewer/scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+namespace ecorche {
+namespace {
+
+const Vec3f tendon_color(0.93f, 0.88f, 0.78f);
+const Vec3f belly_color(0.60f, 0.13f, 0.11f);
+const Vec3f short_color(0.84f, 0.17f, 0.10f);
+const Vec3f long_color(0.42f, 0.10f, 0.13f);
+const Vec3f selected_color(0.98f, 0.80f, 0.25f);
+// Okabe & Ito's orange and blue, with a light grey between them.
+const Vec3f map_short(0.90f, 0.62f, 0.00f);
+const Vec3f map_rest(0.88f, 0.87f, 0.85f);
+const Vec3f map_long(0.00f, 0.45f, 0.70f);
+
+std::uint32_t scramble(std::uint32_t x) {
+  x = (x ^ (x >> 16)) * 0x7feb352du;
+  x = (x ^ (x >> 15)) * 0x846ca68bu;
+  return x ^ (x >> 16);
+}
+
+float unit(std::uint32_t x) { return static_cast<float>(scramble(x) >> 8) / 16777216.0f; }
+
+// Smooth random values in space: the patches in which a skin goes.
+float patchiness(const Vec3f& p) {
+  const Eigen::Vector3i cell = p.array().floor().cast<int>();
+  const Vec3f f = p - cell.cast<float>();
+  const Vec3f t = f.array() * f.array() * (3 - 2 * f.array());
+  float sum = 0;
+  for (int k = 0; k < 8; ++k) {
+    const Eigen::Vector3i c = cell + Eigen::Vector3i(k & 1, (k >> 1) & 1, k >> 2);
+    const auto seed = static_cast<std::uint32_t>(c.x() * 73856093 ^ c.y() * 19349663 ^ c.z() * 83492791);
+    sum += unit(seed) * (k & 1 ? t.x() : 1 - t.x()) * (k & 2 ? t.y() : 1 - t.y()) * (k & 4 ? t.z() : 1 - t.z());
+  }
+  return sum;
+}
+
+std::vector<Vec3f> to_float(const Points& points) {
+  std::vector<Vec3f> out(points.rows());
+  for (Eigen::Index i = 0; i < points.rows(); ++i) out[i] = points.row(i).transpose().cast<float>();
+  return out;
+}
+
+std::vector<Triangle32> to_indices(const Triangles& triangles) {
+  std::vector<Triangle32> out(triangles.rows());
+  for (Eigen::Index i = 0; i < triangles.rows(); ++i) out[i] = triangles.row(i).transpose().cast<std::uint32_t>();
+  return out;
+}
+
+void set_normals(DrawMesh& mesh) {
+  mesh.normals.assign(mesh.positions.size(), Vec3f::Zero());
+  for (const Triangle32& t : mesh.triangles) {
+    const Vec3f n = (mesh.positions[t[1]] - mesh.positions[t[0]]).cross(mesh.positions[t[2]] - mesh.positions[t[0]]);
+    for (int k = 0; k < 3; ++k) mesh.normals[t[k]] += n;
+  }
+  for (Vec3f& n : mesh.normals) n = n.squaredNorm() > 0 ? n.normalized() : Vec3f(0, 1, 0);
+}
+
+DrawMesh make_mesh(const TriMesh& source, std::uint64_t key) {
+  DrawMesh mesh;
+  mesh.key = key;
+  mesh.positions = to_float(source.V);
+  mesh.triangles = to_indices(source.F);
+  set_normals(mesh);
+  return mesh;
+}
+
+// From the feet upwards, in patches.
+void set_dissolve_order(DrawMesh& skin) {
+  if (skin.positions.empty()) return;
+  float low = skin.positions[0].y(), high = low;
+  for (const Vec3f& p : skin.positions) low = std::min(low, p.y()), high = std::max(high, p.y());
+  const float height = std::max(high - low, 1e-6f);
+  skin.dissolve.clear();
+  for (const Vec3f& p : skin.positions) {
+    const Vec3f q = p / height;
+    const float patches = 0.6f * patchiness(17 * q) + 0.3f * patchiness(41 * q) + 0.1f * patchiness(97 * q);
+    skin.dissolve.push_back(std::clamp(0.72f * (p.y() - low) / height + 0.28f * patches, 0.001f, 0.999f));
+  }
+}
+
+// Fibres lie side by side around each strip, `fascicle` wide at its thickest.
+void set_fibres(DrawMesh& muscles, const MuscleSurface& surface, const Anatomy& anatomy, std::span<const SliceRange> strips, double fascicle) {
+  std::vector<float> fibres, lengths;
+  for (const SliceRange& range : strips) {
+    const Strip& strip = anatomy.muscles[range.muscle].strips[range.strip];
+    double girth = 0;
+    for (const Slice& slice : strip.slices) girth = std::max(girth, std::numbers::pi * (slice.radii.x() + slice.radii.y()));
+    fibres.insert(fibres.end(), strip.slices.size(), std::max(6.0f, static_cast<float>(std::round(girth / fascicle))));
+    lengths.insert(lengths.end(), strip.slices.size(), static_cast<float>(strip.rest_length));
+  }
+  for (int i = 0; i < surface.vertices(); ++i) {
+    const int k = surface.slice[i];
+    muscles.fibres.emplace_back(std::cos(surface.angle[i]), std::sin(surface.angle[i]), fibres[k], surface.along[i] * lengths[k]);
+  }
+}
+
+Vec3f mix(const Vec3f& a, const Vec3f& b, float t) { return a + t * (b - a); }
+
+Vec3f flesh_color(float activity) {
+  return activity >= 0 ? mix(belly_color, short_color, activity) : mix(belly_color, long_color, -activity);
+}
+
+Vec3f map_color(float activity) { return activity >= 0 ? mix(map_rest, map_short, activity) : mix(map_rest, map_long, -activity); }
+
+// No two neighbours quite alike, so that the eye tells them apart.
+float own_tone(int muscle) { return 0.90f + 0.20f * unit(static_cast<std::uint32_t>(muscle) + 17); }
+
+void color_muscles(const SceneModel& model, std::span<const float> activity, const Appearance& appearance, DrawMesh& mesh) {
+  mesh.colors.resize(model.surface.vertices());
+  for (const MuscleSurface::Part& part : model.surface.parts) {
+    const float a = activity.empty() ? 0 : std::clamp(activity[part.muscle], -1.0f, 1.0f);
+    const bool map = appearance.muscle_colors == MuscleColors::shortening;
+    Vec3f belly = map ? map_color(a) : Vec3f(flesh_color(a) * own_tone(part.muscle));
+    Vec3f tendon = map ? Vec3f(0.70f, 0.69f, 0.67f) : tendon_color;
+    if (appearance.selected == kFirstMusclePart + static_cast<std::uint32_t>(part.muscle)) {
+      belly = selected_color;
+      tendon = mix(tendon, selected_color, 0.5f);
+    }
+    for (int i = part.vertex_begin; i < part.vertex_end; ++i) mesh.colors[i] = mix(tendon, belly, model.surface.belly[i]);
+  }
+}
+
+void copy_into(const PointsF& from, std::vector<Vec3f>& to) {
+  to.resize(from.rows());
+  std::copy_n(from.data(), from.size(), to.empty() ? nullptr : to.front().data());
+}
+
+void take_skin(const SkinFrame& frame, DrawMesh& mesh) {
+  if (frame.positions.size() != 4 * mesh.positions.size() || frame.normals.size() != frame.positions.size())
+    throw std::invalid_argument(fmt::format("update_scene: {} skin coordinates for {} vertices", frame.positions.size(), mesh.positions.size()));
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    mesh.positions[i] = Vec3f(frame.positions[4 * i], frame.positions[4 * i + 1], frame.positions[4 * i + 2]);
+    mesh.normals[i] = Vec3f(frame.normals[4 * i], frame.normals[4 * i + 1], frame.normals[4 * i + 2]);
+  }
+}
+
+Surface bone_surface(const Appearance& appearance, float opacity) {
+  return {.color = appearance.bone_color, .opacity = opacity, .roughness = 0.55f, .specular = 0.035f, .scatter = 0.25f};
+}
+
+Surface muscle_surface(float opacity) {
+  return {.color = belly_color, .opacity = opacity, .roughness = 0.38f, .specular = 0.045f, .scatter = 0.35f, .striation = 1};
+}
+
+Surface skin_surface(const Appearance& appearance, const Look& look) {
+  return {.color = appearance.skin_color,
+          .opacity = look.skin,
+          .edge_opacity = look.skin_edge,
+          .dissolved = look.skin_dissolved,
+          .roughness = 0.50f,
+          .specular = 0.035f,
+          .scatter = 0.6f};
+}
+
+Mat4f moved_by(const Vec3f& offset) {
+  Mat4f m = Mat4f::Identity();
+  m.topRightCorner<3, 1>() = offset;
+  return m;
+}
+
+// The list's meshes, in the model's order: skin, muscles, bones. A list from elsewhere is filled anew.
+void take_meshes(const SceneModel& model, DrawList& list) {
+  const std::size_t wanted = 2 + model.bones.size();
+  bool same = list.meshes.size() == wanted && list.meshes[0].key == model.skin.key && list.meshes[1].key == model.muscles.key;
+  if (same) same = list.meshes[0].positions.size() == model.skin.positions.size() && list.meshes[1].fibres.size() == model.muscles.fibres.size();
+  if (same) return;
+  list.meshes.clear();
+  list.meshes.reserve(wanted);
+  list.meshes.push_back(model.skin);
+  list.meshes.push_back(model.muscles);
+  list.meshes.insert(list.meshes.end(), model.bones.begin(), model.bones.end());
+}
+
+void add_look(const SceneModel& model, const PosedAnatomy& posed, const Appearance& appearance, const Look& look, DrawList& list) {
+  const Mat4f offset = moved_by(look.offset);
+  if (look.bones > 0) {
+    for (std::size_t b = 0; b < model.bones.size(); ++b) {
+      Transform rest_to_joint = Transform::Identity();
+      rest_to_joint.translation() = -model.joint_rest[model.bone_joints[b]];
+      const Transform moved = posed.X_WJ[model.bone_joints[b]] * rest_to_joint;
+      DrawItem& item = list.items.emplace_back();
+      item.mesh = static_cast<int>(2 + b);
+      item.X_WM = offset * moved.matrix().cast<float>();
+      item.surface = bone_surface(appearance, look.bones);
+      item.part = kFirstBonePart + static_cast<std::uint32_t>(b);
+      if (item.part == appearance.selected) item.surface.color = selected_color;
+    }
+  }
+  if (look.muscles > 0 && !model.muscles.triangles.empty()) {
+    DrawItem& item = list.items.emplace_back();
+    item.mesh = 1;
+    item.X_WM = offset;
+    item.surface = muscle_surface(look.muscles);
+  }
+  if ((look.skin > 0 || look.skin_edge > 0) && look.skin_dissolved < 1 && !model.skin.triangles.empty()) {
+    DrawItem& item = list.items.emplace_back();
+    item.mesh = 0;
+    item.X_WM = offset;
+    item.surface = skin_surface(appearance, look);
+    item.part = kSkinPart;
+  }
+}
+
+// The ball around what is seen of this frame.
+void set_focus(const PosedAnatomy& posed, const Appearance& appearance, DrawList& list) {
+  Vec3f low = Vec3f::Constant(1e30f), high = -low;
+  for (const Transform& joint : posed.X_WJ)
+    for (const Look& look : appearance.looks) {
+      const Vec3f p = joint.translation().cast<float>() + look.offset;
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+  if (!(low.x() <= high.x())) return;
+  // Flesh, and the top of the head, reach beyond the joints.
+  list.focus = 0.5f * (low + high);
+  list.focus_radius = 0.5f * (high - low).norm() + 0.25f;
+}
+
+}  // namespace
+
+Part part_of(std::uint32_t number) {
+  if (number >= kFirstMusclePart) return {Part::Kind::muscle, static_cast<int>(number - kFirstMusclePart)};
+  if (number >= kFirstBonePart) return {Part::Kind::bone, static_cast<int>(number - kFirstBonePart)};
+  if (number == kSkinPart) return {Part::Kind::skin, 0};
+  return {};
+}
+
+SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin, const SceneOptions& options) {
+  SceneModel model;
+  const std::uint64_t key = options.key << 32;
+  model.skin = make_mesh(skin, key + 1);
+  set_dissolve_order(model.skin);
+  for (std::size_t b = 0; b < anatomy.bones.size(); ++b) {
+    model.bones.push_back(make_mesh(anatomy.bones[b].mesh, key + 3 + b));
+    model.bone_joints.push_back(anatomy.bones[b].joint);
+  }
+  model.joint_rest = rest_positions(anatomy.skeleton);
+  model.strips = slice_ranges(anatomy);
+  for (const SliceRange& range : model.strips) model.rest_lengths.push_back(anatomy.muscles[range.muscle].strips[range.strip].rest_length);
+  model.muscle_count = static_cast<int>(anatomy.muscles.size());
+  model.muscles.key = key + 2;
+  if (anatomy.muscles.empty()) return model;
+  model.surface = make_muscle_surface(anatomy, options.surface);
+  model.muscles.triangles = to_indices(model.surface.F);
+  for (const int m : model.surface.muscle) model.muscles.parts.push_back(kFirstMusclePart + static_cast<std::uint32_t>(m));
+  set_fibres(model.muscles, model.surface, anatomy, model.strips, options.fascicle);
+  return model;
+}
+
+void muscle_shortening(const SceneModel& model, const PosedAnatomy& posed, std::vector<float>& out) {
+  if (posed.lengths.size() != model.rest_lengths.size())
+    throw std::invalid_argument(fmt::format("muscle_shortening: {} lengths for {} strips", posed.lengths.size(), model.rest_lengths.size()));
+  out.assign(model.muscle_count, 0);
+  for (std::size_t k = 0; k < model.strips.size();) {
+    const int m = model.strips[k].muscle;
+    double rest = 0, now = 0;
+    for (; k < model.strips.size() && model.strips[k].muscle == m; ++k) rest += model.rest_lengths[k], now += posed.lengths[k];
+    if (rest > 0) out[m] = static_cast<float>(std::clamp((rest - now) / (0.2 * rest), -1.0, 1.0));
+  }
+}
+
+void update_scene(const SceneModel& model, const PosedAnatomy& posed, const SkinFrame* skin, std::span<const float> activity,
+                  const Appearance& appearance, std::uint64_t revision, Scene& scene) {
+  if (posed.X_WJ.size() != model.joint_rest.size())
+    throw std::invalid_argument(fmt::format("update_scene: a pose of {} joints for {}", posed.X_WJ.size(), model.joint_rest.size()));
+  if (!activity.empty() && static_cast<int>(activity.size()) != model.muscle_count)
+    throw std::invalid_argument(fmt::format("update_scene: {} activities for {} muscles", activity.size(), model.muscle_count));
+  take_meshes(model, scene.list);
+  DrawMesh& muscles = scene.list.meshes[1];
+  if (model.muscle_count > 0) {
+    update_muscle_surface(model.surface, posed, scene.muscle_positions, &scene.muscle_normals);
+    copy_into(scene.muscle_positions, muscles.positions);
+    copy_into(scene.muscle_normals, muscles.normals);
+    color_muscles(model, activity, appearance, muscles);
+    muscles.revision = revision;
+  }
+  if (skin) {
+    take_skin(*skin, scene.list.meshes[0]);
+    scene.list.meshes[0].revision = revision;
+  }
+  scene.list.items.clear();
+  for (const Look& look : appearance.looks) add_look(model, posed, appearance, look, scene.list);
+  set_focus(posed, appearance, scene.list);
+}
+
+}  // namespace ecorche
