@@ -8,10 +8,10 @@
 namespace ecorche {
 namespace {
 
-GLuint compile(const GlApi& gl, GLenum stage, const char* name, const char* prelude, const char* source) {
+GLuint compile(const GlApi& gl, GLenum stage, const char* name, const char* defines, const char* prelude, const char* source) {
   const GLuint shader = gl.CreateShader(stage);
-  const std::array<const char*, 2> texts{prelude, source};
-  gl.ShaderSource(shader, 2, texts.data(), nullptr);
+  const std::array<const char*, 4> texts{"#version 330 core\n", defines, prelude, source};
+  gl.ShaderSource(shader, static_cast<GLsizei>(texts.size()), texts.data(), nullptr);
   gl.CompileShader(shader);
   GLint good = 0;
   gl.GetShaderiv(shader, GL_COMPILE_STATUS, &good);
@@ -23,10 +23,11 @@ GLuint compile(const GlApi& gl, GLenum stage, const char* name, const char* prel
 
 }  // namespace
 
-GlProgram::GlProgram(const GlApi& gl, const char* name, const char* prelude, const char* vertex, const char* fragment) : gl_(gl) {
+GlProgram::GlProgram(const GlApi& gl, const char* name, const char* defines, const char* prelude, const char* vertex,
+                     const char* fragment) : gl_(gl) {
   id_ = gl_.CreateProgram();
-  const GLuint stages[2] = {compile(gl_, GL_VERTEX_SHADER, name, prelude, vertex),
-                            compile(gl_, GL_FRAGMENT_SHADER, name, prelude, fragment)};
+  const GLuint stages[2] = {compile(gl_, GL_VERTEX_SHADER, name, defines, prelude, vertex),
+                            compile(gl_, GL_FRAGMENT_SHADER, name, defines, prelude, fragment)};
   for (const GLuint stage : stages) gl_.AttachShader(id_, stage);
   gl_.LinkProgram(id_);
   for (const GLuint stage : stages) gl_.DeleteShader(stage);

@@ -13,7 +13,8 @@ namespace ecorche {
 class GlProgram {
  public:
   // Throws std::invalid_argument with the driver's log: sources are ours.
-  GlProgram(const GlApi& gl, const char* name, const char* prelude, const char* vertex, const char* fragment);
+  // `defines`: lines "#define NAME\n" that choose a variant.
+  GlProgram(const GlApi& gl, const char* name, const char* defines, const char* prelude, const char* vertex, const char* fragment);
   ~GlProgram();
   GlProgram(const GlProgram&) = delete;
   GlProgram& operator=(const GlProgram&) = delete;

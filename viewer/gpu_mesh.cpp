@@ -77,6 +77,10 @@ void GpuMeshes::send(Slot& slot, const DrawMesh& mesh, bool fresh) const {
     gl_.GenBuffers(1, &slot.indices);
     gl_.GenBuffers(attribute_count, slot.buffers.data());
   }
+  slot.box.setEmpty();
+  for (const Vec3f& p : mesh.positions) slot.box.extend(p);
+  slot.vertices = mesh.positions.size();
+  slot.triangles = mesh.triangles.size();
   gl_.BindVertexArray(slot.vertex_array);
   auto floats = [&](GLuint place, int width, const auto& values) {
     if (values.empty()) {
@@ -106,8 +110,6 @@ void GpuMeshes::send(Slot& slot, const DrawMesh& mesh, bool fresh) const {
   gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, slot.indices);
   gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.triangles.size() * sizeof(Triangle32)), mesh.triangles.data(),
                  GL_STATIC_DRAW);
-  slot.vertices = mesh.positions.size();
-  slot.triangles = mesh.triangles.size();
 }
 
 void GpuMeshes::draw(const DrawList& list, const DrawItem& item) const {

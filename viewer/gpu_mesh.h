@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <map>
 
+#include <Eigen/Geometry>
+
 #include "viewer/draw_list.h"
 #include "viewer/gl_api.h"
 
@@ -22,12 +24,15 @@ class GpuMeshes {
   void begin(const DrawList& list);
   // Binds mesh `index` of that list; arrays it lacks take the values of the item.
   void draw(const DrawList& list, const DrawItem& item) const;
+  // Box around mesh `index` of that list, in its own frame; empty for a mesh without vertices.
+  const Eigen::AlignedBox3f& box(int index) const { return slots_.at(keys_[index]).box; }
 
  private:
   static constexpr int attribute_count = 7;
   struct Slot {
     GLuint vertex_array = 0, indices = 0;
     std::array<GLuint, attribute_count> buffers{};
+    Eigen::AlignedBox3f box;
     std::uint64_t revision = 0;
     std::size_t vertices = 0, triangles = 0;
     int last_frame = 0;

@@ -32,22 +32,52 @@ struct Ball {
   float radius = 1;
 };
 
+// A rectangle of pixels, lower left first.
+struct Window {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+Eigen::AlignedBox3f moved(const Eigen::AlignedBox3f& box, const Mat4f& by) {
+  Eigen::AlignedBox3f out;
+  if (box.isEmpty()) return out;
+  for (int k = 0; k < 8; ++k) out.extend((by * box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(k)).homogeneous()).head<3>());
+  return out;
+}
+
 // What shadows have to cover: the list's focus, else the box around everything that casts one.
-Ball focus_ball(const DrawList& list) {
+Ball focus_ball(const DrawList& list, const GpuMeshes& meshes) {
   if (list.focus_radius > 0) return {list.focus, list.focus_radius};
-  Vec3f low = Vec3f::Constant(1e30f), high = -low;
+  Eigen::AlignedBox3f all;
+  for (const DrawItem& item : list.items)
+    if (item.casts_shadow) all.extend(moved(meshes.box(item.mesh), item.X_WM));
+  if (all.isEmpty()) return {};
+  return {all.center(), std::max(0.5f * all.diagonal().norm(), 1e-6f)};
+}
+
+// The part of the picture that items can reach, with a margin; all of it where one is at or behind the eye.
+Window reached(const DrawList& list, const GpuMeshes& meshes, const Mat4f& view_projection, int width, int height) {
+  Eigen::AlignedBox2f all;
   for (const DrawItem& item : list.items) {
-    if (!item.casts_shadow) continue;
-    const Eigen::Matrix3f linear_part = item.X_WM.topLeftCorner<3, 3>();
-    const Vec3f shift = item.X_WM.topRightCorner<3, 1>();
-    for (const Vec3f& v : list.meshes[item.mesh].positions) {
-      const Vec3f p = linear_part * v + shift;
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
+    const Eigen::AlignedBox3f& box = meshes.box(item.mesh);
+    if (box.isEmpty()) continue;
+    for (int k = 0; k < 8; ++k) {
+      const Vec4f clip = view_projection * (item.X_WM * box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(k)).homogeneous());
+      if (clip.w() <= 1e-6f) return {0, 0, width, height};
+      all.extend(Eigen::Vector2f(clip.head<2>() / clip.w()));
     }
   }
-  if (!(low.x() <= high.x())) return {};
-  return {0.5f * (low + high), std::max(0.5f * (high - low).norm(), 1e-6f)};
+  if (all.isEmpty()) return {};
+  constexpr int margin = 3;
+  auto pixel = [](float ndc, int size) { return static_cast<int>(std::clamp(0.5f * (ndc + 1), -1.0f, 2.0f) * static_cast<float>(size)); };
+  const int x0 = std::clamp(pixel(all.min().x(), width) - margin, 0, width), x1 = std::clamp(pixel(all.max().x(), width) + margin, 0, width);
+  const int y0 = std::clamp(pixel(all.min().y(), height) - margin, 0, height), y1 = std::clamp(pixel(all.max().y(), height) + margin, 0, height);
+  return {x0, y0, x1 - x0, y1 - y0};
+}
+
+Window grown(const Window& w, int by, int width, int height) {
+  if (w.width == 0 || w.height == 0) return {};
+  const int x0 = std::max(w.x - by, 0), y0 = std::max(w.y - by, 0);
+  return {x0, y0, std::min(w.x + w.width + by, width) - x0, std::min(w.y + w.height + by, height) - y0};
 }
 
 // Everything that does not change from pass to pass of one picture.
@@ -56,14 +86,17 @@ struct Frame {
   Vec3f key, rim;
   Ball ball;
   float shadow_texel_world = 0;
+  Window figure;  // pixels that items can reach
+  Window shaded;  // pixels that they can darken
 };
 
-Frame make_frame(const DrawList& list, float aspect, int shadow_size) {
+Frame make_frame(const DrawList& list, const GpuMeshes& meshes, int width, int height, int shadow_size) {
   Frame frame;
   const Mat4f view = view_matrix(list.camera);
-  frame.view_projection = projection_matrix(list.camera, aspect) * view;
+  frame.view_projection = projection_matrix(list.camera, static_cast<float>(width) / static_cast<float>(height)) * view;
   frame.unproject = frame.view_projection.inverse();
-  frame.ball = focus_ball(list);
+  frame.ball = focus_ball(list, meshes);
+  frame.figure = reached(list, meshes, frame.view_projection, width, height);
   const Eigen::Matrix3f from_eye = view.topLeftCorner<3, 3>().transpose();
   frame.key = list.lighting.key_direction.normalized();
   if (list.lighting.follows_camera) frame.key = from_eye * frame.key;
@@ -76,7 +109,18 @@ Frame make_frame(const DrawList& list, float aspect, int shadow_size) {
   return frame;
 }
 
+// Of the ball's radius: how far ambient occlusion looks.
+constexpr float occlusion_reach = 0.11f;
+
+float occlusion_pixels(const Frame& frame, const Camera& camera, int height) {
+  const float metres = occlusion_reach * frame.ball.radius;
+  const float distance = std::max((camera.eye - frame.ball.center).norm() - frame.ball.radius, camera.near_plane);
+  const float seen = camera.ortho_height > 0 ? camera.ortho_height : 2 * distance * std::tan(0.5f * camera.fov_y);
+  return 1.5f * metres / seen * static_cast<float>(height);
+}
+
 bool is_opaque(const DrawItem& item) { return item.surface.opacity >= 1; }
+bool dissolves(const DrawItem& item) { return item.surface.dissolved > 0; }
 bool is_hidden(const DrawItem& item) {
   return (item.surface.opacity <= 0 && item.surface.edge_opacity <= 0) || item.surface.dissolved >= 1;
 }
@@ -106,7 +150,9 @@ struct Renderer::Impl {
   void draw_opaque(const DrawList& list);
   void draw_occlusion(const DrawList& list);
   void draw_translucent(const DrawList& list);
-  void draw_resolved(int width, int height, GLuint framebuffer);
+  void draw_resolved(GLuint framebuffer);
+  const GlProgram& surface_program(const DrawList& list, const DrawItem& item) const;
+  void set_surface(const GlProgram& program, const DrawItem& item) const;
   void draw_item(const GlProgram& program, const DrawList& list, const DrawItem& item) const;
   void bind_texture(int unit, GLuint texture) const {
     gl.ActiveTexture(GL_TEXTURE0 + unit);
@@ -115,6 +161,10 @@ struct Renderer::Impl {
   void draw_screen() const {
     gl.BindVertexArray(empty_array);
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
+  }
+  void limit_to(const Window& w, int scale) const {
+    gl.Enable(GL_SCISSOR_TEST);
+    gl.Scissor(w.x * scale, w.y * scale, w.width * scale, w.height * scale);
   }
 
   RenderOptions options;
@@ -128,15 +178,22 @@ struct Renderer::Impl {
   int width = 0, height = 0;
   GpuMeshes meshes{gl};
   GlTarget shadow{gl, {}, true};
-  GlTarget scene{gl, {GL_RGBA16F, GL_R32UI, GL_RGBA8}, true};
-  GlTarget open{gl, {GL_R8}, false};
+  GlTarget ground{gl, {GL_RGBA16F}, true};                    // one sample a pixel: it filters itself
+  GlTarget scene{gl, {GL_RGBA16F, GL_R32UI, GL_RGBA8}, true};  // colour times opacity, part, normal
+  GlTarget raw_open{gl, {GL_R8}, false}, open{gl, {GL_R8}, false};
   GlTarget result{gl, {GL_RGBA8}, false};
-  GlProgram surface_program{gl, "surface", shader_prelude, surface_vertex, surface_fragment};
-  GlProgram shadow_program{gl, "shadow", shader_prelude, shadow_vertex, shadow_fragment};
-  GlProgram background_program{gl, "background", shader_prelude, screen_vertex, background_fragment};
-  GlProgram occlusion_program{gl, "occlusion", shader_prelude, screen_vertex, occlusion_fragment};
-  GlProgram apply_program{gl, "occlusion apply", shader_prelude, screen_vertex, occlusion_apply_fragment};
-  GlProgram resolve_program{gl, "resolve", shader_prelude, screen_vertex, resolve_fragment};
+  static constexpr const char* dissolve_define = "#define DISSOLVES\n";
+  static constexpr const char* fibre_define = "#define HAS_FIBRES\n";
+  GlProgram plain_program{gl, "surface", "", shader_prelude, surface_vertex, surface_fragment};
+  GlProgram fibre_program{gl, "surface with fibres", fibre_define, shader_prelude, surface_vertex, surface_fragment};
+  GlProgram dissolve_program{gl, "surface that dissolves", dissolve_define, shader_prelude, surface_vertex, surface_fragment};
+  GlProgram shadow_program{gl, "shadow", "", shader_prelude, shadow_vertex, shadow_fragment};
+  GlProgram shadow_dissolve_program{gl, "shadow that dissolves", dissolve_define, shader_prelude, shadow_vertex, shadow_fragment};
+  GlProgram background_program{gl, "background", "", shader_prelude, screen_vertex, background_fragment};
+  GlProgram occlusion_program{gl, "occlusion", "", shader_prelude, screen_vertex, occlusion_fragment};
+  GlProgram blur_program{gl, "occlusion blur", "", shader_prelude, screen_vertex, occlusion_blur_fragment};
+  GlProgram resolve_program{gl, "resolve", "#define FIGURE\n", shader_prelude, screen_vertex, resolve_fragment};
+  GlProgram resolve_ground_program{gl, "resolve ground", "", shader_prelude, screen_vertex, resolve_fragment};
 };
 
 void Renderer::Impl::set_frame(const GlProgram& program, const DrawList& list) const {
@@ -162,7 +219,25 @@ void Renderer::Impl::set_frame(const GlProgram& program, const DrawList& list) c
   program.set("u_shadow_map", 0);
 }
 
+const GlProgram& Renderer::Impl::surface_program(const DrawList& list, const DrawItem& item) const {
+  if (dissolves(item)) return dissolve_program;
+  return item.surface.striation > 0 && !list.meshes[item.mesh].fibres.empty() ? fibre_program : plain_program;
+}
+
+void Renderer::Impl::set_surface(const GlProgram& program, const DrawItem& item) const {
+  const Surface& s = item.surface;
+  program.use();
+  program.set("u_normal", Eigen::Matrix3f(item.X_WM.topLeftCorner<3, 3>().inverse().transpose()));
+  program.set("u_opacity", s.opacity);
+  program.set("u_edge_opacity", s.edge_opacity);
+  program.set("u_roughness", s.roughness);
+  program.set("u_specular", s.specular);
+  program.set("u_scatter", s.scatter);
+  program.set("u_striation", s.striation);
+}
+
 void Renderer::Impl::draw_item(const GlProgram& program, const DrawList& list, const DrawItem& item) const {
+  program.use();
   program.set("u_model", item.X_WM);
   program.set("u_dissolved", item.surface.dissolved);
   meshes.draw(list, item);
@@ -187,14 +262,20 @@ void Renderer::Impl::draw_shadows(const DrawList& list) {
   gl.Clear(GL_DEPTH_BUFFER_BIT);
   gl.Enable(GL_POLYGON_OFFSET_FILL);
   gl.PolygonOffset(1.5f, 2.0f);
-  shadow_program.use();
-  shadow_program.set("u_view_projection", frame.shadow_view_projection);
+  for (const GlProgram* program : {&shadow_program, &shadow_dissolve_program}) {
+    program->use();
+    program->set("u_view_projection", frame.shadow_view_projection);
+  }
   for (const DrawItem& item : list.items)
-    if (item.casts_shadow && item.surface.opacity >= 0.5f && !is_hidden(item)) draw_item(shadow_program, list, item);
+    if (item.casts_shadow && item.surface.opacity >= 0.5f && !is_hidden(item))
+      draw_item(dissolves(item) ? shadow_dissolve_program : shadow_program, list, item);
   gl.Disable(GL_POLYGON_OFFSET_FILL);
 }
 
 void Renderer::Impl::draw_background(const DrawList& list) {
+  ground.resize(width, height);
+  ground.bind();
+  bind_texture(0, shadow.depth());
   const Ground& g = list.ground;
   const GlProgram& p = background_program;
   set_frame(p, list);
@@ -208,94 +289,109 @@ void Renderer::Impl::draw_background(const DrawList& list) {
   p.set("u_fade_distance", 30.0f);
   p.set("u_track", Vec4f(g.track_center, g.track_half_width, g.track_begin, g.track_end));
   p.set("u_pit", Vec3f(g.pit_half_width, g.pit_begin, g.pit_end));
+  gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_ALWAYS);
   draw_screen();
   gl.DepthFunc(GL_LESS);
 }
 
 void Renderer::Impl::draw_opaque(const DrawList& list) {
+  scene.resize(width * samples, height * samples);
+  scene.bind();
+  const float nothing[4] = {0, 0, 0, 0}, far_away = 1;
+  const GLuint no_part[4] = {0, 0, 0, 0};
+  gl.DepthMask(GL_TRUE);
+  gl.ClearBufferfv(GL_COLOR, 0, nothing);
+  gl.ClearBufferuiv(GL_COLOR, 1, no_part);
+  gl.ClearBufferfv(GL_COLOR, 2, nothing);
+  gl.ClearBufferfv(GL_DEPTH, 0, &far_away);
+  limit_to(frame.figure, samples);
+  for (const GlProgram* program : {&plain_program, &fibre_program, &dissolve_program}) set_frame(*program, list);
   for (const DrawItem& item : list.items) {
     if (!is_opaque(item) || is_hidden(item)) continue;
-    const Surface& s = item.surface;
-    surface_program.set("u_normal", Eigen::Matrix3f(item.X_WM.topLeftCorner<3, 3>().inverse().transpose()));
-    surface_program.set("u_opacity", s.opacity);
-    surface_program.set("u_edge_opacity", s.edge_opacity);
-    surface_program.set("u_roughness", s.roughness);
-    surface_program.set("u_specular", s.specular);
-    surface_program.set("u_scatter", s.scatter);
-    surface_program.set("u_striation", s.striation);
-    draw_item(surface_program, list, item);
+    const GlProgram& program = surface_program(list, item);
+    set_surface(program, item);
+    draw_item(program, list, item);
   }
 }
 
-// Worked out at one sample a pixel, then multiplied into what has been drawn; glass skin comes after it and stays clear.
+// One sample a pixel. Glass skin comes after it: the shade is of what lies beneath.
 void Renderer::Impl::draw_occlusion(const DrawList& list) {
+  raw_open.resize(width, height);
   open.resize(width, height);
-  open.bind();
   gl.Disable(GL_DEPTH_TEST);
-  bind_texture(1, scene.depth());
-  bind_texture(2, scene.texture(2));
-  set_frame(occlusion_program, list);
-  occlusion_program.set("u_depth", 1);
-  occlusion_program.set("u_normals", 2);
-  occlusion_program.set("u_radius", 0.11f * frame.ball.radius);
-  draw_screen();
-
-  // The depth texture must not be attached while it is read.
-  scene.bind(1);
-  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, 0, 0);
-  bind_texture(2, open.texture(0));
-  gl.Enable(GL_BLEND);
-  gl.BlendFunc(GL_ZERO, GL_SRC_COLOR);
-  set_frame(apply_program, list);
-  apply_program.set("u_depth", 1);
-  apply_program.set("u_open", 2);
-  apply_program.set("u_pixel", Eigen::Vector2f(1.0f / static_cast<float>(width), 1.0f / static_cast<float>(height)));
-  apply_program.set("u_range", 0.02f);
-  draw_screen();
-  gl.Disable(GL_BLEND);
-  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, scene.depth(), 0);
+  gl.Disable(GL_SCISSOR_TEST);
+  const float bright[4] = {1, 1, 1, 1};
+  open.bind();
+  gl.ClearBufferfv(GL_COLOR, 0, bright);
+  if (options.ambient_occlusion && frame.shaded.width > 0) {
+    bind_texture(1, scene.depth());
+    bind_texture(2, scene.texture(2));
+    bind_texture(3, ground.depth());
+    limit_to(frame.shaded, 1);
+    raw_open.bind();
+    set_frame(occlusion_program, list);
+    occlusion_program.set("u_depth", 1);
+    occlusion_program.set("u_normals", 2);
+    occlusion_program.set("u_ground_depth", 3);
+    occlusion_program.set("u_samples", samples);
+    occlusion_program.set("u_pixel", Eigen::Vector2f(1.0f / static_cast<float>(width), 1.0f / static_cast<float>(height)));
+    occlusion_program.set("u_radius", occlusion_reach * frame.ball.radius);
+    draw_screen();
+    open.bind();
+    bind_texture(2, raw_open.texture(0));
+    blur_program.use();
+    blur_program.set("u_depth", 1);
+    blur_program.set("u_open", 2);
+    blur_program.set("u_ground_depth", 3);
+    blur_program.set("u_samples", samples);
+    draw_screen();
+  }
   gl.Enable(GL_DEPTH_TEST);
 }
 
 // First the depth of the nearest layer, then that layer alone is blended: no sorting, no inner walls.
 void Renderer::Impl::draw_translucent(const DrawList& list) {
   scene.bind(1);
-  set_frame(surface_program, list);
+  limit_to(frame.figure, samples);
+  bind_texture(0, shadow.depth());
   for (const DrawItem& item : list.items) {
     if (is_opaque(item) || is_hidden(item)) continue;
-    const Surface& s = item.surface;
-    surface_program.set("u_normal", Eigen::Matrix3f(item.X_WM.topLeftCorner<3, 3>().inverse().transpose()));
-    surface_program.set("u_opacity", s.opacity);
-    surface_program.set("u_edge_opacity", s.edge_opacity);
-    surface_program.set("u_roughness", s.roughness);
-    surface_program.set("u_specular", s.specular);
-    surface_program.set("u_scatter", s.scatter);
-    surface_program.set("u_striation", s.striation);
+    const GlProgram& program = surface_program(list, item);
+    set_surface(program, item);
     gl.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    draw_item(surface_program, list, item);
+    draw_item(dissolves(item) ? program : plain_program, list, item);
     gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     gl.DepthFunc(GL_EQUAL);
-    gl.Enablei(GL_BLEND, 0);
-    gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-    draw_item(surface_program, list, item);
-    gl.Disablei(GL_BLEND, 0);
+    gl.Enable(GL_BLEND);
+    gl.BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    draw_item(program, list, item);
+    gl.Disable(GL_BLEND);
     gl.DepthFunc(GL_LESS);
   }
 }
 
-void Renderer::Impl::draw_resolved(int out_width, int out_height, GLuint framebuffer) {
+void Renderer::Impl::draw_resolved(GLuint framebuffer) {
   gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  gl.Viewport(0, 0, out_width, out_height);
+  gl.Viewport(0, 0, width, height);
   gl.Disable(GL_DEPTH_TEST);
+  gl.Disable(GL_SCISSOR_TEST);
   bind_texture(1, scene.texture(0));
   bind_texture(2, scene.texture(1));
-  resolve_program.use();
-  resolve_program.set("u_color", 1);
-  resolve_program.set("u_parts", 2);
-  resolve_program.set("u_samples", samples);
-  resolve_program.set("u_outline", options.outline);
-  draw_screen();
+  bind_texture(3, open.texture(0));
+  bind_texture(4, ground.texture(0));
+  for (const GlProgram* program : {&resolve_ground_program, &resolve_program}) {
+    program->use();
+    program->set("u_color", 1);
+    program->set("u_parts", 2);
+    program->set("u_open", 3);
+    program->set("u_ground", 4);
+    program->set("u_samples", samples);
+    program->set("u_outline", options.outline);
+    draw_screen();
+    limit_to(frame.figure, 1);
+  }
+  gl.Disable(GL_SCISSOR_TEST);
 }
 
 void Renderer::Impl::draw(const DrawList& list, int out_width, int out_height, GLuint framebuffer) {
@@ -311,23 +407,18 @@ void Renderer::Impl::draw(const DrawList& list, int out_width, int out_height, G
   while (samples > 1 && (std::max(width, height) * samples > driver_side ||
                          double(width) * height * samples * samples > largest_sample_count))
     --samples;
-  frame = make_frame(list, static_cast<float>(width) / static_cast<float>(height), options.shadow_size);
   gl.Disable(GL_BLEND);
   gl.Disable(GL_CULL_FACE);
+  gl.Disable(GL_SCISSOR_TEST);
   meshes.begin(list);
+  frame = make_frame(list, meshes, width, height, options.shadow_size);
+  frame.shaded = grown(frame.figure, static_cast<int>(occlusion_pixels(frame, list.camera, height)) + 2, width, height);
   draw_shadows(list);
-  scene.resize(width * samples, height * samples);
-  scene.bind();
-  gl.Enable(GL_DEPTH_TEST);
-  gl.DepthMask(GL_TRUE);
-  bind_texture(0, shadow.depth());
   draw_background(list);
-  set_frame(surface_program, list);
   draw_opaque(list);
-  if (options.ambient_occlusion) draw_occlusion(list);
-  bind_texture(0, shadow.depth());
+  draw_occlusion(list);
   draw_translucent(list);
-  draw_resolved(width, height, framebuffer);
+  draw_resolved(framebuffer);
 }
 
 Renderer::Renderer(RenderOptions options) {

@@ -2,7 +2,7 @@
 
 namespace ecorche {
 
-const char* const shader_prelude = R"(#version 330 core
+const char* const shader_prelude = R"(
 uniform vec3 u_eye, u_forward;
 uniform float u_parallel;  // 1: parallel projection
 uniform vec3 u_key_direction, u_key_color, u_sky_color, u_floor_color, u_rim_direction, u_rim_color;
@@ -83,15 +83,14 @@ vec3 tilt(vec3 n, float height) {
 }
 
 // Fibres run along the belly; they fade out where they would be thinner than three samples.
-float fibre_height(out float line) {
+float fibre_line() {
   float angle = atan(v_fibre.y, v_fibre.x);
   float wander = 0.35 * sin(31.0 * v_fibre.w + 3.0 * angle) + 0.25 * sin(83.0 * v_fibre.w - 5.0 * angle);
   float phase = v_fibre.z * angle + 2.0 * wander;
   vec2 turn = vec2(cos(phase), sin(phase));
   float speed = length(vec2(length(dFdx(turn)), length(dFdy(turn))));
   float fade = 1.0 - smoothstep(0.9, 2.0, speed);
-  line = fade * (0.65 * turn.x + 0.35 * cos(3.0 * phase + 1.7 * sin(phase * 0.5)));
-  return line;
+  return fade * (0.65 * turn.x + 0.35 * cos(3.0 * phase + 1.7 * sin(phase * 0.5)));
 }
 
 float highlight(vec3 n, vec3 v, vec3 l, float roughness) {
@@ -107,18 +106,17 @@ void main() {
   vec3 v = view_direction(v_position);
   if (!gl_FrontFacing) n = -n;
   float edge = 0.0;
-  if (u_dissolved > 0.0) {
-    float left = v_dissolve - u_dissolved;
-    if (left < 0.0) discard;
-    edge = 1.0 - smoothstep(0.0, 0.012, left);
-  }
+#ifdef DISSOLVES
+  float left = v_dissolve - u_dissolved;
+  if (left < 0.0) discard;
+  edge = 1.0 - smoothstep(0.0, 0.012, left);
+#endif
   vec3 base = v_color;
-  if (u_striation > 0.0 && v_fibre.z > 0.0) {
-    float line;
-    float height = fibre_height(line);
-    base *= 1.0 + 0.16 * line;
-    n = tilt(n, height * u_striation * 0.00035);
-  }
+#ifdef HAS_FIBRES
+  float line = fibre_line();
+  base *= 1.0 + 0.12 * line;
+  n = tilt(n, line * u_striation * 0.00020);
+#endif
   base = mix(base, vec3(0.95, 0.80, 0.72), 0.6 * edge);
 
   vec3 key = -u_key_direction;
@@ -137,7 +135,7 @@ void main() {
   color += u_key_color * fresnel / max(u_specular, 0.001) * u_specular * highlight(n, v, key, u_roughness) * shade;
   color += ambient(reflect(-v, n)) * fresnel * open * 0.35;
   float alpha = clamp(u_opacity + u_edge_opacity * pow(grazing, 2.0), 0.0, 1.0);
-  o_color = vec4(color, alpha);
+  o_color = vec4(color * alpha, alpha);
   o_part = v_part;
   o_normal = vec4(0.5 + 0.5 * n, 1.0);
 }
@@ -158,7 +156,9 @@ const char* const shadow_fragment = R"(
 in float v_dissolve;
 uniform float u_dissolved;
 void main() {
+#ifdef DISSOLVES
   if (v_dissolve < u_dissolved) discard;
+#endif
 }
 )";
 
@@ -178,8 +178,6 @@ uniform float u_ground_visible, u_ground_height, u_grid, u_board, u_fade_distanc
 uniform vec4 u_track;  // centre x, half width, begin z, end z
 uniform vec3 u_pit;    // half width, begin z, end z
 layout(location = 0) out vec4 o_color;
-layout(location = 1) out uint o_part;
-layout(location = 2) out vec4 o_normal;
 
 // Coverage of lines `width` metres wide at whole multiples of `step`, filtered over the pixel's footprint.
 float lines(float x, float step_, float width, float footprint) {
@@ -198,8 +196,6 @@ float sand_height(vec2 p) {
 void main() {
   vec3 back = mix(u_bottom, u_top, smoothstep(0.15, 1.0, v_uv.y));
   back = to_linear(back);
-  o_part = 0u;
-  o_normal = vec4(0.5, 1.0, 0.5, 0.0);
   gl_FragDepth = 1.0;
   vec4 a = u_unproject * vec4(2.0 * v_uv - 1.0, -1.0, 1.0), b = u_unproject * vec4(2.0 * v_uv - 1.0, 1.0, 1.0);
   vec3 from = a.xyz / a.w, ray = normalize(b.xyz / b.w - from);
@@ -248,37 +244,43 @@ void main() {
   o_color = vec4(color, 1.0);
   vec4 clip = u_view_projection * vec4(p, 1.0);
   gl_FragDepth = clamp(0.5 + 0.5 * clip.z / clip.w, 0.0, 0.999999);
-  o_normal = vec4(0.5, 1.0, 0.5, 1.0);
 }
 )";
 
 const char* const occlusion_fragment = R"(
-in vec2 v_uv;
-uniform sampler2D u_depth, u_normals;
+uniform sampler2D u_depth, u_normals, u_ground_depth;
 uniform mat4 u_view_projection, u_unproject;
+uniform vec2 u_pixel;  // of this picture
+uniform int u_samples;
 uniform float u_radius;
 layout(location = 0) out vec4 o_open;
 
-vec3 world(vec2 uv, float depth) {
-  vec4 p = u_unproject * vec4(2.0 * vec3(uv, depth) - 1.0, 1.0);
+// The nearer of figure and ground; the figure is drawn with several samples a pixel, of which one serves.
+float depth_at(ivec2 at) {
+  return min(texelFetch(u_depth, at * u_samples, 0).r, texelFetch(u_ground_depth, at, 0).r);
+}
+vec3 world(vec2 at, float depth) {
+  vec4 p = u_unproject * vec4(2.0 * vec3((at + 0.5) * u_pixel, depth) - 1.0, 1.0);
   return p.xyz / p.w;
 }
 
-// Share of the sky that is open: a horizon is looked for along eight directions on the screen, at three distances each, with
+// Share of the sky that is open: a horizon is looked for along six directions on the screen, at three distances each, with
 // the angle over the surface measured in the world. Turned by a 4 x 4 pattern, which the blur takes out again.
 void main() {
-  float depth = texture(u_depth, v_uv).r;
+  ivec2 here = ivec2(gl_FragCoord.xy), last = textureSize(u_ground_depth, 0) - 1;
+  float own = texelFetch(u_depth, here * u_samples, 0).r, ground = texelFetch(u_ground_depth, here, 0).r;
+  float depth = min(own, ground);
   if (depth >= 1.0) {
     o_open = vec4(1.0);
     return;
   }
-  vec3 p = world(v_uv, depth);
-  vec3 n = normalize(texture(u_normals, v_uv).xyz - 0.5);
+  vec3 p = world(vec2(here), depth);
+  vec3 n = own <= ground ? normalize(texelFetch(u_normals, here * u_samples, 0).xyz - 0.5) : vec3(0, 1, 0);
   vec4 clip = u_view_projection * vec4(p, 1.0);
   vec3 side = vec3(u_view_projection[0][0], u_view_projection[1][0], u_view_projection[2][0]);
   vec3 upward = vec3(u_view_projection[0][1], u_view_projection[1][1], u_view_projection[2][1]);
-  vec2 reach = 0.5 * u_radius * vec2(length(side), length(upward)) / clip.w;
-  ivec2 cell = ivec2(gl_FragCoord.xy) & 3;
+  vec2 reach = 0.5 * u_radius * vec2(length(side), length(upward)) / clip.w / u_pixel;
+  ivec2 cell = here & 3;
   int index = cell.x * 4 + cell.y;
   float turn = float((index * 7) & 15) / 16.0, jitter = float((index * 11 + 5) & 15) / 16.0;
   float closed = 0.0;
@@ -288,9 +290,8 @@ void main() {
     float horizon = 0.0;
     for (int k = 0; k < 3; ++k) {
       float share = (float(k) + 0.25 + 0.75 * jitter) / 3.0;
-      vec2 uv = v_uv + step_ * share * share;
-      float there = texture(u_depth, uv).r;
-      vec3 d = world(uv, there) - p;
+      ivec2 at = clamp(here + ivec2(round(step_ * share * share)), ivec2(0), last);
+      vec3 d = world(vec2(at), depth_at(at)) - p;
       float l = length(d);
       float rise = dot(d, n) / max(l, 1e-6) - 0.06;
       horizon = max(horizon, rise * (1.0 - smoothstep(0.5 * u_radius, 1.4 * u_radius, l)));
@@ -301,36 +302,34 @@ void main() {
 }
 )";
 
-const char* const occlusion_apply_fragment = R"(
-in vec2 v_uv;
-uniform sampler2D u_open, u_depth;
-uniform vec2 u_pixel;  // of the occlusion picture
-uniform float u_range;
-layout(location = 0) out vec4 o_color;
+const char* const occlusion_blur_fragment = R"(
+uniform sampler2D u_open, u_depth, u_ground_depth;
+uniform int u_samples;
+layout(location = 0) out vec4 o_open;
 
-// 4 x 4 box that does not cross edges of depth; the shade of flesh stays warm.
+float depth_at(ivec2 at) {
+  return min(texelFetch(u_depth, at * u_samples, 0).r, texelFetch(u_ground_depth, at, 0).r);
+}
+
+// 4 x 4 box that does not cross edges of depth.
 void main() {
-  float depth = texture(u_depth, v_uv).r;
-  if (depth >= 1.0) {
-    o_color = vec4(1.0);
-    return;
-  }
-  float sum = 0.0, weight = 1e-5;
-  float limit = u_range * max(1.0 - depth, 1e-6);
+  ivec2 here = ivec2(gl_FragCoord.xy), last = textureSize(u_open, 0) - 1;
+  float depth = depth_at(here);
+  float sum = 0.0, weight = 0.0;
+  float limit = 0.02 * max(1.0 - depth, 1e-6);
   for (int y = -2; y < 2; ++y)
     for (int x = -2; x < 2; ++x) {
-      vec2 uv = v_uv + (vec2(x, y) + 0.5) * u_pixel;
-      float w = abs(texture(u_depth, uv).r - depth) < limit ? 1.0 : 0.02;
-      sum += w * texture(u_open, uv).r;
+      ivec2 at = clamp(here + ivec2(x, y), ivec2(0), last);
+      float w = abs(depth_at(at) - depth) < limit ? 1.0 : 0.02;
+      sum += w * texelFetch(u_open, at, 0).r;
       weight += w;
     }
-  float open = sum / weight;
-  o_color = vec4(pow(vec3(open), vec3(1.05, 1.25, 1.3)), 1.0);
+  o_open = vec4(sum / weight);
 }
 )";
 
 const char* const resolve_fragment = R"(
-uniform sampler2D u_color;
+uniform sampler2D u_color, u_open, u_ground;
 uniform usampler2D u_parts;
 uniform int u_samples;
 uniform float u_outline;
@@ -343,19 +342,29 @@ vec3 tone(vec3 c) {
 }
 
 void main() {
-  ivec2 origin = ivec2(gl_FragCoord.xy) * u_samples;
+  ivec2 here = ivec2(gl_FragCoord.xy);
+  vec3 ground = texelFetch(u_ground, here, 0).rgb;
+  // The shade of flesh stays warm.
+  float open = texelFetch(u_open, here, 0).r;
+  vec3 shade = pow(vec3(open), vec3(1.05, 1.25, 1.3));
+#ifdef FIGURE
+  ivec2 origin = here * u_samples;
   ivec2 last = textureSize(u_parts, 0) - 1;
   vec3 sum = vec3(0.0);
   for (int y = 0; y < u_samples; ++y)
     for (int x = 0; x < u_samples; ++x) {
       ivec2 at = origin + ivec2(x, y);
-      vec3 c = tone(texelFetch(u_color, at, 0).rgb);
+      vec4 c = texelFetch(u_color, at, 0);
+      vec3 seen = tone(shade * (c.rgb + (1.0 - c.a) * ground));
       uint part = texelFetch(u_parts, at, 0).r;
       uint right = texelFetch(u_parts, min(at + ivec2(1, 0), last), 0).r, above = texelFetch(u_parts, min(at + ivec2(0, 1), last), 0).r;
       bool line = part != 0u && ((right != part && right != 0u) || (above != part && above != 0u));
-      sum += line ? c * (1.0 - u_outline) : c;
+      sum += line ? seen * (1.0 - u_outline) : seen;
     }
   sum /= float(u_samples * u_samples);
+#else
+  vec3 sum = tone(ground * shade);
+#endif
   o_color = vec4(to_srgb(clamp(sum, 0.0, 1.0)), 1.0);
 }
 )";

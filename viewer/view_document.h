@@ -1,0 +1,48 @@
+// What a person has chosen in the window: a value that the panels edit. The window owns nothing else of the model.
+#pragma once
+
+#include <functional>
+
+#include "anatomy/anatomy.h"
+#include "viewer/scene.h"
+
+namespace ecorche {
+
+// What is looked at; borrowed, outlives the window.
+struct ViewSubject {
+  const Anatomy& anatomy;
+  const SceneModel& model;
+  int frames = 1;   // at least 1
+  double fps = 30;
+  std::function<void(int frame, PosedAnatomy& posed, SkinFrame& skin)> pose;  // an empty skin: as at rest
+};
+
+struct ViewDocument {
+  Look look{.skin = 1, .skin_edge = 0};
+  MuscleColors muscle_colors = MuscleColors::flesh;
+  bool ground = true;
+  bool follow = true;       // the view's centre goes along with the root
+  std::uint32_t selected = 0;
+  double time = 0;          // s
+  bool playing = false;
+  double speed = 1;
+  Vec3f center{0, 0.9f, 0};  // of the view, relative to the root's horizontal place if it follows
+  float radius = 1.05f;     // m, of the ball that fills the view
+  float azimuth = 0.5f, elevation = 0.1f;  // rad
+};
+
+// The frame that a document's time falls on.
+int frame_of(const ViewSubject& subject, const ViewDocument& document);
+
+// One step of the clock: time runs on while it plays, and begins again at the end.
+void advance(const ViewSubject& subject, double seconds, ViewDocument& document);
+
+Camera camera_of(const ViewDocument& document, const Vec3f& root, float aspect);
+Appearance appearance_of(const ViewDocument& document);
+
+// Moves of the mouse, in pixels of a view that is `height` pixels high.
+void orbit(float dx, float dy, ViewDocument& document);
+void pan(float dx, float dy, int height, ViewDocument& document);
+void zoom(float clicks, ViewDocument& document);
+
+}  // namespace ecorche
