@@ -1,0 +1,55 @@
+// Growing the muscles of a fitted anatomy towards the skin, less the layer of fat and skin over them.
+//
+// `paper`: each muscle starts at alpha = 0.4 of its transverse scale and grows by one factor,
+//   f = min over slices and rays of (|O S| - layer) / |O E|,   O slice centre, S skin, E ellipse.
+// `ecorche`: each slice on its own. Every ray gives a plane, the skin's tangent plane at its end moved inwards by the layer; an
+//   ellipse (centre, half width, half thickness) is inside when its support in the plane's direction is. Slices that stand out
+//   are pressed in, their inner side held; slices of superficial muscles grow outwards until they touch, their inner side held
+//   too. Growth is smoothed along the strip, fades on tendons, and is bounded by what the muscle's wanted volume allows.
+#pragma once
+
+#include <vector>
+
+#include "anatomy/anatomy.h"
+#include "morph/fat.h"
+#include "morph/skin_rays.h"
+
+namespace ecorche {
+
+enum class DilateMethod { ecorche, paper };
+
+struct DilateOptions {
+  DilateMethod method = DilateMethod::ecorche;
+  int rays = 20;               // a slice, 8 .. 64
+  double alpha = 0.4;          // paper: share of the length's scale that a muscle's section starts with
+  bool cut_rays = true;        // paper: rays end where they can no longer lower the factor; the result is the same
+  double clearance = 0.3e-3;   // ecorche: kept free below the layer, m
+  double most = 2.2;           // ecorche: a half axis grows to at most this multiple
+  double least = 0.35;         // ecorche: and is pressed to no less than this
+};
+
+struct MuscleDilation {
+  double wanted = 0;   // volume before, m^3
+  double volume = 0;   // volume after, m^3
+  double factor = 1;   // paper: f; ecorche: square root of the volumes' ratio
+};
+
+struct DilateReport {
+  int slices = 0;
+  long long rays = 0;
+  long long misses = 0;        // rays that met no skin; 0 where every centre is inside a closed skin
+  int pulled_in = 0;           // slices whose centre lay outside the skin
+  int pressed = 0;             // slices that stood out and were pressed in
+  int grown = 0;               // slices that grew
+  double wanted_volume = 0;    // all muscles, m^3
+  double volume = 0;
+  std::vector<MuscleDilation> muscles;  // #muscles
+};
+
+// `fitted`: the muscles of `original` carried into the body, same strips and slices, with the wanted volumes in their sections.
+// Sets slices, and Muscle::volume to what the sections now hold. `rays` and `fat` are of the same skin, closed. The same bytes at
+// any number of threads. Throws std::invalid_argument when the two anatomies do not match.
+DilateReport dilate_muscles(Anatomy& fitted, const Anatomy& original, const SkinRays& rays, const FatLayer& fat,
+                            const DilateOptions& options = {});
+
+}  // namespace ecorche

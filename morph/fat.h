@@ -1,0 +1,48 @@
+// The layer of fat and skin between the muscles and the surface, by site of the body.
+//
+// data/fat.csv gives thicknesses at some fifty named sites for three builds of each sex. The sites are found on a skin with the
+// help of the joints inside it, and every skin vertex takes a smooth mean of the sites that are near and face the same way.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "anatomy/anatomy.h"
+#include "morph/skin_rays.h"
+
+namespace ecorche {
+
+struct FatOptions {
+  Sex sex = Sex::male;
+  // 0 lean (athletic, body mass index about 21.5), 1 average (25), 2 obese (34); in between and beyond by straight lines, never
+  // less than 0.4 of lean.
+  double fatness = 1;
+};
+
+struct FatSite {
+  std::string name;          // "triceps_l"
+  Vec3 position = Vec3::Zero();  // on the skin
+  Vec3 normal = Vec3::UnitY();   // outwards
+  double thickness = 0;      // fat and skin, m
+};
+
+struct FatLayer {
+  std::vector<float> thickness;  // fat and skin, m; one a vertex of the skin it was made for
+  std::vector<FatSite> sites;
+
+  // At a ray's end.
+  float at(const Triangles& F, const RayHit& hit) const {
+    const auto face = F.row(hit.triangle);
+    return (1 - hit.u - hit.v) * thickness[static_cast<std::size_t>(face[0])] + hit.u * thickness[static_cast<std::size_t>(face[1])] +
+           hit.v * thickness[static_cast<std::size_t>(face[2])];
+  }
+};
+
+// Fatness of a body from its body mass index; mass from its volume where it is not known.
+double estimate_fatness(const Body& body);
+
+// `rays` are of the skin; `skeleton` lies inside it at rest. Sites whose ray meets nothing are left out.
+// Throws InputError when data/fat.csv cannot be read or names a joint that the skeleton lacks.
+FatLayer make_fat_layer(const SkinRays& rays, const Skeleton& skeleton, const FatOptions& options);
+
+}  // namespace ecorche
