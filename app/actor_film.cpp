@@ -15,7 +15,9 @@ std::vector<Vec3> root_path(const Motion& motion, int frames, double fps) {
 }
 
 std::vector<Camera> cameras_for(const ActorFilm& film, const std::vector<Vec3>& roots, double stature) {
-  std::vector<Camera> cameras = follow(roots, film.fps);
+  FollowCamera side;
+  if (film.beside) side.end_azimuth = -1.15f;  // not quite from the side, where one figure would hide the other
+  std::vector<Camera> cameras = follow(roots, film.fps, side);
   if (film.camera == "follow") return cameras;
   const ViewAngles angles = view_angles(film.camera);
   const float aspect = static_cast<float>(film.width) / static_cast<float>(film.height);
@@ -41,9 +43,10 @@ Appearance appearance_of(const ActorFilm& film) {
   if (film.beside) {
     Look skinned = look, flayed = look;
     skinned.skin = 1;
+    skinned.muscles = skinned.bones = 0;  // nothing of them is seen, and drawing them is half of a frame's time
     flayed.skin = 0;
-    skinned.offset = Vec3f(0.62f, 0, 0);
-    flayed.offset = Vec3f(-0.62f, 0, 0);
+    skinned.offset = Vec3f(0.55f, 0, 0.5f);
+    flayed.offset = Vec3f(-0.55f, 0, -0.5f);
     appearance.looks = {skinned, flayed};
   }
   return appearance;

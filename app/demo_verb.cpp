@@ -154,10 +154,8 @@ int run(const DemoOptions& options, const Common& common, Report& report) {
 
   note(common, "fit");
   const Body body = make_body(package, athlete());
-  FitOptions shrunk_only;
-  shrunk_only.dilate_muscles = false;
-  FittedCharacter fitted = fit_character(body_template, body, {}, report);
-  const Actor actor = make_actor(std::move(fitted.character), report);
+  const FittedCharacter fitted = fit_character(body_template, body, package, {}, report);
+  const Actor& actor = fitted.actor;
   const Anatomy& anatomy = actor.character.anatomy;
   report.set("bones", static_cast<int>(anatomy.bones.size()));
   report.set("muscles", static_cast<int>(anatomy.muscles.size()));
@@ -186,9 +184,9 @@ int run(const DemoOptions& options, const Common& common, Report& report) {
   DemoRecord record;
   record.curves = follow_muscles(actor, motion, record.seconds);
   record.events = flight_events(motion);
-  add_stage_pictures(body_template, body, fit_anatomy(body_template, body, shrunk_only).anatomy, actor, motion, record);
+  add_stage_pictures(body_template, body, fitted.undilated, actor, motion, record);
   write_file_atomically(options.folder / "report.html", demo_page(record, report));
-  const auto missed = missed_targets(fitted.report);
+  const auto missed = missed_targets(fitted);
   report.set("exit_code", missed.empty() ? 0 : 8);
   report.write(options.folder / "report.json");
   for (const std::string& target : missed) note(common, "missed: " + target);

@@ -1,7 +1,6 @@
 // ecorche fit: bones and muscles inside a skin, and the skin anchored to them.
 #include <fmt/format.h>
 
-#include "app/actor.h"
 #include "app/fitting.h"
 #include "app/verb.h"
 
@@ -11,20 +10,20 @@ namespace {
 struct FitVerbOptions {
   std::filesystem::path body, output;
   std::string method = "ecorche";
-  FitOptions fit;
+  FittingOptions fitting;
 };
 
 int run(FitVerbOptions options, const Common& common, Report& report) {
-  if (options.method == "paper") options.fit.dilate.method = DilateMethod::paper;
+  if (options.method == "paper") options.fitting.dilate.method = DilateMethod::paper;
   const BodyPackage package = read_body_package(find_packages());
   const Body body = open_body(options.body, package, report);
   const Template body_template = read_template();
-  FittedCharacter fitted = fit_character(body_template, body, options.fit, report);
-  const Actor actor = make_actor(std::move(fitted.character), report);
+  const FittedCharacter fitted = fit_character(body_template, body, package, options.fitting, report);
+  const Actor& actor = fitted.actor;
   write_character(options.output, actor.character, actor.binding);
   note(common, fmt::format("{}: {} bones, {} muscles, {} skin vertices", options.output.string(), actor.character.anatomy.bones.size(),
                            actor.character.anatomy.muscles.size(), actor.binding.vertex_count));
-  const auto missed = missed_targets(fitted.report);
+  const auto missed = missed_targets(fitted);
   for (const std::string& target : missed) note(common, "missed: " + target);
   return missed.empty() ? 0 : 8;
 }

@@ -1,57 +1,112 @@
 #include "app/fitting.h"
 
 #include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+
+#include "anatomy/muscle_line.h"
+#include "anatomy/muscle_surface.h"
+#include "morph/skin_field.h"
 
 namespace ecorche {
 namespace {
 
-constexpr double kMuscleOutsideLimit = 1e-3;  // share of surface points
-constexpr double kGapLimit = 3e-3;            // m, median
-constexpr double kDepthSlack = 4e-3;          // m, beyond a landmark's bracket
+constexpr double kOutsideLimit = 1e-3;  // share of muscle surface points
+constexpr double kGapLimit = 3e-3;      // m, median
+constexpr double kDepthSlack = 4e-3;    // m, beyond a landmark's bracket
 
-int landmarks_off(const FitReport& fit) {
-  return static_cast<int>(std::count_if(fit.landmarks.begin(), fit.landmarks.end(), [](const LandmarkDepth& landmark) {
-    return landmark.depth < landmark.low - kDepthSlack || landmark.depth > landmark.high + kDepthSlack;
-  }));
+bool is_off(const LandmarkDepth& landmark) {
+  return landmark.depth < landmark.low - kDepthSlack || landmark.depth > landmark.high + kDepthSlack;
+}
+
+void measure_outside(const Anatomy& anatomy, const TriMesh& closed_skin, FillReport& fill) {
+  const MuscleSurface surface = make_muscle_surface(anatomy);
+  Points positions;
+  update_muscle_surface(surface, rest_slices(anatomy), positions);
+  const SkinField field(closed_skin);
+  std::vector<double> distances(positions.rows());
+  tbb::parallel_for(Eigen::Index{0}, positions.rows(), [&](Eigen::Index i) { distances[i] = field.distance(positions.row(i)); });
+  fill.points = static_cast<int>(positions.rows());
+  for (double distance : distances) {
+    if (distance <= 0) continue;
+    ++fill.points_outside;
+    fill.furthest = std::max(fill.furthest, distance);
+  }
+}
+
+bool is_limb(BodyPart part) {
+  return part == BodyPart::upper_arm || part == BodyPart::forearm || part == BodyPart::thigh || part == BodyPart::shank;
+}
+
+// The exact distance to the nearest part is known from the anchoring; what is left after fat and skin is the gap.
+void measure_gap(const Binding& binding, const FatLayer& fat, const BodyPackage& package, FillReport& fill) {
+  const auto parts = vertex_parts(package);
+  std::vector<double> gaps;
+  for (int i = 0; i < std::min<int>(binding.vertex_count, static_cast<int>(parts.size())); ++i)
+    if (is_limb(parts[i].part) && binding.anchors[i].kind == Anchor::Kind::muscle) gaps.push_back(binding.anchors[i].distance - fat.thickness[i]);
+  fill.limb_vertices = static_cast<int>(gaps.size());
+  if (gaps.empty()) return;
+  std::nth_element(gaps.begin(), gaps.begin() + static_cast<long>(gaps.size() / 2), gaps.end());
+  fill.gap_median = gaps[gaps.size() / 2];
+}
+
+void report_fit(const FittedCharacter& fitted, Report& report) {
+  const FitReport& fit = fitted.fit;
+  report.set("timings_ms.fit_bones", fit.bones_ms);
+  report.set("timings_ms.fit_muscles", fit.muscles_ms);
+  report.set("rays", static_cast<double>(fitted.dilation.rays));
+  report.set("fit.ray_misses", static_cast<double>(fitted.dilation.misses));
+  report.set("fit.stature", fit.stature);
+  report.set("fit.bone_vertices", fit.bone_vertices);
+  report.set("fit.bone_vertices_outside", fit.bones_outside);
+  report.set("fit.muscle_points", fitted.fill.points);
+  report.set("fit.muscle_points_outside_share", fitted.fill.points > 0 ? double(fitted.fill.points_outside) / fitted.fill.points : 0.0);
+  report.set("fit.muscle_points_outside_max", fitted.fill.furthest);
+  report.set("fit.superficial_gap_median", fitted.fill.gap_median);
+  report.set("fit.muscle_volume_wanted", fitted.dilation.wanted_volume);
+  report.set("fit.muscle_volume", fitted.dilation.volume);
+  report.set("fit.landmarks", static_cast<int>(fit.landmarks.size()));
+  report.set("fit.landmarks_off_bracket", static_cast<int>(std::count_if(fit.landmarks.begin(), fit.landmarks.end(), is_off)));
+  for (const LandmarkDepth& landmark : fit.landmarks) report.set("fit.landmark_depth." + landmark.name, landmark.depth);
 }
 
 }  // namespace
 
-FittedCharacter fit_character(const Template& body_template, const Body& body, const FitOptions& options, Report& report) {
-  Fit fit = fit_anatomy(body_template, body, options);
-  const FitReport& found = fit.report;
-  report.set("timings_ms.fit_bones", found.bones_ms);
-  report.set("timings_ms.fit_muscles", found.muscles_ms);
-  report.set("timings_ms.dilation", found.dilation_ms);
-  report.set("rays", static_cast<double>(found.dilation.rays));
-  report.set("fit.ray_misses", static_cast<double>(found.dilation.misses));
-  report.set("fit.stature", found.stature);
-  report.set("fit.bone_vertices", found.bone_vertices);
-  report.set("fit.bone_vertices_outside", found.bones_outside);
-  report.set("fit.muscle_points", found.containment.points);
-  report.set("fit.muscle_points_outside_share", found.containment.outside_share);
-  report.set("fit.muscle_points_outside_max", found.containment.furthest);
-  report.set("fit.superficial_gap_median", found.gap.median);
-  report.set("fit.landmarks", static_cast<int>(found.landmarks.size()));
-  report.set("fit.landmarks_off_bracket", landmarks_off(found));
-  for (const LandmarkDepth& landmark : found.landmarks) report.set("fit.landmark_depth." + landmark.name, landmark.depth);
-  report.set("fit.muscle_volume_wanted", found.dilation.wanted_volume);
-  report.set("fit.muscle_volume", found.dilation.volume);
-  return {{std::move(fit.anatomy), body}, std::move(fit.report)};
+FittedCharacter fit_character(const Template& body_template, const Body& body, const BodyPackage& package, const FittingOptions& options,
+                              Report& report) {
+  FittedCharacter fitted;
+  Fit fit = fit_anatomy(body_template, body, options.fit);
+  fitted.fit = std::move(fit.report);
+  fitted.undilated = fit.anatomy;
+  const TriMesh closed_skin = capped_skin(package, body.skin.V);
+  const SkinRays rays(closed_skin);
+  FatOptions fatness{body.sex, estimate_fatness(body)};
+  const FatLayer fat = make_fat_layer(rays, fit.anatomy.skeleton, fatness);
+  if (options.dilated) {
+    const StageTimer timer(report, "dilation");
+    fitted.dilation = dilate_muscles(fit.anatomy, body_template.anatomy, rays, fat, options.dilate);
+  }
+  fitted.actor = make_actor({std::move(fit.anatomy), body}, report);
+  measure_outside(fitted.actor.character.anatomy, closed_skin, fitted.fill);
+  measure_gap(fitted.actor.binding, fat, package, fitted.fill);
+  report_fit(fitted, report);
+  return fitted;
 }
 
-std::vector<std::string> missed_targets(const FitReport& fit) {
+std::vector<std::string> missed_targets(const FittedCharacter& fitted) {
   std::vector<std::string> missed;
+  const FitReport& fit = fitted.fit;
+  const FillReport& fill = fitted.fill;
   if (fit.bones_outside > 0) missed.push_back(fmt::format("{} bone vertices are outside the skin, up to {:.1f} mm", fit.bones_outside, 1e3 * fit.bones_furthest));
-  if (fit.containment.outside_share > kMuscleOutsideLimit)
-    missed.push_back(fmt::format("{:.2f} % of the muscle surface is outside the skin; at most 0.1 % was asked", 100 * fit.containment.outside_share));
-  if (fit.gap.median > kGapLimit)
-    missed.push_back(fmt::format("superficial muscles stay {:.1f} mm from the fat layer (median); at most 3 mm was asked", 1e3 * fit.gap.median));
+  if (fill.points_outside > kOutsideLimit * fill.points)
+    missed.push_back(fmt::format("{:.2f} % of the muscle surface is outside the skin; at most 0.1 % was asked", 100.0 * fill.points_outside / fill.points));
+  if (fill.gap_median > kGapLimit)
+    missed.push_back(fmt::format("superficial muscles stay {:.1f} mm from the fat layer (median); at most 3 mm was asked", 1e3 * fill.gap_median));
   for (const LandmarkDepth& landmark : fit.landmarks)
-    if (landmark.depth < landmark.low - kDepthSlack || landmark.depth > landmark.high + kDepthSlack)
-      missed.push_back(fmt::format("{} lies {:.1f} mm deep; {:.0f} to {:.0f} mm were asked", landmark.name, 1e3 * landmark.depth, 1e3 * landmark.low, 1e3 * landmark.high));
+    if (is_off(landmark))
+      missed.push_back(fmt::format("{} lies {:.1f} mm deep; {:.0f} to {:.0f} mm were asked", landmark.name, 1e3 * landmark.depth, 1e3 * landmark.low,
+                                   1e3 * landmark.high));
   return missed;
 }
 

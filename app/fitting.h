@@ -1,20 +1,45 @@
-// Bones and muscles into a body, with the figures of the fit in the report. Shared by the verbs fit, bench and demo.
+// Bones and muscles into a body, dilated to its skin, with the figures of the fit in the report. Shared by fit, bench and demo.
 #pragma once
 
+#include <string>
+#include <vector>
+
+#include "anatomy/body_package.h"
+#include "app/actor.h"
 #include "app/report.h"
+#include "morph/dilate.h"
+#include "morph/fat.h"
 #include "morph/fit.h"
-#include "skinning/character_io.h"
 
 namespace ecorche {
 
-struct FittedCharacter {
-  Character character;
-  FitReport report;
+struct FittingOptions {
+  FitOptions fit;
+  DilateOptions dilate;
+  bool dilated = true;  // false: muscles as they are before they grow to the skin
 };
 
-FittedCharacter fit_character(const Template& body_template, const Body& body, const FitOptions& options, Report& report);
+// How well the muscles fill the skin.
+struct FillReport {
+  int points = 0;                 // of all muscle surfaces
+  int points_outside = 0;         // outside the skin, mouth and eyes closed off
+  double furthest = 0;            // m
+  int limb_vertices = 0;          // skin vertices of the limbs whose nearest part is a muscle
+  double gap_median = 0;          // from the fat layer under them to that muscle, m; negative: muscle in the layer
+};
+
+struct FittedCharacter {
+  Actor actor;                    // bound
+  Anatomy undilated;              // the muscles before they grew
+  FitReport fit;
+  DilateReport dilation;
+  FillReport fill;
+};
+
+FittedCharacter fit_character(const Template& body_template, const Body& body, const BodyPackage& package, const FittingOptions& options,
+                              Report& report);
 
 // Names of the accuracy targets that a fit misses, with the figures; empty when it meets them all. Exit code 8 rests on it.
-std::vector<std::string> missed_targets(const FitReport& report);
+std::vector<std::string> missed_targets(const FittedCharacter& fitted);
 
 }  // namespace ecorche

@@ -1,5 +1,7 @@
 #include "skinning/build_tables.h"
 
+#include "anatomy/subdivide.h"
+
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
@@ -19,22 +21,6 @@ std::uint64_t spread_bits(std::uint64_t x) {
 }
 
 }  // namespace
-
-std::vector<int> spatial_order(const Points& V) {
-  std::vector<int> order(static_cast<std::size_t>(V.rows()));
-  std::iota(order.begin(), order.end(), 0);
-  if (order.empty()) return order;
-  const Vec3 low = V.colwise().minCoeff(), high = V.colwise().maxCoeff();
-  const double scale = 2097151 / std::max((high - low).maxCoeff(), 1e-9);
-  std::vector<std::uint64_t> key(order.size());
-  for (std::size_t i = 0; i < key.size(); ++i) {
-    const Vec3 p = (Vec3(V.row(static_cast<Eigen::Index>(i))) - low) * scale;
-    key[i] = spread_bits(static_cast<std::uint64_t>(p.x())) | spread_bits(static_cast<std::uint64_t>(p.y())) << 1 |
-             spread_bits(static_cast<std::uint64_t>(p.z())) << 2;
-  }
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return key[static_cast<std::size_t>(a)] < key[static_cast<std::size_t>(b)]; });
-  return order;
-}
 
 void lay_out(const TriMesh& skin, const std::vector<ShareRow>& rows, const std::vector<ShareRow>& node_rows, SkinTables& tables) {
   const int n = static_cast<int>(skin.V.rows());

@@ -1,0 +1,135 @@
+// ecorche bench: speed as ratios within one run, by the least CPU time of interleaved repetitions.
+#include <fmt/format.h>
+#include <oneapi/tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "anatomy/muscle_line.h"
+#include "anatomy/subdivide.h"
+#include "app/bench_timer.h"
+#include "app/fitting.h"
+#include "app/verb.h"
+#include "morph/body.h"
+#include "skinning/baseline.h"
+
+namespace ecorche {
+namespace {
+
+struct Ratio {
+  std::string name, what;
+  double seconds = 0, reference = 0, asked = 0;
+  double value() const { return seconds / reference; }
+};
+
+// The plain linear blend of the same mesh: four influences, positions and normals.
+BlendSkin blend_of(const Actor& actor) {
+  std::vector<std::vector<BoneWeight>> weights;
+  for (const auto& four : actor.binding.joint_weights) {
+    weights.emplace_back();
+    for (const Influence& influence : four) weights.back().push_back({influence.joint, influence.weight});
+  }
+  return make_blend_skin(actor.character.body.skin, weights);
+}
+
+// A whole animated frame against the linear blend of the same mesh, over the poses of a motion in turn.
+std::vector<Ratio> bench_frames(const Actor& actor, const Motion& motion, const std::string& size, double asked, int rounds) {
+  const BlendSkin blend = blend_of(actor);
+  const Skeleton& skeleton = actor.character.anatomy.skeleton;
+  const auto rest = rest_positions(skeleton);
+  ActorFrame frame;
+  SkinFrame linear;
+  std::vector<Transform> X_WJ, bones;
+  size_t at = 0, at_linear = 0, at_muscles = 0;
+  PosedAnatomy posed;
+  const std::vector<BenchCase> cases{
+      {"frame", [&] { play(actor, motion.frames[at++ % motion.frames.size()], frame); }},
+      {"linear", [&] {
+         forward_kinematics(skeleton, motion.frames[at_linear++ % motion.frames.size()], X_WJ);
+         bones = X_WJ;
+         for (size_t j = 0; j < bones.size(); ++j) bones[j].translate(-rest[j]);
+         deform_linear(blend, bones, linear);
+       }},
+      {"muscles", [&] { pose_anatomy(actor.table, skeleton, motion.frames[at_muscles++ % motion.frames.size()], posed); }}};
+  const auto times = least_cpu_times(cases, rounds);
+  return {{"frame_" + size, "whole frame / linear blend with normals, " + size, times[0], times[1], asked},
+          {"muscles_" + size, "kinematics and all muscles / linear blend, " + size, times[2], times[1], 0}};
+}
+
+// Dilation against nothing but its rays.
+std::vector<Ratio> bench_dilation(const Template& body_template, const FittedCharacter& fitted, const BodyPackage& package, int rounds) {
+  const TriMesh closed = capped_skin(package, fitted.actor.character.body.skin.V);
+  const SkinRays rays(closed);
+  const FatLayer fat = make_fat_layer(rays, fitted.undilated.skeleton, {fitted.actor.character.body.sex, 1});
+  const auto slices = rest_slices(fitted.undilated);
+  const int count = DilateOptions{}.rays;
+  DilateOptions paper, uncut;
+  paper.method = uncut.method = DilateMethod::paper;
+  uncut.cut_rays = false;
+  double sum = 0;
+  const auto cast = [&] {
+    for (const Ellipse& slice : slices)
+      for (int k = 0; k < count; ++k) {
+        const double angle = 2 * 3.14159265358979323846 * k / count;
+        const Vec3 direction = std::cos(angle) * slice.axes.col(0) + std::sin(angle) * slice.axes.col(1);
+        sum += rays.first_hit(slice.center, direction).distance;
+      }
+  };
+  const auto dilate = [&](const DilateOptions& options) {
+    return [&, options] {
+      Anatomy anatomy = fitted.undilated;
+      dilate_muscles(anatomy, body_template.anatomy, rays, fat, options);
+    };
+  };
+  const std::vector<BenchCase> cases{{"rays", cast}, {"paper", dilate(uncut)}, {"cut", dilate(paper)}, {"ours", dilate({})}};
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);  // CPU time of this thread is all there is
+  const auto times = least_cpu_times(cases, rounds);
+  return {{"dilation_paper", "dilation, paper's factor / its bare rays", times[1], times[0], 1.15},
+          {"dilation_cut", "the same with rays cut at the running minimum / bare rays", times[2], times[0], 0.7},
+          {"dilation", "dilation, per slice / bare rays", times[3], times[0], 0}};
+}
+
+int run(int rounds, const Common& common, Report& report) {
+  const BodyPackage package = read_body_package(find_packages());
+  const Template body_template = read_template();
+  const FittedCharacter fitted = fit_character(body_template, make_body(package, athlete()), package, {}, report);
+  const Motion motion = open_motion(data_folder() / "motions" / "long_jump.bvh", fitted.actor.character, {}, report);
+
+  note(common, "13k vertices");
+  std::vector<Ratio> ratios = bench_frames(fitted.actor, motion, "13k", 5, rounds);
+  for (const Ratio& ratio : bench_dilation(body_template, fitted, package, std::max(3, rounds / 2))) ratios.push_back(ratio);
+
+  note(common, "120k vertices");
+  const Refinement refinement = refine_skin(package);
+  Character fine = fitted.actor.character;
+  fine.body.skin = {refine_points(refinement, fine.body.skin.V), refinement.F};
+  Report fine_report;
+  const Actor fine_actor = make_actor(std::move(fine), fine_report);
+  for (const Ratio& ratio : bench_frames(fine_actor, motion, "120k", 3, rounds)) ratios.push_back(ratio);
+
+  fmt::print("{:<66} {:>10} {:>7} {:>7}\n", "", "ms", "ratio", "asked");
+  for (const Ratio& ratio : ratios) {
+    report.set("bench." + ratio.name + ".ms", 1e3 * ratio.seconds);
+    report.set("bench." + ratio.name + ".ratio", ratio.value());
+    fmt::print("{:<66} {:>10.3f} {:>7.2f} {:>7}\n", ratio.what, 1e3 * ratio.seconds, ratio.value(), ratio.asked > 0 ? fmt::format("{:.2f}", ratio.asked) : "");
+  }
+  const auto ms = [&](const char* name) { return report.number(std::string("timings_ms.") + name); };
+  const double shared = ms("fit_bones") + ms("fit_muscles") + ms("dilation");
+  const double total = shared + ms("anchoring"), fine_total = shared + fine_report.number("timings_ms.anchoring");
+  report.set("bench.fit_and_anchor_13k_ms", total);
+  report.set("bench.fit_and_anchor_120k_ms", fine_total);
+  fmt::print("{:<66} {:>10.0f} {:>7} {:>7}\n", "bones, muscles, dilation, anchoring, 13k (wall time)", total, "", "1000");
+  fmt::print("{:<66} {:>10.0f} {:>7} {:>7}\n", "the same, 120k", fine_total, "", "1500");
+  return 0;
+}
+
+}  // namespace
+
+void add_bench_verb(VerbRegistry& registry) {
+  auto rounds = std::make_shared<int>(9);
+  CLI::App* verb = add_verb(registry, registry.app, "bench", "Measure speed, as ratios within one run", "ecorche bench --report bench.json",
+                            [rounds](const Common& common, Report& report) { return run(*rounds, common, report); });
+  verb->add_option("--rounds", *rounds, "Interleaved repetitions; the least time of each case counts")->check(CLI::Range(3, 1000))->capture_default_str();
+}
+
+}  // namespace ecorche

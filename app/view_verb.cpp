@@ -1,0 +1,58 @@
+// ecorche view: the window. Without a character it shows the template in its own body.
+#include <fmt/format.h>
+
+#include "anatomy/errors.h"
+#include "app/actor.h"
+#include "app/motion_options.h"
+#include "app/verb.h"
+#include "morph/template.h"
+#include "viewer/window.h"
+
+namespace ecorche {
+namespace {
+
+struct ViewVerbOptions {
+  std::filesystem::path character, motion;
+  WindowOptions window;
+  MotionOptions retarget;
+};
+
+Character open_character(const std::filesystem::path& file) {
+  if (!file.empty()) return read_character(file);
+  Template shown = read_template();
+  return {std::move(shown.anatomy), std::move(shown.body)};
+}
+
+int run(const ViewVerbOptions& options, const Common&, Report& report) {
+  const Actor actor = make_actor(open_character(options.character), report);
+  const Anatomy& anatomy = actor.character.anatomy;
+  Motion motion;
+  motion.frames.push_back(rest_pose(anatomy.skeleton));
+  if (!options.motion.empty()) motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), report);
+
+  const SceneModel model = make_scene_model(anatomy, actor.character.body.skin);
+  const ViewSubject subject{anatomy, model, static_cast<int>(motion.frames.size()), motion.fps, [&](int frame, PosedAnatomy& posed, SkinFrame& skin) {
+                              pose_anatomy(actor.table, anatomy.skeleton, motion.frames[frame], posed);
+                              deform_skin(actor.binding, posed, skin);
+                            }};
+  ViewDocument document;
+  document.playing = motion.frames.size() > 1;
+  run_window(subject, options.window, document);
+  return 0;
+}
+
+}  // namespace
+
+void add_view_verb(VerbRegistry& registry) {
+  auto options = std::make_shared<ViewVerbOptions>();
+  CLI::App* verb = add_verb(registry, registry.app, "view", "Look at a character in a window: orbit, play, pick a bone or muscle",
+                            "ecorche view anna.glb walk.bvh",
+                            [options](const Common& common, Report& report) { return run(*options, common, report); });
+  verb->add_option("character", options->character, "Character written by `ecorche fit`; the template when left out");
+  verb->add_option("motion", options->motion, "Motion (.bvh)");
+  verb->add_option("--frames", options->window.frames, "Close after so many frames")->check(CLI::Range(0, 1000000));
+  verb->add_option("--screenshot", options->window.screenshot, "Save the last frame, panels included (.png)");
+  add_motion_options(*verb, options->retarget);
+}
+
+}  // namespace ecorche
