@@ -22,14 +22,14 @@ std::vector<Matrix34> to_rows(std::span<const Transform> bones) {
   return out;
 }
 
-void write_vertex(SkinFrame& out, std::size_t i, const float p[3], const float n[3]) {
+inline void write_vertex(float* position, float* normal, const float p[3], const float n[3]) {
   const float scale = 1.0f / std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] + 1e-30f);
   for (int r = 0; r < 3; ++r) {
-    out.positions[4 * i + std::size_t(r)] = p[r];
-    out.normals[4 * i + std::size_t(r)] = n[r] * scale;
+    position[r] = p[r];
+    normal[r] = n[r] * scale;
   }
-  out.positions[4 * i + 3] = 1;
-  out.normals[4 * i + 3] = 0;
+  position[3] = 1;
+  normal[3] = 0;
 }
 
 void prepare(const BlendSkin& skin, std::span<const Transform> bones, SkinFrame& out) {
@@ -94,12 +94,11 @@ void deform_linear(const BlendSkin& skin, std::span<const Transform> bones, Skin
   prepare(skin, bones, out);
   const std::vector<Matrix34> rows = to_rows(bones);
   for (std::size_t i = 0; i < skin.bones.size(); ++i) {
-    float m[12] = {};
-    for (std::size_t k = 0; k < 4; ++k) {
-      const float w = skin.weights[i][k];
-      const Matrix34& b = rows[static_cast<std::size_t>(skin.bones[i][k])];
-      for (int e = 0; e < 12; ++e) m[e] += w * b.m[e];
-    }
+    const float* w = skin.weights[i].data();
+    const float* b[4];
+    for (std::size_t k = 0; k < 4; ++k) b[k] = rows[static_cast<std::size_t>(skin.bones[i][k])].m;
+    float m[12];
+    for (int e = 0; e < 12; ++e) m[e] = w[0] * b[0][e] + w[1] * b[1][e] + w[2] * b[2][e] + w[3] * b[3][e];
     const float* X = &skin.positions[3 * i];
     const float* N = &skin.normals[3 * i];
     float p[3], n[3];
@@ -107,7 +106,7 @@ void deform_linear(const BlendSkin& skin, std::span<const Transform> bones, Skin
       p[r] = m[4 * r] * X[0] + m[4 * r + 1] * X[1] + m[4 * r + 2] * X[2] + m[4 * r + 3];
       n[r] = m[4 * r] * N[0] + m[4 * r + 1] * N[1] + m[4 * r + 2] * N[2];
     }
-    write_vertex(out, i, p, n);
+    write_vertex(&out.positions[4 * i], &out.normals[4 * i], p, n);
   }
 }
 
@@ -130,7 +129,7 @@ void deform_dual_quaternion(const BlendSkin& skin, std::span<const Transform> bo
     const Eigen::Quaternionf dual(d[0] * scale, d[1] * scale, d[2] * scale, d[3] * scale);
     const Eigen::Vector3f p = q * Eigen::Map<const Eigen::Vector3f>(&skin.positions[3 * i]) + 2 * (dual * q.conjugate()).vec();
     const Eigen::Vector3f n = q * Eigen::Map<const Eigen::Vector3f>(&skin.normals[3 * i]);
-    write_vertex(out, i, p.data(), n.data());
+    write_vertex(&out.positions[4 * i], &out.normals[4 * i], p.data(), n.data());
   }
 }
 

@@ -7,6 +7,8 @@
 #include "anatomy/errors.h"
 #include "skinning/build_tables.h"
 #include "skinning/joint_shares.h"
+#include "skinning/muscle_lift.h"
+#include "skinning/muscle_nodes.h"
 #include "skinning/share_rules.h"
 #include "skinning/skin_survey.h"
 #include "skinning/skin_tables.h"
@@ -45,6 +47,55 @@ std::array<Influence, 4> four_joints(const ShareRow& row, const SkinTables& tabl
   return out;
 }
 
+// Shares of the fine vertices: the same blend of base vertices as their positions; the map's small negative entries are cut off.
+std::vector<ShareRow> refine_rows(const Refinement& refinement, const std::vector<ShareRow>& base) {
+  std::vector<ShareRow> rows(static_cast<std::size_t>(refinement.map.rows()));
+  std::vector<double> shares;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    shares.clear();
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(refinement.map, static_cast<Eigen::Index>(i)); it; ++it)
+      for (const Influence& w : base[static_cast<std::size_t>(it.col())]) {
+        if (static_cast<std::size_t>(w.joint) >= shares.size()) shares.resize(static_cast<std::size_t>(w.joint) + 1, 0.0);
+        shares[static_cast<std::size_t>(w.joint)] += it.value() * w.weight;
+      }
+    double sum = 0;
+    for (std::size_t j = 0; j < shares.size(); ++j) {
+      if (shares[j] < 1e-4) continue;
+      rows[i].push_back({static_cast<int>(j), shares[j]});
+      sum += shares[j];
+    }
+    for (Influence& w : rows[i]) w.weight /= sum;
+  }
+  return rows;
+}
+
+Binding finish(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin, const SkinSurvey& survey, std::vector<ShareRow> rows,
+               const BindOptions& options) {
+  auto tables = std::make_shared<SkinTables>();
+  tables->joint_count = static_cast<int>(anatomy.skeleton.joints.size());
+  tables->slice_count = static_cast<int>(rest.slices.size());
+  tables->origins = rest_positions(anatomy.skeleton);
+  tables->lift_limit = options.lift_limit;
+  let_scapula_glide(anatomy.skeleton, skin, rows);
+  thin_shares(rows, kLeastShare, kMostShares);
+  spread_twist(anatomy.skeleton, skin, rows, tables->twists);
+
+  Binding binding;
+  binding.vertex_count = static_cast<int>(skin.V.rows());
+  binding.anchors = survey.anchors;
+  for (const ShareRow& row : rows) binding.joint_weights.push_back(four_joints(row, *tables));
+  tables->pairs = add_pairs(anatomy.skeleton, skin, tables->twists, rows);
+  std::vector<ShareRow> node_rows;
+  if (options.muscle_share > 0 && !rest.slices.empty()) {
+    node_rows = place_nodes(anatomy, rest, skin, survey, rows, options.node_spacing, *tables);
+    for (MuscleNode& node : tables->nodes) node.weight *= options.muscle_share;
+    level_nodes(rest, *tables);
+  }
+  lay_out(skin, rows, node_rows, *tables);
+  binding.tables = std::move(tables);
+  return binding;
+}
+
 }  // namespace
 
 Binding bind_skin(const Anatomy& anatomy, const Body& body, const BindOptions& options) {
@@ -55,25 +106,19 @@ Binding bind_skin(const Anatomy& anatomy, const Body& body, const BindOptions& o
 
 Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin, const BindOptions& options) {
   check(anatomy, rest, skin);
-  auto tables = std::make_shared<SkinTables>();
-  tables->joint_count = static_cast<int>(anatomy.skeleton.joints.size());
-  tables->slice_count = static_cast<int>(rest.slices.size());
-  tables->origins = rest_positions(anatomy.skeleton);
-
   const SkinSurvey survey = survey_skin(anatomy, rest, skin);
-  std::vector<ShareRow> rows = diffuse_shares(anatomy.skeleton, skin, survey, options.blend_width);
-  let_scapula_glide(anatomy.skeleton, skin, rows);
-  thin_shares(rows, kLeastShare, kMostShares);
-  spread_twist(anatomy.skeleton, skin, rows, tables->twists);
+  return finish(anatomy, rest, skin, survey, diffuse_shares(anatomy.skeleton, skin, survey, options.blend_width), options);
+}
 
-  Binding binding;
-  binding.vertex_count = static_cast<int>(skin.V.rows());
-  binding.anchors = survey.anchors;
-  for (const ShareRow& row : rows) binding.joint_weights.push_back(four_joints(row, *tables));
-  tables->pairs = add_pairs(anatomy.skeleton, skin, tables->twists, rows);
-  lay_out(skin, rows, {}, *tables);
-  binding.tables = std::move(tables);
-  return binding;
+Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& base, const Refinement& refinement, const TriMesh& fine,
+                  const BindOptions& options) {
+  check(anatomy, rest, base);
+  check(anatomy, rest, fine);
+  if (refinement.map.rows() != fine.V.rows() || refinement.map.cols() != base.V.rows())
+    throw std::invalid_argument("bind_skin: the refinement does not lead from the base skin to the fine one");
+  const std::vector<ShareRow> base_rows =
+      diffuse_shares(anatomy.skeleton, base, survey_skin(anatomy, rest, base), options.blend_width);
+  return finish(anatomy, rest, fine, survey_skin(anatomy, rest, fine), refine_rows(refinement, base_rows), options);
 }
 
 }  // namespace ecorche

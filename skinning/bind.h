@@ -19,6 +19,7 @@
 
 #include "anatomy/anatomy.h"
 #include "anatomy/pose_anatomy.h"
+#include "anatomy/subdivide.h"
 
 namespace ecorche {
 
@@ -26,7 +27,7 @@ struct BindOptions {
   double blend_width = 1.0;    // of the passage from one joint to the next, in units of the limb's local radius
   double muscle_share = 1.0;   // how much of the height change of the muscles reaches the skin; 0: bones only
   double lift_limit = 0.03;    // m, largest lift or sink of the skin by muscles
-  double node_spacing = 0.03;  // m, between muscle nodes
+  double node_spacing = 0.04;  // m, between muscle nodes
 };
 
 // The component of the anatomy nearest to a skin vertex at rest, exact.
@@ -56,7 +57,13 @@ struct Binding {
 // not finite, for a skin without triangles, or an anatomy without bones.
 Binding bind_skin(const Anatomy& anatomy, const Body& body, const BindOptions& options = {});
 
-// The same with the anatomy's rest pose already at hand.
+// The same with the anatomy's rest pose already at hand: no second pose_anatomy().
 Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin, const BindOptions& options = {});
+
+// For a refined skin: the diffusion is solved on the base mesh and carried over, anchors and muscle nodes are the fine mesh's own.
+// Ten times faster at 120,000 vertices than binding the fine mesh by itself.
+// Precondition: fine.V = refine_points(refinement, base.V), or a shape near it with the same vertices.
+Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& base, const Refinement& refinement, const TriMesh& fine,
+                  const BindOptions& options = {});
 
 }  // namespace ecorche

@@ -3,21 +3,28 @@
 #include "anatomy/subdivide.h"
 
 #include <algorithm>
-#include <cstdint>
+#include <array>
 #include <numeric>
+
+#include "anatomy/subdivide.h"
 
 namespace ecorche {
 namespace {
 
 constexpr int kBlock = 1024;  // vertices that are regrouped by shape: small enough to stay in the nearest cache
 
-std::uint64_t spread_bits(std::uint64_t x) {
-  x &= 0x1fffff;
-  x = (x | x << 32) & 0x1f00000000ffff;
-  x = (x | x << 16) & 0x1f0000ff0000ff;
-  x = (x | x << 8) & 0x100f00f00f00f00f;
-  x = (x | x << 4) & 0x10c30c30c30c30c3;
-  return (x | x << 2) & 0x1249249249249249;
+// Whether neighbours on the surface are mostly neighbours in memory already.
+bool is_local(const TriMesh& skin) {
+  Eigen::Index near = 0;
+  for (Eigen::Index f = 0; f < skin.F.rows(); ++f) near += skin.F.row(f).maxCoeff() - skin.F.row(f).minCoeff() < 2 * kBlock;
+  return near > 0.9 * static_cast<double>(skin.F.rows());
+}
+
+std::vector<int> memory_order(const TriMesh& skin) {
+  if (!is_local(skin)) return spatial_order(skin.V);
+  std::vector<int> order(static_cast<std::size_t>(skin.V.rows()));
+  std::iota(order.begin(), order.end(), 0);
+  return order;
 }
 
 }  // namespace
@@ -25,7 +32,7 @@ std::uint64_t spread_bits(std::uint64_t x) {
 void lay_out(const TriMesh& skin, const std::vector<ShareRow>& rows, const std::vector<ShareRow>& node_rows, SkinTables& tables) {
   const int n = static_cast<int>(skin.V.rows());
   tables.vertex_count = n;
-  tables.order = spatial_order(skin.V);
+  tables.order = memory_order(skin);
   std::vector<int> sorted_place(static_cast<std::size_t>(n));
   for (int s = 0; s < n; ++s) sorted_place[static_cast<std::size_t>(tables.order[static_cast<std::size_t>(s)])] = s;
 

@@ -9,8 +9,6 @@
 
 namespace ecorche {
 
-// Vertices along a space-filling curve: order[s] is the vertex at sorted place s. Ties keep the order of the input.
-
 // Fills everything of `tables` that belongs to vertices and triangles. rows: influences of carriers; node_rows: of nodes (may be
 // shorter rows or none).
 void lay_out(const TriMesh& skin, const std::vector<ShareRow>& rows, const std::vector<ShareRow>& node_rows, SkinTables& tables);

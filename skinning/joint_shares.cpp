@@ -54,25 +54,36 @@ Eigen::VectorXd vertex_areas(const TriMesh& skin) {
 // Spreads indicator functions of labels with the lengths given; see the header.
 class Diffusion {
  public:
-  // known: 1 where the label of a vertex counts.
-  Diffusion(const TriMesh& skin, const Eigen::VectorXd& length, const Eigen::VectorXd& known) {
-    screen_ = vertex_areas(skin).cwiseQuotient(length.cwiseAbs2());
-    anchor_ = screen_.cwiseProduct(known) + 1e-6 * screen_;
-    first_.compute(screened_laplacian(skin, anchor_));
-    second_.compute(screened_laplacian(skin, screen_));
+  Diffusion(const TriMesh& skin, const Eigen::VectorXd& length) : screen_(vertex_areas(skin).cwiseQuotient(length.cwiseAbs2())) {
+    solver_.compute(screened_laplacian(skin, screen_));
   }
 
   Eigen::VectorXd spread(const std::vector<int>& members) const {
-    Eigen::VectorXd target = Eigen::VectorXd::Zero(anchor_.size());
-    for (int i : members) target[i] = anchor_[i];
-    const Eigen::VectorXd once = first_.solve(target);
-    return second_.solve(screen_.cwiseProduct(once));
+    Eigen::VectorXd target = Eigen::VectorXd::Zero(screen_.size());
+    for (int i : members) target[i] = screen_[i];
+    const Eigen::VectorXd once = solver_.solve(target);
+    return solver_.solve(screen_.cwiseProduct(once));
   }
 
  private:
-  Eigen::VectorXd screen_, anchor_;
-  Eigen::SimplicialLDLT<Sparse> first_, second_;
+  Eigen::VectorXd screen_;
+  Eigen::SimplicialLDLT<Sparse> solver_;
 };
+
+// Vertices that reach no bone take the label of the nearest one along the edges that does.
+std::vector<int> complete_labels(const TriMesh& skin, const std::vector<int>& labels) {
+  const std::vector<std::vector<int>> neighbours = vertex_neighbours(skin);
+  std::vector<int> out = labels, front;
+  for (std::size_t i = 0; i < out.size(); ++i)
+    if (out[i] >= 0) front.push_back(static_cast<int>(i));
+  for (std::size_t k = 0; k < front.size(); ++k)
+    for (int v : neighbours[static_cast<std::size_t>(front[k])])
+      if (out[static_cast<std::size_t>(v)] < 0) {
+        out[static_cast<std::size_t>(v)] = out[static_cast<std::size_t>(front[k])];
+        front.push_back(v);
+      }
+  return out;
+}
 
 // Group 0 is the trunk with the head; 1 .. 4 the limbs.
 std::vector<int> limb_groups(const Skeleton& skeleton) {
@@ -107,10 +118,10 @@ std::vector<ShareRow> diffuse_shares(const Skeleton& skeleton, const TriMesh& sk
   const std::size_t n = static_cast<std::size_t>(skin.V.rows()), joints = skeleton.joints.size();
   const std::vector<int> group = limb_groups(skeleton);
   std::vector<std::vector<int>> members(joints), limbs(5);
-  Eigen::VectorXd length(skin.V.rows()), known(skin.V.rows());
+  const std::vector<int> labels = complete_labels(skin, survey.joint);
+  Eigen::VectorXd length(skin.V.rows());
   for (std::size_t i = 0; i < n; ++i) {
-    const int j = survey.joint[i];
-    known[static_cast<Eigen::Index>(i)] = j >= 0;
+    const int j = labels[i];
     // The inside of a bent limb stays unfolded while l > radius * angle / 4.
     length[static_cast<Eigen::Index>(i)] = blend_width * (0.4 * survey.radius[i] + 0.25 * std::min(survey.depth[i], 2 * survey.radius[i]));
     if (j < 0) continue;
@@ -122,8 +133,8 @@ std::vector<ShareRow> diffuse_shares(const Skeleton& skeleton, const TriMesh& sk
     if (!members[j].empty()) used.push_back(static_cast<int>(j));
   if (used.empty()) throw UnfitError("skin: no vertex has a bone beneath it; is the anatomy inside this skin?");
 
-  const Diffusion wide(skin, length, known);
-  const Diffusion narrow(skin, length.cwiseMin(blend_width * limb_length_limit(skeleton, skin)), known);
+  const Diffusion wide(skin, length);
+  const Diffusion narrow(skin, length.cwiseMin(blend_width * limb_length_limit(skeleton, skin)));
   std::vector<Eigen::VectorXd> shares(used.size()), limb_shares(limbs.size());
   tbb::parallel_for(std::size_t{0}, used.size(), [&](std::size_t u) { shares[u] = wide.spread(members[static_cast<std::size_t>(used[u])]); });
   tbb::parallel_for(std::size_t{0}, limbs.size(), [&](std::size_t g) { limb_shares[g] = narrow.spread(limbs[g]); });
@@ -142,6 +153,7 @@ std::vector<ShareRow> diffuse_shares(const Skeleton& skeleton, const TriMesh& sk
       rows[i].push_back({used[u], w});
       sum += w;
     }
+    if (rows[i].empty()) rows[i].push_back({std::max(labels[i], 0), sum = 1});  // a piece of skin on its own, out of reach
     for (Influence& influence : rows[i]) influence.weight /= sum;
   }
   return rows;

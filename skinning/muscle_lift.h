@@ -8,8 +8,12 @@
 
 namespace ecorche {
 
-// Lift of every node, world, 4 floats each (w = 0): along the node's posed normal, by the change of height of the muscle surfaces
-// beneath it against the blended skin. `working` is working memory.
+// Sets each node's rest height: how far its rest point lies under the smooth tube, which lifts are then measured from.
+void level_nodes(const PosedAnatomy& rest, SkinTables& tables);
+
+// Lift of every node, world, 4 floats each (w = 0): along the node's posed normal, by the change of height of the muscle surface
+// beneath it against the blended skin. Muscles glide along their line underneath; the slice that has come to lie beneath the
+// node counts, so only the section's size and place lift. `working` is working memory.
 void lift_nodes(const SkinTables& tables, const PosedAnatomy& posed, const std::vector<float>& carriers, std::vector<float>& lifts,
                 std::vector<float>& working);
 

@@ -16,7 +16,7 @@ struct SkinFrame {
   // Working memory of the deformer; its content means nothing between frames.
   struct Scratch {
     std::vector<Transform> frames;
-    std::vector<float> carriers, lifts, lifts_smoothed, positions, normals;
+    std::vector<float> carriers, lifts, lifts_working, positions, normals;
   } scratch;
 };
 

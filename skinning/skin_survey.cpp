@@ -105,6 +105,7 @@ SkinSurvey survey_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const T
   const std::size_t n = static_cast<std::size_t>(skin.V.rows());
   SkinSurvey out;
   out.anchors.resize(n);
+  out.muscles.resize(n);
   out.joint.assign(n, -1);
   out.depth.assign(n, 0);
   out.radius.assign(n, 0);
@@ -124,8 +125,9 @@ SkinSurvey survey_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const T
       out.joint[i] = anatomy.bones[static_cast<std::size_t>(b)].joint;
     if (muscle_surface) {
       const SurfacePoint muscle = muscle_surface->nearest(p);
-      if (muscle.distance < bone.distance)
-        out.anchors[i] = {Anchor::Kind::muscle, muscles.part[static_cast<std::size_t>(muscle.triangle)], muscle.distance, muscle.point};
+      const int slice = muscles.part[static_cast<std::size_t>(muscle.triangle)];
+      out.muscles[i] = {Anchor::Kind::muscle, slice, muscle.distance, muscle.point};
+      if (muscle.distance < bone.distance) out.anchors[i] = out.muscles[i];
     }
     const std::optional<double> through = skin_surface.cast(inside, -out.normal[i]);
     out.radius[i] = std::clamp(0.5 * through.value_or(2 * kMaxRadius), kMinRadius, kMaxRadius);

@@ -11,6 +11,7 @@ namespace ecorche {
 
 struct SkinSurvey {
   std::vector<Anchor> anchors;   // #V nearest component, exact
+  std::vector<Anchor> muscles;   // #V nearest muscle, exact; kind none without muscles
   std::vector<int> joint;        // #V of the nearest bone, if it can be reached without leaving the body; else -1
   std::vector<double> depth;     // #V to that bone, m
   std::vector<double> radius;    // #V half the thickness of the body beneath, smoothed, m
@@ -27,6 +28,7 @@ PartMesh muscle_mesh(const Anatomy& anatomy, const PosedAnatomy& rest, int sides
 
 std::vector<std::vector<int>> vertex_neighbours(const TriMesh& mesh);
 
+// Precondition: at least one bone with triangles.
 SkinSurvey survey_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin);
 
 }  // namespace ecorche

@@ -26,21 +26,23 @@ struct PairCarrier {
   Vec3 center = Vec3::Zero();   // world, rest: the point about which a and b turn against each other
 };
 
-// A point of the skin that keeps its height over the strips beneath it.
+// Where a node hangs on a strip.
 struct MuscleAnchor {
-  int slice = 0;                  // flat index of the slice before the point
-  double along = 0;               // share of the next slice
-  double cosine = 1, sine = 0;    // direction of the surface point in the slices' (width, thickness) plane
-  double weight = 0;              // of this anchor in its node
-  int first = 0, last = 0;        // flat range of the strip's slices, last inclusive
+  int first = 0, last = 0;  // flat range of the strip's slices, both inclusive
+  double place = 0;         // flat index of the slice before the point plus the share of the next
 };
 
+// A point of the skin that keeps its height over the strip beneath it.
 struct MuscleNode {
-  int vertex = 0;                                  // of the skin
-  std::vector<std::pair<int, float>> carriers;     // as a vertex's
-  Vec3 normal = Vec3::UnitY();                     // rest
-  std::vector<MuscleAnchor> anchors;
-  std::vector<Vec3> surface;                       // rest surface point of each anchor
+  int vertex = 0;                               // of the skin
+  std::vector<std::pair<int, float>> carriers;  // as a vertex's
+  Vec3 normal = Vec3::UnitY();                  // of the skin, rest
+  Vec3 surface = Vec3::Zero();                  // point of the strip's surface beneath it, world, rest
+  MuscleAnchor anchor;
+  double rest_height = 0;                       // m, of the smooth tube over `surface` at rest
+  double weight = 0;                            // 1 close over the muscle, falling to 0 with the thickness of the tissue between
+  std::vector<int> ring;                        // neighbouring nodes
+  int ring_size = 0;                            // neighbours with those that hang on no muscle, whose lift is zero
 };
 
 // Vertices of equal shape are evaluated together, so that loops have constant length.
@@ -68,6 +70,7 @@ struct SkinTables {
   std::vector<int> triangles;              // 3 indices each, sorted order
 
   std::vector<MuscleNode> nodes;
+  double lift_limit = 0.03;                // m
 };
 
 }  // namespace ecorche

@@ -1,0 +1,31 @@
+// Four floats that the compiler keeps in one register on any x86-64. Private to the room.
+#pragma once
+
+#include <cstring>
+
+namespace ecorche {
+
+typedef float Float4 __attribute__((vector_size(16)));
+typedef int Int4 __attribute__((vector_size(16)));
+
+inline Float4 load4(const float* p) {
+  Float4 v;
+  std::memcpy(&v, p, sizeof v);
+  return v;
+}
+
+inline void store4(float* p, Float4 v) { std::memcpy(p, &v, sizeof v); }
+
+// (y z x w)
+inline Float4 turn(Float4 v) { return __builtin_shuffle(v, Int4{1, 2, 0, 3}); }
+
+// w = 0 when both have finite w
+inline Float4 cross(Float4 a, Float4 b) { return turn(a * turn(b) - turn(a) * b); }
+
+// In every lane.
+inline Float4 sum4(Float4 v) {
+  v += __builtin_shuffle(v, Int4{2, 3, 0, 1});
+  return v + __builtin_shuffle(v, Int4{1, 0, 3, 2});
+}
+
+}  // namespace ecorche
