@@ -56,7 +56,7 @@ int main(int argc, char** argv) {
   add_fit_verb(registry);
   add_animate_verb(registry);
   add_render_verb(registry);
-  //view
+  add_view_verb(registry);
   add_bench_verb(registry);
 
   try {
