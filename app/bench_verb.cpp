@@ -75,9 +75,11 @@ std::vector<Ratio> bench_dilation(const Template& body_template, const FittedCha
         sum += rays.first_hit(slice.center, direction).distance;
       }
   };
+  Anatomy muscles = fitted.undilated;
+  muscles.bones.clear();  // dilation does not look at them, and copying them is no part of it
   const auto dilate = [&](const DilateOptions& options) {
     return [&, options] {
-      Anatomy anatomy = fitted.undilated;
+      Anatomy anatomy = muscles;
       dilate_muscles(anatomy, body_template.anatomy, rays, fat, options);
     };
   };

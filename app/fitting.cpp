@@ -4,6 +4,8 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "anatomy/muscle_line.h"
 #include "anatomy/muscle_surface.h"
@@ -39,16 +41,58 @@ bool is_limb(BodyPart part) {
   return part == BodyPart::upper_arm || part == BodyPart::forearm || part == BodyPart::thigh || part == BodyPart::shank;
 }
 
-// The exact distance to the nearest part is known from the anchoring; what is left after fat and skin is the gap.
-void measure_gap(const Binding& binding, const FatLayer& fat, const BodyPackage& package, FillReport& fill) {
+double median(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Between muscles and the fat layer all over the limbs, grooves and tendons included. The exact distance from each skin vertex to
+// the nearest part is known from the anchoring; what is left after fat and skin is the gap.
+void measure_skin_gap(const Binding& binding, const FatLayer& fat, const BodyPackage& package, FillReport& fill) {
   const auto parts = vertex_parts(package);
   std::vector<double> gaps;
   for (int i = 0; i < std::min<int>(binding.vertex_count, static_cast<int>(parts.size())); ++i)
     if (is_limb(parts[i].part) && binding.anchors[i].kind == Anchor::Kind::muscle) gaps.push_back(binding.anchors[i].distance - fat.thickness[i]);
-  fill.limb_vertices = static_cast<int>(gaps.size());
-  if (gaps.empty()) return;
-  std::nth_element(gaps.begin(), gaps.begin() + static_cast<long>(gaps.size() / 2), gaps.end());
-  fill.gap_median = gaps[gaps.size() / 2];
+  fill.skin_gap_median = median(gaps);
+}
+
+// Where a section comes nearest to the layer: least over its rays.
+double least_gap(const Ellipse& slice, const SkinRays& rays, const FatLayer& fat) {
+  constexpr int kRays = 20;
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < kRays; ++k) {
+    const double angle = 2 * 3.14159265358979323846 * k / kRays;
+    const Vec3 edge = slice.radii.x() * std::cos(angle) * slice.axes.col(0) + slice.radii.y() * std::sin(angle) * slice.axes.col(1);
+    const double reach = edge.norm();
+    if (reach <= 0) continue;
+    const RayHit hit = rays.first_hit(slice.center, edge / reach);
+    if (hit.triangle >= 0) least = std::min(least, hit.distance - fat.at(rays.mesh().F, hit) - reach);
+  }
+  return least;
+}
+
+// Whether superficial muscles of the limbs reach the layer: the nearest approach of each section of their bellies.
+void measure_superficial_gap(const Anatomy& anatomy, const BodyPackage& package, const SkinRays& rays, const FatLayer& fat, FillReport& fill) {
+  const auto parts = vertex_parts(package);
+  std::vector<double> gaps;
+  for (const Muscle& muscle : anatomy.muscles) {
+    if (muscle.layer != "superficial") continue;
+    for (const Strip& strip : muscle.strips) {
+      const auto slices = rest_slices(strip);
+      for (size_t k = 0; k < slices.size(); ++k) {
+        if (strip.slices[k].s < strip.belly_begin || strip.slices[k].s > strip.belly_end) continue;
+        const RayHit above = rays.first_hit(slices[k].center, slices[k].axes.col(1));
+        const int corner = above.triangle < 0 ? -1 : rays.mesh().F(above.triangle, 0);
+        if (corner < 0 || corner >= static_cast<int>(parts.size()) || !is_limb(parts[corner].part)) continue;
+        const double gap = least_gap(slices[k], rays, fat);
+        if (std::isfinite(gap)) gaps.push_back(gap);
+      }
+    }
+  }
+  fill.superficial_slices = static_cast<int>(gaps.size());
+  fill.superficial_gap_median = median(gaps);
 }
 
 void report_fit(const FittedCharacter& fitted, Report& report) {
@@ -63,7 +107,8 @@ void report_fit(const FittedCharacter& fitted, Report& report) {
   report.set("fit.muscle_points", fitted.fill.points);
   report.set("fit.muscle_points_outside_share", fitted.fill.points > 0 ? double(fitted.fill.points_outside) / fitted.fill.points : 0.0);
   report.set("fit.muscle_points_outside_max", fitted.fill.furthest);
-  report.set("fit.superficial_gap_median", fitted.fill.gap_median);
+  report.set("fit.superficial_gap_median", fitted.fill.superficial_gap_median);
+  report.set("fit.skin_gap_median", fitted.fill.skin_gap_median);
   report.set("fit.muscle_volume_wanted", fitted.dilation.wanted_volume);
   report.set("fit.muscle_volume", fitted.dilation.volume);
   report.set("fit.landmarks", static_cast<int>(fit.landmarks.size()));
@@ -89,7 +134,8 @@ FittedCharacter fit_character(const Template& body_template, const Body& body, c
   }
   fitted.actor = make_actor({std::move(fit.anatomy), body}, report);
   measure_outside(fitted.actor.character.anatomy, closed_skin, fitted.fill);
-  measure_gap(fitted.actor.binding, fat, package, fitted.fill);
+  measure_skin_gap(fitted.actor.binding, fat, package, fitted.fill);
+  measure_superficial_gap(fitted.actor.character.anatomy, package, rays, fat, fitted.fill);
   report_fit(fitted, report);
   return fitted;
 }
@@ -101,8 +147,8 @@ std::vector<std::string> missed_targets(const FittedCharacter& fitted) {
   if (fit.bones_outside > 0) missed.push_back(fmt::format("{} bone vertices are outside the skin, up to {:.1f} mm", fit.bones_outside, 1e3 * fit.bones_furthest));
   if (fill.points_outside > kOutsideLimit * fill.points)
     missed.push_back(fmt::format("{:.2f} % of the muscle surface is outside the skin; at most 0.1 % was asked", 100.0 * fill.points_outside / fill.points));
-  if (fill.gap_median > kGapLimit)
-    missed.push_back(fmt::format("superficial muscles stay {:.1f} mm from the fat layer (median); at most 3 mm was asked", 1e3 * fill.gap_median));
+  if (fill.superficial_gap_median > kGapLimit)
+    missed.push_back(fmt::format("superficial muscles stay {:.1f} mm from the fat layer (median); at most 3 mm was asked", 1e3 * fill.superficial_gap_median));
   for (const LandmarkDepth& landmark : fit.landmarks)
     if (is_off(landmark))
       missed.push_back(fmt::format("{} lies {:.1f} mm deep; {:.0f} to {:.0f} mm were asked", landmark.name, 1e3 * landmark.depth, 1e3 * landmark.low,

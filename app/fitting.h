@@ -24,8 +24,9 @@ struct FillReport {
   int points = 0;                 // of all muscle surfaces
   int points_outside = 0;         // outside the skin, mouth and eyes closed off
   double furthest = 0;            // m
-  int limb_vertices = 0;          // skin vertices of the limbs whose nearest part is a muscle
-  double gap_median = 0;          // from the fat layer under them to that muscle, m; negative: muscle in the layer
+  int superficial_slices = 0;      // belly sections of superficial limb muscles
+  double superficial_gap_median = 0;  // from their nearest approach to the fat layer, m
+  double skin_gap_median = 0;      // from the fat layer to the muscle under it, all over the limbs, grooves and tendons included, m
 };
 
 struct FittedCharacter {
