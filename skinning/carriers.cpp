@@ -15,12 +15,11 @@ void write_columns(const Mat3& R, const Vec3& t, float* out) {
 }
 
 // Half-way rotation by the shorter arc.
-Mat3 half_way(const Mat3& A, const Mat3& B) {
-  const Quat a(A), b(B);
+Mat3 half_way(const Quat& a, const Quat& b) {
   Quat h;
   h.coeffs() = a.coeffs() + (a.dot(b) < 0 ? -1.0 : 1.0) * b.coeffs();
   const double n = h.norm();
-  if (n < 1e-9) return A;
+  if (n < 1e-9) return a.toRotationMatrix();
   h.coeffs() /= n;
   return h.toRotationMatrix();
 }
@@ -40,7 +39,8 @@ int carrier_count(const SkinTables& tables) {
   return tables.joint_count + static_cast<int>(tables.twists.size() + tables.pairs.size());
 }
 
-void pose_carriers(const SkinTables& tables, std::span<const Transform> X_WJ, std::vector<Transform>& frames, std::vector<float>& out) {
+void pose_carriers(const SkinTables& tables, std::span<const Transform> X_WJ, std::vector<Transform>& frames, std::vector<Quat>& turns,
+                   std::vector<float>& out) {
   const std::size_t joints = static_cast<std::size_t>(tables.joint_count);
   frames.resize(joints + tables.twists.size());
   out.resize(16 * static_cast<std::size_t>(carrier_count(tables)));
@@ -59,13 +59,17 @@ void pose_carriers(const SkinTables& tables, std::span<const Transform> X_WJ, st
     frames[joints + k].linear() = R;
     frames[joints + k].translation() = X_WJ[j].translation() - root - R * (tables.origins[j] - rest_root);
   }
-  for (std::size_t c = 0; c < frames.size(); ++c) write_columns(frames[c].linear(), frames[c].translation(), &out[16 * c]);
+  turns.resize(frames.size());
+  for (std::size_t c = 0; c < frames.size(); ++c) {
+    write_columns(frames[c].linear(), frames[c].translation(), &out[16 * c]);
+    turns[c] = Quat(Mat3(frames[c].linear()));
+  }
   for (std::size_t k = 0; k < tables.pairs.size(); ++k) {
     const PairCarrier& pair = tables.pairs[k];
     const Transform& A = frames[static_cast<std::size_t>(pair.a)];
     const Transform& B = frames[static_cast<std::size_t>(pair.b)];
     const Vec3 center = pair.center - rest_root;
-    const Mat3 H = half_way(A.linear(), B.linear());
+    const Mat3 H = half_way(turns[static_cast<std::size_t>(pair.a)], turns[static_cast<std::size_t>(pair.b)]);
     const Vec3 t = 0.5 * (A * center + B * center) - H * center;
     write_columns(2 * H - (A.linear() + B.linear()), 2 * t - (A.translation() + B.translation()), &out[16 * (frames.size() + k)]);
   }

@@ -71,7 +71,7 @@ void deform_skin(const Binding& binding, const PosedAnatomy& posed, SkinFrame& o
   out.positions.resize(size);
   out.normals.resize(size);
   SkinFrame::Scratch& scratch = out.scratch;
-  pose_carriers(tables, posed.X_WJ, scratch.frames, scratch.carriers);
+  pose_carriers(tables, posed.X_WJ, scratch.frames, scratch.turns, scratch.carriers);
   lift_nodes(tables, posed, scratch.carriers, scratch.lifts, scratch.lifts_working);
   const Vec3 root = posed.X_WJ[0].translation();
   const Four root4(float(root.x()), float(root.y()), float(root.z()), 1.0f);

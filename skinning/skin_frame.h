@@ -16,6 +16,7 @@ struct SkinFrame {
   // Working memory of the deformer; its content means nothing between frames.
   struct Scratch {
     std::vector<Transform> frames;
+    std::vector<Quat> turns;
     std::vector<float> carriers, lifts, lifts_working, positions, normals;
   } scratch;
 };

@@ -1,6 +1,7 @@
 #include "skinning/skin_survey.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <cmath>
@@ -111,17 +112,18 @@ SkinSurvey survey_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const T
   out.radius.assign(n, 0);
   out.normal = rest_normals(skin);
   const PartMesh bones = bone_mesh(anatomy), muscles = muscle_mesh(anatomy, rest);
-  const NearestSurface bone_surface(bones.mesh), skin_surface(skin);
-  std::unique_ptr<NearestSurface> muscle_surface;
-  if (muscles.mesh.F.rows() > 0) muscle_surface = std::make_unique<NearestSurface>(muscles.mesh);
+  std::unique_ptr<NearestSurface> bone_surface, skin_surface, muscle_surface;
+  tbb::parallel_invoke([&] { bone_surface = std::make_unique<NearestSurface>(bones.mesh); },
+                       [&] { skin_surface = std::make_unique<NearestSurface>(skin); },
+                       [&] { if (muscles.mesh.F.rows() > 0) muscle_surface = std::make_unique<NearestSurface>(muscles.mesh); });
   tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) {
     const Vec3 p = skin.V.row(static_cast<Eigen::Index>(i));
     const Vec3 inside = p - kInset * out.normal[i];
-    const SurfacePoint bone = bone_surface.nearest(p);
+    const SurfacePoint bone = bone_surface->nearest(p);
     const int b = bones.part[static_cast<std::size_t>(bone.triangle)];
     out.anchors[i] = {Anchor::Kind::bone, b, bone.distance, bone.point};
     out.depth[i] = bone.distance;
-    if (bone.distance < kAlwaysInReach || !skin_surface.blocked(inside, bone.point))
+    if (bone.distance < kAlwaysInReach || !skin_surface->blocked(inside, bone.point))
       out.joint[i] = anatomy.bones[static_cast<std::size_t>(b)].joint;
     if (muscle_surface) {
       const SurfacePoint muscle = muscle_surface->nearest(p);
@@ -129,7 +131,7 @@ SkinSurvey survey_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const T
       out.muscles[i] = {Anchor::Kind::muscle, slice, muscle.distance, muscle.point};
       if (muscle.distance < bone.distance) out.anchors[i] = out.muscles[i];
     }
-    const std::optional<double> through = skin_surface.cast(inside, -out.normal[i]);
+    const std::optional<double> through = skin_surface->cast(inside, -out.normal[i]);
     out.radius[i] = std::clamp(0.5 * through.value_or(2 * kMaxRadius), kMinRadius, kMaxRadius);
   });
   const std::vector<std::vector<int>> neighbours = vertex_neighbours(skin);
