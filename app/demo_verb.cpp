@@ -95,7 +95,7 @@ std::vector<MuscleCurve> follow_muscles(const Actor& actor, const Motion& motion
 void add_stage_pictures(const Template& body_template, const Body& body, const Anatomy& shrunk, const Actor& actor, const Motion& motion, DemoRecord& record) {
   Renderer renderer;
   const std::vector<std::string> views{"front", "left", "back"};
-  constexpr int kWidth = 360, kHeight = 640;
+  constexpr int kWidth = 520, kHeight = 520;
   const auto add = [&](const Anatomy& anatomy, const Look& look, const std::string& caption) {
     record.pictures.push_back({encode_png(picture_at_rest(renderer, anatomy, body.skin, look, views, kWidth, kHeight)), caption});
   };
@@ -116,7 +116,7 @@ void add_stage_pictures(const Template& body_template, const Body& body, const A
   const auto events = flight_events(motion);
   const double takeoff = events[0].first, highest = events[1].first, landing = events[2].first;
   const std::vector<double> moments{takeoff - 1.2, takeoff - 0.45, takeoff - 0.12, takeoff, (takeoff + highest) / 2, highest, (highest + landing) / 2, landing + 0.05};
-  record.pictures.push_back({encode_png(picture_of_moments(renderer, actor, motion, moments, 190, 260)),
+  record.pictures.push_back({encode_png(picture_of_moments(renderer, actor, motion, moments, 230, 260)),
                              "Run-up, take-off, flight and landing: the skin, and the muscles that move it (the paper's figures 6 and 7)"});
 }
 

@@ -33,7 +33,7 @@ struct Ball {
 // The box around the skin, seen as its half diagonal in the plane of a standing figure.
 Ball ball_around(const Points& V) {
   const Vec3 low = V.colwise().minCoeff(), high = V.colwise().maxCoeff();
-  return {(0.5 * (low + high)).cast<float>(), static_cast<float>(0.53 * (high - low).maxCoeff())};
+  return {(0.5 * (low + high)).cast<float>(), static_cast<float>(0.5 * (high - low).maxCoeff())};
 }
 
 void light_studio(DrawList& list) {
@@ -76,9 +76,10 @@ Image picture_of_moments(Renderer& renderer, const Actor& actor, const Motion& m
     for (int row = 0; row < 2; ++row) {
       Appearance appearance;
       appearance.looks[0].skin = row == 0 ? 1.0f : 0.0f;
+      appearance.looks[0].muscles = appearance.looks[0].bones = row == 0 ? 0.0f : 1.0f;
       update_scene(model, frame.posed, &frame.skin, activity, appearance, ++revision, scene);
       light_studio(scene.list);
-      scene.list.camera = orbit_camera(root, 0.52f * stature, -1.35f, 0.06f, kFieldOfView, static_cast<float>(width) / height);
+      scene.list.camera = orbit_camera(root, 0.47f * stature, -1.35f, 0.06f, kFieldOfView, static_cast<float>(width) / height);
       paste(renderer.render(scene.list, width, height), static_cast<int>(i) * width, row * height, whole);
     }
   }
