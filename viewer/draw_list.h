@@ -47,6 +47,7 @@ struct DrawItem {
   Surface surface;
   std::uint32_t part = 0;  // 0: cannot be picked and has no outline
   bool casts_shadow = true;
+  bool closed = false;  // its inside is never seen: triangles that face away are left out
 };
 
 struct Camera {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <stdexcept>
 
 #include "anatomy/errors.h"
@@ -54,17 +55,13 @@ Ball focus_ball(const DrawList& list, const GpuMeshes& meshes) {
   return {all.center(), std::max(0.5f * all.diagonal().norm(), 1e-6f)};
 }
 
-// The part of the picture that items can reach, with a margin; all of it where one is at or behind the eye.
-Window reached(const DrawList& list, const GpuMeshes& meshes, const Mat4f& view_projection, int width, int height) {
+// The pixels that hold the given points, with a margin; all of the picture where one is at or behind the eye.
+Window pixels_around(std::span<const Vec3f> points, const Mat4f& view_projection, int width, int height) {
   Eigen::AlignedBox2f all;
-  for (const DrawItem& item : list.items) {
-    const Eigen::AlignedBox3f& box = meshes.box(item.mesh);
-    if (box.isEmpty()) continue;
-    for (int k = 0; k < 8; ++k) {
-      const Vec4f clip = view_projection * (item.X_WM * box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(k)).homogeneous());
-      if (clip.w() <= 1e-6f) return {0, 0, width, height};
-      all.extend(Eigen::Vector2f(clip.head<2>() / clip.w()));
-    }
+  for (const Vec3f& p : points) {
+    const Vec4f clip = view_projection * p.homogeneous();
+    if (clip.w() <= 1e-6f) return {0, 0, width, height};
+    all.extend(Eigen::Vector2f(clip.head<2>() / clip.w()));
   }
   if (all.isEmpty()) return {};
   constexpr int margin = 3;
@@ -72,6 +69,18 @@ Window reached(const DrawList& list, const GpuMeshes& meshes, const Mat4f& view_
   const int x0 = std::clamp(pixel(all.min().x(), width) - margin, 0, width), x1 = std::clamp(pixel(all.max().x(), width) + margin, 0, width);
   const int y0 = std::clamp(pixel(all.min().y(), height) - margin, 0, height), y1 = std::clamp(pixel(all.max().y(), height) + margin, 0, height);
   return {x0, y0, x1 - x0, y1 - y0};
+}
+
+// Corners of the boxes around all items; a bone's or belly's box is tighter than one around everything.
+std::vector<Vec3f> item_corners(const DrawList& list, const GpuMeshes& meshes) {
+  std::vector<Vec3f> corners;
+  for (const DrawItem& item : list.items) {
+    const Eigen::AlignedBox3f& box = meshes.box(item.mesh);
+    if (box.isEmpty()) continue;
+    for (int k = 0; k < 8; ++k)
+      corners.emplace_back((item.X_WM * box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(k)).homogeneous()).head<3>());
+  }
+  return corners;
 }
 
 Window grown(const Window& w, int by, int width, int height) {
@@ -87,6 +96,7 @@ struct Frame {
   Ball ball;
   float shadow_texel_world = 0;
   Window figure;  // pixels that items can reach
+  Window shadow;  // pixels of the ground that their shadow can reach
   Window shaded;  // pixels that they can darken
 };
 
@@ -96,10 +106,17 @@ Frame make_frame(const DrawList& list, const GpuMeshes& meshes, int width, int h
   frame.view_projection = projection_matrix(list.camera, static_cast<float>(width) / static_cast<float>(height)) * view;
   frame.unproject = frame.view_projection.inverse();
   frame.ball = focus_ball(list, meshes);
-  frame.figure = reached(list, meshes, frame.view_projection, width, height);
+  std::vector<Vec3f> corners = item_corners(list, meshes);
+  frame.figure = pixels_around(corners, frame.view_projection, width, height);
   const Eigen::Matrix3f from_eye = view.topLeftCorner<3, 3>().transpose();
   frame.key = list.lighting.key_direction.normalized();
   if (list.lighting.follows_camera) frame.key = from_eye * frame.key;
+  if (frame.key.y() < -0.05f) {
+    for (Vec3f& p : corners) p += (list.ground.height - p.y()) / frame.key.y() * frame.key;
+    frame.shadow = pixels_around(corners, frame.view_projection, width, height);
+  } else {
+    frame.shadow = {0, 0, width, height};
+  }
   // The rim light stands behind the subject, above and on the side that the key leaves dark.
   const float side = (from_eye.col(0).dot(frame.key) > 0) ? -1.0f : 1.0f;
   frame.rim = (from_eye * Vec3f(side * 0.6f, -0.5f, 0.7f)).normalized();
@@ -190,6 +207,8 @@ struct Renderer::Impl {
   GlProgram shadow_program{gl, "shadow", "", shader_prelude, shadow_vertex, shadow_fragment};
   GlProgram shadow_dissolve_program{gl, "shadow that dissolves", dissolve_define, shader_prelude, shadow_vertex, shadow_fragment};
   GlProgram background_program{gl, "background", "", shader_prelude, screen_vertex, background_fragment};
+  GlProgram background_sunny_program{gl, "background without shadow", "#define SUNNY\n", shader_prelude, screen_vertex, background_fragment};
+  GlProgram background_empty_program{gl, "background without ground", "#define EMPTY\n", shader_prelude, screen_vertex, background_fragment};
   GlProgram occlusion_program{gl, "occlusion", "", shader_prelude, screen_vertex, occlusion_fragment};
   GlProgram blur_program{gl, "occlusion blur", "", shader_prelude, screen_vertex, occlusion_blur_fragment};
   GlProgram resolve_program{gl, "resolve", "#define FIGURE\n", shader_prelude, screen_vertex, resolve_fragment};
@@ -238,6 +257,11 @@ void Renderer::Impl::set_surface(const GlProgram& program, const DrawItem& item)
 
 void Renderer::Impl::draw_item(const GlProgram& program, const DrawList& list, const DrawItem& item) const {
   program.use();
+  if (item.closed) {
+    gl.Enable(GL_CULL_FACE);
+  } else {
+    gl.Disable(GL_CULL_FACE);
+  }
   program.set("u_model", item.X_WM);
   program.set("u_dissolved", item.surface.dissolved);
   meshes.draw(list, item);
@@ -272,32 +296,46 @@ void Renderer::Impl::draw_shadows(const DrawList& list) {
   gl.Disable(GL_POLYGON_OFFSET_FILL);
 }
 
+// Shadows are looked up only where one can fall: there, and in the four strips around.
 void Renderer::Impl::draw_background(const DrawList& list) {
+  const Ground& g = list.ground;
   ground.resize(width, height);
   ground.bind();
   bind_texture(0, shadow.depth());
-  const Ground& g = list.ground;
-  const GlProgram& p = background_program;
-  set_frame(p, list);
-  p.set("u_top", list.background_top);
-  p.set("u_bottom", list.background_bottom);
-  p.set("u_ground_visible", g.visible ? 1.0f : 0.0f);
-  p.set("u_ground_height", g.height);
-  p.set("u_ground_color", g.color);
-  p.set("u_grid", g.grid);
-  p.set("u_board", g.board);
-  p.set("u_fade_distance", 30.0f);
-  p.set("u_track", Vec4f(g.track_center, g.track_half_width, g.track_begin, g.track_end));
-  p.set("u_pit", Vec3f(g.pit_half_width, g.pit_begin, g.pit_end));
+  gl.Disable(GL_CULL_FACE);
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_ALWAYS);
-  draw_screen();
+  gl.DepthMask(GL_TRUE);
+  auto draw_in = [&](const GlProgram& p, const Window& w) {
+    if (w.width <= 0 || w.height <= 0) return;
+    limit_to(w, 1);
+    set_frame(p, list);
+    p.set("u_top", list.background_top);
+    p.set("u_bottom", list.background_bottom);
+    p.set("u_ground_height", g.height);
+    p.set("u_ground_color", g.color);
+    p.set("u_grid", g.grid);
+    p.set("u_board", g.board);
+    p.set("u_fade_distance", 30.0f);
+    p.set("u_track", Vec4f(g.track_center, g.track_half_width, g.track_begin, g.track_end));
+    p.set("u_pit", Vec3f(g.pit_half_width, g.pit_begin, g.pit_end));
+    draw_screen();
+  };
+  const Window w = g.visible ? frame.shadow : Window{};
+  draw_in(background_program, w);
+  const GlProgram& rest = g.visible ? background_sunny_program : background_empty_program;
+  draw_in(rest, {0, 0, width, w.y});
+  draw_in(rest, {0, w.y + w.height, width, height - w.y - w.height});
+  draw_in(rest, {0, w.y, w.x, w.height});
+  draw_in(rest, {w.x + w.width, w.y, width - w.x - w.width, w.height});
   gl.DepthFunc(GL_LESS);
+  gl.Disable(GL_SCISSOR_TEST);
 }
 
 void Renderer::Impl::draw_opaque(const DrawList& list) {
   scene.resize(width * samples, height * samples);
   scene.bind();
+  bind_texture(0, shadow.depth());
   const float nothing[4] = {0, 0, 0, 0}, far_away = 1;
   const GLuint no_part[4] = {0, 0, 0, 0};
   gl.DepthMask(GL_TRUE);
@@ -319,6 +357,7 @@ void Renderer::Impl::draw_opaque(const DrawList& list) {
 void Renderer::Impl::draw_occlusion(const DrawList& list) {
   raw_open.resize(width, height);
   open.resize(width, height);
+  gl.Disable(GL_CULL_FACE);
   gl.Disable(GL_DEPTH_TEST);
   gl.Disable(GL_SCISSOR_TEST);
   const float bright[4] = {1, 1, 1, 1};
@@ -328,8 +367,10 @@ void Renderer::Impl::draw_occlusion(const DrawList& list) {
     bind_texture(1, scene.depth());
     bind_texture(2, scene.texture(2));
     bind_texture(3, ground.depth());
-    limit_to(frame.shaded, 1);
     raw_open.bind();
+    gl.Disable(GL_SCISSOR_TEST);
+    gl.ClearBufferfv(GL_COLOR, 0, bright);
+    limit_to(frame.shaded, 1);
     set_frame(occlusion_program, list);
     occlusion_program.set("u_depth", 1);
     occlusion_program.set("u_normals", 2);
@@ -374,6 +415,7 @@ void Renderer::Impl::draw_translucent(const DrawList& list) {
 void Renderer::Impl::draw_resolved(GLuint framebuffer) {
   gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   gl.Viewport(0, 0, width, height);
+  gl.Disable(GL_CULL_FACE);
   gl.Disable(GL_DEPTH_TEST);
   gl.Disable(GL_SCISSOR_TEST);
   bind_texture(1, scene.texture(0));

@@ -190,8 +190,10 @@ void add_look(const SceneModel& model, const PosedAnatomy& posed, const Appearan
       item.mesh = static_cast<int>(2 + b);
       item.X_WM = offset * moved.matrix().cast<float>();
       item.surface = bone_surface(appearance, look.bones);
+      item.closed = true;
       item.part = kFirstBonePart + static_cast<std::uint32_t>(b);
       if (item.part == appearance.selected) item.surface.color = selected_color;
+      item.casts_shadow = look.muscles < 0.5f || model.bone_shadows[b];
     }
   }
   if (look.muscles > 0 && !model.muscles.triangles.empty()) {
@@ -199,6 +201,7 @@ void add_look(const SceneModel& model, const PosedAnatomy& posed, const Appearan
     item.mesh = 1;
     item.X_WM = offset;
     item.surface = muscle_surface(look.muscles);
+    item.closed = true;
   }
   if ((look.skin > 0 || look.skin_edge > 0) && look.skin_dissolved < 1 && !model.skin.triangles.empty()) {
     DrawItem& item = list.items.emplace_back();
@@ -241,6 +244,8 @@ SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin, const S
   for (std::size_t b = 0; b < anatomy.bones.size(); ++b) {
     model.bones.push_back(make_mesh(anatomy.bones[b].mesh, key + 3 + b));
     model.bone_joints.push_back(anatomy.bones[b].joint);
+    const std::string& joint = anatomy.skeleton.joints[anatomy.bones[b].joint].name;
+    model.bone_shadows.push_back(joint == "head" || joint == "jaw");
   }
   model.joint_rest = rest_positions(anatomy.skeleton);
   model.strips = slice_ranges(anatomy);

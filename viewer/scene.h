@@ -39,6 +39,7 @@ struct SceneModel {
   DrawMesh skin, muscles;           // at rest
   std::vector<DrawMesh> bones;      // world, at rest
   std::vector<int> bone_joints;     // #bones
+  std::vector<char> bone_shadows;   // #bones, 1: casts a shadow of its own though muscles are there (the others lie within them)
   std::vector<Vec3> joint_rest;     // #joints, world
   std::vector<SliceRange> strips;
   std::vector<double> rest_lengths;  // #strips, m

@@ -13,7 +13,11 @@ uniform sampler2DShadow u_shadow_map;
 vec3 to_linear(vec3 c) { return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c)); }
 vec3 to_srgb(vec3 c) { return mix(12.92 * c, 1.055 * pow(max(c, 0.0), vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }
 
-float hash(vec2 p) { return fract(sin(dot(p, vec2(12.9898, 78.233))) * 43758.5453); }
+float hash(vec2 p) {
+  vec3 q = fract(p.xyx * 0.1031);
+  q += dot(q, q.yzx + 33.33);
+  return fract((q.x + q.y) * q.z);
+}
 float noise(vec2 p) {
   vec2 i = floor(p), f = fract(p);
   f = f * f * (3.0 - 2.0 * f);
@@ -174,7 +178,7 @@ const char* const background_fragment = R"(
 in vec2 v_uv;
 uniform mat4 u_view_projection, u_unproject;
 uniform vec3 u_top, u_bottom, u_ground_color;
-uniform float u_ground_visible, u_ground_height, u_grid, u_board, u_fade_distance;
+uniform float u_ground_height, u_grid, u_board, u_fade_distance;
 uniform vec4 u_track;  // centre x, half width, begin z, end z
 uniform vec3 u_pit;    // half width, begin z, end z
 layout(location = 0) out vec4 o_color;
@@ -190,23 +194,23 @@ float band(float x, float lo, float hi, float footprint) {
   return smoothstep(lo - 0.5 * f, lo + 0.5 * f, x) * (1.0 - smoothstep(hi - 0.5 * f, hi + 0.5 * f, x));
 }
 float sand_height(vec2 p) {
-  return 0.5 * noise(p * 9.0) + 0.25 * noise(p * 23.0) + 0.18 * noise(p * 61.0) + 0.15 * noise(p * 190.0);
+  return 0.6 * noise(p * 11.0) + 0.3 * noise(p * 47.0) + 0.15 * noise(p * 190.0);
 }
 
 void main() {
   vec3 back = mix(u_bottom, u_top, smoothstep(0.15, 1.0, v_uv.y));
   back = to_linear(back);
+#ifdef EMPTY
+  o_color = vec4(back, 1.0);
   gl_FragDepth = 1.0;
+#else
   vec4 a = u_unproject * vec4(2.0 * v_uv - 1.0, -1.0, 1.0), b = u_unproject * vec4(2.0 * v_uv - 1.0, 1.0, 1.0);
   vec3 from = a.xyz / a.w, ray = normalize(b.xyz / b.w - from);
   float t = (u_ground_height - from.y) / ray.y;
   // The backdrop of a studio: the floor runs into it without a horizon.
   vec3 p = from + t * ray;
   vec2 fx = fwidth(p.xz);
-  if (u_ground_visible < 0.5 || t <= 0.0 || t > 190.0 || from.y < u_ground_height) {
-    o_color = vec4(back, 1.0);
-    return;
-  }
+  bool sky = t <= 0.0 || t > 190.0 || from.y < u_ground_height;
   vec3 n = vec3(0, 1, 0);
   vec3 base = to_linear(u_ground_color);
   base *= 1.0 + 0.05 * (noise(p.xz * 3.0) - 0.5);
@@ -236,14 +240,20 @@ void main() {
     base = mix(base, sand, in_pit);
     n = normalize(mix(n, normalize(vec3(-0.035 * slope.x * detail, 1.0, -0.035 * slope.y * detail)), in_pit));
   }
+#ifdef SUNNY
+  float shade = 1.0;
+#else
   float shade = lit(p, vec3(0, 1, 0));
+#endif
   vec3 light = u_key_color * max(dot(n, -u_key_direction), 0.0) * shade + ambient(n) * 0.9;
   vec3 color = base * light * 0.62;
   float distance_ = length(p - u_eye);
   color = mix(color, back, smoothstep(0.35, 1.0, distance_ / u_fade_distance));
-  o_color = vec4(color, 1.0);
+  o_color = vec4(sky ? back : color, 1.0);
   vec4 clip = u_view_projection * vec4(p, 1.0);
-  gl_FragDepth = clamp(0.5 + 0.5 * clip.z / clip.w, 0.0, 0.999999);
+  float depth = 0.5 + 0.5 * clip.z / clip.w;
+  gl_FragDepth = sky || depth > 0.999998 ? 1.0 : max(depth, 0.0);
+#endif
 }
 )";
 
@@ -270,7 +280,7 @@ void main() {
   ivec2 here = ivec2(gl_FragCoord.xy), last = textureSize(u_ground_depth, 0) - 1;
   float own = texelFetch(u_depth, here * u_samples, 0).r, ground = texelFetch(u_ground_depth, here, 0).r;
   float depth = min(own, ground);
-  if (depth >= 1.0) {
+  if (depth > 0.9999985) {  // nothing there
     o_open = vec4(1.0);
     return;
   }
