@@ -1,0 +1,310 @@
+#include "anatomy/resample.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "anatomy/ellipse_fit.h"
+#include "anatomy/errors.h"
+#include "anatomy/mesh_measures.h"
+#include "anatomy/muscle_line.h"
+#include "anatomy/surface_path.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+
+// Fractions of the line's length at which it is cut: closer where the muscle tapers.
+std::vector<double> slice_fractions(int count) {
+  std::vector<double> out;
+  for (int k = 0; k < count; ++k) {
+    const double even = (k + 0.5) / count, crowded = 0.5 - 0.5 * std::cos(std::numbers::pi * even);
+    out.push_back(0.5 * (even + crowded));
+  }
+  return out;
+}
+
+// A plane with a frame in it; the frames along a line turn as little as they can.
+struct Plane {
+  Vec3 point, u, v, normal;
+  Vec3 at(const Vec2& p) const { return point + p.x() * u + p.y() * v; }
+};
+
+std::vector<Plane> planes_along(const Bezier& line, const std::vector<double>& parameters) {
+  std::vector<Plane> out;
+  Vec3 u = bezier_tangent(line, parameters.front()).unitOrthogonal();
+  for (double t : parameters) {
+    const Vec3 normal = bezier_tangent(line, t);
+    if (!out.empty()) u = Quat::FromTwoVectors(out.back().normal, normal) * u;
+    u = (u - u.dot(normal) * normal).normalized();
+    out.push_back({bezier_point(line, t), u, normal.cross(u), normal});
+  }
+  return out;
+}
+
+// What rays from a point of a plane found.
+struct Outline {
+  std::vector<Vec2> points;  // where they met the section, about the plane's point
+  int missed = 0;
+  double area = 0;           // of the star that the points make
+  Vec2 centroid = Vec2::Zero();
+};
+
+Outline shoot(const MeshSections& mesh, const Plane& plane, const Vec2& from, const Section& section, int rays) {
+  Outline out;
+  const Vec3 origin = plane.at(from);
+  for (int k = 0; k < rays; ++k) {
+    const double angle = kTurn * k / rays;
+    const Vec2 direction(std::cos(angle), std::sin(angle));
+    const double reach = mesh.last_crossing(origin, direction.x() * plane.u + direction.y() * plane.v, section.triangles);
+    if (reach > 0) out.points.push_back(from + reach * direction);
+    else ++out.missed;
+  }
+  Vec2 moment = Vec2::Zero();
+  for (std::size_t k = 0; k < out.points.size(); ++k) {
+    const Vec2 a = out.points[k] - from, b = out.points[(k + 1) % out.points.size()] - from;
+    const double piece = 0.5 * (a.x() * b.y() - a.y() * b.x());
+    out.area += piece;
+    moment += piece * (a + b) / 3;
+  }
+  out.centroid = out.area > 0 ? Vec2(from + moment / out.area) : from;
+  return out;
+}
+
+// Rays from the middle of a section, which they find themselves in a few rounds.
+Outline outline_of(const MeshSections& mesh, const Plane& plane, const Section& section, int rays) {
+  const Vec3 d = section.nearest - plane.point;
+  Vec2 from = Vec2::Zero();
+  Outline out = shoot(mesh, plane, from, section, rays);
+  if (2 * out.missed > rays) {  // the line runs outside: begin inside, just behind the nearest point of the outline
+    from = 1.02 * Vec2(d.dot(plane.u), d.dot(plane.v));
+    out = shoot(mesh, plane, from, section, rays);
+  }
+  for (int round = 0; round < 2; ++round) {
+    const Outline again = shoot(mesh, plane, out.centroid, section, rays);
+    if (again.missed > out.missed) break;
+    out = again;
+  }
+  return out;
+}
+
+// The fitted ellipse, brought to the outline's area and centroid. Nothing where too few rays met the mesh.
+std::optional<Ellipse> ellipse_of(const Outline& outline, const Plane& plane) {
+  const auto fitted = fit_ellipse(outline.points);
+  if (!fitted || !(outline.area > 0)) return std::nullopt;
+  const double scale = std::sqrt(outline.area / (std::numbers::pi * fitted->radii.x() * fitted->radii.y()));
+  const Vec2 along(std::cos(fitted->angle), std::sin(fitted->angle));
+  Ellipse out;
+  out.center = plane.at(outline.centroid);
+  out.axes.col(0) = along.x() * plane.u + along.y() * plane.v;
+  out.axes.col(2) = plane.normal;
+  out.axes.col(1) = plane.normal.cross(out.axes.col(0));
+  out.radii = scale * fitted->radii;
+  return out;
+}
+
+// The action line: through the middles of surface bands first, then through the middles of its own cross-sections.
+Bezier action_line(const MeshSections& sections, const TriMesh& mesh, const Vec3& origin, const Vec3& insertion, double gap, const ResampleOptions& options) {
+  std::vector<Vec3> middles = middle_line(mesh, origin, insertion, 30);
+  Bezier line;
+  for (int round = 0; round < 4; ++round) {
+    middles.insert(middles.begin(), origin);
+    middles.push_back(insertion);
+    line = fit_bezier(middles, options.control_points);
+    middles.clear();
+    if (round == 3) break;
+    for (const Plane& plane : planes_along(line, bezier_parameters(line, slice_fractions(24)))) {
+      const Section section = sections.section(plane.point, plane.normal, gap);
+      const Outline outline = outline_of(sections, plane, section, 24);
+      if (outline.area > 0 && outline.missed < 12) middles.push_back(plane.at(outline.centroid));
+    }
+  }
+  return line;
+}
+
+// Slices that met nothing take the mean of their neighbours' shapes, weighted by how near they are.
+void fill_gaps(std::vector<std::optional<Ellipse>>& found, const std::vector<Plane>& planes) {
+  const auto known = found;
+  const int n = static_cast<int>(found.size());
+  const auto next = [&](int k, int step) {
+    while (k >= 0 && k < n && !known[static_cast<std::size_t>(k)]) k += step;
+    return k;
+  };
+  for (int k = 0; k < n; ++k) {
+    if (found[static_cast<std::size_t>(k)]) continue;
+    int before = next(k, -1), after = next(k, 1);
+    if (before < 0) before = after;
+    if (after >= n) after = before;
+    const Ellipse &a = *known[static_cast<std::size_t>(before)], &b = *known[static_cast<std::size_t>(after)];
+    const double share = after == before ? 0 : static_cast<double>(k - before) / (after - before);
+    Ellipse e = share < 0.5 ? a : b;
+    const Plane& plane = planes[static_cast<std::size_t>(k)];
+    const auto aside = [&](const Ellipse& from, int index) { return Vec3(from.center - planes[static_cast<std::size_t>(index)].point); };
+    const Vec3 offset = (1 - share) * aside(a, before) + share * aside(b, after);
+    e.center = plane.point + offset - offset.dot(plane.normal) * plane.normal;
+    e.axes = Quat::FromTwoVectors(e.axes.col(2), plane.normal) * e.axes;
+    e.radii = (1 - share) * a.radii + share * b.radii;
+    found[static_cast<std::size_t>(k)] = e;
+  }
+}
+
+// Radius of an ellipse in a direction of its plane.
+double reach(const Ellipse& e, const Vec3& direction) {
+  const double c = direction.dot(e.axes.col(0)) / e.radii.x(), s = direction.dot(e.axes.col(1)) / e.radii.y();
+  return 1 / std::max(std::hypot(c, s), 1e-12);
+}
+
+// Rings of equal directions in the planes' frames, so that neither a turning nor a swap of an ellipse's axes twists the surface.
+TriMesh loft(const std::vector<Ellipse>& slices, const std::vector<Plane>& planes, const Vec3& origin, const Vec3& insertion, int ring) {
+  const int n = static_cast<int>(slices.size());
+  TriMesh out{Points(n * ring + 2, 3), Triangles(2 * n * ring, 3)};
+  const double whole = std::sqrt(kTurn / (ring * std::sin(kTurn / ring)));  // gives the polygon the ellipse's area
+  for (int k = 0; k < n; ++k) {
+    const auto& plane = planes[static_cast<std::size_t>(k)];
+    const auto& slice = slices[static_cast<std::size_t>(k)];
+    for (int j = 0; j < ring; ++j) {
+      const double angle = kTurn * j / ring;
+      const Vec3 direction = std::cos(angle) * plane.u + std::sin(angle) * plane.v;
+      out.V.row(k * ring + j) = (slice.center + whole * reach(slice, direction) * direction).transpose();
+    }
+  }
+  const int first = n * ring, last = first + 1;
+  out.V.row(first) = origin.transpose();
+  out.V.row(last) = insertion.transpose();
+  Eigen::Index f = 0;
+  for (int j = 0; j < ring; ++j) {
+    const int next = (j + 1) % ring;
+    out.F.row(f++) << first, next, j;
+    for (int k = 0; k + 1 < n; ++k) {
+      out.F.row(f++) << k * ring + j, k * ring + next, (k + 1) * ring + next;
+      out.F.row(f++) << k * ring + j, (k + 1) * ring + next, (k + 1) * ring + j;
+    }
+    out.F.row(f++) << last, (n - 1) * ring + j, (n - 1) * ring + next;
+  }
+  return out;
+}
+
+void check_options(const ResampleOptions& o) {
+  if (o.control_points < 0 || o.control_points > 12) throw std::invalid_argument(fmt::format("{} control points: expected 0 .. 12", o.control_points));
+  if (o.slices < 3 || o.slices > 200) throw std::invalid_argument(fmt::format("{} slices: expected 3 .. 200", o.slices));
+  if (o.rays < 8 || o.rays > 1000) throw std::invalid_argument(fmt::format("{} rays: expected 8 .. 1000", o.rays));
+  if (o.ring < 8 || o.ring > 200) throw std::invalid_argument(fmt::format("{} vertices a ring: expected 8 .. 200", o.ring));
+}
+
+void check_ends(const MeshSections& sections, double size, const Vec3& origin, const Vec3& insertion) {
+  if (!((origin - insertion).norm() > 1e-3 * size)) throw UnfitError("origin and insertion lie in one place; give the muscle's two ends");
+  for (const auto& [name, end] : {std::pair("origin", origin), std::pair("insertion", insertion)}) {
+    const double away = sections.distance(end);
+    if (away > 0.1 * size) {
+      throw UnfitError(fmt::format("the {} {:g},{:g},{:g} lies {:g} away from a mesh of size {:g}; give it in the mesh's own units and axes", name, end.x(),
+                                   end.y(), end.z(), away, size));
+    }
+  }
+}
+
+}  // namespace
+
+Resampled resample_muscle(const TriMesh& mesh, const Vec3& origin, const Vec3& insertion, const ResampleOptions& options) {
+  check_options(options);
+  const TriMesh whole = welded(mesh);
+  const MeshSections sections(whole);
+  const double size = (whole.V.colwise().maxCoeff() - whole.V.colwise().minCoeff()).norm();
+  check_ends(sections, size, origin, insertion);
+  const double gap = 0.004 * size;
+
+  Resampled out;
+  ResampleReport& report = out.report;
+  out.line = action_line(sections, whole, origin, insertion, gap, options);
+  out.parameters = bezier_parameters(out.line, slice_fractions(options.slices));
+  const std::vector<Plane> planes = planes_along(out.line, out.parameters);
+  std::vector<std::optional<Ellipse>> found;
+  for (const Plane& plane : planes) {
+    const Section section = sections.section(plane.point, plane.normal, gap);
+    const Outline outline = outline_of(sections, plane, section, options.rays);
+    found.push_back(2 * outline.missed > options.rays ? std::nullopt : ellipse_of(outline, plane));
+    report.rays += options.rays;
+    report.missed_rays += outline.missed;
+    report.empty_slices += !found.back();
+  }
+  if (2 * report.empty_slices > options.slices) {
+    throw UnfitError(fmt::format("{} of {} slices met no surface; origin and insertion may not be the ends of this muscle", report.empty_slices, options.slices));
+  }
+  fill_gaps(found, planes);
+  for (const auto& slice : found) out.slices.push_back(*slice);
+  out.loft = loft(out.slices, planes, origin, insertion, options.ring);
+  report.length = bezier_length(out.line);
+  report.mesh_volume = std::abs(mesh_volume(whole));
+  report.mesh_closed = is_closed(whole.F);
+  report.loft_volume = mesh_volume(out.loft);
+  report.loft_to_mesh = surface_distance(out.loft, sections);
+  report.mesh_to_loft = surface_distance(whole, MeshSections(out.loft));
+  return out;
+}
+
+std::pair<Vec3, Vec3> furthest_ends(const TriMesh& mesh) {
+  const TriMesh whole = welded(mesh);
+  const auto furthest = [&](int from) {
+    const auto distances = edge_distances(whole, from);
+    int best = from;
+    for (std::size_t i = 0; i < distances.size(); ++i) {
+      if (std::isfinite(distances[i]) && distances[i] > distances[static_cast<std::size_t>(best)]) best = static_cast<int>(i);
+    }
+    return best;
+  };
+  // From the corner of the largest piece: that which reaches the most vertices.
+  int start = whole.F.rows() > 0 ? whole.F(0, 0) : 0, most = 0;
+  std::vector<bool> seen(static_cast<std::size_t>(whole.V.rows()), false);
+  for (int i = 0; i < whole.V.rows(); ++i) {
+    if (seen[static_cast<std::size_t>(i)]) continue;
+    const auto distances = edge_distances(whole, i);
+    int reached = 0;
+    for (std::size_t j = 0; j < distances.size(); ++j) {
+      if (!std::isfinite(distances[j])) continue;
+      seen[j] = true;
+      ++reached;
+    }
+    if (reached > most) most = reached, start = i;
+  }
+  const int a = furthest(furthest(start)), b = furthest(a);
+  const auto high = whole.V(a, 1) >= whole.V(b, 1);
+  return {whole.V.row(high ? a : b), whole.V.row(high ? b : a)};
+}
+
+Strip make_strip(const Resampled& resampled, int origin_joint, int insertion_joint) {
+  const int inner = std::max<int>(1, static_cast<int>(resampled.line.controls.size()) - 2);
+  std::vector<double> fractions;
+  for (int k = 0; k <= inner + 1; ++k) fractions.push_back(static_cast<double>(k) / (inner + 1));
+  std::vector<PathPoint> path;
+  for (std::size_t k = 0; k < fractions.size(); ++k) {
+    const double t = bezier_parameters(resampled.line, {&fractions[k], 1})[0];
+    path.push_back({bezier_point(resampled.line, t), {origin_joint, insertion_joint}, 1 - fractions[k]});
+  }
+  path.front() = {path.front().rest, {origin_joint, -1}, 1};
+  path.back() = {path.back().rest, {insertion_joint, -1}, 1};
+  std::vector<Station> stations;
+  const double whole = line_length(path);
+  std::vector<double> s;
+  for (double t : resampled.parameters) {
+    const Bezier& line = resampled.line;
+    Bezier part = line;  // the fraction of the length up to t, by cutting the curve there
+    for (std::size_t level = 1; level < part.controls.size(); ++level) {
+      for (std::size_t k = part.controls.size() - 1; k >= level; --k) part.controls[k] = (1 - t) * part.controls[k - 1] + t * part.controls[k];
+    }
+    s.push_back(std::clamp(bezier_length(part) / resampled.report.length, 0.0, 1.0));
+  }
+  const auto points = line_points(path, s);
+  for (std::size_t k = 0; k < s.size(); ++k) {
+    const Ellipse& e = resampled.slices[k];
+    stations.push_back({s[k], e.center - points[k], e.axes.col(0), e.radii});
+  }
+  Strip strip = make_strip(std::move(path), stations);
+  strip.rest_length = whole;
+  return strip;
+}
+
+}  // namespace ecorche
