@@ -17,7 +17,6 @@ namespace {
 constexpr int kProbe = 240;          // samples of a strip when its slices are spread
 constexpr double kTendonFade = 0.03;  // share of the line over which scaling of the belly fades into the tendon
 
-Vec3 mirror_position(const Vec3& p) { return Vec3(2 * kSourceMidPlane - p.x(), p.y(), p.z()); }
 Vec3 mirror_direction(const Vec3& v) { return Vec3(-v.x(), v.y(), v.z()); }
 
 // Joints of bones and soft carriers on one side, found once.
@@ -28,7 +27,7 @@ class Carriers {
   // `height` decides the share of a carrier between two heights.
   PathPoint carry(const std::string& carrier, const Vec3& rest, const std::string& where) const {
     PathPoint point;
-    point.rest = side_ == Side::right ? mirror_position(rest) : rest;
+    point.rest = side_ == Side::right ? mirror_point(rest) : rest;
     for (const SoftCarrier& soft : table_.carriers) {
       if (soft.name != carrier) continue;
       point.joints = {joint(soft.joints[0], soft.where), joint(soft.joints[1], soft.where)};
@@ -260,26 +259,6 @@ Muscle place_muscle(const MuscleTable& table, const TableMuscle& from, std::vect
   return muscle;
 }
 
-// Distance from a point to a triangle: inside the face or on the nearest edge.
-double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 n = (b - a).cross(c - a);
-  const double area = n.norm();
-  const auto to_edge = [&](const Vec3& u, const Vec3& v) {
-    const Vec3 e = v - u;
-    const double t = e.squaredNorm() > 0 ? std::clamp((p - u).dot(e) / e.squaredNorm(), 0.0, 1.0) : 0;
-    return (p - u - t * e).norm();
-  };
-  const bool inside = area > 0 && n.dot((b - a).cross(p - a)) >= 0 && n.dot((c - b).cross(p - b)) >= 0 && n.dot((a - c).cross(p - c)) >= 0;
-  return inside ? std::abs(n.dot(p - a)) / area : std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
-}
-
-double distance_to_mesh(const Vec3& p, const TriMesh& mesh) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f)
-    nearest = std::min(nearest, distance_to_triangle(p, mesh.V.row(mesh.F(f, 0)), mesh.V.row(mesh.F(f, 1)), mesh.V.row(mesh.F(f, 2))));
-  return nearest;
-}
-
 }  // namespace
 
 std::vector<Muscle> place_muscles(const MuscleTable& table, const Anatomy& source, const PlaceOptions& options) {
@@ -294,29 +273,6 @@ std::vector<Muscle> place_muscles(const MuscleTable& table, const Anatomy& sourc
     muscles.push_back(place_muscle(table, from, std::move(right), on_right, Side::right, options.sex));
   }
   return muscles;
-}
-
-std::vector<Attachment> measure_attachments(const MuscleTable& table, const Anatomy& anatomy) {
-  if (anatomy.muscles.size() != 2 * table.muscles.size())
-    throw std::invalid_argument(fmt::format("measure_attachments: {} muscles, but the table has {} a side", anatomy.muscles.size(), table.muscles.size()));
-  std::vector<Attachment> out;
-  for (std::size_t m = 0; m < anatomy.muscles.size(); ++m) {
-    const Muscle& muscle = anatomy.muscles[m];
-    const TableMuscle& from = table.muscles[m / 2];
-    const Carriers carriers(table, anatomy, muscle.side);
-    for (std::size_t i = 0; i < muscle.strips.size(); ++i) {
-      for (const bool origin : {true, false}) {
-        const auto& path = from.strips[i].path;
-        const TablePoint& end = origin ? path.front() : path.back();
-        const std::string bone = carriers.bone_name(table.landmarks[static_cast<std::size_t>(end.landmark)].carrier);
-        if (bone.empty()) continue;
-        const auto& placed = muscle.strips[i].path;
-        const TriMesh& mesh = anatomy.bones[static_cast<std::size_t>(find_bone(anatomy, bone))].mesh;
-        out.push_back({static_cast<int>(m), static_cast<int>(i), origin, bone, distance_to_mesh(origin ? placed.front().rest : placed.back().rest, mesh)});
-      }
-    }
-  }
-  return out;
 }
 
 }  // namespace ecorche

@@ -200,6 +200,7 @@ class MuscleReader {
     else if (keyword == "action") m.action = words(keyword);
     else if (keyword == "source") m.sources.push_back(words(keyword));
     else if (keyword == "note") m.note = words(keyword);
+    else if (keyword == "compare") read_compare(m);
     else if (keyword == "sheet") m.sheet = true;
     else if (keyword == "volume") {
       m.volume_male = number("male volume in ml", 0.01, 5e3) * kMillilitre;
@@ -217,6 +218,11 @@ class MuscleReader {
     } else {
       fail(fmt::format("unknown keyword '{}'", keyword));
     }
+  }
+
+  void read_compare(TableMuscle& m) {
+    for (std::string_view word = scan_.word(); !word.empty() && !word.starts_with('#'); word = scan_.word()) m.compare.emplace_back(word);
+    if (m.compare.empty()) fail("'compare' needs names of paths");
   }
 
   void begin_strip() {

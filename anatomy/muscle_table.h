@@ -6,12 +6,14 @@
 // mid-plane lies at x = kSourceMidPlane); the files give millimetres to the left of the mid-plane, up and forward.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "anatomy/anatomy.h"
+#include "anatomy/bone_package.h"
 
 namespace ecorche {
 
@@ -70,6 +72,7 @@ struct TableMuscle {
   std::string name;   // without side suffix
   std::string label, group, layer, shape, origin, insertion, action, note;
   std::vector<std::string> sources;
+  std::vector<std::string> compare;  // paths of the MJCF that take the same way, without side; for comparison only
   double volume_male = 0, volume_female = 0;  // one side, m^3
   double fibre_length = 0;                    // m
   double pennation = 0;                       // rad
@@ -122,5 +125,17 @@ struct Attachment {
 
 // Precondition: anatomy.muscles were placed from this table (in whatever body they are by now).
 std::vector<Attachment> measure_attachments(const MuscleTable& table, const Anatomy& anatomy);
+
+// How far a path of the MJCF runs from our muscle: its points' distances from the nearest of our strips' lines.
+struct PathComparison {
+  int muscle = 0;  // index into the anatomy's muscles
+  std::vector<std::string> paths;
+  int points = 0;
+  double mean = 0, worst = 0;  // m
+};
+
+// For left muscles with paths to compare. Preconditions: anatomy.muscles were placed from this table on the source skeleton;
+// `paths` are read_tendon_paths of it. Names that `paths` does not have are passed over.
+std::vector<PathComparison> compare_paths(const MuscleTable& table, const Anatomy& anatomy, const std::vector<TendonPath>& paths);
 
 }  // namespace ecorche

@@ -1,6 +1,7 @@
 // Laws of the muscle table: both sides, mirrored, with the volumes it states, hanging on bones; and bad lines get exact errors.
 #include "anatomy/muscle_table.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <regex>
@@ -8,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "anatomy/bone_package.h"
 #include "anatomy/carry_muscles.h"
 #include "anatomy/errors.h"
 #include "anatomy/muscle_line.h"
@@ -166,6 +168,73 @@ TEST(MuscleTable, BellyWallFollowsThoraxAboveAndPelvisBelow) {
   EXPECT_GT(blended, 50);
 }
 
+// ---- on the real bones ------------------------------------------------------------------------------------------------
+
+bool have_bones() {
+  try {
+    PackageArchive(find_packages(), "musclemimic-models");
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+const Anatomy& on_bones() {
+  static const Anatomy anatomy = [] {
+    Anatomy a = read_source_skeleton(find_packages());
+    a.muscles = place_muscles(real_table(), a);
+    return a;
+  }();
+  return anatomy;
+}
+
+TEST(MusclesOnBones, EndsLieOnTheBonesTheyName) {
+  if (!have_bones()) GTEST_SKIP() << "the bone package is not installed";
+  const std::vector<Attachment> ends = measure_attachments(real_table(), on_bones());
+  EXPECT_GT(ends.size(), 1400u);
+  for (const Attachment& end : ends) {
+    // The nearest vertex is never nearer than the surface.
+    const TriMesh& mesh = on_bones().bones[static_cast<std::size_t>(find_bone(on_bones(), end.bone))].mesh;
+    const auto& path = on_bones().muscles[static_cast<std::size_t>(end.muscle)].strips[static_cast<std::size_t>(end.strip)].path;
+    const Vec3 p = end.origin ? path.front().rest : path.back().rest;
+    const double vertex = (mesh.V.rowwise() - p.transpose()).rowwise().norm().minCoeff();
+    EXPECT_LE(end.distance, vertex + 1e-12);
+    EXPECT_LE(end.distance, 0.010) << on_bones().muscles[static_cast<std::size_t>(end.muscle)].name << " on " << end.bone;
+  }
+}
+
+TEST(MusclesOnBones, FewEndsLieOnFascia) {
+  int soft = 0, all = 0;
+  for (const TableMuscle& muscle : real_table().muscles) {
+    for (const TableStrip& strip : muscle.strips) {
+      for (const TablePoint* end : {&strip.path.front(), &strip.path.back()}) {
+        const std::string& carrier = real_table().landmarks[static_cast<std::size_t>(end->landmark)].carrier;
+        for (const SoftCarrier& c : real_table().carriers) soft += c.name == carrier;
+        ++all;
+      }
+    }
+  }
+  EXPECT_LE(soft, all / 10);
+}
+
+TEST(MusclesOnBones, RunWhereTheMjcfRunsThemInLegAndBack) {
+  if (!have_bones()) GTEST_SKIP() << "the bone package is not installed";
+  const auto compared = compare_paths(real_table(), on_bones(), read_tendon_paths(find_packages(), on_bones()));
+  EXPECT_GE(compared.size(), 45u);
+  std::vector<double> means;
+  for (const PathComparison& c : compared) {
+    const Muscle& muscle = on_bones().muscles[static_cast<std::size_t>(c.muscle)];
+    EXPECT_LE(c.mean, c.worst) << muscle.name;
+    // The MJCF's belly wall is one chord a muscle, to a point in the air.
+    if (muscle.group == "trunk_abdomen") continue;
+    // Our vasti end on the patella, the MJCF's on the tibia; the ligament between is some 90 mm.
+    EXPECT_LE(c.mean, muscle.name.starts_with("vastus") ? 0.045 : 0.030) << muscle.name;
+    means.push_back(c.mean);
+  }
+  std::sort(means.begin(), means.end());
+  EXPECT_LE(means[means.size() / 2], 0.015);
+}
+
 // ---- bad lines --------------------------------------------------------------------------------------------------------
 
 constexpr const char* kLandmarks =
@@ -242,6 +311,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadText{"  strip\n    origin high\n    insertion shin\n    section 0 1 1 1 0 0\n", "one: a strip needs sections from 0 to 1"},
         BadText{"  volume -1 3\n", "male volume in ml: -1 is not within"},
         BadText{"  volume 1e999 3\n", "'1e999' is not a finite number"},
+        BadText{"  compare\n", "'compare' needs names"},
         BadText{"  colour red\n", "bad.txt:12: one: unknown keyword 'colour'"},
         BadText{"", "one: no strip"},
         BadText{kGood + "muscle one\n" + kGood, "bad.txt:17: one: the muscle is given twice"},
