@@ -56,7 +56,9 @@ int main(int argc, char** argv) {
   add_fit_verb(registry);
   add_animate_verb(registry);
   add_render_verb(registry);
+#ifdef ECORCHE_WINDOW
   add_view_verb(registry);
+#endif
   add_bench_verb(registry);
 
   try {

@@ -249,6 +249,7 @@ void read_body_extras(const Value& value, const std::string& where, Body& body) 
   body.sex = sex == "male" ? Sex::male : Sex::female;
   body.age = in.number("age");
   body.mass = in.number("mass");
+  if (!in.has("landmarks")) return;  // glTF writers drop an empty object
   const Value& landmarks = in.get("landmarks");
   if (!landmarks.IsObject()) in.fail("'landmarks' is not an object");
   const Reader points(landmarks, where + ": landmarks");

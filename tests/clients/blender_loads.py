@@ -18,7 +18,7 @@ def node_names(path):
 def heights(skin):
     graph = bpy.context.evaluated_depsgraph_get()
     evaluated = skin.evaluated_get(graph)
-    return [tuple(skin.matrix_world @ v.co) for v in evaluated.to_mesh().vertices[::997]]
+    return [tuple(skin.matrix_world @ v.co) for v in list(evaluated.to_mesh().vertices)[::997]]
 
 
 def main(path):

@@ -1,0 +1,103 @@
+#!/usr/bin/env bash
+# The command line as people and scripts use it: exit codes, whole outputs or none, same bytes at any number of threads, and that
+# other programs can read what is written.   Usage: cli.sh ECORCHE SOURCE_FOLDER BUILD_FOLDER
+set -u
+ecorche=$1 source=$2 build=$3
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+cd "$folder" || exit 1
+passed=0 failed=0 skipped=0
+
+ok() { passed=$((passed + 1)); }
+bad() { failed=$((failed + 1)); echo "FAILED: $*"; }
+skip() { skipped=$((skipped + 1)); echo "skipped: $*"; }
+
+# expect CODE[,CODE] WHAT COMMAND...
+expect() {
+  local codes=$1 what=$2; shift 2
+  "$@" > out.txt 2> err.txt
+  local code=$?
+  case ",$codes," in *",$code,"*) ok ;; *) bad "$what: exit $code, expected $codes: $*"; sed 's/^/    /' err.txt out.txt | head -5 ;; esac
+}
+# says TEXT: the last command's errors name it
+says() { if grep -qi -- "$1" err.txt; then ok; else bad "the message does not say '$1': $(cat err.txt)"; fi; }
+there() { if [ -s "$1" ]; then ok; else bad "$1 is missing"; fi; }
+absent() { if [ ! -e "$1" ]; then ok; else bad "$1 should not exist"; fi; }
+
+# Help and usage.
+expect 0 "help" "$ecorche" --help
+for verb in demo "template info" "template check" "body new" fit animate render view bench; do
+  # shellcheck disable=SC2086
+  expect 0 "help of $verb" "$ecorche" $verb --help
+  if grep -q Example out.txt; then ok; else bad "help of $verb has no example"; fi
+done
+expect 2 "no verb" "$ecorche"
+expect 2 "unknown verb" "$ecorche" dance
+expect 2 "unknown sex" "$ecorche" body new --sex both -o a.glb
+expect 2 "a height of 17 m" "$ecorche" body new --sex male --height 17 -o a.glb
+expect 2 "a height that is no number" "$ecorche" body new --sex male --height tall -o a.glb
+expect 2 "no output" "$ecorche" body new --sex male
+absent a.glb
+
+# Bodies.
+expect 0 "a body" "$ecorche" body new --sex female --age 30 --height 1.68 --mass 60 -o anna.glb --report body.json
+there anna.glb; there body.json
+expect 4 "a body that cannot be" "$ecorche" body new --sex male --height 1.75 --mass 390 -o giant.glb
+says "kg"; absent giant.glb
+expect 6 "a missing folder" "$ecorche" body new --sex male -o no/where/a.glb
+says "no/where"
+
+# Fitting.
+expect 3 "a body that is not there" "$ecorche" fit none.glb -o c.glb
+: > empty.obj
+expect 3 "an empty file" "$ecorche" fit empty.obj -o c.glb
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > triangle.obj
+expect 4 "a triangle" "$ecorche" fit triangle.obj -o c.glb
+expect 3 "a missing package" env ECORCHE_PACKAGES="$folder" "$ecorche" body new --sex male -o c.glb
+says "setup"; absent c.glb
+expect 0,8 "a fit" "$ecorche" fit anna.glb -o anna-1.glb --threads 1 --report fit.json
+there anna-1.glb; there fit.json
+expect 0,8 "the same fit with two threads" "$ecorche" fit anna.glb -o anna-2.glb --threads 2
+if cmp -s anna-1.glb anna-2.glb; then ok; else bad "one and two threads give different bytes"; fi
+
+# Motions.
+walk=$source/data/motions/walk.bvh
+expect 3 "a character that is a body" "$ecorche" animate anna.glb "$walk" -o a.glb
+expect 3 "a motion that is not there" "$ecorche" animate anna-1.glb none.bvh -o a.glb
+expect 2 "an unknown kind of output" "$ecorche" animate anna-1.glb "$walk" -o a.fbx
+expect 0 "a walk" "$ecorche" animate anna-1.glb "$walk" -o walk.glb -o walk.pc2 --report walk.json
+there walk.glb; there walk.pc2; there walk.json
+expect 2 "an unknown layer" "$ecorche" render anna-1.glb "$walk" -o "f/%04d.png" --layers fat
+expect 2 "a size without height" "$ecorche" render anna-1.glb "$walk" -o "f/%04d.png" --size 100
+mkdir -p frames
+expect 0 "a film" "$ecorche" render anna-1.glb "$walk" -o film.mp4 --size 160x90 --fps 4 --layers muscles,bones
+there film.mp4
+expect 0 "pictures" "$ecorche" render anna-1.glb "$walk" -o "frames/%04d.png" --size 96x96 --fps 2
+there frames/0001.png
+
+if command -v xvfb-run > /dev/null; then
+  expect 0 "the window" xvfb-run -a "$ecorche" view anna-1.glb "$walk" --frames 3 --screenshot window.png
+  there window.png
+else
+  skip "the window: xvfb-run is not installed"
+fi
+expect 4,6 "the window without a display" env -u DISPLAY -u WAYLAND_DISPLAY "$ecorche" view anna-1.glb --frames 1
+
+# Other people's programs.
+if [ -d "$build/clients/node_modules/gltf-validator" ]; then
+  for file in anna.glb anna-1.glb walk.glb; do
+    expect 0 "the glTF validator on $file" node "$source/tests/clients/validate.cjs" "$build/clients/node_modules" "$folder/$file"
+    tail -1 out.txt
+  done
+else
+  skip "the glTF validator: run make clients"
+fi
+if [ -e "$build/clients/python/ready" ]; then
+  expect 0 "Blender on walk.glb" "$build/clients/python/bin/python" "$source/tests/clients/blender_loads.py" "$folder/walk.glb"
+  tail -1 out.txt
+else
+  skip "Blender: run make clients"
+fi
+
+echo "$passed passed, $failed failed, $skipped skipped"
+[ "$failed" -eq 0 ]
