@@ -15,8 +15,8 @@ namespace ecorche {
 struct FilmOptions {
   std::filesystem::path output;    // FILM.mp4, or DIR/%04d.png (any width; counted from 1)
   int width = 1280, height = 720;  // made even for an .mp4
-  VideoOptions video;
-  RenderOptions render;
+  VideoOptions video{};
+  RenderOptions render{};
 };
 
 struct FilmReport {

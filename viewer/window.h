@@ -10,7 +10,7 @@ namespace ecorche {
 struct WindowOptions {
   int width = 1280, height = 800;
   int frames = 0;                    // close after so many; the clock then goes 1/30 s a frame. 0: until the person closes it
-  std::filesystem::path screenshot;  // of the last frame, panels included; empty: none
+  std::filesystem::path screenshot{}; // of the last frame, panels included; empty: none
   double pick_x = -1, pick_y = -1;   // share of the window's width and height: picked at the first frame, as by a click
 };
 
