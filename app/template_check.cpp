@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
-#include <map>
 
 #include "anatomy/carry_muscles.h"
+#include "anatomy/muscle_table.h"
+#include "anatomy/package.h"
 
 namespace ecorche {
 namespace {
@@ -15,34 +15,6 @@ constexpr double kEndLimit = 0.010;     // m
 constexpr double kMirrorLimit = 0.001;  // m
 constexpr double kVolumeLimit = 0.01;
 constexpr int kBones = 178, kMuscles = 400;
-
-// Nearest point of a triangle by the regions of its plane (Ericson 2005, Real-Time Collision Detection, 5.1.5).
-double squared_distance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 ab = b - a, ac = c - a, ap = p - a;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-  if (d1 <= 0 && d2 <= 0) return ap.squaredNorm();
-  const Vec3 bp = p - b;
-  const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-  if (d3 >= 0 && d4 <= d3) return bp.squaredNorm();
-  const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return (ap - ab * (d1 / (d1 - d3))).squaredNorm();
-  const Vec3 cp = p - c;
-  const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d6 >= 0 && d5 <= d6) return cp.squaredNorm();
-  const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return (ap - ac * (d2 / (d2 - d6))).squaredNorm();
-  const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return (bp - (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)))).squaredNorm();
-  const double w = 1 / (va + vb + vc);
-  return (ap - ab * (vb * w) - ac * (vc * w)).squaredNorm();
-}
-
-double distance_to(const TriMesh& mesh, const Vec3& p) {
-  double best = std::numeric_limits<double>::infinity();
-  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f)
-    best = std::min(best, squared_distance(p, mesh.V.row(mesh.F(f, 0)), mesh.V.row(mesh.F(f, 1)), mesh.V.row(mesh.F(f, 2))));
-  return std::sqrt(best);
-}
 
 Vec3 mirrored(const Vec3& p) { return {-p.x(), p.y(), p.z()}; }
 
@@ -54,19 +26,9 @@ std::string other_side(const std::string& name) {
 
 void check_ends(const Anatomy& anatomy, TemplateCheck& check) {
   std::vector<double> distances;
-  for (const Muscle& muscle : anatomy.muscles) {
-    for (const Strip& strip : muscle.strips) {
-      for (const auto& [bone_name, point] : {std::pair(muscle.origin_bone, strip.path.front()), std::pair(muscle.insertion_bone, strip.path.back())}) {
-        const int named = bone_name.empty() ? -1 : find_bone(anatomy, bone_name);
-        if (named < 0) continue;
-        // Strips of one muscle may spread over several bones (ribs, vertebrae): any bone of the joint that carries the end counts.
-        double distance = distance_to(anatomy.bones[named].mesh, point.rest);
-        for (const Bone& bone : anatomy.bones)
-          if (distance > 1e-3 && bone.joint == point.joints[0]) distance = std::min(distance, distance_to(bone.mesh, point.rest));
-        distances.push_back(distance);
-        if (distance > kEndLimit) check.loose_ends.push_back({muscle.name, bone_name, distance});
-      }
-    }
+  for (const Attachment& end : measure_attachments(read_muscle_table(data_folder()), anatomy)) {
+    distances.push_back(end.distance);
+    if (end.distance > kEndLimit) check.loose_ends.push_back({anatomy.muscles[end.muscle].name, end.bone, end.distance});
   }
   check.ends = static_cast<int>(distances.size());
   if (distances.empty()) return;

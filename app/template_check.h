@@ -16,7 +16,7 @@ struct LooseEnd {
 
 struct TemplateCheck {
   int bones = 0, muscles = 0;
-  int ends = 0;                       // strip ends that name a bone
+  int ends = 0;                       // strip ends on bones; those on fascia, tendons and skin are left out
   double end_distance_median = 0;     // m, of the ends from the surface of their bone
   double end_distance_max = 0;
   std::vector<LooseEnd> loose_ends;   // further than 10 mm, worst first
