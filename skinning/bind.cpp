@@ -6,6 +6,7 @@
 
 #include "anatomy/errors.h"
 #include "skinning/build_tables.h"
+#include "skinning/hinge_gain.h"
 #include "skinning/joint_shares.h"
 #include "skinning/muscle_lift.h"
 #include "skinning/muscle_nodes.h"
@@ -85,6 +86,8 @@ Binding finish(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& 
   binding.anchors = survey.anchors;
   for (const ShareRow& row : rows) binding.joint_weights.push_back(four_joints(row, *tables));
   tables->pairs = add_pairs(anatomy.skeleton, skin, tables->twists, rows);
+  const std::vector<LimbSection> sections = limb_sections(anatomy.skeleton, skin, binding);
+  apply_hinge_gains(*tables, find_hinge_gains(anatomy.skeleton, skin, sections, *tables, rows), rows);
   std::vector<ShareRow> node_rows;
   if (options.muscle_share > 0 && !rest.slices.empty()) {
     node_rows = place_nodes(anatomy, rest, skin, survey, rows, options.node_spacing, *tables);
@@ -106,7 +109,7 @@ Binding bind_skin(const Anatomy& anatomy, const Body& body, const BindOptions& o
 
 Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin, const BindOptions& options) {
   check(anatomy, rest, skin);
-  const SkinSurvey survey = survey_skin(anatomy, rest, skin);
+  const SkinSurvey survey = survey_skin(Surroundings(anatomy, rest), skin);
   return finish(anatomy, rest, skin, survey, diffuse_shares(anatomy.skeleton, skin, survey, options.blend_width), options);
 }
 
@@ -116,9 +119,9 @@ Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMes
   check(anatomy, rest, fine);
   if (refinement.map.rows() != fine.V.rows() || refinement.map.cols() != base.V.rows())
     throw std::invalid_argument("bind_skin: the refinement does not lead from the base skin to the fine one");
-  const std::vector<ShareRow> base_rows =
-      diffuse_shares(anatomy.skeleton, base, survey_skin(anatomy, rest, base), options.blend_width);
-  return finish(anatomy, rest, fine, survey_skin(anatomy, rest, fine), refine_rows(refinement, base_rows), options);
+  const Surroundings inside(anatomy, rest);
+  const std::vector<ShareRow> base_rows = diffuse_shares(anatomy.skeleton, base, survey_skin(inside, base), options.blend_width);
+  return finish(anatomy, rest, fine, survey_skin(inside, fine), refine_rows(refinement, base_rows), options);
 }
 
 }  // namespace ecorche

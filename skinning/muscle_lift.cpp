@@ -7,7 +7,7 @@ namespace ecorche {
 namespace {
 
 constexpr int kSmoothing = 2;
-constexpr double kSinkShare = 0.35;
+constexpr double kSinkShare = 0.15;
 constexpr double kLeastRadius = 1e-4;  // m
 
 // How far the tube's surface lies beyond p along the direction from the line to p, as a vector. The slice beneath p is found by

@@ -11,7 +11,6 @@ namespace {
 constexpr double kLeastRange = 0.6;     // rad, joints that move less are blended linearly
 constexpr double kLeastPair = 0.01;     // 2 w_a w_b below it is not worth a carrier
 constexpr std::size_t kMostPairs = 4;   // a vertex
-constexpr double kKneeGain = 1.4, kElbowGain = 1.3;
 constexpr double kReachQuantile = 0.5, kReachSlack = 1.35;
 
 double smooth_step(double x, double low, double high) {
@@ -49,13 +48,8 @@ std::vector<int> joints_between(const Skeleton& skeleton, int a, int b) {
   return up_a;
 }
 
-// Shares narrower inside the bend than outside lose a little volume even along the full circle; these joints get it back.
-double hinge_gain(const std::string& joint) {
-  return joint.starts_with("knee") ? kKneeGain : joint.starts_with("elbow") ? kElbowGain : 1;
-}
-
 // The joint with the widest range between two carriers is where they hinge. False: they hardly turn against each other.
-bool find_center(const Skeleton& skeleton, const std::vector<Vec3>& origins, int a, int b, Vec3& center, double& gain) {
+bool find_center(const Skeleton& skeleton, const std::vector<Vec3>& origins, int a, int b, Vec3& center, int& hinge) {
   double widest = 0;
   for (int j : joints_between(skeleton, a, b)) widest = std::max(widest, range_of_motion(skeleton.joints[static_cast<std::size_t>(j)]));
   if (widest < kLeastRange) return false;
@@ -64,7 +58,7 @@ bool find_center(const Skeleton& skeleton, const std::vector<Vec3>& origins, int
   for (int j : joints_between(skeleton, a, b))
     if (range_of_motion(skeleton.joints[static_cast<std::size_t>(j)]) > 0.95 * widest) {
       center += origins[static_cast<std::size_t>(j)];
-      gain = hinge_gain(skeleton.joints[static_cast<std::size_t>(j)].name);
+      hinge = j;
       ++count;
     }
   center /= count;
@@ -145,7 +139,6 @@ std::vector<PairCarrier> add_pairs(const Skeleton& skeleton, const TriMesh& skin
   const auto joint_of = [&](int carrier) { return carrier < joints ? carrier : twists[static_cast<std::size_t>(carrier - joints)].joint; };
   std::map<std::pair<int, int>, int> index;  // -1: blended linearly
   std::vector<PairCarrier> pairs;
-  std::vector<double> gains;
   std::vector<ShareRow> found(rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     ShareRow& row = rows[i];
@@ -160,15 +153,11 @@ std::vector<PairCarrier> add_pairs(const Skeleton& skeleton, const TriMesh& skin
           PairCarrier pair{key.first, key.second, Vec3::Zero()};
           const int a = joint_of(key.first), b = joint_of(key.second);
           if (a == b) pair.center = origins[static_cast<std::size_t>(a)];
-          double gain = 1;
-          const bool hinged = a == b || find_center(skeleton, origins, a, b, pair.center, gain);
+          const bool hinged = a == b || find_center(skeleton, origins, a, b, pair.center, pair.hinge);
           it = index.emplace(key, hinged ? static_cast<int>(pairs.size()) : -1).first;
-          if (hinged) {
-            pairs.push_back(pair);
-            gains.push_back(gain);
-          }
+          if (hinged) pairs.push_back(pair);
         }
-        if (it->second >= 0) found[i].push_back({it->second, gains[static_cast<std::size_t>(it->second)] * product});
+        if (it->second >= 0) found[i].push_back({it->second, product});
       }
   }
   fade_with_distance(skin, pairs, found);

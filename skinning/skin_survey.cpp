@@ -102,8 +102,16 @@ PartMesh muscle_mesh(const Anatomy& anatomy, const PosedAnatomy& rest, int sides
   return out;
 }
 
-SkinSurvey survey_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin) {
+Surroundings::Surroundings(const Anatomy& anatomy, const PosedAnatomy& rest)
+    : bones(bone_mesh(anatomy)), muscles(muscle_mesh(anatomy, rest)) {
+  for (const Bone& bone : anatomy.bones) bone_joint.push_back(bone.joint);
+  tbb::parallel_invoke([&] { bone_surface = std::make_unique<NearestSurface>(bones.mesh); },
+                       [&] { if (muscles.mesh.F.rows() > 0) muscle_surface = std::make_unique<NearestSurface>(muscles.mesh); });
+}
+
+SkinSurvey survey_skin(const Surroundings& inside_body, const TriMesh& skin) {
   const std::size_t n = static_cast<std::size_t>(skin.V.rows());
+  const PartMesh &bones = inside_body.bones, &muscles = inside_body.muscles;
   SkinSurvey out;
   out.anchors.resize(n);
   out.muscles.resize(n);
@@ -111,27 +119,23 @@ SkinSurvey survey_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const T
   out.depth.assign(n, 0);
   out.radius.assign(n, 0);
   out.normal = rest_normals(skin);
-  const PartMesh bones = bone_mesh(anatomy), muscles = muscle_mesh(anatomy, rest);
-  std::unique_ptr<NearestSurface> bone_surface, skin_surface, muscle_surface;
-  tbb::parallel_invoke([&] { bone_surface = std::make_unique<NearestSurface>(bones.mesh); },
-                       [&] { skin_surface = std::make_unique<NearestSurface>(skin); },
-                       [&] { if (muscles.mesh.F.rows() > 0) muscle_surface = std::make_unique<NearestSurface>(muscles.mesh); });
+  const NearestSurface skin_surface(skin);
   tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) {
     const Vec3 p = skin.V.row(static_cast<Eigen::Index>(i));
     const Vec3 inside = p - kInset * out.normal[i];
-    const SurfacePoint bone = bone_surface->nearest(p);
+    const SurfacePoint bone = inside_body.bone_surface->nearest(p);
     const int b = bones.part[static_cast<std::size_t>(bone.triangle)];
     out.anchors[i] = {Anchor::Kind::bone, b, bone.distance, bone.point};
     out.depth[i] = bone.distance;
-    if (bone.distance < kAlwaysInReach || !skin_surface->blocked(inside, bone.point))
-      out.joint[i] = anatomy.bones[static_cast<std::size_t>(b)].joint;
-    if (muscle_surface) {
-      const SurfacePoint muscle = muscle_surface->nearest(p);
+    if (bone.distance < kAlwaysInReach || !skin_surface.blocked(inside, bone.point))
+      out.joint[i] = inside_body.bone_joint[static_cast<std::size_t>(b)];
+    if (inside_body.muscle_surface) {
+      const SurfacePoint muscle = inside_body.muscle_surface->nearest(p);
       const int slice = muscles.part[static_cast<std::size_t>(muscle.triangle)];
       out.muscles[i] = {Anchor::Kind::muscle, slice, muscle.distance, muscle.point};
       if (muscle.distance < bone.distance) out.anchors[i] = out.muscles[i];
     }
-    const std::optional<double> through = skin_surface->cast(inside, -out.normal[i]);
+    const std::optional<double> through = skin_surface.cast(inside, -out.normal[i]);
     out.radius[i] = std::clamp(0.5 * through.value_or(2 * kMaxRadius), kMinRadius, kMaxRadius);
   });
   const std::vector<std::vector<int>> neighbours = vertex_neighbours(skin);

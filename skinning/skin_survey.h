@@ -1,11 +1,13 @@
 // What lies beneath each vertex of a skin at rest. Private to the room.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "anatomy/anatomy.h"
 #include "anatomy/pose_anatomy.h"
 #include "skinning/bind.h"
+#include "skinning/nearest_surface.h"
 
 namespace ecorche {
 
@@ -28,7 +30,16 @@ PartMesh muscle_mesh(const Anatomy& anatomy, const PosedAnatomy& rest, int sides
 
 std::vector<std::vector<int>> vertex_neighbours(const TriMesh& mesh);
 
-// Precondition: at least one bone with triangles.
-SkinSurvey survey_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin);
+// The anatomy at rest, ready to be searched.
+struct Surroundings {
+  // Precondition: at least one bone with triangles.
+  Surroundings(const Anatomy& anatomy, const PosedAnatomy& rest);
+
+  PartMesh bones, muscles;
+  std::vector<int> bone_joint;                      // #bones
+  std::unique_ptr<NearestSurface> bone_surface, muscle_surface;  // the second is null without muscles
+};
+
+SkinSurvey survey_skin(const Surroundings& inside, const TriMesh& skin);
 
 }  // namespace ecorche

@@ -24,6 +24,7 @@ struct TwistCarrier {
 struct PairCarrier {
   int a = 0, b = 0;             // joints or twist carriers
   Vec3 center = Vec3::Zero();   // world, rest: the point about which a and b turn against each other
+  int hinge = -1;               // joint that this is; -1 within one joint (twist)
 };
 
 // Where a node hangs on a strip.

@@ -61,7 +61,7 @@ void draw_selection(const ViewSubject& subject, const PosedAnatomy& posed, ViewD
 }
 
 void draw_parts(const ViewSubject& subject, ViewDocument& document) {
-  ImGui::SetNextWindowPos({12, 262}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowPos({12, 290}, ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowSize({270, 300}, ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowCollapsed(true, ImGuiCond_FirstUseEver);
   if (ImGui::Begin("Parts")) {
