@@ -49,9 +49,30 @@ inline Lane posed_point(const PosingPoint& p, const std::vector<Transform>& X_WJ
   return p.share * first + (1 - p.share) * homogeneous(X_WJ[p.second], p.in_second);
 }
 
-inline Vec3 turned(const PosingPoint& p, const std::vector<Transform>& X_WJ, const Vec3& v) {
-  if (p.second < 0) return X_WJ[p.first].linear() * v;
-  return (p.share * (X_WJ[p.first].linear() * v) + (1 - p.share) * (X_WJ[p.second].linear() * v)).normalized();
+inline Lane turn(const Transform& X, const Vec3& v) {
+  return X.matrix().col(0).array() * v.x() + X.matrix().col(1).array() * v.y() + X.matrix().col(2).array() * v.z();
+}
+inline Lane turned(const PosingPoint& p, const std::vector<Transform>& X_WJ, const Vec3& v) {
+  const Lane first = turn(X_WJ[p.first], v);
+  if (p.second < 0) return first;
+  return p.share * first + (1 - p.share) * turn(X_WJ[p.second], v);
+}
+
+inline Lane3 across(const Lane& p0, const Lane& p1, const Lane& p2, const Lane& p3) {
+  Eigen::Matrix4d m;
+  m.col(0) = p0.matrix();
+  m.col(1) = p1.matrix();
+  m.col(2) = p2.matrix();
+  m.col(3) = p3.matrix();
+  m.transposeInPlace();
+  return {m.col(0).array(), m.col(1).array(), m.col(2).array()};
+}
+
+// A direction that rode on a bone beside the tangent `from` there, turned on by the least turn to the line's tangent `to`.
+inline Lane3 follow(const Lane3& from, const Lane3& to, const Lane3& direction) {
+  const Lane3 axis = cross(from, to), once = cross(axis, direction);
+  const Lane3 d = direction + once + (1 / (1 + dot(from, to) + 1e-9)) * cross(axis, once);
+  return unit(d - dot(d, to) * to);
 }
 
 // Slice points of the line: spline, then wraps; and across the lanes.
@@ -64,10 +85,10 @@ void lay_line(const PosingTable::Data& data, const PosingBatch& batch, const std
     const PosingStrip& strip = data.strip[batch.strip[lane]];
     Lane path[kMaxPathPoints];
     for (int i = 0; i < strip.points; ++i) path[i] = posed_point(data.points[strip.point + i], X_WJ);
-    const PosingNode* nodes = &data.nodes[batch.node + lane * batch.rows];
+    const int node = batch.node + lane * batch.rows;
     for (int k = 0; k < batch.rows; ++k) {
-      const Lane* p = path + nodes[k].first;
-      const Lane& w = nodes[k].weight;
+      const Lane* p = path + data.firsts[node + k];
+      const Lane& w = data.weights[node + k];
       t.points[lane][k] = w[0] * p[0] + w[1] * p[1] + w[2] * p[2] + w[3] * p[3];
     }
     for (int w = 0; w < strip.wraps; ++w) {
@@ -76,10 +97,7 @@ void lay_line(const PosingTable::Data& data, const PosingBatch& batch, const std
     }
   }
   for (int k = 0; k < batch.rows; ++k) {
-    Eigen::Matrix4d m;
-    for (int lane = 0; lane < kLanes; ++lane) m.col(lane) = t.points[lane][k].matrix();
-    m.transposeInPlace();
-    t.line[k] = {m.col(0).array(), m.col(1).array(), m.col(2).array()};
+    t.line[k] = across(t.points[0][k], t.points[1][k], t.points[2][k], t.points[3][k]);
   }
 }
 
@@ -113,16 +131,14 @@ void find_tangents(int rows, Scratch& t) {
 
 // Rotation-minimising frames by double reflection from the reference that the first path point carries.
 void carry_frames(const PosingTable::Data& data, const PosingBatch& batch, const std::vector<Transform>& X_WJ, Scratch& t) {
+  Lane reference[kLanes], tangent[kLanes];
   for (int lane = 0; lane < kLanes; ++lane) {
     const PosingStrip& strip = data.strip[batch.strip[lane]];
     const PosingPoint& origin = data.points[strip.point];
-    const Vec3 tangent(t.tangent[0].x[lane], t.tangent[0].y[lane], t.tangent[0].z[lane]);
-    Vec3 r = least_turn(turned(origin, X_WJ, strip.begin_tangent), tangent, turned(origin, X_WJ, strip.reference));
-    r = (r - r.dot(tangent) * tangent).normalized();
-    t.r[0].x[lane] = r.x();
-    t.r[0].y[lane] = r.y();
-    t.r[0].z[lane] = r.z();
+    reference[lane] = turned(origin, X_WJ, strip.reference);
+    tangent[lane] = turned(origin, X_WJ, strip.begin_tangent);
   }
+  t.r[0] = follow(unit(across(tangent[0], tangent[1], tangent[2], tangent[3])), t.tangent[0], across(reference[0], reference[1], reference[2], reference[3]));
   for (int k = 0; k + 1 < batch.rows; ++k) {
     const Lane3 v1 = t.line[k + 1] - t.line[k];
     const Lane c1 = 2 / dot(v1, v1).max(1e-300);
@@ -132,55 +148,61 @@ void carry_frames(const PosingTable::Data& data, const PosingBatch& batch, const
   }
 }
 
+// Angle of the vector (x, y), to 2e-8 (Abramowitz and Stegun 4.4.49), exact near 0.
+Lane angle_of(const Lane& y, const Lane& x) {
+  const Lane ay = y.abs(), ax = x.abs();
+  const Lane z = ay.min(ax) / ay.max(ax).max(1e-300), q = z * z;
+  const Lane a = z * (1 + q * (-0.3333314528 + q * (0.1999355085 + q * (-0.1420889944 + q * (0.1065626393 + q * (-0.0752896400 +
+                 q * (0.0429096138 + q * (-0.0161657367 + q * 0.0028662257))))))));
+  const Lane first = (ay > ax).select(0.5 * std::numbers::pi - a, a);
+  const Lane half = (x < 0).select(std::numbers::pi - first, first);
+  return (y < 0).select(-half, half);
+}
+
 // Beyond the limit the twist is taken back along a cubic, to zero at 180 deg, so that the pose in which the branch changes is
 // passed without a jump.
-double bearable_twist(double angle) {
-  const double size = std::abs(angle);
-  if (size <= kTwistLimit) return angle;
-  const double span = std::numbers::pi - kTwistLimit, u = (size - kTwistLimit) / span, v = 1 - u;
-  return std::copysign(v * v * (1 + 2 * u) * kTwistLimit + u * v * v * span + 2 * u * u * v * span, angle);
+Lane bearable_twist(const Lane& angle) {
+  const Lane size = angle.abs();
+  constexpr double span = std::numbers::pi - kTwistLimit;
+  const Lane u = ((size - kTwistLimit) / span).max(0.0).min(1.0), v = 1 - u;
+  const Lane back = v * v * ((1 + 2 * u) * kTwistLimit + u * span) + 2 * span * u * u * v;
+  const Lane folded = (angle < 0).select(-back, back);
+  return (size <= kTwistLimit).select(angle, folded);
 }
 
 // Turn of the insertion's reference against the transported frame.
 Lane find_twist(const PosingTable::Data& data, const PosingBatch& batch, const std::vector<Transform>& X_WJ, const Scratch& t,
                 PosedAnatomy& out) {
-  Lane twist;
-  const int last = batch.rows - 1;
+  Lane reference[kLanes], tangent[kLanes];
   for (int lane = 0; lane < kLanes; ++lane) {
     const PosingStrip& strip = data.strip[batch.strip[lane]];
     const PosingPoint& insertion = data.points[strip.point + strip.points - 1];
-    const Vec3 tangent(t.tangent[last].x[lane], t.tangent[last].y[lane], t.tangent[last].z[lane]);
-    const Vec3 r(t.r[last].x[lane], t.r[last].y[lane], t.r[last].z[lane]);
-    const Vec3 wish = least_turn(turned(insertion, X_WJ, strip.end_tangent), tangent, turned(insertion, X_WJ, strip.end_reference));
-    const double angle = std::atan2(wish.dot(tangent.cross(r)), wish.dot(r));
-    out.twists[strip.strip] = angle;
-    twist[lane] = bearable_twist(angle);
+    reference[lane] = turned(insertion, X_WJ, strip.end_reference);
+    tangent[lane] = turned(insertion, X_WJ, strip.end_tangent);
   }
-  return twist;
+  const Lane3 &to = t.tangent[batch.rows - 1], &r = t.r[batch.rows - 1];
+  const Lane3 wish = follow(unit(across(tangent[0], tangent[1], tangent[2], tangent[3])), to, across(reference[0], reference[1], reference[2], reference[3]));
+  const Lane angle = angle_of(dot(wish, cross(to, r)), dot(wish, r));
+  for (int lane = 0; lane < batch.strips; ++lane) out.twists[data.strip[batch.strip[lane]].strip] = angle[lane];
+  return bearable_twist(angle);
 }
 
-// cos and sin of |x| <= pi to 1e-10, by series at half the angle.
+// cos and sin of |x| <= 2.2 to 1e-8, by series at half the angle.
 inline void cos_sin(const Lane& x, Lane& c, Lane& s) {
   const Lane h = 0.5 * x, q = h * h;
-  const Lane sh = h * (1 + q * (-1.0 / 6 + q * (1.0 / 120 + q * (-1.0 / 5040 + q * (1.0 / 362880 + q * (-1.0 / 39916800 + q / 6227020800.0))))));
-  const Lane ch = 1 + q * (-0.5 + q * (1.0 / 24 + q * (-1.0 / 720 + q * (1.0 / 40320 + q * (-1.0 / 3628800 + q * (1.0 / 479001600 - q / 87178291200.0))))));
-  const Lane norm = 1 / (sh * sh + ch * ch);
-  c = (ch * ch - sh * sh) * norm;
-  s = 2 * sh * ch * norm;
+  const Lane sh = h * (1 + q * (-1.0 / 6 + q * (1.0 / 120 + q * (-1.0 / 5040 + q * (1.0 / 362880 - q / 39916800.0)))));
+  const Lane ch = 1 + q * (-0.5 + q * (1.0 / 24 + q * (-1.0 / 720 + q * (1.0 / 40320 - q / 3628800.0))));
+  c = 1 - 2 * sh * sh;
+  s = 2 * sh * ch;
 }
 
 inline Lane gather_profile(const PosingTable::Data& data, const PosingBatch& batch, const Lane& bins, Lane& a, Lane& b) {
-  Eigen::Matrix4d m;
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const auto& at = data.profiles[batch.profile + lane].at;
-    const int i = static_cast<int>(bins[lane]);
-    const Lane low = at[i].cast<double>(), high = at[i + 1].cast<double>();
-    m.col(lane) = (low + (bins[lane] - i) * (high - low)).matrix();
-  }
+  Eigen::Matrix4f m;
+  for (int lane = 0; lane < kLanes; ++lane) m.col(lane) = data.profiles[batch.profile + lane](bins[lane]).matrix();
   m.transposeInPlace();
-  a = m.col(0).array();
-  b = m.col(1).array();
-  return m.col(2).array();
+  a = m.col(0).cast<double>().array();
+  b = m.col(1).cast<double>().array();
+  return m.col(2).cast<double>().array();
 }
 
 // Axes, radii and centres of every slice, before swelling.
@@ -197,7 +219,8 @@ void lay_slices(const PosingTable::Data& data, const PosingBatch& batch, const L
   for (int k = 0; k < batch.rows; ++k) {
     const PosingRow& row = data.rows[batch.row + k];
     Lane cos_twist, sin_twist;
-    cos_sin(twist * row.twist, cos_twist, sin_twist);
+    const Lane share = row.twist.cast<double>();
+    cos_sin(twist * share, cos_twist, sin_twist);
     const Lane cs = row.cos_roll * cos_twist - row.sin_roll * sin_twist;
     const Lane sn = row.sin_roll * cos_twist + row.cos_roll * sin_twist;
     const Lane3 side = cross(t.tangent[k], t.r[k]);
@@ -217,8 +240,12 @@ void lay_slices(const PosingTable::Data& data, const PosingBatch& batch, const L
 
     const int before = std::max(k - 1, 0), after = std::min(k + 1, batch.rows - 1);
     const Lane3 bend = (1 / (t.chord[after] - t.chord[before]).max(1e-9)) * (t.tangent[after] - t.tangent[before]);
-    t.a[k] = a * fold_factor(dot(bend, t.width[k]) * a) * row.fold_width;
-    t.b[k] = b * fold_factor(dot(bend, t.thickness[k]) * b) * row.fold_thickness;
+    const Lane free_width = row.free_width.cast<double>(), free_thickness = row.free_thickness.cast<double>();
+    const FoldFactor fa = fold_factor(dot(bend, t.width[k]) * a, free_width);
+    const FoldFactor fb = fold_factor(dot(bend, t.thickness[k]) * b, free_thickness);
+    const Lane both = 1 / (fa.under * fb.under);
+    t.a[k] = a * (fa.over * fb.under * both);
+    t.b[k] = b * (fb.over * fa.under * both);
   }
 }
 
@@ -244,19 +271,39 @@ Lane find_growth(const PosingBatch& batch, const Scratch& t) {
   return 1 - 2 * q0 / (q1 + root).max(0.01 * batch.lanes.volume.abs() + 1e-15);
 }
 
+// Four lanes of four quantities to four places.
+inline void scatter(const Lane& a, const Lane& b, const Lane& c, const Lane& d, const std::array<double*, kLanes>& to) {
+  Eigen::Matrix4d m;
+  m.col(0) = a.matrix();
+  m.col(1) = b.matrix();
+  m.col(2) = c.matrix();
+  m.col(3) = d.matrix();
+  m.transposeInPlace();
+  for (int lane = 0; lane < kLanes; ++lane) Eigen::Vector4d::Map(to[lane]) = m.col(lane);
+}
+
+// An Ellipse is stored as it lies in memory: center, width, thickness, tangent, radii.
+static_assert(sizeof(Ellipse) == 14 * sizeof(double));
+
 void store(const PosingTable::Data& data, const PosingBatch& batch, const Lane& growth, const Scratch& t, PosedAnatomy& out) {
+  std::array<int, kLanes> first;
+  for (int lane = 0; lane < kLanes; ++lane) first[lane] = data.strip[batch.strip[lane]].slice;
   for (int k = 0; k < batch.rows; ++k) {
     const Lane g = 1 + t.belly[k] * (growth - 1);
     const Lane a = t.a[k] * (1 + batch.lanes.width_swells * (g - 1)), b = t.b[k] * g;
-    for (int lane = 0; lane < batch.strips; ++lane) {
-      Ellipse& e = out.slices[data.strip[batch.strip[lane]].slice + k];
-      e.center = Vec3(t.center[k].x[lane], t.center[k].y[lane], t.center[k].z[lane]);
-      e.axes.col(0) = Vec3(t.width[k].x[lane], t.width[k].y[lane], t.width[k].z[lane]);
-      e.axes.col(1) = Vec3(t.thickness[k].x[lane], t.thickness[k].y[lane], t.thickness[k].z[lane]);
-      e.axes.col(2) = Vec3(t.tangent[k].x[lane], t.tangent[k].y[lane], t.tangent[k].z[lane]);
+    std::array<double*, kLanes> center, width, thickness;
+    for (int lane = 0; lane < kLanes; ++lane) {  // idle lanes write their strip's values once more
+      const int slice = first[lane] + k;
+      Ellipse& e = out.slices[slice];
+      center[lane] = e.center.data();
+      width[lane] = e.axes.data() + 1;
+      thickness[lane] = e.axes.data() + 5;
       e.radii = Vec2(a[lane], b[lane]);
-      out.belly[data.strip[batch.strip[lane]].slice + k] = static_cast<float>(t.belly[k][lane]);
+      out.belly[slice] = static_cast<float>(t.belly[k][lane]);
     }
+    scatter(t.center[k].x, t.center[k].y, t.center[k].z, t.width[k].x, center);
+    scatter(t.width[k].y, t.width[k].z, t.thickness[k].x, t.thickness[k].y, width);
+    scatter(t.thickness[k].z, t.tangent[k].x, t.tangent[k].y, t.tangent[k].z, thickness);
   }
   const Lane lengths = t.chord[batch.rows - 1] * batch.lanes.length_factor;
   for (int lane = 0; lane < batch.strips; ++lane) {

@@ -65,12 +65,6 @@ PosingProfile profile(const Strip& strip, const RestStrip& rest) {
   return table;
 }
 
-Eigen::Array4d profile_at(const PosingProfile& table, double bin) {
-  const int i = static_cast<int>(bin);
-  const Eigen::Array4d a = table.at[i].cast<double>(), b = table.at[i + 1].cast<double>();
-  return a + (bin - i) * (b - a);
-}
-
 // One wrap against the rest line: its side, its reach, and how much of it fits beside the line. Share kept, 0 for none.
 double fit_wrap(const Wrap& wrap, const RestStrip& rest, const Vec3& joint, PosingWrap& out) {
   const int n = static_cast<int>(rest.line.size());
@@ -168,15 +162,19 @@ void add_lane(PosingTable::Data& data, PosingBatch& batch, int lane, const Strip
     row.sin_roll[lane] = std::sin(slice.roll);
     row.offset_x[lane] = slice.offset.x();
     row.offset_y[lane] = slice.offset.y();
-    const Eigen::Array4d own = profile_at(table, rest.chord[k] * lanes.bins[lane]);
-    row.width[lane] = slice.radii.x() - own[0];
-    row.thickness[lane] = slice.radii.y() - own[1];
-    row.twist[lane] = turns[k] / turn;
+    const Eigen::Array4f own = table(std::min<double>(rest.chord[k] * lanes.bins[lane], kProfileBins));
+    row.width[lane] = slice.radii.x() - static_cast<double>(own[0]);
+    row.thickness[lane] = slice.radii.y() - static_cast<double>(own[1]);
+    row.twist[lane] = static_cast<float>(turns[k] / turn);
     const int before = std::max(k - 1, 0), after = std::min(k + 1, n - 1);
     const Vec3 bend = (rest.tangents[after] - rest.tangents[before]) / (rest.chord[after] - rest.chord[before]);
     const Mat3& axes = rest.slices[k].axes;
-    row.fold_width[lane] = 1 / fold_factor(Lane::Constant(bend.dot(axes.col(0)) * slice.radii.x()))[0];
-    row.fold_thickness[lane] = 1 / fold_factor(Lane::Constant(bend.dot(axes.col(1)) * slice.radii.y()))[0];
+    // Rounded up, so that the rest pose is free to the last bit.
+    const auto free = [&](int axis) {
+      return static_cast<float>(std::max(0.45, 1.000001 * std::abs(bend.dot(axes.col(axis)) * slice.radii[axis]) + 1e-9));
+    };
+    row.free_width[lane] = free(0);
+    row.free_thickness[lane] = free(1);
   }
 }
 
@@ -258,7 +256,7 @@ PosingTable make_posing_table(const Anatomy& anatomy) {
     batch.rows = rows(order[at]);
     while (batch.strips < kLanes && at + batch.strips < order.size() && rows(order[at + batch.strips]) == batch.rows) ++batch.strips;
     batch.row = static_cast<int>(data->rows.size());
-    batch.node = static_cast<int>(data->nodes.size());
+    batch.node = static_cast<int>(data->weights.size());
     batch.profile = static_cast<int>(data->profiles.size());
     data->rows.resize(data->rows.size() + batch.rows);
     data->profiles.resize(data->profiles.size() + kLanes);
@@ -272,8 +270,10 @@ PosingTable make_posing_table(const Anatomy& anatomy) {
       else batch.strip[lane] = batch.strip[batch.strips - 1];
       std::vector<double> s;
       for (const Slice& slice : strip.slices) s.push_back(slice.s);
-      for (const LineNode& node : line_nodes(strip.path, s))
-        data->nodes.push_back({node.first, Lane(node.weight[0], node.weight[1], node.weight[2], node.weight[3])});
+      for (const LineNode& node : line_nodes(strip.path, s)) {
+        data->weights.push_back(Lane(node.weight[0], node.weight[1], node.weight[2], node.weight[3]));
+        data->firsts.push_back(static_cast<std::uint8_t>(node.first));
+      }
       add_lane(*data, batch, lane, strip, muscle.sheet, rest);
     }
     data->batches.push_back(batch);

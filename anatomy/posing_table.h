@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include <array>
+#include <cstdint>
 #include <vector>
 
 #include "anatomy/pose_anatomy.h"
@@ -15,18 +17,13 @@ namespace ecorche {
 constexpr int kLanes = 4;
 using Lane = Eigen::Array<double, kLanes, 1>;  // the same quantity of four strips; or x, y, z, 1 of one point
 
-constexpr int kProfileBins = 32;
+constexpr int kProfileBins = 20;
 
 // Carried by one joint (second = -1) or a blend of two.
 struct PosingPoint {
   int first = 0, second = -1;
   double share = 1;
   Vec3 in_first = Vec3::Zero(), in_second = Vec3::Zero();  // in the joints' frames
-};
-
-struct PosingNode {
-  int first = 0;  // path point within the strip; four follow
-  Lane weight = Lane::Zero();
 };
 
 // All lengths in units of the object: it is the unit ball, or the unit cylinder about z.
@@ -67,30 +64,37 @@ struct PosingLanes {
 
 struct PosingRow {
   Lane cos_roll, sin_roll, offset_x, offset_y;
-  Lane width, thickness;  // rest radii less the profile's value at the slice's own place
-  Lane twist;             // share of the insertion's turn
-  Lane fold_width, fold_thickness;  // reciprocals of the rest fold factors
+  Lane width, thickness;        // rest radii less the profile's value at the slice's own place
+  Eigen::Array4f twist;         // share of the insertion's turn
+  Eigen::Array4f free_width, free_thickness;  // what fold_factor lets pass
 };
 
 struct PosingBatch {
   int rows = 0;          // slices of each strip
   int strips = 0;        // 1 .. kLanes; the rest repeat the last
   int row = 0;           // first PosingRow
-  int node = 0;          // first PosingNode; lane by lane, rows each
+  int node = 0;          // first weight; lane by lane, rows each
   int profile = 0;       // first of kLanes profiles
   std::array<int, kLanes> strip{};  // index into strip data
   PosingLanes lanes;
 };
 
-// Radii and belly share along the rest line at kProfileBins + 2 even places (the last twice).
+// Half width, half thickness and belly share along the rest line at kProfileBins + 1 even places (and once more the last),
+// linear between. Single precision: only differences to the value at the slice's own place matter.
 struct PosingProfile {
-  std::array<Eigen::Array4f, kProfileBins + 2> at;  // half width, half thickness, belly share, 0
+  std::array<Eigen::Array4f, kProfileBins + 2> at;
+
+  Eigen::Array4f operator()(double bin) const {
+    const int i = static_cast<int>(bin);
+    return at[i] + static_cast<float>(bin - i) * (at[i + 1] - at[i]);
+  }
 };
 
 struct PosingTable::Data {
   int slices = 0, strips = 0, joints = 0;
   std::vector<PosingPoint> points;
-  std::vector<PosingNode> nodes;
+  std::vector<Lane> weights;           // of four successive path points, a node each
+  std::vector<std::uint8_t> firsts;    // path point within the strip that the first weight is for
   std::vector<PosingWrap> wraps;
   std::vector<PosingStrip> strip;
   std::vector<PosingBatch> batches;
@@ -99,10 +103,16 @@ struct PosingTable::Data {
   std::vector<WrapNote> notes;
 };
 
-// How much of a fold a radius survives: q is curvature times radius toward the bend's centre; 1 for q = 0, 0.9 / q for q >> 1.
-inline Lane fold_factor(const Lane& q) {
-  const Lane p = (q * (1 / 0.9)).square();
-  return (1 + p.square()).sqrt().sqrt().inverse();
+// How much of a radius survives a fold: q is curvature times radius toward the bend's centre, free what it may be (0.45, or
+// more if it is more at rest). Beyond that the product saturates, so that neighbouring slices do not cross; 1 up to it.
+struct FoldFactor {
+  Lane over, under;  // their quotient
+};
+inline FoldFactor fold_factor(const Lane& q, const Lane& free) {
+  const Lane size = q.abs() + 1e-12, excess = (size - free).max(0.0);
+  const Lane room = (0.9 - free).max(0.15);
+  const Lane under = (room + excess) * size;
+  return {under - excess * excess, under};
 }
 
 // Height of the rounded wedge that stands for a wrap: over the unit ball's cap up to kWedgeSine from the side axis, then

@@ -23,23 +23,26 @@ inline Vec3 least_turn(const Vec3& from, const Vec3& to, const Vec3& v) {
 // Displacements then spread to the neighbours as those of a taut string: a straight decay to the still slices.
 inline void push_out(const PosingWrap& wrap, const Transform& X_WJ, Lane* points) {
   const Mat3 R = X_WJ.linear();
-  const Vec3 center = R * wrap.center + X_WJ.translation();
   const Mat3 to_unit = wrap.to_unit * R.transpose();
-  const auto seen = [&](int k) -> Vec3 {
-    Vec3 x = to_unit * (points[k].head<3>().matrix() - center);
-    if (wrap.cylinder) x.z() = 0;
-    return x;
+  const Vec3 center = to_unit * (R * wrap.center + X_WJ.translation());
+  Lane columns[4];
+  for (int i = 0; i < 3; ++i) columns[i] << to_unit.col(i).array(), 0;
+  columns[3] << -center.array(), 0;
+  const auto seen = [&](int k) -> Lane {
+    return columns[0] * points[k][0] + columns[1] * points[k][1] + columns[2] * points[k][2] + columns[3];
   };
-  const auto direction = [](const Vec3& x) -> Vec3 { return x / std::sqrt(x.squaredNorm() + 1e-12); };
-  Vec3 side = least_turn(wrap.begin_at, direction(seen(wrap.begin)), wrap.side) +
-              least_turn(wrap.end_at, direction(seen(wrap.end)), wrap.side);
-  if (wrap.cylinder) side.z() = 0;
-  side = direction(side);
+  const auto direction = [&](Vec3 x) -> Vec3 {
+    if (wrap.cylinder) x.z() = 0;
+    return x / std::sqrt(x.squaredNorm() + 1e-12);
+  };
+  const Vec3 side = direction(least_turn(wrap.begin_at, direction(seen(wrap.begin).head<3>()), wrap.side) +
+                              least_turn(wrap.end_at, direction(seen(wrap.end).head<3>()), wrap.side));
 
   double need[kMaxStripSlices];
   bool any = false;
   for (int k = wrap.begin + 1; k < wrap.end; ++k) {
-    Vec3 x = to_unit * (points[k].head<3>().matrix() - center);
+    const Lane at = seen(k);
+    Vec3 x(at[0], at[1], at[2]);
     double fade = 1;
     if (wrap.cylinder) {
       fade = std::clamp(2 - std::abs(x.z()), 0.0, 1.0);  // past the cylinder's end the push dies away over half its length
