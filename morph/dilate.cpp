@@ -12,6 +12,7 @@
 
 #include "anatomy/carry_muscles.h"
 #include "anatomy/muscle_line.h"
+#include "morph/flesh_field.h"
 #include "morph/slice_room.h"
 
 namespace ecorche {
@@ -99,6 +100,51 @@ void smooth_shifts(std::vector<Vec2>& shifts) {
   }
 }
 
+// A running mean of three along the strip, some times over; the ends stay.
+template <class Value>
+void smooth_along(std::vector<Value>& values, int rounds) {
+  for (int round = 0; round < rounds; ++round) {
+    Value before = values.front();
+    for (std::size_t k = 1; k + 1 < values.size(); ++k) {
+      const Value here = values[k];
+      values[k] = (before + 2 * here + values[k + 1]) / 4;
+      before = here;
+    }
+  }
+}
+
+// The strip moved and stretched with the flesh around it.
+void stretch_strip(Strip& strip, int muscle, const FleshField& flesh) {
+  std::vector<Ellipse> slices = rest_slices(strip);
+  std::vector<Vec3> shifts;
+  std::vector<Vec2> scales;
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    const Ellipse& slice = slices[k];
+    const FleshPull pull = flesh.at(slice.center, muscle);
+    // Flesh that grows outwards also spreads sideways, at half the rate; pressed flesh keeps its width. Tendons do not grow.
+    const double belly = belly_share(strip, strip.slices[k].s);
+    const double stretch = pull.stretch > 1 ? 1 + belly * (pull.stretch - 1) : pull.stretch;
+    const double sideways = stretch > 1 ? 1 + (stretch - 1) / 2 : 1;
+    Vec2 scale;
+    double half = 0;
+    for (int axis = 0; axis < 2; ++axis) {
+      const double along = std::pow(slice.axes.col(axis).dot(pull.outwards), 2);
+      scale[axis] = along * stretch + (1 - along) * sideways;
+      half += along * std::pow(scale[axis] * slice.radii[axis], 2);
+    }
+    const double most = std::max(0.0, pull.free - std::sqrt(half));
+    shifts.push_back((pull.shift > 0 ? std::min(belly * pull.shift, most) : pull.shift) * pull.outwards);
+    scales.push_back(scale);
+  }
+  smooth_along(shifts, 3);
+  smooth_along(scales, 3);
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    slices[k].center += shifts[k];
+    slices[k].radii = slices[k].radii.cwiseProduct(scales[k]);
+  }
+  set_slices(strip, slices);
+}
+
 StripCount dilate_strip(Strip& strip, bool grows, const SkinRays& rays, const FatLayer& fat, const DilateOptions& options) {
   StripCount count;
   std::vector<Ellipse> slices = rest_slices(strip);
@@ -111,10 +157,8 @@ StripCount dilate_strip(Strip& strip, bool grows, const SkinRays& rays, const Fa
     count.rays += room.rays;
     count.misses += room.misses;
     count.pulled_in += room.outside;
-    if (worst_excess(sections[k], rooms[k]) > 1e-4) {
-      ++count.pressed;
-      press_in(sections[k], rooms[k], options.least);
-    } else if (grows) {
+    count.pressed += worst_excess(sections[k], rooms[k]) > 1e-4;
+    if (grows) {
       Vec2 shift = growth_to_touch(sections[k], rooms[k]);
       const Vec2 most = (options.most - 1) * belly_share(strip, strip.slices[k].s) * sections[k].radii;
       shift = shift.cwiseMin(most).cwiseMax(-most);
@@ -123,13 +167,26 @@ StripCount dilate_strip(Strip& strip, bool grows, const SkinRays& rays, const Fa
     }
   }
   smooth_shifts(shifts);
+  std::vector<Vec2> centers(slices.size()), radii(slices.size());
   for (std::size_t k = 0; k < slices.size(); ++k) {
     Section& section = sections[k];
     section.center += shifts[k];
     section.radii += shifts[k].cwiseAbs();
-    press_in(section, rooms[k], options.least);
-    slices[k].center += slices[k].axes.leftCols<2>() * section.center;
-    slices[k].radii = section.radii;
+  }
+  for (int round = 0; round < 3; ++round) {
+    for (std::size_t k = 0; k < slices.size(); ++k) {
+      press_in(sections[k], rooms[k], options.least);
+      centers[k] = sections[k].center;
+      radii[k] = sections[k].radii;
+    }
+    if (round == 2) break;
+    smooth_along(centers, 2);
+    smooth_along(radii, 2);
+    for (std::size_t k = 0; k < slices.size(); ++k) sections[k] = {centers[k], radii[k]};
+  }
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    slices[k].center += slices[k].axes.leftCols<2>() * sections[k].center;
+    slices[k].radii = sections[k].radii;
   }
   set_slices(strip, slices);
   return count;
@@ -158,12 +215,22 @@ DilateReport dilate_muscles(Anatomy& fitted, const Anatomy& original, const Skin
   const std::size_t count = fitted.muscles.size();
   report.muscles.resize(count);
   std::vector<StripCount> counts(count);
+  for (MuscleDilation& m : report.muscles) m.wanted = rest_volume(fitted.muscles[static_cast<std::size_t>(&m - report.muscles.data())]);
+  if (options.method == DilateMethod::ecorche) {
+    for (int round = 0; round < options.rounds; ++round) {
+      const FleshField flesh(fitted, rays, fat);
+      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 4), [&](const auto& range) {
+        for (std::size_t m = range.begin(); m < range.end(); ++m) {
+          for (Strip& strip : fitted.muscles[m].strips) stretch_strip(strip, static_cast<int>(m), flesh);
+        }
+      });
+    }
+  }
   const double thickest = fat.thickness.empty() ? 0 : *std::max_element(fat.thickness.begin(), fat.thickness.end());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 4), [&](const auto& range) {
     for (std::size_t m = range.begin(); m < range.end(); ++m) {
       Muscle& muscle = fitted.muscles[m];
       MuscleDilation& result = report.muscles[m];
-      result.wanted = rest_volume(muscle);
       if (options.method == DilateMethod::paper) {
         dilate_paper(muscle, original.muscles[m], rays, fat, thickest, options, counts[m], result.factor);
       } else {

@@ -24,6 +24,7 @@ struct DilateOptions {
   double alpha = 0.4;          // paper: share of the length's scale that a muscle's section starts with
   bool cut_rays = true;        // paper: rays end where they can no longer lower the factor; the result is the same
   double clearance = 0.3e-3;   // ecorche: kept free below the layer, m
+  int rounds = 2;              // ecorche: times that the flesh is stretched
   double most = 2.2;           // ecorche: a half axis grows to at most this multiple
   double least = 0.35;         // ecorche: and is pressed to no less than this
 };

@@ -9,6 +9,7 @@ namespace ecorche {
 namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
+constexpr double kGive = 0.5;  // of the layer, which is soft
 
 // The half plane that a ray's end stands for. A tangent plane that the ray meets at a shallow angle, or that lies almost in the
 // slice's plane, says little about the section; then the ray's own direction bounds it.
@@ -18,9 +19,9 @@ HalfPlane half_plane(const Ellipse& slice, const Vec2& direction, const RayHit& 
   const double steepness = in_plane.norm();
   constexpr double kShallow = 0.5;  // cosine
   if (steepness > kShallow && in_plane.dot(direction) > kShallow * steepness) {
-    return {in_plane / steepness, (hit.distance * hit.facing - layer) / steepness};
+    return {in_plane / steepness, (hit.distance * hit.facing - layer) / steepness, kGive * layer / steepness};
   }
-  return {direction, hit.distance - layer / kShallow};
+  return {direction, hit.distance - layer / kShallow, kGive * layer / kShallow};
 }
 
 // Out of a skin that the centre lies outside of: through the nearest place where a ray enters.
@@ -69,7 +70,7 @@ RoomCount find_room(Ellipse& slice, int count, const SkinRays& rays, const FatLa
 double worst_excess(const Section& section, std::span<const HalfPlane> room, int* which) {
   double worst = -std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < room.size(); ++k) {
-    const double excess = section.support(room[k].normal) - room[k].bound;
+    const double excess = section.support(room[k].normal) - room[k].bound - room[k].give;
     if (excess <= worst) continue;
     worst = excess;
     if (which) *which = static_cast<int>(k);

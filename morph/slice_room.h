@@ -13,7 +13,8 @@ namespace ecorche {
 // normal . p <= bound for the points p of the slice's plane, in (width, thickness) coordinates about the slice's centre, m.
 struct HalfPlane {
   Vec2 normal = Vec2::UnitX();
-  double bound = 0;
+  double bound = 0;  // to the layer
+  double give = 0;   // how far a section may press into the layer: half of it
 };
 
 // An ellipse along the axes of its slice, relative to the slice's first centre.
@@ -33,7 +34,7 @@ struct RoomCount {
 // moved inside first: `slice.center` changes.
 RoomCount find_room(Ellipse& slice, int count, const SkinRays& rays, const FatLayer& fat, double clearance, std::vector<HalfPlane>& room);
 
-// By how much the section stands out, m (negative: free), and through which half plane.
+// By how much the section stands out beyond what the layer gives, m (negative: free), and through which half plane.
 double worst_excess(const Section& section, std::span<const HalfPlane> room, int* which = nullptr);
 
 // Presses the section into the room: what stands out is taken off on its side, the opposite side stays; half axes keep at least

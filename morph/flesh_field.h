@@ -1,0 +1,54 @@
+// How the flesh between bones and skin has to stretch so that it fills its room.
+//
+// At samples of the skin a ray goes inwards: it meets the outermost muscle at depth g, and bone at depth d (or nothing: d is
+// then a fixed depth). Muscles have the height H = d - g above the bone and the room D = d - layer. Smooth means over
+// the neighbourhood tell how far the outermost muscles have to go, D - H; what lies at a height h above the bone goes h / H of
+// it: deep muscles little, the outermost ones up to the layer, all in proportion, so that neighbours stay neighbours.
+#pragma once
+
+#include <unordered_map>
+#include <vector>
+
+#include "anatomy/anatomy.h"
+#include "morph/fat.h"
+#include "morph/skin_rays.h"
+
+namespace ecorche {
+
+struct FleshPull {
+  Vec3 outwards = Vec3::UnitY();  // unit
+  double stretch = 1;             // of lengths along `outwards`
+  double shift = 0;               // of this point along `outwards`, m
+  double free = 0;                // from this point to the layer, m
+};
+
+class FleshField {
+ public:
+  // `anatomy`: bones and carried muscles inside the skin of `rays`.
+  FleshField(const Anatomy& anatomy, const SkinRays& rays, const FatLayer& fat);
+
+  // For a point of a muscle: samples over bones that the muscle has nothing to do with (the other thigh, the arm beside the trunk)
+  // do not count.
+  FleshPull at(const Vec3& point, int muscle) const;
+
+  long long rays() const { return rays_; }
+
+ private:
+  struct Sample {
+    Vec3 position, normal;
+    double bone = 0;    // depth d, m
+    double layer = 0;   // of fat and skin; thinner where the bone is near
+    double height = 0;  // H
+    double room = 0;    // D
+    double weight = 0;  // 0 where there is no muscle
+    int region = -1;    // of the bone below; -1 where none is met
+  };
+  void collect(const Vec3& point, double radius, const std::vector<char>& concerns, std::vector<const Sample*>& found) const;
+
+  std::vector<Sample> samples_;
+  std::unordered_map<long long, std::vector<int>> cells_;
+  std::vector<std::vector<char>> concerns_;  // #muscles x #regions
+  long long rays_ = 0;
+};
+
+}  // namespace ecorche
