@@ -2,10 +2,11 @@
 //
 // `paper`: each muscle starts at alpha = 0.4 of its transverse scale and grows by one factor,
 //   f = min over slices and rays of (|O S| - layer) / |O E|,   O slice centre, S skin, E ellipse.
-// `ecorche`: each slice on its own. Every ray gives a plane, the skin's tangent plane at its end moved inwards by the layer; an
-//   ellipse (centre, half width, half thickness) is inside when its support in the plane's direction is. Slices that stand out
-//   are pressed in, their inner side held; slices of superficial muscles grow outwards until they touch, their inner side held
-//   too. Growth is smoothed along the strip, fades on tendons, and is bounded by what the muscle's wanted volume allows.
+// `ecorche`: first the flesh between bones and skin is stretched (or pressed) so that it fills its room, all layers in proportion
+//   (flesh_field.h). Then each slice on its own: every ray gives a plane, the skin's tangent plane at its end moved inwards by the
+//   layer; an ellipse (centre, half width, half thickness) is inside when its support in the plane's direction is. Slices of
+//   superficial muscles grow outwards until they touch, their inner side held; slices that press into the layer by more than half
+//   of it are pressed in, their inner side held, too. Changes are smoothed along the strip; tendons do not grow.
 #pragma once
 
 #include <vector>
@@ -23,7 +24,7 @@ struct DilateOptions {
   int rays = 20;               // a slice, 8 .. 64
   double alpha = 0.4;          // paper: share of the length's scale that a muscle's section starts with
   bool cut_rays = true;        // paper: rays end where they can no longer lower the factor; the result is the same
-  double clearance = 0.3e-3;   // ecorche: kept free below the layer, m
+  double clearance = 0.3e-3;   // ecorche: added to the layer, m
   int rounds = 2;              // ecorche: times that the flesh is stretched
   double most = 2.2;           // ecorche: a half axis grows to at most this multiple
   double least = 0.35;         // ecorche: and is pressed to no less than this

@@ -1,0 +1,209 @@
+#include "morph/dilate.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "anatomy/carry_muscles.h"
+#include "anatomy/muscle_line.h"
+#include "morph/flesh_field.h"
+#include "morph/slice_room.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+// A closed cylinder along y from y0 to y1, radius r, about the line (x, z) = (0, 0).
+TriMesh cylinder(double r, double y0, double y1, int around = 96, int rings = 40) {
+  TriMesh m{Points(around * rings + 2, 3), Triangles(2 * around * rings, 3)};
+  for (int i = 0; i < rings; ++i)
+    for (int k = 0; k < around; ++k)
+      m.V.row(i * around + k) << r * std::cos(2 * kPi * k / around), y0 + (y1 - y0) * i / (rings - 1), r * std::sin(2 * kPi * k / around);
+  const int low = around * rings, high = low + 1;
+  m.V.row(low) << 0, y0, 0;
+  m.V.row(high) << 0, y1, 0;
+  int f = 0;
+  for (int k = 0; k < around; ++k) {
+    const int n = (k + 1) % around;
+    for (int i = 0; i + 1 < rings; ++i) {
+      const int a = i * around + k, b = i * around + n, c = a + around, d = b + around;
+      m.F.row(f++) << a, c, d;
+      m.F.row(f++) << a, d, b;
+    }
+    m.F.row(f++) << low, k, n;
+    m.F.row(f++) << high, (rings - 1) * around + n, (rings - 1) * around + k;
+  }
+  return m;
+}
+
+// A straight muscle along y at (x, 0), round, tapering to its ends, on one joint that is also the bone's.
+Anatomy limb(double x, double radius, const char* layer = "superficial") {
+  Anatomy anatomy;
+  anatomy.skeleton.joints.push_back({});
+  anatomy.skeleton.joints[0].name = "hip";
+  anatomy.bones.push_back({"femur", Side::middle, 0, cylinder(0.012, -0.2, 0.2, 24, 10)});
+  Muscle muscle;
+  muscle.name = "muscle";
+  muscle.layer = layer;
+  std::vector<PathPoint> path(3);
+  for (int p = 0; p < 3; ++p) path[static_cast<std::size_t>(p)].rest = Vec3(x, -0.15 + 0.15 * p, 0);
+  std::vector<Station> stations;
+  for (int k = 0; k < 15; ++k) {
+    const double s = k / 14.0, r = radius * (0.3 + 0.7 * std::sin(kPi * s));
+    stations.push_back({s, Vec3::Zero(), Vec3::UnitX(), Vec2(r, r)});
+  }
+  muscle.strips.push_back(make_strip(path, stations));
+  muscle.volume = rest_volume(muscle);
+  anatomy.muscles.push_back(muscle);
+  return anatomy;
+}
+
+FatLayer even_layer(const TriMesh& skin, double thickness) {
+  FatLayer fat;
+  fat.thickness.assign(static_cast<std::size_t>(skin.V.rows()), static_cast<float>(thickness));
+  return fat;
+}
+
+double farthest_from_axis(const Anatomy& anatomy) {
+  double most = 0;
+  for (const Ellipse& e : rest_slices(anatomy)) {
+    for (int k = 0; k < 72; ++k) {
+      const Vec3 p = e.center + e.radii.x() * std::cos(k * kPi / 36) * e.axes.col(0) + e.radii.y() * std::sin(k * kPi / 36) * e.axes.col(1);
+      most = std::max(most, std::hypot(p.x(), p.z()));
+    }
+  }
+  return most;
+}
+
+TEST(SkinRays, MeetsTheSkinWhereItIs) {
+  const SkinRays rays(cylinder(0.1, -0.3, 0.3));
+  const RayHit hit = rays.first_hit(Vec3(0.02, 0.01, 0), Vec3::UnitX());
+  ASSERT_GE(hit.triangle, 0);
+  EXPECT_NEAR(hit.distance, 0.08, 1e-4);
+  EXPECT_GT(hit.facing, 0.99f);
+  EXPECT_LT(rays.first_hit(Vec3(0.2, 0, 0), -Vec3::UnitX()).facing, -0.99f);
+  EXPECT_LT(rays.first_hit(Vec3(0.2, 0, 0), Vec3::UnitX()).triangle, 0);
+  EXPECT_LT(rays.first_hit(Vec3::Zero(), Vec3::UnitX(), 0.05).triangle, 0);
+  EXPECT_THROW(SkinRays(TriMesh{Points(0, 3), Triangles(0, 3)}), std::invalid_argument);
+}
+
+TEST(SkinRays, NoneSlipsThroughAClosedSkin) {
+  const SkinRays rays(cylinder(0.1, -0.3, 0.3));
+  int misses = 0;
+  for (int k = 0; k < 20000; ++k) {
+    const double a = k * 2.399963, y = 1 - 2 * (k + 0.5) / 20000;
+    misses += rays.first_hit(Vec3(0.03, 0.1, -0.02), Vec3(std::cos(a) * std::sqrt(1 - y * y), y, std::sin(a) * std::sqrt(1 - y * y))).triangle < 0;
+  }
+  EXPECT_EQ(misses, 0);
+}
+
+TEST(SliceRoom, PressesOnTheSideThatStandsOut) {
+  const std::vector<HalfPlane> room{{Vec2::UnitX(), 0.01, 0}, {-Vec2::UnitX(), 0.05, 0}};
+  Section section{Vec2::Zero(), Vec2(0.016, 0.01)};
+  press_in(section, room, 0.35);
+  EXPECT_NEAR(section.center.x() + section.radii.x(), 0.01, 1e-4);
+  EXPECT_NEAR(section.center.x() - section.radii.x(), -0.016, 1e-3);  // the other side stays
+  EXPECT_NEAR(section.radii.y(), 0.01, 1e-9);
+}
+
+TEST(SliceRoom, GrowsUntilItTouches) {
+  std::vector<HalfPlane> room;
+  for (int k = 0; k < 20; ++k) {
+    const Vec2 n(std::cos(k * kPi / 10), std::sin(k * kPi / 10));
+    room.push_back({n, n.x() > 0.3 ? 0.03 : 0.2, 0});
+  }
+  Section section{Vec2::Zero(), Vec2(0.01, 0.01)};
+  const Vec2 growth = growth_to_touch(section, room);
+  section.center += growth;
+  section.radii += growth.cwiseAbs();
+  EXPECT_NEAR(worst_excess(section, room), 0, 1e-6);
+  EXPECT_NEAR(section.center.x() - section.radii.x(), -0.01, 1e-9);
+}
+
+TEST(Dilate, APaperMuscleAtTheCentreFillsTheSkinLessTheLayer) {
+  const TriMesh skin = cylinder(0.06, -0.3, 0.3);
+  const SkinRays rays(skin);
+  const Anatomy original = limb(0, 0.02);
+  DilateOptions options;
+  options.method = DilateMethod::paper;
+  for (const bool cut : {true, false}) {
+    options.cut_rays = cut;
+    Anatomy fitted = original;
+    const DilateReport report = dilate_muscles(fitted, original, rays, even_layer(skin, 0.01), options);
+    EXPECT_NEAR(farthest_from_axis(fitted), 0.05, 2e-4);
+    EXPECT_NEAR(report.muscles[0].factor, 0.05 / (0.4 * 0.02), 0.05);
+    EXPECT_EQ(report.misses, 0);
+    EXPECT_EQ(report.rays, 15 * 20);
+  }
+}
+
+// The layer is soft: a section may press into it by half.
+TEST(Dilate, ASuperficialMuscleReachesTheLayerAndStaysUnderTheSkin) {
+  const TriMesh skin = cylinder(0.06, -0.3, 0.3);
+  const SkinRays rays(skin);
+  const Anatomy original = limb(0.03, 0.015);
+  Anatomy fitted = original;
+  const DilateReport report = dilate_muscles(fitted, original, rays, even_layer(skin, 0.006));
+  EXPECT_GT(farthest_from_axis(fitted), 0.0525);
+  EXPECT_LT(farthest_from_axis(fitted), 0.0572);
+  EXPECT_GT(report.volume, report.wanted_volume);
+  EXPECT_EQ(fitted.muscles[0].volume, report.muscles[0].volume);
+  EXPECT_EQ(report.misses, 0);
+}
+
+TEST(Dilate, AMuscleThatStandsOutComesInside) {
+  const TriMesh skin = cylinder(0.06, -0.3, 0.3);
+  const SkinRays rays(skin);
+  for (const double x : {0.055, 0.066}) {  // its line inside, its line outside
+    const Anatomy original = limb(x, 0.015);
+    Anatomy fitted = original;
+    dilate_muscles(fitted, original, rays, even_layer(skin, 0.006));
+    EXPECT_LT(farthest_from_axis(fitted), 0.0595) << x;
+    EXPECT_GT(rest_volume(fitted.muscles[0]), 0.1 * rest_volume(original.muscles[0])) << x;
+  }
+}
+
+TEST(Dilate, OneThatFillsItsRoomStays) {
+  const TriMesh skin = cylinder(0.06, -0.3, 0.3);
+  const SkinRays rays(skin);
+  Anatomy original = limb(0.03, 0.015);
+  dilate_muscles(original, Anatomy(original), rays, even_layer(skin, 0.006));
+  Anatomy again = original;
+  dilate_muscles(again, original, rays, even_layer(skin, 0.006));
+  EXPECT_NEAR(rest_volume(again.muscles[0]) / rest_volume(original.muscles[0]), 1, 0.15);
+  EXPECT_NEAR(farthest_from_axis(again), farthest_from_axis(original), 1e-3);
+}
+
+TEST(Dilate, GivesTheSameBytesAtAnyNumberOfThreads) {
+  const TriMesh skin = cylinder(0.06, -0.3, 0.3);
+  const SkinRays rays(skin);
+  Anatomy original = limb(0.03, 0.015);
+  for (int m = 0; m < 20; ++m) original.muscles.push_back(limb(0.02 + 0.001 * m, 0.01).muscles[0]);
+  const auto slices = [&](int threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    Anatomy fitted = original;
+    dilate_muscles(fitted, original, rays, even_layer(skin, 0.006));
+    return rest_slices(fitted);
+  };
+  const auto one = slices(1), two = slices(2);
+  for (std::size_t k = 0; k < one.size(); ++k) {
+    ASSERT_TRUE(one[k].center == two[k].center && one[k].radii == two[k].radii) << k;
+  }
+}
+
+TEST(Dilate, RefusesWhatDoesNotMatch) {
+  const TriMesh skin = cylinder(0.06, -0.3, 0.3);
+  const SkinRays rays(skin);
+  Anatomy one = limb(0.03, 0.015), other = one;
+  other.muscles.clear();
+  EXPECT_THROW(dilate_muscles(one, other, rays, even_layer(skin, 0.006)), std::invalid_argument);
+  EXPECT_THROW(dilate_muscles(one, Anatomy(one), rays, FatLayer{}), std::invalid_argument);
+  DilateOptions options;
+  options.rays = 3;
+  EXPECT_THROW(dilate_muscles(one, Anatomy(one), rays, even_layer(skin, 0.006), options), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace ecorche
