@@ -61,7 +61,8 @@ std::optional<Ellipse2> fit_ellipse(std::span<const Vec2> points) {
   std::optional<Ellipse2> best;
   double best_value = 0;
   for (int k = 0; k < 3; ++k) {
-    const Vec3 a = solver.eigenvectors().col(k).real();
+    const auto vector = solver.eigenvectors().col(k).eval();
+    const Vec3 a(vector[0].real(), vector[1].real(), vector[2].real());
     if (!(4 * a[0] * a[2] - a[1] * a[1] > 0)) continue;
     const double value = std::abs(solver.eigenvalues()[k].real());
     Conic conic;
