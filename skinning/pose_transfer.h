@@ -20,6 +20,9 @@ class PoseTransfer {
   // X: bvh_kinematics of the frame. `pose` gets rotations and a root with the file's own origin, scaled.
   void transfer(const std::vector<Transform>& X, Pose& pose);
 
+  // Where the file's ankle would be if it were on our hips: scaled, our axes. Of the frame last transferred.
+  Vec3 ankle_in_file(const std::vector<Transform>& X, Side side) const;
+
   // World rotation of our joint's counterpart as the file has it. Precondition: the joint has one.
   Mat3 as_in_file(const std::vector<Transform>& X, const std::string& joint) const;
 

@@ -180,6 +180,7 @@ class Aligner {
       for (const auto& [name, joint] : rig_.turner) C_[name] = Mat3::Identity();
     } else {
       pose_rest(out.reference_frame >= 0);
+      level_feet(out.W);
     }
     for (int joint : rig_.spine) out.trunk[joint] = from_source(joint, C_["thorax"]);
     for (int joint : rig_.neck) out.trunk[joint] = from_source(joint, C_["thorax"]);
@@ -347,6 +348,39 @@ class Aligner {
     for (const char* part : {"ankle", "subtalar", "toes"}) C_[part + s] = level;
     for (const auto& [name, joint] : rig_.turner)
       if (name.ends_with(s) && (name.starts_with("mtp") || name.starts_with("toe"))) C_[name] = level;
+  }
+
+  // Soles that are not level while the foot stands were not level in the reference pose either: the median of the standing frames
+  // puts them right.
+  void level_feet(const Mat3& W) {
+    for (const std::string s : kSides) {
+      std::vector<double> heights;
+      for (const Frames& X : sampled_) heights.push_back((W * figure(X).at("ankle" + s)).y());
+      if (heights.size() < 20) return;
+      std::vector<double> sorted = heights;
+      std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 10, sorted.end());
+      const double low = sorted[sorted.size() / 10] + 0.02 * figure(rest_).leg() / kAdultLeg;
+      std::array<std::vector<double>, 2> tilt;  // of the sole's normal, seen in the foot's rest axes: x, z
+      const Mat3 A = from_source(rig_.turner.at("ankle" + s), C_["ankle" + s]);
+      for (size_t k = 0; k < sampled_.size(); ++k) {
+        if (heights[k] > low) continue;
+        const Vec3 up = (W * figure(sampled_[k]).turn("ankle" + s) * A).transpose() * Vec3::UnitY();
+        tilt[0].push_back(up.x());
+        tilt[1].push_back(up.z());
+      }
+      Vec3 up = Vec3::UnitY();
+      for (int axis : {0, 1}) {
+        std::nth_element(tilt[axis].begin(), tilt[axis].begin() + tilt[axis].size() / 2, tilt[axis].end());
+        up[2 * axis] = tilt[axis][tilt[axis].size() / 2];
+      }
+      const double angle = angle_between(up, Vec3::UnitY());
+      if (angle < degrees(3) || angle > degrees(35)) continue;
+      const Mat3 level = turn_onto(Vec3::UnitY(), up);
+      for (auto& [name, C] : C_)
+        if (name.ends_with(s) &&
+            (name.starts_with("ankle") || name.starts_with("subtalar") || name.starts_with("mtp") || name.starts_with("toe")))
+          C = C * level;
+    }
   }
 
   // The axis the middle joint flexes about, carried by the upper bone in the reference pose, our axes; zero if it hardly bends or

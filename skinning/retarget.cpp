@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <fstream>
 
 #include "anatomy/errors.h"
 #include "skinning/joint_limits.h"
+#include "skinning/keep_flights.h"
+#include "skinning/plant_feet.h"
 #include "skinning/pose_transfer.h"
 #include "skinning/rest_alignment.h"
 #include "skinning/source_rig.h"
@@ -44,6 +47,24 @@ void unwrap(std::vector<Pose>& frames) {
       if (frames[f].rotations[j].dot(frames[f - 1].rotations[j]) < 0) frames[f].rotations[j].coeffs() *= -1;
 }
 
+void clamp_all(const Skeleton& skeleton, Motion& motion) {
+  for (Pose& pose : motion.frames)
+    for (size_t j = 1; j < skeleton.joints.size(); ++j)
+      if (limit_excess(skeleton.joints[j], pose.rotations[j]) > 0)
+        pose.rotations[j] = clamped(skeleton.joints[j], pose.rotations[j]);
+}
+
+// Heel and ball of the file's own leg, our foot put at its ankle.
+void add_foot(const PoseTransfer& transfer, const std::vector<Transform>& X, const Skeleton& ours, Side side, double sole,
+              FootPaths& foot) {
+  const FootShape shape = foot_shape(ours, side, sole);
+  const std::string s = side_suffix(side);
+  const Vec3 ankle = transfer.ankle_in_file(X, side), rest = rest_positions(ours)[shape.ankle];
+  const Mat3 R = transfer.as_in_file(X, "ankle" + s);
+  foot.heel.push_back(ankle + R * (shape.heel - rest));
+  foot.ball.push_back(ankle + R * (shape.ball - rest));
+}
+
 void report_limits(const Skeleton& skeleton, const Motion& motion, RetargetReport& report) {
   for (size_t j = 1; j < skeleton.joints.size(); ++j) {
     LimitBreak broken{skeleton.joints[j].name};
@@ -78,17 +99,28 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
   PoseTransfer transfer(source, rig, alignment, ours, options.shoulder_rhythm);
   report.scale = transfer.scale();
   Motion motion{source.fps, std::vector<Pose>(std::max(source.frames, 1))};
+  const double sole = options.sole_height.value_or(guess_sole_height(ours));
+  std::array<FootPaths, 2> feet;
   std::vector<Transform> X;
   for (size_t f = 0; f < motion.frames.size(); ++f) {
     bvh_kinematics(source, source.frames == 0 ? -1 : static_cast<int>(f), X);
     transfer.transfer(X, motion.frames[f]);
+    for (int side = 0; side < 2; ++side) add_foot(transfer, X, ours, side == 0 ? Side::left : Side::right, sole, feet[side]);
   }
   report.dropped_frames = marker_frames(motion.frames);
   if (report.dropped_frames > 0) {
-    motion.frames.erase(motion.frames.begin(), motion.frames.begin() + report.dropped_frames);
+    const int n = report.dropped_frames;
+    motion.frames.erase(motion.frames.begin(), motion.frames.begin() + n);
+    for (FootPaths& foot : feet)
+      foot.heel.erase(foot.heel.begin(), foot.heel.begin() + n), foot.ball.erase(foot.ball.begin(), foot.ball.begin() + n);
     report.warnings.push_back(
         fmt::format("{}: a marker pose at the start is left out ({} frames)", source.name, report.dropped_frames));
   }
+  if (options.clamp_limits) clamp_all(ours, motion);
+  if (options.plant_feet) plant_feet(ours, sole, feet, motion, report);
+  if (options.keep_flights) keep_flights(ours, sole, motion, report);
+  if (options.clamp_limits) clamp_all(ours, motion);
+  measure_feet(ours, sole, motion, report);
   unwrap(motion.frames);
   report_limits(ours, motion, report);
   return motion;

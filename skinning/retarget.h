@@ -42,6 +42,7 @@ struct JointMatch {
 
 struct Contact {
   Side side = Side::left;
+  bool heel = false;       // else the ball of the foot
   int begin = 0, end = 0;  // frames [begin, end)
   double slide = 0;        // largest horizontal distance of the planted point from its place, m
 };

@@ -1,0 +1,91 @@
+#include "skinning/foot_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace ecorche {
+namespace {
+
+constexpr double kLowHeight = 0.025, kHighHeight = 0.040;  // m
+constexpr double kSlow = 0.35, kFast = 0.60;               // m/s
+constexpr double kShortest = 0.060, kGap = 0.060;          // s
+constexpr double kSamePlace = 0.03;                        // m
+
+int joint_of(const Skeleton& skeleton, const std::string& name) {
+  const int j = find_joint(skeleton, name);
+  if (j < 0) throw std::invalid_argument("feet: our skeleton has no joint '" + name + "'");
+  return j;
+}
+
+}  // namespace
+
+double guess_sole_height(const Skeleton& skeleton) {
+  const std::vector<Vec3> at = rest_positions(skeleton);
+  double lowest = std::numeric_limits<double>::infinity();
+  for (size_t j = 0; j < at.size(); ++j) lowest = std::min(lowest, at[j].y());
+  const double ankle = at[joint_of(skeleton, "ankle_l")].y();
+  return lowest - 0.25 * (ankle - lowest);  // toe joints lie about a fifth of the ankle's height over the ground
+}
+
+FootShape foot_shape(const Skeleton& skeleton, Side side, double sole_height) {
+  const std::string s = side_suffix(side);
+  const std::vector<Vec3> at = rest_positions(skeleton);
+  FootShape foot;
+  foot.hip = joint_of(skeleton, "hip" + s);
+  foot.knee = joint_of(skeleton, "knee" + s);
+  foot.ankle = joint_of(skeleton, "ankle" + s);
+  foot.subtalar = joint_of(skeleton, "subtalar" + s);
+  Vec3 ball = Vec3::Zero();
+  for (int k = 0; k < 5; ++k) {
+    foot.mtp[k] = joint_of(skeleton, "mtp" + std::to_string(k + 1) + s);
+    ball += 0.2 * at[foot.mtp[k]];
+  }
+  const Vec3 toes = 0.5 * (at[joint_of(skeleton, "toe_dip2" + s)] + at[joint_of(skeleton, "toe_dip3" + s)]);
+  auto level = [&](const Vec3& p) { return Vec3(p.x(), sole_height, p.z()); };
+  foot.ball = level(ball);
+  const Vec3 ankle = level(at[foot.ankle]);
+  // Behind the ankle the heel is 0.4 as long as the way to the ball; the toes end 0.15 of it before their last joints.
+  foot.heel = ankle - 0.40 * (foot.ball - ankle);
+  foot.tip = level(toes) + 0.15 * (foot.ball - ankle);
+  return foot;
+}
+
+FootPoints foot_points(const Skeleton& skeleton, const FootShape& foot, const std::vector<Transform>& X) {
+  Vec3 subtalar = Vec3::Zero(), toe = Vec3::Zero();
+  for (int j = foot.subtalar; j >= 0; j = skeleton.joints[j].parent) subtalar += skeleton.joints[j].X_PJ.translation();
+  toe = subtalar + skeleton.joints[foot.mtp[1]].X_PJ.translation();
+  return {X[foot.subtalar] * (foot.heel - subtalar), X[foot.subtalar] * (foot.ball - subtalar),
+          X[foot.mtp[1]] * (foot.tip - toe)};
+}
+
+std::vector<Interval> standing_intervals(const std::vector<Vec3>& path, double ground, double fps) {
+  const int n = static_cast<int>(path.size());
+  // The slower of the ways to the neighbouring frames: the first and last frame on the ground count as standing.
+  auto speed = [&](int f) {
+    const double before = f > 0 ? (path[f] - path[f - 1]).norm() : HUGE_VAL,
+                 after = f + 1 < n ? (path[f + 1] - path[f]).norm() : HUGE_VAL;
+    return n > 1 ? std::min(before, after) * fps : 0.0;
+  };
+  std::vector<Interval> out;
+  for (int f = 0; f < n; ++f) {
+    Interval run{f, f};
+    bool sure = false;
+    for (; run.end < n; ++run.end) {
+      const double height = path[run.end].y() - ground, v = speed(run.end);
+      if (height > kHighHeight || v > kFast) break;
+      sure |= height < kLowHeight && v < kSlow;
+    }
+    f = run.end;
+    if (!sure) continue;
+    if (!out.empty() && run.begin - out.back().end < kGap * fps &&
+        (path[run.begin] - path[out.back().end - 1]).norm() < kSamePlace)
+      out.back().end = run.end;
+    else
+      out.push_back(run);
+  }
+  std::erase_if(out, [&](const Interval& i) { return i.end - i.begin < kShortest * fps; });
+  return out;
+}
+
+}  // namespace ecorche

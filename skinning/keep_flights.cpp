@@ -1,0 +1,69 @@
+#include "skinning/keep_flights.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "skinning/center_of_mass.h"
+#include "skinning/foot_contacts.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kGravity = 9.81;
+constexpr double kTouching = 0.008;            // m over the ground
+constexpr double kShortest = 0.08;             // s
+constexpr double kWeak = 5.0, kStrong = 15.0;  // m/s^2: what still passes for a fall
+constexpr double kRough = 0.02;  // m off a parabola, and a twentieth of its height: other limbs weigh otherwise than the source's
+
+// Least-squares fall over frames [begin, end): gravity and the largest distance from the parabola.
+std::pair<double, double> fitted_fall(const std::vector<Vec3>& path, int begin, int end, double fps) {
+  Eigen::MatrixXd A(end - begin, 3);
+  Eigen::VectorXd y(end - begin);
+  for (int f = begin; f < end; ++f) {
+    const double t = (f - begin) / fps;
+    A.row(f - begin) << 1, t, t * t;
+    y[f - begin] = path[f].y();
+  }
+  const Eigen::Vector3d c = (A.transpose() * A).ldlt().solve(A.transpose() * y);
+  return {-2 * c[2], (A * c - y).cwiseAbs().maxCoeff()};
+}
+
+}  // namespace
+
+void keep_flights(const Skeleton& skeleton, double sole_height, Motion& motion, RetargetReport& report) {
+  const int frames = static_cast<int>(motion.frames.size());
+  const CenterOfMass center(skeleton);
+  const FootShape left = foot_shape(skeleton, Side::left, sole_height), right = foot_shape(skeleton, Side::right, sole_height);
+  std::vector<bool> standing;
+  std::vector<Vec3> path;
+  std::vector<Transform> X;
+  for (const Pose& pose : motion.frames) {
+    forward_kinematics(skeleton, pose, X);
+    path.push_back(center(X));
+    double low = HUGE_VAL;
+    for (const FootShape* foot : {&left, &right}) {
+      const FootPoints p = foot_points(skeleton, *foot, X);
+      low = std::min({low, p.heel.y(), p.ball.y(), p.tip.y()});
+    }
+    standing.push_back(low < kTouching);
+  }
+  for (int begin = 1; begin < frames; ++begin) {
+    if (standing[begin] || !standing[begin - 1]) continue;
+    int end = begin;
+    while (end < frames && !standing[end]) ++end;
+    if (end == frames || end - begin < std::max(4.0, kShortest * motion.fps)) continue;
+    const double sagitta = kGravity * (end - begin) * (end - begin) / (8 * motion.fps * motion.fps);
+    const auto [gravity, rough] = fitted_fall(path, begin, end, motion.fps);
+    if (gravity < kWeak || gravity > kStrong || rough > kRough + 0.05 * sagitta) continue;
+    const int first = begin - 1;
+    const double span = (end - first) / motion.fps;
+    const Vec3 from = path[first], speed = (path[end] - from) / span + Vec3(0, 0.5 * kGravity * span, 0);
+    for (int f = begin; f < end; ++f) {
+      const double t = (f - first) / motion.fps;
+      motion.frames[f].root += from + t * speed - Vec3(0, 0.5 * kGravity * t * t, 0) - path[f];
+    }
+    report.flights.push_back({begin, end, gravity});
+  }
+}
+
+}  // namespace ecorche

@@ -1,0 +1,17 @@
+// Two-bone inverse kinematics of a leg.
+#pragma once
+
+#include <vector>
+
+#include "anatomy/skeleton.h"
+#include "skinning/foot_contacts.h"
+
+namespace ecorche {
+
+// Turns hip and knee so that the ankle comes to `ankle` (world) and ankle and subtalar joint so that the foot has the world
+// rotation `foot_rotation`. The knee bends about its own axis, forwards, and keeps its plane but for what the ankle's move asks.
+// X_WJ are the frames of `pose`; those of the leg are brought up to date. Returns how much the leg is too short, m.
+double reach_with_leg(const Skeleton& skeleton, const FootShape& foot, const Vec3& ankle, const Mat3& foot_rotation, Pose& pose,
+                      std::vector<Transform>& X_WJ);
+
+}  // namespace ecorche
