@@ -16,7 +16,7 @@ build: setup $(BUILD)/build.ninja
 	@$(NINJA) ecorche
 
 demo: build
-	@$(BUILD)/ecorche demo -o out/long-jump
+	@$(BUILD)/ecorche demo -o out/long-jump || [ $$? -eq 8 ]  # 8: all is there, the run has named a target it missed
 
 # The clients that exported files are tried in: the glTF validator and Blender.
 clients: setup

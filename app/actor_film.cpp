@@ -16,7 +16,11 @@ std::vector<Vec3> root_path(const Motion& motion, int frames, double fps) {
 
 std::vector<Camera> cameras_for(const ActorFilm& film, const std::vector<Vec3>& roots, double stature) {
   FollowCamera side;
-  if (film.beside) side.end_azimuth = -1.15f;  // not quite from the side, where one figure would hide the other
+  side.climb = 0.9f;  // a jump's highest point stays in the picture
+  if (film.beside) {
+    side.end_azimuth = -1.15f;  // not quite from the side, where one figure would hide the other
+    side.distance = 6.8f;
+  }
   std::vector<Camera> cameras = follow(roots, film.fps, side);
   if (film.camera == "follow") return cameras;
   const ViewAngles angles = view_angles(film.camera);

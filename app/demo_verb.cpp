@@ -25,14 +25,16 @@ struct DemoOptions {
 };
 
 // The motion's world: the take-off line lies at z = 0 and the pit begins a metre behind it (data/motions/make_long_jump.py).
+// `scale`: metres of our figure in one of the file's centimetres.
 Ground jump_ground(double scale) {
+  const double metre = 100 * scale;
   Ground ground;
   ground.visible = true;
   ground.track_begin = -60;
-  ground.track_end = static_cast<float>(1.0 * scale);
+  ground.track_end = static_cast<float>(metre);
   ground.board = 1e-3f;
-  ground.pit_begin = static_cast<float>(1.0 * scale);
-  ground.pit_end = static_cast<float>(10.0 * scale);
+  ground.pit_begin = static_cast<float>(metre);
+  ground.pit_end = static_cast<float>(10 * metre);
   return ground;
 }
 
