@@ -7,6 +7,7 @@
 
 #include "anatomy/carry_muscles.h"
 #include "anatomy/muscle_line.h"
+#include "morph/containment.h"
 #include "morph/flesh_field.h"
 #include "morph/slice_room.h"
 
@@ -191,6 +192,27 @@ TEST(Dilate, GivesTheSameBytesAtAnyNumberOfThreads) {
   for (std::size_t k = 0; k < one.size(); ++k) {
     ASSERT_TRUE(one[k].center == two[k].center && one[k].radii == two[k].radii) << k;
   }
+}
+
+TEST(Containment, CountsWhatStandsOut) {
+  const TriMesh skin = cylinder(0.06, -0.3, 0.3);
+  Anatomy anatomy = limb(0.03, 0.015);
+  const Containment inside = check_containment(anatomy, skin);
+  EXPECT_EQ(inside.bone_points_outside + inside.muscle_points_outside, 0);
+  EXPECT_EQ(inside.bone_points, anatomy.bones[0].mesh.V.rows());
+  EXPECT_EQ(inside.muscle_points, 16 * 15);
+  anatomy.bones[0].mesh.V.row(3) << 0.061, 0, 0;
+  anatomy.muscles.push_back(limb(0.2, 0.01).muscles[0]);
+  const Containment outside = check_containment(anatomy, skin);
+  EXPECT_EQ(outside.bones[0], 1);
+  EXPECT_EQ(outside.muscles[0], 0);
+  EXPECT_EQ(outside.muscles[1], 16 * 15);
+}
+
+TEST(Containment, RefusesAnOpenSkin) {
+  TriMesh open = cylinder(0.06, -0.3, 0.3);
+  open.F.conservativeResize(open.F.rows() - 1, 3);
+  EXPECT_THROW(check_containment(limb(0.03, 0.015), open), std::invalid_argument);
 }
 
 TEST(Dilate, RefusesWhatDoesNotMatch) {
