@@ -187,11 +187,11 @@ Lane find_twist(const PosingTable::Data& data, const PosingBatch& batch, const s
   return bearable_twist(angle);
 }
 
-// cos and sin of |x| <= 2.2 to 1e-8, by series at half the angle.
+// cos and sin of |x| <= 2.2 to 1e-11, by series at half the angle.
 inline void cos_sin(const Lane& x, Lane& c, Lane& s) {
   const Lane h = 0.5 * x, q = h * h;
-  const Lane sh = h * (1 + q * (-1.0 / 6 + q * (1.0 / 120 + q * (-1.0 / 5040 + q * (1.0 / 362880 - q / 39916800.0)))));
-  const Lane ch = 1 + q * (-0.5 + q * (1.0 / 24 + q * (-1.0 / 720 + q * (1.0 / 40320 - q / 3628800.0))));
+  const Lane sh = h * (1 + q * (-1.0 / 6 + q * (1.0 / 120 + q * (-1.0 / 5040 + q * (1.0 / 362880 + q * (-1.0 / 39916800 + q / 6227020800.0))))));
+  const Lane ch = 1 + q * (-0.5 + q * (1.0 / 24 + q * (-1.0 / 720 + q * (1.0 / 40320 + q * (-1.0 / 3628800 + q * (1.0 / 479001600 - q / 87178291200.0))))));
   c = 1 - 2 * sh * sh;
   s = 2 * sh * ch;
 }
