@@ -18,6 +18,22 @@ int joint_of(const Skeleton& skeleton, const std::string& name) {
   return j;
 }
 
+// A moving average over +-reach frames with weights of a raised cosine.
+std::vector<double> smoothed(const std::vector<double>& values, int reach) {
+  const int n = static_cast<int>(values.size());
+  std::vector<double> out(n);
+  for (int f = 0; f < n; ++f) {
+    double sum = 0, weight = 0;
+    for (int g = f - reach; g <= f + reach; ++g) {
+      const double k = 1 + std::cos(3.14159265358979323846 * (g - f) / (reach + 1));
+      sum += k * values[std::clamp(g, 0, n - 1)];
+      weight += k;
+    }
+    out[f] = sum / weight;
+  }
+  return out;
+}
+
 }  // namespace
 
 double guess_sole_height(const Skeleton& skeleton) {
@@ -57,6 +73,43 @@ FootPoints foot_points(const Skeleton& skeleton, const FootShape& foot, const st
   toe = subtalar + skeleton.joints[foot.mtp[1]].X_PJ.translation();
   return {X[foot.subtalar] * (foot.heel - subtalar), X[foot.subtalar] * (foot.ball - subtalar),
           X[foot.mtp[1]] * (foot.tip - toe)};
+}
+
+double remove_floor_drift(std::array<FootPaths, 2>& paths, Motion& motion) {
+  constexpr double kBand = 0.06, kStanding = 0.5, kSteady = 0.15;  // m; hips this far over the floor, m; s
+  const int n = static_cast<int>(motion.frames.size());
+  const std::array<const std::vector<Vec3>*, 4> tracks = {&paths[0].heel, &paths[0].ball, &paths[1].heel, &paths[1].ball};
+  std::vector<std::pair<int, double>> shown, run;  // frame, height of the floor; a run of slow frames
+  for (int f = 1; f <= n; ++f) {
+    bool slow = false;
+    if (f < n) {
+      const auto* low =
+          *std::min_element(tracks.begin(), tracks.end(), [&](auto* a, auto* b) { return (*a)[f].y() < (*b)[f].y(); });
+      slow = ((*low)[f] - (*low)[f - 1]).norm() * motion.fps < kSlow && motion.frames[f].root.y() - (*low)[f].y() > kStanding;
+      if (slow) run.push_back({f, (*low)[f].y()});
+    }
+    if (slow) continue;
+    if (run.size() > kSteady * motion.fps) shown.insert(shown.end(), run.begin(), run.end());  // slower than the turn of a jump
+    run.clear();
+  }
+  if (shown.size() < 10) return 0;
+  std::vector<double> floor(n);
+  size_t k = 0;
+  for (int f = 0; f < n; ++f) {
+    while (k + 1 < shown.size() && shown[k + 1].first <= f) ++k;
+    const auto& [f0, y0] = shown[k];
+    const auto& [f1, y1] = shown[std::min(k + 1, shown.size() - 1)];
+    floor[f] = y0 + (y1 - y0) * std::clamp((f - f0) / std::max(1.0, static_cast<double>(f1 - f0)), 0.0, 1.0);
+  }
+  floor = smoothed(floor, std::max(1, static_cast<int>(0.25 * motion.fps)));
+  const auto [low, high] = std::minmax_element(floor.begin(), floor.end());
+  if (*high - *low < kBand) return 0;
+  const double drift = *high - *low;
+  for (int f = 0; f < n; ++f) {
+    motion.frames[f].root.y() -= floor[f];
+    for (FootPaths& foot : paths) foot.heel[f].y() -= floor[f], foot.ball[f].y() -= floor[f];
+  }
+  return drift;
 }
 
 std::vector<Interval> standing_intervals(const std::vector<Vec3>& path, double ground, double fps) {

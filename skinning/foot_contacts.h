@@ -27,6 +27,17 @@ struct FootPoints {
 };
 FootPoints foot_points(const Skeleton& skeleton, const FootShape& foot, const std::vector<Transform>& X_WJ);
 
+// Where heel and ball of one foot would be if the legs were those of the file, a path a frame: contacts are found on these, since
+// there the feet really stood.
+struct FootPaths {
+  std::vector<Vec3> heel, ball;
+};
+
+// Captures by body-worn sensors climb and sink although the floor is level. Where the lower foot is slow and the hips stand well
+// over it, it shows the floor; if that leaves a band of 60 mm, paths and roots are brought down to it, smoothly. Returns by how
+// much the floor moved, m; 0 if nothing was done.
+double remove_floor_drift(std::array<FootPaths, 2>& paths, Motion& motion);
+
 struct Interval {
   int begin = 0, end = 0;  // frames [begin, end)
 };
