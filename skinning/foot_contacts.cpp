@@ -18,22 +18,6 @@ int joint_of(const Skeleton& skeleton, const std::string& name) {
   return j;
 }
 
-// A moving average over +-reach frames with weights of a raised cosine.
-std::vector<double> smoothed(const std::vector<double>& values, int reach) {
-  const int n = static_cast<int>(values.size());
-  std::vector<double> out(n);
-  for (int f = 0; f < n; ++f) {
-    double sum = 0, weight = 0;
-    for (int g = f - reach; g <= f + reach; ++g) {
-      const double k = 1 + std::cos(3.14159265358979323846 * (g - f) / (reach + 1));
-      sum += k * values[std::clamp(g, 0, n - 1)];
-      weight += k;
-    }
-    out[f] = sum / weight;
-  }
-  return out;
-}
-
 }  // namespace
 
 double guess_sole_height(const Skeleton& skeleton) {
@@ -75,44 +59,34 @@ FootPoints foot_points(const Skeleton& skeleton, const FootShape& foot, const st
           X[foot.mtp[1]] * (foot.tip - toe)};
 }
 
-double remove_floor_drift(std::array<FootPaths, 2>& paths, Motion& motion) {
-  constexpr double kBand = 0.06, kStanding = 0.5, kSteady = 0.15;  // m; hips this far over the floor, m; s
+std::vector<double> floor_heights(const std::array<FootPaths, 2>& paths, const Motion& motion) {
+  constexpr double kStep = 0.06, kStanding = 0.5, kStill = 0.5, kSteady = 0.10;  // m, m, m/s, s
   const int n = static_cast<int>(motion.frames.size());
   const std::array<const std::vector<Vec3>*, 4> tracks = {&paths[0].heel, &paths[0].ball, &paths[1].heel, &paths[1].ball};
-  std::vector<std::pair<int, double>> shown, run;  // frame, height of the floor; a run of slow frames
-  for (int f = 1; f <= n; ++f) {
-    bool slow = false;
-    if (f < n) {
-      const auto* low =
-          *std::min_element(tracks.begin(), tracks.end(), [&](auto* a, auto* b) { return (*a)[f].y() < (*b)[f].y(); });
-      slow = ((*low)[f] - (*low)[f - 1]).norm() * motion.fps < kSlow && motion.frames[f].root.y() - (*low)[f].y() > kStanding;
-      if (slow) run.push_back({f, (*low)[f].y()});
-    }
-    if (slow) continue;
-    if (run.size() > kSteady * motion.fps) shown.insert(shown.end(), run.begin(), run.end());  // slower than the turn of a jump
-    run.clear();
+  auto lowest = [&](int f) {
+    return *std::min_element(tracks.begin(), tracks.end(), [&](auto* a, auto* b) { return (*a)[f].y() < (*b)[f].y(); });
+  };
+  // Low, but not the lowest of all, which may be a glitch.
+  std::vector<double> low;
+  for (int f = 0; f < n; ++f) low.push_back((*lowest(f))[f].y());
+  std::vector<double> sorted = low;
+  std::nth_element(sorted.begin(), sorted.begin() + n / 20, sorted.end());
+  std::vector<double> floor(n, sorted[n / 20]);
+  for (int begin = 1; begin < n; ++begin) {
+    int end = begin;
+    auto still = [&](int f) {
+      const std::vector<Vec3>& point = *lowest(f);
+      return (point[f] - point[f - 1]).norm() * motion.fps < kStill && motion.frames[f].root.y() - low[f] > kStanding;
+    };
+    while (end < n && still(end)) ++end;
+    if (end - begin >= kSteady * motion.fps && low[(begin + end) / 2] - floor[begin] > kStep)
+      std::fill(floor.begin() + begin, floor.begin() + end, low[(begin + end) / 2]);
+    begin = end;
   }
-  if (shown.size() < 10) return 0;
-  std::vector<double> floor(n);
-  size_t k = 0;
-  for (int f = 0; f < n; ++f) {
-    while (k + 1 < shown.size() && shown[k + 1].first <= f) ++k;
-    const auto& [f0, y0] = shown[k];
-    const auto& [f1, y1] = shown[std::min(k + 1, shown.size() - 1)];
-    floor[f] = y0 + (y1 - y0) * std::clamp((f - f0) / std::max(1.0, static_cast<double>(f1 - f0)), 0.0, 1.0);
-  }
-  floor = smoothed(floor, std::max(1, static_cast<int>(0.25 * motion.fps)));
-  const auto [low, high] = std::minmax_element(floor.begin(), floor.end());
-  if (*high - *low < kBand) return 0;
-  const double drift = *high - *low;
-  for (int f = 0; f < n; ++f) {
-    motion.frames[f].root.y() -= floor[f];
-    for (FootPaths& foot : paths) foot.heel[f].y() -= floor[f], foot.ball[f].y() -= floor[f];
-  }
-  return drift;
+  return floor;
 }
 
-std::vector<Interval> standing_intervals(const std::vector<Vec3>& path, double ground, double fps) {
+std::vector<Interval> standing_intervals(const std::vector<Vec3>& path, const std::vector<double>& floor, double fps) {
   const int n = static_cast<int>(path.size());
   // The slower of the ways to the neighbouring frames: the first and last frame on the ground count as standing.
   auto speed = [&](int f) {
@@ -125,7 +99,7 @@ std::vector<Interval> standing_intervals(const std::vector<Vec3>& path, double g
     Interval run{f, f};
     bool sure = false;
     for (; run.end < n; ++run.end) {
-      const double height = path[run.end].y() - ground, v = speed(run.end);
+      const double height = path[run.end].y() - floor[run.end], v = speed(run.end);
       if (height > kHighHeight || v > kFast) break;
       sure |= height < kLowHeight && v < kSlow;
     }

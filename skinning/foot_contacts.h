@@ -33,17 +33,16 @@ struct FootPaths {
   std::vector<Vec3> heel, ball;
 };
 
-// Captures by body-worn sensors climb and sink although the floor is level. Where the lower foot is slow and the hips stand well
-// over it, it shows the floor; if that leaves a band of 60 mm, paths and roots are brought down to it, smoothly. Returns by how
-// much the floor moved, m; 0 if nothing was done.
-double remove_floor_drift(std::array<FootPaths, 2>& paths, Motion& motion);
+// Height of the floor under the feet, a frame: that of most of the motion, except where the lower foot is still for 0.1 s
+// somewhere else with the hips well over it (on a step, or in a capture whose floor drifts).
+std::vector<double> floor_heights(const std::array<FootPaths, 2>& paths, const Motion& motion);
 
 struct Interval {
   int begin = 0, end = 0;  // frames [begin, end)
 };
 
-// Runs of frames in which a point stands: lower than 40 mm over the ground and slower than 0.6 m/s throughout, somewhere lower
+// Runs of frames in which a point stands: lower than 40 mm over the floor and slower than 0.6 m/s throughout, somewhere lower
 // than 35 mm and slower than 0.35 m/s, at least 60 ms long; gaps shorter than 60 ms at one place are closed.
-std::vector<Interval> standing_intervals(const std::vector<Vec3>& path, double ground, double fps);
+std::vector<Interval> standing_intervals(const std::vector<Vec3>& path, const std::vector<double>& floor, double fps);
 
 }  // namespace ecorche

@@ -1,7 +1,5 @@
 #include "skinning/plant_feet.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -90,14 +88,12 @@ class Planter {
       feet_[side].shape = foot_shape(skeleton, side == 0 ? Side::left : Side::right, sole_height);
   }
 
-  void run(std::array<FootPaths, 2> paths, RetargetReport& report) {
-    if (const double drift = remove_floor_drift(paths, motion_); drift > 0)
-      report.warnings.push_back(fmt::format("the floor under the feet drifts by {:.2f} m; it is levelled", drift));
-    const double ground = ground_of(paths);
+  void run(const std::array<FootPaths, 2>& paths, RetargetReport& report) {
+    const std::vector<double> floor = floor_heights(paths, motion_);
     for (int side = 0; side < 2; ++side) {
-      for (const Interval& i : standing_intervals(paths[side].heel, ground, motion_.fps))
+      for (const Interval& i : standing_intervals(paths[side].heel, floor, motion_.fps))
         feet_[side].heels.push_back({i, Vec3::Zero()});
-      for (const Interval& i : standing_intervals(paths[side].ball, ground, motion_.fps))
+      for (const Interval& i : standing_intervals(paths[side].ball, floor, motion_.fps))
         feet_[side].balls.push_back({i, Vec3::Zero()});
     }
     for (FootPlan& foot : feet_) split_heels(foot);
@@ -114,16 +110,6 @@ class Planter {
   }
 
  private:
-  // Height that the file's feet stand at: low, but not the lowest of all, which may be a glitch.
-  static double ground_of(const std::array<FootPaths, 2>& paths) {
-    std::vector<double> low;
-    for (size_t f = 0; f < paths[0].heel.size(); ++f)
-      low.push_back(std::min({paths[0].heel[f].y(), paths[0].ball[f].y(), paths[1].heel[f].y(), paths[1].ball[f].y()}));
-    const size_t k = low.size() / 20;
-    std::nth_element(low.begin(), low.begin() + k, low.end());
-    return low[k];
-  }
-
   // A heel that stands through two stands of its ball has been shifted with it.
   static void split_heels(FootPlan& foot) {
     std::vector<Anchor> parts;
