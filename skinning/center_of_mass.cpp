@@ -17,19 +17,18 @@ CenterOfMass::CenterOfMass(const Skeleton& skeleton) {
   auto between = [&](const std::string& from, const std::string& to, double share) -> Vec3 {
     return at[index(from)] + share * (at[index(to)] - at[index(from)]);
   };
-  // Trunk 0.431 in three: pelvis, abdomen, thorax. The head's centre lies at the ear, a head's radius over the topmost joint.
   const Vec3 head = at[index("head")], neck = at[index("c7")];
-  add(0.118, "pelvis", between("pelvis", "l5", 0.6));
-  add(0.155, "l2", between("l4", "t12", 0.5));
-  add(0.158, "thorax", between("thorax", "c7", 0.45));
-  add(0.068, "head", head + 0.25 * (head - neck) + Vec3(0, 0, 0.12 * (head - neck).norm()));
+  add(0.142, "pelvis", between("pelvis", "l5", 0.6));
+  add(0.139, "l2", between("l4", "t12", 0.6));
+  add(0.216, "thorax", between("thorax", "c7", 0.6));
+  add(0.081, "head", head + 0.4 * (head - neck));
   for (const std::string s : {"_l", "_r"}) {
-    add(0.026, "shoulder" + s, between("shoulder" + s, "elbow" + s, 0.577));
-    add(0.015, "elbow" + s, between("elbow" + s, "wrist" + s, 0.457));
-    add(0.006, "wrist" + s, between("wrist" + s, "mcp3" + s, 0.79));
-    add(0.145, "hip" + s, between("hip" + s, "knee" + s, 0.385));
-    add(0.046, "knee" + s, between("knee" + s, "ankle" + s, 0.442));
-    add(0.0135, "subtalar" + s, between("ankle" + s, "mtp2" + s, 0.40));
+    add(0.028, "shoulder" + s, between("shoulder" + s, "elbow" + s, 0.436));
+    add(0.016, "elbow" + s, between("elbow" + s, "wrist" + s, 0.430));
+    add(0.006, "wrist" + s, between("wrist" + s, "mcp3" + s, 0.8));
+    add(0.100, "hip" + s, between("hip" + s, "knee" + s, 0.433));
+    add(0.0465, "knee" + s, between("knee" + s, "ankle" + s, 0.433));
+    add(0.0145, "subtalar" + s, between("ankle" + s, "mtp2" + s, 0.45));
   }
 }
 

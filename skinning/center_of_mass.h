@@ -7,7 +7,8 @@
 
 namespace ecorche {
 
-// Segment masses and centres of de Leva (1996, 10.1016/0021-9290(95)00178-6), mean of both sexes, laid along our joints.
+// Segment masses and centres of Winter (Biomechanics and Motor Control of Human Movement, 4th edition, 2009) laid along our
+// joints, the trunk in three parts.
 class CenterOfMass {
  public:
   // Precondition (std::invalid_argument): the skeleton has our joints.

@@ -59,7 +59,34 @@ FootPoints foot_points(const Skeleton& skeleton, const FootShape& foot, const st
           X[foot.mtp[1]] * (foot.tip - toe)};
 }
 
-std::vector<Interval> standing_intervals(const std::vector<Vec3>& path, double ground, double fps) {
+std::vector<double> floor_heights(const std::array<FootPaths, 2>& paths, const Motion& motion) {
+  constexpr double kStep = 0.06, kStanding = 0.5, kStill = 0.5, kSteady = 0.10;  // m, m, m/s, s
+  const int n = static_cast<int>(motion.frames.size());
+  const std::array<const std::vector<Vec3>*, 4> tracks = {&paths[0].heel, &paths[0].ball, &paths[1].heel, &paths[1].ball};
+  auto lowest = [&](int f) {
+    return *std::min_element(tracks.begin(), tracks.end(), [&](auto* a, auto* b) { return (*a)[f].y() < (*b)[f].y(); });
+  };
+  // Low, but not the lowest of all, which may be a glitch.
+  std::vector<double> low;
+  for (int f = 0; f < n; ++f) low.push_back((*lowest(f))[f].y());
+  std::vector<double> sorted = low;
+  std::nth_element(sorted.begin(), sorted.begin() + n / 20, sorted.end());
+  std::vector<double> floor(n, sorted[n / 20]);
+  for (int begin = 1; begin < n; ++begin) {
+    int end = begin;
+    auto still = [&](int f) {
+      const std::vector<Vec3>& point = *lowest(f);
+      return (point[f] - point[f - 1]).norm() * motion.fps < kStill && motion.frames[f].root.y() - low[f] > kStanding;
+    };
+    while (end < n && still(end)) ++end;
+    if (end - begin >= kSteady * motion.fps && low[(begin + end) / 2] - floor[begin] > kStep)
+      std::fill(floor.begin() + begin, floor.begin() + end, low[(begin + end) / 2]);
+    begin = end;
+  }
+  return floor;
+}
+
+std::vector<Interval> standing_intervals(const std::vector<Vec3>& path, const std::vector<double>& floor, double fps) {
   const int n = static_cast<int>(path.size());
   // The slower of the ways to the neighbouring frames: the first and last frame on the ground count as standing.
   auto speed = [&](int f) {
@@ -72,7 +99,7 @@ std::vector<Interval> standing_intervals(const std::vector<Vec3>& path, double g
     Interval run{f, f};
     bool sure = false;
     for (; run.end < n; ++run.end) {
-      const double height = path[run.end].y() - ground, v = speed(run.end);
+      const double height = path[run.end].y() - floor[run.end], v = speed(run.end);
       if (height > kHighHeight || v > kFast) break;
       sure |= height < kLowHeight && v < kSlow;
     }

@@ -27,12 +27,22 @@ struct FootPoints {
 };
 FootPoints foot_points(const Skeleton& skeleton, const FootShape& foot, const std::vector<Transform>& X_WJ);
 
+// Where heel and ball of one foot would be if the legs were those of the file, a path a frame: contacts are found on these, since
+// there the feet really stood.
+struct FootPaths {
+  std::vector<Vec3> heel, ball;
+};
+
+// Height of the floor under the feet, a frame: that of most of the motion, except where the lower foot is still for 0.1 s
+// somewhere else with the hips well over it (on a step, or in a capture whose floor drifts).
+std::vector<double> floor_heights(const std::array<FootPaths, 2>& paths, const Motion& motion);
+
 struct Interval {
   int begin = 0, end = 0;  // frames [begin, end)
 };
 
-// Runs of frames in which a point stands: lower than 40 mm over the ground and slower than 0.6 m/s throughout, somewhere lower
+// Runs of frames in which a point stands: lower than 40 mm over the floor and slower than 0.6 m/s throughout, somewhere lower
 // than 35 mm and slower than 0.35 m/s, at least 60 ms long; gaps shorter than 60 ms at one place are closed.
-std::vector<Interval> standing_intervals(const std::vector<Vec3>& path, double ground, double fps);
+std::vector<Interval> standing_intervals(const std::vector<Vec3>& path, const std::vector<double>& floor, double fps);
 
 }  // namespace ecorche

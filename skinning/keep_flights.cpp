@@ -10,7 +10,7 @@ namespace ecorche {
 namespace {
 
 constexpr double kGravity = 9.81;
-constexpr double kTouching = 0.008;            // m over the ground
+constexpr double kTouching = 0.020;            // m over the ground
 constexpr double kShortest = 0.08;             // s
 constexpr double kWeak = 5.0, kStrong = 15.0;  // m/s^2: what still passes for a fall
 constexpr double kRough = 0.02;  // m off a parabola, and a twentieth of its height: other limbs weigh otherwise than the source's
@@ -34,7 +34,7 @@ void keep_flights(const Skeleton& skeleton, double sole_height, Motion& motion, 
   const int frames = static_cast<int>(motion.frames.size());
   const CenterOfMass center(skeleton);
   const FootShape left = foot_shape(skeleton, Side::left, sole_height), right = foot_shape(skeleton, Side::right, sole_height);
-  std::vector<bool> standing;
+  std::vector<double> lowest;  // point of the soles
   std::vector<Vec3> path;
   std::vector<Transform> X;
   for (const Pose& pose : motion.frames) {
@@ -45,12 +45,13 @@ void keep_flights(const Skeleton& skeleton, double sole_height, Motion& motion, 
       const FootPoints p = foot_points(skeleton, *foot, X);
       low = std::min({low, p.heel.y(), p.ball.y(), p.tip.y()});
     }
-    standing.push_back(low < kTouching);
+    lowest.push_back(low);
   }
+  auto standing = [&](int f) { return lowest[f] < kTouching; };
   for (int begin = 1; begin < frames; ++begin) {
-    if (standing[begin] || !standing[begin - 1]) continue;
+    if (standing(begin) || !standing(begin - 1)) continue;
     int end = begin;
-    while (end < frames && !standing[end]) ++end;
+    while (end < frames && !standing(end)) ++end;
     if (end == frames || end - begin < std::max(4.0, kShortest * motion.fps)) continue;
     const double sagitta = kGravity * (end - begin) * (end - begin) / (8 * motion.fps * motion.fps);
     const auto [gravity, rough] = fitted_fall(path, begin, end, motion.fps);
@@ -58,10 +59,14 @@ void keep_flights(const Skeleton& skeleton, double sole_height, Motion& motion, 
     const int first = begin - 1;
     const double span = (end - first) / motion.fps;
     const Vec3 from = path[first], speed = (path[end] - from) / span + Vec3(0, 0.5 * kGravity * span, 0);
-    for (int f = begin; f < end; ++f) {
+    auto fall = [&](int f) {
       const double t = (f - first) / motion.fps;
-      motion.frames[f].root += from + t * speed - Vec3(0, 0.5 * kGravity * t * t, 0) - path[f];
-    }
+      return Vec3(from + t * speed - Vec3(0, 0.5 * kGravity * t * t, 0) - path[f]);
+    };
+    bool sinks = false;
+    for (int f = begin; f < end; ++f) sinks |= lowest[f] + fall(f).y() < 0;
+    if (sinks) continue;  // something else than the feet held the body, or the feet did after all
+    for (int f = begin; f < end; ++f) motion.frames[f].root += fall(f);
     report.flights.push_back({begin, end, gravity});
   }
 }

@@ -14,7 +14,6 @@ constexpr double kStep = 0.06;          // m: a contact higher than this stands 
 constexpr double kMostDrop = 0.10;      // m that the pelvis may come down
 constexpr double kToeExtension = 0.61;  // rad (35 deg): a foot pitched further rolls over the tip of its toes
 constexpr double kMostBent = 0.75;      // rad the toes bend upwards
-constexpr double kNearGround = 0.010;   // m: below it a point of a contact counts as planted when slides are measured
 
 double smooth(double x) {
   x = std::clamp(x, 0.0, 1.0);
@@ -90,13 +89,14 @@ class Planter {
   }
 
   void run(const std::array<FootPaths, 2>& paths, RetargetReport& report) {
-    const double ground = ground_of(paths);
+    const std::vector<double> floor = floor_heights(paths, motion_);
     for (int side = 0; side < 2; ++side) {
-      for (const Interval& i : standing_intervals(paths[side].heel, ground, motion_.fps))
+      for (const Interval& i : standing_intervals(paths[side].heel, floor, motion_.fps))
         feet_[side].heels.push_back({i, Vec3::Zero()});
-      for (const Interval& i : standing_intervals(paths[side].ball, ground, motion_.fps))
+      for (const Interval& i : standing_intervals(paths[side].ball, floor, motion_.fps))
         feet_[side].balls.push_back({i, Vec3::Zero()});
     }
+    for (FootPlan& foot : feet_) split_heels(foot);
     read_feet();
     stand_on_ground();
     for (FootPlan& foot : feet_) place_anchors(foot), weigh(foot), plan(foot);
@@ -110,14 +110,19 @@ class Planter {
   }
 
  private:
-  // Height that the file's feet stand at: low, but not the lowest of all, which may be a glitch.
-  static double ground_of(const std::array<FootPaths, 2>& paths) {
-    std::vector<double> low;
-    for (size_t f = 0; f < paths[0].heel.size(); ++f)
-      low.push_back(std::min({paths[0].heel[f].y(), paths[0].ball[f].y(), paths[1].heel[f].y(), paths[1].ball[f].y()}));
-    const size_t k = low.size() / 20;
-    std::nth_element(low.begin(), low.begin() + k, low.end());
-    return low[k];
+  // A heel that stands through two stands of its ball has been shifted with it.
+  static void split_heels(FootPlan& foot) {
+    std::vector<Anchor> parts;
+    for (Anchor heel : foot.heels) {
+      for (size_t k = 0; k + 1 < foot.balls.size(); ++k) {
+        const Interval gap{foot.balls[k].when.end, foot.balls[k + 1].when.begin};
+        if (!inside(heel.when, gap.begin - 1) || !inside(heel.when, gap.end)) continue;
+        parts.push_back({{heel.when.begin, gap.begin}, Vec3::Zero()});
+        heel.when.begin = gap.end;
+      }
+      parts.push_back(heel);
+    }
+    foot.heels = parts;
   }
 
   void read_feet() {
@@ -351,38 +356,6 @@ void plant_feet(const Skeleton& skeleton, double sole_height, const std::array<F
                 RetargetReport& report) {
   if (motion.frames.empty()) return;
   Planter(skeleton, sole_height, motion).run(paths, report);
-}
-
-void measure_feet(const Skeleton& skeleton, double sole_height, const Motion& motion, RetargetReport& report) {
-  const std::array<FootShape, 2> shapes = {foot_shape(skeleton, Side::left, sole_height),
-                                           foot_shape(skeleton, Side::right, sole_height)};
-  std::array<std::vector<FootPoints>, 2> points;
-  std::vector<Transform> X;
-  report.penetration = 0;
-  for (const Pose& pose : motion.frames) {
-    forward_kinematics(skeleton, pose, X);
-    for (int side = 0; side < 2; ++side) {
-      points[side].push_back(foot_points(skeleton, shapes[side], X));
-      const FootPoints& p = points[side].back();
-      report.penetration = std::max({report.penetration, -p.heel.y(), -p.ball.y(), -p.tip.y()});
-    }
-  }
-  std::vector<double> slides;
-  for (Contact& contact : report.contacts) {
-    const auto& track = points[contact.side == Side::left ? 0 : 1];
-    std::vector<Vec3> near;
-    for (int f = contact.begin; f < contact.end; ++f) {
-      const Vec3& p = contact.heel ? track[f].heel : track[f].ball;
-      if (p.y() < kNearGround) near.push_back(p);
-    }
-    contact.slide = 0;
-    for (const Vec3& a : near)
-      for (const Vec3& b : {near.front(), near[near.size() / 2], near.back()})
-        contact.slide = std::max(contact.slide, std::hypot(a.x() - b.x(), a.z() - b.z()));
-    if (!near.empty()) slides.push_back(contact.slide);
-  }
-  std::sort(slides.begin(), slides.end());
-  report.slide_p95 = slides.empty() ? 0 : slides[std::min(slides.size() - 1, static_cast<size_t>(0.95 * slides.size()))];
 }
 
 }  // namespace ecorche

@@ -10,12 +10,6 @@
 
 namespace ecorche {
 
-// Where heel and ball of one foot would be if the legs were those of the file, a path a frame: contacts are found on these, since
-// there the feet really stood.
-struct FootPaths {
-  std::vector<Vec3> heel, ball;
-};
-
 // Shifts the motion so that its feet stand on y = 0, then holds each planted heel and ball at its place, levels flat feet, lets
 // the toes bend where the heel rises, and keeps soles out of the ground; fades over 0.1 s around each contact. The pelvis is
 // lowered, smoothly, where a planted leg would be too short. paths[0] is the left foot. Fills contacts, slide_p95, penetration of

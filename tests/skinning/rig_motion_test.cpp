@@ -1,0 +1,172 @@
+// The body package's own rigs: a file whose rest pose is ours is taken over rotation for rotation.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "skinning/retarget.h"
+#include "tests/body_fixture.h"
+#include "tests/skinning/plain_skeleton.h"
+
+using namespace ecorche;
+
+namespace {
+
+using RigMotion = BodyFixture;
+
+// A rig as a file of joints with world-aligned rest frames, every joint turning about its own axis, gently or by up to 50 deg.
+BvhMotion swing(const Rig& rig, bool z_up, double metres_per_unit) {
+  BvhMotion file;
+  file.name = rig.name + ".bvh";
+  file.fps = 30;
+  file.frames = 40;
+  auto axes = [&](const Vec3& v) { return Vec3((z_up ? Vec3(v.x(), -v.z(), v.y()) : v) / metres_per_unit); };
+  std::vector<std::vector<int>> children(rig.names.size() + 1);
+  for (size_t j = 0; j < rig.names.size(); ++j) children[rig.parents[j] + 1].push_back(static_cast<int>(j));
+  std::vector<int> stack(children[0].rbegin(), children[0].rend()), place(rig.names.size());
+  while (!stack.empty()) {
+    const int j = stack.back();
+    stack.pop_back();
+    stack.insert(stack.end(), children[j + 1].rbegin(), children[j + 1].rend());
+    BvhJoint joint;
+    joint.name = rig.names[j];
+    joint.parent = rig.parents[j] < 0 ? -1 : place[rig.parents[j]];
+    joint.offset = axes(rig.heads[j] - (rig.parents[j] < 0 ? Vec3(Vec3::Zero()) : rig.heads[rig.parents[j]]));
+    if (children[j + 1].empty()) joint.end_sites.push_back(axes(rig.tails[j] - rig.heads[j]));
+    if (rig.parents[j] < 0) joint.channels = {BvhChannel::x_position, BvhChannel::y_position, BvhChannel::z_position};
+    joint.channels.insert(joint.channels.end(), {BvhChannel::z_rotation, BvhChannel::x_rotation, BvhChannel::y_rotation});
+    joint.first_channel = file.channels;
+    file.channels += static_cast<int>(joint.channels.size());
+    place[j] = static_cast<int>(file.joints.size());
+    file.joints.push_back(joint);
+  }
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> angle(-12, 12), phase(0, 6);
+  std::vector<std::array<double, 4>> move(file.joints.size());
+  for (auto& m : move) m = {angle(random), angle(random), angle(random), phase(random)};
+  for (int f = 0; f < file.frames; ++f)
+    for (size_t j = 0; j < file.joints.size(); ++j) {
+      if (file.joints[j].parent < 0)
+        for (int k = 0; k < 3; ++k) file.samples.push_back(file.joints[j].offset[k] + 0.01 * f);
+      for (int k = 0; k < 3; ++k) file.samples.push_back(move[j][k] * std::sin(0.2 * f + move[j][3]));
+    }
+  return file;
+}
+
+void expect_taken_over(const Rig& rig, bool z_up, double unit, const std::map<std::string, std::string>& pairs) {
+  SCOPED_TRACE(rig.name);
+  const Skeleton skeleton = plain_skeleton();
+  const BvhMotion file = swing(rig, z_up, unit);
+  RetargetOptions options;
+  options.plant_feet = options.keep_flights = false;
+  RetargetReport report;
+  const Motion motion = retarget(file, skeleton, options, report);
+  EXPECT_TRUE(report.same_rest);
+  EXPECT_EQ(report.up, z_up ? 'z' : 'y');
+  Mat3 W = Mat3::Identity();
+  if (z_up) W << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  std::vector<Transform> theirs, ours;
+  for (int f = 0; f < file.frames; ++f) {
+    bvh_kinematics(file, f, theirs);
+    forward_kinematics(skeleton, motion.frames[f], ours);
+    for (const auto& [file_joint, our_joint] : pairs) {
+      int j = -1;
+      for (size_t k = 0; k < file.joints.size(); ++k)
+        if (file.joints[k].name == file_joint) j = static_cast<int>(k);
+      ASSERT_GE(j, 0) << file_joint;
+      ASSERT_LT((W * theirs[j].linear() * W.transpose() - ours[find_joint(skeleton, our_joint)].linear()).norm(), 1e-6)
+          << file_joint << " -> " << our_joint << " frame " << f;
+    }
+  }
+}
+
+// The same pairs on both sides, with the rig's way of writing them: "%" stands for the side.
+std::map<std::string, std::string> paired(const std::map<std::string, std::string>& one, const char* left, const char* right) {
+  std::map<std::string, std::string> out;
+  for (const auto& [file_joint, our_joint] : one)
+    for (const bool is_left : {true, false}) {
+      std::string name = file_joint;
+      if (const size_t at = name.find('%'); at != std::string::npos) name.replace(at, 1, is_left ? left : right);
+      out[name] = file_joint.find('%') == std::string::npos ? our_joint : our_joint + (is_left ? "_l" : "_r");
+    }
+  return out;
+}
+
+}  // namespace
+
+TEST_F(RigMotion, DefaultRigIsTakenOver) {
+  const Rig rig = read_rig(package(), "default", package().points);
+  const auto pairs = paired({{"root", "pelvis"},
+                             {"spine01", "thorax"},
+                             {"head", "head"},
+                             {"jaw", "jaw"},
+                             {"clavicle.%", "clavicle"},
+                             {"shoulder01.%", "scapula"},
+                             {"upperarm02.%", "shoulder"},
+                             {"lowerarm01.%", "elbow"},
+                             {"lowerarm02.%", "forearm"},
+                             {"wrist.%", "wrist"},
+                             {"finger1-1.%", "cmc1"},
+                             {"finger2-1.%", "mcp2"},
+                             {"finger3-2.%", "pip3"},
+                             {"finger5-3.%", "dip5"},
+                             {"upperleg02.%", "hip"},
+                             {"lowerleg02.%", "knee"},
+                             {"foot.%", "subtalar"},
+                             {"toe1-1.%", "mtp1"},
+                             {"toe1-2.%", "toe_ip1"},
+                             {"toe4-1.%", "mtp4"},
+                             {"toe5-3.%", "toe_dip5"}},
+                            "L", "R");
+  expect_taken_over(rig, false, 1, pairs);
+  expect_taken_over(rig, true, 0.1, pairs);
+}
+
+TEST_F(RigMotion, CmuRigIsTakenOver) {
+  expect_taken_over(read_rig(package(), "cmu_mb", package().points), false, 0.01,
+                    paired({{"Hips", "pelvis"},
+                            {"Spine1", "thorax"},
+                            {"Head", "head"},
+                            {"%Shoulder", "clavicle"},
+                            {"%Arm", "shoulder"},
+                            {"%ForeArm", "forearm"},
+                            {"%UpLeg", "hip"},
+                            {"%Leg", "knee"},
+                            {"%Foot", "subtalar"},
+                            {"%ToeBase", "mtp2"}},
+                           "Left", "Right"));
+}
+
+TEST_F(RigMotion, MixamoRigIsTakenOver) {
+  expect_taken_over(read_rig(package(), "mixamo", package().points), true, 1,
+                    paired({{"mixamorig:Hips", "pelvis"},
+                            {"mixamorig:Spine2", "thorax"},
+                            {"mixamorig:Head", "head"},
+                            {"mixamorig:%Shoulder", "clavicle"},
+                            {"mixamorig:%Arm", "shoulder"},
+                            {"mixamorig:%ForeArm", "forearm"},
+                            {"mixamorig:%Hand", "wrist"},
+                            {"mixamorig:%HandIndex2", "pip2"},
+                            {"mixamorig:%HandThumb1", "cmc1"},
+                            {"mixamorig:%UpLeg", "hip"},
+                            {"mixamorig:%Leg", "knee"},
+                            {"mixamorig:%Foot", "subtalar"},
+                            {"mixamorig:%ToeBase", "mtp3"}},
+                           "Left", "Right"));
+}
+
+TEST_F(RigMotion, GameEngineRigIsTakenOver) {
+  expect_taken_over(read_rig(package(), "game_engine", package().points), true, 0.01,
+                    paired({{"pelvis", "pelvis"},
+                            {"spine_03", "thorax"},
+                            {"head", "head"},
+                            {"clavicle_%", "clavicle"},
+                            {"upperarm_%", "shoulder"},
+                            {"lowerarm_%", "forearm"},
+                            {"hand_%", "wrist"},
+                            {"pinky_03_%", "dip5"},
+                            {"thigh_%", "hip"},
+                            {"calf_%", "knee"},
+                            {"foot_%", "subtalar"},
+                            {"ball_%", "mtp1"}},
+                           "l", "r"));
+}
