@@ -35,6 +35,7 @@ std::vector<GroupRule> read_groups(const Table& table) {
     rule.far = table.text(row, "far");
     rule.across = table.text(row, "across");
     rule.width = table.number(row, "width");
+    rule.raised = table.number(row, "raised") * std::numbers::pi / 180;
     rule.shaft = table.number(row, "shaft") != 0;
     auto& free = rule.freedom;
     const auto percent = [&](const char* column) { return table.number(row, column) / 100; };

@@ -20,6 +20,7 @@ struct GroupRule {  // data/bone_groups.csv
   std::vector<std::string> bones;
   std::string near, far, across;
   double width = 1;
+  double raised = 0;  // how far the group is turned about z from the package's pose, in which arms hang, to that of skins, rad
   bool shaft = false;
   std::array<double, BoneMap::way_count> freedom{};  // SI
 };

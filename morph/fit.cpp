@@ -110,21 +110,8 @@ void measure_bones(const FitTables& tables, const BothSides& sides, const Anatom
   }
 }
 
-// Share of the template's muscle volume that a body has: as big bodies of the same build are; of what a body weighs beyond that,
-// muscle takes a part (heavier people carry more muscle, but less than in proportion).
-double body_volume_ratio(const FitTables& tables, const Template& body_template, const Points& skin) {
-  const auto volume = [&](const Points& V) {
-    const TriMesh closed = capped_skin(tables.topology, V);
-    double sum = 0;
-    for (Eigen::Index f = 0; f < closed.F.rows(); ++f) {
-      const Vec3 a = closed.V.row(closed.F(f, 0)), b = closed.V.row(closed.F(f, 1)), c = closed.V.row(closed.F(f, 2));
-      sum += a.dot(b.cross(c)) / 6;
-    }
-    return sum;
-  };
-  return volume(skin) / volume(body_template.body.skin.V);
-}
-
+// The muscle volume of a body is that of the template at its size; of what a body is wider beyond that muscle takes a part (heavier
+// people carry more muscle, but less than in proportion).
 void carry_all(const std::vector<Muscle>& muscles, const SkeletonCarrier& carrier, double size, double volume, std::vector<Muscle>& out) {
   const double grown = size * size * size;
   const double wanted = grown * std::sqrt(volume / grown);
@@ -161,7 +148,7 @@ Fit fit_anatomy(const Template& body_template, const Body& body, const FitOption
   fit.report.bones_ms = since(start);
 
   start = Clock::now();
-  carry_all(body_template.anatomy.muscles, carrier, fit.report.stature / tables.stature, body_volume_ratio(tables, body_template, skin),
+  carry_all(body_template.anatomy.muscles, carrier, fit.report.stature / tables.stature, inner_volume(tables.topology, skin) / tables.volume,
             fit.anatomy.muscles);
   fit.report.muscles_ms = since(start);
   measure_bones(tables, sides, fit.anatomy, field, fit.report);

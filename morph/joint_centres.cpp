@@ -9,10 +9,10 @@
 namespace ecorche {
 namespace {
 
-constexpr int kRing = 96;        // vertices of a centre, at most
+constexpr int kRing = 120;       // vertices of a centre, at most
 constexpr int kNearest = 24;     // the nearest so many say how far away the skin is,
-constexpr double kReach = 1.4;   // and the ring reaches so many times as far
-constexpr double kSmallness = 2e-3;  // m: a weight's cost against a metre of error
+constexpr double kReach = 1.8;   // and the ring reaches so many times as far
+constexpr double kSmallness = 1.5e-3;  // m: a weight's cost against a metre of error
 
 // Vertices around a centre, evenly thinned; for a point of the middle, together with their mirror images.
 std::vector<int> ring_of(const Points& skin, const Vec3& centre, const std::vector<int>& mirror, bool middle) {

@@ -15,6 +15,7 @@ namespace {
 constexpr int kSamplesPerBone = 60;
 constexpr int kPushRounds = 6;
 constexpr int kGlideRounds = 3;
+constexpr double kGentle = 8;
 constexpr double kPushMargin = 0.4e-3;  // m below the skin that every bone vertex reaches
 
 bool in_hand(const std::string& group) {
@@ -67,6 +68,7 @@ BoneProblem state_problem(const PlaceInput& input, const FitRules& rules) {
   NamedPoints centres = input.centres;
   complete_centres(source, centres);
   const NamedPoints hinges = guess_hinges(centres);
+  const std::vector<double> features = input.build ? build_features(input.centres, input.stature) : std::vector<double>{};
   BoneProblem problem;
   problem.groups.resize(rules.groups.size());
   // Groups whose near point is not known from the skin are carried by the one before them.
@@ -83,6 +85,8 @@ BoneProblem state_problem(const PlaceInput& input, const FitRules& rules) {
     }
     BoneGroup& group = problem.groups[g];
     group.map = expected_map(rule, source.points, source.hinges, centres, hinges, input.size * (input.authored ? rule.width : 1));
+    if (input.authored) group.map.move(BoneMap::turn_z, rule.raised);
+    if (input.build) apply_build(*input.build, features, static_cast<int>(g), group.map);
     group.expected = group.map;
     group.freedom = rule.freedom;
     const bool fixed = input.middle_fixed && !rule.paired;
@@ -171,16 +175,20 @@ std::vector<GapPair> glide_pairs(const HalfSkeleton& source, const FitRules& rul
   }
   Points placed = cage;
   for (Eigen::Index i = 0; i < cage.rows(); ++i) placed.row(i) = maps[cage_group](cage.row(i));
+  const auto middle_of = [](const Points& points) -> Vec3 { return 0.5 * (points.colwise().minCoeff() + points.colwise().maxCoeff()).transpose(); };
+  const auto outwards = [](const Vec3& p, const Vec3& middle) { return Vec3(p.x() - middle.x(), 0, p.z() - middle.z()).normalized(); };
+  const Vec3 source_middle(source.mid_plane, 0, middle_of(cage).z()), placed_middle(0, 0, middle_of(placed).z());
   TriMesh near;  // blade vertices that lie on the ribs, as a cloud
   std::vector<double> gaps;
   for (Eigen::Index i = 0; i < blade->mesh.V.rows(); ++i) {
-    const double gap = (cage.rowwise() - blade->mesh.V.row(i)).rowwise().norm().minCoeff();
-    if (gap > kReach) continue;
+    const Vec3 x = blade->mesh.V.row(i);
+    Eigen::Index k = 0;
+    if ((cage.rowwise() - x.transpose()).rowwise().norm().minCoeff(&k) > kReach) continue;
     near.V.conservativeResize(near.V.rows() + 1, 3);
-    near.V.bottomRows(1) = blade->mesh.V.row(i);
-    gaps.push_back(gap);
+    near.V.bottomRows(1) = x.transpose();
+    const Vec3 rib = cage.row(k);
+    gaps.push_back(outwards(rib, source_middle).dot(x - rib));
   }
-  const Vec3 middle = 0.5 * (Vec3(placed.colwise().minCoeff()) + Vec3(placed.colwise().maxCoeff()));
   std::vector<GapPair> out;
   if (near.V.rows() == 0) return out;
   for (const int i : surface_samples(near, kPairs)) {
@@ -188,8 +196,7 @@ std::vector<GapPair> glide_pairs(const HalfSkeleton& source, const FitRules& rul
     Eigen::Index k = 0;
     (placed.rowwise() - on_blade.transpose()).rowwise().squaredNorm().minCoeff(&k);
     const Vec3 on_rib = placed.row(k);
-    const Vec3 outward = Vec3(on_rib.x(), 0, on_rib.z() - middle.z()).normalized();
-    out.push_back({blade_group, cage_group, x, cage.row(k), outward, gaps[i], 3e-3});
+    out.push_back({blade_group, cage_group, x, cage.row(k), outwards(on_rib, placed_middle), gaps[i], 2e-3});
   }
   return out;
 }
@@ -199,7 +206,11 @@ std::vector<GapPair> glide_pairs(const HalfSkeleton& source, const FitRules& rul
 Placement place_bones(const PlaceInput& input, const FitRules& rules, const SkinField& skin, PlaceReport* report) {
   BoneProblem problem = state_problem(input, rules);
   problem.gaps = input.gaps;
+  // Far from the goal, bones that stick out would be crushed rather than moved: first gently, then in earnest.
+  for (InsidePoint& point : problem.inside) point.tolerance *= kGentle;
   int iterations = solve_bones(problem, skin, input.iterations).iterations;
+  for (InsidePoint& point : problem.inside) point.tolerance /= kGentle;
+  iterations += solve_bones(problem, skin, input.iterations).iterations;
   for (int round = 0; round < kGlideRounds && input.authored; ++round) {
     problem.gaps = glide_pairs(*input.source, rules, current_maps(problem));
     iterations += solve_bones(problem, skin, input.iterations).iterations;
@@ -215,7 +226,9 @@ Placement place_bones(const PlaceInput& input, const FitRules& rules, const Skin
       report->furthest = std::max(report->furthest, v.distance);
     }
   }
-  return {current_maps(problem)};
+  Placement placement{current_maps(problem), {}};
+  for (const BoneGroup& group : problem.groups) placement.expected.push_back(group.expected);
+  return placement;
 }
 
 std::vector<GapPair> glide_pairs_at_rest(const HalfSkeleton& half, const FitRules& rules) {

@@ -6,12 +6,14 @@
 #include <vector>
 
 #include "morph/bone_solver.h"
+#include "morph/build_prior.h"
 #include "morph/half_skeleton.h"
 
 namespace ecorche {
 
 struct Placement {
-  std::vector<BoneMap> maps;  // one a group
+  std::vector<BoneMap> maps;      // one a group
+  std::vector<BoneMap> expected;  // by joint centres and build, before correction
 };
 
 struct LandmarkTarget {
@@ -39,6 +41,8 @@ struct PlaceInput {
   double freedom = 1;                           // factor on the tolerances of data/bone_groups.csv
   bool authored = true;                         // the source is not yet fitted to skins: apply the tables' width shares and narrow gaps
   const std::vector<SurfaceSample>* margins = nullptr;  // points to keep inside; null: samples of each bone at the margins above
+  const BuildPrior* build = nullptr;            // what the build says about the bones; null: nothing
+  double stature = 0;                           // m, for `build`
   std::vector<GapPair> gaps;                    // surfaces that glide; of an authored source they are found while placing
   const Placement* start = nullptr;             // where to start from; null: from the joint centres
   bool middle_fixed = false;                    // groups of the middle stay as `start` has them

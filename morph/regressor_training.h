@@ -1,4 +1,4 @@
-// Learning where joint centres are from bodies whose skeletons have been placed.
+// Learning where joint centres are, and what the build says about bones, from bodies whose skeletons have been placed.
 #pragma once
 
 #include "morph/body.h"
@@ -11,7 +11,8 @@ PlaceInput source_input(const BodyPackage& package, const HalfSkeleton& source, 
 
 // Examples: the template's own body, exactly; the average woman with the source skeleton placed in her; short, tall and old
 // bodies with the template's bones placed in them; and other builds, whose joints are those of the average build moved as the
-// package's joint marks move with weight and muscle. Preconditions: tables.half and everything that fit_input needs are set but the regressor.
-CentreRegressor train_regressor(const BodyPackage& package, const HalfSkeleton& source, const ShapedBody& own, const FitTables& tables);
+// package's joint marks move with weight and muscle. Sets tables.regressor and tables.build; everything else that fit_input needs
+// is set already.
+void train(const BodyPackage& package, const HalfSkeleton& source, const ShapedBody& own, FitTables& tables);
 
 }  // namespace ecorche

@@ -17,9 +17,15 @@
 namespace ecorche {
 namespace {
 
-constexpr const char* kVersion = "template 3";  // to be changed with the code that builds
+constexpr const char* kVersion = "template 11";  // to be changed with the code that builds
 constexpr double kSourceStature = 1.707;        // the bone package's skeleton with 5 mm of scalp and 15 mm of heel pad, m
 constexpr double kCentreTolerance = 4e-3;       // m: how well the regressor knows a joint centre
+constexpr double kThinTissue = 9e-3;            // m: fat gathers where there is more tissue than this, and bones do not follow it:
+constexpr double kDeeperLean = 0.75;            // how much lying deeper than in the template weighs there,
+constexpr double kDeeperWide = 0.08;            // in bodies as wide for their stature as the template, and in wide ones
+constexpr double kDeeperBack = 0.35;            // (but at the back, where less fat gathers),
+constexpr double kLean = 1.1, kWide = 1.35;     // volume over stature cubed, relative to the template's
+constexpr double kFreedom = 0.6;                // of the groups' tolerances, once the build is known
 constexpr double kTableMass = 77;               // of the man whose muscle volumes the table lists, kg
 
 PackageReader wheel_reader(const Packages& packages) {
@@ -52,9 +58,30 @@ PlaceInput fit_input(const FitTables& tables, const Points& skin, double stature
   input.size = stature / tables.stature;
   input.authored = false;
   input.landmarks = tables.landmarks;
+  if (tables.build.own.empty()) return input;
+  input.build = &tables.build;
+  input.stature = stature;
+  input.freedom = kFreedom;
+  const double width = inner_volume(tables.topology, skin) / tables.volume / std::pow(stature / tables.stature, 3);
+  const double share = std::clamp((width - kLean) / (kWide - kLean), 0.0, 1.0);
+  for (size_t k = 0; k < input.landmarks.size(); ++k)
+    if (tables.rules.landmarks[k].high > kThinTissue) {
+      const double wide = tables.rules.landmarks[k].direction.z() < -0.7 ? kDeeperBack : kDeeperWide;
+      input.landmarks[k].deeper = kDeeperLean + share * (wide - kDeeperLean);
+    }
   input.margins = &tables.margins;
   input.gaps = tables.gaps;
   return input;
+}
+
+double inner_volume(const BodyPackage& topology, const Points& skin) {
+  const TriMesh closed = capped_skin(topology, skin);
+  double sum = 0;
+  for (Eigen::Index f = 0; f < closed.F.rows(); ++f) {
+    const Vec3 a = closed.V.row(closed.F(f, 0)), b = closed.V.row(closed.F(f, 1)), c = closed.V.row(closed.F(f, 2));
+    sum += a.dot(b.cross(c)) / 6;
+  }
+  return sum;
 }
 
 Template build_template(const Packages& packages) {
@@ -90,6 +117,7 @@ Template build_template(const Packages& packages) {
   // Bodies' axes are guessed from their joint centres; the template's must be found the same way to be compared.
   for (const auto& [name, axis] : guess_hinges(tables->half.points)) tables->half.hinges[name] = axis;
   tables->stature = shaped.stature;
+  tables->volume = inner_volume(package, shaped.body.skin.V);
   tables->gaps = glide_pairs_at_rest(tables->half, rules);
   tables->margins = sample_margins(tables->half, rules, input, skin);
   tables->landmarks = input.landmarks;
@@ -102,7 +130,7 @@ Template build_template(const Packages& packages) {
   tables->topology.triangles = package.triangles;
   tables->topology.cavities = package.cavities;
   tables->topology.mirror.assign(package.mirror.begin(), package.mirror.begin() + package.skin_size);
-  tables->regressor = train_regressor(package, half, shaped, *tables);
+  train(package, half, shaped, *tables);
   out.tables = std::move(tables);
   return out;
 }

@@ -22,7 +22,9 @@ struct FitTables {
   std::vector<SurfaceSample> margins;     // bone points with the distance that they keep from the skin
   std::vector<GapPair> gaps;              // between shoulder blade and ribs
   CentreRegressor regressor;
+  BuildPrior build;
   double stature = 0;                // of the template's body, m
+  double volume = 0;                 // inside its skin, m^3
 };
 
 // Builds it from the packages and our tables; some seconds to a minute. Throws InputError for missing or altered inputs.
@@ -32,6 +34,9 @@ Template build_template(const Packages& packages);
 // cache. The file's name is the hash of all it was built from, so that it is never stale; a damaged one is built anew.
 Template read_template();
 Template read_template(const Packages& packages);
+
+// Volume inside a skin, cavities closed off, m^3.
+double inner_volume(const BodyPackage& topology, const Points& skin);
 
 // What places the template's bones in another skin. The tables must outlive it.
 PlaceInput fit_input(const FitTables& tables, const Points& skin, double stature);

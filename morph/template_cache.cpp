@@ -121,7 +121,7 @@ template <class A> void field(A& a, Muscle& x) {
 }
 template <class A> void field(A& a, Landmark& x) { fields(a, x.name, x.position); }
 template <class A> void field(A& a, Body& x) { fields(a, x.skin, x.landmarks, x.name, x.sex, x.age, x.mass); }
-template <class A> void field(A& a, GroupRule& x) { fields(a, x.name, x.paired, x.bones, x.near, x.far, x.across, x.width, x.shaft, x.freedom); }
+template <class A> void field(A& a, GroupRule& x) { fields(a, x.name, x.paired, x.bones, x.near, x.far, x.across, x.width, x.raised, x.shaft, x.freedom); }
 template <class A> void field(A& a, ContactRule& x) { fields(a, x.point, x.a, x.b, x.tolerance, x.along, x.spread, x.loose, x.close); }
 template <class A> void field(A& a, LandmarkRule& x) { fields(a, x.name, x.bone, x.direction, x.from, x.to, x.low, x.high, x.tolerance); }
 template <class A> void field(A& a, CubeRule& x) { fields(a, x.joint, x.cube, x.toward, x.male, x.female, x.tolerance); }
@@ -136,7 +136,8 @@ template <class A> void field(A& a, SurfaceSample& x) { fields(a, x.bone, x.vert
 template <class A> void field(A& a, GapPair& x) { fields(a, x.a, x.b, x.x_a, x.x_b, x.normal, x.gap, x.tolerance); }
 template <class A> void field(A& a, CentreRegressor::Row& x) { fields(a, x.name, x.vertices, x.weights); }
 template <class A> void field(A& a, CentreRegressor& x) { fields(a, x.rows); }
-template <class A> void field(A& a, FitTables& x) { fields(a, x.rules, x.topology, x.half, x.landmarks, x.margins, x.gaps, x.regressor, x.stature); }
+template <class A> void field(A& a, BuildPrior& x) { fields(a, x.own, x.weights); }
+template <class A> void field(A& a, FitTables& x) { fields(a, x.rules, x.topology, x.half, x.landmarks, x.margins, x.gaps, x.regressor, x.build, x.stature, x.volume); }
 
 template <class A>
 void whole(A& a, Template& x, FitTables& tables) {

@@ -62,7 +62,7 @@ double nearest_vertices(const Anatomy& anatomy, const char* a, const char* b) {
 int outside(const Anatomy& anatomy, const SkinField& skin) {
   int count = 0;
   for (const Bone& bone : anatomy.bones)
-    for (Eigen::Index i = 0; i < bone.mesh.V.rows(); i += 3) count += skin.winding_number(bone.mesh.V.row(i)) < 0.5;
+    for (Eigen::Index i = 0; i < bone.mesh.V.rows(); i += 17) count += skin.winding_number(bone.mesh.V.row(i)) < 0.5;
   return count;
 }
 
