@@ -222,7 +222,8 @@ TEST(PoseAnatomy, TwistIsSpreadAlongTheStrip) {
   const double deg = std::numbers::pi / 180;
   for (double pronation : {-98.0, -60.0, 30.0, 75.0, 90.0}) {
     const PosedAnatomy p = posed(anatomy, arm_pose(anatomy.skeleton, 0, 0, 0, 70, pronation));
-    EXPECT_NEAR(std::abs(p.twists[0]), std::abs(pronation) * deg, 1e-9);
+    EXPECT_NEAR(std::abs(p.twists[0]), std::abs(pronation) * deg, 1e-8);
+    // The shares of the turn are kept in single precision.
     double last = 0, sum = 0, softest = 0, stiffest = 1e9;
     for (int k = 1; k < 13; ++k) {
       const double turn = std::acos(std::clamp(p.slices[k].axes.col(0).dot(p.slices[k - 1].axes.col(0)), -1.0, 1.0));
@@ -232,8 +233,8 @@ TEST(PoseAnatomy, TwistIsSpreadAlongTheStrip) {
       last = turn;
     }
     EXPECT_NEAR(sum, std::abs(pronation) * deg, 1e-6);
-    EXPECT_NEAR(softest / stiffest, 3, 1e-6);
-    EXPECT_NEAR(last, softest, 1e-9);
+    EXPECT_NEAR(softest / stiffest, 3, 1e-5);
+    EXPECT_NEAR(last, softest, 1e-6);
   }
   const PosedAnatomy over = posed(anatomy, arm_pose(anatomy.skeleton, 0, 0, 0, 0, 179));
   EXPECT_EQ(over.overtwisted, 1);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
-BvhMotion own_motion(const char* name) { return read_bvh(std::string(ECORCHE_DATA_DIR) + "/motions/" + name); }
+BvhMotion own_motion(const char* name) { return read_bvh(std::string(ECORCHE_TEST_DIR) + "/../data/motions/" + name); }
 
 // Points of a foot, metres, by frame.
 struct Foot {
