@@ -5,17 +5,15 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <span>
 #include <stdexcept>
 
 #include "anatomy/errors.h"
-#include "viewer/camera.h"
 #include "viewer/gl_api.h"
 #include "viewer/gl_context.h"
 #include "viewer/gl_program.h"
 #include "viewer/gl_targets.h"
 #include "viewer/gpu_mesh.h"
+#include "viewer/picture_frame.h"
 #include "viewer/shaders.h"
 
 namespace ecorche {
@@ -26,114 +24,6 @@ constexpr double largest_sample_count = 1 << 26;
 
 Vec3f linear(const Vec3f& srgb) {
   return srgb.unaryExpr([](float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); });
-}
-
-struct Ball {
-  Vec3f center = Vec3f::Zero();
-  float radius = 1;
-};
-
-// A rectangle of pixels, lower left first.
-struct Window {
-  int x = 0, y = 0, width = 0, height = 0;
-};
-
-Eigen::AlignedBox3f moved(const Eigen::AlignedBox3f& box, const Mat4f& by) {
-  Eigen::AlignedBox3f out;
-  if (box.isEmpty()) return out;
-  for (int k = 0; k < 8; ++k) out.extend((by * box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(k)).homogeneous()).head<3>());
-  return out;
-}
-
-// What shadows have to cover: the list's focus, else the box around everything that casts one.
-Ball focus_ball(const DrawList& list, const GpuMeshes& meshes) {
-  if (list.focus_radius > 0) return {list.focus, list.focus_radius};
-  Eigen::AlignedBox3f all;
-  for (const DrawItem& item : list.items)
-    if (item.casts_shadow) all.extend(moved(meshes.box(item.mesh), item.X_WM));
-  if (all.isEmpty()) return {};
-  return {all.center(), std::max(0.5f * all.diagonal().norm(), 1e-6f)};
-}
-
-// The pixels that hold the given points, with a margin; all of the picture where one is at or behind the eye.
-Window pixels_around(std::span<const Vec3f> points, const Mat4f& view_projection, int width, int height) {
-  Eigen::AlignedBox2f all;
-  for (const Vec3f& p : points) {
-    const Vec4f clip = view_projection * p.homogeneous();
-    if (clip.w() <= 1e-6f) return {0, 0, width, height};
-    all.extend(Eigen::Vector2f(clip.head<2>() / clip.w()));
-  }
-  if (all.isEmpty()) return {};
-  constexpr int margin = 3;
-  auto pixel = [](float ndc, int size) { return static_cast<int>(std::clamp(0.5f * (ndc + 1), -1.0f, 2.0f) * static_cast<float>(size)); };
-  const int x0 = std::clamp(pixel(all.min().x(), width) - margin, 0, width), x1 = std::clamp(pixel(all.max().x(), width) + margin, 0, width);
-  const int y0 = std::clamp(pixel(all.min().y(), height) - margin, 0, height), y1 = std::clamp(pixel(all.max().y(), height) + margin, 0, height);
-  return {x0, y0, x1 - x0, y1 - y0};
-}
-
-// Corners of the boxes around all items; a bone's or belly's box is tighter than one around everything.
-std::vector<Vec3f> item_corners(const DrawList& list, const GpuMeshes& meshes) {
-  std::vector<Vec3f> corners;
-  for (const DrawItem& item : list.items) {
-    const Eigen::AlignedBox3f& box = meshes.box(item.mesh);
-    if (box.isEmpty()) continue;
-    for (int k = 0; k < 8; ++k)
-      corners.emplace_back((item.X_WM * box.corner(static_cast<Eigen::AlignedBox3f::CornerType>(k)).homogeneous()).head<3>());
-  }
-  return corners;
-}
-
-Window grown(const Window& w, int by, int width, int height) {
-  if (w.width == 0 || w.height == 0) return {};
-  const int x0 = std::max(w.x - by, 0), y0 = std::max(w.y - by, 0);
-  return {x0, y0, std::min(w.x + w.width + by, width) - x0, std::min(w.y + w.height + by, height) - y0};
-}
-
-// Everything that does not change from pass to pass of one picture.
-struct Frame {
-  Mat4f view_projection, unproject, shadow_view_projection;
-  Vec3f key, rim;
-  Ball ball;
-  float shadow_texel_world = 0;
-  Window figure;  // pixels that items can reach
-  Window shadow;  // pixels of the ground that their shadow can reach
-  Window shaded;  // pixels that they can darken
-};
-
-Frame make_frame(const DrawList& list, const GpuMeshes& meshes, int width, int height, int shadow_size) {
-  Frame frame;
-  const Mat4f view = view_matrix(list.camera);
-  frame.view_projection = projection_matrix(list.camera, static_cast<float>(width) / static_cast<float>(height)) * view;
-  frame.unproject = frame.view_projection.inverse();
-  frame.ball = focus_ball(list, meshes);
-  std::vector<Vec3f> corners = item_corners(list, meshes);
-  frame.figure = pixels_around(corners, frame.view_projection, width, height);
-  const Eigen::Matrix3f from_eye = view.topLeftCorner<3, 3>().transpose();
-  frame.key = list.lighting.key_direction.normalized();
-  if (list.lighting.follows_camera) frame.key = from_eye * frame.key;
-  if (frame.key.y() < -0.05f) {
-    for (Vec3f& p : corners) p += (list.ground.height - p.y()) / frame.key.y() * frame.key;
-    frame.shadow = pixels_around(corners, frame.view_projection, width, height);
-  } else {
-    frame.shadow = {0, 0, width, height};
-  }
-  // The rim light stands behind the subject, above and on the side that the key leaves dark.
-  const float side = (from_eye.col(0).dot(frame.key) > 0) ? -1.0f : 1.0f;
-  frame.rim = (from_eye * Vec3f(side * 0.6f, -0.5f, 0.7f)).normalized();
-  const float r = frame.ball.radius;
-  frame.shadow_view_projection = orthographic(r, r, 0, 4 * r) * look_along(frame.ball.center - 2 * r * frame.key, frame.key, {0, 1, 0});
-  frame.shadow_texel_world = shadow_size > 0 ? 2 * r / static_cast<float>(shadow_size) : 0;
-  return frame;
-}
-
-// Of the ball's radius: how far ambient occlusion looks.
-constexpr float occlusion_reach = 0.11f;
-
-float occlusion_pixels(const Frame& frame, const Camera& camera, int height) {
-  const float metres = occlusion_reach * frame.ball.radius;
-  const float distance = std::max((camera.eye - frame.ball.center).norm() - frame.ball.radius, camera.near_plane);
-  const float seen = camera.ortho_height > 0 ? camera.ortho_height : 2 * distance * std::tan(0.5f * camera.fov_y);
-  return 1.5f * metres / seen * static_cast<float>(height);
 }
 
 bool is_opaque(const DrawItem& item) { return item.surface.opacity >= 1; }
@@ -179,7 +69,7 @@ struct Renderer::Impl {
     gl.BindVertexArray(empty_array);
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
   }
-  void limit_to(const Window& w, int scale) const {
+  void limit_to(const PixelWindow& w, int scale) const {
     gl.Enable(GL_SCISSOR_TEST);
     gl.Scissor(w.x * scale, w.y * scale, w.width * scale, w.height * scale);
   }
@@ -190,7 +80,7 @@ struct Renderer::Impl {
   std::string driver;
   int driver_side = 0;
   GLuint empty_array = 0;
-  Frame frame;
+  PictureFrame frame;
   int samples = 1;
   int width = 0, height = 0;
   GpuMeshes meshes{gl};
@@ -306,7 +196,7 @@ void Renderer::Impl::draw_background(const DrawList& list) {
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_ALWAYS);
   gl.DepthMask(GL_TRUE);
-  auto draw_in = [&](const GlProgram& p, const Window& w) {
+  auto draw_in = [&](const GlProgram& p, const PixelWindow& w) {
     if (w.width <= 0 || w.height <= 0) return;
     limit_to(w, 1);
     set_frame(p, list);
@@ -321,7 +211,7 @@ void Renderer::Impl::draw_background(const DrawList& list) {
     p.set("u_pit", Vec3f(g.pit_half_width, g.pit_begin, g.pit_end));
     draw_screen();
   };
-  const Window w = g.visible ? frame.shadow : Window{};
+  const PixelWindow w = g.visible ? frame.shadow : PixelWindow{};
   draw_in(background_program, w);
   const GlProgram& rest = g.visible ? background_sunny_program : background_empty_program;
   draw_in(rest, {0, 0, width, w.y});
@@ -377,7 +267,7 @@ void Renderer::Impl::draw_occlusion(const DrawList& list) {
     occlusion_program.set("u_ground_depth", 3);
     occlusion_program.set("u_samples", samples);
     occlusion_program.set("u_pixel", Eigen::Vector2f(1.0f / static_cast<float>(width), 1.0f / static_cast<float>(height)));
-    occlusion_program.set("u_radius", occlusion_reach * frame.ball.radius);
+    occlusion_program.set("u_radius", frame.occlusion_reach);
     draw_screen();
     open.bind();
     bind_texture(2, raw_open.texture(0));
@@ -453,8 +343,7 @@ void Renderer::Impl::draw(const DrawList& list, int out_width, int out_height, G
   gl.Disable(GL_CULL_FACE);
   gl.Disable(GL_SCISSOR_TEST);
   meshes.begin(list);
-  frame = make_frame(list, meshes, width, height, options.shadow_size);
-  frame.shaded = grown(frame.figure, static_cast<int>(occlusion_pixels(frame, list.camera, height)) + 2, width, height);
+  frame = make_picture_frame(list, meshes, width, height, options.shadow_size);
   draw_shadows(list);
   draw_background(list);
   draw_opaque(list);
