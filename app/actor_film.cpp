@@ -1,40 +1,98 @@
 #include "app/actor_film.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "app/eyes.h"
+#include "app/legend.h"
 #include "viewer/camera.h"
+#include "viewer/follow_camera.h"
+#include "viewer/lettering.h"
 
 namespace ecorche {
 namespace {
 
-std::vector<Vec3> root_path(const Motion& motion, int frames, double fps) {
-  std::vector<Vec3> path;
-  for (int f = 0; f < frames; ++f) path.push_back(pose_at(motion, f / fps).root);
-  return path;
+constexpr double kRampSeconds = 0.15;    // from full speed to slow motion, of the motion
+constexpr float kLane = 1.5f;            // m between figures side by side
+constexpr float kLowestSide = 240;       // pixels; smaller pictures have no room for words
+
+double ease(double t) {
+  const double x = std::clamp(t, 0.0, 1.0);
+  return x * x * (3 - 2 * x);
 }
 
-std::vector<Camera> cameras_for(const ActorFilm& film, const std::vector<Vec3>& roots, double stature) {
+// How much of full slow motion there is at a moment of the motion.
+double slow_share(const ActorFilm& film, double seconds) {
+  if (!film.slow) return 0;
+  return ease((seconds - film.slow->begin) / kRampSeconds + 1) * ease((film.slow->end - seconds) / kRampSeconds + 1);
+}
+
+// The moments of the motion that the film's frames show.
+std::vector<double> moments_of(const Motion& motion, const ActorFilm& film) {
+  const double end = static_cast<double>(motion.frames.size() - 1) / motion.fps;
+  std::vector<double> moments;
+  double at = 0;
+  while (at <= end + 1e-9) {
+    moments.push_back(at);
+    const double slowness = 1 + (std::max(film.slowness, 1.0) - 1) * slow_share(film, at);
+    at = film.slow ? at + 1 / (film.fps * slowness) : static_cast<double>(moments.size()) / film.fps;
+  }
+  return moments;
+}
+
+// Some of the skin of every figure in every frame, and the ground beneath it: what the camera has to keep in sight.
+std::vector<std::vector<Vec3f>> figures_of(const Actor& actor, const Motion& motion, const std::vector<double>& moments, const Appearance& appearance) {
+  constexpr int stride = 29;
+  std::vector<std::vector<Vec3f>> figures;
+  ActorFrame frame;
+  for (const double at : moments) {
+    play(actor, pose_at(motion, at), frame);
+    std::vector<Vec3f>& points = figures.emplace_back();
+    const Vec3f root = frame.posed.X_WJ.front().translation().cast<float>();
+    for (const Look& look : appearance.looks) {
+      points.emplace_back(root.x() + look.offset.x(), 0, root.z() + look.offset.z());
+      for (std::size_t i = 0; i + 3 < frame.skin.positions.size(); i += 4 * stride)
+        points.emplace_back(Vec3f(frame.skin.positions[i], frame.skin.positions[i + 1], frame.skin.positions[i + 2]) + look.offset);
+    }
+  }
+  return figures;
+}
+
+std::vector<Camera> cameras_for(const ActorFilm& film, const std::vector<std::vector<Vec3f>>& figures, double stature) {
   FollowCamera side;
-  side.climb = 0.9f;  // a jump's highest point stays in the picture
-  if (film.beside) {
-    side.end_azimuth = -1.15f;  // not quite from the side, where one figure would hide the other
-    side.distance = 6.8f;
+  side.fov_y = 0.30f;
+  side.smoothing = 0.22;
+  side.aspect = static_cast<float>(film.width) / static_cast<float>(film.height);
+  if (film.beside) {  // from before and beside them, where neither figure hides the other
+    side.begin_azimuth = -0.62f;
+    side.end_azimuth = -0.95f;
   }
-  std::vector<Camera> cameras = follow(roots, film.fps, side);
-  if (film.camera == "follow") return cameras;
+  const bool follows = film.camera == "follow";
+  if (!follows) side.begin_azimuth = side.end_azimuth = view_angles(film.camera).azimuth;
+  std::vector<Camera> cameras = follow(figures, film.fps, side);
+  if (follows) return cameras;
   const ViewAngles angles = view_angles(film.camera);
-  const float aspect = static_cast<float>(film.width) / static_cast<float>(film.height);
-  for (Camera& camera : cameras) {
-    const Vec3f center(camera.target.x(), camera.target.y(), camera.target.z());
-    camera = orbit_camera(center, 0.65f * static_cast<float>(stature), angles.azimuth, angles.elevation, 0.35f, aspect);
-  }
+  const float radius = (film.beside ? 0.85f : 0.65f) * static_cast<float>(stature);
+  for (Camera& camera : cameras) camera = orbit_camera(camera.target, radius, angles.azimuth, angles.elevation, 0.35f, side.aspect);
   return cameras;
 }
 
-// Figures side by side stand across the way they go, so that neither hides the other from the camera.
+// Skin before the dissolve, écorché after it; nothing that is hidden is drawn.
+void dissolve(const Span& when, double seconds, Look& look) {
+  const Look bare = look;
+  look.skin = 1;
+  look.skin_edge = 0;
+  look.skin_dissolved = static_cast<float>(std::clamp((seconds - when.begin) / std::max(when.end - when.begin, 1e-6), 0.0, 1.0));
+  if (look.skin_dissolved <= 0) look.muscles = look.bones = 0;
+  if (look.skin_dissolved >= 1) look = bare, look.skin = look.skin_edge = 0;
+}
+
+// Figures side by side run in lanes of their own.
 Appearance appearance_of(const ActorFilm& film) {
   Appearance appearance;
+  appearance.muscle_colors = film.muscle_colors;
   Look look;
   look.skin = film.skin ? 1.0f : 0.0f;
   look.muscles = film.muscles ? 1.0f : 0.0f;
@@ -49,11 +107,30 @@ Appearance appearance_of(const ActorFilm& film) {
     skinned.skin = 1;
     skinned.muscles = skinned.bones = 0;  // nothing of them is seen, and drawing them is half of a frame's time
     flayed.skin = 0;
-    skinned.offset = Vec3f(0.55f, 0, 0.5f);
-    flayed.offset = Vec3f(-0.55f, 0, -0.5f);
-    appearance.looks = {skinned, flayed};
+    skinned.offset = Vec3f(0.5f * kLane, 0, 0);
+    flayed.offset = Vec3f(-0.5f * kLane, 0, 0);
+    appearance.looks = {flayed, skinned};
   }
   return appearance;
+}
+
+// A sports ground on a bright day.
+void light_outdoors(const ActorFilm& film, DrawList& list) {
+  list.ground = film.ground;
+  list.background_top = Vec3f(0.50f, 0.64f, 0.78f);
+  list.background_bottom = Vec3f(0.90f, 0.93f, 0.94f);
+  list.lighting.key_strength = 1.5f;
+  list.lighting.ambient_strength = 0.5f;
+}
+
+void write_words(const ActorFilm& film, double seconds, Image& picture) {
+  if (std::min(picture.width, picture.height) < kLowestSide) return;
+  const float size = 0.026f * static_cast<float>(picture.height), edge = 1.4f * size;
+  if (film.legend && film.muscles) draw_muscle_legend(picture, edge, edge, size, film.muscle_colors);
+  const auto slow = static_cast<float>(slow_share(film, seconds));
+  if (slow > 0)
+    draw_text(picture, fmt::format("slow motion: 1 / {:g}", film.slowness), static_cast<float>(picture.width) - edge, edge + size,
+              {.size = size, .opacity = slow, .align = Align::right});
 }
 
 }  // namespace
@@ -73,23 +150,30 @@ Pose pose_at(const Motion& motion, double seconds) {
 FilmReport film_actor(const Actor& actor, const Motion& motion, const ActorFilm& film, const Common& common) {
   const Body& body = actor.character.body;
   const double stature = body.skin.V.col(1).maxCoeff() - body.skin.V.col(1).minCoeff();
-  const int frames = std::max(1, static_cast<int>(std::lround(static_cast<double>(motion.frames.size() - 1) / motion.fps * film.fps)) + 1);
-  const auto cameras = cameras_for(film, root_path(motion, frames, film.fps), stature);
-  const SceneModel model = make_scene_model(actor.character.anatomy, body.skin);
-  const Appearance appearance = appearance_of(film);
+  const std::vector<double> moments = moments_of(motion, film);
+  const int frames = static_cast<int>(moments.size());
+  const Appearance whole = appearance_of(film);
+  const auto cameras = cameras_for(film, figures_of(actor, motion, moments, whole), stature);
+  SceneOptions scene_options;
+  scene_options.eyes = find_eyes(body.skin, actor.character.anatomy.skeleton);
+  const SceneModel model = make_scene_model(actor.character.anatomy, body.skin, scene_options);
 
   FilmOptions options;
   options.output = film.output;
   options.width = film.width;
   options.height = film.height;
   options.video.fps = film.fps;
+  options.finish = [&](int f, Image& picture) { write_words(film, moments[f], picture); };
   ActorFrame frame;
   std::vector<float> activity;
+  Appearance appearance;
   const FrameSource source = [&](int f, Scene& scene) {
-    play(actor, pose_at(motion, f / film.fps), frame);
+    play(actor, pose_at(motion, moments[f]), frame);
     muscle_shortening(model, frame.posed, activity);
     scene.list.camera = cameras[f];
-    scene.list.ground = film.ground;
+    light_outdoors(film, scene.list);
+    appearance = whole;
+    if (film.dissolve) dissolve(*film.dissolve, moments[f], appearance.looks.front());
     update_scene(model, frame.posed, &frame.skin, activity, appearance, static_cast<std::uint64_t>(f) + 1, scene);
   };
   return make_film(options, frames, source, [&](int done) { progress(common, film.output.filename().string(), done, frames); });

@@ -30,6 +30,11 @@ Ground jump_ground(double scale) {
   const double metre = 100 * scale;
   Ground ground;
   ground.visible = true;
+  ground.color = Vec3f(0.66f, 0.70f, 0.60f);
+  ground.grid = 0;
+  ground.lanes = 2;
+  ground.track_half_width = 1.5f;
+  ground.pit_half_width = 1.9f;
   ground.track_begin = -60;
   ground.track_end = static_cast<float>(metre);
   ground.board = 1e-3f;
@@ -174,18 +179,21 @@ int run(const DemoOptions& options, const Common& common, Report& report) {
   write_character(options.folder / "athlete.glb", actor.character, actor.binding, &motion);
   write_cache(options.folder / "long-jump.pc2", actor, motion);
 
+  DemoRecord record;
   ActorFilm film;
   film.output = options.folder / "long-jump.mp4";
   film.beside = true;
+  record.events = flight_events(motion);
+  const double takeoff = record.events[0].first, landing = record.events[2].first;
+  film.dissolve = Span{0.15 * takeoff, 0.6 * takeoff};
+  film.slow = Span{takeoff - 0.15, landing + 0.1};
   film.ground = jump_ground(report.number("motion.scale"));
   const FilmReport filmed = film_actor(actor, motion, film, common);
   report.set("timings_ms.film", 1e3 * filmed.seconds);
   report.set("film.frames", filmed.frames);
   report.set("film.driver", filmed.driver);
 
-  DemoRecord record;
   record.curves = follow_muscles(actor, motion, record.seconds);
-  record.events = flight_events(motion);
   add_stage_pictures(body_template, body, fitted.undilated, actor, motion, record);
   write_file_atomically(options.folder / "report.html", demo_page(record, report));
   const auto missed = missed_targets(fitted);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <sstream>
+#include <vector>
 
 #include "anatomy/errors.h"
 #include "app/actor_film.h"
@@ -14,6 +15,8 @@ namespace {
 struct RenderVerbOptions {
   std::filesystem::path character, motion;
   std::string layers = "skin,muscles,bones", size = "1280x720";
+  std::vector<double> dissolve;
+  bool colour_map = false;
   MotionOptions retarget;
   ActorFilm film;
 };
@@ -38,6 +41,8 @@ void set_size(const std::string& text, ActorFilm& film) {
 int run(RenderVerbOptions options, const Common& common, Report& report) {
   set_layers(options.layers, options.film);
   set_size(options.size, options.film);
+  if (options.dissolve.size() == 2) options.film.dissolve = Span{options.dissolve[0], options.dissolve[1]};
+  if (options.colour_map) options.film.muscle_colors = MuscleColors::shortening;
   const Actor actor = make_actor(read_character(options.character), report);
   const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), report);
   options.film.ground.visible = true;
@@ -61,6 +66,11 @@ void add_render_verb(VerbRegistry& registry) {
   verb->add_option("-o,--output", options->film.output, "FILM.mp4, or numbered pictures DIR/%04d.png")->required();
   verb->add_option("--layers", options->layers, "What is seen: skin, muscles, bones; the skin is glass over other layers")->capture_default_str();
   verb->add_flag("--beside", options->film.beside, "The skin, and the figure without it beside it");
+  verb->add_option("--dissolve", options->dissolve, "The skin goes, from the feet up, between these two moments of the motion, in seconds")
+      ->expected(2)
+      ->delimiter(',');
+  verb->add_flag("--colour-map", options->colour_map, "Muscle lengths in orange and blue that colour-blind eyes tell apart");
+  verb->add_flag("!--no-legend", options->film.legend, "Leave away what the muscles' colours mean");
   verb->add_option("--size", options->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   verb->add_option("--fps", options->film.fps, "Frames a second")->check(CLI::Range(1.0, 240.0))->capture_default_str();
   verb->add_option("--camera", options->film.camera, "follow; or front, back, left, right, top, oblique, or AZIMUTH,ELEVATION in degrees")

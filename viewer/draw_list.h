@@ -80,6 +80,7 @@ struct Ground {
   Vec3f color{0.80f, 0.80f, 0.78f};
   float grid = 1;                // metres between lines; 0: none
   float track_half_width = 0.61f;
+  int lanes = 1;                 // side by side within it, with lines between
   float track_center = 0;        // x
   float track_begin = 0, track_end = 0;  // z
   float board = 0;               // z of the take-off line; the board is 0.20 m deep and ends there; 0: none

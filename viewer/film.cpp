@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cmath>
 #include <condition_variable>
 #include <deque>
 #include <exception>
@@ -153,13 +152,15 @@ void write_frames(Pipeline& pipeline, FrameWriter& writer, const std::function<v
   }
 }
 
-void draw_frames(Pipeline& pipeline, Renderer& renderer, int width, int height, double& seconds) {
+void draw_frames(Pipeline& pipeline, Renderer& renderer, int width, int height, const FrameFinish& finish, double& seconds) {
   try {
+    int frame = 0;
     while (const std::optional<int> scene = pipeline.full_scenes.take()) {
       const std::optional<int> image = pipeline.free_images.take();
       if (!image || pipeline.stopped()) return;
       const Clock::time_point start = Clock::now();
       pipeline.images[*image] = renderer.render(pipeline.scenes[*scene].list, width, height);
+      if (finish) finish(frame++, pipeline.images[*image]);
       seconds += since(start);
       pipeline.free_scenes.put(*scene);
       pipeline.full_images.put(*image);
@@ -171,34 +172,6 @@ void draw_frames(Pipeline& pipeline, Renderer& renderer, int width, int height, 
 }
 
 int even(int size) { return size + size % 2; }
-
-float ease(double t) {
-  const double x = std::clamp(t, 0.0, 1.0);
-  return static_cast<float>(x * x * (3 - 2 * x));
-}
-
-// Gaussian filter along the path; beyond its ends the first and last motion goes on, so that the camera does not lag there.
-std::vector<Vec3> smooth(std::span<const Vec3> path, double sigma_frames) {
-  const int n = static_cast<int>(path.size());
-  const int reach = static_cast<int>(std::ceil(3 * sigma_frames));
-  auto at = [&](int f) -> Vec3 {
-    if (f < 0) return 2 * path[0] - path[std::min(-f, n - 1)];
-    if (f >= n) return 2 * path[n - 1] - path[std::max(2 * (n - 1) - f, 0)];
-    return path[f];
-  };
-  std::vector<Vec3> out(path.size());
-  for (int f = 0; f < n; ++f) {
-    Vec3 sum = Vec3::Zero();
-    double weight = 0;
-    for (int k = -reach; k <= reach; ++k) {
-      const double w = sigma_frames > 0 ? std::exp(-0.5 * k * k / (sigma_frames * sigma_frames)) : 1;
-      sum += w * at(f + k);
-      weight += w;
-    }
-    out[f] = sum / weight;
-  }
-  return out;
-}
 
 }  // namespace
 
@@ -223,38 +196,12 @@ FilmReport make_film(const FilmOptions& options, int frames, const FrameSource& 
   {
     const std::jthread poser([&] { pose_frames(pipeline, frames, source, report.pose_seconds); });
     const std::jthread encoder([&] { write_frames(pipeline, writer, progress, report.write_seconds); });
-    draw_frames(pipeline, renderer, report.width, report.height, report.draw_seconds);
+    draw_frames(pipeline, renderer, report.width, report.height, options.finish, report.draw_seconds);
   }
   if (pipeline.error) std::rethrow_exception(pipeline.error);
   writer.finish();
   report.seconds = since(start);
   return report;
-}
-
-std::vector<Camera> follow(std::span<const Vec3> roots, double fps, const FollowCamera& options) {
-  std::vector<Camera> cameras(roots.size());
-  if (roots.empty()) return cameras;
-  const std::vector<Vec3> path = smooth(roots, options.smoothing * fps);
-  const double first_height = roots.front().y();
-  const int last = static_cast<int>(roots.size()) - 1;
-  for (int f = 0; f <= last; ++f) {
-    // The lead grows with speed, and is gone when the athlete stands.
-    Vec3 speed = (path[std::min(f + 1, last)] - path[std::max(f - 1, 0)]) * fps / std::max(1, std::min(f + 1, last) - std::max(f - 1, 0));
-    speed.y() = 0;
-    const Vec3 ahead = options.lead * speed / std::max(1.0, speed.norm());
-    const double share = last > 0 ? double(f) / last : 0;
-    const float turn = ease((share - options.turn_begin) / std::max(1e-9, options.turn_end - options.turn_begin));
-    const float azimuth = options.begin_azimuth + turn * (options.end_azimuth - options.begin_azimuth);
-    Camera& camera = cameras[f];
-    const Vec3f base = Vec3(path[f] + ahead).cast<float>();
-    const float rise = options.climb * static_cast<float>(path[f].y() - first_height);
-    camera.target = Vec3f(base.x(), options.target_height + rise, base.z());
-    camera.eye = Vec3f(base.x() + options.distance * std::sin(azimuth), options.height + 0.5f * rise, base.z() + options.distance * std::cos(azimuth));
-    camera.fov_y = options.fov_y;
-    camera.near_plane = 0.3f;
-    camera.far_plane = 200;
-  }
-  return cameras;
 }
 
 }  // namespace ecorche

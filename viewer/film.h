@@ -3,8 +3,6 @@
 
 #include <filesystem>
 #include <functional>
-#include <span>
-#include <vector>
 
 #include "viewer/renderer.h"
 #include "viewer/scene.h"
@@ -12,11 +10,15 @@
 
 namespace ecorche {
 
+// Called with each finished picture, in order, before it is written: legends and titles.
+using FrameFinish = std::function<void(int frame, Image& picture)>;
+
 struct FilmOptions {
   std::filesystem::path output;    // FILM.mp4, or DIR/%04d.png (any width; counted from 1)
   int width = 1280, height = 720;  // made even for an .mp4
   VideoOptions video{};
   RenderOptions render{};
+  FrameFinish finish{};
 };
 
 struct FilmReport {
@@ -32,21 +34,5 @@ using FrameSource = std::function<void(int frame, Scene& scene)>;
 // Throws UsageError (size, name, no frames), LimitError (size), OutputError (folder, ffmpeg, disk). Numbered pictures that were
 // finished before an error stay; a film appears whole or not at all. What `source` throws comes out here.
 FilmReport make_film(const FilmOptions& options, int frames, const FrameSource& source, const std::function<void(int)>& progress = {});
-
-// A camera that goes along with the athlete without shaking: the root's path, smoothed over time.
-struct FollowCamera {
-  double smoothing = 0.35;     // s, standard deviation of the filter over the path
-  double lead = 0.25;          // m ahead of the athlete, along the smoothed motion
-  float distance = 6.2f;       // m, level
-  float height = 1.15f;        // m, of the eye
-  float target_height = 0.98f;  // m, of the point looked at, while the root is at its first height
-  float climb = 0.5f;          // share of the root's rise that the target follows
-  float begin_azimuth = -1.05f, end_azimuth = -1.5707963f;  // rad, of the eye seen from the athlete; 0 front, -pi/2 its right side
-  double turn_begin = 0, turn_end = 1;  // shares of the film in which it goes from one to the other
-  float fov_y = 0.42f;         // rad
-};
-
-// Cameras for all frames. roots: the root joint's world positions.
-std::vector<Camera> follow(std::span<const Vec3> roots, double fps, const FollowCamera& options = {});
 
 }  // namespace ecorche

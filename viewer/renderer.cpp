@@ -208,6 +208,7 @@ void Renderer::Impl::draw_background(const DrawList& list) {
     p.set("u_board", g.board);
     p.set("u_fade_distance", 30.0f);
     p.set("u_track", Vec4f(g.track_center, g.track_half_width, g.track_begin, g.track_end));
+    p.set("u_lane", 2 * g.track_half_width / static_cast<float>(std::max(g.lanes, 1)));
     p.set("u_pit", Vec3f(g.pit_half_width, g.pit_begin, g.pit_end));
     draw_screen();
   };
@@ -268,6 +269,7 @@ void Renderer::Impl::draw_occlusion(const DrawList& list) {
     occlusion_program.set("u_samples", samples);
     occlusion_program.set("u_pixel", Eigen::Vector2f(1.0f / static_cast<float>(width), 1.0f / static_cast<float>(height)));
     occlusion_program.set("u_radius", frame.occlusion_reach);
+    occlusion_program.set("u_ball", Vec4f(frame.ball.center.x(), frame.ball.center.y(), frame.ball.center.z(), frame.ball.radius));
     draw_screen();
     open.bind();
     bind_texture(2, raw_open.texture(0));

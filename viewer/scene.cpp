@@ -4,16 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 namespace ecorche {
 namespace {
 
 const Vec3f tendon_color(0.93f, 0.88f, 0.78f);
-const Vec3f belly_color(0.60f, 0.13f, 0.11f);
-const Vec3f short_color(0.84f, 0.17f, 0.10f);
-const Vec3f long_color(0.42f, 0.10f, 0.13f);
+// Light and dark tell shortened from stretched where hues cannot.
+const Vec3f belly_color(0.62f, 0.24f, 0.20f);
+const Vec3f short_color(0.95f, 0.52f, 0.20f);
+const Vec3f long_color(0.36f, 0.19f, 0.42f);
 const Vec3f selected_color(0.98f, 0.80f, 0.25f);
 // Okabe & Ito's orange and blue, with a light grey between them.
 const Vec3f map_short(0.90f, 0.62f, 0.00f);
@@ -104,12 +107,6 @@ void set_fibres(DrawMesh& muscles, const MuscleSurface& surface, const Anatomy& 
 
 Vec3f mix(const Vec3f& a, const Vec3f& b, float t) { return a + t * (b - a); }
 
-Vec3f flesh_color(float activity) {
-  return activity >= 0 ? mix(belly_color, short_color, activity) : mix(belly_color, long_color, -activity);
-}
-
-Vec3f map_color(float activity) { return activity >= 0 ? mix(map_rest, map_short, activity) : mix(map_rest, map_long, -activity); }
-
 // No two neighbours quite alike, so that the eye tells them apart.
 float own_tone(int muscle) { return 0.90f + 0.20f * unit(static_cast<std::uint32_t>(muscle) + 17); }
 
@@ -118,7 +115,8 @@ void color_muscles(const SceneModel& model, std::span<const float> activity, con
   for (const MuscleSurface::Part& part : model.surface.parts) {
     const float a = activity.empty() ? 0 : std::clamp(activity[part.muscle], -1.0f, 1.0f);
     const bool map = appearance.muscle_colors == MuscleColors::shortening;
-    Vec3f belly = map ? map_color(a) : Vec3f(flesh_color(a) * own_tone(part.muscle));
+    Vec3f belly = muscle_color(appearance.muscle_colors, a);
+    if (!map) belly *= own_tone(part.muscle);
     Vec3f tendon = map ? Vec3f(0.70f, 0.69f, 0.67f) : tendon_color;
     if (appearance.selected == kFirstMusclePart + static_cast<std::uint32_t>(part.muscle)) {
       belly = selected_color;
@@ -166,9 +164,9 @@ Mat4f moved_by(const Vec3f& offset) {
   return m;
 }
 
-// The list's meshes, in the model's order: skin, muscles, bones. A list from elsewhere is filled anew.
+// The list's meshes, in the model's order: skin, muscles, bones, eyes. A list from elsewhere is filled anew.
 void take_meshes(const SceneModel& model, DrawList& list) {
-  const std::size_t wanted = 2 + model.bones.size();
+  const std::size_t wanted = 2 + model.bones.size() + model.eyes.size();
   bool same = list.meshes.size() == wanted && list.meshes[0].key == model.skin.key && list.meshes[1].key == model.muscles.key;
   if (same) same = list.meshes[0].positions.size() == model.skin.positions.size() && list.meshes[1].fibres.size() == model.muscles.fibres.size();
   if (same) return;
@@ -177,23 +175,39 @@ void take_meshes(const SceneModel& model, DrawList& list) {
   list.meshes.push_back(model.skin);
   list.meshes.push_back(model.muscles);
   list.meshes.insert(list.meshes.end(), model.bones.begin(), model.bones.end());
+  list.meshes.insert(list.meshes.end(), model.eyes.begin(), model.eyes.end());
+}
+
+Mat4f joint_motion(const SceneModel& model, const PosedAnatomy& posed, int joint) {
+  Transform rest_to_joint = Transform::Identity();
+  rest_to_joint.translation() = -model.joint_rest[joint];
+  const Transform moved = posed.X_WJ[joint] * rest_to_joint;
+  return moved.matrix().cast<float>();
 }
 
 void add_look(const SceneModel& model, const PosedAnatomy& posed, const Appearance& appearance, const Look& look, DrawList& list) {
   const Mat4f offset = moved_by(look.offset);
   if (look.bones > 0) {
     for (std::size_t b = 0; b < model.bones.size(); ++b) {
-      Transform rest_to_joint = Transform::Identity();
-      rest_to_joint.translation() = -model.joint_rest[model.bone_joints[b]];
-      const Transform moved = posed.X_WJ[model.bone_joints[b]] * rest_to_joint;
       DrawItem& item = list.items.emplace_back();
       item.mesh = static_cast<int>(2 + b);
-      item.X_WM = offset * moved.matrix().cast<float>();
+      item.X_WM = offset * joint_motion(model, posed, model.bone_joints[b]);
       item.surface = bone_surface(appearance, look.bones);
       item.closed = true;
       item.part = kFirstBonePart + static_cast<std::uint32_t>(b);
       if (item.part == appearance.selected) item.surface.color = selected_color;
       item.casts_shadow = look.muscles < 0.5f || model.bone_shadows[b];
+    }
+  }
+  // Eyes go with whatever hides what is behind them; bare bones have none.
+  if (look.muscles >= 1 || (look.skin >= 1 && look.skin_dissolved < 1)) {
+    for (std::size_t e = 0; e < model.eyes.size(); ++e) {
+      DrawItem& item = list.items.emplace_back();
+      item.mesh = static_cast<int>(2 + model.bones.size() + e);
+      item.X_WM = offset * joint_motion(model, posed, model.eye_joints[e]);
+      item.surface = {.color = Vec3f(0.9f, 0.9f, 0.9f), .roughness = 0.18f, .specular = 0.04f, .scatter = 0.2f};
+      item.casts_shadow = false;
+      item.closed = true;
     }
   }
   if (look.muscles > 0 && !model.muscles.triangles.empty()) {
@@ -227,7 +241,38 @@ void set_focus(const PosedAnatomy& posed, const Appearance& appearance, DrawList
   list.focus_radius = 0.5f * (high - low).norm() + 0.25f;
 }
 
+// A globe whose pole looks along +Z; rings are doubled where its colour changes.
+DrawMesh make_eye(const Eyeball& eye, std::uint64_t key) {
+  constexpr int around = 32;
+  const Vec3f pupil(0.03f, 0.025f, 0.02f), iris(0.28f, 0.19f, 0.11f), white(0.90f, 0.88f, 0.84f);
+  const std::pair<double, Vec3f> rings[] = {{0, pupil}, {11, pupil}, {11, iris}, {20, iris}, {28, iris}, {28, white}, {40, white},
+                                            {60, white}, {80, white}, {105, white}, {130, white}, {155, white}, {180, white}};
+  DrawMesh mesh;
+  mesh.key = key;
+  for (const auto& [degrees, color] : rings)
+    for (int k = 0; k < around; ++k) {
+      const double polar = degrees * std::numbers::pi / 180, turn = 2 * std::numbers::pi * k / around;
+      const Vec3 out(std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar));
+      mesh.positions.push_back(Vec3(eye.center + eye.radius * out).cast<float>());
+      mesh.normals.push_back(out.cast<float>());
+      mesh.colors.push_back(color);
+    }
+  for (std::uint32_t ring = 0; ring + 1 < std::size(rings); ++ring)
+    for (std::uint32_t k = 0; k < around; ++k) {
+      const std::uint32_t a = ring * around + k, b = ring * around + (k + 1) % around;
+      mesh.triangles.emplace_back(a, a + around, b);
+      mesh.triangles.emplace_back(b, a + around, b + around);
+    }
+  return mesh;
+}
+
 }  // namespace
+
+Vec3f muscle_color(MuscleColors colors, float activity) {
+  const bool map = colors == MuscleColors::shortening;
+  const Vec3f &rest = map ? map_rest : belly_color, &end = activity >= 0 ? (map ? map_short : short_color) : (map ? map_long : long_color);
+  return mix(rest, end, std::min(std::abs(activity), 1.0f));
+}
 
 Part part_of(std::uint32_t number) {
   if (number >= kFirstMusclePart) return {Part::Kind::muscle, static_cast<int>(number - kFirstMusclePart)};
@@ -246,6 +291,10 @@ SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin, const S
     model.bone_joints.push_back(anatomy.bones[b].joint);
     const std::string& joint = anatomy.skeleton.joints[anatomy.bones[b].joint].name;
     model.bone_shadows.push_back(joint == "head" || joint == "jaw");
+  }
+  for (const Eyeball& eye : options.eyes) {
+    model.eyes.push_back(make_eye(eye, key + 3 + anatomy.bones.size() + model.eyes.size()));
+    model.eye_joints.push_back(eye.joint);
   }
   model.joint_rest = rest_positions(anatomy.skeleton);
   model.strips = slice_ranges(anatomy);

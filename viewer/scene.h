@@ -28,9 +28,17 @@ struct Part {
 };
 Part part_of(std::uint32_t number);
 
+// Drawn as white, iris and pupil; looks along the joint's +Z at rest.
+struct Eyeball {
+  Vec3 center = Vec3::Zero();  // world, at rest, m
+  double radius = 0.012;       // m
+  int joint = 0;               // rides on it
+};
+
 struct SceneOptions {
   MuscleSurfaceOptions surface;
   double fascicle = 0.0035;  // m, width of the fibre lines on muscles
+  std::vector<Eyeball> eyes; // seen with the skin as well as without it
   std::uint64_t key = 1;     // a character's number; another one while two are drawn with one renderer
 };
 
@@ -38,6 +46,8 @@ struct SceneModel {
   MuscleSurface surface;
   DrawMesh skin, muscles;           // at rest
   std::vector<DrawMesh> bones;      // world, at rest
+  std::vector<DrawMesh> eyes;       // world, at rest
+  std::vector<int> eye_joints;      // #eyes
   std::vector<int> bone_joints;     // #bones
   std::vector<char> bone_shadows;   // #bones, 1: casts a shadow of its own though muscles are there (the others lie within them)
   std::vector<Vec3> joint_rest;     // #joints, world
@@ -50,9 +60,12 @@ struct SceneModel {
 SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin, const SceneOptions& options = {});
 
 enum class MuscleColors {
-  flesh,      // lighter and redder while it shortens, darker while it is stretched
+  flesh,      // towards orange while it shortens, towards violet while it is stretched
   shortening  // orange shortened, white at rest, blue stretched; safe for colour-blind eyes
 };
+
+// The colour of a belly in sRGB. activity: as of muscle_shortening, -1 .. 1.
+Vec3f muscle_color(MuscleColors colors, float activity);
 
 // One appearance of the character; several stand side by side by their offsets.
 struct Look {

@@ -86,15 +86,22 @@ vec3 tilt(vec3 n, float height) {
   return normalize(abs(det) * n - g);
 }
 
-// Fibres run along the belly; they fade out where they would be thinner than three samples.
+// `count` fibres around the belly. `turn` is how far the angle around it goes from one sample to the next.
+float fibres(float count, float angle, float wander) {
+  float phase = count * angle + 2.0 * wander;
+  return 0.65 * cos(phase) + 0.35 * cos(3.0 * phase + 1.7 * sin(phase * 0.5));
+}
+
+// Fibres run along the belly. Where they would be thinner than about four samples, bundles of two, four, ... are drawn instead.
 float fibre_line() {
   float angle = atan(v_fibre.y, v_fibre.x);
   float wander = 0.35 * sin(31.0 * v_fibre.w + 3.0 * angle) + 0.25 * sin(83.0 * v_fibre.w - 5.0 * angle);
-  float phase = v_fibre.z * angle + 2.0 * wander;
-  vec2 turn = vec2(cos(phase), sin(phase));
-  float speed = length(vec2(length(dFdx(turn)), length(dFdy(turn))));
-  float fade = 1.0 - smoothstep(0.9, 2.0, speed);
-  return fade * (0.65 * turn.x + 0.35 * cos(3.0 * phase + 1.7 * sin(phase * 0.5)));
+  float turn = length(vec2(length(dFdx(v_fibre.xy)), length(dFdy(v_fibre.xy)))) / max(length(v_fibre.xy), 0.1);
+  float level = max(log2(max(v_fibre.z * turn, 1e-6) / 1.3), 0.0);
+  float whole = floor(level), part = smoothstep(0.3, 0.7, level - whole);
+  float fine = max(round(v_fibre.z / exp2(whole)), 3.0), coarse = max(round(v_fibre.z / exp2(whole + 1.0)), 3.0);
+  float fade = 1.0 - smoothstep(0.9, 2.0, coarse * turn);
+  return fade * mix(fibres(fine, angle, wander), fibres(coarse, angle, wander), part);
 }
 
 float highlight(vec3 n, vec3 v, vec3 l, float roughness) {
@@ -178,7 +185,7 @@ const char* const background_fragment = R"(
 in vec2 v_uv;
 uniform mat4 u_view_projection, u_unproject;
 uniform vec3 u_top, u_bottom, u_ground_color;
-uniform float u_ground_height, u_grid, u_board, u_fade_distance;
+uniform float u_ground_height, u_grid, u_board, u_lane, u_fade_distance;
 uniform vec4 u_track;  // centre x, half width, begin z, end z
 uniform vec3 u_pit;    // half width, begin z, end z
 layout(location = 0) out vec4 o_color;
@@ -222,7 +229,9 @@ void main() {
     vec3 tartan = to_linear(vec3(0.66, 0.29, 0.22)) * (1.0 + 0.22 * speckle * (1.0 - smoothstep(0.003, 0.02, max(fx.x, fx.y))));
     tartan *= 1.0 - 0.10 * lines(p.z, u_grid, 0.015, fx.y);
     base = mix(base, tartan, on * (1.0 - smoothstep(u_track.y - 0.5 * fx.x, u_track.y + 0.5 * fx.x, x)));
+    float across = p.x - u_track.x + u_track.y;
     base = mix(base, vec3(0.85), on * band(x, u_track.y - 0.05, u_track.y, fx.x));
+    if (u_lane < u_track.y * 1.9) base = mix(base, vec3(0.85), on * step(x, u_track.y - 0.1) * lines(across, u_lane, 0.05, fx.x));
     if (u_board != 0.0) {
       float inside = 1.0 - smoothstep(u_track.y - 0.05 - 0.5 * fx.x, u_track.y - 0.05 + 0.5 * fx.x, x);
       base = mix(base, vec3(0.88), inside * band(p.z, u_board - 0.20, u_board, fx.y));
@@ -263,6 +272,7 @@ uniform mat4 u_view_projection, u_unproject;
 uniform vec2 u_pixel;  // of this picture
 uniform int u_samples;
 uniform float u_radius;
+uniform vec4 u_ball;  // around the figure
 layout(location = 0) out vec4 o_open;
 
 // The nearer of figure and ground; the figure is drawn with several samples a pixel, of which one serves.
@@ -285,6 +295,12 @@ void main() {
     return;
   }
   vec3 p = world(vec2(here), depth);
+  // Far from the figure there is nothing to close the sky, and depths are too coarse to tell.
+  float near = 1.0 - smoothstep(1.1 * u_ball.w, 1.3 * u_ball.w, length(p - u_ball.xyz));
+  if (near <= 0.0) {
+    o_open = vec4(1.0);
+    return;
+  }
   vec3 n = own <= ground ? normalize(texelFetch(u_normals, here * u_samples, 0).xyz - 0.5) : vec3(0, 1, 0);
   vec4 clip = u_view_projection * vec4(p, 1.0);
   vec3 side = vec3(u_view_projection[0][0], u_view_projection[1][0], u_view_projection[2][0]);
@@ -308,7 +324,7 @@ void main() {
     }
     closed += horizon;
   }
-  o_open = vec4(clamp(1.0 - 1.15 * closed / 6.0, 0.0, 1.0));
+  o_open = vec4(clamp(1.0 - 1.15 * near * closed / 6.0, 0.0, 1.0));
 }
 )";
 

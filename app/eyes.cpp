@@ -1,0 +1,62 @@
+#include "app/eyes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "anatomy/errors.h"
+
+namespace ecorche {
+namespace {
+
+struct Rim {
+  Vec3 center = Vec3::Zero();
+  double radius = 0;  // root mean square
+};
+
+Rim rim_of(const std::vector<int>& loop, const Points& points) {
+  Rim rim;
+  for (const int v : loop) rim.center += points.row(v).transpose() / static_cast<double>(loop.size());
+  for (const int v : loop) rim.radius += (points.row(v).transpose() - rim.center).squaredNorm() / static_cast<double>(loop.size());
+  rim.radius = std::sqrt(rim.radius);
+  return rim;
+}
+
+// The globe without its cornea: half the width of the helper geometry.
+Eyeball globe(const std::vector<int>& vertices, const Points& points) {
+  Vec3 low = points.row(vertices.front()), high = low;
+  for (const int v : vertices) low = low.cwiseMin(points.row(v).transpose()), high = high.cwiseMax(points.row(v).transpose());
+  const double radius = 0.5 * (high.x() - low.x());
+  return {Vec3(0.5 * (low.x() + high.x()), 0.5 * (low.y() + high.y()), low.z() + radius), radius, 0};
+}
+
+}  // namespace
+
+std::vector<Eyeball> find_eyes(const BodyPackage& package, const TriMesh& skin, const Skeleton& skeleton) {
+  const int head = find_joint(skeleton, "head");
+  std::vector<Eyeball> eyes;
+  if (skin.V.rows() != package.skin_size || head < 0) return eyes;
+  for (const Cavity& cavity : package.cavities) {
+    if (!cavity.name.starts_with("eye_")) continue;
+    const std::string wanted = "helper-" + cavity.name.substr(4) + "-eye";
+    const auto group = std::find_if(package.groups.begin(), package.groups.end(), [&](const auto& g) { return g.first == wanted; });
+    if (group == package.groups.end() || group->second.empty()) continue;
+    Eyeball eye = globe(group->second, package.points);
+    const Rim from = rim_of(cavity.loop, package.points), to = rim_of(cavity.loop, skin.V);
+    const double scale = to.radius / from.radius;
+    eye.center = to.center + scale * (eye.center - from.center);
+    eye.radius *= scale;
+    eye.joint = head;
+    eyes.push_back(eye);
+  }
+  return eyes;
+}
+
+std::vector<Eyeball> find_eyes(const TriMesh& skin, const Skeleton& skeleton) {
+  try {
+    return find_eyes(read_body_package(find_packages()), skin, skeleton);
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+}  // namespace ecorche

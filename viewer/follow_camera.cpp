@@ -1,0 +1,111 @@
+#include "viewer/follow_camera.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "viewer/camera.h"
+
+namespace ecorche {
+namespace {
+
+float ease(double t) {
+  const double x = std::clamp(t, 0.0, 1.0);
+  return static_cast<float>(x * x * (3 - 2 * x));
+}
+
+// Gaussian weights for shifts of 0 .. reach; they sum to 1 over -reach .. reach.
+std::vector<float> bell(double sigma_frames) {
+  const int reach = static_cast<int>(std::ceil(3 * sigma_frames));
+  std::vector<float> weights(reach + 1, 1);
+  float sum = 1;
+  for (int k = 1; k <= reach; ++k) {
+    weights[k] = std::exp(static_cast<float>(-0.5 * k * k / (sigma_frames * sigma_frames)));
+    sum += 2 * weights[k];
+  }
+  for (float& w : weights) w /= sum;
+  return weights;
+}
+
+// Beyond the ends the first and last motion goes on, so that the camera does not lag there.
+std::vector<Vec3f> smooth_way(const std::vector<Vec3f>& way, const std::vector<float>& weights) {
+  const int n = static_cast<int>(way.size()), reach = static_cast<int>(weights.size()) - 1;
+  auto at = [&](int f) -> Vec3f {
+    if (f < 0) return 2 * way[0] - way[std::min(-f, n - 1)];
+    if (f >= n) return 2 * way[n - 1] - way[std::max(2 * (n - 1) - f, 0)];
+    return way[f];
+  };
+  std::vector<Vec3f> out(way.size(), Vec3f::Zero());
+  for (int f = 0; f < n; ++f)
+    for (int k = -reach; k <= reach; ++k) out[f] += weights[std::abs(k)] * at(f + k);
+  return out;
+}
+
+// Nowhere below `values`: the mean of the largest values around, over no wider a window than they were taken from.
+std::vector<float> smooth_above(const std::vector<float>& values, const std::vector<float>& weights) {
+  const int n = static_cast<int>(values.size()), reach = static_cast<int>(weights.size()) - 1;
+  std::vector<float> largest(values.size()), out(values.size(), 0);
+  for (int f = 0; f < n; ++f)
+    largest[f] = *std::max_element(values.begin() + std::max(f - reach, 0), values.begin() + std::min(f + reach + 1, n));
+  for (int f = 0; f < n; ++f)
+    for (int k = -reach; k <= reach; ++k) out[f] += weights[std::abs(k)] * largest[std::clamp(f + k, 0, n - 1)];
+  return out;
+}
+
+Vec3f middle(const std::vector<Vec3f>& points) {
+  Eigen::AlignedBox3f box;
+  for (const Vec3f& p : points) box.extend(p);
+  return box.center();
+}
+
+// How far away the eye must be for all points to lie within the picture.
+float distance_for(const std::vector<Vec3f>& points, const Vec3f& target, const Vec3f& away, const FollowCamera& options) {
+  const Vec3f side = Vec3f(0, 1, 0).cross(away).normalized(), upward = away.cross(side);
+  const float tan_y = std::tan(0.5f * options.fov_y) * (1 - options.margin), tan_x = tan_y * options.aspect;
+  float distance = 0;
+  for (const Vec3f& p : points) {
+    const Vec3f q = p - target;
+    distance = std::max(distance, q.dot(away) + std::max(std::abs(q.dot(side)) / tan_x, std::abs(q.dot(upward)) / tan_y));
+  }
+  return distance;
+}
+
+}  // namespace
+
+std::vector<Camera> follow(std::span<const std::vector<Vec3f>> figures, double fps, const FollowCamera& options) {
+  const int n = static_cast<int>(figures.size());
+  std::vector<Camera> cameras(n);
+  if (n == 0) return cameras;
+  const std::vector<float> weights = bell(std::max(1e-3, options.smoothing * fps));
+  std::vector<Vec3f> way;
+  for (const auto& points : figures) way.push_back(middle(points));
+  way = smooth_way(way, weights);
+
+  std::vector<Vec3f> directions;
+  std::vector<float> distances;
+  for (int f = 0; f < n; ++f) {
+    // The lead grows with speed, and is gone when the figure stands.
+    const int before = std::max(f - 1, 0), after = std::min(f + 1, n - 1);
+    Vec3f speed = (way[after] - way[before]) * static_cast<float>(fps) / static_cast<float>(std::max(1, after - before));
+    speed.y() = 0;
+    Camera& camera = cameras[f];
+    camera.target = way[f] + static_cast<float>(options.lead) * speed / std::max(1.0f, speed.norm());
+    const double share = n > 1 ? double(f) / (n - 1) : 0;
+    const float turn = ease((share - options.turn_begin) / std::max(1e-9, options.turn_end - options.turn_begin));
+    const float azimuth = options.begin_azimuth + turn * (options.end_azimuth - options.begin_azimuth);
+    directions.emplace_back(std::cos(options.elevation) * std::sin(azimuth), std::sin(options.elevation), std::cos(options.elevation) * std::cos(azimuth));
+    distances.push_back(distance_for(figures[f], camera.target, directions[f], options));
+  }
+  distances = smooth_above(distances, weights);
+  for (int f = 0; f < n; ++f) {
+    Camera& camera = cameras[f];
+    camera.eye = camera.target + distances[f] * directions[f];
+    camera.eye.y() = std::max(camera.eye.y(), 0.3f);
+    camera.fov_y = options.fov_y;
+    camera.near_plane = 0.3f;
+    camera.far_plane = 200;
+  }
+  return cameras;
+}
+
+}  // namespace ecorche

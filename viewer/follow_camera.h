@@ -1,0 +1,26 @@
+// A camera that goes along with a moving figure: calm, and the whole figure stays in the picture.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "viewer/draw_list.h"
+
+namespace ecorche {
+
+struct FollowCamera {
+  double smoothing = 0.30;     // s, standard deviation of the filters over the figure's way and the camera's distance
+  double lead = 0.25;          // m ahead of the figure, along the smoothed way
+  float elevation = 0.07f;     // rad, of the eye seen from the figure
+  float begin_azimuth = -1.05f, end_azimuth = -1.5707963f;  // rad, of the eye seen from the figure; 0 front, -pi/2 its right side
+  double turn_begin = 0, turn_end = 1;  // shares of the film in which it goes from one to the other
+  float fov_y = 0.42f;         // rad
+  float aspect = 16.0f / 9;    // width / height of the picture
+  float margin = 0.07f;        // share of half the picture that stays free at each edge
+};
+
+// Cameras for all frames. figures: for each frame the world points that have to be seen, at least one each; what stands on the ground
+// beneath a leaping figure is kept in sight by giving points of the ground.
+std::vector<Camera> follow(std::span<const std::vector<Vec3f>> figures, double fps, const FollowCamera& options = {});
+
+}  // namespace ecorche
