@@ -76,6 +76,10 @@ Binding finish(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& 
   tables->joint_count = static_cast<int>(anatomy.skeleton.joints.size());
   tables->slice_count = static_cast<int>(rest.slices.size());
   tables->origins = rest_positions(anatomy.skeleton);
+  for (const Joint& joint : anatomy.skeleton.joints) {
+    tables->parents.push_back(joint.parent);
+    tables->long_axes.push_back(joint.axes.col(2));
+  }
   tables->lift_limit = options.lift_limit;
   let_scapula_glide(anatomy.skeleton, skin, rows);
   thin_shares(rows, kLeastShare, kMostShares);

@@ -14,23 +14,31 @@ void write_columns(const Mat3& R, const Vec3& t, float* out) {
   out[15] = 0;
 }
 
-// Half-way rotation by the shorter arc.
+// Half-way rotation, in the sense in which the chain of joints has turned.
 Mat3 half_way(const Quat& a, const Quat& b) {
   Quat h;
-  h.coeffs() = a.coeffs() + (a.dot(b) < 0 ? -1.0 : 1.0) * b.coeffs();
+  h.coeffs() = a.coeffs() + b.coeffs();
   const double n = h.norm();
   if (n < 1e-9) return a.toRotationMatrix();
   h.coeffs() /= n;
   return h.toRotationMatrix();
 }
 
-// The part of a rotation that is left when its turn about `axis` is taken out: local = result * turn.
-Quat without_twist(const Quat& local, const Vec3& axis) {
-  const double along = local.vec().dot(axis);
-  const double n = std::hypot(local.w(), along);
-  if (n < 1e-9) return local;
-  const Quat turn(local.w() / n, axis.x() * along / n, axis.y() * along / n, axis.z() * along / n);
-  return local * turn.conjugate();
+// local = swing * twist, the twist about `axis`; both by the shorter arc, which their product need not be.
+struct SwingTwist {
+  Quat swing, twist;
+};
+
+SwingTwist split(const Quat& local, const Vec3& axis) {
+  SwingTwist out{local, Quat::Identity()};
+  const double along = local.vec().dot(axis), n = std::hypot(local.w(), along);
+  if (n > 1e-9) {
+    const double sign = local.w() < 0 ? -1 : 1;
+    out.twist = Quat(sign * local.w() / n, sign * axis.x() * along / n, sign * axis.y() * along / n, sign * axis.z() * along / n);
+    out.swing = local * out.twist.conjugate();
+  }
+  if (out.swing.w() < 0) out.swing.coeffs() *= -1;
+  return out;
 }
 
 }  // namespace
@@ -39,11 +47,34 @@ int carrier_count(const SkinTables& tables) {
   return tables.joint_count + static_cast<int>(tables.twists.size() + tables.pairs.size());
 }
 
+void chain_turns(const SkinTables& tables, std::span<const Transform> X_WJ, std::vector<Quat>& turns) {
+  const std::size_t joints = static_cast<std::size_t>(tables.joint_count);
+  turns.resize(joints + tables.twists.size());
+  for (std::size_t j = 0; j < joints; ++j) {
+    const int parent = tables.parents[j];
+    const Mat3 R = X_WJ[j].linear();
+    if (parent < 0) {
+      turns[j] = Quat(R);
+      continue;
+    }
+    const std::size_t p = static_cast<std::size_t>(parent);
+    const SwingTwist local = split(Quat(Mat3(X_WJ[p].linear().transpose() * R)), tables.long_axes[j]);
+    turns[j] = turns[p] * (local.swing * local.twist);
+  }
+  for (std::size_t k = 0; k < tables.twists.size(); ++k) {
+    const TwistCarrier& twist = tables.twists[k];
+    const std::size_t p = static_cast<std::size_t>(twist.parent);
+    const Mat3 local = X_WJ[p].linear().transpose() * X_WJ[static_cast<std::size_t>(twist.joint)].linear();
+    turns[joints + k] = turns[p] * split(Quat(local), twist.axis).swing;
+  }
+}
+
 void pose_carriers(const SkinTables& tables, std::span<const Transform> X_WJ, std::vector<Transform>& frames, std::vector<Quat>& turns,
                    std::vector<float>& out) {
   const std::size_t joints = static_cast<std::size_t>(tables.joint_count);
   frames.resize(joints + tables.twists.size());
   out.resize(16 * static_cast<std::size_t>(carrier_count(tables)));
+  chain_turns(tables, X_WJ, turns);
   const Vec3 rest_root = tables.origins[0], root = X_WJ[0].translation();
   for (std::size_t j = 0; j < joints; ++j) {
     const Mat3 R = X_WJ[j].linear();
@@ -53,17 +84,11 @@ void pose_carriers(const SkinTables& tables, std::span<const Transform> X_WJ, st
   for (std::size_t k = 0; k < tables.twists.size(); ++k) {
     const TwistCarrier& twist = tables.twists[k];
     const std::size_t j = static_cast<std::size_t>(twist.joint);
-    const Mat3 parent = X_WJ[static_cast<std::size_t>(twist.parent)].linear();
-    const Quat local(Mat3(parent.transpose() * X_WJ[j].linear()));
-    const Mat3 R = parent * without_twist(local, twist.axis).toRotationMatrix();
+    const Mat3 R = turns[joints + k].toRotationMatrix();
     frames[joints + k].linear() = R;
     frames[joints + k].translation() = X_WJ[j].translation() - root - R * (tables.origins[j] - rest_root);
   }
-  turns.resize(frames.size());
-  for (std::size_t c = 0; c < frames.size(); ++c) {
-    write_columns(frames[c].linear(), frames[c].translation(), &out[16 * c]);
-    turns[c] = Quat(Mat3(frames[c].linear()));
-  }
+  for (std::size_t c = 0; c < frames.size(); ++c) write_columns(frames[c].linear(), frames[c].translation(), &out[16 * c]);
   for (std::size_t k = 0; k < tables.pairs.size(); ++k) {
     const PairCarrier& pair = tables.pairs[k];
     const Transform& A = frames[static_cast<std::size_t>(pair.a)];

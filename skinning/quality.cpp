@@ -6,6 +6,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "skinning/carriers.h"
+
 namespace ecorche {
 namespace {
 
@@ -14,16 +16,21 @@ Vec3 area_vector(const Points& V, const Triangles& F, Eigen::Index f) {
   return (b - a).cross(c - a);
 }
 
-// Rotation of the flesh about a triangle: the mean of the joints' rotations by the shares of its corners.
-Quat blended_rotation(const Binding& binding, std::span<const Quat> turns, const Triangles& F, Eigen::Index f) {
-  Eigen::Vector4d sum = Eigen::Vector4d::Zero();
-  const Eigen::Vector4d first = turns[static_cast<std::size_t>(binding.joint_weights[static_cast<std::size_t>(F(f, 0))][0].joint)].coeffs();
-  for (int k = 0; k < 3; ++k)
-    for (const Influence& w : binding.joint_weights[static_cast<std::size_t>(F(f, k))]) {
-      const Eigen::Vector4d q = turns[static_cast<std::size_t>(w.joint)].coeffs();
-      sum += (q.dot(first) < 0 ? -w.weight : w.weight) * q;
+// Rotation of the flesh at each vertex: the mean of its carriers' rotations by its shares.
+std::vector<Eigen::Vector4d> vertex_turns(const SkinTables& tables, std::span<const Transform> X_WJ) {
+  std::vector<Quat> turns;
+  chain_turns(tables, X_WJ, turns);
+  std::vector<Eigen::Vector4d> out(static_cast<std::size_t>(tables.vertex_count), Eigen::Vector4d::Zero());
+  for (const VertexRun& run : tables.runs)
+    for (int e = run.begin; e < run.end; ++e) {
+      const std::size_t sorted = static_cast<std::size_t>(tables.place[static_cast<std::size_t>(e)]);
+      Eigen::Vector4d& sum = out[tables.order.empty() ? sorted : static_cast<std::size_t>(tables.order[sorted])];
+      for (int k = 0; k < run.carriers; ++k) {
+        const std::size_t entry = run.carrier_entry + static_cast<std::size_t>((e - run.begin) * run.carriers + k);
+        if (tables.carrier[entry] < turns.size()) sum += tables.carrier_weight[entry] * turns[tables.carrier[entry]].coeffs();
+      }
     }
-  return Quat(sum).normalized();
+  return out;
 }
 
 // The directed boundary of a set of triangles, reversed and chained into loops.
@@ -119,10 +126,12 @@ SkinQuality measure_skin(const TriMesh& rest, const Binding& binding, std::span<
   to_points(frame, V);
   out.triangles = static_cast<int>(rest.F.rows());
   for (Eigen::Index i = 0; i < V.rows(); ++i) out.not_finite += !V.row(i).allFinite();
-  std::vector<Quat> turns;
-  for (const Transform& X : X_WJ) turns.emplace_back(X.linear());
-  for (Eigen::Index f = 0; f < rest.F.rows(); ++f)
-    out.flipped += area_vector(V, rest.F, f).dot(blended_rotation(binding, turns, rest.F, f) * area_vector(rest.V, rest.F, f)) < 0;
+  const std::vector<Eigen::Vector4d> turns = vertex_turns(*binding.tables, X_WJ);
+  for (Eigen::Index f = 0; f < rest.F.rows(); ++f) {
+    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+    for (int k = 0; k < 3; ++k) sum += turns[static_cast<std::size_t>(rest.F(f, k))];
+    out.flipped += area_vector(V, rest.F, f).dot(Quat(sum).normalized() * area_vector(rest.V, rest.F, f)) < 0;
+  }
   out.flipped_share = out.triangles > 0 ? static_cast<double>(out.flipped) / out.triangles : 0;
   measure_edges(rest, V, out);
   for (const LimbSection& section : sections) {

@@ -37,8 +37,8 @@ std::vector<LimbSection> limb_sections(const Skeleton& skeleton, const TriMesh& 
 // Volume of a section in the shape V, m^3.
 double section_volume(const LimbSection& section, const Triangles& F, const Points& V);
 
-// The same yardstick for every deformer: triangles are compared with their rest normal turned by the blended joint rotation of
-// the binding, wherever `frame` comes from.
+// The same yardstick for every deformer: triangles are compared with their rest normal turned by the blended rotation of the
+// binding's carriers (followed along the chain of joints, so that more than half a circle counts as such), wherever `frame` comes from.
 // Precondition: posed.X_WJ and the positions are those of the binding's skeleton and skin.
 SkinQuality measure_skin(const TriMesh& rest, const Binding& binding, std::span<const LimbSection> sections,
                          std::span<const Transform> X_WJ, const SkinFrame& frame);

@@ -56,6 +56,8 @@ struct VertexRun {
 struct SkinTables {
   int joint_count = 0, slice_count = 0, vertex_count = 0;
   std::vector<Vec3> origins;               // #joints, rest
+  std::vector<int> parents;                // #joints, -1 for the root
+  std::vector<Vec3> long_axes;             // #joints, world, rest: about which a joint's twist is told from its swing
   std::vector<TwistCarrier> twists;
   std::vector<PairCarrier> pairs;
 
