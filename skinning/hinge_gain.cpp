@@ -10,7 +10,8 @@ namespace ecorche {
 namespace {
 
 constexpr double kBend = 2 * std::numbers::pi / 3;
-constexpr double kMostGain = 1.7;
+constexpr double kMostGain = 2;
+constexpr double kLossLeft = 0.015;  // of the section's volume: to make up all of it would round knee and elbow off
 
 double segment_angle(const std::vector<Transform>& X, int upper, int middle, int lower) {
   const Vec3 a = X[std::size_t(middle)].translation() - X[std::size_t(upper)].translation();
@@ -72,8 +73,10 @@ std::map<int, double> find_hinge_gains(const Skeleton& skeleton, const TriMesh& 
     const double once = section_volume(section, skin.F, V);
     place_section(section, skin, tables, rows, carriers, 2, V);
     const double twice = section_volume(section, skin.F, V);
-    const double gain = twice > once ? 1 + (rest - once) / (twice - once) : 1;
+    const double gain = twice > once ? 1 + ((1 - kLossLeft) * rest - once) / (twice - once) : 1;
     gains[middle] = std::clamp(gain, 1.0, kMostGain);
+    const int patella = find_joint(skeleton, "patella" + section.name.substr(section.name.size() - 2));
+    if (!arm && patella >= 0) gains[patella] = gains[middle];  // it turns with the knee
   }
   return gains;
 }

@@ -12,7 +12,7 @@
 namespace ecorche {
 
 // Bends every section's joint to 120 degrees, measures the volume with the shares as they are and doubled, and takes the gain
-// between them at which none is lost, within 1 .. kMostGain. Joint index -> gain. rows: carriers of the vertices, pairs with gain 1.
+// between them at which next to nothing is lost, within 1 .. kMostGain. Joint index -> gain. rows: carriers of the vertices, pairs with gain 1.
 std::map<int, double> find_hinge_gains(const Skeleton& skeleton, const TriMesh& skin, const std::vector<LimbSection>& sections,
                                        const SkinTables& tables, const std::vector<ShareRow>& rows);
 

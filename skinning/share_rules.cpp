@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <string>
 
@@ -10,6 +11,7 @@ namespace {
 
 constexpr double kLeastRange = 0.6;     // rad, joints that move less are blended linearly
 constexpr double kLeastPair = 0.01;     // 2 w_a w_b below it is not worth a carrier
+constexpr double kHingeSlack = 0.2;     // rad, of abduction
 constexpr std::size_t kMostPairs = 4;   // a vertex
 constexpr double kReachQuantile = 0.5, kReachSlack = 1.35;
 
@@ -65,8 +67,11 @@ bool find_center(const Skeleton& skeleton, const std::vector<Vec3>& origins, int
   return true;
 }
 
+// Whether it bends about one axis alone.
+bool is_hinge(const Joint& joint) { return (joint.max - joint.min).y() < kHingeSlack; }
+
 // A pair's reach is the distance from its hinge at which most of the flesh about it lies; beyond it shares fade with its square.
-void fade_with_distance(const TriMesh& skin, const std::vector<PairCarrier>& pairs, std::vector<ShareRow>& found) {
+void fade_with_distance(const Skeleton& skeleton, const TriMesh& skin, const std::vector<PairCarrier>& pairs, std::vector<ShareRow>& found) {
   const auto distance = [&](std::size_t i, int pair) {
     return (Vec3(skin.V.row(static_cast<Eigen::Index>(i))) - pairs[static_cast<std::size_t>(pair)].center).norm();
   };
@@ -74,9 +79,10 @@ void fade_with_distance(const TriMesh& skin, const std::vector<PairCarrier>& pai
   for (std::size_t i = 0; i < found.size(); ++i)
     for (const Influence& w : found[i])
       if (w.weight > 0.2) around[static_cast<std::size_t>(w.joint)].push_back(distance(i, w.joint));
-  std::vector<double> reach(pairs.size(), 1.0);
+  std::vector<double> reach(pairs.size(), std::numeric_limits<double>::infinity());
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    if (around[k].empty()) continue;
+    const int hinge = pairs[k].hinge;
+    if (around[k].empty() || (hinge >= 0 && is_hinge(skeleton.joints[static_cast<std::size_t>(hinge)]))) continue;
     const auto rank = around[k].begin() + static_cast<std::ptrdiff_t>(kReachQuantile * static_cast<double>(around[k].size() - 1));
     std::nth_element(around[k].begin(), rank, around[k].end());
     reach[k] = kReachSlack * *rank;
@@ -160,7 +166,7 @@ std::vector<PairCarrier> add_pairs(const Skeleton& skeleton, const TriMesh& skin
         if (it->second >= 0) found[i].push_back({it->second, product});
       }
   }
-  fade_with_distance(skin, pairs, found);
+  fade_with_distance(skeleton, skin, pairs, found);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     std::stable_sort(found[i].begin(), found[i].end(), [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
     if (found[i].size() > kMostPairs) found[i].resize(kMostPairs);
