@@ -24,11 +24,17 @@ class Spline {
   explicit Spline(std::span<const PathPoint> path) : path_(path), n_(static_cast<int>(path.size())) {
     if (n_ < 2) throw std::invalid_argument("muscle line: " + std::to_string(n_) + " path points, need two");
     for (int i = 0; i + 1 < n_; ++i) step_.push_back(std::sqrt(std::max((path[i + 1].rest - path[i].rest).norm(), kTiny)));
+    length_.reserve(static_cast<size_t>(n_ - 1) * kPieces + 1);
     length_.push_back(0);
     for (int i = 0; i + 1 < n_; ++i) {
-      Vec3 last = path[i].rest;
+      // The piece as a cubic in u: a + b u + c u^2 + d u^3.
+      const Vec3 a = path[i].rest, chord = path[i + 1].rest - a;
+      const Vec3 out = step_[i] * tangent(i), in = step_[i] * tangent(i + 1);
+      const Vec3 b = out, c = 3 * chord - 2 * out - in, d = out + in - 2 * chord;
+      Vec3 last = a;
       for (int k = 1; k <= kPieces; ++k) {
-        const Vec3 next = at(i, static_cast<double>(k) / kPieces);
+        const double u = static_cast<double>(k) / kPieces;
+        const Vec3 next = a + u * (b + u * (c + u * d));
         length_.push_back(length_.back() + (next - last).norm());
         last = next;
       }
@@ -65,14 +71,15 @@ class Spline {
     return node;
   }
 
-  Vec3 at(int i, double u) const {
-    const LineNode node_at = node(i, u);
-    Vec3 p = Vec3::Zero();
-    for (int k = 0; k < 4 && node_at.first + k < n_; ++k) p += node_at.weight[k] * path_[node_at.first + k].rest;
-    return p;
-  }
-
  private:
+  // Of the line at path point i, with respect to the spline's own parameter: what add_tangent weighs, as a vector.
+  Vec3 tangent(int i) const {
+    const auto slope = [&](int k) -> Vec3 { return (path_[k + 1].rest - path_[k].rest) / step_[k]; };
+    if (n_ == 2) return slope(0);
+    if (i == 0) return 1.5 * slope(0) - 0.5 * tangent(1);
+    if (i == n_ - 1) return 1.5 * slope(n_ - 2) - 0.5 * tangent(n_ - 2);
+    return (step_[i] * slope(i - 1) + step_[i - 1] * slope(i)) / (step_[i - 1] + step_[i]);
+  }
   void add(LineNode& node, int i, double weight) const { node.weight[i - node.first] += weight; }
   void add_chord(LineNode& node, int i, double weight) const {  // weight * (p[i+1] - p[i]) / step[i]
     add(node, i, -weight / step_[i]);

@@ -80,7 +80,7 @@ std::vector<Ratio> bench_dilation(const Template& body_template, const FittedCha
   const auto dilate = [&](const DilateOptions& options) {
     return [&, options] {
       Anatomy anatomy = muscles;
-      dilate_muscles(anatomy, body_template.anatomy, rays, fat, options);
+      dilate_muscles(anatomy, fitted.undilated.muscles, body_template.tables->muscles, rays, fat, options);
     };
   };
   const std::vector<BenchCase> cases{{"rays", cast}, {"paper", dilate(uncut)}, {"cut", dilate(paper)}, {"ours", dilate({})}};

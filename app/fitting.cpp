@@ -121,16 +121,15 @@ void report_fit(const FittedCharacter& fitted, Report& report) {
 FittedCharacter fit_character(const Template& body_template, const Body& body, const BodyPackage& package, const FittingOptions& options,
                               Report& report) {
   FittedCharacter fitted;
-  Fit fit = fit_anatomy(body_template, body, options.fit);
+  Fit fit = fit_anatomy(body_template, body);
   fitted.fit = std::move(fit.report);
   fitted.undilated = fit.anatomy;
   const TriMesh closed_skin = capped_skin(package, body.skin.V);
   const SkinRays rays(closed_skin);
-  FatOptions fatness{body.sex, estimate_fatness(body)};
-  const FatLayer fat = make_fat_layer(rays, fit.anatomy.skeleton, fatness);
+  const FatLayer fat = make_fat_layer(rays, fit.anatomy.skeleton, body);
   if (options.dilated) {
     const StageTimer timer(report, "dilation");
-    fitted.dilation = dilate_muscles(fit.anatomy, body_template.anatomy, rays, fat, options.dilate);
+    fitted.dilation = dilate_muscles(fit.anatomy, fitted.undilated.muscles, body_template.tables->muscles, rays, fat, options.dilate);
   }
   fitted.actor = make_actor({std::move(fit.anatomy), body}, report);
   measure_outside(fitted.actor.character.anatomy, closed_skin, fitted.fill);

@@ -14,7 +14,6 @@
 namespace ecorche {
 
 struct FittingOptions {
-  FitOptions fit;
   DilateOptions dilate;
   bool dilated = true;  // false: muscles as they are before they grow to the skin
 };

@@ -1,12 +1,13 @@
 // Growing the muscles of a fitted anatomy towards the skin, less the layer of fat and skin over them.
 //
-// `paper`: each muscle starts at alpha = 0.4 of its transverse scale and grows by one factor,
+// `paper`: each muscle starts at alpha = 0.4 of its length's scale across and grows by one factor,
 //   f = min over slices and rays of (|O S| - layer) / |O E|,   O slice centre, S skin, E ellipse.
 // `ecorche`: first the flesh between bones and skin is stretched (or pressed) so that it fills its room, all layers in proportion
 //   (flesh_field.h). Then each slice on its own: every ray gives a plane, the skin's tangent plane at its end moved inwards by the
 //   layer; an ellipse (centre, half width, half thickness) is inside when its support in the plane's direction is. Slices of
 //   superficial muscles grow outwards until they touch, their inner side held; slices that press into the layer by more than half
-//   of it are pressed in, their inner side held, too. Changes are smoothed along the strip; tendons do not grow.
+//   of it are pressed in, their inner side held, too. Changes are smoothed along the strip; tendons do not grow. At last the
+//   drawn surface is looked at: what of it still stands out is moved inside (keep_inside.h).
 #pragma once
 
 #include <vector>
@@ -22,7 +23,8 @@ enum class DilateMethod { ecorche, paper };
 struct DilateOptions {
   DilateMethod method = DilateMethod::ecorche;
   int rays = 20;               // a slice, 8 .. 64
-  double alpha = 0.4;          // paper: share of the length's scale that a muscle's section starts with
+  double alpha = 0.4;          // paper: change of a muscle's width and thickness for its change in length, above 0. The factor
+                               // makes up for it: sections end the same for every alpha, the factor goes with 1 / alpha
   bool cut_rays = true;        // paper: rays end where they can no longer lower the factor; the result is the same
   double clearance = 0.3e-3;   // ecorche: added to the layer, m
   int rounds = 2;              // ecorche: times that the flesh is stretched
@@ -43,15 +45,19 @@ struct DilateReport {
   int pulled_in = 0;           // slices whose centre lay outside the skin
   int pressed = 0;             // slices that stood out and were pressed in
   int grown = 0;               // slices that grew
+  int surface_outside = 0;     // ecorche: surface points outside the skin before the last step,
+  int surface_left = 0;        // and after it
   double wanted_volume = 0;    // all muscles, m^3
   double volume = 0;
   std::vector<MuscleDilation> muscles;  // #muscles
 };
 
-// `fitted`: the muscles of `original` carried into the body, same strips and slices, with the wanted volumes in their sections.
-// Sets slices, and Muscle::volume to what the sections now hold. `rays` and `fat` are of the same skin, closed. The same bytes at
-// any number of threads. Throws std::invalid_argument when the two anatomies do not match.
-DilateReport dilate_muscles(Anatomy& fitted, const Anatomy& original, const SkinRays& rays, const FatLayer& fat,
-                            const DilateOptions& options = {});
+// Gives `anatomy` the muscles `carried`, grown: bones and skeleton are looked at, what muscles it has is forgotten. So muscles
+// are grown once, from what was carried; growing again changes nothing.
+// `carried`: the muscles of `original` carried into the body (fit_anatomy), same strips and slices, with the wanted volumes in
+// their sections; may be anatomy.muscles. Sets slices, and Muscle::volume to what the sections now hold. `rays` and `fat` are of
+// the same skin, closed. The same bytes at any number of threads. Throws std::invalid_argument when the two sets do not match.
+DilateReport dilate_muscles(Anatomy& anatomy, const std::vector<Muscle>& carried, const std::vector<Muscle>& original,
+                            const SkinRays& rays, const FatLayer& fat, const DilateOptions& options = {});
 
 }  // namespace ecorche

@@ -145,4 +145,8 @@ FatLayer make_fat_layer(const SkinRays& rays, const Skeleton& skeleton, const Fa
   return layer;
 }
 
+FatLayer make_fat_layer(const SkinRays& rays, const Skeleton& skeleton, const Body& body) {
+  return make_fat_layer(rays, skeleton, FatOptions{body.sex, estimate_fatness(body)});
+}
+
 }  // namespace ecorche

@@ -44,5 +44,7 @@ double estimate_fatness(const Body& body);
 // `rays` are of the skin; `skeleton` lies inside it at rest. Sites whose ray meets nothing are left out.
 // Throws InputError when data/fat.csv cannot be read or names a joint that the skeleton lacks.
 FatLayer make_fat_layer(const SkinRays& rays, const Skeleton& skeleton, const FatOptions& options);
+// The same with the body's sex and estimated fatness.
+FatLayer make_fat_layer(const SkinRays& rays, const Skeleton& skeleton, const Body& body);
 
 }  // namespace ecorche

@@ -128,7 +128,7 @@ void carry_all(const std::vector<Muscle>& muscles, const SkeletonCarrier& carrie
 
 }  // namespace
 
-Fit fit_anatomy(const Template& body_template, const Body& body, const FitOptions& options) {
+Fit fit_anatomy(const Template& body_template, const Body& body) {
   if (!body_template.tables) throw std::invalid_argument("fit_anatomy: the template has no tables; take it from read_template");
   const FitTables& tables = *body_template.tables;
   check_skin(tables.topology, body.skin.V);
@@ -148,7 +148,7 @@ Fit fit_anatomy(const Template& body_template, const Body& body, const FitOption
   fit.report.bones_ms = since(start);
 
   start = Clock::now();
-  carry_all(body_template.anatomy.muscles, carrier, fit.report.stature / tables.stature, inner_volume(tables.topology, skin) / tables.volume,
+  carry_all(tables.muscles, carrier, fit.report.stature / tables.stature, inner_volume(tables.topology, skin) / tables.volume,
             fit.anatomy.muscles);
   fit.report.muscles_ms = since(start);
   measure_bones(tables, sides, fit.anatomy, field, fit.report);

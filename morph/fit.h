@@ -2,8 +2,9 @@
 //
 // Joint centres come from the skin by a sparse linear regressor; each group of bones is carried by the difference between the
 // body's centres and the template's, and corrected so that palpable points lie as deep as in the template, joints stay
-// together and nothing pierces the skin; muscles are carried by the bones that they ride on. All of it is a difference to the
-// template: the template fitted into its own body is the template.
+// together and nothing pierces the skin; muscles are carried by the bones that they ride on, as they were before they grew to the
+// template's skin (dilate_muscles makes them grow to the new one). All of it is a difference to the template: the template fitted
+// into its own body is the template.
 #pragma once
 
 #include <string>
@@ -13,11 +14,6 @@
 #include "morph/template.h"
 
 namespace ecorche {
-
-struct FitOptions {
-  // Change of a carried muscle's width and thickness for its change in length, before it is dilated (alpha of the template paper).
-  double alpha = 0.4;
-};
 
 struct LandmarkDepth {
   std::string name;       // data/palpable.csv
@@ -37,12 +33,12 @@ struct FitReport {
 };
 
 struct Fit {
-  Anatomy anatomy;
+  Anatomy anatomy;  // muscles carried, not yet grown to the skin
   FitReport report;
 };
 
 // Throws UnfitError for a skin that has not the base mesh's vertices, is not finite, or is far from any human shape.
 // Precondition: `body_template` comes from read_template or build_template.
-Fit fit_anatomy(const Template& body_template, const Body& body, const FitOptions& options = {});
+Fit fit_anatomy(const Template& body_template, const Body& body);
 
 }  // namespace ecorche

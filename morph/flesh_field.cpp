@@ -4,10 +4,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <unordered_set>
-
-#include "anatomy/muscle_line.h"
+#include <unordered_map>
+#include <utility>
 
 namespace ecorche {
 
@@ -23,33 +23,54 @@ constexpr double kLeastStretch = 0.4, kMostStretch = 1.9;
 constexpr double kMostShift = 0.025;    // m
 constexpr int kTubeSides = 10;
 
-long long cell_of(const Vec3& p, double size) {
-  const auto index = [&](double x) { return static_cast<long long>(std::floor(x / size)) + (1 << 19); };
-  return (index(p.x()) << 40) | (index(p.y()) << 20) | index(p.z());
+// One vertex of the skin a cube of kSpacing: the one nearest to its middle. Cubes lie about the middle of the body, so that a body
+// moved or mirrored is sampled at the same vertices.
+std::vector<Eigen::Index> sample_vertices(const Points& V, const std::vector<Vec3>& normals) {
+  struct Best {
+    Eigen::Index vertex;
+    double squared;
+  };
+  const Vec3 low = V.colwise().minCoeff(), high = V.colwise().maxCoeff();
+  const Vec3 origin((low.x() + high.x()) / 2, low.y(), (low.z() + high.z()) / 2);
+  constexpr double kOnPlane = 1e-6;  // m
+  std::unordered_map<long long, Best> cubes;
+  for (Eigen::Index i = 0; i < V.rows(); ++i) {
+    if (normals[static_cast<std::size_t>(i)].squaredNorm() == 0) continue;  // a vertex without triangles
+    Vec3 p = V.row(i).transpose() - origin;
+    const long long side = std::abs(p.x()) < kOnPlane ? 0 : p.x() < 0 ? 1 : 2;
+    p.x() = std::abs(p.x());
+    const Vec3 cube = (p / kSpacing).array().floor();
+    const auto index = [&](int axis) { return static_cast<long long>(cube[axis]) + (1 << 18); };
+    const double squared = (p / kSpacing - cube - Vec3::Constant(0.5)).squaredNorm();
+    const auto [at, fresh] = cubes.try_emplace(side << 60 | index(0) << 40 | index(1) << 20 | index(2), Best{i, squared});
+    if (!fresh && squared < at->second.squared - 1e-9) at->second = {i, squared};
+  }
+  std::vector<Eigen::Index> chosen;
+  for (const auto& [key, best] : cubes) chosen.push_back(best.vertex);
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
 }
 
-// All muscles as open tubes of few sides.
-TriMesh muscle_tubes(const Anatomy& anatomy) {
-  const int slices = slice_count(anatomy);
-  TriMesh mesh{Points(slices * kTubeSides, 3), Triangles(2 * slices * kTubeSides, 3)};
+// Strips as open tubes of few sides.
+TriMesh muscle_tubes(std::span<const Ellipse> slices, std::span<const int> strip_begin) {
+  const auto count = static_cast<Eigen::Index>(slices.size()), strips = static_cast<Eigen::Index>(strip_begin.size()) - 1;
+  std::array<std::pair<double, double>, kTubeSides> circle;
+  for (int i = 0; i < kTubeSides; ++i) circle[i] = {std::cos(6.283185307179586 * i / kTubeSides), std::sin(6.283185307179586 * i / kTubeSides)};
+  TriMesh mesh{Points(count * kTubeSides, 3), Triangles(2 * (count - strips) * kTubeSides, 3)};
   Eigen::Index v = 0, f = 0;
-  for (const Muscle& muscle : anatomy.muscles) {
-    for (const Strip& strip : muscle.strips) {
-      const std::vector<Ellipse> ellipses = rest_slices(strip);
-      for (std::size_t k = 0; k < ellipses.size(); ++k) {
-        const Ellipse& e = ellipses[k];
-        for (int i = 0; i < kTubeSides; ++i, ++v) {
-          const double angle = 6.283185307179586 * i / kTubeSides;
-          mesh.V.row(v) = e.center + e.radii.x() * std::cos(angle) * e.axes.col(0) + e.radii.y() * std::sin(angle) * e.axes.col(1);
-          if (k == 0) continue;
-          const int here = static_cast<int>(v), next = i + 1 < kTubeSides ? here + 1 : here + 1 - kTubeSides;
-          mesh.F.row(f++) << here - kTubeSides, next - kTubeSides, next;
-          mesh.F.row(f++) << here - kTubeSides, next, here;
-        }
+  for (std::size_t strip = 0; strip + 1 < strip_begin.size(); ++strip) {
+    for (int k = strip_begin[strip]; k < strip_begin[strip + 1]; ++k) {
+      const Ellipse& e = slices[k];
+      const Vec3 width = e.radii.x() * e.axes.col(0), thickness = e.radii.y() * e.axes.col(1);
+      for (int i = 0; i < kTubeSides; ++i, ++v) {
+        mesh.V.row(v) = e.center + circle[i].first * width + circle[i].second * thickness;
+        if (k == strip_begin[strip]) continue;
+        const int here = static_cast<int>(v), next = i + 1 < kTubeSides ? here + 1 : here + 1 - kTubeSides;
+        mesh.F.row(f++) << here - kTubeSides, next - kTubeSides, next;
+        mesh.F.row(f++) << here - kTubeSides, next, here;
       }
     }
   }
-  mesh.F.conservativeResize(f, 3);
   return mesh;
 }
 
@@ -127,25 +148,22 @@ FleshField::FleshField(const Anatomy& anatomy, const SkinRays& rays, const FatLa
     const Vec3 a = skin.V.row(skin.F(f, 0)), b = skin.V.row(skin.F(f, 1)), c = skin.V.row(skin.F(f, 2));
     for (int k = 0; k < 3; ++k) normals[static_cast<std::size_t>(skin.F(f, k))] += (b - a).cross(c - a);
   }
-  std::vector<Eigen::Index> chosen;
-  std::unordered_set<long long> taken;
-  for (Eigen::Index i = 0; i < skin.V.rows(); ++i) {
-    if (normals[static_cast<std::size_t>(i)].squaredNorm() == 0) continue;  // a vertex without triangles
-    if (taken.insert(cell_of(skin.V.row(i), kSpacing)).second) chosen.push_back(i);
-  }
+  const std::vector<Eigen::Index> chosen = sample_vertices(skin.V, normals);
+  strip_begin_.push_back(0);
+  for (const Muscle& muscle : anatomy.muscles)
+    for (const Strip& strip : muscle.strips) strip_begin_.push_back(strip_begin_.back() + static_cast<int>(strip.slices.size()));
   std::vector<int> joint_of_face;
-  const TriMesh tubes = muscle_tubes(anatomy), bones = large_bones(anatomy, joint_of_face);
+  const TriMesh bones = large_bones(anatomy, joint_of_face);
   const std::vector<int> regions = joint_regions(anatomy.skeleton);
   for (const Muscle& muscle : anatomy.muscles) concerns_.push_back(regions_of(muscle, anatomy.skeleton, regions));
-  if (tubes.F.rows() == 0 || bones.F.rows() == 0) return;
-  const SkinRays muscle_rays(tubes), bone_rays(bones);
+  if (bones.F.rows() == 0) return;
+  const SkinRays bone_rays(bones, RayBuild::quick);
   samples_.resize(chosen.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chosen.size(), 256), [&](const auto& range) {
     for (std::size_t s = range.begin(); s < range.end(); ++s) {
       Sample& sample = samples_[s];
       sample.position = skin.V.row(chosen[s]);
       sample.normal = normals[static_cast<std::size_t>(chosen[s])].normalized();
-      const Vec3 above = sample.position + kAbove * sample.normal;
       // The flesh of one side of a limb ends half way to the other side.
       const RayHit through = rays.first_hit(sample.position, -sample.normal, 2 * kDeepest, 1e-3);
       const double deepest = through.triangle >= 0 ? through.distance / 2 : kDeepest;
@@ -155,33 +173,61 @@ FleshField::FleshField(const Anatomy& anatomy, const SkinRays& rays, const FatLa
         const int joint = joint_of_face[static_cast<std::size_t>(bone.triangle)];
         sample.region = regions[static_cast<std::size_t>(joint)];
       }
-      const RayHit muscle = muscle_rays.first_hit(above, -sample.normal, kAbove + sample.bone);
       const double layer = fat.thickness[static_cast<std::size_t>(chosen[s])];
       sample.layer = std::min(layer, (1 - kLeastRoom) * sample.bone);
       sample.room = sample.bone - sample.layer;
+    }
+  });
+  rays_ = 2 * static_cast<long long>(samples_.size());
+  sort_into_cells();
+}
+
+void FleshField::sort_into_cells() {
+  Vec3 low = samples_.front().position, high = low;
+  for (const Sample& sample : samples_) {
+    low = low.cwiseMin(sample.position);
+    high = high.cwiseMax(sample.position);
+  }
+  corner_ = low;
+  size_ = ((high - low).array() / kCell).floor().cast<int>() + 1;
+  const auto cell = [&](const Sample& sample) {
+    const Eigen::Array3i at = ((sample.position - corner_).array() / kCell).floor().cast<int>();
+    return (at.x() * size_.y() + at.y()) * size_.z() + at.z();
+  };
+  std::stable_sort(samples_.begin(), samples_.end(), [&](const Sample& a, const Sample& b) { return cell(a) < cell(b); });
+  cell_begin_.assign(static_cast<std::size_t>(size_.prod()) + 1, 0);
+  for (const Sample& sample : samples_) ++cell_begin_[static_cast<std::size_t>(cell(sample)) + 1];
+  for (std::size_t k = 1; k < cell_begin_.size(); ++k) cell_begin_[k] += cell_begin_[k - 1];
+}
+
+void FleshField::look_at(std::span<const Ellipse> slices) {
+  if (samples_.empty() || slices.size() < 2) return;
+  const SkinRays muscle_rays(muscle_tubes(slices, strip_begin_), RayBuild::quick);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, samples_.size(), 256), [&](const auto& range) {
+    for (std::size_t s = range.begin(); s < range.end(); ++s) {
+      Sample& sample = samples_[s];
+      const RayHit muscle = muscle_rays.first_hit(sample.position + kAbove * sample.normal, -sample.normal, kAbove + sample.bone);
       sample.height = muscle.triangle >= 0 ? sample.bone - (muscle.distance - kAbove) : 0;
       // Thin flesh says little about the stretch; a muscle that begins in the deeper half is not the one that fills this place.
       sample.weight = sample.height > 0.3 * sample.room ? 1 : 0;
     }
   });
-  rays_ = 3 * static_cast<long long>(samples_.size());
-  for (std::size_t s = 0; s < samples_.size(); ++s) cells_[cell_of(samples_[s].position, kCell)].push_back(static_cast<int>(s));
+  rays_ += static_cast<long long>(samples_.size());
 }
 
-void FleshField::collect(const Vec3& point, double radius, const std::vector<char>& concerns,
-                         std::vector<const Sample*>& found) const {
+void FleshField::collect(const Vec3& point, double radius, const std::vector<char>& concerns, std::vector<Near>& found) const {
   found.clear();
-  const Vec3 low = point.array() - radius, high = point.array() + radius;
-  for (double x = std::floor(low.x() / kCell); x * kCell <= high.x(); ++x) {
-    for (double y = std::floor(low.y() / kCell); y * kCell <= high.y(); ++y) {
-      for (double z = std::floor(low.z() / kCell); z * kCell <= high.z(); ++z) {
-        const auto cell = cells_.find(cell_of(Vec3(x + 0.5, y + 0.5, z + 0.5) * kCell, kCell));
-        if (cell == cells_.end()) continue;
-        for (const int s : cell->second) {
-          const Sample& sample = samples_[static_cast<std::size_t>(s)];
-          const bool concerned = sample.region < 0 || concerns[static_cast<std::size_t>(sample.region)];
-          if (concerned && (sample.position - point).squaredNorm() < radius * radius) found.push_back(&sample);
-        }
+  const auto cell = [&](const Vec3& p) -> Eigen::Array3i { return ((p - corner_).array() / kCell).floor().cast<int>(); };
+  const Eigen::Array3i low = cell(point.array() - radius).max(0), high = cell(point.array() + radius).min(size_ - 1);
+  for (int x = low.x(); x <= high.x(); ++x) {
+    for (int y = low.y(); y <= high.y(); ++y) {
+      const int column = (x * size_.y() + y) * size_.z();
+      if (low.z() > high.z()) continue;
+      for (int s = cell_begin_[column + low.z()]; s < cell_begin_[column + high.z() + 1]; ++s) {
+        const Sample& sample = samples_[static_cast<std::size_t>(s)];
+        const double squared = (sample.position - point).squaredNorm();
+        if (squared >= radius * radius) continue;
+        if (sample.region < 0 || concerns[static_cast<std::size_t>(sample.region)]) found.push_back({&sample, squared});
       }
     }
   }
@@ -189,7 +235,8 @@ void FleshField::collect(const Vec3& point, double radius, const std::vector<cha
 
 FleshPull FleshField::at(const Vec3& point, int muscle) const {
   if (samples_.empty()) return {};
-  std::vector<const Sample*> near;
+  std::vector<Near> near;
+  near.reserve(128);
   double radius = 0.05;
   while (radius < 0.17) {
     collect(point, radius, concerns_[static_cast<std::size_t>(muscle)], near);
@@ -197,12 +244,12 @@ FleshPull FleshField::at(const Vec3& point, int muscle) const {
     radius += 0.03;
   }
   double nearest = 1e9;
-  for (const Sample* s : near) nearest = std::min(nearest, (s->position - point).squaredNorm());
+  for (const Near& n : near) nearest = std::min(nearest, n.squared);
   Vec3 outwards = Vec3::Zero();
   double weights = 0, depth = 0, layer = 0, used = 0, bone = 0, gap = 0, height = 0;
-  for (const Sample* s : near) {
+  for (const auto& [s, squared] : near) {
     const Vec3 to_skin = s->position - point;
-    const double w = std::exp(-(to_skin.squaredNorm() - nearest) / (2 * kReach * kReach));
+    const double w = std::exp(-(squared - nearest) / (2 * kReach * kReach));
     weights += w;
     outwards += w * s->normal;
     depth += w * to_skin.dot(s->normal);

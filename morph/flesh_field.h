@@ -6,7 +6,7 @@
 // it: deep muscles little, the outermost ones up to the layer, all in proportion, so that neighbours stay neighbours.
 #pragma once
 
-#include <unordered_map>
+#include <span>
 #include <vector>
 
 #include "anatomy/anatomy.h"
@@ -24,11 +24,14 @@ struct FleshPull {
 
 class FleshField {
  public:
-  // `anatomy`: bones and carried muscles inside the skin of `rays`.
+  // `anatomy`: bones, and which joints the muscles ride on, inside the skin of `rays`. Bones do not change between the calls.
   FleshField(const Anatomy& anatomy, const SkinRays& rays, const FatLayer& fat);
 
+  // Finds out how far the muscles reach. `slices`: all sections of the anatomy's muscles in order, wherever they are by now.
+  void look_at(std::span<const Ellipse> slices);
+
   // For a point of a muscle: samples over bones that the muscle has nothing to do with (the other thigh, the arm beside the trunk)
-  // do not count.
+  // do not count. Precondition: look_at was called.
   FleshPull at(const Vec3& point, int muscle) const;
 
   long long rays() const { return rays_; }
@@ -38,16 +41,24 @@ class FleshField {
     Vec3 position, normal;
     double bone = 0;    // depth d, m
     double layer = 0;   // of fat and skin; thinner where the bone is near
-    double height = 0;  // H
     double room = 0;    // D
+    double height = 0;  // H
     double weight = 0;  // 0 where there is no muscle
     int region = -1;    // of the bone below; -1 where none is met
   };
-  void collect(const Vec3& point, double radius, const std::vector<char>& concerns, std::vector<const Sample*>& found) const;
+  struct Near {
+    const Sample* sample;
+    double squared;  // distance from the point
+  };
+  void sort_into_cells();
+  void collect(const Vec3& point, double radius, const std::vector<char>& concerns, std::vector<Near>& found) const;
 
-  std::vector<Sample> samples_;
-  std::unordered_map<long long, std::vector<int>> cells_;
+  std::vector<Sample> samples_;              // in the order of their cells
+  Vec3 corner_ = Vec3::Zero();               // of the search grid
+  Eigen::Array3i size_ = Eigen::Array3i::Zero();
+  std::vector<int> cell_begin_;              // #cells + 1
   std::vector<std::vector<char>> concerns_;  // #muscles x #regions
+  std::vector<int> strip_begin_;             // #strips + 1, into the slices
   long long rays_ = 0;
 };
 

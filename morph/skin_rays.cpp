@@ -19,7 +19,7 @@ struct SkinRays::Impl {
   }
 };
 
-SkinRays::SkinRays(const TriMesh& mesh) : impl_(std::make_unique<Impl>()) {
+SkinRays::SkinRays(const TriMesh& mesh, RayBuild build) : impl_(std::make_unique<Impl>()) {
   const auto vertices = mesh.V.rows(), faces = mesh.F.rows();
   if (faces == 0 || !mesh.V.allFinite() || mesh.F.minCoeff() < 0 || mesh.F.maxCoeff() >= vertices) {
     throw std::invalid_argument(fmt::format("SkinRays: {} vertices, {} triangles; expected finite vertices and valid indices", vertices, faces));
@@ -35,9 +35,12 @@ SkinRays::SkinRays(const TriMesh& mesh) : impl_(std::make_unique<Impl>()) {
   if (!v || !f) throw std::runtime_error("SkinRays: no memory for the ray tracer");
   Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(v, vertices, 3) = mesh.V.cast<float>();
   Eigen::Map<Eigen::Matrix<unsigned, Eigen::Dynamic, 3, Eigen::RowMajor>>(f, faces, 3) = mesh.F.cast<unsigned>();
+  const RTCBuildQuality quality = build == RayBuild::quick ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM;
+  rtcSetGeometryBuildQuality(geometry, quality);
   rtcCommitGeometry(geometry);
   impl_->scene = rtcNewScene(impl_->device);
   rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneBuildQuality(impl_->scene, quality);
   rtcAttachGeometry(impl_->scene, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(impl_->scene);

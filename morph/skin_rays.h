@@ -19,11 +19,14 @@ struct RayHit {
   float facing = 0;        // direction . normal: positive when the ray leaves the body
 };
 
+// thorough: the fastest queries; quick: the hierarchy is ready three times sooner, for few rays.
+enum class RayBuild { thorough, quick };
+
 // Queries are const and may run in several threads.
 class SkinRays {
  public:
   // Throws std::invalid_argument for an empty mesh, indices out of range or coordinates that are not finite.
-  explicit SkinRays(const TriMesh& mesh);
+  explicit SkinRays(const TriMesh& mesh, RayBuild build = RayBuild::thorough);
   ~SkinRays();
   SkinRays(SkinRays&&) noexcept;
   SkinRays& operator=(SkinRays&&) noexcept;

@@ -19,18 +19,18 @@ HalfPlane half_plane(const Ellipse& slice, const Vec2& direction, const RayHit& 
   const double steepness = in_plane.norm();
   constexpr double kShallow = 0.5;  // cosine
   if (steepness > kShallow && in_plane.dot(direction) > kShallow * steepness) {
-    return {in_plane / steepness, (hit.distance * hit.facing - layer) / steepness, kGive * layer / steepness};
+    const double across = layer / steepness;
+    return {in_plane / steepness, hit.distance * hit.facing / steepness - across, kGive * across, across};
   }
-  return {direction, hit.distance - layer / kShallow, kGive * layer / kShallow};
+  return {direction, hit.distance - layer / kShallow, kGive * layer / kShallow, layer / kShallow};
 }
 
 // Out of a skin that the centre lies outside of: through the nearest place where a ray enters.
-bool pull_in(Ellipse& slice, int count, const SkinRays& rays, const FatLayer& fat) {
+bool pull_in(Ellipse& slice, std::span<const Vec2> directions, const SkinRays& rays, const FatLayer& fat) {
   Vec3 best = Vec3::Zero();
   double nearest = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < count; ++k) {
-    const double angle = kTwoPi * k / count;
-    const Vec3 direction = std::cos(angle) * slice.axes.col(0) + std::sin(angle) * slice.axes.col(1);
+  for (const Vec2& in_plane : directions) {
+    const Vec3 direction = slice.axes.leftCols<2>() * in_plane;
     const RayHit hit = rays.first_hit(slice.center, direction);
     if (hit.triangle < 0 || hit.facing >= 0 || hit.distance >= nearest) continue;
     nearest = hit.distance;
@@ -42,15 +42,19 @@ bool pull_in(Ellipse& slice, int count, const SkinRays& rays, const FatLayer& fa
 
 }  // namespace
 
-RoomCount find_room(Ellipse& slice, int count, const SkinRays& rays, const FatLayer& fat, double clearance, std::vector<HalfPlane>& room) {
+std::vector<Vec2> ray_directions(int count) {
+  std::vector<Vec2> directions;
+  for (int k = 0; k < count; ++k) directions.emplace_back(std::cos(kTwoPi * k / count), std::sin(kTwoPi * k / count));
+  return directions;
+}
+
+RoomCount find_room(Ellipse& slice, std::span<const Vec2> directions, const SkinRays& rays, const FatLayer& fat, double clearance, std::vector<HalfPlane>& room) {
   RoomCount result;
   for (int attempt = 0; attempt < 2; ++attempt) {
     room.clear();
-    result.rays += count;
+    result.rays += static_cast<int>(directions.size());
     int entering = 0;
-    for (int k = 0; k < count; ++k) {
-      const double angle = kTwoPi * k / count;
-      const Vec2 direction(std::cos(angle), std::sin(angle));
+    for (const Vec2& direction : directions) {
       const RayHit hit = rays.first_hit(slice.center, slice.axes.leftCols<2>() * direction);
       if (hit.triangle < 0) {
         ++result.misses;
@@ -62,7 +66,7 @@ RoomCount find_room(Ellipse& slice, int count, const SkinRays& rays, const FatLa
     if (entering == 0 || attempt == 1) break;
     result.outside = true;
     result.misses = 0;
-    if (!pull_in(slice, count, rays, fat)) break;
+    if (!pull_in(slice, directions, rays, fat)) break;
   }
   return result;
 }

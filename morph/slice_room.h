@@ -15,6 +15,7 @@ struct HalfPlane {
   Vec2 normal = Vec2::UnitX();
   double bound = 0;  // to the layer
   double give = 0;   // how far a section may press into the layer: half of it
+  double layer = 0;  // from the bound to the skin
 };
 
 // An ellipse along the axes of its slice, relative to the slice's first centre.
@@ -30,9 +31,12 @@ struct RoomCount {
   bool outside = false;  // the centre lies outside the skin
 };
 
-// Casts `count` rays in the slice's plane and turns their ends into half planes. Where the centre lies outside the skin, it is
+// Unit vectors evenly round a slice, from its width axis on.
+std::vector<Vec2> ray_directions(int count);
+
+// Casts a ray in each direction of the slice's plane and turns their ends into half planes. Where the centre lies outside the skin, it is
 // moved inside first: `slice.center` changes.
-RoomCount find_room(Ellipse& slice, int count, const SkinRays& rays, const FatLayer& fat, double clearance, std::vector<HalfPlane>& room);
+RoomCount find_room(Ellipse& slice, std::span<const Vec2> directions, const SkinRays& rays, const FatLayer& fat, double clearance, std::vector<HalfPlane>& room);
 
 // By how much the section stands out beyond what the layer gives, m (negative: free), and through which half plane.
 double worst_excess(const Section& section, std::span<const HalfPlane> room, int* which = nullptr);

@@ -16,6 +16,7 @@ namespace ecorche {
 // What fitting needs to know beside the anatomy.
 struct FitTables {
   FitRules rules;
+  std::vector<Muscle> muscles;       // the template's before they grew to its skin: what is carried into other bodies
   BodyPackage topology;              // faces, cavities, mirror of the skin; no points, no targets
   HalfSkeleton half;                 // the template's own, placed
   std::vector<LandmarkTarget> landmarks;  // palpable points with the depth that they have in the template

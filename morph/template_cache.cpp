@@ -137,7 +137,7 @@ template <class A> void field(A& a, GapPair& x) { fields(a, x.a, x.b, x.x_a, x.x
 template <class A> void field(A& a, CentreRegressor::Row& x) { fields(a, x.name, x.vertices, x.weights); }
 template <class A> void field(A& a, CentreRegressor& x) { fields(a, x.rows); }
 template <class A> void field(A& a, BuildPrior& x) { fields(a, x.own, x.weights); }
-template <class A> void field(A& a, FitTables& x) { fields(a, x.rules, x.topology, x.half, x.landmarks, x.margins, x.gaps, x.regressor, x.build, x.stature, x.volume); }
+template <class A> void field(A& a, FitTables& x) { fields(a, x.rules, x.muscles, x.topology, x.half, x.landmarks, x.margins, x.gaps, x.regressor, x.build, x.stature, x.volume); }
 
 template <class A>
 void whole(A& a, Template& x, FitTables& tables) {

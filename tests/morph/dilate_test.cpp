@@ -7,8 +7,9 @@
 
 #include "anatomy/carry_muscles.h"
 #include "anatomy/muscle_line.h"
+#include "anatomy/muscle_surface.h"
 #include "morph/containment.h"
-#include "morph/flesh_field.h"
+#include "morph/keep_inside.h"
 #include "morph/slice_room.h"
 
 namespace ecorche {
@@ -132,7 +133,7 @@ TEST(Dilate, APaperMuscleAtTheCentreFillsTheSkinLessTheLayer) {
   for (const bool cut : {true, false}) {
     options.cut_rays = cut;
     Anatomy fitted = original;
-    const DilateReport report = dilate_muscles(fitted, original, rays, even_layer(skin, 0.01), options);
+    const DilateReport report = dilate_muscles(fitted, original.muscles, original.muscles, rays, even_layer(skin, 0.01), options);
     EXPECT_NEAR(farthest_from_axis(fitted), 0.05, 2e-4);
     EXPECT_NEAR(report.muscles[0].factor, 0.05 / (0.4 * 0.02), 0.05);
     EXPECT_EQ(report.misses, 0);
@@ -146,7 +147,7 @@ TEST(Dilate, ASuperficialMuscleReachesTheLayerAndStaysUnderTheSkin) {
   const SkinRays rays(skin);
   const Anatomy original = limb(0.03, 0.015);
   Anatomy fitted = original;
-  const DilateReport report = dilate_muscles(fitted, original, rays, even_layer(skin, 0.006));
+  const DilateReport report = dilate_muscles(fitted, original.muscles, original.muscles, rays, even_layer(skin, 0.006));
   EXPECT_GT(farthest_from_axis(fitted), 0.0525);
   EXPECT_LT(farthest_from_axis(fitted), 0.0572);
   EXPECT_GT(report.volume, report.wanted_volume);
@@ -160,21 +161,71 @@ TEST(Dilate, AMuscleThatStandsOutComesInside) {
   for (const double x : {0.055, 0.066}) {  // its line inside, its line outside
     const Anatomy original = limb(x, 0.015);
     Anatomy fitted = original;
-    dilate_muscles(fitted, original, rays, even_layer(skin, 0.006));
+    dilate_muscles(fitted, original.muscles, original.muscles, rays, even_layer(skin, 0.006));
     EXPECT_LT(farthest_from_axis(fitted), 0.0595) << x;
     EXPECT_GT(rest_volume(fitted.muscles[0]), 0.1 * rest_volume(original.muscles[0])) << x;
   }
 }
 
-TEST(Dilate, OneThatFillsItsRoomStays) {
+void expect_same_sections(const Anatomy& a, const Anatomy& b) {
+  const auto one = rest_slices(a), other = rest_slices(b);
+  ASSERT_EQ(one.size(), other.size());
+  for (std::size_t k = 0; k < one.size(); ++k) {
+    ASSERT_LT((one[k].center - other[k].center).norm(), 1e-12) << k;
+    ASSERT_LT((one[k].radii - other[k].radii).norm(), 1e-12) << k;
+  }
+}
+
+TEST(Dilate, GrowingAgainChangesNothing) {
   const TriMesh skin = cylinder(0.06, -0.3, 0.3);
   const SkinRays rays(skin);
-  Anatomy original = limb(0.03, 0.015);
-  dilate_muscles(original, Anatomy(original), rays, even_layer(skin, 0.006));
-  Anatomy again = original;
-  dilate_muscles(again, original, rays, even_layer(skin, 0.006));
-  EXPECT_NEAR(rest_volume(again.muscles[0]) / rest_volume(original.muscles[0]), 1, 0.15);
-  EXPECT_NEAR(farthest_from_axis(again), farthest_from_axis(original), 1e-3);
+  const Anatomy original = limb(0.03, 0.015);
+  for (const DilateMethod method : {DilateMethod::ecorche, DilateMethod::paper}) {
+    DilateOptions options;
+    options.method = method;
+    Anatomy once = original;
+    dilate_muscles(once, original.muscles, original.muscles, rays, even_layer(skin, 0.006), options);
+    EXPECT_GT(std::abs(rest_volume(once.muscles[0]) / rest_volume(original.muscles[0]) - 1), 0.05);
+    Anatomy again = once;
+    dilate_muscles(again, original.muscles, original.muscles, rays, even_layer(skin, 0.006), options);
+    expect_same_sections(once, again);
+  }
+}
+
+// The factor makes up for what alpha takes away.
+TEST(Dilate, AlphaIsTheShareThatThePaperStartsFrom) {
+  const TriMesh skin = cylinder(0.06, -0.3, 0.3);
+  const SkinRays rays(skin);
+  const Anatomy original = limb(0.02, 0.02);
+  DilateOptions options;
+  options.method = DilateMethod::paper;
+  Anatomy usual = original, narrow = original;
+  const DilateReport at_usual = dilate_muscles(usual, original.muscles, original.muscles, rays, even_layer(skin, 0.01), options);
+  options.alpha = 0.2;
+  const DilateReport at_narrow = dilate_muscles(narrow, original.muscles, original.muscles, rays, even_layer(skin, 0.01), options);
+  EXPECT_NEAR(at_narrow.muscles[0].factor / at_usual.muscles[0].factor, 2, 1e-9);
+  expect_same_sections(usual, narrow);
+  options.alpha = 0;
+  EXPECT_THROW(dilate_muscles(narrow, original.muscles, original.muscles, rays, even_layer(skin, 0.01), options), std::invalid_argument);
+}
+
+// Caps reach past the first and last sections, which the rays of the sections do not see.
+TEST(KeepInside, PressesWhatTheSectionsDoNotSee) {
+  const TriMesh skin = cylinder(0.06, -0.153, 0.153);
+  const SkinRays rays(skin);
+  Anatomy anatomy = limb(0.03, 0.015);  // ends at y = -0.15 and 0.15, with caps of 4.5 mm
+  std::vector<Ellipse> slices = rest_slices(anatomy);
+  const std::vector<char> suspects{1};
+  const InsideReport report = keep_inside(anatomy.muscles, slices, suspects, rays);
+  EXPECT_GT(report.outside, 0);
+  EXPECT_EQ(report.left, 0);
+  const MuscleSurface surface = make_muscle_surface(anatomy);
+  Points positions;
+  update_muscle_surface(surface, rest_slices(anatomy), positions);
+  EXPECT_LT(positions.col(1).cwiseAbs().maxCoeff(), 0.153);
+  EXPECT_GT(rest_volume(anatomy.muscles[0]), 0.8 * rest_volume(limb(0.03, 0.015).muscles[0]));
+  const InsideReport again = keep_inside(anatomy.muscles, slices, suspects, rays);
+  EXPECT_EQ(again.outside, 0);
 }
 
 TEST(Dilate, GivesTheSameBytesAtAnyNumberOfThreads) {
@@ -185,7 +236,7 @@ TEST(Dilate, GivesTheSameBytesAtAnyNumberOfThreads) {
   const auto slices = [&](int threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     Anatomy fitted = original;
-    dilate_muscles(fitted, original, rays, even_layer(skin, 0.006));
+    dilate_muscles(fitted, original.muscles, original.muscles, rays, even_layer(skin, 0.006));
     return rest_slices(fitted);
   };
   const auto one = slices(1), two = slices(2);
@@ -220,11 +271,11 @@ TEST(Dilate, RefusesWhatDoesNotMatch) {
   const SkinRays rays(skin);
   Anatomy one = limb(0.03, 0.015), other = one;
   other.muscles.clear();
-  EXPECT_THROW(dilate_muscles(one, other, rays, even_layer(skin, 0.006)), std::invalid_argument);
-  EXPECT_THROW(dilate_muscles(one, Anatomy(one), rays, FatLayer{}), std::invalid_argument);
+  EXPECT_THROW(dilate_muscles(one, one.muscles, other.muscles, rays, even_layer(skin, 0.006)), std::invalid_argument);
+  EXPECT_THROW(dilate_muscles(one, one.muscles, Anatomy(one).muscles, rays, FatLayer{}), std::invalid_argument);
   DilateOptions options;
   options.rays = 3;
-  EXPECT_THROW(dilate_muscles(one, Anatomy(one), rays, even_layer(skin, 0.006), options), std::invalid_argument);
+  EXPECT_THROW(dilate_muscles(one, one.muscles, Anatomy(one).muscles, rays, even_layer(skin, 0.006), options), std::invalid_argument);
 }
 
 }  // namespace

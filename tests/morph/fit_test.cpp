@@ -8,7 +8,9 @@
 #include <limits>
 
 #include "anatomy/errors.h"
+#include "anatomy/muscle_line.h"
 #include "morph/body.h"
+#include "morph/dilate.h"
 #include "morph/skin_field.h"
 
 namespace ecorche {
@@ -75,6 +77,58 @@ TEST(Fit, TheTemplateInItsOwnBodyIsTheTemplate) {
     EXPECT_LT((before[j] - after[j]).norm(), 1e-9);
     EXPECT_LT((own.anatomy.skeleton.joints[j].zero - fit.anatomy.skeleton.joints[j].zero).norm(), 1e-9);
   }
+}
+
+// Muscles carried into a body and grown to its skin.
+Anatomy grown(const Template& own, const BodyPackage& package, const Body& body, DilateReport* report = nullptr) {
+  Anatomy anatomy = fit_anatomy(own, body).anatomy;
+  const SkinRays rays(capped_skin(package, body.skin.V));
+  const FatLayer fat = make_fat_layer(rays, anatomy.skeleton, body);
+  const DilateReport found = dilate_muscles(anatomy, anatomy.muscles, own.tables->muscles, rays, fat);
+  if (report) *report = found;
+  return anatomy;
+}
+
+// How far two sets of sections lie apart: centres and half axes, m.
+double largest_change(const std::vector<Ellipse>& a, const std::vector<Ellipse>& b) {
+  if (a.size() != b.size()) return std::numeric_limits<double>::infinity();
+  double worst = 0;
+  for (size_t k = 0; k < a.size(); ++k) worst = std::max({worst, (a[k].center - b[k].center).norm(), (a[k].radii - b[k].radii).norm()});
+  return worst;
+}
+
+TEST(Fit, TheTemplatesMusclesInItsOwnBodyAreTheTemplates) {
+  NEED_PACKAGES();
+  DilateReport report;
+  const Anatomy anatomy = grown(own, package, own.body, &report);
+  EXPECT_LT(largest_change(rest_slices(own.anatomy), rest_slices(anatomy)), 1e-9);
+  for (size_t m = 0; m < anatomy.muscles.size(); ++m)
+    EXPECT_NEAR(anatomy.muscles[m].volume / own.anatomy.muscles[m].volume, 1, 1e-9) << anatomy.muscles[m].name;
+  EXPECT_EQ(report.misses, 0);
+  EXPECT_GT(report.volume, 1.05 * report.wanted_volume);  // they did grow
+}
+
+TEST(Fit, MovedAndMirroredBodiesGetMovedAndMirroredMuscles) {
+  NEED_PACKAGES();
+  const Vec3 shift(0.3, 0.1, -0.2);
+  Body body = own.body;
+  body.skin.V.rowwise() += shift.transpose();
+  std::vector<Ellipse> moved = rest_slices(own.anatomy);
+  for (Ellipse& slice : moved) slice.center += shift;
+  EXPECT_LT(largest_change(moved, rest_slices(grown(own, package, body))), 2e-4);
+  // The body is even, so is its anatomy.
+  const Anatomy& anatomy = own.anatomy;
+  double worst = 0;
+  for (const Muscle& muscle : anatomy.muscles) {
+    if (muscle.side != Side::left) continue;
+    const Muscle& other = anatomy.muscles[find_muscle(anatomy, muscle.name.substr(0, muscle.name.size() - 1) + "r")];
+    for (size_t s = 0; s < muscle.strips.size(); ++s) {
+      const auto left = rest_slices(muscle.strips[s]), right = rest_slices(other.strips[s]);
+      for (size_t k = 0; k < left.size(); ++k)
+        worst = std::max({worst, (left[k].center.cwiseProduct(Vec3(-1, 1, 1)) - right[k].center).norm(), (left[k].radii - right[k].radii).norm()});
+    }
+  }
+  EXPECT_LT(worst, 1e-3);
 }
 
 TEST(Fit, AMovedBodyGetsAMovedSkeleton) {
