@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "anatomy/muscle_line.h"
 #include "anatomy/muscle_surface.h"
@@ -125,12 +126,13 @@ FittedCharacter fit_character(const Template& body_template, const Body& body, c
   fitted.fit = std::move(fit.report);
   fitted.undilated = fit.anatomy;
   const TriMesh closed_skin = capped_skin(package, body.skin.V);
+  DilateOptions dilation = options.dilate;
+  dilation.even_about = fitted.fit.even_about;
+  auto timer = std::make_optional<StageTimer>(report, "dilation");
   const SkinRays rays(closed_skin);
   const FatLayer fat = make_fat_layer(rays, fit.anatomy.skeleton, body);
-  if (options.dilated) {
-    const StageTimer timer(report, "dilation");
-    fitted.dilation = dilate_muscles(fit.anatomy, fitted.undilated.muscles, body_template.tables->muscles, rays, fat, options.dilate);
-  }
+  if (options.dilated) fitted.dilation = dilate_muscles(fit.anatomy, fitted.undilated.muscles, body_template.tables->muscles, rays, fat, dilation);
+  timer.reset();
   fitted.actor = make_actor({std::move(fit.anatomy), body}, report);
   measure_outside(fitted.actor.character.anatomy, closed_skin, fitted.fill);
   measure_skin_gap(fitted.actor.binding, fat, package, fitted.fill);

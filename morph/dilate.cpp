@@ -121,27 +121,58 @@ void dilate_paper(std::vector<Muscle>& muscles, const std::vector<Muscle>& origi
 
 // --- ecorche -------------------------------------------------------------------------------------------------------------------
 
+// For each muscle of the right side its partner on the left, -1 for all others and where nothing is to be mirrored.
+std::vector<int> left_partners(const Anatomy& anatomy, const DilateOptions& options) {
+  std::vector<int> partners(anatomy.muscles.size(), -1);
+  if (!options.even_about) return partners;
+  for (std::size_t m = 0; m < partners.size(); ++m) {
+    const Muscle& muscle = anatomy.muscles[m];
+    if (muscle.side != Side::right) continue;
+    const int left = find_muscle(anatomy, muscle.name.substr(0, muscle.name.size() - 1) + "l");
+    if (left < 0 || anatomy.muscles[static_cast<std::size_t>(left)].strips.size() != muscle.strips.size()) continue;
+    partners[m] = left;
+  }
+  return partners;
+}
+
+void mirror_sections(const std::vector<int>& partners, double plane, Sections& sections) {
+  for (std::size_t m = 0; m < partners.size(); ++m) {
+    if (partners[m] < 0) continue;
+    const std::span<Ellipse> right = sections.of(m), left = sections.of(static_cast<std::size_t>(partners[m]));
+    for (std::size_t k = 0; k < right.size() && right.size() == left.size(); ++k) {
+      right[k].center = {2 * plane - left[k].center.x(), left[k].center.y(), left[k].center.z()};
+      right[k].radii = left[k].radii;
+    }
+  }
+}
+
 void dilate_ecorche(Anatomy& anatomy, Sections& sections, const SkinRays& rays, const FatLayer& fat, const DilateOptions& options,
                     std::vector<StripCount>& counts, DilateReport& report) {
   std::vector<Muscle>& muscles = anatomy.muscles;
+  const std::vector<int> partners = left_partners(anatomy, options);
+  const double plane = options.even_about.value_or(0);
   FleshField flesh(anatomy, rays, fat);
   for (int round = 0; round < options.rounds; ++round) {
     flesh.look_at(sections.slices);
     for_muscles(muscles.size(), [&](std::size_t m) {
+      if (partners[m] >= 0) return;
       for_strips(muscles[m].strips, sections.of(m), [&](const Strip& strip, std::span<Ellipse> slices) {
         stretch_strip(strip, slices, static_cast<int>(m), flesh);
       });
     });
+    mirror_sections(partners, plane, sections);
   }
   const GrowthLimits limits{ray_directions(options.rays), options.clearance, options.most, options.least};
   for_muscles(muscles.size(), [&](std::size_t m) {
-    for_strips(muscles[m].strips, sections.of(m), [&](Strip& strip, std::span<Ellipse> slices) {
+    if (partners[m] >= 0) return;
+    for_strips(muscles[m].strips, sections.of(m), [&](const Strip& strip, std::span<Ellipse> slices) {
       counts[m].add(grow_strip(strip, slices, muscles[m].layer == "superficial", rays, fat, limits));
-      set_slices(strip, slices);
     });
   });
+  mirror_sections(partners, plane, sections);
+  for_muscles(muscles.size(), [&](std::size_t m) { for_strips(muscles[m].strips, sections.of(m), set_slices); });
   std::vector<char> suspects(muscles.size());
-  for (std::size_t m = 0; m < muscles.size(); ++m) suspects[m] = counts[m].near_skin;
+  for (std::size_t m = 0; m < muscles.size(); ++m) suspects[m] = counts[partners[m] < 0 ? m : static_cast<std::size_t>(partners[m])].near_skin;
   const InsideReport inside = keep_inside(muscles, sections.slices, suspects, rays);
   report.rays += flesh.rays() + inside.rays;
   report.surface_outside = inside.outside;

@@ -10,6 +10,7 @@
 //   drawn surface is looked at: what of it still stands out is moved inside (keep_inside.h).
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "anatomy/anatomy.h"
@@ -30,6 +31,9 @@ struct DilateOptions {
   int rounds = 2;              // ecorche: times that the flesh is stretched
   double most = 2.2;           // ecorche: a half axis grows to at most this multiple
   double least = 0.35;         // ecorche: and is pressed to no less than this
+  // ecorche: x of the plane about which skin and carried muscles are even, to a millimetre (FitReport::even_about). Then muscles of
+  // the right side become mirror images of the left ones.
+  std::optional<double> even_about;
 };
 
 struct MuscleDilation {

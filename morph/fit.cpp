@@ -141,6 +141,7 @@ Fit fit_anatomy(const Template& body_template, const Body& body) {
   auto start = Clock::now();
   const Symmetry symmetry = symmetry_of(skin, tables.topology.mirror);
   fit.report.asymmetry = symmetry.largest;
+  if (symmetry.largest < kSymmetric) fit.report.even_about = symmetry.plane;
   const SkinField field(capped_skin(tables.topology, skin));
   const BothSides sides = place_both(tables, skin, field, fit.report.stature, symmetry);
   const SkeletonCarrier carrier(body_template.anatomy, tables.rules, sides.placement);

@@ -7,6 +7,7 @@
 // into its own body is the template.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct FitReport {
   double bones_ms = 0, muscles_ms = 0;
   double stature = 0;            // m
   double asymmetry = 0;          // largest distance of a skin vertex from its partner's mirror image, m
+  std::optional<double> even_about;  // x of the plane, if the skin was taken as even and one side's bones as the other's mirror images
   int iterations = 0;            // of the bones' placement
   int bone_vertices = 0;         // of the whole skeleton
   int bones_outside = 0;         // bone vertices outside the skin, mouth and eyes closed off

@@ -81,10 +81,13 @@ TEST(Fit, TheTemplateInItsOwnBodyIsTheTemplate) {
 
 // Muscles carried into a body and grown to its skin.
 Anatomy grown(const Template& own, const BodyPackage& package, const Body& body, DilateReport* report = nullptr) {
-  Anatomy anatomy = fit_anatomy(own, body).anatomy;
+  const Fit fit = fit_anatomy(own, body);
+  Anatomy anatomy = fit.anatomy;
+  DilateOptions options;
+  options.even_about = fit.report.even_about;
   const SkinRays rays(capped_skin(package, body.skin.V));
   const FatLayer fat = make_fat_layer(rays, anatomy.skeleton, body);
-  const DilateReport found = dilate_muscles(anatomy, anatomy.muscles, own.tables->muscles, rays, fat);
+  const DilateReport found = dilate_muscles(anatomy, anatomy.muscles, own.tables->muscles, rays, fat, options);
   if (report) *report = found;
   return anatomy;
 }
