@@ -5,8 +5,10 @@
 
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <stdexcept>
 
+#include "anatomy/effort.h"
 #include "anatomy/muscle_line.h"
 #include "anatomy/posing_table.h"
 #include "anatomy/wrap_push.h"
@@ -206,12 +208,13 @@ inline Lane gather_profile(const PosingTable::Data& data, const PosingBatch& bat
 }
 
 // Axes, radii and centres of every slice, before swelling.
-void lay_slices(const PosingTable::Data& data, const PosingBatch& batch, const Lane& twist, Scratch& t) {
+void lay_slices(const PosingTable::Data& data, const PosingBatch& batch, const Lane& twist, const Effort& effort, Scratch& t) {
   const PosingLanes& c = batch.lanes;
   // The belly's stretch; tendons give a tenth of it.
   const Lane whole = t.chord[batch.rows - 1];
   const Lane stretch = ((whole - c.rest_chords) / c.give).max(-0.9);
-  const Lane belly = 1 + stretch, tendon = 1 + 0.1 * stretch;
+  Lane belly = 1 + stretch, tendon = 1 + 0.1 * stretch;
+  if (effort.any) give_way(data, batch, effort, whole, belly, tendon);
   const Lane belly_begin = c.tendon_begin * tendon;
   const Lane belly_length = (c.tendon_end - c.tendon_begin) * belly;
   const Lane per_belly = belly.inverse(), per_tendon = tendon.inverse();
@@ -237,6 +240,10 @@ void lay_slices(const PosingTable::Data& data, const PosingBatch& batch, const L
     t.belly[k] = gather_profile(data, batch, bins, a, b);
     a = (a + row.width).max(zero);
     b = (b + row.thickness).max(zero);
+    if (effort.any) {
+      const Lane place = (2 * rest_at - c.tendon_begin - c.tendon_end) / (c.tendon_end - c.tendon_begin);
+      tense(effort.root, c.width_swells, t.belly[k], place, a, b);
+    }
 
     const int before = std::max(k - 1, 0), after = std::min(k + 1, batch.rows - 1);
     const Lane3 bend = (1 / (t.chord[after] - t.chord[before]).max(1e-9)) * (t.tangent[after] - t.tangent[before]);
@@ -313,25 +320,29 @@ void store(const PosingTable::Data& data, const PosingBatch& batch, const Lane& 
   }
 }
 
-void pose_batch(const PosingTable::Data& data, const PosingBatch& batch, PosedAnatomy& out) {
+void pose_batch(const PosingTable::Data& data, const PosingBatch& batch, std::span<const double> activation, PosedAnatomy& out) {
   Scratch t;
   lay_line(data, batch, out.X_WJ, t);
   find_tangents(batch.rows, t);
   carry_frames(data, batch, out.X_WJ, t);
   const Lane twist = find_twist(data, batch, out.X_WJ, t, out);
-  lay_slices(data, batch, twist, t);
+  lay_slices(data, batch, twist, find_effort(data, batch, activation), t);
   const Lane growth = find_growth(batch, t).max(batch.lanes.grow_min).min(batch.lanes.grow_max);
   store(data, batch, growth, t, out);
 }
 
 }  // namespace
 
-void pose_anatomy(const PosingTable& table, const Skeleton& skeleton, const Pose& pose, PosedAnatomy& out, int threads) {
+void pose_anatomy(const PosingTable& table, const Skeleton& skeleton, const Pose& pose, PosedAnatomy& out, int threads,
+                  std::span<const double> activation) {
   if (!table.data) throw std::invalid_argument("pose_anatomy: empty table");
   const PosingTable::Data& data = *table.data;
   if (static_cast<int>(skeleton.joints.size()) != data.joints)
     throw std::invalid_argument("pose_anatomy: " + std::to_string(skeleton.joints.size()) + " joints, the table has " +
                                 std::to_string(data.joints));
+  if (!activation.empty() && static_cast<int>(activation.size()) != data.muscles)
+    throw std::invalid_argument("pose_anatomy: " + std::to_string(activation.size()) + " activations, the table has " +
+                                std::to_string(data.muscles) + " muscles");
   forward_kinematics(skeleton, pose, out.X_WJ);
   out.slices.resize(data.slices);
   out.belly.resize(data.slices);
@@ -344,11 +355,11 @@ void pose_anatomy(const PosingTable& table, const Skeleton& skeleton, const Pose
     tbb::parallel_for(
         tbb::blocked_range<int>(0, batches, grain),
         [&](const tbb::blocked_range<int>& some) {
-          for (int i = some.begin(); i < some.end(); ++i) pose_batch(data, data.batches[i], out);
+          for (int i = some.begin(); i < some.end(); ++i) pose_batch(data, data.batches[i], activation, out);
         },
         tbb::simple_partitioner());
   } else {
-    for (const PosingBatch& batch : data.batches) pose_batch(data, batch, out);
+    for (const PosingBatch& batch : data.batches) pose_batch(data, batch, activation, out);
   }
   out.clamped = out.overtwisted = 0;
   for (int i = 0; i < data.strips; ++i) {

@@ -4,6 +4,9 @@
 // the bones put them; the muscle's substance slides through them: when the line shortens, tendons keep their length but for a
 // tenth, the belly takes up the rest, and each slice gets the outline of the substance that lies there now. Then the belly
 // swells by one factor so that the strip's volume is exactly that of the rest pose. Sheets swell in thickness only.
+// Effort adds what a muscle does though its joints hold still: the tendon gives, so that the belly is shorter (tendon_give.h); substance
+// moves from the belly's ends to its middle (the section there grows by 13 % at most) and flat sections turn rounder by a third of the way
+// in logarithms at most. Both go with the root of the activation: most of the bulge comes with the first third of the effort.
 // Frames are rotation-minimising; the insertion's turn about the line, relative to rest, is spread along the strip, tendons
 // three times softer than bellies. Everything is a function of the pose alone, without history.
 #pragma once
@@ -60,7 +63,10 @@ std::vector<WrapNote> wrap_notes(const PosingTable& table);
 
 // `out` is resized once and then reused: no allocation from the second call on. The same bytes at any number of threads;
 // threads > 1 are used only where they pay. Precondition: `skeleton` has the joints of the table's anatomy.
-void pose_anatomy(const PosingTable& table, const Skeleton& skeleton, const Pose& pose, PosedAnatomy& out, int threads = 1);
+// `activation`: one value a muscle, 0 relaxed .. 1 (what is outside counts as the end it has passed, what is no number as 0); empty: all
+// relaxed. Throws std::invalid_argument for another number of values.
+void pose_anatomy(const PosingTable& table, const Skeleton& skeleton, const Pose& pose, PosedAnatomy& out, int threads = 1,
+                  std::span<const double> activation = {});
 
 // Volume of one posed strip or muscle by tube_volume, m^3.
 double strip_volume(const PosedAnatomy& posed, const SliceRange& range);

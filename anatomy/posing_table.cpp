@@ -179,10 +179,11 @@ void add_lane(PosingTable::Data& data, PosingBatch& batch, int lane, const Strip
 }
 
 // A strip's own data: points, nodes (of its lane), wraps, end frames.
-void add_strip(PosingTable::Data& data, const Strip& strip, const RestStrip& rest, const std::vector<Vec3>& joints,
+void add_strip(PosingTable::Data& data, const Muscle& muscle, const Strip& strip, const RestStrip& rest, const std::vector<Vec3>& joints,
                const SliceRange& range, int index) {
   PosingStrip out;
   out.strip = index;
+  out.muscle = range.muscle;
   out.slice = range.begin;
   out.point = static_cast<int>(data.points.size());
   for (const PathPoint& p : strip.path) data.points.push_back(posing_point(p, joints));
@@ -204,6 +205,7 @@ void add_strip(PosingTable::Data& data, const Strip& strip, const RestStrip& res
   out.begin_tangent = rest.tangents.front();
   out.end_reference = unrolled(static_cast<int>(rest.slices.size()) - 1);
   out.end_tangent = rest.tangents.back();
+  out.give = TendonGive({muscle.fibre_length, muscle.pennation, line_length(strip.path)});
   data.strip.push_back(out);
 }
 
@@ -246,6 +248,7 @@ PosingTable make_posing_table(const Anatomy& anatomy) {
   data->joints = static_cast<int>(joints.size());
   data->strips = static_cast<int>(ranges.size());
   data->slices = slice_count(anatomy);
+  data->muscles = static_cast<int>(anatomy.muscles.size());
 
   std::vector<int> order(ranges.size());
   std::iota(order.begin(), order.end(), 0);
@@ -266,7 +269,7 @@ PosingTable make_posing_table(const Anatomy& anatomy) {
       const Strip& strip = muscle.strips[ranges[i].strip];
       const RestStrip rest = rest_strip(strip);
       batch.strip[lane] = static_cast<int>(data->strip.size());
-      if (lane < batch.strips) add_strip(*data, strip, rest, joints, ranges[i], i);
+      if (lane < batch.strips) add_strip(*data, muscle, strip, rest, joints, ranges[i], i);
       else batch.strip[lane] = batch.strip[batch.strips - 1];
       std::vector<double> s;
       for (const Slice& slice : strip.slices) s.push_back(slice.s);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "anatomy/pose_anatomy.h"
+#include "anatomy/tendon_give.h"
 
 namespace ecorche {
 
@@ -41,6 +42,7 @@ struct PosingWrap {
 
 struct PosingStrip {
   int strip = 0;                      // index among all strips
+  int muscle = 0;
   int slice = 0;                      // first flat slice
   int point = 0, points = 0;          // path points, at least four (padded)
   int wrap = 0, wraps = 0;
@@ -48,6 +50,7 @@ struct PosingStrip {
   Vec3 begin_tangent = Vec3::UnitY();
   Vec3 end_reference = Vec3::UnitX();  // where the rest frame has arrived; carried by the last path point
   Vec3 end_tangent = Vec3::UnitY();
+  TendonGive give;                    // by the length of its smooth line
 };
 
 // Constants of the four strips of a batch that do not depend on the row.
@@ -91,7 +94,7 @@ struct PosingProfile {
 };
 
 struct PosingTable::Data {
-  int slices = 0, strips = 0, joints = 0;
+  int slices = 0, strips = 0, joints = 0, muscles = 0;
   std::vector<PosingPoint> points;
   std::vector<Lane> weights;           // of four successive path points, a node each
   std::vector<std::uint8_t> firsts;    // path point within the strip that the first weight is for
