@@ -107,6 +107,21 @@ MotionQuality survey_motion(const Actor& actor, const Motion& motion, const Body
   return quality;
 }
 
+std::vector<std::string> missed_targets(const MotionQuality& quality) {
+  constexpr double drift_limit = 0.01, flipped_limit = 1e-3;
+  std::vector<std::string> missed;
+  if (quality.volume_drift_max > drift_limit)
+    missed.push_back(fmt::format("the volume of {} changes by {:.2f} %; at most 1 % was asked", quality.volume_drift_muscle, 100 * quality.volume_drift_max));
+  if (quality.not_finite > 0) missed.push_back(fmt::format("{} skin coordinates are not finite", quality.not_finite));
+  if (quality.flipped_share_max > flipped_limit)
+    missed.push_back(fmt::format("{:.2f} % of the skin's triangles are flipped in frame {}; at most 0.1 % was asked", 100 * quality.flipped_share_max,
+                                 quality.flipped_worst_frame));
+  if (quality.linear_flipped_share_max && quality.flipped_share_max > *quality.linear_flipped_share_max)
+    missed.push_back(fmt::format("{:.2f} % of the skin's triangles are flipped at worst, but {:.2f} % with linear blend skinning",
+                                 100 * quality.flipped_share_max, 100 * *quality.linear_flipped_share_max));
+  return missed;
+}
+
 void report_quality(const MotionQuality& quality, const std::string& prefix, Report& report) {
   report.set(prefix + ".frames", quality.frames);
   report.set(prefix + ".muscle_volume_drift_max", quality.volume_drift_max);

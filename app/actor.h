@@ -59,6 +59,9 @@ struct MotionQuality {
 
 MotionQuality survey_motion(const Actor& actor, const Motion& motion, const BodyPackage* package);
 
+// Accuracy targets that a motion misses, with the figures; empty when it meets them all. Exit code 8 rests on it.
+std::vector<std::string> missed_targets(const MotionQuality& quality);
+
 // Under `prefix`: stable names, see docs/report.md.
 void report_quality(const MotionQuality& quality, const std::string& prefix, Report& report);
 

@@ -23,7 +23,8 @@ struct MuscleCurve {
 };
 
 struct DemoRecord {
-  std::vector<Picture> pictures;
+  std::vector<Picture> fit_pictures, motion_pictures;
+  std::vector<std::string> missed;  // accuracy targets, in words
   std::vector<MuscleCurve> curves;
   std::vector<double> seconds;                            // of the curves' frames
   std::vector<std::pair<double, std::string>> events;     // take-off, landing

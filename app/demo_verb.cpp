@@ -9,8 +9,8 @@
 #include "anatomy/package.h"
 #include "app/actor_film.h"
 #include "app/demo_page.h"
+#include "app/demo_pictures.h"
 #include "app/fitting.h"
-#include "app/stage_pictures.h"
 #include "app/verb.h"
 #include "morph/body.h"
 #include "skinning/pc2_io.h"
@@ -99,32 +99,28 @@ std::vector<MuscleCurve> follow_muscles(const Actor& actor, const Motion& motion
   return curves;
 }
 
-void add_stage_pictures(const Template& body_template, const Body& body, const Anatomy& shrunk, const Actor& actor, const Motion& motion, DemoRecord& record) {
-  Renderer renderer;
-  const std::vector<std::string> views{"front", "left", "back"};
-  constexpr int kWidth = 520, kHeight = 520;
-  const auto add = [&](const Anatomy& anatomy, const Look& look, const std::string& caption) {
-    record.pictures.push_back({encode_png(picture_at_rest(renderer, anatomy, body.skin, look, views, kWidth, kHeight)), caption});
-  };
-  Look skin_only, glass_bones, glass_all, flayed;
-  skin_only.muscles = skin_only.bones = 0;
-  glass_bones.skin = glass_all.skin = 0.10f;
-  glass_bones.skin_edge = glass_all.skin_edge = 0.45f;
-  glass_bones.muscles = 0;
-  flayed.skin = 0;
-  const Anatomy& fitted = actor.character.anatomy;
-  add(fitted, skin_only, "The athlete's skin (the paper's figure 4a)");
-  add(body_template.anatomy, glass_bones, "The template before it is transformed, in the athlete's skin (4b)");
-  add(fitted, glass_bones, "Its bones transformed (4c)");
-  add(shrunk, glass_all, "Its muscles transformed and shrunk, before dilation (4d)");
-  add(fitted, glass_all, "After dilation up to the layer of fat and skin (4e)");
-  add(fitted, flayed, "The écorché");
+// The same stages in a body of another build, as in the paper's figure 5.
+Picture second_body(const Template& body_template, const BodyPackage& package) {
+  BodySpec woman;
+  woman.sex = Sex::female;
+  const Body body = make_body(package, woman);
+  Report aside;
+  const FittedCharacter fitted = fit_character(body_template, body, package, {}, aside);
+  return picture_of_fit(body_template, body, fitted, package, "The same template in a woman of average build (figure 5)");
+}
 
-  const auto events = flight_events(motion);
-  const double takeoff = events[0].first, highest = events[1].first, landing = events[2].first;
-  const std::vector<double> moments{takeoff - 1.2, takeoff - 0.45, takeoff - 0.12, takeoff, (takeoff + highest) / 2, highest, (highest + landing) / 2, landing + 0.05};
-  record.pictures.push_back({encode_png(picture_of_moments(renderer, actor, motion, moments, 230, 260)),
-                             "Run-up, take-off, flight and landing: the skin, and the muscles that move it (the paper's figures 6 and 7)"});
+void add_pictures(const Template& body_template, const BodyPackage& package, const FittedCharacter& fitted, const Motion& jump, DemoRecord& record) {
+  const Character& character = fitted.actor.character;
+  record.fit_pictures.push_back(picture_of_fit(body_template, character.body, fitted, package,
+                                               "From the template to the athlete (the paper's figure 4): his skin; the template in it before it is "
+                                               "transformed; its bones transformed; its muscles transformed and shrunk; its muscles dilated up to the "
+                                               "layer of fat and skin"));
+  record.fit_pictures.push_back(second_body(body_template, package));
+  record.fit_pictures.push_back(picture_of_muscles(fitted, package));
+  record.motion_pictures.push_back(picture_of_jump(fitted.actor, package, jump, record));
+  Report aside;
+  const Motion walk = open_motion(data_folder() / "motions" / "walk.bvh", character, {}, aside);
+  record.motion_pictures.push_back(picture_of_walk(fitted.actor, package, walk));
 }
 
 double mean_frame_ms(const Actor& actor, const Motion& motion) {
@@ -173,7 +169,8 @@ int run(const DemoOptions& options, const Common& common, Report& report) {
   note(common, "motion");
   const Motion motion = open_motion(data_folder() / "motions" / "long_jump.bvh", actor.character, {}, report);
   report.set("frame_ms", mean_frame_ms(actor, motion));
-  report_quality(survey_motion(actor, motion, &package), "quality", report);
+  const MotionQuality quality = survey_motion(actor, motion, &package);
+  report_quality(quality, "quality", report);
 
   note(common, "files");
   write_character(options.folder / "athlete.glb", actor.character, actor.binding, &motion);
@@ -194,9 +191,14 @@ int run(const DemoOptions& options, const Common& common, Report& report) {
   report.set("film.driver", filmed.driver);
 
   record.curves = follow_muscles(actor, motion, record.seconds);
-  add_stage_pictures(body_template, body, fitted.undilated, actor, motion, record);
+  note(common, "pictures");
+  add_pictures(body_template, package, fitted, motion, record);
+  record.missed = missed_targets(fitted);
+  const auto in_motion = missed_targets(quality);
+  record.missed.insert(record.missed.end(), in_motion.begin(), in_motion.end());
+  const auto& missed = record.missed;
+  for (const std::string& target : missed) report.append_text("missed", target);
   write_file_atomically(options.folder / "report.html", demo_page(record, report));
-  const auto missed = missed_targets(fitted);
   report.set("exit_code", missed.empty() ? 0 : 8);
   report.write(options.folder / "report.json");
   for (const std::string& target : missed) note(common, "missed: " + target);
