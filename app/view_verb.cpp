@@ -1,8 +1,10 @@
 // ecorche view: the window. Without a character it shows the template in its own body.
-#include <fmt/format.h>
+#include <vector>
 
 #include "anatomy/errors.h"
 #include "app/actor.h"
+#include "app/eyes.h"
+#include "app/fitting.h"
 #include "app/motion_options.h"
 #include "app/verb.h"
 #include "morph/template.h"
@@ -14,30 +16,36 @@ namespace {
 struct ViewVerbOptions {
   std::filesystem::path character, motion;
   WindowOptions window;
+  std::vector<double> pick;
   MotionOptions retarget;
 };
 
-Character open_character(const std::filesystem::path& file) {
-  if (!file.empty()) return read_character(file);
-  Template shown = read_template();
-  return {std::move(shown.anatomy), std::move(shown.body)};
+// The template's muscles fill the skin only once they are dilated, in its own body as in any other.
+Actor open_actor(const std::filesystem::path& file, Report& report) {
+  if (!file.empty()) return make_actor(read_character(file), report);
+  const Template shown = read_template();
+  return fit_character(shown, shown.body, read_body_package(find_packages()), {}, report).actor;
 }
 
 int run(const ViewVerbOptions& options, const Common&, Report& report) {
-  const Actor actor = make_actor(open_character(options.character), report);
+  const Actor actor = open_actor(options.character, report);
   const Anatomy& anatomy = actor.character.anatomy;
   Motion motion;
   motion.frames.push_back(rest_pose(anatomy.skeleton));
   if (!options.motion.empty()) motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), report);
 
-  const SceneModel model = make_scene_model(anatomy, actor.character.body.skin);
+  SceneOptions scene;
+  scene.eyes = find_eyes(actor.character.body.skin, anatomy.skeleton);
+  const SceneModel model = make_scene_model(anatomy, actor.character.body.skin, scene);
   const ViewSubject subject{anatomy, model, static_cast<int>(motion.frames.size()), motion.fps, [&](int frame, PosedAnatomy& posed, SkinFrame& skin) {
                               pose_anatomy(actor.table, anatomy.skeleton, motion.frames[frame], posed);
                               deform_skin(actor.binding, posed, skin);
                             }};
   ViewDocument document;
   document.playing = motion.frames.size() > 1;
-  run_window(subject, options.window, document);
+  WindowOptions window = options.window;
+  if (options.pick.size() == 2) window.pick_x = options.pick[0], window.pick_y = options.pick[1];
+  run_window(subject, window, document);
   return 0;
 }
 
@@ -51,6 +59,10 @@ void add_view_verb(VerbRegistry& registry) {
   verb->add_option("character", options->character, "Character written by `ecorche fit`; the template when left out");
   verb->add_option("motion", options->motion, "Motion (.bvh)");
   verb->add_option("--frames", options->window.frames, "Close after so many frames")->check(CLI::Range(0, 1000000));
+  verb->add_option("--pick", options->pick, "Pick what is seen at this place at the first frame: shares of the window's width and height")
+      ->expected(2)
+      ->delimiter(',')
+      ->check(CLI::Range(0.0, 1.0));
   verb->add_option("--screenshot", options->window.screenshot, "Save the last frame, panels included (.png)");
   add_motion_options(*verb, options->retarget);
 }

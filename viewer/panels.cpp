@@ -21,7 +21,14 @@ void draw_layers(ViewDocument& document) {
     ImGui::SliderFloat("muscles", &document.look.muscles, 0, 1, "%.2f");
     ImGui::SliderFloat("bones", &document.look.bones, 0, 1, "%.2f");
     bool lengths = document.muscle_colors == MuscleColors::shortening;
-    if (ImGui::Checkbox("colour by length", &lengths)) document.muscle_colors = lengths ? MuscleColors::shortening : MuscleColors::flesh;
+    if (ImGui::Checkbox("colour-blind colours", &lengths)) document.muscle_colors = lengths ? MuscleColors::shortening : MuscleColors::flesh;
+    for (const auto& [word, activity] : {std::pair{"longer", -1.0f}, {"at rest", 0.0f}, {"shorter", 1.0f}}) {
+      const Vec3f c = muscle_color(document.muscle_colors, activity);
+      ImGui::ColorButton(word, ImVec4(c.x(), c.y(), c.z(), 1), ImGuiColorEditFlags_NoTooltip, {14, 14});
+      ImGui::SameLine();
+      ImGui::TextUnformatted(word);
+      if (activity < 1) ImGui::SameLine();
+    }
     ImGui::Checkbox("ground", &document.ground);
     ImGui::SameLine();
     ImGui::Checkbox("follow", &document.follow);

@@ -33,6 +33,8 @@ Appearance appearance_of(const ViewDocument& document) {
   appearance.looks = {document.look};
   // Faint skin keeps its outline, so that the body's shape stays in sight.
   if (document.look.skin > 0 && document.look.skin < 1) appearance.looks[0].skin_edge = std::min(0.45f, 2 * document.look.skin);
+  // Nothing is seen through whole skin: what lies beneath is not drawn, and cannot be picked.
+  if (document.look.skin >= 1 && document.look.skin_dissolved <= 0) appearance.looks[0].muscles = appearance.looks[0].bones = 0;
   appearance.muscle_colors = document.muscle_colors;
   appearance.selected = document.selected;
   return appearance;

@@ -18,7 +18,7 @@ struct ViewSubject {
 };
 
 struct ViewDocument {
-  Look look{.skin = 1, .skin_edge = 0};
+  Look look{.skin = 0.15f};  // glass: all layers are seen
   MuscleColors muscle_colors = MuscleColors::flesh;
   bool ground = true;
   bool follow = true;       // the view's centre goes along with the root
