@@ -10,6 +10,7 @@
 #include <exception>
 #include <mutex>
 #include <optional>
+#include <system_error>
 #include <thread>
 
 #include "anatomy/errors.h"
@@ -74,7 +75,12 @@ std::optional<Pattern> read_pattern(const std::filesystem::path& output) {
 class FrameWriter {
  public:
   FrameWriter(const FilmOptions& options, int width, int height) : pattern_(read_pattern(options.output)) {
-    if (!pattern_) video_.emplace(options.output, width, height, options.video);
+    if (!pattern_) {
+      video_.emplace(options.output, width, height, options.video);
+    } else if (const auto folder = options.output.parent_path(); !folder.empty()) {
+      std::error_code ignored;  // a folder that cannot be made shows when the first picture is written
+      std::filesystem::create_directories(folder, ignored);
+    }
   }
   void add(const Image& image) {
     ++count_;

@@ -69,7 +69,6 @@ expect 0 "a walk" "$ecorche" animate anna-1.glb "$walk" -o walk.glb -o walk.pc2 
 there walk.glb; there walk.pc2; there walk.json
 expect 2 "an unknown layer" "$ecorche" render anna-1.glb "$walk" -o "f/%04d.png" --layers fat
 expect 2 "a size without height" "$ecorche" render anna-1.glb "$walk" -o "f/%04d.png" --size 100
-mkdir -p frames
 expect 0 "a film" "$ecorche" render anna-1.glb "$walk" -o film.mp4 --size 160x90 --fps 4 --layers muscles,bones
 there film.mp4
 expect 0 "pictures" "$ecorche" render anna-1.glb "$walk" -o "frames/%04d.png" --size 96x96 --fps 2
