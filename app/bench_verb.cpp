@@ -11,6 +11,7 @@
 #include "app/fitting.h"
 #include "app/verb.h"
 #include "morph/body.h"
+#include "morph/slice_room.h"
 #include "skinning/baseline.h"
 
 namespace ecorche {
@@ -56,39 +57,32 @@ std::vector<Ratio> bench_frames(const Actor& actor, const Motion& motion, const 
           {"muscles_" + size, "kinematics and all muscles / linear blend, " + size, times[2], times[1], 0}};
 }
 
-// Dilation against nothing but its rays.
+// Dilation as `fit` runs it, bones and all, against nothing but one ray in each direction of each slice.
 std::vector<Ratio> bench_dilation(const Template& body_template, const FittedCharacter& fitted, const BodyPackage& package, int rounds) {
-  const TriMesh closed = capped_skin(package, fitted.actor.character.body.skin.V);
-  const SkinRays rays(closed);
-  const FatLayer fat = make_fat_layer(rays, fitted.undilated.skeleton, {fitted.actor.character.body.sex, 1});
+  const Body& body = fitted.actor.character.body;
+  const SkinRays rays(capped_skin(package, body.skin.V));
+  const FatLayer fat = make_fat_layer(rays, fitted.undilated.skeleton, body);
   const auto slices = rest_slices(fitted.undilated);
-  const int count = DilateOptions{}.rays;
-  DilateOptions paper, uncut;
+  const std::vector<Vec2> directions = ray_directions(DilateOptions{}.rays);
+  DilateOptions ours, paper, uncut;
+  ours.even_about = fitted.fit.even_about;
   paper.method = uncut.method = DilateMethod::paper;
   uncut.cut_rays = false;
   double sum = 0;
   const auto cast = [&] {
     for (const Ellipse& slice : slices)
-      for (int k = 0; k < count; ++k) {
-        const double angle = 2 * 3.14159265358979323846 * k / count;
-        const Vec3 direction = std::cos(angle) * slice.axes.col(0) + std::sin(angle) * slice.axes.col(1);
-        sum += rays.first_hit(slice.center, direction).distance;
-      }
+      for (const Vec2& direction : directions) sum += rays.first_hit(slice.center, slice.axes.leftCols<2>() * direction).distance;
   };
-  Anatomy muscles = fitted.undilated;
-  muscles.bones.clear();  // dilation does not look at them, and copying them is no part of it
+  Anatomy anatomy = fitted.undilated;
   const auto dilate = [&](const DilateOptions& options) {
-    return [&, options] {
-      Anatomy anatomy = muscles;
-      dilate_muscles(anatomy, fitted.undilated.muscles, body_template.tables->muscles, rays, fat, options);
-    };
+    return [&, options] { dilate_muscles(anatomy, fitted.undilated.muscles, body_template.tables->muscles, rays, fat, options); };
   };
-  const std::vector<BenchCase> cases{{"rays", cast}, {"paper", dilate(uncut)}, {"cut", dilate(paper)}, {"ours", dilate({})}};
+  const std::vector<BenchCase> cases{{"rays", cast}, {"paper", dilate(uncut)}, {"cut", dilate(paper)}, {"ours", dilate(ours)}};
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);  // CPU time of this thread is all there is
   const auto times = least_cpu_times(cases, rounds);
   return {{"dilation_paper", "dilation, paper's factor / its bare rays", times[1], times[0], 1.15},
           {"dilation_cut", "the same with rays cut at the running minimum / bare rays", times[2], times[0], 0.7},
-          {"dilation", "dilation, per slice / bare rays", times[3], times[0], 0}};
+          {"dilation", "dilation as in fit, flesh, slices and surface / bare rays", times[3], times[0], 0}};
 }
 
 int run(int rounds, const Common& common, Report& report) {

@@ -17,7 +17,6 @@ namespace {
 
 constexpr double kOutsideLimit = 1e-3;  // share of muscle surface points
 constexpr double kGapLimit = 3e-3;      // m, median
-constexpr double kDepthSlack = 4e-3;    // m, beyond a landmark's bracket
 
 bool is_off(const LandmarkDepth& landmark) {
   return landmark.depth < landmark.low - kDepthSlack || landmark.depth > landmark.high + kDepthSlack;
@@ -29,7 +28,11 @@ void measure_outside(const Anatomy& anatomy, const TriMesh& closed_skin, FillRep
   update_muscle_surface(surface, rest_slices(anatomy), positions);
   const SkinField field(closed_skin);
   std::vector<double> distances(positions.rows());
-  tbb::parallel_for(Eigen::Index{0}, positions.rows(), [&](Eigen::Index i) { distances[i] = field.distance(positions.row(i)); });
+  tbb::parallel_for(Eigen::Index{0}, positions.rows(), [&](Eigen::Index i) {
+    distances[i] = field.distance(positions.row(i));
+    // Where folds of the skin touch, the nearest triangle may face either way; how often the skin winds round the point decides.
+    if (distances[i] > 0 && field.winding_number(positions.row(i)) > 0.5) distances[i] = -distances[i];
+  });
   fill.points = static_cast<int>(positions.rows());
   for (double distance : distances) {
     if (distance <= 0) continue;

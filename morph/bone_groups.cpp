@@ -109,6 +109,7 @@ FitRules read_fit_rules(const std::filesystem::path& folder) {
     rule.low = landmarks.number(row, "low") * kMillimetre;
     rule.high = landmarks.number(row, "high") * kMillimetre;
     rule.tolerance = landmarks.number(row, "tolerance") * kMillimetre;
+    rule.fat_site = landmarks.text(row, "fat_site");
     if (!rules.group_of_bone.contains(rule.bone))
       throw InputError(fmt::format("{}: no group holds bone '{}'", landmarks.where(row), rule.bone));
   }

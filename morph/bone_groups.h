@@ -39,7 +39,8 @@ struct LandmarkRule {  // data/palpable.csv
   std::string name, bone;
   Vec3 direction = Vec3::Zero();
   Vec3 from = Vec3::Zero(), to = Vec3::Ones();  // limits in the bone's bounding box
-  double low = 0, high = 0;                     // tissue over it, m
+  double low = 0, high = 0;                     // tissue over it in lean men, m
+  std::string fat_site;                         // of data/fat.csv: what grows over it in others
   double tolerance = 0;                         // m
 };
 

@@ -10,7 +10,6 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
-#include "anatomy/table.h"
 
 namespace ecorche {
 
@@ -108,6 +107,20 @@ float mean_of_sites(const std::vector<FatSite>& sites, const Vec3& point, const 
 
 }  // namespace
 
+FatTable::FatTable() : table_(data_folder() / "fat.csv") {}
+
+double FatTable::thickness(int row, const FatOptions& options) const {
+  const char* sex = options.sex == Sex::male ? "male" : "female";
+  const auto fat = [&](const char* build) { return table_.number(row, fmt::format("fat_{}_{}", sex, build)); };
+  return kMillimetre * between_builds(fat("lean"), fat("average"), fat("obese"), options.fatness);
+}
+
+double FatTable::thickness(const std::string& site, const FatOptions& options) const {
+  for (int row = 0; row < table_.rows(); ++row)
+    if (table_.text(row, "site") == site) return thickness(row, options);
+  throw InputError(fmt::format("fat.csv: no site '{}'", site));
+}
+
 double estimate_fatness(const Body& body) {
   const double height = body.skin.V.col(1).maxCoeff() - body.skin.V.col(1).minCoeff();
   constexpr double kDensity = 1010;  // kg/m^3, with the air in the lungs
@@ -119,14 +132,13 @@ double estimate_fatness(const Body& body) {
 }
 
 FatLayer make_fat_layer(const SkinRays& rays, const Skeleton& skeleton, const FatOptions& options) {
-  const Table table(data_folder() / "fat.csv");
+  const FatTable fat;
+  const Table& table = fat.table();
   const SiteFinder finder(table, skeleton, rays);
   const char* sex = options.sex == Sex::male ? "male" : "female";
   FatLayer layer;
   for (int row = 0; row < table.rows(); ++row) {
-    const auto fat = [&](const char* build) { return table.number(row, fmt::format("fat_{}_{}", sex, build)); };
-    const double thickness = kMillimetre * (between_builds(fat("lean"), fat("average"), fat("obese"), options.fatness) +
-                                            table.number(row, fmt::format("skin_{}", sex)));
+    const double thickness = fat.thickness(row, options) + kMillimetre * table.number(row, fmt::format("skin_{}", sex));
     const std::vector<Side> sides = finder.is_paired(row) ? std::vector{Side::left, Side::right} : std::vector{Side::middle};
     for (const Side side : sides) {
       FatSite site;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "anatomy/anatomy.h"
+#include "anatomy/table.h"
 #include "morph/skin_rays.h"
 
 namespace ecorche {
@@ -17,6 +18,19 @@ struct FatOptions {
   // 0 lean (athletic, body mass index about 21.5), 1 average (25), 2 obese (34); in between and beyond by straight lines, never
   // less than 0.4 of lean.
   double fatness = 1;
+};
+
+// data/fat.csv: thicknesses of fat by site, sex and fatness, without the skin.
+class FatTable {
+ public:
+  FatTable();  // throws InputError when the file cannot be read
+  // m. Throws InputError for a site that the table does not have.
+  double thickness(const std::string& site, const FatOptions& options) const;
+  double thickness(int row, const FatOptions& options) const;
+  const Table& table() const { return table_; }
+
+ private:
+  Table table_;
 };
 
 struct FatSite {

@@ -10,6 +10,7 @@
 #include <tbb/parallel_for.h>
 
 #include "anatomy/errors.h"
+#include "morph/fat.h"
 #include "morph/fitted_skeleton.h"
 #include "morph/skin_field.h"
 
@@ -70,12 +71,38 @@ struct BothSides {
   PlaceReport left, right;
 };
 
-BothSides place_both(const FitTables& tables, const Points& skin, const SkinField& field, double stature, const Symmetry& symmetry) {
+// The tissue over palpable points, as data/palpable.csv says, for a body's sex, fatness and stature.
+struct Bracket {
+  double low = 0, high = 0;  // m
+};
+std::vector<Bracket> brackets_of(const FitTables& tables, const Body& body, double stature) {
+  const FatTable fat;
+  const FatOptions own{body.sex, estimate_fatness(body)}, lean{Sex::male, 0};
+  const double size = stature / tables.stature;
+  std::vector<Bracket> out;
+  for (const LandmarkRule& rule : tables.rules.landmarks) {
+    const double more = fat.thickness(rule.fat_site, own) - fat.thickness(rule.fat_site, lean);
+    out.push_back({rule.low * std::min(size, 1.0) + std::min(more, 0.0), rule.high * std::max(size, 1.0) + std::max(more, 0.0)});
+  }
+  return out;
+}
+
+PlaceInput input_for(const FitTables& tables, const Points& skin, double stature, const std::vector<Bracket>& brackets) {
+  PlaceInput input = fit_input(tables, skin, stature);
+  for (size_t k = 0; k < input.landmarks.size(); ++k) {
+    input.landmarks[k].shallowest = brackets[k].low - kDepthSlack;
+    input.landmarks[k].deepest = brackets[k].high + kDepthSlack;
+  }
+  return input;
+}
+
+BothSides place_both(const FitTables& tables, const Points& skin, const SkinField& field, double stature, const Symmetry& symmetry,
+                     const std::vector<Bracket>& brackets) {
   BothSides out;
   SidedPlacement& p = out.placement;
   p.source_plane = tables.half.mid_plane;
   p.target_plane = symmetry.plane;
-  p.left = place_bones(fit_input(tables, skin, stature), tables.rules, field, &out.left);
+  p.left = place_bones(input_for(tables, skin, stature, brackets), tables.rules, field, &out.left);
   if (symmetry.largest < kSymmetric) {
     p.right = p.left;
     out.right = out.left;
@@ -83,10 +110,10 @@ BothSides place_both(const FitTables& tables, const Points& skin, const SkinFiel
   }
   const Points other = mirrored_skin(skin, tables.topology.mirror, symmetry.plane);
   const SkinField other_field(capped_skin(tables.topology, other));
-  p.right = place_bones(fit_input(tables, other, stature), tables.rules, other_field);
+  p.right = place_bones(input_for(tables, other, stature, brackets), tables.rules, other_field);
   share_middle(tables.rules, p.left, p.right);
   const auto again = [&](const Points& side, const SkinField& side_field, Placement& placement, PlaceReport& report) {
-    PlaceInput input = fit_input(tables, side, stature);
+    PlaceInput input = input_for(tables, side, stature, brackets);
     const Placement start = placement;
     input.start = &start;
     input.middle_fixed = true;
@@ -97,7 +124,8 @@ BothSides place_both(const FitTables& tables, const Points& skin, const SkinFiel
   return out;
 }
 
-void measure_bones(const FitTables& tables, const BothSides& sides, const Anatomy& anatomy, const SkinField& field, FitReport& report) {
+void measure_bones(const FitTables& tables, const BothSides& sides, const Anatomy& anatomy, const SkinField& field,
+                   const std::vector<Bracket>& brackets, FitReport& report) {
   for (const Bone& bone : anatomy.bones) report.bone_vertices += static_cast<int>(bone.mesh.V.rows());
   for (size_t b = 0; b < tables.half.bones.size(); ++b)
     report.bones_outside += sides.left.outside[b] + (tables.half.bones[b].paired ? sides.right.outside[b] : 0);
@@ -106,7 +134,7 @@ void measure_bones(const FitTables& tables, const BothSides& sides, const Anatom
   for (size_t k = 0; k < tables.landmarks.size(); ++k) {
     const LandmarkRule& rule = tables.rules.landmarks[k];
     const BonePoint& point = tables.landmarks[k].point;
-    report.landmarks.push_back({rule.name, -field.distance(sides.placement.left.maps[point.group](point.position)), rule.low, rule.high});
+    report.landmarks.push_back({rule.name, -field.distance(sides.placement.left.maps[point.group](point.position)), brackets[k].low, brackets[k].high});
   }
 }
 
@@ -143,7 +171,8 @@ Fit fit_anatomy(const Template& body_template, const Body& body) {
   fit.report.asymmetry = symmetry.largest;
   if (symmetry.largest < kSymmetric) fit.report.even_about = symmetry.plane;
   const SkinField field(capped_skin(tables.topology, skin));
-  const BothSides sides = place_both(tables, skin, field, fit.report.stature, symmetry);
+  const std::vector<Bracket> brackets = brackets_of(tables, body, fit.report.stature);
+  const BothSides sides = place_both(tables, skin, field, fit.report.stature, symmetry, brackets);
   const SkeletonCarrier carrier(body_template.anatomy, tables.rules, sides.placement);
   fit.anatomy = carrier.skeleton();
   fit.report.bones_ms = since(start);
@@ -152,7 +181,7 @@ Fit fit_anatomy(const Template& body_template, const Body& body) {
   carry_all(tables.muscles, carrier, fit.report.stature / tables.stature, inner_volume(tables.topology, skin) / tables.volume,
             fit.anatomy.muscles);
   fit.report.muscles_ms = since(start);
-  measure_bones(tables, sides, fit.anatomy, field, fit.report);
+  measure_bones(tables, sides, fit.anatomy, field, brackets, fit.report);
   return fit;
 }
 

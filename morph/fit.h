@@ -19,8 +19,11 @@ namespace ecorche {
 struct LandmarkDepth {
   std::string name;       // data/palpable.csv
   double depth = 0;       // of the bone below the skin, m
-  double low = 0, high = 0;  // tissue expected there, m
+  double low = 0, high = 0;  // tissue expected there, m: of data/palpable.csv, for this sex, fatness and stature
 };
+
+// How far beyond a bracket a point may lie and still count as met, m.
+inline constexpr double kDepthSlack = 4e-3;
 
 struct FitReport {
   double bones_ms = 0, muscles_ms = 0;

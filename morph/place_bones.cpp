@@ -153,6 +153,32 @@ std::vector<Violation> push_in(const PlaceInput& input, const SkinField& skin, B
   return out;
 }
 
+// Palpable points that lie a little off where they should are aimed at harder, some times over. Those that are far off are left
+// alone: there the bones would be bent for what is fat, or what no skeleton fits.
+void aim_again(const PlaceInput& input, const SkinField& skin, BoneProblem& problem, int& iterations) {
+  constexpr int kRounds = 4;
+  constexpr double kFar = 8e-3, kWithin = 0.7e-3;  // m
+  constexpr double kHarder = 0.6;
+  for (int round = 0; round < kRounds; ++round) {
+    bool any = false;
+    for (size_t k = 0; k < input.landmarks.size(); ++k) {
+      const LandmarkTarget& target = input.landmarks[k];
+      DepthPoint& aim = problem.depths[k];
+      const Vec3 x = problem.groups[aim.group].map(aim.x);
+      const double depth = -skin.distance(x, aim.seed);
+      const double off = std::max(target.shallowest - depth, depth - target.deepest);
+      if (off <= 0 || off > kFar) continue;
+      aim.wanted = depth < target.shallowest ? target.shallowest + kWithin : target.deepest - kWithin;
+      aim.slack = 0;
+      aim.deeper = 1;
+      aim.tolerance *= kHarder;
+      any = true;
+    }
+    if (!any) return;
+    iterations += solve_bones(problem, skin, 12).iterations;
+  }
+}
+
 std::vector<BoneMap> current_maps(const BoneProblem& problem) {
   std::vector<BoneMap> maps;
   for (const BoneGroup& group : problem.groups) maps.push_back(group.map);
@@ -185,7 +211,7 @@ std::vector<GapPair> glide_pairs(const HalfSkeleton& source, const FitRules& rul
     Eigen::Index k = 0;
     if ((cage.rowwise() - x.transpose()).rowwise().norm().minCoeff(&k) > kReach) continue;
     near.V.conservativeResize(near.V.rows() + 1, 3);
-    near.V.bottomRows(1) = x.transpose();
+    near.V.row(near.V.rows() - 1) = x;
     const Vec3 rib = cage.row(k);
     gaps.push_back(outwards(rib, source_middle).dot(x - rib));
   }
@@ -215,6 +241,7 @@ Placement place_bones(const PlaceInput& input, const FitRules& rules, const Skin
     problem.gaps = glide_pairs(*input.source, rules, current_maps(problem));
     iterations += solve_bones(problem, skin, input.iterations).iterations;
   }
+  aim_again(input, skin, problem, iterations);
   push_in(input, skin, problem, false, iterations);
   const std::vector<Violation> left = push_in(input, skin, problem, true, iterations);
   if (report) {

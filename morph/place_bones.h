@@ -1,6 +1,7 @@
 // Placing one half of a skeleton inside a skin.
 #pragma once
 
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -22,6 +23,8 @@ struct LandmarkTarget {
   double slack = 0;       // m
   double tolerance = 0;   // m
   double deeper = 1;      // weight of lying too deep
+  // Where the point should end up at last, m below the skin: what misses that by little is aimed at again, harder.
+  double shallowest = -std::numeric_limits<double>::infinity(), deepest = std::numeric_limits<double>::infinity();
 };
 
 struct SurfaceSample {

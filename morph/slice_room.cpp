@@ -63,9 +63,11 @@ RoomCount find_room(Ellipse& slice, std::span<const Vec2> directions, const Skin
       entering += hit.facing < 0;
       if (hit.facing > 0) room.push_back(half_plane(slice, direction, hit, fat.at(rays.mesh().F, hit) + clearance));
     }
-    if (entering == 0 || attempt == 1) break;
+    // From inside a closed skin all rays leave it; where one enters, or many meet nothing, the centre is outside.
+    const bool outside = entering > 0 || 4 * result.misses > static_cast<long long>(directions.size());
+    if (outside) result.misses = 0;
+    if (!outside || attempt == 1) break;
     result.outside = true;
-    result.misses = 0;
     if (!pull_in(slice, directions, rays, fat)) break;
   }
   return result;

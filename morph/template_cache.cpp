@@ -123,7 +123,7 @@ template <class A> void field(A& a, Landmark& x) { fields(a, x.name, x.position)
 template <class A> void field(A& a, Body& x) { fields(a, x.skin, x.landmarks, x.name, x.sex, x.age, x.mass); }
 template <class A> void field(A& a, GroupRule& x) { fields(a, x.name, x.paired, x.bones, x.near, x.far, x.across, x.width, x.raised, x.shaft, x.freedom); }
 template <class A> void field(A& a, ContactRule& x) { fields(a, x.point, x.a, x.b, x.tolerance, x.along, x.spread, x.loose, x.close); }
-template <class A> void field(A& a, LandmarkRule& x) { fields(a, x.name, x.bone, x.direction, x.from, x.to, x.low, x.high, x.tolerance); }
+template <class A> void field(A& a, LandmarkRule& x) { fields(a, x.name, x.bone, x.direction, x.from, x.to, x.low, x.high, x.fat_site, x.tolerance); }
 template <class A> void field(A& a, CubeRule& x) { fields(a, x.joint, x.cube, x.toward, x.male, x.female, x.tolerance); }
 template <class A> void field(A& a, FitRules& x) { fields(a, x.groups, x.contacts, x.landmarks, x.cubes, x.group_of_bone); }
 template <class A> void field(A& a, Cavity& x) { fields(a, x.name, x.loop, x.quads); }
@@ -131,7 +131,7 @@ template <class A> void field(A& a, BodyPackage& x) { fields(a, x.skin_size, x.q
 template <class A> void field(A& a, HalfBone& x) { fields(a, x.name, x.group, x.paired, x.mesh, x.watched); }
 template <class A> void field(A& a, HalfSkeleton& x) { fields(a, x.points, x.hinges, x.bones, x.stature, x.mid_plane); }
 template <class A> void field(A& a, BonePoint& x) { fields(a, x.bone, x.vertex, x.group, x.position); }
-template <class A> void field(A& a, LandmarkTarget& x) { fields(a, x.point, x.wanted, x.slack, x.tolerance, x.deeper); }
+template <class A> void field(A& a, LandmarkTarget& x) { fields(a, x.point, x.wanted, x.slack, x.tolerance, x.deeper, x.shallowest, x.deepest); }
 template <class A> void field(A& a, SurfaceSample& x) { fields(a, x.bone, x.vertex, x.margin); }
 template <class A> void field(A& a, GapPair& x) { fields(a, x.a, x.b, x.x_a, x.x_b, x.normal, x.gap, x.tolerance); }
 template <class A> void field(A& a, CentreRegressor::Row& x) { fields(a, x.name, x.vertices, x.weights); }
