@@ -77,6 +77,25 @@ inline Lane3 follow(const Lane3& from, const Lane3& to, const Lane3& direction) 
   return unit(d - dot(d, to) * to);
 }
 
+// Points that a closing joint has brought past each other go back to where they meet, so that the line does not turn back.
+inline void keep_order(std::span<const PosingLink> links, const PosingPoint* points, const std::vector<Transform>& X_WJ, Lane* path) {
+  for (const PosingLink& link : links) {
+    const int i = link.point;
+    Lane along = turned(points[i], X_WJ, link.direction) + turned(points[i + 1], X_WJ, link.direction);
+    const double size = std::sqrt((along * along).sum());
+    const double sure = std::clamp((size - 0.1) / 0.8, 0.0, 1.0);  // no telling what is ahead when the bones face each other
+    if (sure <= 0) continue;
+    along /= size;
+    // Nothing from `keep` on, a parabola down to none of it, then what is missing.
+    const double missing = link.keep - ((path[i + 1] - path[i]) * along).sum();
+    if (missing <= 0) continue;
+    const double wish = missing < link.keep ? missing * missing / (2 * link.keep) : missing - 0.5 * link.keep;
+    const double back = sure * sure * (3 - 2 * sure) * wish / std::sqrt(1 + wish * wish / (link.room * link.room));
+    path[i] -= (link.give_first * back) * along;
+    path[i + 1] += (link.give_second * back) * along;
+  }
+}
+
 // Slice points of the line: spline, then wraps; and across the lanes.
 void lay_line(const PosingTable::Data& data, const PosingBatch& batch, const std::vector<Transform>& X_WJ, Scratch& t) {
   for (int lane = 0; lane < kLanes; ++lane) {
@@ -87,6 +106,7 @@ void lay_line(const PosingTable::Data& data, const PosingBatch& batch, const std
     const PosingStrip& strip = data.strip[batch.strip[lane]];
     Lane path[kMaxPathPoints];
     for (int i = 0; i < strip.points; ++i) path[i] = posed_point(data.points[strip.point + i], X_WJ);
+    keep_order({data.links.data() + strip.link, static_cast<size_t>(strip.links)}, &data.points[strip.point], X_WJ, path);
     const int node = batch.node + lane * batch.rows;
     for (int k = 0; k < batch.rows; ++k) {
       const Lane* p = path + data.firsts[node + k];
@@ -95,7 +115,7 @@ void lay_line(const PosingTable::Data& data, const PosingBatch& batch, const std
     }
     for (int w = 0; w < strip.wraps; ++w) {
       const PosingWrap& wrap = data.wraps[strip.wrap + w];
-      push_out(wrap, X_WJ[wrap.joint], t.points[lane]);
+      push_out(wrap, data.wrap_slices.data() + wrap.slice, X_WJ[wrap.joint], t.points[lane]);
     }
   }
   for (int k = 0; k < batch.rows; ++k) {
@@ -363,7 +383,7 @@ void pose_anatomy(const PosingTable& table, const Skeleton& skeleton, const Pose
   }
   out.clamped = out.overtwisted = 0;
   for (int i = 0; i < data.strips; ++i) {
-    out.clamped += out.swelling[i] < 0.6 + 1e-9 || out.swelling[i] > 1.6 - 1e-9;
+    out.clamped += out.swelling[i] < 0.5 + 1e-9 || out.swelling[i] > 2.0 - 1e-9;
     out.overtwisted += std::abs(out.twists[i]) > kTwistLimit;
   }
 }

@@ -1,6 +1,7 @@
 // Anatomy + pose -> posed slices, every muscle at its rest volume.
 //
-// A strip's line is a spline through its posed path points (see muscle_line.h), pushed out of its wraps. Slices stay where
+// A strip's line is a spline through its posed path points (see muscle_line.h), which keep their order where a closing joint would carry
+// one past another, pushed out of its wraps. Slices stay where
 // the bones put them; the muscle's substance slides through them: when the line shortens, tendons keep their length but for a
 // tenth, the belly takes up the rest, and each slice gets the outline of the substance that lies there now. Then the belly
 // swells by one factor so that the strip's volume is exactly that of the rest pose. Sheets swell in thickness only.
@@ -40,7 +41,7 @@ struct PosedAnatomy {
   std::vector<double> lengths;   // #all strips, posed line lengths, m
   std::vector<double> swelling;  // #all strips, factor of the belly's radii (sheets: its square root of the thickness), 1 at rest
   std::vector<double> twists;    // #all strips, turn of the insertion about the line against the origin, relative to rest, rad
-  int clamped = 0;               // strips whose swelling met its limits 0.6 .. 1.6, so that their volume is not kept
+  int clamped = 0;               // strips whose swelling met its limits 0.5 .. 2, so that their volume is not kept
   int overtwisted = 0;           // strips with a twist of more than 100 deg; what is over is taken back
 };
 
@@ -50,14 +51,14 @@ constexpr int kMaxPathPoints = 32;
 std::vector<SliceRange> slice_ranges(const Anatomy& anatomy);  // one a strip, in flat order
 
 // Throws std::invalid_argument if `anatomy` is not valid, a strip has fewer than two or more than kMaxStripSlices slices or
-// more than kMaxPathPoints path points. Wraps are cut so that they do not move the rest line; one that would have to lose more
-// than half its size is dropped.
+// more than kMaxPathPoints path points. Wraps never move the rest line: where it lies inside of one, it may stay as deep.
 PosingTable make_posing_table(const Anatomy& anatomy);
 
-// Wraps that make_posing_table had to shrink or drop, for reports. Names as "muscle strip wrap".
+// What make_posing_table found about wraps, for reports: those that the rest line enters and those that it does not come near.
 struct WrapNote {
   int muscle = 0, strip = 0, wrap = 0;
-  double kept = 1;  // share of its radius that is used; 0 dropped
+  bool used = true;   // false: the line passes too far off, through the middle, or only its ends are near
+  double depth = 0;   // how deep the rest line lies in the object, which stays allowed, m
 };
 std::vector<WrapNote> wrap_notes(const PosingTable& table);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <span>
 #include <stdexcept>
 
 #include "anatomy/muscle_line.h"
@@ -13,7 +14,11 @@ namespace {
 
 constexpr double kTendonGive = 0.1;      // stretch of tendon over stretch of belly
 constexpr double kTendonTwist = 3;       // turn of tendon over turn of belly, per metre
+constexpr double kKeptGap = 0.3;         // share of their distance at rest that path points of two bones keep
+constexpr double kShortEnd = 0.04;       // m; first and last pieces of paths that may be passed
 constexpr double kWrapMargin = 0.0015;   // m
+constexpr double kSteepest = 0.7;         // slope at which a push rises from a still slice, farther off than
+constexpr double kGentle = 0.015;         // m
 constexpr double kWrapReach = 4;         // object radii: slices farther off hold still
 
 struct RestStrip {
@@ -47,6 +52,35 @@ PosingPoint posing_point(const PathPoint& p, const std::vector<Vec3>& joints) {
   return point;
 }
 
+// Links wherever the line goes over from one carrier to the next, and on either side, for points that are pushed on.
+void add_links(std::span<const PathPoint> path, std::vector<PosingLink>& links) {
+  const int n = static_cast<int>(path.size());
+  const auto crosses = [&](int i) { return path[i].joints != path[i + 1].joints || path[i].share != path[i + 1].share; };
+  const auto room = [&](int i, int step) {
+    double sum = 0;
+    for (int k = i; k + step >= 0 && k + step < n && !crosses(std::min(k, k + step)); k += step) sum += (path[k + step].rest - path[k].rest).norm();
+    return sum;
+  };
+  const auto add = [&](int i, double first, double second) {
+    const Vec3 step = path[i + 1].rest - path[i].rest;
+    const double size = step.norm();
+    if (!(size > 1e-6)) return;
+    if (i == 0) second = first + second, first = 0;
+    if (i + 2 == n) first = first + second, second = 0;
+    const double free = std::min(first > 0 ? room(i, -1) : 1e3, second > 0 ? room(i + 1, 1) : 1e3);
+    if (n > 2) links.push_back({i, first, second, step / size, kKeptGap * size, std::max(free, size)});
+  };
+  for (int i = 0; i + 1 < n; ++i) {
+    if (!crosses(i)) continue;
+    const bool end = i == 0 || i + 2 == n;  // then the via point alone gives way, and only a short piece is ever passed
+    if (end && (path[i + 1].rest - path[i].rest).norm() > kShortEnd) continue;
+    add(i, 0.5, 0.5);
+    if (end) continue;
+    for (int back = i - 1; back > 0 && !crosses(back); --back) add(back, 1, 0);
+    for (int on = i + 1; on + 2 < n && !crosses(on); ++on) add(on, 0, 1);
+  }
+}
+
 PosingProfile profile(const Strip& strip, const RestStrip& rest) {
   PosingProfile table;
   const double whole = rest.chord.back();
@@ -65,25 +99,20 @@ PosingProfile profile(const Strip& strip, const RestStrip& rest) {
   return table;
 }
 
-// One wrap against the rest line: its side, its reach, and how much of it fits beside the line. Share kept, 0 for none.
-double fit_wrap(const Wrap& wrap, const RestStrip& rest, const Vec3& joint, PosingWrap& out) {
+// One wrap against the rest line: its side, its reach, and how deep the line may be in it. False if the line is not beside it.
+bool fit_wrap(const Wrap& wrap, const RestStrip& rest, const Vec3& joint, PosingWrap& out, std::vector<WrapSlice>& slices, double& depth) {
   const int n = static_cast<int>(rest.line.size());
   out.joint = wrap.joint;
   out.cylinder = wrap.kind == Wrap::Kind::cylinder;
   out.center = wrap.X_WO.translation() - joint;
-  if (!(wrap.radii.minCoeff() > 1e-4)) return 0;
-  const auto units = [&](double kept) {
-    Vec3 radii = kept * wrap.radii;
-    if (out.cylinder) radii.z() = wrap.radii.z();
-    out.to_unit = radii.cwiseInverse().asDiagonal() * wrap.X_WO.linear().transpose();
-    out.from_unit = wrap.X_WO.linear() * Mat3(radii.asDiagonal());
-  };
+  if (!(wrap.radii.minCoeff() > 1e-4)) return false;
+  out.to_unit = wrap.radii.cwiseInverse().asDiagonal() * wrap.X_WO.linear().transpose();
+  out.from_unit = wrap.X_WO.linear() * Mat3(wrap.radii.asDiagonal());
   const auto seen = [&](int k) {
     Vec3 x = out.to_unit * (rest.line[k] - wrap.X_WO.translation());
     if (out.cylinder) x.z() = 0;
     return x;
   };
-  units(1);
   int nearest = -1;
   double least = 1e300;
   for (int k = 1; k + 1 < n; ++k) {
@@ -91,42 +120,37 @@ double fit_wrap(const Wrap& wrap, const RestStrip& rest, const Vec3& joint, Posi
     const double d = seen(k).norm();
     if (beyond < 1.5 && d < least) least = d, nearest = k;
   }
-  if (nearest < 0 || least > kWrapReach || least < 0.2) return 0;
+  if (nearest < 0 || least > kWrapReach || least < 0.2) return false;
   out.side = seen(nearest).normalized();
   const double mean_radius = out.cylinder ? wrap.radii.x() : std::cbrt(wrap.radii.prod());
-  const double margin = kWrapMargin / mean_radius;
-
-  // Below the wedge by less than the margin? Under the ball's cap the object can shrink; beside it the line bends round so far
-  // that only slices nearer than this one may be pushed.
-  const auto clear = [&](int k, double kept) {
-    const Vec3 x = seen(k) / kept;
+  out.soft = kWrapMargin / mean_radius;
+  const auto below = [&](int k) {
+    const Vec3 x = seen(k);
     const double u = x.dot(out.side);
-    return u - wedge_height(std::max(0.0, x.squaredNorm() - u * u)) >= margin / kept;
+    return wedge_height(std::max(0.0, x.squaredNorm() - u * u)) - u;
   };
+  // Beside the object the line bends round so far that only slices nearer than this one may be pushed.
   const auto beside = [&](int k) {
     const Vec3 x = seen(k);
     const double u = x.dot(out.side);
-    return x.squaredNorm() - u * u > kWedgeSine * kWedgeSine && !clear(k, 1);
+    return x.squaredNorm() - u * u > kWedgeSine * kWedgeSine && below(k) > -out.soft;
   };
   out.begin = out.end = nearest;
   while (out.begin > 0 && !beside(out.begin - 1) && seen(out.begin).norm() < kWrapReach) --out.begin;
   while (out.end + 1 < n && !beside(out.end + 1) && seen(out.end).norm() < kWrapReach) ++out.end;
   out.begin = std::min(out.begin, nearest - 1);
   out.end = std::max(out.end, nearest + 1);
-
-  double kept = 1;
-  for (int tries = 0; tries < 60; ++tries) {
-    bool fits = true;
-    for (int k = out.begin + 1; k < out.end; ++k) fits = fits && clear(k, kept);
-    if (fits) break;
-    kept *= 0.98;
-  }
-  if (kept < 0.5) return 0;
-  units(kept);
-  out.soft = margin / kept;
   out.begin_at = seen(out.begin).normalized();
   out.end_at = seen(out.end).normalized();
-  return kept;
+  out.slice = static_cast<int>(slices.size());
+  depth = 0;
+  for (int k = out.begin; k <= out.end; ++k) {
+    const double from_still = std::min(rest.chord[k] - rest.chord[out.begin], rest.chord[out.end] - rest.chord[k]);
+    slices.push_back({std::nextafter(static_cast<float>(std::max(0.0, below(k) + out.soft)), 1e9f),
+                      static_cast<float>(kSteepest * from_still * from_still / (from_still + kGentle) / mean_radius)});
+    if (k > out.begin && k < out.end) depth = std::max(depth, below(k) * mean_radius);
+  }
+  return true;
 }
 
 void add_lane(PosingTable::Data& data, PosingBatch& batch, int lane, const Strip& strip, bool sheet, const RestStrip& rest) {
@@ -144,8 +168,8 @@ void add_lane(PosingTable::Data& data, PosingBatch& batch, int lane, const Strip
   lanes.bins[lane] = kProfileBins / whole;
   lanes.volume[lane] = tube_volume(rest.slices) * 3 / std::numbers::pi;
   lanes.width_swells[lane] = sheet ? 0 : 1;
-  lanes.grow_min[lane] = sheet ? 0.36 : 0.6;
-  lanes.grow_max[lane] = sheet ? 2.56 : 1.6;
+  lanes.grow_min[lane] = sheet ? 0.25 : 0.5;
+  lanes.grow_max[lane] = sheet ? 4.0 : 2.0;
 
   PosingProfile& table = data.profiles[batch.profile + lane] = profile(strip, rest);
   double turn = 0;
@@ -187,14 +211,18 @@ void add_strip(PosingTable::Data& data, const Muscle& muscle, const Strip& strip
   out.slice = range.begin;
   out.point = static_cast<int>(data.points.size());
   for (const PathPoint& p : strip.path) data.points.push_back(posing_point(p, joints));
+  out.link = static_cast<int>(data.links.size());
+  add_links(strip.path, data.links);
+  out.links = static_cast<int>(data.links.size()) - out.link;
   while (static_cast<int>(data.points.size()) - out.point < 4) data.points.push_back(data.points.back());
   out.points = static_cast<int>(data.points.size()) - out.point;
   out.wrap = static_cast<int>(data.wraps.size());
   for (size_t w = 0; w < strip.wraps.size(); ++w) {
     PosingWrap wrap;
-    const double kept = fit_wrap(strip.wraps[w], rest, joints[strip.wraps[w].joint], wrap);
-    if (kept > 0) data.wraps.push_back(wrap);
-    if (kept < 0.999) data.notes.push_back({range.muscle, range.strip, static_cast<int>(w), kept});
+    WrapNote note{range.muscle, range.strip, static_cast<int>(w), true, 0};
+    note.used = fit_wrap(strip.wraps[w], rest, joints[strip.wraps[w].joint], wrap, data.wrap_slices, note.depth);
+    if (note.used) data.wraps.push_back(wrap);
+    if (!note.used || note.depth > 0) data.notes.push_back(note);
   }
   out.wraps = static_cast<int>(data.wraps.size()) - out.wrap;
   const auto unrolled = [&](int k) -> Vec3 {

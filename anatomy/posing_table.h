@@ -27,6 +27,16 @@ struct PosingPoint {
   Vec3 in_first = Vec3::Zero(), in_second = Vec3::Zero();  // in the joints' frames
 };
 
+// Two successive path points of which one may be carried past the other when a joint closes. They are kept in their order, `keep` apart
+// along the direction that the line has there.
+struct PosingLink {
+  int point = 0;                       // the first of the two, within the strip
+  double give_first = 0.5, give_second = 0.5;  // how they share the way back
+  Vec3 direction = Vec3::UnitX();      // from the first to the second at rest, unit
+  double keep = 0;                     // m
+  double room = 0;                     // length of line that the moved points have before the next carrier or the end, m
+};
+
 // All lengths in units of the object: it is the unit ball, or the unit cylinder about z.
 struct PosingWrap {
   int joint = 0;
@@ -38,6 +48,12 @@ struct PosingWrap {
   Vec3 side = Vec3::UnitX();          // where the line passes at rest, unit
   Vec3 begin_at = Vec3::UnitX(), end_at = Vec3::UnitX();  // unit directions of the still slices at rest
   double soft = 0.1;                  // margin over which the push sets in
+  int slice = 0;                      // first of end - begin + 1 WrapSlice
+};
+
+struct WrapSlice {
+  float depth = 0;  // below the wedge that is allowed, because the rest line lies there
+  float room = 0;   // push that is steep enough, seen from the still slices
 };
 
 struct PosingStrip {
@@ -45,6 +61,7 @@ struct PosingStrip {
   int muscle = 0;
   int slice = 0;                      // first flat slice
   int point = 0, points = 0;          // path points, at least four (padded)
+  int link = 0, links = 0;
   int wrap = 0, wraps = 0;
   Vec3 reference = Vec3::UnitX();     // unit, perpendicular to the tangent; carried by the first path point
   Vec3 begin_tangent = Vec3::UnitY();
@@ -98,7 +115,9 @@ struct PosingTable::Data {
   std::vector<PosingPoint> points;
   std::vector<Lane> weights;           // of four successive path points, a node each
   std::vector<std::uint8_t> firsts;    // path point within the strip that the first weight is for
+  std::vector<PosingLink> links;
   std::vector<PosingWrap> wraps;
+  std::vector<WrapSlice> wrap_slices;  // object units
   std::vector<PosingStrip> strip;
   std::vector<PosingBatch> batches;
   std::vector<PosingRow> rows;

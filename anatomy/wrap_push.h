@@ -10,18 +10,24 @@
 
 namespace ecorche {
 
-// Turns `v` by the smallest rotation that takes unit `from` to unit `to`; tends to the identity when they are opposite.
-inline Vec3 least_turn(const Vec3& from, const Vec3& to, const Vec3& v) {
-  const Vec3 axis = from.cross(to);
-  const Vec3 once = axis.cross(v);
-  return v + once + axis.cross(once) / (1 + from.dot(to) + 1e-9);
+// Turns `v` by half of what the unit direction `from` turned to become `x`. That has no meaning when they face each other or x lies
+// at the object's centre: the turn fades before, so that it is continuous.
+inline Vec3 half_turn(const Vec3& from, const Vec3& x, const Vec3& v) {
+  const double size = std::sqrt(x.squaredNorm() + 1e-12);
+  const Vec3 to = x / size;
+  const double facing = std::clamp((from.dot(to) + 1) / 0.75, 0.0, 1.0), near = std::clamp((size - 0.3) / 0.5, 0.0, 1.0);
+  const double share = facing * facing * (3 - 2 * facing) * near * near * (3 - 2 * near);
+  const Vec3 half = ((2 - share) * from + share * to).normalized();
+  const Vec3 axis = from.cross(half), once = axis.cross(v);
+  return v + once + axis.cross(once) / (1 + from.dot(half));
 }
 
 // The path must stay on its side of the object, so points are moved along one direction `side`, which turns by half of what
 // the still slices at either end have turned about the object since rest. The need for displacement is read off a rounded
-// wedge, so that a point that has slipped behind the object is brought back and nothing jumps when the line passes the centre.
+// wedge, so that a point that has slipped behind the object is brought back and nothing jumps when the line passes the centre;
+// slices may lie as deep as they do at rest.
 // Displacements then spread to the neighbours as those of a taut string: a straight decay to the still slices.
-inline void push_out(const PosingWrap& wrap, const Transform& X_WJ, Lane* points) {
+inline void push_out(const PosingWrap& wrap, const WrapSlice* slices, const Transform& X_WJ, Lane* points) {
   const Mat3 R = X_WJ.linear();
   const Mat3 to_unit = wrap.to_unit * R.transpose();
   const Vec3 center = to_unit * (R * wrap.center + X_WJ.translation());
@@ -31,12 +37,12 @@ inline void push_out(const PosingWrap& wrap, const Transform& X_WJ, Lane* points
   const auto seen = [&](int k) -> Lane {
     return columns[0] * points[k][0] + columns[1] * points[k][1] + columns[2] * points[k][2] + columns[3];
   };
-  const auto direction = [&](Vec3 x) -> Vec3 {
+  const auto still = [&](int k) -> Vec3 {
+    Vec3 x = seen(k).head<3>();
     if (wrap.cylinder) x.z() = 0;
-    return x / std::sqrt(x.squaredNorm() + 1e-12);
+    return x;
   };
-  const Vec3 side = direction(least_turn(wrap.begin_at, direction(seen(wrap.begin).head<3>()), wrap.side) +
-                              least_turn(wrap.end_at, direction(seen(wrap.end).head<3>()), wrap.side));
+  const Vec3 side = half_turn(wrap.end_at, still(wrap.end), half_turn(wrap.begin_at, still(wrap.begin), wrap.side));
 
   double need[kMaxStripSlices];
   bool any = false;
@@ -49,10 +55,13 @@ inline void push_out(const PosingWrap& wrap, const Transform& X_WJ, Lane* points
       x.z() = 0;
     }
     const double u = x.dot(side);
-    const double below = wedge_height(std::max(0.0, x.squaredNorm() - u * u)) - u;
+    const double below = wedge_height(std::max(0.0, x.squaredNorm() - u * u)) - u - slices[k - wrap.begin].depth;
     // Zero below -soft, a parabola up to +soft, then the depth itself.
     const double soft = below <= -wrap.soft ? 0 : below >= wrap.soft ? below : (below + wrap.soft) * (below + wrap.soft) / (4 * wrap.soft);
-    need[k] = fade * soft;
+    // What has passed the object altogether, out at its far side, is let go.
+    const double gone = std::clamp((u + 3) / 2, 0.0, 1.0);
+    const double room = slices[k - wrap.begin].room, over = soft - 0.5 * room;
+    need[k] = fade * gone * gone * (3 - 2 * gone) * (over > 0 ? 0.5 * room + over * room / (room + 2 * over) : soft);
     any = any || need[k] > 0;
   }
   if (!any) return;
