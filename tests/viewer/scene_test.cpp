@@ -260,7 +260,7 @@ TEST_F(FilmTest, what_cannot_be_made_is_refused_and_leaves_nothing) {
   EXPECT_THROW(make_film({.output = folder_ / "a.mp4", .width = 0}, 2, source()), UsageError);
   EXPECT_THROW(make_film({.output = folder_ / "a.mp4", .width = 20000}, 2, source()), LimitError);
   EXPECT_THROW(make_film({.output = folder_ / "none" / "a.mp4"}, 2, source()), OutputError);
-  EXPECT_THROW(make_film({.output = folder_ / "none" / "%d.png"}, 2, source()), OutputError);
+  EXPECT_THROW(make_film({.output = "/dev/null/none/%d.png"}, 2, source()), OutputError);
   FilmOptions options{.output = folder_ / "a.mp4", .width = 64, .height = 40};
   options.video.fps = 0;
   EXPECT_THROW(make_film(options, 2, source()), UsageError);
@@ -269,6 +269,11 @@ TEST_F(FilmTest, what_cannot_be_made_is_refused_and_leaves_nothing) {
   options.video = {.program = "false"};
   EXPECT_THROW(make_film(options, 2, source()), OutputError);
   EXPECT_TRUE(empty());
+}
+
+TEST_F(FilmTest, the_folder_of_numbered_pictures_is_made) {
+  make_film({.output = folder_ / "new" / "deep" / "%d.png", .width = 32, .height = 20}, 2, source());
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "new" / "deep" / "2.png"));
 }
 
 TEST_F(FilmTest, an_error_of_the_source_comes_out_and_no_film_stays) {
