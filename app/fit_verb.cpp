@@ -9,14 +9,15 @@ namespace {
 
 struct FitVerbOptions {
   std::filesystem::path body, output;
-  std::string method = "ecorche";
+  std::string method = "ecorche", sex;
   FittingOptions fitting;
 };
 
 int run(FitVerbOptions options, const Common& common, Report& report) {
   if (options.method == "paper") options.fitting.dilate.method = DilateMethod::paper;
   const BodyPackage package = read_body_package(find_packages());
-  const Body body = open_body(options.body, package, report);
+  Body body = open_body(options.body, package, report);
+  if (!options.sex.empty()) body.sex = options.sex == "female" ? Sex::female : Sex::male;
   const Template body_template = read_template();
   const FittedCharacter fitted = fit_character(body_template, body, package, options.fitting, report);
   const Actor& actor = fitted.actor;
@@ -40,6 +41,11 @@ void add_fit_verb(VerbRegistry& registry) {
   verb->add_option("--method", options->method, "How muscles grow to the skin: ecorche, or paper (one factor a muscle)")
       ->check(CLI::IsMember({"ecorche", "paper"}))
       ->capture_default_str();
+  verb->add_option("--alpha", options->fitting.dilate.alpha, "paper: share of their length's change that muscles start with across")
+      ->check(CLI::Range(0.01, 10.0))
+      ->capture_default_str();
+  verb->add_option("--sex", options->sex, "Of a skin that does not say it; decides the layer of fat (a bare skin counts as male)")
+      ->check(CLI::IsMember({"male", "female"}));
 }
 
 }  // namespace ecorche

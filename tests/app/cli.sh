@@ -48,6 +48,8 @@ expect 6 "a missing folder" "$ecorche" body new --sex male -o no/where/a.glb
 says "no/where"
 
 # Fitting.
+expect 2 "an unknown sex of a skin" "$ecorche" fit anna.glb -o c.glb --sex both
+expect 2 "an alpha of nothing" "$ecorche" fit anna.glb -o c.glb --alpha 0
 expect 3 "a body that is not there" "$ecorche" fit none.glb -o c.glb
 : > empty.obj
 expect 3 "an empty file" "$ecorche" fit empty.obj -o c.glb
