@@ -66,7 +66,8 @@ std::optional<Ellipse2> fit_ellipse(std::span<const Vec2> points) {
     if (!(4 * a[0] * a[2] - a[1] * a[1] > 0)) continue;
     const double value = std::abs(solver.eigenvalues()[k].real());
     Conic conic;
-    conic << a, T * a;
+    conic.head<3>() = a;
+    conic.tail<3>() = T * a;
     const auto ellipse = ellipse_of(conic);
     if (ellipse && (!best || value < best_value)) best = ellipse, best_value = value;
   }
