@@ -1,0 +1,179 @@
+#include "morph/measure_table.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "anatomy/errors.h"
+#include "anatomy/table.h"
+
+namespace ecorche {
+namespace {
+
+template <class Value>
+Value lookup(const std::map<std::string, Value>& words, const Table& table, int row, const char* column) {
+  const auto found = words.find(table.text(row, column));
+  if (found == words.end()) throw InputError(fmt::format("{}: {} '{}' is none of the known ones", table.where(row), column, table.text(row, column)));
+  return found->second;
+}
+
+std::vector<SkinLandmark> read_landmarks(const BodyPackage& package, const std::filesystem::path& file) {
+  const Table table(file);
+  std::vector<SkinLandmark> out;
+  for (int row = 0; row < table.rows(); ++row) {
+    const double vertex = table.number(row, "vertex");
+    if (!(vertex >= 0 && vertex < package.skin_size && vertex == std::floor(vertex)))
+      throw InputError(fmt::format("{}: vertex {} is not one of the skin's {}", table.where(row), vertex, package.skin_size));
+    SkinLandmark landmark{table.text(row, "id"), static_cast<int>(vertex), table.text(row, "rule")};
+    const Vec3 stated = 1e-3 * Vec3(table.number(row, "left_mm"), table.number(row, "up_mm"), table.number(row, "front_mm"));
+    const Vec3 found = package.points.row(landmark.vertex);
+    if ((found - stated).norm() > 1e-3)
+      throw InputError(fmt::format("{}: landmark '{}' lies {:.1f} mm from where the table says; the body package has another base mesh",
+                                   table.where(row), landmark.id, 1e3 * (found - stated).norm()));
+    out.push_back(std::move(landmark));
+  }
+  return out;
+}
+
+class MeasureReader {
+ public:
+  MeasureReader(const BodyPackage& package, const Table& rows, MeasureTable& out) : package_(package), rows_(rows), out_(out) {}
+
+  void read(int row) {
+    static const std::map<std::string, MeasureKind> kinds{{"height", MeasureKind::height},   {"distance", MeasureKind::distance},
+                                                          {"path", MeasureKind::path},       {"girth", MeasureKind::girth},
+                                                          {"breadth", MeasureKind::breadth}, {"depth", MeasureKind::depth},
+                                                          {"sum", MeasureKind::sum},         {"mass", MeasureKind::mass}};
+    static const std::map<std::string, PlaneKind> planes{{"", PlaneKind::horizontal},     {"horizontal", PlaneKind::horizontal}, {"across", PlaneKind::across},
+                                                         {"midline", PlaneKind::midline}, {"foot", PlaneKind::foot},             {"hand", PlaneKind::hand}};
+    static const std::map<std::string, Search> searches{{"", Search::none}, {"max", Search::largest}, {"min", Search::smallest}};
+    Measure m;
+    m.id = rows_.text(row, "id");
+    m.name = rows_.text(row, "name");
+    m.standard = rows_.text(row, "standard");
+    m.note = rows_.text(row, "note");
+    m.kind = lookup(kinds, rows_, row, "kind");
+    m.plane = lookup(planes, rows_, row, "plane");
+    m.search = lookup(searches, rows_, row, "search");
+    m.reach = 1e-3 * rows_.number_or(row, "reach_mm", 0);
+    const std::string& hull = rows_.text(row, "hull");
+    m.hull = hull.starts_with("yes");
+    m.arms_off = hull.ends_with("armless");
+    m.tolerance = (m.kind == MeasureKind::mass ? 1 : 1e-3) * rows_.number(row, "tolerance_mm");
+    m.survey_field = rows_.text(row, "ansur");
+    m.survey_shift = 1e-3 * rows_.number_or(row, "shift_mm", 0);
+    m.survey_slack = (m.kind == MeasureKind::mass ? 1 : 1e-3) * rows_.number_or(row, "slack_mm", 0);
+    std::istringstream words(rows_.text(row, "landmarks"));
+    for (std::string word; words >> word;) read_word(row, word, m);
+    check_count(row, m);
+    out_.measures.push_back(std::move(m));
+  }
+
+ private:
+  int vertex(int row, const std::string& id) const {
+    for (const auto& landmark : out_.landmarks)
+      if (landmark.id == id) return landmark.vertex;
+    throw InputError(fmt::format("{}: unknown landmark '{}'; landmarks.csv lists them", rows_.where(row), id));
+  }
+
+  void read_word(int row, const std::string& word, Measure& m) const {
+    if (m.kind == MeasureKind::sum) {
+      const auto known = out_.find(std::string_view(word).substr(1));
+      if ((word[0] != '+' && word[0] != '-') || !known)
+        throw InputError(fmt::format("{}: '{}' is not + or - and a measure of an earlier row", rows_.where(row), word));
+      m.terms.push_back({*known, word[0] == '+' ? 1.0 : -1.0});
+      return;
+    }
+    const auto colon = word.find(':');
+    const std::string prefix = colon == std::string::npos ? "" : word.substr(0, colon);
+    const int found = vertex(row, colon == std::string::npos ? word : word.substr(colon + 1));
+    if (prefix.empty()) m.vertices.push_back(found);
+    else if (prefix == "r") m.vertices.push_back(package_.mirror[static_cast<std::size_t>(found)]);
+    else if (prefix == "above" || prefix == "below") m.clip_vertex = found, m.clip_above = prefix == "above";
+    else throw InputError(fmt::format("{}: '{}': expected r:, above: or below: before a landmark", rows_.where(row), word));
+  }
+
+  void check_count(int row, const Measure& m) const {
+    std::size_t least = 1, most = 1;
+    if (m.kind == MeasureKind::distance) least = most = 2;
+    if (m.kind == MeasureKind::path) least = 2, most = 8;
+    if (m.kind == MeasureKind::sum || m.kind == MeasureKind::mass) least = most = 0;
+    if (m.kind == MeasureKind::girth || m.kind == MeasureKind::breadth || m.kind == MeasureKind::depth) {
+      if (m.plane == PlaneKind::midline || m.plane == PlaneKind::foot) least = most = 2;
+      if (m.plane == PlaneKind::across || m.plane == PlaneKind::hand) least = most = 3;
+    }
+    if (m.vertices.size() < least || m.vertices.size() > most)
+      throw InputError(fmt::format("{}: measure '{}' has {} landmarks, not {} .. {}", rows_.where(row), m.id, m.vertices.size(), least, most));
+  }
+
+  const BodyPackage& package_;
+  const Table& rows_;
+  MeasureTable& out_;
+};
+
+// Letters in which two names differ, for "did you mean".
+int edit_distance(std::string_view a, std::string_view b) {
+  std::vector<int> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = static_cast<int>(j);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    int corner = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const int next = std::min({row[j] + 1, row[j + 1] + 1, corner + (a[i] == b[j] ? 0 : 1)});
+      corner = row[j + 1];
+      row[j + 1] = next;
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::optional<int> MeasureTable::find(std::string_view id) const {
+  for (std::size_t k = 0; k < measures.size(); ++k)
+    if (measures[k].id == id) return static_cast<int>(k);
+  return std::nullopt;
+}
+
+int MeasureTable::at(std::string_view id) const {
+  if (const auto found = find(id)) return *found;
+  std::vector<std::pair<int, std::string>> near;
+  for (const auto& m : measures) near.emplace_back(edit_distance(id, m.id), m.id);
+  std::sort(near.begin(), near.end());
+  throw UsageError(fmt::format("unknown measure '{}'; did you mean {}, {} or {}? `ecorche body measure --list` names all {}", id, near[0].second,
+                               near[1].second, near[2].second, measures.size()));
+}
+
+MeasureTable read_measure_table(const BodyPackage& package, const std::filesystem::path& folder) {
+  MeasureTable out;
+  out.landmarks = read_landmarks(package, folder / "landmarks.csv");
+  const Table rows(folder / "measures.csv");
+  MeasureReader reader(package, rows, out);
+  for (int row = 0; row < rows.rows(); ++row) reader.read(row);
+  return out;
+}
+
+double parse_quantity(std::string_view text, MeasureKind kind) {
+  static constexpr std::pair<std::string_view, double> lengths[] = {{"", 1}, {"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}, {"\"", 0.0254}};
+  static constexpr std::pair<std::string_view, double> masses[] = {{"", 1}, {"kg", 1}, {"lb", 0.45359237}};
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [after, error] = std::from_chars(text.data(), end, value);
+  std::string_view unit(after, static_cast<std::size_t>(end - after));
+  while (!unit.empty() && unit.front() == ' ') unit.remove_prefix(1);
+  if (error == std::errc() && std::isfinite(value) && value > 0) {
+    if (kind == MeasureKind::mass) {
+      for (const auto& [name, factor] : masses)
+        if (unit == name) return factor * value;
+    } else {
+      for (const auto& [name, factor] : lengths)
+        if (unit == name) return factor * value;
+    }
+  }
+  throw UsageError(fmt::format("'{}' is not a measure; write {}", text, kind == MeasureKind::mass ? "70kg or 154lb" : "92cm, 0.92m, 920mm or 36.2in"));
+}
+
+}  // namespace ecorche
