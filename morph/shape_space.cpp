@@ -76,6 +76,36 @@ void follow_survey(const TapeMeasure& tape, const Survey& survey, const ShapeSpa
   factor = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
 }
 
+// The survey's law, completed by what the space says of the measures that no survey has. Where a tape's and a mesh's definition differ
+// on the mean body, the law stands between them and allows for both.
+void complete_law(const TapeMeasure& tape, const Survey& survey, ShapeSpace& space) {
+  constexpr double kNoise = 0.12, kUnknownNoise = 0.6;  // of each spread
+  const Eigen::Index n = tape.count();
+  space.law_mean.resize(n);
+  Eigen::MatrixXd J(n, space.basis.cols());
+  MeasureGradient gradient;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    space.law_mean[k] = tape.take(static_cast<int>(k), space.mean, &gradient);
+    J.row(k) = space_gradient(space, gradient);
+  }
+  space.law_covariance = J * J.transpose();
+  Eigen::VectorXd noise = kUnknownNoise * space.law_covariance.diagonal().cwiseSqrt();
+  const auto number = [&survey](Eigen::Index r) { return survey.measures[static_cast<std::size_t>(r)]; };
+  for (Eigen::Index r = 0; r < survey.mean.size(); ++r) {
+    const double apart = survey.mean[r] - space.law_mean[number(r)];
+    space.law_mean[number(r)] += 0.5 * apart;
+    noise[number(r)] = kNoise * survey.sd[r] + 0.5 * std::abs(apart);
+    for (Eigen::Index c = 0; c < survey.mean.size(); ++c)
+      space.law_covariance(number(r), number(c)) = survey.correlation(r, c) * survey.sd[r] * survey.sd[c];
+  }
+  // Two sources side by side need not make a covariance; the nearest one after scaling is.
+  const Eigen::VectorXd sd = space.law_covariance.diagonal().cwiseSqrt(), inverse = sd.cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(inverse.asDiagonal() * space.law_covariance * inverse.asDiagonal());
+  const Eigen::MatrixXd correlation = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
+  space.law_covariance = sd.asDiagonal() * correlation * sd.asDiagonal();
+  space.law_covariance.diagonal() += noise.cwiseAbs2();
+}
+
 // Turns the coefficients so that the basis is orthogonal and falls in size.
 void order_basis(ShapeSpace& space) {
   const Eigen::MatrixXd B = space.basis.cast<double>();
@@ -137,10 +167,12 @@ ShapeSpace build_shape_space(const BodyPackage& package, const TapeMeasure& tape
 
   Eigen::VectorXd shift;
   Eigen::MatrixXd factor;
-  follow_survey(tape, read_survey(tape.table(), sex, folder), space, region_count, shift, factor);
+  const Survey survey = read_survey(tape.table(), sex, folder);
+  follow_survey(tape, survey, space, region_count, shift, factor);
   space.mean = space_points(space, shift);
   space.basis = (space.basis * factor.cast<float>()).eval();
   order_basis(space);
+  complete_law(tape, survey, space);
   return space;
 }
 

@@ -42,6 +42,9 @@ struct ShapeSpace {
   Eigen::VectorXd spread;      // K: root mean square displacement a standard deviation brings, m
   int components = 0;          // how many of the basis give 99 % of the variance
   int example_components = 0;  // how many components 99 % of the examples' own variance needed
+  // How the tape's measures vary together between people: the survey's figures, and those of the space where it has none.
+  Eigen::VectorXd law_mean;        // #measures, m; kg
+  Eigen::MatrixXd law_covariance;  // #measures x #measures, with a little noise for the difference of definitions
 };
 
 // Throws InputError for damaged tables or targets. Takes seconds; read_shape_space keeps the result.

@@ -2,9 +2,11 @@
 //
 // Unknowns are the coefficients z ~ N(0, 1) of a shape space; the body is the least |z| with c(z) = m, found by Gauss-Newton on
 // linearised measures: z <- J^T (J J^T)^-1 (m - c(z) + J z), the iterated Kalman update (Bell and Cathey 1993). Region functions are
-// among the coefficients, so the last millimetres need no second step. Requests further out than people are (squared Mahalanobis
-// distance over a limit) are refused; the irreducible set of contradicting measures is found by deletion (Chinneck and Dravnieks
-// 1991). Any number of measures, from none to all.
+// among the coefficients, so the last millimetres need no second step. Any number of measures, from none to all.
+//
+// A request is impossible when one of its measures lies too far from what the others let expect of people: the conditional residual
+// under the law of the measures, in standard deviations, as in tests for outliers. The measures that already suffice to contradict it
+// are found by deletion (Chinneck and Dravnieks 1991).
 #pragma once
 
 #include <span>
@@ -22,36 +24,41 @@ struct Wish {
 
 // Why a request cannot be met.
 struct Conflict {
-  std::vector<int> wishes;       // numbers of the wishes that contradict each other; one alone lies outside what people are
-  int blamed = -1;               // the one of them that fits the others least
-  double low = 0, high = 0;      // what it may be, the others kept
+  int blamed = -1;               // number of the wish that fits the others least
+  std::vector<int> others;       // the fewest wishes that contradict it; none: it lies outside what people measure
+  double away = 0;               // standard deviations from what the others let expect
+  double low = 0, high = 0;      // what it may be, the other wishes kept
 };
+
+// Conflicts of a request, the worst first; each time the blamed wish is set aside and the rest looked at again. Empty: none.
+std::vector<Conflict> find_conflicts(const ShapeSpace& space, std::span<const Wish> wishes);
+
+// Standard deviations that one of `count` measures of a person may lie from what the others let expect. Alone it may lie further out:
+// there are giants, but not with the waist of a child.
+double conflict_limit(int count);
 
 struct SolveOptions {
   double tolerance = 0.0002;     // m; a hundredfold in kg for the mass
   int rounds = 15;
+  bool allow_unusual = false;    // do not look for conflicts: whatever the skin can be bent to
 };
 
 struct SolvedBody {
   Points points;                 // #skin x 3, soles on y = 0
   Eigen::VectorXd z;             // its coefficients
   std::vector<double> achieved;  // of each wish, on the points
-  double unlikeliness = 0;       // squared Mahalanobis distance of the wishes over its limit: above 1 is refused
   int rounds = 0;
   bool met = false;              // every wish to the tolerance
   std::vector<Conflict> conflicts;
 };
 
-// With conflicts, the body is the one within the limits that misses the wishes least, each by its ISO tolerance.
-// `start`: coefficients of a body that is being edited; the result does not depend on them but for rounding.
+// With conflicts, the body has every wish but the blamed ones, which are brought to the nearest value that the others allow.
+// `start`: coefficients of a body that is being edited, to be quicker; the result is the same to the tolerance.
 // Throws UsageError when a measure is asked for twice.
 SolvedBody solve_measures(const TapeMeasure& tape, const ShapeSpace& space, std::span<const Wish> wishes, const SolveOptions& options = {},
                           const Eigen::VectorXd* start = nullptr);
 
-// The squared Mahalanobis distance that `count` measures of a person may have.
-double distance_limit(int count);
-
-// "waist_girth 0.550 m contradicts hip_girth ...: between 0.61 m and 1.02 m fits the others".
+// "waist_girth 0.550 m contradicts hip_girth 1.200 m; from 0.610 to 1.020 m is possible with the other measures asked".
 std::string describe(const Conflict& conflict, const TapeMeasure& tape, std::span<const Wish> wishes);
 
 }  // namespace ecorche

@@ -1,0 +1,104 @@
+#include "morph/measure.h"
+
+#include <gtest/gtest.h>
+
+#include "anatomy/errors.h"
+#include "anatomy/package.h"
+#include "morph/body.h"
+#include "tests/body_fixture.h"
+#include "tests/morph/tape_check.h"
+
+namespace ecorche {
+namespace {
+
+class MeasureTest : public BodyFixture {
+ protected:
+  static const TapeMeasure& tape() {
+    static const TapeMeasure once(package(), read_measure_table(package(), data_folder() / "body"));
+    return once;
+  }
+  static Points body(Sex sex, double mass) {
+    BodySpec spec;
+    spec.sex = sex;
+    spec.mass = mass;
+    return shape_body(package(), spec).points.topRows(package().skin_size);
+  }
+};
+
+TEST_F(MeasureTest, AgreesWithMeasuringCodeOfItsOwn) {
+  const TapeCheck check(package(), tape().table());
+  for (const Points& V : {body(Sex::male, 62), body(Sex::male, 95), body(Sex::female, 48), body(Sex::female, 75)}) {
+    for (int k = 0; k < tape().count(); ++k) {
+      const double expected = check.take(tape().measure(k), V);
+      // A search that looks at every millimetre misses the best plane by a little.
+      const double tolerance = tape().measure(k).search == Search::none ? 1e-6 : 2e-4;
+      if (!std::isnan(expected)) {
+        EXPECT_NEAR(tape().take(k, V), expected, tolerance) << tape().measure(k).id;
+      }
+    }
+  }
+}
+
+TEST_F(MeasureTest, EveryMeasureLiesInsideWhatPeopleMeasure) {
+  const Points V = body(Sex::male, 78);
+  for (int k = 0; k < tape().count(); ++k) {
+    const double value = tape().take(k, V);
+    EXPECT_GT(value, 0.03) << tape().measure(k).id;
+    EXPECT_LT(value, tape().measure(k).kind == MeasureKind::mass ? 79 : 2.0) << tape().measure(k).id;
+  }
+}
+
+TEST_F(MeasureTest, ScaledBodiesHaveScaledMeasures) {
+  const Points V = body(Sex::female, 60);
+  for (int k = 0; k < tape().count(); ++k) {
+    if (tape().measure(k).search != Search::none) continue;  // the reach of a search does not grow with the body
+    const double factor = tape().measure(k).kind == MeasureKind::mass ? 1.331 : 1.1;
+    EXPECT_NEAR(tape().take(k, 1.1 * V), factor * tape().take(k, V), 1e-9) << tape().measure(k).id;
+  }
+}
+
+// Along displacements that are the same on both sides, as all of the shape space are.
+TEST_F(MeasureTest, DerivativesAreThoseOfDifferences) {
+  const Points V = body(Sex::male, 80);
+  Points D = V;
+  for (Eigen::Index v = 0; v < V.rows(); ++v) {
+    const double x = std::abs(V(v, 0)), y = V(v, 1), z = V(v, 2);
+    D.row(v) << (V(v, 0) < 0 ? -1 : 1) * x * std::cos(3 * y), 0.3 * y + 0.1 * std::sin(4 * x), std::sin(2 * y + 5 * z) * 0.3;
+  }
+  MeasureGradient gradient;
+  for (int k = 0; k < tape().count(); ++k) {
+    tape().take(k, V, &gradient);
+    double slope = 0;
+    for (const auto& [vertex, g] : gradient) slope += g.dot(D.row(vertex).transpose());
+    constexpr double kStep = 1e-5;
+    const double difference = (tape().take(k, V + kStep * D) - tape().take(k, V - kStep * D)) / (2 * kStep);
+    EXPECT_NEAR(slope, difference, 0.02 * std::abs(difference) + 0.01) << tape().measure(k).id;
+  }
+}
+
+TEST_F(MeasureTest, TracesAreAsLongAsTheTape) {
+  const Points V = body(Sex::female, 55);
+  for (int k = 0; k < tape().count(); ++k) {
+    const Measure& m = tape().measure(k);
+    if (m.kind != MeasureKind::girth && m.kind != MeasureKind::path && m.kind != MeasureKind::distance && m.kind != MeasureKind::height) continue;
+    if (m.arms_off) continue;  // drawn closed where the arm was left out
+    TapeTrace trace;
+    const double value = tape().take(k, V, nullptr, &trace);
+    double length = 0;
+    for (const auto& line : trace)
+      for (std::size_t i = 0; i + 1 < line.size(); ++i) length += (line[i + 1] - line[i]).norm();
+    EXPECT_NEAR(length, value, 1e-9) << m.id;
+  }
+}
+
+TEST(Quantity, UnitsMeanWhatTheySay) {
+  EXPECT_DOUBLE_EQ(parse_quantity("92cm", MeasureKind::girth), 0.92);
+  EXPECT_DOUBLE_EQ(parse_quantity("0.92", MeasureKind::girth), 0.92);
+  EXPECT_DOUBLE_EQ(parse_quantity("920 mm", MeasureKind::girth), 0.92);
+  EXPECT_DOUBLE_EQ(parse_quantity("10in", MeasureKind::girth), 0.254);
+  EXPECT_DOUBLE_EQ(parse_quantity("70kg", MeasureKind::mass), 70);
+  for (const char* bad : {"", "cm", "-3cm", "nan", "92furlongs", "1e400", "70kg"}) EXPECT_THROW(parse_quantity(bad, MeasureKind::girth), UsageError) << bad;
+}
+
+}  // namespace
+}  // namespace ecorche
