@@ -63,7 +63,9 @@ TEST_F(MeasureTest, DerivativesAreThoseOfDifferences) {
   Points D = V;
   for (Eigen::Index v = 0; v < V.rows(); ++v) {
     const double x = std::abs(V(v, 0)), y = V(v, 1), z = V(v, 2);
-    D.row(v) << (V(v, 0) < 0 ? -1 : 1) * x * std::cos(3 * y), 0.3 * y + 0.1 * std::sin(4 * x), std::sin(2 * y + 5 * z) * 0.3;
+    D(v, 0) = (V(v, 0) < 0 ? -1 : 1) * x * std::cos(3 * y);
+    D(v, 1) = 0.3 * y + 0.1 * std::sin(4 * x);
+    D(v, 2) = 0.3 * std::sin(2 * y + 5 * z);
   }
   MeasureGradient gradient;
   for (int k = 0; k < tape().count(); ++k) {
