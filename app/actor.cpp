@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "anatomy/bare_skin.h"
+#include "anatomy/errors.h"
 #include "skinning/baseline.h"
 #include "skinning/linear_rival.h"
 
@@ -23,9 +24,30 @@ Actor make_actor(Character character, Report& report) {
   return actor;
 }
 
+namespace {
+
+std::shared_ptr<const RivalSkins> rivals_of(const Actor& actor) {
+  const Anatomy& anatomy = actor.character.anatomy;
+  PosedAnatomy rest;
+  pose_anatomy(actor.table, anatomy.skeleton, rest_pose(anatomy.skeleton), rest);
+  return std::make_shared<const RivalSkins>(
+      make_rival_skins(read_body_package(find_packages()), anatomy, rest, actor.character.body.skin, actor.binding));
+}
+
+}  // namespace
+
+void choose_skin(Actor& actor, const std::string& method) {
+  const std::optional<SkinMethod> chosen = skin_method(method);
+  if (!chosen) throw UsageError(fmt::format("--skin: '{}' is no way to move a skin; there are lbs, dqs, deltamush, paper and ecorche", method));
+  if (*chosen != SkinMethod::ecorche && !actor.rivals) actor.rivals = rivals_of(actor);
+  actor.method = *chosen;
+}
+
 void play(const Actor& actor, const Pose& pose, ActorFrame& frame) {
-  pose_anatomy(actor.table, actor.character.anatomy.skeleton, pose, frame.posed);
-  deform_skin(actor.binding, frame.posed, frame.skin);
+  const Skeleton& skeleton = actor.character.anatomy.skeleton;
+  pose_anatomy(actor.table, skeleton, pose, frame.posed);
+  if (actor.method == SkinMethod::ecorche) deform_skin(actor.binding, frame.posed, frame.skin);
+  else deform_by(*actor.rivals, actor.method, skeleton, frame.posed, frame.scratch, frame.skin);
 }
 
 Body open_body(const std::filesystem::path& file, const BodyPackage& package, Report& report) {
@@ -59,6 +81,31 @@ Motion open_motion(const std::filesystem::path& file, const Character& character
   report.set("motion.penetration", found.penetration);
   report.set("motion.joints_beyond_limits", static_cast<int>(found.limit_breaks.size()));
   return motion;
+}
+
+void compare_skins(const Actor& actor, const Motion& motion, Report& report) {
+  Actor each = actor;
+  try {
+    if (!each.rivals) each.rivals = rivals_of(each);
+  } catch (const Error& error) {
+    report.set("skins.note", error.what());
+  }
+  const TriMesh& rest = actor.character.body.skin;
+  ActorFrame frame;
+  for (const SkinMethod method : kSkinMethods) {
+    if (method != SkinMethod::ecorche && !each.rivals) continue;
+    each.method = method;
+    double flipped = 0, stretch = 0;
+    for (const Pose& pose : motion.frames) {
+      play(each, pose, frame);
+      const SkinQuality quality = measure_skin(rest, each.binding, {}, frame.posed.X_WJ, frame.skin);
+      flipped = std::max(flipped, quality.flipped_share);
+      stretch = std::max(stretch, quality.stretch_p99);
+    }
+    const std::string prefix = fmt::format("skins.{}.", short_name(method));
+    report.set(prefix + "skin_flipped_share_max", flipped);
+    report.set(prefix + "skin_stretch_p99_max", stretch);
+  }
 }
 
 MotionQuality survey_motion(const Actor& actor, const Motion& motion, const BodyPackage* package) {

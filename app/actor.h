@@ -13,6 +13,7 @@
 #include "skinning/deform.h"
 #include "skinning/quality.h"
 #include "skinning/retarget.h"
+#include "skinning/skin_methods.h"
 
 namespace ecorche {
 
@@ -20,6 +21,8 @@ struct Actor {
   Character character;
   PosingTable table;
   Binding binding;
+  SkinMethod method = SkinMethod::ecorche;   // what play() moves the skin by
+  std::shared_ptr<const RivalSkins> rivals;  // set for every other method
 };
 
 // Builds the tables and binds the skin. Timings: posing_table, anchoring.
@@ -28,7 +31,12 @@ Actor make_actor(Character character, Report& report);
 struct ActorFrame {
   PosedAnatomy posed;
   SkinFrame skin;
+  RivalScratch scratch;
 };
+
+// Makes play() move the skin by another method: "lbs", "dqs", "deltamush", "paper" or "ecorche". Reads the body package for all but the
+// last one. Throws UsageError for another name, InputError without the package, UnfitError for a skin of another topology.
+void choose_skin(Actor& actor, const std::string& method);
 
 // One frame: kinematics, muscles, skin with normals. Reuses the memory of `frame`.
 void play(const Actor& actor, const Pose& pose, ActorFrame& frame);
@@ -56,6 +64,10 @@ struct MotionQuality {
   std::optional<double> linear_flipped_share_mean;
   std::optional<double> linear_stretch_p99_max;
 };
+
+// The same poses by every way to move a skin that there is: flipped triangles and stretch, worst frame, under
+// `skins.<method>`. Without the body package or with a skin of another topology only our own is measured.
+void compare_skins(const Actor& actor, const Motion& motion, Report& report);
 
 MotionQuality survey_motion(const Actor& actor, const Motion& motion, const BodyPackage* package);
 

@@ -5,6 +5,8 @@
 #include "app/actor.h"
 #include "app/motion_options.h"
 #include "app/verb.h"
+#include "skinning/mdd_io.h"
+#include "skinning/obj_sequence.h"
 #include "skinning/pc2_io.h"
 
 namespace ecorche {
@@ -15,11 +17,13 @@ namespace fs = std::filesystem;
 struct AnimateOptions {
   fs::path character, motion;
   std::vector<fs::path> outputs;
+  std::string skin = "ecorche";
   MotionOptions retarget;
 };
 
-void write_cache(const fs::path& file, const Actor& actor, const Motion& motion, const Common& common) {
-  Pc2Writer writer(file, actor.binding.vertex_count);
+// Every frame of the motion to a writer of vertex caches.
+template <class Writer>
+void write_frames(Writer& writer, const fs::path& file, const Actor& actor, const Motion& motion, const Common& common) {
   ActorFrame frame;
   const int total = static_cast<int>(motion.frames.size());
   for (int f = 0; f < total; ++f) {
@@ -27,23 +31,50 @@ void write_cache(const fs::path& file, const Actor& actor, const Motion& motion,
     writer.add_frame(frame.skin.positions);
     progress(common, file.filename().string(), f + 1, total);
   }
-  writer.finish();
+}
+
+void write_output(const fs::path& file, const Actor& actor, const Motion& motion, const Common& common) {
+  const fs::path kind = file.extension();
+  if (kind == ".pc2") {
+    Pc2Writer writer(file, actor.binding.vertex_count);
+    write_frames(writer, file, actor, motion, common);
+    writer.finish();
+  } else if (kind == ".mdd") {
+    MddWriter writer(file, actor.binding.vertex_count, static_cast<int>(motion.frames.size()), motion.fps);
+    write_frames(writer, file, actor, motion, common);
+    writer.finish();
+  } else if (kind == ".obj") {
+    ObjSequenceWriter writer(file, actor.character.body.skin.F);
+    write_frames(writer, file, actor, motion, common);
+  } else {
+    write_character(file, actor.character, actor.binding, &motion);
+  }
+}
+
+void check_outputs(const std::vector<fs::path>& outputs) {
+  for (const fs::path& output : outputs) {
+    const std::string kind = output.extension().string();
+    if (kind != ".glb" && kind != ".pc2" && kind != ".mdd" && kind != ".obj")
+      throw UsageError(fmt::format("{}: unknown kind of output '{}'; .glb, .pc2, .mdd and DIR/%04d.obj can be written", output.string(), kind));
+    if (kind == ".obj" && output.filename().string().find('%') == std::string::npos)
+      throw UsageError(fmt::format("{}: an OBJ file holds one frame; name a sequence, like DIR/%04d.obj", output.string()));
+  }
 }
 
 int run(const AnimateOptions& options, const Common& common, Report& report) {
-  for (const fs::path& output : options.outputs)
-    if (output.extension() != ".glb" && output.extension() != ".pc2")
-      throw UsageError(fmt::format("{}: unknown kind of output '{}'; .glb and .pc2 can be written", output.string(), output.extension().string()));
-  const Actor actor = make_actor(read_character(options.character), report);
+  check_outputs(options.outputs);
+  Actor actor = make_actor(read_character(options.character), report);
+  choose_skin(actor, options.skin);
   const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), report);
   for (const fs::path& output : options.outputs) {
     const StageTimer timer(report, "write_" + output.extension().string().substr(1));
-    if (output.extension() == ".pc2") write_cache(output, actor, motion, common);
-    else write_character(output, actor.character, actor.binding, &motion);
+    write_output(output, actor, motion, common);
     note(common, fmt::format("{}: {} frames at {:.4g} fps", output.string(), motion.frames.size(), motion.fps));
   }
   report.set("skin_vertices", actor.binding.vertex_count);
+  report.set("skin", options.skin);
   report_quality(survey_motion(actor, motion, nullptr), "quality", report);
+  if (!common.report_file.empty()) compare_skins(actor, motion, report);
   return 0;
 }
 
@@ -56,8 +87,9 @@ void add_animate_verb(VerbRegistry& registry) {
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
   verb->add_option("character", options->character, "Character written by `ecorche fit`")->required();
   verb->add_option("motion", options->motion, "Motion (.bvh)")->required();
-  verb->add_option("-o,--output", options->outputs, "File to write; may be given several times: .glb (joints), .pc2 (every vertex, exact)")
+  verb->add_option("-o,--output", options->outputs, "File to write; may be given several times: .glb (joints); every vertex, exact: .pc2, .mdd, DIR/%04d.obj")
       ->required();
+  add_skin_option(*verb, options->skin);
   add_motion_options(*verb, options->retarget);
 }
 

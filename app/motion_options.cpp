@@ -2,6 +2,11 @@
 
 namespace ecorche {
 
+void add_skin_option(CLI::App& verb, std::string& method) {
+  verb.add_option("--skin", method, "How the skin is moved: ecorche, or by the body package's weights lbs, dqs or deltamush, or paper (the nearest part)")
+      ->capture_default_str();
+}
+
 void add_motion_options(CLI::App& verb, MotionOptions& options) {
   verb.add_option("--map", options.map_file, "Which joint is which, where guessing fails: lines `file joint = our joint`");
   verb.add_option("--up", options.up, "Up axis of the file, instead of guessing")->check(CLI::IsMember({"x", "y", "z"}));

@@ -17,6 +17,9 @@ struct MotionOptions {
   bool free_feet = false;          // --no-plant
 };
 
+// --skin: how the skin is moved; for choose_skin().
+void add_skin_option(CLI::App& verb, std::string& method);
+
 void add_motion_options(CLI::App& verb, MotionOptions& options);
 RetargetOptions to_retarget_options(const MotionOptions& options);
 

@@ -14,7 +14,7 @@ namespace {
 
 struct RenderVerbOptions {
   std::filesystem::path character, motion;
-  std::string layers = "skin,muscles,bones", size = "1280x720";
+  std::string layers = "skin,muscles,bones", size = "1280x720", skin = "ecorche";
   std::vector<double> dissolve;
   bool colour_map = false;
   MotionOptions retarget;
@@ -43,7 +43,8 @@ int run(RenderVerbOptions options, const Common& common, Report& report) {
   set_size(options.size, options.film);
   if (options.dissolve.size() == 2) options.film.dissolve = Span{options.dissolve[0], options.dissolve[1]};
   if (options.colour_map) options.film.muscle_colors = MuscleColors::shortening;
-  const Actor actor = make_actor(read_character(options.character), report);
+  Actor actor = make_actor(read_character(options.character), report);
+  choose_skin(actor, options.skin);
   const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), report);
   options.film.ground.visible = true;
   const FilmReport film = film_actor(actor, motion, options.film, common);
@@ -65,6 +66,7 @@ void add_render_verb(VerbRegistry& registry) {
   verb->add_option("motion", options->motion, "Motion (.bvh)")->required();
   verb->add_option("-o,--output", options->film.output, "FILM.mp4, or numbered pictures DIR/%04d.png")->required();
   verb->add_option("--layers", options->layers, "What is seen: skin, muscles, bones; the skin is glass over other layers")->capture_default_str();
+  add_skin_option(*verb, options->skin);
   verb->add_flag("--beside", options->film.beside, "The skin, and the figure without it beside it");
   verb->add_option("--dissolve", options->dissolve, "The skin goes, from the feet up, between these two moments of the motion, in seconds")
       ->expected(2)

@@ -69,6 +69,14 @@ expect 3 "a motion that is not there" "$ecorche" animate anna-1.glb none.bvh -o 
 expect 2 "an unknown kind of output" "$ecorche" animate anna-1.glb "$walk" -o a.fbx
 expect 0 "a walk" "$ecorche" animate anna-1.glb "$walk" -o walk.glb -o walk.pc2 --report walk.json
 there walk.glb; there walk.pc2; there walk.json
+expect 2 "a skin of no known kind" "$ecorche" animate anna-1.glb "$walk" -o a.pc2 --skin rubber
+says "deltamush"; absent a.pc2
+expect 2 "one OBJ file for a motion" "$ecorche" animate anna-1.glb "$walk" -o a.obj
+says "%04d.obj"
+for skin in lbs dqs deltamush paper; do expect 0 "a walk by $skin" "$ecorche" animate anna-1.glb "$walk" -o "$skin.pc2" --skin $skin; done
+if cmp -s lbs.pc2 dqs.pc2 || cmp -s lbs.pc2 deltamush.pc2 || cmp -s walk.pc2 paper.pc2; then bad "two skins are the same"; else ok; fi
+expect 0 "a walk for other programs" "$ecorche" animate anna-1.glb "$walk" -o walk.mdd -o "objs/%03d.obj"
+there walk.mdd; there objs/001.obj
 expect 2 "an unknown layer" "$ecorche" render anna-1.glb "$walk" -o "f/%04d.png" --layers fat
 expect 2 "a size without height" "$ecorche" render anna-1.glb "$walk" -o "f/%04d.png" --size 100
 expect 0 "a film" "$ecorche" render anna-1.glb "$walk" -o film.mp4 --size 160x90 --fps 4 --layers muscles,bones
