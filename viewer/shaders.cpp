@@ -64,6 +64,12 @@ void main() {
   v_fibre = a_fibre;
   v_part = a_part;
   gl_Position = u_view_projection * p;
+#ifdef DISSOLVES
+  // What is left of a surface still hides what presses through it by less than this, in metres.
+  vec3 v = view_direction(p.xyz);
+  vec4 nearer = u_view_projection * vec4(p.xyz + 0.03 * smoothstep(0.0, 0.3, dot(normalize(v_normal), v)) * v, 1.0);
+  gl_Position.z = nearer.z / nearer.w * gl_Position.w;
+#endif
 }
 )";
 
