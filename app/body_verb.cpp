@@ -1,9 +1,11 @@
-// ecorche body new: a body of a wanted sex, age, height and mass.
+// ecorche body new: a body of a wanted sex, age, height and mass, or of measures taken with a tape.
 #include <fmt/format.h>
 
+#include "anatomy/errors.h"
 #include "anatomy/package.h"
 #include "app/verb.h"
 #include "morph/body.h"
+#include "morph/solve_measures.h"
 #include "skinning/character_io.h"
 
 namespace ecorche {
@@ -15,9 +17,75 @@ struct NewOptions {
   std::string sex;
   double age = 25, height = 0, mass = 0, muscle = -1;
   fs::path output;
+  std::vector<std::string> measures;  // NAME=VALUE
+  bool best_effort = false, allow_unusual = false;
 };
 
+std::vector<Wish> parse_wishes(const NewOptions& options, const TapeMeasure& tape) {
+  std::vector<Wish> out;
+  if (options.height > 0) out.push_back({tape.table().at("stature"), options.height});
+  if (options.mass > 0) out.push_back({tape.table().at("weight"), options.mass});
+  for (const std::string& text : options.measures) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos) throw UsageError(fmt::format("--measure {}: expected NAME=VALUE, as in waist_girth=74cm", text));
+    const int k = tape.table().at(text.substr(0, equals));
+    out.push_back({k, parse_quantity(std::string_view(text).substr(equals + 1), tape.measure(k).kind)});
+  }
+  return out;
+}
+
+// The most probable body with the measures. Impossible ones throw UnfitError that names them, unless best effort is wanted.
+int run_measured(const NewOptions& options, const Common& common, Report& report) {
+  if (options.muscle >= 0) throw UsageError("--muscle cannot be combined with --measure; give girths instead");
+  const BodyPackage package = read_body_package(find_packages());
+  const TapeMeasure tape(package, read_measure_table(package, data_folder() / "body"));
+  const std::vector<Wish> wishes = parse_wishes(options, tape);
+  const Sex sex = options.sex == "female" ? Sex::female : Sex::male;
+  const ShapeSpace space = read_shape_space(package, tape, sex);
+  SolveOptions solve;
+  solve.allow_unusual = options.allow_unusual;
+  SolvedBody solved;
+  {
+    const StageTimer timer(report, "body");
+    solved = solve_measures(tape, space, wishes, solve);
+  }
+  std::string why;
+  for (const Conflict& conflict : solved.conflicts) {
+    const std::string text = describe(conflict, tape, wishes);
+    report.append_text("conflicts", text);
+    why += "\n  " + text;
+  }
+  double worst = 0;
+  for (std::size_t i = 0; i < wishes.size(); ++i) {
+    const Measure& m = tape.measure(wishes[i].measure);
+    const double off = solved.achieved[i] - wishes[i].value;
+    report.set("asked." + m.id, wishes[i].value);
+    report.set("achieved." + m.id, solved.achieved[i]);
+    worst = std::max(worst, std::abs(off) / m.tolerance);
+    if (std::abs(off) > m.tolerance && solved.conflicts.empty()) why += fmt::format("\n  {} asked {:.3f}, nearest {:.3f}", m.id, wishes[i].value, solved.achieved[i]);
+  }
+  report.set("worst_miss_in_tolerances", worst);
+  const bool met = solved.conflicts.empty() && worst <= 1;
+  if (!met && !options.best_effort)
+    throw UnfitError(fmt::format("no body has these measures:{}\n  --best-effort writes the nearest body{}", why,
+                                 solved.conflicts.empty() ? "" : ", --allow-unusual tries without asking whether people measure so"));
+  Body body;
+  body.skin = skin_mesh(package, solved.points);
+  body.name = options.output.stem().string();
+  body.sex = sex;
+  body.age = options.age;
+  body.mass = kBodyDensity * skin_volume(package, solved.points);
+  write_body(options.output, body);
+  report.set("body.stature", stature(package, solved.points));
+  report.set("body.mass", body.mass);
+  report.set("skin_vertices", static_cast<int>(body.skin.V.rows()));
+  note(common, fmt::format("{}: {}, {:.3f} m, {:.1f} kg, {} of its measures asked{}", options.output.string(), options.sex,
+                           stature(package, solved.points), body.mass, wishes.size(), met ? "" : "; the nearest, because" + why));
+  return met ? 0 : 8;
+}
+
 int run_new(const NewOptions& options, const Common& common, Report& report) {
+  if (!options.measures.empty()) return run_measured(options, common, report);
   BodySpec spec;
   spec.sex = options.sex == "female" ? Sex::female : Sex::male;
   spec.age = options.age;
@@ -44,7 +112,7 @@ void add_body_verb(VerbRegistry& registry) {
   CLI::App* body = registry.app.add_subcommand("body", "Bodies: skins with a known topology");
   body->require_subcommand(1);
   auto options = std::make_shared<NewOptions>();
-  CLI::App* verb = add_verb(registry, *body, "new", "Make a body of a wanted sex, age, height and mass",
+  CLI::App* verb = add_verb(registry, *body, "new", "Make a body of a wanted sex, age, height and mass, or of measures",
                             "ecorche body new --sex female --age 30 --height 1.68 --mass 60 -o anna.glb",
                             [options](const Common& common, Report& report) { return run_new(*options, common, report); });
   verb->add_option("--sex", options->sex, "male or female")->required()->check(CLI::IsMember({"male", "female"}));
@@ -52,7 +120,13 @@ void add_body_verb(VerbRegistry& registry) {
   verb->add_option("--height", options->height, "Stature in metres; the average when left out")->check(CLI::Range(0.5, 2.6));
   verb->add_option("--mass", options->mass, "Kilograms; follows from an average build when left out")->check(CLI::Range(2.0, 400.0));
   verb->add_option("--muscle", options->muscle, "Muscularity from 0 to 1; follows from the mass when left out")->check(CLI::Range(0.0, 1.0));
+  verb->add_option("--measure", options->measures,
+                   "NAME=VALUE, met exactly; m, cm, mm or in (kg, lb for weight); may be repeated. "
+                   "Example: --measure chest_girth=92cm --measure waist_girth=74cm. Names: ecorche body measure --list");
+  verb->add_flag("--best-effort", options->best_effort, "Write the nearest body (exit code 8) when measures contradict each other");
+  verb->add_flag("--allow-unusual", options->allow_unusual, "Accept measures that people do not have, as far as the skin can be bent");
   verb->add_option("-o,--output", options->output, "Body file to write (.glb)")->required();
+  add_body_measure(registry, *body);
 }
 
 }  // namespace ecorche

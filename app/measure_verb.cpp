@@ -1,0 +1,117 @@
+// ecorche body measure: what a tape, a stick and a calliper read on a body.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "anatomy/atomic_file.h"
+#include "anatomy/errors.h"
+#include "anatomy/package.h"
+#include "app/html_page.h"
+#include "app/verb.h"
+#include "morph/measure.h"
+#include "skinning/character_io.h"
+
+namespace ecorche {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct MeasureOptions {
+  fs::path body, html;
+  bool list = false, json = false, csv = false;
+  std::string unit = "cm";
+};
+
+struct Unit {
+  std::string name;
+  double per_metre = 1;
+};
+
+Unit unit_of(const std::string& name) {
+  if (name == "mm") return {name, 1000};
+  if (name == "cm") return {name, 100};
+  if (name == "in") return {name, 1 / 0.0254};
+  return {"m", 1};
+}
+
+std::string shown(const Measure& m, double value, const Unit& unit) {
+  if (m.kind == MeasureKind::mass) return fmt::format("{:.1f} kg", value);
+  return fmt::format("{:.{}f} {}", value * unit.per_metre, unit.name == "m" ? 3 : unit.name == "mm" ? 0 : 1, unit.name);
+}
+
+std::vector<std::vector<std::string>> table_rows(const TapeMeasure& tape, const std::vector<double>& values, const Unit& unit) {
+  std::vector<std::vector<std::string>> rows;
+  for (int k = 0; k < tape.count(); ++k) {
+    const Measure& m = tape.measure(k);
+    rows.push_back({m.id, m.name, shown(m, values[static_cast<std::size_t>(k)], unit), m.standard, m.note});
+  }
+  return rows;
+}
+
+void print(const TapeMeasure& tape, const std::vector<double>& values, const MeasureOptions& options) {
+  const Unit unit = unit_of(options.unit);
+  if (options.json) {
+    nlohmann::ordered_json out;
+    for (int k = 0; k < tape.count(); ++k) out[tape.measure(k).id] = std::isfinite(values[static_cast<std::size_t>(k)]) ? nlohmann::ordered_json(values[static_cast<std::size_t>(k)]) : nullptr;
+    fmt::print("{}\n", out.dump(2));
+    return;
+  }
+  if (options.csv) fmt::print("id,value,unit\n");
+  for (int k = 0; k < tape.count(); ++k) {
+    const Measure& m = tape.measure(k);
+    const double value = values[static_cast<std::size_t>(k)];
+    if (options.csv) {
+      const bool mass = m.kind == MeasureKind::mass;
+      fmt::print("{},{:.4f},{}\n", m.id, mass ? value : value * unit.per_metre, mass ? "kg" : unit.name);
+    } else {
+      fmt::print("{:28} {:>10}   {}\n", m.id, shown(m, value, unit), m.name);
+    }
+  }
+}
+
+int run_measure(const MeasureOptions& options, const Common& common, Report& report) {
+  const BodyPackage package = read_body_package(find_packages());
+  const TapeMeasure tape(package, read_measure_table(package, data_folder() / "body"));
+  if (options.list) {
+    for (int k = 0; k < tape.count(); ++k) fmt::print("{:28} {}\n", tape.measure(k).id, tape.measure(k).name);
+    return 0;
+  }
+  if (options.body.empty()) throw UsageError("body measure: give a body file, or --list for the names of the measures");
+  const Body body = read_body(options.body);
+  if (body.skin.V.rows() != package.skin_size)
+    throw UnfitError(fmt::format("{}: {} skin vertices, but measures are tied to the base mesh's {}; register the skin first (body register)",
+                                 options.body.string(), body.skin.V.rows(), package.skin_size));
+  std::vector<double> values;
+  {
+    const StageTimer timer(report, "measure");
+    values = tape.take_all(body.skin.V);
+  }
+  for (int k = 0; k < tape.count(); ++k) report.set("measures." + tape.measure(k).id, values[static_cast<std::size_t>(k)]);
+  if (!options.html.empty()) {
+    HtmlPage page("Measures of " + (body.name.empty() ? options.body.stem().string() : body.name));
+    const std::vector<std::string> header{"id", "measure", "value", "standard", "note"};
+    page.add_table(header, table_rows(tape, values, unit_of(options.unit)));
+    write_file_atomically(options.html, page.to_string());
+    note(common, fmt::format("{}: {} measures", options.html.string(), tape.count()));
+    return 0;
+  }
+  print(tape, values, options);
+  return 0;
+}
+
+}  // namespace
+
+void add_body_measure(VerbRegistry& registry, CLI::App& body) {
+  auto options = std::make_shared<MeasureOptions>();
+  CLI::App* verb = add_verb(registry, body, "measure", "Measure a body: heights, lengths, breadths, depths, girths, mass",
+                            "ecorche body measure anna.glb --unit in",
+                            [options](const Common& common, Report& report) { return run_measure(*options, common, report); });
+  verb->add_option("body", options->body, "Body or character (.glb)");
+  verb->add_flag("--list", options->list, "Name the measures and stop");
+  auto* json = verb->add_flag("--json", options->json, "As JSON: metres and kilograms");
+  verb->add_flag("--csv", options->csv, "As CSV: id, value, unit")->excludes(json);
+  verb->add_option("--html", options->html, "Write a page instead");
+  verb->add_option("--unit", options->unit, "m, cm, mm or in")->check(CLI::IsMember({"m", "cm", "mm", "in"}))->capture_default_str();
+}
+
+}  // namespace ecorche
