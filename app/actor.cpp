@@ -20,7 +20,9 @@ Actor make_actor(Character character, Report& report) {
     actor.table = make_posing_table(actor.character.anatomy);
   }
   const StageTimer timer(report, "anchoring");
-  actor.binding = bind_skin(actor.character.anatomy, actor.character.body);
+  PosedAnatomy rest;
+  pose_anatomy(actor.table, actor.character.anatomy.skeleton, rest_pose(actor.character.anatomy.skeleton), rest);
+  actor.binding = bind_skin(actor.character.anatomy, rest, actor.character.body.skin);
   return actor;
 }
 

@@ -1,11 +1,14 @@
 #include "skinning/joint_shares.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+#include <span>
 
 #include "anatomy/errors.h"
 
@@ -51,6 +54,9 @@ Eigen::VectorXd vertex_areas(const TriMesh& skin) {
   return areas;
 }
 
+constexpr int kLanes = 8;
+using Lanes = Eigen::Array<double, kLanes, 1>;
+
 // Spreads indicator functions of labels with the lengths given; see the header.
 class Diffusion {
  public:
@@ -58,14 +64,40 @@ class Diffusion {
     solver_.compute(screened_laplacian(skin, screen_));
   }
 
-  Eigen::VectorXd spread(const std::vector<int>& members) const {
-    Eigen::VectorXd target = Eigen::VectorXd::Zero(screen_.size());
-    for (int i : members) target[i] = screen_[i];
-    const Eigen::VectorXd once = solver_.solve(target);
-    return solver_.solve(screen_.cwiseProduct(once));
+  // Up to kLanes labels at once: going through the factor is what costs, whether for one label or for eight. #V
+  std::vector<Lanes> spread(std::span<const std::vector<int>* const> labels) const {
+    std::vector<Lanes> x(static_cast<std::size_t>(screen_.size()), Lanes::Zero());
+    const auto& place = solver_.permutationP().indices();
+    for (std::size_t lane = 0; lane < labels.size(); ++lane)
+      for (int i : *labels[lane]) x[static_cast<std::size_t>(place[i])][static_cast<Eigen::Index>(lane)] = screen_[i];
+    solve(x);
+    for (Eigen::Index i = 0; i < screen_.size(); ++i) x[static_cast<std::size_t>(place[i])] *= screen_[i];
+    solve(x);
+    std::vector<Lanes> out(x.size());
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = x[static_cast<std::size_t>(place[static_cast<Eigen::Index>(i)])];
+    return out;
   }
 
  private:
+  // In the factor's own order.
+  void solve(std::vector<Lanes>& x) const {
+    const auto factor = solver_.matrixL();
+    const Sparse& L = factor.nestedExpression();
+    const Eigen::VectorXd D = solver_.vectorD();
+    for (Eigen::Index c = 0; c < L.cols(); ++c) {
+      const Lanes& above = x[static_cast<std::size_t>(c)];
+      if ((above == 0).all()) continue;
+      for (Sparse::InnerIterator it(L, c); it; ++it)
+        if (it.row() > c) x[static_cast<std::size_t>(it.row())] -= it.value() * above;
+    }
+    for (Eigen::Index c = L.cols() - 1; c >= 0; --c) {
+      Lanes sum = x[static_cast<std::size_t>(c)] / D[c];
+      for (Sparse::InnerIterator it(L, c); it; ++it)
+        if (it.row() > c) sum -= it.value() * x[static_cast<std::size_t>(it.row())];
+      x[static_cast<std::size_t>(c)] = sum;
+    }
+  }
+
   Eigen::VectorXd screen_;
   Eigen::SimplicialLDLT<Sparse> solver_;
 };
@@ -133,22 +165,34 @@ std::vector<ShareRow> diffuse_shares(const Skeleton& skeleton, const TriMesh& sk
     if (!members[j].empty()) used.push_back(static_cast<int>(j));
   if (used.empty()) throw UnfitError("skin: no vertex has a bone beneath it; is the anatomy inside this skin?");
 
-  const Diffusion wide(skin, length);
-  const Diffusion narrow(skin, length.cwiseMin(blend_width * limb_length_limit(skeleton, skin)));
-  std::vector<Eigen::VectorXd> shares(used.size()), limb_shares(limbs.size());
-  tbb::parallel_for(std::size_t{0}, used.size(), [&](std::size_t u) { shares[u] = wide.spread(members[static_cast<std::size_t>(used[u])]); });
-  tbb::parallel_for(std::size_t{0}, limbs.size(), [&](std::size_t g) { limb_shares[g] = narrow.spread(limbs[g]); });
+  std::unique_ptr<Diffusion> wide, narrow;
+  tbb::parallel_invoke([&] { wide = std::make_unique<Diffusion>(skin, length); },
+                       [&] { narrow = std::make_unique<Diffusion>(skin, length.cwiseMin(blend_width * limb_length_limit(skeleton, skin))); });
+  std::vector<const std::vector<int>*> wanted;
+  for (int j : used) wanted.push_back(&members[static_cast<std::size_t>(j)]);
+  std::vector<std::vector<Lanes>> shares((used.size() + kLanes - 1) / kLanes);
+  std::vector<Lanes> limb_shares;
+  tbb::parallel_for(std::size_t{0}, shares.size() + 1, [&](std::size_t batch) {
+    if (batch < shares.size()) {
+      const std::size_t first = batch * kLanes;
+      shares[batch] = wide->spread(std::span(wanted).subspan(first, std::min<std::size_t>(kLanes, wanted.size() - first)));
+      return;
+    }
+    std::vector<const std::vector<int>*> groups;
+    for (const std::vector<int>& limb : limbs) groups.push_back(&limb);
+    limb_shares = narrow->spread(groups);
+  });
 
   std::vector<ShareRow> rows(n);
   for (std::size_t i = 0; i < n; ++i) {
-    const Eigen::Index row = static_cast<Eigen::Index>(i);
+    const auto share = [&](std::size_t u) { return std::max(0.0, shares[u / kLanes][i][static_cast<Eigen::Index>(u % kLanes)]); };
+    const auto group_of = [&](std::size_t u) { return group[static_cast<std::size_t>(used[u])]; };
     std::array<double, 5> within{};  // sum of a group's joints, so that they share what the group has
-    for (std::size_t u = 0; u < used.size(); ++u)
-      within[static_cast<std::size_t>(group[static_cast<std::size_t>(used[u])])] += std::max(0.0, shares[u][row]);
+    for (std::size_t u = 0; u < used.size(); ++u) within[static_cast<std::size_t>(group_of(u))] += share(u);
     double sum = 0;
     for (std::size_t u = 0; u < used.size(); ++u) {
-      const std::size_t g = static_cast<std::size_t>(group[static_cast<std::size_t>(used[u])]);
-      const double w = std::max(0.0, limb_shares[g][row]) * std::max(0.0, shares[u][row]) / std::max(within[g], 1e-12);
+      const double all = within[static_cast<std::size_t>(group_of(u))];
+      const double w = std::max(0.0, limb_shares[i][group_of(u)]) * share(u) / std::max(all, 1e-12);
       if (w < 1e-4) continue;
       rows[i].push_back({used[u], w});
       sum += w;

@@ -28,17 +28,24 @@ struct Query {
   SurfacePoint out;
 };
 
-bool visit(RTCPointQueryFunctionArguments* args) {
-  Query& query = *static_cast<Query*>(args->userPtr);
-  const int f = static_cast<int>(args->primID);
+// Whether triangle f is nearer than the best so far, which it then becomes.
+bool improve(Query& query, int f) {
   const TriMesh& mesh = *query.mesh;
   const Vec3 q = nearest_in_triangle(query.p, mesh.V.row(mesh.F(f, 0)), mesh.V.row(mesh.F(f, 1)), mesh.V.row(mesh.F(f, 2)));
   const double d2 = (q - query.p).squaredNorm();
   if (d2 > query.best2 || (d2 == query.best2 && query.out.triangle >= 0 && f > query.out.triangle)) return false;
   query.best2 = d2;
   query.out = {f, std::sqrt(d2), q};
-  // The margin covers the rounding of coordinates to float (2 m: 1.2e-7).
-  args->query->radius = static_cast<float>(std::sqrt(d2) * (1 + 1e-6) + 1e-6);
+  return true;
+}
+
+// The margin covers the rounding of coordinates to float (2 m: 1.2e-7).
+float search_radius(double distance) { return static_cast<float>(distance * (1 + 1e-6) + 1e-6); }
+
+bool visit(RTCPointQueryFunctionArguments* args) {
+  Query& query = *static_cast<Query*>(args->userPtr);
+  if (!improve(query, static_cast<int>(args->primID))) return false;
+  args->query->radius = search_radius(query.out.distance);
   return true;
 }
 
@@ -76,7 +83,7 @@ Vec3 nearest_in_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
   return a + ab * (vb / sum) + ac * (vc / sum);
 }
 
-NearestSurface::NearestSurface(const TriMesh& mesh) : scene_(std::make_unique<Scene>()) {
+NearestSurface::NearestSurface(const TriMesh& mesh, Build build) : scene_(std::make_unique<Scene>()) {
   if (mesh.F.rows() == 0) throw std::invalid_argument("NearestSurface: a mesh without triangles");
   if (mesh.F.minCoeff() < 0 || mesh.F.maxCoeff() >= mesh.V.rows()) throw std::invalid_argument("NearestSurface: index out of range");
   if (!mesh.V.allFinite()) throw std::invalid_argument("NearestSurface: a coordinate is not finite");
@@ -85,7 +92,7 @@ NearestSurface::NearestSurface(const TriMesh& mesh) : scene_(std::make_unique<Sc
   if (!scene_->device) throw std::runtime_error("NearestSurface: the ray library could not be started");
   scene_->scene = rtcNewScene(scene_->device);
   rtcSetSceneFlags(scene_->scene, RTC_SCENE_FLAG_ROBUST);
-  rtcSetSceneBuildQuality(scene_->scene, RTC_BUILD_QUALITY_MEDIUM);
+  rtcSetSceneBuildQuality(scene_->scene, build == Build::quick ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM);
   const RTCGeometry geometry = rtcNewGeometry(scene_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
                                                         static_cast<std::size_t>(mesh.V.rows())));
@@ -101,9 +108,10 @@ NearestSurface::NearestSurface(const TriMesh& mesh) : scene_(std::make_unique<Sc
 
 NearestSurface::~NearestSurface() = default;
 
-SurfacePoint NearestSurface::nearest(const Vec3& p) const {
+SurfacePoint NearestSurface::nearest(const Vec3& p, int hint) const {
   Query query{&scene_->mesh, p, std::numeric_limits<double>::infinity(), {}};
   RTCPointQuery sphere{float(p.x()), float(p.y()), float(p.z()), 0.0f, std::numeric_limits<float>::infinity()};
+  if (hint >= 0 && hint < scene_->mesh.F.rows() && improve(query, hint)) sphere.radius = search_radius(query.out.distance);
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   rtcPointQuery(scene_->scene, &sphere, &context, visit, &query);

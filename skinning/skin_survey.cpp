@@ -40,6 +40,34 @@ void smooth(const std::vector<std::vector<int>>& neighbours, int rounds, std::ve
   }
 }
 
+// What lies nearest to a vertex.
+struct Nearest {
+  Anchor bone, muscle;  // the latter of kind none without muscles
+  const Anchor& component() const { return muscle.kind != Anchor::Kind::none && muscle.distance < bone.distance ? muscle : bone; }
+};
+
+// Calls visit(vertex, Nearest) for every vertex of the skin, in parallel. Neighbours in memory are mostly neighbours in space, so the
+// answer for one is a good guess at the next.
+template <typename Visit>
+void for_each_nearest(const Surroundings& inside, const TriMesh& skin, Visit visit) {
+  constexpr std::size_t kBlock = 256;
+  const std::size_t n = static_cast<std::size_t>(skin.V.rows());
+  tbb::parallel_for(std::size_t{0}, (n + kBlock - 1) / kBlock, [&](std::size_t block) {
+    SurfacePoint bone, muscle;
+    for (std::size_t i = block * kBlock; i < std::min(n, (block + 1) * kBlock); ++i) {
+      const Vec3 p = skin.V.row(static_cast<Eigen::Index>(i));
+      Nearest nearest;
+      bone = inside.bone_surface->nearest(p, bone.triangle);
+      nearest.bone = {Anchor::Kind::bone, inside.bones.part[static_cast<std::size_t>(bone.triangle)], bone.distance, bone.point};
+      if (inside.muscle_surface) {
+        muscle = inside.muscle_surface->nearest(p, muscle.triangle);
+        nearest.muscle = {Anchor::Kind::muscle, inside.muscles.part[static_cast<std::size_t>(muscle.triangle)], muscle.distance, muscle.point};
+      }
+      visit(i, nearest);
+    }
+  });
+}
+
 }  // namespace
 
 std::vector<std::vector<int>> vertex_neighbours(const TriMesh& mesh) {
@@ -105,13 +133,12 @@ PartMesh muscle_mesh(const Anatomy& anatomy, const PosedAnatomy& rest, int sides
 Surroundings::Surroundings(const Anatomy& anatomy, const PosedAnatomy& rest)
     : bones(bone_mesh(anatomy)), muscles(muscle_mesh(anatomy, rest)) {
   for (const Bone& bone : anatomy.bones) bone_joint.push_back(bone.joint);
-  tbb::parallel_invoke([&] { bone_surface = std::make_unique<NearestSurface>(bones.mesh); },
-                       [&] { if (muscles.mesh.F.rows() > 0) muscle_surface = std::make_unique<NearestSurface>(muscles.mesh); });
+  const auto surface = [](const TriMesh& mesh) { return std::make_unique<NearestSurface>(mesh, NearestSurface::Build::quick); };
+  tbb::parallel_invoke([&] { bone_surface = surface(bones.mesh); }, [&] { if (muscles.mesh.F.rows() > 0) muscle_surface = surface(muscles.mesh); });
 }
 
 SkinSurvey survey_skin(const Surroundings& inside_body, const TriMesh& skin) {
   const std::size_t n = static_cast<std::size_t>(skin.V.rows());
-  const PartMesh &bones = inside_body.bones, &muscles = inside_body.muscles;
   SkinSurvey out;
   out.anchors.resize(n);
   out.muscles.resize(n);
@@ -120,21 +147,13 @@ SkinSurvey survey_skin(const Surroundings& inside_body, const TriMesh& skin) {
   out.radius.assign(n, 0);
   out.normal = rest_normals(skin);
   const NearestSurface skin_surface(skin);
-  tbb::parallel_for(std::size_t{0}, n, [&](std::size_t i) {
-    const Vec3 p = skin.V.row(static_cast<Eigen::Index>(i));
-    const Vec3 inside = p - kInset * out.normal[i];
-    const SurfacePoint bone = inside_body.bone_surface->nearest(p);
-    const int b = bones.part[static_cast<std::size_t>(bone.triangle)];
-    out.anchors[i] = {Anchor::Kind::bone, b, bone.distance, bone.point};
-    out.depth[i] = bone.distance;
-    if (bone.distance < kAlwaysInReach || !skin_surface.blocked(inside, bone.point))
-      out.joint[i] = inside_body.bone_joint[static_cast<std::size_t>(b)];
-    if (inside_body.muscle_surface) {
-      const SurfacePoint muscle = inside_body.muscle_surface->nearest(p);
-      const int slice = muscles.part[static_cast<std::size_t>(muscle.triangle)];
-      out.muscles[i] = {Anchor::Kind::muscle, slice, muscle.distance, muscle.point};
-      if (muscle.distance < bone.distance) out.anchors[i] = out.muscles[i];
-    }
+  for_each_nearest(inside_body, skin, [&](std::size_t i, const Nearest& nearest) {
+    const Vec3 inside = Vec3(skin.V.row(static_cast<Eigen::Index>(i))) - kInset * out.normal[i];
+    out.anchors[i] = nearest.component();
+    out.muscles[i] = nearest.muscle;
+    out.depth[i] = nearest.bone.distance;
+    if (nearest.bone.distance < kAlwaysInReach || !skin_surface.blocked(inside, nearest.bone.point))
+      out.joint[i] = inside_body.bone_joint[static_cast<std::size_t>(nearest.bone.part)];
     const std::optional<double> through = skin_surface.cast(inside, -out.normal[i]);
     out.radius[i] = std::clamp(0.5 * through.value_or(2 * kMaxRadius), kMinRadius, kMaxRadius);
   });
@@ -142,6 +161,12 @@ SkinSurvey survey_skin(const Surroundings& inside_body, const TriMesh& skin) {
   smooth(neighbours, 12, out.radius);
   smooth(neighbours, 4, out.depth);
   return out;
+}
+
+std::vector<Anchor> find_anchors(const Surroundings& inside, const TriMesh& skin) {
+  std::vector<Anchor> anchors(static_cast<std::size_t>(skin.V.rows()));
+  for_each_nearest(inside, skin, [&](std::size_t i, const Nearest& nearest) { anchors[i] = nearest.component(); });
+  return anchors;
 }
 
 }  // namespace ecorche

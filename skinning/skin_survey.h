@@ -42,4 +42,7 @@ struct Surroundings {
 
 SkinSurvey survey_skin(const Surroundings& inside, const TriMesh& skin);
 
+// The nearest components alone, exact. #V
+std::vector<Anchor> find_anchors(const Surroundings& inside, const TriMesh& skin);
+
 }  // namespace ecorche
