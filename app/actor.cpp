@@ -7,12 +7,31 @@
 
 #include "anatomy/bare_skin.h"
 #include "anatomy/errors.h"
+#include "anatomy/package.h"
 #include "skinning/baseline.h"
 #include "skinning/linear_rival.h"
 
 namespace ecorche {
 
-Actor make_actor(Character character, Report& report) {
+std::optional<BaseSkin> find_base(const TriMesh& skin) try {
+  constexpr Eigen::Index kFine = 100000;
+  if (skin.V.rows() < kFine) return std::nullopt;
+  const BodyPackage package = read_body_package(find_packages());
+  BaseSkin base{{Points(package.skin_size, 3), package.triangles}, refine_skin(package)};
+  const Triangles& F = base.refinement.F;
+  if (base.refinement.map.rows() != skin.V.rows() || F.rows() != skin.F.rows() || F != skin.F) return std::nullopt;
+  for (int i = 0; i < package.skin_size; ++i) base.mesh.V.row(i) = skin.V.row(base.refinement.base_rows[static_cast<size_t>(i)]);
+  return base;
+} catch (const InputError&) {
+  return std::nullopt;
+}
+
+Actor make_actor(Character character, Report& report, const BaseSkin* base) {
+  std::optional<BaseSkin> found;
+  if (!base) {
+    found = find_base(character.body.skin);
+    if (found) base = &*found;
+  }
   Actor actor;
   actor.character = std::move(character);
   {
@@ -22,7 +41,8 @@ Actor make_actor(Character character, Report& report) {
   const StageTimer timer(report, "anchoring");
   PosedAnatomy rest;
   pose_anatomy(actor.table, actor.character.anatomy.skeleton, rest_pose(actor.character.anatomy.skeleton), rest);
-  actor.binding = bind_skin(actor.character.anatomy, rest, actor.character.body.skin);
+  const TriMesh& skin = actor.character.body.skin;
+  actor.binding = base ? bind_skin(actor.character.anatomy, rest, base->mesh, base->refinement, skin) : bind_skin(actor.character.anatomy, rest, skin);
   return actor;
 }
 

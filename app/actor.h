@@ -8,6 +8,7 @@
 
 #include "anatomy/body_package.h"
 #include "anatomy/pose_anatomy.h"
+#include "anatomy/subdivide.h"
 #include "app/report.h"
 #include "skinning/character_io.h"
 #include "skinning/deform.h"
@@ -25,8 +26,17 @@ struct Actor {
   std::shared_ptr<const RivalSkins> rivals;  // set for every other method
 };
 
-// Builds the tables and binds the skin. Timings: posing_table, anchoring.
-Actor make_actor(Character character, Report& report);
+// What a refined skin comes from: it is bound by way of its base mesh.
+struct BaseSkin {
+  TriMesh mesh;
+  Refinement refinement;
+};
+
+// The base mesh of a skin that is the body package's fine one in any shape; none for other skins or without the package.
+std::optional<BaseSkin> find_base(const TriMesh& skin);
+
+// Builds the tables and binds the skin. Timings: posing_table, anchoring. `base`: that of a refined skin, when it is at hand.
+Actor make_actor(Character character, Report& report, const BaseSkin* base = nullptr);
 
 struct ActorFrame {
   PosedAnatomy posed;

@@ -96,11 +96,11 @@ int run(int rounds, const Common& common, Report& report) {
   for (const Ratio& ratio : bench_dilation(body_template, fitted, package, std::max(3, rounds / 2))) ratios.push_back(ratio);
 
   note(common, "120k vertices");
-  const Refinement refinement = refine_skin(package);
   Character fine = fitted.actor.character;
-  fine.body.skin = {refine_points(refinement, fine.body.skin.V), refinement.F};
+  const BaseSkin base{fine.body.skin, refine_skin(package)};
+  fine.body.skin = {refine_points(base.refinement, fine.body.skin.V), base.refinement.F};
   Report fine_report;
-  const Actor fine_actor = make_actor(std::move(fine), fine_report);
+  const Actor fine_actor = make_actor(std::move(fine), fine_report, &base);
   for (const Ratio& ratio : bench_frames(fine_actor, motion, "120k", 3, rounds)) ratios.push_back(ratio);
 
   fmt::print("{:<66} {:>10} {:>7} {:>7}\n", "", "ms", "ratio", "asked");

@@ -9,12 +9,13 @@ namespace {
 
 struct FitVerbOptions {
   std::filesystem::path body, output;
-  std::string method = "ecorche", sex;
+  std::string method = "ecorche", skin = "base", sex;
   FittingOptions fitting;
 };
 
 int run(FitVerbOptions options, const Common& common, Report& report) {
   if (options.method == "paper") options.fitting.dilate.method = DilateMethod::paper;
+  options.fitting.fine_skin = options.skin == "fine";
   const BodyPackage package = read_body_package(find_packages());
   Body body = open_body(options.body, package, report);
   if (!options.sex.empty()) body.sex = options.sex == "female" ? Sex::female : Sex::male;
@@ -38,6 +39,9 @@ void add_fit_verb(VerbRegistry& registry) {
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
   verb->add_option("body", options->body, "Body of `ecorche body new`, or a skin in the base mesh's topology (.obj, .ply, .glb)")->required();
   verb->add_option("-o,--output", options->output, "Character to write (.glb)")->required();
+  verb->add_option("--skin", options->skin, "The character's skin: base (the body's own mesh), or fine (refined, 120,404 vertices)")
+      ->check(CLI::IsMember({"base", "fine"}))
+      ->capture_default_str();
   verb->add_option("--method", options->method, "How muscles grow to the skin: ecorche, or paper (one factor a muscle)")
       ->check(CLI::IsMember({"ecorche", "paper"}))
       ->capture_default_str();

@@ -54,11 +54,13 @@ double median(std::vector<double>& values) {
 
 // Between muscles and the fat layer all over the limbs, grooves and tendons included. The exact distance from each skin vertex to
 // the nearest part is known from the anchoring; what is left after fat and skin is the gap.
-void measure_skin_gap(const Binding& binding, const FatLayer& fat, const BodyPackage& package, FillReport& fill) {
+void measure_skin_gap(const Binding& binding, const Refinement* refinement, const FatLayer& fat, const BodyPackage& package, FillReport& fill) {
   const auto parts = vertex_parts(package);
   std::vector<double> gaps;
-  for (int i = 0; i < std::min<int>(binding.vertex_count, static_cast<int>(parts.size())); ++i)
-    if (is_limb(parts[i].part) && binding.anchors[i].kind == Anchor::Kind::muscle) gaps.push_back(binding.anchors[i].distance - fat.thickness[i]);
+  for (int i = 0; i < std::min<int>(binding.vertex_count, static_cast<int>(parts.size())); ++i) {
+    const Anchor& anchor = binding.anchors[refinement ? refinement->base_rows[i] : i];
+    if (is_limb(parts[i].part) && anchor.kind == Anchor::Kind::muscle) gaps.push_back(anchor.distance - fat.thickness[i]);
+  }
   fill.skin_gap_median = median(gaps);
 }
 
@@ -136,9 +138,15 @@ FittedCharacter fit_character(const Template& body_template, const Body& body, c
   const FatLayer fat = make_fat_layer(rays, fit.anatomy.skeleton, body);
   if (options.dilated) fitted.dilation = dilate_muscles(fit.anatomy, fitted.undilated.muscles, body_template.tables->muscles, rays, fat, dilation);
   timer.reset();
-  fitted.actor = make_actor({std::move(fit.anatomy), body}, report);
+  Character character{std::move(fit.anatomy), body};
+  std::optional<BaseSkin> base;
+  if (options.fine_skin) {
+    base = BaseSkin{body.skin, refine_skin(package)};
+    character.body.skin = {refine_points(base->refinement, body.skin.V), base->refinement.F};
+  }
+  fitted.actor = make_actor(std::move(character), report, base ? &*base : nullptr);
   measure_outside(fitted.actor.character.anatomy, closed_skin, fitted.fill);
-  measure_skin_gap(fitted.actor.binding, fat, package, fitted.fill);
+  measure_skin_gap(fitted.actor.binding, base ? &base->refinement : nullptr, fat, package, fitted.fill);
   measure_superficial_gap(fitted.actor.character.anatomy, package, rays, fat, fitted.fill);
   report_fit(fitted, report);
   return fitted;

@@ -16,6 +16,7 @@ namespace ecorche {
 struct FittingOptions {
   DilateOptions dilate;
   bool dilated = true;  // false: muscles as they are before they grow to the skin
+  bool fine_skin = false;  // the character gets the refined skin of 120,404 vertices instead of the base mesh
 };
 
 // How well the muscles fill the skin.

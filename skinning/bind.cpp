@@ -3,9 +3,11 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include "anatomy/errors.h"
 #include "skinning/build_tables.h"
+#include "skinning/carriers.h"
 #include "skinning/hinge_gain.h"
 #include "skinning/joint_shares.h"
 #include "skinning/muscle_lift.h"
@@ -18,7 +20,7 @@ namespace ecorche {
 namespace {
 
 constexpr double kLeastShare = 0.015;
-constexpr int kMostShares = 6;
+constexpr int kMostShares = 6, kMostPairs = 4, kMostNodes = 3;
 
 void check(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin) {
   if (skin.F.rows() == 0) throw UnfitError("skin: has no triangles; a surface is needed");
@@ -30,10 +32,11 @@ void check(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin
   if (rest.X_WJ.size() != anatomy.skeleton.joints.size()) throw std::invalid_argument("bind_skin: the rest pose is of another anatomy");
 }
 
-// Twist carriers count for their joint; the four largest are kept.
+// Twist carriers count for their joint, pairs for nothing; the four largest are kept.
 std::array<Influence, 4> four_joints(const ShareRow& row, const SkinTables& tables) {
   ShareRow joints;
   for (Influence w : row) {
+    if (w.joint >= tables.joint_count + static_cast<int>(tables.twists.size())) continue;
     if (w.joint >= tables.joint_count) w.joint = tables.twists[static_cast<std::size_t>(w.joint - tables.joint_count)].joint;
     const auto it = std::find_if(joints.begin(), joints.end(), [&](const Influence& o) { return o.joint == w.joint; });
     if (it == joints.end()) joints.push_back(w);
@@ -48,57 +51,88 @@ std::array<Influence, 4> four_joints(const ShareRow& row, const SkinTables& tabl
   return out;
 }
 
-// Shares of the fine vertices: the same blend of base vertices as their positions; the map's small negative entries are cut off.
-std::vector<ShareRow> refine_rows(const Refinement& refinement, const std::vector<ShareRow>& base) {
+std::vector<std::array<Influence, 4>> four_joints(const std::vector<ShareRow>& rows, const SkinTables& tables) {
+  std::vector<std::array<Influence, 4>> out;
+  out.reserve(rows.size());
+  for (const ShareRow& row : rows) out.push_back(four_joints(row, tables));
+  return out;
+}
+
+// A blend of rows with the blend's weights, for every row of the map. `first` .. `last`: the carriers that are taken.
+std::vector<ShareRow> blend_rows(const Refinement& refinement, const std::vector<ShareRow>& base, int first, int last) {
   std::vector<ShareRow> rows(static_cast<std::size_t>(refinement.map.rows()));
-  std::vector<double> shares;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    shares.clear();
+  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t i) {
+    ShareRow& row = rows[i];
     for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(refinement.map, static_cast<Eigen::Index>(i)); it; ++it)
       for (const Influence& w : base[static_cast<std::size_t>(it.col())]) {
-        if (static_cast<std::size_t>(w.joint) >= shares.size()) shares.resize(static_cast<std::size_t>(w.joint) + 1, 0.0);
-        shares[static_cast<std::size_t>(w.joint)] += it.value() * w.weight;
+        if (w.joint < first || w.joint >= last) continue;
+        const auto at = std::find_if(row.begin(), row.end(), [&](const Influence& o) { return o.joint == w.joint; });
+        if (at == row.end()) row.push_back({w.joint, it.value() * w.weight});
+        else at->weight += it.value() * w.weight;
       }
-    double sum = 0;
-    for (std::size_t j = 0; j < shares.size(); ++j) {
-      if (shares[j] < 1e-4) continue;
-      rows[i].push_back({static_cast<int>(j), shares[j]});
-      sum += shares[j];
-    }
-    for (Influence& w : rows[i]) w.weight /= sum;
-  }
+    std::sort(row.begin(), row.end(), [](const Influence& x, const Influence& y) { return x.joint < y.joint; });
+    std::erase_if(row, [](const Influence& w) { return w.weight < 1e-4; });  // the map's small negative entries among them
+  });
   return rows;
 }
 
-Binding finish(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin, const SkinSurvey& survey, std::vector<ShareRow> rows,
-               const BindOptions& options) {
-  auto tables = std::make_shared<SkinTables>();
-  tables->joint_count = static_cast<int>(anatomy.skeleton.joints.size());
-  tables->slice_count = static_cast<int>(rest.slices.size());
-  tables->origins = rest_positions(anatomy.skeleton);
-  for (const Joint& joint : anatomy.skeleton.joints) {
-    tables->parents.push_back(joint.parent);
-    tables->long_axes.push_back(joint.axes.col(2));
-  }
-  tables->lift_limit = options.lift_limit;
-  let_scapula_glide(anatomy.skeleton, skin, rows);
-  thin_shares(rows, kLeastShare, kMostShares);
-  spread_twist(anatomy.skeleton, skin, rows, tables->twists);
+// What moves each vertex: carriers, and the nodes whose lifts it takes.
+struct Movers {
+  std::vector<ShareRow> rows, node_rows;
+};
 
+// Those of the fine vertices: the same blend of the base vertices' as their positions.
+Movers refine_movers(const Refinement& refinement, const Movers& base, const SkinTables& tables) {
+  const int first_pair = tables.joint_count + static_cast<int>(tables.twists.size()), all = carrier_count(tables);
+  Movers fine{blend_rows(refinement, base.rows, 0, first_pair), {}};
+  for (ShareRow& row : fine.rows) {
+    double sum = 0;
+    for (const Influence& w : row) sum += w.weight;
+    for (Influence& w : row) w.weight /= sum;
+  }
+  thin_shares(fine.rows, 0.5 * kLeastShare, kMostShares);
+  std::vector<ShareRow> pairs = blend_rows(refinement, base.rows, first_pair, all);
+  thin_shares(pairs, 0.5 * kLeastShare, kMostPairs);
+  for (std::size_t i = 0; i < pairs.size(); ++i) fine.rows[i].insert(fine.rows[i].end(), pairs[i].begin(), pairs[i].end());
+  if (!base.node_rows.empty()) {
+    fine.node_rows = blend_rows(refinement, base.node_rows, 0, static_cast<int>(tables.nodes.size()));
+    thin_shares(fine.node_rows, 0.5 * kLeastShare, kMostNodes);
+  }
+  return fine;
+}
+
+Movers find_movers(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin, const SkinSurvey& survey,
+                   const BindOptions& options, SkinTables& tables) {
+  tables.joint_count = static_cast<int>(anatomy.skeleton.joints.size());
+  tables.slice_count = static_cast<int>(rest.slices.size());
+  tables.origins = rest_positions(anatomy.skeleton);
+  for (const Joint& joint : anatomy.skeleton.joints) {
+    tables.parents.push_back(joint.parent);
+    tables.long_axes.push_back(joint.axes.col(2));
+  }
+  tables.lift_limit = options.lift_limit;
+  Movers out{diffuse_shares(anatomy.skeleton, skin, survey, options.blend_width), {}};
+  let_scapula_glide(anatomy.skeleton, skin, out.rows);
+  thin_shares(out.rows, kLeastShare, kMostShares);
+  spread_twist(anatomy.skeleton, skin, out.rows, tables.twists);
+  const std::vector<std::array<Influence, 4>> four = four_joints(out.rows, tables);
+  tables.pairs = add_pairs(anatomy.skeleton, skin, tables.twists, out.rows);
+  const std::vector<LimbSection> sections = limb_sections(anatomy.skeleton, skin, four);
+  apply_hinge_gains(tables, find_hinge_gains(anatomy.skeleton, skin, sections, tables, out.rows), out.rows);
+  if (options.muscle_share > 0 && !rest.slices.empty()) {
+    out.node_rows = place_nodes(anatomy, rest, skin, survey, out.rows, options.node_spacing, tables);
+    for (MuscleNode& node : tables.nodes) node.weight *= options.muscle_share;
+    level_nodes(rest, tables);
+  }
+  return out;
+}
+
+Binding finish(const TriMesh& skin, std::vector<Anchor> anchors, const Movers& movers, std::shared_ptr<SkinTables> tables) {
   Binding binding;
   binding.vertex_count = static_cast<int>(skin.V.rows());
-  binding.anchors = survey.anchors;
-  for (const ShareRow& row : rows) binding.joint_weights.push_back(four_joints(row, *tables));
-  tables->pairs = add_pairs(anatomy.skeleton, skin, tables->twists, rows);
-  const std::vector<LimbSection> sections = limb_sections(anatomy.skeleton, skin, binding);
-  apply_hinge_gains(*tables, find_hinge_gains(anatomy.skeleton, skin, sections, *tables, rows), rows);
-  std::vector<ShareRow> node_rows;
-  if (options.muscle_share > 0 && !rest.slices.empty()) {
-    node_rows = place_nodes(anatomy, rest, skin, survey, rows, options.node_spacing, *tables);
-    for (MuscleNode& node : tables->nodes) node.weight *= options.muscle_share;
-    level_nodes(rest, *tables);
-  }
-  lay_out(skin, rows, node_rows, *tables);
+  binding.anchors = std::move(anchors);
+  binding.joint_weights = four_joints(movers.rows, *tables);
+  lay_out(skin, movers.rows, movers.node_rows, *tables);
   binding.tables = std::move(tables);
   return binding;
 }
@@ -113,8 +147,10 @@ Binding bind_skin(const Anatomy& anatomy, const Body& body, const BindOptions& o
 
 Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin, const BindOptions& options) {
   check(anatomy, rest, skin);
-  const SkinSurvey survey = survey_skin(Surroundings(anatomy, rest), skin);
-  return finish(anatomy, rest, skin, survey, diffuse_shares(anatomy.skeleton, skin, survey, options.blend_width), options);
+  SkinSurvey survey = survey_skin(Surroundings(anatomy, rest), skin);
+  auto tables = std::make_shared<SkinTables>();
+  const Movers movers = find_movers(anatomy, rest, skin, survey, options, *tables);
+  return finish(skin, std::move(survey.anchors), movers, std::move(tables));
 }
 
 Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& base, const Refinement& refinement, const TriMesh& fine,
@@ -124,8 +160,10 @@ Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMes
   if (refinement.map.rows() != fine.V.rows() || refinement.map.cols() != base.V.rows())
     throw std::invalid_argument("bind_skin: the refinement does not lead from the base skin to the fine one");
   const Surroundings inside(anatomy, rest);
-  const std::vector<ShareRow> base_rows = diffuse_shares(anatomy.skeleton, base, survey_skin(inside, base), options.blend_width);
-  return finish(anatomy, rest, fine, survey_skin(inside, fine), refine_rows(refinement, base_rows), options);
+  auto tables = std::make_shared<SkinTables>();
+  const Movers movers = find_movers(anatomy, rest, base, survey_skin(inside, base), options, *tables);
+  const Movers finer = refine_movers(refinement, movers, *tables);
+  return finish(fine, find_anchors(inside, fine), finer, std::move(tables));
 }
 
 }  // namespace ecorche

@@ -60,8 +60,8 @@ Binding bind_skin(const Anatomy& anatomy, const Body& body, const BindOptions& o
 // The same with the anatomy's rest pose already at hand: no second pose_anatomy().
 Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin, const BindOptions& options = {});
 
-// For a refined skin: the diffusion is solved on the base mesh and carried over, anchors and muscle nodes are the fine mesh's own.
-// Ten times faster at 120,000 vertices than binding the fine mesh by itself.
+// For a refined skin: what moves the vertices is found on the base mesh and carried over by the refinement's own blend, so that the
+// fine skin moves as the base one does; the anchors are the fine mesh's own. Many times faster than binding the fine mesh by itself.
 // Precondition: fine.V = refine_points(refinement, base.V), or a shape near it with the same vertices.
 Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& base, const Refinement& refinement, const TriMesh& fine,
                   const BindOptions& options = {});

@@ -205,8 +205,11 @@ std::vector<ShareRow> diffuse_shares(const Skeleton& skeleton, const TriMesh& sk
 
 void thin_shares(std::vector<ShareRow>& rows, double least, int most) {
   for (ShareRow& row : rows) {
-    double largest = 0;
-    for (const Influence& w : row) largest = std::max(largest, w.weight);
+    double largest = 0, whole = 0;
+    for (const Influence& w : row) {
+      largest = std::max(largest, w.weight);
+      whole += w.weight;
+    }
     double cut = std::min(least, 0.5 * largest);
     if (static_cast<int>(row.size()) > most) {
       std::vector<double> sorted;
@@ -217,7 +220,7 @@ void thin_shares(std::vector<ShareRow>& rows, double least, int most) {
     double sum = 0;
     for (Influence& w : row) sum += w.weight = std::max(0.0, w.weight - cut);
     std::erase_if(row, [](const Influence& w) { return w.weight <= 0; });
-    for (Influence& w : row) w.weight /= sum;
+    for (Influence& w : row) w.weight *= whole / sum;
   }
 }
 

@@ -18,7 +18,7 @@ using ShareRow = std::vector<Influence>;  // rising joint, positive weights, sum
 // Throws UnfitError when no vertex reaches a bone.
 std::vector<ShareRow> diffuse_shares(const Skeleton& skeleton, const TriMesh& skin, const SkinSurvey& survey, double blend_width);
 
-// Drops shares below `least`, smoothly (each loses `least` before the sum is restored), and keeps at most `most` a row.
+// Drops shares below `least`, smoothly (each loses `least` before the row's own sum is restored), and keeps at most `most` a row.
 void thin_shares(std::vector<ShareRow>& rows, double least, int most);
 
 }  // namespace ecorche

@@ -83,7 +83,7 @@ Vec3 nearest_in_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
   return a + ab * (vb / sum) + ac * (vc / sum);
 }
 
-NearestSurface::NearestSurface(const TriMesh& mesh, Build build) : scene_(std::make_unique<Scene>()) {
+NearestSurface::NearestSurface(const TriMesh& mesh) : scene_(std::make_unique<Scene>()) {
   if (mesh.F.rows() == 0) throw std::invalid_argument("NearestSurface: a mesh without triangles");
   if (mesh.F.minCoeff() < 0 || mesh.F.maxCoeff() >= mesh.V.rows()) throw std::invalid_argument("NearestSurface: index out of range");
   if (!mesh.V.allFinite()) throw std::invalid_argument("NearestSurface: a coordinate is not finite");
@@ -92,7 +92,7 @@ NearestSurface::NearestSurface(const TriMesh& mesh, Build build) : scene_(std::m
   if (!scene_->device) throw std::runtime_error("NearestSurface: the ray library could not be started");
   scene_->scene = rtcNewScene(scene_->device);
   rtcSetSceneFlags(scene_->scene, RTC_SCENE_FLAG_ROBUST);
-  rtcSetSceneBuildQuality(scene_->scene, build == Build::quick ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM);
+  rtcSetSceneBuildQuality(scene_->scene, RTC_BUILD_QUALITY_MEDIUM);
   const RTCGeometry geometry = rtcNewGeometry(scene_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
                                                         static_cast<std::size_t>(mesh.V.rows())));

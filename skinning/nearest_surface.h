@@ -24,9 +24,7 @@ Vec3 nearest_in_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
 class NearestSurface {
  public:
   // Precondition: at least one triangle, indices in range, finite coordinates; otherwise std::invalid_argument.
-  // A quick build takes a third of the time and answers a third slower: for large meshes that are asked little.
-  enum class Build { quick, thorough };
-  explicit NearestSurface(const TriMesh& mesh, Build build = Build::thorough);
+  explicit NearestSurface(const TriMesh& mesh);
   ~NearestSurface();
   NearestSurface(const NearestSurface&) = delete;
   NearestSurface& operator=(const NearestSurface&) = delete;

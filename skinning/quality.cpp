@@ -78,6 +78,10 @@ void measure_edges(const TriMesh& rest, const Points& V, SkinQuality& out) {
 }  // namespace
 
 std::vector<LimbSection> limb_sections(const Skeleton& skeleton, const TriMesh& skin, const Binding& binding) {
+  return limb_sections(skeleton, skin, binding.joint_weights);
+}
+
+std::vector<LimbSection> limb_sections(const Skeleton& skeleton, const TriMesh& skin, std::span<const std::array<Influence, 4>> joint_weights) {
   const std::vector<Vec3> origins = rest_positions(skeleton);
   std::vector<LimbSection> out;
   for (const auto& [upper, middle, lower] : {std::array{"shoulder", "elbow", "wrist"}, std::array{"hip", "knee", "ankle"}})
@@ -92,7 +96,7 @@ std::vector<LimbSection> limb_sections(const Skeleton& skeleton, const TriMesh& 
       for (Eigen::Index f = 0; f < skin.F.rows(); ++f) {
         double share = 0;
         for (int k = 0; k < 3; ++k)
-          for (const Influence& w : binding.joint_weights[static_cast<std::size_t>(skin.F(f, k))])
+          for (const Influence& w : joint_weights[static_cast<std::size_t>(skin.F(f, k))])
             if (limb.count(w.joint) > 0) share += w.weight / 3;
         const Vec3 p = (skin.V.row(skin.F(f, 0)) + skin.V.row(skin.F(f, 1)) + skin.V.row(skin.F(f, 2))) / 3;
         const bool below = (p - 0.5 * (at(u) + at(m))).dot(at(m) - at(u)) > 0;

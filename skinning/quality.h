@@ -33,6 +33,7 @@ struct SkinQuality {
 
 // Sections of the elbows and knees ("elbow_l", "elbow_r", "knee_l", "knee_r"); a joint that the skeleton lacks is left out.
 std::vector<LimbSection> limb_sections(const Skeleton& skeleton, const TriMesh& skin, const Binding& binding);
+std::vector<LimbSection> limb_sections(const Skeleton& skeleton, const TriMesh& skin, std::span<const std::array<Influence, 4>> joint_weights);
 
 // Volume of a section in the shape V, m^3.
 double section_volume(const LimbSection& section, const Triangles& F, const Points& V);

@@ -133,7 +133,7 @@ PartMesh muscle_mesh(const Anatomy& anatomy, const PosedAnatomy& rest, int sides
 Surroundings::Surroundings(const Anatomy& anatomy, const PosedAnatomy& rest)
     : bones(bone_mesh(anatomy)), muscles(muscle_mesh(anatomy, rest)) {
   for (const Bone& bone : anatomy.bones) bone_joint.push_back(bone.joint);
-  const auto surface = [](const TriMesh& mesh) { return std::make_unique<NearestSurface>(mesh, NearestSurface::Build::quick); };
+  const auto surface = [](const TriMesh& mesh) { return std::make_unique<NearestSurface>(mesh); };
   tbb::parallel_invoke([&] { bone_surface = surface(bones.mesh); }, [&] { if (muscles.mesh.F.rows() > 0) muscle_surface = surface(muscles.mesh); });
 }
 

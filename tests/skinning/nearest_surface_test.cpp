@@ -40,6 +40,9 @@ TEST(NearestSurface, EqualsASearchOverAllTriangles) {
     const SurfacePoint hit = surface.nearest(p);
     EXPECT_NEAR(hit.distance, best, 1e-9);
     EXPECT_NEAR((hit.point - p).norm(), hit.distance, 1e-12);
+    const SurfacePoint hinted = surface.nearest(p, q % 300);
+    EXPECT_EQ(hinted.triangle, hit.triangle);
+    EXPECT_EQ(hinted.distance, hit.distance);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "anatomy/errors.h"
+#include "anatomy/subdivide.h"
 #include "skinning/bind.h"
 #include "skinning/deform.h"
 #include "skinning/quality.h"
@@ -165,6 +166,31 @@ TEST(Skin, OrderOfVerticesDoesNotMatter) {
   to_points(deform(b, bent(arm.anatomy, 1.5)), B);
   for (std::size_t i = 0; i < order.size(); ++i)
     EXPECT_LT((A.row(static_cast<Eigen::Index>(i)) - B.row(order[i])).norm(), 2e-6);
+}
+
+TEST(Skin, ARefinedSkinMovesAsItsBaseDoes) {
+  const Bound coarse = bind_arm(make_arm());
+  const TriMesh& base = coarse.arm.skin;
+  const Refinement refinement = refine(base.F, static_cast<int>(base.V.rows()));
+  const TriMesh fine{refine_points(refinement, base.V), refinement.F};
+  PosedAnatomy posed;
+  pose_anatomy(coarse.table, coarse.arm.anatomy.skeleton, rest_pose(coarse.arm.anatomy.skeleton), posed);
+  const Binding binding = bind_skin(coarse.arm.anatomy, posed, base, refinement, fine);
+  const Binding alone = bind_skin(coarse.arm.anatomy, posed, fine);
+  ASSERT_EQ(binding.anchors.size(), alone.anchors.size());
+  for (std::size_t i = 0; i < binding.anchors.size(); ++i) {
+    EXPECT_EQ(binding.anchors[i].part, alone.anchors[i].part);
+    EXPECT_EQ(binding.anchors[i].distance, alone.anchors[i].distance);
+  }
+  SkinFrame frame;
+  Points V, coarse_V;
+  deform_skin(binding, posed, frame);
+  to_points(frame, V);
+  EXPECT_LT((V - fine.V).cwiseAbs().maxCoeff(), 1e-6);
+  to_points(deform(coarse, bent(coarse.arm.anatomy, 1.5), posed), coarse_V);
+  deform_skin(binding, posed, frame);
+  to_points(frame, V);
+  EXPECT_LT((V - refine_points(refinement, coarse_V)).rowwise().norm().maxCoeff(), 2e-3);
 }
 
 TEST(Skin, RefusesWhatItCannotBind) {
