@@ -76,6 +76,7 @@ void add_template_verb(VerbRegistry& registry) {
                              [flags](const Common& common, Report& report) { return run_check(*flags, common, report); });
   check->add_flag("--json", flags->json, "Print the report instead of a table");
   add_template_resample(registry, *verb);
+  add_template_sweep(registry, *verb);
 }
 
 }  // namespace ecorche

@@ -35,6 +35,7 @@ CLI::App* add_verb(VerbRegistry& registry, CLI::App& parent, const std::string& 
 
 void add_template_verb(VerbRegistry& registry);
 void add_template_resample(VerbRegistry& registry, CLI::App& template_verb);
+void add_template_sweep(VerbRegistry& registry, CLI::App& template_verb);
 void add_body_verb(VerbRegistry& registry);
 void add_body_measure(VerbRegistry& registry, CLI::App& body_verb);
 void add_fit_verb(VerbRegistry& registry);
