@@ -35,7 +35,7 @@ int run(const AnimateOptions& options, const Common& common, Report& report) {
     if (output.extension() != ".glb" && output.extension() != ".pc2")
       throw UsageError(fmt::format("{}: unknown kind of output '{}'; .glb and .pc2 can be written", output.string(), output.extension().string()));
   const Actor actor = make_actor(read_character(options.character), report);
-  const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), report);
+  const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
   for (const fs::path& output : options.outputs) {
     const StageTimer timer(report, "write_" + output.extension().string().substr(1));
     if (output.extension() == ".pc2") write_cache(output, actor, motion, common);

@@ -171,7 +171,7 @@ int run(const DemoOptions& options, const Common& common, Report& report) {
   report.set("skin_vertices", actor.binding.vertex_count);
 
   note(common, "motion");
-  const Motion motion = open_motion(data_folder() / "motions" / "long_jump.bvh", actor.character, {}, report);
+  const Motion motion = open_motion(data_folder() / "motions" / "long_jump.bvh", actor.character, {}, common, report);
   report.set("frame_ms", mean_frame_ms(actor, motion));
   report_quality(survey_motion(actor, motion, &package), "quality", report);
 

@@ -44,7 +44,7 @@ int run(RenderVerbOptions options, const Common& common, Report& report) {
   if (options.dissolve.size() == 2) options.film.dissolve = Span{options.dissolve[0], options.dissolve[1]};
   if (options.colour_map) options.film.muscle_colors = MuscleColors::shortening;
   const Actor actor = make_actor(read_character(options.character), report);
-  const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), report);
+  const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
   options.film.ground.visible = true;
   const FilmReport film = film_actor(actor, motion, options.film, common);
   report.set("timings_ms.film", 1e3 * film.seconds);

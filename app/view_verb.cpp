@@ -23,12 +23,12 @@ Character open_character(const std::filesystem::path& file) {
   return {std::move(shown.anatomy), std::move(shown.body)};
 }
 
-int run(const ViewVerbOptions& options, const Common&, Report& report) {
+int run(const ViewVerbOptions& options, const Common& common, Report& report) {
   const Actor actor = make_actor(open_character(options.character), report);
   const Anatomy& anatomy = actor.character.anatomy;
   Motion motion;
   motion.frames.push_back(rest_pose(anatomy.skeleton));
-  if (!options.motion.empty()) motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), report);
+  if (!options.motion.empty()) motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
 
   const SceneModel model = make_scene_model(anatomy, actor.character.body.skin);
   const ViewSubject subject{anatomy, model, static_cast<int>(motion.frames.size()), motion.fps, [&](int frame, PosedAnatomy& posed, SkinFrame& skin) {
