@@ -1,6 +1,7 @@
 // ecorche animate: a motion on a character, as an animated .glb or a vertex cache.
 #include <fmt/format.h>
 
+#include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "app/actor.h"
 #include "app/motion_options.h"
@@ -34,6 +35,7 @@ int run(const AnimateOptions& options, const Common& common, Report& report) {
   for (const fs::path& output : options.outputs)
     if (output.extension() != ".glb" && output.extension() != ".pc2")
       throw UsageError(fmt::format("{}: unknown kind of output '{}'; .glb and .pc2 can be written", output.string(), output.extension().string()));
+  for (const fs::path& output : options.outputs) check_output(output, {options.character, options.motion});
   const Actor actor = make_actor(read_character(options.character), report);
   const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
   for (const fs::path& output : options.outputs) {

@@ -1,6 +1,8 @@
 // ecorche body new: a body of a wanted sex, age, height and mass.
 #include <fmt/format.h>
 
+#include "anatomy/atomic_file.h"
+#include "anatomy/errors.h"
 #include "anatomy/package.h"
 #include "app/verb.h"
 #include "morph/body.h"
@@ -18,6 +20,8 @@ struct NewOptions {
 };
 
 int run_new(const NewOptions& options, const Common& common, Report& report) {
+  if (options.output.extension() != ".glb") throw UsageError(options.output.string() + ": a body is written as .glb");
+  check_output(options.output);
   BodySpec spec;
   spec.sex = options.sex == "female" ? Sex::female : Sex::male;
   spec.age = options.age;
