@@ -39,10 +39,7 @@ void flush_to_disk(const fs::path& written, const fs::path& file) {
 }  // namespace
 
 AtomicFile::AtomicFile(fs::path file) : file_(std::move(file)), temporary_(temporary_for(file_)) {
-  std::error_code ignored;
-  const fs::path folder = file_.has_parent_path() ? file_.parent_path() : fs::path(".");
-  if (file_.filename().empty() || fs::is_directory(file_, ignored)) fail(file_, "it names a folder; give a file name");
-  if (!fs::is_directory(folder, ignored)) fail(file_, fmt::format("the folder {} does not exist; create it first", folder.string()));
+  check_output(file_);
   stream_.open(temporary_, std::ios::binary | std::ios::trunc);
   if (!stream_) fail(file_, std::strerror(errno));
 }
@@ -66,6 +63,18 @@ void AtomicFile::commit() {
   fs::rename(temporary_, file_, error);
   if (error) fail(file_, error.message());
   committed_ = true;
+}
+
+void check_output(const fs::path& file, const std::vector<fs::path>& inputs) {
+  std::error_code ignored;
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  if (file.filename().empty() || fs::is_directory(file, ignored)) fail(file, "it names a folder; give a file name");
+  // Renamed over, a device or a pipe would be gone.
+  if (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored)) fail(file, "it is no regular file; give another name");
+  if (!fs::is_directory(folder, ignored)) fail(file, fmt::format("the folder {} does not exist; create it first", folder.string()));
+  if (::access(folder.c_str(), W_OK) != 0) fail(file, fmt::format("the folder {}: {}", folder.string(), std::strerror(errno)));
+  for (const fs::path& input : inputs)
+    if (fs::equivalent(file, input, ignored)) fail(file, "it is also the input; give another name");
 }
 
 void write_file_atomically(const fs::path& file, std::string_view bytes) {

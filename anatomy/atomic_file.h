@@ -4,11 +4,12 @@
 #include <filesystem>
 #include <fstream>
 #include <string_view>
+#include <vector>
 
 namespace ecorche {
 
 // A file that appears under its name only when commit() succeeds; otherwise the temporary is removed and an older file stays.
-// Throws OutputError: missing parent folder, a folder in its place, no permission, disk full.
+// Throws OutputError: missing parent folder, a folder or a device in its place, no permission, disk full.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path file);
@@ -27,6 +28,10 @@ class AtomicFile {
   std::ofstream stream_;
   bool committed_ = false;
 };
+
+// Before a long computation: throws OutputError where an AtomicFile would for a reason that can be known beforehand, or when the file
+// is one of the inputs, under whatever name.
+void check_output(const std::filesystem::path& file, const std::vector<std::filesystem::path>& inputs = {});
 
 void write_file_atomically(const std::filesystem::path& file, std::string_view bytes);
 

@@ -225,10 +225,8 @@ class JointPlacer {
     Vec3 abduction = flexion.cross(rotation);
     flexion *= sense(flexion, far, "flexes");
     abduction *= sense(abduction, far, "abducts");
-    const std::string& sign = table_.text(row_, "rotation");
-    if (sign != "+" && sign != "-") fail(fmt::format("rotation '{}'; expected + or -", sign));
     Mat3 result;
-    result << flexion, abduction, (sign == "+" ? 1 : -1) * rotation;
+    result << flexion, abduction, flexion.cross(abduction);
     return result;
   }
 
@@ -258,7 +256,7 @@ class JointPlacer {
       Vec3 at = centers_.at(name);
       if (suffix[1] == 'r') {
         at = mirror_point(at);
-        one.axes.bottomRows(2) = -one.axes.bottomRows(2);  // how a turning axis mirrors
+        one.axes.bottomRows(2) = -one.axes.bottomRows(2);  // how a turning axis mirrors; stays right-handed
       }
       if (const std::string& parent = table_.text(row_, "parent"); !parent.empty()) {
         one.parent = std::max(find_joint(skeleton, parent), find_joint(skeleton, parent + suffix));

@@ -16,11 +16,12 @@ struct Joint {
   std::string name;                      // "hip_l"; data/joints.csv lists them all
   int parent = -1;                       // index of the parent; parents precede children; -1 for the root
   Transform X_PJ = Transform::Identity();  // rest frame in the parent's rest frame (translation only)
-  Mat3 axes = Mat3::Identity();          // columns: flexion(+), abduction(+), internal/axial rotation(+) axes, world at rest
+  Mat3 axes = Mat3::Identity();          // columns: axes of positive flexion, abduction and axial rotation, world at rest; a
+                                         // right-handed orthonormal frame on both sides (senses: data/joints.csv)
   Vec3 min = Vec3::Constant(-0.01);      // lower limits about the three axes, rad, from the anatomical zero
   Vec3 max = Vec3::Constant(0.01);       // upper limits
-  // Anatomical angles of the rest pose (the A-pose is not the anatomical zero). A pose's angles (f, a, r) are those of
-  //   Rx(f) Ry(a) Rz(r) = axes^T * L * axes * Rx(zero.x) Ry(zero.y) Rz(zero.z),   L the joint's local rotation.
+  // Anatomical angles of the rest pose (the A-pose is not the anatomical zero), inside the limits. A pose's angles are those of
+  //   R(f, a, r) = axes^T * L * axes * R(zero),   L the joint's local rotation, R as in anatomy/joint_angles.h.
   Vec3 zero = Vec3::Zero();
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "anatomy/bare_skin.h"
 #include "anatomy/errors.h"
@@ -82,15 +83,32 @@ Body open_body(const std::filesystem::path& file, const BodyPackage& package, Re
   return std::move(bare.body);
 }
 
-Motion open_motion(const std::filesystem::path& file, const Character& character, const RetargetOptions& options, Report& report) {
+namespace {
+
+// How many joints go beyond their limits, and by how much: {"motion": {"beyond_limits_deg": {"ankle_l": 3.1, ...}}}, the worst first.
+void report_limits(RetargetReport& found, Report& report) {
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  std::vector<LimitBreak> breaks = found.limit_breaks;
+  std::stable_sort(breaks.begin(), breaks.end(), [](const LimitBreak& a, const LimitBreak& b) { return a.worst > b.worst; });
+  report.set("motion.joints_beyond_limits", static_cast<int>(breaks.size()));
+  for (const LimitBreak& one : breaks) report.set("motion.beyond_limits_deg." + one.joint, one.worst * kDegrees);
+  if (breaks.empty()) return;
+  const LimitBreak& worst = breaks.front();
+  found.warnings.push_back(fmt::format("{} joints go beyond their limits in some frame; the worst, {}, by {:.1f} deg in frame {} ({} frames); "
+                                       "--limits clamp brings them back",
+                                       breaks.size(), worst.joint, worst.worst * kDegrees, worst.worst_frame, worst.frames));
+}
+
+}  // namespace
+
+Motion open_motion(const std::filesystem::path& file, const Character& character, const RetargetOptions& options, const Common& common,
+                   Report& report) {
   const StageTimer timer(report, "retarget");
   const BvhMotion source = read_bvh(file);
-  for (const std::string& warning : source.warnings) report.append_text("motion.warnings", warning);
   RetargetOptions placed = options;
   if (!placed.sole_height) placed.sole_height = character.body.skin.V.col(1).minCoeff();
   RetargetReport found;
   Motion motion = retarget(source, character.anatomy.skeleton, placed, found);
-  for (const std::string& warning : found.warnings) report.append_text("motion.warnings", warning);
   report.set("motion.frames", static_cast<int>(motion.frames.size()));
   report.set("motion.fps", motion.fps);
   report.set("motion.unit", found.unit);
@@ -101,7 +119,11 @@ Motion open_motion(const std::filesystem::path& file, const Character& character
   report.set("motion.contacts", static_cast<int>(found.contacts.size()));
   report.set("motion.foot_slide_p95", found.slide_p95);
   report.set("motion.penetration", found.penetration);
-  report.set("motion.joints_beyond_limits", static_cast<int>(found.limit_breaks.size()));
+  report_limits(found, report);
+  for (const std::string& warning : found.warnings) {
+    note(common, "warning: " + warning);
+    report.append_text("motion.warnings", warning);
+  }
   return motion;
 }
 

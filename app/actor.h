@@ -9,7 +9,7 @@
 #include "anatomy/body_package.h"
 #include "anatomy/pose_anatomy.h"
 #include "anatomy/subdivide.h"
-#include "app/report.h"
+#include "app/verb.h"
 #include "skinning/character_io.h"
 #include "skinning/deform.h"
 #include "skinning/quality.h"
@@ -55,8 +55,9 @@ void play(const Actor& actor, const Pose& pose, ActorFrame& frame);
 // latter's units and axes goes to the report under `body`. Throws InputError or UnfitError.
 Body open_body(const std::filesystem::path& file, const BodyPackage& package, Report& report);
 
-// Reads a BVH file and retargets it to the character. What was assumed goes to the report under `motion`.
-Motion open_motion(const std::filesystem::path& file, const Character& character, const RetargetOptions& options, Report& report);
+// Reads a BVH file and retargets it to the character. What was assumed goes to the report under `motion`, warnings to people too.
+Motion open_motion(const std::filesystem::path& file, const Character& character, const RetargetOptions& options, const Common& common,
+                   Report& report);
 
 // What a motion did to muscles and skin, over all frames.
 struct MotionQuality {

@@ -1,6 +1,7 @@
 // ecorche animate: a motion on a character, as an animated .glb or a vertex cache.
 #include <fmt/format.h>
 
+#include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "app/actor.h"
 #include "app/motion_options.h"
@@ -51,21 +52,22 @@ void write_output(const fs::path& file, const Actor& actor, const Motion& motion
   }
 }
 
-void check_outputs(const std::vector<fs::path>& outputs) {
+void check_outputs(const std::vector<fs::path>& outputs, const std::vector<fs::path>& inputs) {
   for (const fs::path& output : outputs) {
     const std::string kind = output.extension().string();
     if (kind != ".glb" && kind != ".pc2" && kind != ".mdd" && kind != ".obj")
       throw UsageError(fmt::format("{}: unknown kind of output '{}'; .glb, .pc2, .mdd and DIR/%04d.obj can be written", output.string(), kind));
     if (kind == ".obj" && output.filename().string().find('%') == std::string::npos)
       throw UsageError(fmt::format("{}: an OBJ file holds one frame; name a sequence, like DIR/%04d.obj", output.string()));
+    if (kind != ".obj") check_output(output, inputs);
   }
 }
 
 int run(const AnimateOptions& options, const Common& common, Report& report) {
-  check_outputs(options.outputs);
+  check_outputs(options.outputs, {options.character, options.motion});
   Actor actor = make_actor(read_character(options.character), report);
   choose_skin(actor, options.skin);
-  const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), report);
+  const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
   for (const fs::path& output : options.outputs) {
     const StageTimer timer(report, "write_" + output.extension().string().substr(1));
     write_output(output, actor, motion, common);

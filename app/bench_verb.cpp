@@ -89,7 +89,7 @@ int run(int rounds, const Common& common, Report& report) {
   const BodyPackage package = read_body_package(find_packages());
   const Template body_template = read_template();
   const FittedCharacter fitted = fit_character(body_template, make_body(package, athlete()), package, {}, report);
-  const Motion motion = open_motion(data_folder() / "motions" / "long_jump.bvh", fitted.actor.character, {}, report);
+  const Motion motion = open_motion(data_folder() / "motions" / "long_jump.bvh", fitted.actor.character, {}, common, report);
 
   note(common, "13k vertices");
   std::vector<Ratio> ratios = bench_frames(fitted.actor, motion, "13k", 5, rounds);

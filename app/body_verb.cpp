@@ -1,6 +1,7 @@
 // ecorche body new: a body of a wanted sex, age, height and mass, or of measures taken with a tape.
 #include <fmt/format.h>
 
+#include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
 #include "app/verb.h"
@@ -85,6 +86,8 @@ int run_measured(const NewOptions& options, const Common& common, Report& report
 }
 
 int run_new(const NewOptions& options, const Common& common, Report& report) {
+  if (options.output.extension() != ".glb") throw UsageError(options.output.string() + ": a body is written as .glb");
+  check_output(options.output);
   if (!options.measures.empty()) return run_measured(options, common, report);
   BodySpec spec;
   spec.sex = options.sex == "female" ? Sex::female : Sex::male;

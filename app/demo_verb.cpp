@@ -119,7 +119,7 @@ void add_pictures(const Template& body_template, const BodyPackage& package, con
   record.fit_pictures.push_back(picture_of_muscles(fitted, package));
   record.motion_pictures.push_back(picture_of_jump(fitted.actor, package, jump, record));
   Report aside;
-  const Motion walk = open_motion(data_folder() / "motions" / "walk.bvh", character, {}, aside);
+  const Motion walk = open_motion(data_folder() / "motions" / "walk.bvh", character, {}, common, aside);
   record.motion_pictures.push_back(picture_of_walk(fitted.actor, package, walk));
 }
 
@@ -167,7 +167,7 @@ int run(const DemoOptions& options, const Common& common, Report& report) {
   report.set("skin_vertices", actor.binding.vertex_count);
 
   note(common, "motion");
-  const Motion motion = open_motion(data_folder() / "motions" / "long_jump.bvh", actor.character, {}, report);
+  const Motion motion = open_motion(data_folder() / "motions" / "long_jump.bvh", actor.character, {}, common, report);
   report.set("frame_ms", mean_frame_ms(actor, motion));
   const MotionQuality quality = survey_motion(actor, motion, &package);
   report_quality(quality, "quality", report);

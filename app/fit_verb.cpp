@@ -1,6 +1,8 @@
 // ecorche fit: bones and muscles inside a skin, and the skin anchored to them.
 #include <fmt/format.h>
 
+#include "anatomy/atomic_file.h"
+#include "anatomy/errors.h"
 #include "app/fitting.h"
 #include "app/verb.h"
 
@@ -16,6 +18,8 @@ struct FitVerbOptions {
 int run(FitVerbOptions options, const Common& common, Report& report) {
   if (options.method == "paper") options.fitting.dilate.method = DilateMethod::paper;
   options.fitting.fine_skin = options.skin == "fine";
+  if (options.output.extension() != ".glb") throw UsageError(options.output.string() + ": a character is written as .glb");
+  check_output(options.output, {options.body});
   const BodyPackage package = read_body_package(find_packages());
   Body body = open_body(options.body, package, report);
   if (!options.sex.empty()) body.sex = options.sex == "female" ? Sex::female : Sex::male;

@@ -9,6 +9,7 @@
 #include <optional>
 #include <thread>
 
+#include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "app/verb.h"
 
@@ -24,6 +25,7 @@ int run(VerbFunction& chosen, const Common& common) {
   Report report;
   report.set("ecorche", ECORCHE_VERSION);
   report.set("threads", threads);
+  if (!common.report_file.empty()) check_output(common.report_file);
   const int exit_code = chosen(common, report);
   report.set("exit_code", exit_code);
   if (!common.report_file.empty()) report.write(common.report_file);
@@ -39,6 +41,7 @@ int fail(int exit_code, const char* message) {
 
 int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is a failed write, not a death
+  std::signal(SIGXFSZ, SIG_IGN);  // so is a limit on the size of files
   if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma"))
     return fail(1, "this build needs a processor with AVX2 and FMA; configure with -DECORCHE_ARCH= to build for yours");
 

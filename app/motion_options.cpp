@@ -11,7 +11,9 @@ void add_motion_options(CLI::App& verb, MotionOptions& options) {
   verb.add_option("--map", options.map_file, "Which joint is which, where guessing fails: lines `file joint = our joint`");
   verb.add_option("--up", options.up, "Up axis of the file, instead of guessing")->check(CLI::IsMember({"x", "y", "z"}));
   verb.add_option("--unit", options.unit, "Metres a file unit, instead of guessing")->check(CLI::Range(1e-6, 1e3));
-  verb.add_flag("--clamp", options.clamp, "Bring joints back inside their anatomical limits");
+  verb.add_option("--limits", options.limits, "What becomes of joints beyond their anatomical limits: kept as they are, or brought back")
+      ->check(CLI::IsMember({"keep", "clamp"}))
+      ->capture_default_str();
   verb.add_flag("--no-plant", options.free_feet, "Leave the feet where the file puts them");
 }
 
@@ -20,7 +22,7 @@ RetargetOptions to_retarget_options(const MotionOptions& options) {
   if (!options.map_file.empty()) out.joint_map = read_joint_map(options.map_file);
   if (!options.up.empty()) out.up = options.up[0];
   if (options.unit > 0) out.metres_per_unit = options.unit;
-  out.clamp_limits = options.clamp;
+  out.clamp_limits = options.limits == "clamp";
   out.plant_feet = !options.free_feet;
   return out;
 }

@@ -13,7 +13,7 @@ struct MotionOptions {
   std::filesystem::path map_file;  // --map
   std::string up;                  // --up
   double unit = 0;                 // --unit, metres
-  bool clamp = false;              // --clamp
+  std::string limits = "keep";     // --limits
   bool free_feet = false;          // --no-plant
 };
 

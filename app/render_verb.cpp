@@ -4,6 +4,7 @@
 #include <sstream>
 #include <vector>
 
+#include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "app/actor_film.h"
 #include "app/motion_options.h"
@@ -43,9 +44,10 @@ int run(RenderVerbOptions options, const Common& common, Report& report) {
   set_size(options.size, options.film);
   if (options.dissolve.size() == 2) options.film.dissolve = Span{options.dissolve[0], options.dissolve[1]};
   if (options.colour_map) options.film.muscle_colors = MuscleColors::shortening;
+  if (options.film.output.extension() == ".mp4") check_output(options.film.output);
   Actor actor = make_actor(read_character(options.character), report);
   choose_skin(actor, options.skin);
-  const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), report);
+  const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
   options.film.ground.visible = true;
   const FilmReport film = film_actor(actor, motion, options.film, common);
   report.set("timings_ms.film", 1e3 * film.seconds);

@@ -27,12 +27,12 @@ Actor open_actor(const std::filesystem::path& file, Report& report) {
   return fit_character(shown, shown.body, read_body_package(find_packages()), {}, report).actor;
 }
 
-int run(const ViewVerbOptions& options, const Common&, Report& report) {
+int run(const ViewVerbOptions& options, const Common& common, Report& report) {
   const Actor actor = open_actor(options.character, report);
   const Anatomy& anatomy = actor.character.anatomy;
   Motion motion;
   motion.frames.push_back(rest_pose(anatomy.skeleton));
-  if (!options.motion.empty()) motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), report);
+  if (!options.motion.empty()) motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
 
   SceneOptions scene;
   scene.eyes = find_eyes(actor.character.body.skin, anatomy.skeleton);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "anatomy/errors.h"
+#include "anatomy/joint_angles.h"
 
 namespace ecorche {
 namespace {
@@ -19,14 +20,11 @@ Mat3 mirrored(const Mat3& turn) {
 
 Mat3 turn_of(const BoneMap& map) { return map.target_frame * map.frame.transpose(); }
 
-Mat3 from_angles(const Vec3& angles) {
-  return (Eigen::AngleAxisd(angles.x(), Vec3::UnitX()) * Eigen::AngleAxisd(angles.y(), Vec3::UnitY()) *
-          Eigen::AngleAxisd(angles.z(), Vec3::UnitZ())).toRotationMatrix();
-}
-
-// The angles (f, a, r) of Rx(f) Ry(a) Rz(r).
-Vec3 to_angles(const Mat3& R) {
-  return {std::atan2(-R(1, 2), R(2, 2)), std::asin(std::clamp(R(0, 2), -1.0, 1.0)), std::atan2(-R(0, 1), R(0, 0))};
+// Angles of a body's rest pose. A body stands upright at rest, so that its trunk is at the anatomical zero, however its spine curves;
+// of what its limbs are turned by, posture is what lies inside the limits, the rest (carrying angle, knock knees) is its shape.
+Vec3 rest_angles(const Joint& joint, const Mat3& turn) {
+  if (split_side(joint.name).second == Side::middle) return Vec3::Zero();
+  return joint_angles(joint, Quat(turn)).cwiseMax(joint.min).cwiseMin(joint.max);
 }
 
 }  // namespace
@@ -100,12 +98,12 @@ Anatomy SkeletonCarrier::skeleton() const {
   }
   for (size_t j = 0; j < rest.size(); ++j) {
     Joint& joint = out.skeleton.joints[j];
-    const Mat3 before = joint.axes;
+    const Mat3 before = source_.skeleton.joints[j].axes;
     const Mat3 parent = joint.parent >= 0 ? turns[joint.parent] : Mat3::Identity();
     joint.X_PJ = Transform::Identity();
     joint.X_PJ.translation() = joint.parent >= 0 ? Vec3(centres[j] - centres[joint.parent]) : centres[j];
     joint.axes = parent * before;
-    joint.zero = to_angles(before.transpose() * parent.transpose() * turns[j] * before * from_angles(joint.zero));
+    joint.zero = rest_angles(source_.skeleton.joints[j], parent.transpose() * turns[j]);
   }
   for (size_t b = 0; b < source_.bones.size(); ++b) {
     Bone bone = source_.bones[b];

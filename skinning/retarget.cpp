@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "anatomy/errors.h"
-#include "skinning/joint_limits.h"
+#include "anatomy/joint_angles.h"
 #include "skinning/keep_flights.h"
 #include "skinning/plant_feet.h"
 #include "skinning/pose_transfer.h"

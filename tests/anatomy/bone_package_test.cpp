@@ -144,17 +144,22 @@ TEST_F(BonePackage, JointsMoveTheWayTheirAxesSay) {
     const Vec3 way = motion(c.joint, c.axis, rest(c.far)).normalized();
     EXPECT_GT(way.dot(c.way), 0.5) << c.joint << " axis " << c.axis;
   }
-  // Opening the jaw lowers the chin; inward turning brings the front of knee and arm to the middle.
+  // Opening the jaw lowers the chin; hip, shoulder and forearm turn outwards, the shin inwards, the collar bone backwards, the foot's
+  // sole to the middle.
   EXPECT_LT(motion("jaw", 0, surface_centroid(mesh("mandible"))).y(), 0);
-  EXPECT_LT(motion("hip_l", 2, rest("hip_l") + forward).x(), 0);
-  EXPECT_GT(motion("shoulder_r", 2, rest("shoulder_r") + forward).x(), 0);
-  EXPECT_LT(motion("forearm_l", 2, rest("forearm_l") + forward).x(), 0);
+  EXPECT_GT(motion("hip_l", 2, rest("hip_l") + forward).x(), 0);
+  EXPECT_LT(motion("shoulder_r", 2, rest("shoulder_r") + forward).x(), 0);
+  EXPECT_GT(motion("forearm_l", 2, rest("forearm_l") + forward).x(), 0);
+  EXPECT_GT(motion("scapula_l", 2, rest("scapula_l") + forward).x(), 0);
+  EXPECT_LT(motion("knee_l", 2, rest("knee_l") + forward).x(), 0);
+  EXPECT_LT(motion("clavicle_l", 2, rest("clavicle_l") + up).z(), 0);
   EXPECT_LT(motion("subtalar_l", 2, rest("subtalar_l") + down).x(), 0);
 }
 
 TEST_F(BonePackage, AxesAreOrthonormalAndMirrorAsTurns) {
   for (const Joint& joint : anatomy().skeleton.joints) {
     EXPECT_TRUE(joint.axes.isUnitary(1e-9)) << joint.name;
+    EXPECT_NEAR(joint.axes.determinant(), 1, 1e-9) << joint.name;
     const Joint& other = anatomy().skeleton.joints.at(find_joint(anatomy().skeleton, mirror_name(joint.name)));
     if (&other == &joint) continue;
     EXPECT_LT((joint.axes.row(0) - other.axes.row(0)).norm() + (joint.axes.bottomRows(2) + other.axes.bottomRows(2)).norm(), 1e-9)

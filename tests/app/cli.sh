@@ -62,6 +62,51 @@ there anna-1.glb; there fit.json
 expect 0,8 "the same fit with two threads" "$ecorche" fit anna.glb -o anna-2.glb --threads 2
 if cmp -s anna-1.glb anna-2.glb; then ok; else bad "one and two threads give different bytes"; fi
 
+# Names and places.
+expect 0 "a name with blanks, quotes and a line end" "$ecorche" body new --sex male -o "o' \"ü
+x.glb"
+there "o' \"ü
+x.glb"
+cp anna.glb ./-anna.glb
+expect 3 "a body whose name begins with a dash, as a character" "$ecorche" animate -o a.glb -- -anna.glb none.bvh
+says "-anna.glb"
+mkfifo pipe.bvh
+for file in pipe.bvh . /dev/zero loop; do
+  [ "$file" = loop ] && ln -s loop loop
+  expect 3 "a motion that is $file" timeout 20 "$ecorche" animate anna-1.glb "$file" -o a.glb
+  expect 3 "a character that is $file" timeout 20 "$ecorche" animate "$file" "$source/data/motions/walk.bvh" -o a.glb
+  expect 3 "a body that is $file" timeout 20 "$ecorche" fit "$file" -o a.glb
+done
+absent a.glb
+expect 2 "a character in another format" "$ecorche" fit anna.glb -o a.obj
+absent a.obj
+cp anna.glb same.glb
+expect 6 "an output that is the input" "$ecorche" fit same.glb -o ./same.glb
+says "also the input"
+ln same.glb other_name.glb
+expect 6 "an output that is the input by another name" "$ecorche" fit same.glb -o other_name.glb
+if cmp -s anna.glb same.glb; then ok; else bad "the input was touched"; fi
+mkdir -p folder.glb
+expect 6 "an output that is a folder" "$ecorche" fit anna.glb -o folder.glb
+expect 6 "an output that is a device" "$ecorche" body new --sex male --report /dev/full -o a.glb
+absent a.glb
+if [ -c /dev/full ]; then ok; else bad "/dev/full is gone"; fi
+expect 6 "one output of two in a missing folder" "$ecorche" animate anna-1.glb "$source/data/motions/walk.bvh" -o a.glb -o no/where/a.pc2
+absent a.glb
+mkdir -p full
+if mount -t tmpfs -o size=64k none full 2> /dev/null; then
+  expect 6 "a full disk" "$ecorche" body new --sex male -o full/a.glb
+  if [ -z "$(ls -A full)" ]; then ok; else bad "left on the full disk: $(ls -A full)"; fi
+  umount full
+else
+  skip "a full disk: no right to mount one"
+fi
+mkdir -p limited
+expect 6 "a limit on the size of files" bash -c "ulimit -f 16; exec '$ecorche' body new --sex male -o limited/a.glb"
+if [ -z "$(ls -A limited)" ]; then ok; else bad "left under the limit: $(ls -A limited)"; fi
+expect 5 "too little memory" bash -c "ulimit -v 300000; exec '$ecorche' fit anna.glb -o a.glb --threads 1"
+absent a.glb
+
 # Motions.
 walk=$source/data/motions/walk.bvh
 expect 3 "a character that is a body" "$ecorche" animate anna.glb "$walk" -o a.glb

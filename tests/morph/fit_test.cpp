@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "anatomy/errors.h"
+#include "anatomy/joint_angles.h"
 #include "anatomy/muscle_line.h"
 #include "morph/body.h"
 #include "morph/dilate.h"
@@ -132,6 +133,32 @@ TEST(Fit, MovedAndMirroredBodiesGetMovedAndMirroredMuscles) {
     }
   }
   EXPECT_LT(worst, 1e-3);
+}
+
+TEST(Fit, EveryJointRestsInsideItsLimitsInAnatomicalAxes) {
+  NEED_PACKAGES();
+  for (const char* name : {"default_female", "heavy_male", "tall_male"}) {
+    for (const BodySpec& spec : standard_bodies()) {
+      if (spec.name != name) continue;
+      const Skeleton skeleton = fit_anatomy(own, make_body(package, spec)).anatomy.skeleton;
+      const auto angles = [&](const char* joint) {
+        return Vec3(joint_angles(skeleton.joints[find_joint(skeleton, joint)], Quat::Identity()) * (180 / 3.14159265358979));
+      };
+      for (const Joint& joint : skeleton.joints) {
+        EXPECT_TRUE(joint.axes.isUnitary(1e-9) && joint.axes.determinant() > 0) << joint.name;
+        EXPECT_LT(limit_excess(joint, Quat::Identity()), 1e-9) << name << ' ' << joint.name;
+        if (!joint.name.ends_with("_l")) continue;
+        const Vec3 other = skeleton.joints[find_joint(skeleton, joint.name.substr(0, joint.name.size() - 1) + "r")].zero;
+        EXPECT_LT((joint.zero - other).norm(), 1e-6) << joint.name;
+      }
+      // The base mesh stands with its arms held out and its elbows bent forwards.
+      EXPECT_GT(angles("shoulder_l")[1], 20) << name;
+      EXPECT_LT(angles("shoulder_l")[1], 65) << name;
+      EXPECT_GT(angles("elbow_l")[0], 25) << name;
+      EXPECT_LT(angles("elbow_l")[0], 60) << name;
+      EXPECT_GT(angles("hip_l")[1], 0) << name;
+    }
+  }
 }
 
 TEST(Fit, AMovedBodyGetsAMovedSkeleton) {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "skinning/joint_limits.h"
+#include "anatomy/joint_angles.h"
 #include "skinning/retarget.h"
 #include "skinning/shoulder_rhythm.h"
 #include "tests/skinning/plain_skeleton.h"

@@ -1,0 +1,25 @@
+// Anatomical angles of a joint, and its limits.
+#pragma once
+
+#include "anatomy/skeleton.h"
+
+namespace ecorche {
+
+// Flexion, abduction, axial rotation (rad) from the anatomical zero, for a local rotation that is counted from the rest pose.
+// Where abduction stays below a right angle: intrinsic turns about the columns of Joint::axes in that order. Beyond it (shoulder)
+// such angles are singular in the midst of the range and mean nothing to a clinician (Codman's paradox): there flexion and
+// abduction are the parts of the one turn that swings the long axis to where it points, rotation is the turn about the long axis
+// before it (swing and twist, Grassia 1998, 10.1080/10867651.1998.10487493). Both agree for turns about one axis.
+Vec3 joint_angles(const Joint& joint, const Quat& rotation);
+
+// The local rotation that has these angles.
+Quat joint_rotation(const Joint& joint, const Vec3& angles);
+
+// How far the worst of the angles is outside [min, max], rad; 0 inside.
+double limit_excess(const Joint& joint, const Quat& rotation);
+
+// Angles inside: those deeper inside than a tenth of the range (at most 3 deg) are kept, the others pressed together towards the
+// limit, without a kink, so that a movement that runs into a limit slows down rather than stops.
+Quat clamped(const Joint& joint, const Quat& rotation);
+
+}  // namespace ecorche
