@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "anatomy/errors.h"
+#include "skinning/auto_activation.h"
 
 using namespace ecorche;
 
@@ -122,4 +123,36 @@ TEST(Activation, ComplaintsNameFilePlaceAndWayOut) {
   EXPECT_NE(complaint("x.sto", "endheader\ntime soleus_l\n0 0 0\n").find("more than"), std::string::npos);
   EXPECT_NE(complaint("x.sto", "endheader\ntime soleus_l\n0\n").find("soleus_l"), std::string::npos);
   EXPECT_NE(complaint("x.txt", "time,soleus\n0,0\n").find(".csv"), std::string::npos);
+}
+
+namespace {
+
+// A hand's weight on a bent arm of two hinges: muscles 0 and 1 bend the first, 2 straightens it, 3 bends both.
+Eigen::MatrixXd arm_moments() {
+  Eigen::MatrixXd A(2, 4);
+  A << 30, 20, -40, 10, 0, 0, 0, 15;
+  return A;
+}
+
+}  // namespace
+
+TEST(AutoActivation, GivesTheMomentsByTheLeastSquares) {
+  const Eigen::MatrixXd A = arm_moments();
+  const Eigen::Vector2d b(12, 3);
+  const Eigen::VectorXd a = share_moments(A, b, 1e6);
+  EXPECT_LT((A * a - b).norm(), 1e-4);
+  EXPECT_EQ(a[2], 0);
+  // Of the two that bend the first hinge only, each gives in proportion to its arm.
+  EXPECT_NEAR(a[0] / a[1], 1.5, 1e-6);
+  // No other choice of the same moments has a smaller sum of squares: move along what gives no moment.
+  const Eigen::Vector4d still(20, -30, 0, 0);
+  for (double step : {-1e-3, 1e-3}) EXPECT_GT((a + step * still).squaredNorm(), a.squaredNorm());
+}
+
+TEST(AutoActivation, AsksNobodyForMoreThanAll) {
+  const Eigen::VectorXd a = share_moments(arm_moments(), Eigen::Vector2d(-100, 0), 1e3);
+  EXPECT_EQ(a[2], 1);
+  EXPECT_EQ(a[0], 0);
+  const Eigen::VectorXd none = share_moments(arm_moments(), Eigen::Vector2d(0, 0), 1e3);
+  EXPECT_EQ(none.norm(), 0);
 }
