@@ -66,9 +66,9 @@ void choose_skin(Actor& actor, const std::string& method) {
   actor.method = *chosen;
 }
 
-void play(const Actor& actor, const Pose& pose, ActorFrame& frame) {
+void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation) {
   const Skeleton& skeleton = actor.character.anatomy.skeleton;
-  pose_anatomy(actor.table, skeleton, pose, frame.posed);
+  pose_anatomy(actor.table, skeleton, pose, frame.posed, 1, activation);
   if (actor.method == SkinMethod::ecorche) deform_skin(actor.binding, frame.posed, frame.skin);
   else deform_by(*actor.rivals, actor.method, skeleton, frame.posed, frame.scratch, frame.skin);
 }
@@ -152,7 +152,7 @@ void compare_skins(const Actor& actor, const Motion& motion, Report& report) {
   }
 }
 
-MotionQuality survey_motion(const Actor& actor, const Motion& motion, const BodyPackage* package) {
+MotionQuality survey_motion(const Actor& actor, const Motion& motion, const BodyPackage* package, const Activations& activations) {
   const Anatomy& anatomy = actor.character.anatomy;
   const TriMesh& rest = actor.character.body.skin;
   const auto ranges = slice_ranges(anatomy);
@@ -167,8 +167,10 @@ MotionQuality survey_motion(const Actor& actor, const Motion& motion, const Body
   std::vector<double> rest_volumes;
   for (size_t m = 0; m < anatomy.muscles.size(); ++m) rest_volumes.push_back(muscle_volume(frame.posed, ranges, static_cast<int>(m)));
 
+  std::vector<double> efforts;
   for (size_t f = 0; f < motion.frames.size(); ++f) {
-    play(actor, motion.frames[f], frame);
+    activation_at(activations, static_cast<double>(f) / motion.fps, efforts);
+    play(actor, motion.frames[f], frame, efforts);
     for (size_t m = 0; m < anatomy.muscles.size(); ++m) {
       const double drift = std::abs(muscle_volume(frame.posed, ranges, static_cast<int>(m)) / rest_volumes[m] - 1);
       if (!(drift <= quality.volume_drift_max)) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "anatomy/pose_anatomy.h"
 #include "anatomy/subdivide.h"
 #include "app/verb.h"
+#include "skinning/activation.h"
 #include "skinning/character_io.h"
 #include "skinning/deform.h"
 #include "skinning/quality.h"
@@ -48,8 +50,8 @@ struct ActorFrame {
 // last one. Throws UsageError for another name, InputError without the package, UnfitError for a skin of another topology.
 void choose_skin(Actor& actor, const std::string& method);
 
-// One frame: kinematics, muscles, skin with normals. Reuses the memory of `frame`.
-void play(const Actor& actor, const Pose& pose, ActorFrame& frame);
+// One frame: kinematics, muscles, skin with normals. Reuses the memory of `frame`. `activation` as in pose_anatomy.
+void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation = {});
 
 // A body of ours (.glb), or a bare skin in the base mesh's topology and vertex order. What was found out about the
 // latter's units and axes goes to the report under `body`. Throws InputError or UnfitError.
@@ -80,7 +82,7 @@ struct MotionQuality {
 // `skins.<method>`. Without the body package or with a skin of another topology only our own is measured.
 void compare_skins(const Actor& actor, const Motion& motion, Report& report);
 
-MotionQuality survey_motion(const Actor& actor, const Motion& motion, const BodyPackage* package);
+MotionQuality survey_motion(const Actor& actor, const Motion& motion, const BodyPackage* package, const Activations& activations = {});
 
 // Accuracy targets that a motion misses, with the figures; empty when it meets them all. Exit code 8 rests on it.
 std::vector<std::string> missed_targets(const MotionQuality& quality);

@@ -166,9 +166,11 @@ FilmReport film_actor(const Actor& actor, const Motion& motion, const ActorFilm&
   options.finish = [&](int f, Image& picture) { write_words(film, moments[f], picture); };
   ActorFrame frame;
   std::vector<float> activity;
+  std::vector<double> efforts;
   Appearance appearance;
   const FrameSource source = [&](int f, Scene& scene) {
-    play(actor, pose_at(motion, moments[f]), frame);
+    activation_at(film.activations, moments[f], efforts);
+    play(actor, pose_at(motion, moments[f]), frame, efforts);
     muscle_shortening(model, frame.posed, activity);
     scene.list.camera = cameras[f];
     light_outdoors(film, scene.list);

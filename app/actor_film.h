@@ -29,6 +29,7 @@ struct ActorFilm {
   bool legend = true;                // what the muscles' colours mean, where muscles are seen
   std::string camera = "follow";     // "follow", or a named view or AZIMUTH,ELEVATION that travels with the figure
   Ground ground;                     // shown as it is
+  Activations activations;           // of the muscles, over the motion's time
 };
 
 // The pose at a time, between frames by the shorter way; clamped to the motion's ends. Precondition: a motion with frames.

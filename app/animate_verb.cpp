@@ -3,6 +3,7 @@
 
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
+#include "app/activation_options.h"
 #include "app/actor.h"
 #include "app/motion_options.h"
 #include "app/verb.h"
@@ -18,35 +19,37 @@ namespace fs = std::filesystem;
 struct AnimateOptions {
   fs::path character, motion;
   std::vector<fs::path> outputs;
-  std::string skin = "ecorche";
+  std::string activation = "none", skin = "ecorche";
   MotionOptions retarget;
 };
 
 // Every frame of the motion to a writer of vertex caches.
 template <class Writer>
-void write_frames(Writer& writer, const fs::path& file, const Actor& actor, const Motion& motion, const Common& common) {
+void write_frames(Writer& writer, const fs::path& file, const Actor& actor, const Motion& motion, const Activations& activations, const Common& common) {
   ActorFrame frame;
+  std::vector<double> efforts;
   const int total = static_cast<int>(motion.frames.size());
   for (int f = 0; f < total; ++f) {
-    play(actor, motion.frames[f], frame);
+    activation_at(activations, f / motion.fps, efforts);
+    play(actor, motion.frames[f], frame, efforts);
     writer.add_frame(frame.skin.positions);
     progress(common, file.filename().string(), f + 1, total);
   }
 }
 
-void write_output(const fs::path& file, const Actor& actor, const Motion& motion, const Common& common) {
+void write_output(const fs::path& file, const Actor& actor, const Motion& motion, const Activations& activations, const Common& common) {
   const fs::path kind = file.extension();
   if (kind == ".pc2") {
     Pc2Writer writer(file, actor.binding.vertex_count);
-    write_frames(writer, file, actor, motion, common);
+    write_frames(writer, file, actor, motion, activations, common);
     writer.finish();
   } else if (kind == ".mdd") {
     MddWriter writer(file, actor.binding.vertex_count, static_cast<int>(motion.frames.size()), motion.fps);
-    write_frames(writer, file, actor, motion, common);
+    write_frames(writer, file, actor, motion, activations, common);
     writer.finish();
   } else if (kind == ".obj") {
     ObjSequenceWriter writer(file, actor.character.body.skin.F);
-    write_frames(writer, file, actor, motion, common);
+    write_frames(writer, file, actor, motion, activations, common);
   } else {
     write_character(file, actor.character, actor.binding, &motion);
   }
@@ -68,14 +71,15 @@ int run(const AnimateOptions& options, const Common& common, Report& report) {
   Actor actor = make_actor(read_character(options.character), report);
   choose_skin(actor, options.skin);
   const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
+  const Activations activations = open_activations(options.activation, actor, motion, report);
   for (const fs::path& output : options.outputs) {
     const StageTimer timer(report, "write_" + output.extension().string().substr(1));
-    write_output(output, actor, motion, common);
+    write_output(output, actor, motion, activations, common);
     note(common, fmt::format("{}: {} frames at {:.4g} fps", output.string(), motion.frames.size(), motion.fps));
   }
   report.set("skin_vertices", actor.binding.vertex_count);
   report.set("skin", options.skin);
-  report_quality(survey_motion(actor, motion, nullptr), "quality", report);
+  report_quality(survey_motion(actor, motion, nullptr, activations), "quality", report);
   if (!common.report_file.empty()) compare_skins(actor, motion, report);
   return 0;
 }
@@ -85,13 +89,14 @@ int run(const AnimateOptions& options, const Common& common, Report& report) {
 void add_animate_verb(VerbRegistry& registry) {
   auto options = std::make_shared<AnimateOptions>();
   CLI::App* verb = add_verb(registry, registry.app, "animate", "Move a character by a motion (BVH) and write it out",
-                            "ecorche animate anna.glb walk.bvh -o anna-walks.glb -o anna-walks.pc2",
+                            "ecorche animate anna.glb walk.bvh -o anna-walks.glb -o anna-walks.pc2 --activation auto",
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
   verb->add_option("character", options->character, "Character written by `ecorche fit`")->required();
   verb->add_option("motion", options->motion, "Motion (.bvh)")->required();
   verb->add_option("-o,--output", options->outputs, "File to write; may be given several times: .glb (joints); every vertex, exact: .pc2, .mdd, DIR/%04d.obj")
       ->required();
   add_skin_option(*verb, options->skin);
+  verb->add_option("--activation", options->activation, kActivationHelp)->capture_default_str();
   add_motion_options(*verb, options->retarget);
 }
 

@@ -7,6 +7,7 @@
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
+#include "app/activation_options.h"
 #include "app/actor_film.h"
 #include "app/demo_page.h"
 #include "app/demo_pictures.h"
@@ -21,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct DemoOptions {
+  std::string activation = "none";
   fs::path folder = "out/long-jump";
 };
 
@@ -131,11 +133,13 @@ double mean_frame_ms(const Actor& actor, const Motion& motion) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() / static_cast<double>(motion.frames.size());
 }
 
-void write_cache(const fs::path& file, const Actor& actor, const Motion& motion) {
+void write_cache(const fs::path& file, const Actor& actor, const Motion& motion, const Activations& activations) {
   Pc2Writer writer(file, actor.binding.vertex_count);
   ActorFrame frame;
-  for (const Pose& pose : motion.frames) {
-    play(actor, pose, frame);
+  std::vector<double> efforts;
+  for (std::size_t f = 0; f < motion.frames.size(); ++f) {
+    activation_at(activations, static_cast<double>(f) / motion.fps, efforts);
+    play(actor, motion.frames[f], frame, efforts);
     writer.add_frame(frame.skin.positions);
   }
   writer.finish();
@@ -169,17 +173,19 @@ int run(const DemoOptions& options, const Common& common, Report& report) {
   note(common, "motion");
   const Motion motion = open_motion(data_folder() / "motions" / "long_jump.bvh", actor.character, {}, common, report);
   report.set("frame_ms", mean_frame_ms(actor, motion));
-  const MotionQuality quality = survey_motion(actor, motion, &package);
+  const Activations activations = open_activations(options.activation, actor, motion, report);
+  const MotionQuality quality = survey_motion(actor, motion, &package, activations);
   report_quality(quality, "quality", report);
 
   note(common, "files");
   write_character(options.folder / "athlete.glb", actor.character, actor.binding, &motion);
-  write_cache(options.folder / "long-jump.pc2", actor, motion);
+  write_cache(options.folder / "long-jump.pc2", actor, motion, activations);
 
   DemoRecord record;
   ActorFilm film;
   film.output = options.folder / "long-jump.mp4";
   film.beside = true;
+  film.activations = activations;
   record.events = flight_events(motion);
   const double takeoff = record.events[0].first, landing = record.events[2].first;
   film.dissolve = Span{0.15 * takeoff, 0.6 * takeoff};
@@ -214,6 +220,7 @@ void add_demo_verb(VerbRegistry& registry) {
                             "ecorche demo -o out/long-jump",
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
   verb->add_option("-o,--output", options->folder, "Folder to write to; made where it is missing")->capture_default_str();
+  verb->add_option("--activation", options->activation, kActivationHelp)->capture_default_str();
 }
 
 }  // namespace ecorche

@@ -57,6 +57,7 @@ int main(int argc, char** argv) {
   add_template_verb(registry);
   add_body_verb(registry);
   add_fit_verb(registry);
+  add_check_verb(registry);
   add_animate_verb(registry);
   add_render_verb(registry);
 #ifdef ECORCHE_WINDOW

@@ -6,6 +6,7 @@
 
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
+#include "app/activation_options.h"
 #include "app/actor_film.h"
 #include "app/motion_options.h"
 #include "app/verb.h"
@@ -15,7 +16,7 @@ namespace {
 
 struct RenderVerbOptions {
   std::filesystem::path character, motion;
-  std::string layers = "skin,muscles,bones", size = "1280x720", skin = "ecorche";
+  std::string activation = "none", layers = "skin,muscles,bones", size = "1280x720", skin = "ecorche";
   std::vector<double> dissolve;
   bool colour_map = false;
   MotionOptions retarget;
@@ -49,6 +50,7 @@ int run(RenderVerbOptions options, const Common& common, Report& report) {
   choose_skin(actor, options.skin);
   const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
   options.film.ground.visible = true;
+  options.film.activations = open_activations(options.activation, actor, motion, report);
   const FilmReport film = film_actor(actor, motion, options.film, common);
   report.set("timings_ms.film", 1e3 * film.seconds);
   report.set("film.frames", film.frames);
@@ -79,6 +81,7 @@ void add_render_verb(VerbRegistry& registry) {
   verb->add_option("--fps", options->film.fps, "Frames a second")->check(CLI::Range(1.0, 240.0))->capture_default_str();
   verb->add_option("--camera", options->film.camera, "follow; or front, back, left, right, top, oblique, or AZIMUTH,ELEVATION in degrees")
       ->capture_default_str();
+  verb->add_option("--activation", options->activation, kActivationHelp)->capture_default_str();
   add_motion_options(*verb, options->retarget);
 }
 

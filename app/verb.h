@@ -38,6 +38,7 @@ void add_template_resample(VerbRegistry& registry, CLI::App& template_verb);
 void add_template_sweep(VerbRegistry& registry, CLI::App& template_verb);
 void add_body_verb(VerbRegistry& registry);
 void add_body_measure(VerbRegistry& registry, CLI::App& body_verb);
+void add_check_verb(VerbRegistry& registry);
 void add_fit_verb(VerbRegistry& registry);
 void add_animate_verb(VerbRegistry& registry);
 void add_render_verb(VerbRegistry& registry);

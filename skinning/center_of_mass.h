@@ -11,16 +11,18 @@ namespace ecorche {
 // joints, the trunk in three parts.
 class CenterOfMass {
  public:
+  struct Segment {
+    double mass;  // share of the body's
+    int joint;    // carries the segment
+    Vec3 place;   // of its centre in that joint's frame
+  };
+
   // Precondition (std::invalid_argument): the skeleton has our joints.
   explicit CenterOfMass(const Skeleton& skeleton);
   Vec3 operator()(const std::vector<Transform>& X_WJ) const;
+  const std::vector<Segment>& segments() const { return segments_; }
 
  private:
-  struct Segment {
-    double mass;
-    int joint;   // carries the segment
-    Vec3 place;  // of its centre in that joint's frame
-  };
   std::vector<Segment> segments_;
 };
 

@@ -1,0 +1,32 @@
+// How much a character's muscles bulge, in the measures that others have published.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/actor.h"
+
+namespace ecorche {
+
+struct Thickening {
+  std::string muscle;
+  double relaxed = 0, tense = 0;  // m, of its thickest section at rest and of the same at full effort, joints held
+  std::string published;          // what was measured in people
+};
+
+struct Bulges {
+  // Left upper arm, m: relaxed half-way from shoulder to elbow in the rest pose; flexed by 100 degrees, palm up, all muscles of the arm tense: the
+  // largest from 40 to 65 % of the way. As a tape lies, over hollows. NaN where the skeleton has no such arm.
+  double arm_relaxed = 0, arm_flexed = 0, arm_tensed = 0;  // flexed: the same without effort
+  std::vector<Thickening> muscles;
+};
+
+Bulges measure_bulges(const Actor& actor);
+
+// Length of a tape round the piece of the skin that a plane cuts nearest to a point: the section's convex hull. 0 where the plane misses.
+double tape_girth(const TriMesh& skin, const Vec3& point, const Vec3& normal);
+
+std::string bulge_table(const Bulges& bulges);
+void report_bulges(const Bulges& bulges, Report& report);  // under `check.bulge`
+
+}  // namespace ecorche

@@ -1,0 +1,78 @@
+// ecorche check: is this anatomy sound? Figures beside what is asked of them, muscle by muscle, with pictures.
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "anatomy/atomic_file.h"
+#include "anatomy/errors.h"
+#include "anatomy/package.h"
+#include "app/bulges.h"
+#include "app/check_page.h"
+#include "morph/template.h"
+
+namespace ecorche {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CheckVerbOptions {
+  std::string character = "template", poses;
+  fs::path folder;
+  bool no_pictures = false, no_sweeps = false;
+};
+
+Character open_subject(const std::string& name) {
+  if (name != "template") return read_character(name);
+  Template shown = read_template();
+  return {std::move(shown.anatomy), std::move(shown.body)};
+}
+
+int run(const CheckVerbOptions& options, const Common& common, Report& report) {
+  const Actor actor = make_actor(open_subject(options.character), report);
+  const BodyPackage package = read_body_package(find_packages());
+  const Skeleton& skeleton = actor.character.anatomy.skeleton;
+  std::vector<NamedPose> poses;
+  if (options.poses != "none") poses = read_limit_poses(options.poses.empty() ? data_folder() / "poses.csv" : fs::path(options.poses), skeleton);
+  CheckOptions how;
+  if (options.no_sweeps) how.sweep_step = 0;
+  AnatomyCheck check;
+  {
+    const StageTimer timer(report, "check");
+    check = check_anatomy(actor, package, poses, how, common);
+  }
+  report_anatomy_check(check, report);
+  const Bulges bulges = measure_bulges(actor);
+  report_bulges(bulges, report);
+  std::fputs((check_table(check) + bulge_table(bulges)).c_str(), stdout);
+  if (!options.folder.empty()) {
+    std::error_code error;
+    fs::create_directories(options.folder, error);
+    if (error) throw OutputError(fmt::format("{}: {}", options.folder.string(), error.message()));
+    write_file_atomically(options.folder / "check.csv", check_csv(check, actor.character.anatomy));
+    write_file_atomically(options.folder / "check.html", check_page(check, bulges, actor, poses, {"Check of " + options.character, !options.no_pictures}));
+    note(common, fmt::format("look at {0}/check.html; {0}/check.csv has a row a muscle", options.folder.string()));
+  }
+  bool met = true;
+  for (const Target& target : check_targets(check)) met = met && target.met;
+  if (!options.folder.empty()) {
+    report.set("exit_code", met ? 0 : 8);
+    report.write(options.folder / "check.json");
+  }
+  return met ? 0 : 8;
+}
+
+}  // namespace
+
+void add_check_verb(VerbRegistry& registry) {
+  auto options = std::make_shared<CheckVerbOptions>();
+  CLI::App* verb = add_verb(registry, registry.app, "check", "Measure a character's anatomy: containment, overlap, voids, volumes and paths at the joints' limits",
+                            "ecorche check anna.glb -o anna-check\n  ecorche check template --poses my-poses.csv -o out/template-check",
+                            [options](const Common& common, Report& report) { return run(*options, common, report); });
+  verb->add_option("character", options->character, "Character written by `ecorche fit`, or `template`: the template in its own body")->capture_default_str();
+  verb->add_option("-o,--output", options->folder, "Folder for check.html, check.csv (a row a muscle) and check.json; made where it is missing");
+  verb->add_option("--poses", options->poses, "Table of poses (columns pose,joint,flexion,abduction,rotation: shares of the way to the limit); none; those of data/poses.csv when left out");
+  verb->add_flag("--no-sweeps", options->no_sweeps, "Leave out the sweeps of every joint through its range (volumes and jumps of paths)");
+  verb->add_flag("--no-pictures", options->no_pictures, "Leave the pictures out of check.html");
+}
+
+}  // namespace ecorche

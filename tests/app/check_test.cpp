@@ -1,0 +1,122 @@
+// What `ecorche check` is made of: poses from a table, a tape round a limb, targets that are met or not.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+
+#include "anatomy/errors.h"
+#include "app/anatomy_check.h"
+#include "app/bulges.h"
+#include "skinning/joint_limits.h"
+
+using namespace ecorche;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+Skeleton two_arms() {
+  Skeleton skeleton;
+  for (const char* name : {"trunk", "elbow_l", "elbow_r", "jaw"}) {
+    Joint joint;
+    joint.name = name;
+    joint.parent = skeleton.joints.empty() ? -1 : 0;
+    joint.min = Vec3(-0.2, -0.1, -1);
+    joint.max = Vec3(2.5, 0.1, 1.2);
+    joint.zero = Vec3(0.3, 0, 0.1);
+    if (joint.name == "elbow_r") joint.axes.col(0) *= -1;  // a mirrored side
+    skeleton.joints.push_back(joint);
+  }
+  return skeleton;
+}
+
+std::vector<NamedPose> poses_of(const std::string& text) {
+  const fs::path file = fs::temp_directory_path() / ("ecorche_poses_" + std::to_string(::getpid()) + ".csv");
+  std::ofstream(file, std::ios::binary) << text;
+  std::vector<NamedPose> poses;
+  try {
+    poses = read_limit_poses(file, two_arms());
+  } catch (...) {
+    fs::remove(file);
+    throw;
+  }
+  fs::remove(file);
+  return poses;
+}
+
+// A tube of `sides` sides along y, bulging in and out by `wave`.
+TriMesh tube(const Vec3& at, double radius, double wave, int sides = 240) {
+  TriMesh mesh;
+  mesh.V.resize(2 * sides, 3);
+  mesh.F.resize(2 * sides, 3);
+  for (int i = 0; i < sides; ++i) {
+    const double angle = 2 * std::numbers::pi * i / sides, r = radius * (1 - wave * (i % 2));
+    mesh.V.row(i) = at + Vec3(r * std::cos(angle), -0.5, r * std::sin(angle));
+    mesh.V.row(sides + i) = at + Vec3(r * std::cos(angle), 0.5, r * std::sin(angle));
+    const int n = (i + 1) % sides;
+    mesh.F.row(2 * i) = Eigen::RowVector3i(i, sides + i, n);
+    mesh.F.row(2 * i + 1) = Eigen::RowVector3i(n, sides + i, sides + n);
+  }
+  return mesh;
+}
+
+}  // namespace
+
+TEST(LimitPoses, SharesReachTheLimits) {
+  for (const Joint& joint : two_arms().joints) {
+    EXPECT_NEAR(joint_angles(joint, limit_rotation(joint, Vec3(1, 0, 0)))[0], 2.5, 1e-9) << joint.name;
+    EXPECT_NEAR(joint_angles(joint, limit_rotation(joint, Vec3(-1, 0, 0)))[0], -0.2, 1e-9) << joint.name;
+    EXPECT_NEAR(joint_angles(joint, limit_rotation(joint, Vec3(0.5, 0, 0)))[0], 1.4, 1e-9) << joint.name;
+    EXPECT_LT(limit_rotation(joint, Vec3::Zero()).angularDistance(Quat::Identity()), 1e-9) << joint.name;
+  }
+}
+
+TEST(LimitPoses, NamesMeanJointsAndRowsOfOnePoseAdd) {
+  const auto poses = poses_of("pose,joint,flexion,abduction,rotation\nbent,elbow,1,0,0\nopen,jaw,0.5,0,0\nbent,jaw,1,0,0\nright,elbow_r,1,0,0\nnone,tail,1,0,0\n");
+  ASSERT_EQ(poses.size(), 3u);
+  EXPECT_EQ(poses[0].name, "bent");
+  const auto turned = [&](std::size_t pose, std::size_t joint) { return poses[pose].pose.rotations[joint].angularDistance(Quat::Identity()) > 1e-3; };
+  EXPECT_TRUE(turned(0, 1) && turned(0, 2) && turned(0, 3));
+  EXPECT_TRUE(!turned(1, 1) && !turned(1, 2) && turned(1, 3));
+  EXPECT_TRUE(!turned(2, 1) && turned(2, 2) && !turned(2, 3));
+}
+
+TEST(LimitPoses, ComplaintsNameTheRow) {
+  EXPECT_THROW(poses_of("pose,joint,flexion,abduction,rotation\nbent,elbow,1.5,0,0\n"), InputError);
+  EXPECT_THROW(poses_of("pose,joint,flexion,abduction,rotation\n,elbow,1,0,0\n"), InputError);
+  EXPECT_THROW(poses_of("pose,joint,flexion\nbent,elbow,1\n"), InputError);
+}
+
+TEST(TapeGirth, LiesOverHollowsRoundTheNearestPiece) {
+  const double circle = 2 * std::numbers::pi * 0.05;
+  EXPECT_NEAR(tape_girth(tube({0, 0, 0}, 0.05, 0), {0, 0.1, 0}, Vec3::UnitY()), circle, 2e-5);
+  EXPECT_NEAR(tape_girth(tube({0, 0, 0}, 0.05, 0.3), {0, 0.1, 0}, Vec3::UnitY()), circle, 1e-4);
+  TriMesh two = tube({0, 0, 0}, 0.05, 0);
+  const TriMesh other = tube({0.3, 0, 0}, 0.1, 0);
+  const int points = static_cast<int>(two.V.rows()), faces = static_cast<int>(two.F.rows());
+  two.V.conservativeResize(points + other.V.rows(), 3);
+  two.V.bottomRows(other.V.rows()) = other.V;
+  two.F.conservativeResize(faces + other.F.rows(), 3);
+  two.F.bottomRows(other.F.rows()) = (other.F.array() + points).matrix();
+  EXPECT_NEAR(tape_girth(two, {0.02, 0, 0}, Vec3::UnitY()), circle, 2e-5);
+  EXPECT_NEAR(tape_girth(two, {0.25, 0, 0}, Vec3::UnitY()), 2 * circle, 4e-5);
+  EXPECT_EQ(tape_girth(two, {0, 3, 0}, Vec3::UnitY()), 0);
+}
+
+TEST(CheckTargets, AreMetOrNot) {
+  AnatomyCheck check;
+  check.bone_points = check.muscle_points = 10000;
+  check.filled_share = 0.97;
+  for (const Target& target : check_targets(check)) EXPECT_TRUE(target.met) << target.what;
+  check.poses.resize(1);
+  check.muscle_points_outside = 6;
+  check.overlap_share = check.bone_share = 0.03;
+  check.filled_share = std::nan("");
+  check.loose_ends = check.bone_points_outside = 1;
+  check.posed_outside_share = 0.01;
+  check.posed_overlap_worst = 0.06;
+  check.drift_max = 0.01;
+  check.jump_max = 0.002;
+  for (const Target& target : check_targets(check)) EXPECT_FALSE(target.met) << target.what;
+}
