@@ -343,6 +343,7 @@ class Reader {
       }
     }
     muscle.max_force = std::max(0.0, force);
+    if (const auto user = numbers(node, "user", "", 16); user.size() == 1 && user[0] > 0 && user[0] < 1.6) muscle.pennation = user[0];  // as we export it
     const auto length = numbers(node, "lengthrange", "", 2);
     if (length.size() != 2 || !(range[1] > range[0]) || !(length[1] > length[0])) return;
     muscle.fibre_length = (length[1] - length[0]) / (range[1] - range[0]);

@@ -2,13 +2,14 @@
 #include <fmt/format.h>
 
 #include "app/fitting.h"
+#include "app/template_file.h"
 #include "app/verb.h"
 
 namespace ecorche {
 namespace {
 
 struct FitVerbOptions {
-  std::filesystem::path body, output;
+  std::filesystem::path body, body_template, output;
   std::string method = "ecorche";
   FittingOptions fitting;
 };
@@ -17,7 +18,7 @@ int run(FitVerbOptions options, const Common& common, Report& report) {
   if (options.method == "paper") options.fitting.dilate.method = DilateMethod::paper;
   const BodyPackage package = read_body_package(find_packages());
   const Body body = open_body(options.body, package, report);
-  const Template body_template = read_template();
+  const Template body_template = open_template(options.body_template);
   const FittedCharacter fitted = fit_character(body_template, body, package, options.fitting, report);
   const Actor& actor = fitted.actor;
   write_character(options.output, actor.character, actor.binding);
@@ -37,6 +38,7 @@ void add_fit_verb(VerbRegistry& registry) {
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
   verb->add_option("body", options->body, "Body of `ecorche body new`, or a skin in the base mesh's topology (.obj, .ply, .glb)")->required();
   verb->add_option("-o,--output", options->output, "Character to write (.glb)")->required();
+  verb->add_option("--template", options->body_template, "Template of `ecorche template import`; the built-in one when left out");
   verb->add_option("--method", options->method, "How muscles grow to the skin: ecorche, or paper (one factor a muscle)")
       ->check(CLI::IsMember({"ecorche", "paper"}))
       ->capture_default_str();
