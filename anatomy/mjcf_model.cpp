@@ -186,6 +186,7 @@ class Reader {
       out.X_WB[pose] = X;
       out.center[pose] = node.child("joint") ? center : X.translation();
     }
+    out.loose = !node.child("joint");
     const int index = static_cast<int>(model_.bodies.size());
     model_.bodies.push_back(std::move(out));
     const PerPose<Transform> X_WB = model_.bodies[index].X_WB;

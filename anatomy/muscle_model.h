@@ -30,6 +30,7 @@ struct ModelBody {
   int parent = -1;                   // parents precede children
   PerPose<Transform> X_WB;
   PerPose<Vec3> center;              // where the joint to the parent is, world
+  bool loose = false;                // that centre is none: the body has no joint (MJCF), or glides on a surface
   std::vector<ModelMesh> meshes;
 };
 

@@ -163,6 +163,7 @@ class Reader {
         const OsimJoint& joint = joints_.at(name);
         ModelBody body;
         body.name = name;
+        body.loose = joint.kind == "ScapulothoracicJoint" || joint.kind == "EllipsoidJoint";
         body.parent = body_index_.count(joint.parent) ? body_index_.at(joint.parent) : -1;
         for (int pose = 0; pose < kModelPoses; ++pose) {
           const Transform X_WP = body.parent < 0 ? ground() : model_.bodies[body.parent].X_WB[pose];

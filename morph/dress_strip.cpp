@@ -16,7 +16,7 @@ constexpr double kOriginShare = 0.2;        // of the free tendon
 constexpr double kLeastBelly = 0.15;        // of the line
 constexpr double kFlat = 1.5;               // width over thickness
 constexpr double kLeastRadius = 0.8e-3;     // m
-constexpr double kMostRadius = 0.16;        // of the line: short, strong muscles stay spindles
+constexpr double kMostRadius = 0.25;        // of the line: short, strong muscles stay spindles
 constexpr int kSlices = 16;
 
 // Outline of a belly over its length, 1 in the middle: a spindle that is a little fuller than a sine.

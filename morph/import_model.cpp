@@ -362,17 +362,17 @@ class Importer {
 
   // The other side of a model of one side. Names get the side that they lack.
   void mirror() {
-    std::set<std::string> names;
-    for (const Muscle& muscle : out_.anatomy.muscles) names.insert(muscle.name);
+    std::set<std::pair<std::string, Side>> there;
+    for (const Muscle& muscle : out_.anatomy.muscles) there.emplace(split_model_side(muscle.name).first, muscle.side);
     const size_t count = out_.anatomy.muscles.size();
     for (size_t m = 0; m < count; ++m) {
       Muscle& muscle = out_.anatomy.muscles[m];
-      if (muscle.side == Side::middle) continue;
+      const Side opposite = muscle.side == Side::left ? Side::right : Side::left;
+      if (muscle.side == Side::middle || there.count({split_model_side(muscle.name).first, opposite})) continue;
       if (mirror_name(muscle.name) == muscle.name) muscle.name += side_suffix(muscle.side);
       Muscle other = muscle;
       other.name = mirror_name(muscle.name);
-      if (names.count(other.name)) continue;
-      other.side = muscle.side == Side::left ? Side::right : Side::left;
+      other.side = opposite;
       other.origin_bone = mirror_name(other.origin_bone);
       other.insertion_bone = mirror_name(other.insertion_bone);
       const CarryMap reflect = [](const Vec3& x, int) { return Vec3(-x.x(), x.y(), x.z()); };

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kAsItStands = 0.15;    // weight of leaving a body as it stands, of one direction between joint centres
 constexpr double kSameSkeleton = 5e-3;  // m, median over joint centres
-constexpr double kSpread = 0.02;        // m: centres closer together say nothing about scale
+constexpr double kSpread = 0.08;        // m: centres closer together say little about direction and nothing about scale
 constexpr double kLeastScale = 0.4, kMostScale = 2.5;
 
 struct Named {  // what a body's name says
@@ -144,7 +144,7 @@ class Matcher {
     // Bodies on one joint (wrist bones) are one body.
     while (up >= 0 && c.joints[up][0] == c.joints[b][0]) up = c.above[up];
     c.above[b] = up;
-    if (up < 0 || is_with(b)) return;
+    if (up < 0 || is_with(b) || (n.rule && n.rule->none) || model_.bodies[b].loose) return;
     if (parent_rides_along(b, c)) return;
     c.anchors.push_back({b, up, center(c, b), rest_[target_joint(b, c)]});
   }
@@ -199,7 +199,7 @@ class Matcher {
         const Vec3 a = anchor->model - a0, b = anchor->target - b0;
         model += a.squaredNorm();
         target += b.squaredNorm();
-        if (a.norm() > kSpread / 4 && b.norm() > kSpread / 4) H += b.normalized() * a.normalized().transpose();
+        if (a.norm() > 1e-3 && b.norm() > 1e-3) H += std::min(1.0, std::min(a.norm(), b.norm()) / kSpread) * b.normalized() * a.normalized().transpose();
       }
       const Eigen::JacobiSVD<Mat3> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
       Mat3 D = Mat3::Identity();
@@ -216,23 +216,17 @@ class Matcher {
     std::vector<const Anchor*> all;
     for (const Anchor& a : c.anchors) all.push_back(&a);
     if (all.size() < 8) return false;
-    Vec3 a0 = Vec3::Zero(), b0 = Vec3::Zero();
-    for (const Anchor* a : all) {
-      a0 += a->model / double(all.size());
-      b0 += a->target / double(all.size());
-    }
-    whole.shift = b0 - a0;  // both stand upright and face the same way
-    std::vector<double> distances;
-    for (const Anchor* a : all) distances.push_back((a->model + whole.shift - a->target).norm());
-    std::nth_element(distances.begin(), distances.begin() + static_cast<long>(distances.size() / 2), distances.end());
-    if (distances[distances.size() / 2] > kSameSkeleton) return false;
-    // The mean is pulled by the few that are defined otherwise; the median is not.
+    // Both stand upright and face the same way. A few centres may be defined otherwise; they do not pull a median.
     for (int i = 0; i < 3; ++i) {
       std::vector<double> d;
       for (const Anchor* a : all) d.push_back(a->target[i] - a->model[i]);
       std::nth_element(d.begin(), d.begin() + static_cast<long>(d.size() / 2), d.end());
       whole.shift[i] = d[d.size() / 2];
     }
+    std::vector<double> distances;
+    for (const Anchor* a : all) distances.push_back((a->model + whole.shift - a->target).norm());
+    std::nth_element(distances.begin(), distances.begin() + static_cast<long>(distances.size() / 2), distances.end());
+    if (distances[distances.size() / 2] > kSameSkeleton) return false;
     return true;
   }
 
@@ -261,7 +255,7 @@ class Matcher {
       int up = parent;
       while (up >= 0 && c.joints[up].empty()) up = model_.bodies[up].parent;
       if (match.same) maps[b] = whole;
-      else if (!out.named || is_with(body) || leader(body, c) != body) maps[b] = parent >= 0 ? maps[parent] : Similarity{Mat3::Identity(), size, Vec3::Zero()};
+      else if (!out.named || is_with(body) || (parent >= 0 && names_[b].rule && names_[b].rule->none) || leader(body, c) != body) maps[b] = parent >= 0 ? maps[parent] : Similarity{Mat3::Identity(), size, Vec3::Zero()};
       else maps[b] = own_map(body, c, up >= 0 ? &maps[up] : nullptr, size);
       out.joints = out.named ? c.joints[b] : up >= 0 ? match.bodies[up].joints : root_joints(c);
       if (is_with(body)) out.with = sided_joint(skeleton_, names_[b].rule->with, Side::middle);
@@ -285,7 +279,7 @@ class Matcher {
     std::vector<const Anchor*> around;
     int below = 0;
     for (const Anchor& a : c.anchors) {
-      const bool child = a.above >= 0 && leader(a.above, c) == body;
+      const bool child = is_below(a, body, c);
       if (a.body == body || child) around.push_back(&a);
       below += child;
     }
@@ -293,6 +287,19 @@ class Matcher {
     const Mat3 stands = below == 0 && parent ? parent->turn : Mat3::Identity();
     const double scale = around.size() < 2 && parent ? parent->scale : size;
     return solve(around, stands, scale, center(c, body), rest_[c.joints[body][0]]);
+  }
+
+  // The joints at a body's far end; where that is near (ulna, talus), those of the next body tell where its bone points.
+  bool is_below(const Anchor& a, int body, const Candidate& c) const {
+    if (a.above < 0) return false;
+    int above = leader(a.above, c);
+    while (names_[above].rule && names_[above].rule->none && c.above[above] >= 0) above = leader(c.above[above], c);  // it goes with its parent
+    if (above == body) return true;
+    const Anchor* link = nullptr;
+    for (const Anchor& other : c.anchors)
+      if (other.body == above) link = &other;
+    if (!link || link->above < 0 || leader(link->above, c) != body) return false;
+    return (link->model - center(c, body)).norm() < kSpread;
   }
 
   std::vector<int> root_joints(const Candidate& c) const {
@@ -349,11 +356,11 @@ std::vector<BodyRule> read_body_rules(const std::filesystem::path& file) {
   const Table table(file);
   std::vector<BodyRule> rules;
   for (int row = 0; row < table.rows(); ++row) {
-    BodyRule rule{table.text(row, "body"), {}, table.text(row, "centre") == "first", table.text(row, "with")};
+    BodyRule rule{table.text(row, "body"), {}, table.text(row, "centre") == "first", table.text(row, "centre") == "none", table.text(row, "with")};
     std::istringstream joints(table.text(row, "joints"));
     for (std::string name; joints >> name;) rule.joints.push_back(name);
     if (rule.body.empty() || rule.joints.empty()) throw InputError(fmt::format("{}: a body and at least one joint expected", table.where(row)));
-    if (!rule.first && table.text(row, "centre") != "last") throw InputError(fmt::format("{}: centre '{}'; first or last expected", table.where(row), table.text(row, "centre")));
+    if (!rule.first && !rule.none && table.text(row, "centre") != "last") throw InputError(fmt::format("{}: centre '{}'; first, last or none expected", table.where(row), table.text(row, "centre")));
     rules.push_back(std::move(rule));
   }
   return rules;

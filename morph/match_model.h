@@ -19,7 +19,8 @@ namespace ecorche {
 struct BodyRule {  // a row of data/model_bodies.csv
   std::string body;
   std::vector<std::string> joints;
-  bool first = false;
+  bool first = false;   // see data/model_bodies.csv
+  bool none = false;
   std::string with;
 };
 std::vector<BodyRule> read_body_rules(const std::filesystem::path& file);
