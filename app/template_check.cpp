@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "anatomy/carry_muscles.h"
+#include "anatomy/mesh_measures.h"
 #include "anatomy/muscle_table.h"
 #include "anatomy/package.h"
 #include "morph/template.h"
@@ -47,7 +48,7 @@ void check_imported_ends(const Anatomy& anatomy, TemplateCheck& check) {
       const int bone = find_bone(anatomy, name);
       if (bone < 0) continue;
       const PathPoint& end = at_origin ? muscle.strips[0].path.front() : muscle.strips[0].path.back();
-      const double distance = (anatomy.bones[bone].mesh.V.rowwise() - end.rest.transpose()).rowwise().norm().minCoeff();
+      const double distance = distance_to_mesh(end.rest, anatomy.bones[bone].mesh);
       distances.push_back(distance);
       if (distance > kEndLimit) check.loose_ends.push_back({muscle.name, name, distance});
     }

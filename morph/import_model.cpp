@@ -12,6 +12,7 @@
 #include "anatomy/carry_muscles.h"
 #include "anatomy/errors.h"
 #include "anatomy/input_file.h"
+#include "anatomy/mesh_measures.h"
 #include "anatomy/muscle_line.h"
 #include "anatomy/pose_anatomy.h"
 #include "anatomy/taut_path.h"
@@ -311,7 +312,7 @@ class Importer {
     NearBone near{"", std::numeric_limits<double>::infinity()};
     for (const Bone& bone : out_.anatomy.bones) {
       if (bone.joint != p.joints[0]) continue;
-      const double d = (bone.mesh.V.rowwise() - p.rest.transpose()).rowwise().norm().minCoeff();
+      const double d = distance_to_mesh(p.rest, bone.mesh);
       if (d < near.distance) near = {bone.name, d};
     }
     return near;
