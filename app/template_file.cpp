@@ -20,6 +20,7 @@ Template open_template(const std::filesystem::path& file) {
       throw UnfitError(fmt::format("{}: joint '{}' lies elsewhere than in the default body; is it a character instead of a template?", file.string(), own[j].name));
   }
   auto tables = std::make_shared<FitTables>(*built_in.tables);
+  tables->muscles = character.anatomy.muscles;  // fitting grows them to the skin
   tables->own = std::make_shared<const Anatomy>(std::move(built_in.anatomy));
   Template out;
   out.anatomy = std::move(character.anatomy);
