@@ -69,6 +69,8 @@ struct Muscle {
   double volume = 0;           // all strips, m^3
   double fibre_length = 0;     // optimal, m
   double pennation = 0;        // rad
+  double max_force = 0;        // isometric, N; 0: not stated, PCSA times a stress
+  double tendon_slack = 0;     // m; 0: not stated
   bool sheet = false;          // strips lie side by side and are drawn as one surface
 };
 

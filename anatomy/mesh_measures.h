@@ -13,6 +13,9 @@ double mesh_area(const TriMesh& mesh);  // m^2
 // Area-weighted unit normals, #V x 3; zero for vertices of no triangle.
 Points vertex_normals(const TriMesh& mesh);
 
+// From a point to the nearest triangle, m; infinite for a mesh without triangles.
+double distance_to_mesh(const Vec3& p, const TriMesh& mesh);
+
 // Whether every edge has exactly two triangles, which run along it in opposite directions.
 bool is_closed(const Triangles& F);
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "anatomy/mesh_measures.h"
 #include "anatomy/muscle_line.h"
 #include "anatomy/muscle_table.h"
 
@@ -19,26 +20,6 @@ std::string sided_bone(const Anatomy& anatomy, const std::string& carrier, Side 
   const std::string sided = carrier + side_suffix(side);
   if (find_bone(anatomy, sided) >= 0) return sided;
   return find_bone(anatomy, carrier) >= 0 ? carrier : "";
-}
-
-// Distance from a point to a triangle: inside the face or on the nearest edge.
-double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 n = (b - a).cross(c - a);
-  const double area = n.norm();
-  const auto to_edge = [&](const Vec3& u, const Vec3& v) {
-    const Vec3 e = v - u;
-    const double t = e.squaredNorm() > 0 ? std::clamp((p - u).dot(e) / e.squaredNorm(), 0.0, 1.0) : 0;
-    return (p - u - t * e).norm();
-  };
-  const bool inside = area > 0 && n.dot((b - a).cross(p - a)) >= 0 && n.dot((c - b).cross(p - b)) >= 0 && n.dot((a - c).cross(p - c)) >= 0;
-  return inside ? std::abs(n.dot(p - a)) / area : std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
-}
-
-double distance_to_mesh(const Vec3& p, const TriMesh& mesh) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f)
-    nearest = std::min(nearest, distance_to_triangle(p, mesh.V.row(mesh.F(f, 0)), mesh.V.row(mesh.F(f, 1)), mesh.V.row(mesh.F(f, 2))));
-  return nearest;
 }
 
 double distance_to_line(const Vec3& p, const std::vector<Vec3>& line) {

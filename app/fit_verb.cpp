@@ -4,13 +4,14 @@
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "app/fitting.h"
+#include "app/template_file.h"
 #include "app/verb.h"
 
 namespace ecorche {
 namespace {
 
 struct FitVerbOptions {
-  std::filesystem::path body, output;
+  std::filesystem::path body, body_template, output;
   std::string method = "ecorche", skin = "base", sex;
   FittingOptions fitting;
 };
@@ -23,7 +24,7 @@ int run(FitVerbOptions options, const Common& common, Report& report) {
   const BodyPackage package = read_body_package(find_packages());
   Body body = open_body(options.body, package, report);
   if (!options.sex.empty()) body.sex = options.sex == "female" ? Sex::female : Sex::male;
-  const Template body_template = read_template();
+  const Template body_template = open_template(options.body_template);
   const FittedCharacter fitted = fit_character(body_template, body, package, options.fitting, report);
   const Actor& actor = fitted.actor;
   write_character(options.output, actor.character, actor.binding);
@@ -43,6 +44,7 @@ void add_fit_verb(VerbRegistry& registry) {
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
   verb->add_option("body", options->body, "Body of `ecorche body new`, or a skin in the base mesh's topology (.obj, .ply, .glb)")->required();
   verb->add_option("-o,--output", options->output, "Character to write (.glb)")->required();
+  verb->add_option("--template", options->body_template, "Template of `ecorche template import`; the built-in one when left out");
   verb->add_option("--skin", options->skin, "The character's skin: base (the body's own mesh), or fine (refined, 120,404 vertices)")
       ->check(CLI::IsMember({"base", "fine"}))
       ->capture_default_str();

@@ -59,6 +59,7 @@ int main(int argc, char** argv) {
   add_fit_verb(registry);
   add_check_verb(registry);
   add_animate_verb(registry);
+  add_export_verb(registry);
   add_render_verb(registry);
 #ifdef ECORCHE_WINDOW
   add_view_verb(registry);

@@ -15,6 +15,7 @@ struct LooseEnd {
 };
 
 struct TemplateCheck {
+  bool imported = false;              // another anatomy than the built-in one: only volumes are promised, the rest is measured
   int bones = 0, muscles = 0;
   int ends = 0;                       // strip ends on bones; those on fascia, tendons and skin are left out
   double end_distance_median = 0;     // m, of the ends from the surface of their bone

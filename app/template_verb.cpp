@@ -5,6 +5,7 @@
 
 #include "anatomy/errors.h"
 #include "app/template_check.h"
+#include "app/template_file.h"
 #include "app/verb.h"
 #include "morph/template.h"
 
@@ -30,10 +31,11 @@ void fill(const Template& tmpl, Report& report) {
 
 struct Flags {
   bool json = false;
+  std::filesystem::path file;  // empty: the built-in template
 };
 
 int run_info(const Flags& flags, const Common&, Report& report) {
-  const Template tmpl = read_template();
+  const Template tmpl = open_template(flags.file);
   fill(tmpl, report);
   if (flags.json) {
     fmt::print("{}", report.to_json());
@@ -53,7 +55,7 @@ int run_info(const Flags& flags, const Common&, Report& report) {
 }
 
 int run_check(const Flags& flags, const Common&, Report& report) {
-  const Template tmpl = read_template();
+  const Template tmpl = open_template(flags.file);
   fill(tmpl, report);
   const TemplateCheck check = check_template(tmpl);
   report_check(check, report);
@@ -75,6 +77,8 @@ void add_template_verb(VerbRegistry& registry) {
                              "ecorche template check --report check.json",
                              [flags](const Common& common, Report& report) { return run_check(*flags, common, report); });
   check->add_flag("--json", flags->json, "Print the report instead of a table");
+  for (CLI::App* one : {info, check}) one->add_option("template", flags->file, "Template of `ecorche template import`; the built-in one when left out");
+  add_template_import(registry, *verb);
   add_template_resample(registry, *verb);
   add_template_sweep(registry, *verb);
 }

@@ -34,6 +34,7 @@ CLI::App* add_verb(VerbRegistry& registry, CLI::App& parent, const std::string& 
                    VerbFunction run);
 
 void add_template_verb(VerbRegistry& registry);
+void add_template_import(VerbRegistry& registry, CLI::App& template_verb);
 void add_template_resample(VerbRegistry& registry, CLI::App& template_verb);
 void add_template_sweep(VerbRegistry& registry, CLI::App& template_verb);
 void add_body_verb(VerbRegistry& registry);
@@ -44,6 +45,7 @@ void add_animate_verb(VerbRegistry& registry);
 void add_render_verb(VerbRegistry& registry);
 void add_view_verb(VerbRegistry& registry);
 void add_bench_verb(VerbRegistry& registry);
+void add_export_verb(VerbRegistry& registry);
 void add_demo_verb(VerbRegistry& registry);
 
 // Notes for people go to stderr; data goes to stdout.

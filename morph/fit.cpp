@@ -154,6 +154,14 @@ void carry_all(const std::vector<Muscle>& muscles, const SkeletonCarrier& carrie
   });
 }
 
+// Bones that are not the built-in ones go with the joint that carries them.
+std::vector<Bone> carry_bones(const std::vector<Bone>& bones, const SkeletonCarrier& carrier) {
+  std::vector<Bone> out = bones;
+  for (Bone& bone : out)
+    for (Eigen::Index i = 0; i < bone.mesh.V.rows(); ++i) bone.mesh.V.row(i) = carrier.by_joint(bone.joint, bone.mesh.V.row(i));
+  return out;
+}
+
 }  // namespace
 
 Fit fit_anatomy(const Template& body_template, const Body& body) {
@@ -173,8 +181,9 @@ Fit fit_anatomy(const Template& body_template, const Body& body) {
   const SkinField field(capped_skin(tables.topology, skin));
   const std::vector<Bracket> brackets = brackets_of(tables, body, fit.report.stature);
   const BothSides sides = place_both(tables, skin, field, fit.report.stature, symmetry, brackets);
-  const SkeletonCarrier carrier(body_template.anatomy, tables.rules, sides.placement);
+  const SkeletonCarrier carrier(tables.own ? *tables.own : body_template.anatomy, tables.rules, sides.placement);
   fit.anatomy = carrier.skeleton();
+  if (tables.own) fit.anatomy.bones = carry_bones(body_template.anatomy.bones, carrier);
   fit.report.bones_ms = since(start);
 
   start = Clock::now();

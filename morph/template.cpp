@@ -86,6 +86,14 @@ double inner_volume(const BodyPackage& topology, const Points& skin) {
   return sum;
 }
 
+SidedPlacement place_source(const Packages& packages, const Anatomy& source, const FitRules& rules) {
+  const BodyPackage package = read_body_package(wheel_reader(packages));
+  const ShapedBody shaped = shape_body(package, BodySpec{});
+  const HalfSkeleton half = left_half(source, rules, kSourceMidPlane, kSourceStature);
+  const Placement placement = place_bones(source_input(package, half, rules, shaped), rules, SkinField(capped_skin(package, shaped.points)));
+  return {placement, placement, kSourceMidPlane, 0};
+}
+
 Template build_template(const Packages& packages) {
   auto tables = std::make_shared<FitTables>();
   tables->rules = read_fit_rules(data_folder());
@@ -98,8 +106,7 @@ Template build_template(const Packages& packages) {
   const HalfSkeleton half = left_half(source, rules, kSourceMidPlane, kSourceStature);
   const PlaceInput input = source_input(package, half, rules, shaped);
   const SkinField skin(capped_skin(package, shaped.points));
-  const Placement placement = place_bones(input, rules, skin);
-  const SkeletonCarrier carrier(source, rules, {placement, placement, kSourceMidPlane, 0});
+  const SkeletonCarrier carrier(source, rules, place_source(packages, source, rules));
 
   Template out;
   out.body = shaped.body;

@@ -7,6 +7,7 @@
 #include "anatomy/anatomy.h"
 #include "anatomy/body_package.h"
 #include "anatomy/package.h"
+#include "morph/fitted_skeleton.h"
 #include "morph/half_skeleton.h"
 #include "morph/joint_centres.h"
 #include "morph/place_bones.h"
@@ -26,6 +27,8 @@ struct FitTables {
   BuildPrior build;
   double stature = 0;                // of the template's body, m
   double volume = 0;                 // inside its skin, m^3
+  // The built-in anatomy that the tables were made for, when the template's is another one (imported); null: the template's own.
+  std::shared_ptr<const Anatomy> own;
 };
 
 // Builds it from the packages and our tables; some seconds to a minute. Throws InputError for missing or altered inputs.
@@ -35,6 +38,9 @@ Template build_template(const Packages& packages);
 // cache. The file's name is the hash of all it was built from, so that it is never stale; a damaged one is built anew.
 Template read_template();
 Template read_template(const Packages& packages);
+
+// How build_template places the bone package's skeleton (read_source_skeleton) in the default body; some seconds.
+SidedPlacement place_source(const Packages& packages, const Anatomy& source, const FitRules& rules);
 
 // Volume inside a skin, cavities closed off, m^3.
 double inner_volume(const BodyPackage& topology, const Points& skin);

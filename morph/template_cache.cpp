@@ -117,7 +117,7 @@ template <class A> void field(A& a, Strip& x) {
 }
 template <class A> void field(A& a, Muscle& x) {
   fields(a, x.name, x.side, x.label, x.group, x.layer, x.origin, x.insertion, x.origin_bone, x.insertion_bone, x.strips, x.volume,
-         x.fibre_length, x.pennation, x.sheet);
+         x.fibre_length, x.pennation, x.max_force, x.tendon_slack, x.sheet);
 }
 template <class A> void field(A& a, Landmark& x) { fields(a, x.name, x.position); }
 template <class A> void field(A& a, Body& x) { fields(a, x.skin, x.landmarks, x.name, x.sex, x.age, x.mass); }

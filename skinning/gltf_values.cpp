@@ -191,6 +191,8 @@ Value muscle_extras(const Muscle& muscle) {
                       {"volume", number(muscle.volume)},
                       {"fibre_length", number(muscle.fibre_length)},
                       {"pennation", number(muscle.pennation)},
+                      {"max_force", number(muscle.max_force)},
+                      {"tendon_slack", number(muscle.tendon_slack)},
                       {"sheet", Value(muscle.sheet)},
                       {"strips", Value(std::move(strips))}});
 }
@@ -234,6 +236,8 @@ void read_muscle_extras(const Value& value, const std::string& where, Muscle& mu
   muscle.volume = in.number("volume");
   muscle.fibre_length = in.number("fibre_length");
   muscle.pennation = in.number("pennation");
+  if (in.has("max_force")) muscle.max_force = in.number("max_force");  // files of earlier versions do not state them
+  if (in.has("tendon_slack")) muscle.tendon_slack = in.number("tendon_slack");
   const Value& sheet = in.get("sheet");
   if (!sheet.IsBool()) in.fail("'sheet' is not true or false");
   muscle.sheet = sheet.Get<bool>();

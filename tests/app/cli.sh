@@ -26,7 +26,7 @@ absent() { if [ ! -e "$1" ]; then ok; else bad "$1 should not exist"; fi; }
 
 # Help and usage.
 expect 0 "help" "$ecorche" --help
-for verb in demo "template info" "template check" "template sweep" "body new" fit animate render view bench; do
+for verb in demo "template info" "template check" "template sweep" "template import" "body new" "body measure" fit animate export render view bench check; do
   # shellcheck disable=SC2086
   expect 0 "help of $verb" "$ecorche" $verb --help
   if grep -q Example out.txt; then ok; else bad "help of $verb has no example"; fi
@@ -129,6 +129,24 @@ there film.mp4
 expect 0 "pictures" "$ecorche" render anna-1.glb "$walk" -o "frames/%04d.png" --size 96x96 --fps 2
 there frames/0001.png
 
+# Models of other programs.
+expect 2 "an unknown kind of model" "$ecorche" export anna-1.glb -o a.fbx
+expect 3 "a body has no anatomy to export" "$ecorche" export anna.glb -o a.osim
+absent a.osim
+expect 0 "an export" "$ecorche" export anna-1.glb -o anna.osim -o anna.xml --report export.json
+there anna.osim; there anna.xml; there anna_meshes/femur_l.obj; there export.json
+expect 0 "an import" "$ecorche" template import anna.osim -o back.glb --report import.json
+there back.glb; there import.json
+expect 0 "what a template holds" "$ecorche" template info back.glb
+expect 0 "the check of a template" "$ecorche" template check back.glb
+expect 0,8 "a fit of an imported template" "$ecorche" fit anna.glb --template back.glb -o anna-back.glb
+there anna-back.glb
+expect 4 "a character that is no template" "$ecorche" fit anna.glb --template anna-1.glb -o c.glb
+says "template"; absent c.glb
+expect 3 "a model that is no model" "$ecorche" template import triangle.obj -o c.glb
+expect 3 "a model that leaves its folder" "$ecorche" template import "$source/tests/corpus/model/mesh_outside.osim" -o c.glb
+says "folder"; absent c.glb
+
 if command -v xvfb-run > /dev/null; then
   expect 0 "the window" xvfb-run -a "$ecorche" view anna-1.glb "$walk" --frames 3 --screenshot window.png
   there window.png
@@ -145,6 +163,14 @@ if [ -d "$build/clients/node_modules/gltf-validator" ]; then
   done
 else
   skip "the glTF validator: run make clients"
+fi
+if [ -e "$build/clients/physics/ready" ]; then
+  for file in anna.xml anna.osim; do
+    expect 0 "$file in its simulator" "$build/clients/physics/bin/python" "$source/tests/clients/simulators.py" "$folder/$file"
+    tail -1 out.txt
+  done
+else
+  skip "MuJoCo and OpenSim: run make clients"
 fi
 if [ -e "$build/clients/python/ready" ]; then
   expect 0 "Blender on walk.glb" "$build/clients/python/bin/python" "$source/tests/clients/blender_loads.py" "$folder/walk.glb"

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Fetches the programs that exported files are tried in: the glTF validator (npm) and Blender as a Python module.
+# Fetches the programs that exported files are tried in: the glTF validator (npm), Blender, MuJoCo and OpenSim as Python modules.
 # Usage: tests/clients/setup.sh FOLDER
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
@@ -18,4 +18,12 @@ if [ ! -e "$folder/python/ready" ]; then
   "$folder/python/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes \
     --only-binary :all: -r "$here/requirements.txt"
   touch "$folder/python/ready"
+fi
+
+if [ ! -e "$folder/physics/ready" ]; then
+  echo "clients: fetching MuJoCo and OpenSim (once)" >&2
+  python3 -m venv --clear "$folder/physics"
+  "$folder/physics/bin/python" -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes \
+    --only-binary :all: -r "$here/physics.txt"
+  touch "$folder/physics/ready"
 fi

@@ -1,0 +1,99 @@
+#include "anatomy/muscle_model.h"
+
+#include <fmt/format.h>
+
+#include "anatomy/errors.h"
+#include "anatomy/input_file.h"
+#include "anatomy/mesh_io.h"
+#include "anatomy/model_xml.h"
+#include "anatomy/stl_io.h"
+
+namespace ecorche {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLargest = std::size_t{256} << 20;
+
+// Where a relative path leads; symbolic links must not lead out of the folder either.
+fs::path resolved(const fs::path& folder, const std::string& path) {
+  std::error_code error;
+  const fs::path root = fs::weakly_canonical(folder, error), file = fs::weakly_canonical(root / path, error);
+  const auto [end, rest] = std::mismatch(root.begin(), root.end(), file.begin(), file.end());
+  if (error || end != root.end()) throw InputError(fmt::format("{}: leads out of the model's folder {}", printable(path), printable(root.string())));
+  return file;
+}
+
+// Polygons of an ASCII VTK poly data file, as OpenSim keeps its bones in.
+TriMesh parse_vtp(const std::string& text, const std::string& name) {
+  pugi::xml_document document;
+  model_xml::load(document, text, name);
+  const pugi::xml_node piece = document.child("VTKFile").child("PolyData").child("Piece");
+  const auto array = [&](const char* part, std::string_view wanted) {
+    for (pugi::xml_node node : piece.child(part).children("DataArray")) {
+      if (!wanted.empty() && wanted != node.attribute("Name").value()) continue;
+      if (std::string_view(node.attribute("format").value()) != "ascii")
+        throw UnfitError(fmt::format("{}: data that are not ASCII; save it as ASCII VTP, OBJ or STL", name));
+      return model_xml::numbers(node.child_value(), fmt::format("{}: {}", name, part), std::size_t{1} << 24);
+    }
+    throw InputError(fmt::format("{}: no {} in its first piece", name, part));
+  };
+  const auto xyz = array("Points", ""), corners = array("Polys", "connectivity"), ends = array("Polys", "offsets");
+  TriMesh mesh;
+  if (xyz.size() % 3 != 0) throw InputError(fmt::format("{}: {} coordinates, no multiple of three", name, xyz.size()));
+  mesh.V = Eigen::Map<const Points>(xyz.data(), static_cast<Eigen::Index>(xyz.size() / 3), 3);
+  std::vector<int> triangles;
+  double begin = 0;
+  for (double end : ends) {
+    if (end < begin || end > static_cast<double>(corners.size())) throw InputError(fmt::format("{}: offset {} of {} corners", name, end, corners.size()));
+    for (size_t k = static_cast<size_t>(begin) + 2; k < static_cast<size_t>(end); ++k)
+      for (size_t i : {static_cast<size_t>(begin), k - 1, k}) {
+        if (corners[i] < 0 || corners[i] >= static_cast<double>(mesh.V.rows())) throw InputError(fmt::format("{}: corner {} of {} points", name, corners[i], mesh.V.rows()));
+        triangles.push_back(static_cast<int>(corners[i]));
+      }
+    begin = end;
+  }
+  mesh.F = Eigen::Map<const Triangles>(triangles.data(), static_cast<Eigen::Index>(triangles.size() / 3), 3);
+  return mesh;
+}
+
+}  // namespace
+
+MuscleModel read_muscle_model(const fs::path& file, const fs::path& folder) {
+  const std::string text = read_input_file(file, kLargest);
+  const fs::path root = folder.empty() ? fs::absolute(file).parent_path() : folder;
+  const std::string head = text.substr(0, 4096);
+  if (head.find("<OpenSimDocument") != std::string::npos) return parse_osim(text, file.filename().string());
+  if (text.find("<mujoco") == std::string::npos)
+    throw InputError(fmt::format("{}: neither an OpenSim model (<OpenSimDocument>) nor a MuJoCo model (<mujoco>)", printable(file.string())));
+  std::error_code error;
+  const std::string path = fs::proximate(fs::weakly_canonical(file), fs::weakly_canonical(root), error).generic_string();
+  if (error || path.starts_with("..")) throw InputError(fmt::format("{}: does not lie in {}", printable(file.string()), printable(root.string())));
+  return parse_mjcf_model({[&](const std::string& inner) { return read_input_file(resolved(root, inner), kLargest); }}, path);
+}
+
+TriMesh read_model_mesh(const fs::path& folder, const ModelMesh& part) {
+  fs::path file = resolved(folder, part.file);
+  std::error_code error;
+  // OpenSim keeps meshes in a folder of this name beside the model.
+  if (!fs::exists(file, error)) file = resolved(folder, "Geometry/" + part.file);
+  if (!fs::exists(file, error)) return {};
+  const std::string bytes = read_input_file(file, kLargest), name = printable(part.file), kind = file.extension().string();
+  TriMesh mesh;
+  if (kind == ".stl" || kind == ".STL") mesh = parse_stl(bytes, name);
+  else if (kind == ".vtp") mesh = parse_vtp(bytes, name);
+  else {
+    for (MeshPart& piece : parse_mesh(bytes, name).parts) {
+      const Eigen::Index first = mesh.V.rows(), faces = mesh.F.rows();
+      mesh.V.conservativeResize(first + piece.mesh.V.rows(), 3);
+      mesh.V.bottomRows(piece.mesh.V.rows()) = piece.mesh.V;
+      mesh.F.conservativeResize(faces + piece.mesh.F.rows(), 3);
+      mesh.F.bottomRows(piece.mesh.F.rows()) = piece.mesh.F.array() + static_cast<int>(first);
+    }
+  }
+  for (Eigen::Index i = 0; i < mesh.V.rows(); ++i) mesh.V.row(i) = part.X_BG * mesh.V.row(i).transpose().cwiseProduct(part.scale);
+  if (part.scale.prod() < 0 && mesh.F.rows() > 0) mesh.F.col(1).swap(mesh.F.col(2));
+  return mesh;
+}
+
+}  // namespace ecorche
