@@ -94,7 +94,8 @@ void add_animate_verb(VerbRegistry& registry) {
   verb->add_option("character", options->character, "Character written by `ecorche fit`")->required();
   verb->add_option("motion", options->motion, "Motion (.bvh)")->required();
   verb->add_option("-o,--output", options->outputs, "File to write; may be given several times: .glb (joints); every vertex, exact: .pc2, .mdd, DIR/%04d.obj")
-      ->required();
+      ->required()
+      ->allow_extra_args(false);
   add_skin_option(*verb, options->skin);
   verb->add_option("--activation", options->activation, kActivationHelp)->capture_default_str();
   add_motion_options(*verb, options->retarget);

@@ -9,7 +9,7 @@
 #include <map>
 #include <numeric>
 
-#include "skinning/joint_limits.h"
+#include "anatomy/joint_angles.h"
 
 namespace ecorche {
 namespace {

@@ -111,7 +111,7 @@ Picture second_body(const Template& body_template, const BodyPackage& package) {
   return picture_of_fit(body_template, body, fitted, package, "The same template in a woman of average build (figure 5)");
 }
 
-void add_pictures(const Template& body_template, const BodyPackage& package, const FittedCharacter& fitted, const Motion& jump, DemoRecord& record) {
+void add_pictures(const Template& body_template, const BodyPackage& package, const FittedCharacter& fitted, const Motion& jump, const Common& common, DemoRecord& record) {
   const Character& character = fitted.actor.character;
   record.fit_pictures.push_back(picture_of_fit(body_template, character.body, fitted, package,
                                                "From the template to the athlete (the paper's figure 4): his skin; the template in it before it is "
@@ -198,7 +198,7 @@ int run(const DemoOptions& options, const Common& common, Report& report) {
 
   record.curves = follow_muscles(actor, motion, record.seconds);
   note(common, "pictures");
-  add_pictures(body_template, package, fitted, motion, record);
+  add_pictures(body_template, package, fitted, motion, common, record);
   record.missed = missed_targets(fitted);
   const auto in_motion = missed_targets(quality);
   record.missed.insert(record.missed.end(), in_motion.begin(), in_motion.end());

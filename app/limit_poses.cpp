@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "anatomy/errors.h"
+#include "anatomy/joint_angles.h"
 #include "anatomy/table.h"
-#include "skinning/joint_limits.h"
 #include "skinning/name_pattern.h"
 
 namespace ecorche {

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "anatomy/errors.h"
+
 namespace ecorche {
 
 struct SkinRays::Impl {
@@ -26,13 +28,13 @@ SkinRays::SkinRays(const TriMesh& mesh, RayBuild build) : impl_(std::make_unique
   }
   impl_->mesh = mesh;
   impl_->device = rtcNewDevice("");
-  if (!impl_->device) throw std::runtime_error("SkinRays: the ray tracer could not start");
+  if (!impl_->device) throw LimitError("the ray tracer could not start: out of memory or threads");
   RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
                                                         static_cast<std::size_t>(vertices)));
   auto* f = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                                            3 * sizeof(unsigned), static_cast<std::size_t>(faces)));
-  if (!v || !f) throw std::runtime_error("SkinRays: no memory for the ray tracer");
+  if (!v || !f) throw LimitError("out of memory for the ray tracer; try a smaller input or fewer threads");
   Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(v, vertices, 3) = mesh.V.cast<float>();
   Eigen::Map<Eigen::Matrix<unsigned, Eigen::Dynamic, 3, Eigen::RowMajor>>(f, faces, 3) = mesh.F.cast<unsigned>();
   const RTCBuildQuality quality = build == RayBuild::quick ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM;
@@ -44,6 +46,8 @@ SkinRays::SkinRays(const TriMesh& mesh, RayBuild build) : impl_(std::make_unique
   rtcAttachGeometry(impl_->scene, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(impl_->scene);
+  if (rtcGetDeviceError(impl_->device) != RTC_ERROR_NONE)
+    throw LimitError("out of memory for the ray tracer; try a smaller input or fewer threads");
 }
 
 SkinRays::~SkinRays() = default;

@@ -6,6 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "anatomy/errors.h"
+
 namespace ecorche {
 
 struct NearestSurface::Scene {
@@ -89,7 +91,7 @@ NearestSurface::NearestSurface(const TriMesh& mesh) : scene_(std::make_unique<Sc
   if (!mesh.V.allFinite()) throw std::invalid_argument("NearestSurface: a coordinate is not finite");
   scene_->mesh = mesh;
   scene_->device = rtcNewDevice("threads=1");
-  if (!scene_->device) throw std::runtime_error("NearestSurface: the ray library could not be started");
+  if (!scene_->device) throw LimitError("the ray tracer could not start: out of memory or threads");
   scene_->scene = rtcNewScene(scene_->device);
   rtcSetSceneFlags(scene_->scene, RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneBuildQuality(scene_->scene, RTC_BUILD_QUALITY_MEDIUM);
@@ -98,12 +100,15 @@ NearestSurface::NearestSurface(const TriMesh& mesh) : scene_(std::make_unique<Sc
                                                         static_cast<std::size_t>(mesh.V.rows())));
   auto* t = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned),
                                                            static_cast<std::size_t>(mesh.F.rows())));
+  if (!v || !t) throw LimitError("out of memory for the ray tracer; try a smaller input or fewer threads");
   for (Eigen::Index i = 0; i < mesh.V.size(); ++i) v[i] = static_cast<float>(mesh.V.data()[i]);
   for (Eigen::Index i = 0; i < mesh.F.size(); ++i) t[i] = static_cast<unsigned>(mesh.F.data()[i]);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene_->scene, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(scene_->scene);
+  if (rtcGetDeviceError(scene_->device) != RTC_ERROR_NONE)
+    throw LimitError("out of memory for the ray tracer; try a smaller input or fewer threads");
 }
 
 NearestSurface::~NearestSurface() = default;

@@ -1,10 +1,12 @@
 #include "skinning/pose_transfer.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
+#include "anatomy/joint_angles.h"
 #include "skinning/shoulder_rhythm.h"
 
 namespace ecorche {
@@ -42,6 +44,14 @@ double relaxed_flexion(const std::string& stem) {
   if (stem.starts_with("dip")) return 15 * kDegree;
   if (stem == "mcp1" || stem == "ip1") return 12 * kDegree;
   return 0;
+}
+
+// The turn without what the joint cannot do at all: a hinge only bends, a knuckle does not roll.
+Quat possible_turn(const Joint& joint, const Quat& turn) {
+  Vec3 angles = joint_angles(joint, turn);
+  for (int a : {1, 2})
+    if (joint.max[a] - joint.min[a] < 5 * kDegree) angles[a] = std::clamp(angles[a], joint.min[a], joint.max[a]);
+  return joint_rotation(joint, angles);
 }
 
 }  // namespace
@@ -176,7 +186,7 @@ void PoseTransfer::limb_rotations(const std::vector<Transform>& X) {
       if (!alignment_.same_rest && h.norm() > 0.5) {
         const double angle = std::atan2(a.dot(h.cross(wanted)), h.dot(wanted));
         // A turn of more than 60 deg means a limb bent the wrong way: left to the report.
-        const double share = smooth_step(std::sin(10 * kDegree), std::sin(40 * kDegree), wanted.norm()) *
+        const double share = smooth_step(std::sin(4 * kDegree), std::sin(20 * kDegree), wanted.norm()) *
                              (1 - smooth_step(50 * kDegree, 70 * kDegree, std::abs(angle)));
         R = Eigen::AngleAxisd(share * angle, a).toRotationMatrix() * R;
       }
@@ -250,6 +260,9 @@ void PoseTransfer::transfer(const std::vector<Transform>& X, Pose& pose) {
   for (size_t j = 0; j < skeleton_.joints.size(); ++j) {
     R_[j] = turn_joint(X, static_cast<int>(j));
     const int parent = skeleton_.joints[j].parent;
+    // The foot stays as the file has it: soles are seen to stand.
+    if (parent >= 0 && !alignment_.same_rest && plans_[j].rule != Rule::subtalar && plans_[j].rule != Rule::ankle)
+      R_[j] = R_[parent] * possible_turn(skeleton_.joints[j], Quat(Mat3(R_[parent].transpose() * R_[j]))).toRotationMatrix();
     pose.rotations[j] = Quat(parent < 0 ? R_[j] : Mat3(R_[parent].transpose() * R_[j])).normalized();
   }
   const Vec3 hips = 0.5 * (X[rig_.pivot.at("hip_l")].translation() + X[rig_.pivot.at("hip_r")].translation());

@@ -4,19 +4,24 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "anatomy/errors.h"
 
 namespace ecorche {
 namespace {
 
+constexpr double kPi = std::numbers::pi, kDegree = kPi / 180;
 constexpr double kAdultLeg = 0.85;  // hip to ankle, m
 constexpr int kSampledFrames = 400;
 constexpr std::array<const char*, 2> kSides = {"_l", "_r"};
 
 using Frames = std::vector<Transform>;  // #file joints
 
-double degrees(double d) { return d * 3.14159265358979323846 / 180; }
+double degrees(double d) { return d * kDegree; }
+
+// Of a direction over the ground: 0 forwards (+Z), positive to the left.
+double heading(const Vec3& v) { return std::atan2(v.x(), v.z()); }
 
 double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
@@ -338,12 +343,18 @@ class Aligner {
     Mat3 C = turn_onto(C_["pelvis"] * our_upper, upper) * C_["pelvis"];
     C = twist_onto(C, upper, ours_.hinge("knee" + s, our_upper, our_lower), measured_hinge("hip" + s, "knee" + s, s));
     C_["hip" + s] = C;
-    C_["knee" + s] = turn_onto(C * our_lower, lower) * C;
-    // Soles are level in both rest poses; only the toes' heading may differ.
-    const Vec3 foot = W_ref_ * f.foot(s), our_foot = C_["pelvis"] * ours_.foot(s);
+    C = turn_onto(C * our_lower, lower) * C;
+    // Soles are level in both rest poses; only the toes' heading may differ. How far toes point away from the knee's plane is a
+    // body's own (the shin's torsion): the shin turns a little towards the file's heading, the ankle hardly at all.
+    const Vec3 foot = W_ref_ * f.foot(s), our_foot = C_["pelvis"] * ours_.foot(s), natural = C * ours_.foot(s);
     Mat3 yaw = Mat3::Identity();
-    if (std::hypot(foot.x(), foot.z()) > 0.05 * f.leg())
-      yaw = Eigen::AngleAxisd(std::atan2(foot.x(), foot.z()) - std::atan2(our_foot.x(), our_foot.z()), Vec3::UnitY());
+    if (std::hypot(foot.x(), foot.z()) > 0.05 * f.leg()) {
+      constexpr double kShin = 8 * kDegree, kAnkle = 3 * kDegree;
+      const double gap = std::remainder(heading(foot) - heading(natural), 2 * kPi), shin = std::clamp(gap, -kShin, kShin);
+      C = Eigen::AngleAxisd(shin, -lower.normalized()).toRotationMatrix() * C;
+      yaw = Eigen::AngleAxisd(heading(natural) + shin + std::clamp(gap - shin, -kAnkle, kAnkle) - heading(our_foot), Vec3::UnitY());
+    }
+    C_["knee" + s] = C;
     const Mat3 level = yaw * C_["pelvis"];
     for (const char* part : {"ankle", "subtalar", "toes"}) C_[part + s] = level;
     for (const auto& [name, joint] : rig_.turner)

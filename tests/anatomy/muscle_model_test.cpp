@@ -213,8 +213,10 @@ TEST(RealModels, StandWhereOpenSimPutsThem) {
       {"biobuddy/Wu_Shoulder_Model_via_points.osim", "hand_r", Vec3(-0.201469700, -0.539007712, 0.005953499)},
        }) {
     const MuscleModel model = read_muscle_model(kShared / place.file);
-    for (const ModelBody& body : model.bodies)
-      if (body.name == place.body) EXPECT_LT((body.X_WB[kDefaultPose].translation() - place.position).norm(), 1e-6) << place.file << " " << place.body;
+    for (const ModelBody& body : model.bodies) {
+      if (body.name != place.body) continue;
+      EXPECT_LT((body.X_WB[kDefaultPose].translation() - place.position).norm(), 1e-6) << place.file << " " << place.body;
+    }
   }
 }
 

@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "anatomy/errors.h"
+#include "anatomy/joint_angles.h"
 #include "app/anatomy_check.h"
 #include "app/bulges.h"
-#include "skinning/joint_limits.h"
 
 using namespace ecorche;
 

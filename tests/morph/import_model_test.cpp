@@ -2,6 +2,8 @@
 #include "morph/import_model.h"
 
 #include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
 #include <unistd.h>
 
 #include <cmath>
@@ -101,7 +103,7 @@ TEST_P(RoundTrip, ComesBackAsTheSameTemplate) {
   EXPECT_LT(worst, 1e-6);
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, RoundTrip, ::testing::Values(".osim", ".xml"), [](const auto& info) { return info.param[1] == 'o' ? "OpenSim" : "Mujoco"; });
+INSTANTIATE_TEST_SUITE_P(Formats, RoundTrip, ::testing::Values(".osim", ".xml"), [](const auto& format) { return format.param[1] == 'o' ? "OpenSim" : "Mujoco"; });
 
 TEST(Export, MassesAddUpAndInertiasArePossible) {
   NEED_TEMPLATE();

@@ -105,7 +105,7 @@ inline Skeleton plain_skeleton(double scale = 1) {
     if (hinge == "x" && trunk) joint.axes << 1, 0, 0, 0, 0, 1, 0, -1, 0;
     if (hinge == "x" && !trunk) joint.axes << 1, 0, 0, 0, 0, -mirror, 0, mirror, 0;
     if (hinge == "-x") joint.axes << -1, 0, 0, 0, 0, mirror, 0, mirror, 0;
-    if (hinge == "y") joint.axes << 0, 0, 1, -mirror, 0, 0, 0, mirror, 0;
+    if (hinge == "y") joint.axes << 0, 0, -1, -mirror, 0, 0, 0, mirror, 0;
     skeleton.joints.push_back(joint);
     at.push_back(position);
   };
