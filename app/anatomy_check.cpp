@@ -319,7 +319,8 @@ AnatomyCheck check_anatomy(const Actor& actor, const BodyPackage& package, const
   check_voids(subject, rest, check);
   check_ends(subject, check);
   check_poses(subject, poses, options, common, check);
-  if (options.sweep_step > 0) check_sweeps(subject, options.sweep_step, check);
+  check.swept = options.sweep_step > 0;
+  if (check.swept) check_sweeps(subject, options.sweep_step, check);
   for (const MuscleCheck& muscle : check.muscles) {
     check.drift_max = std::max(check.drift_max, muscle.drift);
     check.jump_max = std::max(check.jump_max, muscle.jump);

@@ -51,6 +51,7 @@ struct AnatomyCheck {
   double posed_outside_share = 0;    // of muscle points, mean over the poses
   double posed_outside_worst = 0;
   double posed_overlap_mean = 0, posed_overlap_worst = 0;
+  bool swept = false;                // joints were swept; otherwise nothing is known of jumps
   double drift_max = 0, jump_max = 0;
   int paths_that_jump = 0;           // muscles by more than 1 mm
   double end_distance_median = 0, end_distance_max = 0;

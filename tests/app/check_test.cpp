@@ -109,7 +109,12 @@ TEST(CheckTargets, AreMetOrNot) {
   check.bone_points = check.muscle_points = 10000;
   check.filled_share = 0.97;
   for (const Target& target : check_targets(check)) EXPECT_TRUE(target.met) << target.what;
+  const std::size_t at_rest = check_targets(check).size();  // what was not measured is not listed
   check.poses.resize(1);
+  const std::size_t posed = check_targets(check).size();
+  check.swept = true;
+  EXPECT_EQ(posed, at_rest + 3);
+  EXPECT_EQ(check_targets(check).size(), posed + 1);
   check.muscle_points_outside = 6;
   check.overlap_share = check.bone_share = 0.03;
   check.filled_share = std::nan("");
