@@ -6,6 +6,9 @@
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <span>
+#include <string_view>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -17,13 +20,16 @@ namespace {
 
 using Edge = std::pair<int, int>;
 
-// Share of the base mesh's quad edges that a mesh has among its first vertices.
-double shared_edges(const TriMesh& mesh, const BodyPackage& package) {
+constexpr double kSameEdges = 0.99;
+constexpr double kShortest = 0.45, kTallest = 2.8;  // m: from a newborn to the tallest person
+
+// Share of the base mesh's quad edges that a mesh has among its vertices from `first` on.
+double shared_edges(const TriMesh& mesh, const BodyPackage& package, int first = 0) {
   std::set<Edge> edges;
   for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
     for (int k = 0; k < 3; ++k) {
-      const int a = mesh.F(f, k), b = mesh.F(f, (k + 1) % 3);
-      if (a < package.skin_size && b < package.skin_size) edges.insert(std::minmax(a, b));
+      const int a = mesh.F(f, k) - first, b = mesh.F(f, (k + 1) % 3) - first;
+      if (a >= 0 && b >= 0 && a < package.skin_size && b < package.skin_size) edges.insert(std::minmax(a, b));
     }
   }
   long long found = 0;
@@ -40,7 +46,12 @@ const TriMesh& find_skin(const MeshFile& file, const std::string& name, const Bo
   for (const auto& part : file.parts) {
     if (part.mesh.V.rows() >= package.skin_size) {
       const double share = shared_edges(part.mesh, package);
-      if (share > 0.99) return part.mesh;
+      if (share > kSameEdges) {
+        if (part.mesh.V.rows() >= 2 * package.skin_size && shared_edges(part.mesh, package, package.skin_size) > kSameEdges) {
+          throw UnfitError(fmt::format("{}: holds two skins or more ({} vertices); save one person a file", name, part.mesh.V.rows()));
+        }
+        return part.mesh;
+      }
       best = std::max(best, share);
     }
     counts += fmt::format("{}{}", counts.empty() ? "" : ", ", part.mesh.V.rows());
@@ -92,19 +103,63 @@ Mat3 file_to_world(const Points& skin, const BodyPackage& package, BareSkin& out
 }
 
 struct Unit {
-  const char* name;
+  const char *name, *plural;
   double metres;
 };
+// The first four lie so far apart that at most one of them gives a human height.
+constexpr Unit kUnits[] = {{"m", "metres", 1}, {"dm", "decimetres", 0.1}, {"cm", "centimetres", 0.01}, {"mm", "millimetres", 0.001}, {"in", "inches", 0.0254}, {"ft", "feet", 0.3048}};
+constexpr std::size_t kGuessed = 4;
 
-// Heights from a newborn to the tallest person; the units lie so far apart that at most one fits.
+bool human(double height) { return height >= kShortest && height <= kTallest; }
+
 double find_unit(double height, const std::string& name, std::vector<std::string>& notes) {
-  constexpr Unit kUnits[] = {{"metres", 1}, {"decimetres", 0.1}, {"centimetres", 0.01}, {"millimetres", 0.001}};
-  for (const auto& unit : kUnits) {
-    if (height * unit.metres < 0.45 || height * unit.metres > 2.8) continue;
-    notes.push_back(fmt::format("{}: read as {} ({:.3f} m tall)", name, unit.name, height * unit.metres));
+  // What is a toddler in centimetres and a grown person in inches is asked for.
+  constexpr double kToddler = 0.87, kShortAdult = 1.2;
+  for (const Unit& unit : std::span(kUnits).first(kGuessed)) {
+    const double tall = height * unit.metres;
+    if (!human(tall)) continue;
+    if (unit.metres == 0.01 && tall < kToddler && height * 0.0254 > kShortAdult) {
+      throw UnfitError(fmt::format("{}: {:.1f} units tall, a child of {:.2f} m in centimetres or an adult of {:.2f} m in inches; say --unit cm or --unit in",
+                                   name, height, tall, height * 0.0254));
+    }
+    notes.push_back(fmt::format("{}: read as {} ({:.3f} m tall)", name, unit.plural, tall));
     return unit.metres;
   }
-  throw UnfitError(fmt::format("{}: {:g} units tall, which is no human height in m, dm, cm or mm; scale it to metres", name, height));
+  throw UnfitError(fmt::format("{}: {:g} units tall, which is no human height in m, dm, cm or mm; scale it to metres, or say --unit", name, height));
+}
+
+// Mean angle between triangles that share an edge, rad. Skin is smooth; what is not has been read in the wrong order or spoilt.
+double roughness(const TriMesh& mesh) {
+  struct Flank {
+    Edge edge;
+    Eigen::Index face;
+  };
+  std::vector<Flank> flanks;
+  std::vector<Vec3> normals;
+  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
+    const Vec3 a = mesh.V.row(mesh.F(f, 0)), b = mesh.V.row(mesh.F(f, 1)), c = mesh.V.row(mesh.F(f, 2));
+    normals.push_back((b - a).cross(c - a).stableNormalized());
+    for (int k = 0; k < 3; ++k) flanks.push_back({std::minmax(mesh.F(f, k), mesh.F(f, (k + 1) % 3)), f});
+  }
+  std::ranges::sort(flanks, {}, [](const Flank& x) { return std::tuple(x.edge, x.face); });
+  double sum = 0;
+  int count = 0;
+  for (std::size_t i = 0; i + 1 < flanks.size(); ++i) {
+    if (flanks[i].edge != flanks[i + 1].edge) continue;
+    const Vec3 &n = normals[static_cast<std::size_t>(flanks[i].face)], &m = normals[static_cast<std::size_t>(flanks[i + 1].face)];
+    sum += std::acos(std::clamp(n.dot(m), -1.0, 1.0));
+    ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+void check_smooth(const TriMesh& skin, const std::string& name) {
+  constexpr double kMost = 40, kDegrees = 180 / std::numbers::pi;  // smooth bodies have 9 to 11 degrees
+  const double angle = roughness(skin) * kDegrees;
+  if (angle > kMost) {
+    throw UnfitError(fmt::format("{}: a crumpled surface: its triangles meet at {:.0f} degrees on average (a skin at about 10, at most {:.0f}); smooth it, "
+                                 "or look whether its vertices were moved out of their order", name, angle, kMost));
+  }
 }
 
 // Direction from the middle of one part to the middle of another.
@@ -146,7 +201,12 @@ void check_pose(const Points& skin, const std::string& name, const BodyPackage& 
 
 }  // namespace
 
-BareSkin bare_skin(const MeshFile& file, const std::string& name, const BodyPackage& package) {
+std::optional<double> metres_in(const std::string& unit) {
+  const auto* found = std::ranges::find(kUnits, unit, &Unit::name);
+  return found == std::end(kUnits) ? std::nullopt : std::optional(found->metres);
+}
+
+BareSkin bare_skin(const MeshFile& file, const std::string& name, const BodyPackage& package, std::optional<double> unit) {
   BareSkin out;
   out.notes = file.notes;
   const TriMesh& mesh = find_skin(file, name, package);
@@ -162,7 +222,11 @@ BareSkin bare_skin(const MeshFile& file, const std::string& name, const BodyPack
   const Vec3 middle = skin.colwise().mean();
   out.points = ((helpers ? mesh.V : skin).rowwise() - middle.transpose()) * turn.transpose();
   const auto body = [&] { return out.points.topRows(package.skin_size); };
-  out.unit = find_unit(body().col(1).maxCoeff() - body().col(1).minCoeff(), name, out.notes);
+  const double height = body().col(1).maxCoeff() - body().col(1).minCoeff();
+  if (unit && !human(height * *unit)) {
+    throw UnfitError(fmt::format("{}: {:g} units tall, {:.3g} m in the given unit, which is no human height ({:g} to {:g} m)", name, height, height * *unit, kShortest, kTallest));
+  }
+  out.unit = unit ? *unit : find_unit(height, name, out.notes);
   out.points *= out.unit;
   double midplane = 0;
   for (int i = 0; i < package.skin_size; ++i) midplane += out.points(i, 0) + out.points(package.mirror[static_cast<std::size_t>(i)], 0);
@@ -172,13 +236,14 @@ BareSkin bare_skin(const MeshFile& file, const std::string& name, const BodyPack
   if (out.up != "+Y" || out.front != "+Z") out.notes.push_back(fmt::format("{}: turned from up {} and front {} to up +Y and front +Z", name, out.up, out.front));
   if (out.mirrored) out.notes.push_back(fmt::format("{}: mirrored, because its axes are left-handed", name));
   out.body.skin = skin_mesh(package, out.points);
+  check_smooth(out.body.skin, name);
   out.body.name = std::filesystem::path(name).stem().string();
   out.body.age = 0;
   return out;
 }
 
-BareSkin read_bare_skin(const std::filesystem::path& file, const BodyPackage& package) {
-  return bare_skin(read_mesh_file(file), printable(file.string()), package);
+BareSkin read_bare_skin(const std::filesystem::path& file, const BodyPackage& package, std::optional<double> unit) {
+  return bare_skin(read_mesh_file(file), printable(file.string()), package, unit);
 }
 
 }  // namespace ecorche

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,10 +22,15 @@ struct BareSkin {
   std::vector<std::string> notes;  // everything that was found out or changed, for people
 };
 
-// The file may hold other meshes beside the skin, and more vertices after it (eyes, clothes, helper geometry).
+// Metres in a unit by its short name (m, dm, cm, mm, in, ft); nothing for another name.
+std::optional<double> metres_in(const std::string& unit);
+
+// The file may hold other meshes beside the skin, and more vertices after it (eyes, clothes, helper geometry). `unit`: metres in one
+// unit of the file; found out when left out.
 // Throws as read_mesh_file does, and UnfitError that names the counts: another number of vertices, another order (fewer than 99 % of
-// the base mesh's edges), no unit of m, dm, cm or mm that gives a human height, limbs away from the base pose.
-BareSkin read_bare_skin(const std::filesystem::path& file, const BodyPackage& package);
-BareSkin bare_skin(const MeshFile& file, const std::string& name, const BodyPackage& package);
+// the base mesh's edges), a second skin after the first, a height that is not human in the given unit or in m, dm, cm and mm, or one that
+// is a child's in centimetres and an adult's in inches; limbs away from the base pose; a crumpled surface.
+BareSkin read_bare_skin(const std::filesystem::path& file, const BodyPackage& package, std::optional<double> unit = {});
+BareSkin bare_skin(const MeshFile& file, const std::string& name, const BodyPackage& package, std::optional<double> unit = {});
 
 }  // namespace ecorche

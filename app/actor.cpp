@@ -73,10 +73,13 @@ void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<con
   else deform_by(*actor.rivals, actor.method, skeleton, frame.posed, frame.scratch, frame.skin);
 }
 
-Body open_body(const std::filesystem::path& file, const BodyPackage& package, Report& report) {
+Body open_body(const std::filesystem::path& file, const BodyPackage& package, const Common& common, Report& report, std::optional<double> unit) {
   if (has_body_notes(file)) return read_body(file);
-  BareSkin bare = read_bare_skin(file, package);
-  for (const std::string& text : bare.notes) report.append_text("body.notes", text);
+  BareSkin bare = read_bare_skin(file, package, unit);
+  for (const std::string& text : bare.notes) {
+    note(common, text);
+    report.append_text("body.notes", text);
+  }
   report.set("body.unit", bare.unit);
   report.set("body.up", bare.up);
   report.set("body.front", bare.front);

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "anatomy/atomic_file.h"
+#include "anatomy/bare_skin.h"
 #include "anatomy/errors.h"
 #include "app/fitting.h"
 #include "app/template_file.h"
@@ -12,7 +13,7 @@ namespace {
 
 struct FitVerbOptions {
   std::filesystem::path body, body_template, output;
-  std::string method = "ecorche", skin = "base", sex;
+  std::string method = "ecorche", skin = "base", sex, unit;
   FittingOptions fitting;
 };
 
@@ -22,7 +23,7 @@ int run(FitVerbOptions options, const Common& common, Report& report) {
   if (options.output.extension() != ".glb") throw UsageError(options.output.string() + ": a character is written as .glb");
   check_output(options.output, {options.body});
   const BodyPackage package = read_body_package(find_packages());
-  Body body = open_body(options.body, package, report);
+  Body body = open_body(options.body, package, common, report, options.unit.empty() ? std::nullopt : metres_in(options.unit));
   if (!options.sex.empty()) body.sex = options.sex == "female" ? Sex::female : Sex::male;
   const Template body_template = open_template(options.body_template);
   const FittedCharacter fitted = fit_character(body_template, body, package, options.fitting, report);
@@ -56,6 +57,8 @@ void add_fit_verb(VerbRegistry& registry) {
       ->capture_default_str();
   verb->add_option("--sex", options->sex, "Of a skin that does not say it; decides the layer of fat (a bare skin counts as male)")
       ->check(CLI::IsMember({"male", "female"}));
+  verb->add_option("--unit", options->unit, "Of a bare skin's coordinates: m, dm, cm, mm, in or ft; found out from its height when left out")
+      ->check(CLI::IsMember({"m", "dm", "cm", "mm", "in", "ft"}));
 }
 
 }  // namespace ecorche

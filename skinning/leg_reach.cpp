@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include "anatomy/joint_angles.h"
 
 namespace ecorche {
 namespace {
@@ -51,6 +54,21 @@ double reach_with_leg(const Skeleton& skeleton, const FootShape& foot, const Vec
     X[mtp].linear() = foot_rotation * pose.rotations[mtp].toRotationMatrix();
   }
   return std::max(0.0, wanted.norm() - reached.norm());
+}
+
+void turn_shin_with_foot(const Skeleton& skeleton, const FootShape& foot, Pose& pose) {
+  const Joint& knee = skeleton.joints[foot.knee];
+  const Vec3 shin = skeleton.joints[foot.ankle].X_PJ.translation().normalized(), hinge = skeleton.joints[foot.ankle].axes.col(0);
+  Quat whole = pose.rotations[foot.ankle] * pose.rotations[foot.subtalar];
+  const Quat twist = twist_about(twist_about(whole, hinge).conjugate() * whole, shin);
+  const double wanted = std::remainder(2 * std::atan2(twist.vec().dot(shin), twist.w()), 2 * std::numbers::pi);
+  const double sense = knee.axes.col(2).dot(shin) < 0 ? -1 : 1, has = joint_angles(knee, pose.rotations[foot.knee])[2];
+  const double room = std::clamp(has + sense * wanted, std::min(has, knee.min[2]), std::max(has, knee.max[2])) - has;
+  const Quat turn(Eigen::AngleAxisd(sense * room, shin));
+  pose.rotations[foot.knee] = (pose.rotations[foot.knee] * turn).normalized();
+  whole = turn.conjugate() * whole;
+  pose.rotations[foot.ankle] = twist_about(whole, hinge);
+  pose.rotations[foot.subtalar] = (pose.rotations[foot.ankle].conjugate() * whole).normalized();
 }
 
 }  // namespace ecorche

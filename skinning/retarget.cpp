@@ -8,6 +8,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/joint_angles.h"
 #include "skinning/keep_flights.h"
+#include "skinning/leg_reach.h"
 #include "skinning/plant_feet.h"
 #include "skinning/pose_transfer.h"
 #include "skinning/rest_alignment.h"
@@ -117,6 +118,11 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
         fmt::format("{}: a marker pose at the start is left out ({} frames)", source.name, report.dropped_frames));
   }
   if (options.clamp_limits) clamp_all(ours, motion);
+  if (!alignment.same_rest)
+    for (const Side side : {Side::left, Side::right}) {
+      const FootShape foot = foot_shape(ours, side, sole);
+      for (Pose& pose : motion.frames) turn_shin_with_foot(ours, foot, pose);
+    }
   if (options.plant_feet) plant_feet(ours, sole, feet, motion, report);
   if (options.keep_flights) keep_flights(ours, sole, motion, report);
   if (options.clamp_limits) clamp_all(ours, motion);

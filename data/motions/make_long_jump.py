@@ -87,7 +87,7 @@ class Jump:
         t0, z0 = self.touchdowns[0], self.places[0]
         self.rear = (z0 - 0.80, z0 - 0.54)  # where the feet stand at the start: left behind, right before
         out.append(Support("Left", self.start - 1, t0 - 0.46, (0.085, self.rear[0])))
-        out.append(Support("Right", self.start - 1, t0 - 0.01, (-0.085, self.rear[1])))
+        out.append(Support("Right", self.start - 1, t0 - 0.05, (-0.085, self.rear[1])))
         for k, step in enumerate(RUN_UP):
             half = 0.06 + 0.015 * k / len(RUN_UP)
             out.append(Support("Left" if step[0] == "L" else "Right", self.touchdowns[k], self.touchdowns[k] + step[3],

@@ -9,6 +9,7 @@ import figure
 from figure import add, smooth, sub
 
 SUFFIX = {"Left": "_l", "Right": "_r"}
+MAX_DORSIFLEXION = 30.0  # deg, under the body's weight
 LEG = ("hip_flex", "hip_abd", "knee_flex", "ankle_dorsi", "ankle_inv", "foot_rot", "toe_ext")
 CLEARANCE, CLEARANCE_RATE = 0.015, 0.25  # m a swinging foot keeps from the ground, reached at m/s from its supports
 
@@ -63,13 +64,15 @@ class Solver:
         R[side + "UpLeg"], R[side + "Leg"], R[side + "Foot"] = hip, knee, local
 
     def plant(self, a, R, root, side, place, pitch):
-        """Leg rotations that keep the foot where it stands; its heel rises as far as a leg that is too short needs."""
+        """Leg rotations that keep the foot where it stands; its heel rises as far as a leg that is too short
+        or an ankle that bends no further needs."""
         for _ in range(30):
             foot, ankle, extension = figure.planted_foot(place, pitch)
             hip, knee, local, angles, short = figure.reach_leg((R["Hips"], root), side, ankle, foot, a["hip_rot" + SUFFIX[side]])
-            if short < 1e-4 or pitch > 0:
+            stiff = angles["ankle_dorsi"] - MAX_DORSIFLEXION
+            if max(short, 1e-3 * stiff) < 1e-4 or (pitch > 0 and stiff <= 0):
                 break
-            pitch -= max(0.1, 300 * short)
+            pitch -= max(0.1, 300 * short, 0.7 * stiff)
         R[side + "UpLeg"], R[side + "Leg"], R[side + "Foot"] = hip, knee, local
         R[side + "ToeBase"] = figure.turn("X", -extension)
         angles["toe_ext"] = extension

@@ -89,6 +89,34 @@ TEST_F(BareSkinTest, OtherMeshesAreRefusedWithTheirCounts) {
   EXPECT_NE(message_of(file_of(0 * base(), package().triangles), package()).find("one point"), std::string::npos);
 }
 
+TEST_F(BareSkinTest, InchesAreAskedForAndTaken) {
+  const double stature = base().col(1).maxCoeff() - base().col(1).minCoeff();
+  const MeshFile inches = file_of(base() * (1.75 / stature / 0.0254), package().triangles);
+  EXPECT_NE(message_of(inches, package()).find("say --unit cm or --unit in"), std::string::npos);
+  const BareSkin read = bare_skin(inches, "inches.obj", package(), metres_in("in"));
+  EXPECT_NEAR(read.body.skin.V.col(1).maxCoeff(), 1.75, 1e-6);
+  EXPECT_THROW(bare_skin(inches, "inches.obj", package(), metres_in("mm")), UnfitError);
+  EXPECT_FALSE(metres_in("furlong").has_value());
+}
+
+TEST_F(BareSkinTest, TwoPeopleInOneFileAreRefused) {
+  const Points one = base();
+  Points V(2 * one.rows(), 3);
+  V << one, one.rowwise() + Eigen::RowVector3d(1.5, 0, 0);
+  const Triangles& first = package().triangles;
+  Triangles F(2 * first.rows(), 3);
+  F << first, (first.array() + static_cast<int>(one.rows())).matrix();
+  EXPECT_NE(message_of(file_of(V, F), package()).find("two skins"), std::string::npos);
+}
+
+TEST_F(BareSkinTest, ACrumpledSurfaceIsRefused) {
+  Points V = base();
+  std::srand(5);
+  const double stature = V.col(1).maxCoeff() - V.col(1).minCoeff();
+  V += 0.012 * stature * Points::Random(V.rows(), 3);
+  EXPECT_NE(message_of(file_of(V, package().triangles), package()).find("crumpled"), std::string::npos);
+}
+
 TEST_F(BareSkinTest, RaisedArmsAreRefused) {
   const auto parts = vertex_parts(package());
   Points V = base();

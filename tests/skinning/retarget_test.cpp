@@ -9,6 +9,8 @@
 #include <random>
 
 #include "anatomy/errors.h"
+#include "anatomy/joint_angles.h"
+#include "skinning/leg_reach.h"
 #include "tests/skinning/plain_skeleton.h"
 
 using namespace ecorche;
@@ -162,6 +164,33 @@ TEST(Retarget, EveryCaptureKeepsKneesAndElbowsBendingTheRightWay) {
         EXPECT_LT(broken.worst, 15 * kDegree) << broken.joint << " in frame " << broken.worst_frame;
       }
   }
+}
+
+TEST(Retarget, ToesTurnedOutTurnTheShinAndKeepTheFootsDirection) {
+  const Skeleton skeleton = plain_skeleton();
+  const FootShape foot = foot_shape(skeleton, Side::left, guess_sole_height(skeleton));
+  const Vec3 shin = skeleton.joints[foot.ankle].X_PJ.translation().normalized();
+  Pose pose = rest_pose(skeleton);
+  pose.rotations[foot.knee] = Eigen::AngleAxisd(0.8, skeleton.joints[foot.knee].axes.col(0));
+  pose.rotations[foot.ankle] = Eigen::AngleAxisd(0.1, skeleton.joints[foot.ankle].axes.col(0));
+  pose.rotations[foot.subtalar] = Eigen::AngleAxisd(0.12, shin);
+  const auto frames = [&] {
+    std::vector<Transform> X_WJ;
+    forward_kinematics(skeleton, pose, X_WJ);
+    return X_WJ;
+  };
+  const std::vector<Transform> before = frames();
+  turn_shin_with_foot(skeleton, foot, pose);
+  const std::vector<Transform> after = frames();
+  EXPECT_LT((before[foot.subtalar].linear() - after[foot.subtalar].linear()).norm(), 1e-12);
+  EXPECT_LT((before[foot.subtalar].translation() - after[foot.subtalar].translation()).norm(), 2e-3);
+  EXPECT_LT((before[foot.ankle].translation() - after[foot.ankle].translation()).norm(), 1e-12);
+  const Quat& subtalar = pose.rotations[foot.subtalar];
+  EXPECT_LT(std::abs(subtalar.vec().dot(shin)), 0.2 * std::sin(0.06)) << "what was a turn about the shin is still in the foot";
+  const Joint& knee = skeleton.joints[foot.knee];
+  const Vec3 turned = joint_angles(knee, pose.rotations[foot.knee]);
+  EXPECT_GE(turned[2], knee.min[2] - 1e-9);
+  EXPECT_LE(turned[2], knee.max[2] + 1e-9);
 }
 
 TEST(Retarget, WhatIsMissingIsListed) {
