@@ -33,7 +33,26 @@ std::vector<Eigen::Vector4d> vertex_turns(const SkinTables& tables, std::span<co
   return out;
 }
 
-// The directed boundary of a set of triangles, reversed and chained into loops.
+void measure_edges(const TriMesh& rest, const Points& V, SkinQuality& out) {
+  std::vector<double> stretch;
+  stretch.reserve(static_cast<std::size_t>(3 * rest.F.rows()));
+  for (Eigen::Index f = 0; f < rest.F.rows(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const int a = rest.F(f, k), b = rest.F(f, (k + 1) % 3);
+      const double length = (rest.V.row(a) - rest.V.row(b)).norm();
+      if (a < b && length > 0) stretch.push_back((V.row(a) - V.row(b)).norm() / length);
+    }
+  if (stretch.empty()) return;
+  const auto [low, high] = std::minmax_element(stretch.begin(), stretch.end());
+  out.stretch_min = *low;
+  out.stretch_max = *high;
+  const auto p99 = stretch.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(stretch.size() - 1));
+  std::nth_element(stretch.begin(), p99, stretch.end());
+  out.stretch_p99 = *p99;
+}
+
+}  // namespace
+
 std::vector<std::vector<std::array<int, 2>>> open_rims(const std::vector<int>& triangles, const Triangles& F) {
   std::set<std::array<int, 2>> edges;
   for (int f : triangles)
@@ -56,26 +75,6 @@ std::vector<std::vector<std::array<int, 2>>> open_rims(const std::vector<int>& t
   }
   return rims;
 }
-
-void measure_edges(const TriMesh& rest, const Points& V, SkinQuality& out) {
-  std::vector<double> stretch;
-  stretch.reserve(static_cast<std::size_t>(3 * rest.F.rows()));
-  for (Eigen::Index f = 0; f < rest.F.rows(); ++f)
-    for (int k = 0; k < 3; ++k) {
-      const int a = rest.F(f, k), b = rest.F(f, (k + 1) % 3);
-      const double length = (rest.V.row(a) - rest.V.row(b)).norm();
-      if (a < b && length > 0) stretch.push_back((V.row(a) - V.row(b)).norm() / length);
-    }
-  if (stretch.empty()) return;
-  const auto [low, high] = std::minmax_element(stretch.begin(), stretch.end());
-  out.stretch_min = *low;
-  out.stretch_max = *high;
-  const auto p99 = stretch.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(stretch.size() - 1));
-  std::nth_element(stretch.begin(), p99, stretch.end());
-  out.stretch_p99 = *p99;
-}
-
-}  // namespace
 
 std::vector<LimbSection> limb_sections(const Skeleton& skeleton, const TriMesh& skin, const Binding& binding) {
   return limb_sections(skeleton, skin, binding.joint_weights);

@@ -35,6 +35,9 @@ struct SkinQuality {
 std::vector<LimbSection> limb_sections(const Skeleton& skeleton, const TriMesh& skin, const Binding& binding);
 std::vector<LimbSection> limb_sections(const Skeleton& skeleton, const TriMesh& skin, std::span<const std::array<Influence, 4>> joint_weights);
 
+// The directed boundary of a set of triangles, reversed and chained into loops.
+std::vector<std::vector<std::array<int, 2>>> open_rims(const std::vector<int>& triangles, const Triangles& F);
+
 // Volume of a section in the shape V, m^3.
 double section_volume(const LimbSection& section, const Triangles& F, const Points& V);
 

@@ -26,7 +26,7 @@ absent() { if [ ! -e "$1" ]; then ok; else bad "$1 should not exist"; fi; }
 
 # Help and usage.
 expect 0 "help" "$ecorche" --help
-for verb in demo "template info" "template check" "template sweep" "template import" "body new" "body measure" fit animate export render view bench check; do
+for verb in demo "template info" "template check" "template sweep" "template import" "body new" "body measure" fit animate export render view bench check bake posebook; do
   # shellcheck disable=SC2086
   expect 0 "help of $verb" "$ecorche" $verb --help
   if grep -q Example out.txt; then ok; else bad "help of $verb has no example"; fi
@@ -122,6 +122,15 @@ for skin in lbs dqs deltamush paper; do expect 0 "a walk by $skin" "$ecorche" an
 if cmp -s lbs.pc2 dqs.pc2 || cmp -s lbs.pc2 deltamush.pc2 || cmp -s walk.pc2 paper.pc2; then bad "two skins are the same"; else ok; fi
 expect 0 "a walk for other programs" "$ecorche" animate anna-1.glb "$walk" -o walk.mdd -o "objs/%03d.obj"
 there walk.mdd; there objs/001.obj
+expect 0,8 "a bake" "$ecorche" bake anna-1.glb "$walk" "$source/data/motions/long_jump.bvh" -o baked.glb --samples 60 --morphs 8 --report bake.json
+there baked.glb
+if grep -q '"rms"' bake.json; then ok; else bad "the bake does not state its error"; fi
+printf 'name,label,view,angles\nbent,bent,front,elbow 90\n' > poses.csv
+expect 0 "a pose book" "$ecorche" posebook anna-1.glb -o poses --poses poses.csv
+there poses/ecorche.png; there poses/lbs.png; there poses/figures.csv
+printf 'name,label,view,angles\nbent,bent,front,tail 90\n' > poses.csv
+expect 3 "a pose of a tail" "$ecorche" posebook anna-1.glb -o poses --poses poses.csv --no-pictures
+says "tail"
 expect 2 "an unknown layer" "$ecorche" render anna-1.glb "$walk" -o "f/%04d.png" --layers fat
 expect 2 "a size without height" "$ecorche" render anna-1.glb "$walk" -o "f/%04d.png" --size 100
 expect 0 "a film" "$ecorche" render anna-1.glb "$walk" -o film.mp4 --size 160x90 --fps 4 --layers muscles,bones
@@ -157,7 +166,7 @@ expect 4,6 "the window without a display" env -u DISPLAY -u WAYLAND_DISPLAY "$ec
 
 # Other people's programs.
 if [ -d "$build/clients/node_modules/gltf-validator" ]; then
-  for file in anna.glb anna-1.glb walk.glb; do
+  for file in anna.glb anna-1.glb walk.glb baked.glb; do
     expect 0 "the glTF validator on $file" node "$source/tests/clients/validate.cjs" "$build/clients/node_modules" "$folder/$file"
     tail -1 out.txt
   done
@@ -173,6 +182,7 @@ else
   skip "MuJoCo and OpenSim: run make clients"
 fi
 if [ -e "$build/clients/python/ready" ]; then
+  expect 0 "Blender on baked.glb" "$build/clients/python/bin/python" "$source/tests/clients/blender_loads.py" "$folder/baked.glb"
   expect 0 "Blender on walk.glb" "$build/clients/python/bin/python" "$source/tests/clients/blender_loads.py" "$folder/walk.glb"
   tail -1 out.txt
 else

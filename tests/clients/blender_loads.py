@@ -15,6 +15,14 @@ def node_names(path):
     return [n["name"] for n in document["nodes"] if "mesh" in n], "animations" in document
 
 
+def target_names(path):
+    with open(path, "rb") as f:
+        f.seek(12)
+        length, _ = struct.unpack("<II", f.read(8))
+        document = json.loads(f.read(length))
+    return [name for mesh in document["meshes"] for name in mesh.get("extras", {}).get("targetNames", [])]
+
+
 def heights(skin):
     graph = bpy.context.evaluated_depsgraph_get()
     evaluated = skin.evaluated_get(graph)
@@ -29,6 +37,10 @@ def main(path):
     assert not missing, f"not in Blender: {missing[:5]} and {max(0, len(missing) - 5)} more"
     skin = bpy.data.objects["skin"]
     assert any(m.type == "ARMATURE" for m in skin.modifiers), "the skin has no armature"
+    if any(n.startswith("corrective_") for n in target_names(path)):
+        keys = skin.data.shape_keys
+        assert keys and all(name in keys.key_blocks for name in target_names(path)), "the corrective shapes are missing"
+        assert keys.animation_data and (keys.animation_data.action or keys.animation_data.nla_tracks), "the corrective shapes have no curves"
     if animated:
         scene = bpy.context.scene
         scene.frame_set(1)

@@ -1,0 +1,102 @@
+// ecorche bake: a character's motions as skin, morph targets and curves for engines.
+#include <fmt/format.h>
+
+#include <set>
+
+#include "anatomy/errors.h"
+#include "app/actor.h"
+#include "app/motion_options.h"
+#include "app/verb.h"
+#include "skinning/bake_io.h"
+
+namespace ecorche {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BakeVerbOptions {
+  fs::path character, output;
+  std::vector<fs::path> motions;
+  MotionOptions retarget;
+  BakeOptions bake;
+};
+
+constexpr double kAskedRms = 2e-3, kAskedMax = 6e-3;  // m
+
+std::vector<BakedMotion> open_motions(const BakeVerbOptions& options, const Actor& actor, Report& report) {
+  std::vector<BakedMotion> out;
+  std::set<std::string> names;
+  for (const fs::path& file : options.motions) {
+    BakedMotion each;
+    each.name = file.stem().string();
+    for (int k = 2; !names.insert(each.name).second; ++k) each.name = fmt::format("{}_{}", file.stem().string(), k);
+    each.motion = open_motion(file, actor.character, to_retarget_options(options.retarget), report);
+    out.push_back(std::move(each));
+  }
+  return out;
+}
+
+void report_error(const BakeError& error, const std::string& prefix, Report& report) {
+  report.set(prefix + ".frames", error.frames);
+  report.set(prefix + ".mean", error.mean);
+  report.set(prefix + ".rms", error.rms);
+  report.set(prefix + ".p95", error.p95);
+  report.set(prefix + ".max", error.max);
+}
+
+std::string in_words(const BakeError& error) {
+  return fmt::format("mean {:.2f} mm, RMS {:.2f} mm, 95 % below {:.2f} mm, at most {:.2f} mm from the exact skin", 1e3 * error.mean, 1e3 * error.rms,
+                     1e3 * error.p95, 1e3 * error.max);
+}
+
+int run(const BakeVerbOptions& options, const Common& common, Report& report) {
+  if (options.output.extension() != ".glb") throw UsageError(fmt::format("{}: a bake is written as .glb", options.output.string()));
+  const Actor actor = make_actor(read_character(options.character), report);
+  const Character& character = actor.character;
+  ActorFrame frame;
+  const ExactSkin exact = [&](const Pose& pose, std::vector<Transform>& X_WJ, SkinFrame& out) {
+    play(actor, pose, frame);
+    X_WJ = frame.posed.X_WJ;
+    out.positions = frame.skin.positions;
+  };
+  Bake bake;
+  {
+    std::vector<BakedMotion> motions = open_motions(options, actor, report);
+    const StageTimer timer(report, "bake");
+    bake = bake_skin(character.body.skin, character.anatomy.skeleton, actor.binding.joint_weights, exact, std::move(motions), options.bake);
+  }
+  write_bake(options.output, character.body.name, character.body.skin, character.anatomy.skeleton, bake);
+  const double bytes = static_cast<double>(fs::file_size(options.output));
+  const double cache = 12.0 * static_cast<double>(character.body.skin.V.rows()) * bake.error.frames;
+  report.set("skin_vertices", actor.binding.vertex_count);
+  report.set("bake.morphs", static_cast<int>(bake.morphs.size()));
+  report.set("bake.influences_only_rms", bake.influences_only_rms);
+  report_error(bake.error, "bake", report);
+  for (const BakedMotion& each : bake.motions) report_error(each.error, "bake.motions." + each.name, report);
+  report.set("bake.bytes", bytes);
+  report.set("bake.cache_bytes", cache);
+  for (const BakedMotion& each : bake.motions) note(common, fmt::format("{}: {} frames, {}", each.name, each.error.frames, in_words(each.error)));
+  note(common, fmt::format("{}: {} influences, {} morph targets, {:.1f} MB, a vertex cache would be {:.1f} MB", options.output.string(), 4,
+                           bake.morphs.size(), 1e-6 * bytes, 1e-6 * cache));
+  note(common, fmt::format("all: {}", in_words(bake.error)));
+  return bake.error.rms <= kAskedRms && bake.error.max <= kAskedMax ? 0 : 8;
+}
+
+}  // namespace
+
+void add_bake_verb(VerbRegistry& registry) {
+  auto options = std::make_shared<BakeVerbOptions>();
+  CLI::App* verb = add_verb(registry, registry.app, "bake", "Make a character's motions ready for engines: 4 influences, morph targets, curves",
+                            "ecorche bake anna.glb walk.bvh run.bvh -o anna-engine.glb",
+                            [options](const Common& common, Report& report) { return run(*options, common, report); });
+  verb->add_option("character", options->character, "Character written by `ecorche fit`")->required();
+  verb->add_option("motions", options->motions, "Motions (.bvh), one animation each")->required();
+  verb->add_option("-o,--output", options->output, "File to write (.glb)")->required();
+  verb->add_option("--morphs", options->bake.morphs, "Corrective morph targets, at most")->check(CLI::Range(0, 64))->capture_default_str();
+  verb->add_option("--samples", options->bake.sample_frames, "Frames that weights and shapes are solved on; errors are of every frame")
+      ->check(CLI::Range(2, 2000))
+      ->capture_default_str();
+  add_motion_options(*verb, options->retarget);
+}
+
+}  // namespace ecorche

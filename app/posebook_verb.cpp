@@ -1,0 +1,195 @@
+// ecorche posebook: hard poses by every way to move a skin, as sheets to look at and figures to compare.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <system_error>
+
+#include "anatomy/atomic_file.h"
+#include "anatomy/errors.h"
+#include "anatomy/self_intersections.h"
+#include "app/eyes.h"
+#include "app/pose_sheet.h"
+#include "app/verb.h"
+#include "skinning/pose_figures.h"
+
+namespace ecorche {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PoseBookOptions {
+  fs::path character, folder, poses = data_folder() / "poses" / "poses.csv";
+  std::string methods = "lbs,dqs,deltamush,paper,ecorche";
+  bool pictures = true;
+};
+
+// One method's figures. Volumes as relative changes, the larger one of both sides.
+struct MethodFigures {
+  SkinMethod method = SkinMethod::ecorche;
+  std::vector<double> volumes;          // a volume pose
+  std::vector<PoseFigures> poses;       // a pose of the book
+  std::vector<int> self_intersections;  // a pose of the book
+};
+
+std::vector<SkinMethod> read_methods(const std::string& text) {
+  std::vector<SkinMethod> out;
+  std::istringstream names(text);
+  for (std::string name; std::getline(names, name, ',');) {
+    const std::optional<SkinMethod> method = skin_method(name);
+    if (!method) throw UsageError(fmt::format("--methods: '{}' is no way to move a skin; there are lbs, dqs, deltamush, paper and ecorche", name));
+    out.push_back(*method);
+  }
+  return out;
+}
+
+double largest(double a, double b) { return std::abs(a) > std::abs(b) ? a : b; }
+
+MethodFigures figures_of(const Actor& actor, const std::vector<VolumePose>& volumes, const std::vector<NamedPose>& book, const Common& common) {
+  const TriMesh& rest = actor.character.body.skin;
+  const std::vector<LimbSection> limbs = whole_limbs(actor.character.anatomy.skeleton, rest, actor.binding);
+  MethodFigures out;
+  out.method = actor.method;
+  ActorFrame frame;
+  for (const VolumePose& each : volumes) {
+    play(actor, each.pose, frame);
+    double change = each.sections.empty() ? measure_pose(rest, actor.binding, frame.posed.X_WJ, frame.skin).body_volume_change : 0;
+    for (const LimbSection& limb : limbs)
+      if (std::find(each.sections.begin(), each.sections.end(), limb.name) != each.sections.end()) change = largest(change, section_change(limb, rest, frame.skin));
+    out.volumes.push_back(change);
+  }
+  Points V;
+  for (std::size_t i = 0; i < book.size(); ++i) {
+    play(actor, book[i].pose, frame);
+    out.poses.push_back(measure_pose(rest, actor.binding, frame.posed.X_WJ, frame.skin));
+    to_points(frame.skin, V);
+    out.self_intersections.push_back(count_self_intersections(rest.F, V));
+    progress(common, std::string(long_name(actor.method)), static_cast<int>(i) + 1, static_cast<int>(book.size()));
+  }
+  return out;
+}
+
+template <class Take>
+double median(const MethodFigures& figures, const Take& take) {
+  std::vector<double> values;
+  for (std::size_t i = 0; i < figures.poses.size(); ++i) values.push_back(take(i));
+  std::sort(values.begin(), values.end());
+  return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
+}
+
+template <class Take>
+double worst(const MethodFigures& figures, const Take& take) {
+  double out = 0;
+  for (std::size_t i = 0; i < figures.poses.size(); ++i) out = largest(out, take(i));
+  return out;
+}
+
+struct Row {
+  std::string name, label;
+  double unit = 1;             // the figure is shown in parts of it
+  std::vector<double> values;  // a method
+};
+
+std::vector<Row> rows_of(const std::vector<VolumePose>& volumes, const std::vector<MethodFigures>& all) {
+  std::vector<Row> rows;
+  for (std::size_t v = 0; v < volumes.size(); ++v) {
+    rows.push_back({"volume." + volumes[v].name, volumes[v].label + ", %", 0.01, {}});
+    for (const MethodFigures& each : all) rows.back().values.push_back(each.volumes[v]);
+  }
+  const auto add = [&](const std::string& name, const std::string& label, double unit, const auto& take) {
+    Row middle{name + "_median", label + ", median", unit, {}}, most{name + "_worst", label + ", worst pose", unit, {}};
+    for (const MethodFigures& each : all) {
+      const auto value = [&](std::size_t i) { return take(each, i); };
+      middle.values.push_back(median(each, value));
+      most.values.push_back(worst(each, value));
+    }
+    rows.push_back(std::move(middle));
+    rows.push_back(std::move(most));
+  };
+  add("body_volume_change", "|change of the body's volume|, %", 0.01, [](const MethodFigures& m, std::size_t i) { return std::abs(m.poses[i].body_volume_change); });
+  add("self_intersections", "triangles that pass through others", 1, [](const MethodFigures& m, std::size_t i) { return double(m.self_intersections[i]); });
+  add("flipped", "flipped triangles", 1, [](const MethodFigures& m, std::size_t i) { return double(m.poses[i].flipped); });
+  add("edge_change_p99", "|change of edge length|, 99th percentile, %", 0.01, [](const MethodFigures& m, std::size_t i) { return m.poses[i].edge_change_p99; });
+  return rows;
+}
+
+void print_rows(const std::vector<Row>& rows, const std::vector<MethodFigures>& all) {
+  fmt::print("{:<58}", "");
+  for (const MethodFigures& each : all) fmt::print(" {:>10}", short_name(each.method));
+  fmt::print("\n");
+  for (const Row& row : rows) {
+    fmt::print("{:<58}", row.label);
+    for (const double value : row.values) fmt::print(" {:>10.2f}", value / row.unit);
+    fmt::print("\n");
+  }
+}
+
+void write_table(const fs::path& file, const std::vector<NamedPose>& book, const std::vector<MethodFigures>& all) {
+  std::string out = "pose,method,self_intersections,flipped,edge_change_p99,body_volume_change\n";
+  for (std::size_t i = 0; i < book.size(); ++i)
+    for (const MethodFigures& each : all)
+      out += fmt::format("{},{},{},{},{:.5f},{:.5f}\n", book[i].name, short_name(each.method), each.self_intersections[i], each.poses[i].flipped,
+                         each.poses[i].edge_change_p99, each.poses[i].body_volume_change);
+  write_file_atomically(file, out);
+}
+
+void write_sheets(const PoseBookOptions& options, Actor& actor, const std::vector<SkinMethod>& methods, const std::vector<NamedPose>& book,
+                  const Common& common) {
+  Renderer renderer;
+  SceneOptions scene;
+  scene.eyes = find_eyes(actor.character.body.skin, actor.character.anatomy.skeleton);
+  const SceneModel model = make_scene_model(actor.character.anatomy, actor.character.body.skin, scene);
+  for (const SkinMethod method : methods) {
+    choose_skin(actor, std::string(short_name(method)));
+    const fs::path file = options.folder / fmt::format("{}.png", short_name(method));
+    write_png(file, sheet_of_poses(renderer, actor, model, book, std::string(long_name(method))));
+    note(common, file.string());
+  }
+}
+
+int run(const PoseBookOptions& options, const Common& common, Report& report) {
+  const std::vector<SkinMethod> methods = read_methods(options.methods);
+  Actor actor = make_actor(read_character(options.character), report);
+  const Skeleton& skeleton = actor.character.anatomy.skeleton;
+  const std::vector<NamedPose> book = read_pose_book(options.poses, skeleton);
+  const std::vector<VolumePose> volumes = volume_poses(skeleton);
+  std::error_code ignored;  // a folder that cannot be made shows when the first file is written
+  fs::create_directories(options.folder, ignored);
+  std::vector<MethodFigures> all;
+  {
+    const StageTimer timer(report, "figures");
+    for (const SkinMethod method : methods) {
+      choose_skin(actor, std::string(short_name(method)));
+      all.push_back(figures_of(actor, volumes, book, common));
+    }
+  }
+  const int at_rest = count_self_intersections(actor.character.body.skin.F, actor.character.body.skin.V);
+  write_table(options.folder / "figures.csv", book, all);
+  const std::vector<Row> rows = rows_of(volumes, all);
+  report.set("posebook.poses", static_cast<int>(book.size()));
+  report.set("posebook.self_intersections_at_rest", at_rest);
+  for (const Row& row : rows)
+    for (std::size_t m = 0; m < all.size(); ++m) report.set(fmt::format("posebook.{}.{}", short_name(all[m].method), row.name), row.values[m]);
+  if (options.pictures) write_sheets(options, actor, methods, book, common);
+  print_rows(rows, all);
+  note(common, fmt::format("{} poses; {} triangles pass through others at rest; every pose is in {}", book.size(), at_rest,
+                           (options.folder / "figures.csv").string()));
+  return 0;
+}
+
+}  // namespace
+
+void add_posebook_verb(VerbRegistry& registry) {
+  auto options = std::make_shared<PoseBookOptions>();
+  CLI::App* verb = add_verb(registry, registry.app, "posebook", "Hard poses by every way to move a skin: a sheet each, and a table of figures",
+                            "ecorche posebook anna.glb -o anna-poses",
+                            [options](const Common& common, Report& report) { return run(*options, common, report); });
+  verb->add_option("character", options->character, "Character written by `ecorche fit`")->required();
+  verb->add_option("-o,--output", options->folder, "Folder for METHOD.png and figures.csv")->required();
+  verb->add_option("--poses", options->poses, "Table of poses (docs/posebook.md) instead of our own");
+  verb->add_option("--methods", options->methods, "Which ways to move a skin")->capture_default_str();
+  verb->add_flag("!--no-pictures", options->pictures, "Figures only");
+}
+
+}  // namespace ecorche

@@ -1,0 +1,281 @@
+#include "skinning/bake.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/SVD>
+
+#include "anatomy/errors.h"
+#include "skinning/bake_weights.h"
+#include "skinning/skin_survey.h"
+
+namespace ecorche {
+namespace {
+
+constexpr int kMostCandidates = 12;
+
+struct Samples {
+  std::vector<std::vector<Transform>> bones;  // a frame: maps of rest points by each joint
+  std::vector<Points> exact;                  // a frame: #V x 3
+};
+
+std::vector<Transform> rest_to_pose(const std::vector<Vec3>& origins, std::span<const Transform> X_WJ) {
+  std::vector<Transform> out(X_WJ.begin(), X_WJ.end());
+  for (std::size_t j = 0; j < out.size(); ++j) out[j].translate(-origins[j]);
+  return out;
+}
+
+Samples take_samples(const Skeleton& skeleton, const ExactSkin& exact, const std::vector<BakedMotion>& motions, int wanted) {
+  std::size_t total = 0;
+  for (const BakedMotion& each : motions) total += each.motion.frames.size();
+  if (total == 0) throw UnfitError("there is nothing to bake: the motions hold no frames");
+  const std::vector<Vec3> origins = rest_positions(skeleton);
+  const double stride = std::max(1.0, static_cast<double>(total) / wanted);
+  Samples out;
+  std::vector<Transform> X_WJ;
+  SkinFrame frame;
+  std::size_t at = 0;
+  double next = 0;
+  for (const BakedMotion& each : motions)
+    for (const Pose& pose : each.motion.frames) {
+      if (static_cast<double>(at++) < next) continue;
+      next += stride;
+      exact(pose, X_WJ, frame);
+      out.bones.push_back(rest_to_pose(origins, X_WJ));
+      to_points(frame, out.exact.emplace_back());
+    }
+  return out;
+}
+
+// Joints that a vertex may hang on: those that it and its neighbours hang on already, and those next to them in the tree.
+std::vector<int> candidates(const Skeleton& skeleton, std::span<const std::array<Influence, 4>> start, const std::vector<int>& ring, int vertex) {
+  std::vector<double> share(skeleton.joints.size(), 0);
+  const auto add = [&](int i, double scale) {
+    for (const Influence& influence : start[static_cast<std::size_t>(i)]) share[static_cast<std::size_t>(influence.joint)] += scale * influence.weight;
+  };
+  add(vertex, 1);
+  for (int i : ring) add(i, 0.5 / static_cast<double>(ring.size()));
+  std::vector<double> spread = share;
+  for (std::size_t j = 1; j < share.size(); ++j) {
+    const std::size_t parent = static_cast<std::size_t>(skeleton.joints[j].parent);
+    spread[parent] += 0.1 * share[j];
+    spread[j] += 0.1 * share[parent];
+  }
+  std::vector<int> order;
+  for (std::size_t j = 0; j < spread.size(); ++j)
+    if (spread[j] > 0) order.push_back(static_cast<int>(j));
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return spread[static_cast<std::size_t>(a)] > spread[static_cast<std::size_t>(b)]; });
+  if (order.size() > kMostCandidates) order.resize(kMostCandidates);
+  return order;
+}
+
+std::array<Influence, 4> solve_vertex(const Samples& samples, const Vec3& X, Eigen::Index vertex, const std::vector<int>& joints,
+                                      const std::array<Influence, 4>& start, double keep) {
+  const Eigen::Index n = static_cast<Eigen::Index>(joints.size());
+  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(n, n), D(3, n);
+  for (std::size_t f = 0; f < samples.bones.size(); ++f) {
+    const Vec3 wanted = samples.exact[f].row(vertex).transpose();
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const Eigen::Matrix4d& T = samples.bones[f][static_cast<std::size_t>(joints[static_cast<std::size_t>(k)])].matrix();
+      for (Eigen::Index r = 0; r < 3; ++r) D(r, k) = T(r, 0) * X[0] + T(r, 1) * X[1] + T(r, 2) * X[2] + T(r, 3) - wanted[r];
+    }
+    G.noalias() += D.transpose() * D;
+  }
+  Eigen::VectorXd given = Eigen::VectorXd::Zero(n);
+  for (const Influence& influence : start)
+    for (Eigen::Index k = 0; k < n; ++k)
+      if (joints[static_cast<std::size_t>(k)] == influence.joint) given[k] += influence.weight;
+  const Eigen::VectorXd w = simplex_weights(G, given, static_cast<double>(samples.bones.size()) * keep * keep, 4);
+  std::array<Influence, 4> out{};
+  std::size_t at = 0;
+  for (Eigen::Index k = 0; k < n; ++k)
+    if (w[k] > 0) out[at++] = {joints[static_cast<std::size_t>(k)], w[k]};
+  std::stable_sort(out.begin(), out.end(), [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
+  return out;
+}
+
+Eigen::Affine3d blended(const std::array<Influence, 4>& influences, std::span<const Transform> bones) {
+  Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
+  for (const Influence& influence : influences)
+    if (influence.weight > 0) sum += influence.weight * bones[static_cast<std::size_t>(influence.joint)].matrix();
+  return Eigen::Affine3d(sum);
+}
+
+// The inverse, or that of the nearest rotation where the blend has fallen flat.
+Mat3 back_to_rest(const Mat3& A) {
+  if (A.determinant() > 0.2) return A.inverse();
+  const Eigen::JacobiSVD<Mat3> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return svd.matrixV() * svd.matrixU().transpose();
+}
+
+// What the influences leave over, in the rest pose. 3 #V
+Eigen::VectorXd leftover(const Bake& bake, const TriMesh& skin, std::span<const Transform> bones, const Points& exact) {
+  Eigen::VectorXd out(3 * skin.V.rows());
+  tbb::parallel_for(Eigen::Index{0}, skin.V.rows(), [&](Eigen::Index i) {
+    const Eigen::Affine3d A = blended(bake.influences[static_cast<std::size_t>(i)], bones);
+    out.segment<3>(3 * i) = back_to_rest(A.linear()) * (Vec3(exact.row(i)) - A * Vec3(skin.V.row(i)));
+  });
+  return out;
+}
+
+struct Shapes {
+  Eigen::MatrixXd offsets;    // 3 #V x #morphs
+  Eigen::MatrixXd projector;  // the same size; its transpose times a leftover gives the curves
+};
+
+// Principal directions of the samples' leftovers, rows weighted.
+Shapes principal_shapes(const Eigen::MatrixXd& leftovers, const Eigen::VectorXd& row_weights, int most) {
+  const Eigen::MatrixXd scaled = row_weights.asDiagonal() * leftovers;
+  const Eigen::MatrixXd gram = scaled.transpose() * scaled;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gram);
+  const Eigen::Index n = gram.rows();
+  const double smallest = 1e-10 * std::max(gram.trace(), 1e-18);
+  Eigen::Index count = 0;
+  while (count < std::min<Eigen::Index>(most, n) && solver.eigenvalues()[n - 1 - count] > smallest) ++count;
+  Eigen::MatrixXd basis(leftovers.rows(), count);
+  for (Eigen::Index m = 0; m < count; ++m)
+    basis.col(m) = scaled * solver.eigenvectors().col(n - 1 - m) / std::sqrt(solver.eigenvalues()[n - 1 - m]);
+  return {row_weights.cwiseInverse().asDiagonal() * basis, row_weights.asDiagonal() * basis};
+}
+
+// Principal components give the least mean error; vertices that they leave far off are then given more weight, round by round, and the
+// round with the least maximum is kept.
+Shapes even_shapes(const Eigen::MatrixXd& leftovers, int most) {
+  constexpr int kRounds = 5;
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(leftovers.rows());
+  Shapes best;
+  double least = -1;
+  for (int round = 0; round < kRounds; ++round) {
+    Shapes shapes = principal_shapes(leftovers, weights, most);
+    const Eigen::MatrixXd left = leftovers - shapes.offsets * (shapes.projector.transpose() * leftovers);
+    Eigen::VectorXd worst(leftovers.rows() / 3);
+    for (Eigen::Index i = 0; i < worst.size(); ++i) worst[i] = left.middleRows<3>(3 * i).colwise().norm().maxCoeff();
+    if (least < 0 || worst.maxCoeff() < least) {
+      least = worst.maxCoeff();
+      best = std::move(shapes);
+    }
+    if (worst.maxCoeff() <= 0) break;
+    for (Eigen::Index i = 0; i < worst.size(); ++i)
+      weights.segment<3>(3 * i) *= std::sqrt(std::clamp(worst[i] / (0.25 * worst.maxCoeff()), 0.25, 4.0));
+  }
+  return best;
+}
+
+// Distances in bins of a hundredth of a millimetre, so that percentiles of any number of frames need no memory.
+class Distances {
+ public:
+  void add(double d) {
+    ++count_;
+    sum_ += d;
+    squares_ += d * d;
+    max_ = std::max(max_, d);
+    ++bins_[std::min(static_cast<std::size_t>(d / kBin), bins_.size() - 1)];
+  }
+  BakeError error(int frames) const {
+    BakeError out{frames, 0, 0, 0, max_};
+    if (count_ == 0) return out;
+    out.mean = sum_ / static_cast<double>(count_);
+    out.rms = std::sqrt(squares_ / static_cast<double>(count_));
+    std::size_t below = 0, bin = 0;
+    while (bin + 1 < bins_.size() && (below += bins_[bin]) < static_cast<std::size_t>(0.95 * static_cast<double>(count_))) ++bin;
+    out.p95 = std::min(kBin * static_cast<double>(bin + 1), max_);
+    return out;
+  }
+
+ private:
+  static constexpr double kBin = 1e-5;
+  std::vector<std::size_t> bins_ = std::vector<std::size_t>(10000, 0);
+  std::size_t count_ = 0;
+  double sum_ = 0, squares_ = 0, max_ = 0;
+};
+
+// Curves of every frame, by projection on the shapes. Shapes and curves are then scaled so that no curve leaves -1 .. 1, and what a
+// shape hardly moves is left out of it.
+void make_curves(const TriMesh& skin, const Skeleton& skeleton, const ExactSkin& exact, const Shapes& shapes, const BakeOptions& options,
+                 Bake& bake) {
+  const std::vector<Vec3> origins = rest_positions(skeleton);
+  Eigen::ArrayXf reach = Eigen::ArrayXf::Constant(shapes.offsets.cols(), 1e-9f);
+  std::vector<Transform> X_WJ;
+  SkinFrame frame;
+  Points points;
+  for (BakedMotion& each : bake.motions) {
+    each.curves.resize(static_cast<Eigen::Index>(each.motion.frames.size()), shapes.offsets.cols());
+    for (std::size_t f = 0; f < each.motion.frames.size(); ++f) {
+      exact(each.motion.frames[f], X_WJ, frame);
+      to_points(frame, points);
+      const Eigen::VectorXd c = shapes.projector.transpose() * leftover(bake, skin, rest_to_pose(origins, X_WJ), points);
+      each.curves.row(static_cast<Eigen::Index>(f)) = c.cast<float>();
+      reach = reach.max(c.cast<float>().array().abs());
+    }
+  }
+  for (BakedMotion& each : bake.motions) each.curves.array().rowwise() /= reach.transpose();
+  for (Eigen::Index m = 0; m < shapes.offsets.cols(); ++m) {
+    Points shape = Eigen::Map<const Points>(shapes.offsets.col(m).data(), skin.V.rows(), 3) * static_cast<double>(reach[m]);
+    for (Eigen::Index i = 0; i < shape.rows(); ++i)
+      if (shape.row(i).norm() < options.least_offset) shape.row(i).setZero();
+    bake.morphs.push_back(shape.cast<float>().cast<double>());
+  }
+}
+
+void measure(const TriMesh& skin, const Skeleton& skeleton, const ExactSkin& exact, Bake& bake) {
+  Distances all;
+  std::vector<Transform> X_WJ;
+  SkinFrame frame;
+  Points wanted, played;
+  for (BakedMotion& each : bake.motions) {
+    Distances here;
+    for (std::size_t f = 0; f < each.motion.frames.size(); ++f) {
+      exact(each.motion.frames[f], X_WJ, frame);
+      to_points(frame, wanted);
+      play_bake(bake, skin, skeleton, X_WJ, each.curves.row(static_cast<Eigen::Index>(f)).transpose(), played);
+      for (Eigen::Index i = 0; i < wanted.rows(); ++i) {
+        const double d = (wanted.row(i) - played.row(i)).norm();
+        here.add(d);
+        all.add(d);
+      }
+    }
+    each.error = here.error(static_cast<int>(each.motion.frames.size()));
+    bake.error.frames += each.error.frames;
+  }
+  bake.error = all.error(bake.error.frames);
+}
+
+}  // namespace
+
+void play_bake(const Bake& bake, const TriMesh& skin, const Skeleton& skeleton, std::span<const Transform> X_WJ,
+               const Eigen::VectorXf& curves, Points& out) {
+  const std::vector<Transform> bones = rest_to_pose(rest_positions(skeleton), X_WJ);
+  out = skin.V;
+  for (std::size_t m = 0; m < bake.morphs.size(); ++m) out += static_cast<double>(curves[static_cast<Eigen::Index>(m)]) * bake.morphs[m];
+  for (Eigen::Index i = 0; i < out.rows(); ++i) out.row(i) = blended(bake.influences[static_cast<std::size_t>(i)], bones) * Vec3(out.row(i));
+}
+
+Bake bake_skin(const TriMesh& skin, const Skeleton& skeleton, std::span<const std::array<Influence, 4>> start, const ExactSkin& exact,
+               std::vector<BakedMotion> motions, const BakeOptions& options) {
+  if (start.size() != static_cast<std::size_t>(skin.V.rows())) throw std::invalid_argument("bake_skin: one row of influences a vertex is needed");
+  Bake bake;
+  bake.motions = std::move(motions);
+  const Samples samples = take_samples(skeleton, exact, bake.motions, options.sample_frames);
+  const std::vector<std::vector<int>> rings = vertex_neighbours(skin);
+  bake.influences.resize(start.size());
+  tbb::parallel_for(std::size_t{0}, start.size(), [&](std::size_t i) {
+    const std::vector<int> joints = candidates(skeleton, start, rings[i], static_cast<int>(i));
+    const Eigen::Index vertex = static_cast<Eigen::Index>(i);
+    bake.influences[i] = solve_vertex(samples, skin.V.row(vertex), vertex, joints, start[i], options.keep_weights);
+  });
+  Eigen::MatrixXd leftovers(3 * skin.V.rows(), static_cast<Eigen::Index>(samples.bones.size()));
+  for (std::size_t f = 0; f < samples.bones.size(); ++f)
+    leftovers.col(static_cast<Eigen::Index>(f)) = leftover(bake, skin, samples.bones[f], samples.exact[f]);
+  bake.influences_only_rms = std::sqrt(3 * leftovers.squaredNorm() / static_cast<double>(leftovers.size()));
+  make_curves(skin, skeleton, exact, even_shapes(leftovers, options.morphs), options, bake);
+  measure(skin, skeleton, exact, bake);
+  return bake;
+}
+
+}  // namespace ecorche

@@ -1,0 +1,115 @@
+#include "skinning/bake_io.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "anatomy/atomic_file.h"
+#include "anatomy/errors.h"
+#include "skinning/glb_builder.h"
+#include "skinning/gltf_values.h"
+
+namespace ecorche {
+namespace {
+
+using gltf::Array;
+using gltf::number;
+using gltf::Object;
+using tinygltf::Value;
+
+int add_sparse(gltf::GlbBuilder& glb, const Points& shape) {
+  std::vector<std::uint32_t> places;
+  std::vector<float> offsets;
+  Eigen::Array3d low = Eigen::Array3d::Zero(), high = Eigen::Array3d::Zero();  // what is not stored is zero
+  for (Eigen::Index i = 0; i < shape.rows(); ++i) {
+    if (shape.row(i).isZero(0)) continue;
+    places.push_back(static_cast<std::uint32_t>(i));
+    for (int k = 0; k < 3; ++k) {
+      offsets.push_back(static_cast<float>(shape(i, k)));
+      low[k] = std::min(low[k], static_cast<double>(offsets.back()));
+      high[k] = std::max(high[k], static_cast<double>(offsets.back()));
+    }
+  }
+  if (places.empty()) {  // a sparse accessor must hold something
+    places.push_back(0);
+    offsets.assign(3, 0);
+  }
+  const int indices = glb.add_accessor(places, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, 1, 0);
+  const int values = glb.add_accessor(offsets, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 3, 0);
+  std::vector<tinygltf::Accessor>& accessors = glb.model().accessors;
+  tinygltf::Accessor accessor;
+  accessor.bufferView = -1;
+  accessor.componentType = TINYGLTF_COMPONENT_TYPE_FLOAT;
+  accessor.type = TINYGLTF_TYPE_VEC3;
+  accessor.count = static_cast<std::size_t>(shape.rows());
+  accessor.minValues = {low[0], low[1], low[2]};
+  accessor.maxValues = {high[0], high[1], high[2]};
+  accessor.sparse.isSparse = true;
+  accessor.sparse.count = static_cast<int>(places.size());
+  accessor.sparse.indices.bufferView = accessors[static_cast<std::size_t>(indices)].bufferView;
+  accessor.sparse.indices.byteOffset = 0;
+  accessor.sparse.indices.componentType = TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+  accessor.sparse.values.bufferView = accessors[static_cast<std::size_t>(values)].bufferView;
+  accessor.sparse.values.byteOffset = 0;
+  accessors.resize(accessors.size() - 2);  // those two only brought their views
+  accessors.push_back(accessor);
+  return static_cast<int>(accessors.size()) - 1;
+}
+
+Value error_value(const BakeError& error) {
+  return Value(Object{{"frames", Value(error.frames)}, {"mean", number(error.mean)}, {"rms", number(error.rms)}, {"p95", number(error.p95)},
+                      {"max", number(error.max)}});
+}
+
+Value notes(const Bake& bake) {
+  Object motions;
+  for (const BakedMotion& each : bake.motions) motions[each.name] = error_value(each.error);
+  Object object{{"unit", gltf::text("m")}, {"influences", Value(4)}, {"morphs", Value(static_cast<int>(bake.morphs.size()))},
+                {"error", error_value(bake.error)}, {"motions", Value(std::move(motions))}};
+  Object out;
+  out["bake"] = Value(std::move(object));
+  return Value(std::move(out));
+}
+
+void add_curves(gltf::GlbBuilder& glb, const BakedMotion& each, int node, int times) {
+  std::vector<float> weights;
+  for (Eigen::Index f = 0; f < each.curves.rows(); ++f)
+    for (Eigen::Index m = 0; m < each.curves.cols(); ++m) weights.push_back(each.curves(f, m));
+  gltf::add_channel(glb.model().animations.back(), node, "weights", times, glb.add_scalars(weights, false, 0));
+}
+
+}  // namespace
+
+void write_bake(const std::filesystem::path& file, const std::string& name, const TriMesh& skin, const Skeleton& skeleton, const Bake& bake) {
+  if (bake.influences.size() != static_cast<std::size_t>(skin.V.rows())) throw std::invalid_argument("write_bake: the bake is of another skin");
+  AtomicFile out(file);
+  gltf::GlbBuilder glb;
+  gltf::add_joints(glb, skeleton);
+  glb.add_mesh("skin", skin, glb.add_material("skin", gltf::kSkinColour, 0.6));
+  // By index from here on: adding accessors does not move meshes, but the reference would not outlive another mesh.
+  tinygltf::Mesh& mesh = glb.model().meshes.back();
+  glb.add_influences(mesh.primitives[0], bake.influences);
+  Array names;
+  for (std::size_t m = 0; m < bake.morphs.size(); ++m) {
+    mesh.primitives[0].targets.push_back({{"POSITION", add_sparse(glb, bake.morphs[m])}});
+    names.push_back(gltf::text(fmt::format("corrective_{:02}", m + 1)));
+  }
+  mesh.weights.assign(bake.morphs.size(), 0);
+  if (!names.empty()) mesh.extras = Value(Object{{"targetNames", Value(std::move(names))}});
+  tinygltf::Node node;
+  node.name = "skin";
+  node.mesh = 0;
+  node.skin = 0;
+  const int skin_node = glb.add_node(std::move(node));
+  for (const BakedMotion& each : bake.motions) {
+    const int times = gltf::add_motion(glb, skeleton, each.motion, each.name);
+    if (!bake.morphs.empty()) add_curves(glb, each, skin_node, times);
+  }
+  glb.scene().name = name.empty() ? "bake" : name;
+  glb.scene().extras = notes(bake);
+  if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&glb.model(), out.stream(), false, true))
+    throw OutputError(fmt::format("{}: could not be written", file.string()));
+  out.commit();
+}
+
+}  // namespace ecorche

@@ -1,0 +1,87 @@
+// Private to the writers of .glb files: builds the one buffer, the accessors over it, and the parts that these files share.
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <array>
+#include <cstring>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "anatomy/skeleton.h"
+#include "skinning/bind.h"
+
+namespace ecorche::gltf {
+
+inline constexpr std::array kSkinColour{0.80, 0.58, 0.47, 1.0};
+
+class GlbBuilder {
+ public:
+  GlbBuilder();
+
+  tinygltf::Model& model() { return model_; }
+  tinygltf::Scene& scene() { return model_.scenes[0]; }
+
+  int add_node(tinygltf::Node node, int parent = -1);
+
+  template <class T>
+  int add_accessor(const std::vector<T>& values, int component_type, int type, int components, int target, bool bounds = false) {
+    const size_t start = align();
+    auto& bytes = model_.buffers[0].data;
+    bytes.resize(start + values.size() * sizeof(T));
+    std::memcpy(bytes.data() + start, values.data(), values.size() * sizeof(T));
+
+    tinygltf::BufferView view;
+    view.buffer = 0;
+    view.byteOffset = start;
+    view.byteLength = values.size() * sizeof(T);
+    view.target = target;
+    model_.bufferViews.push_back(view);
+
+    tinygltf::Accessor accessor;
+    accessor.bufferView = static_cast<int>(model_.bufferViews.size()) - 1;
+    accessor.componentType = component_type;
+    accessor.type = type;
+    accessor.count = values.size() / components;
+    if (bounds) {
+      accessor.minValues.assign(components, std::numeric_limits<double>::infinity());
+      accessor.maxValues.assign(components, -std::numeric_limits<double>::infinity());
+      for (size_t i = 0; i < values.size(); ++i) {
+        accessor.minValues[i % components] = std::min(accessor.minValues[i % components], double(values[i]));
+        accessor.maxValues[i % components] = std::max(accessor.maxValues[i % components], double(values[i]));
+      }
+    }
+    model_.accessors.push_back(accessor);
+    return static_cast<int>(model_.accessors.size()) - 1;
+  }
+
+  int add_vectors(const Points& points, bool bounds);
+
+  int add_scalars(const std::vector<float>& values, bool bounds, int target);
+
+  int add_material(const std::string& name, std::array<double, 4> colour, double roughness);
+
+  // A mesh with normals; the caller may add attributes to the returned primitive.
+  tinygltf::Primitive& add_mesh(const std::string& name, const TriMesh& mesh, int material);
+
+  void add_influences(tinygltf::Primitive& primitive, std::span<const std::array<Influence, 4>> influences);
+
+  static Points unit_normals(const TriMesh& mesh);
+
+ private:
+  size_t align();
+
+  tinygltf::Model model_;
+};
+
+// Joint nodes in skeleton order, so that node index = joint index, and the glTF skin 0 over them. Call it first.
+void add_joints(GlbBuilder& glb, const Skeleton& skeleton);
+
+void add_channel(tinygltf::Animation& animation, int node, const char* path, int times, int values);
+
+// An animation of the joints, a key a frame. Returns the accessor of its times.
+int add_motion(GlbBuilder& glb, const Skeleton& skeleton, const Motion& motion, const std::string& name);
+
+}  // namespace ecorche::gltf

@@ -1,0 +1,236 @@
+#include "skinning/bake.h"
+
+#include <gtest/gtest.h>
+#include <tiny_gltf.h>
+
+#include <numbers>
+
+#include "anatomy/errors.h"
+#include "skinning/bake_io.h"
+#include "skinning/bake_weights.h"
+#include "skinning/deform.h"
+#include "tests/skinning/arm.h"
+
+namespace ecorche {
+namespace {
+
+// The arm of the skin tests, bending at the elbow over twenty frames.
+struct BoundArm {
+  test::Arm arm = test::make_arm();
+  const Skeleton& skeleton = arm.anatomy.skeleton;
+  PosingTable table = make_posing_table(arm.anatomy);
+  PosedAnatomy posed;
+  Binding binding;
+  BakedMotion bend;
+
+  BoundArm() {
+    pose_anatomy(table, skeleton, rest_pose(skeleton), posed);
+    binding = bind_skin(arm.anatomy, posed, arm.skin);
+    bend.name = "bend";
+    for (int f = 0; f < 20; ++f) {
+      Pose pose = rest_pose(skeleton);
+      pose.root += Vec3(0.01 * f, 0, 0);
+      pose.rotations[static_cast<std::size_t>(find_joint(skeleton, "elbow_l"))] = Quat(Eigen::AngleAxisd(-0.1 * f, Vec3::UnitX()));
+      bend.motion.frames.push_back(pose);
+    }
+  }
+  ExactSkin exact() {
+    return [this](const Pose& pose, std::vector<Transform>& X_WJ, SkinFrame& out) {
+      pose_anatomy(table, skeleton, pose, posed);
+      X_WJ = posed.X_WJ;
+      deform_skin(binding, posed, out);
+    };
+  }
+  Bake bake(int morphs) {
+    BakeOptions options;
+    options.morphs = morphs;
+    return bake_skin(arm.skin, skeleton, binding.joint_weights, exact(), {bend}, options);
+  }
+};
+
+TEST(BakeWeights, FindWhatMadeTheData) {
+  // Three joints put a vertex at e1, e2, e3 in turn over four frames; it was made with weights 0.7, 0.3, 0.
+  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(3, 3);
+  for (int f = 0; f < 4; ++f) {
+    Eigen::MatrixXd D = Eigen::MatrixXd::Random(3, 3);
+    D.colwise() -= Eigen::Vector3d(0.7 * D.col(0) + 0.3 * D.col(1));
+    G += D.transpose() * D;
+  }
+  const Eigen::VectorXd w = simplex_weights(G, Eigen::Vector3d::Constant(1.0 / 3), 1e-12, 4);
+  EXPECT_LT((w - Eigen::Vector3d(0.7, 0.3, 0)).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+TEST(BakeWeights, AreOnTheSimplexAndNoneCanBeBettered) {
+  std::srand(7);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Eigen::MatrixXd A = Eigen::MatrixXd::Random(12, 8), G = A.transpose() * A;
+    const Eigen::VectorXd start = Eigen::VectorXd::Constant(8, 1.0 / 8);
+    const Eigen::VectorXd w = simplex_weights(G, start, 1e-9, 8);
+    EXPECT_NEAR(w.sum(), 1, 1e-12);
+    EXPECT_GE(w.minCoeff(), 0);
+    for (int i = 0; i < 8; ++i)  // moving weight from any joint to any other costs
+      for (int k = 0; k < 8; ++k) {
+        if (i == k || w[i] < 1e-3) continue;
+        Eigen::VectorXd other = w;
+        other[i] -= 1e-4;
+        other[k] += 1e-4;
+        EXPECT_GE(other.dot(G * other), w.dot(G * w) - 1e-9);
+      }
+    const Eigen::VectorXd four = simplex_weights(G, start, 1e-9, 4);
+    EXPECT_LE((four.array() > 0).count(), 4);
+    EXPECT_NEAR(four.sum(), 1, 1e-12);
+    EXPECT_GE(four.dot(G * four), w.dot(G * w) - 1e-9);
+  }
+}
+
+TEST(Bake, ShapesTakeUpWhatInfluencesLeave) {
+  BoundArm arm;
+  const Bake none = arm.bake(0), few = arm.bake(3), all = arm.bake(32);
+  EXPECT_EQ(none.morphs.size(), 0u);
+  EXPECT_EQ(few.morphs.size(), 3u);
+  EXPECT_GT(none.error.max, 1e-4);
+  EXPECT_LT(few.error.rms, 0.5 * none.error.rms);
+  EXPECT_LT(all.error.max, 1e-4);  // as many shapes as frames: only the offsets that are too small to keep are missing
+  EXPECT_EQ(none.error.frames, 20);
+  EXPECT_LE(none.error.p95, none.error.max);
+  EXPECT_LE(none.error.mean, none.error.rms);
+}
+
+TEST(Bake, SolvedWeightsAreNoWorseThanTheGiven) {
+  BoundArm arm;
+  Bake given = arm.bake(0);
+  const double solved = given.error.rms;
+  given.influences = arm.binding.joint_weights;
+  double squares = 0, count = 0;
+  std::vector<Transform> X_WJ;
+  SkinFrame frame;
+  Points played, wanted;
+  for (const Pose& pose : arm.bend.motion.frames) {
+    arm.exact()(pose, X_WJ, frame);
+    play_bake(given, arm.arm.skin, arm.skeleton, X_WJ, Eigen::VectorXf(), played);
+    to_points(frame, wanted);
+    squares += (played - wanted).squaredNorm();
+    count += static_cast<double>(wanted.rows());
+  }
+  EXPECT_LT(solved, std::sqrt(squares / count));
+}
+
+TEST(Bake, InfluencesAreFourThatSumToOneAndCurvesStayWithinOne) {
+  BoundArm arm;
+  const Bake bake = arm.bake(8);
+  for (const auto& four : bake.influences) {
+    double sum = 0;
+    for (const Influence& influence : four) {
+      EXPECT_GE(influence.weight, 0);
+      sum += influence.weight;
+    }
+    EXPECT_NEAR(sum, 1, 1e-9);
+  }
+  EXPECT_LE(bake.motions[0].curves.cwiseAbs().maxCoeff(), 1.0001f);
+}
+
+TEST(Bake, NothingToBakeIsSaid) {
+  BoundArm arm;
+  arm.bend.motion.frames.clear();
+  EXPECT_THROW(arm.bake(4), UnfitError);
+}
+
+// Plays the file as an engine does, with nothing but what glTF says.
+class Player {
+ public:
+  explicit Player(const std::string& file) {
+    std::string error, warning;
+    ok_ = tinygltf::TinyGLTF().LoadBinaryFromFile(&model_, &error, &warning, file);
+    EXPECT_TRUE(ok_) << error;
+  }
+  const tinygltf::Model& model() const { return model_; }
+
+  std::vector<float> floats(int accessor) const {
+    const tinygltf::Accessor& a = model_.accessors[static_cast<std::size_t>(accessor)];
+    const std::size_t width = static_cast<std::size_t>(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type)));
+    std::vector<float> out(a.count * width, 0);
+    if (a.bufferView >= 0) std::memcpy(out.data(), bytes(a.bufferView), 4 * out.size());
+    if (!a.sparse.isSparse) return out;
+    const auto* places = reinterpret_cast<const std::uint32_t*>(bytes(a.sparse.indices.bufferView));
+    const auto* values = reinterpret_cast<const float*>(bytes(a.sparse.values.bufferView));
+    for (std::size_t i = 0; i < static_cast<std::size_t>(a.sparse.count); ++i) std::memcpy(&out[width * places[i]], &values[width * i], 4 * width);
+    return out;
+  }
+
+  Points play(std::size_t frame) const {
+    std::vector<Eigen::Affine3d> local;
+    for (const tinygltf::Node& node : model_.nodes) {
+      Eigen::Affine3d X = Eigen::Affine3d::Identity();
+      if (!node.translation.empty()) X.translation() = Vec3(node.translation[0], node.translation[1], node.translation[2]);
+      local.push_back(X);
+    }
+    std::vector<float> weights;
+    for (const tinygltf::AnimationChannel& channel : model_.animations[0].channels) {
+      const std::vector<float> v = floats(model_.animations[0].samplers[static_cast<std::size_t>(channel.sampler)].output);
+      Eigen::Affine3d& X = local[static_cast<std::size_t>(channel.target_node)];
+      if (channel.target_path == "translation") X.translation() = Vec3(v[3 * frame], v[3 * frame + 1], v[3 * frame + 2]);
+      if (channel.target_path == "rotation") X.linear() = Quat(v[4 * frame + 3], v[4 * frame], v[4 * frame + 1], v[4 * frame + 2]).toRotationMatrix();
+      const std::size_t morphs = model_.meshes[0].weights.size();
+      if (channel.target_path == "weights") weights.assign(v.begin() + static_cast<std::ptrdiff_t>(frame * morphs), v.begin() + static_cast<std::ptrdiff_t>((frame + 1) * morphs));
+    }
+    std::vector<Eigen::Affine3d> world = local;
+    for (std::size_t n = 0; n < model_.nodes.size(); ++n)  // parents come first
+      for (int child : model_.nodes[n].children) world[static_cast<std::size_t>(child)] = world[n] * local[static_cast<std::size_t>(child)];
+    const std::vector<float> inverse = floats(model_.skins[0].inverseBindMatrices);
+    std::vector<Eigen::Affine3d> joints;
+    for (std::size_t j = 0; j < model_.skins[0].joints.size(); ++j)
+      joints.push_back(world[static_cast<std::size_t>(model_.skins[0].joints[j])] * Eigen::Affine3d(Eigen::Map<const Eigen::Matrix4f>(&inverse[16 * j]).cast<double>()));
+    const tinygltf::Primitive& primitive = model_.meshes[0].primitives[0];
+    std::vector<float> p = floats(primitive.attributes.at("POSITION"));
+    for (std::size_t m = 0; m < primitive.targets.size(); ++m) {
+      const std::vector<float> shape = floats(primitive.targets[m].at("POSITION"));
+      for (std::size_t i = 0; i < p.size(); ++i) p[i] += weights[m] * shape[i];
+    }
+    const std::vector<float> shares = floats(primitive.attributes.at("WEIGHTS_0"));
+    const auto* names = reinterpret_cast<const std::uint16_t*>(bytes(model_.accessors[static_cast<std::size_t>(primitive.attributes.at("JOINTS_0"))].bufferView));
+    Points out = Points::Zero(static_cast<Eigen::Index>(p.size() / 3), 3);
+    for (Eigen::Index i = 0; i < out.rows(); ++i)
+      for (Eigen::Index k = 0; k < 4; ++k) {
+        const std::size_t at = static_cast<std::size_t>(4 * i + k);
+        out.row(i) += shares[at] * (joints[names[at]] * Vec3(p[3 * static_cast<std::size_t>(i)], p[3 * static_cast<std::size_t>(i) + 1], p[3 * static_cast<std::size_t>(i) + 2]));
+      }
+    return out;
+  }
+
+ private:
+  const unsigned char* bytes(int view) const {
+    const tinygltf::BufferView& v = model_.bufferViews[static_cast<std::size_t>(view)];
+    return model_.buffers[0].data.data() + v.byteOffset;
+  }
+  tinygltf::Model model_;
+  bool ok_ = false;
+};
+
+TEST(Bake, TheFilePlaysAsStatedByAReaderOfItsOwn) {
+  BoundArm arm;
+  const Bake bake = arm.bake(8);
+  const std::string file = ::testing::TempDir() + "bake_" + std::to_string(::getpid()) + ".glb";
+  write_bake(file, "arm", arm.arm.skin, arm.skeleton, bake);
+  const Player player(file);
+  std::filesystem::remove(file);
+  std::vector<Transform> X_WJ;
+  SkinFrame frame;
+  Points exact;
+  double worst = 0, squares = 0, count = 0;
+  for (std::size_t f = 0; f < 20; ++f) {
+    const Points played = player.play(f);
+    arm.exact()(arm.bend.motion.frames[f], X_WJ, frame);
+    to_points(frame, exact);
+    worst = std::max(worst, (played - exact).rowwise().norm().maxCoeff());
+    squares += (played - exact).squaredNorm();
+    count += static_cast<double>(exact.rows());
+  }
+  EXPECT_NEAR(worst, bake.error.max, 2e-6);
+  EXPECT_NEAR(std::sqrt(squares / count), bake.error.rms, 2e-6);
+  const tinygltf::Value& stated = player.model().scenes[0].extras.Get("bake").Get("error");
+  EXPECT_NEAR(stated.Get("max").GetNumberAsDouble(), worst, 2e-6);
+  EXPECT_EQ(stated.Get("frames").GetNumberAsInt(), 20);
+}
+
+}  // namespace
+}  // namespace ecorche
