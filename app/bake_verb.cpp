@@ -1,8 +1,9 @@
 // ecorche bake: a character's motions as skin, morph targets and curves for engines.
-#include <fmt/format.h>
-
 #include <set>
 
+#include <fmt/format.h>
+
+#include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "app/actor.h"
 #include "app/motion_options.h"
@@ -23,14 +24,14 @@ struct BakeVerbOptions {
 
 constexpr double kAskedRms = 2e-3, kAskedMax = 6e-3;  // m
 
-std::vector<BakedMotion> open_motions(const BakeVerbOptions& options, const Actor& actor, Report& report) {
+std::vector<BakedMotion> open_motions(const BakeVerbOptions& options, const Actor& actor, const Common& common, Report& report) {
   std::vector<BakedMotion> out;
   std::set<std::string> names;
   for (const fs::path& file : options.motions) {
     BakedMotion each;
     each.name = file.stem().string();
     for (int k = 2; !names.insert(each.name).second; ++k) each.name = fmt::format("{}_{}", file.stem().string(), k);
-    each.motion = open_motion(file, actor.character, to_retarget_options(options.retarget), report);
+    each.motion = open_motion(file, actor.character, to_retarget_options(options.retarget), common, report);
     out.push_back(std::move(each));
   }
   return out;
@@ -51,6 +52,9 @@ std::string in_words(const BakeError& error) {
 
 int run(const BakeVerbOptions& options, const Common& common, Report& report) {
   if (options.output.extension() != ".glb") throw UsageError(fmt::format("{}: a bake is written as .glb", options.output.string()));
+  std::vector<fs::path> inputs = options.motions;
+  inputs.push_back(options.character);
+  check_output(options.output, inputs);
   const Actor actor = make_actor(read_character(options.character), report);
   const Character& character = actor.character;
   ActorFrame frame;
@@ -61,7 +65,7 @@ int run(const BakeVerbOptions& options, const Common& common, Report& report) {
   };
   Bake bake;
   {
-    std::vector<BakedMotion> motions = open_motions(options, actor, report);
+    std::vector<BakedMotion> motions = open_motions(options, actor, common, report);
     const StageTimer timer(report, "bake");
     bake = bake_skin(character.body.skin, character.anatomy.skeleton, actor.binding.joint_weights, exact, std::move(motions), options.bake);
   }

@@ -107,6 +107,21 @@ Eigen::Affine3d blended(const std::array<Influence, 4>& influences, std::span<co
   return Eigen::Affine3d(sum);
 }
 
+// Where joints that a vertex hangs on turn far against each other, their blend falls flat and no shape could push through it: such a
+// vertex leans as far on its first joint as keeps the blend open in every sample.
+void keep_open(const Samples& samples, std::array<Influence, 4>& influences) {
+  constexpr double kLeastVolume = 0.35;
+  constexpr int kSteps = 8;
+  const std::array<Influence, 4> solved = influences;
+  for (int step = 0; step <= kSteps; ++step) {
+    const double lean = static_cast<double>(step) / kSteps;
+    for (std::size_t k = 0; k < 4; ++k) influences[k].weight = (1 - lean) * solved[k].weight + (k == 0 ? lean : 0);
+    double least = 1;
+    for (const std::vector<Transform>& bones : samples.bones) least = std::min(least, blended(influences, bones).linear().determinant());
+    if (least >= kLeastVolume) return;
+  }
+}
+
 // The inverse, or that of the nearest rotation where the blend has fallen flat.
 Mat3 back_to_rest(const Mat3& A) {
   if (A.determinant() > 0.2) return A.inverse();
@@ -268,6 +283,7 @@ Bake bake_skin(const TriMesh& skin, const Skeleton& skeleton, std::span<const st
     const std::vector<int> joints = candidates(skeleton, start, rings[i], static_cast<int>(i));
     const Eigen::Index vertex = static_cast<Eigen::Index>(i);
     bake.influences[i] = solve_vertex(samples, skin.V.row(vertex), vertex, joints, start[i], options.keep_weights);
+    if (options.morphs > 0) keep_open(samples, bake.influences[i]);
   });
   Eigen::MatrixXd leftovers(3 * skin.V.rows(), static_cast<Eigen::Index>(samples.bones.size()));
   for (std::size_t f = 0; f < samples.bones.size(); ++f)

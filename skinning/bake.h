@@ -5,6 +5,7 @@
 // 1. Influences. Over sample frames, each vertex looks for non-negative weights of sum 1 over the joints about it that bring it closest to
 //    where the exact skin has it (an active set after Lawson & Hanson; weights as in Le & Deng 2012, 10.1145/2366145.2366218). Joints
 //    are dropped one by one, least harm first, and the rest solved again, until four are left.
+//    Where that blend would fall flat in a frame, the vertex leans on its first joint instead, so that a shape can still move it.
 // 2. Shapes. What is left over is turned back to the rest pose; its principal components over the sample frames are the shapes B, the
 //    share of each in a frame is its curve. Vertices that stay far off are given more weight. Curves keep within -1 .. 1.
 #pragma once
@@ -25,7 +26,7 @@ struct BakeOptions {
   int morphs = 32;            // at most
   int sample_frames = 240;    // of all motions together, that weights and shapes are solved on; errors are of every frame
   double keep_weights = 5e-4; // m; a weight strays by 1 from the given ones only where that brings the skin closer by as much
-  double least_offset = 2e-5; // m; smaller offsets of a shape are left out of it
+  double least_offset = 1e-4; // m; smaller offsets of a shape are left out of it
 };
 
 // Distances from the exact skin over vertices and frames, m.

@@ -17,13 +17,15 @@ using gltf::number;
 using gltf::Object;
 using tinygltf::Value;
 
-int add_sparse(gltf::GlbBuilder& glb, const Points& shape) {
-  std::vector<std::uint32_t> places;
+// `Place`: what counts the vertices.
+template <class Place>
+int add_sparse(gltf::GlbBuilder& glb, const Points& shape, int component) {
+  std::vector<Place> places;
   std::vector<float> offsets;
   Eigen::Array3d low = Eigen::Array3d::Zero(), high = Eigen::Array3d::Zero();  // what is not stored is zero
   for (Eigen::Index i = 0; i < shape.rows(); ++i) {
     if (shape.row(i).isZero(0)) continue;
-    places.push_back(static_cast<std::uint32_t>(i));
+    places.push_back(static_cast<Place>(i));
     for (int k = 0; k < 3; ++k) {
       offsets.push_back(static_cast<float>(shape(i, k)));
       low[k] = std::min(low[k], static_cast<double>(offsets.back()));
@@ -34,7 +36,7 @@ int add_sparse(gltf::GlbBuilder& glb, const Points& shape) {
     places.push_back(0);
     offsets.assign(3, 0);
   }
-  const int indices = glb.add_accessor(places, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, 1, 0);
+  const int indices = glb.add_accessor(places, component, TINYGLTF_TYPE_SCALAR, 1, 0);
   const int values = glb.add_accessor(offsets, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 3, 0);
   std::vector<tinygltf::Accessor>& accessors = glb.model().accessors;
   tinygltf::Accessor accessor;
@@ -48,7 +50,7 @@ int add_sparse(gltf::GlbBuilder& glb, const Points& shape) {
   accessor.sparse.count = static_cast<int>(places.size());
   accessor.sparse.indices.bufferView = accessors[static_cast<std::size_t>(indices)].bufferView;
   accessor.sparse.indices.byteOffset = 0;
-  accessor.sparse.indices.componentType = TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+  accessor.sparse.indices.componentType = component;
   accessor.sparse.values.bufferView = accessors[static_cast<std::size_t>(values)].bufferView;
   accessor.sparse.values.byteOffset = 0;
   accessors.resize(accessors.size() - 2);  // those two only brought their views
@@ -90,8 +92,10 @@ void write_bake(const std::filesystem::path& file, const std::string& name, cons
   tinygltf::Mesh& mesh = glb.model().meshes.back();
   glb.add_influences(mesh.primitives[0], bake.influences);
   Array names;
+  const bool small = skin.V.rows() <= 65536;
   for (std::size_t m = 0; m < bake.morphs.size(); ++m) {
-    mesh.primitives[0].targets.push_back({{"POSITION", add_sparse(glb, bake.morphs[m])}});
+    mesh.primitives[0].targets.push_back({{"POSITION", small ? add_sparse<std::uint16_t>(glb, bake.morphs[m], TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT)
+                                                              : add_sparse<std::uint32_t>(glb, bake.morphs[m], TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)}});
     names.push_back(gltf::text(fmt::format("corrective_{:02}", m + 1)));
   }
   mesh.weights.assign(bake.morphs.size(), 0);

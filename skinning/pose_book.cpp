@@ -61,11 +61,7 @@ class Poser {
     const Joint& at = skeleton_.joints[static_cast<std::size_t>(j)];
     Vec3 all = joint_angles(at, Quat::Identity());
     for (std::size_t k = 0; k < std::min<std::size_t>(3, angles.size()); ++k)
-      if (angles[k]) {
-        // Rotation is counted in a right-handed frame of flexion and abduction, left and right.
-        const double sign = k == 2 && at.axes.determinant() < 0 ? -1 : 1;
-        all[static_cast<Eigen::Index>(k)] = sign * *angles[k];
-      }
+      if (angles[k]) all[static_cast<Eigen::Index>(k)] = *angles[k];
     pose_.rotations[static_cast<std::size_t>(j)] = joint_rotation(at, all);
   }
 

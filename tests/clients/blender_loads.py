@@ -35,7 +35,8 @@ def main(path):
     bpy.ops.import_scene.gltf(filepath=path)
     missing = [name for name in wanted if name not in bpy.data.objects]
     assert not missing, f"not in Blender: {missing[:5]} and {max(0, len(missing) - 5)} more"
-    skin = bpy.data.objects["skin"]
+    # A node that has curves of its own and a mesh that joints move becomes two objects there, of which the mesh comes second.
+    skin = next(o for o in bpy.data.objects if o.type == "MESH" and o.name.split(".")[0] == "skin")
     assert any(m.type == "ARMATURE" for m in skin.modifiers), "the skin has no armature"
     if any(n.startswith("corrective_") for n in target_names(path)):
         keys = skin.data.shape_keys

@@ -41,9 +41,10 @@ struct BoundArm {
       deform_skin(binding, posed, out);
     };
   }
-  Bake bake(int morphs) {
+  Bake bake(int morphs, double least_offset = BakeOptions{}.least_offset) {
     BakeOptions options;
     options.morphs = morphs;
+    options.least_offset = least_offset;
     return bake_skin(arm.skin, skeleton, binding.joint_weights, exact(), {bend}, options);
   }
 };
@@ -85,7 +86,7 @@ TEST(BakeWeights, AreOnTheSimplexAndNoneCanBeBettered) {
 
 TEST(Bake, ShapesTakeUpWhatInfluencesLeave) {
   BoundArm arm;
-  const Bake none = arm.bake(0), few = arm.bake(3), all = arm.bake(32);
+  const Bake none = arm.bake(0), few = arm.bake(3), all = arm.bake(32, 2e-5);
   EXPECT_EQ(none.morphs.size(), 0u);
   EXPECT_EQ(few.morphs.size(), 3u);
   EXPECT_GT(none.error.max, 1e-4);
@@ -151,7 +152,8 @@ class Player {
     std::vector<float> out(a.count * width, 0);
     if (a.bufferView >= 0) std::memcpy(out.data(), bytes(a.bufferView), 4 * out.size());
     if (!a.sparse.isSparse) return out;
-    const auto* places = reinterpret_cast<const std::uint32_t*>(bytes(a.sparse.indices.bufferView));
+    EXPECT_EQ(a.sparse.indices.componentType, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT);  // enough for so small a skin
+    const auto* places = reinterpret_cast<const std::uint16_t*>(bytes(a.sparse.indices.bufferView));
     const auto* values = reinterpret_cast<const float*>(bytes(a.sparse.values.bufferView));
     for (std::size_t i = 0; i < static_cast<std::size_t>(a.sparse.count); ++i) std::memcpy(&out[width * places[i]], &values[width * i], 4 * width);
     return out;
