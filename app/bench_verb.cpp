@@ -7,6 +7,7 @@
 
 #include "anatomy/muscle_line.h"
 #include "anatomy/subdivide.h"
+#include "app/bench_measures.h"
 #include "app/bench_timer.h"
 #include "app/fitting.h"
 #include "app/verb.h"
@@ -108,6 +109,10 @@ int run(int rounds, const Common& common, Report& report) {
     report.set("bench." + ratio.name + ".ms", 1e3 * ratio.seconds);
     report.set("bench." + ratio.name + ".ratio", ratio.value());
     fmt::print("{:<66} {:>10.3f} {:>7.2f} {:>7}\n", ratio.what, 1e3 * ratio.seconds, ratio.value(), ratio.asked > 0 ? fmt::format("{:.2f}", ratio.asked) : "");
+  }
+  for (const TimedLine& line : bench_measures(package, rounds)) {
+    report.set("bench." + line.name + ".ms", 1e3 * line.seconds);
+    fmt::print("{:<66} {:>10.3f} {:>7} {:>7}\n", line.what + " (CPU time)", 1e3 * line.seconds, "", fmt::format("{:.0f}", 1e3 * line.asked));
   }
   const auto ms = [&](const char* name) { return report.number(std::string("timings_ms.") + name); };
   const double shared = ms("fit_bones") + ms("fit_muscles") + ms("dilation");

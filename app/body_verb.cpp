@@ -1,12 +1,15 @@
 // ecorche body new: a body of a wanted sex, age, height and mass, or of measures taken with a tape.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <optional>
+
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
 #include "app/verb.h"
 #include "morph/body.h"
-#include "morph/solve_measures.h"
+#include "morph/sizes.h"
 #include "skinning/character_io.h"
 
 namespace ecorche {
@@ -15,34 +18,36 @@ namespace {
 namespace fs = std::filesystem;
 
 struct NewOptions {
-  std::string sex;
-  double age = 25, height = 0, mass = 0, muscle = -1;
+  std::string sex, size;
+  std::optional<double> age;  // measures alone: people of all ages
+  double height = 0, mass = 0, muscle = -1;
   fs::path output;
   std::vector<std::string> measures;  // NAME=VALUE
   bool best_effort = false, allow_unusual = false;
 };
 
-std::vector<Wish> parse_wishes(const NewOptions& options, const TapeMeasure& tape) {
+std::vector<Wish> parse_wishes(const NewOptions& options, const TapeMeasure& tape, Sex sex) {
   std::vector<Wish> out;
   if (options.height > 0) out.push_back({tape.table().at("stature"), options.height});
   if (options.mass > 0) out.push_back({tape.table().at("weight"), options.mass});
-  for (const std::string& text : options.measures) {
-    const auto equals = text.find('=');
-    if (equals == std::string::npos) throw UsageError(fmt::format("--measure {}: expected NAME=VALUE, as in waist_girth=74cm", text));
-    const int k = tape.table().at(text.substr(0, equals));
-    out.push_back({k, parse_quantity(std::string_view(text).substr(equals + 1), tape.measure(k).kind)});
-  }
+  for (const std::string& text : options.measures) out.push_back(parse_wish(text, tape.table()));
+  if (options.size.empty()) return out;
+  // What is asked for by itself goes before what the size says of it.
+  const std::vector<StandardSize> sizes = read_sizes(data_folder() / "body");
+  for (const Wish& wish : size_wishes(find_size(sizes, sex, options.size), tape.table()))
+    if (std::none_of(out.begin(), out.end(), [&](const Wish& own) { return own.measure == wish.measure; })) out.push_back(wish);
   return out;
 }
 
 // The most probable body with the measures. Impossible ones throw UnfitError that names them, unless best effort is wanted.
 int run_measured(const NewOptions& options, const Common& common, Report& report) {
-  if (options.muscle >= 0) throw UsageError("--muscle cannot be combined with --measure; give girths instead");
+  if (options.muscle >= 0) throw UsageError("--muscle cannot be combined with --measure or --size; give girths instead");
   const BodyPackage package = read_body_package(find_packages());
   const TapeMeasure tape(package, read_measure_table(package, data_folder() / "body"));
-  const std::vector<Wish> wishes = parse_wishes(options, tape);
   const Sex sex = options.sex == "female" ? Sex::female : Sex::male;
-  const ShapeSpace space = read_shape_space(package, tape, sex);
+  const std::vector<Wish> wishes = parse_wishes(options, tape, sex);
+  ShapeSpace space = read_shape_space(package, tape, sex);
+  if (options.age) move_to_age(package, tape, *options.age, space);
   SolveOptions solve;
   solve.allow_unusual = options.allow_unusual;
   SolvedBody solved;
@@ -74,7 +79,7 @@ int run_measured(const NewOptions& options, const Common& common, Report& report
   body.skin = skin_mesh(package, solved.points);
   body.name = options.output.stem().string();
   body.sex = sex;
-  body.age = options.age;
+  if (options.age) body.age = *options.age;
   body.mass = kBodyDensity * skin_volume(package, solved.points);
   write_body(options.output, body);
   report.set("body.stature", stature(package, solved.points));
@@ -88,10 +93,10 @@ int run_measured(const NewOptions& options, const Common& common, Report& report
 int run_new(const NewOptions& options, const Common& common, Report& report) {
   if (options.output.extension() != ".glb") throw UsageError(options.output.string() + ": a body is written as .glb");
   check_output(options.output);
-  if (!options.measures.empty()) return run_measured(options, common, report);
+  if (!options.measures.empty() || !options.size.empty()) return run_measured(options, common, report);
   BodySpec spec;
   spec.sex = options.sex == "female" ? Sex::female : Sex::male;
-  spec.age = options.age;
+  if (options.age) spec.age = *options.age;
   if (options.height > 0) spec.height = options.height;
   if (options.mass > 0) spec.mass = options.mass;
   if (options.muscle >= 0) spec.muscle = options.muscle;
@@ -119,17 +124,21 @@ void add_body_verb(VerbRegistry& registry) {
                             "ecorche body new --sex female --age 30 --height 1.68 --mass 60 -o anna.glb",
                             [options](const Common& common, Report& report) { return run_new(*options, common, report); });
   verb->add_option("--sex", options->sex, "male or female")->required()->check(CLI::IsMember({"male", "female"}));
-  verb->add_option("--age", options->age, "Years")->check(CLI::Range(1.0, 90.0))->capture_default_str();
+  verb->add_option("--age", options->age, "Years; 25 when left out, and with --measure people of all ages")->check(CLI::Range(1.0, 90.0));
   verb->add_option("--height", options->height, "Stature in metres; the average when left out")->check(CLI::Range(0.5, 2.6));
   verb->add_option("--mass", options->mass, "Kilograms; follows from an average build when left out")->check(CLI::Range(2.0, 400.0));
   verb->add_option("--muscle", options->muscle, "Muscularity from 0 to 1; follows from the mass when left out")->check(CLI::Range(0.0, 1.0));
   verb->add_option("--measure", options->measures,
                    "NAME=VALUE, met exactly; m, cm, mm or in (kg, lb for weight); may be repeated. "
                    "Example: --measure chest_girth=92cm --measure waist_girth=74cm. Names: ecorche body measure --list");
+  verb->add_option("--size", options->size, "Clothing size XS, S, M, L or XL: the body it is made for; --measure changes it");
   verb->add_flag("--best-effort", options->best_effort, "Write the nearest body (exit code 8) when measures contradict each other");
   verb->add_flag("--allow-unusual", options->allow_unusual, "Accept measures that people do not have, as far as the skin can be bent");
   verb->add_option("-o,--output", options->output, "Body file to write (.glb)")->required();
   add_body_measure(registry, *body);
+  add_body_modify(registry, *body);
+  add_body_population(registry, *body);
+  add_body_size(registry, *body);
 }
 
 }  // namespace ecorche

@@ -7,6 +7,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
 #include "app/html_page.h"
+#include "app/tape_pictures.h"
 #include "app/verb.h"
 #include "morph/measure.h"
 #include "skinning/character_io.h"
@@ -90,6 +91,13 @@ int run_measure(const MeasureOptions& options, const Common& common, Report& rep
   if (!options.html.empty()) {
     HtmlPage page("Measures of " + (body.name.empty() ? options.body.stem().string() : body.name));
     const std::vector<std::string> header{"id", "measure", "value", "standard", "note"};
+    try {
+      Renderer renderer;
+      const Image sheet = sheet_of_tapes(renderer, tape, body.skin, 620, 860);
+      page.add_picture(encode_png(sheet), "Where the tapes, callipers and sticks lie. Paired measures are taken on the left.");
+    } catch (const OutputError& e) {
+      note(common, fmt::format("no picture: {}", e.what()));  // the page is of use without it
+    }
     page.add_table(header, table_rows(tape, values, unit_of(options.unit)));
     write_file_atomically(options.html, page.to_string());
     note(common, fmt::format("{}: {} measures", options.html.string(), tape.count()));

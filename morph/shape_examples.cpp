@@ -21,12 +21,14 @@ double halton(int i, int base) {
   return value;
 }
 
+constexpr double kYoungest = 18, kOldest = 90;  // years
+
 Macros example_macros(Sex sex, int i) {
   static constexpr std::array<int, 9> bases{2, 3, 5, 7, 11, 13, 17, 19, 23};
   const auto u = [i](std::size_t axis) { return halton(i + 1, bases[axis]); };
   Macros m;
   m.male = sex == Sex::male ? 1 : 0;
-  m.age = age_slider(18 + 72 * u(0) * u(0));  // more young than old, as in the survey
+  m.age = age_slider(kYoungest + (kOldest - kYoungest) * u(0) * u(0));  // more young than old, as in the survey
   m.weight = u(1);
   m.muscle = u(2);
   m.height = u(3);
@@ -49,6 +51,23 @@ Eigen::MatrixXd shape_examples(const BodyPackage& package, Sex sex, int count) {
   }
   make_symmetric(package, out);
   return out;
+}
+
+Points age_offset(const BodyPackage& package, Sex sex, double years) {
+  // A third of the span: the mean of a squared even number. Above 25 years the slider is linear, and so are the shapes.
+  const double mean_age = kYoungest + (kOldest - kYoungest) / 3;
+  const auto average = [&](double age) {
+    Macros macros;
+    macros.male = sex == Sex::male ? 1 : 0;
+    macros.age = age_slider(age);
+    Points skin = shape_points(package, macros).topRows(package.skin_size);
+    skin.col(1).array() -= skin.col(1).minCoeff();
+    return skin;
+  };
+  const Points apart = average(years) - average(mean_age);
+  Eigen::MatrixXd column = Eigen::Map<const Eigen::VectorXd>(apart.data(), apart.size());
+  make_symmetric(package, column);
+  return Eigen::Map<const Points>(column.data(), package.skin_size, 3);
 }
 
 Eigen::MatrixXd local_shapes(const BodyPackage& package, Sex sex, const std::filesystem::path& folder) {

@@ -50,8 +50,15 @@ struct ShapeSpace {
 // Throws InputError for damaged tables or targets. Takes seconds; read_shape_space keeps the result.
 ShapeSpace build_shape_space(const BodyPackage& package, const TapeMeasure& tape, Sex sex, const ShapeSpaceOptions& options = {});
 
+// Hash of everything that a space is built from.
+std::string shape_space_key(Sex sex);
+
 // The same from the cache ($XDG_CACHE_HOME/ecorche, else ~/.cache/ecorche), building and storing it when there is none.
 ShapeSpace read_shape_space(const BodyPackage& package, const TapeMeasure& tape, Sex sex);
+
+// The space of people of that age (1 to 90 years) instead of all ages: the mean and the law's means move as the package's average body
+// does between the examples' mean age and this one. Asked measures are met as before; face, posture and build are of the age.
+void move_to_age(const BodyPackage& package, const TapeMeasure& tape, double years, ShapeSpace& space);
 
 // The skin of coefficients, not yet put on the floor. #skin x 3
 Points space_points(const ShapeSpace& space, const Eigen::VectorXd& z);

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kVersion[] = "ecorche shape space 3";  // counts up with every change of how a space is built
+constexpr char kVersion[] = "ecorche shape space 5";  // counts up with every change of how a space is built
 constexpr std::size_t kHashSize = 64;
 
 fs::path cache_folder() {
@@ -26,16 +26,6 @@ fs::path cache_folder() {
 std::string file_bytes(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-// Everything a space is built from: our tables and the pin of the body package.
-std::string space_key(Sex sex) {
-  std::string all = std::string(kVersion) + (sex == Sex::male ? " male" : " female") + file_bytes(data_folder() / "packages.txt");
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(data_folder() / "body")) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  for (const auto& file : files) all += '\n' + file.filename().string() + '\n' + file_bytes(file);
-  return sha256(all);
 }
 
 template <class T>
@@ -87,9 +77,19 @@ ShapeSpace space_from(std::string_view bytes, Eigen::Index skin) {
 
 }  // namespace
 
+// Our tables and the pin of the body package.
+std::string shape_space_key(Sex sex) {
+  std::string all = std::string(kVersion) + (sex == Sex::male ? " male" : " female") + file_bytes(data_folder() / "packages.txt");
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(data_folder() / "body")) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  for (const auto& file : files) all += '\n' + file.filename().string() + '\n' + file_bytes(file);
+  return sha256(all);
+}
+
 ShapeSpace read_shape_space(const BodyPackage& package, const TapeMeasure& tape, Sex sex) {
   const fs::path folder = cache_folder();
-  const fs::path file = folder / (space_key(sex) + ".space");
+  const fs::path file = folder / (shape_space_key(sex) + ".space");
   if (!folder.empty() && fs::exists(file)) {
     try {
       return space_from(file_bytes(file), package.skin_size);

@@ -123,6 +123,13 @@ class Solver {
 
 }  // namespace
 
+Wish parse_wish(const std::string& text, const MeasureTable& table) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos) throw UsageError(fmt::format("--measure {}: expected NAME=VALUE, as in waist_girth=74cm", text));
+  const int k = table.at(text.substr(0, equals));
+  return {k, parse_quantity(std::string_view(text).substr(equals + 1), table.measures[static_cast<std::size_t>(k)].kind)};
+}
+
 // Set so that fewer than one in a hundred people of the survey is refused, whichever of their measures are asked; people's measures
 // have heavier tails than the normal law, the more so the more are asked.
 double conflict_limit(int count) { return count <= 1 ? 7.0 : 3.45 + 0.017 * count; }

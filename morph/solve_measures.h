@@ -22,6 +22,9 @@ struct Wish {
   double value = 0;  // m; kg for the mass
 };
 
+// "waist_girth=74cm" as people write it. Throws UsageError.
+Wish parse_wish(const std::string& text, const MeasureTable& table);
+
 // Why a request cannot be met.
 struct Conflict {
   int blamed = -1;               // number of the wish that fits the others least

@@ -26,7 +26,7 @@ absent() { if [ ! -e "$1" ]; then ok; else bad "$1 should not exist"; fi; }
 
 # Help and usage.
 expect 0 "help" "$ecorche" --help
-for verb in demo "template info" "template check" "template sweep" "template import" "body new" "body measure" fit animate export render view bench check bake posebook; do
+for verb in demo "template info" "template check" "template sweep" "template import" "body new" "body measure" "body modify" "body population" "body size" fit animate export render view bench check bake posebook; do
   # shellcheck disable=SC2086
   expect 0 "help of $verb" "$ecorche" $verb --help
   if grep -q Example out.txt; then ok; else bad "help of $verb has no example"; fi
@@ -61,6 +61,31 @@ expect 0,8 "a fit" "$ecorche" fit anna.glb -o anna-1.glb --threads 1 --report fi
 there anna-1.glb; there fit.json
 expect 0,8 "the same fit with two threads" "$ecorche" fit anna.glb -o anna-2.glb --threads 2
 if cmp -s anna-1.glb anna-2.glb; then ok; else bad "one and two threads give different bytes"; fi
+
+# Sizes, changes, many people.
+expect 0 "a size" "$ecorche" body new --sex female --size M -o m.glb
+expect 0 "its size" "$ecorche" body size m.glb
+if grep -q "^size M" out.txt; then ok; else bad "a body of size M is not found to be one: $(head -1 out.txt)"; fi
+expect 2 "an unknown size" "$ecorche" body new --sex female --size XXL -o n.glb
+says "XS"
+expect 0 "a heavier body" "$ecorche" body modify m.glb --fat 34 -o heavier.glb --report heavier.json
+there heavier.glb
+expect 2 "a change without a value" "$ecorche" body modify m.glb --measure waist_girth -o n.glb
+absent n.glb
+printf 'name,sex,stature,waist_girth\nada,female,168cm,74cm\nbob,male,178cm,much\ncyd,male,1.80,90cm\n' > people.csv
+printf 'name,sex,stature,waist_girth\ncyd,male,1.80,90cm\nada,female,168cm,74cm\n' > turned.csv
+expect 8 "people with a bad row" "$ecorche" body population people.csv --skins -o people
+says "people.csv:3"
+there people/ada.glb; there people/cyd.glb; there people/population.csv; absent people/bob.glb
+expect 0 "the others in another order" "$ecorche" body population turned.csv --skins -o turned
+if cmp -s people/ada.glb turned/ada.glb && cmp -s people/cyd.glb turned/cyd.glb; then ok; else bad "the order of rows changes a body"; fi
+rm turned/ada.glb
+expect 0 "one of them gone" "$ecorche" body population turned.csv --skins -o turned --report again.json
+if grep -q '"kept": 1' again.json && cmp -s people/ada.glb turned/ada.glb; then ok; else bad "only what is missing should be made"; fi
+expect 2 "an unknown measure as a column" "$ecorche" body population <(printf 'sex,girth_of_ears\nmale,3cm\n') -o none
+expect 2 "neither file nor number" "$ecorche" body population -o none
+expect 0,8 "people by chance, with anatomy" "$ecorche" body population --count 1 --sex male -o chance
+there chance/person-0001.glb
 
 # Names and places.
 expect 0 "a name with blanks, quotes and a line end" "$ecorche" body new --sex male -o "o' \"ü

@@ -1,5 +1,6 @@
 // Measuring code of its own for the tests: every triangle is cut, segments are joined by the edges they end on, hulls are wrapped
-// like a gift, searches look at every millimetre. It shares only the table of definitions with what it checks.
+// like a gift, searches look at every millimetre, ways over the skin are shortest paths along the segments of a cut. It shares only the
+// table of definitions with what it checks.
 #pragma once
 
 #include <cmath>
@@ -8,13 +9,20 @@
 #include <set>
 #include <vector>
 
+#include <Eigen/Geometry>
+
+#include "morph/body.h"
 #include "morph/measure.h"
 
 namespace ecorche {
 
 class TapeCheck {
  public:
-  TapeCheck(const BodyPackage& package, const MeasureTable& table) : package_(package), table_(table), parts_(vertex_parts(package)) {}
+  TapeCheck(const BodyPackage& package, const MeasureTable& table) : package_(package), table_(table), parts_(vertex_parts(package)) {
+    for (const Measure& m : table.measures)
+      if (m.kind == MeasureKind::path && !m.hull && m.clip_vertex < 0)
+        for (std::size_t i = 0; i + 1 < m.vertices.size(); ++i) ways_.try_emplace({m.vertices[i], m.vertices[i + 1]}, way(m.vertices[i], m.vertices[i + 1]));
+  }
 
   double take(const Measure& m, const Points& V) const {
     switch (m.kind) {
@@ -28,6 +36,17 @@ class TapeCheck {
         for (const Term& t : m.terms) sum += t.sign * take(table_.measures[static_cast<std::size_t>(t.measure)], V);
         return sum;
       }
+      case MeasureKind::mass: return kBodyDensity * skin_volume(package_, V);
+      case MeasureKind::path: {
+        double sum = 0;
+        for (std::size_t i = 0; i + 1 < m.vertices.size(); ++i) {
+          const auto found = ways_.find({m.vertices[i], m.vertices[i + 1]});
+          if (found == ways_.end()) return std::numeric_limits<double>::quiet_NaN();
+          const auto place = [&V](const WayPoint& p) -> Vec3 { return V.row(p.a) + p.t * (V.row(p.b) - V.row(p.a)); };
+          for (std::size_t k = 0; k + 1 < found->second.size(); ++k) sum += (place(found->second[k + 1]) - place(found->second[k])).norm();
+        }
+        return sum;
+      }
       default: return std::numeric_limits<double>::quiet_NaN();
     }
   }
@@ -37,6 +56,73 @@ class TapeCheck {
     std::pair<int, int> from, to;  // edges, smaller vertex first
     Vec3 a, b;
   };
+
+  struct WayPoint {
+    int a, b;
+    double t;
+  };
+
+  // On the base mesh, the shortest way between two vertices in any of the planes turned about the line between them by 7.5 degrees; in the
+  // mid-plane where both lie on it.
+  std::vector<WayPoint> way(int from, int to) const {
+    const Points base = package_.points.topRows(package_.skin_size);
+    const Vec3 p = base.row(from), q = base.row(to), along = (q - p).normalized();
+    const bool middle = std::abs(p.x()) < 1e-9 && std::abs(q.x()) < 1e-9;
+    std::vector<WayPoint> best;
+    double best_length = std::numeric_limits<double>::infinity();
+    for (int turn = 0; turn < (middle ? 1 : 24); ++turn) {
+      const Vec3 normal = middle ? Vec3(Vec3::UnitX()) : Vec3(Eigen::AngleAxisd(M_PI * turn / 24, along) * along.unitOrthogonal());
+      const double length = shortest(cut(base, p, normal), base, from, to, best_length, best);
+      best_length = std::min(best_length, length);
+    }
+    return best;
+  }
+
+  using Crossing = std::pair<int, int>;
+
+  // Dijkstra's way from crossing to crossing; written to `best` when shorter than `limit`.
+  static double shortest(const std::vector<Segment>& segments, const Points& V, int from, int to, double limit, std::vector<WayPoint>& best) {
+    std::map<Crossing, Vec3> place;
+    std::map<Crossing, std::vector<Crossing>> next;
+    for (const Segment& s : segments) {
+      place[s.from] = s.a, place[s.to] = s.b;
+      next[s.from].push_back(s.to), next[s.to].push_back(s.from);
+    }
+    const auto nearest = [&](int v) {
+      Crossing found;
+      double least = std::numeric_limits<double>::infinity();
+      for (const auto& [edge, point] : place)
+        if (const double d = (point - V.row(v).transpose()).norm(); d < least) least = d, found = edge;
+      return std::pair{found, least};
+    };
+    const auto [first, first_gap] = nearest(from);
+    const auto [last, last_gap] = nearest(to);
+    if (first_gap > 0.005 || last_gap > 0.005) return std::numeric_limits<double>::infinity();
+    std::map<Crossing, double> length{{first, first_gap}};
+    std::map<Crossing, Crossing> before;
+    std::set<std::pair<double, Crossing>> open{{first_gap, first}};
+    while (!open.empty()) {
+      const auto [so_far, at] = *open.begin();
+      open.erase(open.begin());
+      if (at == last) break;
+      for (const Crossing& other : next[at]) {
+        const double reached = so_far + (place[other] - place[at]).norm();
+        const auto known = length.find(other);
+        if (known != length.end() && known->second <= reached) continue;
+        length[other] = reached, before[other] = at;
+        open.insert({reached, other});
+      }
+    }
+    if (!length.contains(last) || length[last] + last_gap >= limit) return std::numeric_limits<double>::infinity();
+    std::vector<WayPoint> back{{to, to, 0}};
+    for (Crossing at = last; at != first; at = before[at]) {
+      const Vec3 a = V.row(at.first), b = V.row(at.second);
+      back.push_back({at.first, at.second, (place[at] - a).norm() / (b - a).norm()});
+    }
+    back.push_back({from, from, 0});
+    best.assign(back.rbegin(), back.rend());
+    return length[last] + last_gap;
+  }
 
   double searched(const Measure& m, const Points& V) const {
     const auto p = [&](std::size_t k) -> Vec3 { return V.row(m.vertices[k]); };
@@ -156,6 +242,7 @@ class TapeCheck {
   const BodyPackage& package_;
   const MeasureTable& table_;
   std::vector<VertexPart> parts_;
+  std::map<std::pair<int, int>, std::vector<WayPoint>> ways_;
 };
 
 }  // namespace ecorche

@@ -1,0 +1,20 @@
+// Times of bodies from measures, for `ecorche bench`.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "anatomy/body_package.h"
+
+namespace ecorche {
+
+struct TimedLine {
+  std::string name, what;
+  double seconds = 0, asked = 0;  // CPU time of one thread
+};
+
+// A new body from eight measures; one measure of eight edited; the 24 girths, lengths and breadths of the regions paper asked and one
+// of them edited, on the fine skin.
+std::vector<TimedLine> bench_measures(const BodyPackage& package, int rounds);
+
+}  // namespace ecorche

@@ -1,0 +1,81 @@
+// ecorche body modify: the same person with more or less fat, other girths, more muscle, older, or overdrawn.
+#include <fmt/format.h>
+
+#include "anatomy/atomic_file.h"
+#include "anatomy/errors.h"
+#include "anatomy/package.h"
+#include "app/verb.h"
+#include "morph/modify_body.h"
+#include "skinning/character_io.h"
+
+namespace ecorche {
+namespace {
+
+struct ModifyOptions {
+  std::filesystem::path body, output;
+  std::optional<double> fat, hip_waist, age;
+  double muscle = 0, exaggeration = 1;
+  std::vector<std::string> measures;
+  std::string sex;
+};
+
+int run_modify(const ModifyOptions& options, const Common& common, Report& report) {
+  if (options.output.extension() != ".glb") throw UsageError(options.output.string() + ": a body is written as .glb");
+  check_output(options.output, {options.body});
+  const BodyPackage package = read_body_package(find_packages());
+  const TapeMeasure tape(package, read_measure_table(package, data_folder() / "body"));
+  Body body = read_body(options.body);
+  if (body.skin.V.rows() != package.skin_size)
+    throw UnfitError(fmt::format("{}: {} skin vertices, but attributes are tied to the base mesh's {}; register the skin first (body register)",
+                                 options.body.string(), body.skin.V.rows(), package.skin_size));
+  if (!options.sex.empty()) body.sex = options.sex == "female" ? Sex::female : Sex::male;
+  const ShapeSpace space = read_shape_space(package, tape, body.sex);
+  BodyChange change;
+  change.fat = options.fat;
+  change.hip_waist = options.hip_waist;
+  change.muscle = options.muscle;
+  change.exaggeration = options.exaggeration;
+  if (options.age) change.age = std::pair{body.age > 0 ? body.age : 25.0, *options.age};
+  for (const std::string& text : options.measures) change.measures.push_back(parse_wish(text, tape.table()));
+  const auto figures = [&](const char* when, const Points& skin) {
+    const double fat = fat_percentage(tape, body.sex, skin), ratio = hip_waist_ratio(tape, skin);
+    report.set(fmt::format("{}.fat_percent", when), fat);
+    report.set(fmt::format("{}.hip_waist_ratio", when), ratio);
+    report.set(fmt::format("{}.weight", when), kBodyDensity * skin_volume(package, skin));
+    return fmt::format("fat {:.1f} %, hip to waist {:.3f}, {:.1f} kg", fat, ratio, kBodyDensity * skin_volume(package, skin));
+  };
+  const std::string before = figures("before", body.skin.V);
+  ChangedBody changed;
+  {
+    const StageTimer timer(report, "body");
+    changed = change_body(package, tape, space, body.skin.V, change);
+  }
+  const std::string after = figures("after", changed.points);
+  body.skin = skin_mesh(package, changed.points);
+  body.mass = kBodyDensity * skin_volume(package, changed.points);
+  body.landmarks.clear();
+  if (options.age) body.age = *options.age;
+  write_body(options.output, body);
+  note(common, fmt::format("{}: {}; was {}{}", options.output.string(), after, before, changed.met ? "" : "; not all that was asked for could be met"));
+  return changed.met ? 0 : 8;
+}
+
+}  // namespace
+
+void add_body_modify(VerbRegistry& registry, CLI::App& body) {
+  auto options = std::make_shared<ModifyOptions>();
+  CLI::App* verb = add_verb(registry, body, "modify", "Change a body by attributes and keep what is the person's own",
+                            "ecorche body modify anna.glb --fat 32 -o anna-heavier.glb",
+                            [options](const Common& common, Report& report) { return run_modify(*options, common, report); });
+  verb->add_option("body", options->body, "Body or character (.glb)")->required();
+  verb->add_option("--fat", options->fat, "Share of fat, per cent, by girths and height")->check(CLI::Range(2.0, 60.0));
+  verb->add_option("--hip-waist", options->hip_waist, "Hip girth over waist girth")->check(CLI::Range(0.7, 2.0));
+  verb->add_option("--measure", options->measures, "NAME=VALUE, as for body new; may be repeated. Lengths not asked for stay");
+  verb->add_option("--muscle", options->muscle, "From -1, as weak as can be, to 1, as muscular")->check(CLI::Range(-1.0, 1.0));
+  verb->add_option("--age", options->age, "Years that the body is to be old")->check(CLI::Range(1.0, 90.0));
+  verb->add_option("--exaggerate", options->exaggeration, "More (above 1) or less (below 1) of what sets the body apart from the average")->check(CLI::Range(0.0, 3.0));
+  verb->add_option("--sex", options->sex, "Of a body that does not say it")->check(CLI::IsMember({"male", "female"}));
+  verb->add_option("-o,--output", options->output, "Body file to write (.glb)")->required();
+}
+
+}  // namespace ecorche

@@ -1,0 +1,171 @@
+// ecorche body population: a file of measures, or a number of people, as bodies with their anatomy. Stops and goes on where it stopped.
+#include <fmt/format.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "anatomy/atomic_file.h"
+#include "anatomy/errors.h"
+#include "anatomy/package.h"
+#include "app/fitting.h"
+#include "app/population.h"
+#include "app/verb.h"
+#include "skinning/character_io.h"
+
+namespace ecorche {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PopulationOptions {
+  fs::path people, folder;
+  int count = 0;
+  std::string sex;
+  bool skins = false, allow_unusual = false;
+};
+
+constexpr const char* kHeader = "name,sex,age,stature_m,weight_kg,worst_miss_in_tolerances,anatomy\n";
+
+// What all people share: packages, tables, spaces, the template. Read once.
+struct Workshop {
+  BodyPackage package = read_body_package(find_packages());
+  TapeMeasure tape{package, read_measure_table(package, data_folder() / "body")};
+  std::optional<ShapeSpace> spaces[2];
+  std::optional<Template> body_template;
+
+  const ShapeSpace& space(Sex sex) {
+    auto& kept = spaces[sex == Sex::male ? 0 : 1];
+    if (!kept) kept = read_shape_space(package, tape, sex);
+    return *kept;
+  }
+};
+
+// All that a person's files depend on. A row that is edited is made anew.
+std::string row_key(const Person& person, const PopulationOptions& options, const std::string& versions) {
+  std::string text = fmt::format("{} {} {} {} {}", versions, person.name, person.sex == Sex::male ? "male" : "female", options.skins, options.allow_unusual);
+  text += person.age ? fmt::format(" age {}", *person.age) : "";
+  text += person.draw ? fmt::format(" draw {}", *person.draw) : "";
+  for (const Wish& wish : person.wishes) text += fmt::format(" {}={}", wish.measure, wish.value);
+  return sha256(text);
+}
+
+double worst_miss(const TapeMeasure& tape, const Person& person, const SolvedBody& solved) {
+  double worst = 0;
+  for (std::size_t i = 0; i < person.wishes.size(); ++i)
+    worst = std::max(worst, std::abs(solved.achieved[i] - person.wishes[i].value) / tape.measure(person.wishes[i].measure).tolerance);
+  return worst;
+}
+
+// Writes the person's file and returns its row of population.csv.
+std::string make_files(Workshop& shop, const Person& person, const PopulationOptions& options, const fs::path& file) {
+  SolveOptions solve;
+  solve.allow_unusual = options.allow_unusual;
+  std::optional<ShapeSpace> of_age;
+  if (person.age) {
+    of_age = shop.space(person.sex);
+    move_to_age(shop.package, shop.tape, *person.age, *of_age);
+  }
+  const SolvedBody solved = make_person(shop.tape, of_age ? *of_age : shop.space(person.sex), person, solve);
+  Body body;
+  body.skin = skin_mesh(shop.package, solved.points);
+  body.name = person.name;
+  body.sex = person.sex;
+  if (person.age) body.age = *person.age;
+  body.mass = kBodyDensity * skin_volume(shop.package, solved.points);
+  std::string anatomy = "none";
+  if (options.skins) {
+    write_body(file, body);
+  } else {
+    Report own;
+    const FittedCharacter fitted = fit_character(*shop.body_template, body, shop.package, {}, own);
+    const std::vector<std::string> missed = missed_targets(fitted);
+    anatomy = missed.empty() ? "met" : fmt::format("{} targets missed", missed.size());
+    write_character(file, fitted.actor.character, fitted.actor.binding);
+  }
+  return fmt::format("{},{},{},{:.4f},{:.2f},{:.3f},{}\n", person.name, person.sex == Sex::male ? "male" : "female",
+                     person.age ? fmt::format("{}", *person.age) : "", stature(shop.package, solved.points), body.mass,
+                     worst_miss(shop.tape, person, solved), anatomy);
+}
+
+// The row of a person whose files are there and were made from the same; empty otherwise.
+std::string finished_row(const fs::path& note, const fs::path& file, const std::string& key) {
+  std::ifstream in(note);
+  std::string found, row;
+  if (!fs::exists(file) || !std::getline(in, found) || found != key || !std::getline(in, row)) return {};
+  return row + "\n";
+}
+
+int run_population(const PopulationOptions& options, const Common& common, Report& report) {
+  if (options.people.empty() == (options.count == 0)) throw UsageError("body population: give a file of measures or --count, one of them");
+  std::optional<Sex> sex;
+  if (!options.sex.empty()) sex = options.sex == "female" ? Sex::female : Sex::male;
+  Workshop shop;
+  People people;
+  if (options.people.empty()) people.people = draw_people(options.count, sex, common.seed);
+  else people = read_people(options.people, sex, shop.tape.table());
+  for (const BadRow& bad : people.bad) note(common, bad.what);
+  if (people.people.empty()) throw InputError(options.people.string() + ": no row can be used");
+  if (!options.skins) shop.body_template = read_template();
+  const fs::path notes = options.folder / ".rows";
+  std::error_code failed;
+  fs::create_directories(notes, failed);
+  if (failed) throw OutputError(fmt::format("{}: {}", notes.string(), failed.message()));
+
+  const std::string versions = fmt::format("{} {} {} {}", ECORCHE_VERSION, options.skins ? "" : template_key(), shape_space_key(Sex::male), shape_space_key(Sex::female));
+  std::string table = kHeader;
+  int made = 0, kept = 0, refused = 0, missed = 0;
+  const int total = static_cast<int>(people.people.size());
+  const StageTimer timer(report, "population");
+  for (int i = 0; i < total; ++i) {
+    const Person& person = people.people[static_cast<std::size_t>(i)];
+    const fs::path file = options.folder / (person.name + ".glb"), done = notes / person.name;
+    const std::string key = row_key(person, options, versions);
+    std::string row = finished_row(done, file, key);
+    if (!row.empty()) {
+      ++kept;
+    } else {
+      try {
+        row = make_files(shop, person, options, file);
+        write_file_atomically(done, key + "\n" + row);
+        ++made;
+      } catch (const UnfitError& e) {
+        note(common, fmt::format("{}: {}", person.name, e.what()));
+        report.append_text("population.refused_people", person.name);
+        ++refused;
+        continue;
+      }
+    }
+    if (row.find("missed") != std::string::npos) ++missed;
+    table += row;
+    progress(common, "people", i + 1, total);
+  }
+  write_file_atomically(options.folder / "population.csv", table);
+  report.set("population.people", made + kept);
+  report.set("population.kept", kept);
+  report.set("population.refused", refused);
+  report.set("population.bad_rows", static_cast<int>(people.bad.size()));
+  report.set("population.anatomy_targets_missed", missed);
+  for (const BadRow& bad : people.bad) report.append_text("population.bad_row", bad.what);
+  note(common, fmt::format("{}: {} people ({} were there), {} refused, {} bad rows, {} with an anatomy target missed", options.folder.string(), made + kept, kept,
+                           refused, people.bad.size(), missed));
+  if (made + kept == 0) throw UnfitError("no row gave a body");
+  return refused > 0 || missed > 0 || !people.bad.empty() ? 8 : 0;
+}
+
+}  // namespace
+
+void add_body_population(VerbRegistry& registry, CLI::App& body) {
+  auto options = std::make_shared<PopulationOptions>();
+  CLI::App* verb = add_verb(registry, body, "population", "Make many people, from a CSV of measures or by chance, with their anatomy",
+                            "ecorche body population people.csv -o people",
+                            [options](const Common& common, Report& report) { return run_population(*options, common, report); });
+  verb->add_option("people", options->people, "CSV with a row a person; columns name, sex, age, size and measures (ecorche body measure --list)");
+  verb->add_option("--count", options->count, "Instead of a file: so many people by chance, with the survey's means, spreads and correlations (--seed)")
+      ->check(CLI::Range(1, 1000000));
+  verb->add_option("--sex", options->sex, "Of rows that do not say it; with --count, of all")->check(CLI::IsMember({"male", "female"}));
+  verb->add_flag("--skins", options->skins, "Skins alone, without bones and muscles");
+  verb->add_flag("--allow-unusual", options->allow_unusual, "Accept measures that people do not have, as far as the skin can be bent");
+  verb->add_option("-o,--output", options->folder, "Folder to write; people that are there already from the same row are kept")->required();
+}
+
+}  // namespace ecorche

@@ -1,0 +1,125 @@
+#include "morph/modify_body.h"
+
+#include <cmath>
+#include <functional>
+#include <set>
+
+#include <Eigen/Cholesky>
+#include <fmt/format.h>
+
+#include "anatomy/errors.h"
+#include "morph/shape_examples.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kInch = 0.0254;
+
+// value = f(measures): adds d f / d measure times the measure's gradient.
+double with_gradient(const TapeMeasure& tape, const char* id, double by, const Points& skin, MeasureGradient* out) {
+  MeasureGradient part;
+  const double value = tape.take(tape.table().at(id), skin, &part);
+  for (const auto& [vertex, g] : part) out->emplace_back(vertex, by * g);
+  return value;
+}
+
+// Something a body is to have: its value and derivative on a skin.
+struct Aim {
+  std::function<double(const Points&, MeasureGradient*)> value;
+  double wanted = 0, tolerance = 1;
+};
+
+std::vector<Aim> aims(const TapeMeasure& tape, const ShapeSpace& space, const Points& skin, const BodyChange& change) {
+  constexpr double kLength = 0.0002, kMass = 0.02, kFat = 0.02, kRatio = 0.0002;
+  std::vector<Aim> out;
+  std::set<int> seen;
+  const auto add = [&](int k, double wanted) {
+    const double tolerance = tape.measure(k).kind == MeasureKind::mass ? kMass : kLength;
+    out.push_back({[&tape, k](const Points& V, MeasureGradient* g) { return tape.take(k, V, g); }, wanted, tolerance});
+  };
+  for (const Wish& wish : change.measures) {
+    if (!seen.insert(wish.measure).second) throw UsageError(fmt::format("measure {} is asked for twice", tape.measure(wish.measure).id));
+    add(wish.measure, wish.value);
+  }
+  for (const char* kept : {"stature", "crotch_height", "arm_length_outseam"})
+    if (const int k = tape.table().at(kept); !seen.contains(k)) add(k, tape.take(k, skin));
+  if (change.fat)
+    out.push_back({[&](const Points& V, MeasureGradient* g) { return fat_percentage(tape, space.sex, V, g); }, *change.fat, kFat});
+  if (change.hip_waist) out.push_back({[&](const Points& V, MeasureGradient* g) { return hip_waist_ratio(tape, V, g); }, *change.hip_waist, kRatio});
+  return out;
+}
+
+// Which way the package's average body goes when its muscle slider does.
+Points muscle_offset(const BodyPackage& package, Sex sex, double amount) {
+  const auto shape = [&](double muscle) {
+    Macros macros;
+    macros.male = sex == Sex::male ? 1 : 0;
+    macros.muscle = muscle;
+    return Points(shape_points(package, macros).topRows(package.skin_size));
+  };
+  Eigen::MatrixXd apart = shape(amount > 0 ? 1 : 0) - shape(0.5);
+  const Points offset = std::abs(amount) * apart;
+  Eigen::MatrixXd column = Eigen::Map<const Eigen::VectorXd>(offset.data(), offset.size());
+  make_symmetric(package, column);
+  return Eigen::Map<const Points>(column.data(), package.skin_size, 3);
+}
+
+}  // namespace
+
+double fat_percentage(const TapeMeasure& tape, Sex sex, const Points& skin, MeasureGradient* gradient) {
+  const auto take = [&](const char* id) { return tape.take(tape.table().at(id), skin) / kInch; };
+  const bool male = sex == Sex::male;
+  const double round = take("waist_girth") - take("neck_girth") + (male ? 0 : take("hip_girth")), height = take("stature");
+  const double by_round = male ? 86.010 : 163.205, by_height = male ? -70.041 : -97.684;
+  if (gradient != nullptr) {
+    const double g = by_round / (std::log(10.0) * round * kInch);
+    with_gradient(tape, "waist_girth", g, skin, gradient);
+    with_gradient(tape, "neck_girth", -g, skin, gradient);
+    if (!male) with_gradient(tape, "hip_girth", g, skin, gradient);
+    with_gradient(tape, "stature", by_height / (std::log(10.0) * height * kInch), skin, gradient);
+  }
+  return by_round * std::log10(round) + by_height * std::log10(height) + (male ? 36.76 : -78.387);
+}
+
+double hip_waist_ratio(const TapeMeasure& tape, const Points& skin, MeasureGradient* gradient) {
+  const double hip = tape.take(tape.table().at("hip_girth"), skin), waist = tape.take(tape.table().at("waist_girth"), skin);
+  if (gradient != nullptr) {
+    with_gradient(tape, "hip_girth", 1 / waist, skin, gradient);
+    with_gradient(tape, "waist_girth", -hip / (waist * waist), skin, gradient);
+  }
+  return hip / waist;
+}
+
+ChangedBody change_body(const BodyPackage& package, const TapeMeasure& tape, const ShapeSpace& space, const Points& skin, const BodyChange& change) {
+  Points start = skin.topRows(space.mean.rows());
+  const std::vector<Aim> wanted = aims(tape, space, start, change);  // lengths as they are before anything is changed
+  if (change.exaggeration != 1) start = space.mean + change.exaggeration * (start - space.mean);
+  if (change.age) start += age_offset(package, space.sex, change.age->second) - age_offset(package, space.sex, change.age->first);
+  if (change.muscle != 0) start += muscle_offset(package, space.sex, change.muscle);
+
+  const auto n = static_cast<Eigen::Index>(wanted.size());
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(space.basis.cols()), miss(n);
+  Eigen::MatrixXd J(n, step.size());
+  ChangedBody out;
+  out.points = start;
+  constexpr int kRounds = 15;
+  MeasureGradient gradient;
+  for (out.rounds = 0; out.rounds <= kRounds; ++out.rounds) {
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Aim& aim = wanted[static_cast<std::size_t>(i)];
+      gradient.clear();
+      miss[i] = (aim.wanted - aim.value(out.points, &gradient)) / aim.tolerance;
+      J.row(i) = space_gradient(space, gradient) / aim.tolerance;
+    }
+    out.met = miss.cwiseAbs().maxCoeff() < 1;
+    if (out.met || out.rounds == kRounds) break;
+    Eigen::MatrixXd A = J * J.transpose();
+    A.diagonal().array() += 1e-11 * A.trace() / static_cast<double>(n);
+    step = J.transpose() * A.ldlt().solve(miss + J * step);
+    out.points = start + (space_points(space, step) - space.mean);
+  }
+  out.points.col(1).array() -= out.points.col(1).minCoeff();
+  return out;
+}
+
+}  // namespace ecorche
