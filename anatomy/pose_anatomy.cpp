@@ -249,7 +249,13 @@ void lay_slices(const PosingTable::Data& data, const PosingBatch& batch, const L
     const Lane3 side = cross(t.tangent[k], t.r[k]);
     t.width[k] = cs * t.r[k] + sn * side;
     t.thickness[k] = cs * side - sn * t.r[k];
-    t.center[k] = t.line[k] + row.offset_x * t.width[k] + row.offset_y * t.thickness[k];
+    const int before = std::max(k - 1, 0), after = std::min(k + 1, batch.rows - 1);
+    const Lane3 bend = (1 / (t.chord[after] - t.chord[before]).max(1e-9)) * (t.tangent[after] - t.tangent[before]);
+    const Lane across_width = dot(bend, t.width[k]), across_thickness = dot(bend, t.thickness[k]);
+    // Sections off the line come no nearer to the bend's centre than folds allow, so that their middles keep their order.
+    const FoldFactor fo = fold_factor((across_width * row.offset_x + across_thickness * row.offset_y).max(zero), row.free_offset.cast<double>());
+    const Lane off = fo.over / fo.under;
+    t.center[k] = t.line[k] + (off * row.offset_x) * t.width[k] + (off * row.offset_y) * t.thickness[k];
 
     // Which part of the rest line's substance is here now.
     const Lane at = t.chord[k];
@@ -265,11 +271,9 @@ void lay_slices(const PosingTable::Data& data, const PosingBatch& batch, const L
       tense(effort.root, c.width_swells, t.belly[k], place, a, b);
     }
 
-    const int before = std::max(k - 1, 0), after = std::min(k + 1, batch.rows - 1);
-    const Lane3 bend = (1 / (t.chord[after] - t.chord[before]).max(1e-9)) * (t.tangent[after] - t.tangent[before]);
     const Lane free_width = row.free_width.cast<double>(), free_thickness = row.free_thickness.cast<double>();
-    const FoldFactor fa = fold_factor(dot(bend, t.width[k]) * a, free_width);
-    const FoldFactor fb = fold_factor(dot(bend, t.thickness[k]) * b, free_thickness);
+    const FoldFactor fa = fold_factor(across_width * a, free_width);
+    const FoldFactor fb = fold_factor(across_thickness * b, free_thickness);
     const Lane both = 1 / (fa.under * fb.under);
     t.a[k] = a * (fa.over * fb.under * both);
     t.b[k] = b * (fb.over * fa.under * both);
@@ -383,7 +387,7 @@ void pose_anatomy(const PosingTable& table, const Skeleton& skeleton, const Pose
   }
   out.clamped = out.overtwisted = 0;
   for (int i = 0; i < data.strips; ++i) {
-    out.clamped += out.swelling[i] < 0.5 + 1e-9 || out.swelling[i] > 2.0 - 1e-9;
+    out.clamped += out.swelling[i] < kLeastSwelling + 1e-9 || out.swelling[i] > kMostSwelling - 1e-9;
     out.overtwisted += std::abs(out.twists[i]) > kTwistLimit;
   }
 }

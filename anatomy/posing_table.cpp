@@ -16,6 +16,7 @@ constexpr double kTendonGive = 0.1;      // stretch of tendon over stretch of be
 constexpr double kTendonTwist = 3;       // turn of tendon over turn of belly, per metre
 constexpr double kKeptGap = 0.3;         // share of their distance at rest that path points of two bones keep
 constexpr double kShortEnd = 0.04;       // m; first and last pieces of paths that may be passed
+constexpr double kFreeOffset = 0.3;      // curvature times a section's distance from the line, on its inner side, that folds nothing
 constexpr double kWrapMargin = 0.0015;   // m
 constexpr double kSteepest = 0.7;         // slope at which a push rises from a still slice, farther off than
 constexpr double kGentle = 0.015;         // m
@@ -168,8 +169,8 @@ void add_lane(PosingTable::Data& data, PosingBatch& batch, int lane, const Strip
   lanes.bins[lane] = kProfileBins / whole;
   lanes.volume[lane] = tube_volume(rest.slices) * 3 / std::numbers::pi;
   lanes.width_swells[lane] = sheet ? 0 : 1;
-  lanes.grow_min[lane] = sheet ? 0.25 : 0.5;
-  lanes.grow_max[lane] = sheet ? 4.0 : 2.0;
+  lanes.grow_min[lane] = sheet ? kLeastSwelling * kLeastSwelling : kLeastSwelling;
+  lanes.grow_max[lane] = sheet ? kMostSwelling * kMostSwelling : kMostSwelling;
 
   PosingProfile& table = data.profiles[batch.profile + lane] = profile(strip, rest);
   double turn = 0;
@@ -199,6 +200,8 @@ void add_lane(PosingTable::Data& data, PosingBatch& batch, int lane, const Strip
     };
     row.free_width[lane] = free(0);
     row.free_thickness[lane] = free(1);
+    const double inward = bend.dot(rest.slices[k].axes.leftCols<2>() * slice.offset);
+    row.free_offset[lane] = static_cast<float>(std::max(kFreeOffset, 1.000001 * inward + 1e-9));
   }
 }
 

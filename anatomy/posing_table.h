@@ -86,7 +86,7 @@ struct PosingRow {
   Lane cos_roll, sin_roll, offset_x, offset_y;
   Lane width, thickness;        // rest radii less the profile's value at the slice's own place
   Eigen::Array4f twist;         // share of the insertion's turn
-  Eigen::Array4f free_width, free_thickness;  // what fold_factor lets pass
+  Eigen::Array4f free_width, free_thickness, free_offset;  // what fold_factor lets pass
 };
 
 struct PosingBatch {
@@ -124,6 +124,9 @@ struct PosingTable::Data {
   std::vector<PosingProfile> profiles;
   std::vector<WrapNote> notes;
 };
+
+// Limits of a belly's swelling (radii over those of the rest pose; sheets: the root of the thickness): far beyond what fibres do.
+constexpr double kLeastSwelling = 1.0 / 3, kMostSwelling = 3;
 
 // How much of a radius survives a fold: q is curvature times radius toward the bend's centre, free what it may be (0.45, or
 // more if it is more at rest). Beyond that the product saturates, so that neighbouring slices do not cross; 1 up to it.

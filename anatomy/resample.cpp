@@ -18,6 +18,7 @@ namespace ecorche {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kMostScale = 1.05;  // of all radii
 
 // Fractions of the line's length at which it is cut: closer where the muscle tapers.
 std::vector<double> slice_fractions(int count) {
@@ -207,6 +208,21 @@ void check_ends(const MeshSections& sections, double size, const Vec3& origin, c
   }
 }
 
+// Chords between rings and slices cut off a little everywhere: all radii grow alike until the loft holds what the mesh does, within bounds
+// that leave a bad fit visible. Returns the factor.
+double keep_volume(double volume, const std::vector<Plane>& planes, const Vec3& origin, const Vec3& insertion, int ring, Resampled& out) {
+  double factor = 1;
+  for (int round = 0; round < 2; ++round) {
+    const double now = mesh_volume(out.loft);
+    if (!(now > 0)) break;
+    const double wish = std::clamp(factor * std::sqrt(volume / now), 1 / kMostScale, kMostScale);
+    for (Ellipse& slice : out.slices) slice.radii *= wish / factor;
+    factor = wish;
+    out.loft = loft(out.slices, planes, origin, insertion, ring);
+  }
+  return factor;
+}
+
 }  // namespace
 
 Resampled resample_muscle(const TriMesh& mesh, const Vec3& origin, const Vec3& insertion, const ResampleOptions& options) {
@@ -240,6 +256,7 @@ Resampled resample_muscle(const TriMesh& mesh, const Vec3& origin, const Vec3& i
   report.length = bezier_length(out.line);
   report.mesh_volume = std::abs(mesh_volume(whole));
   report.mesh_closed = is_closed(whole.F);
+  if (report.mesh_closed) report.scale = keep_volume(report.mesh_volume, planes, origin, insertion, options.ring, out);
   report.loft_volume = mesh_volume(out.loft);
   report.loft_to_mesh = surface_distance(out.loft, sections);
   report.mesh_to_loft = surface_distance(whole, MeshSections(out.loft));

@@ -2,7 +2,8 @@
 //
 // The action line is a Bezier curve through origin and insertion with n free controls, laid through the middles of cross-sections.
 // Rays in the plane of each slice find the mesh; an ellipse is fitted to where they meet it (direct least squares) and brought to
-// the section's area and centroid. Units are those of the mesh: pass metres.
+// the section's area and centroid; where the mesh is closed all radii are then scaled alike, by at most 5 %, so that the loft holds its
+// volume. Units are those of the mesh: pass metres.
 #pragma once
 
 #include <vector>
@@ -25,6 +26,7 @@ struct ResampleReport {
   double length = 0;             // of the action line, m
   double mesh_volume = 0;        // signed sum over the mesh's triangles, m^3; only exact where the mesh is closed
   double loft_volume = 0;        // m^3
+  double scale = 1;              // of all radii, to hold the volume of a closed mesh
   bool mesh_closed = false;
   SurfaceDistance loft_to_mesh;  // m
   SurfaceDistance mesh_to_loft;  // m

@@ -1,0 +1,75 @@
+"""Time to pose all our muscles beside the time that MuJoCo takes for MyoFullBody's kinematics and tendon paths.
+
+Usage: bench_mujoco.py ECORCHE PACKAGES [--rounds N]
+Ours: kinematics, wrapping and outlines of all muscles over the poses of a motion (`ecorche bench`, muscles_13k), one thread. MuJoCo's:
+mj_kinematics, mj_comPos and mj_tendon over as many poses spread over its joints' ranges. Both by the least CPU time; MuJoCo is timed before and after.
+Ends with 77 when MuJoCo or the package is not there. The ratio is printed, never asserted: times depend on what else runs.
+"""
+
+import argparse
+import glob
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+from compare_mujoco import SKIPPED, Model, mujoco, np
+
+ASKED = 4.0
+POSES = 60
+
+
+def tendon_ms(model, rounds):
+    """Least CPU time of one pose, ms."""
+    m, d = model.model, model.data
+    low, high = m.jnt_range.T
+    poses = []
+    for k in range(POSES):
+        qpos = m.qpos0.copy()
+        share = 0.5 + 0.45 * np.sin(0.1 * k + np.arange(m.njnt))
+        for j in np.flatnonzero((m.jnt_type >= int(mujoco.mjtJoint.mjJNT_SLIDE)) & (m.jnt_limited != 0)):
+            qpos[m.jnt_qposadr[j]] = low[j] + share[j] * (high[j] - low[j])
+        poses.append(qpos)
+    least = float("inf")
+    for _ in range(rounds):
+        start = time.process_time()
+        for qpos in poses:
+            d.qpos[:] = qpos
+            mujoco.mj_kinematics(m, d)
+            mujoco.mj_comPos(m, d)
+            mujoco.mj_tendon(m, d)
+        least = min(least, (time.process_time() - start) / POSES)
+    return 1e3 * least
+
+
+def our_ms(ecorche, rounds):
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "bench.json")
+        subprocess.run([ecorche, "bench", "--rounds", str(rounds), "--report", path, "-q"], check=True, stdout=subprocess.DEVNULL)
+        with open(path) as file:
+            report = json.load(file)
+    return report["bench.muscles_13k.ms"] if "bench.muscles_13k.ms" in report else report["bench"]["muscles_13k"]["ms"]
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("ecorche")
+    parser.add_argument("packages")
+    parser.add_argument("--rounds", type=int, default=9)
+    options = parser.parse_args()
+    wheels = glob.glob(os.path.join(options.packages, "musclemimic_models-*.whl"))
+    if not wheels:
+        print(f"skipped: no musclemimic_models in {options.packages}; make setup")
+        return SKIPPED
+    model = Model(wheels[0])
+    theirs = tendon_ms(model, 10 * options.rounds)
+    ours = our_ms(options.ecorche, options.rounds)
+    theirs = min(theirs, tendon_ms(model, 10 * options.rounds))
+    print(f"all our muscles {ours:.3f} ms, MuJoCo's kinematics and {model.model.ntendon} tendon paths {theirs:.3f} ms: ratio {ours / theirs:.2f} (asked {ASKED:.0f})")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
