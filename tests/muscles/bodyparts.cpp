@@ -82,7 +82,7 @@ Alignment fit_affine(const std::vector<Vec3>& from, const std::vector<Vec3>& to)
   Eigen::Matrix4d left = Eigen::Matrix4d::Zero();
   Eigen::Matrix<double, 4, 3> right = Eigen::Matrix<double, 4, 3>::Zero();
   for (std::size_t i = 0; i < from.size(); ++i) {
-    const Eigen::Vector4d p = from[i].homogeneous();
+    const Eigen::Vector4d p(from[i].x(), from[i].y(), from[i].z(), 1);
     left += p * p.transpose();
     right += p * to[i].transpose();
   }

@@ -6,7 +6,8 @@ ECORCHE: the executable, or a table that its `template sweep` has written. PACKA
 Both models stand on the same bones, in the same pose and with the same joint centres, so that nothing is scaled. A sweep turns one
 joint; all others stay at zero, but for the knee's, which the model couples to its flexion (roll, slide, patella). Lengths are compared
 over the range that both joints have, less those at zero. A muscle counts at a joint where either model's length changes by 2 mm.
-Moment arms are the slopes of the lengths; their signs are compared wherever the model's is at least 3 mm.
+Moment arms are the slopes of the lengths; their signs are compared wherever the model's is at least 3 mm. Pairs of muscle and axis where the
+model's own path is not what anatomy says (`mujoco_doubts.csv`, with the reasons) are printed with a question mark and summed up apart.
 Ends with 77 when MuJoCo or the package is not there, with 1 when a figure falls short of `REACHED`.
 """
 
@@ -28,7 +29,7 @@ ARM = 3.0  # mm: a moment arm whose sign is compared
 
 # What is asked, and what must not be lost again.
 ASKED = {"muscles": 60, "correlation": 0.95, "rms": 10.0, "sign": 95.0}
-REACHED = {"muscles": 60, "correlation": 0.95, "rms": 10.0, "sign": 92.5}
+REACHED = {"muscles": 60, "correlation": 0.95, "rms": 10.0, "sign": 94.0, "sign_sound": 95.0}
 
 try:
     import mujoco
@@ -149,6 +150,7 @@ def strip_counts(folder):
 def compare(sweeps, model, counts):
     pairs = []
     matches = table("mujoco_matches.csv")
+    doubts = {(row["ours"], row["joint"], row["axis"]) for row in table("mujoco_doubts.csv")}
     for row in table("mujoco_joints.csv"):
         ours = sweeps[row["ours"], row["axis"]]
         if not ours:
@@ -183,6 +185,7 @@ def compare(sweeps, model, counts):
                     "model_arm": float(np.mean(arms[1])),
                     "signs": int(np.sum(seen)),
                     "agree": int(np.sum(seen & (arms[0] * arms[1] > 0))),
+                    "doubtful": (match["ours"], row["ours"], row["axis"]) in doubts,
                 }
             )
     return pairs
@@ -195,12 +198,15 @@ def print_table(pairs):
         sign = f"{100 * p['agree'] / p['signs']:.0f}" if p["signs"] else "-"
         print(
             f"{p['muscle']:<34} {p['joint']:<20} {p['low']:>5.0f} ..{p['high']:>4.0f} {p['change']:>8.1f} {p['model']:>8.1f} "
-            f"{p['correlation']:>6.2f} {p['rms']:>7.1f} {p['arm']:>7.1f} {p['model_arm']:>7.1f} {sign:>6}"
+            f"{p['correlation']:>6.2f} {p['rms']:>7.1f} {p['arm']:>7.1f} {p['model_arm']:>7.1f} {sign:>6}{' ?' if p['doubtful'] else ''}"
         )
 
 
+def sign_share(pairs):
+    return 100 * sum(p["agree"] for p in pairs) / max(1, sum(p["signs"] for p in pairs))
+
+
 def summary(pairs):
-    signs, agree = sum(p["signs"] for p in pairs), sum(p["agree"] for p in pairs)
     rms = [p["rms"] for p in pairs]
     return {
         "muscles": len({p["muscle"] for p in pairs}),
@@ -209,7 +215,8 @@ def summary(pairs):
         "rms": statistics.median(rms),
         "rms_within": 100 * sum(r <= 10 for r in rms) / len(rms),
         "rms_max": max(rms),
-        "sign": 100 * agree / max(1, signs),
+        "sign": sign_share(pairs),
+        "sign_sound": sign_share([p for p in pairs if not p["doubtful"]]),
     }
 
 
@@ -226,13 +233,13 @@ def parts(pairs):
 
 def print_summary(pairs):
     print(
-        f"\n{'':<14} {'muscles':>8} {'pairs':>6} {'corr median':>12} {'RMS median mm':>14} {'RMS <= 10 mm %':>15} {'RMS max mm':>11} {'sign %':>7}"
+        f"\n{'':<14} {'muscles':>8} {'pairs':>6} {'corr median':>12} {'RMS median mm':>14} {'RMS <= 10 mm %':>15} {'RMS max mm':>11} {'sign %':>7} {'without ?':>9}"
     )
     for name, part in parts(pairs):
         s = summary(part)
         print(
             f"{name:<14} {s['muscles']:>8} {s['pairs']:>6} {s['correlation']:>12.3f} {s['rms']:>14.1f} {s['rms_within']:>15.0f} "
-            f"{s['rms_max']:>11.1f} {s['sign']:>7.1f}"
+            f"{s['rms_max']:>11.1f} {s['sign']:>7.1f} {s['sign_sound']:>9.1f}"
         )
     print(f"{'asked':<14} {ASKED['muscles']:>8} {'':>6} {ASKED['correlation']:>12.3f} {ASKED['rms']:>14.1f} {'':>15} {'':>11} {ASKED['sign']:>7.1f}")
 
