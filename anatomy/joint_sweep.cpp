@@ -34,7 +34,7 @@ std::vector<JointSweep> joint_sweeps(const Skeleton& skeleton, double step) {
   for (int j = 1; j < static_cast<int>(skeleton.joints.size()); ++j)
     for (int axis = 0; axis < 3; ++axis) {
       const double low = skeleton.joints[j].min[axis], high = skeleton.joints[j].max[axis];
-      if (high - low <= 2 * step) continue;
+      if (high - low <= 2 * step * (1 + 1e-9)) continue;
       JointSweep sweep{j, axis, {}};
       const int count = static_cast<int>(std::ceil((high - low) / step - 1e-9));
       for (int i = 0; i <= count; ++i) sweep.angles.push_back(low + (high - low) * i / count);

@@ -251,11 +251,19 @@ Muscle place_muscle(const MuscleTable& table, const TableMuscle& from, std::vect
   muscle.strips = std::move(strips);
   for (std::size_t i = 0; i < from.strips.size(); ++i)
     for (const TableStrip::WrapUse& use : from.strips[i].wraps) muscle.strips[i].wraps.push_back(place_wrap(table, use, carriers, side));
-  const auto end_bone = [&](const TablePoint& point) {
-    return carriers.bone_name(table.landmarks[static_cast<std::size_t>(point.landmark)].carrier);
+  // The first strip's bone; none where any strip ends on fascia.
+  const auto end_bone = [&](bool origin) {
+    std::string first;
+    for (const TableStrip& strip : from.strips) {
+      const TablePoint& point = origin ? strip.path.front() : strip.path.back();
+      const std::string name = carriers.bone_name(table.landmarks[static_cast<std::size_t>(point.landmark)].carrier);
+      if (name.empty()) return name;
+      if (first.empty()) first = name;
+    }
+    return first;
   };
-  muscle.origin_bone = end_bone(from.strips.front().path.front());
-  muscle.insertion_bone = end_bone(from.strips.front().path.back());
+  muscle.origin_bone = end_bone(true);
+  muscle.insertion_bone = end_bone(false);
   return muscle;
 }
 
