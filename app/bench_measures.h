@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "anatomy/body_package.h"
+#include "skinning/character_io.h"
 
 namespace ecorche {
 
@@ -13,8 +14,8 @@ struct TimedLine {
   double seconds = 0, asked = 0;  // CPU time of one thread
 };
 
-// A new body from eight measures; one measure of eight edited; the 24 girths, lengths and breadths of the regions paper asked and one
-// of them edited, on the fine skin.
-std::vector<TimedLine> bench_measures(const BodyPackage& package, int rounds);
+// A new body from eight measures; one measure of eight edited; the same with the character's bones and muscles carried along; the 24
+// girths, lengths and breadths of the regions paper asked and one of them edited, on the fine skin.
+std::vector<TimedLine> bench_measures(const BodyPackage& package, const Character& character, int rounds);
 
 }  // namespace ecorche

@@ -110,7 +110,7 @@ int run(int rounds, const Common& common, Report& report) {
     report.set("bench." + ratio.name + ".ratio", ratio.value());
     fmt::print("{:<66} {:>10.3f} {:>7.2f} {:>7}\n", ratio.what, 1e3 * ratio.seconds, ratio.value(), ratio.asked > 0 ? fmt::format("{:.2f}", ratio.asked) : "");
   }
-  for (const TimedLine& line : bench_measures(package, rounds)) {
+  for (const TimedLine& line : bench_measures(package, fitted.actor.character, rounds)) {
     report.set("bench." + line.name + ".ms", 1e3 * line.seconds);
     fmt::print("{:<66} {:>10.3f} {:>7} {:>7}\n", line.what + " (CPU time)", 1e3 * line.seconds, "", fmt::format("{:.0f}", 1e3 * line.asked));
   }

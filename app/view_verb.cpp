@@ -1,12 +1,15 @@
 // ecorche view: the window. Without a character it shows the template in its own body.
+#include <optional>
 #include <vector>
 
 #include "anatomy/errors.h"
 #include "app/actor.h"
+#include "app/body_sliders.h"
 #include "app/eyes.h"
 #include "app/fitting.h"
 #include "app/motion_options.h"
 #include "app/verb.h"
+#include "morph/body.h"
 #include "morph/template.h"
 #include "viewer/window.h"
 
@@ -17,31 +20,49 @@ struct ViewVerbOptions {
   std::filesystem::path character, motion;
   WindowOptions window;
   std::vector<double> pick;
+  bool sliders = false;
+  std::string sex;
+  std::vector<std::string> measures;
   MotionOptions retarget;
 };
 
 // The template's muscles fill the skin only once they are dilated, in its own body as in any other.
-Actor open_actor(const std::filesystem::path& file, Report& report) {
+Actor open_actor(const std::filesystem::path& file, const std::string& sex, Report& report) {
+  if (file.empty() && !sex.empty()) {
+    BodySpec average;
+    average.sex = sex == "female" ? Sex::female : Sex::male;
+    const BodyPackage package = read_body_package(find_packages());
+    return fit_character(read_template(), make_body(package, average), package, {}, report).actor;
+  }
   if (!file.empty()) return make_actor(read_character(file), report);
   const Template shown = read_template();
   return fit_character(shown, shown.body, read_body_package(find_packages()), {}, report).actor;
 }
 
 int run(const ViewVerbOptions& options, const Common& common, Report& report) {
-  const Actor actor = open_actor(options.character, report);
+  const Actor actor = open_actor(options.character, options.sex, report);
   const Anatomy& anatomy = actor.character.anatomy;
   Motion motion;
   motion.frames.push_back(rest_pose(anatomy.skeleton));
+  if (options.sliders && !options.motion.empty()) throw UsageError("view: --sliders show the body at rest; leave the motion away");
   if (!options.motion.empty()) motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
 
   SceneOptions scene;
   scene.eyes = find_eyes(actor.character.body.skin, anatomy.skeleton);
-  const SceneModel model = make_scene_model(anatomy, actor.character.body.skin, scene);
-  const ViewSubject subject{anatomy, model, static_cast<int>(motion.frames.size()), motion.fps, [&](int frame, PosedAnatomy& posed, SkinFrame& skin) {
+  SceneModel model = make_scene_model(anatomy, actor.character.body.skin, scene);
+  ViewSubject subject{anatomy, model, static_cast<int>(motion.frames.size()), motion.fps, [&](int frame, PosedAnatomy& posed, SkinFrame& skin) {
                               pose_anatomy(actor.table, anatomy.skeleton, motion.frames[frame], posed);
                               deform_skin(actor.binding, posed, skin);
                             }};
   ViewDocument document;
+  std::optional<BodySliders> sliders;
+  if (options.sliders) {
+    sliders.emplace(actor, model);
+    subject.sliders = sliders->sliders();
+    subject.reshape = [&sliders](const auto& asked, auto& achieved) { sliders->reshape(asked, achieved); };
+    subject.pose = [&sliders](int, PosedAnatomy& posed, SkinFrame& skin) { sliders->pose(posed, skin); };
+    document.asked = sliders->asked_by(options.measures);
+  }
   document.playing = motion.frames.size() > 1;
   WindowOptions window = options.window;
   if (options.pick.size() == 2) window.pick_x = options.pick[0], window.pick_y = options.pick[1];
@@ -58,6 +79,9 @@ void add_view_verb(VerbRegistry& registry) {
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
   verb->add_option("character", options->character, "Character written by `ecorche fit`; the template when left out");
   verb->add_option("motion", options->motion, "Motion (.bvh)");
+  verb->add_flag("--sliders", options->sliders, "Measures as sliders: the skin follows, bones and muscles are carried along");
+  verb->add_option("--sex", options->sex, "Without a character: an average man or woman instead of the template")->check(CLI::IsMember({"male", "female"}));
+  verb->add_option("--measure", options->measures, "NAME=VALUE that a slider begins with; may be repeated");
   verb->add_option("--frames", options->window.frames, "Close after so many frames")->check(CLI::Range(0, 1000000));
   verb->add_option("--pick", options->pick, "Pick what is seen at this place at the first frame: shares of the window's width and height")
       ->expected(2)

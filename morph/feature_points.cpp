@@ -112,6 +112,7 @@ FeatureGirth extreme(const Sections& sections, double low, double high, double s
 BodyFeatures find_features(const TriMesh& skin, double step) {
   constexpr double kShoulders = 0.862, kLowestArmpit = 0.6, kLowestCrotch = 0.3, kHighestCrotch = 0.6;  // of the stature
   constexpr double kLeastBelow = 0.05;  // of the stature, from the bust down to the waist
+  constexpr double kAboveCrotch = 0.03;  // of the stature: lower down, legs that stand apart count as hip
   const Sections sections(skin);
   BodyFeatures out;
   out.stature = sections.stature();
@@ -137,7 +138,7 @@ BodyFeatures find_features(const TriMesh& skin, double step) {
   const double third = (armpit - out.crotch_height) / 3;
   out.waist = extreme(sections, out.crotch_height + third, armpit - third, step, false);
   out.bust = extreme(sections, std::max(out.waist.height, armpit - third - kLeastBelow * out.stature), armpit, step, true);
-  out.hip = extreme(sections, out.crotch_height, out.waist.height, step, true);
+  out.hip = extreme(sections, out.crotch_height + kAboveCrotch * out.stature, out.waist.height, step, true);
   return out;
 }
 

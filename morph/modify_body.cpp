@@ -42,7 +42,7 @@ std::vector<Aim> aims(const TapeMeasure& tape, const ShapeSpace& space, const Po
     add(wish.measure, wish.value);
   }
   for (const char* kept : {"stature", "crotch_height", "arm_length_outseam"})
-    if (const int k = tape.table().at(kept); !seen.contains(k)) add(k, tape.take(k, skin));
+    if (const int k = tape.table().at(kept); change.keep_lengths && !seen.contains(k)) add(k, tape.take(k, skin));
   if (change.fat)
     out.push_back({[&](const Points& V, MeasureGradient* g) { return fat_percentage(tape, space.sex, V, g); }, *change.fat, kFat});
   if (change.hip_waist) out.push_back({[&](const Points& V, MeasureGradient* g) { return hip_waist_ratio(tape, V, g); }, *change.hip_waist, kRatio});
@@ -111,7 +111,7 @@ ChangedBody change_body(const BodyPackage& package, const TapeMeasure& tape, con
       miss[i] = (aim.wanted - aim.value(out.points, &gradient)) / aim.tolerance;
       J.row(i) = space_gradient(space, gradient) / aim.tolerance;
     }
-    out.met = miss.cwiseAbs().maxCoeff() < 1;
+    out.met = n == 0 || miss.cwiseAbs().maxCoeff() < 1;
     if (out.met || out.rounds == kRounds) break;
     Eigen::MatrixXd A = J * J.transpose();
     A.diagonal().array() += 1e-11 * A.trace() / static_cast<double>(n);

@@ -23,7 +23,8 @@ double hip_waist_ratio(const TapeMeasure& tape, const Points& skin, MeasureGradi
 struct BodyChange {
   std::optional<double> fat;              // per cent, of fat_percentage
   std::optional<double> hip_waist;        // of hip_waist_ratio
-  std::vector<Wish> measures;             // stature, crotch height and arm length stay where they are not asked for
+  std::vector<Wish> measures;
+  bool keep_lengths = true;               // stature, crotch height and arm length stay where they are not asked for
   double muscle = 0;                      // -1 .. 1: how far towards the package's weak or muscular shape
   std::optional<std::pair<double, double>> age;  // from and to, years
   double exaggeration = 1;                // of what sets the person apart from the mean; below 1 towards the mean

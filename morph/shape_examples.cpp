@@ -23,6 +23,8 @@ double halton(int i, int base) {
 
 constexpr double kYoungest = 18, kOldest = 90;  // years
 
+}  // namespace
+
 Macros example_macros(Sex sex, int i) {
   static constexpr std::array<int, 9> bases{2, 3, 5, 7, 11, 13, 17, 19, 23};
   const auto u = [i](std::size_t axis) { return halton(i + 1, bases[axis]); };
@@ -38,8 +40,6 @@ Macros example_macros(Sex sex, int i) {
   m.origin = Vec3(u(7), u(8), 0.2 + u(0));
   return m;
 }
-
-}  // namespace
 
 Eigen::MatrixXd shape_examples(const BodyPackage& package, Sex sex, int count) {
   const Eigen::Index n = package.skin_size;

@@ -7,6 +7,9 @@
 
 namespace ecorche {
 
+// Sliders of the i-th example of a sex, i >= 0.
+Macros example_macros(Sex sex, int i);
+
 // Skins of one sex, centred on x = 0 and standing on y = 0: 3 #skin x `count`, column by column the skin's rows in order.
 // The same count gives the same examples.
 Eigen::MatrixXd shape_examples(const BodyPackage& package, Sex sex, int count);

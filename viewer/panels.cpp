@@ -89,6 +89,35 @@ void draw_parts(const ViewSubject& subject, ViewDocument& document) {
   ImGui::End();
 }
 
+// A tick beside what is asked for; what is not follows, and shows what it is.
+void draw_sliders(const ViewSubject& subject, ViewDocument& document) {
+  if (subject.sliders.empty() || document.asked.size() != subject.sliders.size() || document.achieved.size() != subject.sliders.size()) return;
+  ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x - 372, 12}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize({360, 0}, ImGuiCond_FirstUseEver);
+  if (ImGui::Begin("Measures")) {
+    for (std::size_t i = 0; i < subject.sliders.size(); ++i) {
+      const Slider& slider = subject.sliders[i];
+      std::optional<double>& asked = document.asked[i];
+      ImGui::PushID(static_cast<int>(i));
+      bool held = asked.has_value();
+      if (ImGui::Checkbox("##asked", &held)) asked = held ? std::optional(document.achieved[i]) : std::nullopt;
+      ImGui::SameLine();
+      float value = static_cast<float>(slider.scale * asked.value_or(document.achieved[i]));
+      const std::string format = slider.scale * slider.high < 10 ? "%.2f " + slider.unit : "%.1f " + slider.unit;
+      ImGui::SetNextItemWidth(130);
+      if (ImGui::SliderFloat("##value", &value, static_cast<float>(slider.scale * slider.low), static_cast<float>(slider.scale * slider.high),
+                             slider.unit == "%" ? "%.1f %%" : format.c_str()))
+        asked = value / slider.scale;
+      ImGui::SameLine();
+      const double off = asked ? document.achieved[i] - *asked : 0;
+      ImGui::TextUnformatted(std::abs(off) > 1e-3 * slider.high ? fmt::format("{}: {:.1f}", slider.name, slider.scale * document.achieved[i]).c_str() : slider.name.c_str());
+      ImGui::PopID();
+    }
+    if (ImGui::Button("let all go")) document.asked.assign(subject.sliders.size(), std::nullopt);
+  }
+  ImGui::End();
+}
+
 void draw_timeline(const ViewSubject& subject, ViewDocument& document) {
   if (subject.frames < 2) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
@@ -142,6 +171,7 @@ PartInfo describe(const ViewSubject& subject, const PosedAnatomy& posed, std::ui
 void draw_panels(const ViewSubject& subject, const PosedAnatomy& posed, ViewDocument& document) {
   draw_layers(document);
   draw_parts(subject, document);
+  draw_sliders(subject, document);
   draw_selection(subject, posed, document);
   draw_timeline(subject, document);
 }

@@ -169,6 +169,7 @@ void take_meshes(const SceneModel& model, DrawList& list) {
   const std::size_t wanted = 2 + model.bones.size() + model.eyes.size();
   bool same = list.meshes.size() == wanted && list.meshes[0].key == model.skin.key && list.meshes[1].key == model.muscles.key;
   if (same) same = list.meshes[0].positions.size() == model.skin.positions.size() && list.meshes[1].fibres.size() == model.muscles.fibres.size();
+  if (same && !model.bones.empty()) same = list.meshes[2].revision == model.bones[0].revision;
   if (same) return;
   list.meshes.clear();
   list.meshes.reserve(wanted);

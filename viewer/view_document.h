@@ -2,11 +2,21 @@
 #pragma once
 
 #include <functional>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "anatomy/anatomy.h"
 #include "viewer/scene.h"
 
 namespace ecorche {
+
+// A figure of the subject that a person may ask for.
+struct Slider {
+  std::string name, unit;
+  double scale = 1;          // shown is value * scale
+  double low = 0, high = 1;  // values
+};
 
 // What is looked at; borrowed, outlives the window.
 struct ViewSubject {
@@ -15,6 +25,9 @@ struct ViewSubject {
   int frames = 1;   // at least 1
   double fps = 30;
   std::function<void(int frame, PosedAnatomy& posed, SkinFrame& skin)> pose;  // an empty skin: as at rest
+  std::vector<Slider> sliders{};
+  // Changes the subject to what is asked of its sliders, and says what each of them reads then. Called before `pose`.
+  std::function<void(const std::vector<std::optional<double>>& asked, std::vector<double>& achieved)> reshape{};
 };
 
 struct ViewDocument {
@@ -29,6 +42,8 @@ struct ViewDocument {
   Vec3f center{0, 0.9f, 0};  // of the view, relative to the root's horizontal place if it follows
   float radius = 1.05f;     // m, of the ball that fills the view
   float azimuth = 0.5f, elevation = 0.1f;  // rad
+  std::vector<std::optional<double>> asked{};  // #sliders
+  std::vector<double> achieved{};              // #sliders, as the subject is now
 };
 
 // The frame that a document's time falls on.

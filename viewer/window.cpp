@@ -135,6 +135,16 @@ class View {
     return posed_;
   }
 
+  // Brings the subject to what is asked; true when it changed.
+  bool reshape(ViewDocument& document) {
+    document.asked.resize(subject_.sliders.size());
+    if (!subject_.reshape || (document.asked == asked_ && !document.achieved.empty())) return false;
+    subject_.reshape(document.asked, document.achieved);
+    asked_ = document.asked;
+    frame_ = -1;
+    return true;
+  }
+
   void draw(const ViewDocument& document, int width, int height, bool fine) {
     renderer_.options().supersample = fine ? 2 : 1;
     renderer_.options().ambient_occlusion = fine;
@@ -155,6 +165,7 @@ class View {
   PosedAnatomy posed_;
   SkinFrame skin_;
   std::vector<float> activity_;
+  std::vector<std::optional<double>> asked_;
   std::uint64_t revision_ = 0;
   int frame_ = -1;
 };
@@ -203,6 +214,7 @@ ViewDocument run_window(const ViewSubject& subject, const WindowOptions& options
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
+    if (view.reshape(document)) changed = now;
     draw_panels(subject, view.pose(document), document);
     read_keys(subject, document);
     const bool clicked = read_mouse(press, height, document);

@@ -1,4 +1,5 @@
-// The input sets of the examples paper (Seo and Magnenat-Thalmann 2004, tables 1 and 2), centimetres.
+// The input sets of the examples paper (Seo and Magnenat-Thalmann 2004, tables 1 and 2), centimetres, in the order of kPaperMeasures
+// (morph/example_synthesizer.h).
 #pragma once
 
 #include <array>
@@ -7,9 +8,6 @@
 #include "anatomy/anatomy.h"
 
 namespace ecorche {
-
-inline constexpr std::array<const char*, 8> kPaperMeasures{"neck_base_girth", "chest_girth", "underbust_girth", "waist_girth",
-                                                           "hip_girth",       "stature",     "crotch_height",   "arm_length_outseam"};
 
 inline const std::vector<std::array<double, 8>>& paper_sets(Sex sex) {
   static const std::vector<std::array<double, 8>> male{

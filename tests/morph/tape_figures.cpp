@@ -13,6 +13,7 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
+#include "morph/example_synthesizer.h"
 #include "morph/shape_examples.h"
 #include "morph/skin_field.h"
 #include "morph/solve_measures.h"
@@ -231,6 +232,16 @@ void paper(const Bench& b, std::ofstream* sheet, int row, int& sheet_vertices) {
   judge("largest miss, in tolerances of ISO 20685", worst, 1, "");
 }
 
+// The examples paper's table 3, with our examples: each made from the others by its measures.
+void synthesizer(const Bench& b, int count) {
+  const ExampleSynthesizer learned = learn_synthesizer(b.package, b.tape, b.space.sex, count);
+  fmt::print("\nBodies by examples alone, {} {} left out in turn: {} components of the joints, {} of the displacements (cm)\n", count, word(b.space.sex),
+             learned.joint.networks.size(), learned.displacement.networks.size());
+  fmt::print("  {:24}{:>14}{:>14}{:>10}\n", "", "correlation", "mean diff.", "mean");
+  for (const LeftOut& row : cross_validate(b.package, b.tape, b.space.sex, learned))
+    fmt::print("  {:24}{:14.3f}{:14.3f}{:10.2f}\n", row.measure, row.correlation, 100 * row.mean_difference, 100 * row.mean);
+}
+
 int run(int count, const std::string& sheet_file) {
   const std::filesystem::path survey_folder = std::filesystem::path(ECORCHE_SHARED_DIR) / "testdata" / "anthropometry" / "ansur2";
   if (!std::filesystem::exists(survey_folder)) {
@@ -261,6 +272,7 @@ int run(int count, const std::string& sheet_file) {
     feasible(b, count);
     contradictory(b, 100);
     come_back(b, std::clamp(count / 20, 5, 60));
+    synthesizer(b, count >= 500 ? 200 : 60);
     paper(b, sheet ? &*sheet : nullptr, row++, sheet_vertices);
   }
   fmt::print("\n{}\n", failures == 0 ? "all figures reached" : fmt::format("{} figures missed", failures));
