@@ -64,7 +64,7 @@ double tick_step(const Range& range, int count) {
 // Hues of Okabe and Ito's palette, which colour-blind readers tell apart.
 constexpr std::array kColours{"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#888888"};
 
-constexpr double kWidth = 860, kHeight = 320, kLeft = 62, kRight = 190, kTop = 14, kBottom = 42;
+constexpr double kWidth = 860, kHeight = 345, kLeft = 62, kRight = 190, kTop = 40, kBottom = 42;
 
 struct Frame {
   Range x, y;
@@ -95,9 +95,18 @@ std::string axes_svg(const Plot& plot, const Frame& frame) {
   for (double v = std::ceil(frame.y.low / sy) * sy; v <= frame.y.high + 1e-9 * sy; v += sy)
     svg += fmt::format("<line x1='{0}' x2='{1}' y1='{2:.1f}' y2='{2:.1f}' class='grid'/><text x='{3}' y='{4:.1f}' text-anchor='end'>{5:.4g}</text>",
                        kLeft, kWidth - kRight, frame.py(v), kLeft - 6, frame.py(v) + 4, std::abs(v) < 1e-9 * sy ? 0 : v);
-  for (const auto& [at, word] : plot.marks)
-    svg += fmt::format("<line x1='{0:.1f}' x2='{0:.1f}' y1='{1}' y2='{2}' class='mark'/><text x='{3:.1f}' y='{4}'>{5}</text>", frame.px(at), kTop,
-                       kHeight - kBottom, frame.px(at) + 3, kTop + 11, escape(word));
+  // Words of marks stand over the plot, in rows where they would run into each other.
+  constexpr double kLetter = 6.5, kRow = 12;  // px
+  double end = -1e9;
+  int row = 0;
+  for (const auto& [at, word] : plot.marks) {
+    const double x = frame.px(at);
+    row = x < end ? (row + 1) % 3 : 0;
+    end = std::max(x < end ? end : 0, x + kLetter * static_cast<double>(word.size()) + 6);
+    const double y = kTop - 4 - kRow * (2 - row);
+    svg += fmt::format("<line x1='{0:.1f}' x2='{0:.1f}' y1='{1:.1f}' y2='{2}' class='mark'/><text x='{3:.1f}' y='{4:.1f}'>{5}</text>", x, y - 9,
+                       kHeight - kBottom, x + 3, y, escape(word));
+  }
   svg += fmt::format("<text x='{}' y='{}' text-anchor='middle'>{}</text>", (kLeft + kWidth - kRight) / 2, kHeight - 6, escape(plot.x_label));
   svg += fmt::format("<text transform='translate(14 {}) rotate(-90)' text-anchor='middle'>{}</text>", (kTop + kHeight - kBottom) / 2, escape(plot.y_label));
   return svg;
