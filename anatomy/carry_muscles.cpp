@@ -47,9 +47,13 @@ Wrap carry_wrap(const Wrap& wrap, const CarryMap& map) {
 
 }  // namespace
 
-Strip carry_strip(const Strip& strip, const CarryMap& map) {
+Strip carry_strip(const Strip& strip, const CarryMap& map, const CarryMap& inner) {
+  const CarryMap& flesh = inner ? inner : map;
   Strip moved = strip;
-  for (PathPoint& p : moved.path) p.rest = carry_point(p.rest, p, map);
+  for (size_t k = 0; k < moved.path.size(); ++k) {
+    const bool end = k == 0 || k + 1 == moved.path.size();
+    moved.path[k].rest = carry_point(moved.path[k].rest, moved.path[k], end ? map : flesh);
+  }
   for (Wrap& wrap : moved.wraps) wrap = carry_wrap(wrap, map);
   moved.rest_length = line_length(moved.path);
   moved.reference = derivative(strip.path[0].rest, strip.path[0], map) * strip.reference;
@@ -67,7 +71,7 @@ Strip carry_strip(const Strip& strip, const CarryMap& map) {
     while (b + 1 < knots.size() && knots[b] < s[k]) ++b;
     const double gap = knots[b] - knots[b - 1];
     const double share = gap > 0 ? std::clamp((s[k] - knots[b - 1]) / gap, 0.0, 1.0) : 0;
-    const Mat3 D = (1 - share) * derivative(points[k], strip.path[b - 1], map) + share * derivative(points[k], strip.path[b], map);
+    const Mat3 D = (1 - share) * derivative(points[k], strip.path[b - 1], flesh) + share * derivative(points[k], strip.path[b], flesh);
     Station station;
     station.s = s[k];
     station.width = D * old[k].axes.col(0);

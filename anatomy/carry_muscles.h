@@ -15,7 +15,9 @@ using CarryMap = std::function<Vec3(const Vec3& point, int joint)>;
 // Path points by the map of their joint (blended ones by the blend of both); the reference and each slice's width direction by
 // the map's local turn, wraps by its local turn and mean stretch; offsets by the local stretch. Slices keep s and radii
 // (see scale_radii); rest_length is measured anew.
-Strip carry_strip(const Strip& strip, const CarryMap& map);
+// `inner`: where the flesh between goes, if that is not where the bones would carry it: via points, slices and their directions follow
+// it, the two ends, the reference and the wraps follow `map`.
+Strip carry_strip(const Strip& strip, const CarryMap& map, const CarryMap& inner = {});
 
 // All strips of all muscles. Muscle::volume is left as it is: whoever sets the radii knows what it should become.
 std::vector<Muscle> carry_muscles(const std::vector<Muscle>& muscles, const CarryMap& map);

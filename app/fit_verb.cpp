@@ -1,4 +1,6 @@
 // ecorche fit: bones and muscles inside a skin, and the skin anchored to them.
+#include <map>
+
 #include <fmt/format.h>
 
 #include "anatomy/atomic_file.h"
@@ -11,17 +13,26 @@
 namespace ecorche {
 namespace {
 
+const std::map<std::string, Interior> kInteriors{{"bones", Interior::bones}, {"tetgen", Interior::tetgen}, {"lattice", Interior::lattice}, {"rbf", Interior::rbf}};
+
 struct FitVerbOptions {
-  std::filesystem::path body, body_template, output;
-  std::string method = "ecorche", skin = "base", sex, unit;
+  std::filesystem::path body, body_template, output, tissue;
+  std::string method = "ecorche", skin = "base", sex, unit, interior = "bones";
   FittingOptions fitting;
 };
 
 int run(FitVerbOptions options, const Common& common, Report& report) {
   if (options.method == "paper") options.fitting.dilate.method = DilateMethod::paper;
+  options.fitting.fit.interior = kInteriors.at(options.interior);
   options.fitting.fine_skin = options.skin == "fine";
   if (options.output.extension() != ".glb") throw UsageError(options.output.string() + ": a character is written as .glb");
   check_output(options.output, {options.body});
+  const bool meshed = options.fitting.fit.interior == Interior::tetgen || options.fitting.fit.interior == Interior::lattice;
+  if (!options.tissue.empty()) {
+    if (!meshed) throw UsageError("--tissue: there is a mesh only with --interior tetgen or lattice");
+    if (options.tissue.extension() != ".vtk") throw UsageError(options.tissue.string() + ": tissue is written as .vtk");
+    check_output(options.tissue, {options.body});
+  }
   const BodyPackage package = read_body_package(find_packages());
   Body body = open_body(options.body, package, common, report, options.unit.empty() ? std::nullopt : metres_in(options.unit));
   if (!options.sex.empty()) body.sex = options.sex == "female" ? Sex::female : Sex::male;
@@ -29,6 +40,10 @@ int run(FitVerbOptions options, const Common& common, Report& report) {
   const FittedCharacter fitted = fit_character(body_template, body, package, options.fitting, report);
   const Actor& actor = fitted.actor;
   write_character(options.output, actor.character, actor.binding);
+  if (!options.tissue.empty()) {
+    write_tissue_vtk(options.tissue, fitted.tissue);
+    note(common, fmt::format("{}: {} tetrahedra", options.tissue.string(), fitted.tissue.T.rows()));
+  }
   note(common, fmt::format("{}: {} bones, {} muscles, {} skin vertices", options.output.string(), actor.character.anatomy.bones.size(),
                            actor.character.anatomy.muscles.size(), actor.binding.vertex_count));
   const auto missed = missed_targets(fitted);
@@ -52,6 +67,12 @@ void add_fit_verb(VerbRegistry& registry) {
   verb->add_option("--method", options->method, "How muscles grow to the skin: ecorche, or paper (one factor a muscle)")
       ->check(CLI::IsMember({"ecorche", "paper"}))
       ->capture_default_str();
+  verb->add_option("--interior", options->interior,
+                   "What carries the flesh into the body before it grows: the bones it rides on, a harmonic warp of the tissue between bones and skin "
+                   "(tetgen: tetrahedra, lattice: cubes), or radial functions (rbf)")
+      ->check(CLI::IsMember({"bones", "tetgen", "lattice", "rbf"}))
+      ->capture_default_str();
+  verb->add_option("--tissue", options->tissue, "Tetrahedra between bones and skin, for simulations (.vtk); with --interior tetgen or lattice");
   verb->add_option("--alpha", options->fitting.dilate.alpha, "paper: share of their length's change that muscles start with across")
       ->check(CLI::Range(0.01, 10.0))
       ->capture_default_str();

@@ -105,6 +105,16 @@ void report_fit(const FittedCharacter& fitted, Report& report) {
   const FitReport& fit = fitted.fit;
   report.set("timings_ms.fit_bones", fit.bones_ms);
   report.set("timings_ms.fit_muscles", fit.muscles_ms);
+  if (const InteriorReport& interior = fit.interior; interior.warp_ms > 0) {
+    report.set("timings_ms.fit_tissue_prepared", interior.prepare_ms);
+    report.set("timings_ms.fit_tissue_warp", interior.warp_ms);
+    report.set("fit.tissue.nodes", interior.nodes);
+    report.set("fit.tissue.tetrahedra", interior.tetrahedra);
+    report.set("fit.tissue.inverted", interior.inverted);
+    report.set("fit.tissue.template_soft_volume", interior.soft_before);
+    report.set("fit.tissue.soft_volume", interior.soft_after);
+  }
+  report.set("fit.muscle_surface_outside_before_keeping_inside", fitted.dilation.surface_outside);
   report.set("rays", static_cast<double>(fitted.dilation.rays));
   report.set("fit.ray_misses", static_cast<double>(fitted.dilation.misses));
   report.set("fit.stature", fit.stature);
@@ -127,8 +137,9 @@ void report_fit(const FittedCharacter& fitted, Report& report) {
 FittedCharacter fit_character(const Template& body_template, const Body& body, const BodyPackage& package, const FittingOptions& options,
                               Report& report) {
   FittedCharacter fitted;
-  Fit fit = fit_anatomy(body_template, body);
+  Fit fit = fit_anatomy(body_template, body, options.fit);
   fitted.fit = std::move(fit.report);
+  fitted.tissue = std::move(fit.tissue);
   fitted.undilated = fit.anatomy;
   const TriMesh closed_skin = capped_skin(package, body.skin.V);
   DilateOptions dilation = options.dilate;

@@ -14,6 +14,7 @@
 namespace ecorche {
 
 struct FittingOptions {
+  FitOptions fit;
   DilateOptions dilate;
   bool dilated = true;  // false: muscles as they are before they grow to the skin
   bool fine_skin = false;  // the character gets the refined skin of 120,404 vertices instead of the base mesh
@@ -35,6 +36,7 @@ struct FittedCharacter {
   FitReport fit;
   DilateReport dilation;
   FillReport fill;
+  TissueMesh tissue;              // see Fit::tissue
 };
 
 FittedCharacter fit_character(const Template& body_template, const Body& body, const BodyPackage& package, const FittingOptions& options,

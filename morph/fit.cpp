@@ -12,7 +12,9 @@
 #include "anatomy/errors.h"
 #include "morph/fat.h"
 #include "morph/fitted_skeleton.h"
+#include "morph/interior_warp.h"
 #include "morph/skin_field.h"
+#include "morph/template_tissue.h"
 
 namespace ecorche {
 namespace {
@@ -138,15 +140,51 @@ void measure_bones(const FitTables& tables, const BothSides& sides, const Anatom
   }
 }
 
+// The warp of the flesh from the template's body into this one.
+InteriorMap warp_interior(const Template& body_template, const Points& skin, const std::vector<Bone>& bones, Interior interior, Fit& fit) {
+  InteriorReport& report = fit.report.interior;
+  const FitTables& tables = *body_template.tables;
+  const Points own_skin = body_template.body.skin.V.topRows(tables.topology.skin_size);
+  const Anatomy& own = tables.own ? *tables.own : body_template.anatomy;
+  const BodyPair pair{&own_skin, &skin, &own.bones, &bones};
+  auto start = Clock::now();
+  if (interior == Interior::rbf) {
+    InteriorMap map = rbf_map(pair);
+    report.warp_ms = since(start);
+    return map;
+  }
+  const HarmonicSolver solver(template_tissue(body_template, interior));
+  report.prepare_ms = since(start);
+  start = Clock::now();
+  Points nodes = solver.move_nodes(pair);
+  const TissueMesh& mesh = solver.mesh();
+  report.nodes = static_cast<int>(mesh.V.rows());
+  report.tetrahedra = static_cast<int>(mesh.T.rows());
+  const std::vector<double> before = tissue_volumes(mesh, mesh.V), after = tissue_volumes(mesh, nodes);
+  for (size_t t = 0; t < before.size(); ++t) {
+    report.inverted += after[t] <= 0;
+    if (mesh.in_bone[t]) continue;
+    report.soft_before += before[t];
+    report.soft_after += after[t];
+  }
+  InteriorMap map = solver.map_to(nodes);
+  report.warp_ms = since(start);
+  fit.tissue = mesh;
+  fit.tissue.V = std::move(nodes);
+  return map;
+}
+
 // The muscle volume of a body is that of the template at its size; of what a body is wider beyond that muscle takes a part (heavier
 // people carry more muscle, but less than in proportion).
-void carry_all(const std::vector<Muscle>& muscles, const SkeletonCarrier& carrier, double size, double volume, std::vector<Muscle>& out) {
+void carry_all(const std::vector<Muscle>& muscles, const SkeletonCarrier& carrier, const InteriorMap& flesh, double size, double volume,
+               std::vector<Muscle>& out) {
   const double grown = size * size * size;
   const double wanted = grown * std::sqrt(volume / grown);
   const CarryMap map = [&](const Vec3& x, int joint) { return carrier.by_joint(joint, x); };
+  const CarryMap inner = flesh ? CarryMap([&](const Vec3& x, int) { return flesh(x); }) : CarryMap();
   out = muscles;
   tbb::parallel_for(size_t{0}, muscles.size(), [&](size_t m) {
-    for (Strip& strip : out[m].strips) strip = carry_strip(strip, map);
+    for (Strip& strip : out[m].strips) strip = carry_strip(strip, map, inner);
     const double before = rest_volume(muscles[m]), now = rest_volume(out[m]);
     if (now <= 0) return;
     for (Strip& strip : out[m].strips) scale_radii(strip, Vec2::Constant(std::sqrt(wanted * before / now)));
@@ -164,7 +202,7 @@ std::vector<Bone> carry_bones(const std::vector<Bone>& bones, const SkeletonCarr
 
 }  // namespace
 
-Fit fit_anatomy(const Template& body_template, const Body& body) {
+Fit fit_anatomy(const Template& body_template, const Body& body, const FitOptions& options) {
   if (!body_template.tables) throw std::invalid_argument("fit_anatomy: the template has no tables; take it from read_template");
   const FitTables& tables = *body_template.tables;
   check_skin(tables.topology, body.skin.V);
@@ -183,11 +221,13 @@ Fit fit_anatomy(const Template& body_template, const Body& body) {
   const BothSides sides = place_both(tables, skin, field, fit.report.stature, symmetry, brackets);
   const SkeletonCarrier carrier(tables.own ? *tables.own : body_template.anatomy, tables.rules, sides.placement);
   fit.anatomy = carrier.skeleton();
-  if (tables.own) fit.anatomy.bones = carry_bones(body_template.anatomy.bones, carrier);
   fit.report.bones_ms = since(start);
+  InteriorMap flesh;
+  if (options.interior != Interior::bones) flesh = warp_interior(body_template, skin, fit.anatomy.bones, options.interior, fit);
+  if (tables.own) fit.anatomy.bones = carry_bones(body_template.anatomy.bones, carrier);
 
   start = Clock::now();
-  carry_all(tables.muscles, carrier, fit.report.stature / tables.stature, inner_volume(tables.topology, skin) / tables.volume,
+  carry_all(tables.muscles, carrier, flesh, fit.report.stature / tables.stature, inner_volume(tables.topology, skin) / tables.volume,
             fit.anatomy.muscles);
   fit.report.muscles_ms = since(start);
   measure_bones(tables, sides, fit.anatomy, field, brackets, fit.report);

@@ -2,8 +2,8 @@
 //
 // Joint centres come from the skin by a sparse linear regressor; each group of bones is carried by the difference between the
 // body's centres and the template's, and corrected so that palpable points lie as deep as in the template, joints stay
-// together and nothing pierces the skin; muscles are carried by the bones that they ride on, as they were before they grew to the
-// template's skin (dilate_muscles makes them grow to the new one). All of it is a difference to the template: the template fitted
+// together and nothing pierces the skin; muscles are carried by the bones that they ride on, or by a warp of the flesh between bones and
+// skin, as they were before they grew to the template's skin (dilate_muscles makes them grow to the new one). All of it is a difference to the template: the template fitted
 // into its own body is the template.
 #pragma once
 
@@ -13,8 +13,29 @@
 
 #include "anatomy/anatomy.h"
 #include "morph/template.h"
+#include "morph/tissue_mesh.h"
 
 namespace ecorche {
+
+// What carries the flesh between bones and skin when a template is fitted into a body:
+//   bones    the bones that it rides on, and nothing else
+//   tetgen   a harmonic warp in tetrahedra that keep the skin's vertices
+//   lattice  the same in a lattice of cubes
+//   rbf      radial functions through samples of skin and bones
+enum class Interior { bones, tetgen, lattice, rbf };
+
+struct FitOptions {
+  Interior interior = Interior::bones;
+};
+
+// What a warp of the soft tissue did.
+struct InteriorReport {
+  int nodes = 0, tetrahedra = 0;
+  int inverted = 0;                // tetrahedra that the warp turned over
+  double soft_before = 0, soft_after = 0;  // volume between bones and skin, of the template and here, m^3
+  double prepare_ms = 0;           // reading (or making) the mesh and factoring its system: the template's alone
+  double warp_ms = 0;              // solving for this body
+};
 
 struct LandmarkDepth {
   std::string name;       // data/palpable.csv
@@ -35,15 +56,17 @@ struct FitReport {
   int bones_outside = 0;         // bone vertices outside the skin, mouth and eyes closed off
   double bones_furthest = 0;     // m
   std::vector<LandmarkDepth> landmarks;  // left side and middle
+  InteriorReport interior;       // zeros without a warp
 };
 
 struct Fit {
   Anatomy anatomy;  // muscles carried, not yet grown to the skin
   FitReport report;
+  TissueMesh tissue;  // carried into the body; empty without a mesh (bones, rbf)
 };
 
-// Throws UnfitError for a skin that has not the base mesh's vertices, is not finite, or is far from any human shape.
-// Precondition: `body_template` comes from read_template or build_template.
-Fit fit_anatomy(const Template& body_template, const Body& body);
+// Throws UnfitError for a skin that has not the base mesh's vertices, is not finite, or is far from any human shape, and as
+// template_tissue does. Precondition: `body_template` comes from read_template or build_template.
+Fit fit_anatomy(const Template& body_template, const Body& body, const FitOptions& options = {});
 
 }  // namespace ecorche

@@ -1,10 +1,9 @@
 // A shape space as bytes (numbers as they lie in memory: the cache stays on the machine that wrote it) with a hash at the end.
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 
-#include "anatomy/atomic_file.h"
+#include "anatomy/cache.h"
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
 #include "morph/shape_space.h"
@@ -16,12 +15,6 @@ namespace fs = std::filesystem;
 
 constexpr char kVersion[] = "ecorche shape space 5";  // counts up with every change of how a space is built
 constexpr std::size_t kHashSize = 64;
-
-fs::path cache_folder() {
-  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg) return fs::path(xdg) / "ecorche";
-  if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache" / "ecorche";
-  return {};
-}
 
 std::string file_bytes(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -88,25 +81,16 @@ std::string shape_space_key(Sex sex) {
 }
 
 ShapeSpace read_shape_space(const BodyPackage& package, const TapeMeasure& tape, Sex sex) {
-  const fs::path folder = cache_folder();
-  const fs::path file = folder / (shape_space_key(sex) + ".space");
-  if (!folder.empty() && fs::exists(file)) {
+  const std::string name = shape_space_key(sex) + ".space";
+  if (const std::optional<std::string> bytes = read_cached(name)) {
     try {
-      return space_from(file_bytes(file), package.skin_size);
+      return space_from(*bytes, package.skin_size);
     } catch (const InputError&) {
       // damaged: built anew and overwritten below
     }
   }
   ShapeSpace out = build_shape_space(package, tape, sex);
-  if (!folder.empty()) {
-    try {
-      fs::create_directories(folder);
-      write_file_atomically(file, space_bytes(out));
-    } catch (const OutputError&) {
-      // a cache that cannot be written costs time, nothing else
-    } catch (const fs::filesystem_error&) {
-    }
-  }
+  write_cached(name, space_bytes(out));
   return out;
 }
 

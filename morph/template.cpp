@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 
-#include "anatomy/atomic_file.h"
 #include "anatomy/bone_package.h"
+#include "anatomy/cache.h"
 #include "anatomy/errors.h"
 #include "anatomy/muscle_table.h"
 #include "morph/body.h"
@@ -37,12 +36,6 @@ PackageReader wheel_reader(const Packages& packages) {
     if (!archive->contains(entry)) return std::nullopt;
     return archive->read(entry);
   };
-}
-
-std::filesystem::path cache_folder() {
-  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg) return std::filesystem::path(xdg) / "ecorche";
-  if (const char* home = std::getenv("HOME"); home && *home) return std::filesystem::path(home) / ".cache" / "ecorche";
-  return {};
 }
 
 std::string file_bytes(const std::filesystem::path& file) {
@@ -167,25 +160,16 @@ std::string template_key() {
 }
 
 Template read_template(const Packages& packages) {
-  const std::filesystem::path folder = cache_folder();
-  const std::filesystem::path file = folder / (template_key() + ".template");
-  if (!folder.empty() && std::filesystem::exists(file)) {
+  const std::string name = template_key() + ".template";
+  if (const std::optional<std::string> bytes = read_cached(name)) {
     try {
-      return read_template_bytes(file_bytes(file));
+      return read_template_bytes(*bytes);
     } catch (const InputError&) {
       // damaged: built anew and overwritten below
     }
   }
   Template out = build_template(packages);
-  if (!folder.empty()) {
-    try {
-      std::filesystem::create_directories(folder);
-      write_file_atomically(file, write_template_bytes(out));
-    } catch (const OutputError&) {
-      // a cache that cannot be written costs time, nothing else
-    } catch (const std::filesystem::filesystem_error&) {
-    }
-  }
+  write_cached(name, write_template_bytes(out));
   return out;
 }
 

@@ -1,0 +1,16 @@
+// Files that spare making again what takes long: named by a hash of all that they were made from, so that they are never stale.
+//
+// In $XDG_CACHE_HOME/ecorche, else ~/.cache/ecorche, else nowhere. A cache that cannot be read or written costs time, nothing else.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace ecorche {
+
+// Nothing when there is none or it cannot be read.
+std::optional<std::string> read_cached(const std::string& name);
+void write_cached(const std::string& name, std::string_view bytes);
+
+}  // namespace ecorche
