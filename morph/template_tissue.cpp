@@ -1,5 +1,6 @@
 #include "morph/template_tissue.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 
@@ -30,6 +31,14 @@ struct PackedAnchor {
   std::int32_t kind, bone, vertices[3], unused = 0;
   double weights[3];
 };
+
+// Vertices in the middle of a cap over mouth or eye are no vertices of the skin: what hangs on one is let go.
+void free_caps(Eigen::Index skin_size, TissueMesh& mesh) {
+  for (TissueAnchor& anchor : mesh.anchors) {
+    const bool capped = std::ranges::any_of(anchor.vertices, [&](int v) { return v >= skin_size; });
+    if (anchor.kind == TissueAnchor::Kind::skin && capped) anchor = {};
+  }
+}
 
 }  // namespace
 
@@ -88,6 +97,7 @@ TissueMesh template_tissue(const Template& body_template, Interior interior) {
   }
   const TriMesh closed = capped_skin(tables.topology, skin);
   TissueMesh mesh = interior == Interior::tetgen ? tetgen_tissue(closed, anatomy.bones) : lattice_tissue(closed, anatomy.bones);
+  free_caps(skin.rows(), mesh);
   write_cached(name, write_tissue_bytes(mesh));
   return mesh;
 }

@@ -34,7 +34,7 @@ struct TissueMesh {
 struct TissueOptions {
   double bone_spacing = 0.012;  // m between nodes on bones, about
   double quality = 1.8;         // TetGen: largest ratio of a tetrahedron's circumsphere to its shortest edge
-  double cube = 0.008;          // lattice: m
+  double cube = 0.016;          // lattice: m
 };
 
 // `closed_skin`: closed, outward; vertices without triangles are left out. Bones inside it; nodes on them keep 3 mm from the skin.
