@@ -23,7 +23,12 @@ constexpr double kNextHit = 1e-6;      // m, past the last one
 constexpr double kTendonLevel = 0.4;   // levels of tendons count this much: they keep their room before bellies do
 constexpr double kGrowRate = 0.8;      // of the room, a round
 constexpr double kMostGrowth = 0.035;  // m, beyond the ellipse
-constexpr double kContent = 0.75;      // of a muscle's need: below it grows into no deep room
+constexpr double kWanting = 0.5;       // need beyond 1 that makes a muscle grow into all of a deep room
+constexpr double kPush = 0.5;          // of a radius, into a neighbour that has more than its need
+constexpr double kLeastShare = 0.3;    // of the volume that a muscle comes with, to begin with
+constexpr double kThinnest = 2e-4;     // m
+constexpr double kMostPress = 0.6;     // factor of a sheet's thickness in a round
+constexpr float kMainTerm = 0.2f;      // weight of a section that a vertex between strips follows
 constexpr double kSteepest = 0.25;     // least cosine that the layer's slope is taken to have
 constexpr int kLevelSteps = 6, kHalvings = 5;
 constexpr std::size_t kMostStrips = 16;  // of a muscle, that are looked at
@@ -78,6 +83,7 @@ class Sharing {
         for (int pass = 0; pass < smoothing; ++pass) smooth(std::span(next).subspan(strip.begin, strip.end - strip.begin));
       }
     });
+    if (kind == Round::settling) press_between(flesh, next);
     for (const StripPlace& strip : strips_) {
       if (partners_[static_cast<std::size_t>(strip.muscle)] >= 0) continue;
       for (std::size_t k = strip.begin; k < strip.end; ++k) slices_[k].outline = next[k];
@@ -91,6 +97,17 @@ class Sharing {
     for (Muscle& muscle : anatomy_.muscles)
       for (Strip& strip : muscle.strips)
         for (Slice& slice : strip.slices) slice.outline = slices_[at++].outline;
+  }
+
+  // Every muscle as if it had its volume already; those that reached the layer by more grow back to it.
+  void begin() {
+    for (std::size_t m = 0; m < wanted_.size(); ++m) {
+      double volume = 0;
+      for (std::size_t s = strip_begin_[m]; s < strip_begin_[m + 1]; ++s) volume += tube_volume(slices_.subspan(strips_[s].begin, strips_[s].end - strips_[s].begin));
+      const auto factor = static_cast<float>(volume > 0 ? std::sqrt(std::clamp(wanted_[m] / volume, kLeastShare, 1.0)) : 1);
+      for (std::size_t k = muscle_begin_[m]; k < muscle_begin_[m + 1]; ++k)
+        for (float& f : slices_[k].outline) f = 1 + static_cast<float>(belly_[k]) * (factor - 1);
+    }
   }
 
   const SharingReport& report() const { return report_; }
@@ -115,6 +132,7 @@ class Sharing {
       std::fill(thickness_.begin() + static_cast<long>(muscle_begin_[m]), thickness_.begin() + static_cast<long>(muscle_begin_[m + 1]), static_cast<double>(part.thickness));
     }
     needs_.assign(anatomy_.muscles.size(), 1);
+    weights_.assign(anatomy_.muscles.size(), 1);
   }
 
   // Directions whose factor moves a vertex of the drawn surface: all of a tube's, of a sheet's strips the sides and the outer edges.
@@ -171,12 +189,15 @@ class Sharing {
     mesh_.V.topRows(positions.rows()) = positions;
     std::vector<double> volumes(anatomy_.muscles.size(), 0);
     for (const StripPlace& strip : strips_) volumes[static_cast<std::size_t>(strip.muscle)] += tube_volume(slices_.subspan(strip.begin, strip.end - strip.begin));
-    for (std::size_t m = 0; m < volumes.size(); ++m)
+    for (std::size_t m = 0; m < volumes.size(); ++m) {
       needs_[m] = volumes[m] > 0 ? std::pow(std::clamp(wanted_[m] / volumes[m], 0.5, 2.0), 2) : 1;
+      weights_[m] = std::pow(needs_[m], -0.25);
+    }
   }
 
   // Everything on the ray but the strip itself. A sheet is one surface, which is left at the end of its own section.
-  void cast(const Vec3& from, const Vec3& direction, double far, const StripPlace& own, const SkinRays& flesh, std::vector<Stay>& stays) const {
+  // It ends at `far`, or where it enters something beyond `enough`.
+  void cast(const Vec3& from, const Vec3& direction, double far, double enough, const StripPlace& own, const SkinRays& flesh, std::vector<Stay>& stays) const {
     stays.clear();
     double at = 0;
     for (int n = 0; n < kMostHits; ++n) {
@@ -195,6 +216,7 @@ class Sharing {
       if (hit.facing < 0) {
         if (open != stays.end()) ++open->depth;
         else stays.push_back({solid, distance, far, 1});
+        if (distance > enough) break;
       } else if (open != stays.end()) {
         if (--open->depth == 0) open->to = distance;
       } else {  // it was inside from the beginning
@@ -244,8 +266,8 @@ class Sharing {
   }
 
   // Where a muscle that stays on the ray has to be parted from the section whose surface is at `radius`.
-  double part(std::size_t k, const Vec3& direction, double radius, const Stay& stay) const {
-    const double mine = level_share(k) / radius;
+  double part(std::size_t k, std::size_t own, const Vec3& direction, double radius, const Stay& stay) const {
+    const double mine = weights_[own] * level_share(k) / radius;
     const double end = std::min(stay.to, radius);
     const auto at = [&](double t) -> Vec3 { return slices_[k].center + t * direction; };
     const auto m = static_cast<std::size_t>(stay.solid);
@@ -256,7 +278,7 @@ class Sharing {
     const auto theirs = [&](double t) {
       double least = 1e300;
       for (std::size_t s = 0; s < count; ++s) least = std::min(least, level_near(strips_[first + s], near[s], at(t)));
-      return least;
+      return weights_[m] * least;
     };
     double low = stay.from, high = -1;
     if (mine * low >= theirs(low)) return low;
@@ -282,10 +304,11 @@ class Sharing {
     const Spoke& spoke = spokes_[k * kDirections + i];
     const double base = static_cast<double>(spoke.base), now = base * static_cast<double>(slices_[k].outline[i]);
     const Vec3 direction = edge(k, i) / base;
-    cast(slices_[k].center, direction, now + (settling ? limits_.settled_reach : limits_.reach), strip, flesh, stays);
+    cast(slices_[k].center, direction, now + (settling ? limits_.settled_reach : limits_.reach), grows ? now : 1e3, strip, flesh, stays);
     double end = std::min(now, static_cast<double>(spoke.most));
     const double need = needs_[static_cast<std::size_t>(strip.muscle)];
-    double room = std::min(now + limits_.reach, static_cast<double>(spoke.layer) - (1 - std::min(need, 1.0)) * limits_.slack);
+    double room = static_cast<double>(spoke.layer) - (1 - std::min(need, 1.0)) * limits_.slack;
+    if (room > now + limits_.reach) room = now;  // that far off lie organs
     double deep = 1e3;  // to the next muscle or bone
     for (const Stay& stay : stays) {
       if (stay.solid == strip.muscle) {  // another strip of the same muscle: they may share room, but not take each other's
@@ -295,9 +318,10 @@ class Sharing {
         else if (stay.to >= now) end = 0;
       } else if (stay.from >= now) {
         const double theirs = needs_[static_cast<std::size_t>(stay.solid)];
-        deep = std::min(deep, now + (stay.from - now) * need / (need + theirs) - limits_.gap);
+        const double push = std::clamp((need - theirs) / (need + theirs), 0.0, 0.5) * kPush * now;
+        deep = std::min(deep, now + (stay.from - now) * need / (need + theirs) + push - limits_.gap);
       } else {
-        const double parted = part(k, direction, now, stay);
+        const double parted = part(k, static_cast<std::size_t>(strip.muscle), direction, now, stay);
         if (parted < now) end = std::min(end, parted - limits_.gap);
       }
     }
@@ -305,9 +329,45 @@ class Sharing {
     if (!grows || end < now || belly_[k] <= 0) return std::max(end, least);
     const double most = std::min(limits_.most * base, base + kMostGrowth);
     // Room that ends at the layer is filled; what is deep stays open to fat and vessels unless volume is wanting.
-    const double rate = kGrowRate * belly_[k] * (deep < room ? std::clamp((need - kContent) / (1 - kContent), 0.0, 1.0) : 1);
-    const double growth = std::min({room, deep, most}) - now;
+    const bool outwards = room > now && room <= deep;
+    const double rate = kGrowRate * belly_[k] * (!outwards ? std::clamp((need - 1) / kWanting, 0.0, 1.0) : 1);
+    const double growth = std::min({room > now ? room : deep, deep, most}) - now;
     return growth > 0 ? now + rate * growth : std::max(end, least);
+  }
+
+  // Sheets are drawn between their strips, too: where they reach into others there, the strips on either side give way.
+  void press_between(const SkinRays& flesh, std::vector<SliceOutline>& next) const {
+    std::vector<float> ratios(static_cast<std::size_t>(surface_.vertices()), 1);
+    for (const MuscleSurface::Part& sheet : surface_.parts) {
+      const auto m = static_cast<std::size_t>(sheet.muscle);
+      if (!sheet.sheet || partners_[m] >= 0) continue;
+      tbb::parallel_for(tbb::blocked_range<int>(sheet.vertex_begin, sheet.vertex_end, 64), [&](const auto& range) {
+        std::vector<Stay> stays;
+        for (int v = range.begin(); v < range.end(); ++v) {
+          const auto terms = std::span(surface_.terms).subspan(static_cast<std::size_t>(surface_.term_begin[static_cast<std::size_t>(v)]), static_cast<std::size_t>(surface_.term_begin[static_cast<std::size_t>(v) + 1] - surface_.term_begin[static_cast<std::size_t>(v)]));
+          if (terms.size() < 2 || terms[0].w != 0) continue;
+          Vec3 middle = Vec3::Zero();
+          for (const MuscleSurface::Term& t : terms) middle += static_cast<double>(t.weight) * slices_[static_cast<std::size_t>(t.slice)].center;
+          const Vec3 out = mesh_.V.row(v).transpose() - middle;
+          const double now = out.norm();
+          if (now < kThinnest) continue;
+          cast(middle, out / now, now + limits_.settled_reach, 1e3, strips_[strip_begin_[m]], flesh, stays);
+          double end = now;
+          for (const Stay& stay : stays)
+            if (stay.from < now && (stay.from > 0 || stay.solid != kBone)) end = std::min(end, stay.solid == kBone ? stay.from - limits_.bone_gap : 0.5 * (stay.from + std::min(stay.to, now)) - limits_.gap);
+          ratios[static_cast<std::size_t>(v)] = static_cast<float>(std::max(end / now, kMostPress));
+        }
+      });
+    }
+    for (std::size_t v = 0; v < ratios.size(); ++v) {
+      if (ratios[v] >= 1) continue;
+      for (int j = surface_.term_begin[v]; j < surface_.term_begin[v + 1]; ++j) {
+        const MuscleSurface::Term& t = surface_.terms[static_cast<std::size_t>(j)];
+        const auto k = static_cast<std::size_t>(t.slice);
+        float& factor = next[k][static_cast<std::size_t>(std::lround(t.place)) % kDirections];
+        if (t.weight > kMainTerm) factor = std::min(factor, std::max(static_cast<float>(limits_.least), ratios[v] * slices_[k].outline[static_cast<std::size_t>(std::lround(t.place)) % kDirections]));
+      }
+    }
   }
 
   // Directions that are not drawn lie between those that are.
@@ -363,7 +423,7 @@ class Sharing {
   std::vector<double> belly_, thickness_;  // #slices
   std::vector<char> drawn_;                // #slices x #directions
   std::vector<Spoke> spokes_;              // #slices x #directions
-  std::vector<double> needs_;              // #muscles
+  std::vector<double> needs_, weights_;    // #muscles: more than 1 where volume is wanting; of their levels
   TriMesh mesh_;                           // muscles, then bones
   SharingReport report_;
 };
@@ -374,8 +434,9 @@ SharingReport share_room(Anatomy& anatomy, std::span<Ellipse> slices, std::span<
                          const SkinRays& rays, const FatLayer& fat, const SharingLimits& limits) {
   if (slices.empty()) return {};
   Sharing sharing(anatomy, slices, wanted, partners, rays, fat, limits);
+  sharing.begin();
   for (int round = 0; round < limits.parting; ++round) sharing.round(Round::parting, 1);
-  for (int round = 0; round < limits.growing; ++round) sharing.round(Round::growing, 2);
+  for (int round = 0; round < limits.growing; ++round) sharing.round(Round::growing, 1);
   for (int round = 0; round < limits.settling; ++round) sharing.round(Round::settling, 0);
   sharing.finish();
   return sharing.report();
