@@ -104,9 +104,15 @@ class Sharing {
     for (std::size_t m = 0; m < wanted_.size(); ++m) {
       double volume = 0;
       for (std::size_t s = strip_begin_[m]; s < strip_begin_[m + 1]; ++s) volume += tube_volume(slices_.subspan(strips_[s].begin, strips_[s].end - strips_[s].begin));
-      const auto factor = static_cast<float>(volume > 0 ? std::sqrt(std::clamp(wanted_[m] / volume, kLeastShare, 1.0)) : 1);
-      for (std::size_t k = muscle_begin_[m]; k < muscle_begin_[m + 1]; ++k)
-        for (float& f : slices_[k].outline) f = 1 + static_cast<float>(belly_[k]) * (factor - 1);
+      const double factor = volume > 0 ? std::sqrt(std::clamp(wanted_[m] / volume, kLeastShare, 1.0)) : 1;
+      for (std::size_t k = muscle_begin_[m]; k < muscle_begin_[m + 1]; ++k) {
+        // Flat sections get thinner, not narrower.
+        const Vec2& radii = slices_[k].radii;
+        const double flat = std::clamp((radii.maxCoeff() / std::max(radii.minCoeff(), 1e-6) - 1) / 2, 0.0, 1.0) * (radii.x() > radii.y() ? 1 : -1);
+        const double own = 1 + belly_[k] * (factor - 1);
+        const Vec2 scale(std::pow(own, 1 - flat), std::pow(own, 1 + flat));
+        for (std::size_t i = 0; i < kDirections; ++i) slices_[k].outline[i] = static_cast<float>(1 / outline_directions()[i].cwiseQuotient(scale).norm());
+      }
     }
   }
 
