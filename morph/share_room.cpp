@@ -193,10 +193,10 @@ class Sharing {
     Points positions;
     update_muscle_surface(surface_, slices_, positions);
     mesh_.V.topRows(positions.rows()) = positions;
-    std::vector<double> volumes(anatomy_.muscles.size(), 0);
-    for (const StripPlace& strip : strips_) volumes[static_cast<std::size_t>(strip.muscle)] += tube_volume(slices_.subspan(strip.begin, strip.end - strip.begin));
-    for (std::size_t m = 0; m < volumes.size(); ++m) {
-      needs_[m] = volumes[m] > 0 ? std::pow(std::clamp(wanted_[m] / volumes[m], 0.5, 2.0), 2) : 1;
+    for (const MuscleSurface::Part& part : surface_.parts) {
+      const auto m = static_cast<std::size_t>(part.muscle);
+      const double volume = part_volume(surface_, part, positions);
+      needs_[m] = volume > 0 ? std::pow(std::clamp(wanted_[m] / volume, 0.5, 2.0), 2) : 1;
       weights_[m] = std::pow(needs_[m], -0.25);
     }
   }
