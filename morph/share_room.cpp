@@ -167,7 +167,8 @@ class Sharing {
           if (hit.triangle < 0) continue;
           const float layer = fat.at(skin.mesh().F, hit) / std::max(hit.facing, static_cast<float>(kSteepest));
           spoke.layer = hit.distance - layer;
-          spoke.most = hit.distance - std::max(layer / 2, static_cast<float>(limits_.skin_gap));
+          // Only ellipses that press into the layer may go on doing so, by half of it.
+          spoke.most = std::max(spoke.layer, std::min(spoke.base, hit.distance - std::max(layer / 2, static_cast<float>(limits_.skin_gap))));
         }
     });
     report_.rays += static_cast<long long>(spokes_.size());
@@ -313,8 +314,8 @@ class Sharing {
     cast(slices_[k].center, direction, now + (settling ? limits_.settled_reach : limits_.reach), grows ? now : 1e3, strip, flesh, stays);
     double end = std::min(now, static_cast<double>(spoke.most));
     const double need = needs_[static_cast<std::size_t>(strip.muscle)];
-    double room = static_cast<double>(spoke.layer) - (1 - std::min(need, 1.0)) * limits_.slack;
-    if (room > now + limits_.reach) room = now;  // that far off lie organs
+    const double room = static_cast<double>(spoke.layer);
+    const bool open = room > now + limits_.reach;  // that far off lie organs
     double deep = 1e3;  // to the next muscle or bone
     for (const Stay& stay : stays) {
       if (stay.solid == strip.muscle) {  // another strip of the same muscle: they may share room, but not take each other's
@@ -335,9 +336,9 @@ class Sharing {
     if (!grows || end < now || belly_[k] <= 0) return std::max(end, least);
     const double most = std::min(limits_.most * base, base + kMostGrowth);
     // Room that ends at the layer is filled; what is deep stays open to fat and vessels unless volume is wanting.
-    const bool outwards = room > now && room <= deep;
+    const bool outwards = !open && room <= deep;
     const double rate = kGrowRate * belly_[k] * (!outwards ? std::clamp((need - 1) / kWanting, 0.0, 1.0) : 1);
-    const double growth = std::min({room > now ? room : deep, deep, most}) - now;
+    const double growth = std::min({room, deep, most, now + limits_.reach}) - now;
     return growth > 0 ? now + rate * growth : std::max(end, least);
   }
 

@@ -20,7 +20,6 @@ struct SharingLimits {
   int parting = 1, growing = 4, settling = 2;  // rounds
   double reach = 0.035;      // m: how far beyond its surface a section looks for room
   double settled_reach = 0.003;  // in the last rounds
-  double slack = 0.0;      // m below the layer, that a muscle of much more than its volume stays
   double gap = 0.15e-3;      // m, that a muscle keeps from its neighbour's half of the way
   double bone_gap = 0.4e-3;  // m
   double skin_gap = 0.5e-3;  // m, where the layer cannot be kept
