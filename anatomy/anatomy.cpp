@@ -21,6 +21,8 @@ void validate_strip(const std::string& where, const Strip& strip, int joints) {
   for (const Slice& slice : strip.slices) {
     require(slice.s >= 0 && slice.s <= 1 && slice.s > last, where + ": slice parameter " + std::to_string(slice.s) + " after " + std::to_string(last));
     require(slice.radii.allFinite() && slice.radii.minCoeff() >= 0, where + ": slice radius is negative or not finite");
+    for (const float factor : slice.outline)
+      require(std::isfinite(factor) && factor >= 0, where + ": slice outline is negative or not finite");
     require(slice.offset.allFinite() && std::isfinite(slice.roll), where + ": slice is not finite");
     last = slice.s;
   }

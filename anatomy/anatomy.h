@@ -28,12 +28,20 @@ struct PathPoint {
   double share = 1;
 };
 
+// A section's outline: factors of its ellipse at even eccentric angles from the width axis on,
+//   point i = center + factor[i] (radii.x cos(2 pi i / 16) width + radii.y sin(2 pi i / 16) thickness).
+// All ones are the ellipse itself. So muscles take the shape of what lies around them, and everything that knows ellipses alone still works.
+constexpr int kOutlinePoints = 16;
+using SliceOutline = std::array<float, kOutlinePoints>;
+constexpr SliceOutline kEllipticOutline{1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+
 // One cross-section, relative to the line it sits on, so that it cannot be mistaken for a posed one.
 struct Slice {
   double s = 0;                  // parameter along the smooth line, 0 origin .. 1 insertion
   double roll = 0;               // angle from the line's rotation-minimising frame to the width axis, rad
   Vec2 offset = Vec2::Zero();    // of the section's centre from the line, in the rolled frame (width, thickness), m
   Vec2 radii = Vec2::Zero();     // half width, half thickness, m
+  SliceOutline outline = kEllipticOutline;
 };
 
 // A surface that the line slides over when joints move; it rides on a joint. Paths are pushed out of it, never into it.
@@ -110,10 +118,11 @@ struct Ellipse {
   Vec3 center = Vec3::Zero();
   Mat3 axes = Mat3::Identity();  // columns: width, thickness, tangent (right-handed, orthonormal)
   Vec2 radii = Vec2::Zero();
+  SliceOutline outline = kEllipticOutline;
 };
 
 // Throws std::invalid_argument that names the part: indices out of range, parents after children, fewer than two path points,
-// falling s, radii that are negative or not finite.
+// falling s, radii or outlines that are negative or not finite.
 void validate(const Anatomy& anatomy);
 
 int find_bone(const Anatomy& anatomy, std::string_view name);      // index or -1

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "anatomy/muscle_line.h"
+#include "anatomy/outline.h"
 
 namespace ecorche {
 namespace {
@@ -66,6 +67,7 @@ Strip carry_strip(const Strip& strip, const CarryMap& map, const CarryMap& inner
   const std::vector<Vec3> points = line_points(strip.path, s);
   const std::vector<double> knots = path_parameters(strip.path);
   std::vector<Station> stations;
+  std::vector<Vec3> thickness;
   for (size_t k = 0; k < s.size(); ++k) {
     size_t b = 1;
     while (b + 1 < knots.size() && knots[b] < s[k]) ++b;
@@ -78,10 +80,14 @@ Strip carry_strip(const Strip& strip, const CarryMap& map, const CarryMap& inner
     station.offset = D * (old[k].center - points[k]);
     station.radii = strip.slices[k].radii;
     stations.push_back(station);
+    thickness.push_back(D * old[k].axes.col(1));
   }
   Strip sections = make_strip(moved.path, stations);
   moved.slices = std::move(sections.slices);
   moved.reference = sections.reference;
+  const std::vector<Ellipse> now = rest_slices(moved);
+  for (size_t k = 0; k < now.size(); ++k)
+    moved.slices[k].outline = flipped_outline(strip.slices[k].outline, now[k].axes.col(0).dot(stations[k].width) < 0, now[k].axes.col(1).dot(thickness[k]) < 0);
   return moved;
 }
 

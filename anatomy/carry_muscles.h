@@ -13,7 +13,7 @@ namespace ecorche {
 using CarryMap = std::function<Vec3(const Vec3& point, int joint)>;
 
 // Path points by the map of their joint (blended ones by the blend of both); the reference and each slice's width direction by
-// the map's local turn, wraps by its local turn and mean stretch; offsets by the local stretch. Slices keep s and radii
+// the map's local turn, wraps by its local turn and mean stretch; offsets by the local stretch. Slices keep s, radii and outline
 // (see scale_radii); rest_length is measured anew.
 // `inner`: where the flesh between goes, if that is not where the bones would carry it: via points, slices and their directions follow
 // it, the two ends, the reference and the wraps follow `map`.

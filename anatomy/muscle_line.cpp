@@ -5,6 +5,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "anatomy/outline.h"
+
 namespace ecorche {
 namespace {
 
@@ -229,6 +231,7 @@ std::vector<Ellipse> rest_slices(const Strip& strip) {
     e.axes.col(2) = f.tangents[k];
     e.center = f.points[k] + slice.offset.x() * e.axes.col(0) + slice.offset.y() * e.axes.col(1);
     e.radii = slice.radii;
+    e.outline = slice.outline;
   }
   return ellipses;
 }
@@ -330,6 +333,7 @@ void set_slices(Strip& strip, std::span<const Ellipse> ellipses) {
     const Vec3 offset = ellipses[k].center - f.points[k];
     slice.offset = Vec2(offset.dot(w), offset.dot(f.tangents[k].cross(w)));
     slice.radii = ellipses[k].radii;
+    slice.outline = ellipses[k].outline;
   }
 }
 
@@ -346,7 +350,9 @@ double tube_volume(std::span<const Ellipse> ellipses) {
     const Ellipse &p = ellipses[k], &q = ellipses[k + 1];
     const Vec3 a0 = p.radii.x() * p.axes.col(0), b0 = p.radii.y() * p.axes.col(1);
     const Vec3 a1 = q.radii.x() * q.axes.col(0), b1 = q.radii.y() * q.axes.col(1);
-    const Vec3 area = (a0.cross(b0) + 0.5 * (a0.cross(b1) + a1.cross(b0)) + a1.cross(b1)) / 3;
+    const MixedArea mixed = mixed_area(p.outline, q.outline);
+    const Vec3 between = mixed.ab * a0.cross(b1) + mixed.ba * a1.cross(b0) + mixed.aa * a0.cross(a1) + mixed.bb * b0.cross(b1);
+    const Vec3 area = (outline_area(p.outline) * a0.cross(b0) + 0.5 * between + outline_area(q.outline) * a1.cross(b1)) / 3;
     volume += std::numbers::pi * (q.center - p.center).dot(area);
   }
   return volume;

@@ -62,7 +62,7 @@ Strip make_strip(std::vector<PathPoint> path, std::span<const Station> stations)
 // Sections by linear interpolation of the stations at other parameters (for example evenly spaced ones).
 std::vector<Station> resample_stations(std::span<const PathPoint> path, std::span<const Station> stations, std::span<const double> s);
 
-// Rewrites roll, offset and radii so that rest_slices(strip) gives these centres, width directions and radii; s stays.
+// Rewrites roll, offset, radii and outline so that rest_slices(strip) gives these centres, width directions, radii and outlines; s stays.
 // The way back from a change made to the ellipses (dilation). Precondition: one ellipse a slice.
 void set_slices(Strip& strip, std::span<const Ellipse> ellipses);
 
@@ -70,9 +70,10 @@ void set_slices(Strip& strip, std::span<const Ellipse> ellipses);
 // end (belly_begin 0, belly_end 1).
 double belly_weight(const Strip& strip, double s);
 
-// Volume of the tube lofted through the ellipses in order, exact for linear interpolation of centre and axes (no caps), m^3:
-//   V = sum over pieces of pi (c1 - c0) . (M00 + (M01 + M10) / 2 + M11) / 3,   Mij = (width axis of i) x (thickness axis of j)
-// It holds however the line bends or twists, as the volume of methods by Pappus does to first order.
+// Volume of the tube lofted through the sections in order (no caps), m^3:
+//   V = sum over pieces of pi (c1 - c0) . (A00 + A01 + A11) / 3,   pi Aij the mixed area vector of sections i and j (outline.h)
+// It is exact for linear interpolation of centre and axes between sections that are their own image about their centre, ellipses among
+// them, however the line bends or twists. Of others it holds to first order, as the volume of methods by Pappus does about the centroid.
 double tube_volume(std::span<const Ellipse> ellipses);
 
 }  // namespace ecorche

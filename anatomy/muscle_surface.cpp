@@ -7,13 +7,14 @@
 #include <stdexcept>
 
 #include "anatomy/muscle_line.h"
+#include "anatomy/outline.h"
 
 namespace ecorche {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kCapRings = 2;       // between the last slice and the pole
-constexpr int kRimSteps = 6;       // of a sheet's rounded edge, from its upper to its lower side
+constexpr int kRimSteps = kOutlinePoints / 2;  // of a sheet's rounded edge, from its upper to its lower side
 constexpr int kBetween = 2;        // columns between two neighbouring strips of a sheet
 
 class Builder {
@@ -59,8 +60,13 @@ class Builder {
   std::vector<int> faces_;
 };
 
-MuscleSurface::Term term(int slice, double weight, double u, double v, double w) {
-  return {slice, static_cast<float>(weight), static_cast<float>(u), static_cast<float>(v), static_cast<float>(w)};
+// `angle`: eccentric, of the outline's factor.
+MuscleSurface::Term term(int slice, double weight, double u, double v, double w, double angle) {
+  const float place = static_cast<float>(angle / (2 * kPi) * kOutlinePoints);
+  const float turns = std::floor(place / kOutlinePoints), whole = std::round(place - kOutlinePoints * turns);
+  const float rest = place - kOutlinePoints * turns;
+  const float near = std::abs(rest - whole) < 1e-4f ? whole : rest;  // on a direction it is that direction's alone
+  return {slice, static_cast<float>(weight), static_cast<float>(u), static_cast<float>(v), static_cast<float>(w), near < kOutlinePoints ? near : 0};
 }
 
 void add_tube(Builder& build, int muscle, const Strip& strip, int first_slice, int points) {
@@ -69,13 +75,13 @@ void add_tube(Builder& build, int muscle, const Strip& strip, int first_slice, i
     const int begin = build.vertex_count();
     for (int i = 0; i < points; ++i) {
       const double angle = 2 * kPi * i / points;
-      const MuscleSurface::Term t = term(first_slice + k, 1, flat * std::cos(angle), flat * std::sin(angle), out);
+      const MuscleSurface::Term t = term(first_slice + k, 1, flat * std::cos(angle), flat * std::sin(angle), out, angle);
       build.vertex(muscle, {&t, 1}, angle, belly_weight(strip, strip.slices[k].s), strip.slices[k].s);
     }
     return begin;
   };
   const auto pole = [&](int k, double out) {
-    const MuscleSurface::Term t = term(first_slice + k, 1, 0, 0, out);
+    const MuscleSurface::Term t = term(first_slice + k, 1, 0, 0, out, 0);
     return build.vertex(muscle, {&t, 1}, 0, belly_weight(strip, strip.slices[k].s), strip.slices[k].s);
   };
   const int low = pole(0, -1);
@@ -179,15 +185,16 @@ class Sheet {
   int count() const { return static_cast<int>(order_.strip.size()); }
 
   // Adds the terms of strip `i` (in order) at a row; rows of strips with fewer slices fall between their slices.
-  void add_terms(std::vector<MuscleSurface::Term>& terms, int i, int row, double weight, double u, double v, double w) const {
+  void add_terms(std::vector<MuscleSurface::Term>& terms, int i, int row, double weight, double u, double v, double w, double angle) const {
     const int strip = order_.strip[i];
     const int n = static_cast<int>(muscle_.strips[strip].slices.size());
     const double at = static_cast<double>(row) * (n - 1) / (rows_ - 1);
     const int k = std::min(static_cast<int>(at), n - 2);
     const double share = at - k, sign = order_.sign[i];
+    if (sign < 0) angle += kPi;
     const int slice = first_slice_[strip] + k;
-    if (share < 1 - 1e-9) terms.push_back(term(slice, weight * (1 - share), sign * u, sign * v, w));
-    if (share > 1e-9) terms.push_back(term(slice + 1, weight * share, sign * u, sign * v, w));
+    if (share < 1 - 1e-9) terms.push_back(term(slice, weight * (1 - share), sign * u, sign * v, w, angle));
+    if (share > 1e-9) terms.push_back(term(slice + 1, weight * share, sign * u, sign * v, w, angle));
   }
 
   double s_at(int i, int row) const {
@@ -205,7 +212,7 @@ class Sheet {
     for (int step = 0; step <= kRimSteps; ++step) {
       const double angle = from + kPi * step / kRimSteps;
       std::vector<MuscleSurface::Term> terms;
-      add_terms(terms, i, row, 1, std::cos(angle), flat * thickness_ * std::sin(angle), out);
+      add_terms(terms, i, row, 1, std::cos(angle), flat * thickness_ * std::sin(angle), out, angle);
       emit(build, index, terms, i, row, angle);
     }
   }
@@ -219,7 +226,7 @@ class Sheet {
     if (i + 2 == count()) weight[2] += 2 * weight[3], weight[1] -= weight[3], weight[3] = 0;
     std::vector<MuscleSurface::Term> terms;
     for (int j = 0; j < 4; ++j)
-      if (weight[j] != 0) add_terms(terms, i - 1 + j, row, weight[j], 0, side * flat * thickness_, out);
+      if (weight[j] != 0) add_terms(terms, i - 1 + j, row, weight[j], 0, side * flat * thickness_, out, side * 0.5 * kPi);
     emit(build, index, terms, u < 0.5 ? i : i + 1, row, side * 0.5 * kPi);
   }
 
@@ -239,7 +246,7 @@ class Sheet {
 
   void crest(Builder& build, int index, int i, int row, double flat, double out, int side) const {
     std::vector<MuscleSurface::Term> terms;
-    add_terms(terms, i, row, 1, 0, side * flat * thickness_, out);
+    add_terms(terms, i, row, 1, 0, side * flat * thickness_, out, side * 0.5 * kPi);
     emit(build, index, terms, i, row, side * 0.5 * kPi);
   }
 
@@ -281,8 +288,9 @@ void evaluate(const MuscleSurface& surface, std::span<const Ellipse> slices, Pos
     for (int j = surface.term_begin[i]; j < surface.term_begin[i + 1]; ++j) {
       const MuscleSurface::Term& t = surface.terms[j];
       if (t.slice != last) f = frame_of(slices[last = t.slice]);
-      p += static_cast<double>(t.weight) *
-           (f.center + static_cast<double>(t.u) * f.width + static_cast<double>(t.v) * f.thickness + static_cast<double>(t.w) * f.tangent);
+      const double factor = outline_factor(slices[t.slice].outline, static_cast<double>(t.place));
+      p += static_cast<double>(t.weight) * (f.center + factor * (static_cast<double>(t.u) * f.width + static_cast<double>(t.v) * f.thickness) +
+                                            static_cast<double>(t.w) * f.tangent);
     }
     positions.row(i) = p.transpose().cast<Scalar>();
   }
@@ -301,12 +309,14 @@ void add_normals(const MuscleSurface& surface, const PointsF& positions, PointsF
   for (Eigen::Index i = 0; i < normals.rows(); ++i) normals.row(i) /= std::max(normals.row(i).norm(), 1e-20f);
 }
 
-// Thickness that gives the sheet its strips' volume at rest: the enclosed volume is nearly a line in it.
+// Thickness that gives the sheet its strips' volume at rest: the enclosed volume is nearly a line in it. Outlines do not count, so that
+// a section that makes room for its neighbours does so on the drawn surface too.
 double sheet_thickness(const Muscle& muscle, const std::vector<std::vector<Ellipse>>& rest) {
   std::vector<Ellipse> slices;
   std::vector<int> first;
   double wanted = 0;
-  for (const auto& strip : rest) {
+  for (auto strip : rest) {
+    for (Ellipse& slice : strip) slice.outline = kEllipticOutline;
     first.push_back(static_cast<int>(slices.size()));
     slices.insert(slices.end(), strip.begin(), strip.end());
     wanted += tube_volume(strip);
@@ -351,7 +361,8 @@ MuscleSurface make_muscle_surface(const Anatomy& anatomy, const MuscleSurfaceOpt
     part.face_begin = build.face_count();
     part.sheet = options.loft_sheets && muscle.sheet && muscle.strips.size() > 1;
     if (part.sheet) {
-      Sheet(muscle, rest, first, sheet_thickness(muscle, rest)).add(build, part.muscle);
+      part.thickness = static_cast<float>(sheet_thickness(muscle, rest));
+      Sheet(muscle, rest, first, static_cast<double>(part.thickness)).add(build, part.muscle);
     } else {
       for (size_t i = 0; i < muscle.strips.size(); ++i) add_tube(build, part.muscle, muscle.strips[i], first[i], options.points_per_slice);
     }

@@ -18,16 +18,18 @@ struct MuscleSurfaceOptions {
 };
 
 struct MuscleSurface {
-  // A vertex is a weighted sum of terms: weight * (center + u a width + v b thickness + w min(a, b) tangent) of one slice.
+  // A vertex is a weighted sum of terms: weight * (center + f (u a width + v b thickness) + w min(a, b) tangent) of one slice, f its
+  // outline's factor at `place` (outline.h).
   struct Term {
     int slice = 0;
-    float weight = 1, u = 0, v = 0, w = 0;
+    float weight = 1, u = 0, v = 0, w = 0, place = 0;
   };
   struct Part {
     int muscle = 0;
     int vertex_begin = 0, vertex_end = 0;
     int face_begin = 0, face_end = 0;
     bool sheet = false;
+    float thickness = 1;  // of its sections as they are drawn; a sheet's differ so that it keeps its strips' volume
   };
   Triangles F;                    // #F x 3, outward
   std::vector<int> term_begin;    // #V + 1

@@ -280,20 +280,24 @@ void lay_slices(const PosingTable::Data& data, const PosingBatch& batch, const L
   }
 }
 
-// The growth of the belly that gives the rest volume: tube_volume is a quadratic in it (a line for sheets).
-Lane find_growth(const PosingBatch& batch, const Scratch& t) {
+// The growth of the belly that gives the rest volume: tube_volume is a quadratic in it.
+Lane find_growth(const PosingTable::Data& data, const PosingBatch& batch, const Scratch& t) {
   const Lane& w = batch.lanes.width_swells;
   Lane q0 = -batch.lanes.volume, q1 = Lane::Zero(), q2 = Lane::Zero();
   Lane3 a0 = t.a[0] * t.width[0], b0 = t.b[0] * t.thickness[0];
   for (int k = 0; k + 1 < batch.rows; ++k) {
     const Lane3 a1 = t.a[k + 1] * t.width[k + 1], b1 = t.b[k + 1] * t.thickness[k + 1];
     const Lane3 d = t.center[k + 1] - t.center[k];
-    const Lane s00 = t.a[k] * t.b[k] * dot(d, t.tangent[k]), s11 = t.a[k + 1] * t.b[k + 1] * dot(d, t.tangent[k + 1]);
-    const Lane p = 0.5 * dot(d, cross(a0, b1)), q = 0.5 * dot(d, cross(a1, b0));
+    const PosingAreas& areas = data.areas[batch.row + k];
+    const Lane s00 = areas.own * t.a[k] * t.b[k] * dot(d, t.tangent[k]);
+    const Lane s11 = data.areas[batch.row + k + 1].own * t.a[k + 1] * t.b[k + 1] * dot(d, t.tangent[k + 1]);
+    const Lane3 across_a = cross(d, a0), across_b = cross(d, b0);
+    const Lane p = 0.5 * areas.ab * dot(across_a, b1), q = -0.5 * areas.ba * dot(across_b, a1);
+    const Lane u = 0.5 * areas.aa * dot(across_a, a1), v = 0.5 * areas.bb * dot(across_b, b1);
     const Lane &g0 = t.belly[k], &g1 = t.belly[k + 1];
-    q0 += s00 + p + q + s11;
-    q1 += (w + 1) * (s00 * g0 + s11 * g1) + p * (w * g0 + g1) + q * (w * g1 + g0);
-    q2 += w * (s00 * g0 * g0 + (p + q) * g0 * g1 + s11 * g1 * g1);
+    q0 += s00 + p + q + u + v + s11;
+    q1 += (w + 1) * (s00 * g0 + s11 * g1) + p * (w * g0 + g1) + q * (w * g1 + g0) + (w * u + v) * (g0 + g1);
+    q2 += w * (s00 * g0 * g0 + (p + q + u) * g0 * g1 + s11 * g1 * g1) + v * g0 * g1;
     a0 = a1;
     b0 = b1;
   }
@@ -313,8 +317,8 @@ inline void scatter(const Lane& a, const Lane& b, const Lane& c, const Lane& d, 
   for (int lane = 0; lane < kLanes; ++lane) Eigen::Vector4d::Map(to[lane]) = m.col(lane);
 }
 
-// An Ellipse is stored as it lies in memory: center, width, thickness, tangent, radii.
-static_assert(sizeof(Ellipse) == 14 * sizeof(double));
+// An Ellipse is stored as it lies in memory: center, width, thickness, tangent, radii, outline.
+static_assert(sizeof(Ellipse) == 14 * sizeof(double) + sizeof(SliceOutline));
 
 void store(const PosingTable::Data& data, const PosingBatch& batch, const Lane& growth, const Scratch& t, PosedAnatomy& out) {
   std::array<int, kLanes> first;
@@ -330,6 +334,7 @@ void store(const PosingTable::Data& data, const PosingBatch& batch, const Lane& 
       width[lane] = e.axes.data() + 1;
       thickness[lane] = e.axes.data() + 5;
       e.radii = Vec2(a[lane], b[lane]);
+      e.outline = data.outlines[static_cast<std::size_t>(slice)];
       out.belly[slice] = static_cast<float>(t.belly[k][lane]);
     }
     scatter(t.center[k].x, t.center[k].y, t.center[k].z, t.width[k].x, center);
@@ -351,7 +356,7 @@ void pose_batch(const PosingTable::Data& data, const PosingBatch& batch, std::sp
   carry_frames(data, batch, out.X_WJ, t);
   const Lane twist = find_twist(data, batch, out.X_WJ, t, out);
   lay_slices(data, batch, twist, find_effort(data, batch, activation), t);
-  const Lane growth = find_growth(batch, t).max(batch.lanes.grow_min).min(batch.lanes.grow_max);
+  const Lane growth = find_growth(data, batch, t).max(batch.lanes.grow_min).min(batch.lanes.grow_max);
   store(data, batch, growth, t, out);
 }
 

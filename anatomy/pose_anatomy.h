@@ -3,7 +3,8 @@
 // A strip's line is a spline through its posed path points (see muscle_line.h), which keep their order where a closing joint would carry
 // one past another, pushed out of its wraps. Slices stay where
 // the bones put them; the muscle's substance slides through them: when the line shortens, tendons keep their length but for a
-// tenth, the belly takes up the rest, and each slice gets the outline of the substance that lies there now. Then the belly
+// tenth, the belly takes up the rest, and each slice gets the half axes of the substance that lies there now; its outline, the shape
+// that its neighbours give it, stays with the slice. Then the belly
 // swells by one factor so that the strip's volume is exactly that of the rest pose. Sheets swell in thickness only.
 // Effort adds what a muscle does though its joints hold still: the tendon gives, so that the belly is shorter (tendon_give.h); substance
 // moves from the belly's ends to its middle (the section there grows by 13 % at most) and flat sections turn rounder by a third of the way

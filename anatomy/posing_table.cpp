@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "anatomy/muscle_line.h"
+#include "anatomy/outline.h"
 
 namespace ecorche {
 namespace {
@@ -202,6 +203,13 @@ void add_lane(PosingTable::Data& data, PosingBatch& batch, int lane, const Strip
     row.free_thickness[lane] = free(1);
     const double inward = bend.dot(rest.slices[k].axes.leftCols<2>() * slice.offset);
     row.free_offset[lane] = static_cast<float>(std::max(kFreeOffset, 1.000001 * inward + 1e-9));
+    PosingAreas& areas = data.areas[batch.row + k];
+    const MixedArea mixed = mixed_area(slice.outline, strip.slices[std::min(k + 1, n - 1)].outline);
+    areas.own[lane] = outline_area(slice.outline);
+    areas.ab[lane] = mixed.ab;
+    areas.ba[lane] = mixed.ba;
+    areas.aa[lane] = mixed.aa;
+    areas.bb[lane] = mixed.bb;
   }
 }
 
@@ -279,6 +287,9 @@ PosingTable make_posing_table(const Anatomy& anatomy) {
   data->joints = static_cast<int>(joints.size());
   data->strips = static_cast<int>(ranges.size());
   data->slices = slice_count(anatomy);
+  for (const Muscle& muscle : anatomy.muscles)
+    for (const Strip& strip : muscle.strips)
+      for (const Slice& slice : strip.slices) data->outlines.push_back(slice.outline);
   data->muscles = static_cast<int>(anatomy.muscles.size());
 
   std::vector<int> order(ranges.size());
@@ -293,6 +304,7 @@ PosingTable make_posing_table(const Anatomy& anatomy) {
     batch.node = static_cast<int>(data->weights.size());
     batch.profile = static_cast<int>(data->profiles.size());
     data->rows.resize(data->rows.size() + batch.rows);
+    data->areas.resize(data->rows.size());
     data->profiles.resize(data->profiles.size() + kLanes);
     for (int lane = 0; lane < kLanes; ++lane) {
       const int i = order[at + std::min(lane, batch.strips - 1)];

@@ -89,6 +89,11 @@ struct PosingRow {
   Eigen::Array4f free_width, free_thickness, free_offset;  // what fold_factor lets pass
 };
 
+// Areas of a row's outlines, and mixed with those of the next row (outline.h).
+struct PosingAreas {
+  Lane own, ab, ba, aa, bb;
+};
+
 struct PosingBatch {
   int rows = 0;          // slices of each strip
   int strips = 0;        // 1 .. kLanes; the rest repeat the last
@@ -121,6 +126,8 @@ struct PosingTable::Data {
   std::vector<PosingStrip> strip;
   std::vector<PosingBatch> batches;
   std::vector<PosingRow> rows;
+  std::vector<PosingAreas> areas;      // #rows
+  std::vector<SliceOutline> outlines;       // #slices
   std::vector<PosingProfile> profiles;
   std::vector<WrapNote> notes;
 };

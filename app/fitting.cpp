@@ -6,10 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
+#include "anatomy/mesh_measures.h"
 #include "anatomy/muscle_line.h"
 #include "anatomy/muscle_surface.h"
+#include "anatomy/outline.h"
+#include "anatomy/solids.h"
 #include "morph/skin_field.h"
 
 namespace ecorche {
@@ -45,6 +49,27 @@ bool is_limb(BodyPart part) {
   return part == BodyPart::upper_arm || part == BodyPart::forearm || part == BodyPart::thigh || part == BodyPart::shank;
 }
 
+Tissues measure_tissues(const Anatomy& anatomy, const TriMesh& closed_skin, const FatLayer& fat) {
+  constexpr double kSpacing = 0.004;  // m; sums over the whole body are good to a few tenths of a percent
+  const MuscleSurface surface = make_muscle_surface(anatomy);
+  Points positions;
+  update_muscle_surface(surface, rest_slices(anatomy), positions);
+  std::vector<Solid> solids;
+  for (const MuscleSurface::Part& part : surface.parts) solids.push_back({Solid::Kind::muscle, &positions, &surface.F, part.face_begin, part.face_end});
+  for (const Bone& bone : anatomy.bones) solids.push_back({Solid::Kind::bone, &bone.mesh.V, &bone.mesh.F, 0, static_cast<int>(bone.mesh.F.rows())});
+  const SolidVolumes volumes = measure_solids(solids, kSpacing);
+  TriMesh inner = closed_skin;
+  const Points normals = vertex_normals(closed_skin);
+  for (Eigen::Index i = 0; i < inner.V.rows(); ++i) inner.V.row(i) -= static_cast<double>(fat.thickness[static_cast<size_t>(i)]) * normals.row(i);
+  Tissues tissues;
+  tissues.body = mesh_volume(closed_skin);
+  tissues.bones = std::accumulate(volumes.volume.begin() + static_cast<long>(surface.parts.size()), volumes.volume.end(), 0.0);
+  tissues.muscles = volumes.muscles - volumes.muscle_bone;
+  tissues.layer = tissues.body - mesh_volume(inner);
+  tissues.rest = tissues.body - tissues.bones - tissues.muscles - tissues.layer;
+  return tissues;
+}
+
 double median(std::vector<double>& values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<long>(values.size() / 2);
@@ -66,11 +91,9 @@ void measure_skin_gap(const Binding& binding, const Refinement* refinement, cons
 
 // Where a section comes nearest to the layer: least over its rays.
 double least_gap(const Ellipse& slice, const SkinRays& rays, const FatLayer& fat) {
-  constexpr int kRays = 20;
   double least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < kRays; ++k) {
-    const double angle = 2 * 3.14159265358979323846 * k / kRays;
-    const Vec3 edge = slice.radii.x() * std::cos(angle) * slice.axes.col(0) + slice.radii.y() * std::sin(angle) * slice.axes.col(1);
+  for (size_t k = 0; k < static_cast<size_t>(kOutlinePoints); ++k) {
+    const Vec3 edge = static_cast<double>(slice.outline[k]) * slice.axes.leftCols<2>() * slice.radii.cwiseProduct(outline_directions()[k]);
     const double reach = edge.norm();
     if (reach <= 0) continue;
     const RayHit hit = rays.first_hit(slice.center, edge / reach);
@@ -127,6 +150,16 @@ void report_fit(const FittedCharacter& fitted, Report& report) {
   report.set("fit.skin_gap_median", fitted.fill.skin_gap_median);
   report.set("fit.muscle_volume_wanted", fitted.dilation.wanted_volume);
   report.set("fit.muscle_volume", fitted.dilation.volume);
+  const Tissues& tissues = fitted.tissues;
+  report.set("fit.tissue_volume.body", tissues.body);
+  report.set("fit.tissue_volume.bones", tissues.bones);
+  report.set("fit.tissue_volume.muscles", tissues.muscles);
+  report.set("fit.tissue_volume.layer", tissues.layer);
+  report.set("fit.tissue_volume.rest", tissues.rest);
+  report.set("fit.tissue_mass.bones", kBoneDensity * tissues.bones);
+  report.set("fit.tissue_mass.muscles", kMuscleDensity * tissues.muscles);
+  report.set("fit.tissue_mass.layer", kAdiposeDensity * tissues.layer);
+  report.set("fit.tissue_mass.rest", kOrganDensity * tissues.rest);
   report.set("fit.landmarks", static_cast<int>(fit.landmarks.size()));
   report.set("fit.landmarks_off_bracket", static_cast<int>(std::count_if(fit.landmarks.begin(), fit.landmarks.end(), is_off)));
   for (const LandmarkDepth& landmark : fit.landmarks) report.set("fit.landmark_depth." + landmark.name, landmark.depth);
@@ -159,6 +192,7 @@ FittedCharacter fit_character(const Template& body_template, const Body& body, c
   measure_outside(fitted.actor.character.anatomy, closed_skin, fitted.fill);
   measure_skin_gap(fitted.actor.binding, base ? &base->refinement : nullptr, fat, package, fitted.fill);
   measure_superficial_gap(fitted.actor.character.anatomy, package, rays, fat, fitted.fill);
+  fitted.tissues = measure_tissues(fitted.actor.character.anatomy, closed_skin, fat);
   report_fit(fitted, report);
   return fitted;
 }

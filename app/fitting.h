@@ -30,6 +30,19 @@ struct FillReport {
   double skin_gap_median = 0;      // from the fat layer to the muscle under it, all over the limbs, grooves and tendons included, m
 };
 
+// What the body is made of, m^3. Bones are taken as solid; muscles count once where they share room, and not where they lie in bone.
+struct Tissues {
+  double body = 0;      // inside the closed skin
+  double bones = 0;
+  double muscles = 0;
+  double layer = 0;     // fat and skin over the muscles
+  double rest = 0;      // organs, vessels, deep fat, what is left
+};
+
+// Mean densities, kg/m^3: whole skeleton 1300 and adipose tissue 950 (ICRP Publication 89), muscle 1056 (Ward and Lieber 2005,
+// 10.1016/j.jbiomech.2004.10.017), organs 1050 (ICRP Publication 89).
+inline constexpr double kBoneDensity = 1300, kMuscleDensity = 1056, kAdiposeDensity = 950, kOrganDensity = 1050;
+
 struct FittedCharacter {
   Actor actor;                    // bound
   Anatomy undilated;              // the muscles before they grew
@@ -37,6 +50,7 @@ struct FittedCharacter {
   DilateReport dilation;
   FillReport fill;
   TissueMesh tissue;              // see Fit::tissue
+  Tissues tissues;
 };
 
 FittedCharacter fit_character(const Template& body_template, const Body& body, const BodyPackage& package, const FittingOptions& options,

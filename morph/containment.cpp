@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "anatomy/muscle_line.h"
+#include "anatomy/outline.h"
 
 namespace ecorche {
 
@@ -47,7 +48,8 @@ int outline_points_outside(const SkinSide& side, const Muscle& muscle, int aroun
     for (const Ellipse& e : rest_slices(strip)) {
       for (int k = 0; k < around; ++k) {
         const double angle = 6.283185307179586 * k / around;
-        outside += is_outside(side, e.center + e.radii.x() * std::cos(angle) * e.axes.col(0) + e.radii.y() * std::sin(angle) * e.axes.col(1));
+        const double factor = outline_factor(e.outline, static_cast<double>(k) * kOutlinePoints / around);
+        outside += is_outside(side, e.center + factor * e.axes.leftCols<2>() * Vec2(e.radii.x() * std::cos(angle), e.radii.y() * std::sin(angle)));
       }
     }
   }

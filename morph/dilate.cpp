@@ -15,6 +15,7 @@
 #include "morph/flesh_field.h"
 #include "morph/grow_strip.h"
 #include "morph/keep_inside.h"
+#include "morph/share_room.h"
 
 namespace ecorche {
 
@@ -174,6 +175,9 @@ void dilate_ecorche(Anatomy& anatomy, Sections& sections, const SkinRays& rays, 
   std::vector<char> suspects(muscles.size());
   for (std::size_t m = 0; m < muscles.size(); ++m) suspects[m] = counts[partners[m] < 0 ? m : static_cast<std::size_t>(partners[m])].near_skin;
   const InsideReport inside = keep_inside(muscles, sections.slices, suspects, rays);
+  std::vector<double> wanted;
+  for (const MuscleDilation& muscle : report.muscles) wanted.push_back(muscle.wanted);
+  report.rays += share_room(anatomy, sections.slices, wanted, partners, rays, fat).rays;
   report.rays += flesh.rays() + inside.rays;
   report.surface_outside = inside.outside;
   report.surface_left = inside.left;

@@ -6,8 +6,9 @@
 //   (flesh_field.h). Then each slice on its own: every ray gives a plane, the skin's tangent plane at its end moved inwards by the
 //   layer; an ellipse (centre, half width, half thickness) is inside when its support in the plane's direction is. Slices of
 //   superficial muscles grow outwards until they touch, their inner side held; slices that press into the layer by more than half
-//   of it are pressed in, their inner side held, too. Changes are smoothed along the strip; tendons do not grow. At last the
-//   drawn surface is looked at: what of it still stands out is moved inside (keep_inside.h).
+//   of it are pressed in, their inner side held, too. Changes are smoothed along the strip; tendons do not grow. Then the
+//   drawn surface is looked at: what of it still stands out is moved inside (keep_inside.h). So far sections are ellipses that lie in one
+//   another; at last they get outlines and share their room (share_room.h).
 #pragma once
 
 #include <optional>

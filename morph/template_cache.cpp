@@ -110,7 +110,7 @@ template <class A> void field(A& a, TriMesh& x) { fields(a, x.V, x.F); }
 template <class A> void field(A& a, Joint& x) { fields(a, x.name, x.parent, x.X_PJ, x.axes, x.min, x.max, x.zero); }
 template <class A> void field(A& a, Bone& x) { fields(a, x.name, x.side, x.joint, x.mesh); }
 template <class A> void field(A& a, PathPoint& x) { fields(a, x.rest, x.joints, x.share); }
-template <class A> void field(A& a, Slice& x) { fields(a, x.s, x.roll, x.offset, x.radii); }
+template <class A> void field(A& a, Slice& x) { fields(a, x.s, x.roll, x.offset, x.radii, x.outline); }
 template <class A> void field(A& a, Wrap& x) { fields(a, x.kind, x.joint, x.X_WO, x.radii); }
 template <class A> void field(A& a, Strip& x) {
   fields(a, x.path, x.reference, x.slices, x.wraps, x.belly_begin, x.belly_end, x.rest_length);

@@ -25,8 +25,13 @@ Value strip_value(const Strip& strip) {
   Array path, slices, wraps;
   for (const PathPoint& p : strip.path)
     path.push_back(numbers({p.rest.x(), p.rest.y(), p.rest.z(), double(p.joints[0]), double(p.joints[1]), p.share}));
-  for (const Slice& k : strip.slices)
-    slices.push_back(numbers({k.s, k.roll, k.offset.x(), k.offset.y(), k.radii.x(), k.radii.y()}));
+  for (const Slice& k : strip.slices) {
+    Array row;
+    for (const double v : {k.s, k.roll, k.offset.x(), k.offset.y(), k.radii.x(), k.radii.y()}) row.push_back(number(v));
+    if (k.outline != kEllipticOutline)
+      for (const float factor : k.outline) row.push_back(number(static_cast<double>(factor)));
+    slices.push_back(Value(std::move(row)));
+  }
   for (const Wrap& wrap : strip.wraps) {
     const Quat q(wrap.X_WO.linear());
     const Vec3 t = wrap.X_WO.translation();
@@ -137,8 +142,11 @@ Strip read_strip(const Value& value, const std::string& where) {
     strip.path.push_back(point);
   }
   for (const Value& v : in.array("slices")) {
-    const auto k = in.row(v, "slices", 6);
-    strip.slices.push_back({k[0], k[1], Vec2(k[2], k[3]), Vec2(k[4], k[5])});
+    const bool outlined = v.IsArray() && v.ArrayLen() != 6;
+    const auto k = in.row(v, "slices", outlined ? 6 + kOutlinePoints : 6);
+    Slice slice{k[0], k[1], Vec2(k[2], k[3]), Vec2(k[4], k[5])};
+    for (std::size_t i = 6; i < k.size(); ++i) slice.outline[i - 6] = static_cast<float>(k[i]);
+    strip.slices.push_back(slice);
   }
   strip.reference = in.vector3("reference");
   const auto belly = in.numbers("belly", 2);

@@ -62,6 +62,7 @@ Character arm() {
   wrap.radii = Vec3(0.01, 0.01, 0.03);
   wrap.X_WO.translation() = Vec3(0.3, 1.4, 0);
   muscle.strips[0].wraps.push_back(wrap);
+  muscle.strips[0].slices[3].outline[5] = 0.8f;
   character.anatomy.muscles.push_back(muscle);
   character.body.name = "arm";
   character.body.sex = Sex::female;
@@ -142,6 +143,9 @@ TEST(Character, ComesBackAsItWentIn) {
   ASSERT_EQ(b.strips[0].slices.size(), 5u);
   EXPECT_EQ(b.strips[0].slices[3].radii, a.strips[0].slices[3].radii);
   EXPECT_EQ(b.strips[0].slices[3].roll, a.strips[0].slices[3].roll);
+  EXPECT_EQ(b.strips[0].slices[3].outline, a.strips[0].slices[3].outline);
+  EXPECT_NE(b.strips[0].slices[3].outline, kEllipticOutline);
+  EXPECT_EQ(b.strips[0].slices[2].outline, kEllipticOutline);
   ASSERT_EQ(b.strips[0].wraps.size(), 1u);
   EXPECT_EQ(b.strips[0].wraps[0].kind, Wrap::Kind::cylinder);
   EXPECT_TRUE(b.strips[0].wraps[0].X_WO.isApprox(a.strips[0].wraps[0].X_WO));

@@ -1,0 +1,35 @@
+// Areas of outlines and their factors between the given directions.
+//
+// An outline is drawn as the polygon through its points. Areas are the polygon's, over that of the polygon of the ellipse itself: so they
+// are 1 for an ellipse, and a drawn muscle's volume is the same share of its true one whatever its shape.
+#pragma once
+
+#include "anatomy/anatomy.h"
+
+namespace ecorche {
+
+// The factor at an angle in units of 2 pi / kOutlinePoints, 0 <= place < kOutlinePoints: linear between.
+inline double outline_factor(const SliceOutline& outline, double place) {
+  const int i = static_cast<int>(place), next = i + 1 < kOutlinePoints ? i + 1 : 0;
+  const double share = place - i;
+  return (1 - share) * static_cast<double>(outline[static_cast<std::size_t>(i)]) + share * static_cast<double>(outline[static_cast<std::size_t>(next)]);
+}
+
+// cos and sin of an outline's directions.
+const std::array<Vec2, kOutlinePoints>& outline_directions();
+
+// The outline of the same section where the axes point the other way.
+SliceOutline flipped_outline(const SliceOutline& outline, bool width, bool thickness);
+
+// Area over that of the ellipse.
+double outline_area(const SliceOutline& outline);
+
+// Mixed area of two sections with the axes a0, b0 and a1, b1 (each times its radius), over pi: half of
+//   ab (a0 x b1) + ba (a1 x b0) + aa (a0 x a1) + bb (b0 x b1).
+// The section at a share t between them has the area  (1 - t)^2 A00 + 2 t (1 - t) A01 + t^2 A11.
+struct MixedArea {
+  double ab = 1, ba = 1, aa = 0, bb = 0;
+};
+MixedArea mixed_area(const SliceOutline& first, const SliceOutline& second);
+
+}  // namespace ecorche

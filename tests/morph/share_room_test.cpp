@@ -1,0 +1,137 @@
+// Laws of sharing: muscles that began in one another end beside one another, out of the bone, under the layer, and fill what is between.
+#include "morph/share_room.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "anatomy/carry_muscles.h"
+#include "anatomy/muscle_line.h"
+#include "anatomy/muscle_surface.h"
+#include "anatomy/solids.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// A closed cylinder along y about the y axis.
+TriMesh cylinder(double r, double y0, double y1, int around, int rings) {
+  TriMesh m{Points(around * rings + 2, 3), Triangles(2 * around * rings, 3)};
+  for (int i = 0; i < rings; ++i)
+    for (int k = 0; k < around; ++k) m.V.row(i * around + k) << r * std::cos(2 * kPi * k / around), y0 + (y1 - y0) * i / (rings - 1), r * std::sin(2 * kPi * k / around);
+  const int low = around * rings, high = low + 1;
+  m.V.row(low) << 0, y0, 0;
+  m.V.row(high) << 0, y1, 0;
+  int f = 0;
+  for (int k = 0; k < around; ++k) {
+    const int n = (k + 1) % around;
+    for (int i = 0; i + 1 < rings; ++i) {
+      const int a = i * around + k, b = i * around + n, c = a + around, d = b + around;
+      m.F.row(f++) << a, c, d;
+      m.F.row(f++) << a, d, b;
+    }
+    m.F.row(f++) << low, k, n;
+    m.F.row(f++) << high, (rings - 1) * around + n, (rings - 1) * around + k;
+  }
+  return m;
+}
+
+// A limb of `count` spindles round a bone, each overlapping its neighbours and the bone.
+Anatomy limb(int count) {
+  Anatomy anatomy;
+  anatomy.skeleton.joints.push_back({});
+  anatomy.bones.push_back({"femur", Side::middle, 0, cylinder(0.014, -0.25, 0.25, 32, 40)});
+  for (int m = 0; m < count; ++m) {
+    const double angle = 2 * kPi * m / count + 0.1;
+    const Vec3 out(std::cos(angle), 0, std::sin(angle));
+    std::vector<PathPoint> path(3);
+    for (int p = 0; p < 3; ++p) path[static_cast<std::size_t>(p)].rest = 0.028 * out + Vec3(0, -0.18 + 0.18 * p, 0);
+    std::vector<Station> stations;
+    for (int k = 0; k < 17; ++k) {
+      const double s = k / 16.0, r = 0.004 + (m % 2 ? 0.018 : 0.024) * std::sin(kPi * s);
+      stations.push_back({s, Vec3::Zero(), out, Vec2(r, 0.9 * r)});
+    }
+    Muscle muscle;
+    muscle.name = "muscle" + std::to_string(m);
+    muscle.strips.push_back(make_strip(path, stations));
+    muscle.volume = rest_volume(muscle);
+    anatomy.muscles.push_back(muscle);
+  }
+  return anatomy;
+}
+
+SharingReport share(Anatomy& anatomy, double skin_radius, double layer) {
+  const TriMesh skin = cylinder(skin_radius, -0.3, 0.3, 96, 60);
+  FatLayer fat;
+  fat.thickness.assign(static_cast<std::size_t>(skin.V.rows()), static_cast<float>(layer));
+  std::vector<Ellipse> slices = rest_slices(anatomy);
+  std::vector<double> wanted;
+  for (const Muscle& muscle : anatomy.muscles) wanted.push_back(muscle.volume);
+  const std::vector<int> partners(anatomy.muscles.size(), -1);
+  return share_room(anatomy, slices, wanted, partners, SkinRays(skin), fat);
+}
+
+SolidVolumes measure(const Anatomy& anatomy, Points& points) {
+  const MuscleSurface surface = make_muscle_surface(anatomy);
+  update_muscle_surface(surface, rest_slices(anatomy), points);
+  std::vector<Solid> solids;
+  for (const auto& part : surface.parts) solids.push_back({Solid::Kind::muscle, &points, &surface.F, part.face_begin, part.face_end});
+  const TriMesh& bone = anatomy.bones[0].mesh;
+  solids.push_back({Solid::Kind::bone, &bone.V, &bone.F, 0, static_cast<int>(bone.F.rows())});
+  return measure_solids(solids, 0.5e-3);
+}
+
+TEST(ShareRoom, NeighboursPartAndLeaveTheBone) {
+  Anatomy anatomy = limb(5);
+  Points points;
+  const SolidVolumes before = measure(anatomy, points);
+  EXPECT_GT(before.muscle_overlap_share(), 0.1);
+  EXPECT_GT(before.bone_overlap_share(), 0.02);
+  EXPECT_GT(share(anatomy, 0.06, 0.004).rays, 0);
+  const SolidVolumes after = measure(anatomy, points);
+  EXPECT_LT(after.muscle_overlap_share(), 0.01);
+  EXPECT_LT(after.bone_overlap_share(), 0.003);
+}
+
+TEST(ShareRoom, BelliesReachTheLayerAndNoFurther) {
+  Anatomy anatomy = limb(5);
+  share(anatomy, 0.064, 0.004);
+  Points points;
+  measure(anatomy, points);
+  const MuscleSurface surface = make_muscle_surface(anatomy);
+  std::vector<double> reach(anatomy.muscles.size(), 0);
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    const double far = std::hypot(points(i, 0), points(i, 2));
+    EXPECT_LT(far, 0.0601);
+    if (std::abs(points(i, 1)) < 0.02) reach[static_cast<std::size_t>(surface.muscle[static_cast<std::size_t>(i)])] = std::max(reach[static_cast<std::size_t>(surface.muscle[static_cast<std::size_t>(i)])], far);
+  }
+  for (const double far : reach) EXPECT_GT(far, 0.057);
+}
+
+TEST(ShareRoom, EllipsesStay) {
+  Anatomy anatomy = limb(4);
+  const auto before = rest_slices(anatomy);
+  share(anatomy, 0.058, 0.004);
+  const auto after = rest_slices(anatomy);
+  for (std::size_t k = 0; k < before.size(); ++k) {
+    EXPECT_EQ(before[k].center, after[k].center);
+    EXPECT_EQ(before[k].radii, after[k].radii);
+  }
+}
+
+TEST(ShareRoom, SameBytesAtAnyNumberOfThreads) {
+  Anatomy one = limb(6), many = limb(6);
+  {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
+    share(one, 0.058, 0.004);
+  }
+  share(many, 0.058, 0.004);
+  const auto a = rest_slices(one), b = rest_slices(many);
+  for (std::size_t k = 0; k < a.size(); ++k) ASSERT_EQ(a[k].outline, b[k].outline) << k;
+}
+
+}  // namespace
+}  // namespace ecorche
