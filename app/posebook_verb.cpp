@@ -20,7 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct PoseBookOptions {
-  fs::path character, folder, poses = data_folder() / "poses" / "poses.csv";
+  std::vector<fs::path> characters;
+  fs::path folder, poses = data_folder() / "poses" / "poses.csv";
   std::string methods = "lbs,dqs,deltamush,paper,ecorche";
   bool pictures = true;
 };
@@ -28,9 +29,9 @@ struct PoseBookOptions {
 // One method's figures. Volumes as relative changes, the larger one of both sides.
 struct MethodFigures {
   SkinMethod method = SkinMethod::ecorche;
-  std::vector<double> volumes;          // a volume pose
-  std::vector<PoseFigures> poses;       // a pose of the book
-  std::vector<int> self_intersections;  // a pose of the book
+  std::vector<double> volumes;          // a volume pose of each character in turn
+  std::vector<PoseFigures> poses;       // a pose of the book of each character in turn
+  std::vector<int> self_intersections;  // likewise
 };
 
 std::vector<SkinMethod> read_methods(const std::string& text) {
@@ -46,11 +47,9 @@ std::vector<SkinMethod> read_methods(const std::string& text) {
 
 double largest(double a, double b) { return std::abs(a) > std::abs(b) ? a : b; }
 
-MethodFigures figures_of(const Actor& actor, const std::vector<VolumePose>& volumes, const std::vector<NamedPose>& book, const Common& common) {
+void add_figures(const Actor& actor, const std::vector<VolumePose>& volumes, const std::vector<NamedPose>& book, const Common& common, MethodFigures& out) {
   const TriMesh& rest = actor.character.body.skin;
   const std::vector<LimbSection> limbs = whole_limbs(actor.character.anatomy.skeleton, rest, actor.binding);
-  MethodFigures out;
-  out.method = actor.method;
   ActorFrame frame;
   for (const VolumePose& each : volumes) {
     play(actor, each.pose, frame);
@@ -67,15 +66,20 @@ MethodFigures figures_of(const Actor& actor, const std::vector<VolumePose>& volu
     out.self_intersections.push_back(count_self_intersections(rest.F, V));
     progress(common, std::string(long_name(actor.method)), static_cast<int>(i) + 1, static_cast<int>(book.size()));
   }
-  return out;
+}
+
+// Of the absolute values.
+double median_size(std::vector<double> values) {
+  for (double& value : values) value = std::abs(value);
+  std::sort(values.begin(), values.end());
+  return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
 }
 
 template <class Take>
 double median(const MethodFigures& figures, const Take& take) {
   std::vector<double> values;
   for (std::size_t i = 0; i < figures.poses.size(); ++i) values.push_back(take(i));
-  std::sort(values.begin(), values.end());
-  return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
+  return median_size(std::move(values));
 }
 
 template <class Take>
@@ -94,8 +98,12 @@ struct Row {
 std::vector<Row> rows_of(const std::vector<VolumePose>& volumes, const std::vector<MethodFigures>& all) {
   std::vector<Row> rows;
   for (std::size_t v = 0; v < volumes.size(); ++v) {
-    rows.push_back({"volume." + volumes[v].name, volumes[v].label + ", %", 0.01, {}});
-    for (const MethodFigures& each : all) rows.back().values.push_back(each.volumes[v]);
+    rows.push_back({"volume." + volumes[v].name, "|change|: " + volumes[v].label + ", %", 0.01, {}});
+    for (const MethodFigures& each : all) {
+      std::vector<double> of_all;
+      for (std::size_t k = v; k < each.volumes.size(); k += volumes.size()) of_all.push_back(each.volumes[k]);
+      rows.back().values.push_back(median_size(std::move(of_all)));
+    }
   }
   const auto add = [&](const std::string& name, const std::string& label, double unit, const auto& take) {
     Row middle{name + "_median", label + ", median", unit, {}}, most{name + "_worst", label + ", worst pose", unit, {}};
@@ -125,12 +133,12 @@ void print_rows(const std::vector<Row>& rows, const std::vector<MethodFigures>& 
   }
 }
 
-void write_table(const fs::path& file, const std::vector<NamedPose>& book, const std::vector<MethodFigures>& all) {
-  std::string out = "pose,method,self_intersections,flipped,edge_change_p99,body_volume_change\n";
-  for (std::size_t i = 0; i < book.size(); ++i)
+void write_table(const fs::path& file, const std::vector<std::string>& names, const std::vector<NamedPose>& book, const std::vector<MethodFigures>& all) {
+  std::string out = "character,pose,method,self_intersections,flipped,edge_change_p99,body_volume_change\n";
+  for (std::size_t i = 0; i < names.size() * book.size(); ++i)
     for (const MethodFigures& each : all)
-      out += fmt::format("{},{},{},{},{:.5f},{:.5f}\n", book[i].name, short_name(each.method), each.self_intersections[i], each.poses[i].flipped,
-                         each.poses[i].edge_change_p99, each.poses[i].body_volume_change);
+      out += fmt::format("{},{},{},{},{},{:.5f},{:.5f}\n", names[i / book.size()], book[i % book.size()].name, short_name(each.method), each.self_intersections[i],
+                         each.poses[i].flipped, each.poses[i].edge_change_p99, each.poses[i].body_volume_change);
   write_file_atomically(file, out);
 }
 
@@ -150,30 +158,39 @@ void write_sheets(const PoseBookOptions& options, Actor& actor, const std::vecto
 
 int run(const PoseBookOptions& options, const Common& common, Report& report) {
   const std::vector<SkinMethod> methods = read_methods(options.methods);
-  Actor actor = make_actor(read_character(options.character), report);
-  const Skeleton& skeleton = actor.character.anatomy.skeleton;
-  const std::vector<NamedPose> book = read_pose_book(options.poses, skeleton);
-  const std::vector<VolumePose> volumes = volume_poses(skeleton);
   std::error_code ignored;  // a folder that cannot be made shows when the first file is written
   fs::create_directories(options.folder, ignored);
-  std::vector<MethodFigures> all;
-  {
-    const StageTimer timer(report, "figures");
-    for (const SkinMethod method : methods) {
-      choose_skin(actor, std::string(short_name(method)));
-      all.push_back(figures_of(actor, volumes, book, common));
+  std::vector<MethodFigures> all(methods.size());
+  std::vector<std::string> names;
+  std::vector<VolumePose> volumes;
+  std::vector<NamedPose> book;
+  int at_rest = 0;
+  for (const fs::path& file : options.characters) {
+    Actor actor = make_actor(read_character(file), report);
+    const Skeleton& skeleton = actor.character.anatomy.skeleton;
+    book = read_pose_book(options.poses, skeleton);
+    volumes = volume_poses(skeleton);
+    names.push_back(file.stem().string());
+    at_rest = std::max(at_rest, count_self_intersections(actor.character.body.skin.F, actor.character.body.skin.V));
+    {
+      const StageTimer timer(report, "figures");
+      for (std::size_t m = 0; m < methods.size(); ++m) {
+        choose_skin(actor, std::string(short_name(methods[m])));
+        all[m].method = methods[m];
+        add_figures(actor, volumes, book, common, all[m]);
+      }
     }
+    if (options.pictures && names.size() == 1) write_sheets(options, actor, methods, book, common);
   }
-  const int at_rest = count_self_intersections(actor.character.body.skin.F, actor.character.body.skin.V);
-  write_table(options.folder / "figures.csv", book, all);
+  write_table(options.folder / "figures.csv", names, book, all);
   const std::vector<Row> rows = rows_of(volumes, all);
+  report.set("posebook.characters", static_cast<int>(names.size()));
   report.set("posebook.poses", static_cast<int>(book.size()));
   report.set("posebook.self_intersections_at_rest", at_rest);
   for (const Row& row : rows)
     for (std::size_t m = 0; m < all.size(); ++m) report.set(fmt::format("posebook.{}.{}", short_name(all[m].method), row.name), row.values[m]);
-  if (options.pictures) write_sheets(options, actor, methods, book, common);
   print_rows(rows, all);
-  note(common, fmt::format("{} poses; {} triangles pass through others at rest; every pose is in {}", book.size(), at_rest,
+  note(common, fmt::format("{} poses of {} characters; at most {} triangles pass through others at rest; every pose is in {}", book.size(), names.size(), at_rest,
                            (options.folder / "figures.csv").string()));
   return 0;
 }
@@ -183,9 +200,9 @@ int run(const PoseBookOptions& options, const Common& common, Report& report) {
 void add_posebook_verb(VerbRegistry& registry) {
   auto options = std::make_shared<PoseBookOptions>();
   CLI::App* verb = add_verb(registry, registry.app, "posebook", "Hard poses by every way to move a skin: a sheet each, and a table of figures",
-                            "ecorche posebook anna.glb -o anna-poses",
+                            "ecorche posebook anna.glb ben.glb -o poses",
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
-  verb->add_option("character", options->character, "Character written by `ecorche fit`")->required();
+  verb->add_option("characters", options->characters, "Characters written by `ecorche fit`; the sheets show the first, the figures are of all")->required();
   verb->add_option("-o,--output", options->folder, "Folder for METHOD.png and figures.csv")->required();
   verb->add_option("--poses", options->poses, "Table of poses (docs/posebook.md) instead of our own");
   verb->add_option("--methods", options->methods, "Which ways to move a skin")->capture_default_str();

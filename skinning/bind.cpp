@@ -8,6 +8,7 @@
 #include "anatomy/errors.h"
 #include "skinning/build_tables.h"
 #include "skinning/carriers.h"
+#include "skinning/elastic_skin.h"
 #include "skinning/hinge_gain.h"
 #include "skinning/joint_shares.h"
 #include "skinning/muscle_lift.h"
@@ -127,12 +128,34 @@ Movers find_movers(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMe
   return out;
 }
 
+// Lays the mesh out, and makes it elastic.
+void lay_out_elastic(const Anatomy& anatomy, const TriMesh& skin, const SkinSurvey& survey, const Movers& movers, bool elastic, SkinTables& tables) {
+  lay_out(skin, movers.rows, movers.node_rows, tables);
+  if (elastic)
+    tables.elastic = make_elastic_skin(anatomy.skeleton, skin, survey, four_joints(movers.rows, tables), tables.order, tables.triangles);
+}
+
+// Each fine vertex takes the blend of the base vertices' offsets that its place is the blend of their places.
+void follow_base(const Refinement& refinement, std::shared_ptr<const SkinTables> base, SkinTables& fine) {
+  std::vector<int> place(static_cast<std::size_t>(base->vertex_count));
+  for (int s = 0; s < base->vertex_count; ++s) place[base->order.empty() ? static_cast<std::size_t>(s) : static_cast<std::size_t>(base->order[static_cast<std::size_t>(s)])] = s;
+  fine.follow_first.push_back(0);
+  for (int s = 0; s < fine.vertex_count; ++s) {
+    const int v = fine.order.empty() ? s : fine.order[static_cast<std::size_t>(s)];
+    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(refinement.map, v); it; ++it) {
+      fine.follow.push_back(place[static_cast<std::size_t>(it.col())]);
+      fine.follow_weight.push_back(static_cast<float>(it.value()));
+    }
+    fine.follow_first.push_back(static_cast<int>(fine.follow.size()));
+  }
+  fine.base = std::move(base);
+}
+
 Binding finish(const TriMesh& skin, std::vector<Anchor> anchors, const Movers& movers, std::shared_ptr<SkinTables> tables) {
   Binding binding;
   binding.vertex_count = static_cast<int>(skin.V.rows());
   binding.anchors = std::move(anchors);
   binding.joint_weights = four_joints(movers.rows, *tables);
-  lay_out(skin, movers.rows, movers.node_rows, *tables);
   binding.tables = std::move(tables);
   return binding;
 }
@@ -150,6 +173,7 @@ Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMes
   SkinSurvey survey = survey_skin(Surroundings(anatomy, rest), skin);
   auto tables = std::make_shared<SkinTables>();
   const Movers movers = find_movers(anatomy, rest, skin, survey, options, *tables);
+  lay_out_elastic(anatomy, skin, survey, movers, options.elastic, *tables);
   return finish(skin, std::move(survey.anchors), movers, std::move(tables));
 }
 
@@ -161,8 +185,15 @@ Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMes
     throw std::invalid_argument("bind_skin: the refinement does not lead from the base skin to the fine one");
   const Surroundings inside(anatomy, rest);
   auto tables = std::make_shared<SkinTables>();
-  const Movers movers = find_movers(anatomy, rest, base, survey_skin(inside, base), options, *tables);
+  const SkinSurvey survey = survey_skin(inside, base);
+  const Movers movers = find_movers(anatomy, rest, base, survey, options, *tables);
   const Movers finer = refine_movers(refinement, movers, *tables);
+  auto base_tables = std::make_shared<SkinTables>(*tables);
+  lay_out(fine, finer.rows, finer.node_rows, *tables);
+  if (options.elastic) {
+    lay_out_elastic(anatomy, base, survey, movers, true, *base_tables);
+    follow_base(refinement, std::move(base_tables), *tables);
+  }
   return finish(fine, find_anchors(inside, fine), finer, std::move(tables));
 }
 

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include "skinning/carriers.h"
+#include "skinning/elastic_skin.h"
+#include "skinning/float4.h"
 #include "skinning/muscle_lift.h"
 #include "skinning/normals.h"
 #include "skinning/skin_tables.h"
@@ -59,9 +61,32 @@ void scatter(const std::vector<float>& sorted, const std::vector<int>& order, st
   for (std::size_t s = 0; s < order.size(); ++s) std::copy_n(&sorted[4 * s], 4, &out[4 * static_cast<std::size_t>(order[s])]);
 }
 
+void add(std::span<const float> offsets, std::span<float> positions) {
+  if (offsets.size() != positions.size()) return;
+  for (std::size_t k = 0; k < positions.size(); k += 4) store4(&positions[k], load4(&positions[k]) + load4(&offsets[k]));
+}
+
+// The base mesh's way from where the blend puts it to where it settles, handed down.
+void follow(const SkinTables& fine, const PosedAnatomy& posed, const Four& root, std::span<const float> flesh, SkinFrame::Scratch& scratch,
+            std::vector<float>& positions) {
+  const SkinTables& base = *fine.base;
+  scratch.base.resize(4 * static_cast<std::size_t>(base.vertex_count));
+  blend_vertices(base, scratch.carriers.data(), scratch.lifts.data(), root, scratch.base.data());
+  scratch.offsets.assign(scratch.base.begin(), scratch.base.end());
+  add(flesh, scratch.base);
+  settle_skin(base.elastic, base.triangles, posed.X_WJ, scratch.base, scratch.elastic);
+  for (std::size_t k = 0; k < scratch.base.size(); k += 4) store4(&scratch.offsets[k], load4(&scratch.base[k]) - load4(&scratch.offsets[k]));
+  for (std::size_t s = 0; s < static_cast<std::size_t>(fine.vertex_count); ++s) {
+    Float4 sum = load4(&positions[4 * s]);
+    for (int k = fine.follow_first[s]; k < fine.follow_first[s + 1]; ++k)
+      sum += fine.follow_weight[static_cast<std::size_t>(k)] * load4(&scratch.offsets[4 * static_cast<std::size_t>(fine.follow[static_cast<std::size_t>(k)])]);
+    store4(&positions[4 * s], sum);
+  }
+}
+
 }  // namespace
 
-void deform_skin(const Binding& binding, const PosedAnatomy& posed, SkinFrame& out) {
+void deform_skin(const Binding& binding, const PosedAnatomy& posed, SkinFrame& out, std::span<const float> flesh) {
   if (!binding.tables) throw std::invalid_argument("deform_skin: an empty binding");
   const SkinTables& tables = *binding.tables;
   if (static_cast<int>(posed.X_WJ.size()) != tables.joint_count || static_cast<int>(posed.slices.size()) != tables.slice_count)
@@ -83,6 +108,12 @@ void deform_skin(const Binding& binding, const PosedAnatomy& posed, SkinFrame& o
   std::vector<float>& positions = sorted ? out.positions : scratch.positions;
   std::vector<float>& normals = sorted ? out.normals : scratch.normals;
   blend_vertices(tables, scratch.carriers.data(), scratch.lifts.data(), root4, positions.data());
+  if (tables.base) {
+    follow(tables, posed, root4, flesh, scratch, positions);
+  } else if (tables.elastic) {
+    add(flesh, positions);
+    settle_skin(tables.elastic, tables.triangles, posed.X_WJ, positions, scratch.elastic);
+  }
   vertex_normals(positions, tables.triangles, normals);
   if (!sorted) {
     scatter(positions, tables.order, out.positions);

@@ -9,11 +9,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "anatomy/types.h"
 
 namespace ecorche {
+
+struct ElasticSkin;
 
 struct TwistCarrier {
   int joint = 0;
@@ -74,6 +77,12 @@ struct SkinTables {
 
   std::vector<MuscleNode> nodes;
   double lift_limit = 0.03;                // m
+
+  // The elastic skin of this mesh, or of the base mesh that a refined one follows; none: the skin stays where the blend puts it.
+  std::shared_ptr<const ElasticSkin> elastic;
+  std::shared_ptr<const SkinTables> base;  // of a refined skin
+  std::vector<int> follow_first, follow;   // #V + 1 into follow, follow_weight; places in the base's sorted order. In this one's sorted order
+  std::vector<float> follow_weight;
 };
 
 }  // namespace ecorche

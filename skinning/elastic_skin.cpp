@@ -1,0 +1,90 @@
+#include "skinning/elastic_skin.h"
+
+#include <algorithm>
+
+#include "skinning/float4.h"
+#include "skinning/normals.h"
+
+namespace ecorche {
+
+struct ElasticScratch {
+  std::shared_ptr<const ElasticSkin> skin;  // whose contact tree it is
+  MembraneScratch membrane;
+  ContactScratch contact;
+  std::vector<float> normals, open, working;
+};
+
+namespace {
+
+constexpr int kMembraneRounds = 3, kContactRounds = 2;
+constexpr double kRadiusShare = 0.8;  // an ear is far from bone, but there is not much of it
+
+std::vector<double> tissue_of(const TriMesh& skin, const SkinSurvey& survey) {
+  constexpr int kRounds = 8;
+  std::vector<double> out(survey.depth.size());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = std::min(survey.depth[i], kRadiusShare * survey.radius[i]);
+  const std::vector<std::vector<int>> rings = vertex_neighbours(skin);
+  std::vector<double> next = out;
+  for (int round = 0; round < kRounds; ++round) {
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      double sum = 0;
+      for (int j : rings[i]) sum += out[static_cast<std::size_t>(j)];
+      if (!rings[i].empty()) next[i] = 0.5 * out[i] + 0.5 * sum / static_cast<double>(rings[i].size());
+    }
+    out.swap(next);
+  }
+  return out;
+}
+
+}  // namespace
+
+ElasticScratch& ElasticMemory::get() {
+  if (!scratch_) scratch_ = std::make_shared<ElasticScratch>();
+  return *scratch_;
+}
+
+std::shared_ptr<const ElasticSkin> make_elastic_skin(const Skeleton& skeleton, const TriMesh& skin, const SkinSurvey& survey,
+                                                     std::span<const std::array<Influence, 4>> joint_weights, std::span<const int> order,
+                                                     std::span<const int> triangles) {
+  const std::vector<double> tissue = tissue_of(skin, survey);
+  const std::size_t n = tissue.size();
+  TriMesh sorted{Points(skin.V.rows(), 3), Triangles(skin.F.rows(), 3)};
+  std::copy(triangles.begin(), triangles.end(), sorted.F.data());
+  std::vector<double> thickness(n);
+  std::vector<std::array<Influence, 4>> weights(n);
+  std::vector<float> positions(4 * n, 1);
+  for (std::size_t s = 0; s < n; ++s) {
+    const std::size_t v = order.empty() ? s : static_cast<std::size_t>(order[s]);
+    sorted.V.row(static_cast<Eigen::Index>(s)) = skin.V.row(static_cast<Eigen::Index>(v));
+    thickness[s] = tissue[v];
+    weights[s] = joint_weights[v];
+    for (std::size_t k = 0; k < 3; ++k) positions[4 * s + k] = static_cast<float>(skin.V(static_cast<Eigen::Index>(v), static_cast<Eigen::Index>(k)));
+  }
+  std::vector<Vec3> rest;
+  for (Eigen::Index s = 0; s < sorted.V.rows(); ++s) rest.push_back(sorted.V.row(s));
+  ElasticSkin out{make_membrane(sorted, thickness),
+                  make_limb_volumes(skeleton, positions, triangles, weights, thickness),
+                  contact_give(positions, triangles, thickness),
+                  std::move(thickness),
+                  std::move(weights),
+                  std::move(rest)};
+  return std::make_shared<const ElasticSkin>(std::move(out));
+}
+
+void settle_skin(const std::shared_ptr<const ElasticSkin>& skin, std::span<const int> triangles, std::span<const Transform> X_WJ,
+                 std::span<float> positions, ElasticMemory& memory) {
+  ElasticScratch& s = memory.get();
+  if (s.skin != skin) {
+    s.skin = skin;
+    s.contact.tree.reset();
+  }
+  relax_membrane(skin->membrane, positions, triangles, kMembraneRounds, s.membrane);
+  for (std::size_t k = 0; k < positions.size(); k += 4) store4(&positions[k], load4(&positions[k]) + load4(&s.membrane.offsets[k]));
+  s.normals.resize(positions.size());
+  vertex_normals(positions, triangles, s.normals);
+  find_hollows(skin->membrane, positions, s.normals, s.open, s.working);
+  keep_volumes(skin->volumes, X_WJ, s.open, s.normals, positions);
+  part_skin(skin->membrane, skin->give, triangles, kContactRounds, positions, s.normals, s.contact);
+}
+
+}  // namespace ecorche

@@ -1,0 +1,37 @@
+// What the skin does by itself once it has been put where bones and muscles want it: it evens out its stretch, keeps the volume of the
+// flesh beneath it, and parts where it would pass through itself. Private to the room.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "skinning/limb_volumes.h"
+#include "skinning/membrane.h"
+#include "skinning/skin_contact.h"
+#include "skinning/skin_frame.h"
+#include "skinning/skin_survey.h"
+
+namespace ecorche {
+
+struct ElasticSkin {
+  Membrane membrane;
+  LimbVolumes volumes;
+  std::vector<float> give;                               // #V m, in contact
+  std::vector<double> tissue;                            // #V m, between skin and bone
+  std::vector<std::array<Influence, 4>> joint_weights;   // #V
+  std::vector<Vec3> rest;                                // #V
+};
+
+// Vertices in an order of their own: vertex s is `order[s]` of the skin and of what belongs to it (empty: the same); `triangles` are in that order.
+std::shared_ptr<const ElasticSkin> make_elastic_skin(const Skeleton& skeleton, const TriMesh& skin, const SkinSurvey& survey,
+                                                     std::span<const std::array<Influence, 4>> joint_weights, std::span<const int> order,
+                                                     std::span<const int> triangles);
+
+// Moves `positions` (#V x 4, in that order). A function of the pose alone; allocates only when the skin is another one than last time.
+// Same input, same bytes at any number of threads.
+void settle_skin(const std::shared_ptr<const ElasticSkin>& skin, std::span<const int> triangles, std::span<const Transform> X_WJ,
+                 std::span<float> positions, ElasticMemory& memory);
+
+}  // namespace ecorche

@@ -1,0 +1,158 @@
+#include "skinning/limb_volumes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "skinning/float4.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kMostTissue = 0.05;   // m; deeper flesh swells no more
+constexpr float kHollow = 0.03f;       // m; where the skin curves inwards more sharply than this it does not swell
+constexpr double kMostSwelling = 0.3;  // of the tissue
+
+// Six times the volume of the cones over the region's triangles.
+double region_volume(const VolumeRegion& region, std::span<const float> positions, const Vec3& apex) {
+  const Float4 o{static_cast<float>(apex.x()), static_cast<float>(apex.y()), static_cast<float>(apex.z()), 1};
+  double sum = 0;
+  for (std::size_t t = 0; t < region.share.size(); ++t) {
+    const Float4 a = load4(&positions[4 * static_cast<std::size_t>(region.corners[3 * t])]) - o;
+    const Float4 b = load4(&positions[4 * static_cast<std::size_t>(region.corners[3 * t + 1])]) - o;
+    const Float4 c = load4(&positions[4 * static_cast<std::size_t>(region.corners[3 * t + 2])]) - o;
+    sum += static_cast<double>(region.share[t] * sum4(a * cross(b, c))[0]);
+  }
+  return sum / 6;
+}
+
+std::vector<double> vertex_areas(std::span<const float> positions, std::span<const int> triangles) {
+  std::vector<double> areas(positions.size() / 4, 0);
+  for (std::size_t f = 0; f < triangles.size(); f += 3) {
+    const Float4 a = load4(&positions[4 * static_cast<std::size_t>(triangles[f])]);
+    const Float4 n = cross(load4(&positions[4 * static_cast<std::size_t>(triangles[f + 1])]) - a, load4(&positions[4 * static_cast<std::size_t>(triangles[f + 2])]) - a);
+    for (std::size_t k = 0; k < 3; ++k) areas[static_cast<std::size_t>(triangles[f + k])] += std::sqrt(sum4(n * n)[0]) / 6;
+  }
+  return areas;
+}
+
+// Share of each vertex that belongs to a joint or to what hangs on it.
+std::vector<double> shares_below(const Skeleton& skeleton, int joint, std::span<const std::array<Influence, 4>> joint_weights) {
+  std::vector<char> below(skeleton.joints.size(), 0);
+  for (std::size_t j = 0; j < below.size(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    below[j] = static_cast<int>(j) == joint || (parent >= 0 && below[static_cast<std::size_t>(parent)]);
+  }
+  std::vector<double> out;
+  for (const auto& four : joint_weights) {
+    double share = 0;
+    for (const Influence& w : four) share += below[static_cast<std::size_t>(w.joint)] ? w.weight : 0;
+    out.push_back(share);
+  }
+  return out;
+}
+
+VolumeRegion make_region(int origin, const Vec3& apex, std::span<const float> positions, std::span<const int> triangles, std::span<const double> share,
+                         std::span<const double> swelling, std::span<const double> areas) {
+  VolumeRegion out;
+  out.origin = origin;
+  for (std::size_t f = 0; f < triangles.size(); f += 3) {
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) sum += share[static_cast<std::size_t>(triangles[f + k])] / 3;
+    if (sum <= 0) continue;
+    out.corners.insert(out.corners.end(), triangles.begin() + static_cast<std::ptrdiff_t>(f), triangles.begin() + static_cast<std::ptrdiff_t>(f) + 3);
+    out.share.push_back(static_cast<float>(sum));
+  }
+  for (std::size_t i = 0; i < swelling.size(); ++i) {
+    if (swelling[i] <= 0) continue;
+    out.vertices.push_back(static_cast<int>(i));
+    out.swelling.push_back(static_cast<float>(swelling[i]));
+    out.area.push_back(static_cast<float>(areas[i]));
+  }
+  out.volume = region_volume(out, positions, apex);
+  return out;
+}
+
+}  // namespace
+
+LimbVolumes make_limb_volumes(const Skeleton& skeleton, std::span<const float> positions, std::span<const int> triangles,
+                              std::span<const std::array<Influence, 4>> joint_weights, std::span<const double> tissue) {
+  const std::vector<Vec3> origins = rest_positions(skeleton);
+  const std::vector<double> areas = vertex_areas(positions, triangles);
+  std::vector<double> thickness, trunk(tissue.size(), 1);
+  for (const double t : tissue) thickness.push_back(std::min(t, kMostTissue));
+  const auto product = [&](const std::vector<double>& share) {
+    std::vector<double> out(share.size());
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = share[i] * thickness[i];
+    return out;
+  };
+  LimbVolumes out;
+  out.regions.emplace_back();
+  for (const std::string name : {"shoulder_l", "shoulder_r", "hip_l", "hip_r"}) {
+    const int joint = find_joint(skeleton, name);
+    if (joint < 0) continue;
+    const std::vector<double> share = shares_below(skeleton, joint, joint_weights);
+    for (std::size_t i = 0; i < trunk.size(); ++i) trunk[i] -= share[i];
+    out.regions.push_back(make_region(joint, origins[static_cast<std::size_t>(joint)], positions, triangles, share, product(share), areas));
+  }
+  const std::vector<double> all(tissue.size(), 1);
+  if (const int neck = find_joint(skeleton, "c5"); neck >= 0) {  // the head is mostly bone
+    const std::vector<double> head = shares_below(skeleton, neck, joint_weights);
+    for (std::size_t i = 0; i < trunk.size(); ++i) trunk[i] -= head[i];
+  }
+  out.regions[0] = make_region(0, origins[0], positions, triangles, all, product(trunk), areas);
+  return out;
+}
+
+void find_hollows(const Membrane& rings, std::span<const float> positions, std::span<const float> normals, std::vector<float>& open, std::vector<float>& working) {
+  open.resize(positions.size() / 4);
+  working.resize(open.size());
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    const Float4 p = load4(&positions[4 * i]), n = load4(&normals[4 * i]);
+    float hollow = 0;
+    for (int k = rings.first[i]; k < rings.first[i + 1]; ++k) {
+      const std::size_t j = 4 * static_cast<std::size_t>(rings.neighbour[static_cast<std::size_t>(k)]);
+      const Float4 e = load4(&positions[j]) - p;
+      hollow -= sum4((load4(&normals[j]) - n) * e)[0] / (sum4(e * e)[0] + 1e-8f);
+    }
+    const float count = static_cast<float>(std::max(1, rings.first[i + 1] - rings.first[i]));
+    open[i] = std::clamp(1 - kHollow * std::max(0.0f, hollow / count), 0.0f, 1.0f);
+  }
+  constexpr int kRounds = 3;
+  for (int round = 0; round < kRounds; ++round) {
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      float sum = 0, least = open[i];
+      for (int k = rings.first[i]; k < rings.first[i + 1]; ++k) {
+        const float other = open[static_cast<std::size_t>(rings.neighbour[static_cast<std::size_t>(k)])];
+        sum += other;
+        least = std::min(least, other);
+      }
+      const int count = rings.first[i + 1] - rings.first[i];
+      working[i] = count > 0 ? 0.5f * (least + std::min(open[i], sum / static_cast<float>(count))) : open[i];
+    }
+    open.swap(working);
+  }
+}
+
+void keep_volumes(const LimbVolumes& volumes, std::span<const Transform> X_WJ, std::span<const float> open, std::span<const float> normals,
+                  std::span<float> positions) {
+  std::array<double, 5> lost{};
+  for (std::size_t r = 0; r < volumes.regions.size(); ++r) {
+    const VolumeRegion& region = volumes.regions[r];
+    lost[r] = region.volume - region_volume(region, positions, X_WJ[static_cast<std::size_t>(region.origin)].translation());
+    if (r > 0) lost[0] -= lost[r];
+  }
+  for (std::size_t r = 0; r < volumes.regions.size(); ++r) {
+    const VolumeRegion& region = volumes.regions[r];
+    double reach = 0;
+    for (std::size_t k = 0; k < region.vertices.size(); ++k) reach += static_cast<double>(region.swelling[k] * region.area[k] * open[static_cast<std::size_t>(region.vertices[k])]);
+    if (reach <= 0) continue;
+    const float units = static_cast<float>(std::clamp(lost[r] / reach, -kMostSwelling, kMostSwelling));
+    for (std::size_t k = 0; k < region.vertices.size(); ++k) {
+      const std::size_t at = 4 * static_cast<std::size_t>(region.vertices[k]);
+      store4(&positions[at], load4(&positions[at]) + (units * region.swelling[k] * open[static_cast<std::size_t>(region.vertices[k])]) * load4(&normals[at]));
+    }
+  }
+}
+
+}  // namespace ecorche

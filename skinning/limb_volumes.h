@@ -1,0 +1,41 @@
+// Keeps the volume of arms, legs and the trunk: what a bend or the sheet's tension takes away comes back as a swelling of the flesh.
+// Private to the room. The swelling is along the normals and in proportion to what lies between skin and bone, one step a
+// region, which the smallness of the change allows; folds are left out.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "anatomy/skeleton.h"
+#include "skinning/bind.h"
+#include "skinning/membrane.h"
+
+namespace ecorche {
+
+struct VolumeRegion {
+  int origin = 0;                // joint: apex of the cones over the triangles, so that the region's cut needs no lid
+  std::vector<int> corners;      // 3 a triangle
+  std::vector<float> share;      // a triangle: how much of it is the region's
+  double volume = 0;             // rest, m^3
+  std::vector<int> vertices;
+  std::vector<float> swelling, area;  // a vertex: m a unit; m^2 at rest
+};
+
+struct LimbVolumes {
+  std::vector<VolumeRegion> regions;  // the whole body first, to which the trunk swells; then arms and legs
+};
+
+// `positions`: #V x 4, rest. `tissue`: m, #V.
+LimbVolumes make_limb_volumes(const Skeleton& skeleton, std::span<const float> positions, std::span<const int> triangles,
+                              std::span<const std::array<Influence, 4>> joint_weights, std::span<const double> tissue);
+
+// 1 where flesh is free to swell, falling to 0 in folds, where it would only press into itself. #V; `working` is memory of the same size.
+void find_hollows(const Membrane& rings, std::span<const float> positions, std::span<const float> normals, std::vector<float>& open,
+                  std::vector<float>& working);
+
+// Moves `positions` (#V x 4) along `normals`, by how far each vertex is open. Allocates nothing.
+void keep_volumes(const LimbVolumes& volumes, std::span<const Transform> X_WJ, std::span<const float> open, std::span<const float> normals,
+                  std::span<float> positions);
+
+}  // namespace ecorche

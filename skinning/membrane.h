@@ -1,0 +1,46 @@
+// The skin as an elastic sheet that hangs on where the binding has put it. Private to the room.
+//
+// The sheet's shape minimises, over the places x of its vertices,
+//   sum_i w_i |x_i - t_i|^2 + sum_ij c_ij |(x_i - x_j) - (R_i + R_j)/2 (X_i - X_j)|^2
+// with cotangent weights c, rest places X and the rotation R_i that fits the edges about vertex i best (Sorkine & Alexa 2007,
+// 10.2312/SGP/SGP07/109-116). The anchors t are the binding's places; over loose tissue the skin may glide along them up to a length
+// of its own. Rotations and places are found in turn; the matrix of the places is constant and factored once (Bouaziz et al. 2014,
+// 10.1145/2601097.2601116). Every frame begins at its anchors: the shape is a function of the pose alone.
+// What is solved for is the distance from the anchors, so that a skin at rest stays at rest to rounding.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "anatomy/types.h"
+
+namespace ecorche {
+
+struct Membrane {
+  int vertex_count = 0;
+  std::vector<int> first;        // #V + 1 into neighbour, edge
+  std::vector<int> neighbour;
+  std::vector<float> edge;       // 4 a neighbour: X_i - X_j, c_ij
+  std::vector<float> normal;     // #V x 4, rest, times half the sum of c |X_i - X_j|^2: makes the fit of a flat ring definite
+  std::vector<float> hold;       // #V w_i
+  std::vector<float> glide;      // #V m
+  // Unit lower triangular factor of W + C, by columns in its own order, and the inverse of the diagonal.
+  std::vector<int> place;        // #V: vertex -> row of the factor
+  std::vector<int> column, row;  // #V + 1; entries
+  std::vector<float> value, inverse_diagonal;
+};
+
+// `tissue`: what lies between skin and bone, m, #V: skin holds the less and glides the further the more there is.
+// Precondition: the mesh has no vertex without triangles whose place matters: such a vertex stays on its anchor.
+Membrane make_membrane(const TriMesh& skin, std::span<const double> tissue);
+
+struct MembraneScratch {
+  std::vector<float> turns;             // #V x 4 quaternions
+  std::vector<float> places, offsets, targets, right, normals;  // #V x 4
+};
+
+// Places that the sheet takes above anchors (#V x 4, x y z 1), as offsets from them (#V x 4, last 0): scratch.offsets. `triangles`: 3
+// indices each. Allocates only when scratch changes size; same input, same bytes at any number of threads.
+void relax_membrane(const Membrane& membrane, std::span<const float> anchors, std::span<const int> triangles, int rounds, MembraneScratch& scratch);
+
+}  // namespace ecorche

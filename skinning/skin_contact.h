@@ -1,0 +1,34 @@
+// Parts of a skin that meet are pressed flat against each other instead of passing through. Private to the room.
+//
+// A vertex is inside another part when the first thing that it sees along its normal is the back of a triangle. It then goes half of
+// the way back to the surface that it has come through; the other part's vertices go the other half. The ring about them follows a
+// little, so that the dent has no edge. Vertices that lie inside something at rest (lips, eyelids, the mouth) are left alone.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "anatomy/types.h"
+#include "skinning/membrane.h"
+
+namespace ecorche {
+
+// The tree of one posed skin; kept from frame to frame, refitted to each.
+class ContactTree;
+
+struct ContactScratch {
+  std::shared_ptr<ContactTree> tree;          // of one mesh: forget it before another one's turn
+  std::vector<float> pushes, spread, before;  // #V x 4
+  std::vector<char> wanted;                   // #V: which are looked at
+};
+
+// How far each vertex may be pushed, m, #V; 0 for those that are left alone. `positions`: #V x 4, rest; `triangles`: 3 indices each;
+// `tissue`: what lies between skin and bone, m, #V.
+std::vector<float> contact_give(std::span<const float> positions, std::span<const int> triangles, std::span<const double> tissue);
+
+// Parts `positions` (#V x 4) by rounds, adding to them. Allocates only at first use; same input, same bytes at any number of threads.
+void part_skin(const Membrane& rings, std::span<const float> give, std::span<const int> triangles, int rounds, std::span<float> positions,
+               std::vector<float>& normals, ContactScratch& scratch);
+
+}  // namespace ecorche

@@ -1,0 +1,200 @@
+// Laws of what the skin does by itself: it evens out, keeps volumes, and parts where it meets.
+#include <gtest/gtest.h>
+
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "anatomy/self_intersections.h"
+#include "skinning/limb_volumes.h"
+#include "skinning/membrane.h"
+#include "skinning/normals.h"
+#include "skinning/skin_contact.h"
+#include "tests/skinning/arm.h"
+
+namespace ecorche {
+namespace {
+
+TriMesh fine_tube() {
+  constexpr double kRadius = 0.1;
+  constexpr int kCap = 6, kRings = 40;
+  std::vector<Vec2> profile;
+  for (int k = 1; k <= kCap; ++k) {
+    const double angle = std::numbers::pi / 2 * (1 - static_cast<double>(k) / kCap);
+    profile.emplace_back(-kRadius * std::sin(angle), kRadius * std::cos(angle));
+  }
+  for (int k = 1; k < kRings; ++k) profile.emplace_back(static_cast<double>(k) / kRings, kRadius);
+  for (int k = 0; k < kCap; ++k) {
+    const double angle = std::numbers::pi / 2 * k / kCap;
+    profile.emplace_back(1 + kRadius * std::sin(angle), kRadius * std::cos(angle));
+  }
+  return test::lathe(Vec3::Zero(), Vec3::UnitY(), profile, 24);
+}
+
+struct Tube {
+  TriMesh mesh = fine_tube();
+  std::vector<double> tissue = std::vector<double>(static_cast<std::size_t>(mesh.V.rows()), 0.04);
+  std::span<const int> triangles() const { return {mesh.F.data(), static_cast<std::size_t>(mesh.F.size())}; }
+};
+
+std::vector<float> floats(const Points& V) {
+  std::vector<float> out;
+  for (Eigen::Index i = 0; i < V.rows(); ++i)
+    for (int k = 0; k < 4; ++k) out.push_back(k < 3 ? static_cast<float>(V(i, k)) : 1);
+  return out;
+}
+
+Points points(std::span<const float> positions) {
+  Points out(static_cast<Eigen::Index>(positions.size() / 4), 3);
+  for (Eigen::Index i = 0; i < out.rows(); ++i)
+    for (Eigen::Index k = 0; k < 3; ++k) out(i, k) = positions[static_cast<std::size_t>(4 * i + k)];
+  return out;
+}
+
+double worst_edge(const TriMesh& rest, const Points& V) {
+  double worst = 0;
+  for (Eigen::Index f = 0; f < rest.F.rows(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const int a = rest.F(f, k), b = rest.F(f, (k + 1) % 3);
+      worst = std::max(worst, std::abs((V.row(a) - V.row(b)).norm() / (rest.V.row(a) - rest.V.row(b)).norm() - 1));
+    }
+  return worst;
+}
+
+double volume(const TriMesh& mesh, const Points& V) {
+  double six = 0;
+  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) six += Vec3(V.row(mesh.F(f, 0))).dot(Vec3(V.row(mesh.F(f, 1))).cross(Vec3(V.row(mesh.F(f, 2)))));
+  return six / 6;
+}
+
+// Above y = 0.5 the tube is bent sharply, as a blend without care would bend it.
+Points bent(const Points& V, double angle) {
+  const Quat turn(Eigen::AngleAxisd(angle, Vec3::UnitX()));
+  Points out = V;
+  for (Eigen::Index i = 0; i < V.rows(); ++i)
+    if (V(i, 1) > 0.5) out.row(i) = (Vec3(0, 0.5, 0) + turn * (Vec3(V.row(i)) - Vec3(0, 0.5, 0))).transpose();
+  return out;
+}
+
+std::vector<float> relaxed(const Tube& tube, const Points& anchors) {
+  std::vector<float> out = floats(anchors);
+  MembraneScratch scratch;
+  relax_membrane(make_membrane(tube.mesh, tube.tissue), out, tube.triangles(), 3, scratch);
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] += scratch.offsets[k];
+  return out;
+}
+
+TEST(Membrane, StaysWhereNothingStretchesIt) {
+  const Tube tube;
+  EXPECT_LT((points(relaxed(tube, tube.mesh.V)) - tube.mesh.V).cwiseAbs().maxCoeff(), 1e-6);
+  const Quat turn(Eigen::AngleAxisd(2.1, Vec3(1, 2, -1).normalized()));
+  Points turned = tube.mesh.V;
+  for (Eigen::Index i = 0; i < turned.rows(); ++i) turned.row(i) = (turn * Vec3(turned.row(i))).transpose() + Eigen::RowVector3d(0.3, 1, -2);
+  EXPECT_LT((points(relaxed(tube, turned)) - turned).cwiseAbs().maxCoeff(), 2e-6);
+}
+
+TEST(Membrane, EvensOutStretchAndStaysNearItsAnchors) {
+  const Tube tube;
+  const Points anchors = bent(tube.mesh.V, 1.2), V = points(relaxed(tube, anchors));
+  EXPECT_LT(worst_edge(tube.mesh, V), 0.7 * worst_edge(tube.mesh, anchors));
+  EXPECT_LT((V - anchors).rowwise().norm().maxCoeff(), 0.05);
+  for (Eigen::Index i = 0; i < V.rows(); ++i)
+    if (std::abs(tube.mesh.V(i, 1) - 0.5) > 0.4) {
+      EXPECT_LT((V.row(i) - anchors.row(i)).norm(), 1e-3) << i;
+    }
+}
+
+TEST(Membrane, SameBytesAtOneAndTwoThreads) {
+  const Tube tube;
+  const Points anchors = bent(tube.mesh.V, 1.2);
+  const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
+  const std::vector<float> first = relaxed(tube, anchors);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(first, relaxed(tube, anchors));
+}
+
+TEST(LimbVolumes, ComeBackWhenTheSkinWasPressedIn) {
+  const Tube tube;
+  const test::Arm arm = test::make_arm();
+  const std::vector<float> rest = floats(tube.mesh.V);
+  const std::vector<std::array<Influence, 4>> weights(tube.tissue.size(), {Influence{0, 1}, {}, {}, {}});
+  const LimbVolumes volumes = make_limb_volumes(arm.anatomy.skeleton, rest, tube.triangles(), weights, tube.tissue);
+  std::vector<Transform> X_WJ;
+  forward_kinematics(arm.anatomy.skeleton, rest_pose(arm.anatomy.skeleton), X_WJ);
+  const auto kept = [&](const Points& V) {
+    std::vector<float> positions = floats(V), normals(positions.size()), open(positions.size() / 4, 1.0f);
+    vertex_normals(positions, tube.triangles(), normals);
+    keep_volumes(volumes, X_WJ, open, normals, positions);
+    return points(positions);
+  };
+  EXPECT_LT((kept(tube.mesh.V) - tube.mesh.V).cwiseAbs().maxCoeff(), 1e-6);
+  Points pressed = tube.mesh.V;
+  pressed.col(0) *= 0.96;
+  const double before = volume(tube.mesh, tube.mesh.V);
+  EXPECT_NEAR(volume(tube.mesh, pressed) / before, 0.96, 1e-6);
+  EXPECT_NEAR(volume(tube.mesh, kept(pressed)) / before, 1, 2e-3);
+}
+
+TEST(LimbVolumes, FoldsDoNotSwell) {
+  const Tube tube;
+  const Membrane rings = make_membrane(tube.mesh, tube.tissue);
+  const auto openness = [&](const Points& V) {
+    std::vector<float> positions = floats(V), normals(positions.size()), open, working;
+    vertex_normals(positions, tube.triangles(), normals);
+    find_hollows(rings, positions, normals, open, working);
+    return open;
+  };
+  for (const float open : openness(tube.mesh.V)) EXPECT_EQ(open, 1);
+  const std::vector<float> folded = openness(bent(tube.mesh.V, 1.6));
+  EXPECT_LT(*std::min_element(folded.begin(), folded.end()), 0.3f);
+  EXPECT_EQ(folded.front(), 1);
+}
+
+// Two tubes side by side as one mesh, `apart` between their axes.
+struct Pair {
+  Tube one;
+  TriMesh mesh{Points(2 * one.mesh.V.rows(), 3), Triangles(2 * one.mesh.F.rows(), 3)};
+  std::vector<double> tissue = std::vector<double>(static_cast<std::size_t>(mesh.V.rows()), 0.04);
+  Pair() {
+    mesh.F << one.mesh.F, (one.mesh.F.array() + static_cast<int>(one.mesh.V.rows())).matrix();
+    mesh.V = at(0.3);
+  }
+  Points at(double apart) const {
+    Points V(mesh.V.rows(), 3);
+    V << one.mesh.V, (one.mesh.V.rowwise() + Eigen::RowVector3d(apart, 0.013, 0.007)).matrix();
+    return V;
+  }
+  std::span<const int> triangles() const { return {mesh.F.data(), static_cast<std::size_t>(mesh.F.size())}; }
+  Points parted(const Points& V) const {
+    const Membrane rings = make_membrane(mesh, tissue);
+    const std::vector<float> give = contact_give(floats(mesh.V), triangles(), tissue);
+    std::vector<float> positions = floats(V), normals;
+    ContactScratch scratch;
+    part_skin(rings, give, triangles(), 2, positions, normals, scratch);
+    return points(positions);
+  }
+};
+
+TEST(SkinContact, WhatIsApartStaysAndWhatMeetsIsPressedFlat) {
+  const Pair pair;
+  EXPECT_EQ(floats(pair.parted(pair.mesh.V)), floats(pair.mesh.V));
+  const Points through = pair.at(0.18), V = pair.parted(through);
+  const int before = count_self_intersections(pair.mesh.F, through);
+  EXPECT_GT(before, 20);
+  EXPECT_LT(count_self_intersections(pair.mesh.F, V), before / 4);
+  double far = 0;  // both give way by about as much
+  for (Eigen::Index i = 0; i < V.rows(); ++i) far = std::max(far, (V.row(i) - through.row(i)).norm());
+  EXPECT_LT(far, 0.015);
+  EXPECT_GT(far, 0.008);
+}
+
+TEST(SkinContact, GivesWayNoFurtherThanTheFleshIsThick) {
+  const Pair pair;
+  const Points deep = pair.at(0.08), V = pair.parted(deep);
+  EXPECT_LT((V - deep).rowwise().norm().maxCoeff(), 0.0421);
+}
+
+}  // namespace
+}  // namespace ecorche

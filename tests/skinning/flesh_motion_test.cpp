@@ -1,0 +1,110 @@
+// Laws of secondary motion: the rate of the film does not matter, what stands still stays, and the oscillator is the exact one.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "skinning/flesh_motion.h"
+#include "tests/skinning/arm.h"
+
+namespace ecorche {
+namespace {
+
+struct Swing {
+  test::Arm arm = test::make_arm();
+  PosingTable table = make_posing_table(arm.anatomy);
+  Binding binding;
+  Swing() {
+    Body body;
+    body.skin = arm.skin;
+    binding = bind_skin(arm.anatomy, body);
+  }
+  // The shoulder swings to and fro for two seconds and stops.
+  Motion motion(double fps) const {
+    Motion out;
+    out.fps = fps;
+    for (int f = 0; f <= 3 * fps; ++f) {
+      const double t = f / fps, a = t < 2 ? 0.5 * std::pow(std::sin(std::numbers::pi * t), 2) : 0;
+      Pose pose = rest_pose(arm.anatomy.skeleton);
+      pose.rotations[2] = Quat(Eigen::AngleAxisd(a, Vec3::UnitX()));
+      out.frames.push_back(pose);
+    }
+    return out;
+  }
+};
+
+std::vector<float> seen_at(const Swing& swing, const FleshTables& tables, const Motion& motion, double time) {
+  FleshState state;
+  for (int f = 0; f / motion.fps <= time + 1e-9; ++f) move_flesh(tables, swing.arm.anatomy.skeleton, motion, f / motion.fps, state);
+  return state.seen;
+}
+
+double largest_gap(const std::vector<float>& a, const std::vector<float>& b) {
+  double gap = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) gap = std::max(gap, std::abs(static_cast<double>(a[k]) - b[k]));
+  return gap;
+}
+
+TEST(FleshMotion, IsTheSameAtAnyRateOfTheFilm) {
+  const Swing swing;
+  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy.skeleton);
+  ASSERT_FALSE(tables.vertices.empty());
+  double moved = 0;
+  for (const double time : {0.5, 1.25, 2.0, 2.5}) {
+    const std::vector<float> slow = seen_at(swing, tables, swing.motion(24), time), usual = seen_at(swing, tables, swing.motion(60), time),
+                             fast = seen_at(swing, tables, swing.motion(240), time);
+    for (const float v : fast) moved = std::max(moved, std::abs(static_cast<double>(v)));
+    EXPECT_LT(largest_gap(slow, fast), 2e-3) << time;
+    EXPECT_LT(largest_gap(usual, fast), 2e-3) << time;
+  }
+  EXPECT_GT(moved, 1e-3);
+}
+
+TEST(FleshMotion, WhatStandsStillStaysAndWhatStopsSettles) {
+  const Swing swing;
+  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy.skeleton);
+  Motion still = swing.motion(30);
+  for (Pose& pose : still.frames) pose = still.frames[7];
+  for (const float v : seen_at(swing, tables, still, 2)) EXPECT_EQ(v, 0);
+  const auto size = [&](double time) {
+    double most = 0;
+    for (const float v : seen_at(swing, tables, swing.motion(60), time)) most = std::max(most, std::abs(static_cast<double>(v)));
+    return most;
+  };
+  EXPECT_LT(size(3), 0.1 * size(1.9));
+}
+
+// A unit of speed without force: e^(-z w t) sin(w' t) / w'.
+TEST(FleshMotion, StepsAreTheExactOscillator) {
+  const Swing swing;
+  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy.skeleton);
+  const FleshTables::Vertex& v = tables.vertices.front();
+  const double h = 1.0 / 480, w = std::sqrt(-v.vu / v.uv), fall = std::log(v.uu * v.vv - v.uv * v.vu) / (2 * h);  // det = e^(-2 z w h)
+  double u = 0, speed = 1;
+  for (int step = 1; step <= 200; ++step) {
+    const double next = v.uu * u + v.uv * speed;
+    speed = v.vu * u + v.vv * speed;
+    u = next;
+    const double damped = std::sqrt(w * w - fall * fall), t = step * h;
+    EXPECT_NEAR(u, std::exp(fall * t) * std::sin(damped * t) / damped, 1e-9);
+  }
+  // A steady acceleration leaves it where the spring balances it.
+  u = speed = 0;
+  for (int step = 0; step < 5000; ++step) {
+    const double next = v.uu * u + v.uv * speed + v.ua * 2.0;
+    speed = v.vu * u + v.vv * speed + v.va * 2.0;
+    u = next;
+  }
+  EXPECT_NEAR(u, -2.0 / (w * w), 1e-9);
+}
+
+TEST(FleshMotion, TimeDoesNotGoBack) {
+  const Swing swing;
+  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy.skeleton);
+  FleshState state;
+  move_flesh(tables, swing.arm.anatomy.skeleton, swing.motion(30), 1, state);
+  EXPECT_THROW(move_flesh(tables, swing.arm.anatomy.skeleton, swing.motion(30), 0.5, state), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace ecorche
