@@ -10,6 +10,7 @@ namespace ecorche {
 namespace {
 
 constexpr double kMostTissue = 0.05;   // m; deeper flesh swells no more
+constexpr std::size_t kMostRegions = 9;  // the body, four limbs, four hinges
 constexpr float kHollow = 0.03f;       // m; where the skin curves inwards more sharply than this it does not swell
 constexpr double kMostSwelling = 0.3;  // of the tissue
 
@@ -52,6 +53,16 @@ std::vector<double> shares_below(const Skeleton& skeleton, int joint, std::span<
   return out;
 }
 
+// 1 about the hinge, falling to 0 between a half and three quarters of the way along both segments.
+double about_hinge(const Vec3& upper, const Vec3& hinge, const Vec3& lower, const Vec3& p) {
+  const auto fall = [](double t) {
+    t = std::clamp((0.75 - t) / 0.25, 0.0, 1.0);
+    return t * t * (3 - 2 * t);
+  };
+  const Vec3 up = upper - hinge, down = lower - hinge;
+  return fall((p - hinge).dot(up) / up.squaredNorm()) * fall((p - hinge).dot(down) / down.squaredNorm());
+}
+
 VolumeRegion make_region(int origin, const Vec3& apex, std::span<const float> positions, std::span<const int> triangles, std::span<const double> share,
                          std::span<const double> swelling, std::span<const double> areas) {
   VolumeRegion out;
@@ -88,13 +99,23 @@ LimbVolumes make_limb_volumes(const Skeleton& skeleton, std::span<const float> p
   };
   LimbVolumes out;
   out.regions.emplace_back();
-  for (const std::string name : {"shoulder_l", "shoulder_r", "hip_l", "hip_r"}) {
-    const int joint = find_joint(skeleton, name);
-    if (joint < 0) continue;
-    const std::vector<double> share = shares_below(skeleton, joint, joint_weights);
-    for (std::size_t i = 0; i < trunk.size(); ++i) trunk[i] -= share[i];
+  const auto add = [&](int joint, int within, const std::vector<double>& share) {
     out.regions.push_back(make_region(joint, origins[static_cast<std::size_t>(joint)], positions, triangles, share, product(share), areas));
-  }
+    out.regions.back().within = within;
+  };
+  for (const auto& [root, hinge, end] : {std::array{"shoulder", "elbow", "wrist"}, std::array{"hip", "knee", "ankle"}})
+    for (const std::string side : {"_l", "_r"}) {
+      const int joint = find_joint(skeleton, root + side), middle = find_joint(skeleton, hinge + side), last = find_joint(skeleton, end + side);
+      if (joint < 0) continue;
+      std::vector<double> share = shares_below(skeleton, joint, joint_weights);
+      for (std::size_t i = 0; i < trunk.size(); ++i) trunk[i] -= share[i];
+      const int limb = static_cast<int>(out.regions.size());
+      add(joint, 0, share);
+      if (middle < 0 || last < 0) continue;
+      const auto at = [&](int j) { return origins[static_cast<std::size_t>(j)]; };
+      for (std::size_t i = 0; i < share.size(); ++i) share[i] *= about_hinge(at(joint), at(middle), at(last), Vec3(positions[4 * i], positions[4 * i + 1], positions[4 * i + 2]));
+      add(middle, limb, share);
+    }
   const std::vector<double> all(tissue.size(), 1);
   if (const int neck = find_joint(skeleton, "c5"); neck >= 0) {  // the head is mostly bone
     const std::vector<double> head = shares_below(skeleton, neck, joint_weights);
@@ -136,12 +157,13 @@ void find_hollows(const Membrane& rings, std::span<const float> positions, std::
 
 void keep_volumes(const LimbVolumes& volumes, std::span<const Transform> X_WJ, std::span<const float> open, std::span<const float> normals,
                   std::span<float> positions) {
-  std::array<double, 5> lost{};
+  std::array<double, kMostRegions> lost{};
   for (std::size_t r = 0; r < volumes.regions.size(); ++r) {
     const VolumeRegion& region = volumes.regions[r];
     lost[r] = region.volume - region_volume(region, positions, X_WJ[static_cast<std::size_t>(region.origin)].translation());
-    if (r > 0) lost[0] -= lost[r];
   }
+  const std::array<double, kMostRegions> all = lost;  // what a part has lost is made up in the part
+  for (std::size_t r = 1; r < volumes.regions.size(); ++r) lost[static_cast<std::size_t>(volumes.regions[r].within)] -= all[r];
   for (std::size_t r = 0; r < volumes.regions.size(); ++r) {
     const VolumeRegion& region = volumes.regions[r];
     double reach = 0;

@@ -1,4 +1,4 @@
-// Keeps the volume of arms, legs and the trunk: what a bend or the sheet's tension takes away comes back as a swelling of the flesh.
+// Keeps the volume of arms and legs, of the flesh about elbows and knees, and of the trunk: what a bend or the sheet's tension takes away comes back as a swelling of the flesh.
 // Private to the room. The swelling is along the normals and in proportion to what lies between skin and bone, one step a
 // region, which the smallness of the change allows; folds are left out.
 #pragma once
@@ -14,6 +14,7 @@
 namespace ecorche {
 
 struct VolumeRegion {
+  int within = -1;               // region that it is a part of
   int origin = 0;                // joint: apex of the cones over the triangles, so that the region's cut needs no lid
   std::vector<int> corners;      // 3 a triangle
   std::vector<float> share;      // a triangle: how much of it is the region's
@@ -23,7 +24,7 @@ struct VolumeRegion {
 };
 
 struct LimbVolumes {
-  std::vector<VolumeRegion> regions;  // the whole body first, to which the trunk swells; then arms and legs
+  std::vector<VolumeRegion> regions;  // the whole body first, to which the trunk swells; then arms and legs, each followed by its hinge
 };
 
 // `positions`: #V x 4, rest. `tissue`: m, #V.

@@ -96,7 +96,7 @@ void turn_to(const Mat3f& A, int steps, Eigen::Quaternionf& q) {
     }
     const Eigen::Vector3f w = torque / std::abs(pull);
     const float angle = w.norm();
-    if (angle < 1e-4f) return;
+    if (angle < 1e-5f) return;
     const float half = 0.5f * std::min(angle, 2.5f);
     const Eigen::Vector3f v = (std::sin(half) / angle) * w;
     q = (Eigen::Quaternionf(std::cos(half), v.x(), v.y(), v.z()) * q).normalized();
@@ -131,7 +131,7 @@ void fit_turns(const Membrane& m, std::span<const float> x, bool first, Membrane
         const int k = m.first[i];
         turn = k < m.first[i + 1] ? guess(N, at(m.edge, k), n, p - at(x, m.neighbour[k])) : Eigen::Quaternionf::Identity();
       }
-      turn_to(A, first ? 4 : 2, turn);
+      turn_to(A, first ? 8 : 4, turn);
       q = turn.coeffs();
     }
   });
