@@ -189,7 +189,6 @@ TEST(SkinContact, WhatIsApartStaysAndWhatMeetsIsPressedFlat) {
   const int before = count_self_intersections(pair.mesh.F, through);
   EXPECT_GT(before, 20);
   const int after = count_self_intersections(pair.mesh.F, V);
-  printf("%d %d\n", before, after);
   EXPECT_LT(after, before / 4);
   double far = 0;  // both give way by about as much
   for (Eigen::Index i = 0; i < V.rows(); ++i) far = std::max(far, (V.row(i) - through.row(i)).norm());
