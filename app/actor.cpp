@@ -66,10 +66,10 @@ void choose_skin(Actor& actor, const std::string& method) {
   actor.method = *chosen;
 }
 
-void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation, std::span<const float> flesh) {
+void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation) {
   const Skeleton& skeleton = actor.character.anatomy.skeleton;
   pose_anatomy(actor.table, skeleton, pose, frame.posed, 1, activation);
-  if (actor.method == SkinMethod::ecorche) deform_skin(actor.binding, frame.posed, frame.skin, flesh);
+  if (actor.method == SkinMethod::ecorche) deform_skin(actor.binding, frame.posed, frame.skin);
   else deform_by(*actor.rivals, actor.method, skeleton, frame.posed, frame.scratch, frame.skin);
 }
 

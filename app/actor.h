@@ -51,8 +51,7 @@ struct ActorFrame {
 void choose_skin(Actor& actor, const std::string& method);
 
 // One frame: kinematics, muscles, skin with normals. Reuses the memory of `frame`. `activation` as in pose_anatomy.
-// `flesh`: secondary motion of our own skin, from move_flesh().
-void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation = {}, std::span<const float> flesh = {});
+void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation = {});
 
 // A body of ours (.glb), or a bare skin in the base mesh's topology and vertex order. What was found out about the
 // latter's units and axes goes to the report under `body`. Throws InputError or UnfitError.

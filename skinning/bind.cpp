@@ -129,10 +129,9 @@ Movers find_movers(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMe
 }
 
 // Lays the mesh out, and makes it elastic.
-void lay_out_elastic(const Anatomy& anatomy, const TriMesh& skin, const SkinSurvey& survey, const Movers& movers, bool elastic, SkinTables& tables) {
+void lay_out_elastic(const Anatomy& anatomy, const TriMesh& skin, const SkinSurvey& survey, const Movers& movers, SkinTables& tables) {
   lay_out(skin, movers.rows, movers.node_rows, tables);
-  if (elastic)
-    tables.elastic = make_elastic_skin(anatomy.skeleton, skin, survey, four_joints(movers.rows, tables), tables.order, tables.triangles);
+  tables.elastic = make_elastic_skin(anatomy.skeleton, skin, survey, four_joints(movers.rows, tables), tables.order, tables.triangles);
 }
 
 // Each fine vertex takes the blend of the base vertices' offsets that its place is the blend of their places.
@@ -173,7 +172,7 @@ Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMes
   SkinSurvey survey = survey_skin(Surroundings(anatomy, rest), skin);
   auto tables = std::make_shared<SkinTables>();
   const Movers movers = find_movers(anatomy, rest, skin, survey, options, *tables);
-  lay_out_elastic(anatomy, skin, survey, movers, options.elastic, *tables);
+  lay_out_elastic(anatomy, skin, survey, movers, *tables);
   return finish(skin, std::move(survey.anchors), movers, std::move(tables));
 }
 
@@ -190,10 +189,8 @@ Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMes
   const Movers finer = refine_movers(refinement, movers, *tables);
   auto base_tables = std::make_shared<SkinTables>(*tables);
   lay_out(fine, finer.rows, finer.node_rows, *tables);
-  if (options.elastic) {
-    lay_out_elastic(anatomy, base, survey, movers, true, *base_tables);
-    follow_base(refinement, std::move(base_tables), *tables);
-  }
+  lay_out_elastic(anatomy, base, survey, movers, *base_tables);
+  follow_base(refinement, std::move(base_tables), *tables);
   return finish(fine, find_anchors(inside, fine), finer, std::move(tables));
 }
 

@@ -1,6 +1,6 @@
 // Anchors every skin vertex to the bones and muscles beneath it.
 //
-// Three parts move a vertex:
+// Two parts move a vertex:
 //   1. A blend of joint frames. Each vertex takes the joints of the bones beneath it (exact nearest points, reached without leaving
 //      the body), the shares are diffused over the skin by a screened Poisson solve whose length is the local depth of bone
 //      (after Baran & Popovic 2007, 10.1145/1276377.1276467), and where two joints share a vertex their half-way rotation about
@@ -9,9 +9,6 @@
 //   2. A sparse set of nodes on the skin, each anchored to the strips beneath it. A node keeps its height over the posed muscle
 //      surface (fat and skin keep their thickness, Wilhelms & Van Gelder 1997, 10.1145/258734.258833); muscles may glide
 //      underneath, so only the height counts. The nodes' lifts are spread to the vertices between them.
-//   3. The skin as an elastic sheet that hangs on those places (skinning/membrane.h): it evens out its stretch, swells where a bend has
-//      taken volume from a limb or the trunk (skinning/limb_volumes.h), and is pressed flat where parts of it meet (skinning/skin_contact.h).
-//      A refined skin follows the sheet of its base mesh.
 // In the rest pose the input skin comes back; rigid motion is reproduced.
 #pragma once
 
@@ -31,7 +28,6 @@ struct BindOptions {
   double muscle_share = 1.0;   // how much of the height change of the muscles reaches the skin; 0: bones only
   double lift_limit = 0.03;    // m, largest lift or sink of the skin by muscles
   double node_spacing = 0.04;  // m, between muscle nodes
-  bool elastic = true;         // the skin evens out its stretch, keeps the volume of limbs and trunk, and parts where it meets itself
 };
 
 // The component of the anatomy nearest to a skin vertex at rest, exact.

@@ -7,6 +7,7 @@
 
 #include "skinning/carriers.h"
 #include "skinning/elastic_skin.h"
+#include "skinning/flesh_motion.h"
 #include "skinning/float4.h"
 #include "skinning/muscle_lift.h"
 #include "skinning/normals.h"
@@ -67,26 +68,28 @@ void add(std::span<const float> offsets, std::span<float> positions) {
 }
 
 // The base mesh's way from where the blend puts it to where it settles, handed down.
-void follow(const SkinTables& fine, const PosedAnatomy& posed, const Four& root, std::span<const float> flesh, SkinFrame::Scratch& scratch,
-            std::vector<float>& positions) {
+void follow(const SkinTables& fine, const PosedAnatomy& posed, const Four& root, std::span<const float> flesh, const SkinFrame::Scratch& scratch,
+            ElasticScratch& elastic, std::vector<float>& positions) {
   const SkinTables& base = *fine.base;
-  scratch.base.resize(4 * static_cast<std::size_t>(base.vertex_count));
-  blend_vertices(base, scratch.carriers.data(), scratch.lifts.data(), root, scratch.base.data());
-  scratch.offsets.assign(scratch.base.begin(), scratch.base.end());
-  add(flesh, scratch.base);
-  settle_skin(base.elastic, base.triangles, posed.X_WJ, scratch.base, scratch.elastic);
-  for (std::size_t k = 0; k < scratch.base.size(); k += 4) store4(&scratch.offsets[k], load4(&scratch.base[k]) - load4(&scratch.offsets[k]));
+  elastic.base.resize(4 * static_cast<std::size_t>(base.vertex_count));
+  blend_vertices(base, scratch.carriers.data(), scratch.lifts.data(), root, elastic.base.data());
+  elastic.offsets.assign(elastic.base.begin(), elastic.base.end());
+  add(flesh, elastic.base);
+  settle_skin(base.elastic, base.triangles, posed.X_WJ, elastic.base, elastic);
+  for (std::size_t k = 0; k < elastic.base.size(); k += 4) store4(&elastic.offsets[k], load4(&elastic.base[k]) - load4(&elastic.offsets[k]));
   for (std::size_t s = 0; s < static_cast<std::size_t>(fine.vertex_count); ++s) {
     Float4 sum = load4(&positions[4 * s]);
     for (int k = fine.follow_first[s]; k < fine.follow_first[s + 1]; ++k)
-      sum += fine.follow_weight[static_cast<std::size_t>(k)] * load4(&scratch.offsets[4 * static_cast<std::size_t>(fine.follow[static_cast<std::size_t>(k)])]);
+      sum += fine.follow_weight[static_cast<std::size_t>(k)] * load4(&elastic.offsets[4 * static_cast<std::size_t>(fine.follow[static_cast<std::size_t>(k)])]);
     store4(&positions[4 * s], sum);
   }
 }
 
 }  // namespace
 
-void deform_skin(const Binding& binding, const PosedAnatomy& posed, SkinFrame& out, std::span<const float> flesh) {
+void deform_skin(const Binding& binding, const PosedAnatomy& posed, SkinFrame& out) { deform_skin(binding, posed, {}, out); }
+
+void deform_skin(const Binding& binding, const PosedAnatomy& posed, std::span<const float> flesh, SkinFrame& out) {
   if (!binding.tables) throw std::invalid_argument("deform_skin: an empty binding");
   const SkinTables& tables = *binding.tables;
   if (static_cast<int>(posed.X_WJ.size()) != tables.joint_count || static_cast<int>(posed.slices.size()) != tables.slice_count)
@@ -108,11 +111,12 @@ void deform_skin(const Binding& binding, const PosedAnatomy& posed, SkinFrame& o
   std::vector<float>& positions = sorted ? out.positions : scratch.positions;
   std::vector<float>& normals = sorted ? out.normals : scratch.normals;
   blend_vertices(tables, scratch.carriers.data(), scratch.lifts.data(), root4, positions.data());
+  thread_local ElasticScratch elastic;  // large, and of no frame's own: nothing in it outlives the call but the tree of the skin's triangles
   if (tables.base) {
-    follow(tables, posed, root4, flesh, scratch, positions);
+    follow(tables, posed, root4, flesh, scratch, elastic, positions);
   } else if (tables.elastic) {
     add(flesh, positions);
-    settle_skin(tables.elastic, tables.triangles, posed.X_WJ, positions, scratch.elastic);
+    settle_skin(tables.elastic, tables.triangles, posed.X_WJ, positions, elastic);
   }
   vertex_normals(positions, tables.triangles, normals);
   if (!sorted) {

@@ -7,13 +7,6 @@
 
 namespace ecorche {
 
-struct ElasticScratch {
-  std::shared_ptr<const ElasticSkin> skin;  // whose contact tree it is
-  MembraneScratch membrane;
-  ContactScratch contact;
-  std::vector<float> normals, open, working;
-};
-
 namespace {
 
 constexpr int kMembraneRounds = 3, kContactRounds = 2;
@@ -37,11 +30,6 @@ std::vector<double> tissue_of(const TriMesh& skin, const SkinSurvey& survey) {
 }
 
 }  // namespace
-
-ElasticScratch& ElasticMemory::get() {
-  if (!scratch_) scratch_ = std::make_shared<ElasticScratch>();
-  return *scratch_;
-}
 
 std::shared_ptr<const ElasticSkin> make_elastic_skin(const Skeleton& skeleton, const TriMesh& skin, const SkinSurvey& survey,
                                                      std::span<const std::array<Influence, 4>> joint_weights, std::span<const int> order,
@@ -72,8 +60,7 @@ std::shared_ptr<const ElasticSkin> make_elastic_skin(const Skeleton& skeleton, c
 }
 
 void settle_skin(const std::shared_ptr<const ElasticSkin>& skin, std::span<const int> triangles, std::span<const Transform> X_WJ,
-                 std::span<float> positions, ElasticMemory& memory) {
-  ElasticScratch& s = memory.get();
+                 std::span<float> positions, ElasticScratch& s) {
   if (s.skin != skin) {
     s.skin = skin;
     s.contact.tree.reset();

@@ -8,10 +8,12 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "anatomy/skeleton.h"
 #include "skinning/bind.h"
+#include "skinning/skin_frame.h"
 
 namespace ecorche {
 
@@ -45,6 +47,9 @@ struct FleshState {
 // Goes on to `time` (s from the first frame; never back) and fills state.seen.
 // Preconditions: the motion belongs to the skeleton and has frames. Throws std::invalid_argument for a time before the last one's step.
 void move_flesh(const FleshTables& tables, const Skeleton& skeleton, const Motion& motion, double time, FleshState& state);
+
+// deform_skin() with flesh that lags: `flesh` is state.seen; empty: not at all. Ignored by a binding that is not elastic.
+void deform_skin(const Binding& binding, const PosedAnatomy& posed, std::span<const float> flesh, SkinFrame& out);
 
 // A pose between frames, on a smooth curve through them; before the first and after the last one it stays. `out` is resized once.
 void pose_at(const Motion& motion, double time, Pose& out);
