@@ -73,7 +73,7 @@ namespace {
 constexpr float kSight = 0.5f, kNear = 2e-4f;  // m
 constexpr float kGap = 4e-4f;                  // m, that is left between parts
 constexpr double kGive = 1;                    // of the tissue
-constexpr float kReach = 1.5f;                 // of what a vertex may be pushed: deeper inside, the other side of a thin part would be met
+constexpr float kReach = 1;                    // of what a vertex may be pushed: deeper inside, the other side of a thin part would be met
 constexpr double kLeastGive = 1e-3;            // m
 constexpr int kBlock = 512;
 
