@@ -353,7 +353,9 @@ double tube_volume(std::span<const Ellipse> ellipses) {
     const MixedArea mixed = mixed_area(p.outline, q.outline);
     const Vec3 between = mixed.ab * a0.cross(b1) + mixed.ba * a1.cross(b0) + mixed.aa * a0.cross(a1) + mixed.bb * b0.cross(b1);
     const Vec3 area = (outline_area(p.outline) * a0.cross(b0) + 0.5 * between + outline_area(q.outline) * a1.cross(b1)) / 3;
-    volume += std::numbers::pi * (q.center - p.center).dot(area);
+    const LopsidedMoments more = lopsided_moments(p.outline, q.outline);
+    const double turned = (more.a1 * a1 + more.b1 * b1).dot(a0.cross(b0)) - (more.a0 * a0 + more.b0 * b0).dot(a1.cross(b1));
+    volume += std::numbers::pi * ((q.center - p.center).dot(area) + turned / 3);
   }
   return volume;
 }

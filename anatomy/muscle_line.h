@@ -71,9 +71,9 @@ void set_slices(Strip& strip, std::span<const Ellipse> ellipses);
 double belly_weight(const Strip& strip, double s);
 
 // Volume of the tube lofted through the sections in order (no caps), m^3:
-//   V = sum over pieces of pi (c1 - c0) . (A00 + A01 + A11) / 3,   pi Aij the mixed area vector of sections i and j (outline.h)
-// It is exact for linear interpolation of centre and axes between sections that are their own image about their centre, ellipses among
-// them, however the line bends or twists. Of others it holds to first order, as the volume of methods by Pappus does about the centroid.
+//   V = sum over pieces of pi ((c1 - c0) . (A00 + A01 + A11) + L) / 3,   pi Aij the mixed area vector of sections i and j, L what lopsided
+// sections add as they turn (both in outline.h). It is exact for linear interpolation of centre, axes and outlines, however the line bends
+// or twists.
 double tube_volume(std::span<const Ellipse> ellipses);
 
 }  // namespace ecorche

@@ -61,4 +61,19 @@ MixedArea mixed_area(const SliceOutline& first, const SliceOutline& second) {
   return {out.ab / whole, out.ba / whole, out.aa / whole, out.bb / whole};
 }
 
+LopsidedMoments lopsided_moments(const SliceOutline& first, const SliceOutline& second) {
+  if (first == kEllipticOutline && second == kEllipticOutline) return {};
+  const auto& d = outline_directions();
+  Vec2 by_first = Vec2::Zero(), by_second = Vec2::Zero();
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const std::size_t j = (i + 1) % kCount;
+    const Vec2 f0 = static_cast<double>(first[i]) * d[i], f1 = static_cast<double>(first[j]) * d[j];
+    const Vec2 g0 = static_cast<double>(second[i]) * d[i], g1 = static_cast<double>(second[j]) * d[j];
+    by_first += (f0.x() * f1.y() - f0.y() * f1.x()) * (g0 + g1) / 2;
+    by_second += (g0.x() * g1.y() - g0.y() * g1.x()) * (f0 + f1) / 2;
+  }
+  const double whole = kOutlinePoints * turn_sine();
+  return {by_first.x() / whole, by_first.y() / whole, by_second.x() / whole, by_second.y() / whole};
+}
+
 }  // namespace ecorche

@@ -32,4 +32,14 @@ struct MixedArea {
 };
 MixedArea mixed_area(const SliceOutline& first, const SliceOutline& second);
 
+// What a piece between two sections that are not their own image about their centre holds more than centre line times area, as they turn
+// and swell about it: pi / 3 times
+//   a1 a1 . (a0 x b0) + b1 b1 . (a0 x b0) - a0 a0 . (a1 x b1) - b0 b0 . (a1 x b1),
+// the factor first, the vector after it. From the volume's integral over rings, 1/3 the triple product of a section, its change along the
+// piece and its change around, which vanishes for what is even about its centre.
+struct LopsidedMoments {
+  double a1 = 0, b1 = 0, a0 = 0, b0 = 0;
+};
+LopsidedMoments lopsided_moments(const SliceOutline& first, const SliceOutline& second);
+
 }  // namespace ecorche

@@ -280,10 +280,17 @@ void lay_slices(const PosingTable::Data& data, const PosingBatch& batch, const L
   }
 }
 
-// The growth of the belly that gives the rest volume: tube_volume is a quadratic in it.
+// The growth of the belly that gives the rest volume: tube_volume is a cubic in it, nearly a quadratic.
 Lane find_growth(const PosingTable::Data& data, const PosingBatch& batch, const Scratch& t) {
   const Lane& w = batch.lanes.width_swells;
-  Lane q0 = -batch.lanes.volume, q1 = Lane::Zero(), q2 = Lane::Zero();
+  Lane q0 = -batch.lanes.volume, q1 = Lane::Zero(), q2 = Lane::Zero(), q3 = Lane::Zero();
+  // A product of three axes that grow by f, g and h of the belly's growth.
+  const auto add = [&](const Lane& product, const Lane& f, const Lane& g, const Lane& h) {
+    q0 += product;
+    q1 += product * (f + g + h);
+    q2 += product * (f * g + f * h + g * h);
+    q3 += product * f * g * h;
+  };
   Lane3 a0 = t.a[0] * t.width[0], b0 = t.b[0] * t.thickness[0];
   for (int k = 0; k + 1 < batch.rows; ++k) {
     const Lane3 a1 = t.a[k + 1] * t.width[k + 1], b1 = t.b[k + 1] * t.thickness[k + 1];
@@ -298,12 +305,21 @@ Lane find_growth(const PosingTable::Data& data, const PosingBatch& batch, const 
     q0 += s00 + p + q + u + v + s11;
     q1 += (w + 1) * (s00 * g0 + s11 * g1) + p * (w * g0 + g1) + q * (w * g1 + g0) + (w * u + v) * (g0 + g1);
     q2 += w * (s00 * g0 * g0 + (p + q + u) * g0 * g1 + s11 * g1 * g1) + v * g0 * g1;
+    const Lane3 n0 = cross(a0, b0), n1 = cross(a1, b1);
+    add(areas.more_a1 * dot(n0, a1), w * g1, w * g0, g0);
+    add(areas.more_b1 * dot(n0, b1), g1, w * g0, g0);
+    add(-areas.more_a0 * dot(n1, a0), w * g0, w * g1, g1);
+    add(-areas.more_b0 * dot(n1, b0), g0, w * g1, g1);
     a0 = a1;
     b0 = b1;
   }
   const Lane root = (q1 * q1 - 4 * q2 * q0).max(0.0).sqrt();
   // A strip without belly has nothing to grow.
-  return 1 - 2 * q0 / (q1 + root).max(0.01 * batch.lanes.volume.abs() + 1e-15);
+  const Lane least = 0.01 * batch.lanes.volume.abs() + 1e-15;
+  Lane x = -2 * q0 / (q1 + root).max(least);
+  constexpr int kRounds = 3;  // Newton, from the quadratic's root
+  for (int round = 0; round < kRounds; ++round) x -= (q0 + x * (q1 + x * (q2 + x * q3))) / (q1 + x * (2 * q2 + 3 * x * q3)).max(least);
+  return 1 + x;
 }
 
 // Four lanes of four quantities to four places.

@@ -210,6 +210,11 @@ void add_lane(PosingTable::Data& data, PosingBatch& batch, int lane, const Strip
     areas.ba[lane] = mixed.ba;
     areas.aa[lane] = mixed.aa;
     areas.bb[lane] = mixed.bb;
+    const LopsidedMoments more = lopsided_moments(slice.outline, strip.slices[std::min(k + 1, n - 1)].outline);
+    areas.more_a1[lane] = more.a1;
+    areas.more_b1[lane] = more.b1;
+    areas.more_a0[lane] = more.a0;
+    areas.more_b0[lane] = more.b0;
   }
 }
 

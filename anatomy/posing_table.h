@@ -89,9 +89,10 @@ struct PosingRow {
   Eigen::Array4f free_width, free_thickness, free_offset;  // what fold_factor lets pass
 };
 
-// Areas of a row's outlines, and mixed with those of the next row (outline.h).
+// Areas of a row's outlines, mixed with those of the next row, and what lopsided ones add (outline.h).
 struct PosingAreas {
   Lane own, ab, ba, aa, bb;
+  Lane more_a1, more_b1, more_a0, more_b0;
 };
 
 struct PosingBatch {

@@ -55,11 +55,23 @@ struct Spoke {
   float most = 1e3f;    // to where the layer has given as far as it can
 };
 
+// To a micrometre: who meets whom is yes or no, and must not turn on the last digits of two ways to the same place.
+double rounded(double x) { return std::round(x * 1e6) / 1e6; }
+
+Ellipse rounded(Ellipse e) {
+  const auto each = [](double x) { return rounded(x); };
+  e.center = e.center.unaryExpr(each).eval();
+  e.axes = e.axes.unaryExpr(each).eval();
+  e.radii = e.radii.unaryExpr(each).eval();
+  return e;
+}
+
 class Sharing {
  public:
   Sharing(Anatomy& anatomy, std::span<Ellipse> slices, std::span<const double> wanted, std::span<const int> partners, const SkinRays& skin,
           const FatLayer& fat, const SharingLimits& limits)
-      : anatomy_(anatomy), slices_(slices), wanted_(wanted), partners_(partners), limits_(limits), surface_(make_muscle_surface(anatomy)) {
+      : anatomy_(anatomy), given_(slices), slices_(slices.begin(), slices.end()), wanted_(wanted), partners_(partners), limits_(limits), surface_(make_muscle_surface(anatomy)) {
+    for (Ellipse& e : slices_) e = rounded(e);
     lay_out();
     find_drawn();
     find_layer(skin, fat);
@@ -96,14 +108,17 @@ class Sharing {
     std::size_t at = 0;
     for (Muscle& muscle : anatomy_.muscles)
       for (Strip& strip : muscle.strips)
-        for (Slice& slice : strip.slices) slice.outline = slices_[at++].outline;
+        for (Slice& slice : strip.slices) {
+          given_[at].outline = slices_[at].outline;
+          slice.outline = slices_[at++].outline;
+        }
   }
 
   // Every muscle as if it had its volume already; those that reached the layer by more grow back to it.
   void begin() {
     for (std::size_t m = 0; m < wanted_.size(); ++m) {
       double volume = 0;
-      for (std::size_t s = strip_begin_[m]; s < strip_begin_[m + 1]; ++s) volume += tube_volume(slices_.subspan(strips_[s].begin, strips_[s].end - strips_[s].begin));
+      for (std::size_t s = strip_begin_[m]; s < strip_begin_[m + 1]; ++s) volume += tube_volume(std::span<const Ellipse>(slices_).subspan(strips_[s].begin, strips_[s].end - strips_[s].begin));
       const double factor = volume > 0 ? std::sqrt(std::clamp(wanted_[m] / volume, kLeastShare, 1.0)) : 1;
       for (std::size_t k = muscle_begin_[m]; k < muscle_begin_[m + 1]; ++k) {
         // Flat sections get thinner, not narrower.
@@ -165,7 +180,7 @@ class Sharing {
           spoke.base = std::max(static_cast<float>(to_edge.norm()), 1e-6f);
           const RayHit hit = skin.first_hit(slices_[k].center, to_edge / static_cast<double>(spoke.base));
           if (hit.triangle < 0) continue;
-          const float layer = fat.at(skin.mesh().F, hit) / std::max(hit.facing, static_cast<float>(kSteepest));
+          const float layer = static_cast<float>(rounded(static_cast<double>(fat.at(skin.mesh().F, hit)))) / std::max(hit.facing, static_cast<float>(kSteepest));
           spoke.layer = hit.distance - layer;
           // Only ellipses that press into the layer may go on doing so, by half of it.
           spoke.most = std::max(spoke.layer, std::min(spoke.base, hit.distance - std::max(layer / 2, static_cast<float>(limits_.skin_gap))));
@@ -182,7 +197,7 @@ class Sharing {
     mesh_.F.topRows(surface_.F.rows()) = surface_.F;
     points = surface_.vertices(), faces = surface_.F.rows();
     for (const Bone& bone : anatomy_.bones) {
-      mesh_.V.middleRows(points, bone.mesh.V.rows()) = bone.mesh.V;
+      mesh_.V.middleRows(points, bone.mesh.V.rows()) = bone.mesh.V.unaryExpr([](double x) { return rounded(x); });
       mesh_.F.middleRows(faces, bone.mesh.F.rows()) = (bone.mesh.F.array() + static_cast<int>(points)).matrix();
       points += bone.mesh.V.rows();
       faces += bone.mesh.F.rows();
@@ -419,7 +434,8 @@ class Sharing {
   }
 
   Anatomy& anatomy_;
-  std::span<Ellipse> slices_;
+  std::span<Ellipse> given_;
+  std::vector<Ellipse> slices_;  // rounded
   std::span<const double> wanted_;
   std::span<const int> partners_;
   SharingLimits limits_;

@@ -25,14 +25,15 @@ std::optional<Template> installed_template() {
   }
 }
 
-// Volume between neighbouring outlines by triangles, 48 points a slice: independent of tube_volume.
+// Volume between neighbouring outlines as they are drawn, by triangles: independent of tube_volume.
 double lofted_volume(const PosedAnatomy& posed, const SliceRange& range) {
-  constexpr int n = 48;
+  constexpr int n = kOutlinePoints;
   const Vec3 base = posed.slices[range.begin].center;
   const auto at = [&](int k, int i) -> Vec3 {
     const Ellipse& e = posed.slices[k];
     const double a = 2 * std::numbers::pi * i / n;
-    return e.center + e.axes.col(0) * e.radii.x() * std::cos(a) + e.axes.col(1) * e.radii.y() * std::sin(a) - base;
+    const double factor = e.outline[static_cast<std::size_t>(i % n)];
+    return e.center + factor * (e.axes.col(0) * e.radii.x() * std::cos(a) + e.axes.col(1) * e.radii.y() * std::sin(a)) - base;
   };
   double volume = 0;
   const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c) { volume += a.dot(b.cross(c)) / 6; };
@@ -105,7 +106,7 @@ TEST(JointSweep, NoPathOfTheTemplateJumps) {
     };
     EXPECT_LT(worst[i].length.size, 1.5e-3) << what(worst[i].length);
     EXPECT_LT(worst[i].center.size, 3e-3) << what(worst[i].center);
-    EXPECT_LT(worst[i].rim.size, 10e-3) << what(worst[i].rim);
+    EXPECT_LT(worst[i].rim.size, 12.5e-3) << what(worst[i].rim);
     EXPECT_LT(worst[i].drift.size, 1e-6) << what(worst[i].drift);
     rims += worst[i].rim.size > 3e-3;
     length = std::max(length, worst[i].length.size);
