@@ -60,8 +60,13 @@ std::shared_ptr<const RivalSkins> rivals_of(const Actor& actor) {
 }  // namespace
 
 void choose_skin(Actor& actor, const std::string& method) {
+  if (method == "anchors") {
+    actor.binding = unsettled(actor.binding);
+    actor.method = SkinMethod::ecorche;
+    return;
+  }
   const std::optional<SkinMethod> chosen = skin_method(method);
-  if (!chosen) throw UsageError(fmt::format("--skin: '{}' is no way to move a skin; there are lbs, dqs, deltamush, paper and ecorche", method));
+  if (!chosen) throw UsageError(fmt::format("--skin: '{}' is no way to move a skin; there are lbs, dqs, deltamush, paper, anchors and ecorche", method));
   if (*chosen != SkinMethod::ecorche && !actor.rivals) actor.rivals = rivals_of(actor);
   actor.method = *chosen;
 }

@@ -46,7 +46,7 @@ struct ActorFrame {
   RivalScratch scratch;
 };
 
-// Makes play() move the skin by another method: "lbs", "dqs", "deltamush", "paper" or "ecorche". Reads the body package for all but the
+// Makes play() move the skin by another method: "lbs", "dqs", "deltamush", "paper", "anchors" (ours, but it does not settle) or "ecorche". Reads the body package for all but the
 // last one. Throws UsageError for another name, InputError without the package, UnfitError for a skin of another topology.
 void choose_skin(Actor& actor, const std::string& method);
 

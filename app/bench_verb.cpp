@@ -44,6 +44,9 @@ std::vector<Ratio> bench_frames(const Actor& actor, const Motion& motion, const 
   std::vector<Transform> X_WJ, bones;
   size_t at = 0, at_linear = 0, at_muscles = 0;
   PosedAnatomy posed;
+  Actor still = actor;
+  still.binding = unsettled(actor.binding);
+  size_t at_still = 0;
   const std::vector<BenchCase> cases{
       {"frame", [&] { play(actor, motion.frames[at++ % motion.frames.size()], frame); }},
       {"linear", [&] {
@@ -52,9 +55,11 @@ std::vector<Ratio> bench_frames(const Actor& actor, const Motion& motion, const 
          for (size_t j = 0; j < bones.size(); ++j) bones[j].translate(-rest[j]);
          deform_linear(blend, bones, linear);
        }},
-      {"muscles", [&] { pose_anatomy(actor.table, skeleton, motion.frames[at_muscles++ % motion.frames.size()], posed); }}};
+      {"muscles", [&] { pose_anatomy(actor.table, skeleton, motion.frames[at_muscles++ % motion.frames.size()], posed); }},
+      {"still", [&] { play(still, motion.frames[at_still++ % motion.frames.size()], frame); }}};
   const auto times = least_cpu_times(cases, rounds);
-  return {{"frame_" + size, "whole frame / linear blend with normals, " + size, times[0], times[1], asked},
+  return {{"frame_" + size, "whole frame, settled / linear blend with normals, " + size, times[0], times[1], 0},
+          {"frame_anchors_" + size, "the same without settling (--skin anchors)", times[3], times[1], asked},
           {"muscles_" + size, "kinematics and all muscles / linear blend, " + size, times[2], times[1], 0}};
 }
 
@@ -67,6 +72,8 @@ std::vector<Ratio> bench_dilation(const Template& body_template, const FittedCha
   const std::vector<Vec2> directions = ray_directions(DilateOptions{}.rays);
   DilateOptions ours, paper, uncut;
   ours.even_about = fitted.fit.even_about;
+  DilateOptions ellipses = ours;
+  ellipses.share = false;
   paper.method = uncut.method = DilateMethod::paper;
   uncut.cut_rays = false;
   double sum = 0;
@@ -78,12 +85,13 @@ std::vector<Ratio> bench_dilation(const Template& body_template, const FittedCha
   const auto dilate = [&](const DilateOptions& options) {
     return [&, options] { dilate_muscles(anatomy, fitted.undilated.muscles, body_template.tables->muscles, rays, fat, options); };
   };
-  const std::vector<BenchCase> cases{{"rays", cast}, {"paper", dilate(uncut)}, {"cut", dilate(paper)}, {"ours", dilate(ours)}};
+  const std::vector<BenchCase> cases{{"rays", cast}, {"paper", dilate(uncut)}, {"cut", dilate(paper)}, {"ours", dilate(ours)}, {"ellipses", dilate(ellipses)}};
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);  // CPU time of this thread is all there is
   const auto times = least_cpu_times(cases, rounds);
   return {{"dilation_paper", "dilation, paper's factor / its bare rays", times[1], times[0], 1.15},
           {"dilation_cut", "the same with rays cut at the running minimum / bare rays", times[2], times[0], 0.7},
-          {"dilation", "dilation as in fit, flesh, slices and surface / bare rays", times[3], times[0], 0}};
+          {"dilation", "dilation as in fit, flesh, slices and surface / bare rays", times[3], times[0], 0},
+          {"dilation_ellipses", "the same, neighbours not parted (--method ellipses) / bare rays", times[4], times[0], 0}};
 }
 
 int run(int rounds, const Common& common, Report& report) {

@@ -23,6 +23,7 @@ struct FitVerbOptions {
 
 int run(FitVerbOptions options, const Common& common, Report& report) {
   if (options.method == "paper") options.fitting.dilate.method = DilateMethod::paper;
+  options.fitting.dilate.share = options.method == "ecorche";
   options.fitting.fit.interior = kInteriors.at(options.interior);
   options.fitting.fine_skin = options.skin == "fine";
   if (options.output.extension() != ".glb") throw UsageError(options.output.string() + ": a character is written as .glb");
@@ -64,8 +65,8 @@ void add_fit_verb(VerbRegistry& registry) {
   verb->add_option("--skin", options->skin, "The character's skin: base (the body's own mesh), or fine (refined, 120,404 vertices)")
       ->check(CLI::IsMember({"base", "fine"}))
       ->capture_default_str();
-  verb->add_option("--method", options->method, "How muscles grow to the skin: ecorche, or paper (one factor a muscle)")
-      ->check(CLI::IsMember({"ecorche", "paper"}))
+  verb->add_option("--method", options->method, "How muscles grow to the skin: ecorche; ellipses (the same, but neighbours do not part: faster), or paper (one factor a muscle)")
+      ->check(CLI::IsMember({"ecorche", "ellipses", "paper"}))
       ->capture_default_str();
   verb->add_option("--interior", options->interior,
                    "What carries the flesh into the body before it grows: the bones it rides on, a harmonic warp of the tissue between bones and skin "

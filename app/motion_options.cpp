@@ -3,7 +3,7 @@
 namespace ecorche {
 
 void add_skin_option(CLI::App& verb, std::string& method) {
-  verb.add_option("--skin", method, "How the skin is moved: ecorche, or by the body package's weights lbs, dqs or deltamush, or paper (the nearest part)")
+  verb.add_option("--skin", method, "How the skin is moved: ecorche; anchors (the same before it settles, faster); or by the body package's weights lbs, dqs or deltamush, or paper (the nearest part)")
       ->capture_default_str();
 }
 

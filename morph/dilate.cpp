@@ -177,7 +177,7 @@ void dilate_ecorche(Anatomy& anatomy, Sections& sections, const SkinRays& rays, 
   const InsideReport inside = keep_inside(muscles, sections.slices, suspects, rays);
   std::vector<double> wanted;
   for (const MuscleDilation& muscle : report.muscles) wanted.push_back(muscle.wanted);
-  report.rays += share_room(anatomy, sections.slices, wanted, partners, rays, fat).rays;
+  if (options.share) report.rays += share_room(anatomy, sections.slices, wanted, partners, rays, fat).rays;
   report.rays += flesh.rays() + inside.rays;
   report.surface_outside = inside.outside;
   report.surface_left = inside.left;

@@ -9,7 +9,8 @@
 //   2. A sparse set of nodes on the skin, each anchored to the strips beneath it. A node keeps its height over the posed muscle
 //      surface (fat and skin keep their thickness, Wilhelms & Van Gelder 1997, 10.1145/258734.258833); muscles may glide
 //      underneath, so only the height counts. The nodes' lifts are spread to the vertices between them.
-// In the rest pose the input skin comes back; rigid motion is reproduced.
+// Then the skin settles as an elastic sheet on where these two have put it: volumes of body, limbs and joints are brought back, parts that
+// meet give way (elastic_skin.h). In the rest pose the input skin comes back; rigid motion is reproduced.
 #pragma once
 
 #include <array>
@@ -65,5 +66,8 @@ Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMes
 // Precondition: fine.V = refine_points(refinement, base.V), or a shape near it with the same vertices.
 Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& base, const Refinement& refinement, const TriMesh& fine,
                   const BindOptions& options = {});
+
+// The same skin, staying where the blend and the lifts put it: some ten times faster, without kept volumes and contact.
+Binding unsettled(const Binding& binding);
 
 }  // namespace ecorche

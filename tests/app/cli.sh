@@ -86,6 +86,10 @@ expect 2 "an unknown measure as a column" "$ecorche" body population <(printf 's
 expect 2 "neither file nor number" "$ecorche" body population -o none
 expect 0,8 "people by chance, with anatomy" "$ecorche" body population --count 1 --sex male -o chance
 there chance/person-0001.glb
+expect 2 "tissue without a mesh" "$ecorche" fit anna.glb -o c.glb --tissue t.vtk
+says "interior"; absent c.glb
+expect 0,8 "a fit by a warp of the tissue" "$ecorche" fit anna.glb -o anna-tetgen.glb --interior tetgen --tissue t.vtk --method ellipses
+there anna-tetgen.glb; there t.vtk
 
 # Names and places.
 expect 0 "a name with blanks, quotes and a line end" "$ecorche" body new --sex male -o "o' \"ü
@@ -143,7 +147,7 @@ expect 2 "a skin of no known kind" "$ecorche" animate anna-1.glb "$walk" -o a.pc
 says "deltamush"; absent a.pc2
 expect 2 "one OBJ file for a motion" "$ecorche" animate anna-1.glb "$walk" -o a.obj
 says "%04d.obj"
-for skin in lbs dqs deltamush paper; do expect 0 "a walk by $skin" "$ecorche" animate anna-1.glb "$walk" -o "$skin.pc2" --skin $skin; done
+for skin in lbs dqs deltamush paper anchors; do expect 0 "a walk by $skin" "$ecorche" animate anna-1.glb "$walk" -o "$skin.pc2" --skin $skin; done
 if cmp -s lbs.pc2 dqs.pc2 || cmp -s lbs.pc2 deltamush.pc2 || cmp -s walk.pc2 paper.pc2; then bad "two skins are the same"; else ok; fi
 expect 0 "a walk for other programs" "$ecorche" animate anna-1.glb "$walk" -o walk.mdd -o "objs/%03d.obj"
 there walk.mdd; there objs/001.obj
