@@ -10,6 +10,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
 #include "skinning/baseline.h"
+#include "skinning/flesh_motion.h"
 #include "skinning/linear_rival.h"
 
 namespace ecorche {
@@ -60,21 +61,17 @@ std::shared_ptr<const RivalSkins> rivals_of(const Actor& actor) {
 }  // namespace
 
 void choose_skin(Actor& actor, const std::string& method) {
-  if (method == "anchors") {
-    actor.binding = unsettled(actor.binding);
-    actor.method = SkinMethod::ecorche;
-    return;
-  }
   const std::optional<SkinMethod> chosen = skin_method(method);
   if (!chosen) throw UsageError(fmt::format("--skin: '{}' is no way to move a skin; there are lbs, dqs, deltamush, paper, anchors and ecorche", method));
-  if (*chosen != SkinMethod::ecorche && !actor.rivals) actor.rivals = rivals_of(actor);
+  if (!is_ours(*chosen) && !actor.rivals) actor.rivals = rivals_of(actor);
   actor.method = *chosen;
 }
 
-void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation) {
+void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation, std::span<const float> flesh) {
   const Skeleton& skeleton = actor.character.anatomy.skeleton;
   pose_anatomy(actor.table, skeleton, pose, frame.posed, 1, activation);
-  if (actor.method == SkinMethod::ecorche) deform_skin(actor.binding, frame.posed, frame.skin);
+  if (actor.method == SkinMethod::ecorche) deform_skin(actor.binding, frame.posed, flesh, frame.skin);
+  else if (actor.method == SkinMethod::anchors) deform_skin(actor.binding, frame.posed, frame.skin, Settle::no);
   else deform_by(*actor.rivals, actor.method, skeleton, frame.posed, frame.scratch, frame.skin);
 }
 
@@ -145,7 +142,7 @@ void compare_skins(const Actor& actor, const Motion& motion, Report& report) {
   const TriMesh& rest = actor.character.body.skin;
   ActorFrame frame;
   for (const SkinMethod method : kSkinMethods) {
-    if (method != SkinMethod::ecorche && !each.rivals) continue;
+    if (!is_ours(method) && !each.rivals) continue;
     each.method = method;
     double flipped = 0, stretch = 0;
     for (const Pose& pose : motion.frames) {

@@ -50,8 +50,9 @@ struct ActorFrame {
 // last one. Throws UsageError for another name, InputError without the package, UnfitError for a skin of another topology.
 void choose_skin(Actor& actor, const std::string& method);
 
-// One frame: kinematics, muscles, skin with normals. Reuses the memory of `frame`. `activation` as in pose_anatomy.
-void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation = {});
+// One frame: kinematics, muscles, skin with normals. Reuses the memory of `frame`. `activation` as in pose_anatomy; `flesh` that lags
+// (FleshState::seen) counts for "ecorche" alone.
+void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation = {}, std::span<const float> flesh = {});
 
 // A body of ours (.glb), or a bare skin in the base mesh's topology and vertex order. What was found out about the
 // latter's units and axes goes to the report under `body`. Throws InputError or UnfitError.

@@ -37,11 +37,8 @@ void write_frames(Writer& writer, const fs::path& file, const Actor& actor, cons
   const int total = static_cast<int>(motion.frames.size());
   for (int f = 0; f < total; ++f) {
     activation_at(activations, f / motion.fps, efforts);
-    play(actor, motion.frames[f], frame, efforts);
-    if (!flesh.vertices.empty()) {
-      move_flesh(flesh, skeleton, motion, f / motion.fps, state);
-      deform_skin(actor.binding, frame.posed, state.seen, frame.skin);
-    }
+    if (!flesh.vertices.empty()) move_flesh(flesh, skeleton, motion, f / motion.fps, state);
+    play(actor, motion.frames[f], frame, efforts, state.seen);
     writer.add_frame(frame.skin.positions);
     progress(common, file.filename().string(), f + 1, total);
   }

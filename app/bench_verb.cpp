@@ -45,7 +45,7 @@ std::vector<Ratio> bench_frames(const Actor& actor, const Motion& motion, const 
   size_t at = 0, at_linear = 0, at_muscles = 0;
   PosedAnatomy posed;
   Actor still = actor;
-  still.binding = unsettled(actor.binding);
+  still.method = SkinMethod::anchors;
   size_t at_still = 0;
   const std::vector<BenchCase> cases{
       {"frame", [&] { play(actor, motion.frames[at++ % motion.frames.size()], frame); }},

@@ -39,7 +39,7 @@ std::vector<SkinMethod> read_methods(const std::string& text) {
   std::istringstream names(text);
   for (std::string name; std::getline(names, name, ',');) {
     const std::optional<SkinMethod> method = skin_method(name);
-    if (!method) throw UsageError(fmt::format("--methods: '{}' is no way to move a skin; there are lbs, dqs, deltamush, paper and ecorche", name));
+    if (!method) throw UsageError(fmt::format("--methods: '{}' is no way to move a skin; there are lbs, dqs, deltamush, paper, anchors and ecorche", name));
     out.push_back(*method);
   }
   return out;

@@ -26,18 +26,22 @@ std::string other_side(const std::string& name) {
   return other;
 }
 
-void check_ends(const Anatomy& anatomy, TemplateCheck& check) {
-  std::vector<double> distances;
-  for (const Attachment& end : measure_attachments(read_muscle_table(data_folder()), anatomy)) {
-    distances.push_back(end.distance);
-    if (end.distance > kEndLimit) check.loose_ends.push_back({anatomy.muscles[end.muscle].name, end.bone, end.distance});
-  }
+void sum_up_ends(std::vector<double> distances, TemplateCheck& check) {
   check.ends = static_cast<int>(distances.size());
   if (distances.empty()) return;
   std::sort(distances.begin(), distances.end());
   check.end_distance_median = distances[distances.size() / 2];
   check.end_distance_max = distances.back();
   std::sort(check.loose_ends.begin(), check.loose_ends.end(), [](const LooseEnd& l, const LooseEnd& r) { return l.distance > r.distance; });
+}
+
+void check_ends(const Anatomy& anatomy, TemplateCheck& check) {
+  std::vector<double> distances;
+  for (const Attachment& end : measure_attachments(read_muscle_table(data_folder()), anatomy)) {
+    distances.push_back(end.distance);
+    if (end.distance > kEndLimit) check.loose_ends.push_back({anatomy.muscles[end.muscle].name, end.bone, end.distance});
+  }
+  sum_up_ends(std::move(distances), check);
 }
 
 // Models name bodies, not bones: the bone that an end lies nearest to was noted when it was imported.
@@ -52,12 +56,7 @@ void check_imported_ends(const Anatomy& anatomy, TemplateCheck& check) {
       distances.push_back(distance);
       if (distance > kEndLimit) check.loose_ends.push_back({muscle.name, name, distance});
     }
-  check.ends = static_cast<int>(distances.size());
-  if (distances.empty()) return;
-  std::sort(distances.begin(), distances.end());
-  check.end_distance_median = distances[distances.size() / 2];
-  check.end_distance_max = distances.back();
-  std::sort(check.loose_ends.begin(), check.loose_ends.end(), [](const LooseEnd& l, const LooseEnd& r) { return l.distance > r.distance; });
+  sum_up_ends(std::move(distances), check);
 }
 
 void check_mirror(const Anatomy& anatomy, TemplateCheck& check) {

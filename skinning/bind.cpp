@@ -194,14 +194,4 @@ Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMes
   return finish(fine, find_anchors(inside, fine), finer, std::move(tables));
 }
 
-Binding unsettled(const Binding& binding) {
-  if (!binding.tables) throw std::invalid_argument("unsettled: an empty binding");
-  Binding out = binding;
-  auto tables = std::make_shared<SkinTables>(*binding.tables);
-  tables->elastic.reset();
-  tables->base.reset();
-  out.tables = std::move(tables);
-  return out;
-}
-
 }  // namespace ecorche

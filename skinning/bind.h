@@ -67,7 +67,4 @@ Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMes
 Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& base, const Refinement& refinement, const TriMesh& fine,
                   const BindOptions& options = {});
 
-// The same skin, staying where the blend and the lifts put it: some ten times faster, without kept volumes and contact.
-Binding unsettled(const Binding& binding);
-
 }  // namespace ecorche

@@ -85,11 +85,7 @@ void follow(const SkinTables& fine, const PosedAnatomy& posed, const Four& root,
   }
 }
 
-}  // namespace
-
-void deform_skin(const Binding& binding, const PosedAnatomy& posed, SkinFrame& out) { deform_skin(binding, posed, {}, out); }
-
-void deform_skin(const Binding& binding, const PosedAnatomy& posed, std::span<const float> flesh, SkinFrame& out) {
+void deform(const Binding& binding, const PosedAnatomy& posed, std::span<const float> flesh, Settle settle, SkinFrame& out) {
   if (!binding.tables) throw std::invalid_argument("deform_skin: an empty binding");
   const SkinTables& tables = *binding.tables;
   if (static_cast<int>(posed.X_WJ.size()) != tables.joint_count || static_cast<int>(posed.slices.size()) != tables.slice_count)
@@ -112,9 +108,9 @@ void deform_skin(const Binding& binding, const PosedAnatomy& posed, std::span<co
   std::vector<float>& normals = sorted ? out.normals : scratch.normals;
   blend_vertices(tables, scratch.carriers.data(), scratch.lifts.data(), root4, positions.data());
   thread_local ElasticScratch elastic;  // large, and of no frame's own: nothing in it outlives the call but the tree of the skin's triangles
-  if (tables.base) {
+  if (settle == Settle::yes && tables.base) {
     follow(tables, posed, root4, flesh, scratch, elastic, positions);
-  } else if (tables.elastic) {
+  } else if (settle == Settle::yes && tables.elastic) {
     add(flesh, positions);
     settle_skin(tables.elastic, tables.triangles, posed.X_WJ, positions, elastic);
   }
@@ -123,6 +119,14 @@ void deform_skin(const Binding& binding, const PosedAnatomy& posed, std::span<co
     scatter(positions, tables.order, out.positions);
     scatter(normals, tables.order, out.normals);
   }
+}
+
+}  // namespace
+
+void deform_skin(const Binding& binding, const PosedAnatomy& posed, SkinFrame& out, Settle settle) { deform(binding, posed, {}, settle, out); }
+
+void deform_skin(const Binding& binding, const PosedAnatomy& posed, std::span<const float> flesh, SkinFrame& out) {
+  deform(binding, posed, flesh, Settle::yes, out);
 }
 
 void to_points(const SkinFrame& frame, Points& out) {

@@ -14,6 +14,7 @@ std::string_view short_name(SkinMethod method) {
     case SkinMethod::dual_quaternion: return "dqs";
     case SkinMethod::delta_mush: return "deltamush";
     case SkinMethod::paper: return "paper";
+    case SkinMethod::anchors: return "anchors";
     case SkinMethod::ecorche: break;
   }
   return "ecorche";
@@ -25,6 +26,7 @@ std::string_view long_name(SkinMethod method) {
     case SkinMethod::dual_quaternion: return "dual quaternion";
     case SkinMethod::delta_mush: return "delta mush";
     case SkinMethod::paper: return "nearest part";
+    case SkinMethod::anchors: return "ecorche, not settled";
     case SkinMethod::ecorche: break;
   }
   return "ecorche";
@@ -52,7 +54,7 @@ RivalSkins make_rival_skins(const BodyPackage& package, const Anatomy& anatomy, 
 
 void deform_by(const RivalSkins& skins, SkinMethod method, const Skeleton& skeleton, const PosedAnatomy& posed, RivalScratch& scratch,
                SkinFrame& out) {
-  if (method == SkinMethod::ecorche) throw std::invalid_argument("deform_by: deform_skin() is for our own method");
+  if (is_ours(method)) throw std::invalid_argument("deform_by: deform_skin() is for our own method");
   if (method == SkinMethod::paper) return deform_paper(skins.paper, posed, out);
   pose_rig(skins.blend.rig, skins.blend.links, skeleton, posed.X_WJ, scratch.bones);
   if (method == SkinMethod::dual_quaternion) return deform_dual_quaternion(skins.blend.skin, scratch.bones, out);

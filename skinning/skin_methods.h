@@ -13,12 +13,15 @@
 
 namespace ecorche {
 
-enum class SkinMethod { linear_blend, dual_quaternion, delta_mush, paper, ecorche };
+// anchors: ours, but it does not settle.
+enum class SkinMethod { linear_blend, dual_quaternion, delta_mush, paper, anchors, ecorche };
 
 inline constexpr std::array kSkinMethods{SkinMethod::linear_blend, SkinMethod::dual_quaternion, SkinMethod::delta_mush, SkinMethod::paper,
-                                         SkinMethod::ecorche};
+                                         SkinMethod::anchors, SkinMethod::ecorche};
 
-std::string_view short_name(SkinMethod method);  // "lbs", "dqs", "deltamush", "paper", "ecorche"
+inline bool is_ours(SkinMethod method) { return method == SkinMethod::anchors || method == SkinMethod::ecorche; }
+
+std::string_view short_name(SkinMethod method);  // "lbs", "dqs", "deltamush", "paper", "anchors", "ecorche"
 std::string_view long_name(SkinMethod method);   // "linear blend", ...
 std::optional<SkinMethod> skin_method(std::string_view short_name);
 
@@ -38,7 +41,7 @@ struct RivalScratch {
 RivalSkins make_rival_skins(const BodyPackage& package, const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin,
                             const Binding& binding);
 
-// Precondition: method is not ecorche (std::invalid_argument), `posed` is of the skeleton's anatomy.
+// Precondition: method is none of ours (std::invalid_argument), `posed` is of the skeleton's anatomy.
 void deform_by(const RivalSkins& skins, SkinMethod method, const Skeleton& skeleton, const PosedAnatomy& posed, RivalScratch& scratch,
                SkinFrame& out);
 

@@ -14,27 +14,12 @@
 #include "anatomy/errors.h"
 #include "anatomy/export_model.h"
 #include "anatomy/model_xml.h"
+#include "tests/morph/built_template.h"
 
 namespace ecorche {
 namespace {
 
 namespace fs = std::filesystem;
-
-const Template* the_template() {
-  static const std::shared_ptr<const Template> built = []() -> std::shared_ptr<const Template> {
-    try {
-      return std::make_shared<Template>(read_template());
-    } catch (const InputError&) {
-      return nullptr;
-    }
-  }();
-  return built.get();
-}
-
-#define NEED_TEMPLATE()                                                        \
-  const Template* shared = the_template();                                     \
-  if (!shared) GTEST_SKIP() << "the data packages are not there (make setup)"; \
-  const Template& tmpl = *shared
 
 struct Folder {
   fs::path path = fs::temp_directory_path() / ("ecorche_import_test_" + std::to_string(getpid()));

@@ -11,33 +11,12 @@
 #include "anatomy/muscle_line.h"
 #include "anatomy/muscle_surface.h"
 #include "anatomy/solids.h"
+#include "tests/morph/shapes.h"
 
 namespace ecorche {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-// A closed cylinder along y about the y axis.
-TriMesh cylinder(double r, double y0, double y1, int around, int rings) {
-  TriMesh m{Points(around * rings + 2, 3), Triangles(2 * around * rings, 3)};
-  for (int i = 0; i < rings; ++i)
-    for (int k = 0; k < around; ++k) m.V.row(i * around + k) << r * std::cos(2 * kPi * k / around), y0 + (y1 - y0) * i / (rings - 1), r * std::sin(2 * kPi * k / around);
-  const int low = around * rings, high = low + 1;
-  m.V.row(low) << 0, y0, 0;
-  m.V.row(high) << 0, y1, 0;
-  int f = 0;
-  for (int k = 0; k < around; ++k) {
-    const int n = (k + 1) % around;
-    for (int i = 0; i + 1 < rings; ++i) {
-      const int a = i * around + k, b = i * around + n, c = a + around, d = b + around;
-      m.F.row(f++) << a, c, d;
-      m.F.row(f++) << a, d, b;
-    }
-    m.F.row(f++) << low, k, n;
-    m.F.row(f++) << high, (rings - 1) * around + n, (rings - 1) * around + k;
-  }
-  return m;
-}
 
 // A limb of `count` spindles round a bone, each overlapping its neighbours and the bone.
 Anatomy limb(int count) {

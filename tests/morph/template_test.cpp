@@ -7,25 +7,10 @@
 
 #include "anatomy/errors.h"
 #include "morph/skin_field.h"
+#include "tests/morph/built_template.h"
 
 namespace ecorche {
 namespace {
-
-const Template* the_template() {
-  static const std::shared_ptr<const Template> built = []() -> std::shared_ptr<const Template> {
-    try {
-      return std::make_shared<Template>(read_template());
-    } catch (const InputError&) {
-      return nullptr;
-    }
-  }();
-  return built.get();
-}
-
-#define NEED_TEMPLATE()                                                              \
-  const Template* shared = the_template();                                           \
-  if (!shared) GTEST_SKIP() << "the data packages are not there (make setup)";       \
-  const Template& tmpl = *shared
 
 TEST(Template, Has178BonesAnd400Muscles) {
   NEED_TEMPLATE();
