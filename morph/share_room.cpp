@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "anatomy/muscle_line.h"
 #include "anatomy/muscle_surface.h"
 #include "anatomy/outline.h"
+#include "morph/crossing_rays.h"
 
 namespace ecorche {
 
@@ -18,8 +21,6 @@ namespace {
 
 constexpr std::size_t kDirections = kOutlinePoints;
 constexpr int kBone = -1;
-constexpr int kMostHits = 48;          // along one ray
-constexpr double kNextHit = 1e-6;      // m, past the last one
 constexpr double kTendonLevel = 0.4;   // levels of tendons count this much: they keep their room before bellies do
 constexpr double kGrowRate = 0.8;      // of the room, a round
 constexpr double kMostGrowth = 0.035;  // m, beyond the ellipse
@@ -39,13 +40,13 @@ struct StripPlace {
   int muscle = 0;
   bool sheet = false;
   std::size_t begin = 0, end = 0;  // slices
+  int label = 0;                   // of its surface: a sheet's strips have one
 };
 
-// What a ray finds of one muscle, or of the bones.
-struct Stay {
-  int solid = kBone;
-  double from = 0, to = 0;        // along the ray, m; from 0: it begins inside
-  int depth = 0;
+// Memory for a ray.
+struct Sight {
+  std::vector<Crossing> crossings;
+  std::vector<Stay> stays;
 };
 
 // From a section's centre in one direction.
@@ -80,28 +81,30 @@ class Sharing {
 
   void round(Round kind, int smoothing) {
     look();
-    const SkinRays flesh(mesh_, RayBuild::quick);
+    plan(kind);
     std::vector<SliceOutline> next(slices_.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, strips_.size(), 4), [&](const auto& range) {
-      std::vector<Stay> stays;
+      Sight sight;
       for (std::size_t s = range.begin(); s < range.end(); ++s) {
         const StripPlace& strip = strips_[s];
         if (partners_[static_cast<std::size_t>(strip.muscle)] >= 0) continue;
         for (std::size_t k = strip.begin; k < strip.end; ++k) {
           for (std::size_t i = 0; i < kDirections; ++i)
-            if (drawn(k, i)) next[k][i] = static_cast<float>(reach(k, i, strip, flesh, kind, stays) / static_cast<double>(spokes_[k * kDirections + i].base));
+            next[k][i] = due_[k * kDirections + i] ? static_cast<float>(reach(k, i, strip, kind, sight) / static_cast<double>(spokes_[k * kDirections + i].base)) : slices_[k].outline[i];
           fill(k, next[k]);
         }
         for (int pass = 0; pass < smoothing; ++pass) smooth(std::span(next).subspan(strip.begin, strip.end - strip.begin));
       }
     });
-    if (kind == Round::settling) press_between(flesh, next);
+    if (kind == Round::settling) {
+      for (std::size_t ray = 0; ray < due_.size(); ++ray) due_[ray] = due_[ray] && next[ray / kDirections][ray % kDirections] < slices_[ray / kDirections].outline[ray % kDirections];
+      press_between(next);
+    }
     for (const StripPlace& strip : strips_) {
       if (partners_[static_cast<std::size_t>(strip.muscle)] >= 0) continue;
       for (std::size_t k = strip.begin; k < strip.end; ++k) slices_[k].outline = next[k];
     }
     mirror();
-    report_.rays += static_cast<long long>(slices_.size() * kDirections);
   }
 
   void finish() {
@@ -140,7 +143,8 @@ class Sharing {
       muscle_begin_.push_back(at);
       strip_begin_.push_back(strips_.size());
       for (const Strip& strip : anatomy_.muscles[m].strips) {
-        strips_.push_back({static_cast<int>(m), surface_.parts[m].sheet, at, at + strip.slices.size()});
+        const bool sheet = surface_.parts[m].sheet;
+        strips_.push_back({static_cast<int>(m), sheet, at, at + strip.slices.size(), static_cast<int>(sheet ? strip_begin_[m] : strips_.size())});
         at += strip.slices.size();
         for (const Slice& slice : strip.slices) belly_.push_back(belly_weight(strip, slice.s));
       }
@@ -189,6 +193,20 @@ class Sharing {
     report_.rays += static_cast<long long>(spokes_.size());
   }
 
+  // Where rays can come to, and what can come to them: of an even body little more than one half.
+  Eigen::AlignedBox3d within_sight() const {
+    Eigen::AlignedBox3d box;
+    for (const StripPlace& strip : strips_) {
+      if (partners_[static_cast<std::size_t>(strip.muscle)] >= 0) continue;
+      for (std::size_t k = strip.begin; k < strip.end; ++k) {
+        const Vec3 far = Vec3::Constant(std::max(slices_[k].radii.x(), thickness_[k] * slices_[k].radii.y()) + 2 * kMostGrowth + limits_.reach);
+        box.extend(slices_[k].center - far);
+        box.extend(slices_[k].center + far);
+      }
+    }
+    return box;
+  }
+
   void add_bones() {
     Eigen::Index points = surface_.vertices(), faces = surface_.F.rows();
     for (const Bone& bone : anatomy_.bones) points += bone.mesh.V.rows(), faces += bone.mesh.F.rows();
@@ -202,16 +220,50 @@ class Sharing {
       points += bone.mesh.V.rows();
       faces += bone.mesh.F.rows();
     }
+    update_muscle_surface(surface_, slices_, positions_);
+    mesh_.V.topRows(positions_.rows()) = positions_;
+    std::vector<int> strip_of(slices_.size()), labels;
+    for (std::size_t s = 0; s < strips_.size(); ++s)
+      std::fill(strip_of.begin() + static_cast<long>(strips_[s].begin), strip_of.begin() + static_cast<long>(strips_[s].end), static_cast<int>(s));
+    const Eigen::AlignedBox3d seen = within_sight();
+    Triangles near(faces, 3);
+    for (Eigen::Index f = 0; f < faces; ++f) {
+      Eigen::AlignedBox3d box;
+      for (int i = 0; i < 3; ++i) box.extend(mesh_.V.row(mesh_.F(f, i)).transpose());
+      if (!box.intersects(seen)) continue;
+      near.row(static_cast<Eigen::Index>(solids_.size())) = mesh_.F.row(f);
+      const bool muscle = f < surface_.F.rows();
+      const auto vertex = static_cast<std::size_t>(mesh_.F(f, 0));
+      solids_.push_back(muscle ? surface_.muscle[vertex] : kBone);
+      labels.push_back(muscle ? strips_[static_cast<std::size_t>(strip_of[static_cast<std::size_t>(surface_.slice[vertex])])].label : kBone);
+    }
+    mesh_.F = near.topRows(static_cast<Eigen::Index>(solids_.size()));
+    flesh_.emplace(mesh_.V, mesh_.F, std::move(labels));
+  }
+
+  // Which rays are cast. Where nothing gave way in a settling round, nothing will in the next: all of them only give way.
+  void plan(Round kind) {
+    const bool again = kind == Round::settling && last_ == Round::settling;
+    if (!again) {
+      due_.assign(slices_.size() * kDirections, 0);
+      for (const StripPlace& strip : strips_) {
+        if (partners_[static_cast<std::size_t>(strip.muscle)] >= 0) continue;
+        for (std::size_t k = strip.begin; k < strip.end; ++k)
+          for (std::size_t i = 0; i < kDirections; ++i) due_[k * kDirections + i] = static_cast<char>(drawn(k, i));
+      }
+    }
+    last_ = kind;
+    report_.rays += std::count(due_.begin(), due_.end(), 1);
   }
 
   // Where everything is now, and who wants more.
   void look() {
-    Points positions;
-    update_muscle_surface(surface_, slices_, positions);
-    mesh_.V.topRows(positions.rows()) = positions;
+    update_muscle_surface(surface_, slices_, positions_);
+    mesh_.V.topRows(positions_.rows()) = positions_;
+    flesh_->move(mesh_.V);
     for (const MuscleSurface::Part& part : surface_.parts) {
       const auto m = static_cast<std::size_t>(part.muscle);
-      const double volume = part_volume(surface_, part, positions);
+      const double volume = part_volume(surface_, part, positions_);
       needs_[m] = volume > 0 ? std::pow(std::clamp(wanted_[m] / volume, 0.5, 2.0), 2) : 1;
       weights_[m] = std::pow(needs_[m], -0.25);
     }
@@ -219,34 +271,9 @@ class Sharing {
 
   // Everything on the ray but the strip itself. A sheet is one surface, which is left at the end of its own section.
   // It ends at `far`, or where it enters something beyond `enough`.
-  void cast(const Vec3& from, const Vec3& direction, double far, double enough, const StripPlace& own, const SkinRays& flesh, std::vector<Stay>& stays) const {
-    stays.clear();
-    double at = 0;
-    for (int n = 0; n < kMostHits; ++n) {
-      const RayHit hit = flesh.first_hit(from, direction, far, at);
-      if (hit.triangle < 0) break;
-      const double distance = static_cast<double>(hit.distance);
-      at = distance + kNextHit;
-      int solid = kBone;
-      if (hit.triangle < surface_.F.rows()) {
-        const auto vertex = static_cast<std::size_t>(surface_.F(hit.triangle, 0));
-        solid = surface_.muscle[vertex];
-        const auto slice = static_cast<std::size_t>(surface_.slice[vertex]);
-        if (solid == own.muscle && (own.sheet || (slice >= own.begin && slice < own.end))) continue;
-      }
-      const auto open = std::find_if(stays.begin(), stays.end(), [&](const Stay& s) { return s.solid == solid && s.depth > 0; });
-      if (hit.facing < 0) {
-        if (open != stays.end()) ++open->depth;
-        else stays.push_back({solid, distance, far, 1});
-        if (distance > enough) break;
-      } else if (open != stays.end()) {
-        if (--open->depth == 0) open->to = distance;
-      } else {  // it was inside from the beginning
-        const auto begun = std::find_if(stays.begin(), stays.end(), [&](const Stay& s) { return s.solid == solid && s.from == 0; });
-        if (begun != stays.end()) begun->to = distance;
-        else stays.push_back({solid, 0, distance, 0});
-      }
-    }
+  void cast(const Vec3& from, const Vec3& direction, double far, double enough, const StripPlace& own, Sight& sight) const {
+    flesh_->cross(from, direction, far, enough, own.label, sight.crossings);
+    find_stays(sight.crossings, solids_, far, sight.stays);
   }
 
   // 0 on the line of a section's centre, 1 on its outline, as far as the section speaks for this place.
@@ -321,18 +348,18 @@ class Sharing {
   }
 
   // The new radius in a direction, m.
-  double reach(std::size_t k, std::size_t i, const StripPlace& strip, const SkinRays& flesh, Round kind, std::vector<Stay>& stays) const {
+  double reach(std::size_t k, std::size_t i, const StripPlace& strip, Round kind, Sight& sight) const {
     const bool grows = kind == Round::growing, settling = kind == Round::settling;
     const Spoke& spoke = spokes_[k * kDirections + i];
     const double base = static_cast<double>(spoke.base), now = base * static_cast<double>(slices_[k].outline[i]);
     const Vec3 direction = edge(k, i) / base;
-    cast(slices_[k].center, direction, now + (settling ? limits_.settled_reach : limits_.reach), grows ? now : 1e3, strip, flesh, stays);
+    cast(slices_[k].center, direction, now + (settling ? limits_.settled_reach : limits_.reach), grows ? now : 1e3, strip, sight);
     double end = std::min(now, static_cast<double>(spoke.most));
     const double need = needs_[static_cast<std::size_t>(strip.muscle)];
     const double room = static_cast<double>(spoke.layer);
     const bool open = room > now + limits_.reach;  // that far off lie organs
     double deep = 1e3;  // to the next muscle or bone
-    for (const Stay& stay : stays) {
+    for (const Stay& stay : sight.stays) {
       if (stay.solid == strip.muscle) {  // another strip of the same muscle: they may share room, but not take each other's
         if (stay.to > now) deep = std::min(deep, std::max(now, stay.from));
       } else if (stay.solid == kBone) {
@@ -358,13 +385,13 @@ class Sharing {
   }
 
   // Sheets are drawn between their strips, too: where they reach into others there, the strips on either side give way.
-  void press_between(const SkinRays& flesh, std::vector<SliceOutline>& next) const {
+  void press_between(std::vector<SliceOutline>& next) const {
     std::vector<float> ratios(static_cast<std::size_t>(surface_.vertices()), 1);
     for (const MuscleSurface::Part& sheet : surface_.parts) {
       const auto m = static_cast<std::size_t>(sheet.muscle);
       if (!sheet.sheet || partners_[m] >= 0) continue;
       tbb::parallel_for(tbb::blocked_range<int>(sheet.vertex_begin, sheet.vertex_end, 64), [&](const auto& range) {
-        std::vector<Stay> stays;
+        Sight sight;
         for (int v = range.begin(); v < range.end(); ++v) {
           const auto terms = std::span(surface_.terms).subspan(static_cast<std::size_t>(surface_.term_begin[static_cast<std::size_t>(v)]), static_cast<std::size_t>(surface_.term_begin[static_cast<std::size_t>(v) + 1] - surface_.term_begin[static_cast<std::size_t>(v)]));
           if (terms.size() < 2 || terms[0].w != 0) continue;
@@ -373,9 +400,9 @@ class Sharing {
           const Vec3 out = mesh_.V.row(v).transpose() - middle;
           const double now = out.norm();
           if (now < kThinnest) continue;
-          cast(middle, out / now, now + limits_.settled_reach, 1e3, strips_[strip_begin_[m]], flesh, stays);
+          cast(middle, out / now, now + limits_.settled_reach, 1e3, strips_[strip_begin_[m]], sight);
           double end = now;
-          for (const Stay& stay : stays)
+          for (const Stay& stay : sight.stays)
             if (stay.from < now && (stay.from > 0 || stay.solid != kBone)) end = std::min(end, stay.solid == kBone ? stay.from - limits_.bone_gap : 0.5 * (stay.from + std::min(stay.to, now)) - limits_.gap);
           ratios[static_cast<std::size_t>(v)] = static_cast<float>(std::max(end / now, kMostPress));
         }
@@ -445,9 +472,14 @@ class Sharing {
   std::vector<std::size_t> strip_begin_;   // #muscles + 1, into strips_
   std::vector<double> belly_, thickness_;  // #slices
   std::vector<char> drawn_;                // #slices x #directions
+  std::vector<char> due_;                  // #slices x #directions: rays of this round
+  Round last_ = Round::parting;
   std::vector<Spoke> spokes_;              // #slices x #directions
   std::vector<double> needs_, weights_;    // #muscles: more than 1 where volume is wanting; of their levels
   TriMesh mesh_;                           // muscles, then bones
+  Points positions_;                       // of the muscles' surface
+  std::vector<int> solids_;                // #triangles: muscle or bone
+  std::optional<CrossingRays> flesh_;      // of mesh_
   SharingReport report_;
 };
 

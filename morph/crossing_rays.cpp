@@ -1,0 +1,153 @@
+#include "morph/crossing_rays.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "anatomy/errors.h"
+
+namespace ecorche {
+
+namespace {
+
+constexpr float kSame = 1e-6f;  // m
+
+// What one query hands to the filter.
+struct Query {
+  RTCIntersectContext context;  // first: Embree hands its address back
+  const int* labels = nullptr;
+  int skip = 0;
+  float enough = 0;
+  std::vector<Crossing>* out = nullptr;
+};
+
+// Takes down every triangle that is met and lets the ray go on, but for the one that ends it.
+void take_down(const RTCFilterFunctionNArguments* arguments) {
+  auto& query = *reinterpret_cast<Query*>(arguments->context);
+  const auto* ray = reinterpret_cast<const RTCRay*>(arguments->ray);
+  const auto* hit = reinterpret_cast<const RTCHit*>(arguments->hit);
+  arguments->valid[0] = 0;
+  if (query.labels[hit->primID] == query.skip) return;
+  const bool entering = hit->Ng_x * ray->dir_x + hit->Ng_y * ray->dir_y + hit->Ng_z * ray->dir_z < 0;
+  query.out->push_back({ray->tfar, static_cast<int>(hit->primID), entering});
+  if (entering && ray->tfar > query.enough) arguments->valid[0] = -1;
+}
+
+}  // namespace
+
+void find_stays(std::span<const Crossing> crossings, std::span<const int> solids, double far, std::vector<Stay>& stays) {
+  stays.clear();
+  for (const Crossing& crossing : crossings) {
+    const int solid = solids[static_cast<std::size_t>(crossing.triangle)];
+    const double distance = static_cast<double>(crossing.distance);
+    const auto open = std::find_if(stays.begin(), stays.end(), [&](const Stay& s) { return s.solid == solid && s.depth > 0; });
+    if (crossing.entering) {
+      if (open != stays.end()) ++open->depth;
+      else stays.push_back({solid, distance, far, 1});
+    } else if (open != stays.end()) {
+      if (--open->depth == 0) open->to = distance;
+    } else {  // it was inside from the beginning
+      const auto begun = std::find_if(stays.begin(), stays.end(), [&](const Stay& s) { return s.solid == solid && s.from == 0; });
+      if (begun != stays.end()) begun->to = distance;
+      else stays.push_back({solid, 0, distance, 0});
+    }
+  }
+}
+
+struct CrossingRays::Impl {
+  std::vector<int> labels;
+  RTCDevice device = nullptr;
+  RTCGeometry geometry = nullptr;
+  RTCScene scene = nullptr;
+  Eigen::Index vertices = 0;
+
+  ~Impl() {
+    if (scene) rtcReleaseScene(scene);
+    if (geometry) rtcReleaseGeometry(geometry);
+    if (device) rtcReleaseDevice(device);
+  }
+
+  void commit() const {
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(scene);
+    if (rtcGetDeviceError(device) != RTC_ERROR_NONE) throw LimitError("out of memory for the ray tracer; try a smaller input or fewer threads");
+  }
+};
+
+CrossingRays::CrossingRays(const Points& V, const Triangles& F, std::vector<int> labels) : impl_(std::make_unique<Impl>()) {
+  const auto vertices = V.rows(), faces = F.rows();
+  if (faces == 0 || !V.allFinite() || F.minCoeff() < 0 || F.maxCoeff() >= vertices || static_cast<Eigen::Index>(labels.size()) != faces) {
+    throw std::invalid_argument(fmt::format("CrossingRays: {} vertices, {} triangles, {} labels; expected finite vertices, valid indices and a label a triangle", vertices, faces, labels.size()));
+  }
+  impl_->labels = std::move(labels);
+  impl_->vertices = vertices;
+  impl_->device = rtcNewDevice("");
+  if (!impl_->device) throw LimitError("the ray tracer could not start: out of memory or threads");
+  impl_->geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(impl_->geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), static_cast<std::size_t>(vertices)));
+  auto* f = static_cast<unsigned*>(rtcSetNewGeometryBuffer(impl_->geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), static_cast<std::size_t>(faces)));
+  if (!v || !f) throw LimitError("out of memory for the ray tracer; try a smaller input or fewer threads");
+  Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(v, vertices, 3) = V.cast<float>();
+  Eigen::Map<Eigen::Matrix<unsigned, Eigen::Dynamic, 3, Eigen::RowMajor>>(f, faces, 3) = F.cast<unsigned>();
+  rtcSetGeometryIntersectFilterFunction(impl_->geometry, take_down);
+  rtcSetGeometryBuildQuality(impl_->geometry, RTC_BUILD_QUALITY_REFIT);
+  impl_->scene = rtcNewScene(impl_->device);
+  rtcSetSceneFlags(impl_->scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC));
+  rtcSetSceneBuildQuality(impl_->scene, RTC_BUILD_QUALITY_LOW);
+  rtcAttachGeometry(impl_->scene, impl_->geometry);
+  impl_->commit();
+}
+
+CrossingRays::~CrossingRays() = default;
+
+void CrossingRays::move(const Points& V) {
+  if (V.rows() != impl_->vertices) throw std::invalid_argument(fmt::format("CrossingRays: {} points for {}", V.rows(), impl_->vertices));
+  auto* v = static_cast<float*>(rtcGetGeometryBufferData(impl_->geometry, RTC_BUFFER_TYPE_VERTEX, 0));
+  Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(v, V.rows(), 3) = V.cast<float>();
+  rtcUpdateGeometryBuffer(impl_->geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+  impl_->commit();
+}
+
+void CrossingRays::cross(const Vec3& origin, const Vec3& direction, double far, double enough, int skip, std::vector<Crossing>& out) const {
+  out.clear();
+  RTCRayHit ray;
+  ray.ray.org_x = static_cast<float>(origin.x());
+  ray.ray.org_y = static_cast<float>(origin.y());
+  ray.ray.org_z = static_cast<float>(origin.z());
+  ray.ray.dir_x = static_cast<float>(direction.x());
+  ray.ray.dir_y = static_cast<float>(direction.y());
+  ray.ray.dir_z = static_cast<float>(direction.z());
+  ray.ray.tnear = 0;
+  ray.ray.tfar = static_cast<float>(far);
+  ray.ray.time = 0;
+  ray.ray.mask = ~0u;
+  ray.ray.id = 0;
+  ray.ray.flags = 0;
+  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  Query query;
+  rtcInitIntersectContext(&query.context);
+  query.labels = impl_->labels.data();
+  query.skip = skip;
+  query.enough = static_cast<float>(enough);
+  query.out = &out;
+  rtcIntersect1(impl_->scene, &query.context, &ray);
+  const float end = ray.ray.tfar;
+  std::erase_if(out, [end](const Crossing& c) { return c.distance > end; });
+  std::sort(out.begin(), out.end(), [](const Crossing& a, const Crossing& b) { return std::tie(a.distance, a.triangle) < std::tie(b.distance, b.triangle); });
+  std::size_t kept = 0;
+  for (const Crossing& c : out) {
+    bool again = false;
+    for (std::size_t i = kept; i > 0 && out[i - 1].distance >= c.distance - kSame && !again; --i)
+      again = out[i - 1].entering == c.entering && impl_->labels[static_cast<std::size_t>(out[i - 1].triangle)] == impl_->labels[static_cast<std::size_t>(c.triangle)];
+    if (!again) out[kept++] = c;
+  }
+  out.resize(kept);
+}
+
+}  // namespace ecorche
