@@ -68,8 +68,9 @@ void add(std::span<const float> offsets, std::span<float> positions) {
 }
 
 // The base mesh's way from where the blend puts it to where it settles, handed down.
-void follow(const SkinTables& fine, const PosedAnatomy& posed, const Four& root, std::span<const float> flesh, const SkinFrame::Scratch& scratch,
-            ElasticScratch& elastic, std::vector<float>& positions) {
+void follow(const SkinTables& fine, const PosedAnatomy& posed, const Four& root, std::span<const float> flesh, SkinFrame::Scratch& scratch,
+            std::vector<float>& positions) {
+  ElasticScratch& elastic = scratch.elastic;
   const SkinTables& base = *fine.base;
   elastic.base.resize(4 * static_cast<std::size_t>(base.vertex_count));
   blend_vertices(base, scratch.carriers.data(), scratch.lifts.data(), root, elastic.base.data());
@@ -107,12 +108,11 @@ void deform(const Binding& binding, const PosedAnatomy& posed, std::span<const f
   std::vector<float>& positions = sorted ? out.positions : scratch.positions;
   std::vector<float>& normals = sorted ? out.normals : scratch.normals;
   blend_vertices(tables, scratch.carriers.data(), scratch.lifts.data(), root4, positions.data());
-  thread_local ElasticScratch elastic;  // large, and of no frame's own: nothing in it outlives the call but the tree of the skin's triangles
   if (settle == Settle::yes && tables.base) {
-    follow(tables, posed, root4, flesh, scratch, elastic, positions);
+    follow(tables, posed, root4, flesh, scratch, positions);
   } else if (settle == Settle::yes && tables.elastic) {
     add(flesh, positions);
-    settle_skin(tables.elastic, tables.triangles, posed.X_WJ, positions, elastic);
+    settle_skin(tables.elastic, tables.triangles, posed.X_WJ, positions, scratch.elastic);
   }
   vertex_normals(positions, tables.triangles, normals);
   if (!sorted) {

@@ -63,7 +63,7 @@ void settle_skin(const std::shared_ptr<const ElasticSkin>& skin, std::span<const
                  std::span<float> positions, ElasticScratch& s) {
   if (s.skin != skin) {
     s.skin = skin;
-    s.contact.tree.reset();
+    s.contact.own = {};
   }
   relax_membrane(skin->membrane, positions, triangles, kMembraneRounds, s.membrane);
   for (std::size_t k = 0; k < positions.size(); k += 4) store4(&positions[k], load4(&positions[k]) + load4(&s.membrane.offsets[k]));

@@ -28,15 +28,6 @@ std::shared_ptr<const ElasticSkin> make_elastic_skin(const Skeleton& skeleton, c
                                                      std::span<const std::array<Influence, 4>> joint_weights, std::span<const int> order,
                                                      std::span<const int> triangles);
 
-// Working memory of one skin's frames.
-struct ElasticScratch {
-  std::shared_ptr<const ElasticSkin> skin;  // whose contact tree it is
-  MembraneScratch membrane;
-  ContactScratch contact;
-  std::vector<float> normals, open, working;
-  std::vector<float> base, offsets;         // of a refined skin's base mesh
-};
-
 // Moves `positions` (#V x 4, in that order). A function of the pose alone; allocates only when the skin is another one than last time.
 // Same input, same bytes at any number of threads.
 void settle_skin(const std::shared_ptr<const ElasticSkin>& skin, std::span<const int> triangles, std::span<const Transform> X_WJ,

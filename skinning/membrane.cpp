@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/SparseCholesky>
 #include <tbb/parallel_for.h>
 
-#include "skinning/float4.h"
+#include "skinning/lanes.h"
 #include "skinning/normals.h"
 
 namespace ecorche {
@@ -17,7 +16,8 @@ using Sparse = Eigen::SparseMatrix<double>;
 constexpr double kLeastCotan = 0.05, kMostCotan = 5;
 constexpr double kHold = 1, kHoldDepth = 0.012, kLeastHold = 0.06;  // beside cotangents of about 0.6; m
 constexpr double kGlideShare = 0.25, kMostGlide = 0.012;            // of the tissue's thickness; m
-constexpr int kBlock = 512;  // vertices a task: tasks do not depend on the number of threads
+constexpr int kBlock = 128;  // fours of vertices a task: tasks do not depend on the number of threads
+constexpr int kFirstTurns = 8, kTurns = 4;
 
 double cotan(const Vec3& a, const Vec3& b) { return a.dot(b) / std::max(a.cross(b).norm(), 1e-12); }
 
@@ -38,128 +38,143 @@ Sparse cotangents(const TriMesh& skin) {
   return C;
 }
 
-void factor(const Sparse& C, Membrane& out) {
-  const Eigen::Index n = C.rows();
-  Sparse A = -C;
-  Sparse diagonal(n, n);
-  diagonal.reserve(Eigen::VectorXi::Constant(n, 1));
-  for (Eigen::Index i = 0; i < n; ++i) {
-    double sum = out.hold[static_cast<std::size_t>(i)];
+Sparse system(const Sparse& C, std::span<const float> hold) {
+  Sparse diagonal(C.rows(), C.rows());
+  diagonal.reserve(Eigen::VectorXi::Constant(C.rows(), 1));
+  for (Eigen::Index i = 0; i < C.rows(); ++i) {
+    double sum = hold[static_cast<std::size_t>(i)];
     for (Sparse::InnerIterator it(C, i); it; ++it) sum += it.value();
     diagonal.insert(i, i) = sum;
   }
+  Sparse A = -C;
   A += diagonal;
-  const Eigen::SimplicialLDLT<Sparse> solver(A);
-  const auto lower = solver.matrixL();
-  const Sparse& L = lower.nestedExpression();
-  out.column.push_back(0);
-  for (Eigen::Index c = 0; c < n; ++c) {
-    for (Sparse::InnerIterator it(L, c); it; ++it) {
-      if (it.row() <= c) continue;
-      out.row.push_back(static_cast<int>(it.row()));
-      out.value.push_back(static_cast<float>(it.value()));
-    }
-    out.column.push_back(static_cast<int>(out.row.size()));
-    out.inverse_diagonal.push_back(static_cast<float>(1 / solver.vectorD()[c]));
-  }
-  for (Eigen::Index i = 0; i < n; ++i) out.place.push_back(solver.permutationP().indices()[i]);
+  return A;
 }
 
-// x in the factor's order, four floats a row; the last one goes along.
-void solve(const Membrane& m, float* x) {
-  for (int c = 0; c < m.vertex_count; ++c) {
-    const Float4 above = load4(x + 4 * c);
-    for (int k = m.column[c]; k < m.column[c + 1]; ++k) {
-      float* target = x + 4 * m.row[k];
-      store4(target, load4(target) - m.value[k] * above);
-    }
-  }
-  for (int c = m.vertex_count - 1; c >= 0; --c) {
-    Float4 sum = load4(x + 4 * c) * m.inverse_diagonal[c];
-    for (int k = m.column[c]; k < m.column[c + 1]; ++k) sum -= m.value[k] * load4(x + 4 * m.row[k]);
-    store4(x + 4 * c, sum);
-  }
+int fours_of(const Membrane& m) { return static_cast<int>(m.slot_begin.size()) - 1; }
+
+// Component `k` of a vertex's own in what lies component by component.
+float& part_of(std::vector<float>& fours, std::size_t components, std::size_t vertex, std::size_t k) {
+  return fours[4 * components * (vertex / 4) + 4 * k + vertex % 4];
 }
 
-using Mat3f = Eigen::Matrix3f;
+// Rows: along the normal, across the edge, and the third.
+Mat3 frame_of(const Vec3& normal, const Vec3& edge) {
+  const Vec3 across = normal.cross(edge);
+  if (across.norm() < 1e-12) return Mat3::Identity();
+  const Vec3 up = normal.normalized(), along = across.normalized(), third = up.cross(along);
+  Mat3 out;
+  out << up, along, third;
+  return out.transpose();
+}
 
-// Rotation that takes rest edges to the present ones, from a guess: turns until no torque is left (Mueller et al. 2016,
-// 10.1145/2994258.2994269). It cannot end in a reflection.
-void turn_to(const Mat3f& A, int steps, Eigen::Quaternionf& q) {
+// Rotations that take rest edges to the present ones, from a guess: turn until no torque is left (Mueller et al. 2016,
+// 10.1145/2994258.2994269). They cannot end in a reflection.
+void turn_to(const Lanes33& A, int steps, Lanes4& q) {
+  constexpr float kStill = 2.5e-11f;  // rad^2
   for (int step = 0; step < steps; ++step) {
-    const Mat3f R = q.toRotationMatrix();
-    Eigen::Vector3f torque = Eigen::Vector3f::Zero();
-    float pull = 1e-12f;
-    for (int k = 0; k < 3; ++k) {
-      torque += R.col(k).cross(A.col(k));
-      pull += R.col(k).dot(A.col(k));
-    }
-    const Eigen::Vector3f w = torque / std::abs(pull);
-    const float angle = w.norm();
-    if (angle < 1e-5f) return;
-    const float half = 0.5f * std::min(angle, 2.5f);
-    const Eigen::Vector3f v = (std::sin(half) / angle) * w;
-    q = (Eigen::Quaternionf(std::cos(half), v.x(), v.y(), v.z()) * q).normalized();
+    const Lanes33 R = matrix(q);
+    const Lanes3 torque = cross(R.col[0], A.col[0]) + cross(R.col[1], A.col[1]) + cross(R.col[2], A.col[2]);
+    const Float4 pull = dot(R.col[0], A.col[0]) + dot(R.col[1], A.col[1]) + dot(R.col[2], A.col[2]);
+    const Float4 size = pull < 0 ? -pull : pull;
+    const Lanes3 w = (0.5f / (size + 1e-12f)) * torque;  // half the angle
+    const Float4 left = dot(w, w);
+    if (left[0] < kStill && left[1] < kStill && left[2] < kStill && left[3] < kStill) return;
+    const Lanes3 u = xyz(q), v = q.w * w + u + cross(w, u);
+    q = normalized(Lanes4{v.x, v.y, v.z, q.w - dot(w, u)});
   }
 }
 
-// The rotation that carries a vertex's rest normal and first edge to the present ones: a guess to start from.
-Eigen::Quaternionf guess(const Eigen::Vector3f& N, const Eigen::Vector3f& E, const Eigen::Vector3f& n, const Eigen::Vector3f& e) {
-  const auto frame = [](const Eigen::Vector3f& up, const Eigen::Vector3f& along) {
-    Mat3f F;
-    F.col(0) = up.normalized();
-    F.col(1) = up.cross(along).normalized();
-    F.col(2) = F.col(0).cross(F.col(1));
-    return F;
-  };
-  const Mat3f R = frame(n, e) * frame(N, E).transpose();
-  return R.allFinite() ? Eigen::Quaternionf(R).normalized() : Eigen::Quaternionf::Identity();
+// The rotations that carry rest normal and first edge to the present ones: guesses to start from.
+Lanes4 guess(const float* rest, const Lanes3& n, const Lanes3& e) {
+  const Lanes3 up = normalized(n), along = normalized(cross(n, e)), third = cross(up, along);
+  Lanes33 R;
+  for (int c = 0; c < 3; ++c) {
+    const Lanes3 row = load3(rest + 12 * c);
+    R.col[c] = row.x * up + row.y * along + row.z * third;
+  }
+  return quaternion(R);
 }
 
-Eigen::Vector3f at(std::span<const float> a, int i) { return {a[4 * std::size_t(i)], a[4 * std::size_t(i) + 1], a[4 * std::size_t(i) + 2]}; }
-
-void fit_turns(const Membrane& m, std::span<const float> x, bool first, MembraneScratch& s) {
-  tbb::parallel_for(0, (m.vertex_count + kBlock - 1) / kBlock, [&](int block) {
-    for (int i = block * kBlock; i < std::min(m.vertex_count, (block + 1) * kBlock); ++i) {
-      const Eigen::Vector3f p = at(x, i), n = at(s.normals, i), N = at(m.normal, i);
-      Mat3f A = n * N.transpose();
-      for (int k = m.first[i]; k < m.first[i + 1]; ++k)
-        A.noalias() += (m.edge[4 * std::size_t(k) + 3] * (p - at(x, m.neighbour[k]))) * at(m.edge, k).transpose();
-      Eigen::Map<Eigen::Vector4f> q(&s.turns[4 * std::size_t(i)]);
-      Eigen::Quaternionf turn(q);
-      if (first) {
-        const int k = m.first[i];
-        turn = k < m.first[i + 1] ? guess(N, at(m.edge, k), n, p - at(x, m.neighbour[k])) : Eigen::Quaternionf::Identity();
-      }
-      turn_to(A, first ? 8 : 4, turn);
-      q = turn.coeffs();
-    }
+template <class Each>
+void for_fours(const Membrane& m, const Each& each) {
+  const int fours = fours_of(m);
+  tbb::parallel_for(0, (fours + kBlock - 1) / kBlock, [&](int block) {
+    for (int b = block * kBlock; b < std::min(fours, (block + 1) * kBlock); ++b) each(b);
   });
 }
 
-Float4 rotate(const float* q, Float4 v) {  // q: x y z w
-  const Float4 u{q[0], q[1], q[2], 0};
-  const Float4 t = 2.0f * cross(u, v);
-  return v + q[3] * t + cross(u, t);
+void fit_turns(const Membrane& m, bool first, MembraneScratch& s) {
+  for_fours(m, [&](int b) {
+    const std::size_t at = 16 * static_cast<std::size_t>(b);
+    const Lanes3 p = xyz(load_rows(&s.places[at])), n = xyz(load_rows(&s.normals[at]));
+    const float* N = &m.normal[12 * static_cast<std::size_t>(b)];
+    Lanes33 A;
+    for (int c = 0; c < 3; ++c) A.col[c] = load4(N + 4 * c) * n;
+    Lanes3 pull{};
+    for (int k = m.slot_begin[static_cast<std::size_t>(b)]; k < m.slot_begin[static_cast<std::size_t>(b) + 1]; ++k) {
+      const float* edge = &m.slot_edge[16 * static_cast<std::size_t>(k)];
+      const Lanes3 way = p - xyz(gather_rows(s.places.data(), &m.slot[4 * static_cast<std::size_t>(k)]));
+      for (int c = 0; c < 3; ++c) A.col[c] = A.col[c] + load4(edge + 4 * c) * way;
+      if (first) pull = pull + load4(edge + 12) * way;
+    }
+    Lanes4 q;
+    if (first) {
+      store4(&s.pull[12 * static_cast<std::size_t>(b)], pull.x);
+      store4(&s.pull[12 * static_cast<std::size_t>(b) + 4], pull.y);
+      store4(&s.pull[12 * static_cast<std::size_t>(b) + 8], pull.z);
+      const Lanes3 e = p - xyz(gather_rows(s.places.data(), &m.guide[4 * static_cast<std::size_t>(b)]));
+      q = guess(&m.frame[36 * static_cast<std::size_t>(b)], n, e);
+    } else {
+      q = load_rows(&s.turns[at]);
+    }
+    turn_to(A, first ? kFirstTurns : kTurns, q);
+    store_rows(&s.turns[at], q);
+  });
 }
 
-// W (t - a) + sum c ((R_i + R_j)/2 E - (a_i - a_j)), to the factor's order.
-void right_side(const Membrane& m, std::span<const float> a, MembraneScratch& s) {
-  tbb::parallel_for(0, (m.vertex_count + kBlock - 1) / kBlock, [&](int block) {
-    for (int i = block * kBlock; i < std::min(m.vertex_count, (block + 1) * kBlock); ++i) {
-      Float4 sum = m.hold[i] * load4(&s.targets[4 * std::size_t(i)]);
-      const Float4 own = load4(&a[4 * std::size_t(i)]);
-      for (int k = m.first[i]; k < m.first[i + 1]; ++k) {
-        const std::size_t j = 4 * std::size_t(m.neighbour[k]);
-        Float4 e = load4(&m.edge[4 * std::size_t(k)]);
-        const float c = e[3];
-        e[3] = 0;
-        sum += c * (0.5f * (rotate(&s.turns[4 * std::size_t(i)], e) + rotate(&s.turns[j], e)) - (own - load4(&a[j])));
-      }
-      sum[3] = 0;
-      store4(&s.right[4 * std::size_t(m.place[i])], sum);
-    }
+// W (t - a) + sum c ((R_i + R_j)/2 E - (a_i - a_j)), to the factor's order. Where the sheet has glided along its anchors, it is let stay: t.
+void right_side(const Membrane& m, MembraneScratch& s) {
+  for_fours(m, [&](int b) {
+    const std::size_t at = 16 * static_cast<std::size_t>(b);
+    const Lanes3 n = xyz(load_rows(&s.normals[at])), gone = xyz(load_rows(&s.offsets[at])), along = gone - dot(gone, n) * n;
+    const Float4 length = root(dot(along, along)), most = load4(&m.glide[4 * static_cast<std::size_t>(b)]);
+    const Lanes3 target = (length > most ? most / length : all(1)) * along;
+    Lanes3 turned = rotate(load_rows(&s.turns[at]), load3(&m.edges[12 * static_cast<std::size_t>(b)]));
+    for (int k = m.slot_begin[static_cast<std::size_t>(b)]; k < m.slot_begin[static_cast<std::size_t>(b) + 1]; ++k)
+      turned = turned + rotate(gather_rows(s.turns.data(), &m.slot[4 * static_cast<std::size_t>(k)]), load3(&m.slot_edge[16 * static_cast<std::size_t>(k)]));
+    const Lanes3 sum = load4(&m.hold[4 * static_cast<std::size_t>(b)]) * target + all(0.5f) * turned - load3(&s.pull[12 * static_cast<std::size_t>(b)]);
+    const Lanes4 rows = transposed(sum.x, sum.y, sum.z, Float4{});
+    const Float4 row[4] = {rows.x, rows.y, rows.z, rows.w};
+    for (int lane = 0; lane < std::min(4, m.vertex_count - 4 * b); ++lane) store4(&s.right[4 * static_cast<std::size_t>(m.factor.place[static_cast<std::size_t>(4 * b + lane)])], row[lane]);
   });
+}
+
+void lay_out_fours(const Sparse& C, const TriMesh& skin, Membrane& out) {
+  for (int begin = 0; begin < out.vertex_count; begin += 4) {
+    out.slot_begin.push_back(static_cast<int>(out.slot.size() / 4));
+    int most = 0;
+    const int end = std::min(out.vertex_count, begin + 4);
+    for (int i = begin; i < end; ++i) most = std::max(most, out.first[static_cast<std::size_t>(i) + 1] - out.first[static_cast<std::size_t>(i)]);
+    for (int k = 0; k < most; ++k) {
+      const std::size_t slot = out.slot.size() / 4;
+      out.slot_edge.resize(out.slot_edge.size() + 16, 0.0f);
+      for (int i = begin; i < begin + 4; ++i) {
+        out.slot.push_back(i);
+        const int at = i < end ? out.first[static_cast<std::size_t>(i)] + k : 0;
+        if (i >= end || at >= out.first[static_cast<std::size_t>(i) + 1]) continue;
+        const int j = out.slot.back() = out.neighbour[static_cast<std::size_t>(at)];
+        const double c = C.coeff(i, j);
+        const Vec3 e = c * (skin.V.row(i) - skin.V.row(j)).transpose();
+        for (std::size_t x = 0; x < 3; ++x) {
+          out.slot_edge[16 * slot + 4 * x + static_cast<std::size_t>(i - begin)] = static_cast<float>(e[static_cast<Eigen::Index>(x)]);
+          part_of(out.edges, 3, static_cast<std::size_t>(i), x) += static_cast<float>(e[static_cast<Eigen::Index>(x)]);
+        }
+        out.slot_edge[16 * slot + 12 + static_cast<std::size_t>(i - begin)] = static_cast<float>(c);
+      }
+    }
+  }
+  out.slot_begin.push_back(static_cast<int>(out.slot.size() / 4));
 }
 
 }  // namespace
@@ -167,52 +182,64 @@ void right_side(const Membrane& m, std::span<const float> a, MembraneScratch& s)
 Membrane make_membrane(const TriMesh& skin, std::span<const double> tissue) {
   Membrane out;
   out.vertex_count = static_cast<int>(skin.V.rows());
+  const std::size_t n = tissue.size(), padded = (n + 3) / 4 * 4;
   const Sparse C = cotangents(skin);
-  std::vector<float> positions, normals(4 * static_cast<std::size_t>(skin.V.rows()));
+  std::vector<float> positions, normals(4 * n);
   for (Eigen::Index i = 0; i < skin.V.rows(); ++i)
     for (int k = 0; k < 4; ++k) positions.push_back(k < 3 ? static_cast<float>(skin.V(i, k)) : 1);
   vertex_normals(positions, std::span(skin.F.data(), static_cast<std::size_t>(skin.F.size())), normals);
+  out.normal.resize(3 * padded);
+  out.edges.resize(3 * padded);
+  out.frame.resize(9 * padded);
+  out.hold.resize(padded);
+  out.glide.resize(padded);
+  out.guide.resize(padded);
   out.first.push_back(0);
-  for (int i = 0; i < out.vertex_count; ++i) {
-    float spread = 0;
-    for (Sparse::InnerIterator it(C, i); it; ++it) {
-      const Vec3 e = (skin.V.row(i) - skin.V.row(it.row())).transpose();
+  for (std::size_t i = 0; i < n; ++i) {
+    double spread = 0;
+    Vec3 first_edge = Vec3::Zero();
+    out.guide[i] = static_cast<int>(i);
+    for (Sparse::InnerIterator it(C, static_cast<Eigen::Index>(i)); it; ++it) {
+      const Vec3 e = (skin.V.row(static_cast<Eigen::Index>(i)) - skin.V.row(it.row())).transpose();
+      if (out.first.back() == static_cast<int>(out.neighbour.size())) {
+        first_edge = e;
+        out.guide[i] = static_cast<int>(it.row());
+      }
       out.neighbour.push_back(static_cast<int>(it.row()));
-      for (int k = 0; k < 3; ++k) out.edge.push_back(static_cast<float>(e[k]));
-      out.edge.push_back(static_cast<float>(it.value()));
-      spread += static_cast<float>(0.5 * it.value() * e.squaredNorm());
+      spread += 0.5 * it.value() * e.squaredNorm();
     }
     out.first.push_back(static_cast<int>(out.neighbour.size()));
-    for (std::size_t k = 0; k < 4; ++k) out.normal.push_back(spread * normals[4 * static_cast<std::size_t>(i) + k]);
-    const double depth = tissue[static_cast<std::size_t>(i)] / kHoldDepth;
-    out.hold.push_back(static_cast<float>(std::max(kLeastHold, kHold / (1 + depth * depth))));
-    out.glide.push_back(static_cast<float>(std::min(kMostGlide, kGlideShare * tissue[static_cast<std::size_t>(i)])));
+    const Vec3 normal(normals[4 * i], normals[4 * i + 1], normals[4 * i + 2]);
+    const Mat3 frame = frame_of(normal, first_edge);
+    for (std::size_t k = 0; k < 3; ++k) part_of(out.normal, 3, i, k) = static_cast<float>(spread * normal[static_cast<Eigen::Index>(k)]);
+    for (std::size_t k = 0; k < 9; ++k) part_of(out.frame, 9, i, k) = static_cast<float>(frame.data()[k]);
+    const double depth = tissue[i] / kHoldDepth;
+    out.hold[i] = static_cast<float>(std::max(kLeastHold, kHold / (1 + depth * depth)));
+    out.glide[i] = static_cast<float>(std::min(kMostGlide, kGlideShare * tissue[i]));
   }
-  factor(C, out);
+  for (std::size_t i = n; i < padded; ++i) out.guide[i] = static_cast<int>(i);
+  lay_out_fours(C, skin, out);
+  out.factor = factor_sheet(system(C, out.hold));
   return out;
 }
 
 void relax_membrane(const Membrane& m, std::span<const float> anchors, std::span<const int> triangles, int rounds, MembraneScratch& s) {
-  const std::size_t size = 4 * static_cast<std::size_t>(m.vertex_count);
-  for (std::vector<float>* each : {&s.turns, &s.offsets, &s.targets, &s.right, &s.normals, &s.places}) each->resize(size);
-  std::fill(s.targets.begin(), s.targets.end(), 0.0f);
+  const std::size_t size = 4 * static_cast<std::size_t>(m.vertex_count), padded = 16 * static_cast<std::size_t>(fours_of(m));
+  for (std::vector<float>* each : {&s.turns, &s.offsets, &s.normals, &s.places}) each->resize(padded);
+  s.pull.resize(padded / 4 * 3);
+  s.right.resize(size);
   std::fill(s.offsets.begin(), s.offsets.end(), 0.0f);
+  std::copy(anchors.begin(), anchors.end(), s.places.begin());
   for (int round = 0; round < rounds; ++round) {
-    for (std::size_t k = 0; k < size; k += 4) store4(&s.places[k], load4(&anchors[k]) + load4(&s.offsets[k]));
     vertex_normals(s.places, triangles, s.normals);
-    if (round > 0)  // where the sheet has glided along its anchors, it is let stay
-      for (std::size_t i = 0; i < size / 4; ++i) {
-        const Float4 n = load4(&s.normals[4 * i]);
-        Float4 t = load4(&s.offsets[4 * i]);
-        t -= sum4(t * n) * n;
-        const float length = std::sqrt(sum4(t * t)[0]), most = m.glide[i];
-        if (length > most) t *= most / length;
-        store4(&s.targets[4 * i], t);
-      }
-    fit_turns(m, s.places, round == 0, s);
-    right_side(m, anchors, s);
-    solve(m, s.right.data());
-    for (std::size_t i = 0; i < size / 4; ++i) store4(&s.offsets[4 * i], load4(&s.right[4 * static_cast<std::size_t>(m.place[i])]));
+    fit_turns(m, round == 0, s);
+    right_side(m, s);
+    solve_sheet(m.factor, s.right.data());
+    for (std::size_t i = 0; i < size / 4; ++i) {
+      const Float4 offset = load4(&s.right[4 * static_cast<std::size_t>(m.factor.place[i])]);
+      store4(&s.offsets[4 * i], offset);
+      store4(&s.places[4 * i], load4(&anchors[4 * i]) + offset);
+    }
   }
 }
 

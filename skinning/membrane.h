@@ -13,31 +13,31 @@
 #include <vector>
 
 #include "anatomy/types.h"
+#include "skinning/elastic_scratch.h"
+#include "skinning/sheet_factor.h"
 
 namespace ecorche {
 
+// Vertices are worked on four at a time (lanes.h): what belongs to four of them lies component by component, x x x x y y y y. The last four
+// are made up with vertices that nothing is read of.
 struct Membrane {
   int vertex_count = 0;
-  std::vector<int> first;        // #V + 1 into neighbour, edge
+  std::vector<int> first;             // #V + 1 into neighbour
   std::vector<int> neighbour;
-  std::vector<float> edge;       // 4 a neighbour: X_i - X_j, c_ij
-  std::vector<float> normal;     // #V x 4, rest, times half the sum of c |X_i - X_j|^2: makes the fit of a flat ring definite
-  std::vector<float> hold;       // #V w_i
-  std::vector<float> glide;      // #V m
-  // Unit lower triangular factor of W + C, by columns in its own order, and the inverse of the diagonal.
-  std::vector<int> place;        // #V: vertex -> row of the factor
-  std::vector<int> column, row;  // #V + 1; entries
-  std::vector<float> value, inverse_diagonal;
+  std::vector<int> slot_begin;        // #fours + 1 into slot, slot_edge: as many slots as the busiest of four vertices has neighbours
+  std::vector<int> slot;              // 4 a slot: a vertex's neighbour, or itself where it has no more
+  std::vector<float> slot_edge;       // 16 a slot: c (X_i - X_j), c
+  std::vector<float> normal;          // 12 a four: rest, times half the sum of c |X_i - X_j|^2: makes the fit of a flat ring definite
+  std::vector<float> frame;           // 36 a four: columns of the transposed frame of normal and first edge
+  std::vector<float> edges;           // 12 a four: sum of c (X_i - X_j)
+  std::vector<float> hold, glide;     // 4 a four: w_i; m
+  std::vector<int> guide;             // #V: vertex at the end of the first edge
+  SheetFactor factor;                 // of W + C
 };
 
 // `tissue`: what lies between skin and bone, m, #V: skin holds the less and glides the further the more there is.
 // Precondition: the mesh has no vertex without triangles whose place matters: such a vertex stays on its anchor.
 Membrane make_membrane(const TriMesh& skin, std::span<const double> tissue);
-
-struct MembraneScratch {
-  std::vector<float> turns;             // #V x 4 quaternions
-  std::vector<float> places, offsets, targets, right, normals;  // #V x 4
-};
 
 // Places that the sheet takes above anchors (#V x 4, x y z 1), as offsets from them (#V x 4, last 0): scratch.offsets. `triangles`: 3
 // indices each. Allocates only when scratch changes size; same input, same bytes at any number of threads.

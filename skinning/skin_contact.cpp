@@ -135,7 +135,8 @@ std::vector<float> contact_give(std::span<const float> positions, std::span<cons
 void part_skin(const Membrane& rings, std::span<const float> give, std::span<const int> triangles, int rounds, std::span<float> positions,
                std::vector<float>& normals, ContactScratch& s) {
   const std::size_t n = positions.size() / 4;
-  if (!s.tree) s.tree = std::make_shared<ContactTree>(n, triangles);
+  if (!s.own.tree) s.own.tree = std::make_shared<ContactTree>(n, triangles);
+  ContactTree& tree = *s.own.tree;
   s.pushes.resize(4 * n);
   s.spread.resize(4 * n);
   normals.resize(4 * n);
@@ -144,8 +145,8 @@ void part_skin(const Membrane& rings, std::span<const float> give, std::span<con
   for (std::size_t i = 0; i < n; ++i) s.wanted[i] = give[i] > 0;
   for (int round = 0; round < rounds; ++round) {
     vertex_normals(positions, triangles, normals);
-    s.tree->move(positions);
-    find_pushes(*s.tree, positions, normals, give, s);
+    tree.move(positions);
+    find_pushes(tree, positions, normals, give, s);
     spread_pushes(rings, give, s);
     bool any = false;
     for (std::size_t i = 0; i < n; ++i) {

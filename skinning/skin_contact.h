@@ -5,7 +5,6 @@
 // little, so that the dent has no edge. Vertices that lie inside something at rest (lips, eyelids, the mouth) are left alone.
 #pragma once
 
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -13,15 +12,6 @@
 #include "skinning/membrane.h"
 
 namespace ecorche {
-
-// The tree of one posed skin; kept from frame to frame, refitted to each.
-class ContactTree;
-
-struct ContactScratch {
-  std::shared_ptr<ContactTree> tree;          // of one mesh: forget it before another one's turn
-  std::vector<float> pushes, spread, before;  // #V x 4
-  std::vector<char> wanted;                   // #V: which are looked at
-};
 
 // How far each vertex may be pushed, m, #V; 0 for those that are left alone. `positions`: #V x 4, rest; `triangles`: 3 indices each;
 // `tissue`: what lies between skin and bone, m, #V.

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "anatomy/types.h"
+#include "skinning/elastic_scratch.h"
 
 namespace ecorche {
 
@@ -18,6 +19,7 @@ struct SkinFrame {
     std::vector<Transform> frames;
     std::vector<Quat> turns;
     std::vector<float> carriers, lifts, lifts_working, positions, normals;
+    ElasticScratch elastic;
   } scratch;
 };
 
