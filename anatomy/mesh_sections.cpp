@@ -99,23 +99,9 @@ Section MeshSections::section(const Vec3& point, const Vec3& normal, double gap)
     if ((foot - point).norm() < nearest) nearest = (foot - point).norm(), best = pieces[k], out.nearest = foot;
   }
   for (std::size_t k = 0; k < cuts.size(); ++k) {
-    if (pieces[k] == best) out.triangles.push_back(cuts[k].triangle);
+    (pieces[k] == best ? out.cuts : out.others).push_back({cuts[k].a, cuts[k].b});
   }
   return out;
-}
-
-double MeshSections::last_crossing(const Vec3& origin, const Vec3& direction, std::span<const int> triangles) const {
-  const Kernel::Ray_3 ray(point_of(origin), vector_of(direction));
-  std::vector<Iterator> met;
-  impl_->tree.all_intersected_primitives(ray, std::back_inserter(met));
-  double last = -1;
-  for (const Iterator triangle : met) {
-    if (!std::binary_search(triangles.begin(), triangles.end(), static_cast<int>(triangle - impl_->triangles.begin()))) continue;
-    const auto meeting = CGAL::intersection(ray, *triangle);
-    if (!meeting) continue;
-    if (const auto* p = boost::get<Kernel::Point_3>(&*meeting)) last = std::max(last, (vec_of(*p) - origin).dot(direction));
-  }
-  return last;
 }
 
 double MeshSections::distance(const Vec3& point) const { return std::sqrt(impl_->tree.squared_distance(point_of(point))); }

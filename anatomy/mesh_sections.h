@@ -1,8 +1,8 @@
-// Planes and rays through a triangle mesh, and distances to it. The mesh may be open, of several pieces, or cross itself.
+// Planes through a triangle mesh, and distances to it. The mesh may be open, of several pieces, or cross itself.
 #pragma once
 
+#include <array>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "anatomy/types.h"
@@ -11,8 +11,9 @@ namespace ecorche {
 
 // Triangles of a mesh that a plane cuts, gathered into pieces that hang together or lie closer than a gap.
 struct Section {
-  std::vector<int> triangles;   // numbers for last_crossing, ascending
-  Vec3 nearest = Vec3::Zero();  // its point nearest to the point asked for
+  std::vector<std::array<Vec3, 2>> cuts;    // segments in which the plane meets the piece
+  std::vector<std::array<Vec3, 2>> others;  // and all other pieces
+  Vec3 nearest = Vec3::Zero();              // the piece's point nearest to the point asked for
 };
 
 class MeshSections {
@@ -24,9 +25,6 @@ class MeshSections {
   // The piece of the cut through `point` across `normal` that lies nearest to the point; empty where the plane misses the mesh.
   // Pieces whose gap is smaller than `gap` count as one.
   Section section(const Vec3& point, const Vec3& normal, double gap) const;
-
-  // Distance from `origin` along `direction` (unit) to the last crossing with the given triangles (ascending); < 0: none.
-  double last_crossing(const Vec3& origin, const Vec3& direction, std::span<const int> triangles) const;
 
   double distance(const Vec3& point) const;
 

@@ -8,10 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "anatomy/ellipse_fit.h"
 #include "anatomy/errors.h"
 #include "anatomy/mesh_measures.h"
 #include "anatomy/muscle_line.h"
+#include "anatomy/outline.h"
+#include "anatomy/section_outline.h"
 #include "anatomy/surface_path.h"
 
 namespace ecorche {
@@ -30,14 +31,9 @@ std::vector<double> slice_fractions(int count) {
   return out;
 }
 
-// A plane with a frame in it; the frames along a line turn as little as they can.
-struct Plane {
-  Vec3 point, u, v, normal;
-  Vec3 at(const Vec2& p) const { return point + p.x() * u + p.y() * v; }
-};
-
-std::vector<Plane> planes_along(const Bezier& line, const std::vector<double>& parameters) {
-  std::vector<Plane> out;
+// The frames along a line turn as little as they can.
+std::vector<CutPlane> planes_along(const Bezier& line, const std::vector<double>& parameters) {
+  std::vector<CutPlane> out;
   Vec3 u = bezier_tangent(line, parameters.front()).unitOrthogonal();
   for (double t : parameters) {
     const Vec3 normal = bezier_tangent(line, t);
@@ -45,67 +41,6 @@ std::vector<Plane> planes_along(const Bezier& line, const std::vector<double>& p
     u = (u - u.dot(normal) * normal).normalized();
     out.push_back({bezier_point(line, t), u, normal.cross(u), normal});
   }
-  return out;
-}
-
-// What rays from a point of a plane found.
-struct Outline {
-  std::vector<Vec2> points;  // where they met the section, about the plane's point
-  int missed = 0;
-  double area = 0;           // of the star that the points make
-  Vec2 centroid = Vec2::Zero();
-};
-
-Outline shoot(const MeshSections& mesh, const Plane& plane, const Vec2& from, const Section& section, int rays) {
-  Outline out;
-  const Vec3 origin = plane.at(from);
-  for (int k = 0; k < rays; ++k) {
-    const double angle = kTurn * k / rays;
-    const Vec2 direction(std::cos(angle), std::sin(angle));
-    const double reach = mesh.last_crossing(origin, direction.x() * plane.u + direction.y() * plane.v, section.triangles);
-    if (reach > 0) out.points.push_back(from + reach * direction);
-    else ++out.missed;
-  }
-  Vec2 moment = Vec2::Zero();
-  for (std::size_t k = 0; k < out.points.size(); ++k) {
-    const Vec2 a = out.points[k] - from, b = out.points[(k + 1) % out.points.size()] - from;
-    const double piece = 0.5 * (a.x() * b.y() - a.y() * b.x());
-    out.area += piece;
-    moment += piece * (a + b) / 3;
-  }
-  out.centroid = out.area > 0 ? Vec2(from + moment / out.area) : from;
-  return out;
-}
-
-// Rays from the middle of a section, which they find themselves in a few rounds.
-Outline outline_of(const MeshSections& mesh, const Plane& plane, const Section& section, int rays) {
-  const Vec3 d = section.nearest - plane.point;
-  Vec2 from = Vec2::Zero();
-  Outline out = shoot(mesh, plane, from, section, rays);
-  if (2 * out.missed > rays) {  // the line runs outside: begin inside, just behind the nearest point of the outline
-    from = 1.02 * Vec2(d.dot(plane.u), d.dot(plane.v));
-    out = shoot(mesh, plane, from, section, rays);
-  }
-  for (int round = 0; round < 2; ++round) {
-    const Outline again = shoot(mesh, plane, out.centroid, section, rays);
-    if (again.missed > out.missed) break;
-    out = again;
-  }
-  return out;
-}
-
-// The fitted ellipse, brought to the outline's area and centroid. Nothing where too few rays met the mesh.
-std::optional<Ellipse> ellipse_of(const Outline& outline, const Plane& plane) {
-  const auto fitted = fit_ellipse(outline.points);
-  if (!fitted || !(outline.area > 0)) return std::nullopt;
-  const double scale = std::sqrt(outline.area / (std::numbers::pi * fitted->radii.x() * fitted->radii.y()));
-  const Vec2 along(std::cos(fitted->angle), std::sin(fitted->angle));
-  Ellipse out;
-  out.center = plane.at(outline.centroid);
-  out.axes.col(0) = along.x() * plane.u + along.y() * plane.v;
-  out.axes.col(2) = plane.normal;
-  out.axes.col(1) = plane.normal.cross(out.axes.col(0));
-  out.radii = scale * fitted->radii;
   return out;
 }
 
@@ -119,17 +54,17 @@ Bezier action_line(const MeshSections& sections, const TriMesh& mesh, const Vec3
     line = fit_bezier(middles, options.control_points);
     middles.clear();
     if (round == 3) break;
-    for (const Plane& plane : planes_along(line, bezier_parameters(line, slice_fractions(24)))) {
+    for (const CutPlane& plane : planes_along(line, bezier_parameters(line, slice_fractions(24)))) {
       const Section section = sections.section(plane.point, plane.normal, gap);
-      const Outline outline = outline_of(sections, plane, section, 24);
-      if (outline.area > 0 && outline.missed < 12) middles.push_back(plane.at(outline.centroid));
+      const SectionOutline outline = outline_of(plane, section, 24);
+      if (outline.area > 0 && outline.missed < 12) middles.push_back(plane.at(outline.from));
     }
   }
   return line;
 }
 
 // Slices that met nothing take the mean of their neighbours' shapes, weighted by how near they are.
-void fill_gaps(std::vector<std::optional<Ellipse>>& found, const std::vector<Plane>& planes) {
+void fill_gaps(std::vector<std::optional<Ellipse>>& found, const std::vector<CutPlane>& planes) {
   const auto known = found;
   const int n = static_cast<int>(found.size());
   const auto next = [&](int k, int step) {
@@ -144,34 +79,28 @@ void fill_gaps(std::vector<std::optional<Ellipse>>& found, const std::vector<Pla
     const Ellipse &a = *known[static_cast<std::size_t>(before)], &b = *known[static_cast<std::size_t>(after)];
     const double share = after == before ? 0 : static_cast<double>(k - before) / (after - before);
     Ellipse e = share < 0.5 ? a : b;
-    const Plane& plane = planes[static_cast<std::size_t>(k)];
+    const CutPlane& plane = planes[static_cast<std::size_t>(k)];
     const auto aside = [&](const Ellipse& from, int index) { return Vec3(from.center - planes[static_cast<std::size_t>(index)].point); };
     const Vec3 offset = (1 - share) * aside(a, before) + share * aside(b, after);
     e.center = plane.point + offset - offset.dot(plane.normal) * plane.normal;
     e.axes = Quat::FromTwoVectors(e.axes.col(2), plane.normal) * e.axes;
     e.radii = (1 - share) * a.radii + share * b.radii;
+    for (std::size_t i = 0; i < e.outline.size(); ++i) e.outline[i] = static_cast<float>((1 - share) * static_cast<double>(a.outline[i]) + share * static_cast<double>(b.outline[i]));
     found[static_cast<std::size_t>(k)] = e;
   }
 }
 
-// Radius of an ellipse in a direction of its plane.
-double reach(const Ellipse& e, const Vec3& direction) {
-  const double c = direction.dot(e.axes.col(0)) / e.radii.x(), s = direction.dot(e.axes.col(1)) / e.radii.y();
-  return 1 / std::max(std::hypot(c, s), 1e-12);
-}
-
-// Rings of equal directions in the planes' frames, so that neither a turning nor a swap of an ellipse's axes twists the surface.
-TriMesh loft(const std::vector<Ellipse>& slices, const std::vector<Plane>& planes, const Vec3& origin, const Vec3& insertion, int ring) {
+// Rings of equal eccentric angles: the sections' frames follow one another without a jump.
+TriMesh loft(const std::vector<Ellipse>& slices, const Vec3& origin, const Vec3& insertion, int ring) {
   const int n = static_cast<int>(slices.size());
   TriMesh out{Points(n * ring + 2, 3), Triangles(2 * n * ring, 3)};
   const double whole = std::sqrt(kTurn / (ring * std::sin(kTurn / ring)));  // gives the polygon the ellipse's area
   for (int k = 0; k < n; ++k) {
-    const auto& plane = planes[static_cast<std::size_t>(k)];
-    const auto& slice = slices[static_cast<std::size_t>(k)];
+    const auto& e = slices[static_cast<std::size_t>(k)];
     for (int j = 0; j < ring; ++j) {
-      const double angle = kTurn * j / ring;
-      const Vec3 direction = std::cos(angle) * plane.u + std::sin(angle) * plane.v;
-      out.V.row(k * ring + j) = (slice.center + whole * reach(slice, direction) * direction).transpose();
+      const double angle = kTurn * j / ring, factor = whole * outline_factor(e.outline, static_cast<double>(j) * kOutlinePoints / ring);
+      const Vec3 arm = std::cos(angle) * e.radii.x() * e.axes.col(0) + std::sin(angle) * e.radii.y() * e.axes.col(1);
+      out.V.row(k * ring + j) = (e.center + factor * arm).transpose();
     }
   }
   const int first = n * ring, last = first + 1;
@@ -188,6 +117,19 @@ TriMesh loft(const std::vector<Ellipse>& slices, const std::vector<Plane>& plane
     out.F.row(f++) << last, (n - 1) * ring + j, (n - 1) * ring + next;
   }
   return out;
+}
+
+// Length of the outlines beside the one that is followed, as far as they lie abreast of this plane: not where a muscle that bends back
+// upon itself meets its plane again.
+double branches(const Section& section, const std::vector<CutPlane>& planes, const CutPlane& plane) {
+  double sum = 0;
+  for (const auto& [a, b] : section.others) {
+    const Vec3 middle = 0.5 * (a + b);
+    const auto off = [&](const CutPlane& at) { return (middle - at.point).squaredNorm(); };
+    const auto nearest = std::min_element(planes.begin(), planes.end(), [&](const CutPlane& p, const CutPlane& q) { return off(p) < off(q); });
+    if (std::abs(nearest - planes.begin() - (&plane - planes.data())) <= 2) sum += (b - a).norm();
+  }
+  return sum;
 }
 
 void check_options(const ResampleOptions& o) {
@@ -210,7 +152,7 @@ void check_ends(const MeshSections& sections, double size, const Vec3& origin, c
 
 // Chords between rings and slices cut off a little everywhere: all radii grow alike until the loft holds what the mesh does, within bounds
 // that leave a bad fit visible. Returns the factor.
-double keep_volume(double volume, const std::vector<Plane>& planes, const Vec3& origin, const Vec3& insertion, int ring, Resampled& out) {
+double keep_volume(double volume, const Vec3& origin, const Vec3& insertion, int ring, Resampled& out) {
   double factor = 1;
   for (int round = 0; round < 2; ++round) {
     const double now = mesh_volume(out.loft);
@@ -218,7 +160,7 @@ double keep_volume(double volume, const std::vector<Plane>& planes, const Vec3& 
     const double wish = std::clamp(factor * std::sqrt(volume / now), 1 / kMostScale, kMostScale);
     for (Ellipse& slice : out.slices) slice.radii *= wish / factor;
     factor = wish;
-    out.loft = loft(out.slices, planes, origin, insertion, ring);
+    out.loft = loft(out.slices, origin, insertion, ring);
   }
   return factor;
 }
@@ -237,59 +179,35 @@ Resampled resample_muscle(const TriMesh& mesh, const Vec3& origin, const Vec3& i
   ResampleReport& report = out.report;
   out.line = action_line(sections, whole, origin, insertion, gap, options);
   out.parameters = bezier_parameters(out.line, slice_fractions(options.slices));
-  const std::vector<Plane> planes = planes_along(out.line, out.parameters);
-  std::vector<std::optional<Ellipse>> found;
-  for (const Plane& plane : planes) {
+  const std::vector<CutPlane> planes = planes_along(out.line, out.parameters);
+  std::vector<SectionOutline> outlines;
+  double followed = 0, beside = 0;
+  for (const CutPlane& plane : planes) {
     const Section section = sections.section(plane.point, plane.normal, gap);
-    const Outline outline = outline_of(sections, plane, section, options.rays);
-    found.push_back(2 * outline.missed > options.rays ? std::nullopt : ellipse_of(outline, plane));
+    outlines.push_back(outline_of(plane, section, options.rays));
+    for (const auto& [a, b] : section.cuts) followed += (b - a).norm();
+    beside += branches(section, planes, plane);
+    report.hidden += outlines.back().hidden / options.slices;
     report.rays += options.rays;
-    report.missed_rays += outline.missed;
-    report.empty_slices += !found.back();
+    report.missed_rays += outlines.back().missed;
   }
+  report.forked = beside / std::max(followed + beside, 1e-300);
+  std::vector<std::optional<Ellipse>> found = outlined_sections(planes, outlines);
+  for (const auto& slice : found) report.empty_slices += !slice;
   if (2 * report.empty_slices > options.slices) {
     throw UnfitError(fmt::format("{} of {} slices met no surface; origin and insertion may not be the ends of this muscle", report.empty_slices, options.slices));
   }
   fill_gaps(found, planes);
   for (const auto& slice : found) out.slices.push_back(*slice);
-  out.loft = loft(out.slices, planes, origin, insertion, options.ring);
+  out.loft = loft(out.slices, origin, insertion, options.ring);
   report.length = bezier_length(out.line);
   report.mesh_volume = std::abs(mesh_volume(whole));
   report.mesh_closed = is_closed(whole.F);
-  if (report.mesh_closed) report.scale = keep_volume(report.mesh_volume, planes, origin, insertion, options.ring, out);
+  if (report.mesh_closed) report.scale = keep_volume(report.mesh_volume, origin, insertion, options.ring, out);
   report.loft_volume = mesh_volume(out.loft);
   report.loft_to_mesh = surface_distance(out.loft, sections);
   report.mesh_to_loft = surface_distance(whole, MeshSections(out.loft));
   return out;
-}
-
-std::pair<Vec3, Vec3> furthest_ends(const TriMesh& mesh) {
-  const TriMesh whole = welded(mesh);
-  const auto furthest = [&](int from) {
-    const auto distances = edge_distances(whole, from);
-    int best = from;
-    for (std::size_t i = 0; i < distances.size(); ++i) {
-      if (std::isfinite(distances[i]) && distances[i] > distances[static_cast<std::size_t>(best)]) best = static_cast<int>(i);
-    }
-    return best;
-  };
-  // From the corner of the largest piece: that which reaches the most vertices.
-  int start = whole.F.rows() > 0 ? whole.F(0, 0) : 0, most = 0;
-  std::vector<bool> seen(static_cast<std::size_t>(whole.V.rows()), false);
-  for (int i = 0; i < whole.V.rows(); ++i) {
-    if (seen[static_cast<std::size_t>(i)]) continue;
-    const auto distances = edge_distances(whole, i);
-    int reached = 0;
-    for (std::size_t j = 0; j < distances.size(); ++j) {
-      if (!std::isfinite(distances[j])) continue;
-      seen[j] = true;
-      ++reached;
-    }
-    if (reached > most) most = reached, start = i;
-  }
-  const int a = furthest(furthest(start)), b = furthest(a);
-  const auto high = whole.V(a, 1) >= whole.V(b, 1);
-  return {whole.V.row(high ? a : b), whole.V.row(high ? b : a)};
 }
 
 Strip make_strip(const Resampled& resampled, int origin_joint, int insertion_joint) {
@@ -320,6 +238,7 @@ Strip make_strip(const Resampled& resampled, int origin_joint, int insertion_joi
     stations.push_back({s[k], e.center - points[k], e.axes.col(0), e.radii});
   }
   Strip strip = make_strip(std::move(path), stations);
+  set_slices(strip, resampled.slices);
   strip.rest_length = whole;
   return strip;
 }

@@ -52,6 +52,8 @@ void fill(const Resampled& result, Report& report) {
   report.set("rays", r.rays);
   report.set("missed_rays", r.missed_rays);
   report.set("empty_slices", r.empty_slices);
+  report.set("forked", r.forked);
+  report.set("hidden", r.hidden);
   report.set_flag("mesh_closed", r.mesh_closed);
   report.set("mesh_volume", r.mesh_volume);
   report.set("loft_volume", r.loft_volume);
@@ -81,18 +83,14 @@ int run(const Flags& flags, const Common& common, Report& report) {
   TriMesh mesh = read_mesh(flags.mesh);
   const double unit = unit_of(flags, mesh, common);
   mesh.V *= unit;
-  std::pair<Vec3, Vec3> ends;
-  if (flags.origin.empty() || flags.insertion.empty()) {
-    if (flags.origin.empty() != flags.insertion.empty()) throw UsageError("give both --origin and --insertion, or neither");
-    ends = furthest_ends(mesh);
-    note(common, "no ends given: taking the two points that lie furthest apart along the surface");
-  } else {
-    ends = {unit * parse_point(flags.origin, "origin"), unit * parse_point(flags.insertion, "insertion")};
-  }
+  if (flags.origin.empty() != flags.insertion.empty()) throw UsageError("give both --origin and --insertion, or neither");
+  const bool given = !flags.origin.empty();
+  if (!given) note(common, "no ends given: looking for those from which the muscle comes back best");
   Resampled result;
   {
     const StageTimer timer(report, "resample");
-    result = resample_muscle(mesh, ends.first, ends.second, flags.options);
+    result = given ? resample_muscle(mesh, unit * parse_point(flags.origin, "origin"), unit * parse_point(flags.insertion, "insertion"), flags.options)
+                   : resample_muscle(mesh, flags.options);
   }
   fill(result, report);
   if (!flags.output.empty()) {

@@ -381,25 +381,6 @@ bool compare_all(const Parts& parts, const fs::path& tables, const fs::path& fol
   return meets(kReached);
 }
 
-// How many strips the template has for each part, by its name on either side.
-std::map<std::string, int> template_strips(const fs::path& file) {
-  const MuscleTable table = read_muscle_table(data_folder());
-  std::map<std::string, int> strips;
-  const Table matches(file);
-  for (int row = 0; row < matches.rows(); ++row) {
-    int count = 0;
-    for (const std::string& name : split_plus(matches.text(row, "ours")))
-      for (const TableMuscle& muscle : table.muscles)
-        if (muscle.name == name) count += static_cast<int>(muscle.strips.size());
-    for (std::string name : split_plus(matches.text(row, "theirs"))) {
-      strips[name] = count;
-      for (const auto& [left, right] : {std::pair("Left", "Right"), std::pair("left", "right")})
-        if (const auto at = name.find(left); at != std::string::npos) strips[name.replace(at, 4, right)] = count;
-    }
-  }
-  return strips;
-}
-
 int run(int count, char** arguments) {
   if (count < 2 || count > 3) throw UsageError("usage: bodyparts MODELS [FOLDER]");
   const Parts parts(arguments[1]);
@@ -407,11 +388,7 @@ int run(int count, char** arguments) {
   if (!folder.empty()) fs::create_directories(folder);
   const bool alike = compare_all(parts, fs::path(ECORCHE_TEST_DIR) / "muscles", folder);
   std::vector<ShellMuscle> muscles;
-  const auto strips = template_strips(fs::path(ECORCHE_TEST_DIR) / "muscles" / "bodyparts_matches.csv");
-  for (const std::string& name : parts.muscles()) {
-    const auto known = strips.find(name);
-    muscles.push_back({name, parts.read(name), known == strips.end() ? 1 : known->second});
-  }
+  for (const std::string& name : parts.muscles()) muscles.push_back({name, parts.read(name)});
   const bool shells = resample_shells(muscles, folder.empty() ? folder : folder / "shells.csv");
   return alike && shells ? 0 : 1;
 }
