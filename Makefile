@@ -24,7 +24,7 @@ demo: build
 	@$(MAKE) --no-print-directory -q $(DEMO)/report.json && echo "nothing has changed since $(DEMO) was made; look at its long-jump.mp4 and report.html" \
 	  || $(MAKE) --no-print-directory $(DEMO)/report.json
 
-# The clients that exported files are tried in: the glTF validator and Blender.
+# The clients that exported files are tried in: the glTF validator, three.js in Chromium, Blender, MuJoCo and OpenSim.
 clients: setup
 	@data/setup.sh $(BUILD)/packages tests/clients/apt.txt
 	@tests/clients/setup.sh $(BUILD)/clients

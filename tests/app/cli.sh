@@ -202,6 +202,14 @@ if [ -d "$build/clients/node_modules/gltf-validator" ]; then
 else
   skip "the glTF validator: run make clients"
 fi
+if [ -d "$build/clients/node_modules/three" ] && command -v chromium > /dev/null; then
+  three() { node "$source/tests/clients/three_plays.mjs" "$build/clients/node_modules" "$folder/baked.glb" "$1" "$folder/walk.pc2" 60; }
+  expect 0 "three.js in Chromium on baked.glb" three walk
+  tail -1 out.txt
+  expect 1 "three.js in Chromium on another motion than the cache's" three long_jump
+else
+  skip "three.js in Chromium: run make clients"
+fi
 if [ -e "$build/clients/physics/ready" ]; then
   for file in anna.xml anna.osim; do
     expect 0 "$file in its simulator" "$build/clients/physics/bin/python" "$source/tests/clients/simulators.py" "$folder/$file"

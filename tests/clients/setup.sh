@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Fetches the programs that exported files are tried in: the glTF validator (npm), Blender, MuJoCo and OpenSim as Python modules.
+# Fetches the programs that exported files are tried in: the glTF validator and three.js (npm), Blender, MuJoCo and OpenSim as Python modules.
 # Usage: tests/clients/setup.sh FOLDER
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 folder=$1
 mkdir -p "$folder"
 
-if [ ! -d "$folder/node_modules/gltf-validator" ]; then
+if ! cmp -s "$here/package-lock.json" "$folder/package-lock.json" || [ ! -d "$folder/node_modules/three" ]; then
   command -v npm >/dev/null || "$here/../../data/setup.sh" "$folder/../packages" <(printf 'nodejs\nnpm\n')
   cp "$here/package.json" "$here/package-lock.json" "$folder/"
   (cd "$folder" && npm ci --silent --no-audit --no-fund >&2)
