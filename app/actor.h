@@ -1,4 +1,4 @@
-// A character ready to move, and what its motion is judged by. Shared by the verbs animate, render, view, bench and demo.
+// A character ready to move. Shared by the verbs animate, render, view, bench and demo.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,6 @@
 #include "skinning/activation.h"
 #include "skinning/character_io.h"
 #include "skinning/deform.h"
-#include "skinning/quality.h"
 #include "skinning/retarget.h"
 #include "skinning/skin_methods.h"
 
@@ -46,13 +45,19 @@ struct ActorFrame {
   RivalScratch scratch;
 };
 
-// Makes play() move the skin by another method: "lbs", "dqs", "deltamush", "paper", "anchors" (ours, but it does not settle) or "ecorche". Reads the body package for all but the
-// last one. Throws UsageError for another name, InputError without the package, UnfitError for a skin of another topology.
+// Sets actor.rivals. Throws InputError without the body package, UnfitError for a skin of another topology.
+void add_rivals(Actor& actor);
+
+// Makes play() move the skin by another method: "lbs", "dqs", "deltamush", "paper", "anchors" (ours, but it does not
+// settle) or "ecorche". Adds rivals for all but the last two. Throws UsageError for another name, and as add_rivals().
 void choose_skin(Actor& actor, const std::string& method);
 
 // One frame: kinematics, muscles, skin with normals. Reuses the memory of `frame`. `activation` as in pose_anatomy; `flesh` that lags
 // (FleshState::seen) counts for "ecorche" alone.
 void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation = {}, std::span<const float> flesh = {});
+
+// The skin of a frame whose muscles are posed, by any method. Precondition: actor.rivals for those that are not ours.
+void move_skin(const Actor& actor, SkinMethod method, ActorFrame& frame, std::span<const float> flesh = {});
 
 // A body of ours (.glb), or a bare skin in the base mesh's topology and vertex order. What was found out about the
 // latter's units and axes goes to the report under `body`. Throws InputError or UnfitError.
@@ -61,34 +66,5 @@ Body open_body(const std::filesystem::path& file, const BodyPackage& package, co
 // Reads a BVH file and retargets it to the character. What was assumed goes to the report under `motion`, warnings to people too.
 Motion open_motion(const std::filesystem::path& file, const Character& character, const RetargetOptions& options, const Common& common,
                    Report& report);
-
-// What a motion did to muscles and skin, over all frames.
-struct MotionQuality {
-  int frames = 0;
-  double volume_drift_max = 0;        // largest relative change of any muscle's volume
-  std::string volume_drift_muscle;    // whose
-  double flipped_share_max = 0;       // of the skin's triangles, worst frame
-  double flipped_share_mean = 0;
-  int flipped_worst_frame = 0;
-  double stretch_p99_max = 0;
-  int not_finite = 0;
-  int strips_clamped_max = 0;
-  // The same poses with linear blend skinning and the body package's own weights; absent for skins of another topology.
-  std::optional<double> linear_flipped_share_max;
-  std::optional<double> linear_flipped_share_mean;
-  std::optional<double> linear_stretch_p99_max;
-};
-
-// The same poses by every way to move a skin that there is: flipped triangles and stretch, worst frame, under
-// `skins.<method>`. Without the body package or with a skin of another topology only our own is measured.
-void compare_skins(const Actor& actor, const Motion& motion, Report& report);
-
-MotionQuality survey_motion(const Actor& actor, const Motion& motion, const BodyPackage* package, const Activations& activations = {});
-
-// Accuracy targets that a motion misses, with the figures; empty when it meets them all. Exit code 8 rests on it.
-std::vector<std::string> missed_targets(const MotionQuality& quality);
-
-// Under `prefix`: stable names, see docs/report.md.
-void report_quality(const MotionQuality& quality, const std::string& prefix, Report& report);
 
 }  // namespace ecorche

@@ -42,13 +42,16 @@ std::vector<double> moments_of(const Motion& motion, const ActorFilm& film) {
   return moments;
 }
 
-// Some of the skin of every figure in every frame, and the ground beneath it: what the camera has to keep in sight.
+// Some of the skin of every figure in every frame, and the ground beneath it: what the camera has to keep in sight. The skin need not
+// settle for that.
 std::vector<std::vector<Vec3f>> figures_of(const Actor& actor, const Motion& motion, const std::vector<double>& moments, const Appearance& appearance) {
   constexpr int stride = 29;
   std::vector<std::vector<Vec3f>> figures;
   ActorFrame frame;
+  const SkinMethod method = actor.method == SkinMethod::ecorche ? SkinMethod::anchors : actor.method;
   for (const double at : moments) {
-    play(actor, pose_at(motion, at), frame);
+    pose_anatomy(actor.table, actor.character.anatomy.skeleton, pose_at(motion, at), frame.posed);
+    move_skin(actor, method, frame);
     std::vector<Vec3f>& points = figures.emplace_back();
     const Vec3f root = frame.posed.X_WJ.front().translation().cast<float>();
     for (const Look& look : appearance.looks) {

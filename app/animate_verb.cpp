@@ -1,4 +1,8 @@
 // ecorche animate: a motion on a character, as an animated .glb or a vertex cache.
+#include <functional>
+#include <memory>
+#include <span>
+
 #include <fmt/format.h>
 
 #include "anatomy/atomic_file.h"
@@ -6,8 +10,8 @@
 #include "app/activation_options.h"
 #include "app/actor.h"
 #include "app/motion_options.h"
+#include "app/motion_survey.h"
 #include "app/verb.h"
-#include "skinning/flesh_motion.h"
 #include "skinning/mdd_io.h"
 #include "skinning/obj_sequence.h"
 #include "skinning/pc2_io.h"
@@ -25,42 +29,43 @@ struct AnimateOptions {
   MotionOptions retarget;
 };
 
-// Every frame of the motion to a writer of vertex caches.
+// A vertex cache under way.
+struct CacheWriter {
+  std::function<void(std::span<const float>)> add;
+  std::function<void()> finish;
+};
+
 template <class Writer>
-void write_frames(Writer& writer, const fs::path& file, const Actor& actor, const Motion& motion, const Activations& activations, bool dynamics,
-                  const Common& common) {
-  const Skeleton& skeleton = actor.character.anatomy.skeleton;
-  const FleshTables flesh = dynamics ? make_flesh_tables(actor.binding, skeleton) : FleshTables{};
-  FleshState state;
-  ActorFrame frame;
-  std::vector<double> efforts;
-  const int total = static_cast<int>(motion.frames.size());
-  for (int f = 0; f < total; ++f) {
-    activation_at(activations, f / motion.fps, efforts);
-    if (!flesh.vertices.empty()) move_flesh(flesh, skeleton, motion, f / motion.fps, state);
-    play(actor, motion.frames[f], frame, efforts, state.seen);
-    writer.add_frame(frame.skin.positions);
-    progress(common, file.filename().string(), f + 1, total);
-  }
+CacheWriter cache_of(std::shared_ptr<Writer> writer) {
+  CacheWriter out;
+  out.add = [writer](std::span<const float> positions) { writer->add_frame(positions); };
+  if constexpr (requires { writer->finish(); }) out.finish = [writer] { writer->finish(); };
+  else out.finish = [] {};
+  return out;
 }
 
-void write_output(const fs::path& file, const Actor& actor, const Motion& motion, const Activations& activations, bool dynamics,
-                  const Common& common) {
+CacheWriter open_cache(const fs::path& file, const Actor& actor, const Motion& motion) {
   const fs::path kind = file.extension();
-  if (kind == ".pc2") {
-    Pc2Writer writer(file, actor.binding.vertex_count);
-    write_frames(writer, file, actor, motion, activations, dynamics, common);
-    writer.finish();
-  } else if (kind == ".mdd") {
-    MddWriter writer(file, actor.binding.vertex_count, static_cast<int>(motion.frames.size()), motion.fps);
-    write_frames(writer, file, actor, motion, activations, dynamics, common);
-    writer.finish();
-  } else if (kind == ".obj") {
-    ObjSequenceWriter writer(file, actor.character.body.skin.F);
-    write_frames(writer, file, actor, motion, activations, dynamics, common);
-  } else {
-    write_character(file, actor.character, actor.binding, &motion);
+  if (kind == ".pc2") return cache_of(std::make_shared<Pc2Writer>(file, actor.binding.vertex_count));
+  if (kind == ".mdd") return cache_of(std::make_shared<MddWriter>(file, actor.binding.vertex_count, static_cast<int>(motion.frames.size()), motion.fps));
+  return cache_of(std::make_shared<ObjSequenceWriter>(file, actor.character.body.skin.F));
+}
+
+// All outputs in one pass over the motion.
+MotionQuality write_outputs(const AnimateOptions& options, const Actor& actor, const Motion& motion, const Activations& activations, const Common& common) {
+  std::vector<CacheWriter> caches;
+  for (const fs::path& file : options.outputs) {
+    if (file.extension() == ".glb") write_character(file, actor.character, actor.binding, &motion);
+    else caches.push_back(open_cache(file, actor, motion));
   }
+  MotionRun pass{activations, options.dynamics};
+  pass.take = [&](int f, const ActorFrame& frame) {
+    for (const CacheWriter& cache : caches) cache.add(frame.skin.positions);
+    progress(common, "frames", f + 1, static_cast<int>(motion.frames.size()));
+  };
+  const MotionQuality quality = play_motion(actor, motion, pass);
+  for (const CacheWriter& cache : caches) cache.finish();
+  return quality;
 }
 
 void check_outputs(const std::vector<fs::path>& outputs, const std::vector<fs::path>& inputs) {
@@ -81,14 +86,14 @@ int run(const AnimateOptions& options, const Common& common, Report& report) {
   choose_skin(actor, options.skin);
   const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
   const Activations activations = open_activations(options.activation, actor, motion, report);
-  for (const fs::path& output : options.outputs) {
-    const StageTimer timer(report, "write_" + output.extension().string().substr(1));
-    write_output(output, actor, motion, activations, options.dynamics, common);
+  StageTimer timer(report, "frames");
+  const MotionQuality quality = write_outputs(options, actor, motion, activations, common);
+  report.set("timings_ms.frames", timer.milliseconds());
+  for (const fs::path& output : options.outputs)
     note(common, fmt::format("{}: {} frames at {:.4g} fps", output.string(), motion.frames.size(), motion.fps));
-  }
   report.set("skin_vertices", actor.binding.vertex_count);
   report.set("skin", options.skin);
-  report_quality(survey_motion(actor, motion, nullptr, activations), "quality", report);
+  report_quality(quality, "quality", report);
   if (!common.report_file.empty()) compare_skins(actor, motion, report);
   return 0;
 }

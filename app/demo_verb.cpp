@@ -12,6 +12,7 @@
 #include "app/demo_page.h"
 #include "app/demo_pictures.h"
 #include "app/fitting.h"
+#include "app/motion_survey.h"
 #include "app/verb.h"
 #include "morph/body.h"
 #include "skinning/pc2_io.h"
@@ -58,48 +59,51 @@ std::vector<std::pair<double, std::string>> flight_events(const Motion& motion) 
   return {{static_cast<double>(up) / motion.fps, "take-off"}, {static_cast<double>(top) / motion.fps, "highest"}, {static_cast<double>(down) / motion.fps, "landing"}};
 }
 
-// Muscles of the take-off leg that a coach would ask for.
-std::vector<MuscleCurve> follow_muscles(const Actor& actor, const Motion& motion, std::vector<double>& seconds) {
-  const std::pair<const char*, const char*> wanted[] = {{"rectus_femoris_l", "rectus femoris"},
-                                                        {"vastus_lateralis_l", "vastus lateralis"},
-                                                        {"biceps_femoris_long_l", "biceps femoris, long head"},
-                                                        {"gluteus_maximus_middle_l", "gluteus maximus"},
-                                                        {"gastrocnemius_medial_l", "gastrocnemius, medial head"},
-                                                        {"soleus_l", "soleus"}};
-  const Anatomy& anatomy = actor.character.anatomy;
-  const auto ranges = slice_ranges(anatomy);
+// Muscles of the take-off leg that a coach would ask for: lengths and thicknesses over their rest.
+class MuscleCurves {
+ public:
+  MuscleCurves(const Actor& actor, std::vector<MuscleCurve>& curves) : curves_(curves) {
+    const std::pair<const char*, const char*> wanted[] = {{"rectus_femoris_l", "rectus femoris"},
+                                                          {"vastus_lateralis_l", "vastus lateralis"},
+                                                          {"biceps_femoris_long_l", "biceps femoris, long head"},
+                                                          {"gluteus_maximus_middle_l", "gluteus maximus"},
+                                                          {"gastrocnemius_medial_l", "gastrocnemius, medial head"},
+                                                          {"soleus_l", "soleus"}};
+    const Anatomy& anatomy = actor.character.anatomy;
+    const auto ranges = slice_ranges(anatomy);
+    PosedAnatomy rest;
+    pose_anatomy(actor.table, anatomy.skeleton, rest_pose(anatomy.skeleton), rest);
+    for (const auto& [name, label] : wanted) {
+      const int m = find_muscle(anatomy, name);
+      const auto range = std::find_if(ranges.begin(), ranges.end(), [m](const SliceRange& r) { return r.muscle == m; });
+      if (m < 0 || range == ranges.end()) continue;
+      Followed one;
+      one.strip = static_cast<int>(range - ranges.begin());
+      one.slice = range->begin;
+      for (int k = range->begin; k < range->end; ++k)
+        if (rest.slices[k].radii.prod() > rest.slices[one.slice].radii.prod()) one.slice = k;
+      one.length = rest.lengths[one.strip];
+      one.thickness = rest.slices[one.slice].radii.y();
+      followed_.push_back(one);
+      curves_.push_back({label, {}, {}});
+    }
+  }
+
+  void add(const PosedAnatomy& posed) {
+    for (size_t i = 0; i < followed_.size(); ++i) {
+      curves_[i].length.push_back(posed.lengths[followed_[i].strip] / followed_[i].length);
+      curves_[i].thickness.push_back(posed.slices[followed_[i].slice].radii.y() / followed_[i].thickness);
+    }
+  }
+
+ private:
   struct Followed {
     int strip = 0, slice = 0;
     double length = 1, thickness = 1;
   };
-  ActorFrame frame;
-  play(actor, rest_pose(anatomy.skeleton), frame);
-  std::vector<MuscleCurve> curves;
-  std::vector<Followed> followed;
-  for (const auto& [name, label] : wanted) {
-    const int m = find_muscle(anatomy, name);
-    const auto range = std::find_if(ranges.begin(), ranges.end(), [m](const SliceRange& r) { return r.muscle == m; });
-    if (m < 0 || range == ranges.end()) continue;
-    Followed one;
-    one.strip = static_cast<int>(range - ranges.begin());
-    one.slice = range->begin;
-    for (int k = range->begin; k < range->end; ++k)
-      if (frame.posed.slices[k].radii.prod() > frame.posed.slices[one.slice].radii.prod()) one.slice = k;
-    one.length = frame.posed.lengths[one.strip];
-    one.thickness = frame.posed.slices[one.slice].radii.y();
-    followed.push_back(one);
-    curves.push_back({label, {}, {}});
-  }
-  for (size_t f = 0; f < motion.frames.size(); ++f) {
-    play(actor, motion.frames[f], frame);
-    seconds.push_back(static_cast<double>(f) / motion.fps);
-    for (size_t i = 0; i < followed.size(); ++i) {
-      curves[i].length.push_back(frame.posed.lengths[followed[i].strip] / followed[i].length);
-      curves[i].thickness.push_back(frame.posed.slices[followed[i].slice].radii.y() / followed[i].thickness);
-    }
-  }
-  return curves;
-}
+  std::vector<MuscleCurve>& curves_;
+  std::vector<Followed> followed_;
+};
 
 // The same stages in a body of another build, as in the paper's figure 5.
 Picture second_body(const Template& body_template, const BodyPackage& package) {
@@ -125,24 +129,30 @@ void add_pictures(const Template& body_template, const BodyPackage& package, con
   record.motion_pictures.push_back(picture_of_walk(fitted.actor, package, walk));
 }
 
+// One after the other, every eighth.
 double mean_frame_ms(const Actor& actor, const Motion& motion) {
   ActorFrame frame;
   play(actor, motion.frames[0], frame);
   const auto start = std::chrono::steady_clock::now();
-  for (const Pose& pose : motion.frames) play(actor, pose, frame);
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() / static_cast<double>(motion.frames.size());
+  int played = 0;
+  for (size_t f = 0; f < motion.frames.size(); f += 8, ++played) play(actor, motion.frames[f], frame);
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count() / played;
 }
 
-void write_cache(const fs::path& file, const Actor& actor, const Motion& motion, const Activations& activations) {
-  Pc2Writer writer(file, actor.binding.vertex_count);
-  ActorFrame frame;
-  std::vector<double> efforts;
-  for (std::size_t f = 0; f < motion.frames.size(); ++f) {
-    activation_at(activations, static_cast<double>(f) / motion.fps, efforts);
-    play(actor, motion.frames[f], frame, efforts);
+// The vertex cache, the muscles' curves and the figures, in one pass over the motion.
+MotionQuality play_jump(const fs::path& cache, const Actor& actor, const Motion& motion, const Activations& activations, const BodyPackage& package, DemoRecord& record) {
+  Pc2Writer writer(cache, actor.binding.vertex_count);
+  MuscleCurves curves(actor, record.curves);
+  MotionRun pass{activations};
+  pass.package = &package;
+  pass.take = [&](int f, const ActorFrame& frame) {
     writer.add_frame(frame.skin.positions);
-  }
+    curves.add(frame.posed);
+    record.seconds.push_back(f / motion.fps);
+  };
+  const MotionQuality quality = play_motion(actor, motion, pass);
   writer.finish();
+  return quality;
 }
 
 void make_folder(const fs::path& folder) {
@@ -174,14 +184,15 @@ int run(const DemoOptions& options, const Common& common, Report& report) {
   const Motion motion = open_motion(data_folder() / "motions" / "long_jump.bvh", actor.character, {}, common, report);
   report.set("frame_ms", mean_frame_ms(actor, motion));
   const Activations activations = open_activations(options.activation, actor, motion, report);
-  const MotionQuality quality = survey_motion(actor, motion, &package, activations);
-  report_quality(quality, "quality", report);
 
   note(common, "files");
   write_character(options.folder / "athlete.glb", actor.character, actor.binding, &motion);
-  write_cache(options.folder / "long-jump.pc2", actor, motion, activations);
-
   DemoRecord record;
+  StageTimer frames_timer(report, "frames");
+  const MotionQuality quality = play_jump(options.folder / "long-jump.pc2", actor, motion, activations, package, record);
+  report.set("timings_ms.frames", frames_timer.milliseconds());
+  report_quality(quality, "quality", report);
+
   ActorFilm film;
   film.output = options.folder / "long-jump.mp4";
   film.beside = true;
@@ -196,7 +207,6 @@ int run(const DemoOptions& options, const Common& common, Report& report) {
   report.set("film.frames", filmed.frames);
   report.set("film.driver", filmed.driver);
 
-  record.curves = follow_muscles(actor, motion, record.seconds);
   note(common, "pictures");
   add_pictures(body_template, package, fitted, motion, common, record);
   record.missed = missed_targets(fitted);
