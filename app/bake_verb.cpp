@@ -43,11 +43,13 @@ void report_error(const BakeError& error, const std::string& prefix, Report& rep
   report.set(prefix + ".rms", error.rms);
   report.set(prefix + ".p95", error.p95);
   report.set(prefix + ".max", error.max);
+  report.set(prefix + ".normal_rms_deg", error.normal_rms);
+  report.set(prefix + ".normal_p95_deg", error.normal_p95);
 }
 
 std::string in_words(const BakeError& error) {
-  return fmt::format("mean {:.2f} mm, RMS {:.2f} mm, 95 % below {:.2f} mm, at most {:.2f} mm from the exact skin", 1e3 * error.mean, 1e3 * error.rms,
-                     1e3 * error.p95, 1e3 * error.max);
+  return fmt::format("mean {:.2f} mm, RMS {:.2f} mm, 95 % below {:.2f} mm, at most {:.2f} mm from the exact skin; normals {:.1f} degrees RMS", 1e3 * error.mean,
+                     1e3 * error.rms, 1e3 * error.p95, 1e3 * error.max, error.normal_rms);
 }
 
 int run(const BakeVerbOptions& options, const Common& common, Report& report) {
@@ -62,6 +64,7 @@ int run(const BakeVerbOptions& options, const Common& common, Report& report) {
     play(actor, pose, frame);
     X_WJ = frame.posed.X_WJ;
     out.positions = frame.skin.positions;
+    out.normals = frame.skin.normals;
   };
   Bake bake;
   {

@@ -60,7 +60,7 @@ int add_sparse(gltf::GlbBuilder& glb, const Points& shape, int component) {
 
 Value error_value(const BakeError& error) {
   return Value(Object{{"frames", Value(error.frames)}, {"mean", number(error.mean)}, {"rms", number(error.rms)}, {"p95", number(error.p95)},
-                      {"max", number(error.max)}});
+                      {"max", number(error.max)}, {"normal_rms_deg", number(error.normal_rms)}, {"normal_p95_deg", number(error.normal_p95)}});
 }
 
 Value notes(const Bake& bake) {
@@ -94,8 +94,12 @@ void write_bake(const std::filesystem::path& file, const std::string& name, cons
   Array names;
   const bool small = skin.V.rows() <= 65536;
   for (std::size_t m = 0; m < bake.morphs.size(); ++m) {
-    mesh.primitives[0].targets.push_back({{"POSITION", small ? add_sparse<std::uint16_t>(glb, bake.morphs[m], TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT)
-                                                              : add_sparse<std::uint32_t>(glb, bake.morphs[m], TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)}});
+    const auto add = [&](const Points& shape) {
+      return small ? add_sparse<std::uint16_t>(glb, shape, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT)
+                   : add_sparse<std::uint32_t>(glb, shape, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT);
+    };
+    const int places = add(bake.morphs[m]), normals = add(bake.morph_normals[m]);
+    mesh.primitives[0].targets.push_back({{"POSITION", places}, {"NORMAL", normals}});
     names.push_back(gltf::text(fmt::format("corrective_{:02}", m + 1)));
   }
   mesh.weights.assign(bake.morphs.size(), 0);

@@ -95,6 +95,7 @@ TEST(Bake, ShapesTakeUpWhatInfluencesLeave) {
   EXPECT_EQ(none.error.frames, 20);
   EXPECT_LE(none.error.p95, none.error.max);
   EXPECT_LE(none.error.mean, none.error.rms);
+  EXPECT_LT(few.error.normal_rms, 0.5 * none.error.normal_rms);
 }
 
 TEST(Bake, SolvedWeightsAreNoWorseThanTheGiven) {
@@ -159,7 +160,10 @@ class Player {
     return out;
   }
 
-  Points play(std::size_t frame) const {
+  struct Played {
+    Points places, normals;
+  };
+  Played play(std::size_t frame) const {
     std::vector<Eigen::Affine3d> local;
     for (const tinygltf::Node& node : model_.nodes) {
       Eigen::Affine3d X = Eigen::Affine3d::Identity();
@@ -184,18 +188,26 @@ class Player {
       joints.push_back(world[static_cast<std::size_t>(model_.skins[0].joints[j])] * Eigen::Affine3d(Eigen::Map<const Eigen::Matrix4f>(&inverse[16 * j]).cast<double>()));
     const tinygltf::Primitive& primitive = model_.meshes[0].primitives[0];
     std::vector<float> p = floats(primitive.attributes.at("POSITION"));
+    std::vector<float> n = floats(primitive.attributes.at("NORMAL"));
     for (std::size_t m = 0; m < primitive.targets.size(); ++m) {
-      const std::vector<float> shape = floats(primitive.targets[m].at("POSITION"));
-      for (std::size_t i = 0; i < p.size(); ++i) p[i] += weights[m] * shape[i];
+      const std::vector<float> shape = floats(primitive.targets[m].at("POSITION")), turn = floats(primitive.targets[m].at("NORMAL"));
+      for (std::size_t i = 0; i < p.size(); ++i) {
+        p[i] += weights[m] * shape[i];
+        n[i] += weights[m] * turn[i];
+      }
     }
     const std::vector<float> shares = floats(primitive.attributes.at("WEIGHTS_0"));
     const auto* names = reinterpret_cast<const std::uint16_t*>(bytes(model_.accessors[static_cast<std::size_t>(primitive.attributes.at("JOINTS_0"))].bufferView));
-    Points out = Points::Zero(static_cast<Eigen::Index>(p.size() / 3), 3);
-    for (Eigen::Index i = 0; i < out.rows(); ++i)
+    const Points zero = Points::Zero(static_cast<Eigen::Index>(p.size() / 3), 3);
+    Played out{zero, zero};
+    for (Eigen::Index i = 0; i < zero.rows(); ++i) {
+      const std::size_t v = 3 * static_cast<std::size_t>(i);
       for (Eigen::Index k = 0; k < 4; ++k) {
         const std::size_t at = static_cast<std::size_t>(4 * i + k);
-        out.row(i) += shares[at] * (joints[names[at]] * Vec3(p[3 * static_cast<std::size_t>(i)], p[3 * static_cast<std::size_t>(i) + 1], p[3 * static_cast<std::size_t>(i) + 2]));
+        out.places.row(i) += shares[at] * (joints[names[at]] * Vec3(p[v], p[v + 1], p[v + 2]));
+        out.normals.row(i) += shares[at] * (joints[names[at]].linear() * Vec3(n[v], n[v + 1], n[v + 2]));
       }
+    }
     return out;
   }
 
@@ -218,10 +230,15 @@ TEST(Bake, TheFilePlaysAsStatedByAReaderOfItsOwn) {
   std::vector<Transform> X_WJ;
   SkinFrame frame;
   Points exact;
-  double worst = 0, squares = 0, count = 0;
+  double worst = 0, squares = 0, count = 0, angles = 0;
   for (std::size_t f = 0; f < 20; ++f) {
-    const Points played = player.play(f);
+    const auto [played, normals] = player.play(f);
     arm.exact()(arm.bend.motion.frames[f], X_WJ, frame);
+    for (Eigen::Index i = 0; i < normals.rows(); ++i) {
+      const Vec3 there = Vec3(normals.row(i)).normalized();
+      const Vec3 wanted = Eigen::Map<const Eigen::Vector3f>(&frame.normals[4 * static_cast<std::size_t>(i)]).cast<double>();
+      angles += std::pow(std::acos(std::clamp(there.dot(wanted), -1.0, 1.0)) * 180 / std::numbers::pi, 2);
+    }
     to_points(frame, exact);
     worst = std::max(worst, (played - exact).rowwise().norm().maxCoeff());
     squares += (played - exact).squaredNorm();
@@ -229,6 +246,7 @@ TEST(Bake, TheFilePlaysAsStatedByAReaderOfItsOwn) {
   }
   EXPECT_NEAR(worst, bake.error.max, 2e-6);
   EXPECT_NEAR(std::sqrt(squares / count), bake.error.rms, 2e-6);
+  EXPECT_NEAR(std::sqrt(angles / count), bake.error.normal_rms, 1e-2);
   const tinygltf::Value& stated = player.model().scenes[0].extras.Get("bake").Get("error");
   EXPECT_NEAR(stated.Get("max").GetNumberAsDouble(), worst, 2e-6);
   EXPECT_EQ(stated.Get("frames").GetNumberAsInt(), 20);
