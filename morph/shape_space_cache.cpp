@@ -1,10 +1,10 @@
 // A shape space as bytes (numbers as they lie in memory: the cache stays on the machine that wrote it) with a hash at the end.
 #include <algorithm>
-#include <cstring>
-#include <fstream>
 
+#include "anatomy/bytes.h"
 #include "anatomy/cache.h"
 #include "anatomy/errors.h"
+#include "anatomy/input_file.h"
 #include "anatomy/package.h"
 #include "morph/shape_space.h"
 
@@ -14,42 +14,23 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr char kVersion[] = "ecorche shape space 5";  // counts up with every change of how a space is built
-constexpr std::size_t kHashSize = 64;
-
-std::string file_bytes(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-template <class T>
-void put(std::string& out, const T* data, std::size_t count) {
-  out.append(reinterpret_cast<const char*>(data), count * sizeof(T));
-}
-
-template <class T>
-void get(std::string_view& in, T* data, std::size_t count) {
-  if (in.size() / sizeof(T) < count) throw InputError("shape space cache: shorter than its contents say");
-  std::memcpy(data, in.data(), count * sizeof(T));
-  in.remove_prefix(count * sizeof(T));
-}
 
 std::string space_bytes(const ShapeSpace& space) {
   const std::int64_t sizes[] = {space.sex == Sex::male ? 1 : 0, space.mean.rows(), space.basis.cols(), space.components, space.example_components, space.law_mean.size()};
   std::string out;
-  put(out, sizes, std::size(sizes));
-  put(out, space.mean.data(), static_cast<std::size_t>(space.mean.size()));
-  put(out, space.spread.data(), static_cast<std::size_t>(space.spread.size()));
-  put(out, space.law_mean.data(), static_cast<std::size_t>(space.law_mean.size()));
-  put(out, space.law_covariance.data(), static_cast<std::size_t>(space.law_covariance.size()));
-  put(out, space.basis.data(), static_cast<std::size_t>(space.basis.size()));
-  return out + sha256(out);
+  put_bytes(out, sizes, std::size(sizes));
+  put_bytes(out, space.mean.data(), static_cast<std::size_t>(space.mean.size()));
+  put_bytes(out, space.spread.data(), static_cast<std::size_t>(space.spread.size()));
+  put_bytes(out, space.law_mean.data(), static_cast<std::size_t>(space.law_mean.size()));
+  put_bytes(out, space.law_covariance.data(), static_cast<std::size_t>(space.law_covariance.size()));
+  put_bytes(out, space.basis.data(), static_cast<std::size_t>(space.basis.size()));
+  return sealed(std::move(out));
 }
 
 ShapeSpace space_from(std::string_view bytes, Eigen::Index skin) {
-  if (bytes.size() < kHashSize || sha256(bytes.substr(0, bytes.size() - kHashSize)) != bytes.substr(bytes.size() - kHashSize))
-    throw InputError("shape space cache: damaged");
+  bytes = unsealed(bytes);
   std::int64_t sizes[6];
-  get(bytes, sizes, std::size(sizes));
+  take_bytes(bytes, sizes, std::size(sizes));
   if (sizes[1] != skin || sizes[2] < 1 || sizes[2] > 10000 || sizes[5] < 0 || sizes[5] > 10000) throw InputError("shape space cache: of another body");
   ShapeSpace out;
   out.sex = sizes[0] == 1 ? Sex::male : Sex::female;
@@ -58,13 +39,13 @@ ShapeSpace space_from(std::string_view bytes, Eigen::Index skin) {
   out.basis.resize(3 * sizes[1], sizes[2]);
   out.components = static_cast<int>(sizes[3]);
   out.example_components = static_cast<int>(sizes[4]);
-  get(bytes, out.mean.data(), static_cast<std::size_t>(out.mean.size()));
-  get(bytes, out.spread.data(), static_cast<std::size_t>(out.spread.size()));
+  take_bytes(bytes, out.mean.data(), static_cast<std::size_t>(out.mean.size()));
+  take_bytes(bytes, out.spread.data(), static_cast<std::size_t>(out.spread.size()));
   out.law_mean.resize(sizes[5]);
   out.law_covariance.resize(sizes[5], sizes[5]);
-  get(bytes, out.law_mean.data(), static_cast<std::size_t>(out.law_mean.size()));
-  get(bytes, out.law_covariance.data(), static_cast<std::size_t>(out.law_covariance.size()));
-  get(bytes, out.basis.data(), static_cast<std::size_t>(out.basis.size()));
+  take_bytes(bytes, out.law_mean.data(), static_cast<std::size_t>(out.law_mean.size()));
+  take_bytes(bytes, out.law_covariance.data(), static_cast<std::size_t>(out.law_covariance.size()));
+  take_bytes(bytes, out.basis.data(), static_cast<std::size_t>(out.basis.size()));
   return out;
 }
 
@@ -72,11 +53,11 @@ ShapeSpace space_from(std::string_view bytes, Eigen::Index skin) {
 
 // Our tables and the pin of the body package.
 std::string shape_space_key(Sex sex) {
-  std::string all = std::string(kVersion) + (sex == Sex::male ? " male" : " female") + file_bytes(data_folder() / "packages.txt");
+  std::string all = std::string(kVersion) + (sex == Sex::male ? " male" : " female") + read_input_file(data_folder() / "packages.txt");
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(data_folder() / "body")) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
-  for (const auto& file : files) all += '\n' + file.filename().string() + '\n' + file_bytes(file);
+  for (const auto& file : files) all += '\n' + file.filename().string() + '\n' + read_input_file(file);
   return sha256(all);
 }
 

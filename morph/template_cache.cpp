@@ -1,24 +1,21 @@
 // The template as bytes: fields in order, numbers as they lie in memory (the cache stays on the machine that wrote it), a hash of
-// everything in front.
-#include <cstring>
+// everything behind.
 #include <fmt/format.h>
 #include <type_traits>
 
+#include "anatomy/bytes.h"
 #include "anatomy/errors.h"
-#include "anatomy/package.h"
 #include "morph/template.h"
 
 namespace ecorche {
 namespace {
-
-constexpr size_t kHashSize = 64;
 
 class Writer {
  public:
   static constexpr bool reading = false;
   template <class T>
   void raw(T* data, size_t count) {
-    out.append(reinterpret_cast<const char*>(data), count * sizeof(T));
+    put_bytes(out, data, count);
   }
   std::string out;
 };
@@ -29,9 +26,7 @@ class Reader {
   explicit Reader(std::string_view bytes) : in(bytes) {}
   template <class T>
   void raw(T* data, size_t count) {
-    if (count > in.size() / sizeof(T)) throw InputError("template cache: shorter than its contents say");
-    std::memcpy(data, in.data(), count * sizeof(T));
-    in.remove_prefix(count * sizeof(T));
+    take_bytes(in, data, count);
   }
   std::string_view in;
 };
@@ -151,13 +146,11 @@ std::string write_template_bytes(const Template& body_template) {
   Template copy = body_template;  // one description of the format serves both ways, and reading changes what it is handed
   FitTables tables = *body_template.tables;
   whole(writer, copy, tables);
-  return sha256(writer.out) + writer.out;
+  return sealed(std::move(writer.out));
 }
 
 Template read_template_bytes(std::string_view bytes) {
-  if (bytes.size() < kHashSize || sha256(bytes.substr(kHashSize)) != bytes.substr(0, kHashSize))
-    throw InputError("template cache: damaged file");
-  Reader reader(bytes.substr(kHashSize));
+  Reader reader(unsealed(bytes));
   Template out;
   auto tables = std::make_shared<FitTables>();
   whole(reader, out, *tables);

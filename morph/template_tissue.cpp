@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
 
+#include "anatomy/bytes.h"
 #include "anatomy/cache.h"
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
@@ -12,19 +12,6 @@ namespace ecorche {
 namespace {
 
 constexpr const char* kVersion = "tissue 1";  // to be changed with the code that makes the mesh
-constexpr std::size_t kHashSize = 64;
-
-template <class T>
-void put(std::string& out, const T* values, std::size_t count) {
-  out.append(reinterpret_cast<const char*>(values), count * sizeof(T));
-}
-
-template <class T>
-void take(std::string_view& in, T* values, std::size_t count) {
-  if (count > in.size() / sizeof(T)) throw InputError("tissue cache: shorter than its contents say");
-  std::memcpy(values, in.data(), count * sizeof(T));
-  in.remove_prefix(count * sizeof(T));
-}
 
 // An anchor as numbers.
 struct PackedAnchor {
@@ -45,34 +32,33 @@ void free_caps(Eigen::Index skin_size, TissueMesh& mesh) {
 std::string write_tissue_bytes(const TissueMesh& mesh) {
   std::string out;
   const std::int64_t counts[] = {mesh.V.rows(), mesh.T.rows()};
-  put(out, counts, 2);
-  put(out, mesh.V.data(), static_cast<std::size_t>(mesh.V.size()));
-  put(out, mesh.T.data(), static_cast<std::size_t>(mesh.T.size()));
-  put(out, mesh.in_bone.data(), mesh.in_bone.size());
+  put_bytes(out, counts, 2);
+  put_bytes(out, mesh.V.data(), static_cast<std::size_t>(mesh.V.size()));
+  put_bytes(out, mesh.T.data(), static_cast<std::size_t>(mesh.T.size()));
+  put_bytes(out, mesh.in_bone.data(), mesh.in_bone.size());
   for (const TissueAnchor& a : mesh.anchors) {
     const PackedAnchor packed{static_cast<std::int32_t>(a.kind), a.bone, {a.vertices[0], a.vertices[1], a.vertices[2]}, 0, {a.weights[0], a.weights[1], a.weights[2]}};
-    put(out, &packed, 1);
+    put_bytes(out, &packed, 1);
   }
-  return out + sha256(out);
+  return sealed(std::move(out));
 }
 
 TissueMesh read_tissue_bytes(std::string_view bytes) {
-  if (bytes.size() < kHashSize || sha256(bytes.substr(0, bytes.size() - kHashSize)) != bytes.substr(bytes.size() - kHashSize))
-    throw InputError("tissue cache: damaged");
+  bytes = unsealed(bytes);
   std::int64_t counts[2];
-  take(bytes, counts, 2);
+  take_bytes(bytes, counts, 2);
   const auto nodes = static_cast<std::size_t>(counts[0]), tetrahedra = static_cast<std::size_t>(counts[1]);
   if (counts[0] < 0 || counts[1] < 0 || nodes > bytes.size() / 24 || tetrahedra > bytes.size() / 16) throw InputError("tissue cache: shorter than its contents say");
   TissueMesh mesh;
   mesh.V.resize(counts[0], 3);
   mesh.T.resize(counts[1], 4);
   mesh.in_bone.resize(tetrahedra);
-  take(bytes, mesh.V.data(), 3 * nodes);
-  take(bytes, mesh.T.data(), 4 * tetrahedra);
-  take(bytes, mesh.in_bone.data(), tetrahedra);
+  take_bytes(bytes, mesh.V.data(), 3 * nodes);
+  take_bytes(bytes, mesh.T.data(), 4 * tetrahedra);
+  take_bytes(bytes, mesh.in_bone.data(), tetrahedra);
   for (std::size_t n = 0; n < nodes; ++n) {
     PackedAnchor packed;
-    take(bytes, &packed, 1);
+    take_bytes(bytes, &packed, 1);
     mesh.anchors.push_back({static_cast<TissueAnchor::Kind>(packed.kind), packed.bone, {packed.vertices[0], packed.vertices[1], packed.vertices[2]},
                             Vec3(packed.weights[0], packed.weights[1], packed.weights[2])});
   }
@@ -85,8 +71,8 @@ TissueMesh template_tissue(const Template& body_template, Interior interior) {
   const Anatomy& anatomy = tables.own ? *tables.own : body_template.anatomy;
   const Points skin = body_template.body.skin.V.topRows(tables.topology.skin_size);
   std::string made_of = std::string(kVersion) + (interior == Interior::tetgen ? " tetgen" : " lattice");
-  put(made_of, skin.data(), static_cast<std::size_t>(skin.size()));
-  for (const Bone& bone : anatomy.bones) put(made_of, bone.mesh.V.data(), static_cast<std::size_t>(bone.mesh.V.size()));
+  put_bytes(made_of, skin.data(), static_cast<std::size_t>(skin.size()));
+  for (const Bone& bone : anatomy.bones) put_bytes(made_of, bone.mesh.V.data(), static_cast<std::size_t>(bone.mesh.V.size()));
   const std::string name = sha256(made_of) + ".tissue";
   if (const std::optional<std::string> bytes = read_cached(name)) {
     try {

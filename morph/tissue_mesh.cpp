@@ -9,9 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <map>
 #include <system_error>
@@ -20,6 +18,7 @@
 #include <fmt/format.h>
 
 #include "anatomy/atomic_file.h"
+#include "anatomy/bytes.h"
 #include "anatomy/errors.h"
 #include "anatomy/input_file.h"
 #include "anatomy/solids.h"
@@ -145,18 +144,6 @@ int run_between(const fs::path& program, const std::string& argument, const fs::
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-template <class T>
-void put(std::ofstream& out, const T* values, std::size_t count) {
-  out.write(reinterpret_cast<const char*>(values), static_cast<std::streamsize>(count * sizeof(T)));
-}
-
-template <class T>
-void take(std::string_view& in, T* values, std::size_t count) {
-  if (count > in.size() / sizeof(T)) throw UnfitError("TetGen: its answer ends too early; take --interior lattice");
-  std::memcpy(values, in.data(), count * sizeof(T));
-  in.remove_prefix(count * sizeof(T));
-}
-
 }  // namespace
 
 TissueMesh tetgen_tissue(const TriMesh& closed_skin, const std::vector<Bone>& bones, const TissueOptions& options) {
@@ -182,27 +169,28 @@ TissueMesh tetgen_tissue(const TriMesh& closed_skin, const std::vector<Bone>& bo
   const Exchange exchange;
   const fs::path input = exchange.folder / "in", output = exchange.folder / "out";
   {
-    std::ofstream out(input, std::ios::binary);
+    std::string question;
     const std::int64_t counts[] = {static_cast<std::int64_t>(mesh.anchors.size()), F.rows()};
-    put(out, counts, 2);
-    put(out, points.data(), points.size());
-    put(out, F.data(), static_cast<std::size_t>(F.size()));
-    if (!out.flush()) throw OutputError(fmt::format("{}: could not be written", input.string()));
+    put_bytes(question, counts, 2);
+    put_bytes(question, points.data(), points.size());
+    put_bytes(question, F.data(), static_cast<std::size_t>(F.size()));
+    write_file_atomically(input, question);
   }
   const int status = run_between(program, fmt::format("{}", options.quality), input, output);
   if (status != 0) throw UnfitError(fmt::format("TetGen gave up on this skin (status {}); take --interior lattice", status));
   const std::string answer = read_input_file(output);
   std::string_view in = answer;
   std::int64_t counts[2];
-  take(in, counts, 2);
+  if (in.size() < sizeof counts) throw UnfitError("TetGen: its answer ends too early; take --interior lattice");
+  take_bytes(in, counts, 2);
   constexpr std::int64_t kMost = 1 << 26;
   if (counts[0] < static_cast<std::int64_t>(mesh.anchors.size()) || counts[0] > kMost || counts[1] < 1 || counts[1] > kMost)
     throw UnfitError("TetGen: its answer does not hold this skin; take --interior lattice");
   if (in.size() != static_cast<std::size_t>(counts[0]) * 24 + static_cast<std::size_t>(counts[1]) * 16) throw UnfitError("TetGen: its answer has another length than it says");
   mesh.V.resize(counts[0], 3);
   mesh.T.resize(counts[1], 4);
-  take(in, mesh.V.data(), static_cast<std::size_t>(mesh.V.size()));
-  take(in, mesh.T.data(), static_cast<std::size_t>(mesh.T.size()));
+  take_bytes(in, mesh.V.data(), static_cast<std::size_t>(mesh.V.size()));
+  take_bytes(in, mesh.T.data(), static_cast<std::size_t>(mesh.T.size()));
   if (mesh.T.minCoeff() < 0 || mesh.T.maxCoeff() >= counts[0] || !mesh.V.allFinite()) throw UnfitError("TetGen: its answer names points that are not there");
   mesh.anchors.resize(static_cast<std::size_t>(counts[0]));
   for (Eigen::Index t = 0; t < mesh.T.rows(); ++t)
