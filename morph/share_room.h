@@ -4,7 +4,8 @@
 // another muscle before its own surface ends, the two are parted where their levels are equal (0 on the line of centres, 1 on the
 // surface), which both see alike; before bone the section ends. Where there is room between it and its neighbour, the bone or the layer
 // of fat, it grows: to the middle, or by more where it has less than its wanted volume and the neighbour has not. A few rounds, smoothed
-// along and round the strip; the last ones only give way. Sections keep their ellipses: what is found are the outlines' factors.
+// along and round the strip. Then the layer is looked at from its own side: where no muscle comes up to it, the one that lies next under it
+// does (uncovered.h). The last rounds only give way. Sections keep their ellipses: what is found are the outlines' factors.
 #pragma once
 
 #include <span>
@@ -17,7 +18,7 @@
 namespace ecorche {
 
 struct SharingLimits {
-  int parting = 1, growing = 4, settling = 2;  // rounds
+  int parting = 1, growing = 4, covering = 4, settling = 2;  // rounds
   double reach = 0.035;      // m: how far beyond its surface a section looks for room
   double settled_reach = 0.003;  // in the last rounds
   double gap = 0.15e-3;      // m, that a muscle keeps from its neighbour's half of the way

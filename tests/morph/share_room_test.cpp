@@ -42,7 +42,7 @@ Anatomy limb(int count) {
   return anatomy;
 }
 
-SharingReport share(Anatomy& anatomy, double skin_radius, double layer) {
+SharingReport share(Anatomy& anatomy, double skin_radius, double layer, const SharingLimits& limits = {}) {
   const TriMesh skin = cylinder(skin_radius, -0.3, 0.3, 96, 60);
   FatLayer fat;
   fat.thickness.assign(static_cast<std::size_t>(skin.V.rows()), static_cast<float>(layer));
@@ -50,7 +50,7 @@ SharingReport share(Anatomy& anatomy, double skin_radius, double layer) {
   std::vector<double> wanted;
   for (const Muscle& muscle : anatomy.muscles) wanted.push_back(muscle.volume);
   const std::vector<int> partners(anatomy.muscles.size(), -1);
-  return share_room(anatomy, slices, wanted, partners, SkinRays(skin), fat);
+  return share_room(anatomy, slices, wanted, partners, SkinRays(skin), fat, limits);
 }
 
 SolidVolumes measure(const Anatomy& anatomy, Points& points) {
@@ -88,6 +88,38 @@ TEST(ShareRoom, BelliesReachTheLayerAndNoFurther) {
     if (std::abs(points(i, 1)) < 0.02) reach[static_cast<std::size_t>(surface.muscle[static_cast<std::size_t>(i)])] = std::max(reach[static_cast<std::size_t>(surface.muscle[static_cast<std::size_t>(i)])], far);
   }
   for (const double far : reach) EXPECT_GT(far, 0.057);
+}
+
+// Share of the layer's underside round the middle of the limb that lies within 3 mm of a muscle.
+double covered(const Anatomy& anatomy, double radius) {
+  const MuscleSurface surface = make_muscle_surface(anatomy);
+  Points points;
+  update_muscle_surface(surface, rest_slices(anatomy), points);
+  int near = 0, all = 0;
+  for (int around = 0; around < 60; ++around)
+    for (double y = -0.1; y <= 0.1; y += 0.02) {
+      const Vec3 p(radius * std::cos(2 * kPi * around / 60), y, radius * std::sin(2 * kPi * around / 60));
+      double least = 1;
+      for (Eigen::Index f = 0; f < surface.F.rows(); ++f)
+        for (int i = 0; i <= 6; ++i)
+          for (int j = 0; i + j <= 6; ++j)
+            least = std::min(least, ((i * points.row(surface.F(f, 0)) + j * points.row(surface.F(f, 1)) + (6 - i - j) * points.row(surface.F(f, 2))).transpose() / 6 - p).norm());
+      ++all;
+      near += least < 0.003;
+    }
+  return static_cast<double>(near) / all;
+}
+
+TEST(ShareRoom, WhereTheLayerLiesBareTheMuscleUnderItComesUp) {
+  Anatomy bare = limb(5), anatomy = limb(5);
+  SharingLimits without;
+  without.covering = 0;
+  share(bare, 0.066, 0.004, without);
+  share(anatomy, 0.066, 0.004);
+  EXPECT_GT(covered(anatomy, 0.062), 0.9);
+  EXPECT_LT(covered(bare, 0.062), covered(anatomy, 0.062) - 0.05);
+  Points points;
+  EXPECT_LT(measure(anatomy, points).muscle_overlap_share(), 0.01);
 }
 
 TEST(ShareRoom, EllipsesStay) {
