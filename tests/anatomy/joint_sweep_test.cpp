@@ -145,3 +145,18 @@ TEST(JointSweep, LoftedVolumesStayWithinHalfAPercent) {
   }
   RecordProperty("drift_percent", std::to_string(100 * worst));
 }
+
+// As measured in people: near the joint while the elbow is straight, well off it when it is bent (20 and 54 mm; Pigeon, Yahia and Feldman 1996, recalled).
+TEST(JointSweep, BrachioradialisStandsOffTheBentElbow) {
+  const auto body_template = installed_template();
+  if (!body_template) GTEST_SKIP() << "the data packages are not there (make setup)";
+  const Anatomy& anatomy = body_template->anatomy;
+  JointSweep sweep{find_joint(anatomy.skeleton, "elbow_l"), 0, {}};
+  for (int degrees : {9, 11, 89, 91}) sweep.angles.push_back(degrees * kDegree);
+  const Eigen::MatrixXd lengths = swept_lengths(make_posing_table(anatomy), anatomy.skeleton, sweep);
+  int strip = 0;
+  for (int m = 0; m < find_muscle(anatomy, "brachioradialis_l"); ++m) strip += static_cast<int>(anatomy.muscles[static_cast<std::size_t>(m)].strips.size());
+  const double straight = (lengths(0, strip) - lengths(1, strip)) / (2 * kDegree), bent = (lengths(2, strip) - lengths(3, strip)) / (2 * kDegree);
+  EXPECT_NEAR(straight, 0.020, 0.010);
+  EXPECT_NEAR(bent, 0.054, 0.012);
+}
