@@ -68,15 +68,14 @@ void add(std::span<const float> offsets, std::span<float> positions) {
 }
 
 // The base mesh's way from where the blend puts it to where it settles, handed down.
-void follow(const SkinTables& fine, const PosedAnatomy& posed, const Four& root, std::span<const float> flesh, SkinFrame::Scratch& scratch,
-            std::vector<float>& positions) {
-  ElasticScratch& elastic = scratch.elastic;
+void follow(const SkinTables& fine, const PosedAnatomy& posed, const Four& root, std::span<const float> flesh, const SkinFrame::Scratch& scratch,
+            ElasticScratch& elastic, std::vector<float>& positions) {
   const SkinTables& base = *fine.base;
   elastic.base.resize(4 * static_cast<std::size_t>(base.vertex_count));
   blend_vertices(base, scratch.carriers.data(), scratch.lifts.data(), root, elastic.base.data());
   elastic.offsets.assign(elastic.base.begin(), elastic.base.end());
   add(flesh, elastic.base);
-  settle_skin(base.elastic, base.triangles, posed.X_WJ, elastic.base, elastic);
+  settle_skin(*base.elastic, base.triangles, posed.X_WJ, elastic.base, elastic);
   for (std::size_t k = 0; k < elastic.base.size(); k += 4) store4(&elastic.offsets[k], load4(&elastic.base[k]) - load4(&elastic.offsets[k]));
   for (std::size_t s = 0; s < static_cast<std::size_t>(fine.vertex_count); ++s) {
     Float4 sum = load4(&positions[4 * s]);
@@ -108,11 +107,13 @@ void deform(const Binding& binding, const PosedAnatomy& posed, std::span<const f
   std::vector<float>& positions = sorted ? out.positions : scratch.positions;
   std::vector<float>& normals = sorted ? out.normals : scratch.normals;
   blend_vertices(tables, scratch.carriers.data(), scratch.lifts.data(), root4, positions.data());
+  if (!scratch.elastic.memory) scratch.elastic.memory = std::make_shared<ElasticScratch>();
+  ElasticScratch& elastic = *scratch.elastic.memory;
   if (settle == Settle::yes && tables.base) {
-    follow(tables, posed, root4, flesh, scratch, positions);
+    follow(tables, posed, root4, flesh, scratch, elastic, positions);
   } else if (settle == Settle::yes && tables.elastic) {
     add(flesh, positions);
-    settle_skin(tables.elastic, tables.triangles, posed.X_WJ, positions, scratch.elastic);
+    settle_skin(*tables.elastic, tables.triangles, posed.X_WJ, positions, elastic);
   }
   vertex_normals(positions, tables.triangles, normals);
   if (!sorted) {

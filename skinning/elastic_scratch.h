@@ -1,13 +1,9 @@
 // Working memory of the elastic skin, which every frame owns; its content means nothing between frames. Private to the room.
 #pragma once
 
-#include <memory>
 #include <vector>
 
 namespace ecorche {
-
-struct ElasticSkin;
-class ContactTree;
 
 struct MembraneScratch {
   // Whole fours of vertices x 4.
@@ -17,28 +13,24 @@ struct MembraneScratch {
   std::vector<float> right;                     // #V x 4, in the factor's order
 };
 
-// The tree of one posed skin, refitted to each pose. A copied frame builds one of its own.
-struct OwnTree {
-  OwnTree() = default;
-  OwnTree(OwnTree&&) = default;
-  OwnTree& operator=(OwnTree&&) = default;
-  OwnTree(const OwnTree&) {}
-  OwnTree& operator=(const OwnTree&) {
-    tree.reset();
-    return *this;
-  }
-
-  std::shared_ptr<ContactTree> tree;
+struct PatchScratch {
+  struct Shape {
+    float low[4] = {}, high[4] = {};   // of the box
+    float middle[4] = {}, up[4] = {};
+    float reach = 0;                   // m
+    float spread = 0;                  // rad, largest angle of a normal with `up`
+  };
+  std::vector<Shape> shapes;           // a patch
 };
 
 struct ContactScratch {
-  OwnTree own;                                // of one mesh: forget it before another one's turn
+  PatchScratch patches;
+  std::vector<float> boxes;                   // of the tree of triangles, fitted to the pose
   std::vector<float> pushes, spread, before;  // #V x 4
   std::vector<char> wanted;                   // #V: which are looked at
 };
 
 struct ElasticScratch {
-  std::shared_ptr<const ElasticSkin> skin;    // whose contact tree it is
   MembraneScratch membrane;
   ContactScratch contact;
   std::vector<float> normals, open, working;

@@ -50,28 +50,26 @@ std::shared_ptr<const ElasticSkin> make_elastic_skin(const Skeleton& skeleton, c
   }
   std::vector<Vec3> rest;
   for (Eigen::Index s = 0; s < sorted.V.rows(); ++s) rest.push_back(sorted.V.row(s));
-  ElasticSkin out{make_membrane(sorted, thickness),
+  Membrane membrane = make_membrane(sorted, thickness);
+  SkinContact contact = make_skin_contact(membrane, positions, triangles, thickness);
+  ElasticSkin out{std::move(membrane),
                   make_limb_volumes(skeleton, positions, triangles, weights, thickness),
-                  contact_give(positions, triangles, thickness),
+                  std::move(contact),
                   std::move(thickness),
                   std::move(weights),
                   std::move(rest)};
   return std::make_shared<const ElasticSkin>(std::move(out));
 }
 
-void settle_skin(const std::shared_ptr<const ElasticSkin>& skin, std::span<const int> triangles, std::span<const Transform> X_WJ,
+void settle_skin(const ElasticSkin& skin, std::span<const int> triangles, std::span<const Transform> X_WJ,
                  std::span<float> positions, ElasticScratch& s) {
-  if (s.skin != skin) {
-    s.skin = skin;
-    s.contact.own = {};
-  }
-  relax_membrane(skin->membrane, positions, triangles, kMembraneRounds, s.membrane);
+  relax_membrane(skin.membrane, positions, triangles, kMembraneRounds, s.membrane);
   for (std::size_t k = 0; k < positions.size(); k += 4) store4(&positions[k], load4(&positions[k]) + load4(&s.membrane.offsets[k]));
   s.normals.resize(positions.size());
   vertex_normals(positions, triangles, s.normals);
-  find_hollows(skin->membrane, positions, s.normals, s.open, s.working);
-  keep_volumes(skin->volumes, X_WJ, s.open, s.normals, positions);
-  part_skin(skin->membrane, skin->give, triangles, kContactRounds, positions, s.normals, s.contact);
+  find_hollows(skin.membrane, positions, s.normals, s.open, s.working);
+  keep_volumes(skin.volumes, X_WJ, s.open, s.normals, positions);
+  part_skin(skin.membrane, skin.contact, triangles, kContactRounds, positions, s.normals, s.contact);
 }
 
 }  // namespace ecorche

@@ -17,7 +17,7 @@ namespace ecorche {
 struct ElasticSkin {
   Membrane membrane;
   LimbVolumes volumes;
-  std::vector<float> give;                               // #V m, in contact
+  SkinContact contact;
   std::vector<double> tissue;                            // #V m, between skin and bone
   std::vector<std::array<Influence, 4>> joint_weights;   // #V
   std::vector<Vec3> rest;                                // #V
@@ -28,9 +28,9 @@ std::shared_ptr<const ElasticSkin> make_elastic_skin(const Skeleton& skeleton, c
                                                      std::span<const std::array<Influence, 4>> joint_weights, std::span<const int> order,
                                                      std::span<const int> triangles);
 
-// Moves `positions` (#V x 4, in that order). A function of the pose alone; allocates only when the skin is another one than last time.
+// Moves `positions` (#V x 4, in that order). A function of the pose alone; allocates only when the skin has another size than last time.
 // Same input, same bytes at any number of threads.
-void settle_skin(const std::shared_ptr<const ElasticSkin>& skin, std::span<const int> triangles, std::span<const Transform> X_WJ,
+void settle_skin(const ElasticSkin& skin, std::span<const int> triangles, std::span<const Transform> X_WJ,
                  std::span<float> positions, ElasticScratch& scratch);
 
 }  // namespace ecorche

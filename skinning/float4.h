@@ -22,6 +22,15 @@ inline Float4 turn(Float4 v) { return __builtin_shuffle(v, Int4{1, 2, 0, 3}); }
 // w = 0 when both have finite w
 inline Float4 cross(Float4 a, Float4 b) { return turn(a * turn(b) - turn(a) * b); }
 
+// Lane by lane. The compiler does not find these instructions by itself, as they differ from a comparison where something is not a number.
+#ifdef __SSE__
+inline Float4 least(Float4 a, Float4 b) { return __builtin_ia32_minps(a, b); }
+inline Float4 most(Float4 a, Float4 b) { return __builtin_ia32_maxps(a, b); }
+#else
+inline Float4 least(Float4 a, Float4 b) { return a < b ? a : b; }
+inline Float4 most(Float4 a, Float4 b) { return a > b ? a : b; }
+#endif
+
 // In every lane.
 inline Float4 sum4(Float4 v) {
   v += __builtin_shuffle(v, Int4{2, 3, 0, 1});

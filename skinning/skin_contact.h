@@ -9,16 +9,23 @@
 #include <vector>
 
 #include "anatomy/types.h"
+#include "skinning/contact_patches.h"
+#include "skinning/fitted_tree.h"
 #include "skinning/membrane.h"
 
 namespace ecorche {
 
-// How far each vertex may be pushed, m, #V; 0 for those that are left alone. `positions`: #V x 4, rest; `triangles`: 3 indices each;
-// `tissue`: what lies between skin and bone, m, #V.
-std::vector<float> contact_give(std::span<const float> positions, std::span<const int> triangles, std::span<const double> tissue);
+struct SkinContact {
+  std::vector<float> give;   // #V m, how far each vertex may be pushed; 0 for those that are left alone
+  ContactPatches patches;
+  FittedTree tree;
+};
+
+// `positions`: #V x 4, rest; `triangles`: 3 indices each; `tissue`: what lies between skin and bone, m, #V.
+SkinContact make_skin_contact(const Membrane& rings, std::span<const float> positions, std::span<const int> triangles, std::span<const double> tissue);
 
 // Parts `positions` (#V x 4) by rounds, adding to them. Allocates only at first use; same input, same bytes at any number of threads.
-void part_skin(const Membrane& rings, std::span<const float> give, std::span<const int> triangles, int rounds, std::span<float> positions,
+void part_skin(const Membrane& rings, const SkinContact& contact, std::span<const int> triangles, int rounds, std::span<float> positions,
                std::vector<float>& normals, ContactScratch& scratch);
 
 }  // namespace ecorche

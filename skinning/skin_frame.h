@@ -1,12 +1,25 @@
 // A deformed skin: what one frame writes and the viewer, the exporters and the measurements read.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "anatomy/types.h"
-#include "skinning/elastic_scratch.h"
 
 namespace ecorche {
+
+struct ElasticScratch;
+
+// The elastic skin's share of a frame's working memory, made when it is first needed. A copied frame makes its own.
+struct OwnElastic {
+  OwnElastic() = default;
+  OwnElastic(OwnElastic&&) = default;
+  OwnElastic& operator=(OwnElastic&&) = default;
+  OwnElastic(const OwnElastic&) {}
+  OwnElastic& operator=(const OwnElastic&) { return *this; }
+
+  std::shared_ptr<ElasticScratch> memory;
+};
 
 // Four floats a vertex (x y z 1 and nx ny nz 0), world, metres, in the vertex order of the skin that was bound.
 // Buffers are sized on first use and then reused.
@@ -19,7 +32,7 @@ struct SkinFrame {
     std::vector<Transform> frames;
     std::vector<Quat> turns;
     std::vector<float> carriers, lifts, lifts_working, positions, normals;
-    ElasticScratch elastic;
+    OwnElastic elastic;
   } scratch;
 };
 

@@ -174,10 +174,10 @@ struct Pair {
   std::span<const int> triangles() const { return {mesh.F.data(), static_cast<std::size_t>(mesh.F.size())}; }
   Points parted(const Points& V) const {
     const Membrane rings = make_membrane(mesh, tissue);
-    const std::vector<float> give = contact_give(floats(mesh.V), triangles(), tissue);
+    const SkinContact contact = make_skin_contact(rings, floats(mesh.V), triangles(), tissue);
     std::vector<float> positions = floats(V), normals;
     ContactScratch scratch;
-    part_skin(rings, give, triangles(), 2, positions, normals, scratch);
+    part_skin(rings, contact, triangles(), 2, positions, normals, scratch);
     return points(positions);
   }
 };

@@ -1,0 +1,188 @@
+#include "skinning/fitted_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+
+#include "skinning/lanes.h"
+
+namespace ecorche {
+namespace {
+
+constexpr int kLeaf = 4;           // triangles; fewer are filled up with the last one
+constexpr std::size_t kMostWaiting = 64;  // three a level, and medians halve twice a level: far deeper than any mesh needs
+
+Float4 row(std::span<const float> rows, int i) { return load4(&rows[4 * static_cast<std::size_t>(i)]); }
+
+struct Builder {
+  std::span<const int> triangles;
+  std::vector<Float4> middles;
+  std::vector<int> order;
+  FittedTree& tree;
+
+  Float4 middle(int k) const { return middles[static_cast<std::size_t>(order[static_cast<std::size_t>(k)])]; }
+
+  // Halves a range at the median along its longest side.
+  int halve(int begin, int end) {
+    Float4 low = middle(begin), high = low;
+    for (int k = begin; k < end; ++k) {
+      low = least(low, middle(k));
+      high = most(high, middle(k));
+    }
+    const Float4 size = high - low;
+    const int axis = size[0] >= size[1] && size[0] >= size[2] ? 0 : size[1] >= size[2] ? 1 : 2;
+    const int leaves = (end - begin + kLeaf - 1) / kLeaf, half = begin + kLeaf * (leaves / 2);  // so that all leaves but one are full
+    std::nth_element(order.begin() + begin, order.begin() + half, order.begin() + end, [&](int a, int b) {
+      return std::pair(middles[static_cast<std::size_t>(a)][axis], a) < std::pair(middles[static_cast<std::size_t>(b)][axis], b);
+    });
+    return half;
+  }
+
+  int leaf(int begin, int end) {
+    const int at = static_cast<int>(tree.corners.size());
+    for (int k = begin; k < begin + kLeaf; ++k) {
+      const auto corner = triangles.begin() + 3 * order[static_cast<std::size_t>(std::min(k, end - 1))];
+      tree.corners.insert(tree.corners.end(), corner, corner + 3);
+    }
+    return ~at;
+  }
+
+  int node(int begin, int end) {
+    if (end - begin <= kLeaf && !tree.children.empty()) return leaf(begin, end);
+    const std::size_t at = tree.children.size();
+    tree.children.emplace_back();
+    std::array<int, 5> cut{begin, end, end, end, end};
+    if (end - begin > kLeaf) {
+      cut[2] = halve(begin, end);
+      cut[1] = cut[2] - begin > kLeaf ? halve(begin, cut[2]) : cut[2];
+      cut[3] = end - cut[2] > kLeaf ? halve(cut[2], end) : end;
+    }
+    int last = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const int child = cut[k] < cut[k + 1] ? node(cut[k], cut[k + 1]) : last;
+      tree.children[at][k] = last = child;
+    }
+    return static_cast<int>(at);
+  }
+};
+
+struct Ray {
+  Lanes3 origin, direction, inverse;  // the same in every lane
+  float near = 0;
+};
+
+Ray make_ray(Float4 from, Float4 direction, float near) {
+  const auto inverse = [&](int k) { return all(1 / (std::abs(direction[k]) > 1e-12f ? direction[k] : std::copysign(1e-12f, direction[k]))); };
+  return {{all(from[0]), all(from[1]), all(from[2])}, {all(direction[0]), all(direction[1]), all(direction[2])}, {inverse(0), inverse(1), inverse(2)}, near};
+}
+
+// Where the ray enters a node's four boxes, and whether it does.
+Float4 entries(const float* box, const Ray& ray, float far, Int4& enters) {
+  const Float4 ax = (load4(box) - ray.origin.x) * ray.inverse.x, bx = (load4(box + 12) - ray.origin.x) * ray.inverse.x;
+  const Float4 ay = (load4(box + 4) - ray.origin.y) * ray.inverse.y, by = (load4(box + 16) - ray.origin.y) * ray.inverse.y;
+  const Float4 az = (load4(box + 8) - ray.origin.z) * ray.inverse.z, bz = (load4(box + 20) - ray.origin.z) * ray.inverse.z;
+  const Float4 in = most(most(least(ax, bx), least(ay, by)), most(least(az, bz), all(ray.near)));
+  const Float4 out = least(least(most(ax, bx), most(ay, by)), least(most(az, bz), all(far)));
+  enters = in <= out;
+  return in;
+}
+
+// Four triangles at once (Moeller & Trumbore 1997, 10.1080/10867651.1997.10487468), a hair wider than they are: no ray slips through an edge.
+// Whether one is hit before `far`, which then is how far; `behind`: from which side.
+bool crosses(std::span<const float> positions, const int* corners, const Ray& ray, float& far, bool& behind) {
+  constexpr float kHair = 1e-5f;
+  const int first[] = {corners[0], corners[3], corners[6], corners[9]}, second[] = {corners[1], corners[4], corners[7], corners[10]},
+            third[] = {corners[2], corners[5], corners[8], corners[11]};
+  const Lanes3 a = xyz(gather_rows(positions.data(), first)), ab = xyz(gather_rows(positions.data(), second)) - a, ac = xyz(gather_rows(positions.data(), third)) - a;
+  const Lanes3 p = cross(ray.direction, ac), s = ray.origin - a, q = cross(s, ab);
+  const Float4 det = dot(ab, p), inverse = 1.0f / det;  // infinite where the ray lies in the plane: nothing is true of what follows
+  const Float4 u = dot(s, p) * inverse, v = dot(ray.direction, q) * inverse, t = dot(ac, q) * inverse;
+  const auto hit = (u >= -kHair) & (v >= -kHair) & (u + v <= 1 + kHair) & (t >= ray.near) & (t <= far);
+  bool any = false;
+  for (int lane = 0; lane < 4; ++lane) {
+    if (!hit[lane] || t[lane] > far) continue;
+    far = t[lane];
+    behind = det[lane] < 0;
+    any = true;
+  }
+  return any;
+}
+
+}  // namespace
+
+FittedTree make_fitted_tree(std::span<const float> positions, std::span<const int> triangles) {
+  FittedTree out;
+  Builder builder{triangles, {}, std::vector<int>(triangles.size() / 3), out};
+  std::iota(builder.order.begin(), builder.order.end(), 0);
+  for (std::size_t f = 0; f < triangles.size(); f += 3)
+    builder.middles.push_back((row(positions, triangles[f]) + row(positions, triangles[f + 1]) + row(positions, triangles[f + 2])) * (1 / 3.0f));
+  if (!triangles.empty()) builder.node(0, static_cast<int>(triangles.size() / 3));
+  return out;
+}
+
+void fit_boxes(const FittedTree& tree, std::span<const float> positions, std::vector<float>& boxes) {
+  boxes.resize(32 * tree.children.size());
+  for (std::size_t n = tree.children.size(); n-- > 0;) {
+    Float4 low[4], high[4];
+    for (std::size_t k = 0; k < 4; ++k) {
+      const int child = tree.children[n][k];
+      if (child >= 0) {
+        low[k] = load4(&boxes[32 * static_cast<std::size_t>(child) + 24]);
+        high[k] = load4(&boxes[32 * static_cast<std::size_t>(child) + 28]);
+        continue;
+      }
+      const int* corner = &tree.corners[static_cast<std::size_t>(~child)];
+      low[k] = high[k] = row(positions, corner[0]);
+      for (int c = 1; c < 3 * kLeaf; ++c) {
+        const Float4 p = row(positions, corner[c]);
+        low[k] = least(low[k], p);
+        high[k] = most(high[k], p);
+      }
+    }
+    const Lanes4 lows = transposed(low[0], low[1], low[2], low[3]), highs = transposed(high[0], high[1], high[2], high[3]);
+    float* box = &boxes[32 * n];
+    for (const Float4 part : {lows.x, lows.y, lows.z, highs.x, highs.y, highs.z}) {
+      store4(box, part);
+      box += 4;
+    }
+    store4(box, least(least(low[0], low[1]), least(low[2], low[3])));
+    store4(box + 4, most(most(high[0], high[1]), most(high[2], high[3])));
+  }
+}
+
+float back_seen(const FittedTree& tree, std::span<const float> boxes, std::span<const float> positions, Float4 from, Float4 direction, float near, float far) {
+  if (tree.children.empty()) return 0;
+  const Ray ray = make_ray(from, direction, near);
+  struct Waiting {
+    int child;
+    float entry;
+  };
+  std::array<Waiting, kMostWaiting> stack;
+  std::size_t waiting = 1;
+  stack[0] = {0, near};
+  bool found = false, behind = false;
+  while (waiting > 0) {
+    const Waiting next = stack[--waiting];
+    if (next.entry > far) continue;
+    if (next.child < 0) {
+      found = crosses(positions, &tree.corners[static_cast<std::size_t>(~next.child)], ray, far, behind) || found;
+      continue;
+    }
+    Int4 enters;
+    const Float4 entry = entries(&boxes[32 * static_cast<std::size_t>(next.child)], ray, far, enters);
+    const std::array<int, 4>& children = tree.children[static_cast<std::size_t>(next.child)];
+    const std::size_t begin = waiting;
+    for (int k = 0; k < 4; ++k) {
+      const int child = children[static_cast<std::size_t>(k)];
+      if (!enters[k] || (k > 0 && child == children[static_cast<std::size_t>(k) - 1])) continue;
+      std::size_t at = waiting++;  // the nearest one last
+      for (; at > begin && stack[at - 1].entry < entry[k]; --at) stack[at] = stack[at - 1];
+      stack[at] = {child, entry[k]};
+    }
+  }
+  return found && behind ? far : 0;
+}
+
+}  // namespace ecorche

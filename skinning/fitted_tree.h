@@ -1,0 +1,29 @@
+// A tree of boxes about the triangles of a surface that moves: the tree stays, its boxes are fitted anew to each pose. Four boxes and four
+// triangles are looked at side by side (Wald, Benthin & Boulos 2008, 10.1109/RT.2008.4634620). Private to the room.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "skinning/float4.h"
+
+namespace ecorche {
+
+struct FittedTree {
+  // >= 0: a node; otherwise a leaf of four triangles, ~child the place of its first corner.
+  std::vector<std::array<int, 4>> children;  // a node; parents before children. A node of fewer repeats its last one
+  std::vector<int> corners;                  // 12 a leaf
+};
+
+// `positions`: #V x 4; `triangles`: 3 indices each, four of them at least.
+FittedTree make_fitted_tree(std::span<const float> positions, std::span<const int> triangles);
+
+// `boxes`: 32 a node: low x of the four children, low y, low z, high x, high y, high z; low and high corner of the whole. Allocates only when
+// its size changes.
+void fit_boxes(const FittedTree& tree, std::span<const float> positions, std::vector<float>& boxes);
+
+// Distance to the first triangle between `near` and `far` along a direction of unit length if it is seen from behind; otherwise 0.
+float back_seen(const FittedTree& tree, std::span<const float> boxes, std::span<const float> positions, Float4 from, Float4 direction, float near, float far);
+
+}  // namespace ecorche
