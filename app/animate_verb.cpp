@@ -11,6 +11,7 @@
 #include "app/actor.h"
 #include "app/motion_options.h"
 #include "app/motion_survey.h"
+#include "app/painted_skin.h"
 #include "app/verb.h"
 #include "skinning/mdd_io.h"
 #include "skinning/obj_sequence.h"
@@ -22,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct AnimateOptions {
-  fs::path character, motion;
+  fs::path character, motion, weights;
   std::vector<fs::path> outputs;
   std::string activation = "none", skin = "ecorche";
   bool dynamics = false;
@@ -83,6 +84,7 @@ int run(const AnimateOptions& options, const Common& common, Report& report) {
   check_outputs(options.outputs, {options.character, options.motion});
   if (options.dynamics && options.skin != "ecorche") throw UsageError("--dynamics: only our own skin has flesh that lags; leave --skin out");
   Actor actor = make_actor(read_character(options.character), report);
+  paint_skin(options.weights, actor, report);
   choose_skin(actor, options.skin);
   const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
   const Activations activations = open_activations(options.activation, actor, motion, report);
@@ -111,6 +113,7 @@ void add_animate_verb(VerbRegistry& registry) {
       ->required()
       ->allow_extra_args(false);
   add_skin_option(*verb, options->skin);
+  add_weights_option(*verb, options->weights);
   verb->add_option("--activation", options->activation, kActivationHelp)->capture_default_str();
   verb->add_flag("--dynamics", options->dynamics, "Let loose flesh lag and settle, in vertex caches");
   add_motion_options(*verb, options->retarget);

@@ -7,6 +7,7 @@
 #include "anatomy/errors.h"
 #include "app/actor.h"
 #include "app/motion_options.h"
+#include "app/painted_skin.h"
 #include "app/verb.h"
 #include "skinning/bake_io.h"
 
@@ -16,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct BakeVerbOptions {
-  fs::path character, output;
+  fs::path character, output, weights;
   std::vector<fs::path> motions;
   MotionOptions retarget;
   BakeOptions bake;
@@ -57,7 +58,8 @@ int run(const BakeVerbOptions& options, const Common& common, Report& report) {
   std::vector<fs::path> inputs = options.motions;
   inputs.push_back(options.character);
   check_output(options.output, inputs);
-  const Actor actor = make_actor(read_character(options.character), report);
+  Actor actor = make_actor(read_character(options.character), report);
+  paint_skin(options.weights, actor, report);
   const Character& character = actor.character;
   ActorFrame frame;
   const ExactSkin exact = [&](const Pose& pose, std::vector<Transform>& X_WJ, SkinFrame& out) {
@@ -103,6 +105,7 @@ void add_bake_verb(VerbRegistry& registry) {
   verb->add_option("--samples", options->bake.sample_frames, "Frames that weights and shapes are solved on; errors are of every frame")
       ->check(CLI::Range(2, 2000))
       ->capture_default_str();
+  add_weights_option(*verb, options->weights);
   add_motion_options(*verb, options->retarget);
 }
 

@@ -7,6 +7,7 @@
 #include "anatomy/bare_skin.h"
 #include "anatomy/errors.h"
 #include "app/fitting.h"
+#include "app/painted_skin.h"
 #include "app/template_file.h"
 #include "app/verb.h"
 
@@ -16,7 +17,7 @@ namespace {
 const std::map<std::string, Interior> kInteriors{{"bones", Interior::bones}, {"tetgen", Interior::tetgen}, {"lattice", Interior::lattice}, {"rbf", Interior::rbf}};
 
 struct FitVerbOptions {
-  std::filesystem::path body, body_template, output, tissue;
+  std::filesystem::path body, body_template, output, tissue, weights;
   std::string method = "ecorche", skin = "base", sex, unit, interior = "bones";
   FittingOptions fitting;
 };
@@ -38,7 +39,8 @@ int run(FitVerbOptions options, const Common& common, Report& report) {
   Body body = open_body(options.body, package, common, report, options.unit.empty() ? std::nullopt : metres_in(options.unit));
   if (!options.sex.empty()) body.sex = options.sex == "female" ? Sex::female : Sex::male;
   const Template body_template = open_template(options.body_template);
-  const FittedCharacter fitted = fit_character(body_template, body, package, options.fitting, report);
+  FittedCharacter fitted = fit_character(body_template, body, package, options.fitting, report);
+  paint_skin(options.weights, fitted.actor, report);
   const Actor& actor = fitted.actor;
   write_character(options.output, actor.character, actor.binding);
   if (!options.tissue.empty()) {
@@ -74,6 +76,7 @@ void add_fit_verb(VerbRegistry& registry) {
       ->check(CLI::IsMember({"bones", "tetgen", "lattice", "rbf"}))
       ->capture_default_str();
   verb->add_option("--tissue", options->tissue, "Tetrahedra between bones and skin, for simulations (.vtk); with --interior tetgen or lattice");
+  add_weights_option(*verb, options->weights);
   verb->add_option("--alpha", options->fitting.dilate.alpha, "paper: share of their length's change that muscles start with across")
       ->check(CLI::Range(0.01, 10.0))
       ->capture_default_str();

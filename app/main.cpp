@@ -60,6 +60,7 @@ int main(int argc, char** argv) {
   add_check_verb(registry);
   add_animate_verb(registry);
   add_export_verb(registry);
+  add_weights_verb(registry);
   add_bake_verb(registry);
   add_posebook_verb(registry);
   add_render_verb(registry);

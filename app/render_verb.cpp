@@ -9,13 +9,14 @@
 #include "app/activation_options.h"
 #include "app/actor_film.h"
 #include "app/motion_options.h"
+#include "app/painted_skin.h"
 #include "app/verb.h"
 
 namespace ecorche {
 namespace {
 
 struct RenderVerbOptions {
-  std::filesystem::path character, motion;
+  std::filesystem::path character, motion, weights;
   std::string activation = "none", layers = "skin,muscles,bones", size = "1280x720", skin = "ecorche";
   std::vector<double> dissolve;
   bool colour_map = false;
@@ -47,6 +48,7 @@ int run(RenderVerbOptions options, const Common& common, Report& report) {
   if (options.colour_map) options.film.muscle_colors = MuscleColors::shortening;
   if (options.film.output.extension() == ".mp4") check_output(options.film.output);
   Actor actor = make_actor(read_character(options.character), report);
+  paint_skin(options.weights, actor, report);
   choose_skin(actor, options.skin);
   const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
   options.film.ground.visible = true;
@@ -71,6 +73,7 @@ void add_render_verb(VerbRegistry& registry) {
   verb->add_option("-o,--output", options->film.output, "FILM.mp4, or numbered pictures DIR/%04d.png")->required();
   verb->add_option("--layers", options->layers, "What is seen: skin, muscles, bones; the skin is glass over other layers")->capture_default_str();
   add_skin_option(*verb, options->skin);
+  add_weights_option(*verb, options->weights);
   verb->add_flag("--beside", options->film.beside, "The skin, and the figure without it beside it");
   verb->add_option("--dissolve", options->dissolve, "The skin goes, from the feet up, between these two moments of the motion, in seconds")
       ->expected(2)

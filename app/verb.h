@@ -48,6 +48,7 @@ void add_animate_verb(VerbRegistry& registry);
 void add_posebook_verb(VerbRegistry& registry);
 void add_render_verb(VerbRegistry& registry);
 void add_view_verb(VerbRegistry& registry);
+void add_weights_verb(VerbRegistry& registry);
 void add_bake_verb(VerbRegistry& registry);
 void add_bench_verb(VerbRegistry& registry);
 void add_export_verb(VerbRegistry& registry);

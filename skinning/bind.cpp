@@ -13,6 +13,7 @@
 #include "skinning/joint_shares.h"
 #include "skinning/muscle_lift.h"
 #include "skinning/muscle_nodes.h"
+#include "skinning/painted_weights.h"
 #include "skinning/share_rules.h"
 #include "skinning/skin_survey.h"
 #include "skinning/skin_tables.h"
@@ -103,7 +104,7 @@ Movers refine_movers(const Refinement& refinement, const Movers& base, const Ski
 }
 
 Movers find_movers(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin, const SkinSurvey& survey,
-                   const BindOptions& options, SkinTables& tables) {
+                   const BindOptions& options, const PaintedWeights& painted, SkinTables& tables) {
   tables.joint_count = static_cast<int>(anatomy.skeleton.joints.size());
   tables.slice_count = static_cast<int>(rest.slices.size());
   tables.origins = rest_positions(anatomy.skeleton);
@@ -115,7 +116,8 @@ Movers find_movers(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMe
   Movers out{diffuse_shares(anatomy.skeleton, skin, survey, options.blend_width), {}};
   let_scapula_glide(anatomy.skeleton, skin, out.rows);
   thin_shares(out.rows, kLeastShare, kMostShares);
-  spread_twist(anatomy.skeleton, skin, out.rows, tables.twists);
+  for (std::size_t k = 0; k < painted.vertices.size(); ++k) out.rows[static_cast<std::size_t>(painted.vertices[k])] = painted.shares[k];
+  spread_twist(anatomy.skeleton, skin, painted.vertices, out.rows, tables.twists);
   const std::vector<std::array<Influence, 4>> four = four_joints(out.rows, tables);
   tables.pairs = add_pairs(anatomy.skeleton, skin, tables.twists, out.rows);
   const std::vector<LimbSection> sections = limb_sections(anatomy.skeleton, skin, four);
@@ -168,16 +170,25 @@ Binding bind_skin(const Anatomy& anatomy, const Body& body, const BindOptions& o
 }
 
 Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin, const BindOptions& options) {
+  return bind_skin(anatomy, rest, skin, PaintedWeights{}, options);
+}
+
+Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin, const PaintedWeights& painted, const BindOptions& options) {
   check(anatomy, rest, skin);
   SkinSurvey survey = survey_skin(Surroundings(anatomy, rest), skin);
   auto tables = std::make_shared<SkinTables>();
-  const Movers movers = find_movers(anatomy, rest, skin, survey, options, *tables);
+  const Movers movers = find_movers(anatomy, rest, skin, survey, options, painted, *tables);
   lay_out_elastic(anatomy, skin, survey, movers, *tables);
   return finish(skin, std::move(survey.anchors), movers, std::move(tables));
 }
 
 Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& base, const Refinement& refinement, const TriMesh& fine,
                   const BindOptions& options) {
+  return bind_skin(anatomy, rest, base, refinement, fine, PaintedWeights{}, options);
+}
+
+Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& base, const Refinement& refinement, const TriMesh& fine,
+                  const PaintedWeights& painted, const BindOptions& options) {
   check(anatomy, rest, base);
   check(anatomy, rest, fine);
   if (refinement.map.rows() != fine.V.rows() || refinement.map.cols() != base.V.rows())
@@ -185,7 +196,7 @@ Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMes
   const Surroundings inside(anatomy, rest);
   auto tables = std::make_shared<SkinTables>();
   const SkinSurvey survey = survey_skin(inside, base);
-  const Movers movers = find_movers(anatomy, rest, base, survey, options, *tables);
+  const Movers movers = find_movers(anatomy, rest, base, survey, options, painted, *tables);
   const Movers finer = refine_movers(refinement, movers, *tables);
   auto base_tables = std::make_shared<SkinTables>(*tables);
   lay_out(fine, finer.rows, finer.node_rows, *tables);

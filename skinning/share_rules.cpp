@@ -96,9 +96,11 @@ void fade_with_distance(const Skeleton& skeleton, const TriMesh& skin, const std
 
 }  // namespace
 
-void spread_twist(const Skeleton& skeleton, const TriMesh& skin, std::vector<ShareRow>& rows, std::vector<TwistCarrier>& twists) {
+void spread_twist(const Skeleton& skeleton, const TriMesh& skin, std::span<const int> painted, std::vector<ShareRow>& rows, std::vector<TwistCarrier>& twists) {
   const std::vector<Vec3> origins = rest_positions(skeleton);
   const auto origin = [&](int j) { return origins[static_cast<std::size_t>(j)]; };
+  std::vector<char> kept(rows.size(), 0);
+  for (const int v : painted) kept[static_cast<std::size_t>(v)] = 1;
   for (const std::string side : {"_l", "_r"}) {
     for (const auto& [upper, lower] : {std::pair{"shoulder", "elbow"}, std::pair{"hip", "knee"}}) {
       const int j = find_joint(skeleton, upper + side), end = find_joint(skeleton, lower + side);
@@ -115,6 +117,7 @@ void spread_twist(const Skeleton& skeleton, const TriMesh& skin, std::vector<Sha
     if (elbow < 0 || forearm < 0 || wrist < 0) continue;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const double t = along(skin.V.row(static_cast<Eigen::Index>(i)), origin(elbow), origin(wrist));
+      if (kept[i]) continue;
       move_share(rows[i], elbow, forearm, 1);
       move_share(rows[i], forearm, elbow, 1 - std::clamp((t - 0.1) / 0.85, 0.0, 1.0));
     }

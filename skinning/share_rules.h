@@ -1,6 +1,7 @@
 // What skin does that the bone beneath it does not: it turns gradually along limbs and glides over the shoulder blade. Private.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "anatomy/anatomy.h"
@@ -11,8 +12,8 @@ namespace ecorche {
 
 // Upper arm and thigh: the share of the shoulder (hip) is split between the joint and a carrier without its axial rotation, which is
 // all at the shoulder and nothing at the elbow. Forearm: the share of ulna and radius passes from one to the other along its length.
-// New carriers are appended to `twists`; rows then refer to carriers (#joints + k).
-void spread_twist(const Skeleton& skeleton, const TriMesh& skin, std::vector<ShareRow>& rows, std::vector<TwistCarrier>& twists);
+// New carriers are appended to `twists`; rows then refer to carriers (#joints + k). `painted`: vertices whose forearm stays as it is.
+void spread_twist(const Skeleton& skeleton, const TriMesh& skin, std::span<const int> painted, std::vector<ShareRow>& rows, std::vector<TwistCarrier>& twists);
 
 // Away from the acromion the skin of the back stays with the ribs while the shoulder blade slides beneath it (30 to 70 mm by upright
 // tomography, 10.3390/s22176502).
