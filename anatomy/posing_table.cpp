@@ -18,7 +18,8 @@ constexpr double kTendonTwist = 3;       // turn of tendon over turn of belly, p
 constexpr double kKeptGap = 0.3;         // share of their distance at rest that path points of two bones keep
 constexpr double kShortEnd = 0.04;       // m; first and last pieces of paths that may be passed
 constexpr double kFreeOffset = 0.3;      // curvature times a section's distance from the line, on its inner side, that folds nothing
-constexpr double kWrapMargin = 0.0015;   // m
+constexpr double kWrapMargin = 0.0015;   // m: half of the way over which a push begins,
+constexpr double kWrapShare = 0.03;      // or this share of a large object's radius, whose surface a line meets along its length at once
 constexpr double kSteepest = 0.7;         // slope at which a push rises from a still slice, farther off than
 constexpr double kGentle = 0.015;         // m
 constexpr double kWrapReach = 4;         // object radii: slices farther off hold still
@@ -125,7 +126,7 @@ bool fit_wrap(const Wrap& wrap, const RestStrip& rest, const Vec3& joint, Posing
   if (nearest < 0 || least > kWrapReach || least < 0.2) return false;
   out.side = seen(nearest).normalized();
   const double mean_radius = out.cylinder ? wrap.radii.x() : std::cbrt(wrap.radii.prod());
-  out.soft = kWrapMargin / mean_radius;
+  out.soft = std::max(kWrapMargin / mean_radius, kWrapShare);
   const auto below = [&](int k) {
     const Vec3 x = seen(k);
     const double u = x.dot(out.side);
