@@ -64,7 +64,7 @@ Image picture_of(const TriMesh& skin, const Skeleton& skeleton, const std::vecto
   Image whole = make_image(3 * kWidth, static_cast<int>(joints.size()) * (kHeight + kTitle));
   DrawList list;
   list.meshes.push_back(mesh_of(skin));
-  list.items.push_back({.mesh = 0, .surface = {.roughness = 0.8f}, .closed = true});
+  list.items.push_back({.mesh = 0, .surface = {.roughness = 0.8f}, .casts_shadow = false, .closed = true});
   list.lighting.follows_camera = true;
   list.lighting.key_direction = Vec3f(0.45f, -0.6f, -0.75f);
   list.lighting.ambient_strength = 0.6f;

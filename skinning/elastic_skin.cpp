@@ -1,6 +1,7 @@
 #include "skinning/elastic_skin.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "skinning/float4.h"
 #include "skinning/normals.h"
@@ -10,6 +11,7 @@ namespace ecorche {
 namespace {
 
 constexpr int kMembraneRounds = 3, kContactRounds = 2;
+constexpr float kPressed = 1e-3f;    // m; what contact has moved further does not swell
 constexpr double kRadiusShare = 0.8;  // an ear is far from bone, but there is not much of it
 
 std::vector<double> tissue_of(const TriMesh& skin, const SkinSurvey& survey) {
@@ -69,7 +71,14 @@ void settle_skin(const ElasticSkin& skin, std::span<const int> triangles, std::s
   vertex_normals(positions, triangles, s.normals);
   find_hollows(skin.membrane, positions, s.normals, s.open, s.working);
   keep_volumes(skin.volumes, X_WJ, s.open, s.normals, positions);
-  part_skin(skin.membrane, skin.contact, triangles, kContactRounds, positions, s.normals, s.contact);
+  if (!part_skin(skin.membrane, skin.contact, triangles, kContactRounds, positions, s.normals, s.contact)) return;
+  // What contact has pressed away swells where nothing presses.
+  for (std::size_t i = 0; i < s.open.size(); ++i) {
+    const Float4 way = load4(&positions[4 * i]) - load4(&s.contact.before[4 * i]);
+    s.open[i] *= std::max(0.0f, 1 - std::sqrt(sum4(way * way)[0]) / kPressed);
+  }
+  vertex_normals(positions, triangles, s.normals);
+  keep_volumes(skin.volumes, X_WJ, s.open, s.normals, positions);
 }
 
 }  // namespace ecorche

@@ -86,15 +86,16 @@ SkinContact make_skin_contact(const Membrane& rings, std::span<const float> posi
   return out;
 }
 
-void part_skin(const Membrane& rings, const SkinContact& contact, std::span<const int> triangles, int rounds, std::span<float> positions,
+bool part_skin(const Membrane& rings, const SkinContact& contact, std::span<const int> triangles, int rounds, std::span<float> positions,
                std::vector<float>& normals, ContactScratch& s) {
   const std::size_t n = positions.size() / 4;
   const std::vector<float>& give = contact.give;
   for (std::vector<float>* each : {&s.pushes, &s.spread, &normals}) each->resize(4 * n);
   s.wanted.resize(n);
   vertex_normals(positions, triangles, normals);
-  if (!find_meetings(contact.patches, give, positions, normals, s.patches, s.wanted)) return;
+  if (!find_meetings(contact.patches, give, positions, normals, s.patches, s.wanted)) return false;
   s.before.assign(positions.begin(), positions.end());
+  bool moved = false;
   for (int round = 0; round < rounds; ++round) {
     if (round > 0) vertex_normals(positions, triangles, normals);
     fit_boxes(contact.tree, positions, s.boxes);
@@ -112,7 +113,9 @@ void part_skin(const Membrane& rings, const SkinContact& contact, std::span<cons
       store4(&positions[4 * i], start + way);
     }
     if (!any) break;
+    moved = true;
   }
+  return moved;
 }
 
 }  // namespace ecorche

@@ -24,8 +24,9 @@ struct SkinContact {
 // `positions`: #V x 4, rest; `triangles`: 3 indices each; `tissue`: what lies between skin and bone, m, #V.
 SkinContact make_skin_contact(const Membrane& rings, std::span<const float> positions, std::span<const int> triangles, std::span<const double> tissue);
 
-// Parts `positions` (#V x 4) by rounds, adding to them. Allocates only at first use; same input, same bytes at any number of threads.
-void part_skin(const Membrane& rings, const SkinContact& contact, std::span<const int> triangles, int rounds, std::span<float> positions,
+// Parts `positions` (#V x 4) by rounds, adding to them; whether any has moved: scratch.before then has all as they were. Allocates only at
+// first use; same input, same bytes at any number of threads.
+bool part_skin(const Membrane& rings, const SkinContact& contact, std::span<const int> triangles, int rounds, std::span<float> positions,
                std::vector<float>& normals, ContactScratch& scratch);
 
 }  // namespace ecorche

@@ -10,6 +10,8 @@
 #include "skinning/bind.h"
 #include "skinning/deform.h"
 #include "skinning/linear_rival.h"
+#include "skinning/pose_book.h"
+#include "skinning/pose_figures.h"
 #include "skinning/quality.h"
 #include "skinning/retarget.h"
 #include "tests/body_fixture.h"
@@ -104,6 +106,14 @@ TEST_F(BodySkin, BentElbowsAndKneesKeepTheirVolumeOnEveryBuild) {
       EXPECT_LT(blend.limb_volume_change[section], 0) << name << ' ' << middle;
       EXPECT_LE(std::abs(mine.limb_volume_change[section]), -0.5 * blend.limb_volume_change[section]) << name << ' ' << middle;
     }
+  }
+}
+
+TEST_F(BodySkin, WhatContactPressesAwaySwellsElsewhere) {
+  Figure body = figure(standard_body("default_male"));
+  for (const char* angles : {"knee 150", "elbow 150", "hip 110; knee 140; trunk 40 0 0"}) {
+    const SkinFrame frame = body.play(pose_of_angles(angles, body.anatomy.skeleton, "this test"));
+    EXPECT_LT(std::abs(measure_pose(body.skin, body.binding, body.posed.X_WJ, frame).body_volume_change), 0.005) << angles;
   }
 }
 
