@@ -53,7 +53,10 @@ std::vector<SliceRange> slice_ranges(const Anatomy& anatomy);  // one a strip, i
 
 // Throws std::invalid_argument if `anatomy` is not valid, a strip has fewer than two or more than kMaxStripSlices slices or
 // more than kMaxPathPoints path points. Wraps never move the rest line: where it lies inside of one, it may stay as deep.
-PosingTable make_posing_table(const Anatomy& anatomy);
+// With contact, muscles that a pose presses into one another part (posed_contact.h); to know which may meet, the anatomy is posed through its
+// joints' ranges: some tenths of a second for a whole body.
+enum class MuscleContact { no, yes };
+PosingTable make_posing_table(const Anatomy& anatomy, MuscleContact contact = MuscleContact::no);
 
 // What make_posing_table found about wraps, for reports: those that the rest line enters and those that it does not come near.
 struct WrapNote {

@@ -285,7 +285,7 @@ std::vector<SliceRange> slice_ranges(const Anatomy& anatomy) {
   return ranges;
 }
 
-PosingTable make_posing_table(const Anatomy& anatomy) {
+PosingTable make_posing_table(const Anatomy& anatomy, MuscleContact contact) {
   check(anatomy);
   const auto data = std::make_shared<PosingTable::Data>();
   const std::vector<SliceRange> ranges = slice_ranges(anatomy);
@@ -331,6 +331,7 @@ PosingTable make_posing_table(const Anatomy& anatomy) {
     data->batches.push_back(batch);
     at += batch.strips;
   }
+  if (contact == MuscleContact::yes) data->contact = make_contact_table(anatomy, PosingTable{data});
   return PosingTable{data};
 }
 

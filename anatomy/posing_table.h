@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "anatomy/pose_anatomy.h"
+#include "anatomy/posed_contact.h"
 #include "anatomy/tendon_give.h"
 
 namespace ecorche {
@@ -131,6 +132,7 @@ struct PosingTable::Data {
   std::vector<SliceOutline> outlines;       // #slices
   std::vector<PosingProfile> profiles;
   std::vector<WrapNote> notes;
+  ContactTable contact;                // empty: muscles do not touch
 };
 
 // Limits of a belly's swelling (radii over those of the rest pose; sheets: the root of the thickness): far beyond what fibres do.

@@ -38,7 +38,7 @@ Actor make_actor(Character character, Report& report, const BaseSkin* base) {
   actor.character = std::move(character);
   {
     const StageTimer timer(report, "posing_table");
-    actor.table = make_posing_table(actor.character.anatomy);
+    actor.table = make_posing_table(actor.character.anatomy, MuscleContact::yes);
   }
   const StageTimer timer(report, "anchoring");
   PosedAnatomy rest;

@@ -1,0 +1,155 @@
+// Laws of contact in motion: muscles that a pose presses into one another part, keep their volumes, are at rest what they were, follow
+// mirror and rigid motion, and do not jump.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "anatomy/muscle_surface.h"
+#include "anatomy/pose_anatomy.h"
+#include "anatomy/solids.h"
+#include "tests/anatomy/strips.h"
+
+using namespace ecorche;
+using namespace ecorche::testing;
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+// Two flexors of the elbow side by side, 2 mm apart at rest; `mirror` = -1 gives the right arm.
+Anatomy flexors(double mirror = 1) {
+  Anatomy anatomy;
+  anatomy.skeleton = arm_skeleton(mirror);
+  Joint& elbow = anatomy.skeleton.joints[2];
+  elbow.axes = Eigen::DiagonalMatrix<double, 3>(-1, 1, -1) * Mat3::Identity();
+  elbow.min = Vec3(-0.01, -0.01, -0.01);
+  elbow.max = Vec3(130 * kDegree, 0.01, 0.01);
+  for (const double x : {0.16, 0.20}) {
+    const auto at = [&](double y, double z) { return Vec3(mirror * x, y, z); };
+    Strip strip = make_strip({on(1, at(1.42, 0.03)), on(1, at(1.30, 0.035)), on(1, at(1.20, 0.035)), on(2, at(1.10, 0.03)), on(2, at(1.06, 0.02))},
+                             spindle(13, 0.019, 0.004, 0.1, 0.85, mirror * Vec3::UnitX()));
+    strip.belly_begin = 0.1;
+    strip.belly_end = 0.85;
+    Muscle muscle;
+    muscle.name = std::string(x < 0.18 ? "inner" : "outer") + (mirror > 0 ? "_l" : "_r");
+    muscle.side = mirror > 0 ? Side::left : Side::right;
+    muscle.strips.push_back(strip);
+    anatomy.muscles.push_back(muscle);
+  }
+  return anatomy;
+}
+
+PosedAnatomy posed(const Anatomy& anatomy, const Pose& pose, MuscleContact contact = MuscleContact::yes, int threads = 1) {
+  PosedAnatomy out;
+  pose_anatomy(make_posing_table(anatomy, contact), anatomy.skeleton, pose, out, threads);
+  return out;
+}
+
+Pose bent(const Anatomy& anatomy, double degrees) { return arm_pose(anatomy.skeleton, 0, 0, 0, degrees, 0); }
+
+// Of the drawn surfaces, by lines through them: knows nothing of sections.
+double overlap(const Anatomy& anatomy, const PosedAnatomy& p) {
+  const MuscleSurface surface = make_muscle_surface(anatomy);
+  Points positions;
+  update_muscle_surface(surface, p, positions);
+  std::vector<Solid> solids;
+  for (const MuscleSurface::Part& part : surface.parts) solids.push_back({Solid::Kind::muscle, &positions, &surface.F, part.face_begin, part.face_end});
+  return measure_solids(solids, 0.0007).muscle_overlap_share();
+}
+
+Vec3 outline_point(const Ellipse& e, int i) {
+  const double angle = 2 * std::numbers::pi * i / kOutlinePoints, f = static_cast<double>(e.outline[static_cast<std::size_t>(i)]);
+  return e.center + f * (e.radii.x() * std::cos(angle) * e.axes.col(0) + e.radii.y() * std::sin(angle) * e.axes.col(1));
+}
+
+double part_volumes(const Anatomy& anatomy, const PosedAnatomy& p, std::size_t muscle) {
+  const MuscleSurface surface = make_muscle_surface(anatomy);
+  Points positions;
+  update_muscle_surface(surface, p, positions);
+  return part_volume(surface, surface.parts[muscle], positions);
+}
+
+}  // namespace
+
+TEST(PosedContact, MusclesThatSwellIntoOneAnotherPart) {
+  const Anatomy anatomy = flexors();
+  const double before = overlap(anatomy, posed(anatomy, bent(anatomy, 100), MuscleContact::no));
+  const double after = overlap(anatomy, posed(anatomy, bent(anatomy, 100)));
+  EXPECT_GT(before, 0.02);
+  EXPECT_LT(after, 0.5 * before);
+}
+
+TEST(PosedContact, VolumesAreKept) {
+  const Anatomy anatomy = flexors();
+  const auto ranges = slice_ranges(anatomy);
+  const PosedAnatomy rest = posed(anatomy, rest_pose(anatomy.skeleton));
+  for (const double degrees : {20.0, 70.0, 125.0}) {
+    const PosedAnatomy p = posed(anatomy, bent(anatomy, degrees));
+    EXPECT_EQ(p.clamped, 0);
+    for (std::size_t m = 0; m < 2; ++m) {
+      EXPECT_NEAR(strip_volume(p, ranges[m]) / strip_volume(rest, ranges[m]), 1, 1e-9);
+      EXPECT_NEAR(part_volumes(anatomy, p, m) / part_volumes(anatomy, rest, m), 1, 0.02) << "round caps are no part of a strip's volume";
+    }
+  }
+}
+
+TEST(PosedContact, RestIsRest) {
+  const Anatomy anatomy = flexors();
+  const PosedAnatomy with = posed(anatomy, rest_pose(anatomy.skeleton)), without = posed(anatomy, rest_pose(anatomy.skeleton), MuscleContact::no);
+  for (std::size_t k = 0; k < with.slices.size(); ++k) EXPECT_EQ(std::memcmp(&with.slices[k], &without.slices[k], sizeof(Ellipse)), 0) << "slice " << k;
+}
+
+TEST(PosedContact, MirrorAndRigidMotion) {
+  const Anatomy left = flexors(1), right = flexors(-1);
+  Pose pose = bent(left, 110);
+  const PosedAnatomy a = posed(left, pose), b = posed(right, bent(right, 110));
+  const Eigen::DiagonalMatrix<double, 3> flip(-1, 1, 1);
+  pose.root = Vec3(2, -1, 0.5);
+  pose.rotations[0] = Quat(Eigen::AngleAxisd(1.1, Vec3(1, 2, -1).normalized()));
+  const PosedAnatomy c = posed(left, pose);
+  const Transform X = c.X_WJ[0] * a.X_WJ[0].inverse();
+  int pressed = 0;
+  for (std::size_t k = 0; k < a.slices.size(); ++k) {
+    double nearest_sum = 0;
+    for (int i = 0; i < kOutlinePoints; ++i) {
+      double nearest = 1;
+      for (int j = 0; j < kOutlinePoints; ++j) nearest = std::min(nearest, (flip * outline_point(a.slices[k], i) - outline_point(b.slices[k], j)).norm());
+      nearest_sum += nearest;
+      EXPECT_LT((X * outline_point(a.slices[k], i) - outline_point(c.slices[k], i)).norm(), 1e-6);
+    }
+    EXPECT_LT(nearest_sum, 1e-5) << "slice " << k;
+    pressed += a.slices[k].outline != kEllipticOutline;
+  }
+  EXPECT_GE(pressed, 4);
+}
+
+TEST(PosedContact, NothingJumps) {
+  const Anatomy anatomy = flexors();
+  const PosingTable table = make_posing_table(anatomy, MuscleContact::yes);
+  PosedAnatomy before, now;
+  constexpr double step = 0.25;
+  double most = 0;
+  for (double degrees = 0; degrees <= 128; degrees += step) {
+    pose_anatomy(table, anatomy.skeleton, bent(anatomy, degrees), now);
+    if (degrees > 0) {
+      for (std::size_t k = 0; k < now.slices.size(); ++k)
+        for (int i = 0; i < kOutlinePoints; ++i) {
+          // In the section's own plane: what the joint moves is no jump.
+          const auto local = [&](const PosedAnatomy& p) { return (outline_point(p.slices[k], i) - p.slices[k].center).norm(); };
+          most = std::max(most, std::abs(local(now) - local(before)) / step);
+        }
+    }
+    std::swap(before, now);
+  }
+  EXPECT_LT(most, 1e-3) << "m a degree";
+}
+
+TEST(PosedContact, SameBytesAtAnyNumberOfThreadsAndAfterAnyHistory) {
+  const Anatomy anatomy = flexors();
+  const PosingTable table = make_posing_table(anatomy, MuscleContact::yes);
+  PosedAnatomy fresh, used;
+  pose_anatomy(table, anatomy.skeleton, bent(anatomy, 15), used, 2);
+  pose_anatomy(table, anatomy.skeleton, bent(anatomy, 120), used, 2);
+  pose_anatomy(table, anatomy.skeleton, bent(anatomy, 120), fresh, 1);
+  EXPECT_EQ(std::memcmp(fresh.slices.data(), used.slices.data(), fresh.slices.size() * sizeof(Ellipse)), 0);
+}
