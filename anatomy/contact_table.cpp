@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kPoses = 12;
 constexpr double kStep = 0.6180339887498949;  // of successive poses in a joint's range: never the same, and evenly spread
-constexpr float kLeastShared = 2e-6f;        // m^3, in some pose: less is not worth a look
+constexpr double kLeastShared = 8e-5;         // of all muscles' volume, in some pose: less is not worth a look
 constexpr float kRounding = 1e-5f;            // of a factor, in single precision
 
 struct Box {
@@ -101,7 +101,8 @@ struct Places {
 // own << 32 | other, ascending.
 using Pairs = std::vector<std::uint64_t>;
 
-Pairs pairs_of(const ContactTable& table, const Places& places, const ContactMemory& posed, const ContactMemory& rest) {
+// Pairs of sections that share more than `least`, m^3.
+Pairs pairs_of(const ContactTable& table, const Places& places, const ContactMemory& posed, const ContactMemory& rest, float least) {
   const std::size_t n = table.strips.size();
   std::vector<Box> near(n), wide(n);  // about outlines, about what they speak for
   for (std::size_t s = 0; s < n; ++s)
@@ -120,7 +121,7 @@ Pairs pairs_of(const ContactTable& table, const Places& places, const ContactMem
         box.add(own, own.wide);
         if (!box.meets(wide[t])) continue;
         for (int b = table.strips[t].begin; b < table.strips[t].end; ++b)
-          if (in_reach(own, posed.sections[static_cast<std::size_t>(b)]) && shared_volume(table, posed, rest, a, b) > kLeastShared) out.push_back(static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b));
+          if (in_reach(own, posed.sections[static_cast<std::size_t>(b)]) && shared_volume(table, posed, rest, a, b) > least) out.push_back(static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b));
       }
     }
   return out;
@@ -180,13 +181,16 @@ ContactTable make_contact_table(const Anatomy& anatomy, const PosingTable& still
   ContactMemory rest;
   look_at_sections(table, standing.slices, standing.X_WJ[0].translation(), rest);
 
+  double whole = 0;
+  for (const SliceRange& range : ranges) whole += strip_volume(standing, range);
+  const double least = kLeastShared * whole;
   std::vector<Pairs> found(kPoses);
   tbb::parallel_for(0, kPoses, [&](int i) {
     PosedAnatomy posed;
     ContactMemory memory;
     pose_anatomy(still, skeleton, spread_pose(skeleton, i), posed);
     look_at_sections(table, posed.slices, posed.X_WJ[0].translation(), memory);
-    found[static_cast<std::size_t>(i)] = pairs_of(table, places, memory, rest);
+    found[static_cast<std::size_t>(i)] = pairs_of(table, places, memory, rest, static_cast<float>(least));
   });
   Pairs pairs;
   for (const Pairs& some : found) {
