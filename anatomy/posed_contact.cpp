@@ -133,18 +133,6 @@ void give_back(const SliceOutline& before, const SliceOutline& freedom, SliceOut
   for (std::size_t i = 0; i < kCount; ++i) outline[i] += growth * more[i];
 }
 
-void press_outline(const ContactSpokes& most, const ContactSpokes& held, SliceOutline& outline) {
-  const SliceOutline before = outline;
-  SliceOutline freedom;
-  for (std::size_t i = 0; i < kCount; ++i) {
-    const std::size_t a = i / 2, b = (i + 1) / 2 % kSpokes;  // the same, or those on either side
-    const float p = kOver * 0.5f * (most[a] + most[b]);
-    outline[i] *= 1 - p / (1 + p * (1 / kMostPress - 1));
-    freedom[i] = std::max(1 - 0.5f * (held[a] + held[b]), 0.0f);
-  }
-  give_back(before, freedom, outline);
-}
-
 }  // namespace
 
 OutlineWaves outline_waves(const SliceOutline& outline) {
@@ -213,6 +201,18 @@ bool press_of(const ContactTable& table, const ContactMemory& memory, const Cont
   return met;
 }
 
+void press_outline(const ContactSpokes& press, const ContactSpokes& held, SliceOutline& outline) {
+  const SliceOutline before = outline;
+  SliceOutline freedom;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const std::size_t a = i / 2, b = (i + 1) / 2 % kSpokes;  // the same, or those on either side
+    const float p = 0.5f * (press[a] + press[b]);
+    outline[i] *= 1 - p / (1 + p * (1 / kMostPress - 1));
+    freedom[i] = std::max(1 - 0.5f * (held[a] + held[b]), 0.0f);
+  }
+  give_back(before, freedom, outline);
+}
+
 void give_way_to_neighbours(const ContactTable& table, const Vec3& origin, std::span<Ellipse> slices, ContactMemory& memory) {
   memory.changed.assign(slices.size(), 0);
   look_at_sections(table, slices, origin, memory);
@@ -230,6 +230,7 @@ void give_way_to_neighbours(const ContactTable& table, const Vec3& origin, std::
     }
     if (!(*std::max_element(most.begin(), most.end()) > 0)) continue;
     const auto k = static_cast<std::size_t>(table.owners[o]);
+    for (float& p : most) p *= kOver;
     press_outline(most, held, slices[k].outline);
     memory.changed[k] = 1;
   }

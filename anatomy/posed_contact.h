@@ -82,6 +82,9 @@ void look_at_sections(const ContactTable& table, std::span<const Ellipse> slices
 // nothing set, where they are out of each other's reach.
 bool press_of(const ContactTable& table, const ContactMemory& memory, const ContactGroup& group, ContactSpokes& press, ContactSpokes& near);
 
+// An outline pressed by these shares of its factors, and grown again by what it has lost where it is not held (0 free .. 1).
+void press_outline(const ContactSpokes& press, const ContactSpokes& held, SliceOutline& outline);
+
 // Outlines of all sections that give way; memory.changed tells which did.
 void give_way_to_neighbours(const ContactTable& table, const Vec3& origin, std::span<Ellipse> slices, ContactMemory& memory);
 

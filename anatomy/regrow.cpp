@@ -46,6 +46,9 @@ void regrow_batch(const PosingTable::Data& data, const PosingBatch& batch, std::
   }
   if (std::none_of(touched.begin(), touched.end(), [](bool t) { return t; })) return;
 
+  const auto pressed = [&](int slice) {  // now or earlier
+    return out.slices[static_cast<std::size_t>(slice)].outline != data.outlines[static_cast<std::size_t>(slice)];
+  };
   Scratch t;
   PosingAreas areas[kMaxStripSlices];
   std::copy_n(&data.areas[static_cast<std::size_t>(batch.row)], batch.rows, areas);
@@ -54,7 +57,7 @@ void regrow_batch(const PosingTable::Data& data, const PosingBatch& batch, std::
     for (int k = 0; k < batch.rows; ++k) {
       gather(out, begin + k, lane, k, t);
       const int next = std::min(k + 1, batch.rows - 1);
-      if (changed[static_cast<std::size_t>(begin + k)] || changed[static_cast<std::size_t>(begin + next)])
+      if (pressed(begin + k) || pressed(begin + next))
         set_areas(out.slices[static_cast<std::size_t>(begin + k)].outline, out.slices[static_cast<std::size_t>(begin + next)].outline, lane, areas[k]);
     }
   }

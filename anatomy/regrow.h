@@ -1,4 +1,4 @@
-// Bellies at their rest volumes again after outlines have changed. Private to pose_anatomy.
+// Bellies at their rest volumes again after sections or their outlines have been moved. For pose_anatomy and what comes after it.
 #pragma once
 
 #include <span>

@@ -16,6 +16,7 @@
 #include "skinning/deform.h"
 #include "skinning/retarget.h"
 #include "skinning/skin_methods.h"
+#include "skinning/under_skin.h"
 
 namespace ecorche {
 
@@ -23,6 +24,7 @@ struct Actor {
   Character character;
   PosingTable table;
   Binding binding;
+  UnderSkin under;
   SkinMethod method = SkinMethod::ecorche;   // what play() moves the skin by
   std::shared_ptr<const RivalSkins> rivals;  // set for every other method
 };
@@ -43,6 +45,7 @@ struct ActorFrame {
   PosedAnatomy posed;
   SkinFrame skin;
   RivalScratch scratch;
+  UnderSkinMemory under;
 };
 
 // Sets actor.rivals. Throws InputError without the body package, UnfitError for a skin of another topology.

@@ -1,0 +1,150 @@
+// Laws of muscles beneath the skin: at rest nothing moves; where the skin is drawn in, nothing stays outside and bellies keep their volume;
+// more of it moves everything a little more.
+#include "skinning/under_skin.h"
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "anatomy/muscle_surface.h"
+#include "anatomy/solids.h"
+#include "skinning/normals.h"
+#include "tests/anatomy/strips.h"
+#include "tests/skinning/arm.h"
+
+namespace ecorche {
+namespace {
+
+// A spindle of 30 mm in a tube of 45 mm about it, 0.4 m long.
+struct Limb {
+  Anatomy anatomy;
+  TriMesh skin;
+  PosingTable table;
+  PosedAnatomy rest;
+  UnderSkin under;
+
+  Limb() {
+    anatomy.skeleton = testing::arm_skeleton();
+    Muscle muscle;
+    muscle.name = "spindle";
+    muscle.strips.push_back(make_strip({testing::on(0, {0.01, 1.0, 0}), testing::on(0, {0.01, 1.15, 0.002}), testing::on(0, {0.01, 1.3, 0})},
+                                       testing::spindle(15, 0.03, 0.006, 0.1, 0.9, Vec3::UnitX())));
+    muscle.strips[0].belly_begin = 0.1;
+    muscle.strips[0].belly_end = 0.9;
+    anatomy.muscles.push_back(muscle);
+    std::vector<Vec2> profile;
+    for (int k = 0; k <= 40; ++k) profile.emplace_back(0.01 * k, k == 0 || k == 40 ? 0.03 : 0.045);
+    skin = test::lathe(Vec3(0, 0.95, 0), Vec3::UnitY(), profile, 32);
+    table = make_posing_table(anatomy);
+    pose_anatomy(table, anatomy.skeleton, rest_pose(anatomy.skeleton), rest);
+    under = make_under_skin(anatomy, rest, skin);
+  }
+
+  // The skin drawn in on its +x side by `depth` at the middle.
+  SkinFrame drawn_in(double depth) const {
+    SkinFrame frame;
+    for (Eigen::Index v = 0; v < skin.V.rows(); ++v) {
+      Vec3 p = skin.V.row(v);
+      const double along = (p.y() - 1.15) / 0.08;
+      if (p.x() > 0) p.x() -= depth * std::exp(-along * along) * p.x() / 0.045;
+      for (int k = 0; k < 3; ++k) frame.positions.push_back(static_cast<float>(p[k]));
+      frame.positions.push_back(1);
+    }
+    frame.normals.resize(frame.positions.size());
+    vertex_normals(frame.positions, std::span(skin.F.data(), static_cast<std::size_t>(skin.F.size())), frame.normals);
+    return frame;
+  }
+
+  int outside(const PosedAnatomy& posed, const SkinFrame& frame) const {
+    const MuscleSurface surface = make_muscle_surface(anatomy);
+    Points muscles;
+    update_muscle_surface(surface, posed, muscles);
+    TriMesh shape{{}, skin.F};
+    to_points(frame, shape.V);
+    const std::vector<int> winding = winding_numbers(shape, muscles);
+    return static_cast<int>(std::count(winding.begin(), winding.end(), 0));
+  }
+};
+
+TEST(UnderSkin, AtRestNothingMoves) {
+  const Limb limb;
+  SkinFrame frame = limb.drawn_in(0);
+  const SkinFrame before = frame;
+  PosedAnatomy posed = limb.rest;
+  UnderSkinMemory memory;
+  keep_under_skin(limb.under, limb.table, frame, posed, memory);
+  EXPECT_EQ(frame.positions, before.positions);
+  EXPECT_EQ(std::memcmp(posed.slices.data(), limb.rest.slices.data(), posed.slices.size() * sizeof(Ellipse)), 0);
+}
+
+TEST(UnderSkin, WhatComesOutGoesBackAndKeepsItsVolume) {
+  const Limb limb;
+  const SliceRange range = slice_ranges(limb.anatomy)[0];
+  for (const double depth : {0.012, 0.02, 0.03}) {
+    SkinFrame frame = limb.drawn_in(depth);
+    const SkinFrame drawn = frame;
+    PosedAnatomy posed = limb.rest;
+    UnderSkinMemory memory;
+    const int before = limb.outside(posed, frame);
+    keep_under_skin(limb.under, limb.table, frame, posed, memory);
+    EXPECT_GT(before, 5);
+    EXPECT_LE(limb.outside(posed, frame), before / 10) << depth;
+    EXPECT_NEAR(strip_volume(posed, range) / strip_volume(limb.rest, range), 1, 1e-9);
+    double risen = 0;
+    for (std::size_t k = 0; k < frame.positions.size(); ++k) risen = std::max(risen, std::abs(static_cast<double>(frame.positions[k] - drawn.positions[k])));
+    EXPECT_GT(risen, 0);
+    EXPECT_LT(risen, depth) << "the skin comes back by no more than it was drawn in";
+  }
+}
+
+TEST(UnderSkin, MovesSteadilyWithTheSkin) {
+  const Limb limb;
+  PosedAnatomy before, now;
+  UnderSkinMemory memory;
+  constexpr double kStep = 1e-4;
+  double most = 0;
+  for (double depth = 0; depth < 0.03; depth += kStep) {
+    SkinFrame frame = limb.drawn_in(depth);
+    now = limb.rest;
+    keep_under_skin(limb.under, limb.table, frame, now, memory);
+    if (depth > 0)
+      for (std::size_t k = 0; k < now.slices.size(); ++k)
+        for (std::size_t i = 0; i < kOutlinePoints; ++i) {
+          const auto length = [&](const PosedAnatomy& p) { return static_cast<double>(p.slices[k].outline[i]) * p.slices[k].radii.mean(); };
+          most = std::max({most, std::abs(length(now) - length(before)), (now.slices[k].center - before.slices[k].center).norm()});
+        }
+    std::swap(before, now);
+  }
+  EXPECT_LT(most, 1e-3) << "m, while the skin moves by a tenth of a millimetre";
+}
+
+TEST(UnderSkin, SameBytesAtAnyNumberOfThreads) {
+  const Limb limb;
+  std::vector<float> skins[2];
+  PosedAnatomy posed[2];
+  for (int i = 0; i < 2; ++i) {
+    const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, i == 0 ? 1 : 2);
+    SkinFrame frame = limb.drawn_in(0.02);
+    posed[i] = limb.rest;
+    UnderSkinMemory memory;
+    keep_under_skin(limb.under, limb.table, frame, posed[i], memory);
+    skins[i] = frame.positions;
+  }
+  EXPECT_EQ(skins[0], skins[1]);
+  EXPECT_EQ(std::memcmp(posed[0].slices.data(), posed[1].slices.data(), posed[0].slices.size() * sizeof(Ellipse)), 0);
+}
+
+TEST(UnderSkin, RefusesWhatBelongsToAnother) {
+  const Limb limb;
+  SkinFrame frame = limb.drawn_in(0);
+  frame.positions.resize(8);
+  PosedAnatomy posed = limb.rest;
+  UnderSkinMemory memory;
+  EXPECT_THROW(keep_under_skin(limb.under, limb.table, frame, posed, memory), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace ecorche
