@@ -50,9 +50,11 @@ int run(const ViewVerbOptions& options, const Common& common, Report& report) {
   SceneOptions scene;
   scene.eyes = find_eyes(actor.character.body.skin, anatomy.skeleton);
   SceneModel model = make_scene_model(anatomy, actor.character.body.skin, scene);
+  UnderSkinMemory under;
   ViewSubject subject{anatomy, model, static_cast<int>(motion.frames.size()), motion.fps, [&](int frame, PosedAnatomy& posed, SkinFrame& skin) {
                               pose_anatomy(actor.table, anatomy.skeleton, motion.frames[frame], posed);
                               deform_skin(actor.binding, posed, skin);
+                              keep_under_skin(actor.under, actor.table, skin, posed, under);
                             }};
   ViewDocument document;
   std::optional<BodySliders> sliders;
