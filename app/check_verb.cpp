@@ -1,11 +1,13 @@
 // ecorche check: is this anatomy sound? Figures beside what is asked of them, muscle by muscle, with pictures.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
+#include "app/bodies_check.h"
 #include "app/bulges.h"
 #include "app/check_page.h"
 #include "morph/template.h"
@@ -17,6 +19,7 @@ namespace fs = std::filesystem;
 
 struct CheckVerbOptions {
   std::string character = "template", poses;
+  std::vector<std::string> bodies;  // names; empty: all
   fs::path folder;
   bool no_pictures = false, no_sweeps = false;
 };
@@ -27,7 +30,39 @@ Character open_subject(const std::string& name) {
   return {std::move(shown.anatomy), std::move(shown.body)};
 }
 
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw OutputError(fmt::format("{}: {}", folder.string(), error.message()));
+}
+
+// A row a body; posed only where a table of poses was given.
+int run_bodies(const CheckVerbOptions& options, const Common& common, Report& report) {
+  std::vector<BodySpec> bodies = checked_bodies();
+  for (const std::string& name : options.bodies)
+    if (std::none_of(bodies.begin(), bodies.end(), [&](const BodySpec& body) { return body.name == name; }))
+      throw InputError(fmt::format("check bodies: no body '{}'; leave --body out to see their names", name));
+  if (!options.bodies.empty())
+    std::erase_if(bodies, [&](const BodySpec& body) { return std::find(options.bodies.begin(), options.bodies.end(), body.name) == options.bodies.end(); });
+  std::vector<NamedPose> poses;
+  if (!options.poses.empty() && options.poses != "none") poses = read_limit_poses(fs::path(options.poses), read_template().anatomy.skeleton);
+  const std::vector<BodyCheck> checks = check_bodies(bodies, poses, common);
+  std::fputs(bodies_table(checks).c_str(), stdout);
+  const auto met = std::count_if(checks.begin(), checks.end(), is_met);
+  report.set("check.bodies", static_cast<int>(checks.size()));
+  report.set("check.bodies_met", static_cast<int>(met));
+  const bool all = met == static_cast<long>(checks.size());
+  if (!options.folder.empty()) {
+    make_folder(options.folder);
+    write_file_atomically(options.folder / "bodies.csv", bodies_csv(checks));
+    report.set("exit_code", all ? 0 : 8);
+    report.write(options.folder / "check.json");
+  }
+  return all ? 0 : 8;
+}
+
 int run(const CheckVerbOptions& options, const Common& common, Report& report) {
+  if (options.character == "bodies") return run_bodies(options, common, report);
   const Actor actor = make_actor(open_subject(options.character), report);
   const BodyPackage package = read_body_package(find_packages());
   const Skeleton& skeleton = actor.character.anatomy.skeleton;
@@ -45,9 +80,7 @@ int run(const CheckVerbOptions& options, const Common& common, Report& report) {
   report_bulges(bulges, report);
   std::fputs((check_table(check) + bulge_table(bulges)).c_str(), stdout);
   if (!options.folder.empty()) {
-    std::error_code error;
-    fs::create_directories(options.folder, error);
-    if (error) throw OutputError(fmt::format("{}: {}", options.folder.string(), error.message()));
+    make_folder(options.folder);
     write_file_atomically(options.folder / "check.csv", check_csv(check, actor.character.anatomy));
     write_file_atomically(options.folder / "check.html", check_page(check, bulges, actor, poses, {"Check of " + options.character, !options.no_pictures}));
     note(common, fmt::format("look at {0}/check.html; {0}/check.csv has a row a muscle", options.folder.string()));
@@ -68,7 +101,8 @@ void add_check_verb(VerbRegistry& registry) {
   CLI::App* verb = add_verb(registry, registry.app, "check", "Measure a character's anatomy: containment, overlap, voids, volumes and paths at the joints' limits",
                             "ecorche check anna.glb -o anna-check\n  ecorche check template --poses my-poses.csv -o out/template-check",
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
-  verb->add_option("character", options->character, "Character written by `ecorche fit`, or `template`: the template in its own body")->capture_default_str();
+  verb->add_option("character", options->character, "Character written by `ecorche fit`, `template`: the template in its own body, or `bodies`: fitted into twenty bodies, a row each, at rest")->capture_default_str();
+  verb->add_option("--body", options->bodies, "With `bodies`: only this one; may be given again")->take_all();
   verb->add_option("-o,--output", options->folder, "Folder for check.html, check.csv (a row a muscle) and check.json; made where it is missing");
   verb->add_option("--poses", options->poses, "Table of poses (columns pose,joint,flexion,abduction,rotation: shares of the way to the limit); none; those of data/poses.csv when left out");
   verb->add_flag("--no-sweeps", options->no_sweeps, "Leave out the sweeps of every joint through its range (volumes and jumps of paths)");

@@ -1,13 +1,17 @@
 // What `ecorche check` is made of: poses from a table, a tape round a limb, targets that are met or not.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <numbers>
+#include <set>
+#include <sstream>
 
 #include "anatomy/errors.h"
 #include "anatomy/joint_angles.h"
 #include "app/anatomy_check.h"
+#include "app/bodies_check.h"
 #include "app/bulges.h"
 
 using namespace ecorche;
@@ -124,4 +128,29 @@ TEST(CheckTargets, AreMetOrNot) {
   check.drift_max = 0.01;
   check.jump_max = 0.002;
   for (const Target& target : check_targets(check)) EXPECT_FALSE(target.met) << target.what;
+}
+
+TEST(CheckBodies, AreTwentyWithNamesOfTheirOwn) {
+  std::set<std::string> names;
+  int men = 0;
+  for (const BodySpec& body : checked_bodies()) names.insert(body.name), men += body.sex == Sex::male;
+  EXPECT_EQ(names.size(), 20u);
+  EXPECT_GE(men, 8);
+  EXPECT_LE(men, 12);
+}
+
+TEST(CheckBodies, ARowABodyAndACellAColumn) {
+  std::vector<BodyCheck> checks(2);
+  checks[0].name = "one";
+  checks[1].name = "two";
+  checks[1].check.poses.resize(1);
+  std::istringstream csv(bodies_csv(checks));
+  std::string line;
+  std::vector<long> commas;
+  while (std::getline(csv, line)) commas.push_back(std::count(line.begin(), line.end(), ','));
+  ASSERT_EQ(commas.size(), 3u);
+  EXPECT_EQ(commas[0], commas[1]);
+  EXPECT_EQ(commas[0], commas[2]);
+  EXPECT_TRUE(bodies_table(checks).find("two") != std::string::npos);
+  EXPECT_FALSE(is_met(checks[0]));  // nothing filled
 }
