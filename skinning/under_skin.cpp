@@ -8,6 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "anatomy/muscle_line.h"
 #include "anatomy/muscle_surface.h"
 #include "anatomy/outline.h"
 #include "anatomy/posed_contact.h"
@@ -46,6 +47,7 @@ constexpr double kMostOut = 0.06;    // m
 constexpr double kPressed = 0.35;    // of an outline's radius; what is more moves the section
 constexpr double kSkinShare = 0.85;  // of the way out that the skin rises
 constexpr int kSpreading = 8;        // rounds
+constexpr double kVolumeKept = 1e-4;
 constexpr double kOver = 1.1;        // the belly swells back a part of what is pressed
 
 Vec3 spoke_of(const Ellipse& e, double thickness, int spoke) {
@@ -260,6 +262,7 @@ void keep_under_skin(const UnderSkin& under, const PosingTable& table, SkinFrame
   });
   for (std::size_t o = 0; o < data.owners.size(); ++o)
     if (gives[o].any) ways[static_cast<std::size_t>(data.owners[o])] = gives[o].way;
+  memory.before.assign(posed.slices.begin(), posed.slices.end());
   // A section that moves takes its neighbours along by half.
   for (const SliceRange& strip : data.strips)
     for (int k = strip.begin; k < strip.end; ++k) {
@@ -278,6 +281,15 @@ void keep_under_skin(const UnderSkin& under, const PosingTable& table, SkinFrame
     memory.changed[k] = 1;
   }
   regrow(*table.data, memory.changed, posed);
+  for (const SliceRange& strip : data.strips) {
+    const auto begin = memory.changed.begin() + strip.begin, end = memory.changed.begin() + strip.end;
+    if (std::find(begin, end, 1) == end) continue;
+    const auto count = static_cast<std::size_t>(strip.end - strip.begin);
+    const std::span<const Ellipse> was(&memory.before[static_cast<std::size_t>(strip.begin)], count);
+    const double volume = tube_volume(was);
+    if (std::abs(strip_volume(posed, strip) - volume) <= kVolumeKept * std::abs(volume)) continue;
+    std::copy(was.begin(), was.end(), posed.slices.begin() + strip.begin);
+  }
 }
 
 }  // namespace ecorche

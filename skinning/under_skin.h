@@ -34,6 +34,7 @@ struct UnderSkinMemory {
   std::vector<std::pair<int, float>> wishes;  // #probes: of vertices to rise, m
   std::vector<float> rise, rise_before;  // #V, m
   std::vector<char> changed;
+  std::vector<Ellipse> before;           // #sections
 };
 
 // `rest`: the anatomy's rest pose, without contact or with it. `skin`: its rest skin, in the vertex order that frames have.
