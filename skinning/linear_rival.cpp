@@ -14,7 +14,7 @@ Vec3 carried_by_skin(const Vec3& p, const Points& from, const Points& to) {
   std::iota(order.begin(), order.end(), 0);
   const auto nearer = [&](int l, int r) { return (from.row(l).transpose() - p).squaredNorm() < (from.row(r).transpose() - p).squaredNorm(); };
   std::nth_element(order.begin(), order.begin() + kNeighbours, order.end(), nearer);
-  Eigen::Matrix3Xd a(3, kNeighbours), b(3, kNeighbours);
+  Eigen::MatrixXd a(3, kNeighbours), b(3, kNeighbours);
   for (int i = 0; i < kNeighbours; ++i) {
     a.col(i) = from.row(order[i]).transpose();
     b.col(i) = to.row(order[i]).transpose();
