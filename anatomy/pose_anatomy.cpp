@@ -311,8 +311,9 @@ void pose_batch(const PosingTable::Data& data, const PosingBatch& batch, std::sp
   carry_frames(data, batch, out.X_WJ, t);
   const Lane twist = find_twist(data, batch, out.X_WJ, t, out);
   lay_slices(data, batch, twist, find_effort(data, batch, activation), t);
-  const Lane growth = find_growth(batch, &data.areas[static_cast<std::size_t>(batch.row)], t).max(batch.lanes.grow_min).min(batch.lanes.grow_max);
-  store(data, batch, growth, t, out);
+  const LaneGrowth found = find_growth(batch, &data.areas[static_cast<std::size_t>(batch.row)], t, batch.lanes.grow_min, batch.lanes.grow_max);
+  store(data, batch, found.growth, t, out);
+  round_out_missed(data, batch, found, out);
 }
 
 }  // namespace

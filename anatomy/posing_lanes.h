@@ -26,9 +26,14 @@ struct Scratch {
   Lane a[kMaxStripSlices], b[kMaxStripSlices], belly[kMaxStripSlices];
 };
 
-// The growth of the belly that gives the rest volume: tube_volume is a cubic in it, nearly a quadratic.
+struct LaneGrowth {
+  Lane growth;
+  Lane missed;  // that it is off the rest volume, in the unit of PosingBatch.lanes.volume
+};
+
+// The growth of the belly, low .. high, that gives the rest volume: tube_volume is a cubic in it, nearly a quadratic.
 // `of_rows`: areas of the batch's rows.
-inline Lane find_growth(const PosingBatch& batch, const PosingAreas* of_rows, const Scratch& t) {
+inline LaneGrowth find_growth(const PosingBatch& batch, const PosingAreas* of_rows, const Scratch& t, const Lane& low, const Lane& high) {
   const Lane& w = batch.lanes.width_swells;
   Lane q0 = -batch.lanes.volume, q1 = Lane::Zero(), q2 = Lane::Zero(), q3 = Lane::Zero();
   // A product of three axes that grow by f, g and h of the belly's growth.
@@ -66,7 +71,8 @@ inline Lane find_growth(const PosingBatch& batch, const PosingAreas* of_rows, co
   Lane x = -2 * q0 / (q1 + root).max(least);
   constexpr int kRounds = 3;  // Newton, from the quadratic's root
   for (int round = 0; round < kRounds; ++round) x -= (q0 + x * (q1 + x * (q2 + x * q3))) / (q1 + x * (2 * q2 + 3 * x * q3)).max(least);
-  return 1 + x;
+  x = (1 + x).max(low).min(high) - 1;
+  return {1 + x, q0 + x * (q1 + x * (q2 + x * q3))};
 }
 
 }  // namespace ecorche

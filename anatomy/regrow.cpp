@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "anatomy/outline.h"
 #include "anatomy/posing_lanes.h"
+#include "anatomy/round_out.h"
 
 namespace ecorche {
 namespace {
 
+constexpr double kVolumeKept = 1e-6;  // share
 constexpr double kLeastGrowth = 0.5, kMostGrowth = 2;  // of a belly's radii, after its outlines; sheets: of the root of their thickness
 
 void gather(const PosedAnatomy& posed, int slice, int lane, int row, Scratch& t) {
@@ -37,6 +40,14 @@ void set_areas(const SliceOutline& here, const SliceOutline& next, int lane, Pos
   areas.more_b0[lane] = more.b0;
 }
 
+bool fits(double missed, double volume) { return std::abs(missed) <= kVolumeKept * std::abs(volume); }
+
+double round_strip(const PosingBatch& batch, int lane, int first, double low, double high, double growth, PosedAnatomy& out) {
+  const auto rows = static_cast<std::size_t>(batch.rows);
+  const BellyGrowth law{{&out.belly[static_cast<std::size_t>(first)], rows}, batch.lanes.width_swells[lane] > 0, low, high};
+  return round_out({&out.slices[static_cast<std::size_t>(first)], rows}, law, growth, batch.lanes.volume[lane] * std::numbers::pi / 3);
+}
+
 void regrow_batch(const PosingTable::Data& data, const PosingBatch& batch, std::span<const char> changed, PosedAnatomy& out) {
   std::array<bool, kLanes> touched{};
   const auto first = [&](int lane) { return data.strip[static_cast<std::size_t>(batch.strip[static_cast<std::size_t>(lane)])].slice; };
@@ -62,7 +73,9 @@ void regrow_batch(const PosingTable::Data& data, const PosingBatch& batch, std::
     }
   }
   const auto tubes = batch.lanes.width_swells > 0;
-  const Lane growth = find_growth(batch, areas, t).max(tubes.select(Lane::Constant(kLeastGrowth), Lane::Constant(kLeastGrowth * kLeastGrowth))).min(tubes.select(Lane::Constant(kMostGrowth), Lane::Constant(kMostGrowth * kMostGrowth)));
+  const Lane low = tubes.select(Lane::Constant(kLeastGrowth), Lane::Constant(kLeastGrowth * kLeastGrowth));
+  const Lane high = tubes.select(Lane::Constant(kMostGrowth), Lane::Constant(kMostGrowth * kMostGrowth));
+  const auto [growth, missed] = find_growth(batch, areas, t, low, high);
   for (int lane = 0; lane < batch.strips; ++lane) {
     if (!touched[static_cast<std::size_t>(lane)]) continue;
     const bool tube = batch.lanes.width_swells[lane] > 0;
@@ -72,11 +85,22 @@ void regrow_batch(const PosingTable::Data& data, const PosingBatch& batch, std::
       e.radii = Vec2(tube ? e.radii.x() * g : e.radii.x(), e.radii.y() * g);
     }
     const int strip = data.strip[static_cast<std::size_t>(batch.strip[static_cast<std::size_t>(lane)])].strip;
-    out.swelling[static_cast<std::size_t>(strip)] *= tube ? growth[lane] : std::sqrt(growth[lane]);
+    const double grown = fits(missed[lane], batch.lanes.volume[lane]) ? growth[lane]
+                                                                      : round_strip(batch, lane, first(lane), low[lane], high[lane], growth[lane], out);
+    out.swelling[static_cast<std::size_t>(strip)] *= tube ? grown : std::sqrt(grown);
   }
 }
 
 }  // namespace
+
+void round_out_missed(const PosingTable::Data& data, const PosingBatch& batch, const LaneGrowth& found, PosedAnatomy& out) {
+  for (int lane = 0; lane < batch.strips; ++lane) {
+    if (fits(found.missed[lane], batch.lanes.volume[lane])) continue;
+    const PosingStrip& strip = data.strip[static_cast<std::size_t>(batch.strip[static_cast<std::size_t>(lane)])];
+    const double grown = round_strip(batch, lane, strip.slice, batch.lanes.grow_min[lane], batch.lanes.grow_max[lane], found.growth[lane], out);
+    out.swelling[static_cast<std::size_t>(strip.strip)] = batch.lanes.width_swells[lane] > 0 ? grown : std::sqrt(grown);
+  }
+}
 
 void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedAnatomy& out) {
   for (const PosingBatch& batch : data.batches) regrow_batch(data, batch, changed, out);

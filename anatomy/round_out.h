@@ -1,0 +1,23 @@
+// Bellies whose outlines leave no growth that gives them their volume: sections that lean far towards the inside of a bend hold the less
+// the more they swell. Private to posing.
+#pragma once
+
+#include <span>
+
+#include "anatomy/anatomy.h"
+
+namespace ecorche {
+
+// How one strip grows: sections by 1 + belly (growth - 1), in thickness alone unless it is a tube.
+struct BellyGrowth {
+  std::span<const float> belly;  // #sections
+  bool tube = true;
+  double low = 0, high = 0;      // of the growth
+};
+
+// `strip`: sections as grown by `growth`. Its outlines become as even about their centres (half a turn maps them onto themselves) as it
+// takes, and no more, so that a growth exists that gives `volume` (tube_volume, m^3); returns that growth, which the sections then have.
+// Where even outlines do not help, the sections hold as much as they can. Continuous in the sections.
+double round_out(std::span<Ellipse> strip, const BellyGrowth& law, double growth, double volume);
+
+}  // namespace ecorche

@@ -1,0 +1,67 @@
+#include "anatomy/round_out.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "anatomy/muscle_line.h"
+#include "anatomy/outline.h"
+
+namespace ecorche {
+namespace {
+
+// Sections on a quarter of a circle of this radius about the origin; every width axis points to the middle.
+std::vector<Ellipse> bend(double radius, double inward) {
+  std::vector<Ellipse> out;
+  constexpr int kSections = 9;
+  for (int k = 0; k < kSections; ++k) {
+    const double angle = 1.5707963 * k / (kSections - 1);
+    Ellipse e;
+    const Vec3 from(std::cos(angle), std::sin(angle), 0), along(-std::sin(angle), std::cos(angle), 0);
+    e.center = radius * from;
+    e.axes.col(0) = -from;
+    e.axes.col(2) = along;
+    e.axes.col(1) = along.cross(-from);
+    e.radii = Vec2(0.01, 0.01);
+    for (std::size_t i = 0; i < e.outline.size(); ++i) e.outline[i] = outline_directions()[i].x() > 0.5 ? static_cast<float>(inward) : 0.6f;
+    out.push_back(e);
+  }
+  return out;
+}
+
+double most_without(const std::vector<Ellipse>& strip) {
+  double most = 0;
+  for (double g = 0.4; g <= 3; g += 0.01) {
+    std::vector<Ellipse> grown = strip;
+    for (Ellipse& e : grown) e.radii *= g;
+    most = std::max(most, tube_volume(grown));
+  }
+  return most;
+}
+
+TEST(RoundOut, GivesTheVolumeThatLeaningOutlinesCannotHold) {
+  const std::vector<Ellipse> given = bend(0.02, 2.4);
+  const std::vector<float> belly(given.size(), 1);
+  const BellyGrowth law{belly, true, 1.0 / 3, 3};
+  const double wanted = 1.05 * most_without(given);
+  std::vector<Ellipse> strip = given;
+  const double growth = round_out(strip, law, 1, wanted);
+  EXPECT_NEAR(tube_volume(strip) / wanted, 1, 1e-9);
+  EXPECT_GT(growth, 1);
+  EXPECT_LT(growth, 3);
+  EXPECT_GT(strip[4].outline[0], strip[4].outline[kOutlinePoints / 2]);  // it leans still
+}
+
+TEST(RoundOut, LeavesOutlinesThatCanHoldIt) {
+  const std::vector<Ellipse> given = bend(0.2, 1.2);
+  const std::vector<float> belly(given.size(), 1);
+  std::vector<Ellipse> strip = given;
+  const double wanted = 1.2 * tube_volume(given);
+  round_out(strip, {belly, true, 1.0 / 3, 3}, 1, wanted);
+  EXPECT_NEAR(tube_volume(strip) / wanted, 1, 1e-9);
+  for (std::size_t k = 0; k < strip.size(); ++k) EXPECT_EQ(strip[k].outline, given[k].outline);
+}
+
+}  // namespace
+}  // namespace ecorche
