@@ -73,7 +73,7 @@ void move_skin(const Actor& actor, SkinMethod method, ActorFrame& frame, std::sp
 void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation, std::span<const float> flesh) {
   pose_anatomy(actor.table, actor.character.anatomy.skeleton, pose, frame.posed, 1, activation);
   move_skin(actor, actor.method, frame, flesh);
-  if (is_ours(actor.method)) keep_under_skin(actor.under, actor.table, frame.skin, frame.posed, frame.under);
+  if (actor.method == SkinMethod::ecorche) keep_under_skin(actor.under, actor.table, frame.skin, frame.posed, frame.under);
 }
 
 Body open_body(const std::filesystem::path& file, const BodyPackage& package, const Common& common, Report& report, std::optional<double> unit) {
