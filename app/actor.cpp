@@ -65,15 +65,19 @@ void choose_skin(Actor& actor, const std::string& method) {
 }
 
 void move_skin(const Actor& actor, SkinMethod method, ActorFrame& frame, std::span<const float> flesh) {
-  if (method == SkinMethod::ecorche) deform_skin(actor.binding, frame.posed, flesh, frame.skin);
-  else if (method == SkinMethod::anchors) deform_skin(actor.binding, frame.posed, frame.skin, Settle::no);
-  else deform_by(*actor.rivals, method, actor.character.anatomy.skeleton, frame.posed, frame.scratch, frame.skin);
+  if (method == SkinMethod::ecorche) {
+    deform_skin(actor.binding, frame.posed, flesh, frame.skin);
+    keep_under_skin(actor.under, actor.table, frame.skin, frame.posed, frame.under);
+  } else if (method == SkinMethod::anchors) {
+    deform_skin(actor.binding, frame.posed, frame.skin, Settle::no);
+  } else {
+    deform_by(*actor.rivals, method, actor.character.anatomy.skeleton, frame.posed, frame.scratch, frame.skin);
+  }
 }
 
 void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation, std::span<const float> flesh) {
   pose_anatomy(actor.table, actor.character.anatomy.skeleton, pose, frame.posed, 1, activation);
   move_skin(actor, actor.method, frame, flesh);
-  if (actor.method == SkinMethod::ecorche) keep_under_skin(actor.under, actor.table, frame.skin, frame.posed, frame.under);
 }
 
 Body open_body(const std::filesystem::path& file, const BodyPackage& package, const Common& common, Report& report, std::optional<double> unit) {

@@ -59,7 +59,8 @@ void choose_skin(Actor& actor, const std::string& method);
 // (FleshState::seen) counts for "ecorche" alone.
 void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation = {}, std::span<const float> flesh = {});
 
-// The skin of a frame whose muscles are posed, by any method. Precondition: actor.rivals for those that are not ours.
+// The skin of a frame whose muscles are posed, by any method. By "ecorche" the muscles of the frame give way where they would come out of it.
+// Precondition: actor.rivals for those that are not ours.
 void move_skin(const Actor& actor, SkinMethod method, ActorFrame& frame, std::span<const float> flesh = {});
 
 // A body of ours (.glb), or a bare skin in the base mesh's topology and vertex order. What was found out about the

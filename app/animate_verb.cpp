@@ -53,7 +53,9 @@ CacheWriter open_cache(const fs::path& file, const Actor& actor, const Motion& m
 }
 
 // All outputs in one pass over the motion.
-MotionQuality write_outputs(const AnimateOptions& options, const Actor& actor, const Motion& motion, const Activations& activations, const Common& common) {
+MotionQuality write_outputs(const AnimateOptions& options, const Actor& actor, const Motion& motion, const Activations& activations, const Common& common,
+                            Report& report) {
+  const StageTimer timer(report, "frames");
   std::vector<CacheWriter> caches;
   for (const fs::path& file : options.outputs) {
     if (file.extension() == ".glb") write_character(file, actor.character, actor.binding, &motion);
@@ -88,9 +90,7 @@ int run(const AnimateOptions& options, const Common& common, Report& report) {
   choose_skin(actor, options.skin);
   const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
   const Activations activations = open_activations(options.activation, actor, motion, report);
-  StageTimer timer(report, "frames");
-  const MotionQuality quality = write_outputs(options, actor, motion, activations, common);
-  report.set("timings_ms.frames", timer.milliseconds());
+  const MotionQuality quality = write_outputs(options, actor, motion, activations, common, report);
   for (const fs::path& output : options.outputs)
     note(common, fmt::format("{}: {} frames at {:.4g} fps", output.string(), motion.frames.size(), motion.fps));
   report.set("skin_vertices", actor.binding.vertex_count);

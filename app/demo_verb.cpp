@@ -140,7 +140,9 @@ double mean_frame_ms(const Actor& actor, const Motion& motion) {
 }
 
 // The vertex cache, the muscles' curves and the figures, in one pass over the motion.
-MotionQuality play_jump(const fs::path& cache, const Actor& actor, const Motion& motion, const Activations& activations, const BodyPackage& package, DemoRecord& record) {
+MotionQuality play_jump(const fs::path& cache, const Actor& actor, const Motion& motion, const Activations& activations, const BodyPackage& package, DemoRecord& record,
+                        Report& report) {
+  const StageTimer timer(report, "frames");
   Pc2Writer writer(cache, actor.binding.vertex_count);
   MuscleCurves curves(actor, record.curves);
   MotionRun pass{activations};
@@ -155,6 +157,11 @@ MotionQuality play_jump(const fs::path& cache, const Actor& actor, const Motion&
   return quality;
 }
 
+Template timed_template(Report& report) {
+  const StageTimer timer(report, "template");
+  return read_template();
+}
+
 void make_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -164,9 +171,7 @@ void make_folder(const fs::path& folder) {
 int run(const DemoOptions& options, const Common& common, Report& report) {
   make_folder(options.folder);
   note(common, "template");
-  StageTimer template_timer(report, "template");
-  const Template body_template = read_template();
-  report.set("timings_ms.template", template_timer.milliseconds());
+  const Template body_template = timed_template(report);
   const BodyPackage package = read_body_package(find_packages());
 
   note(common, "fit");
@@ -188,9 +193,7 @@ int run(const DemoOptions& options, const Common& common, Report& report) {
   note(common, "files");
   write_character(options.folder / "athlete.glb", actor.character, actor.binding, &motion);
   DemoRecord record;
-  StageTimer frames_timer(report, "frames");
-  const MotionQuality quality = play_jump(options.folder / "long-jump.pc2", actor, motion, activations, package, record);
-  report.set("timings_ms.frames", frames_timer.milliseconds());
+  const MotionQuality quality = play_jump(options.folder / "long-jump.pc2", actor, motion, activations, package, record, report);
   report_quality(quality, "quality", report);
 
   ActorFilm film;

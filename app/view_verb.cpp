@@ -1,5 +1,6 @@
 // ecorche view: the window. Without a character it shows the template in its own body.
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "anatomy/errors.h"
@@ -50,11 +51,13 @@ int run(const ViewVerbOptions& options, const Common& common, Report& report) {
   SceneOptions scene;
   scene.eyes = find_eyes(actor.character.body.skin, anatomy.skeleton);
   SceneModel model = make_scene_model(anatomy, actor.character.body.skin, scene);
-  UnderSkinMemory under;
+  ActorFrame played;
   ViewSubject subject{anatomy, model, static_cast<int>(motion.frames.size()), motion.fps, [&](int frame, PosedAnatomy& posed, SkinFrame& skin) {
-                              pose_anatomy(actor.table, anatomy.skeleton, motion.frames[frame], posed);
-                              deform_skin(actor.binding, posed, skin);
-                              keep_under_skin(actor.under, actor.table, skin, posed, under);
+                              std::swap(played.posed, posed);
+                              std::swap(played.skin, skin);
+                              play(actor, motion.frames[frame], played);
+                              std::swap(played.posed, posed);
+                              std::swap(played.skin, skin);
                             }};
   ViewDocument document;
   std::optional<BodySliders> sliders;

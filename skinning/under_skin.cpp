@@ -39,6 +39,25 @@ struct UnderSkin::Data {
 
 namespace {
 
+// What a section must give.
+struct Giving {
+  Vec3 way = Vec3::Zero();                                  // of the section, inward
+  std::array<float, kOutlinePoints / 2> press{}, held{};    // of every second direction of its outline
+  bool any = false;
+};
+
+}  // namespace
+
+struct UnderSkinScratch {
+  std::vector<Giving> givings;
+  std::vector<Vec3> ways;
+  std::vector<std::pair<int, float>> wishes;  // #probes: of vertices to rise, m
+  std::vector<float> rise, rise_before;       // #V, m
+  std::vector<char> changed;                  // #sections
+};
+
+namespace {
+
 constexpr double kNear = 0.025;      // m below the skin at rest: deeper points are not looked at
 constexpr double kMargin = 1.2e-3;   // m
 constexpr double kDeep = 0.008;      // m: below that nothing is asked but that it is so
@@ -49,7 +68,6 @@ constexpr double kSkinShare = 0.85;  // of the way out that the skin rises
 constexpr int kSpreading = 8;        // rounds
 constexpr float kFoldShare = 0.12f;
 constexpr int kEasing = 4;           // rounds
-constexpr double kVolumeKept = 1e-4;
 constexpr double kOver = 1.1;        // the belly swells back a part of what is pressed
 
 Vec3 spoke_of(const Ellipse& e, double thickness, int spoke) {
@@ -104,8 +122,6 @@ class Walk {
   const SkinFrame& skin_;
 };
 
-using Giving = UnderSkinMemory::Giving;
-
 // What a section must give: its way inward, and the share of its spokes.
 Giving give_of(const UnderSkin::Data& data, const Walk& walk, const Ellipse& e, std::size_t owner) {
   Giving out;
@@ -143,7 +159,7 @@ Giving give_of(const UnderSkin::Data& data, const Walk& walk, const Ellipse& e, 
 }
 
 // The skin over what has come out.
-void rise_over(const UnderSkin::Data& data, const Walk& walk, std::span<const Ellipse> slices, SkinFrame& skin, UnderSkinMemory& memory) {
+void rise_over(const UnderSkin::Data& data, const Walk& walk, std::span<const Ellipse> slices, SkinFrame& skin, UnderSkinScratch& memory) {
   std::vector<float>&rise = memory.rise, &before = memory.rise_before;
   rise.assign(static_cast<std::size_t>(data.vertices), 0);
   std::vector<std::pair<int, float>>& wishes = memory.wishes;
@@ -261,11 +277,13 @@ UnderSkin make_under_skin(const Anatomy& anatomy, const PosedAnatomy& rest, cons
   return {data};
 }
 
-void keep_under_skin(const UnderSkin& under, const PosingTable& table, SkinFrame& skin, PosedAnatomy& posed, UnderSkinMemory& memory) {
+void keep_under_skin(const UnderSkin& under, const PosingTable& table, SkinFrame& skin, PosedAnatomy& posed, UnderSkinMemory& own) {
   if (!under.data || !table.data) throw std::invalid_argument("keep_under_skin: an empty table");
   const UnderSkin::Data& data = *under.data;
   if (static_cast<int>(posed.slices.size()) != data.sections || static_cast<Eigen::Index>(skin.positions.size()) != 4 * data.vertices)
     throw std::invalid_argument("keep_under_skin: another skin or anatomy than it was made of");
+  if (!own.own) own.own = std::make_shared<UnderSkinScratch>();
+  UnderSkinScratch& memory = *own.own;
   std::vector<Giving>& gives = memory.givings;
   std::vector<Vec3>& ways = memory.ways;
   gives.resize(data.owners.size());
@@ -282,7 +300,6 @@ void keep_under_skin(const UnderSkin& under, const PosingTable& table, SkinFrame
   });
   for (std::size_t o = 0; o < data.owners.size(); ++o)
     if (gives[o].any) ways[static_cast<std::size_t>(data.owners[o])] = gives[o].way;
-  memory.before.assign(posed.slices.begin(), posed.slices.end());
   // A section that moves takes its neighbours along by half.
   for (const SliceRange& strip : data.strips)
     for (int k = strip.begin; k < strip.end; ++k) {
@@ -301,15 +318,6 @@ void keep_under_skin(const UnderSkin& under, const PosingTable& table, SkinFrame
     memory.changed[k] = 1;
   }
   regrow(*table.data, memory.changed, posed);
-  for (const SliceRange& strip : data.strips) {
-    const auto begin = memory.changed.begin() + strip.begin, end = memory.changed.begin() + strip.end;
-    if (std::find(begin, end, 1) == end) continue;
-    const auto count = static_cast<std::size_t>(strip.end - strip.begin);
-    const std::span<const Ellipse> was(&memory.before[static_cast<std::size_t>(strip.begin)], count);
-    const double volume = tube_volume(was);
-    if (std::abs(strip_volume(posed, strip) - volume) <= kVolumeKept * std::abs(volume)) continue;
-    std::copy(was.begin(), was.end(), posed.slices.begin() + strip.begin);
-  }
 }
 
 }  // namespace ecorche

@@ -7,10 +7,7 @@
 // of skin and slices alone.
 #pragma once
 
-#include <array>
 #include <memory>
-#include <utility>
-#include <vector>
 
 #include "anatomy/pose_anatomy.h"
 #include "skinning/skin_frame.h"
@@ -22,26 +19,24 @@ struct UnderSkin {
   std::shared_ptr<const Data> data;
 };
 
-// Working memory of keep_under_skin; its content means nothing between frames.
+struct UnderSkinScratch;
+
+// Working memory of keep_under_skin, made when it is first needed; its content means nothing between frames. A copy makes its own.
 struct UnderSkinMemory {
-  struct Giving {
-    Vec3 way = Vec3::Zero();                                  // of the section, inward
-    std::array<float, kOutlinePoints / 2> press{}, held{};    // of every second direction of its outline
-    bool any = false;
-  };
-  std::vector<Giving> givings;
-  std::vector<Vec3> ways;
-  std::vector<std::pair<int, float>> wishes;  // #probes: of vertices to rise, m
-  std::vector<float> rise, rise_before;  // #V, m
-  std::vector<char> changed;
-  std::vector<Ellipse> before;           // #sections
+  UnderSkinMemory() = default;
+  UnderSkinMemory(UnderSkinMemory&&) = default;
+  UnderSkinMemory& operator=(UnderSkinMemory&&) = default;
+  UnderSkinMemory(const UnderSkinMemory&) {}
+  UnderSkinMemory& operator=(const UnderSkinMemory&) { return *this; }
+
+  std::shared_ptr<UnderSkinScratch> own;
 };
 
 // `rest`: the anatomy's rest pose, without contact or with it. `skin`: its rest skin, in the vertex order that frames have.
 UnderSkin make_under_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin);
 
-// Moves the skin, its normals with it, and the sections and outlines of `posed`, the muscles of the same pose. Precondition: table, anatomy and skin are those it was made of;
-// otherwise std::invalid_argument. The same bytes at any number of threads.
+// Moves the skin, its normals with it, and the sections and outlines of `posed`, the muscles of the same pose. Precondition: table, anatomy
+// and skin are those it was made of; otherwise std::invalid_argument. The same bytes at any number of threads.
 void keep_under_skin(const UnderSkin& under, const PosingTable& table, SkinFrame& skin, PosedAnatomy& posed, UnderSkinMemory& memory);
 
 }  // namespace ecorche
