@@ -1,7 +1,5 @@
 #include "morph/crossing_rays.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <stdexcept>
 #include <tuple>
@@ -9,10 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "anatomy/errors.h"
+#include "morph/embree.h"
 
 namespace ecorche {
-
 namespace {
 
 constexpr float kSame = 1e-6f;  // m
@@ -75,7 +72,7 @@ struct CrossingRays::Impl {
   void commit() const {
     rtcCommitGeometry(geometry);
     rtcCommitScene(scene);
-    if (rtcGetDeviceError(device) != RTC_ERROR_NONE) throw LimitError("out of memory for the ray tracer; try a smaller input or fewer threads");
+    check_ray_device(device);
   }
 };
 
@@ -86,14 +83,8 @@ CrossingRays::CrossingRays(const Points& V, const Triangles& F, std::vector<int>
   }
   impl_->labels = std::move(labels);
   impl_->vertices = vertices;
-  impl_->device = rtcNewDevice("");
-  if (!impl_->device) throw LimitError("the ray tracer could not start: out of memory or threads");
-  impl_->geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* v = static_cast<float*>(rtcSetNewGeometryBuffer(impl_->geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), static_cast<std::size_t>(vertices)));
-  auto* f = static_cast<unsigned*>(rtcSetNewGeometryBuffer(impl_->geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), static_cast<std::size_t>(faces)));
-  if (!v || !f) throw LimitError("out of memory for the ray tracer; try a smaller input or fewer threads");
-  Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(v, vertices, 3) = V.cast<float>();
-  Eigen::Map<Eigen::Matrix<unsigned, Eigen::Dynamic, 3, Eigen::RowMajor>>(f, faces, 3) = F.cast<unsigned>();
+  impl_->device = open_ray_device();
+  impl_->geometry = triangle_geometry(impl_->device, V, F);
   rtcSetGeometryIntersectFilterFunction(impl_->geometry, take_down);
   rtcSetGeometryBuildQuality(impl_->geometry, RTC_BUILD_QUALITY_REFIT);
   impl_->scene = rtcNewScene(impl_->device);
@@ -107,29 +98,14 @@ CrossingRays::~CrossingRays() = default;
 
 void CrossingRays::move(const Points& V) {
   if (V.rows() != impl_->vertices) throw std::invalid_argument(fmt::format("CrossingRays: {} points for {}", V.rows(), impl_->vertices));
-  auto* v = static_cast<float*>(rtcGetGeometryBufferData(impl_->geometry, RTC_BUFFER_TYPE_VERTEX, 0));
-  Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(v, V.rows(), 3) = V.cast<float>();
+  place_points(V, static_cast<float*>(rtcGetGeometryBufferData(impl_->geometry, RTC_BUFFER_TYPE_VERTEX, 0)));
   rtcUpdateGeometryBuffer(impl_->geometry, RTC_BUFFER_TYPE_VERTEX, 0);
   impl_->commit();
 }
 
 void CrossingRays::cross(const Vec3& origin, const Vec3& direction, double far, double enough, int skip, std::vector<Crossing>& out) const {
   out.clear();
-  RTCRayHit ray;
-  ray.ray.org_x = static_cast<float>(origin.x());
-  ray.ray.org_y = static_cast<float>(origin.y());
-  ray.ray.org_z = static_cast<float>(origin.z());
-  ray.ray.dir_x = static_cast<float>(direction.x());
-  ray.ray.dir_y = static_cast<float>(direction.y());
-  ray.ray.dir_z = static_cast<float>(direction.z());
-  ray.ray.tnear = 0;
-  ray.ray.tfar = static_cast<float>(far);
-  ray.ray.time = 0;
-  ray.ray.mask = ~0u;
-  ray.ray.id = 0;
-  ray.ray.flags = 0;
-  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  RTCRayHit ray = ray_from(origin, direction, 0, far);
   Query query;
   rtcInitIntersectContext(&query.context);
   query.labels = impl_->labels.data();
