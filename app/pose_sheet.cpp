@@ -37,7 +37,9 @@ Image sheet_of_poses(Renderer& renderer, const Actor& actor, const SceneModel& m
   const int rows = (static_cast<int>(poses.size()) + columns - 1) / columns;
   Image whole = make_image(columns * w, kTitle + rows * (h + kLabel));
   Appearance appearance;
-  appearance.looks[0].muscles = appearance.looks[0].bones = 0;
+  Look& look = appearance.looks[0];
+  if (options.skin) look.muscles = look.bones = 0;
+  else look.skin = 0;
   ActorFrame frame;
   Scene scene;
   for (std::size_t i = 0; i < poses.size(); ++i) {

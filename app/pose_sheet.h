@@ -14,6 +14,7 @@ namespace ecorche {
 struct PoseSheetOptions {
   int columns = 10;
   int cell_width = 230, cell_height = 270;  // pixels
+  bool skin = true;                         // false: the muscles and bones under it
 };
 
 // Every pose as `actor` moves its skin, each seen from where the book says and filling its cell, with its label. `title` stands above.

@@ -171,6 +171,10 @@ void write_sheets(const PoseBookOptions& options, Actor& actor, const std::vecto
     const fs::path file = options.folder / fmt::format("{}.png", short_name(method));
     write_png(file, sheet_of_poses(renderer, actor, model, book, std::string(long_name(method))));
     note(common, file.string());
+    if (method != SkinMethod::ecorche) continue;
+    const fs::path under = options.folder / "muscles.png";
+    write_png(under, sheet_of_poses(renderer, actor, model, book, "muscles and bones", {.skin = false}));
+    note(common, under.string());
   }
 }
 
@@ -221,7 +225,7 @@ void add_posebook_verb(VerbRegistry& registry) {
                             "ecorche posebook anna.glb ben.glb -o poses",
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
   verb->add_option("characters", options->characters, "Characters written by `ecorche fit`; the sheets show the first, the figures are of all")->required();
-  verb->add_option("-o,--output", options->folder, "Folder for METHOD.png and figures.csv")->required();
+  verb->add_option("-o,--output", options->folder, "Folder for METHOD.png, muscles.png and figures.csv")->required();
   verb->add_option("--poses", options->poses, "Table of poses (docs/posebook.md) instead of our own");
   verb->add_option("--methods", options->methods, "Which ways to move a skin")->capture_default_str();
   verb->add_flag("!--no-pictures", options->pictures, "Figures only");
