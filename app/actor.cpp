@@ -12,6 +12,7 @@
 #include "skinning/baseline.h"
 #include "skinning/flesh_motion.h"
 #include "skinning/linear_rival.h"
+#include "skinning/painted_weights.h"
 
 namespace ecorche {
 
@@ -28,24 +29,28 @@ std::optional<BaseSkin> find_base(const TriMesh& skin) try {
   return std::nullopt;
 }
 
-Actor make_actor(Character character, Report& report, const BaseSkin* base) {
+Actor make_actor(Character character, Report& report, const ActorOptions& options) {
   std::optional<BaseSkin> found;
-  if (!base) {
-    found = find_base(character.body.skin);
-    if (found) base = &*found;
-  }
+  if (!options.base) found = find_base(character.body.skin);
+  const BaseSkin* base = found ? &*found : options.base;
   Actor actor;
   actor.character = std::move(character);
+  const Anatomy& anatomy = actor.character.anatomy;
+  const TriMesh& skin = actor.character.body.skin;
+  PaintedWeights painted;
+  if (!options.weights.empty()) {
+    painted = read_painted_weights(options.weights, anatomy, static_cast<int>(base ? base->mesh.V.rows() : skin.V.rows()));
+    report.set("weights.painted_vertices", static_cast<int>(painted.vertices.size()));
+  }
   {
     const StageTimer timer(report, "posing_table");
-    actor.table = make_posing_table(actor.character.anatomy, MuscleContact::yes);
+    actor.table = make_posing_table(anatomy, options.moves ? MuscleContact::yes : MuscleContact::no);
   }
   const StageTimer timer(report, "anchoring");
   PosedAnatomy rest;
-  pose_anatomy(actor.table, actor.character.anatomy.skeleton, rest_pose(actor.character.anatomy.skeleton), rest);
-  const TriMesh& skin = actor.character.body.skin;
-  actor.binding = base ? bind_skin(actor.character.anatomy, rest, base->mesh, base->refinement, skin) : bind_skin(actor.character.anatomy, rest, skin);
-  actor.under = make_under_skin(actor.character.anatomy, rest, skin);
+  pose_anatomy(actor.table, anatomy.skeleton, rest_pose(anatomy.skeleton), rest);
+  actor.binding = base ? bind_skin(anatomy, rest, base->mesh, base->refinement, skin, painted) : bind_skin(anatomy, rest, skin, painted);
+  if (options.moves) actor.under = make_under_skin(anatomy, rest, skin);
   return actor;
 }
 

@@ -38,8 +38,14 @@ struct BaseSkin {
 // The base mesh of a skin that is the body package's fine one in any shape; none for other skins or without the package.
 std::optional<BaseSkin> find_base(const TriMesh& skin);
 
-// Builds the tables and binds the skin. Timings: posing_table, anchoring. `base`: that of a refined skin, when it is at hand.
-Actor make_actor(Character character, Report& report, const BaseSkin* base = nullptr);
+struct ActorOptions {
+  const BaseSkin* base = nullptr;  // of a refined skin, where it is at hand; looked for otherwise
+  std::filesystem::path weights{}; // table set by hand, in place of the weights that are found (docs/weights.md); may be empty
+  bool moves = true;               // false: only ever seen at rest or written, so that the tables of contact in motion are left out
+};
+
+// Builds the tables and binds the skin. Timings: posing_table, anchoring. Throws InputError for weights (see read_painted_weights).
+Actor make_actor(Character character, Report& report, const ActorOptions& options = {});
 
 struct ActorFrame {
   PosedAnatomy posed;

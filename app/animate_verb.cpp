@@ -11,7 +11,6 @@
 #include "app/actor.h"
 #include "app/motion_options.h"
 #include "app/motion_survey.h"
-#include "app/painted_skin.h"
 #include "app/verb.h"
 #include "skinning/mdd_io.h"
 #include "skinning/obj_sequence.h"
@@ -85,8 +84,7 @@ void check_outputs(const std::vector<fs::path>& outputs, const std::vector<fs::p
 int run(const AnimateOptions& options, const Common& common, Report& report) {
   check_outputs(options.outputs, {options.character, options.motion});
   if (options.dynamics && options.skin != "ecorche") throw UsageError("--dynamics: only our own skin has flesh that lags; leave --skin out");
-  Actor actor = make_actor(read_character(options.character), report);
-  paint_skin(options.weights, actor, report);
+  Actor actor = make_actor(read_character(options.character), report, {.weights = options.weights});
   choose_skin(actor, options.skin);
   const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
   const Activations activations = open_activations(options.activation, actor, motion, report);

@@ -7,7 +7,6 @@
 #include "anatomy/errors.h"
 #include "app/actor.h"
 #include "app/motion_options.h"
-#include "app/painted_skin.h"
 #include "app/verb.h"
 #include "skinning/bake_io.h"
 
@@ -58,8 +57,7 @@ int run(const BakeVerbOptions& options, const Common& common, Report& report) {
   std::vector<fs::path> inputs = options.motions;
   inputs.push_back(options.character);
   check_output(options.output, inputs);
-  Actor actor = make_actor(read_character(options.character), report);
-  paint_skin(options.weights, actor, report);
+  Actor actor = make_actor(read_character(options.character), report, {.weights = options.weights});
   const Character& character = actor.character;
   ActorFrame frame;
   const ExactSkin exact = [&](const Pose& pose, std::vector<Transform>& X_WJ, SkinFrame& out) {

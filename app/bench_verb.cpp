@@ -109,7 +109,7 @@ int run(int rounds, const Common& common, Report& report) {
   const BaseSkin base{fine.body.skin, refine_skin(package)};
   fine.body.skin = {refine_points(base.refinement, fine.body.skin.V), base.refinement.F};
   Report fine_report;
-  const Actor fine_actor = make_actor(std::move(fine), fine_report, &base);
+  const Actor fine_actor = make_actor(std::move(fine), fine_report, {.base = &base});
   for (const Ratio& ratio : bench_frames(fine_actor, motion, "120k", 3, rounds)) ratios.push_back(ratio);
 
   fmt::print("{:<66} {:>10} {:>7} {:>7}\n", "", "ms", "ratio", "asked");

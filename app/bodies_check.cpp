@@ -19,19 +19,10 @@ double outside_share(const AnatomyCheck& check) {
 std::vector<BodySpec> checked_bodies() {
   std::vector<BodySpec> bodies = standard_bodies();
   bodies.push_back(athlete());
-  const auto add = [&](const char* name, Sex sex, double age, double height, double mass) {
-    BodySpec spec;
-    spec.name = name;
-    spec.sex = sex;
-    spec.age = age;
-    spec.height = height;
-    spec.mass = mass;
-    bodies.push_back(spec);
-  };
-  add("tall_female", Sex::female, 30, 1.82, 72);
-  add("obese_female", Sex::female, 45, 1.62, 87);
-  add("stout_male", Sex::male, 55, 1.70, 88);
-  add("slim_tall_male", Sex::male, 22, 1.92, 72);
+  bodies.push_back({.sex = Sex::female, .age = 30, .height = 1.82, .mass = 72, .name = "tall_female"});
+  bodies.push_back({.sex = Sex::female, .age = 45, .height = 1.62, .mass = 87, .name = "obese_female"});
+  bodies.push_back({.sex = Sex::male, .age = 55, .height = 1.70, .mass = 88, .name = "stout_male"});
+  bodies.push_back({.sex = Sex::male, .age = 22, .height = 1.92, .mass = 72, .name = "slim_tall_male"});
   return bodies;
 }
 

@@ -7,7 +7,7 @@
 #include "anatomy/bare_skin.h"
 #include "anatomy/errors.h"
 #include "app/fitting.h"
-#include "app/painted_skin.h"
+#include "app/motion_options.h"
 #include "app/template_file.h"
 #include "app/verb.h"
 
@@ -27,6 +27,8 @@ int run(FitVerbOptions options, const Common& common, Report& report) {
   options.fitting.dilate.share = options.method == "ecorche";
   options.fitting.fit.interior = kInteriors.at(options.interior);
   options.fitting.fine_skin = options.skin == "fine";
+  options.fitting.weights = options.weights;
+  options.fitting.moves = false;
   if (options.output.extension() != ".glb") throw UsageError(options.output.string() + ": a character is written as .glb");
   check_output(options.output, {options.body});
   const bool meshed = options.fitting.fit.interior == Interior::tetgen || options.fitting.fit.interior == Interior::lattice;
@@ -39,8 +41,7 @@ int run(FitVerbOptions options, const Common& common, Report& report) {
   Body body = open_body(options.body, package, common, report, options.unit.empty() ? std::nullopt : metres_in(options.unit));
   if (!options.sex.empty()) body.sex = options.sex == "female" ? Sex::female : Sex::male;
   const Template body_template = open_template(options.body_template);
-  FittedCharacter fitted = fit_character(body_template, body, package, options.fitting, report);
-  paint_skin(options.weights, fitted.actor, report);
+  const FittedCharacter fitted = fit_character(body_template, body, package, options.fitting, report);
   const Actor& actor = fitted.actor;
   write_character(options.output, actor.character, actor.binding);
   if (!options.tissue.empty()) {

@@ -14,10 +14,12 @@
 namespace ecorche {
 
 struct FittingOptions {
-  FitOptions fit;
-  DilateOptions dilate;
+  FitOptions fit{};
+  DilateOptions dilate{};
   bool dilated = true;  // false: muscles as they are before they grow to the skin
   bool fine_skin = false;  // the character gets the refined skin of 120,404 vertices instead of the base mesh
+  std::filesystem::path weights{};  // see ActorOptions
+  bool moves = true;              // see ActorOptions
 };
 
 // How well the muscles fill the skin.

@@ -7,6 +7,10 @@ void add_skin_option(CLI::App& verb, std::string& method) {
       ->capture_default_str();
 }
 
+void add_weights_option(CLI::App& verb, std::filesystem::path& weights) {
+  verb.add_option("--weights", weights, "Table of weights set by hand (CSV: vertex, joint, weight), in place of what is found by itself; `ecorche weights` writes one");
+}
+
 void add_motion_options(CLI::App& verb, MotionOptions& options) {
   verb.add_option("--map", options.map_file, "Which joint is which, where guessing fails: lines `file joint = our joint`");
   verb.add_option("--up", options.up, "Up axis of the file, instead of guessing")->check(CLI::IsMember({"x", "y", "z"}));

@@ -1,4 +1,4 @@
-// How a motion file is to be read: options shared by the verbs that take one.
+// How a motion file is to be read and a skin moved: options shared by the verbs that do.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -19,6 +19,9 @@ struct MotionOptions {
 
 // --skin: how the skin is moved; for choose_skin().
 void add_skin_option(CLI::App& verb, std::string& method);
+
+// --weights: for ActorOptions.
+void add_weights_option(CLI::App& verb, std::filesystem::path& weights);
 
 void add_motion_options(CLI::App& verb, MotionOptions& options);
 RetargetOptions to_retarget_options(const MotionOptions& options);

@@ -77,7 +77,7 @@ std::string make_files(Workshop& shop, const Person& person, const PopulationOpt
     write_body(file, body);
   } else {
     Report own;
-    const FittedCharacter fitted = fit_character(*shop.body_template, body, shop.package, {}, own);
+    const FittedCharacter fitted = fit_character(*shop.body_template, body, shop.package, {.moves = false}, own);
     const std::vector<std::string> missed = missed_targets(fitted);
     anatomy = missed.empty() ? "met" : fmt::format("{} targets missed", missed.size());
     write_character(file, fitted.actor.character, fitted.actor.binding);

@@ -9,7 +9,6 @@
 #include "app/activation_options.h"
 #include "app/actor_film.h"
 #include "app/motion_options.h"
-#include "app/painted_skin.h"
 #include "app/verb.h"
 
 namespace ecorche {
@@ -47,8 +46,7 @@ int run(RenderVerbOptions options, const Common& common, Report& report) {
   if (options.dissolve.size() == 2) options.film.dissolve = Span{options.dissolve[0], options.dissolve[1]};
   if (options.colour_map) options.film.muscle_colors = MuscleColors::shortening;
   if (options.film.output.extension() == ".mp4") check_output(options.film.output);
-  Actor actor = make_actor(read_character(options.character), report);
-  paint_skin(options.weights, actor, report);
+  Actor actor = make_actor(read_character(options.character), report, {.weights = options.weights});
   choose_skin(actor, options.skin);
   const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
   options.film.ground.visible = true;

@@ -61,7 +61,7 @@ int run(const Options& options, const Common& common, Report& report) {
   const ImportReport& r = imported.report;
   Body body = base.body;
   body.name = model.name.empty() ? options.model.stem().string() : model.name;
-  const Actor actor = make_actor({imported.anatomy, std::move(body)}, report);
+  const Actor actor = make_actor({imported.anatomy, std::move(body)}, report, {.moves = false});
   write_character(options.output, actor.character, actor.binding);
 
   note(common, fmt::format("{}: {} of {} muscles, {} bones, {:.1f} l of muscle; ends {:.1f} mm from bones (median), {:.0f} mm at most ({})", options.output.string(),

@@ -6,7 +6,9 @@
 
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
-#include "app/painted_skin.h"
+#include "anatomy/mesh_measures.h"
+#include "app/actor.h"
+#include "app/motion_options.h"
 #include "app/verb.h"
 #include "skinning/painted_weights.h"
 #include "viewer/camera.h"
@@ -42,17 +44,12 @@ Vec3f colour_of(float weight) {
 
 DrawMesh mesh_of(const TriMesh& skin) {
   DrawMesh out;
-  std::vector<float> positions;
-  for (Eigen::Index i = 0; i < skin.V.rows(); ++i) out.positions.push_back(Vec3(skin.V.row(i)).cast<float>());
-  out.normals.assign(out.positions.size(), Vec3f::Zero());
-  for (Eigen::Index f = 0; f < skin.F.rows(); ++f) {
-    const Eigen::Vector3i t = skin.F.row(f);
-    const auto at = [&](int k) { return out.positions[static_cast<size_t>(t[k])]; };
-    const Vec3f area = (at(1) - at(0)).cross(at(2) - at(0));
-    for (int k = 0; k < 3; ++k) out.normals[static_cast<size_t>(t[k])] += area;
-    out.triangles.push_back(t.cast<std::uint32_t>());
+  const Points normals = vertex_normals(skin);
+  for (Eigen::Index i = 0; i < skin.V.rows(); ++i) {
+    out.positions.push_back(Vec3(skin.V.row(i)).cast<float>());
+    out.normals.push_back(Vec3(normals.row(i)).cast<float>());
   }
-  for (Vec3f& normal : out.normals) normal.normalize();
+  for (Eigen::Index f = 0; f < skin.F.rows(); ++f) out.triangles.push_back(Eigen::Vector3i(skin.F.row(f)).cast<std::uint32_t>());
   return out;
 }
 
@@ -94,10 +91,11 @@ int run(const WeightsVerbOptions& options, const Common& common, Report& report)
   if (options.table.empty() && options.picture.empty()) throw UsageError("weights: nothing to do; give -o FILE.csv, or --joint NAME and --picture FILE.png");
   if (options.picture.empty() != options.joints.empty()) throw UsageError("weights: --joint and --picture belong together");
   if (!options.table.empty()) check_output(options.table, {options.character, options.weights});
-  Actor actor = make_actor(read_character(options.character), report);
+  Character character = read_character(options.character);
+  const std::optional<BaseSkin> base = find_base(character.body.skin);
+  const Actor actor = make_actor(std::move(character), report, {base ? &*base : nullptr, options.weights, false});
   const Skeleton& skeleton = actor.character.anatomy.skeleton;
   const std::vector<int> joints = read_joints(options.joints, skeleton);
-  paint_skin(options.weights, actor, report);
   const std::vector<std::vector<Influence>> rows = joint_shares(actor.binding);
   size_t entries = 0;
   for (const std::vector<Influence>& row : rows) entries += row.size();
@@ -108,7 +106,6 @@ int run(const WeightsVerbOptions& options, const Common& common, Report& report)
     note(common, fmt::format("{}: {} weights of {} vertices", options.table.string(), entries, rows.size()));
   }
   if (!joints.empty()) {
-    const std::optional<BaseSkin> base = find_base(actor.character.body.skin);
     write_png(options.picture, picture_of(base ? base->mesh : actor.character.body.skin, skeleton, rows, joints));
     note(common, options.picture.string());
   }

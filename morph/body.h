@@ -48,12 +48,12 @@ struct BodySpec {
   std::optional<double> height;  // the package's average for sex and age when left out
   std::optional<double> mass;    // follows from average build when left out
   // Slider. Left out, it moves with mass: the package's weight slider alone only reaches a body mass index of 18 to 23.5.
-  std::optional<double> muscle;
+  std::optional<double> muscle{};
   double proportions = 0.5;
   double cup = 0.5;
   double firmness = 0.5;
   Vec3 origin = Vec3(0, 0, 1);
-  std::string name;
+  std::string name{};
 };
 
 struct ShapedBody {
