@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace ecorche {
@@ -32,6 +33,9 @@ Vec3 angles_of(const Joint& joint, const Mat3& R) {
   return {scale * v.x(), scale * v.y(), twist};
 }
 
+// How far angle a is beyond its limits.
+double outside(const Joint& joint, int a, double angle) { return std::max({0.0, joint.min[a] - angle, angle - joint.max[a]}); }
+
 }  // namespace
 
 Vec3 joint_angles(const Joint& joint, const Quat& rotation) {
@@ -42,19 +46,51 @@ Quat joint_rotation(const Joint& joint, const Vec3& angles) {
   return Quat(Mat3(joint.axes * turned(joint, angles) * turned(joint, joint.zero).transpose() * joint.axes.transpose()));
 }
 
+Vec3 joint_angles_near_limits(const Joint& joint, const Quat& rotation) {
+  constexpr double pi = std::numbers::pi;
+  const Vec3 first = joint_angles(joint, rotation);
+  Vec3 other;
+  if (!swings(joint)) {
+    other = {first[0] + pi, pi - first[1], first[2] + pi};
+  } else {  // the long way round
+    const double angle = std::hypot(first[0], first[1]);
+    const double scale = angle > 0 ? 1 - 2 * pi / angle : 1;
+    other = {scale * first[0], scale * first[1], first[2]};
+  }
+  Vec3 best = first;
+  double least = std::numeric_limits<double>::infinity();
+  for (Vec3 angles : {first, other}) {
+    for (int a = 0; a < 3; ++a) {
+      if (swings(joint) && a < 2) continue;
+      for (const double turn : {-2 * pi, 2 * pi})
+        if (outside(joint, a, angles[a] + turn) < outside(joint, a, angles[a])) angles[a] += turn;
+    }
+    const double most = std::max({outside(joint, 0, angles[0]), outside(joint, 1, angles[1]), outside(joint, 2, angles[2])});
+    if (most < least) least = most, best = angles;
+  }
+  return best;
+}
+
 double limit_excess(const Joint& joint, const Quat& rotation) {
-  const Vec3 angles = joint_angles(joint, rotation);
-  return std::max({0.0, (joint.min - angles).maxCoeff(), (angles - joint.max).maxCoeff()});
+  const Vec3 angles = joint_angles_near_limits(joint, rotation);
+  return std::max({outside(joint, 0, angles[0]), outside(joint, 1, angles[1]), outside(joint, 2, angles[2])});
+}
+
+double limit_ease(const Joint& joint, int angle) {
+  return std::min(3 * std::numbers::pi / 180, (joint.max[angle] - joint.min[angle]) / 10);
 }
 
 Quat clamped(const Joint& joint, const Quat& rotation) {
-  Vec3 angles = joint_angles(joint, rotation);
+  Vec3 angles = joint_angles_near_limits(joint, rotation);
   for (int a = 0; a < 3; ++a) {
-    const double ease = std::min(3 * std::numbers::pi / 180, (joint.max[a] - joint.min[a]) / 10);
+    const double room = joint.max[a] - joint.min[a], ease = limit_ease(joint, a);
+    const double far = std::numbers::pi - room / 2;  // beyond one limit as beyond the other
+    const double share = far > 0 ? std::clamp((outside(joint, a, angles[a]) / far - 0.5) / 0.5, 0.0, 1.0) : 0;
     const double high = joint.max[a] - ease, low = joint.min[a] + ease;
     if (ease > 0 && angles[a] > high) angles[a] = high + ease * std::tanh((angles[a] - high) / ease);
     if (ease > 0 && angles[a] < low) angles[a] = low + ease * std::tanh((angles[a] - low) / ease);
     angles[a] = std::clamp(angles[a], joint.min[a], joint.max[a]);
+    angles[a] += share * share * (3 - 2 * share) * (joint.min[a] + room / 2 - angles[a]);
   }
   return joint_rotation(joint, angles);
 }

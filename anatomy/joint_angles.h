@@ -15,11 +15,18 @@ Vec3 joint_angles(const Joint& joint, const Quat& rotation);
 // The local rotation that has these angles.
 Quat joint_rotation(const Joint& joint, const Vec3& angles);
 
+// The same turn has many triples of angles: this is the one that is least outside the limits.
+Vec3 joint_angles_near_limits(const Joint& joint, const Quat& rotation);
+
 // How far the worst of the angles is outside [min, max], rad; 0 inside.
 double limit_excess(const Joint& joint, const Quat& rotation);
 
-// Angles inside: those deeper inside than a tenth of the range (at most 3 deg) are kept, the others pressed together towards the
-// limit, without a kink, so that a movement that runs into a limit slows down rather than stops.
+// The last part of a range, in which a movement slows down: a tenth of it, at most 3 deg. `angle`: 0 flexion, 1 abduction, 2 rotation.
+double limit_ease(const Joint& joint, int angle);
+
+// Angles inside: those deeper inside than limit_ease() are kept, the others pressed together towards the limit, without a kink, so that a
+// movement that runs into a limit slows down rather than stops. What is so far beyond one limit that it is nearly as far beyond the other
+// (a foot turned backwards) goes back to the middle of the range: its sense means nothing, and it must not leap from limit to limit.
 Quat clamped(const Joint& joint, const Quat& rotation);
 
 }  // namespace ecorche

@@ -15,8 +15,8 @@ void add_motion_options(CLI::App& verb, MotionOptions& options) {
   verb.add_option("--map", options.map_file, "Which joint is which, where guessing fails: lines `file joint = our joint`");
   verb.add_option("--up", options.up, "Up axis of the file, instead of guessing")->check(CLI::IsMember({"x", "y", "z"}));
   verb.add_option("--unit", options.unit, "Metres a file unit, instead of guessing")->check(CLI::Range(1e-6, 1e3));
-  verb.add_option("--limits", options.limits, "What becomes of joints beyond their anatomical limits: kept as they are, or brought back")
-      ->check(CLI::IsMember({"keep", "clamp"}))
+  verb.add_option("--limits", options.limits, "What becomes of joints beyond their anatomical limits: kept as they are, brought back (clamp), or auto: brought back unless the file's rest pose is ours")
+      ->check(CLI::IsMember({"auto", "keep", "clamp"}))
       ->capture_default_str();
   verb.add_flag("--no-plant", options.free_feet, "Leave the feet where the file puts them");
 }
@@ -26,7 +26,7 @@ RetargetOptions to_retarget_options(const MotionOptions& options) {
   if (!options.map_file.empty()) out.joint_map = read_joint_map(options.map_file);
   if (!options.up.empty()) out.up = options.up[0];
   if (options.unit > 0) out.metres_per_unit = options.unit;
-  out.clamp_limits = options.limits == "clamp";
+  if (options.limits != "auto") out.clamp_limits = options.limits == "clamp";
   out.plant_feet = !options.free_feet;
   return out;
 }

@@ -13,7 +13,7 @@ struct MotionOptions {
   std::filesystem::path map_file;  // --map
   std::string up;                  // --up
   double unit = 0;                 // --unit, metres
-  std::string limits = "keep";     // --limits
+  std::string limits = "auto";     // --limits
   bool free_feet = false;          // --no-plant
 };
 

@@ -15,22 +15,35 @@ Quat twist_about(const Quat& q, const Vec3& axis) {
   return twist.norm() > 1e-12 ? twist.normalized() : Quat::Identity();
 }
 
+// Of a leg whose knee bends by a further d about its hinge: |hip to ankle|^2 = |thigh|^2 + |shank|^2 + 2 (level + A cos d + B sin d).
+struct LegBend {
+  Vec3 thigh, shank, hinge;
+  double level, A, B;
+  LegBend(const Skeleton& skeleton, const FootShape& foot, const std::vector<Transform>& X)
+      : thigh(X[foot.knee].translation() - X[foot.hip].translation()),
+        shank(X[foot.ankle].translation() - X[foot.knee].translation()),
+        hinge((X[foot.hip].linear() * skeleton.joints[foot.knee].axes.col(0)).normalized()),
+        level(thigh.dot(hinge) * shank.dot(hinge)),
+        A(thigh.dot(shank) - level),
+        B(thigh.dot(hinge.cross(shank))) {}
+};
+
 }  // namespace
+
+double straight_leg(const Skeleton& skeleton, const FootShape& foot, const std::vector<Transform>& X_WJ) {
+  const LegBend leg(skeleton, foot, X_WJ);
+  return std::sqrt(leg.thigh.squaredNorm() + leg.shank.squaredNorm() + 2 * (leg.level + std::hypot(leg.A, leg.B)));
+}
 
 double reach_with_leg(const Skeleton& skeleton, const FootShape& foot, const Vec3& ankle, const Mat3& foot_rotation, Pose& pose,
                       std::vector<Transform>& X) {
-  const Vec3 hip = X[foot.hip].translation(), knee = X[foot.knee].translation();
-  const Vec3 thigh = knee - hip, shank = X[foot.ankle].translation() - knee;
-  const Vec3 wanted = ankle - hip;
-
-  // |hip to ankle|^2 = |thigh|^2 + |shank|^2 + 2 (level + A cos d + B sin d) for a further flexion of d about the hinge:
-  // greatest, the straight leg, at d = atan2(B, A); the knee that bends forwards lies beyond it.
-  const Vec3 hinge = (X[foot.hip].linear() * skeleton.joints[foot.knee].axes.col(0)).normalized();
-  const double level = thigh.dot(hinge) * shank.dot(hinge);
-  const double A = thigh.dot(shank) - level, B = thigh.dot(hinge.cross(shank));
-  const double amplitude = std::hypot(A, B);
-  const double C = 0.5 * (wanted.squaredNorm() - thigh.squaredNorm() - shank.squaredNorm()) - level;
-  const double flexion = std::atan2(B, A) + std::acos(std::clamp(C / amplitude, -1.0, 1.0));
+  const LegBend leg(skeleton, foot, X);
+  const Vec3 hip = X[foot.hip].translation(), wanted = ankle - hip;
+  const Vec3 &thigh = leg.thigh, &shank = leg.shank, &hinge = leg.hinge;
+  // The straight leg, at d = atan2(B, A), is the longest; the knee that bends forwards lies beyond it.
+  const double amplitude = std::hypot(leg.A, leg.B);
+  const double C = 0.5 * (wanted.squaredNorm() - thigh.squaredNorm() - shank.squaredNorm()) - leg.level;
+  const double flexion = std::atan2(leg.B, leg.A) + std::acos(std::clamp(C / amplitude, -1.0, 1.0));
   const Mat3 bend = Eigen::AngleAxisd(flexion, hinge).toRotationMatrix();
   const Vec3 reached = thigh + bend * shank;
   const Mat3 swing = Quat::FromTwoVectors(reached, wanted).toRotationMatrix();

@@ -12,6 +12,7 @@ constexpr double kFade = 0.10;          // s around a stance
 constexpr double kHandOver = 0.05;      // s in which heel and ball pass the foot to each other
 constexpr double kStep = 0.06;          // m: a contact higher than this stands on something
 constexpr double kMostDrop = 0.10;      // m that the pelvis may come down
+constexpr double kStraight = 0.9985;    // of its length to which a planted leg stretches: 6 deg of knee
 constexpr double kToeExtension = 0.61;  // rad (35 deg): a foot pitched further rolls over the tip of its toes
 constexpr double kMostBent = 0.75;      // rad the toes bend upwards
 
@@ -250,7 +251,7 @@ class Planter {
         const Vec3 hip = X_[foot.shape.hip].translation(), knee = X_[foot.shape.knee].translation();
         const Vec3 above = X_[foot.shape.ankle].translation(), pivot = X_[foot.shape.subtalar].translation();
         const Vec3 ankle = pivot + foot.turn[f] * (above - pivot) + foot.move[f];
-        const double reach = 0.9995 * ((knee - hip).norm() + (above - knee).norm());
+        const double reach = kStraight * straight_leg(skeleton_, foot.shape, X_);
         const double level = std::hypot(ankle.x() - hip.x(), ankle.z() - hip.z());
         if (level >= reach) continue;
         needed[f] = std::max(needed[f], std::min(kMostDrop, hip.y() - ankle.y() - std::sqrt(reach * reach - level * level)));

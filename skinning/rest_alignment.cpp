@@ -344,15 +344,15 @@ class Aligner {
     C = twist_onto(C, upper, ours_.hinge("knee" + s, our_upper, our_lower), measured_hinge("hip" + s, "knee" + s, s));
     C_["hip" + s] = C;
     C = turn_onto(C * our_lower, lower) * C;
-    // Soles are level in both rest poses; only the toes' heading may differ. How far toes point away from the knee's plane is a
-    // body's own (the shin's torsion): the shin turns a little towards the file's heading, the ankle hardly at all.
+    // Soles are level in both rest poses; only the toes' heading may differ. How far toes point away from the knee's plane is a body's own
+    // (the shin's torsion): the shin turns a little towards the file's heading, the ankle not at all.
     const Vec3 foot = W_ref_ * f.foot(s), our_foot = C_["pelvis"] * ours_.foot(s), natural = C * ours_.foot(s);
     Mat3 yaw = Mat3::Identity();
     if (std::hypot(foot.x(), foot.z()) > 0.05 * f.leg()) {
-      constexpr double kShin = 8 * kDegree, kAnkle = 3 * kDegree;
-      const double gap = std::remainder(heading(foot) - heading(natural), 2 * kPi), shin = std::clamp(gap, -kShin, kShin);
+      constexpr double kShin = 3 * kDegree;
+      const double shin = std::clamp(std::remainder(heading(foot) - heading(natural), 2 * kPi), -kShin, kShin);
       C = Eigen::AngleAxisd(shin, -lower.normalized()).toRotationMatrix() * C;
-      yaw = Eigen::AngleAxisd(heading(natural) + shin + std::clamp(gap - shin, -kAnkle, kAnkle) - heading(our_foot), Vec3::UnitY());
+      yaw = Eigen::AngleAxisd(heading(natural) + shin - heading(our_foot), Vec3::UnitY());
     }
     C_["knee" + s] = C;
     const Mat3 level = yaw * C_["pelvis"];

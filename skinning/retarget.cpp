@@ -8,6 +8,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/joint_angles.h"
 #include "skinning/keep_flights.h"
+#include "skinning/keep_limits.h"
 #include "skinning/leg_reach.h"
 #include "skinning/plant_feet.h"
 #include "skinning/pose_transfer.h"
@@ -19,6 +20,7 @@ namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr double kLimitTolerance = 0.5 * kDegree;
+constexpr LimbHold kPlanted{0.5e-3, 1 * kDegree};
 
 // Some files begin with a T-pose for the calibration, or glide out of one in a few frames. How many frames at the start belong to
 // it: those that move five times as fast as the movement that follows and together turn some joint by more than 30 deg.
@@ -48,12 +50,44 @@ void unwrap(std::vector<Pose>& frames) {
       if (frames[f].rotations[j].dot(frames[f - 1].rotations[j]) < 0) frames[f].rotations[j].coeffs() *= -1;
 }
 
-void clamp_all(const Skeleton& skeleton, Motion& motion) {
-  for (Pose& pose : motion.frames)
-    for (size_t j = 1; j < skeleton.joints.size(); ++j)
-      if (limit_excess(skeleton.joints[j], pose.rotations[j]) > 0)
-        pose.rotations[j] = clamped(skeleton.joints[j], pose.rotations[j]);
-}
+// Keeps every frame of a motion within limits and adds up what that did.
+class Limiter {
+ public:
+  Limiter(const Skeleton& skeleton, double sole) : skeleton_(skeleton), tables_(make_limit_tables(skeleton, sole)) {
+    ends_.push_back({"head", find_joint(skeleton, "head"), Vec3::Zero(), 0, {}});
+    for (const LimbChain& limb : tables_.limbs) ends_.push_back({skeleton.joints[limb.joints[3]].name, limb.joints[3], limb.point, 0, {}});
+  }
+
+  void run(const LimbHold& hold, Motion& motion) {
+    for (size_t f = 0; f < motion.frames.size(); ++f) {
+      keep_limits(skeleton_, tables_, hold, motion.frames[f], scratch_);
+      for (End& end : ends_) {
+        const double moved = (scratch_.before[end.joint] * end.point - scratch_.after[end.joint] * end.point).norm();
+        end.sum += moved / motion.frames.size();
+        if (moved > end.move.most) end.move.most = moved, end.move.worst_frame = static_cast<int>(f);
+      }
+    }
+  }
+
+  std::vector<EndMove> moves() {
+    std::vector<EndMove> out;
+    for (End& end : ends_) end.move.end = end.name, end.move.mean = end.sum, out.push_back(end.move);
+    return out;
+  }
+
+ private:
+  struct End {
+    std::string name;
+    int joint;
+    Vec3 point;
+    double sum;
+    EndMove move;
+  };
+  const Skeleton& skeleton_;
+  LimitTables tables_;
+  LimitScratch scratch_;
+  std::vector<End> ends_;
+};
 
 // Heel and ball of the file's own leg, our foot put at its ankle.
 void add_foot(const PoseTransfer& transfer, const std::vector<Transform>& X, const Skeleton& ours, Side side, double sole,
@@ -66,7 +100,8 @@ void add_foot(const PoseTransfer& transfer, const std::vector<Transform>& X, con
   foot.ball.push_back(ankle + R * (shape.ball - rest));
 }
 
-void report_limits(const Skeleton& skeleton, const Motion& motion, RetargetReport& report) {
+std::vector<LimitBreak> limit_breaks(const Skeleton& skeleton, const Motion& motion) {
+  std::vector<LimitBreak> out;
   for (size_t j = 1; j < skeleton.joints.size(); ++j) {
     LimitBreak broken{skeleton.joints[j].name};
     for (size_t f = 0; f < motion.frames.size(); ++f) {
@@ -75,8 +110,9 @@ void report_limits(const Skeleton& skeleton, const Motion& motion, RetargetRepor
       ++broken.frames;
       if (excess > broken.worst) broken.worst = excess, broken.worst_frame = static_cast<int>(f);
     }
-    if (broken.frames > 0) report.limit_breaks.push_back(broken);
+    if (broken.frames > 0) out.push_back(broken);
   }
+  return out;
 }
 
 }  // namespace
@@ -117,18 +153,21 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
     report.warnings.push_back(
         fmt::format("{}: a marker pose at the start is left out ({} frames)", source.name, report.dropped_frames));
   }
-  if (options.clamp_limits) clamp_all(ours, motion);
+  const bool keep = options.clamp_limits.value_or(!alignment.same_rest);
   if (!alignment.same_rest)
     for (const Side side : {Side::left, Side::right}) {
       const FootShape foot = foot_shape(ours, side, sole);
       for (Pose& pose : motion.frames) turn_shin_with_foot(ours, foot, pose);
     }
+  Limiter limiter(ours, sole);
+  if (keep) report.limited = limit_breaks(ours, motion), limiter.run({}, motion);
   if (options.plant_feet) plant_feet(ours, sole, feet, motion, report);
+  if (keep && options.plant_feet) limiter.run(kPlanted, motion);
+  if (keep) report.ends_moved = limiter.moves();
   if (options.keep_flights) keep_flights(ours, sole, motion, report);
-  if (options.clamp_limits) clamp_all(ours, motion);
   measure_feet(ours, sole, motion, report);
   unwrap(motion.frames);
-  report_limits(ours, motion, report);
+  report.limit_breaks = limit_breaks(ours, motion);
   return motion;
 }
 

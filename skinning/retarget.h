@@ -5,7 +5,8 @@
 // movement; a file whose rest pose is already ours (the body package's rigs) is taken over rotation for rotation. The trunk's and
 // neck's turning is spread over our vertebrae by arc length, the shoulder girdle follows the arm (de Groot & Brand 2001,
 // 10.1016/S0268-0033(01)00065-3), twist of the hand goes to the radius. The root's path is scaled by leg length; planted feet are
-// held by two-bone inverse kinematics (after Kovar et al. 2002, 10.1145/545261.545277) and flights keep to gravity.
+// held by two-bone inverse kinematics (after Kovar et al. 2002, 10.1145/545261.545277), joints are brought inside their limits with hands
+// and feet as near to their places as can be, and flights keep to gravity.
 //
 // Results live in the world frame with the ground at y = 0.
 #pragma once
@@ -31,7 +32,9 @@ struct RetargetOptions {
   bool plant_feet = true;
   bool keep_flights = true;  // centre of mass in free flight on a parabola of 9.81 m/s^2
   bool shoulder_rhythm = true;
-  bool clamp_limits = false;  // bring joints back inside their limits; otherwise only reported
+  // Bring joints back inside their limits (skinning/keep_limits.h); otherwise those beyond are only reported. Absent: unless the file's
+  // rest pose is ours, since such a file is taken over as it is.
+  std::optional<bool> clamp_limits;
 };
 
 struct JointMatch {
@@ -59,6 +62,14 @@ struct LimitBreak {
   double worst = 0;  // rad beyond the limit
 };
 
+// By how much keeping the limits moved what a limb ends in, over all frames, m. Against where the file has it; a foot's ball while it
+// stands also against where it was planted.
+struct EndMove {
+  std::string end;  // "head", "wrist_l", "subtalar_l", ...
+  double mean = 0, most = 0;
+  int worst_frame = 0;
+};
+
 struct RetargetReport {
   std::string unit;  // "cm", "m", "inch", "CMU unit", ... or "unknown"
   double metres_per_unit = 1;
@@ -75,7 +86,9 @@ struct RetargetReport {
   std::vector<Flight> flights;
   double slide_p95 = 0;    // of the contacts' slides, m
   double penetration = 0;  // deepest point of a sole below the ground, m
-  std::vector<LimitBreak> limit_breaks;
+  std::vector<LimitBreak> limit_breaks;  // of the motion as it is
+  std::vector<LimitBreak> limited;       // what was beyond before joints were brought back; empty where none were
+  std::vector<EndMove> ends_moved;
 };
 
 // Throws UnfitError that lists what could not be matched (hips, chest, head, both arms, both legs are needed) with the table so
