@@ -107,6 +107,11 @@ void report_limits(RetargetReport& found, Report& report) {
   std::stable_sort(breaks.begin(), breaks.end(), [](const LimitBreak& a, const LimitBreak& b) { return a.worst > b.worst; });
   report.set("motion.joints_beyond_limits", static_cast<int>(breaks.size()));
   for (const LimitBreak& one : breaks) report.set("motion.beyond_limits_deg." + one.joint, one.worst * kDegrees);
+  int samples = 0;
+  for (const LimitBreak& one : found.limited) samples += one.frames;
+  report.set("motion.joints_limited", static_cast<int>(found.limited.size()));
+  report.set("motion.samples_limited", samples);
+  for (const EndMove& end : found.ends_moved) report.set("motion.ends_moved_max." + end.end, end.most);
   if (breaks.empty()) return;
   const LimitBreak& worst = breaks.front();
   found.warnings.push_back(fmt::format("{} joints go beyond their limits in some frame; the worst, {}, by {:.1f} deg in frame {} ({} frames); "
