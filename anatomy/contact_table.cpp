@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <string>
 
 #include "anatomy/joint_angles.h"
 #include "anatomy/muscle_line.h"
@@ -30,29 +31,21 @@ struct Box {
 };
 
 // A sheet's strips have sides on which they are drawn on into the next one: no vertex follows the outline there.
-void lay_out(const Anatomy& anatomy, const std::vector<SliceRange>& ranges, ContactTable& table) {
+void lay_out(const Anatomy& anatomy, const std::vector<SliceRange>& ranges, ContactTable& table) {  // all sections, as members
   const MuscleSurface surface = make_muscle_surface(anatomy, {kOutlinePoints, true});
-  const std::size_t count = static_cast<std::size_t>(slice_count(anatomy));
-  table.sides.assign(count, 0);
-  std::vector<char> drawn(count, 0);
+  std::vector<char> drawn(static_cast<std::size_t>(slice_count(anatomy)), 0);
   for (const MuscleSurface::Term& t : surface.terms) {
     const long place = std::lround(t.place) % kOutlinePoints;
     if (t.u != 0 && (place == 0 || place == kOutlinePoints / 2)) drawn[static_cast<std::size_t>(t.slice)] |= place == 0 ? 2 : 1;
   }
   for (const SliceRange& range : ranges) {
     const MuscleSurface::Part& part = surface.parts[static_cast<std::size_t>(range.muscle)];
-    table.strips.push_back({range.begin, range.end, part.sheet ? part.thickness : 1});
-    if (!part.sheet) continue;
-    for (int k = range.begin; k < range.end; ++k) table.sides[static_cast<std::size_t>(k)] = static_cast<char>(3 & ~drawn[static_cast<std::size_t>(k)]);
+    const std::vector<Slice>& slices = anatomy.muscles[static_cast<std::size_t>(range.muscle)].strips[static_cast<std::size_t>(range.strip)].slices;
+    for (int k = range.begin; k < range.end; ++k) {
+      table.members.push_back({k, part.sheet ? part.thickness : 1, k == range.begin, k + 1 == range.end});
+      table.shapes.push_back(contact_shape(slices[static_cast<std::size_t>(k - range.begin)].outline, part.sheet ? 3 & ~drawn[static_cast<std::size_t>(k)] : 0));
+    }
   }
-  for (const Muscle& muscle : anatomy.muscles)
-    for (const Strip& strip : muscle.strips)
-      for (const Slice& slice : strip.slices) {
-        ContactSpokes& spokes = table.spokes.emplace_back();
-        for (std::size_t i = 0; i < spokes.size(); ++i) spokes[i] = slice.outline[2 * i];
-        table.waves.push_back(outline_waves(slice.outline));
-        table.boxes.push_back(outline_box(slice.outline));
-      }
 }
 
 // Poses that spread through the ranges of all joints at once, and farther from their middles than from their ends.
@@ -76,26 +69,22 @@ Pose spread_pose(const Skeleton& skeleton, int index) {
 // Volume that one section shares with another beyond what it shares at rest, m^3.
 float shared_volume(const ContactTable& table, const ContactMemory& posed, const ContactMemory& rest, int own, int other) {
   ContactSpokes press, near, still;
-  const ContactGroup pair{own, other, other, {}};
-  if (!press_of(table, posed, pair, press, near) || !(*std::max_element(press.begin(), press.end()) > 0)) return 0;
-  if (!press_of(table, rest, pair, still, near)) still.fill(0);
+  if (!press_of(table, posed, own, other, other, press, near) || !(*std::max_element(press.begin(), press.end()) > 0)) return 0;
+  if (!press_of(table, rest, own, other, other, still, near)) still.fill(0);
   const ContactSection& s = posed.sections[static_cast<std::size_t>(own)];
-  const float a = 1 / s.per_width2, b = 1 / s.per_thickness2;
+  const ContactShape& shape = table.shapes[static_cast<std::size_t>(own)];
   float sum = 0;
   for (std::size_t i = 0; i < press.size(); ++i) {
-    const float angle = 6.2831853f * static_cast<float>(i) / kContactPoints, c = std::cos(angle), factor = table.spokes[static_cast<std::size_t>(own)][i];
-    sum += std::max(press[i] - still[i], 0.0f) * factor * factor * (a * c * c + b * (1 - c * c));
+    Eigen::Vector3f spoke;
+    for (int r = 0; r < 3; ++r) spoke[r] = shape.along_width[i] * s.width[r] + shape.along_thickness[i] * s.thickness[r];
+    sum += std::max(press[i] - still[i], 0.0f) * spoke.squaredNorm();
   }
-  return sum * (6.2831853f / kContactPoints) * 0.5f * (1 / s.per_before + 1 / s.per_after);
-}
-
-bool in_reach(const ContactSection& own, const ContactSection& other) {
-  const float x = own.center[0] - other.center[0], y = own.center[1] - other.center[1], z = own.center[2] - other.center[2], reach = own.wide + other.reach;
-  return x * x + y * y + z * z < reach * reach;
+  return sum * (6.2831853f / kContactPoints) * 0.5f * (s.low[2] + s.high[2]);
 }
 
 struct Places {
-  std::vector<int> muscle, mirrored;  // #strips; #sections, its image's on the other side, or itself
+  std::vector<SliceRange> strips;
+  std::vector<int> mirrored;  // #sections, its image's on the other side, or itself
 };
 
 // own << 32 | other, ascending.
@@ -103,25 +92,25 @@ using Pairs = std::vector<std::uint64_t>;
 
 // Pairs of sections that share more than `least`, m^3.
 Pairs pairs_of(const ContactTable& table, const Places& places, const ContactMemory& posed, const ContactMemory& rest, float least) {
-  const std::size_t n = table.strips.size();
+  const std::size_t n = places.strips.size();
   std::vector<Box> near(n), wide(n);  // about outlines, about what they speak for
   for (std::size_t s = 0; s < n; ++s)
-    for (int k = table.strips[s].begin; k < table.strips[s].end; ++k) {
-      const ContactSection& section = posed.sections[static_cast<std::size_t>(k)];
-      near[s].add(section, section.wide);
-      wide[s].add(section, section.reach);
+    for (int k = places.strips[s].begin; k < places.strips[s].end; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      near[s].add(posed.sections[i], posed.wide[i]);
+      wide[s].add(posed.sections[i], posed.balls[i][3]);
     }
   Pairs out;
   for (std::size_t s = 0; s < n; ++s)
     for (std::size_t t = 0; t < n; ++t) {
-      if (places.muscle[s] == places.muscle[t] || !near[s].meets(wide[t])) continue;
-      for (int a = table.strips[s].begin; a < table.strips[s].end; ++a) {
+      if (places.strips[s].muscle == places.strips[t].muscle || !near[s].meets(wide[t])) continue;
+      for (int a = places.strips[s].begin; a < places.strips[s].end; ++a) {
         const ContactSection& own = posed.sections[static_cast<std::size_t>(a)];
         Box box;
-        box.add(own, own.wide);
+        box.add(own, posed.wide[static_cast<std::size_t>(a)]);
         if (!box.meets(wide[t])) continue;
-        for (int b = table.strips[t].begin; b < table.strips[t].end; ++b)
-          if (in_reach(own, posed.sections[static_cast<std::size_t>(b)]) && shared_volume(table, posed, rest, a, b) > least) out.push_back(static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b));
+        for (int b = places.strips[t].begin; b < places.strips[t].end; ++b)
+          if (shared_volume(table, posed, rest, a, b) > least) out.push_back(static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b));
       }
     }
   return out;
@@ -140,9 +129,9 @@ std::vector<int> mirrored_sections(const Anatomy& anatomy, const std::vector<Sli
   return out;
 }
 
-void group(const Pairs& pairs, const ContactMemory& rest, ContactTable& table) {
+void group(const Pairs& pairs, const Places& places, const ContactMemory& rest, ContactTable& table) {
   std::vector<int> strip(rest.sections.size());
-  for (std::size_t s = 0; s < table.strips.size(); ++s) std::fill(strip.begin() + table.strips[s].begin, strip.begin() + table.strips[s].end, static_cast<int>(s));
+  for (std::size_t s = 0; s < places.strips.size(); ++s) std::fill(strip.begin() + places.strips[s].begin, strip.begin() + places.strips[s].end, static_cast<int>(s));
   for (const std::uint64_t pair : pairs) {
     const int own = static_cast<int>(pair >> 32), other = static_cast<int>(pair & 0xffffffffu);
     if (!table.groups.empty()) {
@@ -155,16 +144,42 @@ void group(const Pairs& pairs, const ContactMemory& rest, ContactTable& table) {
     table.groups.push_back({own, other, other, {}});
   }
   ContactSpokes near;
-  for (std::size_t g = 0; g < table.groups.size(); ++g) {
-    ContactGroup& of = table.groups[g];
-    if (!press_of(table, rest, of, of.at_rest, near)) of.at_rest.fill(0);
+  for (ContactGroup& of : table.groups) {
+    if (!press_of(table, rest, of.own, of.first, of.last, of.at_rest, near)) of.at_rest.fill(0);
     for (float& p : of.at_rest) p += kRounding;
-    if (table.owners.empty() || table.owners.back() != of.own) {
-      table.owners.push_back(of.own);
-      table.owner_begin.push_back(static_cast<int>(g));
-    }
   }
-  table.owner_begin.push_back(static_cast<int>(table.groups.size()));
+}
+
+// Members that are in no group go.
+void leave_out_idle(ContactTable& table) {
+  std::vector<int> place(table.members.size(), -1);
+  for (const ContactGroup& group : table.groups) {
+    place[static_cast<std::size_t>(group.own)] = 0;
+    std::fill(place.begin() + group.first, place.begin() + group.last + 1, 0);
+  }
+  int count = 0;
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    if (place[i] < 0) continue;
+    table.members[static_cast<std::size_t>(count)] = table.members[i];
+    table.shapes[static_cast<std::size_t>(count)] = table.shapes[i];
+    place[i] = count++;
+  }
+  table.members.resize(static_cast<std::size_t>(count));
+  table.shapes.resize(static_cast<std::size_t>(count));
+  table.members.shrink_to_fit();
+  table.shapes.shrink_to_fit();
+  for (ContactGroup& group : table.groups)
+    for (int* member : {&group.own, &group.first, &group.last}) *member = place[static_cast<std::size_t>(*member)];
+}
+
+void list_pairs(ContactTable& table) {
+  std::size_t begin = 0;  // of the own member's
+  for (std::size_t g = 0; g < table.groups.size(); ++g) {
+    const ContactGroup& group = table.groups[g];
+    if (g > 0 && table.groups[g - 1].own != group.own) begin = table.pairs.size();
+    for (int k = group.first; k <= group.last; ++k) table.pairs.push_back({group.own, k, static_cast<int>(g)});
+    table.most_pairs = std::max(table.most_pairs, static_cast<int>(table.pairs.size() - begin));
+  }
 }
 
 }  // namespace
@@ -173,8 +188,7 @@ ContactTable make_contact_table(const Anatomy& anatomy, const PosingTable& still
   ContactTable table;
   const std::vector<SliceRange> ranges = slice_ranges(anatomy);
   lay_out(anatomy, ranges, table);
-  Places places{{}, mirrored_sections(anatomy, ranges, still.slices())};
-  for (const SliceRange& range : ranges) places.muscle.push_back(range.muscle);
+  const Places places{ranges, mirrored_sections(anatomy, ranges, still.slices())};
   const Skeleton& skeleton = anatomy.skeleton;
   PosedAnatomy standing;
   pose_anatomy(still, skeleton, rest_pose(skeleton), standing);
@@ -202,7 +216,9 @@ ContactTable make_contact_table(const Anatomy& anatomy, const PosingTable& still
     std::sort(pairs.begin(), pairs.end());
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   }
-  group(pairs, rest, table);
+  group(pairs, places, rest, table);
+  leave_out_idle(table);
+  list_pairs(table);
   return table;
 }
 

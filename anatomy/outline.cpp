@@ -8,9 +8,41 @@ namespace {
 
 constexpr std::size_t kCount = kOutlinePoints;
 
-double turn_sine() {
-  static const double sine = std::sin(2 * std::numbers::pi / kOutlinePoints);
-  return sine;
+// All directions at once.
+using Around = Eigen::Array<double, kOutlinePoints, 1>;
+
+// A factor, and that of the next direction.
+struct Factors {
+  Around here, next;
+  explicit Factors(const SliceOutline& outline) {
+    here = Eigen::Map<const Eigen::Array<float, kOutlinePoints, 1>>(outline.data()).cast<double>();
+    next << here.tail<kOutlinePoints - 1>(), here[0];
+  }
+};
+
+// Products of the coordinates of a direction and the next over the sum of their cross products.
+struct Turns {
+  Around xy, yx, xx, yy;
+  Around x, y, next_x, next_y;  // coordinates alone
+};
+const Turns& turns() {
+  static const Turns out = [] {
+    Turns t;
+    const auto& d = outline_directions();
+    const double whole = kOutlinePoints * std::sin(2 * std::numbers::pi / kOutlinePoints);
+    for (std::size_t i = 0; i < kCount; ++i) {
+      const std::size_t j = (i + 1) % kCount;
+      const auto k = static_cast<Eigen::Index>(i);
+      t.xy[k] = d[i].x() * d[j].y() / whole;
+      t.yx[k] = d[i].y() * d[j].x() / whole;
+      t.xx[k] = d[i].x() * d[j].x() / whole;
+      t.yy[k] = d[i].y() * d[j].y() / whole;
+      t.x[k] = d[i].x(), t.y[k] = d[i].y();
+      t.next_x[k] = d[j].x(), t.next_y[k] = d[j].y();
+    }
+    return t;
+  }();
+  return out;
 }
 
 }  // namespace
@@ -39,41 +71,25 @@ SliceOutline flipped_outline(const SliceOutline& outline, bool width, bool thick
 
 double outline_area(const SliceOutline& outline) {
   if (outline == kEllipticOutline) return 1;
-  double sum = 0;
-  for (std::size_t i = 0; i < kCount; ++i) sum += static_cast<double>(outline[i]) * static_cast<double>(outline[(i + 1) % kCount]);
-  return sum / kOutlinePoints;
+  const Factors f(outline);
+  return (f.here * f.next).sum() / kOutlinePoints;
 }
 
 MixedArea mixed_area(const SliceOutline& first, const SliceOutline& second) {
   if (first == kEllipticOutline && second == kEllipticOutline) return {};
-  const auto& d = outline_directions();
-  MixedArea out{0, 0, 0, 0};
-  for (std::size_t i = 0; i < kCount; ++i) {
-    const std::size_t j = (i + 1) % kCount;
-    const double fg = static_cast<double>(first[i]) * static_cast<double>(second[j]), gf = static_cast<double>(second[i]) * static_cast<double>(first[j]);
-    const double cs = d[i].x() * d[j].y(), sc = d[i].y() * d[j].x();
-    out.ab += fg * cs - gf * sc;
-    out.ba += gf * cs - fg * sc;
-    out.aa += (fg - gf) * d[i].x() * d[j].x();
-    out.bb += (fg - gf) * d[i].y() * d[j].y();
-  }
-  const double whole = kOutlinePoints * turn_sine();
-  return {out.ab / whole, out.ba / whole, out.aa / whole, out.bb / whole};
+  const Turns& t = turns();
+  const Factors f(first), g(second);
+  const Around fg = f.here * g.next, gf = g.here * f.next, less = fg - gf;
+  return {(fg * t.xy - gf * t.yx).sum(), (gf * t.xy - fg * t.yx).sum(), (less * t.xx).sum(), (less * t.yy).sum()};
 }
 
 LopsidedMoments lopsided_moments(const SliceOutline& first, const SliceOutline& second) {
   if (first == kEllipticOutline && second == kEllipticOutline) return {};
-  const auto& d = outline_directions();
-  Vec2 by_first = Vec2::Zero(), by_second = Vec2::Zero();
-  for (std::size_t i = 0; i < kCount; ++i) {
-    const std::size_t j = (i + 1) % kCount;
-    const Vec2 f0 = static_cast<double>(first[i]) * d[i], f1 = static_cast<double>(first[j]) * d[j];
-    const Vec2 g0 = static_cast<double>(second[i]) * d[i], g1 = static_cast<double>(second[j]) * d[j];
-    by_first += (f0.x() * f1.y() - f0.y() * f1.x()) * (g0 + g1) / 2;
-    by_second += (g0.x() * g1.y() - g0.y() * g1.x()) * (f0 + f1) / 2;
-  }
-  const double whole = kOutlinePoints * turn_sine();
-  return {by_first.x() / whole, by_first.y() / whole, by_second.x() / whole, by_second.y() / whole};
+  const Turns& t = turns();
+  const Factors f(first), g(second);
+  const Around of_first = f.here * f.next / (2 * kOutlinePoints), of_second = g.here * g.next / (2 * kOutlinePoints);
+  return {(of_first * (g.here * t.x + g.next * t.next_x)).sum(), (of_first * (g.here * t.y + g.next * t.next_y)).sum(),
+          (of_second * (f.here * t.x + f.next * t.next_x)).sum(), (of_second * (f.here * t.y + f.next * t.next_y)).sum()};
 }
 
 }  // namespace ecorche

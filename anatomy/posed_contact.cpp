@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <numbers>
 
@@ -13,15 +14,18 @@ constexpr std::size_t kCount = kOutlinePoints, kSpokes = kContactPoints;
 constexpr float kMostPress = 0.55f;   // of a factor
 constexpr float kNear = 0.2f;         // levels above 1 at which a neighbour keeps a section from growing
 constexpr float kLeastFactor = 0.1f;
-constexpr float kSheetFree = 0.8f;    // of the half width: from there on a sheet's strip leaves off beside the next one
+constexpr float kSheetFree = 0.8f;    // of the half width: from there on a sheet's strip leaves off beside the next one,
+constexpr float kSheetSteep = 4;      // so many times as fast
 constexpr float kOver = 1.7f;         // bellies that have parted half-way swell back a part of it: so much more is taken
 constexpr float kMostRegrowth = 1.5f; // of the factors that are free
 constexpr float kEarly = 0.3f;        // of the way to the outline
 constexpr float kThrough = 4;         // how fast a piercing ray counts, per level
+constexpr int kRoomDirections = 64;
+constexpr float kRoomMargin = 1.02f;  // for what lies between them
+constexpr std::size_t kBlock = 128;   // pairs that are looked at together: what is known of them stays in the nearest memory
 
 struct Directions {
   SliceOutline cosine, sine;
-  ContactSpokes spoke_cosine, spoke_sine;
 };
 const Directions kDirections = [] {
   Directions out;
@@ -29,111 +33,154 @@ const Directions kDirections = [] {
     const double angle = 2 * std::numbers::pi * static_cast<double>(i) / kCount;
     out.cosine[i] = static_cast<float>(std::cos(angle));
     out.sine[i] = static_cast<float>(std::sin(angle));
-    if (i % 2 == 0) out.spoke_cosine[i / 2] = out.cosine[i], out.spoke_sine[i / 2] = out.sine[i];
   }
   return out;
 }();
 
-inline float dot(const float* a, const float* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-// Eight directions at once: the compiler keeps them in one register where there is one so wide.
+// Eight directions at once, or the three measures: the compiler keeps them in one register where there is one so wide.
 typedef float Eight __attribute__((vector_size(32)));
+typedef float Four __attribute__((vector_size(16)));
+typedef std::int64_t FourMasks __attribute__((vector_size(32)));
+typedef std::int64_t TwoMasks __attribute__((vector_size(16)));
 static_assert(sizeof(Eight) == sizeof(ContactSpokes));
 
-inline Eight load(const float* p) {
-  Eight v;
+template <class V>
+inline V load_as(const float* p) {
+  V v;
   std::memcpy(&v, p, sizeof v);
   return v;
 }
-inline void store(Eight v, float* p) { std::memcpy(p, &v, sizeof v); }
+inline Eight load(const float* p) { return load_as<Eight>(p); }
+template <class V>
+inline void store(V v, float* p) {
+  std::memcpy(p, &v, sizeof v);
+}
 inline Eight all(float x) { return Eight{} + x; }
-inline Eight larger(Eight a, Eight b) { return a > b ? a : b; }
-inline Eight smaller(Eight a, Eight b) { return a < b ? a : b; }
+template <class V>
+inline V larger(V a, V b) {
+  return a > b ? a : b;
+}
+template <class V>
+inline V smaller(V a, V b) {
+  return a < b ? a : b;
+}
+inline bool any_above_zero(Eight v) {
+  const FourMasks m = (FourMasks)(v > 0);
+  return (m[0] | m[1] | m[2] | m[3]) != 0;
+}
 inline Eight root(Eight v) {
-  float a[kSpokes];
-  store(v, a);
-  for (float& x : a) x = std::sqrt(x);
-  return load(a);
+  for (std::size_t i = 0; i < kSpokes; ++i) v[i] = std::sqrt(v[i]);
+  return v;
 }
 
 // Level of points given in a section's own measures: 0 on its line, 1 on its outline.
-inline Eight level_of(const OutlineWaves& w, int sides, Eight x, Eight y) {
-  if (sides != 0) {  // beside a sheet's next strip the section is flat as far as it goes, and then leaves off
-    const Eight size = larger(x, -x), flat = 4 * larger(size - kSheetFree, Eight{});
-    const Eight high = sides & 2 ? flat : size, low = sides & 1 ? -flat : -size;
-    x = x > Eight{} ? high : low;
-  }
+inline Eight level_of(const ContactShape& shape, Eight x, Eight y) {
+  const OutlineWaves& w = shape.waves;
+  const SheetSides& sides = shape.sides;
+  x = sides.high_steep * larger(x - sides.high_free, Eight{}) - sides.low_steep * larger(-x - sides.low_free, Eight{});
   const Eight rho = root(x * x + y * y + 1e-12f), per = 1 / rho;
-  const Eight c1 = x * per, s1 = y * per;
-  const Eight c2 = c1 * c1 - s1 * s1, s2 = 2 * c1 * s1;
-  const Eight c3 = c2 * c1 - s2 * s1, s3 = s2 * c1 + c2 * s1;
-  const Eight c4 = c2 * c2 - s2 * s2, s4 = 2 * c2 * s2;
-  const Eight factor = w[0] + w[1] * c1 + w[2] * c2 + w[3] * c3 + w[4] * c4 + w[5] * s1 + w[6] * s2 + w[7] * s3 + w[8] * s4;
+  const Eight c = x * per, s = y * per;
+  Eight re = w[3] + w[4] * c + w[8] * s, im = w[4] * s - w[8] * c - w[7];  // Horner, in powers of c + i s
+  const auto on = [&](float cosine, float sine) {
+    const Eight before = re;
+    re = cosine + re * c - im * s;
+    im = before * s + im * c - sine;
+  };
+  on(w[2], w[6]);
+  on(w[1], w[5]);
+  const Eight factor = w[0] + re * c - im * s;
   return rho / larger(factor, all(kLeastFactor));
 }
 
-// Whether a section's outline, which lies at x0 and reaches along xa and xb for its own axes, stays below -far or above +further.
-inline bool apart(const OutlineBox& own, float x0, float xa, float xb, float further, float far) {
-  const float most = (xa > 0 ? own.right : -own.left) * xa + (xb > 0 ? own.up : -own.down) * xb;
-  const float least = (xa > 0 ? own.left : -own.right) * xa + (xb > 0 ? own.down : -own.up) * xb;
-  return x0 - least > further || x0 + most < -far;
+// Where the own section lies in the other's measures. False where its outline stays off all that the other meets.
+inline bool measure(const ContactTable& table, const ContactMemory& memory, int own, int other, ContactMeeting& out) {
+  const ContactSection &a = memory.sections[static_cast<std::size_t>(own)], &b = memory.sections[static_cast<std::size_t>(other)];
+  const OutlineBox& box = table.shapes[static_cast<std::size_t>(own)].box;
+  const Four x = load_as<Four>(b.to_measures[0]), y = load_as<Four>(b.to_measures[1]), z = load_as<Four>(b.to_measures[2]);
+  const Four at = (a.center[0] - b.center[0]) * x + (a.center[1] - b.center[1]) * y + (a.center[2] - b.center[2]) * z;
+  const Four u = a.width[0] * x + a.width[1] * y + a.width[2] * z;
+  const Four v = a.thickness[0] * x + a.thickness[1] * y + a.thickness[2] * z;
+  const Four right = box.right * u, left = -box.left * u, up = box.up * v, down = -box.down * v;
+  const Four least = at + smaller(right, left) + smaller(up, down), most = at + larger(right, left) + larger(up, down);
+  const TwoMasks off = (TwoMasks)((least > load_as<Four>(b.high)) | (most < -load_as<Four>(b.low)));
+  store(at, out.center);
+  store(u, out.width);
+  store(v, out.thickness);
+  return (off[0] | off[1]) == 0;
 }
 
-// Adds what one section of the other muscle has to say.
-inline bool meet(const ContactTable& table, const ContactMemory& memory, int from, int to, float* press, float* near) {
-  const auto at_own = static_cast<std::size_t>(from), at_other = static_cast<std::size_t>(to);
-  const ContactSection &own = memory.sections[at_own], &other = memory.sections[at_other];
-  const OutlineBox &box = table.boxes[at_own], &room = table.boxes[at_other];
-  const float away[3] = {own.center[0] - other.center[0], own.center[1] - other.center[1], own.center[2] - other.center[2]};
-  const float z0 = dot(away, other.tangent);
-  const float za = dot(own.width, other.tangent), zb = dot(own.thickness, other.tangent);
-  if (apart(box, z0 * other.per_after, za * other.per_after, zb * other.per_after, 1, 1e9f) || apart(box, z0 * other.per_before, za * other.per_before, zb * other.per_before, 1e9f, 1)) return false;
-  const float y0 = dot(away, other.thickness) * other.per_thickness2, ya = dot(own.width, other.thickness) * other.per_thickness2,
-              yb = dot(own.thickness, other.thickness) * other.per_thickness2;
-  if (apart(box, y0, ya, yb, room.up + kNear, room.down + kNear)) return false;
-  const float x0 = dot(away, other.width) * other.per_width2, xa = dot(own.width, other.width) * other.per_width2, xb = dot(own.thickness, other.width) * other.per_width2;
-  if (apart(box, x0, xa, xb, room.right + 0.5f, room.left + 0.5f)) return false;
-  const OutlineWaves& waves = table.waves[at_other];
-  const int sides = table.sides[at_other];
-  const float* spokes = table.spokes[at_own].data();
-  const Eight start = larger(level_of(waves, sides, all(x0), all(y0)), all(0.05f)), zero{}, one = all(1);
-  const Eight f = load(spokes), u = f * load(kDirections.spoke_cosine.data()), v = f * load(kDirections.spoke_sine.data());
-  const Eight ex = u * xa + v * xb, ey = u * ya + v * yb;
+// Where on its rays the own section asks the other.
+inline void look_along(const ContactTable& table, const ContactMemory& memory, ContactMeeting& m) {
+  const ContactShape& own = table.shapes[static_cast<std::size_t>(m.own)];
+  const ContactSection& other = memory.sections[static_cast<std::size_t>(m.other)];
+  const float x0 = m.center[0], y0 = m.center[1];
+  const Eight u = load(own.along_width.data()), v = load(own.along_thickness.data()), zero{}, one = all(1);
+  const Eight ex = u * m.width[0] + v * m.thickness[0], ey = u * m.width[1] + v * m.thickness[1];
   // Where the ray has passed the other's line already, the nearest place on its way counts.
   const Eight passing = -(x0 * ex + y0 * ey) / (ex * ex + ey * ey + 1e-12f);
   const Eight early = 1 - larger(passing, zero) * ((1 - kEarly) / kEarly);  // begun beside the other's line, it is past it from the start
   const Eight at = passing > kEarly ? smaller(passing, one) : early;
-  const Eight level = level_of(waves, sides, x0 + at * ex, y0 + at * ey);
-  const Eight z = z0 + at * (u * za + v * zb);
-  const Eight within = larger(1 - larger(z * other.per_after, -z * other.per_before), zero);
+  const Eight z = m.center[2] + at * (u * m.width[2] + v * m.thickness[2]);
+  store(at, m.at.data());
+  store(x0 + at * ex, m.x.data());
+  store(y0 + at * ey, m.y.data());
+  store(larger(1 - larger(z * other.high[3], -z * other.low[3]), zero), m.within.data());
+}
+
+// What the other says there: how it holds, how much its word counts, and, in place of x, the level. Whether any of it presses.
+inline bool ask(const ContactTable& table, ContactMeeting& m) {
+  const Eight zero{}, one = all(1), at = load(m.at.data()), within = load(m.within.data());
+  const Eight level = level_of(table.shapes[static_cast<std::size_t>(m.other)], load(m.x.data()), load(m.y.data()));
   const Eight deep = larger(1 - level, zero), through = larger(1 - kThrough * (1 - at), zero), sure = smaller(kThrough * deep, one);
   const Eight counts = within * (sure + (1 - sure) * through);
-  const Eight falls = larger(start - level, zero);
-  const Eight back = deep > 0 ? 1 - start * at / (at + falls) : zero;
-  store(load(press) + counts * back, press);
-  const Eight held = larger(smaller((1 + kNear - level) * (1 / kNear), one), zero);
-  store(load(near) + counts * held, near);
-  return true;
+  store(level, m.x.data());
+  store(counts, m.within.data());
+  store(counts * larger(smaller((1 + kNear - level) * (1 / kNear), one), zero), m.near.data());
+  store(zero, m.press.data());
+  return any_above_zero(counts * deep);
 }
 
-double area_of(const SliceOutline& a, const SliceOutline& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < kCount; ++i) sum += static_cast<double>(a[i]) * static_cast<double>(b[(i + 1) % kCount]);
-  return sum;
+inline void press_back(const ContactTable& table, ContactMeeting& m) {
+  const Eight zero{}, at = load(m.at.data()), level = load(m.x.data());
+  const Eight start = larger(level_of(table.shapes[static_cast<std::size_t>(m.other)], all(m.center[0]), all(m.center[1])), all(0.05f));
+  const Eight back = level < 1 ? 1 - start * at / (at + larger(start - level, zero)) : zero;
+  store(load(m.within.data()) * back, m.press.data());
 }
+
+inline bool in_reach(const ContactMemory& memory, int at_own, int at_other) {
+  const std::array<float, 4>&own = memory.balls[static_cast<std::size_t>(at_own)], &other = memory.balls[static_cast<std::size_t>(at_other)];
+  const float x = own[0] - other[0], y = own[1] - other[1], z = own[2] - other[2];
+  const float reach = memory.wide[static_cast<std::size_t>(at_own)] + other[3];
+  return x * x + y * y + z * z < reach * reach;
+}
+
+// An outline by its even and its odd directions.
+struct Halves {
+  Eight even, odd;
+};
+
+inline Eight next(Eight v) { return __builtin_shufflevector(v, v, 1, 2, 3, 4, 5, 6, 7, 0); }
+
+inline Halves halves(const SliceOutline& outline) {
+  const Eight low = load(outline.data()), high = load(outline.data() + kSpokes);
+  return {__builtin_shufflevector(low, high, 0, 2, 4, 6, 8, 10, 12, 14), __builtin_shufflevector(low, high, 1, 3, 5, 7, 9, 11, 13, 15)};
+}
+
+inline float sum(Eight v) { return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7])); }
+
+// Area, or that of two mixed, over the sine between directions.
+inline float area_of(const Halves& a, const Halves& b) { return sum(a.even * b.odd + a.odd * next(b.even)); }
 
 // Gives a pressed outline its area back where it is free to grow.
-void give_back(const SliceOutline& before, const SliceOutline& freedom, SliceOutline& outline) {
-  SliceOutline more;
-  for (std::size_t i = 0; i < kCount; ++i) more[i] = freedom[i] * outline[i];
-  const double q0 = area_of(outline, outline) - area_of(before, before), q1 = area_of(outline, more) + area_of(more, outline), q2 = area_of(more, more);
-  if (!(q0 < 0)) return;
-  const double wish = -2 * q0 / (q1 + std::sqrt(std::max(0.0, q1 * q1 - 4 * q2 * q0)) + 1e-9);
-  const float growth = static_cast<float>(wish / (1 + wish / static_cast<double>(kMostRegrowth)));
-  for (std::size_t i = 0; i < kCount; ++i) outline[i] += growth * more[i];
+inline void give_back(const Halves& before, const Halves& freedom, Halves& outline) {
+  const Halves more{freedom.even * outline.even, freedom.odd * outline.odd};
+  const float lost = area_of(before, before) - area_of(outline, outline), once = area_of(outline, more) + area_of(more, outline), twice = area_of(more, more);
+  if (!(lost > 0)) return;
+  const float wish = 2 * lost / (once + std::sqrt(once * once + 4 * twice * lost) + 1e-9f);
+  const float growth = wish / (1 + wish / kMostRegrowth);
+  outline.even += growth * more.even;
+  outline.odd += growth * more.odd;
 }
-
-}  // namespace
 
 OutlineWaves outline_waves(const SliceOutline& outline) {
   OutlineWaves out{};
@@ -148,91 +195,155 @@ OutlineWaves outline_waves(const SliceOutline& outline) {
   return out;
 }
 
-OutlineBox outline_box(const SliceOutline& outline) {
-  OutlineBox out{0, 0, 0, 0};
-  for (std::size_t i = 0; i < kCount; ++i) {
-    const float x = outline[i] * kDirections.cosine[i], y = outline[i] * kDirections.sine[i];
-    out = {std::max(out.right, x), std::max(out.left, -x), std::max(out.up, y), std::max(out.down, -y)};
+}  // namespace
+
+ContactShape contact_shape(const SliceOutline& outline, int sides) {
+  ContactShape out;
+  out.waves = outline_waves(outline);
+  out.box = {0, 0, 0, 0};
+  for (std::size_t i = 0; i < kSpokes; ++i) {
+    const float x = out.along_width[i] = outline[2 * i] * kDirections.cosine[2 * i], y = out.along_thickness[i] = outline[2 * i] * kDirections.sine[2 * i];
+    out.box = {std::max(out.box.right, x), std::max(out.box.left, -x), std::max(out.box.up, y), std::max(out.box.down, -y)};
   }
+  out.room = {0, 0, 0, 0};
+  const ContactShape tube = out;
+  for (int i = 0; i < kRoomDirections; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kRoomDirections;
+    const float c = static_cast<float>(std::cos(angle)), s = static_cast<float>(std::sin(angle));
+    const float far = kRoomMargin * (1 + kNear) / level_of(tube, all(c), all(s))[0];
+    OutlineBox& room = out.room;
+    room = {std::max(room.right, far * c), std::max(room.left, -far * c), std::max(room.up, far * s), std::max(room.down, -far * s)};
+  }
+  SheetSides& to = out.sides;
+  if (sides & 1) to.low_free = kSheetFree, to.low_steep = kSheetSteep, out.room.left = kSheetFree + out.room.left / kSheetSteep;
+  if (sides & 2) to.high_free = kSheetFree, to.high_steep = kSheetSteep, out.room.right = kSheetFree + out.room.right / kSheetSteep;
   return out;
 }
 
 void look_at_sections(const ContactTable& table, std::span<const Ellipse> slices, const Vec3& origin, ContactMemory& memory) {
-  memory.sections.resize(slices.size());
-  memory.balls.resize(slices.size());
-  for (const ContactStrip& strip : table.strips) {
-    float before = 0;
-    for (int k = strip.begin; k < strip.end; ++k) {
-      const Ellipse& e = slices[static_cast<std::size_t>(k)];
-      ContactSection& s = memory.sections[static_cast<std::size_t>(k)];
-      const float after = k + 1 < strip.end ? static_cast<float>((slices[static_cast<std::size_t>(k) + 1].center - e.center).norm()) : 0;
-      const float a = std::max(static_cast<float>(e.radii.x()), 1e-5f), b = std::max(strip.thickness * static_cast<float>(e.radii.y()), 1e-5f);
-      for (int r = 0; r < 3; ++r) {
-        s.center[r] = static_cast<float>(e.center[r] - origin[r]);
-        s.width[r] = a * static_cast<float>(e.axes(r, 0));
-        s.thickness[r] = b * static_cast<float>(e.axes(r, 1));
-        s.tangent[r] = static_cast<float>(e.axes(r, 2));
-      }
-      s.per_width2 = 1 / (a * a);
-      s.per_thickness2 = 1 / (b * b);
-      s.per_before = 1 / std::max(before > 0 ? before : 0.5f * std::min(a, b), 1e-5f);
-      s.per_after = 1 / std::max(after > 0 ? after : 0.5f * std::min(a, b), 1e-5f);
-      const float along = std::max(before, after);
-      const OutlineBox& box = table.boxes[static_cast<std::size_t>(k)];
-      s.wide = std::hypot(a * std::max(box.left, box.right), b * std::max(box.up, box.down));
-      s.reach = std::sqrt(s.wide * s.wide + along * along);
-      memory.balls[static_cast<std::size_t>(k)] = {s.center[0], s.center[1], s.center[2], s.reach};
-      before = after;
+  const std::size_t count = table.members.size();
+  memory.sections.resize(count);
+  memory.balls.resize(count);
+  memory.wide.resize(count);
+  const auto distance = [&](int k) { return static_cast<float>((slices[static_cast<std::size_t>(k) + 1].center - slices[static_cast<std::size_t>(k)].center).norm()); };
+  float after = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const ContactMember& member = table.members[i];
+    const ContactShape& shape = table.shapes[i];
+    const Ellipse& e = slices[static_cast<std::size_t>(member.section)];
+    ContactSection& s = memory.sections[i];
+    const bool follows = i > 0 && table.members[i - 1].section + 1 == member.section;
+    const float before = member.first ? 0 : follows ? after : distance(member.section - 1);
+    after = member.last ? 0 : distance(member.section);
+    const float a = std::max(static_cast<float>(e.radii.x()), 1e-5f), b = std::max(member.thickness * static_cast<float>(e.radii.y()), 1e-5f);
+    for (int r = 0; r < 3; ++r) {
+      s.center[r] = static_cast<float>(e.center[r] - origin[r]);
+      const float w = static_cast<float>(e.axes(r, 0)), t = static_cast<float>(e.axes(r, 1));
+      s.width[r] = a * w;
+      s.thickness[r] = b * t;
+      s.to_measures[r][0] = w / a;
+      s.to_measures[r][1] = t / b;
+      s.to_measures[r][2] = static_cast<float>(e.axes(r, 2));
     }
+    const float end = std::max(0.5f * std::min(a, b), 1e-5f);
+    const float back = before > 0 ? std::max(before, 1e-5f) : end, on = after > 0 ? std::max(after, 1e-5f) : end;
+    store(Four{shape.room.left, shape.room.down, back, 1 / back}, s.low);
+    store(Four{shape.room.right, shape.room.up, on, 1 / on}, s.high);
+    const float along = std::max(before, after), x = a * std::max(shape.box.left, shape.box.right), y = b * std::max(shape.box.up, shape.box.down);
+    memory.wide[i] = std::sqrt(x * x + y * y);
+    memory.balls[i] = {s.center[0], s.center[1], s.center[2], std::sqrt(x * x + y * y + along * along)};
   }
 }
 
-bool press_of(const ContactTable& table, const ContactMemory& memory, const ContactGroup& group, ContactSpokes& press, ContactSpokes& near) {
-  const std::array<float, 4>& own = memory.balls[static_cast<std::size_t>(group.own)];
-  const float wide = memory.sections[static_cast<std::size_t>(group.own)].wide;
+bool press_of(const ContactTable& table, const ContactMemory& memory, int own, int first, int last, ContactSpokes& press, ContactSpokes& near) {
   bool met = false;
-  for (int k = group.first; k <= group.last; ++k) {
-    const std::array<float, 4>& other = memory.balls[static_cast<std::size_t>(k)];
-    const float x = own[0] - other[0], y = own[1] - other[1], z = own[2] - other[2], reach = wide + other[3];
-    if (x * x + y * y + z * z >= reach * reach) continue;
+  ContactMeeting m;
+  for (int k = first; k <= last; ++k) {
+    if (!in_reach(memory, own, k) || !measure(table, memory, own, k, m)) continue;
     if (!met) press.fill(0), near.fill(0);
-    met = meet(table, memory, group.own, k, press.data(), near.data()) || met;
+    met = true;
+    m.own = own;
+    m.other = k;
+    look_along(table, memory, m);
+    if (ask(table, m)) press_back(table, m);
+    for (std::size_t i = 0; i < kSpokes; ++i) press[i] += m.press[i], near[i] += m.near[i];
   }
   return met;
 }
 
 void press_outline(const ContactSpokes& press, const ContactSpokes& held, SliceOutline& outline) {
-  const SliceOutline before = outline;
-  SliceOutline freedom;
-  for (std::size_t i = 0; i < kCount; ++i) {
-    const std::size_t a = i / 2, b = (i + 1) / 2 % kSpokes;  // the same, or those on either side
-    const float p = 0.5f * (press[a] + press[b]);
-    outline[i] *= 1 - p / (1 + p * (1 / kMostPress - 1));
-    freedom[i] = std::max(1 - 0.5f * (held[a] + held[b]), 0.0f);
-  }
-  give_back(before, freedom, outline);
+  static_assert(kCount == 16 && kSpokes == 8);
+  const auto left = [](Eight p) { return 1 - p / (1 + p * (1 / kMostPress - 1)); };
+  const Eight p = load(press.data()), h = load(held.data()), zero{};
+  const Halves before = halves(outline), freedom{larger(1 - h, zero), larger(1 - 0.5f * (h + next(h)), zero)};
+  Halves pressed{before.even * left(p), before.odd * left(0.5f * (p + next(p)))};
+  give_back(before, freedom, pressed);
+  store(__builtin_shufflevector(pressed.even, pressed.odd, 0, 8, 1, 9, 2, 10, 3, 11), outline.data());
+  store(__builtin_shufflevector(pressed.even, pressed.odd, 4, 12, 5, 13, 6, 14, 7, 15), outline.data() + kSpokes);
 }
+
+namespace {
+
+// Meetings of the pairs begin .. end.
+std::span<const ContactMeeting> meetings_of(const ContactTable& table, std::size_t begin, std::size_t end, ContactMemory& memory) {
+  // Each step keeps what it passes on without a branch: which do is as good as chance.
+  std::size_t near = 0, met = 0;
+  for (std::size_t k = begin; k < end; ++k) {
+    memory.near[near] = static_cast<int>(k);
+    near += in_reach(memory, table.pairs[k].own, table.pairs[k].other);
+  }
+  for (std::size_t k = 0; k < near; ++k) {
+    const ContactPair& pair = table.pairs[static_cast<std::size_t>(memory.near[k])];
+    ContactMeeting& m = memory.meetings[met];
+    m.own = pair.own;
+    m.other = pair.other;
+    m.group = pair.group;
+    met += measure(table, memory, pair.own, pair.other, m);
+  }
+  for (std::size_t k = 0; k < met; ++k) look_along(table, memory, memory.meetings[k]);
+  std::size_t pressing = 0;
+  for (std::size_t k = 0; k < met; ++k) {
+    memory.near[pressing] = static_cast<int>(k);
+    pressing += ask(table, memory.meetings[k]);
+  }
+  for (std::size_t k = 0; k < pressing; ++k) press_back(table, memory.meetings[static_cast<std::size_t>(memory.near[k])]);
+  return {memory.meetings.data(), met};
+}
+
+// The outline of one section, by its meetings, group after group.
+void give_way(const ContactTable& table, std::span<const ContactMeeting> meetings, std::span<Ellipse> slices, std::span<char> changed) {
+  Eight most{}, held{};
+  for (std::size_t k = 0; k < meetings.size();) {
+    const int at = meetings[k].group;
+    const ContactGroup& group = table.groups[static_cast<std::size_t>(at)];
+    Eight press{}, near{};
+    for (; k < meetings.size() && meetings[k].group == at; ++k) press += load(meetings[k].press.data()), near += load(meetings[k].near.data());
+    most = larger(most, press - load(group.at_rest.data()));
+    held = larger(held, near);
+    if (k < meetings.size() && table.groups[static_cast<std::size_t>(meetings[k].group)].own == group.own) continue;
+    if (any_above_zero(most)) {
+      ContactSpokes by, hold;
+      store(kOver * most, by.data());
+      store(held, hold.data());
+      const auto section = static_cast<std::size_t>(table.members[static_cast<std::size_t>(group.own)].section);
+      press_outline(by, hold, slices[section].outline);
+      changed[section] = 1;
+    }
+    most = held = Eight{};
+  }
+}
+
+}  // namespace
 
 void give_way_to_neighbours(const ContactTable& table, const Vec3& origin, std::span<Ellipse> slices, ContactMemory& memory) {
   memory.changed.assign(slices.size(), 0);
   look_at_sections(table, slices, origin, memory);
-  ContactSpokes press, near, most, held;
-  for (std::size_t o = 0; o < table.owners.size(); ++o) {
-    most.fill(0);
-    held.fill(0);
-    for (int g = table.owner_begin[o]; g < table.owner_begin[o + 1]; ++g) {
-      const ContactGroup& group = table.groups[static_cast<std::size_t>(g)];
-      if (!press_of(table, memory, group, press, near)) continue;
-      for (std::size_t i = 0; i < kSpokes; ++i) {
-        most[i] = std::max(most[i], press[i] - group.at_rest[i]);
-        held[i] = std::max(held[i], near[i]);
-      }
-    }
-    if (!(*std::max_element(most.begin(), most.end()) > 0)) continue;
-    const auto k = static_cast<std::size_t>(table.owners[o]);
-    for (float& p : most) p *= kOver;
-    press_outline(most, held, slices[k].outline);
-    memory.changed[k] = 1;
+  memory.near.resize(kBlock + static_cast<std::size_t>(table.most_pairs));
+  memory.meetings.resize(memory.near.size());
+  for (std::size_t begin = 0, end = 0; begin < table.pairs.size(); begin = end) {
+    end = std::min(begin + kBlock, table.pairs.size());
+    while (end < table.pairs.size() && table.pairs[end].own == table.pairs[end - 1].own) ++end;  // a section's pairs stay together
+    give_way(table, meetings_of(table, begin, end, memory), slices, memory.changed);
   }
 }
 

@@ -21,13 +21,13 @@ constexpr int kContactPoints = kOutlinePoints / 2;  // every second direction is
 
 using ContactSpokes = std::array<float, kContactPoints>;
 
-// A section as contact sees it, in single precision about a common origin.
-struct ContactSection {
-  float center[3] = {0, 0, 0}, wide = 0;         // of a ball about its outline
-  float width[3] = {1, 0, 0}, per_width2 = 0;    // axis times its radius; the radius' inverse square
-  float thickness[3] = {0, 1, 0}, per_thickness2 = 0;
-  float tangent[3] = {0, 0, 1}, reach = 0;       // of a ball about it and what it speaks for along the line
-  float per_before = 0, per_after = 0;           // inverse distances to its neighbours on the line
+// A section as contact sees it, in single precision about a common origin. Its measures of a point: along its width and thickness in radii,
+// along its tangent in metres.
+struct alignas(16) ContactSection {
+  float center[4] = {0, 0, 0, 0};
+  float width[4] = {1, 0, 0, 0}, thickness[4] = {0, 1, 0, 0};  // axes times their radii
+  float to_measures[3][4] = {};                                // row r: what 1 m along x, y, z adds to them
+  float low[4] = {}, high[4] = {};                             // nothing meets it below -low or above high; the fourth: the third's inverse
 };
 
 // Harmonics 0 .. 4 of a section's outline: its factor as a smooth function of the direction. Cosines, then sines from the first on.
@@ -39,48 +39,77 @@ struct OutlineBox {
   float right = 1, left = 1, up = 1, down = 1;
 };
 
-// The sections first .. last of one strip that a section may meet.
+// Beside a sheet's next strip a section is flat as far as it goes, and then leaves off: x counts from `free` on, so many times.
+struct SheetSides {
+  float high_free = 0, high_steep = 1, low_free = 0, low_steep = 1;
+};
+
+// What of a section is the same in every pose.
+struct ContactShape {
+  alignas(32) ContactSpokes along_width, along_thickness;  // its outline at rest in the directions that are looked along, in radii
+  OutlineWaves waves{};
+  SheetSides sides;
+  OutlineBox box;     // of its outline
+  OutlineBox room;    // of what it holds others off
+};
+
+// A section that contact looks at.
+struct ContactMember {
+  int section = 0;            // flat
+  float thickness = 1;        // of a sheet as it is drawn
+  bool first = false, last = false;  // of its strip
+};
+
+// The members first .. last, all of one strip, that a member may meet.
 struct ContactGroup {
   int own = 0;          // whose outline gives way
   int first = 0, last = 0;
-  ContactSpokes at_rest{};  // press that is there at rest
+  alignas(32) ContactSpokes at_rest{};  // press that is there at rest
 };
 
-struct ContactStrip {
-  int begin = 0, end = 0;     // slices
-  float thickness = 1;        // of a sheet as it is drawn
+struct ContactPair {
+  int own = 0, other = 0;  // members
+  int group = 0;
 };
 
 struct ContactTable {
-  std::vector<ContactStrip> strips;
-  std::vector<OutlineWaves> waves;    // #sections
-  std::vector<char> sides;            // #sections, bit 0: the sheet goes on at the low side of the width axis, bit 1: at the high side
-  std::vector<ContactSpokes> spokes;  // #sections, factors at rest
-  std::vector<OutlineBox> boxes;      // #sections
-  std::vector<ContactGroup> groups;   // by own
-  std::vector<int> owners;            // sections that have groups
-  std::vector<int> owner_begin;       // #owners + 1 into groups
+  std::vector<ContactMember> members;  // ascending by section
+  std::vector<ContactShape> shapes;    // #members
+  std::vector<ContactGroup> groups;    // ascending by own
+  std::vector<ContactPair> pairs;      // of the groups, in their order
+  int most_pairs = 0;                  // of one member
   bool empty() const { return groups.empty(); }
+};
+
+// A pair that is near enough to press: where its own section lies in the other's measures, and what comes of it along its rays.
+struct alignas(32) ContactMeeting {
+  ContactSpokes press, near;
+  ContactSpokes x, y, at, within;             // where the other is asked: in its measures, on the ray, and how much it speaks for
+  float center[4], width[4], thickness[4];    // of the own section
+  int own = 0, other = 0, group = 0;
 };
 
 // Memory of a frame, kept from one to the next; nothing in it outlives one.
 struct ContactMemory {
-  std::vector<ContactSection> sections;
-  std::vector<std::array<float, 4>> balls;  // #sections, center and reach
-  std::vector<char> changed;  // #sections
+  std::vector<ContactSection> sections;     // #members
+  std::vector<std::array<float, 4>> balls;  // #members, center and radius of a ball about it and what it speaks for along the line
+  std::vector<float> wide;                  // #members, radius of a ball about its outline
+  std::vector<int> near;                    // pairs of a block whose balls touch
+  std::vector<ContactMeeting> meetings;     // of a block
+  std::vector<char> changed;                // #all sections
 };
 
 // Which sections may meet in some pose. `still`: a table of the same anatomy without contact. The same at any number of threads.
 ContactTable make_contact_table(const Anatomy& anatomy, const PosingTable& still);
 
-OutlineWaves outline_waves(const SliceOutline& outline);
-OutlineBox outline_box(const SliceOutline& outline);
+// Shape of a section. `sides`: bit 0, its sheet goes on at the low side of the width axis, bit 1, at the high side.
+ContactShape contact_shape(const SliceOutline& outline, int sides);
 
 void look_at_sections(const ContactTable& table, std::span<const Ellipse> slices, const Vec3& origin, ContactMemory& memory);
 
-// Share of its outline's factors that section `own` gives way to the group's sections, and how little it is free to grow (0 .. 1). False, and
+// Share of its outline's factors that member `own` gives way to the members first .. last, and how little it is free to grow (0 .. 1). False, and
 // nothing set, where they are out of each other's reach.
-bool press_of(const ContactTable& table, const ContactMemory& memory, const ContactGroup& group, ContactSpokes& press, ContactSpokes& near);
+bool press_of(const ContactTable& table, const ContactMemory& memory, int own, int first, int last, ContactSpokes& press, ContactSpokes& near);
 
 // An outline pressed by these shares of its factors, and grown again by what it has lost where it is not held (0 free .. 1).
 void press_outline(const ContactSpokes& press, const ContactSpokes& held, SliceOutline& outline);

@@ -14,16 +14,35 @@ namespace {
 constexpr double kVolumeKept = 1e-6;  // share
 constexpr double kLeastGrowth = 0.5, kMostGrowth = 2;  // of a belly's radii, after its outlines; sheets: of the root of their thickness
 
-void gather(const PosedAnatomy& posed, int slice, int lane, int row, Scratch& t) {
-  const Ellipse& e = posed.slices[static_cast<std::size_t>(slice)];
-  const auto put = [lane](Lane3& to, const Vec3& v) { to.x[lane] = v.x(), to.y[lane] = v.y(), to.z[lane] = v.z(); };
-  put(t.center[row], e.center);
-  put(t.width[row], e.axes.col(0));
-  put(t.thickness[row], e.axes.col(1));
-  put(t.tangent[row], e.axes.col(2));
-  t.a[row][lane] = e.radii.x();
-  t.b[row][lane] = e.radii.y();
-  t.belly[row][lane] = static_cast<double>(posed.belly[static_cast<std::size_t>(slice)]);
+// An Ellipse is stored as it lies in memory: center, width, thickness, tangent, radii, outline.
+static_assert(sizeof(Ellipse) == 14 * sizeof(double) + sizeof(SliceOutline));
+
+// Four places of four quantities each to four lanes.
+inline std::array<Lane, 4> across(const std::array<const double*, kLanes>& from) {
+  Eigen::Matrix4d m;
+  for (int lane = 0; lane < kLanes; ++lane) m.col(lane) = Eigen::Vector4d::Map(from[static_cast<std::size_t>(lane)]);
+  m.transposeInPlace();
+  return {m.col(0).array(), m.col(1).array(), m.col(2).array(), m.col(3).array()};
+}
+
+// The row's sections of four strips that begin at these slices.
+void gather(const PosedAnatomy& posed, const std::array<int, kLanes>& first, int row, Scratch& t) {
+  std::array<const double*, kLanes> begin, middle, end;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const auto slice = static_cast<std::size_t>(first[lane] + row);
+    const Ellipse& e = posed.slices[slice];
+    begin[lane] = e.center.data();
+    middle[lane] = e.axes.data() + 1;
+    end[lane] = e.axes.data() + 5;
+    t.a[row][static_cast<int>(lane)] = e.radii.x();
+    t.b[row][static_cast<int>(lane)] = e.radii.y();
+    t.belly[row][static_cast<int>(lane)] = static_cast<double>(posed.belly[slice]);
+  }
+  const auto one = across(begin), two = across(middle), three = across(end);
+  t.center[row] = {one[0], one[1], one[2]};
+  t.width[row] = {one[3], two[0], two[1]};
+  t.thickness[row] = {two[2], two[3], three[0]};
+  t.tangent[row] = {three[1], three[2], three[3]};
 }
 
 void set_areas(const SliceOutline& here, const SliceOutline& next, int lane, PosingAreas& areas) {
@@ -48,45 +67,74 @@ double round_strip(const PosingBatch& batch, int lane, int first, double low, do
   return round_out({&out.slices[static_cast<std::size_t>(first)], rows}, law, growth, batch.lanes.volume[lane] * std::numbers::pi / 3);
 }
 
-void regrow_batch(const PosingTable::Data& data, const PosingBatch& batch, std::span<const char> changed, PosedAnatomy& out) {
-  std::array<bool, kLanes> touched{};
-  const auto first = [&](int lane) { return data.strip[static_cast<std::size_t>(batch.strip[static_cast<std::size_t>(lane)])].slice; };
-  for (int lane = 0; lane < batch.strips; ++lane) {
-    const auto begin = changed.begin() + first(lane);
-    touched[static_cast<std::size_t>(lane)] = std::find(begin, begin + batch.rows, 1) != begin + batch.rows;
-  }
-  if (std::none_of(touched.begin(), touched.end(), [](bool t) { return t; })) return;
+// One strip of a batch, which other strips of as many slices may grow beside.
+struct Touched {
+  const PosingBatch* batch = nullptr;
+  int lane = 0;
+};
 
-  const auto pressed = [&](int slice) {  // now or earlier
-    return out.slices[static_cast<std::size_t>(slice)].outline != data.outlines[static_cast<std::size_t>(slice)];
-  };
-  Scratch t;
-  PosingAreas areas[kMaxStripSlices];
-  std::copy_n(&data.areas[static_cast<std::size_t>(batch.row)], batch.rows, areas);
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const int begin = first(lane);
-    for (int k = 0; k < batch.rows; ++k) {
-      gather(out, begin + k, lane, k, t);
-      const int next = std::min(k + 1, batch.rows - 1);
-      if (pressed(begin + k) || pressed(begin + next))
-        set_areas(out.slices[static_cast<std::size_t>(begin + k)].outline, out.slices[static_cast<std::size_t>(begin + next)].outline, lane, areas[k]);
+// Areas of the strips' outlines: those of the table where they are as at rest.
+void gather_areas(const PosingTable::Data& data, std::span<const Touched> strips, const PosingBatch& four, const std::array<int, kLanes>& first, const PosedAnatomy& posed,
+                  PosingAreas* areas) {
+  for (int lane = 0; lane < four.strips; ++lane) {
+    const Touched& from = strips[static_cast<std::size_t>(lane)];
+    const auto outline = [&](int k) -> const SliceOutline& { return posed.slices[static_cast<std::size_t>(first[static_cast<std::size_t>(lane)] + k)].outline; };
+    const auto pressed = [&](int k) { return outline(k) != data.outlines[static_cast<std::size_t>(first[static_cast<std::size_t>(lane)] + k)]; };  // now or earlier
+    bool here = pressed(0);
+    for (int k = 0; k < four.rows; ++k) {
+      const int next = std::min(k + 1, four.rows - 1);
+      const bool there = pressed(next);
+      const PosingAreas& still = data.areas[static_cast<std::size_t>(from.batch->row + k)];
+      PosingAreas& to = areas[k];
+      if (here || there) {
+        set_areas(outline(k), outline(next), lane, to);
+      } else {
+        for (Lane PosingAreas::*area : {&PosingAreas::own, &PosingAreas::ab, &PosingAreas::ba, &PosingAreas::aa, &PosingAreas::bb, &PosingAreas::more_a1,
+                                        &PosingAreas::more_b1, &PosingAreas::more_a0, &PosingAreas::more_b0})
+          (to.*area)[lane] = (still.*area)[from.lane];
+      }
+      here = there;
     }
   }
-  const auto tubes = batch.lanes.width_swells > 0;
+  for (int k = 0; k < four.rows; ++k)
+    for (int lane = four.strips; lane < kLanes; ++lane) {  // idle
+      PosingAreas& to = areas[k];
+      for (Lane* area : {&to.own, &to.ab, &to.ba, &to.aa, &to.bb, &to.more_a1, &to.more_b1, &to.more_a0, &to.more_b0}) (*area)[lane] = (*area)[0];
+    }
+}
+
+// One to four strips of equally many slices.
+void regrow_strips(const PosingTable::Data& data, std::span<const Touched> strips, PosedAnatomy& out) {
+  PosingBatch four;
+  four.rows = strips[0].batch->rows;
+  four.strips = static_cast<int>(strips.size());
+  std::array<int, kLanes> first{};
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const Touched& from = strips[lane < strips.size() ? lane : 0];
+    const auto to = static_cast<Eigen::Index>(lane);
+    four.strip[lane] = from.batch->strip[static_cast<std::size_t>(from.lane)];
+    four.lanes.volume[to] = from.batch->lanes.volume[from.lane];
+    four.lanes.width_swells[to] = from.batch->lanes.width_swells[from.lane];
+    first[lane] = data.strip[static_cast<std::size_t>(four.strip[lane])].slice;
+  }
+  Scratch t;
+  PosingAreas areas[kMaxStripSlices];
+  for (int k = 0; k < four.rows; ++k) gather(out, first, k, t);
+  gather_areas(data, strips, four, first, out, areas);
+  const auto tubes = four.lanes.width_swells > 0;
   const Lane low = tubes.select(Lane::Constant(kLeastGrowth), Lane::Constant(kLeastGrowth * kLeastGrowth));
   const Lane high = tubes.select(Lane::Constant(kMostGrowth), Lane::Constant(kMostGrowth * kMostGrowth));
-  const auto [growth, missed] = find_growth(batch, areas, t, low, high);
-  for (int lane = 0; lane < batch.strips; ++lane) {
-    if (!touched[static_cast<std::size_t>(lane)]) continue;
-    const bool tube = batch.lanes.width_swells[lane] > 0;
-    for (int k = 0; k < batch.rows; ++k) {
-      Ellipse& e = out.slices[static_cast<std::size_t>(first(lane) + k)];
+  const auto [growth, missed] = find_growth(four, areas, t, low, high);
+  for (int lane = 0; lane < four.strips; ++lane) {
+    const bool tube = four.lanes.width_swells[lane] > 0;
+    const int begin = first[static_cast<std::size_t>(lane)];
+    for (int k = 0; k < four.rows; ++k) {
+      Ellipse& e = out.slices[static_cast<std::size_t>(begin + k)];
       const double g = 1 + t.belly[k][lane] * (growth[lane] - 1);
       e.radii = Vec2(tube ? e.radii.x() * g : e.radii.x(), e.radii.y() * g);
     }
-    const int strip = data.strip[static_cast<std::size_t>(batch.strip[static_cast<std::size_t>(lane)])].strip;
-    const double grown = fits(missed[lane], batch.lanes.volume[lane]) ? growth[lane]
-                                                                      : round_strip(batch, lane, first(lane), low[lane], high[lane], growth[lane], out);
+    const int strip = data.strip[static_cast<std::size_t>(four.strip[static_cast<std::size_t>(lane)])].strip;
+    const double grown = fits(missed[lane], four.lanes.volume[lane]) ? growth[lane] : round_strip(four, lane, begin, low[lane], high[lane], growth[lane], out);
     out.swelling[static_cast<std::size_t>(strip)] *= tube ? grown : std::sqrt(grown);
   }
 }
@@ -103,7 +151,22 @@ void round_out_missed(const PosingTable::Data& data, const PosingBatch& batch, c
 }
 
 void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedAnatomy& out) {
-  for (const PosingBatch& batch : data.batches) regrow_batch(data, batch, changed, out);
+  std::array<Touched, kLanes> four;
+  std::size_t count = 0;
+  const auto grow = [&] {
+    if (count > 0) regrow_strips(data, std::span(four).first(count), out);
+    count = 0;
+  };
+  for (const PosingBatch& batch : data.batches) {  // by slices
+    if (count > 0 && four[0].batch->rows != batch.rows) grow();
+    for (int lane = 0; lane < batch.strips; ++lane) {
+      const auto begin = changed.begin() + data.strip[static_cast<std::size_t>(batch.strip[static_cast<std::size_t>(lane)])].slice;
+      if (std::find(begin, begin + batch.rows, 1) == begin + batch.rows) continue;
+      four[count++] = {&batch, lane};
+      if (count == kLanes) grow();
+    }
+  }
+  grow();
 }
 
 }  // namespace ecorche

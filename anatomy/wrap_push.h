@@ -33,7 +33,7 @@ inline void push_out(const PosingWrap& wrap, const WrapSlice* slices, const Tran
   const Vec3 center = to_unit * (R * wrap.center + X_WJ.translation());
   Lane columns[4];
   for (int i = 0; i < 3; ++i) columns[i] << to_unit.col(i).array(), 0;
-  columns[3] << -center.array(), 0;
+  columns[3] << -center.x(), -center.y(), -center.z(), 0;
   const auto seen = [&](int k) -> Lane {
     return columns[0] * points[k][0] + columns[1] * points[k][1] + columns[2] * points[k][2] + columns[3];
   };
