@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <sstream>
 #include <system_error>
 
@@ -23,6 +24,7 @@ struct PoseBookOptions {
   std::vector<fs::path> characters;
   fs::path folder, poses = data_folder() / "poses" / "poses.csv";
   std::string methods = "lbs,dqs,deltamush,paper,ecorche";
+  std::string cell = "230x270";
   bool pictures = true;
 };
 
@@ -160,8 +162,18 @@ void write_table(const fs::path& file, const std::vector<std::string>& names, co
   write_file_atomically(file, out);
 }
 
-void write_sheets(const PoseBookOptions& options, Actor& actor, const std::vector<SkinMethod>& methods, const std::vector<NamedPose>& book,
-                  const Common& common) {
+PoseSheetOptions read_cell(const std::string& text) {
+  constexpr int kSmallest = 64, kLargest = 2048;
+  PoseSheetOptions sheet;
+  char trailing = 0;
+  if (std::sscanf(text.c_str(), "%dx%d%c", &sheet.cell_width, &sheet.cell_height, &trailing) != 2 || std::min(sheet.cell_width, sheet.cell_height) < kSmallest ||
+      std::max(sheet.cell_width, sheet.cell_height) > kLargest)
+    throw UsageError(fmt::format("--cell: '{}' is no size; write WIDTHxHEIGHT, {} to {} pixels each, for example 460x540", text, kSmallest, kLargest));
+  return sheet;
+}
+
+void write_sheets(const PoseBookOptions& options, PoseSheetOptions sheet, Actor& actor, const std::vector<SkinMethod>& methods,
+                  const std::vector<NamedPose>& book, const Common& common) {
   Renderer renderer;
   SceneOptions scene;
   scene.eyes = find_eyes(actor.character.body.skin, actor.character.anatomy.skeleton);
@@ -169,17 +181,20 @@ void write_sheets(const PoseBookOptions& options, Actor& actor, const std::vecto
   for (const SkinMethod method : methods) {
     choose_skin(actor, std::string(short_name(method)));
     const fs::path file = options.folder / fmt::format("{}.png", short_name(method));
-    write_png(file, sheet_of_poses(renderer, actor, model, book, std::string(long_name(method))));
+    sheet.skin = true;
+    write_png(file, sheet_of_poses(renderer, actor, model, book, std::string(long_name(method)), sheet));
     note(common, file.string());
     if (method != SkinMethod::ecorche) continue;
     const fs::path under = options.folder / "muscles.png";
-    write_png(under, sheet_of_poses(renderer, actor, model, book, "muscles and bones", {.skin = false}));
+    sheet.skin = false;
+    write_png(under, sheet_of_poses(renderer, actor, model, book, "muscles and bones", sheet));
     note(common, under.string());
   }
 }
 
 int run(const PoseBookOptions& options, const Common& common, Report& report) {
   const std::vector<SkinMethod> methods = read_methods(options.methods);
+  const PoseSheetOptions sheet = read_cell(options.cell);
   std::error_code ignored;  // a folder that cannot be made shows when the first file is written
   fs::create_directories(options.folder, ignored);
   std::vector<MethodFigures> all(methods.size());
@@ -202,7 +217,7 @@ int run(const PoseBookOptions& options, const Common& common, Report& report) {
         add_figures(actor, volumes, book, common, all[m]);
       }
     }
-    if (options.pictures && names.size() == 1) write_sheets(options, actor, methods, book, common);
+    if (options.pictures && names.size() == 1) write_sheets(options, sheet, actor, methods, book, common);
   }
   write_table(options.folder / "figures.csv", names, book, all);
   const std::vector<Row> rows = rows_of(volumes, all);
@@ -228,6 +243,7 @@ void add_posebook_verb(VerbRegistry& registry) {
   verb->add_option("-o,--output", options->folder, "Folder for METHOD.png, muscles.png and figures.csv")->required();
   verb->add_option("--poses", options->poses, "Table of poses (docs/posebook.md) instead of our own");
   verb->add_option("--methods", options->methods, "Which ways to move a skin")->capture_default_str();
+  verb->add_option("--cell", options->cell, "Size of one pose on the sheets, WIDTHxHEIGHT in pixels")->capture_default_str();
   verb->add_flag("!--no-pictures", options->pictures, "Figures only");
 }
 
