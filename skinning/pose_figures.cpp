@@ -43,6 +43,23 @@ PoseFigures measure_pose(const TriMesh& rest, const Binding& binding, std::span<
   return out;
 }
 
+namespace {
+
+LimbSection section_of(const std::string& name, const std::set<int>& joints, const TriMesh& skin, const Binding& binding) {
+  LimbSection section{name, {}, {}};
+  for (Eigen::Index f = 0; f < skin.F.rows(); ++f) {
+    double share = 0;
+    for (int k = 0; k < 3; ++k)
+      for (const Influence& w : binding.joint_weights[static_cast<std::size_t>(skin.F(f, k))])
+        if (joints.count(w.joint) > 0) share += w.weight / 3;
+    if (share > 0.5) section.triangles.push_back(static_cast<int>(f));
+  }
+  section.rims = open_rims(section.triangles, skin.F);
+  return section;
+}
+
+}  // namespace
+
 std::vector<LimbSection> whole_limbs(const Skeleton& skeleton, const TriMesh& skin, const Binding& binding) {
   std::vector<LimbSection> out;
   for (const auto& [name, root] : {std::array{"arm", "shoulder"}, std::array{"leg", "hip"}})
@@ -52,17 +69,15 @@ std::vector<LimbSection> whole_limbs(const Skeleton& skeleton, const TriMesh& sk
       std::set<int> limb{first};
       for (std::size_t j = 0; j < skeleton.joints.size(); ++j)
         if (limb.count(skeleton.joints[j].parent) > 0) limb.insert(static_cast<int>(j));
-      LimbSection section{name + side, {}, {}};
-      for (Eigen::Index f = 0; f < skin.F.rows(); ++f) {
-        double share = 0;
-        for (int k = 0; k < 3; ++k)
-          for (const Influence& w : binding.joint_weights[static_cast<std::size_t>(skin.F(f, k))])
-            if (limb.count(w.joint) > 0) share += w.weight / 3;
-        if (share > 0.5) section.triangles.push_back(static_cast<int>(f));
-      }
-      section.rims = open_rims(section.triangles, skin.F);
-      out.push_back(std::move(section));
+      out.push_back(section_of(name + side, limb, skin, binding));
     }
+  for (const std::string side : {"_l", "_r"}) {
+    const int upper_arm = find_joint(skeleton, "shoulder" + side);
+    std::set<int> girdle{upper_arm};
+    for (const char* joint : {"clavicle", "scapula"}) girdle.insert(find_joint(skeleton, joint + side));
+    girdle.erase(-1);
+    if (upper_arm >= 0) out.push_back(section_of("shoulder" + side, girdle, skin, binding));
+  }
   return out;
 }
 
@@ -87,6 +102,8 @@ std::vector<VolumePose> volume_poses(const Skeleton& skeleton) {
     turn.pose.rotations[j] = Quat(Eigen::AngleAxisd(-inwards * kForearmTurn, axis.normalized()));
   }
   out.push_back(std::move(turn));
+  out.push_back({"shoulder_80", "whole arm, upper arm turned in 80 deg", {"arm_l", "arm_r"}, 0.015, pose("arm 0 0 -80")});
+  out.push_back({"arm_180", "shoulder and armpit, arm raised 180 deg", {"shoulder_l", "shoulder_r"}, 0.05, pose("arm 180 45")});
   out.push_back({"knee_120", "whole leg, knee bent 120 deg", {"leg_l", "leg_r"}, 0.01, pose("knee 120")});
   out.push_back({"hip_90", "whole body, hips bent 90 deg", {}, 0.005, pose("hip 90")});
   return out;

@@ -18,7 +18,8 @@ struct PoseFigures {
 // Precondition: as of measure_skin().
 PoseFigures measure_pose(const TriMesh& rest, const Binding& binding, std::span<const Transform> X_WJ, const SkinFrame& frame);
 
-// "arm_l", "arm_r", "leg_l", "leg_r": all of the skin beyond the shoulder or the hip, closed by a fan over the cut.
+// "arm_l", "arm_r", "leg_l", "leg_r": all of the skin beyond the shoulder or the hip, closed by a fan over the cut; "shoulder_l", "shoulder_r":
+// the skin of the girdle and the upper arm, from deltoid to armpit, closed at the trunk and above the elbow.
 std::vector<LimbSection> whole_limbs(const Skeleton& skeleton, const TriMesh& skin, const Binding& binding);
 
 // (V - V0) / V0 of a section, rest to posed.
@@ -33,7 +34,7 @@ struct VolumePose {
   Pose pose;
 };
 
-// Elbow 135 deg, forearm turned 150 deg from rest, knee 120 deg, hip 90 deg.
+// Elbow 135 deg, forearm turned 150 deg from rest, upper arm turned 80 deg, arm raised 180 deg, knee 120 deg, hip 90 deg.
 std::vector<VolumePose> volume_poses(const Skeleton& skeleton);
 
 }  // namespace ecorche
