@@ -7,6 +7,7 @@
 
 #include "app/eyes.h"
 #include "app/legend.h"
+#include "skinning/flesh_motion.h"
 #include "viewer/camera.h"
 #include "viewer/follow_camera.h"
 #include "viewer/lettering.h"
@@ -171,9 +172,12 @@ FilmReport film_actor(const Actor& actor, const Motion& motion, const ActorFilm&
   std::vector<float> activity;
   std::vector<double> efforts;
   Appearance appearance;
+  const FleshTables flesh = film.dynamics ? make_flesh_tables(actor.binding, actor.character.anatomy) : FleshTables{};
+  FleshState state;
   const FrameSource source = [&](int f, Scene& scene) {
     activation_at(film.activations, moments[f], efforts);
-    play(actor, pose_at(motion, moments[f]), frame, efforts);
+    if (!flesh.vertices.empty()) move_flesh(flesh, actor.character.anatomy.skeleton, motion, film.activations, moments[f], state);
+    play(actor, pose_at(motion, moments[f]), frame, efforts, state.seen);
     muscle_shortening(model, frame.posed, activity);
     scene.list.camera = cameras[f];
     light_outdoors(film, scene.list);

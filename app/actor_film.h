@@ -30,6 +30,7 @@ struct ActorFilm {
   std::string camera = "follow";     // "follow", or a named view or AZIMUTH,ELEVATION that travels with the figure
   Ground ground;                     // shown as it is
   Activations activations;           // of the muscles, over the motion's time
+  bool dynamics = false;             // loose flesh lags and settles
 };
 
 // The pose at a time, between frames by the shorter way; clamped to the motion's ends. Precondition: a motion with frames.

@@ -83,7 +83,7 @@ void check_outputs(const std::vector<fs::path>& outputs, const std::vector<fs::p
 
 int run(const AnimateOptions& options, const Common& common, Report& report) {
   check_outputs(options.outputs, {options.character, options.motion});
-  if (options.dynamics && options.skin != "ecorche") throw UsageError("--dynamics: only our own skin has flesh that lags; leave --skin out");
+  require_settling(options.dynamics, options.skin);
   Actor actor = make_actor(read_character(options.character), report, {.weights = options.weights});
   choose_skin(actor, options.skin);
   const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
@@ -113,7 +113,7 @@ void add_animate_verb(VerbRegistry& registry) {
   add_skin_option(*verb, options->skin);
   add_weights_option(*verb, options->weights);
   verb->add_option("--activation", options->activation, kActivationHelp)->capture_default_str();
-  verb->add_flag("--dynamics", options->dynamics, "Let loose flesh lag and settle, in vertex caches");
+  add_dynamics_option(*verb, options->dynamics);
   add_motion_options(*verb, options->retarget);
 }
 

@@ -1,5 +1,7 @@
 #include "app/motion_options.h"
 
+#include "anatomy/errors.h"
+
 namespace ecorche {
 
 void add_skin_option(CLI::App& verb, std::string& method) {
@@ -9,6 +11,14 @@ void add_skin_option(CLI::App& verb, std::string& method) {
 
 void add_weights_option(CLI::App& verb, std::filesystem::path& weights) {
   verb.add_option("--weights", weights, "Table of weights set by hand (CSV: vertex, joint, weight), in place of what is found by itself; `ecorche weights` writes one");
+}
+
+void add_dynamics_option(CLI::App& verb, bool& dynamics) {
+  verb.add_flag("--dynamics", dynamics, "Let loose flesh lag and settle; less over muscles that work (--activation)");
+}
+
+void require_settling(bool dynamics, const std::string& method) {
+  if (dynamics && method != "ecorche") throw UsageError("--dynamics: only our own skin has flesh that lags; leave --skin out");
 }
 
 void add_motion_options(CLI::App& verb, MotionOptions& options) {

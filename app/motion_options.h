@@ -23,6 +23,10 @@ void add_skin_option(CLI::App& verb, std::string& method);
 // --weights: for ActorOptions.
 void add_weights_option(CLI::App& verb, std::filesystem::path& weights);
 
+// --dynamics: loose flesh lags and settles. require_settling() throws UsageError for another skin than our own.
+void add_dynamics_option(CLI::App& verb, bool& dynamics);
+void require_settling(bool dynamics, const std::string& method);
+
 void add_motion_options(CLI::App& verb, MotionOptions& options);
 RetargetOptions to_retarget_options(const MotionOptions& options);
 

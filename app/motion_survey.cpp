@@ -91,7 +91,7 @@ void add_frame(const MotionSurvey& survey, const FrameQuality& frame, int frames
 MotionQuality play_motion(const Actor& actor, const Motion& motion, const MotionRun& run) {
   const Skeleton& skeleton = actor.character.anatomy.skeleton;
   const MotionSurvey survey = begin_survey(actor, run.package);
-  const FleshTables flesh = run.dynamics ? make_flesh_tables(actor.binding, skeleton) : FleshTables{};
+  const FleshTables flesh = run.dynamics ? make_flesh_tables(actor.binding, actor.character.anatomy) : FleshTables{};
   FleshState state;
   struct Slot {
     std::vector<double> efforts;
@@ -106,7 +106,7 @@ MotionQuality play_motion(const Actor& actor, const Motion& motion, const Motion
     const double seconds = f / motion.fps;
     activation_at(run.activations, seconds, at(slot).efforts);
     if (flesh.vertices.empty()) return;
-    move_flesh(flesh, skeleton, motion, seconds, state);
+    move_flesh(flesh, skeleton, motion, run.activations, seconds, state);
     at(slot).flesh = state.seen;
   };
   const auto make = [&](int f, int slot) {

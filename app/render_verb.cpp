@@ -46,6 +46,7 @@ int run(RenderVerbOptions options, const Common& common, Report& report) {
   if (options.dissolve.size() == 2) options.film.dissolve = Span{options.dissolve[0], options.dissolve[1]};
   if (options.colour_map) options.film.muscle_colors = MuscleColors::shortening;
   if (options.film.output.extension() == ".mp4") check_output(options.film.output);
+  require_settling(options.film.dynamics, options.skin);
   Actor actor = make_actor(read_character(options.character), report, {.weights = options.weights});
   choose_skin(actor, options.skin);
   const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
@@ -83,6 +84,7 @@ void add_render_verb(VerbRegistry& registry) {
   verb->add_option("--camera", options->film.camera, "follow; or front, back, left, right, top, oblique, or AZIMUTH,ELEVATION in degrees")
       ->capture_default_str();
   verb->add_option("--activation", options->activation, kActivationHelp)->capture_default_str();
+  add_dynamics_option(*verb, options->film.dynamics);
   add_motion_options(*verb, options->retarget);
 }
 

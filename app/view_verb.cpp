@@ -12,6 +12,7 @@
 #include "app/verb.h"
 #include "morph/body.h"
 #include "morph/template.h"
+#include "skinning/flesh_motion.h"
 #include "viewer/window.h"
 
 namespace ecorche {
@@ -21,7 +22,7 @@ struct ViewVerbOptions {
   std::filesystem::path character, motion;
   WindowOptions window;
   std::vector<double> pick;
-  bool sliders = false;
+  bool sliders = false, dynamics = false;
   std::string sex;
   std::vector<std::string> measures;
   MotionOptions retarget;
@@ -46,16 +47,20 @@ int run(const ViewVerbOptions& options, const Common& common, Report& report) {
   Motion motion;
   motion.frames.push_back(rest_pose(anatomy.skeleton));
   if (options.sliders && !options.motion.empty()) throw UsageError("view: --sliders show the body at rest; leave the motion away");
+  if (options.dynamics && options.motion.empty()) throw UsageError("view: --dynamics: flesh lags in a motion; name one");
   if (!options.motion.empty()) motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
 
   SceneOptions scene;
   scene.eyes = find_eyes(actor.character.body.skin, anatomy.skeleton);
   SceneModel model = make_scene_model(anatomy, actor.character.body.skin, scene);
+  const FleshTables flesh = options.dynamics ? make_flesh_tables(actor.binding, anatomy) : FleshTables{};
+  FleshState state;
   ActorFrame played;
   ViewSubject subject{anatomy, model, static_cast<int>(motion.frames.size()), motion.fps, [&](int frame, PosedAnatomy& posed, SkinFrame& skin) {
                               std::swap(played.posed, posed);
                               std::swap(played.skin, skin);
-                              play(actor, motion.frames[frame], played);
+                              if (!flesh.vertices.empty()) seek_flesh(flesh, anatomy.skeleton, motion, {}, frame / motion.fps, state);
+                              play(actor, motion.frames[frame], played, {}, state.seen);
                               std::swap(played.posed, posed);
                               std::swap(played.skin, skin);
                             }};
@@ -93,6 +98,7 @@ void add_view_verb(VerbRegistry& registry) {
       ->delimiter(',')
       ->check(CLI::Range(0.0, 1.0));
   verb->add_option("--screenshot", options->window.screenshot, "Save the last frame, panels included (.png)");
+  add_dynamics_option(*verb, options->dynamics);
   add_motion_options(*verb, options->retarget);
 }
 

@@ -7,6 +7,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "anatomy/pose_anatomy.h"
 #include "skinning/elastic_skin.h"
 #include "skinning/skin_tables.h"
 
@@ -14,22 +15,52 @@ namespace ecorche {
 namespace {
 
 constexpr double kStep = 1.0 / 480;        // s
-constexpr double kDamping = 0.3;           // of critical
+constexpr double kDamping = 0.3, kWorkingDamping = 0.8;  // of critical; at full effort
+constexpr double kStiffening = 2;          // of the frequency at full effort
+constexpr long long kForgotten = 480;      // steps after which the past no longer shows
 constexpr double kFirm = 0.012, kLoose = 0.045;  // m of tissue: nothing is seen below, all above
 constexpr double kFast = 9, kSlow = 4;     // Hz, there
 constexpr double kMostShare = 0.3;         // of the tissue, that it lags at most
 constexpr int kBlock = 256;
 
 // The matrix exponential of the oscillator over kStep, by its roots.
-void set_step(double frequency, FleshTables::Vertex& v) {
-  const double w = 2 * std::numbers::pi * frequency, damped = w * std::sqrt(1 - kDamping * kDamping), fall = std::exp(-kDamping * w * kStep);
-  const double c = std::cos(damped * kStep), s = std::sin(damped * kStep) / damped;
-  v.uu = fall * (c + kDamping * w * s);
-  v.uv = fall * s;
-  v.vu = -w * w * v.uv;
-  v.vv = fall * (c - kDamping * w * s);
-  v.ua = -(1 - v.uu) / (w * w);  // towards -a / w^2, where it would come to rest
-  v.va = -v.uv;
+struct FleshStep {
+  double uu, uv, ua, vu, vv, va;
+  FleshStep(double frequency, double effort) {
+    const double w = 2 * std::numbers::pi * frequency * (1 + (kStiffening - 1) * effort), damping = kDamping + (kWorkingDamping - kDamping) * effort;
+    const double damped = w * std::sqrt(1 - damping * damping), fall = std::exp(-damping * w * kStep);
+    const double c = std::cos(damped * kStep), s = std::sin(damped * kStep) / damped;
+    uu = fall * (c + damping * w * s);
+    uv = fall * s;
+    vu = -w * w * uv;
+    vv = fall * (c - damping * w * s);
+    ua = -(1 - uu) / (w * w);  // towards -a / w^2, where it would come to rest
+    va = -uv;
+  }
+};
+
+// The muscles that each vertex of the sheet lies over, and how much of their effort reaches it: little through thick fat.
+void find_muscles(const SkinTables& sheet, const Anatomy& anatomy, std::span<const int> loose, std::vector<FleshTables::Vertex>& vertices) {
+  std::vector<int> muscle_of_slice;
+  for (const SliceRange& range : slice_ranges(anatomy)) muscle_of_slice.resize(static_cast<std::size_t>(range.end), range.muscle);
+  for (const VertexRun& run : sheet.runs)
+    for (int e = run.begin; e < run.end; ++e) {
+      const int vertex = loose[static_cast<std::size_t>(sheet.place[static_cast<std::size_t>(e)])];
+      if (vertex < 0) continue;
+      auto& muscles = vertices[static_cast<std::size_t>(vertex)].muscles;
+      for (int k = 0; k < std::min(run.nodes, static_cast<int>(muscles.size())); ++k) {
+        const std::size_t entry = run.node_entry + static_cast<std::size_t>((e - run.begin) * run.nodes + k);
+        const MuscleNode& node = sheet.nodes[sheet.node[entry]];
+        muscles[static_cast<std::size_t>(k)] = {muscle_of_slice[static_cast<std::size_t>(node.anchor.first)], sheet.node_weight[entry] * node.weight};
+      }
+    }
+}
+
+double effort_at(const FleshTables::Vertex& v, std::span<const double> efforts) {
+  if (efforts.empty()) return 0;
+  double sum = 0;
+  for (const auto& [muscle, share] : v.muscles) sum += share * efforts[static_cast<std::size_t>(muscle)];
+  return std::min(sum, 1.0);
 }
 
 void places_at(const FleshTables& tables, const Skeleton& skeleton, const Motion& motion, long long step, FleshState& state, std::vector<Vec3>& out) {
@@ -58,13 +89,14 @@ double smooth_step(double t) {
 
 }  // namespace
 
-FleshTables make_flesh_tables(const Binding& binding, const Skeleton& skeleton) {
+FleshTables make_flesh_tables(const Binding& binding, const Anatomy& anatomy) {
   FleshTables out;
   if (!binding.tables) return out;
   const SkinTables& sheet = binding.tables->base ? *binding.tables->base : *binding.tables;
   if (!sheet.elastic) return out;
   out.vertex_count = sheet.vertex_count;
-  out.origins = rest_positions(skeleton);
+  out.origins = rest_positions(anatomy.skeleton);
+  std::vector<int> loose_vertex(static_cast<std::size_t>(sheet.vertex_count), -1);
   for (int s = 0; s < sheet.vertex_count; ++s) {
     const std::size_t at = static_cast<std::size_t>(s);
     const double tissue = sheet.elastic->tissue[at], loose = smooth_step((tissue - kFirm) / (kLoose - kFirm));
@@ -75,9 +107,13 @@ FleshTables make_flesh_tables(const Binding& binding, const Skeleton& skeleton) 
     v.rest = sheet.elastic->rest[at];
     v.gain = loose;
     v.limit = kMostShare * tissue;
-    set_step(kFast + (kSlow - kFast) * loose, v);
+    v.frequency = kFast + (kSlow - kFast) * loose;
+    const FleshStep relaxed(v.frequency, 0);
+    v.uu = relaxed.uu, v.uv = relaxed.uv, v.ua = relaxed.ua, v.vu = relaxed.vu, v.vv = relaxed.vv, v.va = relaxed.va;
+    loose_vertex[at] = static_cast<int>(out.vertices.size());
     out.vertices.push_back(v);
   }
+  find_muscles(sheet, anatomy, loose_vertex, out.vertices);
   return out;
 }
 
@@ -105,26 +141,49 @@ void pose_at(const Motion& motion, double time, Pose& out) {
   }
 }
 
-void move_flesh(const FleshTables& tables, const Skeleton& skeleton, const Motion& motion, double time, FleshState& state) {
+namespace {
+
+// At rest on what moves already, at state.step.
+void begin_flesh(const FleshTables& tables, const Skeleton& skeleton, const Motion& motion, FleshState& state) {
+  state.offset.assign(tables.vertices.size(), Vec3::Zero());
+  state.velocity = state.offset;
+  state.seen.assign(4 * static_cast<std::size_t>(tables.vertex_count), 0.0f);
+  places_at(tables, skeleton, motion, state.step, state, state.now);
+  state.before = state.now;
+  places_at(tables, skeleton, motion, state.step + 1, state, state.after);
+  for (std::size_t i = 0; i < state.now.size(); ++i) state.before[i] = 2 * state.now[i] - state.after[i];
+}
+
+void step_flesh(const FleshTables& tables, FleshState& state) {
+  tbb::parallel_for(std::size_t{0}, (tables.vertices.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+    for (std::size_t i = block * kBlock; i < std::min(tables.vertices.size(), (block + 1) * kBlock); ++i) {
+      const FleshTables::Vertex& v = tables.vertices[i];
+      const Vec3 a = (state.after[i] - 2 * state.now[i] + state.before[i]) / (kStep * kStep), u = state.offset[i], w = state.velocity[i];
+      const double effort = effort_at(v, state.efforts);
+      if (effort > 0) {
+        const FleshStep s(v.frequency, effort);
+        state.offset[i] = s.uu * u + s.uv * w + s.ua * a;
+        state.velocity[i] = s.vu * u + s.vv * w + s.va * a;
+      } else {
+        state.offset[i] = v.uu * u + v.uv * w + v.ua * a;
+        state.velocity[i] = v.vu * u + v.vv * w + v.va * a;
+      }
+    }
+  });
+}
+
+}  // namespace
+
+void move_flesh(const FleshTables& tables, const Skeleton& skeleton, const Motion& motion, const Activations& efforts, double time, FleshState& state) {
   const long long target = std::llround(time / kStep);
   if (motion.frames.empty() || target < state.step) throw std::invalid_argument("move_flesh: a motion with frames and a time that does not go back are needed");
   if (state.step < 0) {
     state.step = 0;
-    state.offset.assign(tables.vertices.size(), Vec3::Zero());
-    state.velocity = state.offset;
-    state.seen.assign(4 * static_cast<std::size_t>(tables.vertex_count), 0.0f);
-    places_at(tables, skeleton, motion, 0, state, state.now);
-    state.before = state.now;
-    places_at(tables, skeleton, motion, 1, state, state.after);
-    for (std::size_t i = 0; i < state.now.size(); ++i) state.before[i] = 2 * state.now[i] - state.after[i];  // it was moving already
+    begin_flesh(tables, skeleton, motion, state);
   }
   for (; state.step < target; ++state.step) {
-    for (std::size_t i = 0; i < tables.vertices.size(); ++i) {
-      const FleshTables::Vertex& v = tables.vertices[i];
-      const Vec3 a = (state.after[i] - 2 * state.now[i] + state.before[i]) / (kStep * kStep), u = state.offset[i], w = state.velocity[i];
-      state.offset[i] = v.uu * u + v.uv * w + v.ua * a;
-      state.velocity[i] = v.vu * u + v.vv * w + v.va * a;
-    }
+    activation_at(efforts, static_cast<double>(state.step) * kStep, state.efforts);
+    step_flesh(tables, state);
     state.before.swap(state.now);
     state.now.swap(state.after);
     places_at(tables, skeleton, motion, state.step + 2, state, state.after);
@@ -134,6 +193,15 @@ void move_flesh(const FleshTables& tables, const Skeleton& skeleton, const Motio
     const Vec3 u = v.gain * state.offset[i], seen = u / (1 + u.norm() / v.limit);
     for (int k = 0; k < 3; ++k) state.seen[4 * static_cast<std::size_t>(v.place) + static_cast<std::size_t>(k)] = static_cast<float>(seen[k]);
   }
+}
+
+void seek_flesh(const FleshTables& tables, const Skeleton& skeleton, const Motion& motion, const Activations& efforts, double time, FleshState& state) {
+  const long long target = std::llround(time / kStep);
+  if (!motion.frames.empty() && (state.step < 0 || target < state.step || target > state.step + kForgotten)) {
+    state.step = std::max(0LL, target - kForgotten);
+    begin_flesh(tables, skeleton, motion, state);
+  }
+  move_flesh(tables, skeleton, motion, efforts, time, state);
 }
 
 }  // namespace ecorche

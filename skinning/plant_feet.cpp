@@ -248,7 +248,7 @@ class Planter {
       forward_kinematics(skeleton_, motion_.frames[f], X_);
       for (const FootPlan& foot : feet_) {
         if (anchor_at(foot.heels, f) == nullptr && anchor_at(foot.balls, f) == nullptr) continue;
-        const Vec3 hip = X_[foot.shape.hip].translation(), knee = X_[foot.shape.knee].translation();
+        const Vec3 hip = X_[foot.shape.hip].translation();
         const Vec3 above = X_[foot.shape.ankle].translation(), pivot = X_[foot.shape.subtalar].translation();
         const Vec3 ankle = pivot + foot.turn[f] * (above - pivot) + foot.move[f];
         const double reach = kStraight * straight_leg(skeleton_, foot.shape, X_);

@@ -33,9 +33,9 @@ struct Swing {
   }
 };
 
-std::vector<float> seen_at(const Swing& swing, const FleshTables& tables, const Motion& motion, double time) {
+std::vector<float> seen_at(const Swing& swing, const FleshTables& tables, const Motion& motion, double time, const Activations& efforts = {}) {
   FleshState state;
-  for (int f = 0; f / motion.fps <= time + 1e-9; ++f) move_flesh(tables, swing.arm.anatomy.skeleton, motion, f / motion.fps, state);
+  for (int f = 0; f / motion.fps <= time + 1e-9; ++f) move_flesh(tables, swing.arm.anatomy.skeleton, motion, efforts, f / motion.fps, state);
   return state.seen;
 }
 
@@ -47,7 +47,7 @@ double largest_gap(const std::vector<float>& a, const std::vector<float>& b) {
 
 TEST(FleshMotion, IsTheSameAtAnyRateOfTheFilm) {
   const Swing swing;
-  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy.skeleton);
+  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy);
   ASSERT_FALSE(tables.vertices.empty());
   double moved = 0;
   for (const double time : {0.5, 1.25, 2.0, 2.5}) {
@@ -62,7 +62,7 @@ TEST(FleshMotion, IsTheSameAtAnyRateOfTheFilm) {
 
 TEST(FleshMotion, WhatStandsStillStaysAndWhatStopsSettles) {
   const Swing swing;
-  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy.skeleton);
+  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy);
   Motion still = swing.motion(30);
   for (Pose& pose : still.frames) pose = still.frames[7];
   for (const float v : seen_at(swing, tables, still, 2)) EXPECT_LT(std::abs(v), 1e-12f);
@@ -77,7 +77,7 @@ TEST(FleshMotion, WhatStandsStillStaysAndWhatStopsSettles) {
 // A unit of speed without force: e^(-z w t) sin(w' t) / w'.
 TEST(FleshMotion, StepsAreTheExactOscillator) {
   const Swing swing;
-  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy.skeleton);
+  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy);
   const FleshTables::Vertex& v = tables.vertices.front();
   const double h = 1.0 / 480, w = std::sqrt(-v.vu / v.uv), fall = std::log(v.uu * v.vv - v.uv * v.vu) / (2 * h);  // det = e^(-2 z w h)
   double u = 0, speed = 1;
@@ -98,12 +98,73 @@ TEST(FleshMotion, StepsAreTheExactOscillator) {
   EXPECT_NEAR(u, -2.0 / (w * w), 1e-9);
 }
 
+// The biceps works as hard as asked, always.
+Activations effort(double level) { return {1, {{{0}, {0.0}, {level}}}}; }
+
+double size_over(const FleshTables& tables, const std::vector<float>& seen, bool muscle) {
+  double most = 0;
+  for (const FleshTables::Vertex& v : tables.vertices) {
+    const bool over = v.muscles[0].second + v.muscles[1].second + v.muscles[2].second > 0.5;
+    if (over != muscle) continue;
+    for (std::size_t k = 0; k < 3; ++k) most = std::max(most, std::abs(static_cast<double>(seen[4 * static_cast<std::size_t>(v.place) + k])));
+  }
+  return most;
+}
+
+TEST(FleshMotion, AMuscleThatWorksStiffensAndDampsWhatLiesOverIt) {
+  const Swing swing;
+  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy);
+  const Motion motion = swing.motion(60);
+  double relaxed = 0, half = 0, full = 0;
+  for (double time = 0.5; time < 2; time += 0.1) {
+    relaxed = std::max(relaxed, size_over(tables, seen_at(swing, tables, motion, time), true));
+    half = std::max(half, size_over(tables, seen_at(swing, tables, motion, time, effort(0.5)), true));
+    full = std::max(full, size_over(tables, seen_at(swing, tables, motion, time, effort(1)), true));
+  }
+  ASSERT_GT(relaxed, 1e-3);
+  EXPECT_LT(half, 0.7 * relaxed);
+  EXPECT_LT(full, 0.5 * relaxed);
+  // What lies over no muscle does as before, to the bit, and so does all where the muscle has nothing to do.
+  const std::vector<float> none = seen_at(swing, tables, motion, 1.3), idle = seen_at(swing, tables, motion, 1.3, effort(0)), work = seen_at(swing, tables, motion, 1.3, effort(1));
+  EXPECT_EQ(none, idle);
+  int free = 0;
+  for (const FleshTables::Vertex& v : tables.vertices) {
+    if (v.muscles[0].second + v.muscles[1].second + v.muscles[2].second > 0) continue;
+    ++free;
+    for (std::size_t k = 0; k < 3; ++k) ASSERT_EQ(none[4 * static_cast<std::size_t>(v.place) + k], work[4 * static_cast<std::size_t>(v.place) + k]);
+  }
+  EXPECT_GT(free, 50);
+}
+
+TEST(FleshMotion, WithWorkTooTheRateOfTheFilmDoesNotMatter) {
+  const Swing swing;
+  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy);
+  const Activations efforts{1, {{{0}, {0.0, 0.7, 1.4, 3.0}, {0.0, 1.0, 0.2, 0.8}}}};
+  for (const double time : {0.5, 1.25, 2.0, 2.5})
+    EXPECT_LT(largest_gap(seen_at(swing, tables, swing.motion(24), time, efforts), seen_at(swing, tables, swing.motion(240), time, efforts)), 2e-3) << time;
+}
+
+TEST(FleshMotion, JumpingAboutEndsWherePlayingDoes) {
+  const Swing swing;
+  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy);
+  const Motion motion = swing.motion(60);
+  FleshState state;
+  double most = 0;
+  for (const double time : {1.5, 0.25, 2.0, 2.02, 1.0}) {
+    seek_flesh(tables, swing.arm.anatomy.skeleton, motion, {}, time, state);
+    const std::vector<float> played = seen_at(swing, tables, motion, time);
+    EXPECT_LT(largest_gap(state.seen, played), 2e-4) << time;
+    for (const float v : played) most = std::max(most, std::abs(static_cast<double>(v)));
+  }
+  EXPECT_GT(most, 1e-3);
+}
+
 TEST(FleshMotion, TimeDoesNotGoBack) {
   const Swing swing;
-  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy.skeleton);
+  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy);
   FleshState state;
-  move_flesh(tables, swing.arm.anatomy.skeleton, swing.motion(30), 1, state);
-  EXPECT_THROW(move_flesh(tables, swing.arm.anatomy.skeleton, swing.motion(30), 0.5, state), std::invalid_argument);
+  move_flesh(tables, swing.arm.anatomy.skeleton, swing.motion(30), {}, 1, state);
+  EXPECT_THROW(move_flesh(tables, swing.arm.anatomy.skeleton, swing.motion(30), {}, 0.5, state), std::invalid_argument);
 }
 
 }  // namespace
