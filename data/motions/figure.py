@@ -101,6 +101,18 @@ def turns(*pairs):
     return R
 
 
+def between(A, B, share):
+    """A rotation between two near ones."""
+    M = [(1 - share) * a + share * b for a, b in zip(A, B)]
+    unit = lambda v: tuple(c / math.sqrt(sum(d * d for d in v)) for c in v)
+    x = unit(M[0:3])
+    y = M[3:6]
+    along = sum(p * q for p, q in zip(x, y))
+    y = unit([q - along * p for p, q in zip(x, y)])
+    z = (x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0])
+    return x + y + z
+
+
 def xzy_angles(R):
     """Degrees x, z, y with R = Rx Rz Ry."""
     z = math.atan2(-R[1], math.hypot(R[0], R[2]))

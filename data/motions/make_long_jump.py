@@ -10,6 +10,7 @@ The hips are put where the centre of mass asks for it, the planted legs follow b
 over the swing. Foul line at z = 0 (z forwards), ground at y = 0, time 0 at the touchdown of the take-off foot.
 """
 
+import math
 import pathlib
 import sys
 
@@ -42,6 +43,10 @@ FADE = 0.16         # s over which a planted leg's correction fades out of its s
 START = 1.25        # s of standing and pushing off before the first touchdown of the run-up
 PUSH = 0.50         # s from standing still to the first touchdown
 
+# A hand that passes the hips keeps so far (m) from their middle, to the side and, before or behind, beyond; a degree of abduction and one
+# of outward rotation together move it by HAND_OUT.
+HIPS_HALF, HIPS_DEEP, HAND_OUT = 0.235, 0.28, 0.0137
+
 GAITS = {"jog": "jog_3.5", "run": "run_6.0", "sprint": "sprint_9.2"}
 STANCE_SHARE = {"jog": 0.3625, "run": 0.2675, "sprint": 0.2260}  # of the stride, as in the tables
 
@@ -62,10 +67,10 @@ def load():
 
 
 class Support:
-    """One foot on the ground from td to to; `place(t)` is where its flat ball stands (x, z)."""
+    """One foot on the ground from td to to; `place(t)` is where its flat ball stands (x, z). Feet are eased down, but not into the sand."""
 
-    def __init__(self, side, td, to, place):
-        self.side, self.td, self.to, self.place = side, td, to, place if callable(place) else (lambda t, p=place: p)
+    def __init__(self, side, td, to, place, eased=True):
+        self.side, self.td, self.to, self.place, self.eased = side, td, to, place if callable(place) else (lambda t, p=place: p), eased
 
 
 class Jump:
@@ -96,8 +101,8 @@ class Jump:
             out.append(Support("Left" if foot == "L" else "Right", td, to, (x, z)))
         plough = lambda t: LANDING_BALL - PLOUGH * (1 - min(max((t - HEELS_DOWN) / PLOUGH_TIME, 0), 1)) ** 2
         closing = lambda t: STANCE + 0.015 * (1 - min(max((t - HEELS_DOWN) / PLOUGH_TIME, 0), 1))
-        out.append(Support("Right", HEELS_DOWN, STEP_OUT[0], lambda t: (-closing(t), plough(t))))
-        out.append(Support("Left", HEELS_DOWN, CLOSE_UP[0], lambda t: (closing(t), plough(t))))
+        out.append(Support("Right", HEELS_DOWN, STEP_OUT[0], lambda t: (-closing(t), plough(t)), eased=False))
+        out.append(Support("Left", HEELS_DOWN, CLOSE_UP[0], lambda t: (closing(t), plough(t)), eased=False))
         out.append(Support("Right", STEP_OUT[1], END + 1, (-0.120, STAND_AT)))
         out.append(Support("Left", CLOSE_UP[1], END + 1, (0.120, STAND_AT)))
         self.supports = out
@@ -174,7 +179,25 @@ class Jump:
         return (0.0, self.jump["com_y"](t), self.jump["com_x"](t))
 
     def angles_at(self, t):
-        """Anatomical angles by the tables."""
+        """Anatomical angles by the tables, hands led past the hips."""
+        a = self.tabled_angles(t)
+        for _ in range(3):
+            world = figure.kinematics((0.0, 0.0, 0.0), figure.rotations(a))
+            hips, origin = figure.transpose(world["Hips"][0]), world["Hips"][1]
+            for side, suffix, s in (("Left", "_l", 1), ("Right", "_r", -1)):
+                turn, wrist = world[side + "Hand"]
+                most = 0.0
+                for point in (wrist, figure.add(wrist, figure.apply(turn, (0, -0.08, 0))), figure.add(wrist, figure.apply(turn, (0, -0.15, 0)))):
+                    x, y, z = figure.apply(hips, figure.sub(point, origin))
+                    room = (HIPS_HALF - 0.05 * smooth((y - 0.05) / 0.2)) * max(0.0, 1 - (z / HIPS_DEEP) ** 4) * (1 - smooth((y - 0.2) / 0.2))
+                    off = room - s * x
+                    most = max(most, 0.5 * (off + math.sqrt(off * off + 0.02 ** 2)))
+                if most > 1e-3:
+                    a["sh_abd" + suffix] += most / HAND_OUT
+                    a["sh_rot" + suffix] -= most / HAND_OUT
+        return a
+
+    def tabled_angles(self, t):
         first_key = SUPPORTS[0][1]
         if t >= first_key:
             return {c: self.jump[c](max(t, self.jump[c].t[0])) for c in self.names}
@@ -228,7 +251,7 @@ def main():
     jump = Jump()
     count = int((END - jump.start) * FPS) + 1
     times = [jump.start + k / (FPS * SUB) for k in range(SUB * (count - 1) + 1)]
-    frames, short = planting.solve(jump, times, FADE)
+    frames, short = planting.solve(jump, times, FADE, passes=4)
     figure.write_bvh(HERE / "long_jump.bvh", FPS, frames[::SUB])
     print(f"long_jump.bvh: {len(frames[::SUB])} frames; a planted leg is too short by {1000 * short:.1f} mm at worst", file=sys.stderr)
 

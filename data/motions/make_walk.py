@@ -20,6 +20,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 
 
 class Support:
+    eased = False
+
     def __init__(self, side, td, to, place):
         self.side, self.td, self.to = side, td, to
         self.place = lambda t: place

@@ -1,8 +1,9 @@
 """Puts a figure whose angles, planted feet and centre of mass are given as functions of time on its feet.
 
-`plan` has angles_at(t), center_at(t) and supports (side, td, to, place(t)).
+`plan` has angles_at(t), center_at(t) and supports (side, td, to, place(t), eased: the foot slows down before it touches down).
 """
 
+import bisect
 import math
 
 import figure
@@ -12,6 +13,7 @@ SUFFIX = {"Left": "_l", "Right": "_r"}
 MAX_DORSIFLEXION = 30.0  # deg, under the body's weight
 LEG = ("hip_flex", "hip_abd", "knee_flex", "ankle_dorsi", "ankle_inv", "foot_rot", "toe_ext")
 CLEARANCE, CLEARANCE_RATE = 0.015, 0.25  # m a swinging foot keeps from the ground, reached at m/s from its supports
+EASE, END_SPEED = 0.10, 0.35  # s before a touchdown in which the foot slows down on its way, to this share of the speed it would have had
 
 
 def pitch_of(a, suffix):
@@ -26,6 +28,7 @@ class Solver:
         # (side, support, "td" or "to") -> what planting changes in the leg's angles there: of the last pass, of this one
         self.known, self.found = {}, {}
         self.short = 0.0  # m that a planted leg is too short by, at worst
+        self.paths, self.walked = {}, {}  # side -> (t, foot's turn, ankle, toes), a sample each: of the last pass, of this one
 
     def support_at(self, side, t):
         for k, support in enumerate(self.supports[side]):
@@ -63,6 +66,29 @@ class Solver:
         hip, knee, local, _, _ = figure.reach_leg((R["Hips"], root), side, add(ankle, (0, up, 0)), foot, a["hip_rot" + SUFFIX[side]])
         R[side + "UpLeg"], R[side + "Leg"], R[side + "Foot"] = hip, knee, local
 
+    def ease_down(self, a, R, root, side, t):
+        """A foot about to touch down goes the way of the last pass, first a little faster, then ever slower."""
+        after = [u for u in self.supports[side] if u.td > t]
+        if side not in self.paths or not after or after[0].td - t >= EASE or not after[0].eased:
+            return
+        x = (after[0].td - t) / EASE
+        path, when = self.paths[side], after[0].td - EASE * (END_SPEED * x * (1 - x) ** 2 + 2 * x * x - x ** 3)
+        k = min(max(bisect.bisect_left(path, (when,)), 1), len(path) - 1)
+        (t0, _, ankle0, _), (t1, foot, ankle1, toes) = path[k - 1], path[k]
+        share = min(max((when - t0) / (t1 - t0), 0.0), 1.0)
+        foot = figure.between(path[k - 1][1], foot, share)
+        ankle = tuple((1 - share) * p + share * q for p, q in zip(ankle0, ankle1))
+        hip, knee, local, _, _ = figure.reach_leg((R["Hips"], root), side, ankle, foot, a["hip_rot" + SUFFIX[side]])
+        R[side + "UpLeg"], R[side + "Leg"], R[side + "Foot"] = hip, knee, local
+        R[side + "ToeBase"] = toes
+
+    def note(self, R, root, side, t):
+        foot, ankle = figure.kinematics(root, R)[side + "Foot"]
+        steps = self.walked.setdefault(side, [])
+        if steps and steps[-1][0] == t:
+            steps.pop()
+        steps.append((t, foot, ankle, R[side + "ToeBase"]))
+
     def plant(self, a, R, root, side, place, pitch):
         """Leg rotations that keep the foot where it stands; its heel rises as far as a leg that is too short
         or an ankle that bends no further needs."""
@@ -87,16 +113,19 @@ class Solver:
             if planted[side] is None:
                 self.swing(a, side, t)
         R = figure.rotations(a)
-        swings = {side: {part: R[side + part] for part in ("UpLeg", "Leg", "Foot")} for side in SUFFIX}
+        swings = {side: {part: R[side + part] for part in ("UpLeg", "Leg", "Foot", "ToeBase")} for side in SUFFIX}
         root, legs = (0.0, 0.98, wanted[2]), {}
         for _ in range(40):  # the hips move the centre, the centre the hips
             for side, k in planted.items():
                 if k is None:
                     R.update({side + part: r for part, r in swings[side].items()})
                     self.lift(a, R, root, side, t)
+                    self.note(R, root, side, t)
+                    self.ease_down(a, R, root, side, t)
                 else:
                     place = self.supports[side][k].place(t)
                     legs[side] = self.plant(a, R, root, side, place, pitch_of(a, SUFFIX[side]))
+                    self.note(R, root, side, t)
             off = sub(wanted, figure.center_of_mass(figure.kinematics(root, R)))
             root = add(root, off)
             if max(map(abs, off)) < 1e-6:
@@ -111,11 +140,11 @@ class Solver:
 
 def solve(plan, times, fade, passes=3):
     """Frames (root, rotations), and by how many metres a planted leg is too short at worst. The first passes find what planting
-    changes at the ends of the supports, the last one has it fade through the swings."""
+    changes at the ends of the supports and which way free feet go, the last one has it fade through the swings and eases feet down."""
     solver = Solver(plan, fade)
     frames = []
     for _ in range(passes):
-        solver.found, solver.short = {}, 0.0
+        solver.found, solver.short, solver.walked = {}, 0.0, {}
         frames = [solver.pose(t) for t in times]
-        solver.known = solver.found
+        solver.known, solver.paths = solver.found, solver.walked
     return frames, solver.short
