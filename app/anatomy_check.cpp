@@ -157,7 +157,7 @@ void check_voids(const Subject& subject, const Shape& shape, AnatomyCheck& check
   check.filled_share = std::numeric_limits<double>::quiet_NaN();
   if (!subject.packaged) return;
   const SkinRays rays(shape.skin);
-  const FatLayer fat = make_fat_layer(rays, subject.anatomy().skeleton, subject.actor.character.body);
+  const FatLayer fat = make_fat_layer(rays, subject.anatomy(), subject.actor.character.body);
   const Points normals = vertex_normals(shape.skin);
   const std::vector<double> areas = vertex_areas(shape.skin);
   const auto parts = vertex_parts(subject.package);

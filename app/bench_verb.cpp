@@ -67,7 +67,7 @@ std::vector<Ratio> bench_frames(const Actor& actor, const Motion& motion, const 
 std::vector<Ratio> bench_dilation(const Template& body_template, const FittedCharacter& fitted, const BodyPackage& package, int rounds) {
   const Body& body = fitted.actor.character.body;
   const SkinRays rays(capped_skin(package, body.skin.V));
-  const FatLayer fat = make_fat_layer(rays, fitted.undilated.skeleton, body);
+  const FatLayer fat = make_fat_layer(rays, fitted.undilated, body);
   const auto slices = rest_slices(fitted.undilated);
   const std::vector<Vec2> directions = ray_directions(DilateOptions{}.rays);
   DilateOptions ours, paper, uncut;

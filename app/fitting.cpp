@@ -179,7 +179,7 @@ FittedCharacter fit_character(const Template& body_template, const Body& body, c
   dilation.even_about = fitted.fit.even_about;
   auto timer = std::make_optional<StageTimer>(report, "dilation");
   const SkinRays rays(closed_skin);
-  const FatLayer fat = make_fat_layer(rays, fit.anatomy.skeleton, body);
+  const FatLayer fat = make_fat_layer(rays, fit.anatomy, body);
   if (options.dilated) fitted.dilation = dilate_muscles(fit.anatomy, fitted.undilated.muscles, body_template.tables->muscles, rays, fat, dilation);
   timer.reset();
   Character character{std::move(fit.anatomy), body};

@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -17,6 +18,14 @@ namespace {
 
 constexpr double kMillimetre = 1e-3;
 constexpr double kFaceAway = 0.16;  // m: a site that faces the other way counts as this much further off
+
+// Fat's share of the mass of the builds of data/fat.csv.
+constexpr std::array<double, 3> kMaleBuilds{0.11, 0.21, 0.33}, kFemaleBuilds{0.19, 0.31, 0.43};
+constexpr std::array<double, 3> kIndexBuilds{21.5, 25, 34};  // their body mass indices: of the first only in athletes
+constexpr double kGrown = 16, kLeastAge = 7, kMostAge = 83;  // years: where the regressions were fitted
+constexpr double kUnknownAge = 25;  // years. What age adds to the fat of the same index lies inside: at the same share skinfolds get thinner with it
+// Bare bone: as far under the skin its face is taken for bare, and fading to there, m; and cosines between it and the skin.
+constexpr double kBareDeepest = 0.018, kBareGone = 0.024, kAslant = 0.6, kParallel = 0.85;
 
 double skin_volume_of(const TriMesh& mesh) {
   double six = 0;
@@ -105,6 +114,46 @@ float mean_of_sites(const std::vector<FatSite>& sites, const Vec3& point, const 
   return static_cast<float>(weights > 0 ? sum / weights : 0);
 }
 
+double mass_index(const Body& body) {
+  const double height = body.skin.V.col(1).maxCoeff() - body.skin.V.col(1).minCoeff();
+  constexpr double kDensity = 1010;  // kg/m^3, with the air in the lungs
+  const double mass = body.mass > 0 ? body.mass : kDensity * skin_volume_of(body.skin);
+  return mass / (height * height);
+}
+
+// Where a figure lies among those of the three builds: 0, 1, 2.
+double between(const std::array<double, 3>& builds, double x) {
+  return x < builds[1] ? (x - builds[0]) / (builds[1] - builds[0]) : 1 + (x - builds[1]) / (builds[2] - builds[1]);
+}
+
+// Deurenberg's regressions.
+double fat_share(const Body& body, double age) {
+  const double index = mass_index(body), male = body.sex == Sex::male;
+  const double percent = age < kGrown ? 1.51 * index - 0.70 * age - 3.6 * male + 1.4 : 1.20 * index + 0.23 * age - 10.8 * male - 5.4;
+  return std::clamp(0.01 * percent, 0.02, 0.6);
+}
+
+double age_of(const Body& body) { return std::clamp(body.age > 0 ? body.age : kUnknownAge, kLeastAge, kMostAge); }
+
+// Bones that have a face bare of muscle, as one soup.
+TriMesh bare_bones(const Anatomy& anatomy) {
+  TriMesh all;
+  for (const Bone& bone : anatomy.bones) {
+    if (!bone.name.starts_with("tibia")) continue;
+    const Eigen::Index points = all.V.rows(), faces = all.F.rows();
+    all.V.conservativeResize(points + bone.mesh.V.rows(), 3);
+    all.V.bottomRows(bone.mesh.V.rows()) = bone.mesh.V;
+    all.F.conservativeResize(faces + bone.mesh.F.rows(), 3);
+    all.F.bottomRows(bone.mesh.F.rows()) = (bone.mesh.F.array() + static_cast<int>(points)).matrix();
+  }
+  return all;
+}
+
+double smooth_step(double from, double to, double x) {
+  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
 }  // namespace
 
 FatTable::FatTable() : table_(data_folder() / "fat.csv") {}
@@ -121,14 +170,13 @@ double FatTable::thickness(const std::string& site, const FatOptions& options) c
   throw InputError(fmt::format("fat.csv: no site '{}'", site));
 }
 
+double estimate_fat_share(const Body& body) { return fat_share(body, age_of(body)); }
+
 double estimate_fatness(const Body& body) {
-  const double height = body.skin.V.col(1).maxCoeff() - body.skin.V.col(1).minCoeff();
-  constexpr double kDensity = 1010;  // kg/m^3, with the air in the lungs
-  const double mass = body.mass > 0 ? body.mass : kDensity * skin_volume_of(body.skin);
-  const double index = mass / (height * height);
-  constexpr double kLean = 21.5, kAverage = 25, kObese = 34;  // the builds of data/fat.csv
-  const double fatness = index < kAverage ? (index - kLean) / (kAverage - kLean) : 1 + (index - kAverage) / (kObese - kAverage);
-  return std::clamp(fatness, -1.0, 3.0);
+  const std::array<double, 3>& builds = body.sex == Sex::male ? kMaleBuilds : kFemaleBuilds;
+  const double share = fat_share(body, std::min(age_of(body), kUnknownAge));
+  const double index = mass_index(body);
+  return std::clamp(std::max(between(builds, share), between(kIndexBuilds, index)), -1.0, 3.0);
 }
 
 FatLayer make_fat_layer(const SkinRays& rays, const Skeleton& skeleton, const FatOptions& options) {
@@ -157,8 +205,24 @@ FatLayer make_fat_layer(const SkinRays& rays, const Skeleton& skeleton, const Fa
   return layer;
 }
 
-FatLayer make_fat_layer(const SkinRays& rays, const Skeleton& skeleton, const Body& body) {
-  return make_fat_layer(rays, skeleton, FatOptions{body.sex, estimate_fatness(body)});
+FatLayer make_fat_layer(const SkinRays& rays, const Anatomy& anatomy, const Body& body) {
+  FatLayer layer = make_fat_layer(rays, anatomy.skeleton, FatOptions{body.sex, estimate_fatness(body)});
+  const TriMesh bare = bare_bones(anatomy);
+  if (bare.F.rows() == 0) return layer;
+  const SkinRays bone_rays(bare, RayBuild::quick);
+  const TriMesh& skin = rays.mesh();
+  const std::vector<Vec3> normals = vertex_normals(skin);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, normals.size(), 512), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      const RayHit bone = bone_rays.first_hit(skin.V.row(static_cast<Eigen::Index>(i)), -normals[i], kBareGone);
+      if (bone.triangle < 0) continue;
+      const double depth = static_cast<double>(bone.distance), parallel = -static_cast<double>(bone.facing);
+      const double share = smooth_step(kAslant, kParallel, parallel) * (1 - smooth_step(kBareDeepest, kBareGone, depth));
+      const double now = static_cast<double>(layer.thickness[i]);
+      if (depth > now) layer.thickness[i] = static_cast<float>(now + share * (depth - now));
+    }
+  });
+  return layer;
 }
 
 }  // namespace ecorche

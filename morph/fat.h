@@ -15,8 +15,7 @@ namespace ecorche {
 
 struct FatOptions {
   Sex sex = Sex::male;
-  // 0 lean (athletic, body mass index about 21.5), 1 average (25), 2 obese (34); in between and beyond by straight lines, never
-  // less than 0.4 of lean.
+  // 0 lean (athletic), 1 average, 2 obese: the builds of the table; in between and beyond by straight lines, never less than 0.4 of lean.
   double fatness = 1;
 };
 
@@ -52,13 +51,19 @@ struct FatLayer {
   }
 };
 
-// Fatness of a body from its body mass index; mass from its volume where it is not known.
+// Fat's share of a body's mass from its body mass index, age and sex (Deurenberg, Weststrate and Seidell 1991, 10.1079/BJN19910073; to within
+// some 4 % of the mass, too much in the very muscular); mass from its volume where it is not known, 25 years where the age is not.
+double estimate_fat_share(const Body& body);
+// The larger of two: the fatness whose body mass index is the body's (21.5, 25, 34), and the one whose share of fat (11, 21, 33 % of men, 19, 31,
+// 43 % of women) is what the body has, or had, at 25 years; what later years add lies inside: of the same share of fat the old have thinner
+// skinfolds (Durnin and Womersley 1974).
 double estimate_fatness(const Body& body);
 
 // `rays` are of the skin; `skeleton` lies inside it at rest. Sites whose ray meets nothing are left out.
 // Throws InputError when data/fat.csv cannot be read or names a joint that the skeleton lacks.
 FatLayer make_fat_layer(const SkinRays& rays, const Skeleton& skeleton, const FatOptions& options);
-// The same with the body's sex and estimated fatness.
-FatLayer make_fat_layer(const SkinRays& rays, const Skeleton& skeleton, const Body& body);
+// The same with the body's sex and estimated fatness; and where the skin runs along the medial face of a tibia of `anatomy`, on which no muscle
+// lies, the layer reaches down to the bone.
+FatLayer make_fat_layer(const SkinRays& rays, const Anatomy& anatomy, const Body& body);
 
 }  // namespace ecorche

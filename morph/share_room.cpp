@@ -24,7 +24,7 @@ namespace {
 constexpr std::size_t kDirections = kOutlinePoints;
 constexpr int kBone = -1;
 constexpr double kGrowRate = 0.8;      // of the room, a round
-constexpr double kMostGrowth = 0.035;  // m, beyond the ellipse
+constexpr double kMostGrowth = 0.045;  // m, beyond the ellipse
 constexpr double kMostSheath = 0.003;  // m in a round, of tendons: their sheaths
 constexpr double kTendonPower = 5;     // what is a little belly comes up like one
 constexpr double kWanting = 0.5;       // need beyond 1 that makes a muscle grow into all of a deep room
@@ -33,6 +33,7 @@ constexpr double kLeastShare = 0.3;    // of the volume that a muscle comes with
 constexpr double kThinnest = 2e-4;     // m
 constexpr double kMostPress = 0.6;     // factor of a sheet's thickness in a round
 constexpr float kMainTerm = 0.2f;      // weight of a section that a vertex between strips follows
+constexpr float kTip = 0.25f;          // of the layer, that points of an outline may stand into it: facets are chords and lie lower
 constexpr double kSteepest = 0.25;     // least cosine that the layer's slope is taken to have
 
 enum class Round { parting, growing, covering, settling };
@@ -47,6 +48,7 @@ struct Sight {
 struct Spoke {
   float base = 0;       // the drawn ellipse's radius, m
   float layer = 1e3f;   // to the layer of fat, m
+  float over = 1e3f;    // as far as a tip may stand, so that the facets about it lie on the layer
   float most = 1e3f;    // to where the layer has given as far as it can
 };
 
@@ -123,6 +125,7 @@ class Sharing {
 
  private:
   void find_layer(const SkinRays& skin, const FatLayer& fat) {
+    const SkinRays layer_rays(TriMesh{underside_.points, skin.mesh().F});
     spokes_.resize(all_.slices.size() * kDirections);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, all_.slices.size(), 16), [&](const auto& range) {
       for (std::size_t k = range.begin(); k < range.end(); ++k)
@@ -130,15 +133,21 @@ class Sharing {
           const Vec3 to_edge = all_.edge(k, i);
           Spoke& spoke = spokes_[k * kDirections + i];
           spoke.base = std::max(static_cast<float>(to_edge.norm()), 1e-6f);
-          const RayHit hit = skin.first_hit(all_.slices[k].center, to_edge / static_cast<double>(spoke.base));
+          const Vec3 direction = to_edge / static_cast<double>(spoke.base);
+          const RayHit hit = skin.first_hit(all_.slices[k].center, direction);
           if (hit.triangle < 0) continue;
-          const float layer = static_cast<float>(rounded(static_cast<double>(fat.at(skin.mesh().F, hit)))) / std::max(hit.facing, static_cast<float>(kSteepest));
+          const float thickness = static_cast<float>(rounded(static_cast<double>(fat.at(skin.mesh().F, hit))));
+          const float layer = thickness / std::max(hit.facing, static_cast<float>(kSteepest));
           spoke.layer = hit.distance - layer;
+          // Where the skin is round, a ray that leans leaves the underside later than its tangent plane.
+          const RayHit under = layer_rays.first_hit(all_.slices[k].center, direction, static_cast<double>(hit.distance));
+          if (under.triangle >= 0 && under.facing > 0) spoke.layer = std::max(spoke.layer, under.distance);
+          spoke.over = spoke.layer + kTip * thickness;
           // Only ellipses that press into the layer may go on doing so, by half of it.
-          spoke.most = std::max(spoke.layer, std::min(spoke.base, hit.distance - std::max(layer / 2, static_cast<float>(limits_.skin_gap))));
+          spoke.most = std::max(spoke.over, std::min(spoke.base, hit.distance - std::max(layer / 2, static_cast<float>(limits_.skin_gap))));
         }
     });
-    report_.rays += static_cast<long long>(spokes_.size());
+    report_.rays += 2 * static_cast<long long>(spokes_.size());
   }
 
   // Where rays can come to, and what can come to them: of an even body little more than one half.
@@ -259,7 +268,7 @@ class Sharing {
     if (kind == Round::covering) {
       const double asked = static_cast<double>(asked_[k * kDirections + i]);
       const double tendons = std::pow(1 - all_.belly[k], kTendonPower);
-      return std::max(now, std::min({room, deep, most, now + (1 - tendons) * asked + tendons * std::min(asked, kMostSheath)}));
+      return std::max(now, std::min({static_cast<double>(spoke.over), deep, most, now + (1 - tendons) * asked + tendons * std::min(asked, kMostSheath)}));
     }
     // Room that ends at the layer is filled; what is deep stays open to fat and vessels unless volume is wanting.
     const bool outwards = !open && room <= deep;
@@ -372,7 +381,7 @@ SharingReport share_room(Anatomy& anatomy, std::span<Ellipse> slices, std::span<
   sharing.begin();
   for (int round = 0; round < limits.parting; ++round) sharing.round(Round::parting, 1);
   for (int round = 0; round < limits.growing; ++round) sharing.round(Round::growing, 1);
-  for (int round = 0; round < limits.covering; ++round) sharing.round(Round::covering, round < limits.covering / 2 ? 1 : 0);
+  for (int round = 0; round < limits.covering; ++round) sharing.round(Round::covering, 0);
   for (int round = 0; round < limits.settling; ++round) sharing.round(Round::settling, 0);
   sharing.finish();
   return sharing.report();

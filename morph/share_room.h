@@ -5,7 +5,7 @@
 // surface), which both see alike; before bone the section ends. Where there is room between it and its neighbour, the bone or the layer
 // of fat, it grows: to the middle, or by more where it has less than its wanted volume and the neighbour has not. A few rounds, smoothed
 // along and round the strip. Then the layer is looked at from its own side: where no muscle comes up to it, the one that lies next under it
-// does (uncovered.h). The last rounds only give way. Sections keep their ellipses: what is found are the outlines' factors.
+// does (uncovered.h), points of outlines by up to a quarter of the layer into it, as facets lie lower than their corners. The last rounds only give way. Sections keep their ellipses: what is found are the outlines' factors.
 #pragma once
 
 #include <span>

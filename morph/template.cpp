@@ -18,7 +18,7 @@
 namespace ecorche {
 namespace {
 
-constexpr const char* kVersion = "template 21";  // to be changed with the code that builds
+constexpr const char* kVersion = "template 24";  // to be changed with the code that builds
 constexpr double kSourceStature = 1.707;        // the bone package's skeleton with 5 mm of scalp and 15 mm of heel pad, m
 constexpr double kCentreTolerance = 4e-3;       // m: how well the regressor knows a joint centre
 constexpr double kThinTissue = 9e-3;            // m: fat gathers where there is more tissue than this, and bones do not follow it:
@@ -139,7 +139,7 @@ Template build_template(const Packages& packages) {
   const SkinRays rays(capped_skin(package, out.body.skin.V));
   DilateOptions even;
   even.even_about = 0;
-  dilate_muscles(out.anatomy, tables->muscles, tables->muscles, rays, make_fat_layer(rays, out.anatomy.skeleton, out.body), even);
+  dilate_muscles(out.anatomy, tables->muscles, tables->muscles, rays, make_fat_layer(rays, out.anatomy, out.body), even);
   out.tables = std::move(tables);
   return out;
 }

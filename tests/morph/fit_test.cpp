@@ -87,7 +87,7 @@ Anatomy grown(const Template& own, const BodyPackage& package, const Body& body,
   DilateOptions options;
   options.even_about = fit.report.even_about;
   const SkinRays rays(capped_skin(package, body.skin.V));
-  const FatLayer fat = make_fat_layer(rays, anatomy.skeleton, body);
+  const FatLayer fat = make_fat_layer(rays, anatomy, body);
   const DilateReport found = dilate_muscles(anatomy, anatomy.muscles, own.tables->muscles, rays, fat, options);
   if (report) *report = found;
   return anatomy;
