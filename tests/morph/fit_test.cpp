@@ -135,6 +135,55 @@ TEST(Fit, MovedAndMirroredBodiesGetMovedAndMirroredMuscles) {
   EXPECT_LT(worst, 1e-3);
 }
 
+// Three points, 1.8 m high.
+Body weighed(Sex sex, double age, double index) {
+  Body body;
+  body.skin.V = 0.9 * Points{{-1, 0, -1}, {1, 0, -1}, {0, 2, 1}};
+  body.sex = sex;
+  body.age = age;
+  body.mass = index * 1.8 * 1.8;
+  return body;
+}
+
+TEST(Fit, TheFatLayerFollowsTheShareOfFat) {
+  // Deurenberg's regressions, by hand.
+  EXPECT_NEAR(estimate_fat_share(weighed(Sex::male, 25, 22)), 0.1595, 1e-9);
+  EXPECT_NEAR(estimate_fat_share(weighed(Sex::female, 60, 22)), 0.3480, 1e-9);
+  EXPECT_NEAR(estimate_fat_share(weighed(Sex::male, 10, 17)), 0.1647, 1e-9);
+  // Lean, but not athletes; as fat as the heavy builds of the table; no thicker under the skin for age alone.
+  EXPECT_NEAR(estimate_fatness(weighed(Sex::male, 25, 22)), 0.495, 1e-9);
+  EXPECT_NEAR(estimate_fatness(weighed(Sex::female, 25, 19.5)), 0.0475 / 0.12, 1e-9);
+  for (const Sex sex : {Sex::male, Sex::female}) {
+    EXPECT_NEAR(estimate_fatness(weighed(sex, 40, 34)), 2, 1e-9);
+    EXPECT_EQ(estimate_fatness(weighed(sex, 70, 22)), estimate_fatness(weighed(sex, 25, 22)));
+    for (double index = 17; index < 40; index += 1) EXPECT_LT(estimate_fatness(weighed(sex, 30, index)), estimate_fatness(weighed(sex, 30, index + 1)));
+  }
+}
+
+TEST(Fit, TheFatLayerReachesTheBareTibiaAndNothingElse) {
+  NEED_PACKAGES();
+  Anatomy without = own.anatomy;
+  std::erase_if(without.bones, [](const Bone& bone) { return bone.name.starts_with("tibia"); });
+  const TriMesh skin = capped_skin(package, own.body.skin.V);
+  const SkinRays rays(skin);
+  const FatLayer plain = make_fat_layer(rays, without, own.body), layer = make_fat_layer(rays, own.anatomy, own.body);
+  const Points& tibia = own.anatomy.bones[static_cast<size_t>(find_bone(own.anatomy, "tibia_l"))].mesh.V;
+  int left = 0, right = 0;
+  for (size_t i = 0; i < layer.thickness.size(); ++i) {
+    const double more = static_cast<double>(layer.thickness[i] - plain.thickness[i]);
+    EXPECT_GE(more, 0);
+    if (more < 1e-3) continue;
+    Vec3 at = skin.V.row(static_cast<Eigen::Index>(i));
+    ++(at.x() > 0 ? left : right);
+    at.x() = std::abs(at.x());
+    const double nearest = (tibia.rowwise() - at.transpose()).rowwise().norm().minCoeff();
+    EXPECT_LT(nearest, 0.029);  // 24 mm, and the spacing of the vertices
+    EXPECT_LT(static_cast<double>(layer.thickness[i]), 0.024);
+  }
+  EXPECT_GT(left, 30);
+  EXPECT_NEAR(left, right, 2);
+}
+
 TEST(Fit, EveryJointRestsInsideItsLimitsInAnatomicalAxes) {
   NEED_PACKAGES();
   for (const char* name : {"default_female", "heavy_male", "tall_male"}) {
