@@ -50,7 +50,7 @@ Actor make_actor(Character character, Report& report, const ActorOptions& option
   PosedAnatomy rest;
   pose_anatomy(actor.table, anatomy.skeleton, rest_pose(anatomy.skeleton), rest);
   actor.binding = base ? bind_skin(anatomy, rest, base->mesh, base->refinement, skin, painted) : bind_skin(anatomy, rest, skin, painted);
-  if (options.moves) actor.under = make_under_skin(anatomy, rest, skin);
+  if (options.moves) actor.under = make_under_skin(anatomy, rest, actor.binding);
   return actor;
 }
 
@@ -71,8 +71,7 @@ void choose_skin(Actor& actor, const std::string& method) {
 
 void move_skin(const Actor& actor, SkinMethod method, ActorFrame& frame, std::span<const float> flesh) {
   if (method == SkinMethod::ecorche) {
-    deform_skin(actor.binding, frame.posed, flesh, frame.skin);
-    keep_under_skin(actor.under, actor.table, frame.skin, frame.posed, frame.under);
+    deform_over_muscles(actor.binding, actor.under, actor.table, flesh, frame.posed, frame.skin, frame.under);
   } else if (method == SkinMethod::anchors) {
     deform_skin(actor.binding, frame.posed, frame.skin, Settle::no);
   } else {

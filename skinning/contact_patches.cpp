@@ -1,5 +1,8 @@
 #include "skinning/contact_patches.h"
 
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,6 +13,7 @@ namespace ecorche {
 namespace {
 
 constexpr std::size_t kPatch = 48;                     // vertices
+constexpr std::size_t kTask = 16;                      // patches
 constexpr float kNearer = 0.97f;                       // of the distance at rest
 constexpr float kRight = std::numbers::pi_v<float> / 2;
 constexpr float kFold = 0.7f, kNewFold = 0.1f;         // rad: spread of a patch that may meet itself; and beyond its own at rest
@@ -123,17 +127,20 @@ bool find_meetings(const ContactPatches& patches, std::span<const float> give, s
   const std::size_t count = patches.reach.size();
   s.shapes.resize(count);
   wanted.assign(give.size(), 0);
-  for (std::size_t p = 0; p < count; ++p) s.shapes[p] = shape_of(hull_of(patches, p), patches.reach[p], positions, normals);
-  bool any = false;
-  for (std::size_t a = 0; a < count; ++a) {
-    if (s.shapes[a].spread > std::max(kFold, patches.rest_spread[a] + kNewFold)) any = mark(patches, a, s.shapes[a], give, positions, normals, wanted) || any;
-    for (std::size_t b = a + 1; b < count; ++b) {
-      if (!may_meet(patches, s.shapes, a, b)) continue;
-      any = mark(patches, a, s.shapes[b], give, positions, normals, wanted) || any;
-      any = mark(patches, b, s.shapes[a], give, positions, normals, wanted) || any;
+  s.met.assign(count, 0);
+  const tbb::blocked_range<std::size_t> all(0, count, kTask);
+  tbb::parallel_for(all, [&](const auto& range) {
+    for (std::size_t p = range.begin(); p < range.end(); ++p) s.shapes[p] = shape_of(hull_of(patches, p), patches.reach[p], positions, normals);
+  });
+  tbb::parallel_for(all, [&](const auto& range) {  // each marks its own vertices
+    for (std::size_t a = range.begin(); a < range.end(); ++a) {
+      bool any = s.shapes[a].spread > std::max(kFold, patches.rest_spread[a] + kNewFold) && mark(patches, a, s.shapes[a], give, positions, normals, wanted);
+      for (std::size_t b = 0; b < count; ++b)
+        if (a != b && may_meet(patches, s.shapes, a, b)) any = mark(patches, a, s.shapes[b], give, positions, normals, wanted) || any;
+      s.met[a] = any;
     }
-  }
-  return any;
+  });
+  return std::find(s.met.begin(), s.met.end(), 1) != s.met.end();
 }
 
 }  // namespace ecorche

@@ -1,5 +1,8 @@
 #include "skinning/deform.h"
 
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
 #include <algorithm>
 #include <stdexcept>
 
@@ -12,9 +15,12 @@
 #include "skinning/muscle_lift.h"
 #include "skinning/normals.h"
 #include "skinning/skin_tables.h"
+#include "skinning/under_skin.h"
 
 namespace ecorche {
 namespace {
+
+constexpr std::size_t kRuns = 32, kBlock = 4096;  // a task
 
 using Eight = Eigen::Array<float, 8, 1>;
 using Four = Eigen::Array<float, 4, 1>;
@@ -45,21 +51,27 @@ void blend_run(const SkinTables& tables, const VertexRun& run, const float* carr
 }
 
 void blend_vertices(const SkinTables& tables, const float* carriers, const float* lifts, const Four& root, float* out) {
-  for (const VertexRun& run : tables.runs) {
+  const auto blend = [&](const VertexRun& run) {
     switch (run.carriers) {
-      case 1: blend_run<1>(tables, run, carriers, lifts, root, out); break;
-      case 2: blend_run<2>(tables, run, carriers, lifts, root, out); break;
-      case 3: blend_run<3>(tables, run, carriers, lifts, root, out); break;
-      case 4: blend_run<4>(tables, run, carriers, lifts, root, out); break;
-      case 5: blend_run<5>(tables, run, carriers, lifts, root, out); break;
-      case 6: blend_run<6>(tables, run, carriers, lifts, root, out); break;
-      default: blend_run<0>(tables, run, carriers, lifts, root, out);
+      case 1: return blend_run<1>(tables, run, carriers, lifts, root, out);
+      case 2: return blend_run<2>(tables, run, carriers, lifts, root, out);
+      case 3: return blend_run<3>(tables, run, carriers, lifts, root, out);
+      case 4: return blend_run<4>(tables, run, carriers, lifts, root, out);
+      case 5: return blend_run<5>(tables, run, carriers, lifts, root, out);
+      case 6: return blend_run<6>(tables, run, carriers, lifts, root, out);
+      default: return blend_run<0>(tables, run, carriers, lifts, root, out);
     }
-  }
+  };
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tables.runs.size(), kRuns), [&](const auto& range) {
+    for (std::size_t r = range.begin(); r < range.end(); ++r) blend(tables.runs[r]);
+  });
 }
 
-void scatter(const std::vector<float>& sorted, const std::vector<int>& order, std::vector<float>& out) {
-  for (std::size_t s = 0; s < order.size(); ++s) std::copy_n(&sorted[4 * s], 4, &out[4 * static_cast<std::size_t>(order[s])]);
+template <class Do>
+void each_vertex(std::size_t count, const Do& act) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kBlock), [&](const auto& range) {
+    for (std::size_t s = range.begin(); s < range.end(); ++s) act(s);
+  });
 }
 
 void add(std::span<const float> offsets, std::span<float> positions) {
@@ -67,25 +79,48 @@ void add(std::span<const float> offsets, std::span<float> positions) {
   for (std::size_t k = 0; k < positions.size(); k += 4) store4(&positions[k], load4(&positions[k]) + load4(&offsets[k]));
 }
 
+// Muscles that the skin rises over, and that give way to it.
+struct Beneath {
+  const UnderSkin& under;
+  const PosingTable& table;
+  PosedAnatomy& posed;
+  UnderSkinMemory& memory;
+};
+
+// What else the mesh that settles does.
+struct Extras {
+  std::span<const float> flesh{};
+  const Beneath* beneath = nullptr;
+};
+
+void settle(const SkinTables& tables, const PosedAnatomy& posed, const Extras& extras, ElasticScratch& elastic, std::vector<float>& positions) {
+  add(extras.flesh, positions);
+  settle_skin(*tables.elastic, tables.triangles, posed.X_WJ, positions, elastic);
+  if (!extras.beneath) return;
+  const auto& [under, table, moved, memory] = *extras.beneath;
+  if (!rise_over_muscles(under, posed.slices, positions, memory)) return;
+  sink_again(*tables.elastic, tables.triangles, posed.X_WJ, room_over_muscles(memory), positions, elastic);
+  give_way_to_skin(under, table, positions, moved, memory);
+}
+
 // The base mesh's way from where the blend puts it to where it settles, handed down.
-void follow(const SkinTables& fine, const PosedAnatomy& posed, const Four& root, std::span<const float> flesh, const SkinFrame::Scratch& scratch,
+void follow(const SkinTables& fine, const PosedAnatomy& posed, const Four& root, const Extras& extras, const SkinFrame::Scratch& scratch,
             ElasticScratch& elastic, std::vector<float>& positions) {
   const SkinTables& base = *fine.base;
   elastic.base.resize(4 * static_cast<std::size_t>(base.vertex_count));
   blend_vertices(base, scratch.carriers.data(), scratch.lifts.data(), root, elastic.base.data());
   elastic.offsets.assign(elastic.base.begin(), elastic.base.end());
-  add(flesh, elastic.base);
-  settle_skin(*base.elastic, base.triangles, posed.X_WJ, elastic.base, elastic);
+  settle(base, posed, extras, elastic, elastic.base);
   for (std::size_t k = 0; k < elastic.base.size(); k += 4) store4(&elastic.offsets[k], load4(&elastic.base[k]) - load4(&elastic.offsets[k]));
-  for (std::size_t s = 0; s < static_cast<std::size_t>(fine.vertex_count); ++s) {
+  each_vertex(static_cast<std::size_t>(fine.vertex_count), [&](std::size_t s) {
     Float4 sum = load4(&positions[4 * s]);
     for (int k = fine.follow_first[s]; k < fine.follow_first[s + 1]; ++k)
       sum += fine.follow_weight[static_cast<std::size_t>(k)] * load4(&elastic.offsets[4 * static_cast<std::size_t>(fine.follow[static_cast<std::size_t>(k)])]);
     store4(&positions[4 * s], sum);
-  }
+  });
 }
 
-void deform(const Binding& binding, const PosedAnatomy& posed, std::span<const float> flesh, Settle settle, SkinFrame& out) {
+void deform(const Binding& binding, const PosedAnatomy& posed, const Extras& extras, Settle settled, SkinFrame& out) {
   if (!binding.tables) throw std::invalid_argument("deform_skin: an empty binding");
   const SkinTables& tables = *binding.tables;
   if (static_cast<int>(posed.X_WJ.size()) != tables.joint_count || static_cast<int>(posed.slices.size()) != tables.slice_count)
@@ -109,17 +144,15 @@ void deform(const Binding& binding, const PosedAnatomy& posed, std::span<const f
   blend_vertices(tables, scratch.carriers.data(), scratch.lifts.data(), root4, positions.data());
   if (!scratch.elastic.memory) scratch.elastic.memory = std::make_shared<ElasticScratch>();
   ElasticScratch& elastic = *scratch.elastic.memory;
-  if (settle == Settle::yes && tables.base) {
-    follow(tables, posed, root4, flesh, scratch, elastic, positions);
-  } else if (settle == Settle::yes && tables.elastic) {
-    add(flesh, positions);
-    settle_skin(*tables.elastic, tables.triangles, posed.X_WJ, positions, elastic);
-  }
+  if (settled == Settle::yes && tables.base) follow(tables, posed, root4, extras, scratch, elastic, positions);
+  else if (settled == Settle::yes && tables.elastic) settle(tables, posed, extras, elastic, positions);
   vertex_normals(positions, tables.triangles, normals);
-  if (!sorted) {
-    scatter(positions, tables.order, out.positions);
-    scatter(normals, tables.order, out.normals);
-  }
+  if (sorted) return;
+  each_vertex(tables.order.size(), [&](std::size_t s) {
+    const std::size_t v = 4 * static_cast<std::size_t>(tables.order[s]);
+    store4(&out.positions[v], load4(&positions[4 * s]));
+    store4(&out.normals[v], load4(&normals[4 * s]));
+  });
 }
 
 }  // namespace
@@ -127,7 +160,13 @@ void deform(const Binding& binding, const PosedAnatomy& posed, std::span<const f
 void deform_skin(const Binding& binding, const PosedAnatomy& posed, SkinFrame& out, Settle settle) { deform(binding, posed, {}, settle, out); }
 
 void deform_skin(const Binding& binding, const PosedAnatomy& posed, std::span<const float> flesh, SkinFrame& out) {
-  deform(binding, posed, flesh, Settle::yes, out);
+  deform(binding, posed, {flesh, nullptr}, Settle::yes, out);
+}
+
+void deform_over_muscles(const Binding& binding, const UnderSkin& under, const PosingTable& table, std::span<const float> flesh, PosedAnatomy& posed,
+                         SkinFrame& out, UnderSkinMemory& memory) {
+  const Beneath beneath{under, table, posed, memory};
+  deform(binding, posed, {flesh, &beneath}, Settle::yes, out);
 }
 
 void to_points(const SkinFrame& frame, Points& out) {

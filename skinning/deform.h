@@ -10,7 +10,7 @@ namespace ecorche {
 enum class Settle { no, yes };
 
 // Precondition: `posed` comes from the anatomy that was bound (same joints and slices); otherwise std::invalid_argument.
-// Same input, same bytes; one thread.
+// Same input, same bytes, at any number of threads.
 void deform_skin(const Binding& binding, const PosedAnatomy& posed, SkinFrame& out, Settle settle = Settle::yes);
 
 }  // namespace ecorche

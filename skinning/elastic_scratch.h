@@ -21,6 +21,7 @@ struct PatchScratch {
     float spread = 0;                  // rad, largest angle of a normal with `up`
   };
   std::vector<Shape> shapes;           // a patch
+  std::vector<char> met;               // a patch: whether a vertex of it is to be looked at
 };
 
 struct ContactScratch {

@@ -81,4 +81,11 @@ void settle_skin(const ElasticSkin& skin, std::span<const int> triangles, std::s
   keep_volumes(skin.volumes, X_WJ, s.open, s.normals, positions);
 }
 
+void sink_again(const ElasticSkin& skin, std::span<const int> triangles, std::span<const Transform> X_WJ, std::span<const float> room,
+                std::span<float> positions, ElasticScratch& s) {
+  for (std::size_t i = 0; i < s.open.size(); ++i) s.open[i] *= room[i];
+  vertex_normals(positions, triangles, s.normals);
+  keep_volumes(skin.volumes, X_WJ, s.open, s.normals, positions);
+}
+
 }  // namespace ecorche

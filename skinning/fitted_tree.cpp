@@ -1,5 +1,7 @@
 #include "skinning/fitted_tree.h"
 
+#include <oneapi/tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -110,6 +112,42 @@ bool crosses(std::span<const float> positions, const int* corners, const Ray& ra
   return any;
 }
 
+// A node's boxes, after its children's.
+void fit_node(const FittedTree& tree, std::span<const float> positions, std::size_t n, std::vector<float>& boxes) {
+  Float4 low[4], high[4];
+  for (std::size_t k = 0; k < 4; ++k) {
+    const int child = tree.children[n][k];
+    if (child >= 0) {
+      low[k] = load4(&boxes[32 * static_cast<std::size_t>(child) + 24]);
+      high[k] = load4(&boxes[32 * static_cast<std::size_t>(child) + 28]);
+      continue;
+    }
+    const int* corner = &tree.corners[static_cast<std::size_t>(~child)];
+    low[k] = high[k] = row(positions, corner[0]);
+    for (int c = 1; c < 3 * kLeaf; ++c) {
+      const Float4 p = row(positions, corner[c]);
+      low[k] = least(low[k], p);
+      high[k] = most(high[k], p);
+    }
+  }
+  const Lanes4 lows = transposed(low[0], low[1], low[2], low[3]), highs = transposed(high[0], high[1], high[2], high[3]);
+  float* box = &boxes[32 * n];
+  for (const Float4 part : {lows.x, lows.y, lows.z, highs.x, highs.y, highs.z}) {
+    store4(box, part);
+    box += 4;
+  }
+  store4(box, least(least(low[0], low[1]), least(low[2], low[3])));
+  store4(box + 4, most(most(high[0], high[1]), most(high[2], high[3])));
+}
+
+// A node's children that are nodes, each once, in the order of nodes.
+std::span<const int> subtrees(const FittedTree& tree, std::size_t node, std::array<int, 4>& out) {
+  std::size_t count = 0;
+  for (const int child : tree.children[node])
+    if (child > 0 && (count == 0 || out[count - 1] != child)) out[count++] = child;
+  return {out.data(), count};
+}
+
 }  // namespace
 
 FittedTree make_fitted_tree(std::span<const float> positions, std::span<const int> triangles) {
@@ -124,32 +162,29 @@ FittedTree make_fitted_tree(std::span<const float> positions, std::span<const in
 
 void fit_boxes(const FittedTree& tree, std::span<const float> positions, std::vector<float>& boxes) {
   boxes.resize(32 * tree.children.size());
-  for (std::size_t n = tree.children.size(); n-- > 0;) {
-    Float4 low[4], high[4];
-    for (std::size_t k = 0; k < 4; ++k) {
-      const int child = tree.children[n][k];
-      if (child >= 0) {
-        low[k] = load4(&boxes[32 * static_cast<std::size_t>(child) + 24]);
-        high[k] = load4(&boxes[32 * static_cast<std::size_t>(child) + 28]);
-        continue;
-      }
-      const int* corner = &tree.corners[static_cast<std::size_t>(~child)];
-      low[k] = high[k] = row(positions, corner[0]);
-      for (int c = 1; c < 3 * kLeaf; ++c) {
-        const Float4 p = row(positions, corner[c]);
-        low[k] = least(low[k], p);
-        high[k] = most(high[k], p);
-      }
-    }
-    const Lanes4 lows = transposed(low[0], low[1], low[2], low[3]), highs = transposed(high[0], high[1], high[2], high[3]);
-    float* box = &boxes[32 * n];
-    for (const Float4 part : {lows.x, lows.y, lows.z, highs.x, highs.y, highs.z}) {
-      store4(box, part);
-      box += 4;
-    }
-    store4(box, least(least(low[0], low[1]), least(low[2], low[3])));
-    store4(box + 4, most(most(high[0], high[1]), most(high[2], high[3])));
+  if (tree.children.empty()) return;
+  // Whole subtrees of the third level at once, then what is above them. Nodes follow their parents, a subtree's each other.
+  constexpr std::size_t kMost = 1 + 4 + 16 + 1;
+  std::array<std::size_t, kMost> begins;
+  std::array<char, kMost> upper;
+  std::size_t count = 0;
+  const auto add = [&](std::size_t node, bool above) {
+    begins[count] = node;
+    upper[count++] = above;
+  };
+  add(0, true);
+  std::array<int, 4> children, grandchildren;
+  for (const int child : subtrees(tree, 0, children)) {
+    add(static_cast<std::size_t>(child), true);
+    for (const int grandchild : subtrees(tree, static_cast<std::size_t>(child), grandchildren)) add(static_cast<std::size_t>(grandchild), false);
   }
+  begins[count] = tree.children.size();
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t part) {
+    if (upper[part]) return;
+    for (std::size_t n = begins[part + 1]; n-- > begins[part];) fit_node(tree, positions, n, boxes);
+  });
+  for (std::size_t part = count; part-- > 0;)
+    if (upper[part]) fit_node(tree, positions, begins[part], boxes);
 }
 
 float back_seen(const FittedTree& tree, std::span<const float> boxes, std::span<const float> positions, Float4 from, Float4 direction, float near, float far) {

@@ -1,5 +1,8 @@
 #include "skinning/limb_volumes.h"
 
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -13,6 +16,7 @@ constexpr double kMostTissue = 0.05;   // m; deeper flesh swells no more
 constexpr std::size_t kMostRegions = 9;  // the body, four limbs, four hinges
 constexpr float kHollow = 0.03f;       // m; where the skin curves inwards more sharply than this it does not swell
 constexpr double kMostSwelling = 0.3;  // of the tissue
+constexpr std::size_t kBlock = 1024;   // vertices a task
 
 // Six times the volume of the cones over the region's triangles.
 double region_volume(const VolumeRegion& region, std::span<const float> positions, const Vec3& apex) {
@@ -84,6 +88,13 @@ VolumeRegion make_region(int origin, const Vec3& apex, std::span<const float> po
   return out;
 }
 
+template <class Do>
+void each_vertex(std::size_t count, const Do& act) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kBlock), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) act(i);
+  });
+}
+
 }  // namespace
 
 LimbVolumes make_limb_volumes(const Skeleton& skeleton, std::span<const float> positions, std::span<const int> triangles,
@@ -128,7 +139,7 @@ LimbVolumes make_limb_volumes(const Skeleton& skeleton, std::span<const float> p
 void find_hollows(const Membrane& rings, std::span<const float> positions, std::span<const float> normals, std::vector<float>& open, std::vector<float>& working) {
   open.resize(positions.size() / 4);
   working.resize(open.size());
-  for (std::size_t i = 0; i < open.size(); ++i) {
+  each_vertex(open.size(), [&](std::size_t i) {
     const Float4 p = load4(&positions[4 * i]), n = load4(&normals[4 * i]);
     float hollow = 0;
     for (int k = rings.first[i]; k < rings.first[i + 1]; ++k) {
@@ -138,10 +149,10 @@ void find_hollows(const Membrane& rings, std::span<const float> positions, std::
     }
     const float count = static_cast<float>(std::max(1, rings.first[i + 1] - rings.first[i]));
     open[i] = std::clamp(1 - kHollow * std::max(0.0f, hollow / count), 0.0f, 1.0f);
-  }
+  });
   constexpr int kRounds = 3;
   for (int round = 0; round < kRounds; ++round) {
-    for (std::size_t i = 0; i < open.size(); ++i) {
+    each_vertex(open.size(), [&](std::size_t i) {
       float sum = 0, least = open[i];
       for (int k = rings.first[i]; k < rings.first[i + 1]; ++k) {
         const float other = open[static_cast<std::size_t>(rings.neighbour[static_cast<std::size_t>(k)])];
@@ -150,7 +161,7 @@ void find_hollows(const Membrane& rings, std::span<const float> positions, std::
       }
       const int count = rings.first[i + 1] - rings.first[i];
       working[i] = count > 0 ? 0.5f * (least + std::min(open[i], sum / static_cast<float>(count))) : open[i];
-    }
+    });
     open.swap(working);
   }
 }
@@ -158,10 +169,10 @@ void find_hollows(const Membrane& rings, std::span<const float> positions, std::
 void keep_volumes(const LimbVolumes& volumes, std::span<const Transform> X_WJ, std::span<const float> open, std::span<const float> normals,
                   std::span<float> positions) {
   std::array<double, kMostRegions> lost{};
-  for (std::size_t r = 0; r < volumes.regions.size(); ++r) {
+  tbb::parallel_for(std::size_t{0}, volumes.regions.size(), [&](std::size_t r) {
     const VolumeRegion& region = volumes.regions[r];
     lost[r] = region.volume - region_volume(region, positions, X_WJ[static_cast<std::size_t>(region.origin)].translation());
-  }
+  });
   const std::array<double, kMostRegions> all = lost;  // what a part has lost is made up in the part
   for (std::size_t r = 1; r < volumes.regions.size(); ++r) lost[static_cast<std::size_t>(volumes.regions[r].within)] -= all[r];
   for (std::size_t r = 0; r < volumes.regions.size(); ++r) {

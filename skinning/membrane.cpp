@@ -235,11 +235,13 @@ void relax_membrane(const Membrane& m, std::span<const float> anchors, std::span
     fit_turns(m, round == 0, s);
     right_side(m, s);
     solve_sheet(m.factor, s.right.data());
-    for (std::size_t i = 0; i < size / 4; ++i) {
-      const Float4 offset = load4(&s.right[4 * static_cast<std::size_t>(m.factor.place[i])]);
-      store4(&s.offsets[4 * i], offset);
-      store4(&s.places[4 * i], load4(&anchors[4 * i]) + offset);
-    }
+    for_fours(m, [&](int b) {
+      for (std::size_t i = 4 * static_cast<std::size_t>(b); i < std::min(size / 4, 4 * static_cast<std::size_t>(b) + 4); ++i) {
+        const Float4 offset = load4(&s.right[4 * static_cast<std::size_t>(m.factor.place[i])]);
+        store4(&s.offsets[4 * i], offset);
+        store4(&s.places[4 * i], load4(&anchors[4 * i]) + offset);
+      }
+    });
   }
 }
 

@@ -38,13 +38,17 @@ Float4 find_push(const Looker& looker, std::size_t vertex, Float4 normal, float 
   return (-0.5f * fade * (depth + std::min(depth, kGap))) * normal;
 }
 
+template <class Do>
+void each_vertex(int count, const Do& act) {
+  tbb::parallel_for(0, (count + kBlock - 1) / kBlock, [&](int block) {
+    for (int i = block * kBlock; i < std::min(count, (block + 1) * kBlock); ++i) act(i);
+  });
+}
+
 void find_pushes(const Looker& looker, std::span<const float> normals, std::span<const float> give, ContactScratch& s) {
-  const int n = static_cast<int>(s.wanted.size());
-  tbb::parallel_for(0, (n + kBlock - 1) / kBlock, [&](int block) {
-    for (int i = block * kBlock; i < std::min(n, (block + 1) * kBlock); ++i) {
-      const std::size_t at = static_cast<std::size_t>(i);
-      store4(&s.pushes[4 * at], s.wanted[at] ? find_push(looker, at, load4(&normals[4 * at]), give[at]) : Float4{});
-    }
+  each_vertex(static_cast<int>(s.wanted.size()), [&](int i) {
+    const std::size_t at = static_cast<std::size_t>(i);
+    store4(&s.pushes[4 * at], s.wanted[at] ? find_push(looker, at, load4(&normals[4 * at]), give[at]) : Float4{});
   });
 }
 
@@ -53,7 +57,7 @@ void spread_pushes(const Membrane& rings, std::span<const float> give, ContactSc
   constexpr float kShare = 0.6f;
   constexpr int kRounds = 2;
   for (int round = 0; round < kRounds; ++round) {
-    for (int i = 0; i < rings.vertex_count; ++i) {
+    each_vertex(rings.vertex_count, [&](int i) {
       const std::size_t at = 4 * static_cast<std::size_t>(i);
       Float4 push = load4(&s.pushes[at]);
       if (give[static_cast<std::size_t>(i)] > 0 && rings.first[i + 1] > rings.first[i]) {
@@ -63,7 +67,7 @@ void spread_pushes(const Membrane& rings, std::span<const float> give, ContactSc
         if (sum4(sum * sum)[0] > sum4(push * push)[0]) push = sum;
       }
       store4(&s.spread[at], push);
-    }
+    });
     s.pushes.swap(s.spread);
   }
 }

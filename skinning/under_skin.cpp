@@ -13,14 +13,16 @@
 #include "anatomy/outline.h"
 #include "anatomy/posed_contact.h"
 #include "anatomy/regrow.h"
+#include "skinning/elastic_skin.h"
 #include "skinning/nearest_surface.h"
 #include "skinning/normals.h"
-#include "skinning/skin_survey.h"
+#include "skinning/skin_rise.h"
+#include "skinning/skin_tables.h"
 
 namespace ecorche {
 
 struct SkinProbe {
-  int section = 0, spoke = 0;
+  int spoke = 0;
   int vertex = 0;       // of the skin, nearest at rest
   float margin = 0;     // m, that the point stays below the skin: less than its depth at rest
 };
@@ -32,115 +34,149 @@ struct UnderSkin::Data {
   std::vector<int> owners, owner_begin;   // sections that have some; #owners + 1 into probes
   std::vector<SliceRange> strips;
   std::vector<float> thickness;           // #sections, of sheets as they are drawn
-  std::vector<int> ring_begin, ring;      // #V + 1; triangles about each vertex
-  std::vector<int> near_begin, near;      // #V + 1; its neighbours
-  Triangles F;
+  SkinRings rings;
+  std::vector<int> triangles;
 };
 
 namespace {
 
 // What a section must give.
 struct Giving {
-  Vec3 way = Vec3::Zero();                                  // of the section, inward
-  std::array<float, kOutlinePoints / 2> press{}, held{};    // of every second direction of its outline
+  Vec3 way = Vec3::Zero();                                // inward
+  std::array<float, kContactPoints> press{}, held{};      // of every second direction of its outline
   bool any = false;
 };
 
 }  // namespace
 
 struct UnderSkinScratch {
+  std::vector<float> normals;                 // #V x 4
+  std::vector<Pierce> pierces;                // #probes
+  std::vector<char> near;                     // #owners: whether a point of theirs is at the surface, or nearly so
+  RiseScratch rise;
   std::vector<Giving> givings;
   std::vector<Vec3> ways;
-  std::vector<std::pair<int, float>> wishes;  // #probes: of vertices to rise, m
-  std::vector<float> rise, rise_before;       // #V, m
   std::vector<char> changed;                  // #sections
 };
 
 namespace {
 
-constexpr double kNear = 0.025;      // m below the skin at rest: deeper points are not looked at
-constexpr double kMargin = 1.2e-3;   // m
-constexpr double kDeep = 0.008;      // m: below that nothing is asked but that it is so
-constexpr int kMostSteps = 40;       // of a walk
-constexpr double kMostOut = 0.06;    // m
-constexpr double kPressed = 0.35;    // of an outline's radius; what is more moves the section
-constexpr double kSkinShare = 0.85;  // of the way out that the skin rises
-constexpr int kSpreading = 8;        // rounds
-constexpr float kFoldShare = 0.12f;
-constexpr int kEasing = 4;           // rounds
-constexpr double kOver = 1.1;        // the belly swells back a part of what is pressed
+constexpr double kNear = 0.025;     // m below the skin at rest: deeper points are not looked at
+constexpr float kMargin = 1.2e-3f;  // m
+constexpr float kMostOut = 0.06f;   // m
+constexpr float kAside = 0.01f;     // m
+constexpr float kHeldBelow = 0.004f;  // m: what lies deeper is free to swell
+constexpr double kPressed = 0.35;   // of an outline's radius; what is more moves the section
+constexpr float kNearly = 0.003f;   // m
+constexpr double kOver = 1.1;       // the belly swells back a part of what is pressed
 
-Vec3 spoke_of(const Ellipse& e, double thickness, int spoke) {
-  const Vec2& d = outline_directions()[2 * static_cast<std::size_t>(spoke)];
-  const double f = static_cast<double>(e.outline[2 * static_cast<std::size_t>(spoke)]);
-  return f * (e.radii.x() * d.x() * e.axes.col(0) + thickness * e.radii.y() * d.y() * e.axes.col(1));
-}
+Vec3 to_vec3(Float4 v) { return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])}; }
 
-struct Lie {
-  int vertex = 0;               // of the skin, nearest
-  double height = 0;            // m over the skin, negative below
-  Vec3 normal = Vec3::UnitY();  // outward
-};
-
-class Walk {
+// A section's outline in single precision, about its centre.
+class Spokes {
  public:
-  Walk(const UnderSkin::Data& data, const SkinFrame& skin) : data_(data), skin_(skin) {}
+  Spokes(const Ellipse& e, float thickness) : e_(e) {
+    for (int k = 0; k < 3; ++k) {
+      width_[k] = static_cast<float>(e.radii.x() * e.axes(k, 0));
+      thickness_[k] = thickness * static_cast<float>(e.radii.y() * e.axes(k, 1));
+    }
+  }
 
-  Lie lie_of(const Vec3& p, int from) const {
-    int at = from;
-    double least = (point(at) - p).squaredNorm();
-    for (int step = 0; step < kMostSteps; ++step) {
-      const int before = at;
-      for (int r = data_.near_begin[static_cast<std::size_t>(before)]; r < data_.near_begin[static_cast<std::size_t>(before) + 1]; ++r) {
-        const int v = data_.near[static_cast<std::size_t>(r)];
-        const double d = (point(v) - p).squaredNorm();
-        if (d < least) least = d, at = v;
-      }
-      if (at == before) break;
-    }
-    Lie lie{at, (p - point(at)).dot(normal(at)), normal(at)};
-    if (lie.height < -kDeep) return lie;
-    least = 1e300;
-    for (int r = data_.ring_begin[static_cast<std::size_t>(at)]; r < data_.ring_begin[static_cast<std::size_t>(at) + 1]; ++r) {
-      const int f = data_.ring[static_cast<std::size_t>(r)];
-      const Vec3 a = point(data_.F(f, 0)), b = point(data_.F(f, 1)), c = point(data_.F(f, 2));
-      const Vec3 q = nearest_in_triangle(p, a, b, c);
-      const double d = (q - p).squaredNorm();
-      if (!(d < least)) continue;
-      least = d;
-      const double pa = 1 / ((q - a).norm() + 1e-9), pb = 1 / ((q - b).norm() + 1e-9), pc = 1 / ((q - c).norm() + 1e-9);
-      lie.normal = (pa * normal(data_.F(f, 0)) + pb * normal(data_.F(f, 1)) + pc * normal(data_.F(f, 2))).normalized();
-      lie.height = (p - q).dot(lie.normal);
-    }
-    return lie;
+  Float4 operator()(int spoke) const {
+    static const auto directions = [] {
+      std::array<std::array<float, 2>, kContactPoints> out;
+      for (std::size_t i = 0; i < out.size(); ++i)
+        for (std::size_t k = 0; k < 2; ++k) out[i][k] = static_cast<float>(outline_directions()[2 * i][static_cast<Eigen::Index>(k)]);
+      return out;
+    }();
+    const auto i = static_cast<std::size_t>(spoke);
+    return e_.outline[2 * i] * (directions[i][0] * width_ + directions[i][1] * thickness_);
+  }
+
+  Float4 center_from(Float4 point) const {
+    Float4 out{};
+    for (int k = 0; k < 3; ++k) out[k] = static_cast<float>(e_.center[k] - static_cast<double>(point[k]));
+    return out;
   }
 
  private:
-  Vec3 point(int v) const { return Eigen::Map<const Eigen::Vector3f>(&skin_.positions[4 * static_cast<std::size_t>(v)]).cast<double>(); }
-  Vec3 normal(int v) const { return Eigen::Map<const Eigen::Vector3f>(&skin_.normals[4 * static_cast<std::size_t>(v)]).cast<double>(); }
-  const UnderSkin::Data& data_;
-  const SkinFrame& skin_;
+  const Ellipse& e_;
+  Float4 width_{}, thickness_{};
 };
 
+// A section's points that are looked at. Places are taken from a vertex near them: nothing is lost far from the origin.
+class Lookers {
+ public:
+  Lookers(const UnderSkin::Data& data, const PosedSkin& skin, std::span<const Ellipse> slices, std::size_t owner)
+      : data_(data),
+        skin_(skin),
+        spokes_(slices[static_cast<std::size_t>(data.owners[owner])], data.thickness[static_cast<std::size_t>(data.owners[owner])]),
+        origin_(load4(&skin.positions[4 * static_cast<std::size_t>(data.probes[static_cast<std::size_t>(data.owner_begin[owner])].vertex)])),
+        center_(spokes_.center_from(origin_)) {}
+
+  Float4 spoke(const SkinProbe& probe) const { return spokes_(probe.spoke); }
+
+  // Whether it lies so deep below the vertex that it had at rest that it cannot be out.
+  bool deep(const SkinProbe& probe) const {
+    const Float4 p = point(probe);
+    const float height = sum4(p * load4(&skin_.normals[4 * static_cast<std::size_t>(probe.vertex)]))[0];
+    return height < -kDeepLie && sum4(p * p)[0] - height * height < kAside * kAside;
+  }
+
+  Lie lie(const SkinProbe& probe) const { return lie_of(data_.rings, skin_, point(probe), probe.vertex); }
+
+ private:
+  Float4 point(const SkinProbe& probe) const {
+    return center_ + spokes_(probe.spoke) - (load4(&skin_.positions[4 * static_cast<std::size_t>(probe.vertex)]) - origin_);
+  }
+
+  const UnderSkin::Data& data_;
+  const PosedSkin& skin_;
+  Spokes spokes_;
+  Float4 origin_, center_;
+};
+
+std::span<const SkinProbe> probes_of(const UnderSkin::Data& data, std::size_t owner) {
+  return {data.probes.data() + data.owner_begin[owner], data.probes.data() + data.owner_begin[owner + 1]};
+}
+
+// How far a section's probes are out of the skin. Whether one of them is, or nearly so.
+bool find_pierces(const UnderSkin::Data& data, const PosedSkin& skin, std::span<const Ellipse> slices, std::size_t owner, std::span<Pierce> pierces) {
+  const Lookers lookers(data, skin, slices, owner);
+  bool any = false;
+  auto pierce = pierces.begin() + data.owner_begin[owner];
+  for (const SkinProbe& probe : probes_of(data, owner)) {
+    *pierce = {probe.vertex, -kDeepLie};
+    if (!lookers.deep(probe)) {
+      const Lie lie = lookers.lie(probe);
+      *pierce = {lie.vertex, lie.height + probe.margin};
+    }
+    any = any || pierce->out > -kNearly;
+    ++pierce;
+  }
+  return any;
+}
+
 // What a section must give: its way inward, and the share of its spokes.
-Giving give_of(const UnderSkin::Data& data, const Walk& walk, const Ellipse& e, std::size_t owner) {
+Giving give_of(const UnderSkin::Data& data, const PosedSkin& skin, std::span<const Ellipse> slices, std::size_t owner) {
   Giving out;
   std::array<double, kContactPoints> wish{};
   std::array<Vec3, kContactPoints> inward;
+  const Lookers lookers(data, skin, slices, owner);
   Vec3 direction = Vec3::Zero();
   double over = 0;
-  const double thickness = static_cast<double>(data.thickness[static_cast<std::size_t>(data.owners[owner])]);
-  for (int k = data.owner_begin[owner]; k < data.owner_begin[owner + 1]; ++k) {
-    const SkinProbe& probe = data.probes[static_cast<std::size_t>(k)];
+  std::array<Vec3, kContactPoints> spokes;
+  for (const SkinProbe& probe : probes_of(data, owner)) {
+    if (lookers.deep(probe)) continue;
     const auto i = static_cast<std::size_t>(probe.spoke);
-    const Vec3 spoke = spoke_of(e, thickness, probe.spoke);
-    const Lie lie = walk.lie_of(e.center + spoke, probe.vertex);
-    const double out_by = std::clamp(lie.height + static_cast<double>(probe.margin), 0.0, kMostOut);
-    out.held[i] = static_cast<float>(std::clamp(1 + (lie.height + static_cast<double>(probe.margin)) / 0.004, 0.0, 1.0));
+    const Lie lie = lookers.lie(probe);
+    const float out_by = std::clamp(lie.height + probe.margin, 0.0f, kMostOut);
+    out.held[i] = std::clamp(1 + (lie.height + probe.margin) / kHeldBelow, 0.0f, 1.0f);
     if (!(out_by > 0)) continue;
-    wish[i] = out_by;
-    inward[i] = -lie.normal;
-    const double excess = std::max(0.0, out_by - kPressed * spoke.norm());
+    wish[i] = static_cast<double>(out_by);
+    inward[i] = -to_vec3(lie.normal);
+    spokes[i] = to_vec3(lookers.spoke(probe));
+    const double excess = std::max(0.0, wish[i] - kPressed * spokes[i].norm());
     over = std::max(over, excess);
     direction += excess * inward[i];
     out.any = true;
@@ -151,155 +187,19 @@ Giving give_of(const UnderSkin::Data& data, const Walk& walk, const Ellipse& e, 
     if (!(wish[i] > 0)) continue;
     const double left = wish[i] - out.way.dot(inward[i]);
     if (left <= 0) continue;
-    const Vec3 spoke = spoke_of(e, thickness, static_cast<int>(i));
-    const double length = spoke.norm() + 1e-9, facing = std::max(0.4, -spoke.dot(inward[i]) / length);
+    const double length = spokes[i].norm() + 1e-9, facing = std::max(0.4, -spokes[i].dot(inward[i]) / length);
     out.press[i] = static_cast<float>(kOver * left / (facing * length));
   }
   return out;
 }
 
-// The skin over what has come out.
-void rise_over(const UnderSkin::Data& data, const Walk& walk, std::span<const Ellipse> slices, SkinFrame& skin, UnderSkinScratch& memory) {
-  std::vector<float>&rise = memory.rise, &before = memory.rise_before;
-  rise.assign(static_cast<std::size_t>(data.vertices), 0);
-  std::vector<std::pair<int, float>>& wishes = memory.wishes;
-  wishes.resize(data.probes.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, data.probes.size(), 512), [&](const auto& range) {
-    for (std::size_t k = range.begin(); k < range.end(); ++k) {
-      const SkinProbe& probe = data.probes[k];
-      const Ellipse& e = slices[static_cast<std::size_t>(probe.section)];
-      const Lie lie = walk.lie_of(e.center + spoke_of(e, static_cast<double>(data.thickness[static_cast<std::size_t>(probe.section)]), probe.spoke), probe.vertex);
-      wishes[k] = {lie.vertex, static_cast<float>(kSkinShare * std::clamp(lie.height + static_cast<double>(probe.margin), 0.0, kMostOut))};
-    }
-  });
-  bool any = false;
-  for (const auto& [vertex, wish] : wishes) {
-    float& of = rise[static_cast<std::size_t>(vertex)];
-    of = std::max(of, wish);
-    any = any || wish > 0;
-  }
-  if (!any) return;
-  for (int round = 0; round < kSpreading; ++round) {
-    before = rise;
-    for (std::size_t v = 0; v < rise.size(); ++v) {
-      float sum = 0;
-      int count = 0;
-      for (int r = data.near_begin[v]; r < data.near_begin[v + 1]; ++r) sum += before[static_cast<std::size_t>(data.near[static_cast<std::size_t>(r)])], ++count;
-      const float mean = (before[v] + sum) / static_cast<float>(count + 1);
-      rise[v] = round < kSpreading / 2 ? std::max(before[v], mean) : mean;
-    }
-  }
-  // In a fold normals run together: the skin goes an eighth of the way to where a neighbour's meets its own.
-  const auto row = [](const std::vector<float>& of, std::size_t v) { return Eigen::Map<const Eigen::Vector3f>(&of[4 * v]); };
-  for (std::size_t v = 0; v < rise.size(); ++v) {
-    for (int r = data.near_begin[v]; rise[v] > 0 && r < data.near_begin[v + 1]; ++r) {
-      const auto u = static_cast<std::size_t>(data.near[static_cast<std::size_t>(r)]);
-      const Eigen::Vector3f edge = row(skin.positions, u) - row(skin.positions, v);
-      const float nearing = (row(skin.normals, v) - row(skin.normals, u)).dot(edge);
-      if (nearing > 0) rise[v] = std::min(rise[v], kFoldShare * edge.squaredNorm() / nearing);
-    }
-  }
-  for (int round = 0; round < kEasing; ++round) {  // round about a fold too
-    before = rise;
-    for (std::size_t v = 0; v < rise.size(); ++v) {
-      float sum = before[v];
-      for (int r = data.near_begin[v]; r < data.near_begin[v + 1]; ++r) sum += before[static_cast<std::size_t>(data.near[static_cast<std::size_t>(r)])];
-      rise[v] = std::min(before[v], sum / static_cast<float>(data.near_begin[v + 1] - data.near_begin[v] + 1));
-    }
-  }
-  for (std::size_t v = 0; v < rise.size(); ++v)
-    for (std::size_t k = 0; k < 3; ++k) skin.positions[4 * v + k] += rise[v] * skin.normals[4 * v + k];
-  vertex_normals(skin.positions, std::span(data.F.data(), static_cast<std::size_t>(data.F.size())), skin.normals);
-}
-
-}  // namespace
-
-UnderSkin make_under_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin) {
-  auto data = std::make_shared<UnderSkin::Data>();
-  data->sections = static_cast<int>(rest.slices.size());
-  data->vertices = skin.V.rows();
-  data->strips = slice_ranges(anatomy);
-  data->F = skin.F;
-  data->ring_begin.assign(static_cast<std::size_t>(skin.V.rows()) + 1, 0);
-  for (Eigen::Index k = 0; k < skin.F.size(); ++k) ++data->ring_begin[static_cast<std::size_t>(skin.F.data()[k]) + 1];
-  for (std::size_t v = 1; v < data->ring_begin.size(); ++v) data->ring_begin[v] += data->ring_begin[v - 1];
-  data->ring.resize(static_cast<std::size_t>(skin.F.size()));
-  std::vector<int> next(data->ring_begin.begin(), data->ring_begin.end() - 1);
-  for (Eigen::Index f = 0; f < skin.F.rows(); ++f)
-    for (int i = 0; i < 3; ++i) data->ring[static_cast<std::size_t>(next[static_cast<std::size_t>(skin.F(f, i))]++)] = static_cast<int>(f);
-
-  data->near_begin.push_back(0);
-  for (const std::vector<int>& neighbours : vertex_neighbours(skin)) {
-    data->near.insert(data->near.end(), neighbours.begin(), neighbours.end());
-    data->near_begin.push_back(static_cast<int>(data->near.size()));
-  }
-
-  const MuscleSurface surface = make_muscle_surface(anatomy, {kOutlinePoints, true});
-  data->thickness.assign(rest.slices.size(), 1);
-  for (const SliceRange& range : data->strips) {
-    const MuscleSurface::Part& part = surface.parts[static_cast<std::size_t>(range.muscle)];
-    if (part.sheet) std::fill(data->thickness.begin() + range.begin, data->thickness.begin() + range.end, part.thickness);
-  }
-
-  // The skin at rest, as a frame.
-  SkinFrame still;
-  for (Eigen::Index v = 0; v < skin.V.rows(); ++v)
-    for (int k = 0; k < 4; ++k) still.positions.push_back(k < 3 ? static_cast<float>(skin.V(v, k)) : 1);
-  still.normals.resize(still.positions.size());
-  vertex_normals(still.positions, std::span(skin.F.data(), static_cast<std::size_t>(skin.F.size())), still.normals);
-  const Walk walk(*data, still);
-  const NearestSurface nearest(skin);
-  std::vector<SkinProbe> all(rest.slices.size() * kContactPoints);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rest.slices.size(), 32), [&](const auto& range) {
-    for (std::size_t k = range.begin(); k < range.end(); ++k)
-      for (int i = 0; i < kContactPoints; ++i) {
-        SkinProbe& probe = all[k * kContactPoints + static_cast<std::size_t>(i)];
-        probe = {static_cast<int>(k), i, -1, 0};
-        const Vec3 p = rest.slices[k].center + spoke_of(rest.slices[k], static_cast<double>(data->thickness[k]), i);
-        const SurfacePoint hit = nearest.nearest(p);
-        if (hit.distance > kNear) continue;
-        int corner = 0;
-        for (int c = 1; c < 3; ++c)
-          if ((skin.V.row(skin.F(hit.triangle, c)).transpose() - p).squaredNorm() < (skin.V.row(skin.F(hit.triangle, corner)).transpose() - p).squaredNorm()) corner = c;
-        probe.vertex = skin.F(hit.triangle, corner);
-        probe.margin = static_cast<float>(std::min(kMargin, -walk.lie_of(p, probe.vertex).height - 1e-5));
-      }
-  });
-  for (const SkinProbe& probe : all) {
-    if (probe.vertex < 0) continue;
-    if (data->owners.empty() || data->owners.back() != probe.section) {
-      data->owners.push_back(probe.section);
-      data->owner_begin.push_back(static_cast<int>(data->probes.size()));
-    }
-    data->probes.push_back(probe);
-  }
-  data->owner_begin.push_back(static_cast<int>(data->probes.size()));
-  return {data};
-}
-
-void keep_under_skin(const UnderSkin& under, const PosingTable& table, SkinFrame& skin, PosedAnatomy& posed, UnderSkinMemory& own) {
-  if (!under.data || !table.data) throw std::invalid_argument("keep_under_skin: an empty table");
-  const UnderSkin::Data& data = *under.data;
-  if (static_cast<int>(posed.slices.size()) != data.sections || static_cast<Eigen::Index>(skin.positions.size()) != 4 * data.vertices)
-    throw std::invalid_argument("keep_under_skin: another skin or anatomy than it was made of");
-  if (!own.own) own.own = std::make_shared<UnderSkinScratch>();
-  UnderSkinScratch& memory = *own.own;
-  std::vector<Giving>& gives = memory.givings;
+// Sections and outlines give what they must; memory.changed tells which did.
+void give_way(const UnderSkin::Data& data, PosedAnatomy& posed, UnderSkinScratch& memory) {
   std::vector<Vec3>& ways = memory.ways;
-  gives.resize(data.owners.size());
   ways.assign(posed.slices.size(), Vec3::Zero());
   memory.changed.assign(posed.slices.size(), 0);
-  const Walk walk(data, skin);
-  rise_over(data, walk, posed.slices, skin, memory);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, data.owners.size(), 64), [&](const auto& range) {
-    for (std::size_t o = range.begin(); o < range.end(); ++o) {
-      const auto out = [](const auto& wish) { return wish.second > 0; };  // the skin has only risen since
-      const bool any = std::any_of(memory.wishes.begin() + data.owner_begin[o], memory.wishes.begin() + data.owner_begin[o + 1], out);
-      gives[o] = any ? give_of(data, walk, posed.slices[static_cast<std::size_t>(data.owners[o])], o) : Giving{};
-    }
-  });
   for (std::size_t o = 0; o < data.owners.size(); ++o)
-    if (gives[o].any) ways[static_cast<std::size_t>(data.owners[o])] = gives[o].way;
+    if (memory.givings[o].any) ways[static_cast<std::size_t>(data.owners[o])] = memory.givings[o].way;
   // A section that moves takes its neighbours along by half.
   for (const SliceRange& strip : data.strips)
     for (int k = strip.begin; k < strip.end; ++k) {
@@ -312,11 +212,121 @@ void keep_under_skin(const UnderSkin& under, const PosingTable& table, SkinFrame
       memory.changed[i] = 1;
     }
   for (std::size_t o = 0; o < data.owners.size(); ++o) {
-    if (!gives[o].any) continue;
+    if (!memory.givings[o].any) continue;
     const auto k = static_cast<std::size_t>(data.owners[o]);
-    press_outline(gives[o].press, gives[o].held, posed.slices[k].outline);
+    press_outline(memory.givings[o].press, memory.givings[o].held, posed.slices[k].outline);
     memory.changed[k] = 1;
   }
+}
+
+std::vector<float> rows_of(const Points& points) {
+  std::vector<float> out;
+  for (Eigen::Index v = 0; v < points.rows(); ++v)
+    for (int k = 0; k < 4; ++k) out.push_back(k < 3 ? static_cast<float>(points(v, k)) : 1);
+  return out;
+}
+
+tbb::blocked_range<std::size_t> owners_of(const UnderSkin::Data& data) { return {0, data.owners.size(), 64}; }
+
+// Points of all outlines that lie near the skin at rest.
+void place_probes(const PosedAnatomy& rest, const TriMesh& skin, UnderSkin::Data& data) {
+  const std::vector<float> positions = rows_of(skin.V);
+  std::vector<float> normals(positions.size());
+  vertex_normals(positions, data.triangles, normals);
+  const PosedSkin still{positions, normals};
+  const NearestSurface nearest(skin);
+  std::vector<SkinProbe> all(rest.slices.size() * kContactPoints);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rest.slices.size(), 32), [&](const auto& range) {
+    for (std::size_t k = range.begin(); k < range.end(); ++k) {
+      const Spokes spokes(rest.slices[k], data.thickness[k]);
+      for (int i = 0; i < kContactPoints; ++i) {
+        SkinProbe& probe = all[k * kContactPoints + static_cast<std::size_t>(i)];
+        probe = {i, -1, 0};
+        const Vec3 p = rest.slices[k].center + to_vec3(spokes(i));
+        const SurfacePoint hit = nearest.nearest(p);
+        if (hit.distance > kNear) continue;
+        const auto far = [&](int corner) { return (skin.V.row(skin.F(hit.triangle, corner)).transpose() - p).squaredNorm(); };
+        int corner = 0;
+        for (int c = 1; c < 3; ++c)
+          if (far(c) < far(corner)) corner = c;
+        probe.vertex = skin.F(hit.triangle, corner);
+        const Float4 vertex = load4(&positions[4 * static_cast<std::size_t>(probe.vertex)]);
+        const Lie lie = lie_of(data.rings, still, spokes.center_from(vertex) + spokes(i), probe.vertex);
+        probe.margin = std::min(kMargin, -lie.height - 1e-5f);
+      }
+    }
+  });
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (all[k].vertex < 0) continue;
+    const int section = static_cast<int>(k / kContactPoints);
+    if (data.owners.empty() || data.owners.back() != section) {
+      data.owners.push_back(section);
+      data.owner_begin.push_back(static_cast<int>(data.probes.size()));
+    }
+    data.probes.push_back(all[k]);
+  }
+  data.owner_begin.push_back(static_cast<int>(data.probes.size()));
+}
+
+}  // namespace
+
+UnderSkin make_under_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin) {
+  auto data = std::make_shared<UnderSkin::Data>();
+  data->sections = static_cast<int>(rest.slices.size());
+  data->vertices = skin.V.rows();
+  data->strips = slice_ranges(anatomy);
+  data->rings = make_skin_rings(skin);
+  data->triangles.assign(skin.F.data(), skin.F.data() + skin.F.size());
+  const MuscleSurface surface = make_muscle_surface(anatomy, {kOutlinePoints, true});
+  data->thickness.assign(rest.slices.size(), 1);
+  for (const SliceRange& range : data->strips) {
+    const MuscleSurface::Part& part = surface.parts[static_cast<std::size_t>(range.muscle)];
+    if (part.sheet) std::fill(data->thickness.begin() + range.begin, data->thickness.begin() + range.end, part.thickness);
+  }
+  place_probes(rest, skin, *data);
+  return {data};
+}
+
+UnderSkin make_under_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const Binding& binding) {
+  if (!binding.tables) throw std::invalid_argument("make_under_skin: an empty binding");
+  const SkinTables& tables = binding.tables->base ? *binding.tables->base : *binding.tables;
+  TriMesh skin{Points(tables.vertex_count, 3), Triangles(static_cast<Eigen::Index>(tables.triangles.size() / 3), 3)};
+  for (Eigen::Index v = 0; v < skin.V.rows(); ++v) skin.V.row(v) = tables.elastic->rest[static_cast<std::size_t>(v)];
+  std::copy(tables.triangles.begin(), tables.triangles.end(), skin.F.data());
+  return make_under_skin(anatomy, rest, skin);
+}
+
+bool rise_over_muscles(const UnderSkin& under, std::span<const Ellipse> slices, std::span<float> positions, UnderSkinMemory& own) {
+  if (!under.data) throw std::invalid_argument("rise_over_muscles: an empty table");
+  const UnderSkin::Data& data = *under.data;
+  if (static_cast<int>(slices.size()) != data.sections || static_cast<Eigen::Index>(positions.size()) != 4 * data.vertices)
+    throw std::invalid_argument("rise_over_muscles: another skin or anatomy than it was made of");
+  if (!own.own) own.own = std::make_shared<UnderSkinScratch>();
+  UnderSkinScratch& memory = *own.own;
+  memory.normals.resize(positions.size());
+  memory.pierces.resize(data.probes.size());
+  memory.near.resize(data.owners.size());
+  const PosedSkin skin{positions, memory.normals};
+  vertex_normals(positions, data.triangles, memory.normals);
+  tbb::parallel_for(owners_of(data), [&](const auto& range) {
+    for (std::size_t o = range.begin(); o < range.end(); ++o) memory.near[o] = find_pierces(data, skin, slices, o, memory.pierces);
+  });
+  return rise(data.rings, memory.pierces, memory.normals, positions, memory.rise);
+}
+
+std::span<const float> room_over_muscles(const UnderSkinMemory& memory) { return memory.own->rise.room; }
+
+void give_way_to_skin(const UnderSkin& under, const PosingTable& table, std::span<const float> positions, PosedAnatomy& posed, UnderSkinMemory& own) {
+  if (!table.data) throw std::invalid_argument("give_way_to_skin: an empty table");
+  const UnderSkin::Data& data = *under.data;
+  UnderSkinScratch& memory = *own.own;
+  memory.givings.resize(data.owners.size());
+  const PosedSkin skin{positions, memory.normals};
+  vertex_normals(positions, data.triangles, memory.normals);
+  tbb::parallel_for(owners_of(data), [&](const auto& range) {
+    for (std::size_t o = range.begin(); o < range.end(); ++o) memory.givings[o] = memory.near[o] ? give_of(data, skin, posed.slices, o) : Giving{};
+  });
+  give_way(data, posed, memory);
   regrow(*table.data, memory.changed, posed);
 }
 

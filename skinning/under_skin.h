@@ -2,14 +2,17 @@
 //
 // The skin settles by tension, volume and contact of its own, so that a muscle's section may come to lie nearer to it than at rest, or beyond.
 // Points of every section's outline that lie near the skin at rest are looked at: the skin about them is found again by walking over the
-// mesh from where it was at rest. The skin rises over what has come out by a part of the way, smoothly round about. What is still out is
-// pressed in; what pressing alone cannot, moves the section inward. Bellies then take their volume again. At rest nothing moves. A function
-// of skin and slices alone.
+// mesh from where it was at rest. The skin rises over what has come out by a part of the way, smoothly round about; the flesh for that comes
+// from where no muscle is near: body and limbs keep their volumes. What is still out is pressed in; what pressing alone cannot, moves the
+// section inward. Bellies then take their volume again. At rest nothing moves. A function of skin and slices alone. A refined skin follows
+// its base mesh in this too.
 #pragma once
 
 #include <memory>
+#include <span>
 
 #include "anatomy/pose_anatomy.h"
+#include "skinning/bind.h"
 #include "skinning/skin_frame.h"
 
 namespace ecorche {
@@ -21,7 +24,7 @@ struct UnderSkin {
 
 struct UnderSkinScratch;
 
-// Working memory of keep_under_skin, made when it is first needed; its content means nothing between frames. A copy makes its own.
+// Working memory of a frame, made when it is first needed; its content means nothing between frames. A copy makes its own.
 struct UnderSkinMemory {
   UnderSkinMemory() = default;
   UnderSkinMemory(UnderSkinMemory&&) = default;
@@ -35,8 +38,21 @@ struct UnderSkinMemory {
 // `rest`: the anatomy's rest pose, without contact or with it. `skin`: its rest skin, in the vertex order that frames have.
 UnderSkin make_under_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin);
 
-// Moves the skin, its normals with it, and the sections and outlines of `posed`, the muscles of the same pose. Precondition: table, anatomy
-// and skin are those it was made of; otherwise std::invalid_argument. The same bytes at any number of threads.
-void keep_under_skin(const UnderSkin& under, const PosingTable& table, SkinFrame& skin, PosedAnatomy& posed, UnderSkinMemory& memory);
+// For deform_over_muscles(): the mesh on which the binding's skin settles. Precondition: the binding is not empty (std::invalid_argument).
+UnderSkin make_under_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const Binding& binding);
+
+// Raises the skin (#V x 4). False where nothing comes out. Precondition: slices and skin are of what `under` was made of; otherwise
+// std::invalid_argument. The same bytes at any number of threads.
+bool rise_over_muscles(const UnderSkin& under, std::span<const Ellipse> slices, std::span<float> positions, UnderSkinMemory& memory);
+
+// After that: 0 where a muscle lies at the surface .. 1 where none is near, #V. There the skin may sink again.
+std::span<const float> room_over_muscles(const UnderSkinMemory& memory);
+
+// After that, and for the same memory: sections and outlines of `posed` that are still out give way.
+void give_way_to_skin(const UnderSkin& under, const PosingTable& table, std::span<const float> positions, PosedAnatomy& posed, UnderSkinMemory& memory);
+
+// deform_skin(), and the skin keeps muscles under it, and its volumes; `flesh` as there, see flesh_motion.h. `under`: made for the binding.
+void deform_over_muscles(const Binding& binding, const UnderSkin& under, const PosingTable& table, std::span<const float> flesh, PosedAnatomy& posed,
+                         SkinFrame& out, UnderSkinMemory& memory);
 
 }  // namespace ecorche

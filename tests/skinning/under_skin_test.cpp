@@ -75,13 +75,19 @@ struct Limb {
   }
 };
 
+bool keep_under_skin(const Limb& limb, SkinFrame& frame, PosedAnatomy& posed, UnderSkinMemory& memory) {
+  if (!rise_over_muscles(limb.under, posed.slices, frame.positions, memory)) return false;
+  give_way_to_skin(limb.under, limb.table, frame.positions, posed, memory);
+  return true;
+}
+
 TEST(UnderSkin, AtRestNothingMoves) {
   const Limb limb;
   SkinFrame frame = limb.drawn_in(0);
   const SkinFrame before = frame;
   PosedAnatomy posed = limb.rest;
   UnderSkinMemory memory;
-  keep_under_skin(limb.under, limb.table, frame, posed, memory);
+  keep_under_skin(limb, frame, posed, memory);
   EXPECT_EQ(frame.positions, before.positions);
   EXPECT_EQ(std::memcmp(posed.slices.data(), limb.rest.slices.data(), posed.slices.size() * sizeof(Ellipse)), 0);
 }
@@ -95,7 +101,7 @@ TEST(UnderSkin, WhatComesOutGoesBackAndKeepsItsVolume) {
     PosedAnatomy posed = limb.rest;
     UnderSkinMemory memory;
     const double before = limb.furthest_out(posed, frame);
-    keep_under_skin(limb.under, limb.table, frame, posed, memory);
+    keep_under_skin(limb, frame, posed, memory);
     EXPECT_GT(before, 0.003);
     EXPECT_LT(limb.furthest_out(posed, frame), 0.15 * before) << depth << " " << before;
     EXPECT_NEAR(strip_volume(posed, range) / strip_volume(limb.rest, range), 1, 1e-9);
@@ -115,7 +121,7 @@ TEST(UnderSkin, MovesSteadilyWithTheSkin) {
   for (double depth = 0; depth < 0.03; depth += kStep) {
     SkinFrame frame = limb.drawn_in(depth);
     now = limb.rest;
-    keep_under_skin(limb.under, limb.table, frame, now, memory);
+    keep_under_skin(limb, frame, now, memory);
     if (depth > 0)
       for (std::size_t k = 0; k < now.slices.size(); ++k)
         for (std::size_t i = 0; i < kOutlinePoints; ++i) {
@@ -136,7 +142,7 @@ TEST(UnderSkin, SameBytesAtAnyNumberOfThreads) {
     SkinFrame frame = limb.drawn_in(0.02);
     posed[i] = limb.rest;
     UnderSkinMemory memory;
-    keep_under_skin(limb.under, limb.table, frame, posed[i], memory);
+    keep_under_skin(limb, frame, posed[i], memory);
     skins[i] = frame.positions;
   }
   EXPECT_EQ(skins[0], skins[1]);
@@ -149,7 +155,7 @@ TEST(UnderSkin, RefusesWhatBelongsToAnother) {
   frame.positions.resize(8);
   PosedAnatomy posed = limb.rest;
   UnderSkinMemory memory;
-  EXPECT_THROW(keep_under_skin(limb.under, limb.table, frame, posed, memory), std::invalid_argument);
+  EXPECT_THROW(keep_under_skin(limb, frame, posed, memory), std::invalid_argument);
 }
 
 }  // namespace
