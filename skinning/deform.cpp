@@ -14,8 +14,8 @@
 #include "skinning/float4.h"
 #include "skinning/muscle_lift.h"
 #include "skinning/normals.h"
+#include "skinning/skin_over_muscles.h"
 #include "skinning/skin_tables.h"
-#include "skinning/under_skin.h"
 
 namespace ecorche {
 namespace {
@@ -98,7 +98,7 @@ void settle(const SkinTables& tables, const PosedAnatomy& posed, const Extras& e
   settle_skin(*tables.elastic, tables.triangles, posed.X_WJ, positions, elastic);
   if (!extras.beneath) return;
   const auto& [under, table, moved, memory] = *extras.beneath;
-  if (!rise_over_muscles(under, posed.slices, positions, memory)) return;
+  if (!rise_over_muscles(under, posed.slices, elastic.open, positions, memory)) return;
   sink_again(*tables.elastic, tables.triangles, posed.X_WJ, room_over_muscles(memory), positions, elastic);
   give_way_to_skin(under, table, positions, moved, memory);
 }

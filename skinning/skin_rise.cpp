@@ -14,6 +14,7 @@ constexpr float kRoom = 0.005f;      // m
 constexpr int kRoomRounds = 2;
 constexpr int kSpreading = 8;  // rounds, the first half of them only upwards
 constexpr int kEasing = 4;     // rounds
+constexpr float kOpen = 4;  // the skin rises freely where it is at least a quarter open
 constexpr float kFoldShare = 0.12f;
 constexpr std::size_t kBlock = 512;
 
@@ -83,7 +84,8 @@ void smooth_room(const SkinRings& rings, RiseScratch& s) {
 
 }  // namespace
 
-bool rise(const SkinRings& rings, std::span<const Pierce> points, std::span<const float> normals, std::span<float> positions, RiseScratch& s) {
+bool rise(const SkinRings& rings, std::span<const Pierce> points, std::span<const float> normals, std::span<const float> open,
+          std::span<float> positions, RiseScratch& s) {
   const std::size_t n = positions.size() / 4;
   s.rise.assign(n, 0);
   s.before.assign(n, 0);
@@ -102,6 +104,7 @@ bool rise(const SkinRings& rings, std::span<const Pierce> points, std::span<cons
   smooth_room(rings, s);
   spread(rings, s);
   spare_folds(rings, positions, normals, s);
+  for (int v : s.vertices) s.rise[index(v)] *= std::min(1.0f, kOpen * open[index(v)]);
   for (int round = 0; round < kEasing; ++round) {  // round about a fold too
     s.rise.swap(s.before);
     each(s, [&](int v) { s.rise[index(v)] = std::min(s.before[index(v)], mean_about(rings, v, s.before)); });

@@ -21,7 +21,8 @@ struct RiseScratch {
   std::vector<int> vertices;        // those that may rise
 };
 
-// The skin (#V x 4) rises along `normals` over points that are out of it. False where none is.
-bool rise(const SkinRings& rings, std::span<const Pierce> points, std::span<const float> normals, std::span<float> positions, RiseScratch& scratch);
+// The skin (#V x 4) rises along `normals` over points that are out of it, the less the less `open` (#V, 0 .. 1) it is. False where none is.
+bool rise(const SkinRings& rings, std::span<const Pierce> points, std::span<const float> normals, std::span<const float> open,
+          std::span<float> positions, RiseScratch& scratch);
 
 }  // namespace ecorche

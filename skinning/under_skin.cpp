@@ -16,6 +16,7 @@
 #include "skinning/elastic_skin.h"
 #include "skinning/nearest_surface.h"
 #include "skinning/normals.h"
+#include "skinning/skin_over_muscles.h"
 #include "skinning/skin_rise.h"
 #include "skinning/skin_tables.h"
 
@@ -296,10 +297,11 @@ UnderSkin make_under_skin(const Anatomy& anatomy, const PosedAnatomy& rest, cons
   return make_under_skin(anatomy, rest, skin);
 }
 
-bool rise_over_muscles(const UnderSkin& under, std::span<const Ellipse> slices, std::span<float> positions, UnderSkinMemory& own) {
+bool rise_over_muscles(const UnderSkin& under, std::span<const Ellipse> slices, std::span<const float> open, std::span<float> positions,
+                        UnderSkinMemory& own) {
   if (!under.data) throw std::invalid_argument("rise_over_muscles: an empty table");
   const UnderSkin::Data& data = *under.data;
-  if (static_cast<int>(slices.size()) != data.sections || static_cast<Eigen::Index>(positions.size()) != 4 * data.vertices)
+  if (static_cast<int>(slices.size()) != data.sections || static_cast<Eigen::Index>(positions.size()) != 4 * data.vertices || 4 * open.size() != positions.size())
     throw std::invalid_argument("rise_over_muscles: another skin or anatomy than it was made of");
   if (!own.own) own.own = std::make_shared<UnderSkinScratch>();
   UnderSkinScratch& memory = *own.own;
@@ -311,7 +313,7 @@ bool rise_over_muscles(const UnderSkin& under, std::span<const Ellipse> slices, 
   tbb::parallel_for(owners_of(data), [&](const auto& range) {
     for (std::size_t o = range.begin(); o < range.end(); ++o) memory.near[o] = find_pierces(data, skin, slices, o, memory.pierces);
   });
-  return rise(data.rings, memory.pierces, memory.normals, positions, memory.rise);
+  return rise(data.rings, memory.pierces, memory.normals, open, positions, memory.rise);
 }
 
 std::span<const float> room_over_muscles(const UnderSkinMemory& memory) { return memory.own->rise.room; }

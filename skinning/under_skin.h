@@ -2,10 +2,10 @@
 //
 // The skin settles by tension, volume and contact of its own, so that a muscle's section may come to lie nearer to it than at rest, or beyond.
 // Points of every section's outline that lie near the skin at rest are looked at: the skin about them is found again by walking over the
-// mesh from where it was at rest. The skin rises over what has come out by a part of the way, smoothly round about; the flesh for that comes
-// from where no muscle is near: body and limbs keep their volumes. What is still out is pressed in; what pressing alone cannot, moves the
-// section inward. Bellies then take their volume again. At rest nothing moves. A function of skin and slices alone. A refined skin follows
-// its base mesh in this too.
+// mesh from where it was at rest. The skin rises over what has come out by a part of the way, smoothly round about, but not in folds and where
+// it meets itself; the flesh for that comes from where no muscle is near: body and limbs keep their volumes. What is still out is pressed in;
+// what pressing alone cannot, moves the section inward. Bellies then take their volume again. At rest nothing moves. A function of skin and
+// slices alone. A refined skin follows its base mesh in this too.
 #pragma once
 
 #include <memory>
@@ -35,21 +35,9 @@ struct UnderSkinMemory {
   std::shared_ptr<UnderSkinScratch> own;
 };
 
-// `rest`: the anatomy's rest pose, without contact or with it. `skin`: its rest skin, in the vertex order that frames have.
-UnderSkin make_under_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin);
-
-// For deform_over_muscles(): the mesh on which the binding's skin settles. Precondition: the binding is not empty (std::invalid_argument).
+// The mesh on which the binding's skin settles, and what lies beneath it; `rest`: the anatomy's rest pose, without contact or with it.
+// Precondition: the binding is not empty (std::invalid_argument).
 UnderSkin make_under_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const Binding& binding);
-
-// Raises the skin (#V x 4). False where nothing comes out. Precondition: slices and skin are of what `under` was made of; otherwise
-// std::invalid_argument. The same bytes at any number of threads.
-bool rise_over_muscles(const UnderSkin& under, std::span<const Ellipse> slices, std::span<float> positions, UnderSkinMemory& memory);
-
-// After that: 0 where a muscle lies at the surface .. 1 where none is near, #V. There the skin may sink again.
-std::span<const float> room_over_muscles(const UnderSkinMemory& memory);
-
-// After that, and for the same memory: sections and outlines of `posed` that are still out give way.
-void give_way_to_skin(const UnderSkin& under, const PosingTable& table, std::span<const float> positions, PosedAnatomy& posed, UnderSkinMemory& memory);
 
 // deform_skin(), and the skin keeps muscles under it, and its volumes; `flesh` as there, see flesh_motion.h. `under`: made for the binding.
 void deform_over_muscles(const Binding& binding, const UnderSkin& under, const PosingTable& table, std::span<const float> flesh, PosedAnatomy& posed,

@@ -9,6 +9,7 @@
 #include "anatomy/pose_anatomy.h"
 #include "anatomy/subdivide.h"
 #include "skinning/deform.h"
+#include "skinning/under_skin.h"
 #include "tests/skinning/arm.h"
 
 namespace {
@@ -52,13 +53,16 @@ PosedAnatomy rest_of(const test::Arm& arm) {
 long allocated(const test::Arm& arm, const Binding& binding) {
   const Skeleton& skeleton = arm.anatomy.skeleton;
   const PosingTable table = make_posing_table(arm.anatomy);
+  const UnderSkin under = make_under_skin(arm.anatomy, rest_of(arm), binding);
   PosedAnatomy posed;
   SkinFrame frame;
+  UnderSkinMemory memory;
   Pose pose = rest_pose(skeleton);
   const auto play = [&](double angle) {
     pose.rotations[3] = Quat(Eigen::AngleAxisd(-angle, Vec3::UnitX()));
     pose_anatomy(table, skeleton, pose, posed);
-    deform_skin(binding, posed, frame);
+    for (Ellipse& slice : posed.slices) slice.center.z() += 0.02;  // the muscle comes out
+    deform_over_muscles(binding, under, table, {}, posed, frame, memory);
   };
   for (const double angle : {0.0, 20.0, 150.0, 150.0, 150.0}) play(angle * kDegrees);
   const long before = allocations;

@@ -1,6 +1,6 @@
 // Laws of muscles beneath the skin: at rest nothing moves; where the skin is drawn in, nothing stays outside and bellies keep their volume;
 // more of it moves everything a little more.
-#include "skinning/under_skin.h"
+#include "skinning/skin_over_muscles.h"
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
@@ -11,6 +11,8 @@
 
 #include "anatomy/muscle_surface.h"
 #include "anatomy/solids.h"
+#include "skinning/bind.h"
+#include "skinning/deform.h"
 #include "skinning/nearest_surface.h"
 #include "skinning/normals.h"
 #include "tests/anatomy/strips.h"
@@ -76,7 +78,8 @@ struct Limb {
 };
 
 bool keep_under_skin(const Limb& limb, SkinFrame& frame, PosedAnatomy& posed, UnderSkinMemory& memory) {
-  if (!rise_over_muscles(limb.under, posed.slices, frame.positions, memory)) return false;
+  const std::vector<float> open(frame.positions.size() / 4, 1.0f);
+  if (!rise_over_muscles(limb.under, posed.slices, open, frame.positions, memory)) return false;
   give_way_to_skin(limb.under, limb.table, frame.positions, posed, memory);
   return true;
 }
@@ -147,6 +150,41 @@ TEST(UnderSkin, SameBytesAtAnyNumberOfThreads) {
   }
   EXPECT_EQ(skins[0], skins[1]);
   EXPECT_EQ(std::memcmp(posed[0].slices.data(), posed[1].slices.data(), posed[0].slices.size() * sizeof(Ellipse)), 0);
+}
+
+double volume_of(const Triangles& F, const SkinFrame& frame) {
+  Points V;
+  to_points(frame, V);
+  double six = 0;
+  for (Eigen::Index f = 0; f < F.rows(); ++f) six += V.row(F(f, 0)).dot(V.row(F(f, 1)).cross(V.row(F(f, 2))));
+  return six / 6;
+}
+
+TEST(UnderSkin, TheSkinKeepsItsVolumeAndRisesNotWhereItIsClosed) {
+  const test::Arm arm = test::make_arm();
+  const Skeleton& skeleton = arm.anatomy.skeleton;
+  const PosingTable table = make_posing_table(arm.anatomy);
+  PosedAnatomy posed;
+  pose_anatomy(table, skeleton, rest_pose(skeleton), posed);
+  const Binding binding = bind_skin(arm.anatomy, posed, arm.skin);
+  const UnderSkin under = make_under_skin(arm.anatomy, posed, binding);
+  Pose pose = rest_pose(skeleton);
+  pose.rotations[3] = Quat(Eigen::AngleAxisd(-0.5, Vec3::UnitX()));
+  pose_anatomy(table, skeleton, pose, posed);
+  SkinFrame settled, over;
+  deform_skin(binding, posed, settled);
+  for (Ellipse& slice : posed.slices) slice.center.z() += 0.015;
+  UnderSkinMemory memory;
+  std::vector<float> closed = settled.positions;
+  EXPECT_TRUE(rise_over_muscles(under, posed.slices, std::vector<float>(closed.size() / 4, 0.0f), closed, memory)) << "the muscle comes out";
+  EXPECT_EQ(closed, settled.positions);
+  SkinFrame still;  // the lifts of nodes know the moved muscle
+  deform_skin(binding, posed, still);
+  deform_over_muscles(binding, under, table, {}, posed, over, memory);
+  double risen = 0;
+  for (std::size_t k = 0; k < over.positions.size(); ++k) risen = std::max(risen, std::abs(static_cast<double>(over.positions[k] - still.positions[k])));
+  EXPECT_GT(risen, 1e-3);
+  EXPECT_NEAR(volume_of(arm.skin.F, over) / volume_of(arm.skin.F, still), 1, 5e-4);
 }
 
 TEST(UnderSkin, RefusesWhatBelongsToAnother) {
