@@ -189,7 +189,7 @@ Giving give_of(const UnderSkin::Data& data, const PosedSkin& skin, std::span<con
     const double left = wish[i] - out.way.dot(inward[i]);
     if (left <= 0) continue;
     const double length = spokes[i].norm() + 1e-9, facing = std::max(0.4, -spokes[i].dot(inward[i]) / length);
-    out.press[i] = static_cast<float>(kOver * left / (facing * length));
+    out.press[i] = static_cast<float>(std::min(1.0, kOver * left / (facing * length)));
   }
   return out;
 }
