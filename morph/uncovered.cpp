@@ -12,7 +12,7 @@ namespace ecorche {
 namespace {
 
 constexpr std::size_t kDirections = kOutlinePoints;
-constexpr double kDeepest = 0.035;     // m: what lies farther under the layer does not come up to it
+constexpr double kDeepest = 0.02;      // m: what lies farther under the layer does not come up to it
 constexpr float kLeastGap = 0.5e-3f;   // m
 constexpr float kMainTerm = 0.2f;      // weight of a section that a vertex between strips follows
 constexpr double kLeastCosine = 0.3;   // of a spoke that can still raise the surface
