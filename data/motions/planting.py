@@ -13,7 +13,7 @@ SUFFIX = {"Left": "_l", "Right": "_r"}
 MAX_DORSIFLEXION = 30.0  # deg, under the body's weight
 LEG = ("hip_flex", "hip_abd", "knee_flex", "ankle_dorsi", "ankle_inv", "foot_rot", "toe_ext")
 CLEARANCE, CLEARANCE_RATE = 0.015, 0.25  # m a swinging foot keeps from the ground, reached at m/s from its supports
-EASE, END_SPEED = 0.10, 0.35  # s before a touchdown in which the foot slows down on its way, to this share of the speed it would have had
+EASE, END_SPEED = 0.10, 0.55  # s before a touchdown in which the foot slows down on its way, to this share of the speed it would have had
 
 
 def pitch_of(a, suffix):
