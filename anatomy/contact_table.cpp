@@ -14,8 +14,9 @@ namespace ecorche {
 namespace {
 
 constexpr int kPoses = 12;
-constexpr double kStep = 0.6180339887498949;  // of successive poses in a joint's range: never the same, and evenly spread
-constexpr double kLeastShared = 8e-5;         // of all muscles' volume, in some pose: less is not worth a look
+constexpr double kHalfWay = 0.6;        // of the way to a limit
+constexpr double kHinge = 2.5;          // its flexion has so many times the range of its other angles
+constexpr double kLeastShared = 5e-5;   // of all muscles' volume, in some pose: less is not worth a look
 constexpr float kRounding = 1e-5f;            // of a factor, in single precision
 
 struct Box {
@@ -48,18 +49,21 @@ void lay_out(const Anatomy& anatomy, const std::vector<SliceRange>& ranges, Cont
   }
 }
 
-// Poses that spread through the ranges of all joints at once, and farther from their middles than from their ends.
-Pose spread_pose(const Skeleton& skeleton, int index) {
+// Poses at the limits of all joints at once: one angle after the other of those that turn every way up and down, with hinges bent and,
+// farther from the limits, straight. Bodies bend like that, and muscles meet most at the ends of ranges.
+Pose limit_pose(const Skeleton& skeleton, int index) {
+  const int turned = index / 4;
+  const bool up = index / 2 % 2 == 0, bent = index % 2 == 1;
   Pose pose = rest_pose(skeleton);
   for (std::size_t j = 1; j < skeleton.joints.size(); ++j) {
     const Joint& joint = skeleton.joints[j];
-    Vec3 angles;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double seed = 0.7548776662466927 * static_cast<double>(3 * j) + 0.5698402909980532 * axis;
-      const double at = seed + kStep * (index + 1) * (1 + 0.37 * static_cast<double>((3 * j + static_cast<std::size_t>(axis)) % 7));
-      const double share = 0.5 - 0.5 * std::cos(3.141592653589793 * (at - std::floor(at)));
-      angles[axis] = joint.min[axis] + share * (joint.max[axis] - joint.min[axis]);
-    }
+    const Vec3 range = joint.max - joint.min;
+    const bool hinge = range[0] > kHinge * std::max(range[1], range[2]);
+    const int axis = hinge ? 0 : turned;
+    Vec3 angles = joint_angles(joint, Quat::Identity());
+    double& angle = angles[axis];
+    const double limit = (hinge ? bent : up) ? std::max(angle, joint.max[axis]) : std::min(angle, joint.min[axis]);
+    angle += (hinge || bent ? 1 : kHalfWay) * (limit - angle);
     pose.rotations[j] = joint_rotation(joint, angles);
   }
   complete_pose(skeleton, pose);
@@ -202,7 +206,7 @@ ContactTable make_contact_table(const Anatomy& anatomy, const PosingTable& still
   tbb::parallel_for(0, kPoses, [&](int i) {
     PosedAnatomy posed;
     ContactMemory memory;
-    pose_anatomy(still, skeleton, spread_pose(skeleton, i), posed);
+    pose_anatomy(still, skeleton, limit_pose(skeleton, i), posed);
     look_at_sections(table, posed.slices, posed.X_WJ[0].translation(), memory);
     found[static_cast<std::size_t>(i)] = pairs_of(table, places, memory, rest, static_cast<float>(least));
   });

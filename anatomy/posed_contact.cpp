@@ -11,12 +11,13 @@ namespace {
 
 constexpr std::size_t kCount = kOutlinePoints, kSpokes = kContactPoints;
 
-constexpr float kMostPress = 0.55f;   // of a factor
+constexpr float kMostPress = 0.85f;   // of a factor
+constexpr float kLeastArea = 0.3f;    // of a section, whatever presses it
 constexpr float kNear = 0.2f;         // levels above 1 at which a neighbour keeps a section from growing
 constexpr float kLeastFactor = 0.1f;
 constexpr float kSheetFree = 0.8f;    // of the half width: from there on a sheet's strip leaves off beside the next one,
 constexpr float kSheetSteep = 4;      // so many times as fast
-constexpr float kOver = 1.7f;         // bellies that have parted half-way swell back a part of it: so much more is taken
+constexpr float kOver = 2.3f;         // bellies that have parted half-way swell back a part of it: so much more is taken
 constexpr float kMostRegrowth = 1.5f; // of the factors that are free
 constexpr float kEarly = 0.3f;        // of the way to the outline
 constexpr float kThrough = 4;         // how fast a piercing ray counts, per level
@@ -180,6 +181,11 @@ inline void give_back(const Halves& before, const Halves& freedom, Halves& outli
   const float growth = wish / (1 + wish / kMostRegrowth);
   outline.even += growth * more.even;
   outline.odd += growth * more.odd;
+  const float area = area_of(outline, outline), least = kLeastArea * area_of(before, before);
+  if (area >= least) return;
+  const float swell = std::sqrt(least / area);
+  outline.even *= swell;
+  outline.odd *= swell;
 }
 
 OutlineWaves outline_waves(const SliceOutline& outline) {
@@ -273,7 +279,7 @@ bool press_of(const ContactTable& table, const ContactMemory& memory, int own, i
 
 void press_outline(const ContactSpokes& press, const ContactSpokes& held, SliceOutline& outline) {
   static_assert(kCount == 16 && kSpokes == 8);
-  const auto left = [](Eight p) { return 1 - p / (1 + p * (1 / kMostPress - 1)); };
+  const auto left = [](Eight p) { return 1 - p / root(1 + p * p * (1 / (kMostPress * kMostPress))); };
   const Eight p = load(press.data()), h = load(held.data()), zero{};
   const Halves before = halves(outline), freedom{larger(1 - h, zero), larger(1 - 0.5f * (h + next(h)), zero)};
   Halves pressed{before.even * left(p), before.odd * left(0.5f * (p + next(p)))};

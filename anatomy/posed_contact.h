@@ -4,8 +4,8 @@
 // At rest muscles touch (see SliceOutline). In a pose, a point of one section's outline that has come into another muscle goes back
 // along its ray to where both are equally deep: their levels (0 on the line of centres, 1 on the outline) agree there, which both see
 // alike. What a pair overlaps at rest it may overlap in every pose, so that the rest outlines stay to the last bit.
-// What a section loses it regains towards where nothing presses. Which sections can meet is found beforehand over poses spread through the
-// joints' ranges; a frame looks at those alone. All of it is a continuous function of the slices.
+// What a section loses it regains towards where nothing presses. Which sections can meet is found beforehand over poses at the joints'
+// limits; a frame looks at those alone. All of it is a continuous function of the slices.
 #pragma once
 
 #include <array>
