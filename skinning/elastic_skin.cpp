@@ -85,7 +85,7 @@ void sink_again(const ElasticSkin& skin, std::span<const int> triangles, std::sp
                 std::span<float> positions, ElasticScratch& s) {
   for (std::size_t i = 0; i < s.open.size(); ++i) s.open[i] *= room[i];
   vertex_normals(positions, triangles, s.normals);
-  keep_volumes(skin.volumes, X_WJ, s.open, s.normals, positions);
+  keep_volumes(skin.volumes, X_WJ, s.open, s.normals, positions, Hinges::free);
 }
 
 }  // namespace ecorche

@@ -33,7 +33,8 @@ std::shared_ptr<const ElasticSkin> make_elastic_skin(const Skeleton& skeleton, c
 void settle_skin(const ElasticSkin& skin, std::span<const int> triangles, std::span<const Transform> X_WJ,
                  std::span<float> positions, ElasticScratch& scratch);
 
-// After that, when something else has moved positions: volumes are kept once more, by where there is `room` (#V, 0 .. 1).
+// After that, when something else has moved positions: volumes are kept once more, by where there is `room` (#V, 0 .. 1). Limbs and body alone:
+// were the flesh about a hinge to keep its own, a flexed arm would sink where its muscles have just raised it.
 void sink_again(const ElasticSkin& skin, std::span<const int> triangles, std::span<const Transform> X_WJ, std::span<const float> room,
                 std::span<float> positions, ElasticScratch& scratch);
 

@@ -167,10 +167,11 @@ void find_hollows(const Membrane& rings, std::span<const float> positions, std::
 }
 
 void keep_volumes(const LimbVolumes& volumes, std::span<const Transform> X_WJ, std::span<const float> open, std::span<const float> normals,
-                  std::span<float> positions) {
+                  std::span<float> positions, Hinges hinges) {
   std::array<double, kMostRegions> lost{};
   tbb::parallel_for(std::size_t{0}, volumes.regions.size(), [&](std::size_t r) {
     const VolumeRegion& region = volumes.regions[r];
+    if (hinges == Hinges::free && region.within > 0) return;
     lost[r] = region.volume - region_volume(region, positions, X_WJ[static_cast<std::size_t>(region.origin)].translation());
   });
   const std::array<double, kMostRegions> all = lost;  // what a part has lost is made up in the part

@@ -35,8 +35,11 @@ LimbVolumes make_limb_volumes(const Skeleton& skeleton, std::span<const float> p
 void find_hollows(const Membrane& rings, std::span<const float> positions, std::span<const float> normals, std::vector<float>& open,
                   std::vector<float>& working);
 
+// Whether the flesh about elbows and knees keeps a volume of its own, or only its limb does.
+enum class Hinges { free, kept };
+
 // Moves `positions` (#V x 4) along `normals`, by how far each vertex is open. Allocates nothing.
 void keep_volumes(const LimbVolumes& volumes, std::span<const Transform> X_WJ, std::span<const float> open, std::span<const float> normals,
-                  std::span<float> positions);
+                  std::span<float> positions, Hinges hinges = Hinges::kept);
 
 }  // namespace ecorche
