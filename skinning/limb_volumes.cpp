@@ -13,7 +13,7 @@ namespace ecorche {
 namespace {
 
 constexpr double kMostTissue = 0.05;   // m; deeper flesh swells no more
-constexpr std::size_t kMostRegions = 9;  // the body, four limbs, four hinges
+constexpr std::size_t kMostRegions = 11;  // the body, four limbs, four hinges, two girdles
 constexpr float kHollow = 0.03f;       // m; where the skin curves inwards more sharply than this it does not swell
 constexpr double kMostSwelling = 0.3;  // of the tissue
 constexpr std::size_t kBlock = 1024;   // vertices a task
@@ -127,6 +127,17 @@ LimbVolumes make_limb_volumes(const Skeleton& skeleton, std::span<const float> p
       for (std::size_t i = 0; i < share.size(); ++i) share[i] *= about_hinge(at(joint), at(middle), at(last), Vec3(positions[4 * i], positions[4 * i + 1], positions[4 * i + 2]));
       add(middle, limb, share);
     }
+  for (const std::string side : {"_l", "_r"}) {
+    const int clavicle = find_joint(skeleton, "clavicle" + side), arm = find_joint(skeleton, "shoulder" + side);
+    if (clavicle < 0 || arm < 0) continue;
+    std::vector<double> share = shares_below(skeleton, clavicle, joint_weights);
+    const std::vector<double> of_arm = shares_below(skeleton, arm, joint_weights);
+    for (std::size_t i = 0; i < share.size(); ++i) {
+      share[i] -= of_arm[i];
+      trunk[i] -= share[i];
+    }
+    add(arm, 0, share);
+  }
   const std::vector<double> all(tissue.size(), 1);
   if (const int neck = find_joint(skeleton, "c5"); neck >= 0) {  // the head is mostly bone
     const std::vector<double> head = shares_below(skeleton, neck, joint_weights);

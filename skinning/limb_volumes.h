@@ -1,4 +1,4 @@
-// Keeps the volume of arms and legs, of the flesh about elbows and knees, and of the trunk: what a bend or the sheet's tension takes away comes back as a swelling of the flesh.
+// Keeps the volume of arms and legs, of the flesh about elbows and knees, of the shoulder girdles, and of the trunk: what a bend or the sheet's tension takes away comes back as a swelling of the flesh.
 // Private to the room. The swelling is along the normals and in proportion to what lies between skin and bone, one step a
 // region, which the smallness of the change allows; folds are left out.
 #pragma once
@@ -24,7 +24,7 @@ struct VolumeRegion {
 };
 
 struct LimbVolumes {
-  std::vector<VolumeRegion> regions;  // the whole body first, to which the trunk swells; then arms and legs, each followed by its hinge
+  std::vector<VolumeRegion> regions;  // the whole body first, to which the trunk swells; then arms and legs, each followed by its hinge; then the shoulder girdles
 };
 
 // `positions`: #V x 4, rest. `tissue`: m, #V.
