@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "anatomy/outline.h"
+#include "anatomy/smooth_step.h"
 
 namespace ecorche {
 namespace {
@@ -14,11 +15,6 @@ constexpr int kPieces = 96;         // per segment, for arc length
 constexpr double kTiny = 1e-9;      // m; shorter segments count as this long
 
 constexpr double kJunction = 0.06;   // of the line: half width of the passage from tendon to belly
-
-double smooth_step(double x) {
-  x = std::clamp(x, 0.0, 1.0);
-  return x * x * (3 - 2 * x);
-}
 
 // The spline of a path. Windows: the weights of segment i refer to path points window(i) .. window(i) + 3.
 class Spline {

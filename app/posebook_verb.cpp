@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <sstream>
 #include <system_error>
 
@@ -11,6 +10,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/self_intersections.h"
 #include "app/eyes.h"
+#include "app/picture_size.h"
 #include "app/pose_sheet.h"
 #include "app/verb.h"
 #include "skinning/pose_figures.h"
@@ -165,8 +165,7 @@ void write_table(const fs::path& file, const std::vector<std::string>& names, co
 PoseSheetOptions read_cell(const std::string& text) {
   constexpr int kSmallest = 64, kLargest = 2048;
   PoseSheetOptions sheet;
-  char trailing = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%c", &sheet.cell_width, &sheet.cell_height, &trailing) != 2 || std::min(sheet.cell_width, sheet.cell_height) < kSmallest ||
+  if (!read_picture_size(text, sheet.cell_width, sheet.cell_height) || std::min(sheet.cell_width, sheet.cell_height) < kSmallest ||
       std::max(sheet.cell_width, sheet.cell_height) > kLargest)
     throw UsageError(fmt::format("--cell: '{}' is no size; write WIDTHxHEIGHT, {} to {} pixels each, for example 460x540", text, kSmallest, kLargest));
   return sheet;

@@ -9,6 +9,7 @@
 #include "app/activation_options.h"
 #include "app/actor_film.h"
 #include "app/motion_options.h"
+#include "app/picture_size.h"
 #include "app/verb.h"
 
 namespace ecorche {
@@ -35,8 +36,7 @@ void set_layers(const std::string& text, ActorFilm& film) {
 }
 
 void set_size(const std::string& text, ActorFilm& film) {
-  char trailing = 0;
-  if (std::sscanf(text.c_str(), "%dx%d%c", &film.width, &film.height, &trailing) != 2)
+  if (!read_picture_size(text, film.width, film.height))
     throw UsageError(fmt::format("--size: '{}' is no size; write WIDTHxHEIGHT, for example 1280x720", text));
 }
 

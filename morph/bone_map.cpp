@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "anatomy/smooth_step.h"
+
 namespace ecorche {
 namespace {
 
@@ -24,11 +26,6 @@ double along(double t, double end, double total) {
   const double middle = (total - end * share) / (1 - share);
   const double near = end_share(t), far = end_share(1) - end_share(1 - t);
   return end * (near + far) + middle * (t - near - far);
-}
-
-double smooth_step(double t) {
-  t = std::clamp(t, 0.0, 1.0);
-  return t * t * (3 - 2 * t);
 }
 
 }  // namespace

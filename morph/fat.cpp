@@ -11,6 +11,7 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
+#include "anatomy/smooth_step.h"
 
 namespace ecorche {
 
@@ -147,11 +148,6 @@ TriMesh bare_bones(const Anatomy& anatomy) {
     all.F.bottomRows(bone.mesh.F.rows()) = (bone.mesh.F.array() + static_cast<int>(points)).matrix();
   }
   return all;
-}
-
-double smooth_step(double from, double to, double x) {
-  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
 }
 
 }  // namespace

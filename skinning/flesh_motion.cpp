@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "anatomy/pose_anatomy.h"
+#include "anatomy/smooth_step.h"
 #include "skinning/elastic_skin.h"
 #include "skinning/skin_tables.h"
 
@@ -80,11 +81,6 @@ void places_at(const FleshTables& tables, const Skeleton& skeleton, const Motion
       out[static_cast<std::size_t>(i)] = p;
     }
   });
-}
-
-double smooth_step(double t) {
-  t = std::clamp(t, 0.0, 1.0);
-  return t * t * (3 - 2 * t);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 
 #include "anatomy/joint_angles.h"
+#include "anatomy/smooth_step.h"
 #include "skinning/foot_contacts.h"
 
 namespace ecorche {
@@ -155,8 +156,7 @@ int joint_of(const Skeleton& skeleton, const std::string& name) {
 Quat toe_help(const Mat3& turn) {
   constexpr double kNearby = 20 * kDegree, kAway = 60 * kDegree;
   const Quat whole(turn);
-  const double t = std::clamp((whole.angularDistance(Quat::Identity()) - kNearby) / (kAway - kNearby), 0.0, 1.0);
-  return whole.slerp(t * t * (3 - 2 * t), Quat::Identity());
+  return whole.slerp(smooth_step(kNearby, kAway, whole.angularDistance(Quat::Identity())), Quat::Identity());
 }
 
 Transform child_frame(const Skeleton& skeleton, const std::vector<Transform>& X, const Pose& pose, std::size_t j) {

@@ -189,6 +189,7 @@ void keep_volumes(const LimbVolumes& volumes, std::span<const Transform> X_WJ, s
   for (std::size_t r = 1; r < volumes.regions.size(); ++r) lost[static_cast<std::size_t>(volumes.regions[r].within)] -= all[r];
   for (std::size_t r = 0; r < volumes.regions.size(); ++r) {
     const VolumeRegion& region = volumes.regions[r];
+    if (lost[r] == 0) continue;
     double reach = 0;
     for (std::size_t k = 0; k < region.vertices.size(); ++k) reach += static_cast<double>(region.swelling[k] * region.area[k] * open[static_cast<std::size_t>(region.vertices[k])]);
     if (reach <= 0) continue;

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "anatomy/joint_angles.h"
+#include "anatomy/smooth_step.h"
 #include "skinning/shoulder_rhythm.h"
 
 namespace ecorche {
@@ -30,11 +31,6 @@ Quat twist_of(const Quat& q, const Vec3& axis) {
 // The identity up to `from`, then ever slower towards `to`.
 double soft_limit(double x, double from, double to) {
   return x < from ? x : to - (to - from) * std::exp(-(x - from) / (to - from));
-}
-
-double smooth_step(double from, double to, double x) {
-  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
 }
 
 // Fingers of a hand that the file says nothing about: how far a loose hand is bent, from the anatomical zero.

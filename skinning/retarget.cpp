@@ -54,8 +54,8 @@ void unwrap(std::vector<Pose>& frames) {
 class Limiter {
  public:
   Limiter(const Skeleton& skeleton, double sole) : skeleton_(skeleton), tables_(make_limit_tables(skeleton, sole)) {
-    ends_.push_back({"head", find_joint(skeleton, "head"), Vec3::Zero(), 0, {}});
-    for (const LimbChain& limb : tables_.limbs) ends_.push_back({skeleton.joints[limb.joints[3]].name, limb.joints[3], limb.point, 0, {}});
+    ends_.push_back({find_joint(skeleton, "head"), Vec3::Zero(), {.end = "head"}});
+    for (const LimbChain& limb : tables_.limbs) ends_.push_back({limb.joints[3], limb.point, {.end = skeleton.joints[limb.joints[3]].name}});
   }
 
   void run(const LimbHold& hold, Motion& motion) {
@@ -63,24 +63,22 @@ class Limiter {
       keep_limits(skeleton_, tables_, hold, motion.frames[f], scratch_);
       for (End& end : ends_) {
         const double moved = (scratch_.before[end.joint] * end.point - scratch_.after[end.joint] * end.point).norm();
-        end.sum += moved / motion.frames.size();
+        end.move.mean += moved / motion.frames.size();
         if (moved > end.move.most) end.move.most = moved, end.move.worst_frame = static_cast<int>(f);
       }
     }
   }
 
-  std::vector<EndMove> moves() {
+  std::vector<EndMove> moves() const {
     std::vector<EndMove> out;
-    for (End& end : ends_) end.move.end = end.name, end.move.mean = end.sum, out.push_back(end.move);
+    for (const End& end : ends_) out.push_back(end.move);
     return out;
   }
 
  private:
   struct End {
-    std::string name;
     int joint;
     Vec3 point;
-    double sum;
     EndMove move;
   };
   const Skeleton& skeleton_;

@@ -32,6 +32,17 @@ class Caches : public ::testing::Test {
     writer.add_frame(std::vector<float>{-1, -2, -3, -4, -5, -6}, 3);
     writer.finish();
   }
+  // A file of two frames: missing, larger than allowed, cut off at these sizes.
+  template <class Read>
+  void expect_refused(const Read& read, std::initializer_list<std::size_t> sizes) {
+    const std::string good = bytes();
+    EXPECT_THROW(read(folder_ / "missing", 1 << 20), InputError);
+    EXPECT_THROW(read(file_, 10), LimitError);
+    for (const std::size_t size : sizes) {
+      write(good.substr(0, size));
+      EXPECT_THROW(read(file_, 1 << 20), InputError) << size;
+    }
+  }
   template <class Cache>
   static void expect_two_frames(const Cache& cache) {
     EXPECT_EQ(cache.points, 2);
@@ -91,12 +102,7 @@ TEST_F(Pc2, NothingAppearsWithoutFinish) {
 TEST_F(Pc2, BadFilesAreRefused) {
   write_two_frames();
   const std::string good = bytes();
-  EXPECT_THROW(read_pc2(folder_ / "missing.pc2"), InputError);
-  EXPECT_THROW(read_pc2(file_, 10), LimitError);
-  for (const std::size_t size : {0, 5, 31, 33, 79}) {
-    write(good.substr(0, size));
-    EXPECT_THROW(read_pc2(file_), InputError) << size;
-  }
+  expect_refused(read_pc2, {0, 5, 31, 33, 79});
   std::string bad = good;
   bad[0] = 'X';
   write(bad);
@@ -146,12 +152,7 @@ TEST_F(Mdd, NothingAppearsUnlessAllPromisedFramesCame) {
 TEST_F(Mdd, BadFilesAreRefused) {
   write_two_frames();
   const std::string good = bytes();
-  EXPECT_THROW(read_mdd(folder_ / "missing.mdd"), InputError);
-  EXPECT_THROW(read_mdd(file_, 10), LimitError);
-  for (const std::size_t size : {0, 5, 9, 17, 63}) {
-    write(good.substr(0, size));
-    EXPECT_THROW(read_mdd(file_), InputError) << size;
-  }
+  expect_refused(read_mdd, {0, 5, 9, 17, 63});
   for (const std::size_t at : {0, 4})
     for (const std::string& count : {std::string("\xff\xff\xff\xff", 4), std::string("\x7f\xff\xff\xff", 4), std::string("\0\0\0\0", 4)}) {
       std::string bad = good;
