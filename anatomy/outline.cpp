@@ -1,6 +1,7 @@
 #include "anatomy/outline.h"
 
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 namespace ecorche {
@@ -8,42 +9,53 @@ namespace {
 
 constexpr std::size_t kCount = kOutlinePoints;
 
-// All directions at once.
-using Around = Eigen::Array<double, kOutlinePoints, 1>;
+static_assert(kCount % 4 == 0);
 
-// A factor, and that of the next direction.
-struct Factors {
-  Around here, next;
-  explicit Factors(const SliceOutline& outline) {
-    here = Eigen::Map<const Eigen::Array<float, kOutlinePoints, 1>>(outline.data()).cast<double>();
-    next << here.tail<kOutlinePoints - 1>(), here[0];
+// Four directions at once: the compiler keeps them in one register where there is one so wide.
+typedef double Quad __attribute__((vector_size(32)));
+typedef float FloatQuad __attribute__((vector_size(16)));
+
+// An outline whose first direction follows the last once more.
+struct Ring {
+  float factor[kCount + 4];
+  explicit Ring(const SliceOutline& outline) {
+    std::memcpy(factor, outline.data(), sizeof outline);
+    std::memcpy(factor + kCount, outline.data(), 4 * sizeof(float));
+  }
+  Quad at(std::size_t i) const {
+    FloatQuad v;
+    std::memcpy(&v, factor + i, sizeof v);
+    return __builtin_convertvector(v, Quad);
   }
 };
 
 // Products of the coordinates of a direction and the next over the sum of their cross products.
 struct Turns {
-  Around xy, yx, xx, yy;
-  Around x, y, next_x, next_y;  // coordinates alone
+  Quad xy, yx, xx, yy;
+  Quad x, y, next_x, next_y;  // coordinates, over twice the number of directions
 };
-const Turns& turns() {
-  static const Turns out = [] {
-    Turns t;
+using AllTurns = std::array<Turns, kCount / 4>;
+const AllTurns& turns() {
+  static const AllTurns out = [] {
+    AllTurns all;
     const auto& d = outline_directions();
     const double whole = kOutlinePoints * std::sin(2 * std::numbers::pi / kOutlinePoints);
     for (std::size_t i = 0; i < kCount; ++i) {
-      const std::size_t j = (i + 1) % kCount;
-      const auto k = static_cast<Eigen::Index>(i);
+      const std::size_t j = (i + 1) % kCount, k = i % 4;
+      Turns& t = all[i / 4];
       t.xy[k] = d[i].x() * d[j].y() / whole;
       t.yx[k] = d[i].y() * d[j].x() / whole;
       t.xx[k] = d[i].x() * d[j].x() / whole;
       t.yy[k] = d[i].y() * d[j].y() / whole;
-      t.x[k] = d[i].x(), t.y[k] = d[i].y();
-      t.next_x[k] = d[j].x(), t.next_y[k] = d[j].y();
+      t.x[k] = d[i].x() / (2 * kOutlinePoints), t.y[k] = d[i].y() / (2 * kOutlinePoints);
+      t.next_x[k] = d[j].x() / (2 * kOutlinePoints), t.next_y[k] = d[j].y() / (2 * kOutlinePoints);
     }
-    return t;
+    return all;
   }();
   return out;
 }
+
+inline double sum(Quad v) { return (v[0] + v[2]) + (v[1] + v[3]); }
 
 }  // namespace
 
@@ -71,25 +83,32 @@ SliceOutline flipped_outline(const SliceOutline& outline, bool width, bool thick
 
 double outline_area(const SliceOutline& outline) {
   if (outline == kEllipticOutline) return 1;
-  const Factors f(outline);
-  return (f.here * f.next).sum() / kOutlinePoints;
+  const Ring f(outline);
+  Quad area{};
+  for (std::size_t i = 0; i < kCount; i += 4) area += f.at(i) * f.at(i + 1);
+  return sum(area) / kOutlinePoints;
 }
 
-MixedArea mixed_area(const SliceOutline& first, const SliceOutline& second) {
+PieceAreas piece_areas(const SliceOutline& first, const SliceOutline& second) {
   if (first == kEllipticOutline && second == kEllipticOutline) return {};
-  const Turns& t = turns();
-  const Factors f(first), g(second);
-  const Around fg = f.here * g.next, gf = g.here * f.next, less = fg - gf;
-  return {(fg * t.xy - gf * t.yx).sum(), (gf * t.xy - fg * t.yx).sum(), (less * t.xx).sum(), (less * t.yy).sum()};
-}
-
-LopsidedMoments lopsided_moments(const SliceOutline& first, const SliceOutline& second) {
-  if (first == kEllipticOutline && second == kEllipticOutline) return {};
-  const Turns& t = turns();
-  const Factors f(first), g(second);
-  const Around of_first = f.here * f.next / (2 * kOutlinePoints), of_second = g.here * g.next / (2 * kOutlinePoints);
-  return {(of_first * (g.here * t.x + g.next * t.next_x)).sum(), (of_first * (g.here * t.y + g.next * t.next_y)).sum(),
-          (of_second * (f.here * t.x + f.next * t.next_x)).sum(), (of_second * (f.here * t.y + f.next * t.next_y)).sum()};
+  const AllTurns& all = turns();
+  const Ring f(first), g(second);
+  Quad own{}, ab{}, ba{}, aa{}, bb{}, a1{}, b1{}, a0{}, b0{};
+  for (std::size_t i = 0; i < kCount; i += 4) {
+    const Turns& t = all[i / 4];
+    const Quad f0 = f.at(i), f1 = f.at(i + 1), g0 = g.at(i), g1 = g.at(i + 1);
+    const Quad fg = f0 * g1, gf = g0 * f1, less = fg - gf, of_first = f0 * f1, of_second = g0 * g1;
+    own += of_first;
+    ab += fg * t.xy - gf * t.yx;
+    ba += gf * t.xy - fg * t.yx;
+    aa += less * t.xx;
+    bb += less * t.yy;
+    a1 += of_first * (g0 * t.x + g1 * t.next_x);
+    b1 += of_first * (g0 * t.y + g1 * t.next_y);
+    a0 += of_second * (f0 * t.x + f1 * t.next_x);
+    b0 += of_second * (f0 * t.y + f1 * t.next_y);
+  }
+  return {sum(own) / kOutlinePoints, {sum(ab), sum(ba), sum(aa), sum(bb)}, {sum(a1), sum(b1), sum(a0), sum(b0)}};
 }
 
 }  // namespace ecorche

@@ -30,7 +30,6 @@ double outline_area(const SliceOutline& outline);
 struct MixedArea {
   double ab = 1, ba = 1, aa = 0, bb = 0;
 };
-MixedArea mixed_area(const SliceOutline& first, const SliceOutline& second);
 
 // What a piece between two sections that are not their own image about their centre holds more than centre line times area, as they turn
 // and swell about it: pi / 3 times
@@ -40,6 +39,13 @@ MixedArea mixed_area(const SliceOutline& first, const SliceOutline& second);
 struct LopsidedMoments {
   double a1 = 0, b1 = 0, a0 = 0, b0 = 0;
 };
-LopsidedMoments lopsided_moments(const SliceOutline& first, const SliceOutline& second);
+
+// Of two successive sections: all of it at once.
+struct PieceAreas {
+  double own = 1;  // of the first, over that of its ellipse
+  MixedArea mixed;
+  LopsidedMoments more;
+};
+PieceAreas piece_areas(const SliceOutline& first, const SliceOutline& second);
 
 }  // namespace ecorche

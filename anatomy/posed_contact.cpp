@@ -74,23 +74,23 @@ inline Eight root(Eight v) {
   return v;
 }
 
+inline void fetch(const ContactSection& section) {
+  __builtin_prefetch(&section);
+  __builtin_prefetch(reinterpret_cast<const char*>(&section) + 64);
+}
+
 // Level of points given in a section's own measures: 0 on its line, 1 on its outline.
 inline Eight level_of(const ContactShape& shape, Eight x, Eight y) {
   const OutlineWaves& w = shape.waves;
   const SheetSides& sides = shape.sides;
-  x = sides.high_steep * larger(x - sides.high_free, Eight{}) - sides.low_steep * larger(-x - sides.low_free, Eight{});
-  const Eight rho = root(x * x + y * y + 1e-12f), per = 1 / rho;
-  const Eight c = x * per, s = y * per;
-  Eight re = w[3] + w[4] * c + w[8] * s, im = w[4] * s - w[8] * c - w[7];  // Horner, in powers of c + i s
-  const auto on = [&](float cosine, float sine) {
-    const Eight before = re;
-    re = cosine + re * c - im * s;
-    im = before * s + im * c - sine;
-  };
-  on(w[2], w[6]);
-  on(w[1], w[5]);
-  const Eight factor = w[0] + re * c - im * s;
-  return rho / larger(factor, all(kLeastFactor));
+  x = sides.high_steep * larger(x - sides.high_free, Eight{}) + sides.low_steep * smaller(x + sides.low_free, Eight{});
+  // The factor times the fourth power of the radius, by powers of x + i y, so that one root and one division do.
+  const Eight xx = x * x, yy = y * y, square = xx + yy + 1e-12f, rho = root(square);
+  const Eight re2 = xx - yy, im2 = 2 * x * y, re3 = re2 * x - im2 * y, im3 = im2 * x + re2 * y, re4 = re2 * re2 - im2 * im2, im4 = 2 * re2 * im2;
+  const Eight even = square * (square * w[0] + re2 * w[2] + im2 * w[6]) + re4 * w[4] + im4 * w[8];
+  const Eight odd = square * (x * w[1] + y * w[5]) + re3 * w[3] + im3 * w[7];
+  const Eight fourth = square * square;
+  return rho * fourth / larger(even + rho * odd, kLeastFactor * fourth);
 }
 
 // Where the own section lies in the other's measures. False where its outline stays off all that the other meets.
@@ -110,8 +110,8 @@ inline bool measure(const ContactTable& table, const ContactMemory& memory, int 
   return (off[0] | off[1]) == 0;
 }
 
-// Where on its rays the own section asks the other.
-inline void look_along(const ContactTable& table, const ContactMemory& memory, ContactMeeting& m) {
+// Asks the other where the own section's rays are: how it holds, how much its word counts, and the level there.
+inline void ask(const ContactTable& table, const ContactMemory& memory, ContactMeeting& m) {
   const ContactShape& own = table.shapes[static_cast<std::size_t>(m.own)];
   const ContactSection& other = memory.sections[static_cast<std::size_t>(m.other)];
   const float x0 = m.center[0], y0 = m.center[1];
@@ -122,30 +122,22 @@ inline void look_along(const ContactTable& table, const ContactMemory& memory, C
   const Eight early = 1 - larger(passing, zero) * ((1 - kEarly) / kEarly);  // begun beside the other's line, it is past it from the start
   const Eight at = passing > kEarly ? smaller(passing, one) : early;
   const Eight z = m.center[2] + at * (u * m.width[2] + v * m.thickness[2]);
-  store(at, m.at.data());
-  store(x0 + at * ex, m.x.data());
-  store(y0 + at * ey, m.y.data());
-  store(larger(1 - larger(z * other.high[3], -z * other.low[3]), zero), m.within.data());
-}
-
-// What the other says there: how it holds, how much its word counts, and, in place of x, the level. Whether any of it presses.
-inline bool ask(const ContactTable& table, ContactMeeting& m) {
-  const Eight zero{}, one = all(1), at = load(m.at.data()), within = load(m.within.data());
-  const Eight level = level_of(table.shapes[static_cast<std::size_t>(m.other)], load(m.x.data()), load(m.y.data()));
+  const Eight within = larger(1 - larger(z * other.high[3], -z * other.low[3]), zero);
+  const Eight level = level_of(table.shapes[static_cast<std::size_t>(m.other)], x0 + at * ex, y0 + at * ey);
   const Eight deep = larger(1 - level, zero), through = larger(1 - kThrough * (1 - at), zero), sure = smaller(kThrough * deep, one);
   const Eight counts = within * (sure + (1 - sure) * through);
-  store(level, m.x.data());
-  store(counts, m.within.data());
+  store(at, m.at.data());
+  store(level, m.level.data());
+  store(counts, m.counts.data());
   store(counts * larger(smaller((1 + kNear - level) * (1 / kNear), one), zero), m.near.data());
-  store(zero, m.press.data());
-  return any_above_zero(counts * deep);
+  m.presses = any_above_zero(counts * deep);
 }
 
 inline void press_back(const ContactTable& table, ContactMeeting& m) {
-  const Eight zero{}, at = load(m.at.data()), level = load(m.x.data());
+  const Eight zero{}, at = load(m.at.data()), level = load(m.level.data());
   const Eight start = larger(level_of(table.shapes[static_cast<std::size_t>(m.other)], all(m.center[0]), all(m.center[1])), all(0.05f));
   const Eight back = level < 1 ? 1 - start * at / (at + larger(start - level, zero)) : zero;
-  store(load(m.within.data()) * back, m.press.data());
+  store(load(m.counts.data()) * back, m.press.data());
 }
 
 inline bool in_reach(const ContactMemory& memory, int at_own, int at_other) {
@@ -270,9 +262,11 @@ bool press_of(const ContactTable& table, const ContactMemory& memory, int own, i
     met = true;
     m.own = own;
     m.other = k;
-    look_along(table, memory, m);
-    if (ask(table, m)) press_back(table, m);
-    for (std::size_t i = 0; i < kSpokes; ++i) press[i] += m.press[i], near[i] += m.near[i];
+    ask(table, memory, m);
+    for (std::size_t i = 0; i < kSpokes; ++i) near[i] += m.near[i];
+    if (!m.presses) continue;
+    press_back(table, m);
+    for (std::size_t i = 0; i < kSpokes; ++i) press[i] += m.press[i];
   }
   return met;
 }
@@ -297,6 +291,7 @@ std::span<const ContactMeeting> meetings_of(const ContactTable& table, std::size
   for (std::size_t k = begin; k < end; ++k) {
     memory.near[near] = static_cast<int>(k);
     near += in_reach(memory, table.pairs[k].own, table.pairs[k].other);
+    fetch(memory.sections[static_cast<std::size_t>(table.pairs[k].other)]);
   }
   for (std::size_t k = 0; k < near; ++k) {
     const ContactPair& pair = table.pairs[static_cast<std::size_t>(memory.near[k])];
@@ -305,37 +300,44 @@ std::span<const ContactMeeting> meetings_of(const ContactTable& table, std::size
     m.other = pair.other;
     m.group = pair.group;
     met += measure(table, memory, pair.own, pair.other, m);
+    __builtin_prefetch(&table.shapes[static_cast<std::size_t>(pair.other)].waves);
   }
-  for (std::size_t k = 0; k < met; ++k) look_along(table, memory, memory.meetings[k]);
   std::size_t pressing = 0;
   for (std::size_t k = 0; k < met; ++k) {
     memory.near[pressing] = static_cast<int>(k);
-    pressing += ask(table, memory.meetings[k]);
+    ask(table, memory, memory.meetings[k]);
+    pressing += memory.meetings[k].presses;
   }
   for (std::size_t k = 0; k < pressing; ++k) press_back(table, memory.meetings[static_cast<std::size_t>(memory.near[k])]);
   return {memory.meetings.data(), met};
 }
 
-// The outline of one section, by its meetings, group after group.
+// Outlines of sections, by their meetings, group after group.
 void give_way(const ContactTable& table, std::span<const ContactMeeting> meetings, std::span<Ellipse> slices, std::span<char> changed) {
-  Eight most{}, held{};
-  for (std::size_t k = 0; k < meetings.size();) {
-    const int at = meetings[k].group;
-    const ContactGroup& group = table.groups[static_cast<std::size_t>(at)];
-    Eight press{}, near{};
-    for (; k < meetings.size() && meetings[k].group == at; ++k) press += load(meetings[k].press.data()), near += load(meetings[k].near.data());
-    most = larger(most, press - load(group.at_rest.data()));
-    held = larger(held, near);
-    if (k < meetings.size() && table.groups[static_cast<std::size_t>(meetings[k].group)].own == group.own) continue;
-    if (any_above_zero(most)) {
-      ContactSpokes by, hold;
-      store(kOver * most, by.data());
-      store(held, hold.data());
-      const auto section = static_cast<std::size_t>(table.members[static_cast<std::size_t>(group.own)].section);
-      press_outline(by, hold, slices[section].outline);
-      changed[section] = 1;
+  std::size_t k = 0;
+  while (k < meetings.size()) {
+    const int own = meetings[k].own;
+    Eight most{}, held{};
+    while (k < meetings.size() && meetings[k].own == own) {
+      const int at = meetings[k].group;
+      Eight press{}, near{};
+      bool presses = false;
+      for (; k < meetings.size() && meetings[k].group == at; ++k) {
+        near += load(meetings[k].near.data());
+        if (!meetings[k].presses) continue;
+        presses = true;
+        press += load(meetings[k].press.data());
+      }
+      held = larger(held, near);
+      if (presses) most = larger(most, press - load(table.groups[static_cast<std::size_t>(at)].at_rest.data()));
     }
-    most = held = Eight{};
+    if (!any_above_zero(most)) continue;
+    ContactSpokes by, hold;
+    store(kOver * most, by.data());
+    store(held, hold.data());
+    const auto section = static_cast<std::size_t>(table.members[static_cast<std::size_t>(own)].section);
+    press_outline(by, hold, slices[section].outline);
+    changed[section] = 1;
   }
 }
 

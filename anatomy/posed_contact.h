@@ -23,7 +23,7 @@ using ContactSpokes = std::array<float, kContactPoints>;
 
 // A section as contact sees it, in single precision about a common origin. Its measures of a point: along its width and thickness in radii,
 // along its tangent in metres.
-struct alignas(16) ContactSection {
+struct alignas(64) ContactSection {
   float center[4] = {0, 0, 0, 0};
   float width[4] = {1, 0, 0, 0}, thickness[4] = {0, 1, 0, 0};  // axes times their radii
   float to_measures[3][4] = {};                                // row r: what 1 m along x, y, z adds to them
@@ -44,13 +44,13 @@ struct SheetSides {
   float high_free = 0, high_steep = 1, low_free = 0, low_steep = 1;
 };
 
-// What of a section is the same in every pose.
-struct ContactShape {
-  alignas(32) ContactSpokes along_width, along_thickness;  // its outline at rest in the directions that are looked along, in radii
-  OutlineWaves waves{};
+// What of a section is the same in every pose: what it asks others with, what it is asked by, and its reach, each a line of memory.
+struct alignas(64) ContactShape {
+  alignas(64) ContactSpokes along_width, along_thickness;  // its outline at rest in the directions that are looked along, in radii
+  alignas(64) OutlineWaves waves{};
   SheetSides sides;
-  OutlineBox box;     // of its outline
-  OutlineBox room;    // of what it holds others off
+  alignas(64) OutlineBox box;  // of its outline
+  OutlineBox room;             // of what it holds others off
 };
 
 // A section that contact looks at.
@@ -84,9 +84,10 @@ struct ContactTable {
 // A pair that is near enough to press: where its own section lies in the other's measures, and what comes of it along its rays.
 struct alignas(32) ContactMeeting {
   ContactSpokes press, near;
-  ContactSpokes x, y, at, within;             // where the other is asked: in its measures, on the ray, and how much it speaks for
+  ContactSpokes at, level, counts;            // where on the ray the other is asked, how deep that is in it, and how much its word counts
   float center[4], width[4], thickness[4];    // of the own section
   int own = 0, other = 0, group = 0;
+  bool presses = false;                       // only then `press` is set
 };
 
 // Memory of a frame, kept from one to the next; nothing in it outlives one.

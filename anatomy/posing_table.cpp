@@ -204,18 +204,7 @@ void add_lane(PosingTable::Data& data, PosingBatch& batch, int lane, const Strip
     row.free_thickness[lane] = free(1);
     const double inward = bend.dot(rest.slices[k].axes.leftCols<2>() * slice.offset);
     row.free_offset[lane] = static_cast<float>(std::max(kFreeOffset, 1.000001 * inward + 1e-9));
-    PosingAreas& areas = data.areas[batch.row + k];
-    const MixedArea mixed = mixed_area(slice.outline, strip.slices[std::min(k + 1, n - 1)].outline);
-    areas.own[lane] = outline_area(slice.outline);
-    areas.ab[lane] = mixed.ab;
-    areas.ba[lane] = mixed.ba;
-    areas.aa[lane] = mixed.aa;
-    areas.bb[lane] = mixed.bb;
-    const LopsidedMoments more = lopsided_moments(slice.outline, strip.slices[std::min(k + 1, n - 1)].outline);
-    areas.more_a1[lane] = more.a1;
-    areas.more_b1[lane] = more.b1;
-    areas.more_a0[lane] = more.a0;
-    areas.more_b0[lane] = more.b0;
+    data.areas[batch.row + k].set(lane, piece_areas(slice.outline, strip.slices[std::min(k + 1, n - 1)].outline));
   }
 }
 

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "anatomy/outline.h"
 #include "anatomy/pose_anatomy.h"
 #include "anatomy/posed_contact.h"
 #include "anatomy/tendon_give.h"
@@ -94,6 +95,12 @@ struct PosingRow {
 struct PosingAreas {
   Lane own, ab, ba, aa, bb;
   Lane more_a1, more_b1, more_a0, more_b0;
+
+  void set(int lane, const PieceAreas& of) {
+    own[lane] = of.own;
+    ab[lane] = of.mixed.ab, ba[lane] = of.mixed.ba, aa[lane] = of.mixed.aa, bb[lane] = of.mixed.bb;
+    more_a1[lane] = of.more.a1, more_b1[lane] = of.more.b1, more_a0[lane] = of.more.a0, more_b0[lane] = of.more.b0;
+  }
 };
 
 struct PosingBatch {

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <iterator>
 #include <numbers>
 
 #include "anatomy/outline.h"
@@ -45,18 +48,13 @@ void gather(const PosedAnatomy& posed, const std::array<int, kLanes>& first, int
   t.tangent[row] = {three[1], three[2], three[3]};
 }
 
-void set_areas(const SliceOutline& here, const SliceOutline& next, int lane, PosingAreas& areas) {
-  const MixedArea mixed = mixed_area(here, next);
-  const LopsidedMoments more = lopsided_moments(here, next);
-  areas.own[lane] = outline_area(here);
-  areas.ab[lane] = mixed.ab;
-  areas.ba[lane] = mixed.ba;
-  areas.aa[lane] = mixed.aa;
-  areas.bb[lane] = mixed.bb;
-  areas.more_a1[lane] = more.a1;
-  areas.more_b1[lane] = more.b1;
-  areas.more_a0[lane] = more.a0;
-  areas.more_b0[lane] = more.b0;
+// Whether they differ, without a branch.
+inline bool differs(const SliceOutline& a, const SliceOutline& b) {
+  std::uint64_t x[sizeof a / 8], y[sizeof a / 8], all = 0;
+  std::memcpy(x, a.data(), sizeof x);
+  std::memcpy(y, b.data(), sizeof y);
+  for (std::size_t i = 0; i < std::size(x); ++i) all |= x[i] ^ y[i];
+  return all != 0;
 }
 
 bool fits(double missed, double volume) { return std::abs(missed) <= kVolumeKept * std::abs(volume); }
@@ -79,7 +77,7 @@ void gather_areas(const PosingTable::Data& data, std::span<const Touched> strips
   for (int lane = 0; lane < four.strips; ++lane) {
     const Touched& from = strips[static_cast<std::size_t>(lane)];
     const auto outline = [&](int k) -> const SliceOutline& { return posed.slices[static_cast<std::size_t>(first[static_cast<std::size_t>(lane)] + k)].outline; };
-    const auto pressed = [&](int k) { return outline(k) != data.outlines[static_cast<std::size_t>(first[static_cast<std::size_t>(lane)] + k)]; };  // now or earlier
+    const auto pressed = [&](int k) { return differs(outline(k), data.outlines[static_cast<std::size_t>(first[static_cast<std::size_t>(lane)] + k)]); };  // now or earlier
     bool here = pressed(0);
     for (int k = 0; k < four.rows; ++k) {
       const int next = std::min(k + 1, four.rows - 1);
@@ -87,7 +85,7 @@ void gather_areas(const PosingTable::Data& data, std::span<const Touched> strips
       const PosingAreas& still = data.areas[static_cast<std::size_t>(from.batch->row + k)];
       PosingAreas& to = areas[k];
       if (here || there) {
-        set_areas(outline(k), outline(next), lane, to);
+        to.set(lane, piece_areas(outline(k), outline(next)));
       } else {
         for (Lane PosingAreas::*area : {&PosingAreas::own, &PosingAreas::ab, &PosingAreas::ba, &PosingAreas::aa, &PosingAreas::bb, &PosingAreas::more_a1,
                                         &PosingAreas::more_b1, &PosingAreas::more_a0, &PosingAreas::more_b0})

@@ -91,7 +91,7 @@ TEST(SliceOutline, MixedAreaIsThatOfTheSectionBetween) {
       middle += 0.5 * (p.x() * q.y() - p.y() * q.x());
     }
     middle /= kOutlinePoints / (2 * kPi) * std::sin(2 * kPi / kOutlinePoints);
-    const MixedArea mixed = mixed_area(first, second);
+    const MixedArea mixed = piece_areas(first, second).mixed;
     const double between = kPi * 0.5 * (mixed.ab * a.x() * b.y() + mixed.ba * b.x() * a.y());
     const double own = kPi * (outline_area(first) * a.prod() + outline_area(second) * b.prod());
     EXPECT_NEAR(own / 4 + between / 2, middle, 1e-12);
