@@ -96,11 +96,10 @@ struct Extras {
 void settle(const SkinTables& tables, const PosedAnatomy& posed, const Extras& extras, ElasticScratch& elastic, std::vector<float>& positions) {
   add(extras.flesh, positions);
   settle_skin(*tables.elastic, tables.triangles, posed.X_WJ, positions, elastic);
-  if (!extras.beneath) return;
-  const auto& [under, table, moved, memory] = *extras.beneath;
-  if (!rise_over_muscles(under, posed.slices, elastic.open, positions, memory)) return;
-  sink_again(*tables.elastic, tables.triangles, posed.X_WJ, room_over_muscles(memory), positions, elastic);
-  give_way_to_skin(under, table, positions, moved, memory);
+  const bool risen = extras.beneath && rise_over_muscles(extras.beneath->under, posed.slices, elastic.open, positions, extras.beneath->memory);
+  const std::span<const float> room = risen ? room_over_muscles(extras.beneath->memory) : std::span<const float>{};
+  if (!part_settled_skin(*tables.elastic, tables.triangles, posed.X_WJ, room, positions, elastic) || !extras.beneath) return;
+  give_way_to_skin(extras.beneath->under, extras.beneath->table, positions, elastic.pressed, extras.beneath->posed, extras.beneath->memory);
 }
 
 // The base mesh's way from where the blend puts it to where it settles, handed down.

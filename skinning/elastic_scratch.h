@@ -35,6 +35,7 @@ struct ElasticScratch {
   MembraneScratch membrane;
   ContactScratch contact;
   std::vector<float> normals, open, working;
+  std::vector<char> pressed;                  // #V: whether contact has moved it
   std::vector<float> base, offsets;           // of a refined skin's base mesh
 };
 

@@ -28,14 +28,15 @@ std::shared_ptr<const ElasticSkin> make_elastic_skin(const Skeleton& skeleton, c
                                                      std::span<const std::array<Influence, 4>> joint_weights, std::span<const int> order,
                                                      std::span<const int> triangles);
 
-// Moves `positions` (#V x 4, in that order). A function of the pose alone; allocates only when the skin has another size than last time.
-// Same input, same bytes at any number of threads.
-void settle_skin(const ElasticSkin& skin, std::span<const int> triangles, std::span<const Transform> X_WJ,
-                 std::span<float> positions, ElasticScratch& scratch);
+// Moves `positions` (#V x 4, in that order): stretch evened out, volumes kept. A function of the pose alone; allocates only when the skin has
+// another size than last time. Same input, same bytes at any number of threads.
+void settle_skin(const ElasticSkin& skin, std::span<const int> triangles, std::span<const Transform> X_WJ, std::span<float> positions, ElasticScratch& scratch);
 
-// After that, when something else has moved positions: volumes are kept once more, by where there is `room` (#V, 0 .. 1). Limbs and body alone:
-// were the flesh about a hinge to keep its own, a flexed arm would sink where its muscles have just raised it.
-void sink_again(const ElasticSkin& skin, std::span<const int> triangles, std::span<const Transform> X_WJ, std::span<const float> room,
-                std::span<float> positions, ElasticScratch& scratch);
+// After that: parts that meet are pressed flat, and the flesh that this or a rise has moved comes from or goes to where there is `room` (#V,
+// 0 .. 1; empty where nothing has risen). Over what has risen, limbs and body alone keep volumes: were the flesh about a hinge to keep its own, a
+// flexed arm would sink where its muscles have just raised it. scratch.pressed: what contact has moved.
+// False where nothing has moved.
+bool part_settled_skin(const ElasticSkin& skin, std::span<const int> triangles, std::span<const Transform> X_WJ, std::span<const float> room,
+                       std::span<float> positions, ElasticScratch& scratch);
 
 }  // namespace ecorche

@@ -13,7 +13,8 @@
 namespace ecorche {
 namespace {
 
-constexpr int kLeaf = 4;           // triangles; fewer are filled up with the last one
+constexpr float kHere = 2e-4f;     // m
+constexpr int kLeaf = 4;            // triangles; fewer are filled up with the last one
 constexpr std::size_t kMostWaiting = 64;  // three a level, and medians halve twice a level: far deeper than any mesh needs
 
 Float4 row(std::span<const float> rows, int i) { return load4(&rows[4 * static_cast<std::size_t>(i)]); }
@@ -73,6 +74,7 @@ struct Builder {
 struct Ray {
   Lanes3 origin, direction, inverse;  // the same in every lane
   float near = 0;
+  float own = -1;  // >= 0: backs alone are seen, and nothing at about this distance
 };
 
 Ray make_ray(Float4 from, Float4 direction, float near) {
@@ -101,7 +103,8 @@ bool crosses(std::span<const float> positions, const int* corners, const Ray& ra
   const Lanes3 p = cross(ray.direction, ac), s = ray.origin - a, q = cross(s, ab);
   const Float4 det = dot(ab, p), inverse = 1.0f / det;  // infinite where the ray lies in the plane: nothing is true of what follows
   const Float4 u = dot(s, p) * inverse, v = dot(ray.direction, q) * inverse, t = dot(ac, q) * inverse;
-  const auto hit = (u >= -kHair) & (v >= -kHair) & (u + v <= 1 + kHair) & (t >= ray.near) & (t <= far);
+  auto hit = (u >= -kHair) & (v >= -kHair) & (u + v <= 1 + kHair) & (t >= ray.near) & (t <= far);
+  if (ray.own >= 0) hit = hit & (det < 0) & ((t < ray.own - kHere) | (t > ray.own + kHere));
   bool any = false;
   for (int lane = 0; lane < 4; ++lane) {
     if (!hit[lane] || t[lane] > far) continue;
@@ -148,6 +151,44 @@ std::span<const int> subtrees(const FittedTree& tree, std::size_t node, std::arr
   return {out.data(), count};
 }
 
+struct Sight {
+  float distance = 0;   // 0: nothing
+  bool behind = false;
+};
+
+Sight seen(const FittedTree& tree, std::span<const float> boxes, std::span<const float> positions, const Ray& ray, float far) {
+  if (tree.children.empty()) return {};
+  const float near = ray.near;
+  struct Waiting {
+    int child;
+    float entry;
+  };
+  std::array<Waiting, kMostWaiting> stack;
+  std::size_t waiting = 1;
+  stack[0] = {0, near};
+  bool found = false, behind = false;
+  while (waiting > 0) {
+    const Waiting next = stack[--waiting];
+    if (next.entry > far) continue;
+    if (next.child < 0) {
+      found = crosses(positions, &tree.corners[static_cast<std::size_t>(~next.child)], ray, far, behind) || found;
+      continue;
+    }
+    Int4 enters;
+    const Float4 entry = entries(&boxes[32 * static_cast<std::size_t>(next.child)], ray, far, enters);
+    const std::array<int, 4>& children = tree.children[static_cast<std::size_t>(next.child)];
+    const std::size_t begin = waiting;
+    for (int k = 0; k < 4; ++k) {
+      const int child = children[static_cast<std::size_t>(k)];
+      if (!enters[k] || (k > 0 && child == children[static_cast<std::size_t>(k) - 1])) continue;
+      std::size_t at = waiting++;  // the nearest one last
+      for (; at > begin && stack[at - 1].entry < entry[k]; --at) stack[at] = stack[at - 1];
+      stack[at] = {child, entry[k]};
+    }
+  }
+  return found ? Sight{far, behind} : Sight{};
+}
+
 }  // namespace
 
 FittedTree make_fitted_tree(std::span<const float> positions, std::span<const int> triangles) {
@@ -188,36 +229,19 @@ void fit_boxes(const FittedTree& tree, std::span<const float> positions, std::ve
 }
 
 float back_seen(const FittedTree& tree, std::span<const float> boxes, std::span<const float> positions, Float4 from, Float4 direction, float near, float far) {
-  if (tree.children.empty()) return 0;
-  const Ray ray = make_ray(from, direction, near);
-  struct Waiting {
-    int child;
-    float entry;
-  };
-  std::array<Waiting, kMostWaiting> stack;
-  std::size_t waiting = 1;
-  stack[0] = {0, near};
-  bool found = false, behind = false;
-  while (waiting > 0) {
-    const Waiting next = stack[--waiting];
-    if (next.entry > far) continue;
-    if (next.child < 0) {
-      found = crosses(positions, &tree.corners[static_cast<std::size_t>(~next.child)], ray, far, behind) || found;
-      continue;
-    }
-    Int4 enters;
-    const Float4 entry = entries(&boxes[32 * static_cast<std::size_t>(next.child)], ray, far, enters);
-    const std::array<int, 4>& children = tree.children[static_cast<std::size_t>(next.child)];
-    const std::size_t begin = waiting;
-    for (int k = 0; k < 4; ++k) {
-      const int child = children[static_cast<std::size_t>(k)];
-      if (!enters[k] || (k > 0 && child == children[static_cast<std::size_t>(k) - 1])) continue;
-      std::size_t at = waiting++;  // the nearest one last
-      for (; at > begin && stack[at - 1].entry < entry[k]; --at) stack[at] = stack[at - 1];
-      stack[at] = {child, entry[k]};
-    }
-  }
-  return found && behind ? far : 0;
+  const Sight sight = seen(tree, boxes, positions, make_ray(from, direction, near), far);
+  return sight.behind ? sight.distance : 0;
+}
+
+float front_seen(const FittedTree& tree, std::span<const float> boxes, std::span<const float> positions, Float4 from, Float4 direction, float near, float far) {
+  const Sight sight = seen(tree, boxes, positions, make_ray(from, direction, near), far);
+  return sight.behind ? 0 : sight.distance;
+}
+
+float next_back(const FittedTree& tree, std::span<const float> boxes, std::span<const float> positions, Float4 from, Float4 direction, float own, float far) {
+  Ray ray = make_ray(from, direction, 0);
+  ray.own = own;
+  return seen(tree, boxes, positions, ray, far).distance;
 }
 
 }  // namespace ecorche

@@ -26,4 +26,10 @@ void fit_boxes(const FittedTree& tree, std::span<const float> positions, std::ve
 // Distance to the first triangle between `near` and `far` along a direction of unit length if it is seen from behind; otherwise 0.
 float back_seen(const FittedTree& tree, std::span<const float> boxes, std::span<const float> positions, Float4 from, Float4 direction, float near, float far);
 
+// The same, but if it is seen from the front.
+float front_seen(const FittedTree& tree, std::span<const float> boxes, std::span<const float> positions, Float4 from, Float4 direction, float near, float far);
+
+// Distance to the first back up to `far`, whatever fronts lie before it; 0 without one. What is at the distance `own`, to 0.2 mm, is passed over.
+float next_back(const FittedTree& tree, std::span<const float> boxes, std::span<const float> positions, Float4 from, Float4 direction, float own, float far);
+
 }  // namespace ecorche

@@ -13,29 +13,26 @@ namespace ecorche {
 namespace {
 
 constexpr float kSight = 0.5f, kNear = 2e-4f;  // m
-constexpr float kGap = 4e-4f;                  // m, that is left between parts
+constexpr float kGap = 2e-3f;                  // m, that is left between parts
 constexpr double kGive = 1;                    // of the tissue
 constexpr float kReach = 1;                    // of what a vertex may be pushed: deeper inside, the other side of a thin part would be met
 constexpr double kLeastGive = 1e-3;            // m
 constexpr int kBlock = 512;
 
-struct Looker {
+struct Surface {
   const FittedTree& tree;
   std::span<const float> boxes, positions;
-
-  float back_seen(std::size_t vertex, Float4 direction, float far) const {
-    return ecorche::back_seen(tree, boxes, positions, load4(&positions[4 * vertex]), direction, kNear, far);
-  }
 };
 
-// Half of the way out, and half of the gap. A vertex that is inside another part sees the back of the surface that it came through a little
-// way behind it, and some back ahead of it; the near look comes first, as it is short and mostly settles the matter.
-Float4 find_push(const Looker& looker, std::size_t vertex, Float4 normal, float give) {
+// Half of the way out, and of the gap. A point before the vertex that is inside another part sees the back of the surface that it came through
+// a little way behind it, and some back ahead of it; the look behind comes first, as it is short and mostly settles the matter.
+Float4 find_push(const Surface& surface, std::size_t vertex, Float4 normal, float give, float gap) {
   const float reach = kReach * give;
-  const float depth = looker.back_seen(vertex, -normal, reach);
-  if (depth <= 0 || looker.back_seen(vertex, normal, kSight) <= 0) return Float4{};
-  const float fade = std::clamp(2 - 2 * depth / reach, 0.0f, 1.0f);
-  return (-0.5f * fade * (depth + std::min(depth, kGap))) * normal;
+  const Float4 from = load4(&surface.positions[4 * vertex]) + gap * normal;
+  const float depth = next_back(surface.tree, surface.boxes, surface.positions, from, -normal, gap, gap + reach);
+  if (depth <= 0 || back_seen(surface.tree, surface.boxes, surface.positions, from, normal, 0, kSight) <= 0) return Float4{};
+  const float fade = std::clamp(2 - 2 * (depth - gap) / reach, 0.0f, 1.0f);
+  return (-0.5f * fade * depth) * normal;
 }
 
 template <class Do>
@@ -45,10 +42,10 @@ void each_vertex(int count, const Do& act) {
   });
 }
 
-void find_pushes(const Looker& looker, std::span<const float> normals, std::span<const float> give, ContactScratch& s) {
+void find_pushes(const Surface& surface, const SkinContact& contact, std::span<const float> normals, ContactScratch& s) {
   each_vertex(static_cast<int>(s.wanted.size()), [&](int i) {
     const std::size_t at = static_cast<std::size_t>(i);
-    store4(&s.pushes[4 * at], s.wanted[at] ? find_push(looker, at, load4(&normals[4 * at]), give[at]) : Float4{});
+    store4(&s.pushes[4 * at], s.wanted[at] ? find_push(surface, at, load4(&normals[4 * at]), contact.give[at], contact.gap[at]) : Float4{});
   });
 }
 
@@ -79,12 +76,14 @@ SkinContact make_skin_contact(const Membrane& rings, std::span<const float> posi
   out.tree = make_fitted_tree(positions, triangles);
   std::vector<float> boxes;
   fit_boxes(out.tree, positions, boxes);
-  const Looker looker{out.tree, boxes, positions};
   std::vector<float> normals(positions.size());
   vertex_normals(positions, triangles, normals);
   for (std::size_t i = 0; i < tissue.size(); ++i) {
-    const bool inside = looker.back_seen(i, load4(&normals[4 * i]), kSight) > 0;
+    const Float4 p = load4(&positions[4 * i]), n = load4(&normals[4 * i]);
+    const bool inside = back_seen(out.tree, boxes, positions, p, n, kNear, kSight) > 0;
+    const float before = front_seen(out.tree, boxes, positions, p, n, kNear, 2 * kGap);
     out.give.push_back(inside ? 0 : static_cast<float>(kGive * tissue[i] + kLeastGive));
+    out.gap.push_back(before > 0 ? before / 2 : kGap);
   }
   out.patches = cut_patches(rings, positions, normals, out.give);
   return out;
@@ -103,7 +102,7 @@ bool part_skin(const Membrane& rings, const SkinContact& contact, std::span<cons
   for (int round = 0; round < rounds; ++round) {
     if (round > 0) vertex_normals(positions, triangles, normals);
     fit_boxes(contact.tree, positions, s.boxes);
-    find_pushes({contact.tree, s.boxes, positions}, normals, give, s);
+    find_pushes({contact.tree, s.boxes, positions}, contact, normals, s);
     spread_pushes(rings, give, s);
     bool any = false;
     for (std::size_t i = 0; i < n; ++i) {

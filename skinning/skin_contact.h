@@ -1,8 +1,9 @@
 // Parts of a skin that meet are pressed flat against each other instead of passing through. Private to the room.
 //
-// A vertex is inside another part when the first thing that it sees along its normal is the back of a triangle. It then goes half of
-// the way back to the surface that it has come through; the other part's vertices go the other half. The ring about them follows a
-// little, so that the dent has no edge. Vertices that lie inside something at rest (lips, eyelids, the mouth) are left alone.
+// A vertex is too near when a point a little before it is inside another part: the first thing that is seen from there along its normal is
+// the back of a triangle. It then goes half of the way to where that point is free; the other part's vertices go the other half. What is left
+// between parts keeps their edges out of each other, not only their vertices. The ring about them follows a little, so that the dent has no
+// edge. Vertices that lie inside something at rest (lips, eyelids, the mouth) are left alone.
 #pragma once
 
 #include <span>
@@ -17,6 +18,7 @@ namespace ecorche {
 
 struct SkinContact {
   std::vector<float> give;   // #V m, how far each vertex may be pushed; 0 for those that are left alone
+  std::vector<float> gap;    // #V m, that is left before each; less than what is before it at rest
   ContactPatches patches;
   FittedTree tree;
 };

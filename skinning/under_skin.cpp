@@ -158,6 +158,13 @@ bool find_pierces(const UnderSkin::Data& data, const PosedSkin& skin, std::span<
   return any;
 }
 
+// Whether the skin over one of a section's probes is marked.
+bool under_any(const UnderSkin::Data& data, std::size_t owner, std::span<const char> marks) {
+  if (marks.empty()) return false;
+  const std::span<const SkinProbe> probes = probes_of(data, owner);
+  return std::any_of(probes.begin(), probes.end(), [&](const SkinProbe& probe) { return marks[static_cast<std::size_t>(probe.vertex)] != 0; });
+}
+
 // What a section must give: its way inward, and the share of its spokes.
 Giving give_of(const UnderSkin::Data& data, const PosedSkin& skin, std::span<const Ellipse> slices, std::size_t owner) {
   Giving out;
@@ -318,7 +325,8 @@ bool rise_over_muscles(const UnderSkin& under, std::span<const Ellipse> slices, 
 
 std::span<const float> room_over_muscles(const UnderSkinMemory& memory) { return memory.own->rise.room; }
 
-void give_way_to_skin(const UnderSkin& under, const PosingTable& table, std::span<const float> positions, PosedAnatomy& posed, UnderSkinMemory& own) {
+void give_way_to_skin(const UnderSkin& under, const PosingTable& table, std::span<const float> positions, std::span<const char> pressed,
+                      PosedAnatomy& posed, UnderSkinMemory& own) {
   if (!table.data) throw std::invalid_argument("give_way_to_skin: an empty table");
   const UnderSkin::Data& data = *under.data;
   UnderSkinScratch& memory = *own.own;
@@ -326,7 +334,8 @@ void give_way_to_skin(const UnderSkin& under, const PosingTable& table, std::spa
   const PosedSkin skin{positions, memory.normals};
   vertex_normals(positions, data.triangles, memory.normals);
   tbb::parallel_for(owners_of(data), [&](const auto& range) {
-    for (std::size_t o = range.begin(); o < range.end(); ++o) memory.givings[o] = memory.near[o] ? give_of(data, skin, posed.slices, o) : Giving{};
+    for (std::size_t o = range.begin(); o < range.end(); ++o)
+      memory.givings[o] = memory.near[o] || under_any(data, o, pressed) ? give_of(data, skin, posed.slices, o) : Giving{};
   });
   give_way(data, posed, memory);
   regrow(*table.data, memory.changed, posed);

@@ -196,6 +196,18 @@ TEST(SkinContact, WhatIsApartStaysAndWhatMeetsIsPressedFlat) {
   EXPECT_GT(far, 0.008);
 }
 
+TEST(SkinContact, WhatNearlyMeetsKeepsAGap) {
+  const Pair pair;
+  const auto between = [&](const Points& V) {
+    const Eigen::Index half = V.rows() / 2;
+    return V.col(0).tail(half).minCoeff() - V.col(0).head(half).maxCoeff();
+  };
+  const Points near = pair.at(0.2002), V = pair.parted(near);
+  EXPECT_GT(between(V), between(near) + 1e-4);
+  EXPECT_EQ(count_self_intersections(pair.mesh.F, V), 0);
+  EXPECT_EQ(floats(pair.parted(pair.at(0.203))), floats(pair.at(0.203)));
+}
+
 TEST(SkinContact, GivesWayNoFurtherThanTheFleshIsThick) {
   const Pair pair;
   const Points deep = pair.at(0.08), V = pair.parted(deep);

@@ -80,7 +80,7 @@ struct Limb {
 bool keep_under_skin(const Limb& limb, SkinFrame& frame, PosedAnatomy& posed, UnderSkinMemory& memory) {
   const std::vector<float> open(frame.positions.size() / 4, 1.0f);
   if (!rise_over_muscles(limb.under, posed.slices, open, frame.positions, memory)) return false;
-  give_way_to_skin(limb.under, limb.table, frame.positions, posed, memory);
+  give_way_to_skin(limb.under, limb.table, frame.positions, {}, posed, memory);
   return true;
 }
 
