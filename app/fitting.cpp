@@ -188,9 +188,10 @@ FittedCharacter fit_character(const Template& body_template, const Body& body, c
     base = BaseSkin{body.skin, refine_skin(package)};
     character.body.skin = {refine_points(base->refinement, body.skin.V), base->refinement.F};
   }
-  fitted.actor = make_actor(std::move(character), report, {base ? &*base : nullptr, options.weights, options.moves});
+  if (options.bound) fitted.actor = make_actor(std::move(character), report, {base ? &*base : nullptr, options.weights, options.moves});
+  else fitted.actor.character = std::move(character);
   measure_outside(fitted.actor.character.anatomy, closed_skin, fitted.fill);
-  measure_skin_gap(fitted.actor.binding, base ? &base->refinement : nullptr, fat, package, fitted.fill);
+  if (options.bound) measure_skin_gap(fitted.actor.binding, base ? &base->refinement : nullptr, fat, package, fitted.fill);
   measure_superficial_gap(fitted.actor.character.anatomy, package, rays, fat, fitted.fill);
   fitted.tissues = measure_tissues(fitted.actor.character.anatomy, closed_skin, fat);
   report_fit(fitted, report);

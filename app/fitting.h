@@ -20,6 +20,7 @@ struct FittingOptions {
   bool fine_skin = false;  // the character gets the refined skin of 120,404 vertices instead of the base mesh
   std::filesystem::path weights{};  // see ActorOptions
   bool moves = true;              // see ActorOptions
+  bool bound = true;              // false: the actor has no tables and no binding, for those who want the anatomy alone
 };
 
 // How well the muscles fill the skin.

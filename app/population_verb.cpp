@@ -1,16 +1,19 @@
 // ecorche body population: a file of measures, or a number of people, as bodies with their anatomy. Stops and goes on where it stopped.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
+#include "anatomy/table.h"
 #include "app/fitting.h"
 #include "app/population.h"
 #include "app/verb.h"
 #include "skinning/character_io.h"
+#include "skinning/crowd_io.h"
 
 namespace ecorche {
 namespace {
@@ -18,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct PopulationOptions {
-  fs::path people, folder;
+  fs::path people, folder, crowd;
   int count = 0;
   std::string sex;
   bool skins = false, allow_unusual = false;
@@ -32,6 +35,7 @@ struct Workshop {
   TapeMeasure tape{package, read_measure_table(package, data_folder() / "body")};
   std::optional<ShapeSpace> spaces[2];
   std::optional<Template> body_template;
+  std::optional<CrowdMould> mould;  // of a crowd
 
   const ShapeSpace& space(Sex sex) {
     auto& kept = spaces[sex == Sex::male ? 0 : 1];
@@ -43,6 +47,7 @@ struct Workshop {
 // All that a person's files depend on. A row that is edited is made anew.
 std::string row_key(const Person& person, const PopulationOptions& options, const std::string& versions) {
   std::string text = fmt::format("{} {} {} {} {}", versions, person.name, person.sex == Sex::male ? "male" : "female", options.skins, options.allow_unusual);
+  text += options.crowd.empty() ? "" : " crowd";
   text += person.age ? fmt::format(" age {}", *person.age) : "";
   text += person.draw ? fmt::format(" draw {}", *person.draw) : "";
   for (const Wish& wish : person.wishes) text += fmt::format(" {}={}", wish.measure, wish.value);
@@ -77,10 +82,11 @@ std::string make_files(Workshop& shop, const Person& person, const PopulationOpt
     write_body(file, body);
   } else {
     Report own;
-    const FittedCharacter fitted = fit_character(*shop.body_template, body, shop.package, {.moves = false}, own);
+    const FittedCharacter fitted = fit_character(*shop.body_template, body, shop.package, {.moves = false, .bound = !shop.mould}, own);
     const std::vector<std::string> missed = missed_targets(fitted);
     anatomy = missed.empty() ? "met" : fmt::format("{} targets missed", missed.size());
-    write_character(file, fitted.actor.character, fitted.actor.binding);
+    if (shop.mould) write_crowd_person(file, *shop.mould, fitted.actor.character);
+    else write_character(file, fitted.actor.character, fitted.actor.binding);
   }
   return fmt::format("{},{},{},{:.4f},{:.2f},{:.3f},{}\n", person.name, person.sex == Sex::male ? "male" : "female",
                      person.age ? fmt::format("{}", *person.age) : "", stature(shop.package, solved.points), body.mass,
@@ -95,8 +101,33 @@ std::string finished_row(const fs::path& note, const fs::path& file, const std::
   return row + "\n";
 }
 
+// What all people of a crowd share: the template in its own body. Its muscles need not grow for that.
+CrowdMould make_mould(const Template& body_template) {
+  Report own;
+  const Actor actor = make_actor({body_template.anatomy, body_template.body}, own, {.moves = false});
+  return make_crowd_mould(actor.character, actor.binding);
+}
+
+// A row of population.csv and what was asked, as a crowd's figures.
+CrowdMember crowd_member(const MeasureTable& table, const Person& person, const fs::path& file, const std::string& row) {
+  CrowdMember out{person.name, file, {}, {}};
+  const Table cells(kHeader + row, "population.csv");
+  for (const char* column : {"sex", "anatomy"}) out.notes.emplace_back(column, cells.text(0, column));
+  for (const char* column : {"age", "stature_m", "weight_kg", "worst_miss_in_tolerances"})
+    if (!cells.text(0, column).empty()) out.figures.emplace_back(column, cells.number(0, column));
+  for (const Wish& wish : person.wishes) out.figures.emplace_back("asked_" + table.measures[static_cast<std::size_t>(wish.measure)].id, wish.value);
+  return out;
+}
+
+void check_crowd(const PopulationOptions& options) {
+  if (options.crowd.empty()) return;
+  if (options.skins) throw UsageError("body population: --crowd has skin, bones and muscles; leave --skins away");
+  if (options.crowd.extension() != ".glb" && options.crowd.extension() != ".gltf") throw UsageError(options.crowd.string() + ": a crowd is written as .glb or .gltf");
+}
+
 int run_population(const PopulationOptions& options, const Common& common, Report& report) {
   if (options.people.empty() == (options.count == 0)) throw UsageError("body population: give a file of measures or --count, one of them");
+  check_crowd(options);
   std::optional<Sex> sex;
   if (!options.sex.empty()) sex = options.sex == "female" ? Sex::female : Sex::male;
   Workshop shop;
@@ -110,15 +141,20 @@ int run_population(const PopulationOptions& options, const Common& common, Repor
   std::error_code failed;
   fs::create_directories(notes, failed);
   if (failed) throw OutputError(fmt::format("{}: {}", notes.string(), failed.message()));
+  if (!options.crowd.empty()) {
+    check_output(options.crowd, {options.people});
+    shop.mould = make_mould(*shop.body_template);
+  }
 
   const std::string versions = fmt::format("{} {} {} {}", ECORCHE_VERSION, options.skins ? "" : template_key(), shape_space_key(Sex::male), shape_space_key(Sex::female));
   std::string table = kHeader;
+  std::vector<CrowdMember> members;
   int made = 0, kept = 0, refused = 0, missed = 0;
   const int total = static_cast<int>(people.people.size());
   const StageTimer timer(report, "population");
   for (int i = 0; i < total; ++i) {
     const Person& person = people.people[static_cast<std::size_t>(i)];
-    const fs::path file = options.folder / (person.name + ".glb"), done = notes / person.name;
+    const fs::path file = options.folder / (person.name + (shop.mould ? ".bin" : ".glb")), done = notes / person.name;
     const std::string key = row_key(person, options, versions);
     std::string row = finished_row(done, file, key);
     if (!row.empty()) {
@@ -137,9 +173,16 @@ int run_population(const PopulationOptions& options, const Common& common, Repor
     }
     if (row.find("missed") != std::string::npos) ++missed;
     table += row;
+    if (shop.mould) members.push_back(crowd_member(shop.tape.table(), person, file, row));
     progress(common, "people", i + 1, total);
   }
   write_file_atomically(options.folder / "population.csv", table);
+  if (!members.empty()) {
+    std::sort(members.begin(), members.end(), [](const CrowdMember& a, const CrowdMember& b) { return a.name < b.name; });
+    const StageTimer crowd_timer(report, "crowd");
+    write_crowd(options.crowd, *shop.mould, members);
+    report.set("population.crowd_bytes", static_cast<double>(fs::file_size(options.crowd)));
+  }
   report.set("population.people", made + kept);
   report.set("population.kept", kept);
   report.set("population.refused", refused);
@@ -163,6 +206,8 @@ void add_body_population(VerbRegistry& registry, CLI::App& body) {
   verb->add_option("--count", options->count, "Instead of a file: so many people by chance, with the survey's means, spreads and correlations (--seed)")
       ->check(CLI::Range(1, 1000000));
   verb->add_option("--sex", options->sex, "Of rows that do not say it; with --count, of all")->check(CLI::IsMember({"male", "female"}));
+  verb->add_option("--crowd", options->crowd,
+                   "One file of all people (.glb, or .gltf in the folder, referring to the people's own files): what they have in common is there once");
   verb->add_flag("--skins", options->skins, "Skins alone, without bones and muscles");
   verb->add_flag("--allow-unusual", options->allow_unusual, "Accept measures that people do not have, as far as the skin can be bent");
   verb->add_option("-o,--output", options->folder, "Folder to write; people that are there already from the same row are kept")->required();

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <span>
 #include <stdexcept>
 
@@ -14,6 +13,7 @@
 #include "anatomy/muscle_surface.h"
 #include "skinning/glb_builder.h"
 #include "skinning/gltf_values.h"
+#include "skinning/slice_influences.h"
 
 namespace ecorche {
 namespace {
@@ -56,33 +56,6 @@ void add_bones(GlbBuilder& glb, const Anatomy& anatomy) {
     node.extras = gltf::bone_extras(bone);
     glb.add_node(std::move(node), bone.joint);
   }
-}
-
-// What carries each slice: the carriers of the path points that its place on the line is a weighted sum of. #slices
-std::vector<std::array<Influence, 4>> slice_influences(const Anatomy& anatomy) {
-  std::vector<std::array<Influence, 4>> out;
-  for (const Muscle& muscle : anatomy.muscles) {
-    for (const Strip& strip : muscle.strips) {
-      std::vector<double> s;
-      for (const Slice& slice : strip.slices) s.push_back(slice.s);
-      for (const LineNode& node : line_nodes(strip.path, s)) {
-        std::map<int, double> shares;  // a spline's weights may be slightly negative, which influences must not be
-        for (int i = 0; i < 4; ++i) {
-          if (node.weight[i] == 0) continue;
-          const PathPoint& p = strip.path[node.first + i];
-          shares[p.joints[0]] += node.weight[i] * p.share;
-          if (p.joints[1] >= 0) shares[p.joints[1]] += node.weight[i] * (1 - p.share);
-        }
-        std::vector<Influence> sorted;
-        for (const auto& [joint, weight] : shares) sorted.push_back({joint, std::max(0.0, weight)});
-        std::stable_sort(sorted.begin(), sorted.end(), [](const Influence& l, const Influence& r) { return l.weight > r.weight; });
-        std::array<Influence, 4> four{};
-        std::copy_n(sorted.begin(), std::min<size_t>(4, sorted.size()), four.begin());
-        out.push_back(four);
-      }
-    }
-  }
-  return out;
 }
 
 void add_muscles(GlbBuilder& glb, const Anatomy& anatomy) {

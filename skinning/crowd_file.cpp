@@ -1,0 +1,270 @@
+// The glTF around the people of a crowd: what they share, and a scene that shows them in rows.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "anatomy/atomic_file.h"
+#include "anatomy/errors.h"
+#include "skinning/crowd_layout.h"
+
+namespace ecorche {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// glTF's own numbers.
+constexpr int kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
+constexpr int kVertices = 34962, kIndices = 34963;
+
+constexpr double kApart = 1.5;  // m, between people
+
+// One end for all small pieces: appends a view and an accessor over it.
+struct Scene {
+  Json accessors = Json::array(), views = Json::array();
+
+  int add(int buffer, std::size_t offset, std::size_t count, std::size_t element, int stride, int target, int component, const char* type, bool normalized) {
+    Json view{{"buffer", buffer}, {"byteOffset", offset}, {"byteLength", count * element}};
+    if (stride > 0) view["byteStride"] = stride;
+    if (target > 0) view["target"] = target;
+    views.push_back(std::move(view));
+    Json accessor{{"bufferView", views.size() - 1}, {"componentType", component}, {"count", count}, {"type", type}};
+    if (normalized) accessor["normalized"] = true;
+    accessors.push_back(std::move(accessor));
+    return static_cast<int>(accessors.size()) - 1;
+  }
+};
+
+template <class T>
+std::size_t append(std::string& bytes, const std::vector<T>& values) {
+  const std::size_t start = bytes.size();
+  bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+  bytes.resize((bytes.size() + 3) / 4 * 4);
+  return start;
+}
+
+// 16-bit shares that sum to 65535 exactly: what rounding leaves over goes to the largest.
+void add_shares(const std::array<Influence, 4>& four, std::vector<std::uint8_t>& joints, std::vector<std::uint16_t>& weights) {
+  double sum = 0;
+  for (const Influence& influence : four) sum += influence.weight;
+  int left = 65535;
+  std::array<int, 4> share{};
+  std::size_t largest = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    share[k] = static_cast<int>(std::lround(65535 * four[k].weight / sum));
+    left -= share[k];
+    if (share[k] > share[largest]) largest = k;
+  }
+  share[largest] += left;
+  for (std::size_t k = 0; k < 4; ++k) {
+    joints.push_back(static_cast<std::uint8_t>(share[k] > 0 ? four[k].joint : 0));  // an unused slot must name joint 0
+    weights.push_back(static_cast<std::uint16_t>(share[k]));
+  }
+}
+
+struct SharedAccessors {
+  int indices = 0, joints = 0, weights = 0;
+};
+
+// Triangles and influences of all layers: bytes of the first buffer and the accessors over them.
+std::array<SharedAccessors, 3> share(const CrowdMould& mould, Scene& scene, std::string& bytes) {
+  std::array<SharedAccessors, 3> out;
+  for (std::size_t l = 0; l < 3; ++l) {
+    const CrowdMould::Layer& layer = mould.layers[l];
+    const std::size_t n = layer.influences.size(), corners = static_cast<std::size_t>(layer.F.size());
+    if (n <= 65535) {
+      const std::size_t at = append(bytes, std::vector<std::uint16_t>(layer.F.data(), layer.F.data() + corners));
+      out[l].indices = scene.add(0, at, corners, 2, 0, kIndices, kUnsignedShort, "SCALAR", false);
+    } else {
+      const std::size_t at = append(bytes, std::vector<std::uint32_t>(layer.F.data(), layer.F.data() + corners));
+      out[l].indices = scene.add(0, at, corners, 4, 0, kIndices, kUnsignedInt, "SCALAR", false);
+    }
+    std::vector<std::uint8_t> joints;
+    std::vector<std::uint16_t> weights;
+    for (const auto& four : layer.influences) add_shares(four, joints, weights);
+    out[l].joints = scene.add(0, append(bytes, joints), n, 4, 0, kVertices, kUnsignedByte, "VEC4", false);
+    out[l].weights = scene.add(0, append(bytes, weights), n, 8, 0, kVertices, kUnsignedShort, "VEC4", true);
+  }
+  return out;
+}
+
+std::string read_person(const CrowdMember& member, std::size_t size) {
+  std::error_code failed;
+  if (fs::file_size(member.file, failed) != size || failed)
+    throw InputError(fmt::format("{}: not a person of this crowd; {} bytes were expected", member.file.string(), size));
+  std::string bytes(size, '\0');
+  std::ifstream in(member.file, std::ios::binary);
+  if (!in.read(bytes.data(), static_cast<std::streamsize>(size))) throw InputError(member.file.string() + ": could not be read");
+  return bytes;
+}
+
+// Least and largest of a layer's positions, as they are stored.
+void add_bounds(const std::string& bytes, std::size_t at, std::size_t vertices, Json& accessor) {
+  std::array<int, 3> low, high;
+  low.fill(std::numeric_limits<int>::max()), high.fill(std::numeric_limits<int>::lowest());
+  for (std::size_t v = 0; v < vertices; ++v) {
+    std::int16_t place[3];
+    std::memcpy(place, bytes.data() + at + kPositionBytes * v, sizeof place);
+    for (std::size_t axis = 0; axis < 3; ++axis) low[axis] = std::min(low[axis], int{place[axis]}), high[axis] = std::max(high[axis], int{place[axis]});
+  }
+  accessor["min"] = low;
+  accessor["max"] = high;
+}
+
+// Where a person's joints are, from their inverse bind matrices.
+std::vector<Vec3> joint_places(const std::string& bytes, std::size_t joints) {
+  std::vector<Vec3> out;
+  for (std::size_t j = 0; j < joints; ++j) {
+    float translation[3];
+    std::memcpy(translation, bytes.data() + kMatrixBytes * j + 12 * sizeof(float), sizeof translation);
+    out.emplace_back(kCrowdCentre - Eigen::Map<const Eigen::Vector3f>(translation).cast<double>());
+  }
+  return out;
+}
+
+Json rounded(const Vec3& v) {  // to a thousandth of a millimetre, so that the text stays short
+  Json out = Json::array();
+  for (double x : v) out.push_back(std::round(x * 1e6) / 1e6);
+  return out;
+}
+
+Json extras_of(const CrowdMember& member) {
+  Json out = Json::object();
+  for (const auto& [name, text] : member.notes) out[name] = text;
+  for (const auto& [name, value] : member.figures) out[name] = value;
+  return out;
+}
+
+struct Document {
+  Scene scene;
+  Json nodes = Json::array(), meshes = Json::array(), skins = Json::array(), roots = Json::array();
+};
+
+void add_person(const CrowdMould& mould, const CrowdLayout& layout, const std::array<SharedAccessors, 3>& shared, const CrowdMember& member, const Vec3& place,
+                int buffer, std::size_t begin, Document& out) {
+  const std::string bytes = read_person(member, layout.size);
+  const std::size_t joints = mould.skeleton.joints.size(), root = out.nodes.size();
+  const std::vector<Vec3> places = joint_places(bytes, joints);
+  out.nodes.push_back({{"name", member.name}, {"translation", rounded(place)}, {"children", Json::array({root + 1})}, {"extras", extras_of(member)}});
+  out.roots.push_back(root);
+  Json skin{{"inverseBindMatrices", out.scene.add(buffer, begin, joints, kMatrixBytes, 0, 0, kFloat, "MAT4", false)}, {"skeleton", root + 1}, {"joints", Json::array()}};
+  for (std::size_t j = 0; j < joints; ++j) {
+    const Joint& joint = mould.skeleton.joints[j];
+    const Vec3 from = joint.parent < 0 ? Vec3(Vec3::Zero()) : places[static_cast<std::size_t>(joint.parent)];
+    out.nodes.push_back({{"name", joint.name}, {"translation", rounded(places[j] - from)}});
+    if (joint.parent >= 0) out.nodes[root + 1 + static_cast<std::size_t>(joint.parent)]["children"].push_back(root + 1 + j);
+    skin["joints"].push_back(root + 1 + j);
+  }
+  out.skins.push_back(std::move(skin));
+  for (std::size_t l = 0; l < 3; ++l) {
+    const int positions = out.scene.add(buffer, begin + layout.positions[l], layout.vertices[l], kPositionBytes, kPositionBytes, kVertices, kShort, "VEC3", false);
+    add_bounds(bytes, layout.positions[l], layout.vertices[l], out.scene.accessors[static_cast<std::size_t>(positions)]);
+    const int normals = out.scene.add(buffer, begin + layout.normals[l], layout.vertices[l], kNormalBytes, kNormalBytes, kVertices, kByte, "VEC3", true);
+    const std::string name = member.name + "/" + mould.layers[l].name;
+    out.meshes.push_back({{"name", name},
+                          {"primitives",
+                           Json::array({{{"attributes",
+                                          {{"POSITION", positions}, {"NORMAL", normals}, {"JOINTS_0", shared[l].joints}, {"WEIGHTS_0", shared[l].weights}}},
+                                         {"indices", shared[l].indices},
+                                         {"material", l}}})}});
+    // Skinned meshes go with their joints and are roots themselves.
+    out.roots.push_back(out.nodes.size());
+    out.nodes.push_back({{"name", name}, {"mesh", out.meshes.size() - 1}, {"skin", out.skins.size() - 1}});
+  }
+}
+
+Json material(const char* name, std::array<double, 4> colour, double roughness) {
+  return {{"name", name}, {"pbrMetallicRoughness", {{"baseColorFactor", colour}, {"metallicFactor", 0.0}, {"roughnessFactor", roughness}}}};
+}
+
+Json parts_of(const CrowdMould::Layer& layer) {
+  Json out = Json::array();
+  for (const CrowdMould::Part& part : layer.parts) out.push_back(Json::array({part.name, part.vertex_begin, part.vertex_end}));
+  return out;
+}
+
+Json to_json(const CrowdMould& mould, std::size_t people, Document&& document, Json buffers) {
+  Json out;
+  out["asset"] = {{"version", "2.0"}, {"generator", fmt::format("ecorche {}", ECORCHE_VERSION)}};
+  out["extensionsUsed"] = out["extensionsRequired"] = Json::array({"KHR_mesh_quantization"});
+  out["scene"] = 0;
+  const Json crowd{{"schema", 1}, {"people", people}, {"bones", parts_of(mould.layers[1])}, {"muscles", parts_of(mould.layers[2])}};
+  out["scenes"] = Json::array({{{"name", "crowd"}, {"nodes", std::move(document.roots)}, {"extras", {{"crowd", crowd}}}}});
+  out["nodes"] = std::move(document.nodes);
+  out["meshes"] = std::move(document.meshes);
+  out["skins"] = std::move(document.skins);
+  out["materials"] = Json::array({material("skin", {0.80, 0.58, 0.47, 1}, 0.6), material("bone", {0.89, 0.85, 0.76, 1}, 0.7), material("muscle", {0.62, 0.16, 0.13, 1}, 0.5)});
+  out["accessors"] = std::move(document.scene.accessors);
+  out["bufferViews"] = std::move(document.scene.views);
+  out["buffers"] = std::move(buffers);
+  return out;
+}
+
+void write_number(std::ostream& out, std::size_t value) {
+  const auto word = static_cast<std::uint32_t>(value);
+  out.write(reinterpret_cast<const char*>(&word), sizeof word);
+}
+
+void write_glb(const fs::path& file, const CrowdLayout& layout, const std::vector<CrowdMember>& members, std::string text, const std::string& shared) {
+  AtomicFile out(file);
+  std::ostream& stream = out.stream();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const std::size_t binary = shared.size() + members.size() * layout.size;
+  stream.write("glTF", 4);
+  write_number(stream, 2);
+  write_number(stream, 12 + 8 + text.size() + 8 + binary);
+  write_number(stream, text.size());
+  stream.write("JSON", 4);
+  stream << text;
+  write_number(stream, binary);
+  stream.write("BIN\0", 4);
+  stream << shared;
+  for (const CrowdMember& member : members) stream << read_person(member, layout.size);
+  if (!stream) throw OutputError(fmt::format("{}: could not be written", file.string()));
+  out.commit();
+}
+
+}  // namespace
+
+void write_crowd(const fs::path& file, const CrowdMould& mould, const std::vector<CrowdMember>& members) {
+  const bool one_file = file.extension() == ".glb";
+  if (!one_file && file.extension() != ".gltf") throw UsageError(file.string() + ": a crowd is written as .glb or .gltf");
+  std::set<std::string> names;
+  for (const CrowdMember& member : members)
+    if (!names.insert(member.name).second) throw UsageError(fmt::format("{}: two people are named '{}'", file.string(), member.name));
+  const CrowdLayout layout = crowd_layout(mould);
+  Document document;
+  std::string shared;
+  const std::array<SharedAccessors, 3> accessors = share(mould, document.scene, shared);
+  constexpr double kRoom = 4.2e9;  // of a .glb, whose length is a 32-bit number; text and all
+  if (one_file && static_cast<double>(members.size()) * (static_cast<double>(layout.size) + 2e4) > kRoom)
+    throw LimitError(fmt::format("{}: {} people do not fit into the 4 GiB of a .glb; write a .gltf, or several files", file.string(), members.size()));
+
+  const auto in_a_row = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(members.size()))));
+  const fs::path shared_file = fs::path(file).replace_extension(".shared");
+  Json buffers = Json::array();
+  if (!one_file) buffers.push_back({{"uri", shared_file.filename().string()}, {"byteLength", shared.size()}});
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    const Vec3 place(kApart * static_cast<double>(i % in_a_row), 0, -kApart * static_cast<double>(i / in_a_row));
+    add_person(mould, layout, accessors, members[i], place, one_file ? 0 : static_cast<int>(i) + 1, one_file ? shared.size() + i * layout.size : 0, document);
+    if (one_file) continue;
+    if (!fs::equivalent(fs::absolute(members[i].file).parent_path(), fs::absolute(file).parent_path()))
+      throw UsageError(fmt::format("{}: a .gltf must lie in the folder of the people's files, {}", file.string(), members[i].file.parent_path().string()));
+    buffers.push_back({{"uri", members[i].file.filename().string()}, {"byteLength", layout.size}});
+  }
+  if (one_file) buffers.push_back({{"byteLength", shared.size() + members.size() * layout.size}});
+  std::string text = to_json(mould, members.size(), std::move(document), std::move(buffers)).dump();
+  if (one_file) return write_glb(file, layout, members, std::move(text), shared);
+  write_file_atomically(shared_file, shared);
+  write_file_atomically(file, text);
+}
+
+}  // namespace ecorche

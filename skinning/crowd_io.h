@@ -1,0 +1,54 @@
+// A crowd: many people with their anatomy in one glTF file. What people of one template have in common is there once: triangles, skin
+// weights, names. A person adds positions, normals, a skeleton and figures, some 3 MB instead of a character's 25.
+//
+// Scene: for each person three skinned meshes `NAME/skin`, `NAME/bones`, `NAME/muscles`, a joint hierarchy under the node `NAME`, whose
+// `extras` hold the figures; people stand in rows. Positions are 16-bit and normals 8-bit whole numbers (KHR_mesh_quantization), brought to
+// metres by the inverse bind matrices: a vertex is good to some 0.02 mm. The weights are the template's. A person's bytes depend on the
+// person alone, so a crowd can be made bit by bit and in any order. To move with its muscles, a person is written as a character.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "skinning/character_io.h"
+
+namespace ecorche {
+
+// What the people of a crowd share.
+struct CrowdMould {
+  struct Part {
+    std::string name;
+    int vertex_begin = 0, vertex_end = 0;
+  };
+  struct Layer {
+    std::string name;                                  // skin, bones, muscles
+    Triangles F;
+    std::vector<std::array<Influence, 4>> influences;  // #V
+    std::vector<Part> parts;                           // one a bone or muscle
+  };
+  Skeleton skeleton;  // names, parents
+  std::array<Layer, 3> layers;
+};
+
+// Of the template in its own body. Throws LimitError for more than 256 joints.
+CrowdMould make_crowd_mould(const Character& character, const Binding& binding);
+
+// Writes what is a person's own: the file that write_crowd puts together or refers to. Throws OutputError, UnfitError for a character that
+// is not of the mould's template.
+void write_crowd_person(const std::filesystem::path& file, const CrowdMould& mould, const Character& character);
+
+struct CrowdMember {
+  std::string name;                                        // unique in the crowd
+  std::filesystem::path file;                              // that write_crowd_person wrote
+  std::vector<std::pair<std::string, double>> figures;     // into `extras`, in this order
+  std::vector<std::pair<std::string, std::string>> notes;  // the same for words
+};
+
+// FILE.glb holds everything, up to 4 GiB; FILE.gltf refers to the people's files, which then lie in its folder, and to FILE.shared beside
+// it. Throws OutputError, LimitError, InputError for a person's file of another mould, UsageError for other endings and folders.
+void write_crowd(const std::filesystem::path& file, const CrowdMould& mould, const std::vector<CrowdMember>& members);
+
+}  // namespace ecorche
