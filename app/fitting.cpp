@@ -33,9 +33,7 @@ void measure_outside(const Anatomy& anatomy, const TriMesh& closed_skin, FillRep
   const SkinField field(closed_skin);
   std::vector<double> distances(positions.rows());
   tbb::parallel_for(Eigen::Index{0}, positions.rows(), [&](Eigen::Index i) {
-    distances[i] = field.distance(positions.row(i));
-    // Where folds of the skin touch, the nearest triangle may face either way; how often the skin winds round the point decides.
-    if (distances[i] > 0 && field.winding_number(positions.row(i)) > 0.5) distances[i] = -distances[i];
+    distances[i] = field.nearest_judged(positions.row(i)).distance;
   });
   fill.points = static_cast<int>(positions.rows());
   for (double distance : distances) {

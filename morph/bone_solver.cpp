@@ -97,7 +97,7 @@ void probe_skin(BoneProblem& problem, const SkinField& skin, std::vector<Probe>&
     InsidePoint& p = problem.inside[i];
     const Vec3 x = problem.groups[p.group].map(p.x);
     if (p.answer + (x - p.asked_at).norm() + p.margin < 0) return;
-    const SkinPoint at = skin.nearest(x, p.seed);
+    const SkinPoint at = skin.nearest_judged(x, p.seed);
     p.seed = at.triangle;
     p.asked_at = x;
     p.answer = at.distance;

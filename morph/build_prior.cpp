@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -50,6 +51,10 @@ BuildPrior learn_build(const std::vector<double>& own, const FitRules& rules, co
   const Eigen::MatrixXd H = X.transpose() * X + kRidge * Eigen::MatrixXd::Identity(n, n);
   BuildPrior prior;
   prior.own = own;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    prior.low.push_back(std::min(0.0, X.col(k).minCoeff()));
+    prior.high.push_back(std::max(0.0, X.col(k).maxCoeff()));
+  }
   prior.weights = H.ldlt().solve(X.transpose() * Y).transpose();
   return prior;
 }
@@ -58,7 +63,8 @@ void apply_build(const BuildPrior& prior, const std::vector<double>& features, i
   for (int w = 0; w < BoneMap::way_count; ++w) {
     double step = 0;
     for (size_t k = 0; k < features.size(); ++k)
-      step += prior.weights(static_cast<Eigen::Index>(group) * BoneMap::way_count + w, static_cast<Eigen::Index>(k)) * (features[k] - prior.own[k]);
+      step += prior.weights(static_cast<Eigen::Index>(group) * BoneMap::way_count + w, static_cast<Eigen::Index>(k)) *
+              std::clamp(features[k] - prior.own[k], prior.low[k], prior.high[k]);
     if (step != 0) map.move(static_cast<BoneMap::Way>(w), step);
   }
 }

@@ -14,6 +14,7 @@ namespace ecorche {
 
 struct BuildPrior {
   std::vector<double> own;               // features of the template's body
+  std::vector<double> low, high;         // least and largest of the examples' features, less `own`
   Eigen::MatrixXd weights;               // #groups * way_count x #features
 };
 
@@ -28,7 +29,8 @@ struct BuildExample {
 // Ridge regression of the placed maps' deviations from the expected ones.
 BuildPrior learn_build(const std::vector<double>& own, const FitRules& rules, const std::vector<BuildExample>& examples);
 
-// Moves a group's expected map to where bodies of such a build have it.
+// Moves a group's expected map to where bodies of such a build have it. Features beyond those of the examples count as the examples' last:
+// nothing is known of such builds, and the regression would bend bones by centimetres.
 void apply_build(const BuildPrior& prior, const std::vector<double>& features, int group, BoneMap& map);
 
 }  // namespace ecorche

@@ -125,7 +125,7 @@ std::vector<Violation> violations(const HalfSkeleton& source, const BoneProblem&
       const int i = all ? k : bone.watched[k];
       const Vec3 x = problem.groups[bone.group].map(bone.mesh.V.row(i));
       if (at.distance + (x - asked).norm() < -margin) continue;  // distances change no faster than places
-      at = skin.nearest(x, at.triangle);
+      at = skin.nearest_judged(x, at.triangle);
       asked = x;
       if (at.distance > -margin) found[b].push_back({static_cast<int>(b), i, at.distance});
     }
@@ -135,11 +135,20 @@ std::vector<Violation> violations(const HalfSkeleton& source, const BoneProblem&
   return joined;
 }
 
-// Vertices between the samples may still stick out: aims at the worst of them too, and solves again.
-// Returns what is left in the end.
+// How much sticks out in all, m.
+double sticking(const std::vector<Violation>& found) {
+  double sum = 0;
+  for (const Violation& v : found) sum += v.distance + kPushMargin;
+  return sum;
+}
+
+// Vertices between the samples may still stick out: aims at the worst of them too, and solves again. Where the skin is folded (lips, a
+// chin on the neck) that can end with bones crushed; rounds that do harm are taken back. Returns what is left in the end.
 std::vector<Violation> push_in(const PlaceInput& input, const SkinField& skin, BoneProblem& problem, bool all, int& iterations) {
-  std::vector<Violation> out = violations(*input.source, problem, skin, kPushMargin, all);
-  for (int round = 0; round < kPushRounds && !out.empty(); ++round) {
+  constexpr double kHarm = 2;
+  std::vector<Violation> out = violations(*input.source, problem, skin, kPushMargin, all), best = out;
+  std::vector<BoneGroup> kept = problem.groups;
+  for (int round = 0; round < kPushRounds && !out.empty() && sticking(out) <= kHarm * sticking(best); ++round) {
     std::stable_sort(out.begin(), out.end(), [](const Violation& a, const Violation& b) { return a.distance > b.distance; });
     std::vector<int> taken(input.source->bones.size(), 0);
     for (const Violation& v : out) {
@@ -149,8 +158,10 @@ std::vector<Violation> push_in(const PlaceInput& input, const SkinField& skin, B
     }
     iterations += solve_bones(problem, skin, 12).iterations;
     out = violations(*input.source, problem, skin, kPushMargin, all);
+    if (sticking(out) < sticking(best)) best = out, kept = problem.groups;
   }
-  return out;
+  problem.groups = std::move(kept);
+  return best;
 }
 
 // Palpable points that lie a little off where they should are aimed at harder, some times over. Those that are far off are left

@@ -201,6 +201,15 @@ double SkinField::solid_angle(int f, const Vec3& p) const {
   return 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
 }
 
+SkinPoint SkinField::nearest_judged(const Vec3& p, int seed) const {
+  SkinPoint out = nearest(p, seed);
+  if (out.distance > 0 && winding_number(p) > 0.5) {
+    out.distance = -out.distance;
+    out.gradient = -out.gradient;
+  }
+  return out;
+}
+
 double SkinField::winding_number(const Vec3& p) const {
   double sum = 0;
   int stack[64];

@@ -29,6 +29,10 @@ class SkinField {
   SkinPoint nearest(const Vec3& p, int seed = -1) const;
   double distance(const Vec3& p, int seed = -1) const { return nearest(p, seed).distance; }
 
+  // The same, but what seems outside is so only where the winding number says it, too: where folds of the skin (lips, a chin on the neck)
+  // cross, the nearest triangle may face either way.
+  SkinPoint nearest_judged(const Vec3& p, int seed = -1) const;
+
   // 1 inside a simple closed skin, 0 outside; to about 0.01.
   double winding_number(const Vec3& p) const;
 

@@ -131,7 +131,7 @@ template <class A> void field(A& a, SurfaceSample& x) { fields(a, x.bone, x.vert
 template <class A> void field(A& a, GapPair& x) { fields(a, x.a, x.b, x.x_a, x.x_b, x.normal, x.gap, x.tolerance); }
 template <class A> void field(A& a, CentreRegressor::Row& x) { fields(a, x.name, x.vertices, x.weights); }
 template <class A> void field(A& a, CentreRegressor& x) { fields(a, x.rows); }
-template <class A> void field(A& a, BuildPrior& x) { fields(a, x.own, x.weights); }
+template <class A> void field(A& a, BuildPrior& x) { fields(a, x.own, x.low, x.high, x.weights); }
 template <class A> void field(A& a, FitTables& x) { fields(a, x.rules, x.muscles, x.topology, x.half, x.landmarks, x.margins, x.gaps, x.regressor, x.build, x.stature, x.volume); }
 
 template <class A>
