@@ -8,6 +8,7 @@
 #include "app/eyes.h"
 #include "app/legend.h"
 #include "skinning/flesh_motion.h"
+#include "skinning/pose_at.h"
 #include "viewer/camera.h"
 #include "viewer/follow_camera.h"
 #include "viewer/lettering.h"
@@ -50,8 +51,10 @@ std::vector<std::vector<Vec3f>> figures_of(const Actor& actor, const Motion& mot
   std::vector<std::vector<Vec3f>> figures;
   ActorFrame frame;
   const SkinMethod method = actor.method == SkinMethod::ecorche ? SkinMethod::anchors : actor.method;
+  Pose pose;
   for (const double at : moments) {
-    pose_anatomy(actor.table, actor.character.anatomy.skeleton, pose_at(motion, at), frame.posed);
+    pose_at(motion, at, pose);
+    pose_anatomy(actor.table, actor.character.anatomy.skeleton, pose, frame.posed);
     move_skin(actor, method, frame);
     std::vector<Vec3f>& points = figures.emplace_back();
     const Vec3f root = frame.posed.X_WJ.front().translation().cast<float>();
@@ -139,18 +142,6 @@ void write_words(const ActorFilm& film, double seconds, Image& picture) {
 
 }  // namespace
 
-Pose pose_at(const Motion& motion, double seconds) {
-  const double last = static_cast<double>(motion.frames.size() - 1);
-  const double at = std::clamp(seconds * motion.fps, 0.0, last);
-  const size_t begin = static_cast<size_t>(at), end = std::min(begin + 1, motion.frames.size() - 1);
-  const double share = at - static_cast<double>(begin);
-  const Pose &a = motion.frames[begin], &b = motion.frames[end];
-  Pose pose = a;
-  pose.root = (1 - share) * a.root + share * b.root;
-  for (size_t j = 0; j < pose.rotations.size(); ++j) pose.rotations[j] = a.rotations[j].slerp(share, b.rotations[j]);
-  return pose;
-}
-
 FilmReport film_actor(const Actor& actor, const Motion& motion, const ActorFilm& film, const Common& common) {
   const Body& body = actor.character.body;
   const double stature = body.skin.V.col(1).maxCoeff() - body.skin.V.col(1).minCoeff();
@@ -174,10 +165,12 @@ FilmReport film_actor(const Actor& actor, const Motion& motion, const ActorFilm&
   Appearance appearance;
   const FleshTables flesh = film.dynamics ? make_flesh_tables(actor.binding, actor.character.anatomy) : FleshTables{};
   FleshState state;
+  Pose pose;
   const FrameSource source = [&](int f, Scene& scene) {
     activation_at(film.activations, moments[f], efforts);
     if (!flesh.vertices.empty()) move_flesh(flesh, actor.character.anatomy.skeleton, motion, film.activations, moments[f], state);
-    play(actor, pose_at(motion, moments[f]), frame, efforts, state.seen);
+    pose_at(motion, moments[f], pose);
+    play(actor, pose, frame, efforts, state.seen);
     muscle_shortening(model, frame.posed, activity);
     scene.list.camera = cameras[f];
     light_outdoors(film, scene.list);

@@ -33,9 +33,6 @@ struct ActorFilm {
   bool dynamics = false;             // loose flesh lags and settles
 };
 
-// The pose at a time, between frames by the shorter way; clamped to the motion's ends. Precondition: a motion with frames.
-Pose pose_at(const Motion& motion, double seconds);
-
 FilmReport film_actor(const Actor& actor, const Motion& motion, const ActorFilm& film, const Common& common);
 
 }  // namespace ecorche

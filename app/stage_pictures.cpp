@@ -9,6 +9,7 @@
 #include "anatomy/muscle_line.h"
 #include "app/actor_film.h"
 #include "app/legend.h"
+#include "skinning/pose_at.h"
 #include "viewer/camera.h"
 #include "viewer/lettering.h"
 
@@ -191,11 +192,13 @@ Image sheet_of_moments(Renderer& renderer, const Actor& actor, std::span<const E
   Image whole = make_image(w * static_cast<int>(seconds.size()), head + rows * h + kTitle);
   const float high = 1.42f * extent_of(actor.character.body.skin.V).height;
   ActorFrame frame;
+  Pose pose;
   Scene scene;
   std::vector<float> activity;
   std::uint64_t revision = 0;
   for (size_t i = 0; i < seconds.size(); ++i) {
-    play(actor, pose_at(motion, seconds[i]), frame);
+    pose_at(motion, seconds[i], pose);
+    play(actor, pose, frame);
     muscle_shortening(model, frame.posed, activity);
     Eigen::AlignedBox3f box;
     for (size_t k = 0; k + 3 < frame.skin.positions.size(); k += 4) box.extend(Vec3f(frame.skin.positions[k], frame.skin.positions[k + 1], frame.skin.positions[k + 2]));

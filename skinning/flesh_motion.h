@@ -63,7 +63,4 @@ void seek_flesh(const FleshTables& tables, const Skeleton& skeleton, const Motio
 // deform_skin() with flesh that lags: `flesh` is state.seen; empty: not at all. Ignored by a binding that is not elastic.
 void deform_skin(const Binding& binding, const PosedAnatomy& posed, std::span<const float> flesh, SkinFrame& out);
 
-// A pose between frames, on a smooth curve through them; before the first and after the last one it stays. `out` is resized once.
-void pose_at(const Motion& motion, double time, Pose& out);
-
 }  // namespace ecorche

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "anatomy/joint_angles.h"
+
 namespace ecorche {
 namespace {
 
@@ -48,6 +50,8 @@ FootShape foot_shape(const Skeleton& skeleton, Side side, double sole_height) {
   // Behind the ankle the heel is 0.4 as long as the way to the ball; the toes end 0.15 of it before their last joints.
   foot.heel = ankle - 0.40 * (foot.ball - ankle);
   foot.tip = level(toes) + 0.15 * (foot.ball - ankle);
+  const Joint& toe = skeleton.joints[foot.mtp[1]];
+  foot.toes_up = at[foot.mtp[1]] + joint_rotation(toe, Vec3(toe.min[0] + limit_ease(toe, 0), toe.zero[1], toe.zero[2])) * (foot.tip - at[foot.mtp[1]]);
   return foot;
 }
 

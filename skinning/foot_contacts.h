@@ -13,6 +13,7 @@ struct FootShape {
   int hip = -1, knee = -1, ankle = -1, subtalar = -1;
   std::array<int, 5> mtp{};
   Vec3 heel = Vec3::Zero(), ball = Vec3::Zero(), tip = Vec3::Zero();  // on the ground under the standing foot
+  Vec3 toes_up = Vec3::Zero();  // where the tip is when the toes are bent upwards as far as they go
 };
 
 // sole_height: world y of the soles at rest. Precondition: the skeleton has our joints.

@@ -24,6 +24,11 @@ constexpr double kTwist = 6 * kDegree;     // ... of those that twist a leg, at 
 constexpr double kMiddle = 5e-3;            // m; knee or elbow off its place
 constexpr double kNear = 3 * kDegree;      // into the last part of a range, ...
 constexpr double kLast = 5 * kDegree;      // ... which begins so far from its end, or a tenth of it
+constexpr double kStands = 0.1e-3;         // m; a point that stands off its place, ...
+constexpr double kRises = 5e-3;            // ... a heel above it, a ball whose heel stands alone, ...
+constexpr double kRisen = 4e-3;            // ... which is held sideways half as well when it is so high, ...
+constexpr double kTurns = 4 * kDegree;     // ... the foot's turn, ...
+constexpr double kSinks = 0.2e-3;          // ... and either under the ground
 constexpr double kHinge = 10 * kDegree;    // an angle with less room than this takes no part: it stays as at rest
 
 using Angles = Eigen::Matrix<double, kMost, 1>;
@@ -31,8 +36,9 @@ using Angles = Eigen::Matrix<double, kMost, 1>;
 // One limb in one frame.
 class LimbSolver {
  public:
-  LimbSolver(const Skeleton& skeleton, const LimbChain& chain, const Transform& base, const Transform& wanted, const Vec3& middle, const LimbHold& hold, const Pose& start)
-      : skeleton_(skeleton), chain_(chain), base_(base), wanted_(wanted), middle_(middle), hold_(hold) {
+  LimbSolver(const Skeleton& skeleton, const LimbChain& chain, const Transform& base, const Transform& wanted, const Vec3& middle, const LimbHold& hold,
+             const FootStand& stand, const Pose& start)
+      : skeleton_(skeleton), chain_(chain), base_(base), wanted_(wanted), middle_(middle), hold_(hold), stand_(stand) {
     for (int k = 0; k < 4; ++k) {
       const Joint& joint = skeleton.joints[static_cast<std::size_t>(chain.joints[static_cast<std::size_t>(k)])];
       const Vec3 angles = joint_angles(joint, start.rotations[static_cast<std::size_t>(chain.joints[static_cast<std::size_t>(k)])]);
@@ -71,23 +77,46 @@ class LimbSolver {
   }
 
  private:
-  using Residual = Eigen::Matrix<double, 15, 1>;
+  static constexpr int kRows = 21;
+  using Residual = Eigen::Matrix<double, kRows, 1>;
 
   int joint_at(int k) const { return chain_.joints[static_cast<std::size_t>(k)]; }
   const Joint& joint(int k) const { return skeleton_.joints[static_cast<std::size_t>(joint_at(k))]; }
   Quat turn(const Angles& x, int k) const { return joint_rotation(joint(k), x.segment<3>(3 * k)); }
 
-  // Of the end: its point and the tips of three arrows.
+  // Of the end: its point and the tips of three arrows; of knee or elbow; of a foot also the points that stand, and how deep they sink.
   Residual end_off(const Angles& x) const {
     Transform X = base_;
-    Residual out;
+    Residual out = Residual::Zero();
     for (int k = 0; k < 4; ++k) {
       X.translate(joint(k).X_PJ.translation());
-      if (k == 1) out.tail<3>() = (X.translation() - middle_) / kMiddle;
+      if (k == 1) out.segment<3>(12) = (X.translation() - middle_) / kMiddle;
       X.rotate(turn(x, k));
     }
     out.head<3>() = (X * chain_.point - wanted_ * chain_.point) / hold_.place;
     for (int a = 0; a < 3; ++a) out.segment<3>(3 + 3 * a) = (X.linear().col(a) - wanted_.linear().col(a)) / (std::numbers::sqrt2 * hold_.turn);
+    if (!chain_.leg || !hold_.ground) return out;
+    const Vec3 ball = X * chain_.point, heel = X * chain_.heel;
+    if (stand_.ball || stand_.heel) out.segment<9>(3) *= hold_.turn / kTurns;
+    const Vec3 place = wanted_ * chain_.point, heel_place = wanted_ * chain_.heel;
+    if (stand_.ball) {
+      out.head<3>() = (ball - place) / kStands;
+    } else if (stand_.heel) {
+      // The ball gives way before the heel does, but what the ankle lacks is not made up for by turning the toes out: rather the heel rises.
+      out.head<3>() = (heel - heel_place) / kStands;
+      out[1] *= kStands / kRises;
+      out.segment<3>(15) = (ball - place) / kRises;
+    }
+    if (stand_.ball && stand_.heel) {
+      // The heel may rise where the ankle bends no further: it turns about the ball, and sideways the less it is held the higher it is.
+      const Vec3 across = Vec3::UnitY().cross(place - heel_place).normalized();
+      const double high = std::max(0.0, heel.y() - heel_place.y()) / kRisen;
+      out[15] = (heel - heel_place).dot(across) / (kStands * (1 + high * high));
+      out[16] = (heel.y() - heel_place.y()) / kRises;
+    }
+    out[18] = std::min(0.0, heel.y()) / kSinks;
+    out[19] = std::min(0.0, ball.y()) / kSinks;
+    out[20] = std::min(0.0, (X * chain_.toes_up).y()) / kSinks;
     return out;
   }
 
@@ -102,7 +131,7 @@ class LimbSolver {
   void linearize() {
     constexpr double kStep = 1e-6;
     const Residual here = end_off(x_);
-    Eigen::Matrix<double, 15, kMost> J = Eigen::Matrix<double, 15, kMost>::Zero();
+    Eigen::Matrix<double, kRows, kMost> J = Eigen::Matrix<double, kRows, kMost>::Zero();
     for (int i = 0; i < kMost; ++i) {
       if (!free_[i]) continue;
       Angles there = x_;
@@ -140,6 +169,7 @@ class LimbSolver {
   const Transform base_, wanted_;
   const Vec3 middle_;
   const LimbHold hold_;
+  const FootStand stand_;
   std::array<bool, kMost> free_{};
   Angles x_, start_, low_, high_, ease_, stray_;
   Eigen::Matrix<double, kMost, kMost> hessian_;
@@ -157,6 +187,26 @@ Quat toe_help(const Mat3& turn) {
   constexpr double kNearby = 20 * kDegree, kAway = 60 * kDegree;
   const Quat whole(turn);
   return whole.slerp(smooth_step(kNearby, kAway, whole.angularDistance(Quat::Identity())), Quat::Identity());
+}
+
+// Toes whose tip would be in the ground bend upwards, as far as their joints go.
+void raise_toes(const Skeleton& skeleton, const FootShape& foot, Pose& pose, std::vector<Transform>& X) {
+  constexpr double kEnough = 1e-4;  // m
+  double low = -HUGE_VAL;
+  for (int round = 0; round < 4; ++round) {
+    const FootPoints at = foot_points(skeleton, foot, X);
+    if (at.tip.y() > -kEnough || at.tip.y() < low + kEnough) return;
+    low = at.tip.y();
+    const Vec3 lever = at.tip - X[static_cast<std::size_t>(foot.mtp[1])].translation();
+    const double angle = -at.tip.y() / std::max(0.02, std::hypot(lever.x(), lever.z()));
+    const Mat3 up = Eigen::AngleAxisd(angle, lever.cross(Vec3::UnitY()).normalized()).toRotationMatrix();
+    for (const int toe : foot.mtp) {
+      const std::size_t mtp = static_cast<std::size_t>(toe);
+      const Mat3 parent = X[static_cast<std::size_t>(foot.subtalar)].linear();
+      pose.rotations[mtp] = clamped(skeleton.joints[mtp], Quat(Mat3(parent.transpose() * up * X[mtp].linear())).normalized());
+      X[mtp].linear() = parent * pose.rotations[mtp].toRotationMatrix();
+    }
+  }
 }
 
 Transform child_frame(const Skeleton& skeleton, const std::vector<Transform>& X, const Pose& pose, std::size_t j) {
@@ -183,7 +233,9 @@ LimitTables make_limit_tables(const Skeleton& skeleton, double sole_height) {
     const std::string s = side_suffix(side == 0 ? Side::left : Side::right);
     const FootShape foot = foot_shape(skeleton, side == 0 ? Side::left : Side::right, sole_height);
     LimbChain& leg = tables.limbs[static_cast<std::size_t>(side)];
-    leg = {{foot.hip, foot.knee, foot.ankle, foot.subtalar}, foot.ball - rest[static_cast<std::size_t>(foot.subtalar)], true};
+    const Vec3 subtalar = rest[static_cast<std::size_t>(foot.subtalar)];
+    leg = {{foot.hip, foot.knee, foot.ankle, foot.subtalar}, foot.ball - subtalar, foot.heel - subtalar, foot.toes_up - subtalar, true};
+    tables.feet[static_cast<std::size_t>(side)] = foot;
     LimbChain& arm = tables.limbs[static_cast<std::size_t>(2 + side)];
     arm.joints = {joint_of(skeleton, "shoulder" + s), joint_of(skeleton, "elbow" + s), joint_of(skeleton, "forearm" + s), joint_of(skeleton, "wrist" + s)};
     for (const LimbChain* limb : {&leg, &arm})
@@ -192,7 +244,8 @@ LimitTables make_limit_tables(const Skeleton& skeleton, double sole_height) {
   return tables;
 }
 
-void keep_limits(const Skeleton& skeleton, const LimitTables& tables, const LimbHold& hold, Pose& pose, LimitScratch& scratch) {
+void keep_limits(const Skeleton& skeleton, const LimitTables& tables, const LimbHold& hold, const std::array<FootStand, 2>& stands, Pose& pose,
+                 LimitScratch& scratch) {
   forward_kinematics(skeleton, pose, scratch.before);
   const std::vector<Transform>& was = scratch.before;
   std::vector<Transform>& is = scratch.after;
@@ -204,8 +257,10 @@ void keep_limits(const Skeleton& skeleton, const LimitTables& tables, const Limb
     if (tables.kept[j] == 3) pose.rotations[j] = (toe_help(is[parent].linear().transpose() * was[parent].linear()) * pose.rotations[j]).normalized();
     if (tables.kept[j] == 1) pose.rotations[j] = Quat(Mat3(is[parent].linear().transpose() * was[j].linear())).normalized();
     if (tables.kept[j] != 2) pose.rotations[j] = clamped(joint, pose.rotations[j]);
-    for (const LimbChain& limb : tables.limbs) {
+    for (std::size_t l = 0; l < tables.limbs.size(); ++l) {
+      const LimbChain& limb = tables.limbs[l];
       if (limb.joints[0] != static_cast<int>(j)) continue;
+      const FootStand stand = limb.leg ? stands[l] : FootStand{};
       const std::size_t end = static_cast<std::size_t>(limb.joints[3]);
       const Transform carried = limb.leg ? Transform::Identity() : is[thorax] * was[thorax].inverse();
       pose.rotations[j] = clamped(joint, Quat(Mat3(is[parent].linear().transpose() * carried.linear() * was[j].linear())).normalized());
@@ -213,10 +268,13 @@ void keep_limits(const Skeleton& skeleton, const LimitTables& tables, const Limb
         Quat& turn = pose.rotations[static_cast<std::size_t>(limb.joints[k])];
         turn = clamped(skeleton.joints[static_cast<std::size_t>(limb.joints[k])], turn);
       }
-      LimbSolver(skeleton, limb, is[parent], carried * was[end], carried * was[static_cast<std::size_t>(limb.joints[1])].translation(), hold, pose).solve(pose);
+      const Vec3 middle = carried * was[static_cast<std::size_t>(limb.joints[1])].translation();
+      LimbSolver(skeleton, limb, is[parent], carried * was[end], middle, hold, stand, pose).solve(pose);
     }
     is[j] = child_frame(skeleton, is, pose, j);
   }
+  if (hold.ground)
+    for (const FootShape& foot : tables.feet) raise_toes(skeleton, foot, pose, is);
   complete_pose(skeleton, pose);
   forward_kinematics(skeleton, pose, is);
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "anatomy/skeleton.h"
+#include "skinning/foot_contacts.h"
 
 namespace ecorche {
 
@@ -18,12 +19,14 @@ namespace ecorche {
 struct LimbChain {
   std::array<int, 4> joints{};
   Vec3 point = Vec3::Zero();  // in the last joint's frame: the ball of the foot, the wrist
+  Vec3 heel = Vec3::Zero(), toes_up = Vec3::Zero();  // of a leg, likewise; the tip of toes that are bent upwards as far as they go
   bool leg = false;
 };
 
 // Made once a skeleton.
 struct LimitTables {
   std::array<LimbChain, 4> limbs;          // legs, arms; left, right
+  std::array<FootShape, 2> feet;           // left, right
   std::vector<char> kept;                  // a joint: 0 local turn is clamped, 1 world turn is kept as far as can be, 2 part of a limb, 3 toe
   int thorax = -1;
 };
@@ -40,9 +43,17 @@ struct LimitScratch {
 struct LimbHold {
   double place = 4e-3;  // m
   double turn = 0.0175; // rad
+  bool ground = false;  // y = 0 is the ground: feet that stand stay to a tenth of a millimetre, and soles do not sink into it
 };
 
-// Brings `pose` inside the limits. Its root stays. scratch.before and scratch.after are the world frames of the two poses.
-void keep_limits(const Skeleton& skeleton, const LimitTables& tables, const LimbHold& hold, Pose& pose, LimitScratch& scratch);
+// Which points of a foot stand where the given pose has them.
+struct FootStand {
+  bool heel = false, ball = false;
+};
+
+// Brings `pose` inside the limits. Its root stays. scratch.before and scratch.after are the world frames of the two poses. `stands`: left and
+// right foot; they count where hold.ground is set.
+void keep_limits(const Skeleton& skeleton, const LimitTables& tables, const LimbHold& hold, const std::array<FootStand, 2>& stands, Pose& pose,
+                 LimitScratch& scratch);
 
 }  // namespace ecorche

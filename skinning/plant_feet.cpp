@@ -13,7 +13,7 @@ constexpr double kHandOver = 0.05;      // s in which heel and ball pass the foo
 constexpr double kStep = 0.06;          // m: a contact higher than this stands on something
 constexpr double kMostDrop = 0.10;      // m that the pelvis may come down
 constexpr double kStraight = 0.9985;    // of its length to which a planted leg stretches: 6 deg of knee
-constexpr double kToeExtension = 0.61;  // rad (35 deg): a foot pitched further rolls over the tip of its toes
+constexpr double kToeExtension = 0.61;  // rad (35 deg): a foot pitched further, or than its toes bend, rolls over the tip of its toes
 constexpr double kMostBent = 0.75;      // rad the toes bend upwards
 
 double smooth(double x) {
@@ -37,6 +37,7 @@ struct Anchor {
 // All that one foot does over the whole motion.
 struct FootPlan {
   FootShape shape;
+  double most_pitch = kToeExtension;
   std::vector<FootPoints> before;  // points of the unplanted foot
   std::vector<Anchor> heels, balls;
   std::vector<Interval> flat;      // both stand
@@ -85,8 +86,12 @@ class Planter {
  public:
   Planter(const Skeleton& skeleton, double sole_height, Motion& motion)
       : skeleton_(skeleton), motion_(motion), frames_(static_cast<int>(motion.frames.size())) {
-    for (int side = 0; side < 2; ++side)
+    for (int side = 0; side < 2; ++side) {
       feet_[side].shape = foot_shape(skeleton, side == 0 ? Side::left : Side::right, sole_height);
+      const FootShape& shape = feet_[side].shape;
+      const Vec3 forward = (shape.ball - shape.heel).normalized(), up = shape.toes_up - shape.ball;
+      feet_[side].most_pitch = std::clamp(std::atan2(up.y(), up.dot(forward)), 0.0, kToeExtension);
+    }
   }
 
   void run(const std::array<FootPaths, 2>& paths, RetargetReport& report) {
@@ -234,7 +239,7 @@ class Planter {
   // Where the ball belongs: on its place, or, when the heel is high, turned up around the tip of the toes.
   static Vec3 ball_goal(const FootPlan& foot, int f, const FootPoints& now) {
     const Vec3 along = now.ball - now.heel;
-    const double excess = std::asin(std::clamp(-along.normalized().y(), -1.0, 1.0)) - kToeExtension;
+    const double excess = std::asin(std::clamp(-along.normalized().y(), -1.0, 1.0)) - foot.most_pitch;
     if (excess <= 0) return foot.ball_place[f];
     const double toes = (foot.shape.tip - foot.shape.ball).norm();
     const Vec3 forward = Vec3(along.x(), 0, along.z()).normalized();

@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr double kLimitTolerance = 0.5 * kDegree;
-constexpr LimbHold kPlanted{0.5e-3, 1 * kDegree};
+constexpr LimbHold kPlanted{0.5e-3, 1 * kDegree, true};
 
 // Some files begin with a T-pose for the calibration, or glide out of one in a few frames. How many frames at the start belong to
 // it: those that move five times as fast as the movement that follows and together turn some joint by more than 30 deg.
@@ -58,9 +58,16 @@ class Limiter {
     for (const LimbChain& limb : tables_.limbs) ends_.push_back({limb.joints[3], limb.point, {.end = skeleton.joints[limb.joints[3]].name}});
   }
 
-  void run(const LimbHold& hold, Motion& motion) {
+  // `contacts`: of the feet that stand.
+  void run(const LimbHold& hold, const std::vector<Contact>& contacts, Motion& motion) {
+    std::vector<std::array<FootStand, 2>> stands(motion.frames.size());
+    for (const Contact& contact : contacts)
+      for (int f = contact.begin; f < contact.end; ++f) {
+        FootStand& foot = stands[static_cast<size_t>(f)][contact.side == Side::left ? 0 : 1];
+        (contact.heel ? foot.heel : foot.ball) = true;
+      }
     for (size_t f = 0; f < motion.frames.size(); ++f) {
-      keep_limits(skeleton_, tables_, hold, motion.frames[f], scratch_);
+      keep_limits(skeleton_, tables_, hold, stands[f], motion.frames[f], scratch_);
       for (End& end : ends_) {
         const double moved = (scratch_.before[end.joint] * end.point - scratch_.after[end.joint] * end.point).norm();
         end.move.mean += moved / motion.frames.size();
@@ -158,9 +165,11 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
       for (Pose& pose : motion.frames) turn_shin_with_foot(ours, foot, pose);
     }
   Limiter limiter(ours, sole);
-  if (keep) report.limited = limit_breaks(ours, motion), limiter.run({}, motion);
+  if (keep) report.limited = limit_breaks(ours, motion), limiter.run({}, {}, motion);
   if (options.plant_feet) plant_feet(ours, sole, feet, motion, report);
-  if (keep && options.plant_feet) limiter.run(kPlanted, motion);
+  if (keep && options.plant_feet) limiter.run(kPlanted, report.contacts, motion);
+  if (!keep && options.plant_feet)
+    for (Pose& pose : motion.frames) complete_pose(ours, pose);  // knees have moved
   if (keep) report.ends_moved = limiter.moves();
   if (options.keep_flights) keep_flights(ours, sole, motion, report);
   measure_feet(ours, sole, motion, report);
