@@ -218,6 +218,15 @@ ContactShape contact_shape(const SliceOutline& outline, int sides) {
   return out;
 }
 
+namespace {
+
+// Three coordinates, and none.
+inline Four floats(const double* p, const Vec3& origin = Vec3::Zero()) {
+  return Four{static_cast<float>(p[0] - origin[0]), static_cast<float>(p[1] - origin[1]), static_cast<float>(p[2] - origin[2]), 0};
+}
+
+}  // namespace
+
 void look_at_sections(const ContactTable& table, std::span<const Ellipse> slices, const Vec3& origin, ContactMemory& memory) {
   const std::size_t count = table.members.size();
   memory.sections.resize(count);
@@ -234,15 +243,12 @@ void look_at_sections(const ContactTable& table, std::span<const Ellipse> slices
     const float before = member.first ? 0 : follows ? after : distance(member.section - 1);
     after = member.last ? 0 : distance(member.section);
     const float a = std::max(static_cast<float>(e.radii.x()), 1e-5f), b = std::max(member.thickness * static_cast<float>(e.radii.y()), 1e-5f);
-    for (int r = 0; r < 3; ++r) {
-      s.center[r] = static_cast<float>(e.center[r] - origin[r]);
-      const float w = static_cast<float>(e.axes(r, 0)), t = static_cast<float>(e.axes(r, 1));
-      s.width[r] = a * w;
-      s.thickness[r] = b * t;
-      s.to_measures[r][0] = w / a;
-      s.to_measures[r][1] = t / b;
-      s.to_measures[r][2] = static_cast<float>(e.axes(r, 2));
-    }
+    const float per_a = 1 / a, per_b = 1 / b;
+    const Four center = floats(e.center.data(), origin), w = floats(e.axes.data()), t = floats(e.axes.data() + 3), n = floats(e.axes.data() + 6);
+    store(center, s.center);
+    store(a * w, s.width);
+    store(b * t, s.thickness);
+    for (int r = 0; r < 3; ++r) store(Four{w[r] * per_a, t[r] * per_b, n[r], 0}, s.to_measures[r]);
     const float end = std::max(0.5f * std::min(a, b), 1e-5f);
     const float back = before > 0 ? std::max(before, 1e-5f) : end, on = after > 0 ? std::max(after, 1e-5f) : end;
     store(Four{shape.room.left, shape.room.down, back, 1 / back}, s.low);

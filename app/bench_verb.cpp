@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "anatomy/muscle_line.h"
 #include "anatomy/subdivide.h"
@@ -34,6 +35,15 @@ BlendSkin blend_of(const Actor& actor) {
   return make_blend_skin(actor.character.body.skin, weights);
 }
 
+constexpr std::size_t kRow = 12;  // poses, spread over the motion: they take about as long as 60 of a tendon model
+
+// One pose after the other, as animators have them: milliseconds of one are those of the row over their number.
+std::function<void()> row_of_poses(const Actor& actor, const Motion& motion, PosedAnatomy& posed) {
+  return [&] {
+    for (std::size_t k = 0; k < kRow; ++k) pose_anatomy(actor.table, actor.character.anatomy.skeleton, motion.frames[k * motion.frames.size() / kRow], posed);
+  };
+}
+
 // A whole animated frame against the linear blend of the same mesh, over the poses of a motion in turn.
 std::vector<Ratio> bench_frames(const Actor& actor, const Motion& motion, const std::string& size, double asked, int rounds) {
   const BlendSkin blend = blend_of(actor);
@@ -56,11 +66,13 @@ std::vector<Ratio> bench_frames(const Actor& actor, const Motion& motion, const 
          deform_linear(blend, bones, linear);
        }},
       {"muscles", [&] { pose_anatomy(actor.table, skeleton, motion.frames[at_muscles++ % motion.frames.size()], posed); }},
+      {"row", row_of_poses(actor, motion, posed)},
       {"still", [&] { play(still, motion.frames[at_still++ % motion.frames.size()], frame); }}};
   const auto times = least_cpu_times(cases, rounds);
   return {{"frame_" + size, "whole frame, settled / linear blend with normals, " + size, times[0], times[1], 0},
-          {"frame_anchors_" + size, "the same without settling (--skin anchors)", times[3], times[1], asked},
-          {"muscles_" + size, "kinematics and all muscles / linear blend, " + size, times[2], times[1], 0}};
+          {"frame_anchors_" + size, "the same without settling (--skin anchors)", times[4], times[1], asked},
+          {"muscles_" + size, "kinematics and all muscles, between other work / linear blend, " + size, times[2], times[1], 0},
+          {"muscles_row_" + size, "the same, pose after pose / linear blend, " + size, times[3] / kRow, times[1], 0}};
 }
 
 // Dilation as `fit` runs it, bones and all, against nothing but one ray in each direction of each slice.
@@ -94,12 +106,26 @@ std::vector<Ratio> bench_dilation(const Template& body_template, const FittedCha
           {"dilation_ellipses", "the same, neighbours not parted (--method ellipses) / bare rays", times[4], times[0], 0}};
 }
 
-int run(int rounds, const Common& common, Report& report) {
+struct BenchVerbOptions {
+  int rounds = 9;
+  bool muscles = false;
+};
+
+int run(const BenchVerbOptions& options, const Common& common, Report& report) {
+  const int rounds = options.rounds;
   const BodyPackage package = read_body_package(find_packages());
   const Template body_template = read_template();
   const FittedCharacter fitted = fit_character(body_template, make_body(package, athlete()), package, {}, report);
   const Motion motion = open_motion(data_folder() / "motions" / "long_jump.bvh", fitted.actor.character, {}, common, report);
 
+  if (options.muscles) {
+    PosedAnatomy posed;
+    const std::vector<BenchCase> row{{"row", row_of_poses(fitted.actor, motion, posed)}};
+    const double ms = 1e3 * least_cpu_times(row, rounds)[0] / kRow;
+    report.set("bench.muscles_row_13k.ms", ms);
+    fmt::print("kinematics and all muscles, pose after pose: {:.3f} ms\n", ms);
+    return 0;
+  }
   note(common, "13k vertices");
   std::vector<Ratio> ratios = bench_frames(fitted.actor, motion, "13k", 5, rounds);
   for (const Ratio& ratio : bench_dilation(body_template, fitted, package, std::max(3, rounds / 2))) ratios.push_back(ratio);
@@ -135,10 +161,11 @@ int run(int rounds, const Common& common, Report& report) {
 }  // namespace
 
 void add_bench_verb(VerbRegistry& registry) {
-  auto rounds = std::make_shared<int>(9);
+  auto options = std::make_shared<BenchVerbOptions>();
   CLI::App* verb = add_verb(registry, registry.app, "bench", "Measure speed, as ratios within one run", "ecorche bench --report bench.json",
-                            [rounds](const Common& common, Report& report) { return run(*rounds, common, report); });
-  verb->add_option("--rounds", *rounds, "Interleaved repetitions; the least time of each case counts")->check(CLI::Range(3, 1000))->capture_default_str();
+                            [options](const Common& common, Report& report) { return run(*options, common, report); });
+  verb->add_flag("--muscles", options->muscles, "Only the posing of all muscles, pose after pose");
+  verb->add_option("--rounds", options->rounds, "Interleaved repetitions; the least time of each case counts")->check(CLI::Range(3, 1000))->capture_default_str();
 }
 
 }  // namespace ecorche
