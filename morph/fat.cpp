@@ -11,7 +11,7 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
-#include "anatomy/smooth_step.h"
+#include "morph/bare_bone.h"
 
 namespace ecorche {
 
@@ -25,8 +25,6 @@ constexpr std::array<double, 3> kMaleBuilds{0.11, 0.21, 0.33}, kFemaleBuilds{0.1
 constexpr std::array<double, 3> kIndexBuilds{21.5, 25, 34};  // their body mass indices: of the first only in athletes
 constexpr double kGrown = 16, kLeastAge = 7, kMostAge = 83;  // years: where the regressions were fitted
 constexpr double kUnknownAge = 25;  // years. What age adds to the fat of the same index lies inside: at the same share skinfolds get thinner with it
-// Bare bone: as far under the skin its face is taken for bare, and fading to there, m; and cosines between it and the skin.
-constexpr double kBareDeepest = 0.018, kBareGone = 0.024, kAslant = 0.6, kParallel = 0.85;
 
 double skin_volume_of(const TriMesh& mesh) {
   double six = 0;
@@ -136,20 +134,6 @@ double fat_share(const Body& body, double age) {
 
 double age_of(const Body& body) { return std::clamp(body.age > 0 ? body.age : kUnknownAge, kLeastAge, kMostAge); }
 
-// Bones that have a face bare of muscle, as one soup.
-TriMesh bare_bones(const Anatomy& anatomy) {
-  TriMesh all;
-  for (const Bone& bone : anatomy.bones) {
-    if (!bone.name.starts_with("tibia")) continue;
-    const Eigen::Index points = all.V.rows(), faces = all.F.rows();
-    all.V.conservativeResize(points + bone.mesh.V.rows(), 3);
-    all.V.bottomRows(bone.mesh.V.rows()) = bone.mesh.V;
-    all.F.conservativeResize(faces + bone.mesh.F.rows(), 3);
-    all.F.bottomRows(bone.mesh.F.rows()) = (bone.mesh.F.array() + static_cast<int>(points)).matrix();
-  }
-  return all;
-}
-
 }  // namespace
 
 FatTable::FatTable() : table_(data_folder() / "fat.csv") {}
@@ -203,21 +187,7 @@ FatLayer make_fat_layer(const SkinRays& rays, const Skeleton& skeleton, const Fa
 
 FatLayer make_fat_layer(const SkinRays& rays, const Anatomy& anatomy, const Body& body) {
   FatLayer layer = make_fat_layer(rays, anatomy.skeleton, FatOptions{body.sex, estimate_fatness(body)});
-  const TriMesh bare = bare_bones(anatomy);
-  if (bare.F.rows() == 0) return layer;
-  const SkinRays bone_rays(bare, RayBuild::quick);
-  const TriMesh& skin = rays.mesh();
-  const std::vector<Vec3> normals = vertex_normals(skin);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, normals.size(), 512), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      const RayHit bone = bone_rays.first_hit(skin.V.row(static_cast<Eigen::Index>(i)), -normals[i], kBareGone);
-      if (bone.triangle < 0) continue;
-      const double depth = static_cast<double>(bone.distance), parallel = -static_cast<double>(bone.facing);
-      const double share = smooth_step(kAslant, kParallel, parallel) * (1 - smooth_step(kBareDeepest, kBareGone, depth));
-      const double now = static_cast<double>(layer.thickness[i]);
-      if (depth > now) layer.thickness[i] = static_cast<float>(now + share * (depth - now));
-    }
-  });
+  reach_bare_bone(layer, rays, anatomy);
   return layer;
 }
 

@@ -62,8 +62,7 @@ double estimate_fatness(const Body& body);
 // `rays` are of the skin; `skeleton` lies inside it at rest. Sites whose ray meets nothing are left out.
 // Throws InputError when data/fat.csv cannot be read or names a joint that the skeleton lacks.
 FatLayer make_fat_layer(const SkinRays& rays, const Skeleton& skeleton, const FatOptions& options);
-// The same with the body's sex and estimated fatness; and where the skin runs along the medial face of a tibia of `anatomy`, on which no muscle
-// lies, the layer reaches down to the bone.
+// The same with the body's sex and estimated fatness; and where bones of `anatomy` lie bare of muscle, the layer reaches down to them (bare_bone.h).
 FatLayer make_fat_layer(const SkinRays& rays, const Anatomy& anatomy, const Body& body);
 
 }  // namespace ecorche

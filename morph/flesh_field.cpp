@@ -16,11 +16,11 @@ namespace {
 constexpr double kSpacing = 0.012;      // m: one sample a cube of this size
 constexpr double kCell = 0.04;          // m: of the search grid
 constexpr double kReach = 0.022;        // m: of the smooth mean
-constexpr double kDeepest = 0.12;       // m: where no bone lies nearer, flesh is stretched from here
+constexpr double kDeepest = 0.16;       // m: where no bone lies nearer, flesh is stretched from here
 constexpr double kAbove = 0.04;         // m: rays start above the skin, for muscles that stand out of it
 constexpr double kLeastRoom = 0.6;      // of the bone's depth: where the bone is near, the layer is thinner
 constexpr double kLeastStretch = 0.4, kMostStretch = 1.9;
-constexpr double kMostShift = 0.025;    // m
+constexpr double kMostShift = 0.05;    // m
 constexpr int kTubeSides = 10;
 
 // One vertex of the skin a cube of kSpacing: the one nearest to its middle. Cubes lie about the middle of the body, so that a body

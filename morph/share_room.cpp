@@ -31,12 +31,14 @@ constexpr double kWanting = 0.5;       // need beyond 1 that makes a muscle grow
 constexpr double kPush = 0.5;          // of a radius, into a neighbour that has more than its need
 constexpr double kLeastShare = 0.3;    // of the volume that a muscle comes with, to begin with
 constexpr double kThinnest = 2e-4;     // m
-constexpr double kMostPress = 0.6;     // factor of a sheet's thickness in a round
+constexpr double kMostPress = 0.8;     // factor of a sheet's thickness in a round
 constexpr float kMainTerm = 0.2f;      // weight of a section that a vertex between strips follows
 constexpr float kTip = 0.25f;          // of the layer, that points of an outline may stand into it: facets are chords and lie lower
 constexpr double kSteepest = 0.25;     // least cosine that the layer's slope is taken to have
 
-enum class Round { parting, growing, covering, settling };
+enum class Round { parting, growing, covering_around, covering, settling };
+
+bool covers(Round kind) { return kind == Round::covering || kind == Round::covering_around; }
 
 // Memory for a ray.
 struct Sight {
@@ -64,8 +66,8 @@ class Sharing {
 
   void round(Round kind, int smoothing) {
     look();
-    if (kind == Round::covering) {
-      asked_ = find_uncovered(all_, surface_, underside_, *flesh_, mesh_.F, solids_);
+    if (covers(kind)) {
+      asked_ = find_uncovered(all_, surface_, underside_, *flesh_, mesh_.F, solids_, kind == Round::covering_around);
       report_.rays += underside_.points.rows();
     }
     plan(kind);
@@ -208,7 +210,7 @@ class Sharing {
         // Where a deep muscle lies next under the layer, tendons and vessels run over it.
         const bool deep = anatomy_.muscles[static_cast<std::size_t>(strip.muscle)].layer == "deep";
         for (std::size_t k = strip.begin; k < strip.end; ++k)
-          for (std::size_t i = 0; i < kDirections; ++i) due_[k * kDirections + i] = static_cast<char>(all_.is_drawn(k, i) && (kind != Round::covering || (asked_[k * kDirections + i] > 0 && !deep)));
+          for (std::size_t i = 0; i < kDirections; ++i) due_[k * kDirections + i] = static_cast<char>(all_.is_drawn(k, i) && (!covers(kind) || (asked_[k * kDirections + i] > 0 && !deep)));
       }
     }
     last_ = kind;
@@ -237,7 +239,7 @@ class Sharing {
 
   // The new radius in a direction, m.
   double reach(std::size_t k, std::size_t i, const StripPlace& strip, Round kind, Sight& sight) const {
-    const bool grows = kind == Round::growing || kind == Round::covering, settling = kind == Round::settling;
+    const bool grows = kind == Round::growing || covers(kind), settling = kind == Round::settling;
     const Spoke& spoke = spokes_[k * kDirections + i];
     const double base = static_cast<double>(spoke.base), now = base * static_cast<double>(all_.slices[k].outline[i]);
     const Vec3 direction = all_.edge(k, i) / base;
@@ -265,7 +267,7 @@ class Sharing {
     const double least = limits_.least * base;
     if (!grows || end < now || (kind == Round::growing && all_.belly[k] <= 0)) return std::max(end, least);
     const double most = std::min(limits_.most * base, base + kMostGrowth);
-    if (kind == Round::covering) {
+    if (covers(kind)) {
       const double asked = static_cast<double>(asked_[k * kDirections + i]);
       const double tendons = std::pow(1 - all_.belly[k], kTendonPower);
       return std::max(now, std::min({static_cast<double>(spoke.over), deep, most, now + (1 - tendons) * asked + tendons * std::min(asked, kMostSheath)}));
@@ -381,7 +383,12 @@ SharingReport share_room(Anatomy& anatomy, std::span<Ellipse> slices, std::span<
   sharing.begin();
   for (int round = 0; round < limits.parting; ++round) sharing.round(Round::parting, 1);
   for (int round = 0; round < limits.growing; ++round) sharing.round(Round::growing, 1);
-  for (int round = 0; round < limits.covering; ++round) sharing.round(Round::covering, 0);
+  for (int turn = 0; turn < limits.covering; ++turn) {
+    const Round kind = turn == 0 ? Round::covering_around : Round::covering;
+    sharing.round(kind, 0);
+    sharing.round(kind, 0);
+    sharing.round(Round::settling, 0);
+  }
   for (int round = 0; round < limits.settling; ++round) sharing.round(Round::settling, 0);
   sharing.finish();
   return sharing.report();

@@ -5,7 +5,9 @@
 // surface), which both see alike; before bone the section ends. Where there is room between it and its neighbour, the bone or the layer
 // of fat, it grows: to the middle, or by more where it has less than its wanted volume and the neighbour has not. A few rounds, smoothed
 // along and round the strip. Then the layer is looked at from its own side: where no muscle comes up to it, the one that lies next under it
-// does (uncovered.h), points of outlines by up to a quarter of the layer into it, as facets lie lower than their corners. The last rounds only give way. Sections keep their ellipses: what is found are the outlines' factors.
+// does (uncovered.h), points of outlines by up to a quarter of the layer into it, as facets lie lower than their corners. Several may come up into the
+// same gap: after every two such rounds one follows in which all only give way, and what that leaves open the next ones fill. The last rounds only
+// give way. Sections keep their ellipses: what is found are the outlines' factors.
 #pragma once
 
 #include <span>
@@ -18,10 +20,10 @@
 namespace ecorche {
 
 struct SharingLimits {
-  int parting = 1, growing = 4, covering = 4, settling = 2;  // rounds
+  int parting = 1, growing = 4, covering = 4, settling = 1;  // rounds; a covering one is two that come up and one that gives way
   double reach = 0.035;      // m: how far beyond its surface a section looks for room
   double settled_reach = 0.003;  // in the last rounds
-  double gap = 0.15e-3;      // m, that a muscle keeps from its neighbour's half of the way
+  double gap = 0.35e-3;     // m, that a muscle keeps from its neighbour's half of the way
   double bone_gap = 0.4e-3;  // m
   double skin_gap = 0.5e-3;  // m, where the layer cannot be kept
   double most = 4;         // factors

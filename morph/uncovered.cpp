@@ -4,6 +4,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "anatomy/mesh_measures.h"
 
@@ -13,15 +17,27 @@ namespace {
 
 constexpr std::size_t kDirections = kOutlinePoints;
 constexpr double kDeepest = 0.02;      // m: what lies farther under the layer does not come up to it
+constexpr float kSunken = 10e-3f;      // m: a gap that what lies around may close, too
+constexpr int kAround = 6;             // directions in which it is looked for,
+constexpr double kLean = 0.85;         // sine of their angle with straight in
 constexpr float kLeastGap = 0.5e-3f;   // m
 constexpr float kMainTerm = 0.2f;      // weight of a section that a vertex between strips follows
 constexpr double kLeastCosine = 0.3;   // of a spoke that can still raise the surface
 constexpr int kNothing = -2;           // a label that no surface has
 
 struct Find {
-  int triangle = -1;
-  float gap = 0;
+  int triangle = -1;  // -1: nothing is entered within the depth
+  float gap = std::numeric_limits<float>::infinity();
+  Vec3 direction = Vec3::Zero();
 };
+
+Find look(const CrossingRays& flesh, const Vec3& from, const Vec3& direction, std::vector<Crossing>& crossings) {
+  flesh.cross(from, direction, kDeepest, 0, kNothing, crossings);
+  if (crossings.empty()) return {};
+  // What is left before anything is entered reaches the layer already.
+  if (!crossings[0].entering) return {-1, 0, direction};
+  return {crossings[0].triangle, crossings[0].distance, direction};
+}
 
 // Half of the neighbours' mean and more, so that a section does not come up as a single point.
 void spread(const SharedSections& sections, std::vector<float>& asked) {
@@ -46,35 +62,40 @@ Underside underside(const TriMesh& skin, const FatLayer& fat) {
 }
 
 std::vector<float> find_uncovered(const SharedSections& sections, const MuscleSurface& surface, const Underside& underside, const CrossingRays& flesh,
-                                  const Triangles& F, std::span<const int> solids) {
-  std::vector<Find> finds(static_cast<std::size_t>(underside.points.rows()));
+                                  const Triangles& F, std::span<const int> solids, bool around) {
+  std::vector<std::array<Find, 1 + kAround>> finds(static_cast<std::size_t>(underside.points.rows()));
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, finds.size(), 64), [&](const auto& range) {
     std::vector<Crossing> crossings;
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       const auto row = static_cast<Eigen::Index>(i);
-      flesh.cross(underside.points.row(row), -underside.normals.row(row), kDeepest, 0, kNothing, crossings);
-      // What is left before anything is entered reaches the layer already.
-      if (!crossings.empty() && crossings[0].entering) finds[i] = {crossings[0].triangle, crossings[0].distance};
+      const Vec3 from = underside.points.row(row), in = -underside.normals.row(row);
+      if (in.squaredNorm() == 0) continue;
+      finds[i][0] = look(flesh, from, in, crossings);
+      if (!around || finds[i][0].gap < kSunken) continue;
+      const Vec3 side = in.unitOrthogonal(), other = in.cross(side);
+      for (int k = 0; k < kAround; ++k) {
+        const double turn = 2 * std::numbers::pi * k / kAround;
+        finds[i][static_cast<std::size_t>(k) + 1] = look(flesh, from, kLean * (std::cos(turn) * side + std::sin(turn) * other) + std::sqrt(1 - kLean * kLean) * in, crossings);
+      }
     }
   });
   std::vector<float> asked(sections.slices.size() * kDirections, 0);
-  for (std::size_t n = 0; n < finds.size(); ++n) {
-    const Find& find = finds[n];
-    if (find.triangle < 0 || find.gap < kLeastGap || solids[static_cast<std::size_t>(find.triangle)] < 0) continue;
-    const Vec3 out = underside.normals.row(static_cast<Eigen::Index>(n));
-    for (int corner = 0; corner < 3; ++corner) {
-      const auto vertex = static_cast<std::size_t>(F(find.triangle, corner));
-      for (int j = surface.term_begin[vertex]; j < surface.term_begin[vertex + 1]; ++j) {
-        const MuscleSurface::Term& t = surface.terms[static_cast<std::size_t>(j)];
-        if (t.weight < kMainTerm || (t.u == 0 && t.v == 0)) continue;
-        const std::size_t k = static_cast<std::size_t>(t.slice), i = outline_place(t);
-        const double cosine = sections.edge(k, i).normalized().dot(out);
-        if (cosine < kLeastCosine) continue;
-        float& most = asked[k * kDirections + i];
-        most = std::max(most, static_cast<float>(static_cast<double>(find.gap) / cosine));
+  for (const auto& group : finds)
+    for (const Find& find : group) {
+      if (find.triangle < 0 || find.gap < kLeastGap || solids[static_cast<std::size_t>(find.triangle)] < 0) continue;
+      for (int corner = 0; corner < 3; ++corner) {
+        const auto vertex = static_cast<std::size_t>(F(find.triangle, corner));
+        for (int j = surface.term_begin[vertex]; j < surface.term_begin[vertex + 1]; ++j) {
+          const MuscleSurface::Term& t = surface.terms[static_cast<std::size_t>(j)];
+          if (t.weight < kMainTerm || (t.u == 0 && t.v == 0)) continue;
+          const std::size_t k = static_cast<std::size_t>(t.slice), i = outline_place(t);
+          const double cosine = -sections.edge(k, i).normalized().dot(find.direction);
+          if (cosine < kLeastCosine) continue;
+          float& most = asked[k * kDirections + i];
+          most = std::max(most, static_cast<float>(static_cast<double>(find.gap) / cosine));
+        }
       }
     }
-  }
   spread(sections, asked);
   return asked;
 }

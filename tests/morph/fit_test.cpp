@@ -160,28 +160,35 @@ TEST(Fit, TheFatLayerFollowsTheShareOfFat) {
   }
 }
 
-TEST(Fit, TheFatLayerReachesTheBareTibiaAndNothingElse) {
+TEST(Fit, TheFatLayerReachesBareBoneAndNothingElse) {
   NEED_PACKAGES();
+  const std::vector<std::string> bare{"tibia", "fibula", "femur", "patella", "humerus", "ulna", "radius"};
+  const auto is_bare = [&](const std::string& name) { return std::any_of(bare.begin(), bare.end(), [&](const std::string& b) { return name == b + "_l" || name == b + "_r"; }); };
   Anatomy without = own.anatomy;
-  std::erase_if(without.bones, [](const Bone& bone) { return bone.name.starts_with("tibia"); });
+  std::erase_if(without.bones, [&](const Bone& bone) { return is_bare(bone.name); });
   const TriMesh skin = capped_skin(package, own.body.skin.V);
   const SkinRays rays(skin);
   const FatLayer plain = make_fat_layer(rays, without, own.body), layer = make_fat_layer(rays, own.anatomy, own.body);
-  const Points& tibia = own.anatomy.bones[static_cast<size_t>(find_bone(own.anatomy, "tibia_l"))].mesh.V;
-  int left = 0, right = 0;
+  const auto parts = vertex_parts(package);
+  const auto deeper = [&](size_t i) { return static_cast<double>(layer.thickness[i] - plain.thickness[i]); };
+  int left = 0, right = 0, shins = 0;
   for (size_t i = 0; i < layer.thickness.size(); ++i) {
-    const double more = static_cast<double>(layer.thickness[i] - plain.thickness[i]);
-    EXPECT_GE(more, 0);
-    if (more < 1e-3) continue;
-    Vec3 at = skin.V.row(static_cast<Eigen::Index>(i));
+    EXPECT_GE(deeper(i), 0);
+    if (deeper(i) < 1e-3) continue;
+    const Vec3 at = skin.V.row(static_cast<Eigen::Index>(i));
+    double nearest = 1;
+    for (const Bone& bone : own.anatomy.bones)
+      if (is_bare(bone.name)) nearest = std::min(nearest, (bone.mesh.V.rowwise() - at.transpose()).rowwise().norm().minCoeff());
+    EXPECT_LT(nearest, static_cast<double>(layer.thickness[i]) + 0.022);  // the spacing of the bones' vertices
+    EXPECT_LT(static_cast<double>(layer.thickness[i]), 0.035);
+    ASSERT_LT(i, parts.size());
+    EXPECT_NE(parts[i].part, BodyPart::trunk);
+    EXPECT_NE(parts[i].part, BodyPart::head);
     ++(at.x() > 0 ? left : right);
-    at.x() = std::abs(at.x());
-    const double nearest = (tibia.rowwise() - at.transpose()).rowwise().norm().minCoeff();
-    EXPECT_LT(nearest, 0.029);  // 24 mm, and the spacing of the vertices
-    EXPECT_LT(static_cast<double>(layer.thickness[i]), 0.024);
+    shins += parts[i].part == BodyPart::shank;
   }
-  EXPECT_GT(left, 30);
-  EXPECT_NEAR(left, right, 2);
+  EXPECT_GT(shins, 60);
+  EXPECT_NEAR(left, right, 4);
 }
 
 TEST(Fit, EveryJointRestsInsideItsLimitsInAnatomicalAxes) {

@@ -1,0 +1,91 @@
+#include "morph/bare_bone.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include "anatomy/mesh_measures.h"
+#include "anatomy/package.h"
+#include "anatomy/smooth_step.h"
+#include "anatomy/table.h"
+
+namespace ecorche {
+
+namespace {
+
+constexpr double kMillimetre = 1e-3;
+constexpr double kFade = 0.8;  // of the reach: from there on it fades
+
+// One row: its bones on all sides as one soup, and the joints it is near to.
+struct BareFace {
+  TriMesh bones;
+  std::vector<Vec3> joints;  // empty: everywhere
+  double reach = 0, deepest = 0, gone = 0, aslant = 0, parallel = 0;
+};
+
+bool is_of(const std::string& name, const std::string& plain) { return name == plain || name == plain + "_l" || name == plain + "_r"; }
+
+void add_mesh(TriMesh& all, const TriMesh& mesh) {
+  const Eigen::Index points = all.V.rows(), faces = all.F.rows();
+  all.V.conservativeResize(points + mesh.V.rows(), 3);
+  all.V.bottomRows(mesh.V.rows()) = mesh.V;
+  all.F.conservativeResize(faces + mesh.F.rows(), 3);
+  all.F.bottomRows(mesh.F.rows()) = (mesh.F.array() + static_cast<int>(points)).matrix();
+}
+
+BareFace read_face(const Table& table, int row, const Anatomy& anatomy) {
+  BareFace face;
+  for (const Bone& bone : anatomy.bones)
+    if (is_of(bone.name, table.text(row, "bone"))) add_mesh(face.bones, bone.mesh);
+  const std::string& joint = table.text(row, "joint");
+  if (!joint.empty()) {
+    const std::vector<Vec3> positions = rest_positions(anatomy.skeleton);
+    for (std::size_t j = 0; j < positions.size(); ++j)
+      if (is_of(anatomy.skeleton.joints[j].name, joint)) face.joints.push_back(positions[j]);
+    if (face.joints.empty()) face.bones = {};
+  }
+  face.reach = kMillimetre * table.number_or(row, "reach_mm", 0);
+  face.deepest = kMillimetre * table.number(row, "deepest_mm");
+  face.gone = kMillimetre * table.number(row, "gone_mm");
+  face.aslant = table.number(row, "aslant");
+  face.parallel = table.number(row, "parallel");
+  return face;
+}
+
+double nearest_joint(const BareFace& face, const Vec3& point) {
+  double nearest = face.joints.empty() ? 0 : std::numeric_limits<double>::infinity();
+  for (const Vec3& joint : face.joints) nearest = std::min(nearest, (joint - point).norm());
+  return nearest;
+}
+
+}  // namespace
+
+void reach_bare_bone(FatLayer& layer, const SkinRays& rays, const Anatomy& anatomy) {
+  const Table table(data_folder() / "bare.csv");
+  const TriMesh& skin = rays.mesh();
+  const Points normals = vertex_normals(skin);
+  const std::vector<float> plain = layer.thickness;
+  for (int row = 0; row < table.rows(); ++row) {
+    const BareFace face = read_face(table, row, anatomy);
+    if (face.bones.F.rows() == 0) continue;
+    const SkinRays bone_rays(face.bones, RayBuild::quick);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, plain.size(), 512), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+        const auto vertex = static_cast<Eigen::Index>(i);
+        const Vec3 from = skin.V.row(vertex), inwards = -normals.row(vertex);
+        if (inwards.squaredNorm() == 0 || (!face.joints.empty() && nearest_joint(face, from) > face.reach + face.gone)) continue;
+        const RayHit bone = bone_rays.first_hit(from, inwards, face.gone);
+        if (bone.triangle < 0) continue;
+        const double depth = static_cast<double>(bone.distance), now = static_cast<double>(plain[i]);
+        double share = smooth_step(face.aslant, face.parallel, -static_cast<double>(bone.facing)) * (1 - smooth_step(face.deepest, face.gone, depth));
+        if (!face.joints.empty()) share *= 1 - smooth_step(kFade * face.reach, face.reach, nearest_joint(face, from + depth * inwards));
+        if (depth > now) layer.thickness[i] = std::max(layer.thickness[i], static_cast<float>(now + share * (depth - now)));
+      }
+    });
+  }
+}
+
+}  // namespace ecorche
