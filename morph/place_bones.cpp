@@ -168,7 +168,7 @@ std::vector<Violation> push_in(const PlaceInput& input, const SkinField& skin, B
 // alone: there the bones would be bent for what is fat, or what no skeleton fits.
 void aim_again(const PlaceInput& input, const SkinField& skin, BoneProblem& problem, int& iterations) {
   constexpr int kRounds = 4;
-  constexpr double kFar = 8e-3, kWithin = 0.7e-3;  // m
+  constexpr double kFar = 25e-3, kWithin = 0.7e-3;  // m
   constexpr double kHarder = 0.6;
   for (int round = 0; round < kRounds; ++round) {
     bool any = false;

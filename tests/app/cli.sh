@@ -86,6 +86,13 @@ expect 2 "an unknown measure as a column" "$ecorche" body population <(printf 's
 expect 2 "neither file nor number" "$ecorche" body population -o none
 expect 0,8 "people by chance, with anatomy" "$ecorche" body population --count 1 --sex male -o chance
 there chance/person-0001.glb
+expect 0,8 "a crowd" "$ecorche" body population people.csv -o crowd --crowd crowd.glb
+there crowd.glb; there crowd/ada.bin; absent crowd/bob.bin
+expect 0,8 "the same crowd, turned round, one of its people made anew" bash -c "cp crowd.glb first.glb; rm crowd/cyd.bin; exec '$ecorche' body population turned.csv -o crowd --crowd crowd.glb --report crowd.json"
+if cmp -s crowd.glb first.glb && grep -q '"kept": 1' crowd.json; then ok; else bad "a crowd depends on the order it was made in"; fi
+expect 0,8 "a crowd that refers to its people" "$ecorche" body population turned.csv -o crowd --crowd crowd/crowd.gltf
+there crowd/crowd.gltf; there crowd/crowd.shared
+expect 2 "a crowd of skins" "$ecorche" body population people.csv --skins -o none --crowd crowd.glb
 expect 2 "tissue without a mesh" "$ecorche" fit anna.glb -o c.glb --tissue t.vtk
 says "interior"; absent c.glb
 expect 0,8 "a fit by a warp of the tissue" "$ecorche" fit anna.glb -o anna-tetgen.glb --interior tetgen --tissue t.vtk --method ellipses
@@ -195,7 +202,7 @@ expect 4,6 "the window without a display" env -u DISPLAY -u WAYLAND_DISPLAY "$ec
 
 # Other people's programs.
 if [ -d "$build/clients/node_modules/gltf-validator" ]; then
-  for file in anna.glb anna-1.glb walk.glb baked.glb; do
+  for file in anna.glb anna-1.glb walk.glb baked.glb crowd.glb; do
     expect 0 "the glTF validator on $file" node "$source/tests/clients/validate.cjs" "$build/clients/node_modules" "$folder/$file"
     tail -1 out.txt
   done
