@@ -27,7 +27,7 @@ const Panel kPanels[] = {
        return kind == MeasureKind::path || kind == MeasureKind::distance || kind == MeasureKind::breadth || kind == MeasureKind::depth;
      },
      Vec3f(0.45f, 0.20f, 0.65f)},
-    {"heights", "left", [](MeasureKind kind) { return kind == MeasureKind::height; }, Vec3f(0.10f, 0.40f, 0.70f)}};
+    {"heights", "left", [](MeasureKind kind) { return kind == MeasureKind::height || kind == MeasureKind::ahead; }, Vec3f(0.10f, 0.40f, 0.70f)}};
 
 DrawMesh skin_mesh_of(const TriMesh& skin) {
   DrawMesh out;

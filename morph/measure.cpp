@@ -129,6 +129,12 @@ double TapeMeasure::take(int k, const Points& V, MeasureGradient* gradient, Tape
       if (trace != nullptr) trace->push_back({a, b});
       return length;
     }
+    case MeasureKind::ahead: {
+      const Vec3 a = V.row(m.vertices[0]), b = V.row(m.vertices[1]);
+      if (gradient != nullptr) *gradient = {{m.vertices[0], Vec3::UnitZ()}, {m.vertices[1], -Vec3::UnitZ()}};
+      if (trace != nullptr) trace->push_back({b, Vec3(b.x(), b.y(), a.z())});
+      return a.z() - b.z();
+    }
     case MeasureKind::sum: {
       double sum = 0;
       MeasureGradient part;

@@ -44,7 +44,7 @@ class MeasureReader {
   MeasureReader(const BodyPackage& package, const Table& rows, MeasureTable& out) : package_(package), rows_(rows), out_(out) {}
 
   void read(int row) {
-    static const std::map<std::string, MeasureKind> kinds{{"height", MeasureKind::height},   {"distance", MeasureKind::distance},
+    static const std::map<std::string, MeasureKind> kinds{{"height", MeasureKind::height},   {"ahead", MeasureKind::ahead},     {"distance", MeasureKind::distance},
                                                           {"path", MeasureKind::path},       {"girth", MeasureKind::girth},
                                                           {"breadth", MeasureKind::breadth}, {"depth", MeasureKind::depth},
                                                           {"sum", MeasureKind::sum},         {"mass", MeasureKind::mass}};
@@ -99,7 +99,7 @@ class MeasureReader {
 
   void check_count(int row, const Measure& m) const {
     std::size_t least = 1, most = 1;
-    if (m.kind == MeasureKind::distance) least = most = 2;
+    if (m.kind == MeasureKind::distance || m.kind == MeasureKind::ahead) least = most = 2;
     if (m.kind == MeasureKind::path) least = 2, most = 8;
     if (m.kind == MeasureKind::sum || m.kind == MeasureKind::mass) least = most = 0;
     if (m.kind == MeasureKind::girth || m.kind == MeasureKind::breadth || m.kind == MeasureKind::depth) {

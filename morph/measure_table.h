@@ -11,7 +11,7 @@
 
 namespace ecorche {
 
-enum class MeasureKind { height, distance, path, girth, breadth, depth, sum, mass };
+enum class MeasureKind { height, ahead, distance, path, girth, breadth, depth, sum, mass };
 enum class PlaneKind { horizontal, across, midline, foot, hand };
 enum class Search { none, largest, smallest };
 

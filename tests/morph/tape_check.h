@@ -27,6 +27,7 @@ class TapeCheck {
   double take(const Measure& m, const Points& V) const {
     switch (m.kind) {
       case MeasureKind::height: return V(m.vertices[0], 1) - V.col(1).head(package_.skin_size).minCoeff();
+      case MeasureKind::ahead: return V(m.vertices[0], 2) - V(m.vertices[1], 2);
       case MeasureKind::distance: return (V.row(m.vertices[0]) - V.row(m.vertices[1])).norm();
       case MeasureKind::girth:
       case MeasureKind::breadth:
