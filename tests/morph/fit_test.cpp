@@ -6,12 +6,14 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "anatomy/errors.h"
 #include "anatomy/joint_angles.h"
 #include "anatomy/muscle_line.h"
 #include "morph/body.h"
 #include "morph/dilate.h"
+#include "morph/shape_space.h"
 #include "morph/skin_field.h"
 
 namespace ecorche {
@@ -250,6 +252,30 @@ TEST(Fit, PalpablePointsAreAsDeepAsTheyShouldBe) {
       EXPECT_GE(fit.report.landmarks.size(), 40u);
       EXPECT_LE(missed, 2) << name;
     }
+  }
+}
+
+// Lips of such bodies may cross, and heavy men's chins fold: what is near there is neither outside nor to be crushed.
+TEST(Fit, PeopleDrawnFromTheShapeSpaceKeepTheirBones) {
+  NEED_PACKAGES();
+  const TapeMeasure tape(package, read_measure_table(package, data_folder() / "body"));
+  const ShapeSpace space = read_shape_space(package, tape, Sex::male);
+  const auto extent = [](const Points& V) { return Vec3((V.colwise().maxCoeff() - V.colwise().minCoeff()).transpose()); };
+  const auto skull = static_cast<size_t>(find_bone(own.anatomy, "skull"));
+  for (const std::uint64_t seed : {100, 101, 105}) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    Eigen::VectorXd z(space.basis.cols());
+    for (double& x : z) x = normal(random);
+    Body body;
+    body.skin = skin_mesh(package, space_points(space, z));
+    body.skin.V.col(1).array() -= body.skin.V.col(1).minCoeff();
+    const Fit fit = fit_anatomy(own, body);
+    EXPECT_EQ(fit.report.bones_outside, 0) << seed;
+    for (const LandmarkDepth& l : fit.report.landmarks) EXPECT_LT(std::max(l.low - l.depth, l.depth - l.high), 0.006) << seed << " " << l.name;
+    const Vec3 ratio = extent(fit.anatomy.bones[skull].mesh.V).cwiseQuotient(extent(own.anatomy.bones[skull].mesh.V));
+    EXPECT_GT(ratio.minCoeff(), 0.85) << seed;
+    EXPECT_LT(ratio.maxCoeff(), 1.2) << seed;
   }
 }
 

@@ -135,10 +135,10 @@ TEST_F(SolveTest, BodiesComeBackFromTheirOwnMeasures) {
       const SkinField surface(TriMesh{own, package().triangles});
       double distance = 0;
       for (Eigen::Index v = 0; v < back.rows(); ++v) distance += std::abs(surface.distance(back.row(v))) / static_cast<double>(back.rows());
-      EXPECT_LT(distance, 0.004);
+      EXPECT_LT(distance, 0.002);
       sum += distance / kBodies;
     }
-    EXPECT_LT(sum, 0.002) << (sex == Sex::male ? "male" : "female");
+    EXPECT_LT(sum, 0.001) << (sex == Sex::male ? "male" : "female");
   }
 }
 

@@ -195,7 +195,7 @@ void come_back(const Bench& b, int count) {
     for (double d : distances) mean += d / count;
     fmt::print("\n{} {} from all {} of their own measures, {}\n", count, word(b.space.sex), b.tape.count(), drawn ? "drawn from the space" : "shapes of the package that were no examples");
     judge("mean over them of the mean distance of the surfaces", mean, 2, "mm");
-    fmt::print("  {:62} {:9.3f}   mm\n", "largest of them", distances.back());
+    judge("largest of them", distances.back(), 2, "mm");
     fmt::print("  {:62} {:9.1f}   %\n", "share within 2 mm", 100.0 * static_cast<double>(std::upper_bound(distances.begin(), distances.end(), 2.0) - distances.begin()) / count);
   }
 }
