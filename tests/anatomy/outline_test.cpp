@@ -98,6 +98,18 @@ TEST(SliceOutline, MixedAreaIsThatOfTheSectionBetween) {
   }
 }
 
+TEST(SliceOutline, APieceKnowsItsFirstAreaAndIsLopsidedOnlyWhereItsOutlinesAre) {
+  const PieceAreas even = piece_areas(shape(0), shape(3)), lop = piece_areas(shape(0, 0.2), shape(3, 0.2));
+  EXPECT_NEAR(lop.own, outline_area(shape(0, 0.2)), 1e-12);
+  for (const double moment : {even.more.a1, even.more.b1, even.more.a0, even.more.b0}) EXPECT_NEAR(moment, 0, 1e-7) << "single precision's share";
+  EXPECT_GT(std::abs(lop.more.a1) + std::abs(lop.more.b1), 0.01);
+  const PieceAreas plain = piece_areas(kEllipticOutline, kEllipticOutline), other_way = piece_areas(shape(3, 0.2), shape(0, 0.2));
+  EXPECT_EQ(plain.own, 1);
+  EXPECT_EQ(plain.mixed.ab, 1);
+  EXPECT_NEAR(lop.more.a1, other_way.more.a0, 1e-12);
+  EXPECT_NEAR(lop.more.b1, other_way.more.b0, 1e-12);
+}
+
 TEST(SliceOutline, FactorIsLinearBetweenItsPoints) {
   const SliceOutline outline = shape(1);
   EXPECT_FLOAT_EQ(static_cast<float>(outline_factor(outline, 3)), outline[3]);
