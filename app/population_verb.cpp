@@ -123,6 +123,9 @@ void check_crowd(const PopulationOptions& options) {
   if (options.crowd.empty()) return;
   if (options.skins) throw UsageError("body population: --crowd has skin, bones and muscles; leave --skins away");
   if (options.crowd.extension() != ".glb" && options.crowd.extension() != ".gltf") throw UsageError(options.crowd.string() + ": a crowd is written as .glb or .gltf");
+  // Said now rather than when all people are made.
+  if (options.crowd.extension() == ".gltf" && fs::weakly_canonical(fs::absolute(options.crowd).parent_path()) != fs::weakly_canonical(fs::absolute(options.folder)))
+    throw UsageError(fmt::format("{}: a .gltf must lie in the folder of the people's files, {}", options.crowd.string(), options.folder.string()));
 }
 
 int run_population(const PopulationOptions& options, const Common& common, Report& report) {

@@ -92,6 +92,8 @@ expect 0,8 "the same crowd, turned round, one of its people made anew" bash -c "
 if cmp -s crowd.glb first.glb && grep -q '"kept": 1' crowd.json; then ok; else bad "a crowd depends on the order it was made in"; fi
 expect 0,8 "a crowd that refers to its people" "$ecorche" body population turned.csv -o crowd --crowd crowd/crowd.gltf
 there crowd/crowd.gltf; there crowd/crowd.shared
+expect 2 "a crowd apart from its people" "$ecorche" body population turned.csv -o none --crowd apart.gltf
+absent none
 expect 2 "a crowd of skins" "$ecorche" body population people.csv --skins -o none --crowd crowd.glb
 expect 2 "tissue without a mesh" "$ecorche" fit anna.glb -o c.glb --tissue t.vtk
 says "interior"; absent c.glb
