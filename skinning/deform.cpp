@@ -145,7 +145,7 @@ void deform(const Binding& binding, const PosedAnatomy& posed, const Extras& ext
   ElasticScratch& elastic = *scratch.elastic.memory;
   if (settled == Settle::yes && tables.base) follow(tables, posed, root4, extras, scratch, elastic, positions);
   else if (settled == Settle::yes && tables.elastic) settle(tables, posed, extras, elastic, positions);
-  vertex_normals(positions, tables.triangles, normals);
+  vertex_normals(positions, tables.triangles, normals, elastic.half);
   if (sorted) return;
   each_vertex(tables.order.size(), [&](std::size_t s) {
     const std::size_t v = 4 * static_cast<std::size_t>(tables.order[s]);

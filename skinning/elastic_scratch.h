@@ -8,7 +8,7 @@ namespace ecorche {
 struct MembraneScratch {
   // Whole fours of vertices x 4.
   std::vector<float> turns;                     // quaternions
-  std::vector<float> places, offsets, normals;
+  std::vector<float> places, offsets, normals, half;
   std::vector<float> pull;                      // sum of c (a_i - a_j) of the anchors a, component by component
   std::vector<float> right;                     // #V x 4, in the factor's order
 };
@@ -27,14 +27,14 @@ struct PatchScratch {
 struct ContactScratch {
   PatchScratch patches;
   std::vector<float> boxes;                   // of the tree of triangles, fitted to the pose
-  std::vector<float> pushes, spread, before;  // #V x 4
+  std::vector<float> pushes, spread, before, half;  // #V x 4
   std::vector<char> wanted;                   // #V: which are looked at
 };
 
 struct ElasticScratch {
   MembraneScratch membrane;
   ContactScratch contact;
-  std::vector<float> normals, open, working;
+  std::vector<float> normals, half, open, working;
   std::vector<char> pressed;                  // #V: whether contact has moved it
   std::vector<float> base, offsets;           // of a refined skin's base mesh
 };

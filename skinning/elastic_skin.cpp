@@ -10,7 +10,7 @@ namespace ecorche {
 
 namespace {
 
-constexpr int kMembraneRounds = 3, kContactRounds = 2, kFillSteps = 2;
+constexpr int kMembraneRounds = 3, kContactRounds = 3, kFillSteps = 2;
 constexpr float kPressed = 1e-3f;    // m; what contact has moved further does not swell
 constexpr double kRadiusShare = 0.8;  // an ear is far from bone, but there is not much of it
 
@@ -67,7 +67,7 @@ void settle_skin(const ElasticSkin& skin, std::span<const int> triangles, std::s
   relax_membrane(skin.membrane, positions, triangles, kMembraneRounds, s.membrane);
   for (std::size_t k = 0; k < positions.size(); k += 4) store4(&positions[k], load4(&positions[k]) + load4(&s.membrane.offsets[k]));
   s.normals.resize(positions.size());
-  vertex_normals(positions, triangles, s.normals);
+  vertex_normals(positions, triangles, s.normals, s.half);
   find_hollows(skin.membrane, positions, s.normals, s.open, s.working);
   keep_volumes(skin.volumes, X_WJ, s.open, s.normals, positions);
 }
@@ -77,8 +77,7 @@ bool part_settled_skin(const ElasticSkin& skin, std::span<const int> triangles, 
   const std::size_t n = s.open.size();
   for (std::size_t i = 0; i < room.size(); ++i) s.open[i] *= room[i];
   s.pressed.assign(n, 0);
-  const bool parted = part_skin(skin.membrane, skin.contact, triangles, kContactRounds, positions, s.normals, s.contact);
-  if (!parted && room.empty()) return false;
+  const bool parted = part_skin(skin.membrane, skin.contact, triangles, kContactRounds, positions, s.normals, s.contact), moved = parted || !room.empty();
   // What contact has pressed away swells where nothing presses.
   for (std::size_t i = 0; parted && i < n; ++i) {
     const Float4 way = load4(&positions[4 * i]) - load4(&s.contact.before[4 * i]);
@@ -86,9 +85,10 @@ bool part_settled_skin(const ElasticSkin& skin, std::span<const int> triangles, 
     s.pressed[i] = share > 1;
     s.open[i] *= std::max(0.0f, 1 - share);
   }
-  vertex_normals(positions, triangles, s.normals);
-  for (int step = 0; step < kFillSteps; ++step) keep_volumes(skin.volumes, X_WJ, s.open, s.normals, positions, room.empty() ? Hinges::kept : Hinges::free);
-  return true;
+  if (moved) vertex_normals(positions, triangles, s.normals, s.half);
+  for (int step = 0; step < (moved ? kFillSteps : 1); ++step)
+    keep_volumes(skin.volumes, X_WJ, s.open, s.normals, positions, room.empty() ? Hinges::kept : Hinges::free);
+  return moved;
 }
 
 }  // namespace ecorche

@@ -35,7 +35,7 @@ void settle_skin(const ElasticSkin& skin, std::span<const int> triangles, std::s
 // After that: parts that meet are pressed flat, and the flesh that this or a rise has moved comes from or goes to where there is `room` (#V,
 // 0 .. 1; empty where nothing has risen). Over what has risen, limbs and body alone keep volumes: were the flesh about a hinge to keep its own, a
 // flexed arm would sink where its muscles have just raised it. scratch.pressed: what contact has moved.
-// False where nothing has moved.
+// False where nothing has met or risen.
 bool part_settled_skin(const ElasticSkin& skin, std::span<const int> triangles, std::span<const Transform> X_WJ, std::span<const float> room,
                        std::span<float> positions, ElasticScratch& scratch);
 

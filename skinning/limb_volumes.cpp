@@ -8,14 +8,16 @@
 #include <string>
 
 #include "skinning/float4.h"
+#include "skinning/quality.h"
 
 namespace ecorche {
 namespace {
 
 constexpr double kMostTissue = 0.05;   // m; deeper flesh swells no more
-constexpr std::size_t kMostRegions = 11;  // the body, four limbs, four hinges, two girdles
+constexpr std::size_t kMostRegions = 11;  // the body, four limbs, four hinges, two shoulders
 constexpr float kHollow = 0.03f;       // m; where the skin curves inwards more sharply than this it does not swell
 constexpr double kMostSwelling = 0.3;  // of the tissue
+constexpr double kShoulderEnd = 0.5, kShoulderFade = 0.4;  // of the upper arm's length
 constexpr std::size_t kBlock = 1024;   // vertices a task
 
 // Six times the volume of the cones over the region's triangles.
@@ -27,6 +29,15 @@ double region_volume(const VolumeRegion& region, std::span<const float> position
     const Float4 b = load4(&positions[4 * static_cast<std::size_t>(region.corners[3 * t + 1])]) - o;
     const Float4 c = load4(&positions[4 * static_cast<std::size_t>(region.corners[3 * t + 2])]) - o;
     sum += static_cast<double>(region.share[t] * sum4(a * cross(b, c))[0]);
+  }
+  for (const auto& rim : region.rims) {
+    Float4 middle{}, around{};
+    for (const auto& [from, to] : rim) {
+      const Float4 a = load4(&positions[4 * static_cast<std::size_t>(from)]) - o;
+      middle += a;
+      around += cross(a, load4(&positions[4 * static_cast<std::size_t>(to)]) - o);
+    }
+    sum += static_cast<double>(sum4(middle * around)[0]) / static_cast<double>(rim.size());
   }
   return sum / 6;
 }
@@ -88,6 +99,26 @@ VolumeRegion make_region(int origin, const Vec3& apex, std::span<const float> po
   return out;
 }
 
+// 0 at the shoulder, 1 at the elbow.
+double down_arm(const Vec3& shoulder, const Vec3& elbow, const Vec3& p) { return (p - shoulder).dot(elbow - shoulder) / (elbow - shoulder).squaredNorm(); }
+
+// Whole triangles that are more than half the region's; its cuts are far from the joint.
+VolumeRegion make_closed_region(int origin, const Vec3& apex, std::span<const float> positions, std::span<const int> triangles, std::span<const double> share,
+                                std::span<const double> swelling, std::span<const double> areas) {
+  std::vector<int> inside;
+  Triangles F(static_cast<Eigen::Index>(triangles.size() / 3), 3);
+  std::copy(triangles.begin(), triangles.end(), F.data());
+  for (Eigen::Index f = 0; f < F.rows(); ++f)
+    if (share[static_cast<std::size_t>(F(f, 0))] + share[static_cast<std::size_t>(F(f, 1))] + share[static_cast<std::size_t>(F(f, 2))] > 1.5)
+      inside.push_back(static_cast<int>(f));
+  std::vector<int> corners;
+  for (const int f : inside) corners.insert(corners.end(), triangles.begin() + 3 * f, triangles.begin() + 3 * f + 3);
+  VolumeRegion out = make_region(origin, apex, positions, corners, std::vector<double>(share.size(), 1), swelling, areas);
+  out.rims = open_rims(inside, F);
+  out.volume = region_volume(out, positions, apex);
+  return out;
+}
+
 template <class Do>
 void each_vertex(std::size_t count, const Do& act) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kBlock), [&](const auto& range) {
@@ -114,6 +145,16 @@ LimbVolumes make_limb_volumes(const Skeleton& skeleton, std::span<const float> p
     out.regions.push_back(make_region(joint, origins[static_cast<std::size_t>(joint)], positions, triangles, share, product(share), areas));
     out.regions.back().within = within;
   };
+  const auto add_shoulder = [&](int joint, const Vec3& shoulder, const Vec3& elbow, const std::vector<double>& with_girdle) {
+    std::vector<double> inside(tissue.size()), swelling(tissue.size());
+    for (std::size_t i = 0; i < tissue.size(); ++i) {
+      const double along = down_arm(shoulder, elbow, Vec3(positions[4 * i], positions[4 * i + 1], positions[4 * i + 2]));
+      inside[i] = along < kShoulderEnd ? with_girdle[i] : 0;
+      swelling[i] = with_girdle[i] * thickness[i] * std::clamp((kShoulderEnd - along) / kShoulderFade, 0.0, 1.0);
+    }
+    out.regions.push_back(make_closed_region(joint, shoulder, positions, triangles, inside, swelling, areas));
+    out.regions.back().within = 0;
+  };
   for (const auto& [root, hinge, end] : {std::array{"shoulder", "elbow", "wrist"}, std::array{"hip", "knee", "ankle"}})
     for (const std::string side : {"_l", "_r"}) {
       const int joint = find_joint(skeleton, root + side), middle = find_joint(skeleton, hinge + side), last = find_joint(skeleton, end + side);
@@ -126,17 +167,14 @@ LimbVolumes make_limb_volumes(const Skeleton& skeleton, std::span<const float> p
       const auto at = [&](int j) { return origins[static_cast<std::size_t>(j)]; };
       for (std::size_t i = 0; i < share.size(); ++i) share[i] *= about_hinge(at(joint), at(middle), at(last), Vec3(positions[4 * i], positions[4 * i + 1], positions[4 * i + 2]));
       add(middle, limb, share);
+      out.regions.back().hinge = true;
     }
   for (const std::string side : {"_l", "_r"}) {
-    const int clavicle = find_joint(skeleton, "clavicle" + side), arm = find_joint(skeleton, "shoulder" + side);
-    if (clavicle < 0 || arm < 0) continue;
-    std::vector<double> share = shares_below(skeleton, clavicle, joint_weights);
-    const std::vector<double> of_arm = shares_below(skeleton, arm, joint_weights);
-    for (std::size_t i = 0; i < share.size(); ++i) {
-      share[i] -= of_arm[i];
-      trunk[i] -= share[i];
-    }
-    add(arm, 0, share);
+    const int clavicle = find_joint(skeleton, "clavicle" + side), arm = find_joint(skeleton, "shoulder" + side), elbow = find_joint(skeleton, "elbow" + side);
+    if (clavicle < 0 || arm < 0 || elbow < 0) continue;
+    const std::vector<double> with_girdle = shares_below(skeleton, clavicle, joint_weights), of_arm = shares_below(skeleton, arm, joint_weights);
+    for (std::size_t i = 0; i < trunk.size(); ++i) trunk[i] -= with_girdle[i] - of_arm[i];
+    add_shoulder(arm, origins[static_cast<std::size_t>(arm)], origins[static_cast<std::size_t>(elbow)], with_girdle);
   }
   const std::vector<double> all(tissue.size(), 1);
   if (const int neck = find_joint(skeleton, "c5"); neck >= 0) {  // the head is mostly bone
@@ -179,25 +217,25 @@ void find_hollows(const Membrane& rings, std::span<const float> positions, std::
 
 void keep_volumes(const LimbVolumes& volumes, std::span<const Transform> X_WJ, std::span<const float> open, std::span<const float> normals,
                   std::span<float> positions, Hinges hinges) {
-  std::array<double, kMostRegions> lost{};
+  std::array<double, kMostRegions> lost{}, reach{};
   tbb::parallel_for(std::size_t{0}, volumes.regions.size(), [&](std::size_t r) {
     const VolumeRegion& region = volumes.regions[r];
-    if (hinges == Hinges::free && region.within > 0) return;
+    if (hinges == Hinges::free && region.hinge) return;
+    for (std::size_t k = 0; k < region.vertices.size(); ++k) reach[r] += static_cast<double>(region.swelling[k] * region.area[k] * open[static_cast<std::size_t>(region.vertices[k])]);
     lost[r] = region.volume - region_volume(region, positions, X_WJ[static_cast<std::size_t>(region.origin)].translation());
   });
-  const std::array<double, kMostRegions> all = lost;  // what a part has lost is made up in the part
-  for (std::size_t r = 1; r < volumes.regions.size(); ++r) lost[static_cast<std::size_t>(volumes.regions[r].within)] -= all[r];
-  for (std::size_t r = 0; r < volumes.regions.size(); ++r) {
+  std::array<double, kMostRegions> gained{};  // by the parts of a region, which come after it
+  for (std::size_t r = volumes.regions.size(); r-- > 0;) {
     const VolumeRegion& region = volumes.regions[r];
-    if (lost[r] == 0) continue;
-    double reach = 0;
-    for (std::size_t k = 0; k < region.vertices.size(); ++k) reach += static_cast<double>(region.swelling[k] * region.area[k] * open[static_cast<std::size_t>(region.vertices[k])]);
-    if (reach <= 0) continue;
-    const float units = static_cast<float>(std::clamp(lost[r] / reach, -kMostSwelling, kMostSwelling));
-    for (std::size_t k = 0; k < region.vertices.size(); ++k) {
+    const double own = reach[r] > 0 ? lost[r] - gained[r] : 0;
+    const double least = region.rims.empty() ? -kMostSwelling : 0;  // a raised girdle draws skin of the trunk along, which stays
+    const double units = own != 0 ? std::clamp(own / reach[r], least, kMostSwelling) : 0;
+    if (region.within >= 0) gained[static_cast<std::size_t>(region.within)] += units * reach[r] + gained[r];
+    if (units == 0) continue;
+    each_vertex(region.vertices.size(), [&](std::size_t k) {
       const std::size_t at = 4 * static_cast<std::size_t>(region.vertices[k]);
-      store4(&positions[at], load4(&positions[at]) + (units * region.swelling[k] * open[static_cast<std::size_t>(region.vertices[k])]) * load4(&normals[at]));
-    }
+      store4(&positions[at], load4(&positions[at]) + (static_cast<float>(units) * region.swelling[k] * open[static_cast<std::size_t>(region.vertices[k])]) * load4(&normals[at]));
+    });
   }
 }
 

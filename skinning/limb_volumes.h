@@ -1,4 +1,4 @@
-// Keeps the volume of arms and legs, of the flesh about elbows and knees, of the shoulder girdles, and of the trunk: what a bend or the sheet's tension takes away comes back as a swelling of the flesh.
+// Keeps the volume of arms and legs, of the flesh about elbows and knees, of the shoulders, and of the trunk: what a bend or the sheet's tension takes away comes back as a swelling of the flesh.
 // Private to the room. The swelling is along the normals and in proportion to what lies between skin and bone, one step a
 // region, which the smallness of the change allows; folds are left out.
 #pragma once
@@ -15,16 +15,18 @@ namespace ecorche {
 
 struct VolumeRegion {
   int within = -1;               // region that it is a part of
-  int origin = 0;                // joint: apex of the cones over the triangles, so that the region's cut needs no lid
+  bool hinge = false;            // the flesh about an elbow or a knee
+  int origin = 0;                // joint: apex of the cones over the triangles, so that a cut near it needs no lid
   std::vector<int> corners;      // 3 a triangle
   std::vector<float> share;      // a triangle: how much of it is the region's
+  std::vector<std::vector<std::array<int, 2>>> rims;  // edges of cuts that are closed by fans about their middles
   double volume = 0;             // rest, m^3
   std::vector<int> vertices;
   std::vector<float> swelling, area;  // a vertex: m a unit; m^2 at rest
 };
 
 struct LimbVolumes {
-  std::vector<VolumeRegion> regions;  // the whole body first, to which the trunk swells; then arms and legs, each followed by its hinge; then the shoulder girdles
+  std::vector<VolumeRegion> regions;  // the whole body first, to which the trunk swells; then arms and legs, each followed by its hinge; then the shoulders with their girdles
 };
 
 // `positions`: #V x 4, rest. `tissue`: m, #V.

@@ -231,7 +231,7 @@ void relax_membrane(const Membrane& m, std::span<const float> anchors, std::span
   std::fill(s.offsets.begin(), s.offsets.end(), 0.0f);
   std::copy(anchors.begin(), anchors.end(), s.places.begin());
   for (int round = 0; round < rounds; ++round) {
-    vertex_normals(s.places, triangles, s.normals);
+    vertex_normals(s.places, triangles, s.normals, s.half);
     fit_turns(m, round == 0, s);
     right_side(m, s);
     solve_sheet(m.factor, s.right.data());

@@ -95,12 +95,12 @@ bool part_skin(const Membrane& rings, const SkinContact& contact, std::span<cons
   const std::vector<float>& give = contact.give;
   for (std::vector<float>* each : {&s.pushes, &s.spread, &normals}) each->resize(4 * n);
   s.wanted.resize(n);
-  vertex_normals(positions, triangles, normals);
+  vertex_normals(positions, triangles, normals, s.half);
   if (!find_meetings(contact.patches, give, positions, normals, s.patches, s.wanted)) return false;
   s.before.assign(positions.begin(), positions.end());
   bool moved = false;
   for (int round = 0; round < rounds; ++round) {
-    if (round > 0) vertex_normals(positions, triangles, normals);
+    if (round > 0) vertex_normals(positions, triangles, normals, s.half);
     fit_boxes(contact.tree, positions, s.boxes);
     find_pushes({contact.tree, s.boxes, positions}, contact, normals, s);
     spread_pushes(rings, give, s);

@@ -51,7 +51,7 @@ struct Giving {
 }  // namespace
 
 struct UnderSkinScratch {
-  std::vector<float> normals;                 // #V x 4
+  std::vector<float> normals, half;           // #V x 4
   std::vector<Pierce> pierces;                // #probes
   std::vector<char> near;                     // #owners: whether a point of theirs is at the surface, or nearly so
   RiseScratch rise;
@@ -316,7 +316,7 @@ bool rise_over_muscles(const UnderSkin& under, std::span<const Ellipse> slices, 
   memory.pierces.resize(data.probes.size());
   memory.near.resize(data.owners.size());
   const PosedSkin skin{positions, memory.normals};
-  vertex_normals(positions, data.triangles, memory.normals);
+  vertex_normals(positions, data.triangles, memory.normals, memory.half);
   tbb::parallel_for(owners_of(data), [&](const auto& range) {
     for (std::size_t o = range.begin(); o < range.end(); ++o) memory.near[o] = find_pierces(data, skin, slices, o, memory.pierces);
   });
@@ -332,7 +332,7 @@ void give_way_to_skin(const UnderSkin& under, const PosingTable& table, std::spa
   UnderSkinScratch& memory = *own.own;
   memory.givings.resize(data.owners.size());
   const PosedSkin skin{positions, memory.normals};
-  vertex_normals(positions, data.triangles, memory.normals);
+  vertex_normals(positions, data.triangles, memory.normals, memory.half);
   tbb::parallel_for(owners_of(data), [&](const auto& range) {
     for (std::size_t o = range.begin(); o < range.end(); ++o)
       memory.givings[o] = memory.near[o] || under_any(data, o, pressed) ? give_of(data, skin, posed.slices, o) : Giving{};
