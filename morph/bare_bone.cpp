@@ -17,7 +17,8 @@ namespace ecorche {
 namespace {
 
 constexpr double kMillimetre = 1e-3;
-constexpr double kFade = 0.8;  // of the reach: from there on it fades
+constexpr double kFade = 0.8;      // of the reach: from there on it fades
+constexpr double kStature = 1.75;  // m, of the body that the table's lengths are of
 
 // One row: its bones on all sides as one soup, and the joints it is near to.
 struct BareFace {
@@ -36,7 +37,7 @@ void add_mesh(TriMesh& all, const TriMesh& mesh) {
   all.F.bottomRows(mesh.F.rows()) = (mesh.F.array() + static_cast<int>(points)).matrix();
 }
 
-BareFace read_face(const Table& table, int row, const Anatomy& anatomy) {
+BareFace read_face(const Table& table, int row, const Anatomy& anatomy, double unit) {
   BareFace face;
   for (const Bone& bone : anatomy.bones)
     if (is_of(bone.name, table.text(row, "bone"))) add_mesh(face.bones, bone.mesh);
@@ -47,9 +48,9 @@ BareFace read_face(const Table& table, int row, const Anatomy& anatomy) {
       if (is_of(anatomy.skeleton.joints[j].name, joint)) face.joints.push_back(positions[j]);
     if (face.joints.empty()) face.bones = {};
   }
-  face.reach = kMillimetre * table.number_or(row, "reach_mm", 0);
-  face.deepest = kMillimetre * table.number(row, "deepest_mm");
-  face.gone = kMillimetre * table.number(row, "gone_mm");
+  face.reach = unit * table.number_or(row, "reach_mm", 0);
+  face.deepest = unit * table.number(row, "deepest_mm");
+  face.gone = unit * table.number(row, "gone_mm");
   face.aslant = table.number(row, "aslant");
   face.parallel = table.number(row, "parallel");
   return face;
@@ -68,8 +69,9 @@ void reach_bare_bone(FatLayer& layer, const SkinRays& rays, const Anatomy& anato
   const TriMesh& skin = rays.mesh();
   const Points normals = vertex_normals(skin);
   const std::vector<float> plain = layer.thickness;
+  const double unit = kMillimetre * (skin.V.col(1).maxCoeff() - skin.V.col(1).minCoeff()) / kStature;
   for (int row = 0; row < table.rows(); ++row) {
-    const BareFace face = read_face(table, row, anatomy);
+    const BareFace face = read_face(table, row, anatomy, unit);
     if (face.bones.F.rows() == 0) continue;
     const SkinRays bone_rays(face.bones, RayBuild::quick);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, plain.size(), 512), [&](const auto& range) {
