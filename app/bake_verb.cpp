@@ -77,14 +77,15 @@ int run(const BakeVerbOptions& options, const Common& common, Report& report) {
   const double cache = 12.0 * static_cast<double>(character.body.skin.V.rows()) * bake.error.frames;
   report.set("skin_vertices", actor.binding.vertex_count);
   report.set("bake.morphs", static_cast<int>(bake.morphs.size()));
+  report.set("bake.helpers", static_cast<int>(bake.helpers.size()));
   report.set("bake.influences_only_rms", bake.influences_only_rms);
   report_error(bake.error, "bake", report);
   for (const BakedMotion& each : bake.motions) report_error(each.error, "bake.motions." + each.name, report);
   report.set("bake.bytes", bytes);
   report.set("bake.cache_bytes", cache);
   for (const BakedMotion& each : bake.motions) note(common, fmt::format("{}: {} frames, {}", each.name, each.error.frames, in_words(each.error)));
-  note(common, fmt::format("{}: {} influences, {} morph targets, {:.1f} MB, a vertex cache would be {:.1f} MB", options.output.string(), 4,
-                           bake.morphs.size(), 1e-6 * bytes, 1e-6 * cache));
+  note(common, fmt::format("{}: 4 influences, {} helper joints, {} morph targets, {:.1f} MB, a vertex cache would be {:.1f} MB", options.output.string(),
+                           bake.helpers.size(), bake.morphs.size(), 1e-6 * bytes, 1e-6 * cache));
   note(common, fmt::format("all: {}", in_words(bake.error)));
   return bake.error.rms <= kAskedRms && bake.error.max <= kAskedMax ? 0 : 8;
 }
@@ -100,6 +101,9 @@ void add_bake_verb(VerbRegistry& registry) {
   verb->add_option("motions", options->motions, "Motions (.bvh), one animation each")->required();
   verb->add_option("-o,--output", options->output, "File to write (.glb)")->required();
   verb->add_option("--morphs", options->bake.morphs, "Corrective morph targets, at most")->check(CLI::Range(0, 64))->capture_default_str();
+  verb->add_option("--helpers", options->bake.helpers, "Joints added where the character's own leave the skin far off, at most")
+      ->check(CLI::Range(0, 128))
+      ->capture_default_str();
   verb->add_option("--samples", options->bake.sample_frames, "Frames that weights and shapes are solved on; errors are of every frame")
       ->check(CLI::Range(2, 2000))
       ->capture_default_str();

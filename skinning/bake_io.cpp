@@ -66,11 +66,42 @@ Value error_value(const BakeError& error) {
 Value notes(const Bake& bake) {
   Object motions;
   for (const BakedMotion& each : bake.motions) motions[each.name] = error_value(each.error);
-  Object object{{"unit", gltf::text("m")}, {"influences", Value(4)}, {"morphs", Value(static_cast<int>(bake.morphs.size()))},
+  Object object{{"unit", gltf::text("m")}, {"influences", Value(4)}, {"helpers", Value(static_cast<int>(bake.helpers.size()))}, {"morphs", Value(static_cast<int>(bake.morphs.size()))},
                 {"error", error_value(bake.error)}, {"motions", Value(std::move(motions))}};
   Object out;
   out["bake"] = Value(std::move(object));
   return Value(std::move(out));
+}
+
+// The skeleton with the helpers as further joints.
+Skeleton with_helpers(const Skeleton& skeleton, const Bake& bake) {
+  const std::vector<Vec3> origins = rest_positions(skeleton);
+  Skeleton out = skeleton;
+  for (std::size_t h = 0; h < bake.helpers.size(); ++h) {
+    const BakeHelper& helper = bake.helpers[h];
+    Joint joint;
+    joint.name = fmt::format("helper_{:02}", h + 1);
+    joint.parent = helper.parent;
+    joint.X_PJ.translation() = helper.rest - origins[static_cast<std::size_t>(helper.parent)];
+    out.joints.push_back(std::move(joint));
+  }
+  return out;
+}
+
+// The motion with the helpers' turns; `places`: by helper and frame, from its parent.
+Motion with_helpers(const Skeleton& skeleton, const Bake& bake, const BakedMotion& each, std::vector<std::vector<float>>& places) {
+  Motion out = each.motion;
+  places.assign(bake.helpers.size(), {});
+  std::vector<Transform> X_WJ;
+  for (std::size_t f = 0; f < out.frames.size(); ++f) {
+    forward_kinematics(skeleton, each.motion.frames[f], X_WJ);
+    for (std::size_t h = 0; h < bake.helpers.size(); ++h) {
+      const Transform X = X_WJ[static_cast<std::size_t>(bake.helpers[h].parent)].inverse() * each.helpers[f][h];
+      out.frames[f].rotations.emplace_back(X.linear());
+      for (int k = 0; k < 3; ++k) places[h].push_back(static_cast<float>(X.translation()[k]));
+    }
+  }
+  return out;
 }
 
 void add_curves(gltf::GlbBuilder& glb, const BakedMotion& each, int node, int times) {
@@ -86,7 +117,8 @@ void write_bake(const std::filesystem::path& file, const std::string& name, cons
   if (bake.influences.size() != static_cast<std::size_t>(skin.V.rows())) throw std::invalid_argument("write_bake: the bake is of another skin");
   AtomicFile out(file);
   gltf::GlbBuilder glb;
-  gltf::add_joints(glb, skeleton);
+  const Skeleton bones = with_helpers(skeleton, bake);
+  gltf::add_joints(glb, bones);
   glb.add_mesh("skin", skin, glb.add_material("skin", gltf::kSkinColour, 0.6));
   // By index from here on: adding accessors does not move meshes, but the reference would not outlive another mesh.
   tinygltf::Mesh& mesh = glb.model().meshes.back();
@@ -110,7 +142,11 @@ void write_bake(const std::filesystem::path& file, const std::string& name, cons
   node.skin = 0;
   const int skin_node = glb.add_node(std::move(node));
   for (const BakedMotion& each : bake.motions) {
-    const int times = gltf::add_motion(glb, skeleton, each.motion, each.name);
+    std::vector<std::vector<float>> places;
+    const int times = gltf::add_motion(glb, bones, with_helpers(skeleton, bake, each, places), each.name);
+    for (std::size_t h = 0; h < places.size(); ++h)
+      gltf::add_channel(glb.model().animations.back(), static_cast<int>(skeleton.joints.size() + h), "translation", times,
+                        glb.add_accessor(places[h], TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 3, 0));
     if (!bake.morphs.empty()) add_curves(glb, each, skin_node, times);
   }
   glb.scene().name = name.empty() ? "bake" : name;

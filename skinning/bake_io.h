@@ -1,5 +1,5 @@
-// A bake as a .glb that engines play: the mesh node `skin` with joint influences and morph targets, the joint hierarchy, and one animation
-// a motion with the joints' turns and the morph targets' curves. The scene's `extras.bake` state the error against the exact skin.
+// A bake as a .glb that engines play: the mesh node `skin` with joint influences and morph targets, the joint hierarchy with the helpers as further
+// joints (`helper_01`, ...), and one animation a motion with the joints' turns, the helpers' places and the morph targets' curves. The scene's `extras.bake` state the error against the exact skin.
 #pragma once
 
 #include <filesystem>

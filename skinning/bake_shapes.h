@@ -1,17 +1,31 @@
 // The shapes that take up what influences leave over. Private to the room.
 #pragma once
 
-#include <Eigen/Core>
+#include <vector>
+
+#include "skinning/bake_samples.h"
 
 namespace ecorche {
 
-struct Shapes {
-  Eigen::MatrixXd offsets;    // 3 #V x #shapes
-  Eigen::MatrixXd projector;  // the same size; its transpose times a leftover gives the curves
+// One frame: what a shape's offset of a vertex becomes in the world (3 x 3, by rows), and what is left over there.
+struct Leftover {
+  Rows9f blend;  // #V x 9
+  Rows3f left;   // #V x 3, m
 };
 
-// At most `most` directions that span leftovers (3 #V x #samples) best. Principal components give the least mean error; vertices that
-// they leave far off are then given more weight, round by round, and the round with the least maximum is kept.
-Shapes even_shapes(const Eigen::MatrixXd& leftovers, int most);
+struct Shapes {
+  Eigen::MatrixXf offsets;  // 3 #V x #shapes, rest pose; m where curves reach 1
+};
+
+// At most `most` shapes whose sums by a curve a frame come closest to `frames`: begun with principal components, then curves and shapes by
+// turns, each least squares. Vertices that a frame leaves far off count more and more (Lawson 1961; the weights that go on growing are
+// those of the largest errors), so that the largest error falls, not the mean alone. `start`: shapes to go on from; none: from the beginning.
+Shapes fit_shapes(const std::vector<Leftover>& frames, int most, int rounds, const Shapes& start = {});
+
+// The curves of one frame, likewise: least squares, with more weight for what is far off where anything is farther than `enough`, m.
+Eigen::VectorXf fit_curves(const Shapes& shapes, const Leftover& frame, double enough);
+
+// What shapes leave of a frame's leftovers. #V, m
+Eigen::VectorXf distances_left(const Shapes& shapes, const Leftover& frame, const Eigen::VectorXf& curves);
 
 }  // namespace ecorche

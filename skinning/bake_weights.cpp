@@ -21,7 +21,7 @@ Eigen::VectorXd on_plane(const Eigen::MatrixXd& H, const Eigen::VectorXd& g, con
     right[i] = g[active[static_cast<std::size_t>(i)]];
   }
   right[n] = scale;
-  return K.fullPivLu().solve(right).head(n);
+  return K.partialPivLu().solve(right).head(n);
 }
 
 double cost(const Eigen::MatrixXd& H, const Eigen::VectorXd& g, const Eigen::VectorXd& w) { return 0.5 * w.dot(H * w) - g.dot(w); }

@@ -138,6 +138,7 @@ void add_channel(tinygltf::Animation& animation, int node, const char* path, int
 }
 
 int add_motion(GlbBuilder& glb, const Skeleton& skeleton, const Motion& motion, const std::string& name) {
+  constexpr float kStill = 5e-7f;  // of a quaternion's parts
   tinygltf::Animation animation;
   animation.name = name;
   std::vector<float> seconds, roots;
@@ -146,20 +147,26 @@ int add_motion(GlbBuilder& glb, const Skeleton& skeleton, const Motion& motion, 
     for (int k = 0; k < 3; ++k) roots.push_back(static_cast<float>(motion.frames[f].root[k]));
   }
   const int times = glb.add_scalars(seconds, true, 0);
+  int begin = -1;  // of what does not move: one key
   add_channel(animation, 0, "translation", times, glb.add_accessor(roots, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 3, 0));
   for (size_t j = 0; j < skeleton.joints.size(); ++j) {
     std::vector<float> turns;
     Quat last = Quat::Identity();
-    bool moves = false;
+    bool turned = false, moves = false;
     for (const Pose& pose : motion.frames) {
       Quat q = pose.rotations[j].normalized();
       if (q.dot(last) < 0) q.coeffs() = -q.coeffs();  // one hemisphere, so that linear players do not turn the long way round
       last = q;
-      moves = moves || std::abs(q.w()) < 1 - 1e-12;
-      for (int k = 0; k < 4; ++k) turns.push_back(static_cast<float>(q.coeffs()[k]));
+      turned = turned || std::abs(q.w()) < 1 - 1e-12;
+      for (std::size_t k = 0; k < 4; ++k) {
+        turns.push_back(static_cast<float>(q.coeffs()[static_cast<Eigen::Index>(k)]));
+        moves = moves || std::abs(turns.back() - turns[k]) > kStill;
+      }
     }
-    if (!moves) continue;
-    add_channel(animation, static_cast<int>(j), "rotation", times,
+    if (!turned) continue;
+    if (!moves) turns.resize(4);
+    if (!moves && begin < 0) begin = glb.add_scalars({0}, true, 0);
+    add_channel(animation, static_cast<int>(j), "rotation", moves ? times : begin,
                 glb.add_accessor(turns, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC4, 4, 0));
   }
   Object extras;

@@ -81,7 +81,7 @@ void add_joints(GlbBuilder& glb, const Skeleton& skeleton);
 
 void add_channel(tinygltf::Animation& animation, int node, const char* path, int times, int values);
 
-// An animation of the joints, a key a frame. Returns the accessor of its times.
+// An animation of the joints, a key a frame; one for joints that stay as they are. Returns the accessor of its times.
 int add_motion(GlbBuilder& glb, const Skeleton& skeleton, const Motion& motion, const std::string& name);
 
 }  // namespace ecorche::gltf
