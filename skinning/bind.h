@@ -27,7 +27,7 @@ namespace ecorche {
 struct BindOptions {
   double blend_width = 1.0;    // of the passage from one joint to the next, in units of the limb's local radius
   double muscle_share = 1.0;   // how much of the height change of the muscles reaches the skin; 0: bones only
-  double lift_limit = 0.03;    // m, largest lift or sink of the skin by muscles
+  double lift_limit = 0.1;    // m, lift or sink of the skin by muscles that is never reached; half of it, where they ask for it all
   double node_spacing = 0.04;  // m, between muscle nodes
 };
 

@@ -6,8 +6,7 @@
 namespace ecorche {
 namespace {
 
-constexpr int kSmoothing = 2;
-constexpr double kSinkShare = 0.15;
+constexpr int kSmoothing = 1;
 constexpr double kLeastRadius = 1e-4;  // m
 
 // How far the tube's surface lies beyond p along the direction from the line to p, as a vector. The slice beneath p is found by
@@ -70,10 +69,9 @@ void lift_nodes(const SkinTables& tables, const PosedAnatomy& posed, const std::
     const Vec3 p = (map.topLeftCorner<3, 3>() * X + map.topRightCorner<3, 1>()).cast<double>() + root;
     const Vec3 n = (map.topLeftCorner<3, 3>() * node.normal.cast<float>()).normalized().cast<double>();
     const double height = surface_offset(posed.slices, node.anchor, p).dot(n) - node.rest_height;
-    // A muscle that rises pushes the skin out; where one sinks or glides away, fat and its neighbours fill most of the gap. Both
-    // saturate smoothly, so that a muscle that has left the node altogether does not drag it along.
-    const double followed = height > 0 ? height : kSinkShare * height;
-    const double lift = node.weight * followed / (1 + std::abs(followed) / tables.lift_limit);
+    // The skin goes up and down with the muscle alike: bellies keep their volume, so that what rises in one place sinks in another, and the
+    // limb need not make up for either. Both saturate smoothly, so that a muscle that has left the node altogether does not drag it along.
+    const double lift = node.weight * height / (1 + std::abs(height) / tables.lift_limit);
     for (int r = 0; r < 3; ++r) lifts[4 * k + static_cast<std::size_t>(r)] = static_cast<float>(lift * n[r]);
     lifts[4 * k + 3] = 0;
   }

@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <array>
 #include <random>
 
 #include "anatomy/errors.h"
@@ -122,6 +123,24 @@ TEST(Skin, BentElbowDoesNotFoldAndKeepsItsVolume) {
   EXPECT_LE(quality.flipped_share, 0.001);
   EXPECT_GT(quality.limb_volume_change[0], -0.04);
   EXPECT_LT(quality.limb_volume_change[0], 0.04);
+}
+
+TEST(Skin, GoesDownWithTheMuscleAsItGoesUp) {
+  const Bound bound = bind_arm(make_arm());
+  PosedAnatomy posed;
+  const Points rest = bound.arm.skin.V;
+  std::array<Points, 2> moved;
+  for (std::size_t k = 0; k < 2; ++k) {
+    pose_anatomy(bound.table, bound.arm.anatomy.skeleton, rest_pose(bound.arm.anatomy.skeleton), posed);
+    for (Ellipse& slice : posed.slices) slice.radii *= k == 0 ? 1.1 : 0.9;
+    SkinFrame frame;
+    deform_skin(bound.binding, posed, frame);
+    to_points(frame, moved[k]);
+    moved[k] -= rest;
+  }
+  const double most = moved[0].rowwise().norm().maxCoeff();
+  EXPECT_GT(most, 5e-4);  // of the 1.8 mm by which the thickest section grows
+  EXPECT_LT((moved[0] + moved[1]).rowwise().norm().maxCoeff(), 0.2 * most);
 }
 
 TEST(Skin, AnchorsAreTheNearestComponents) {
