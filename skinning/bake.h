@@ -30,7 +30,7 @@ struct BakeOptions {
   int morphs = 32;            // at most
   int helpers = 64;           // joints added, at most
   double helper_error = 4e-3; // m; helpers are added where the joints alone leave more
-  int sample_frames = 300;    // of all motions together, that weights and shapes are solved on; errors are of every frame
+  int sample_frames = 450;    // of all motions together, that weights and shapes are solved on; errors are of every frame
   double keep_weights = 5e-4; // m; a weight strays by 1 from the given ones only where that brings the skin closer by as much
   double normal_arm = 0.01;   // m; a normal that is off by an angle a counts like a vertex that is off by as much times a
   double least_offset = 3e-4; // m; smaller offsets of a shape are left out of it

@@ -16,10 +16,10 @@ using Eigen::Index;
 using Eigen::MatrixXf;
 using Eigen::VectorXf;
 
-constexpr float kLeastWeight = 0.3f, kMostWeight = 30;  // of a vertex in a frame against the median
+constexpr float kLeastWeight = 0.3f, kMostWeight = 8;  // of a vertex in a frame against the median
 constexpr float kNearly = 1e-3f;                        // m: closer is close enough to get no more weight
 constexpr float kNothing = 2e-5f;                       // m: a vertex that is never farther off needs no shape
-constexpr double kShapeRidge = 2e-5;                    // of a shape's offsets against what they mend, a frame
+constexpr double kShapeRidge = 1e-3;                    // of a shape's offsets against what they mend, a frame
 
 Mat3f blend_of(const Leftover& frame, Index i) { return Eigen::Map<const Mat3f>(frame.blend.row(i).data()); }
 
