@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "anatomy/errors.h"
+#include "anatomy/join_meshes.h"
 #include "anatomy/stl_io.h"
 
 namespace ecorche {
@@ -77,18 +78,6 @@ Parts apply_step(const Parts& parts, const Step& step) {
   return left;
 }
 
-TriMesh joined(const Parts& parts) {
-  TriMesh all;
-  for (const TriMesh* part : parts) {
-    const Eigen::Index v = all.V.rows(), f = all.F.rows();
-    all.V.conservativeResize(v + part->V.rows(), 3);
-    all.F.conservativeResize(f + part->F.rows(), 3);
-    all.V.bottomRows(part->V.rows()) = part->V;
-    all.F.bottomRows(part->F.rows()) = part->F.array() + static_cast<int>(v);
-  }
-  return all;
-}
-
 }  // namespace
 
 TriMesh select_bone(const std::vector<TriMesh>& components, const std::string& rule, const std::string& where) {
@@ -101,7 +90,7 @@ TriMesh select_bone(const std::vector<TriMesh>& components, const std::string& r
     for (std::string word; words >> word;) step.words.push_back(word);
     left = apply_step(left, step);
   }
-  return joined(left);
+  return join_meshes(left);
 }
 
 }  // namespace ecorche

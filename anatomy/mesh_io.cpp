@@ -9,6 +9,7 @@
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "anatomy/input_file.h"
+#include "anatomy/join_meshes.h"
 #include "anatomy/mesh_formats.h"
 
 namespace ecorche {
@@ -52,19 +53,14 @@ MeshFile parse_mesh(std::string_view bytes, const std::string& name) {
 
 MeshFile read_mesh_file(const std::filesystem::path& file) { return parse_mesh(read_input_file(file), printable(file.string())); }
 
+TriMesh all_parts(const MeshFile& file) {
+  std::vector<const TriMesh*> parts;
+  for (const MeshPart& part : file.parts) parts.push_back(&part.mesh);
+  return join_meshes(parts);
+}
+
 TriMesh read_mesh(const std::filesystem::path& file) {
-  const MeshFile read = read_mesh_file(file);
-  Eigen::Index vertices = 0, faces = 0;
-  for (const auto& part : read.parts) vertices += part.mesh.V.rows(), faces += part.mesh.F.rows();
-  TriMesh out{Points(vertices, 3), Triangles(faces, 3)};
-  vertices = faces = 0;
-  for (const auto& part : read.parts) {
-    out.V.middleRows(vertices, part.mesh.V.rows()) = part.mesh.V;
-    out.F.middleRows(faces, part.mesh.F.rows()) = part.mesh.F.array() + static_cast<int>(vertices);
-    vertices += part.mesh.V.rows();
-    faces += part.mesh.F.rows();
-  }
-  return out;
+  return all_parts(read_mesh_file(file));
 }
 
 void write_obj(const std::filesystem::path& file, const TriMesh& mesh) {

@@ -31,6 +31,7 @@ MeshFile read_mesh_file(const std::filesystem::path& file);
 MeshFile parse_mesh(std::string_view bytes, const std::string& name);
 
 // All parts as one mesh.
+TriMesh all_parts(const MeshFile& file);
 TriMesh read_mesh(const std::filesystem::path& file);
 
 // Coordinates survive exactly. Throws OutputError; never leaves half a file.

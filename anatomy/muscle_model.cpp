@@ -82,15 +82,7 @@ TriMesh read_model_mesh(const fs::path& folder, const ModelMesh& part) {
   TriMesh mesh;
   if (kind == ".stl" || kind == ".STL") mesh = parse_stl(bytes, name);
   else if (kind == ".vtp") mesh = parse_vtp(bytes, name);
-  else {
-    for (MeshPart& piece : parse_mesh(bytes, name).parts) {
-      const Eigen::Index first = mesh.V.rows(), faces = mesh.F.rows();
-      mesh.V.conservativeResize(first + piece.mesh.V.rows(), 3);
-      mesh.V.bottomRows(piece.mesh.V.rows()) = piece.mesh.V;
-      mesh.F.conservativeResize(faces + piece.mesh.F.rows(), 3);
-      mesh.F.bottomRows(piece.mesh.F.rows()) = piece.mesh.F.array() + static_cast<int>(first);
-    }
-  }
+  else mesh = all_parts(parse_mesh(bytes, name));
   for (Eigen::Index i = 0; i < mesh.V.rows(); ++i) mesh.V.row(i) = part.X_BG * mesh.V.row(i).transpose().cwiseProduct(part.scale);
   if (part.scale.prod() < 0 && mesh.F.rows() > 0) mesh.F.col(1).swap(mesh.F.col(2));
   return mesh;

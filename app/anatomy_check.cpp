@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 
+#include "anatomy/join_meshes.h"
 #include "anatomy/joint_sweep.h"
 #include "anatomy/mesh_measures.h"
 #include "anatomy/muscle_surface.h"
@@ -196,15 +197,10 @@ void check_ends(const Subject& subject, AnatomyCheck& check) {
     if (joint < 0 || end.joints[1] >= 0) return -1.0;
     auto& surface = bones[joint];
     if (!surface) {
-      TriMesh all;
-      for (const Bone& bone : anatomy.bones) {
-        if (bone.joint != joint) continue;
-        const Eigen::Index points = all.V.rows(), faces = all.F.rows();
-        all.V.conservativeResize(points + bone.mesh.V.rows(), 3);
-        all.V.bottomRows(bone.mesh.V.rows()) = bone.mesh.V;
-        all.F.conservativeResize(faces + bone.mesh.F.rows(), 3);
-        all.F.bottomRows(bone.mesh.F.rows()) = (bone.mesh.F.array() + static_cast<int>(points)).matrix();
-      }
+      std::vector<const TriMesh*> carried;
+      for (const Bone& bone : anatomy.bones)
+        if (bone.joint == joint) carried.push_back(&bone.mesh);
+      const TriMesh all = join_meshes(carried);
       if (all.F.rows() == 0) return -1.0;
       surface = std::make_unique<NearestSurface>(all);
     }

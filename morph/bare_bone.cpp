@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "anatomy/join_meshes.h"
 #include "anatomy/mesh_measures.h"
 #include "anatomy/package.h"
 #include "anatomy/smooth_step.h"
@@ -29,18 +30,12 @@ struct BareFace {
 
 bool is_of(const std::string& name, const std::string& plain) { return name == plain || name == plain + "_l" || name == plain + "_r"; }
 
-void add_mesh(TriMesh& all, const TriMesh& mesh) {
-  const Eigen::Index points = all.V.rows(), faces = all.F.rows();
-  all.V.conservativeResize(points + mesh.V.rows(), 3);
-  all.V.bottomRows(mesh.V.rows()) = mesh.V;
-  all.F.conservativeResize(faces + mesh.F.rows(), 3);
-  all.F.bottomRows(mesh.F.rows()) = (mesh.F.array() + static_cast<int>(points)).matrix();
-}
-
 BareFace read_face(const Table& table, int row, const Anatomy& anatomy, double unit) {
   BareFace face;
+  std::vector<const TriMesh*> bones;
   for (const Bone& bone : anatomy.bones)
-    if (is_of(bone.name, table.text(row, "bone"))) add_mesh(face.bones, bone.mesh);
+    if (is_of(bone.name, table.text(row, "bone"))) bones.push_back(&bone.mesh);
+  face.bones = join_meshes(bones);
   const std::string& joint = table.text(row, "joint");
   if (!joint.empty()) {
     const std::vector<Vec3> positions = rest_positions(anatomy.skeleton);

@@ -10,6 +10,7 @@
 
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
+#include "anatomy/join_meshes.h"
 #include "anatomy/muscle_line.h"
 #include "anatomy/muscle_surface.h"
 #include "skinning/crowd_layout.h"
@@ -25,23 +26,10 @@ MuscleSurface crowd_surface(const Anatomy& anatomy) {
   return make_muscle_surface(anatomy, options);
 }
 
-// Bones one after the other as one mesh.
-TriMesh all_bones(const std::vector<Bone>& bones) {
-  Eigen::Index vertices = 0, triangles = 0;
-  for (const Bone& bone : bones) vertices += bone.mesh.V.rows(), triangles += bone.mesh.F.rows();
-  TriMesh out{Points(vertices, 3), Triangles(triangles, 3)};
-  vertices = triangles = 0;
-  for (const Bone& bone : bones) {
-    out.V.middleRows(vertices, bone.mesh.V.rows()) = bone.mesh.V;
-    out.F.middleRows(triangles, bone.mesh.F.rows()) = bone.mesh.F.array() + static_cast<int>(vertices);
-    vertices += bone.mesh.V.rows();
-    triangles += bone.mesh.F.rows();
-  }
-  return out;
-}
-
 std::array<TriMesh, 3> layer_meshes(const Character& character, const MuscleSurface& surface) {
-  std::array<TriMesh, 3> out{character.body.skin, all_bones(character.anatomy.bones), TriMesh{Points(), surface.F}};
+  std::vector<const TriMesh*> bones;
+  for (const Bone& bone : character.anatomy.bones) bones.push_back(&bone.mesh);
+  std::array<TriMesh, 3> out{character.body.skin, join_meshes(bones), TriMesh{Points(), surface.F}};
   update_muscle_surface(surface, rest_slices(character.anatomy), out[2].V);
   return out;
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "anatomy/join_meshes.h"
 #include "skinning/nearest_surface.h"
 
 namespace ecorche {
@@ -85,21 +86,14 @@ std::vector<std::vector<int>> vertex_neighbours(const TriMesh& mesh) {
 }
 
 PartMesh bone_mesh(const Anatomy& anatomy) {
-  Eigen::Index vertices = 0, triangles = 0;
-  for (const Bone& bone : anatomy.bones) vertices += bone.mesh.V.rows(), triangles += bone.mesh.F.rows();
   PartMesh out;
-  out.mesh.V.resize(vertices, 3);
-  out.mesh.F.resize(triangles, 3);
-  out.part.reserve(static_cast<std::size_t>(triangles));
-  Eigen::Index v = 0, f = 0;
+  std::vector<const TriMesh*> bones;
   for (std::size_t b = 0; b < anatomy.bones.size(); ++b) {
     const TriMesh& mesh = anatomy.bones[b].mesh;
-    out.mesh.V.middleRows(v, mesh.V.rows()) = mesh.V;
-    out.mesh.F.middleRows(f, mesh.F.rows()) = mesh.F.array() + static_cast<int>(v);
+    bones.push_back(&mesh);
     out.part.insert(out.part.end(), static_cast<std::size_t>(mesh.F.rows()), static_cast<int>(b));
-    v += mesh.V.rows();
-    f += mesh.F.rows();
   }
+  out.mesh = join_meshes(bones);
   return out;
 }
 

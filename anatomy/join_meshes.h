@@ -1,0 +1,13 @@
+// Several meshes as one.
+#pragma once
+
+#include <vector>
+
+#include "anatomy/types.h"
+
+namespace ecorche {
+
+// Vertices and triangles one part after the other, nothing welded.
+TriMesh join_meshes(const std::vector<const TriMesh*>& parts);
+
+}  // namespace ecorche
