@@ -19,8 +19,10 @@ struct PatchScratch {
     float middle[4] = {}, up[4] = {};
     float reach = 0;                   // m
     float spread = 0;                  // rad, largest angle of a normal with `up`
+    float facing = 1;                  // sine of it, or 1: what is further along `up` than that is not faced
+    float bottom = 0, top = 0;         // m, along `up`
   };
-  std::vector<Shape> shapes;           // a patch
+  std::vector<Shape> shapes, parts;    // a patch; a part
   std::vector<char> met;               // a patch: whether a vertex of it is to be looked at
 };
 

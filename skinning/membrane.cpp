@@ -17,7 +17,7 @@ constexpr double kLeastCotan = 0.05, kMostCotan = 5;
 constexpr double kHold = 1, kHoldDepth = 0.012, kLeastHold = 0.06;  // beside cotangents of about 0.6; m
 constexpr double kGlideShare = 0.25, kMostGlide = 0.012;            // of the tissue's thickness; m
 constexpr int kBlock = 128;  // fours of vertices a task: tasks do not depend on the number of threads
-constexpr int kFirstTurns = 8, kTurns = 4;
+constexpr int kFirstTurns = 4, kTurns = 2;
 
 double cotan(const Vec3& a, const Vec3& b) { return a.dot(b) / std::max(a.cross(b).norm(), 1e-12); }
 
@@ -68,20 +68,35 @@ Mat3 frame_of(const Vec3& normal, const Vec3& edge) {
   return out.transpose();
 }
 
-// Rotations that take rest edges to the present ones, from a guess: turn until no torque is left (Mueller et al. 2016,
-// 10.1145/2994258.2994269). They cannot end in a reflection.
+// Rotations that take rest edges to the present ones, from a guess: the sum of r_c . a_c over the columns of rotation and matrix is made as large
+// as it can be, by Newton's method for small turns. Where that sum is no hill there, the step is the shorter one that always climbs (Mueller et
+// al. 2016, 10.1145/2994258.2994269). They cannot end in a reflection.
 void turn_to(const Lanes33& A, int steps, Lanes4& q) {
-  constexpr float kStill = 2.5e-11f;  // rad^2
+  constexpr float kStill = 1e-8f;       // rad^2, of half the angle: the next step would be far smaller
+  constexpr float kLeastHill = 0.02f;   // of the sum's cube
   for (int step = 0; step < steps; ++step) {
     const Lanes33 R = matrix(q);
-    const Lanes3 torque = cross(R.col[0], A.col[0]) + cross(R.col[1], A.col[1]) + cross(R.col[2], A.col[2]);
-    const Float4 pull = dot(R.col[0], A.col[0]) + dot(R.col[1], A.col[1]) + dot(R.col[2], A.col[2]);
-    const Float4 size = pull < 0 ? -pull : pull;
-    const Lanes3 w = (0.5f / (size + 1e-12f)) * torque;  // half the angle
-    const Float4 left = dot(w, w);
-    if (left[0] < kStill && left[1] < kStill && left[2] < kStill && left[3] < kStill) return;
+    const auto mixed = [&](Float4 Lanes3::*r, Float4 Lanes3::*a) {
+      return R.col[0].*r * A.col[0].*a + R.col[1].*r * A.col[1].*a + R.col[2].*r * A.col[2].*a;
+    };
+    const Float4 xx = mixed(&Lanes3::x, &Lanes3::x), yy = mixed(&Lanes3::y, &Lanes3::y), zz = mixed(&Lanes3::z, &Lanes3::z);
+    const Float4 xy = mixed(&Lanes3::x, &Lanes3::y), yx = mixed(&Lanes3::y, &Lanes3::x), xz = mixed(&Lanes3::x, &Lanes3::z),
+                 zx = mixed(&Lanes3::z, &Lanes3::x), yz = mixed(&Lanes3::y, &Lanes3::z), zy = mixed(&Lanes3::z, &Lanes3::y);
+    const Lanes3 torque{yz - zy, zx - xz, xy - yx};
+    const Float4 pull = xx + yy + zz, size = pull < 0 ? -pull : pull;
+    // The hill's curvature: symmetric, diagonal a b c, the others d (yz) e (xz) f (xy).
+    const Float4 a = yy + zz, b = xx + zz, c = xx + yy, d = -0.5f * (yz + zy), e = -0.5f * (xz + zx), f = -0.5f * (xy + yx);
+    const Float4 A0 = b * c - d * d, A1 = d * e - c * f, A2 = d * f - b * e, det = a * A0 + f * A1 + e * A2;
+    const auto hill = (a > 0) & (A0 > 0) & (det > kLeastHill * pull * pull * pull) & (pull > 0);
+    const Float4 inverse = 0.5f / (hill ? det : all(1)), shorter = 0.5f / (size + 1e-12f);
+    const Lanes3 newton{A0 * torque.x + A1 * torque.y + A2 * torque.z, A1 * torque.x + (a * c - e * e) * torque.y + (e * f - a * d) * torque.z,
+                        A2 * torque.x + (e * f - a * d) * torque.y + (a * b - f * f) * torque.z};
+    const Lanes3 w{hill ? inverse * newton.x : shorter * torque.x, hill ? inverse * newton.y : shorter * torque.y,
+                   hill ? inverse * newton.z : shorter * torque.z};  // half the angle
     const Lanes3 u = xyz(q), v = q.w * w + u + cross(w, u);
     q = normalized(Lanes4{v.x, v.y, v.z, q.w - dot(w, u)});
+    const Float4 left = dot(w, w);
+    if (left[0] < kStill && left[1] < kStill && left[2] < kStill && left[3] < kStill) return;
   }
 }
 

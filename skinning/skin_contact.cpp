@@ -96,7 +96,7 @@ bool part_skin(const Membrane& rings, const SkinContact& contact, std::span<cons
   for (std::vector<float>* each : {&s.pushes, &s.spread, &normals}) each->resize(4 * n);
   s.wanted.resize(n);
   vertex_normals(positions, triangles, normals, s.half);
-  if (!find_meetings(contact.patches, give, positions, normals, s.patches, s.wanted)) return false;
+  if (!find_meetings(contact.patches, {give, kGap, positions, normals}, s.patches, s.wanted)) return false;
   s.before.assign(positions.begin(), positions.end());
   bool moved = false;
   for (int round = 0; round < rounds; ++round) {

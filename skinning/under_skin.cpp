@@ -65,7 +65,7 @@ namespace {
 constexpr double kNear = 0.025;     // m below the skin at rest: deeper points are not looked at
 constexpr float kMargin = 1.2e-3f;  // m
 constexpr float kMostOut = 0.06f;   // m
-constexpr float kAside = 0.01f;     // m
+constexpr float kAside = 0.01f, kAsideDepths = 1.5f;  // m; times how deep it lies: further off, another part of the skin may be nearer
 constexpr float kHeldBelow = 0.004f;  // m: what lies deeper is free to swell
 constexpr double kPressed = 0.35;   // of an outline's radius; what is more moves the section
 constexpr float kNearly = 0.003f;   // m
@@ -121,7 +121,8 @@ class Lookers {
   bool deep(const SkinProbe& probe) const {
     const Float4 p = point(probe);
     const float height = sum4(p * load4(&skin_.normals[4 * static_cast<std::size_t>(probe.vertex)]))[0];
-    return height < -kDeepLie && sum4(p * p)[0] - height * height < kAside * kAside;
+    const float aside = std::max(kAside, -kAsideDepths * height);
+    return height < -kDeepLie && sum4(p * p)[0] - height * height < aside * aside;
   }
 
   Lie lie(const SkinProbe& probe) const { return lie_of(data_.rings, skin_, point(probe), probe.vertex); }
