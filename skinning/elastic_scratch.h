@@ -30,7 +30,8 @@ struct ContactScratch {
   PatchScratch patches;
   std::vector<float> boxes;                   // of the tree of triangles, fitted to the pose
   std::vector<float> pushes, spread, before, half;  // #V x 4
-  std::vector<char> wanted;                   // #V: which are looked at
+  std::vector<char> wanted;                   // #V: which are looked at; then, which are pushed
+  std::vector<int> pushed;                    // those, and the rings about them
 };
 
 struct ElasticScratch {

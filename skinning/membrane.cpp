@@ -242,7 +242,7 @@ void relax_membrane(const Membrane& m, std::span<const float> anchors, std::span
   const std::size_t size = 4 * static_cast<std::size_t>(m.vertex_count), padded = 16 * static_cast<std::size_t>(fours_of(m));
   for (std::vector<float>* each : {&s.turns, &s.offsets, &s.normals, &s.places}) each->resize(padded);
   s.pull.resize(padded / 4 * 3);
-  s.right.resize(size);
+  s.right.resize(4 * work_rows(m.factor));
   std::fill(s.offsets.begin(), s.offsets.end(), 0.0f);
   std::copy(anchors.begin(), anchors.end(), s.places.begin());
   for (int round = 0; round < rounds; ++round) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <Eigen/SparseCholesky>
+#include <oneapi/tbb/parallel_for.h>
 
 #include "skinning/float4.h"
 
@@ -108,6 +109,78 @@ constexpr Step kDown[] = {go_down<1>, go_down<2>, go_down<3>, go_down<4>, go_dow
 constexpr Step kUp[] = {go_up<1>, go_up<2>, go_up<3>, go_up<4>, go_up<5>, go_up<6>, go_up<7>, go_up<8>};
 static_assert(std::size(kDown) == kWidest && std::size(kUp) == kWidest);
 
+// Which panel hangs on which: the one with the first row beneath it; -1: none.
+std::vector<int> parents_of(const SheetFactor& m) {
+  std::vector<int> panel_of(static_cast<std::size_t>(m.rows)), out;
+  for (std::size_t p = 0; p < m.panels.size(); ++p)
+    for (int k = 0; k < m.panels[p].width; ++k) panel_of[static_cast<std::size_t>(m.panels[p].first + k)] = static_cast<int>(p);
+  for (const SheetFactor::Panel& panel : m.panels) out.push_back(panel.rows > 0 ? panel_of[static_cast<std::size_t>(m.row[static_cast<std::size_t>(panel.row)])] : -1);
+  return out;
+}
+
+// A panel's branch, or kBranches for the crown: the largest trees of panels are taken apart from above until all are small, and dealt out.
+std::vector<int> branches_of(const SheetFactor& m) {
+  constexpr double kSmall = 0.1;  // of all the work
+  const std::vector<int> parents = parents_of(m);
+  const std::size_t count = m.panels.size();
+  std::vector<double> work(count);
+  double all = 0;
+  for (std::size_t p = 0; p < count; ++p) {
+    const double own = m.panels[p].width * (m.panels[p].rows + 1.0);
+    all += own;
+    work[p] += own;
+    if (parents[p] >= 0) work[static_cast<std::size_t>(parents[p])] += work[p];  // a panel comes before what it hangs on
+  }
+  std::vector<int> out(count, SheetFactor::kBranches), roots;
+  for (std::size_t p = count; p-- > 0;) {
+    const bool below_crown = parents[p] < 0 || work[static_cast<std::size_t>(parents[p])] > kSmall * all;
+    if (below_crown && work[p] <= kSmall * all) roots.push_back(static_cast<int>(p));
+  }
+  std::stable_sort(roots.begin(), roots.end(), [&](int a, int b) { return work[static_cast<std::size_t>(a)] > work[static_cast<std::size_t>(b)]; });
+  std::array<double, SheetFactor::kBranches> load{};
+  for (const int root : roots) {
+    const auto lightest = std::min_element(load.begin(), load.end());
+    *lightest += work[static_cast<std::size_t>(root)];
+    out[static_cast<std::size_t>(root)] = static_cast<int>(lightest - load.begin());
+  }
+  for (std::size_t p = count; p-- > 0;)
+    if (parents[p] >= 0 && out[static_cast<std::size_t>(parents[p])] < SheetFactor::kBranches) out[p] = out[static_cast<std::size_t>(parents[p])];
+  return out;
+}
+
+// Puts panels in the order of their branches, and rows in that of the panels.
+void part_branches(SheetFactor& m) {
+  const std::vector<int> branches = branches_of(m);
+  std::vector<SheetFactor::Panel> panels;
+  std::vector<int> moved(static_cast<std::size_t>(m.rows));
+  int row = 0;
+  for (int branch = 0; branch <= SheetFactor::kBranches; ++branch) {
+    m.branch_begin[static_cast<std::size_t>(branch)] = static_cast<int>(panels.size());
+    if (branch == SheetFactor::kBranches) m.crown = m.rows - row;
+    for (std::size_t p = 0; p < branches.size(); ++p) {
+      if (branches[p] != branch) continue;
+      panels.push_back(m.panels[p]);
+      for (int k = 0; k < m.panels[p].width; ++k) moved[static_cast<std::size_t>(m.panels[p].first + k)] = row++;
+    }
+  }
+  m.branch_begin.back() = static_cast<int>(panels.size());
+  std::vector<float> inverse(m.inverse_diagonal.size());
+  for (std::size_t k = 0; k < inverse.size(); ++k) inverse[static_cast<std::size_t>(moved[k])] = m.inverse_diagonal[k];
+  m.inverse_diagonal.swap(inverse);
+  for (int& place : m.place) place = moved[static_cast<std::size_t>(place)];
+  for (int branch = 0; branch <= SheetFactor::kBranches; ++branch)
+    for (int p = m.branch_begin[static_cast<std::size_t>(branch)]; p < m.branch_begin[static_cast<std::size_t>(branch) + 1]; ++p) {
+      SheetFactor::Panel& panel = panels[static_cast<std::size_t>(p)];
+      panel.first = moved[static_cast<std::size_t>(panel.first)];
+      for (int r = panel.row; r < panel.row + panel.rows; ++r) {
+        int& target = m.row[static_cast<std::size_t>(r)];
+        target = moved[static_cast<std::size_t>(target)];
+        if (branch < SheetFactor::kBranches && target >= m.rows - m.crown) target += (branch + 1) * m.crown;
+      }
+    }
+  m.panels.swap(panels);
+}
+
 }  // namespace
 
 SheetFactor factor_sheet(const Sparse& A) {
@@ -115,6 +188,7 @@ SheetFactor factor_sheet(const Sparse& A) {
   const auto lower = solver.matrixL();
   const std::vector<Column> columns = columns_of(lower.nestedExpression());
   SheetFactor out;
+  out.rows = static_cast<int>(A.rows());
   for (Eigen::Index i = 0; i < A.rows(); ++i) {
     out.place.push_back(solver.permutationP().indices()[i]);
     out.inverse_diagonal.push_back(static_cast<float>(1 / solver.vectorD()[i]));
@@ -124,12 +198,32 @@ SheetFactor factor_sheet(const Sparse& A) {
     add_panel(columns, c, width, out);
     c += width;
   }
+  part_branches(out);
   return out;
 }
 
-void solve_sheet(const SheetFactor& factor, float* x) {
-  for (const SheetFactor::Panel& panel : factor.panels) kDown[panel.width - 1](factor, panel, x);
-  for (auto panel = factor.panels.rbegin(); panel != factor.panels.rend(); ++panel) kUp[panel->width - 1](factor, *panel, x);
+void solve_sheet(const SheetFactor& m, float* x) {
+  const auto begin = [&](int branch) { return m.branch_begin[static_cast<std::size_t>(branch)]; };
+  const auto down = [&](int branch) {
+    for (int p = begin(branch); p < begin(branch + 1); ++p) kDown[m.panels[static_cast<std::size_t>(p)].width - 1](m, m.panels[static_cast<std::size_t>(p)], x);
+  };
+  const auto up = [&](int branch) {
+    for (int p = begin(branch + 1); p-- > begin(branch);) kUp[m.panels[static_cast<std::size_t>(p)].width - 1](m, m.panels[static_cast<std::size_t>(p)], x);
+  };
+  float* const crown = x + 4 * static_cast<std::ptrdiff_t>(m.rows - m.crown);
+  const std::ptrdiff_t size = 4 * static_cast<std::ptrdiff_t>(m.crown);
+  tbb::parallel_for(0, SheetFactor::kBranches, [&](int branch) {
+    std::fill_n(crown + (branch + 1) * size, size, 0.0f);
+    down(branch);
+  });
+  for (int branch = 1; branch <= SheetFactor::kBranches; ++branch)
+    for (std::ptrdiff_t k = 0; k < size; k += 4) store4(crown + k, load4(crown + k) + load4(crown + branch * size + k));
+  down(SheetFactor::kBranches);
+  up(SheetFactor::kBranches);
+  tbb::parallel_for(0, SheetFactor::kBranches, [&](int branch) {
+    std::copy_n(crown, size, crown + (branch + 1) * size);
+    up(branch);
+  });
 }
 
 }  // namespace ecorche

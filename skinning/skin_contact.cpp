@@ -42,30 +42,44 @@ void each_vertex(int count, const Do& act) {
   });
 }
 
+// The pushes of those that are looked at; s.pushed: who gets one, and nobody else.
 void find_pushes(const Surface& surface, const SkinContact& contact, std::span<const float> normals, ContactScratch& s) {
   each_vertex(static_cast<int>(s.wanted.size()), [&](int i) {
     const std::size_t at = static_cast<std::size_t>(i);
     store4(&s.pushes[4 * at], s.wanted[at] ? find_push(surface, at, load4(&normals[4 * at]), contact.give[at], contact.gap[at]) : Float4{});
   });
+  s.pushed.clear();
+  for (std::size_t i = 0; i < s.wanted.size(); ++i) {
+    const Float4 push = load4(&s.pushes[4 * i]);
+    s.wanted[i] = sum4(push * push)[0] > 0;
+    if (s.wanted[i]) s.pushed.push_back(static_cast<int>(i));
+  }
 }
 
 // Vertices about those that are pushed follow by a share.
 void spread_pushes(const Membrane& rings, std::span<const float> give, ContactScratch& s) {
   constexpr float kShare = 0.6f;
   constexpr int kRounds = 2;
+  std::size_t begin = 0;
   for (int round = 0; round < kRounds; ++round) {
-    each_vertex(rings.vertex_count, [&](int i) {
-      const std::size_t at = 4 * static_cast<std::size_t>(i);
-      Float4 push = load4(&s.pushes[at]);
-      if (give[static_cast<std::size_t>(i)] > 0 && rings.first[i + 1] > rings.first[i]) {
-        Float4 sum{};
-        for (int k = rings.first[i]; k < rings.first[i + 1]; ++k) sum += load4(&s.pushes[4 * static_cast<std::size_t>(rings.neighbour[k])]);
-        sum *= kShare / static_cast<float>(rings.first[i + 1] - rings.first[i]);
-        if (sum4(sum * sum)[0] > sum4(push * push)[0]) push = sum;
+    for (const std::size_t end = s.pushed.size(); begin < end; ++begin)
+      for (int k = rings.first[static_cast<std::size_t>(s.pushed[begin])]; k < rings.first[static_cast<std::size_t>(s.pushed[begin]) + 1]; ++k) {
+        const std::size_t j = static_cast<std::size_t>(rings.neighbour[static_cast<std::size_t>(k)]);
+        if (s.wanted[j] || give[j] <= 0) continue;
+        s.wanted[j] = 1;
+        s.pushed.push_back(static_cast<int>(j));
       }
-      store4(&s.spread[at], push);
+    each_vertex(static_cast<int>(s.pushed.size()), [&](int p) {
+      const std::size_t i = static_cast<std::size_t>(s.pushed[static_cast<std::size_t>(p)]);
+      Float4 push = load4(&s.pushes[4 * i]), sum{};
+      for (int k = rings.first[i]; k < rings.first[i + 1]; ++k) sum += load4(&s.pushes[4 * static_cast<std::size_t>(rings.neighbour[static_cast<std::size_t>(k)])]);
+      sum *= kShare / static_cast<float>(rings.first[i + 1] - rings.first[i]);
+      store4(&s.spread[4 * i], sum4(sum * sum)[0] > sum4(push * push)[0] ? sum : push);
     });
-    s.pushes.swap(s.spread);
+    each_vertex(static_cast<int>(s.pushed.size()), [&](int p) {
+      const std::size_t at = 4 * static_cast<std::size_t>(s.pushed[static_cast<std::size_t>(p)]);
+      store4(&s.pushes[at], load4(&s.spread[at]));
+    });
   }
 }
 
@@ -95,6 +109,7 @@ bool part_skin(const Membrane& rings, const SkinContact& contact, std::span<cons
   const std::vector<float>& give = contact.give;
   for (std::vector<float>* each : {&s.pushes, &s.spread, &normals}) each->resize(4 * n);
   s.wanted.resize(n);
+  s.pushed.reserve(n);
   vertex_normals(positions, triangles, normals, s.half);
   if (!find_meetings(contact.patches, {give, kGap, positions, normals}, s.patches, s.wanted)) return false;
   s.before.assign(positions.begin(), positions.end());
@@ -104,18 +119,15 @@ bool part_skin(const Membrane& rings, const SkinContact& contact, std::span<cons
     fit_boxes(contact.tree, positions, s.boxes);
     find_pushes({contact.tree, s.boxes, positions}, contact, normals, s);
     spread_pushes(rings, give, s);
-    bool any = false;
-    for (std::size_t i = 0; i < n; ++i) {
-      const Float4 push = load4(&s.pushes[4 * i]), start = load4(&s.before[4 * i]);
-      s.wanted[i] = sum4(push * push)[0] > 0;
-      if (!s.wanted[i]) continue;
-      any = true;
-      Float4 way = load4(&positions[4 * i]) + push - start;
+    each_vertex(static_cast<int>(s.pushed.size()), [&](int p) {
+      const std::size_t i = static_cast<std::size_t>(s.pushed[static_cast<std::size_t>(p)]);
+      const Float4 start = load4(&s.before[4 * i]);
+      Float4 way = load4(&positions[4 * i]) + load4(&s.pushes[4 * i]) - start;
       const float length = std::sqrt(sum4(way * way)[0]);
       if (length > give[i]) way *= give[i] / length;
       store4(&positions[4 * i], start + way);
-    }
-    if (!any) break;
+    });
+    if (s.pushed.empty()) break;
     moved = true;
   }
   return moved;
