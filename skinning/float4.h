@@ -1,4 +1,4 @@
-// Four floats that the compiler keeps in one register on any x86-64. Private to the room.
+// Four floats that the compiler keeps in one register on any x86-64, and eight that take one or two. Private to the room.
 #pragma once
 
 #include <cstring>
@@ -7,6 +7,7 @@ namespace ecorche {
 
 typedef float Float4 __attribute__((vector_size(16)));
 typedef int Int4 __attribute__((vector_size(16)));
+typedef float Float8 __attribute__((vector_size(32)));
 
 inline Float4 load4(const float* p) {
   Float4 v;

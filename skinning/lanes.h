@@ -1,5 +1,7 @@
-// Four vertices side by side, one in each lane. Private to the room.
+// Four vertices side by side, or eight, one in each lane. Private to the room.
 #pragma once
+
+#include <type_traits>
 
 #include <Eigen/Core>
 
@@ -7,9 +9,12 @@
 
 namespace ecorche {
 
-struct Lanes3 {
-  Float4 x, y, z;
+template <class Floats>
+struct Lanes3Of {
+  Floats x, y, z;
 };
+
+using Lanes3 = Lanes3Of<Float4>;
 
 struct Lanes4 {
   Float4 x, y, z, w;
@@ -31,6 +36,18 @@ inline Lanes4 gather_rows(const float* rows, const int* number) {
   return transposed(load4(rows + 4 * number[0]), load4(rows + 4 * number[1]), load4(rows + 4 * number[2]), load4(rows + 4 * number[3]));
 }
 
+// Places of the eight rows with these numbers.
+inline Lanes3Of<Float8> gather_eight(const float* rows, const int* number) {
+  const auto two = [&](int k) {
+    return __builtin_shufflevector(load4(rows + 4 * number[k]), load4(rows + 4 * number[k + 4]), 0, 1, 2, 3, 4, 5, 6, 7);
+  };
+  const Float8 a = two(0), b = two(1), c = two(2), d = two(3);
+  const Float8 ab = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13), cd = __builtin_shufflevector(c, d, 0, 8, 1, 9, 4, 12, 5, 13);
+  const Float8 ab_high = __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15), cd_high = __builtin_shufflevector(c, d, 2, 10, 3, 11, 6, 14, 7, 15);
+  return {__builtin_shufflevector(ab, cd, 0, 1, 8, 9, 4, 5, 12, 13), __builtin_shufflevector(ab, cd, 2, 3, 10, 11, 6, 7, 14, 15),
+          __builtin_shufflevector(ab_high, cd_high, 0, 1, 8, 9, 4, 5, 12, 13)};
+}
+
 inline void store_rows(float* rows, const Lanes4& v) {
   const Lanes4 t = transposed(v.x, v.y, v.z, v.w);
   store4(rows, t.x);
@@ -40,6 +57,7 @@ inline void store_rows(float* rows, const Lanes4& v) {
 }
 
 inline Float4 all(float value) { return Float4{value, value, value, value}; }
+inline Float8 all_eight(float value) { return Float8{} + value; }
 inline Float4 root(Float4 v) {
   Eigen::Array4f in;
   store4(in.data(), v);
@@ -47,10 +65,22 @@ inline Float4 root(Float4 v) {
   return load4(out.data());
 }
 
-inline Lanes3 operator+(const Lanes3& a, const Lanes3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline Lanes3 operator-(const Lanes3& a, const Lanes3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Lanes3 operator*(Float4 s, const Lanes3& v) { return {s * v.x, s * v.y, s * v.z}; }
-inline Float4 dot(const Lanes3& a, const Lanes3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+template <class F>
+Lanes3Of<F> operator+(const Lanes3Of<F>& a, const Lanes3Of<F>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class F>
+Lanes3Of<F> operator-(const Lanes3Of<F>& a, const Lanes3Of<F>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class F>
+Lanes3Of<F> operator*(const std::type_identity_t<F>& s, const Lanes3Of<F>& v) {
+  return {s * v.x, s * v.y, s * v.z};
+}
+template <class F>
+F dot(const Lanes3Of<F>& a, const Lanes3Of<F>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 inline Lanes3 cross(const Lanes3& a, const Lanes3& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
 inline Lanes3 normalized(const Lanes3& v) { return (1.0f / root(dot(v, v) + 1e-30f)) * v; }
 inline Lanes3 xyz(const Lanes4& v) { return {v.x, v.y, v.z}; }

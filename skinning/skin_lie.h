@@ -1,6 +1,7 @@
 // Where points lie against a skin that moves: found by walking over the mesh from a vertex near them. Private to the room.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -9,11 +10,16 @@
 
 namespace ecorche {
 
-// Neighbours and triangles of every vertex, in fours (lanes.h); the last four repeats its first.
+// Neighbours of every vertex, in the order of the triangles about it: eight at a time, of which each and the next bound a triangle with the vertex.
+// After the last comes the first. Longer rings go on in the next eight, which begin with the last one's eighth.
 struct SkinRings {
-  std::vector<int> near_begin, near;  // #V + 1, in fours; 4 a four: neighbours, or the vertex itself where it has none
-  std::vector<int> fan_begin, fan;    // #V + 1, in fours; 8 a four: second, then third corners of triangles about the vertex
-  std::vector<int> ring_begin, ring;  // #V + 1; neighbours, each once
+  struct Eight {
+    std::array<int, 8> neighbour{};
+    int triangles = 0;                  // the first so many pairs are triangles
+  };
+  std::vector<int> eight_begin;         // #V + 1
+  std::vector<Eight> eights;
+  std::vector<int> ring_begin, ring;    // #V + 1; neighbours, each once
 };
 
 SkinRings make_skin_rings(const TriMesh& skin);
