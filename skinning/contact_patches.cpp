@@ -24,7 +24,9 @@ Float4 row(std::span<const float> rows, int i) { return load4(&rows[4 * static_c
 float angle(float cosine) { return std::acos(std::clamp(cosine, -1.0f, 1.0f)); }
 
 std::span<const int> hull_of(const VertexGroups& groups, std::size_t g) {
-  return std::span(groups.hull).subspan(static_cast<std::size_t>(groups.hull_first[g]), static_cast<std::size_t>(groups.hull_first[g + 1] - groups.hull_first[g]));
+  return std::span(groups.hull)
+      .subspan(static_cast<std::size_t>(groups.hull_first[g]),
+               static_cast<std::size_t>(groups.hull_first[g + 1] - groups.hull_first[g]));
 }
 
 PatchScratch::Shape shape_of(std::span<const int> hull, float reach, std::span<const float> positions, std::span<const float> normals) {
@@ -87,7 +89,8 @@ bool may_enter(const WayIn& way, const PatchScratch::Shape& other) {
 }
 
 // The vertices of a patch that may enter another one.
-bool mark(const ContactPatches& patches, std::size_t patch, std::size_t other, const SkinReach& skin, const PatchScratch& s, std::vector<char>& wanted) {
+bool mark(const ContactPatches& patches, std::size_t patch, std::size_t other, const SkinReach& skin, const PatchScratch& s,
+          std::vector<char>& wanted) {
   const auto first = s.parts.begin() + patches.part_first[other], last = s.parts.begin() + patches.part_first[other + 1];
   bool any = false;
   for (int k = patches.groups.first[patch]; k < patches.groups.first[patch + 1]; ++k) {
@@ -98,16 +101,18 @@ bool mark(const ContactPatches& patches, std::size_t patch, std::size_t other, c
     if (!want) {
       const Float4 n = row(skin.normals, i), p = row(skin.positions, i);
       const WayIn way{n, p + skin.before * n, p - give * n};
-      want = may_enter(way, s.shapes[other]) && std::any_of(first, last, [&](const PatchScratch::Shape& part) { return may_enter(way, part); });
+      want = may_enter(way, s.shapes[other]) &&
+             std::any_of(first, last, [&](const PatchScratch::Shape& part) { return may_enter(way, part); });
     }
     any = any || want;
   }
   return any;
 }
 
-// Gathers connected vertices of `list`, which `among` tells from all others by `mark`, into groups of at most `most`. A vertex's group goes to `group`.
-void cut_groups(const Membrane& rings, std::span<const int> list, const std::vector<int>& among, int mark, std::size_t most, std::vector<int>& group, std::vector<int>& seen,
-                VertexGroups& out) {
+// Gathers connected vertices of `list`, which `among` tells from all others by `mark`, into groups of at most `most`. A vertex's
+// group goes to `group`.
+void cut_groups(const Membrane& rings, std::span<const int> list, const std::vector<int>& among, int mark, std::size_t most,
+                std::vector<int>& group, std::vector<int>& seen, VertexGroups& out) {
   for (const int start : list) {
     if (group[static_cast<std::size_t>(start)] >= 0) continue;
     const int g = static_cast<int>(out.first.size()) - 1;
@@ -125,7 +130,9 @@ void cut_groups(const Membrane& rings, std::span<const int> list, const std::vec
       for (int e = rings.first[i]; e < rings.first[i + 1]; ++e) {
         const int j = rings.neighbour[static_cast<std::size_t>(e)];
         reach_for(j);
-        if (among[static_cast<std::size_t>(j)] != mark || group[static_cast<std::size_t>(j)] >= 0 || out.vertex.size() - begin >= most) continue;
+        if (among[static_cast<std::size_t>(j)] != mark || group[static_cast<std::size_t>(j)] >= 0 ||
+            out.vertex.size() - begin >= most)
+          continue;
         group[static_cast<std::size_t>(j)] = g;
         out.vertex.push_back(j);
       }
@@ -137,7 +144,8 @@ void cut_groups(const Membrane& rings, std::span<const int> list, const std::vec
 
 }  // namespace
 
-ContactPatches cut_patches(const Membrane& rings, std::span<const float> positions, std::span<const float> normals, std::span<const float> give) {
+ContactPatches cut_patches(const Membrane& rings, std::span<const float> positions, std::span<const float> normals,
+                           std::span<const float> give) {
   ContactPatches out;
   const std::size_t n = give.size();
   std::vector<int> all(n), patch(n, -1), part(n, -1), seen(n, -1), seen_by_part(n, -1);
@@ -145,7 +153,9 @@ ContactPatches cut_patches(const Membrane& rings, std::span<const float> positio
   cut_groups(rings, all, std::vector<int>(n, 0), 0, kPatch, patch, seen, out.groups);
   const auto count = out.groups.first.size() - 1;
   for (std::size_t p = 0; p < count; ++p) {
-    const auto own = std::span(out.groups.vertex).subspan(static_cast<std::size_t>(out.groups.first[p]), static_cast<std::size_t>(out.groups.first[p + 1] - out.groups.first[p]));
+    const auto own = std::span(out.groups.vertex)
+                         .subspan(static_cast<std::size_t>(out.groups.first[p]),
+                                  static_cast<std::size_t>(out.groups.first[p + 1] - out.groups.first[p]));
     float reach = 0;
     for (const int i : own) reach = std::max(reach, give[static_cast<std::size_t>(i)]);
     out.reach.push_back(reach);
@@ -167,10 +177,12 @@ bool find_meetings(const ContactPatches& patches, const SkinReach& skin, PatchSc
   s.met.assign(count, 0);
   const tbb::blocked_range<std::size_t> all(0, count, kTask);
   tbb::parallel_for(all, [&](const auto& range) {
-    for (std::size_t p = range.begin(); p < range.end(); ++p) s.shapes[p] = shape_of(hull_of(patches.groups, p), patches.reach[p], skin.positions, skin.normals);
+    for (std::size_t p = range.begin(); p < range.end(); ++p)
+      s.shapes[p] = shape_of(hull_of(patches.groups, p), patches.reach[p], skin.positions, skin.normals);
   });
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, s.parts.size(), kTask), [&](const auto& range) {
-    for (std::size_t p = range.begin(); p < range.end(); ++p) s.parts[p] = shape_of(hull_of(patches.parts, p), 0, skin.positions, skin.normals);
+    for (std::size_t p = range.begin(); p < range.end(); ++p)
+      s.parts[p] = shape_of(hull_of(patches.parts, p), 0, skin.positions, skin.normals);
   });
   tbb::parallel_for(all, [&](const auto& range) {  // each marks its own vertices
     for (std::size_t a = range.begin(); a < range.end(); ++a) {

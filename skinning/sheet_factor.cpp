@@ -1,9 +1,9 @@
 #include "skinning/sheet_factor.h"
 
-#include <algorithm>
+#include <oneapi/tbb/parallel_for.h>
 
 #include <Eigen/SparseCholesky>
-#include <oneapi/tbb/parallel_for.h>
+#include <algorithm>
 
 #include "skinning/float4.h"
 
@@ -114,11 +114,13 @@ std::vector<int> parents_of(const SheetFactor& m) {
   std::vector<int> panel_of(static_cast<std::size_t>(m.rows)), out;
   for (std::size_t p = 0; p < m.panels.size(); ++p)
     for (int k = 0; k < m.panels[p].width; ++k) panel_of[static_cast<std::size_t>(m.panels[p].first + k)] = static_cast<int>(p);
-  for (const SheetFactor::Panel& panel : m.panels) out.push_back(panel.rows > 0 ? panel_of[static_cast<std::size_t>(m.row[static_cast<std::size_t>(panel.row)])] : -1);
+  for (const SheetFactor::Panel& panel : m.panels)
+    out.push_back(panel.rows > 0 ? panel_of[static_cast<std::size_t>(m.row[static_cast<std::size_t>(panel.row)])] : -1);
   return out;
 }
 
-// A panel's branch, or kBranches for the crown: the largest trees of panels are taken apart from above until all are small, and dealt out.
+// A panel's branch, or kBranches for the crown: the largest trees of panels are taken apart from above until all are small, and
+// dealt out.
 std::vector<int> branches_of(const SheetFactor& m) {
   constexpr double kSmall = 0.1;  // of all the work
   const std::vector<int> parents = parents_of(m);
@@ -136,7 +138,8 @@ std::vector<int> branches_of(const SheetFactor& m) {
     const bool below_crown = parents[p] < 0 || work[static_cast<std::size_t>(parents[p])] > kSmall * all;
     if (below_crown && work[p] <= kSmall * all) roots.push_back(static_cast<int>(p));
   }
-  std::stable_sort(roots.begin(), roots.end(), [&](int a, int b) { return work[static_cast<std::size_t>(a)] > work[static_cast<std::size_t>(b)]; });
+  std::stable_sort(roots.begin(), roots.end(),
+                   [&](int a, int b) { return work[static_cast<std::size_t>(a)] > work[static_cast<std::size_t>(b)]; });
   std::array<double, SheetFactor::kBranches> load{};
   for (const int root : roots) {
     const auto lightest = std::min_element(load.begin(), load.end());
@@ -144,7 +147,8 @@ std::vector<int> branches_of(const SheetFactor& m) {
     out[static_cast<std::size_t>(root)] = static_cast<int>(lightest - load.begin());
   }
   for (std::size_t p = count; p-- > 0;)
-    if (parents[p] >= 0 && out[static_cast<std::size_t>(parents[p])] < SheetFactor::kBranches) out[p] = out[static_cast<std::size_t>(parents[p])];
+    if (parents[p] >= 0 && out[static_cast<std::size_t>(parents[p])] < SheetFactor::kBranches)
+      out[p] = out[static_cast<std::size_t>(parents[p])];
   return out;
 }
 
@@ -169,7 +173,8 @@ void part_branches(SheetFactor& m) {
   m.inverse_diagonal.swap(inverse);
   for (int& place : m.place) place = moved[static_cast<std::size_t>(place)];
   for (int branch = 0; branch <= SheetFactor::kBranches; ++branch)
-    for (int p = m.branch_begin[static_cast<std::size_t>(branch)]; p < m.branch_begin[static_cast<std::size_t>(branch) + 1]; ++p) {
+    for (int p = m.branch_begin[static_cast<std::size_t>(branch)]; p < m.branch_begin[static_cast<std::size_t>(branch) + 1];
+         ++p) {
       SheetFactor::Panel& panel = panels[static_cast<std::size_t>(p)];
       panel.first = moved[static_cast<std::size_t>(panel.first)];
       for (int r = panel.row; r < panel.row + panel.rows; ++r) {
@@ -205,10 +210,12 @@ SheetFactor factor_sheet(const Sparse& A) {
 void solve_sheet(const SheetFactor& m, float* x) {
   const auto begin = [&](int branch) { return m.branch_begin[static_cast<std::size_t>(branch)]; };
   const auto down = [&](int branch) {
-    for (int p = begin(branch); p < begin(branch + 1); ++p) kDown[m.panels[static_cast<std::size_t>(p)].width - 1](m, m.panels[static_cast<std::size_t>(p)], x);
+    for (int p = begin(branch); p < begin(branch + 1); ++p)
+      kDown[m.panels[static_cast<std::size_t>(p)].width - 1](m, m.panels[static_cast<std::size_t>(p)], x);
   };
   const auto up = [&](int branch) {
-    for (int p = begin(branch + 1); p-- > begin(branch);) kUp[m.panels[static_cast<std::size_t>(p)].width - 1](m, m.panels[static_cast<std::size_t>(p)], x);
+    for (int p = begin(branch + 1); p-- > begin(branch);)
+      kUp[m.panels[static_cast<std::size_t>(p)].width - 1](m, m.panels[static_cast<std::size_t>(p)], x);
   };
   float* const crown = x + 4 * static_cast<std::ptrdiff_t>(m.rows - m.crown);
   const std::ptrdiff_t size = 4 * static_cast<std::ptrdiff_t>(m.crown);

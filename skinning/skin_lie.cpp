@@ -55,7 +55,8 @@ Shares nearest_shares(const Wide3& p, const Wide3& b, const Wide3& c) {
     const Wide3 way = p - (share_b * b + share_c * c);
     return dot(way, way);
   };
-  const Float8 zero{}, one = all_eight(1), far_b = distance2(on_b, zero), far_c = distance2(zero, on_c), far_bc = distance2(one - along, along);
+  const Float8 zero{}, one = all_eight(1), far_b = distance2(on_b, zero), far_c = distance2(zero, on_c),
+                       far_bc = distance2(one - along, along);
   const auto inside = (out.b >= 0) & (out.c >= 0) & (out.b + out.c <= 1);
   const auto b_wins = (far_b <= far_c) & (far_b <= far_bc);
   const auto c_wins = far_c <= far_bc;
@@ -86,8 +87,10 @@ void look_at_fan(const SkinRings& rings, const PosedSkin& skin, const Wide3& p, 
     least_distance2 = nearest;
     const int best = lane_of(distance2, nearest);
     const float to_b = shares.b[best], to_c = shares.c[best];
-    const int second = eight.neighbour[static_cast<std::size_t>(best)], third = eight.neighbour[static_cast<std::size_t>(best + 1) % 8];
-    const Float4 normal = (1 - to_b - to_c) * load4(&skin.normals[at(lie.vertex)]) + to_b * load4(&skin.normals[at(second)]) + to_c * load4(&skin.normals[at(third)]);
+    const int second = eight.neighbour[static_cast<std::size_t>(best)],
+              third = eight.neighbour[static_cast<std::size_t>(best + 1) % 8];
+    const Float4 normal = (1 - to_b - to_c) * load4(&skin.normals[at(lie.vertex)]) + to_b * load4(&skin.normals[at(second)]) +
+                          to_c * load4(&skin.normals[at(third)]);
     lie.normal = normal * (1.0f / std::sqrt(sum4(normal * normal)[0] + 1e-30f));
     const Wide3 way = from_a - (all_eight(to_b) * b + all_eight(to_c) * c);
     lie.height = way.x[best] * lie.normal[0] + way.y[best] * lie.normal[1] + way.z[best] * lie.normal[2];
@@ -97,7 +100,9 @@ void look_at_fan(const SkinRings& rings, const PosedSkin& skin, const Wide3& p, 
 // Chains the sides that triangles have opposite to a vertex, and lays them out.
 void add_eights(std::vector<std::array<int, 2>> sides, std::vector<SkinRings::Eight>& out) {
   while (!sides.empty()) {
-    const auto is_start = [&](const std::array<int, 2>& side) { return std::none_of(sides.begin(), sides.end(), [&](const auto& other) { return other[1] == side[0]; }); };
+    const auto is_start = [&](const std::array<int, 2>& side) {
+      return std::none_of(sides.begin(), sides.end(), [&](const auto& other) { return other[1] == side[0]; });
+    };
     auto side = std::find_if(sides.begin(), sides.end(), is_start);
     if (side == sides.end()) side = sides.begin();
     std::vector<int> chain{(*side)[0]};
@@ -128,7 +133,8 @@ SkinRings make_skin_rings(const TriMesh& skin) {
   }
   std::vector<std::vector<std::array<int, 2>>> sides(static_cast<std::size_t>(skin.V.rows()));
   for (Eigen::Index f = 0; f < skin.F.rows(); ++f)
-    for (int k = 0; k < 3; ++k) sides[static_cast<std::size_t>(skin.F(f, k))].push_back({skin.F(f, (k + 1) % 3), skin.F(f, (k + 2) % 3)});
+    for (int k = 0; k < 3; ++k)
+      sides[static_cast<std::size_t>(skin.F(f, k))].push_back({skin.F(f, (k + 1) % 3), skin.F(f, (k + 2) % 3)});
   out.eight_begin.push_back(0);
   for (std::vector<std::array<int, 2>>& about : sides) {
     add_eights(std::move(about), out.eights);

@@ -214,5 +214,31 @@ TEST(SkinContact, GivesWayNoFurtherThanTheFleshIsThick) {
   EXPECT_LT((V - deep).rowwise().norm().maxCoeff(), 0.0421);
 }
 
+TEST(SkinContact, LooksAtEveryVertexThatIsInsideAndAtFewOthers) {
+  const Pair pair;
+  const std::vector<float> rest = floats(pair.mesh.V), posed = floats(pair.at(0.17)), give(pair.tissue.size(), 0.04f);
+  std::vector<float> normals(rest.size());
+  vertex_normals(rest, pair.triangles(), normals);
+  const ContactPatches patches = cut_patches(make_membrane(pair.mesh, pair.tissue), rest, normals, give);
+  vertex_normals(posed, pair.triangles(), normals);
+  PatchScratch scratch;
+  std::vector<char> wanted;
+  ASSERT_TRUE(find_meetings(patches, {give, 2e-3f, posed, normals}, scratch, wanted));
+  const Points V = points(posed);
+  const Eigen::Index half = V.rows() / 2;
+  int inside = 0, looked_at = 0;
+  for (Eigen::Index i = 0; i < V.rows(); ++i) {
+    const bool second = i >= half;
+    const Vec3 p = Vec3(V.row(i)) - (second ? Vec3::Zero() : Vec3(0.17, 0.013, 0.007));  // to the other tube's axis
+    const double along = std::clamp(p.y(), 0.0, 1.0), depth = 0.1 - Vec3(p.x(), p.y() - along, p.z()).norm();
+    looked_at += wanted[static_cast<std::size_t>(i)];
+    if (depth < 2e-4) continue;  // facets lie a little within the round
+    ++inside;
+    EXPECT_TRUE(wanted[static_cast<std::size_t>(i)]) << i << " is " << depth << " m inside";
+  }
+  EXPECT_GT(inside, 50);
+  EXPECT_LT(looked_at, 3 * inside);
+}
+
 }  // namespace
 }  // namespace ecorche

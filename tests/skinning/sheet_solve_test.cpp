@@ -1,0 +1,120 @@
+// Laws of the linear algebra and of the searches beneath the elastic skin, against other ways to the same answers.
+#include <gtest/gtest.h>
+
+#include <oneapi/tbb/global_control.h>
+
+#include <cmath>
+#include <random>
+
+#include <Eigen/SparseCholesky>
+
+#include "skinning/nearest_surface.h"
+#include "skinning/normals.h"
+#include "skinning/sheet_factor.h"
+#include "skinning/skin_lie.h"
+#include "tests/skinning/arm.h"
+
+namespace ecorche {
+namespace {
+
+// A sphere with poles of 20 triangles, longer than eight, and bumps.
+TriMesh bumpy_sphere(int sides) {
+  std::vector<Vec2> profile;
+  for (int k = 1; k < 16; ++k) profile.emplace_back(-0.1 * std::cos(k * 0.19635), 0.1 * std::sin(k * 0.19635));
+  TriMesh out = test::lathe(Vec3(3, -2, 5), Vec3::UnitY(), profile, sides);
+  for (Eigen::Index i = 0; i < out.V.rows(); ++i) {
+    const Vec3 p = Vec3(out.V.row(i)) - Vec3(3, -2, 5);
+    out.V.row(i) += (0.05 * std::sin(40 * p.x()) * std::cos(30 * p.z()) * p).transpose();
+  }
+  return out;
+}
+
+// A cross of four grids that meet in the middle, as limbs do.
+Eigen::SparseMatrix<double> cross_matrix(int width, int length) {
+  std::vector<std::array<int, 2>> cells;
+  const auto inside = [&](int x, int y) { return std::min(std::abs(x), std::abs(y)) <= width && std::max(std::abs(x), std::abs(y)) <= length; };
+  std::vector<std::vector<int>> number(static_cast<std::size_t>(2 * length + 1), std::vector<int>(static_cast<std::size_t>(2 * length + 1), -1));
+  const auto at = [&](int x, int y) -> int& { return number[static_cast<std::size_t>(x + length)][static_cast<std::size_t>(y + length)]; };
+  for (int x = -length; x <= length; ++x)
+    for (int y = -length; y <= length; ++y)
+      if (inside(x, y)) {
+        at(x, y) = static_cast<int>(cells.size());
+        cells.push_back({x, y});
+      }
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const auto& [x, y] : cells) {
+    double sum = 0.1 + 0.01 * x;
+    for (const auto& [u, v] : {std::array{x + 1, y}, std::array{x - 1, y}, std::array{x, y + 1}, std::array{x, y - 1}}) {
+      if (!inside(u, v)) continue;
+      entries.emplace_back(at(x, y), at(u, v), -1);
+      sum += 1;
+    }
+    entries.emplace_back(at(x, y), at(x, y), std::max(sum, 1.0) + 0.5);
+  }
+  Eigen::SparseMatrix<double> out(static_cast<Eigen::Index>(cells.size()), static_cast<Eigen::Index>(cells.size()));
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
+std::vector<float> right_sides(const SheetFactor& factor, const Eigen::MatrixX3d& b) {
+  std::vector<float> x(4 * work_rows(factor), 7);  // what is beyond the rows does not count
+  for (Eigen::Index i = 0; i < b.rows(); ++i)
+    for (Eigen::Index k = 0; k < 4; ++k)
+      x[4 * static_cast<std::size_t>(factor.place[static_cast<std::size_t>(i)]) + static_cast<std::size_t>(k)] = k < 3 ? static_cast<float>(b(i, k)) : 0;
+  return x;
+}
+
+TEST(SheetFactor, SolvesAsADenseSolverDoesWithEveryBranch) {
+  const Eigen::SparseMatrix<double> A = cross_matrix(4, 40);
+  const SheetFactor factor = factor_sheet(A);
+  ASSERT_EQ(factor.rows, A.rows());
+  EXPECT_GT(factor.crown, 0);
+  EXPECT_LT(factor.crown, factor.rows / 3);
+  for (int branch = 0; branch < SheetFactor::kBranches; ++branch)
+    EXPECT_LT(factor.branch_begin[static_cast<std::size_t>(branch)], factor.branch_begin[static_cast<std::size_t>(branch) + 1]) << branch;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> any(-1, 1);
+  Eigen::MatrixX3d b(A.rows(), 3);
+  for (Eigen::Index i = 0; i < b.size(); ++i) b.data()[i] = any(random);
+  const Eigen::MatrixX3d wanted = Eigen::MatrixXd(A).llt().solve(b);
+  std::vector<float> x = right_sides(factor, b);
+  solve_sheet(factor, x.data());
+  for (Eigen::Index i = 0; i < b.rows(); ++i)
+    for (Eigen::Index k = 0; k < 3; ++k)
+      ASSERT_NEAR(x[4 * static_cast<std::size_t>(factor.place[static_cast<std::size_t>(i)]) + static_cast<std::size_t>(k)], wanted(i, k), 1e-5) << i;
+  const oneapi::tbb::global_control one(oneapi::tbb::global_control::max_allowed_parallelism, 1);
+  std::vector<float> alone = right_sides(factor, b);
+  solve_sheet(factor, alone.data());
+  EXPECT_EQ(x, alone);
+}
+
+class Lies : public ::testing::TestWithParam<int> {};
+
+TEST_P(Lies, AreThoseOfTheNearestPointWhateverTheRingsHold) {
+  const TriMesh mesh = bumpy_sphere(GetParam());
+  std::vector<float> positions, normals(4 * static_cast<std::size_t>(mesh.V.rows()));
+  for (Eigen::Index i = 0; i < mesh.V.rows(); ++i)
+    for (Eigen::Index k = 0; k < 4; ++k) positions.push_back(k < 3 ? static_cast<float>(mesh.V(i, k)) : 1);
+  vertex_normals(positions, std::span(mesh.F.data(), static_cast<std::size_t>(mesh.F.size())), normals);
+  const SkinRings rings = make_skin_rings(mesh);
+  const NearestSurface nearest(mesh);
+  std::mt19937 random(7);
+  std::uniform_int_distribution<Eigen::Index> vertex(0, mesh.V.rows() - 1);
+  std::uniform_real_distribution<double> any(-1, 1), height(-0.004, 0.02);
+  for (int trial = 0; trial < 500; ++trial) {
+    const Eigen::Index from = vertex(random);
+    const Vec3 n(normals[4 * static_cast<std::size_t>(from)], normals[4 * static_cast<std::size_t>(from) + 1], normals[4 * static_cast<std::size_t>(from) + 2]);
+    const Vec3 way = height(random) * n + 0.004 * Vec3(any(random), any(random), any(random)), p = Vec3(mesh.V.row(from)) + way;
+    const SurfacePoint hit = nearest.nearest(p);
+    const Lie lie = lie_of(rings, {positions, normals}, Float4{float(way.x()), float(way.y()), float(way.z()), 0}, static_cast<int>(from));
+    const Vec3 direction(lie.normal[0], lie.normal[1], lie.normal[2]);
+    if (lie.height < -kDeepLie) continue;
+    EXPECT_NEAR(lie.height, (p - hit.point).dot(direction), 2e-5) << trial << ": from " << from << " to " << lie.vertex;
+    EXPECT_NEAR(direction.norm(), 1, 1e-5);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Rings, Lies, ::testing::Values(7, 8, 9, 20));
+
+}  // namespace
+}  // namespace ecorche
