@@ -3,6 +3,7 @@
 
 #include <oneapi/tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -98,11 +99,14 @@ TEST_P(Lies, AreThoseOfTheNearestPointWhateverTheRingsHold) {
   vertex_normals(positions, std::span(mesh.F.data(), static_cast<std::size_t>(mesh.F.size())), normals);
   const SkinRings rings = make_skin_rings(mesh);
   const NearestSurface nearest(mesh);
+  std::vector<Eigen::Index> corners(static_cast<std::size_t>(mesh.V.rows()));
+  for (Eigen::Index k = 0; k < mesh.F.size(); ++k) ++corners[static_cast<std::size_t>(mesh.F.data()[k])];
+  const Eigen::Index pole = std::max_element(corners.begin(), corners.end()) - corners.begin();
   std::mt19937 random(7);
   std::uniform_int_distribution<Eigen::Index> vertex(0, mesh.V.rows() - 1);
   std::uniform_real_distribution<double> any(-1, 1), height(-0.004, 0.02);
   for (int trial = 0; trial < 500; ++trial) {
-    const Eigen::Index from = vertex(random);
+    const Eigen::Index from = trial % 2 == 0 ? pole : vertex(random);
     const Vec3 n(normals[4 * static_cast<std::size_t>(from)], normals[4 * static_cast<std::size_t>(from) + 1], normals[4 * static_cast<std::size_t>(from) + 2]);
     const Vec3 way = height(random) * n + 0.004 * Vec3(any(random), any(random), any(random)), p = Vec3(mesh.V.row(from)) + way;
     const SurfacePoint hit = nearest.nearest(p);
