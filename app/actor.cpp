@@ -8,6 +8,7 @@
 
 #include "anatomy/bare_skin.h"
 #include "anatomy/errors.h"
+#include "anatomy/muscle_line.h"
 #include "anatomy/package.h"
 #include "skinning/baseline.h"
 #include "skinning/flesh_motion.h"
@@ -42,14 +43,18 @@ Actor make_actor(Character character, Report& report, const ActorOptions& option
     painted = read_painted_weights(options.weights, anatomy, static_cast<int>(base ? base->mesh.V.rows() : skin.V.rows()));
     report.set("weights.painted_vertices", static_cast<int>(painted.vertices.size()));
   }
-  {
+  PosedAnatomy rest;
+  if (options.moves) {
     const StageTimer timer(report, "posing_table");
-    actor.table = make_posing_table(anatomy, options.moves ? MuscleContact::yes : MuscleContact::no);
+    actor.table = make_posing_table(anatomy, MuscleContact::yes);
+    pose_anatomy(actor.table, anatomy.skeleton, rest_pose(anatomy.skeleton), rest);
+  } else {
+    forward_kinematics(anatomy.skeleton, rest_pose(anatomy.skeleton), rest.X_WJ);
+    rest.slices = rest_slices(anatomy);
   }
   const StageTimer timer(report, "anchoring");
-  PosedAnatomy rest;
-  pose_anatomy(actor.table, anatomy.skeleton, rest_pose(anatomy.skeleton), rest);
-  actor.binding = base ? bind_skin(anatomy, rest, base->mesh, base->refinement, skin, painted) : bind_skin(anatomy, rest, skin, painted);
+  const BindOptions bind{.moves = options.moves};
+  actor.binding = base ? bind_skin(anatomy, rest, base->mesh, base->refinement, skin, painted, bind) : bind_skin(anatomy, rest, skin, painted, bind);
   if (options.moves) actor.under = make_under_skin(anatomy, rest, actor.binding);
   return actor;
 }

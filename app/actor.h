@@ -41,7 +41,7 @@ std::optional<BaseSkin> find_base(const TriMesh& skin);
 struct ActorOptions {
   const BaseSkin* base = nullptr;  // of a refined skin, where it is at hand; looked for otherwise
   std::filesystem::path weights{}; // table set by hand, in place of the weights that are found (docs/weights.md); may be empty
-  bool moves = true;               // false: only ever seen at rest or written, so that the tables of contact in motion are left out
+  bool moves = true;               // false: only written, so that the tables of motion are left out; never played then
 };
 
 // Builds the tables and binds the skin. Timings: posing_table, anchoring. Throws InputError for weights (see read_painted_weights).

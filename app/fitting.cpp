@@ -1,6 +1,7 @@
 #include "app/fitting.h"
 
 #include <fmt/format.h>
+#include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
@@ -26,17 +27,27 @@ bool is_off(const LandmarkDepth& landmark) {
   return landmark.depth < landmark.low - kDepthSlack || landmark.depth > landmark.high + kDepthSlack;
 }
 
+// Points of a section lie near one another: what lies deeper than the next one is far is inside, too.
 void measure_outside(const Anatomy& anatomy, const TriMesh& closed_skin, FillReport& fill) {
   const MuscleSurface surface = make_muscle_surface(anatomy);
   Points positions;
   update_muscle_surface(surface, rest_slices(anatomy), positions);
   const SkinField field(closed_skin);
-  std::vector<double> distances(positions.rows());
-  tbb::parallel_for(Eigen::Index{0}, positions.rows(), [&](Eigen::Index i) {
-    distances[i] = field.nearest_judged(positions.row(i)).distance;
+  std::vector<double> beyond(static_cast<std::size_t>(positions.rows()), 0);
+  tbb::parallel_for(tbb::blocked_range<Eigen::Index>(0, positions.rows(), 1024), [&](const auto& range) {
+    constexpr double kRounding = 1e-9;  // m
+    SkinPoint known;
+    Vec3 from = Vec3::Zero();
+    for (Eigen::Index i = range.begin(); i < range.end(); ++i) {
+      const Vec3 p = positions.row(i);
+      if (known.distance + (p - from).norm() < -kRounding) continue;
+      known = field.nearest_judged(p, known.triangle);
+      from = p;
+      beyond[static_cast<std::size_t>(i)] = std::max(known.distance, 0.0);
+    }
   });
   fill.points = static_cast<int>(positions.rows());
-  for (double distance : distances) {
+  for (double distance : beyond) {
     if (distance <= 0) continue;
     ++fill.points_outside;
     fill.furthest = std::max(fill.furthest, distance);
@@ -77,8 +88,7 @@ double median(std::vector<double>& values) {
 
 // Between muscles and the fat layer all over the limbs, grooves and tendons included. The exact distance from each skin vertex to
 // the nearest part is known from the anchoring; what is left after fat and skin is the gap.
-void measure_skin_gap(const Binding& binding, const Refinement* refinement, const FatLayer& fat, const BodyPackage& package, FillReport& fill) {
-  const auto parts = vertex_parts(package);
+void measure_skin_gap(const Binding& binding, const Refinement* refinement, const FatLayer& fat, const std::vector<VertexPart>& parts, FillReport& fill) {
   std::vector<double> gaps;
   for (int i = 0; i < std::min<int>(binding.vertex_count, static_cast<int>(parts.size())); ++i) {
     const Anchor& anchor = binding.anchors[refinement ? refinement->base_rows[i] : i];
@@ -101,8 +111,7 @@ double least_gap(const Ellipse& slice, const SkinRays& rays, const FatLayer& fat
 }
 
 // Whether superficial muscles of the limbs reach the layer: the nearest approach of each section of their bellies.
-void measure_superficial_gap(const Anatomy& anatomy, const BodyPackage& package, const SkinRays& rays, const FatLayer& fat, FillReport& fill) {
-  const auto parts = vertex_parts(package);
+void measure_superficial_gap(const Anatomy& anatomy, const std::vector<VertexPart>& parts, const SkinRays& rays, const FatLayer& fat, FillReport& fill) {
   std::vector<double> gaps;
   for (const Muscle& muscle : anatomy.muscles) {
     if (muscle.layer != "superficial") continue;
@@ -188,10 +197,14 @@ FittedCharacter fit_character(const Template& body_template, const Body& body, c
   }
   if (options.bound) fitted.actor = make_actor(std::move(character), report, {base ? &*base : nullptr, options.weights, options.moves});
   else fitted.actor.character = std::move(character);
+  const std::vector<VertexPart> read = options.parts ? std::vector<VertexPart>() : vertex_parts(package);
+  const std::vector<VertexPart>& parts = options.parts ? *options.parts : read;
   measure_outside(fitted.actor.character.anatomy, closed_skin, fitted.fill);
-  if (options.bound) measure_skin_gap(fitted.actor.binding, base ? &base->refinement : nullptr, fat, package, fitted.fill);
-  measure_superficial_gap(fitted.actor.character.anatomy, package, rays, fat, fitted.fill);
-  fitted.tissues = measure_tissues(fitted.actor.character.anatomy, closed_skin, fat);
+  measure_superficial_gap(fitted.actor.character.anatomy, parts, rays, fat, fitted.fill);
+  if (options.tissues) {
+    if (options.bound) measure_skin_gap(fitted.actor.binding, base ? &base->refinement : nullptr, fat, parts, fitted.fill);
+    fitted.tissues = measure_tissues(fitted.actor.character.anatomy, closed_skin, fat);
+  }
   report_fit(fitted, report);
   return fitted;
 }

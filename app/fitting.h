@@ -21,6 +21,8 @@ struct FittingOptions {
   std::filesystem::path weights{};  // see ActorOptions
   bool moves = true;              // see ActorOptions
   bool bound = true;              // false: the actor has no tables and no binding, for those who want the anatomy alone
+  bool tissues = true;            // false: what the body is made of and the gap under the skin are not measured; no target rests on them
+  const std::vector<VertexPart>* parts = nullptr;  // vertex_parts of the package, where they are at hand; read otherwise
 };
 
 // How well the muscles fill the skin.

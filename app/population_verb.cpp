@@ -1,8 +1,11 @@
 // ecorche body population: a file of measures, or a number of people, as bodies with their anatomy. Stops and goes on where it stopped.
 #include <fmt/format.h>
+#include <oneapi/tbb/parallel_pipeline.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <fstream>
+#include <functional>
 #include <sstream>
 
 #include "anatomy/atomic_file.h"
@@ -29,19 +32,23 @@ struct PopulationOptions {
 
 constexpr const char* kHeader = "name,sex,age,stature_m,weight_kg,worst_miss_in_tolerances,anatomy\n";
 
-// What all people share: packages, tables, spaces, the template. Read once.
+// People that are made side by side, one a core: half of a fit is work for one core alone. More would need more memory.
+constexpr int kMostAtOnce = 4;
+
+// What all people share: packages, tables, spaces, the template. Read once, and then only looked at.
 struct Workshop {
   BodyPackage package = read_body_package(find_packages());
   TapeMeasure tape{package, read_measure_table(package, data_folder() / "body")};
+  std::vector<VertexPart> parts = vertex_parts(package);
   std::optional<ShapeSpace> spaces[2];
   std::optional<Template> body_template;
   std::optional<CrowdMould> mould;  // of a crowd
 
-  const ShapeSpace& space(Sex sex) {
+  void prepare(Sex sex) {
     auto& kept = spaces[sex == Sex::male ? 0 : 1];
     if (!kept) kept = read_shape_space(package, tape, sex);
-    return *kept;
   }
+  const ShapeSpace& space(Sex sex) const { return *spaces[sex == Sex::male ? 0 : 1]; }
 };
 
 // All that a person's files depend on. A row that is edited is made anew.
@@ -62,7 +69,7 @@ double worst_miss(const TapeMeasure& tape, const Person& person, const SolvedBod
 }
 
 // Writes the person's file and returns its row of population.csv.
-std::string make_files(Workshop& shop, const Person& person, const PopulationOptions& options, const fs::path& file) {
+std::string make_files(const Workshop& shop, const Person& person, const PopulationOptions& options, const fs::path& file) {
   SolveOptions solve;
   solve.allow_unusual = options.allow_unusual;
   std::optional<ShapeSpace> of_age;
@@ -82,7 +89,7 @@ std::string make_files(Workshop& shop, const Person& person, const PopulationOpt
     write_body(file, body);
   } else {
     Report own;
-    const FittedCharacter fitted = fit_character(*shop.body_template, body, shop.package, {.moves = false, .bound = !shop.mould}, own);
+    const FittedCharacter fitted = fit_character(*shop.body_template, body, shop.package, {.moves = false, .bound = !shop.mould, .tissues = false, .parts = &shop.parts}, own);
     const std::vector<std::string> missed = missed_targets(fitted);
     anatomy = missed.empty() ? "met" : fmt::format("{} targets missed", missed.size());
     if (shop.mould) write_crowd_person(file, *shop.mould, fitted.actor.character);
@@ -99,6 +106,52 @@ std::string finished_row(const fs::path& note, const fs::path& file, const std::
   std::string found, row;
   if (!fs::exists(file) || !std::getline(in, found) || found != key || !std::getline(in, row)) return {};
   return row + "\n";
+}
+
+fs::path person_file(const Workshop& shop, const Person& person, const PopulationOptions& options) {
+  return options.folder / (person.name + (shop.mould ? ".bin" : ".glb"));
+}
+
+// What became of a person.
+struct Outcome {
+  std::string row;      // of population.csv; empty for one who was refused
+  std::string refused;  // why
+  bool kept = false;    // was there already
+};
+
+Outcome make_person_once(const Workshop& shop, const Person& person, const PopulationOptions& options, const std::string& versions) {
+  const fs::path file = person_file(shop, person, options), done = options.folder / ".rows" / person.name;
+  const std::string key = row_key(person, options, versions);
+  Outcome out{finished_row(done, file, key), {}, true};
+  if (!out.row.empty()) return out;
+  out.kept = false;
+  try {
+    out.row = make_files(shop, person, options, file);
+    write_file_atomically(done, key + "\n" + out.row);
+  } catch (const UnfitError& e) {
+    out.refused = e.what();
+  }
+  return out;
+}
+
+// Several people at once; `take` gets them one by one, in order.
+void make_people(const Workshop& shop, const std::vector<Person>& people, const PopulationOptions& options, const std::string& versions,
+                 const std::function<void(const Person&, const Outcome&)>& take) {
+  struct Made {
+    const Person* person;
+    Outcome outcome;
+  };
+  std::size_t next = 0;
+  const auto begin = tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& flow) -> std::size_t {
+    if (next == people.size()) flow.stop();
+    return next++;
+  });
+  // A core that waits for its own person's work must not begin with another.
+  const auto make = tbb::make_filter<std::size_t, Made>(tbb::filter_mode::parallel, [&](std::size_t i) {
+    return Made{&people[i], tbb::this_task_arena::isolate([&] { return make_person_once(shop, people[i], options, versions); })};
+  });
+  const auto end = tbb::make_filter<Made, void>(tbb::filter_mode::serial_in_order, [&](const Made& made) { take(*made.person, made.outcome); });
+  tbb::parallel_pipeline(static_cast<std::size_t>(std::min(tbb::this_task_arena::max_concurrency(), kMostAtOnce)), begin & make & end);
 }
 
 // What all people of a crowd share: the template in its own body. Its muscles need not grow for that.
@@ -149,36 +202,27 @@ int run_population(const PopulationOptions& options, const Common& common, Repor
     shop.mould = make_mould(*shop.body_template);
   }
 
+  for (const Person& person : people.people) shop.prepare(person.sex);
   const std::string versions = fmt::format("{} {} {} {}", ECORCHE_VERSION, options.skins ? "" : template_key(), shape_space_key(Sex::male), shape_space_key(Sex::female));
   std::string table = kHeader;
   std::vector<CrowdMember> members;
   int made = 0, kept = 0, refused = 0, missed = 0;
   const int total = static_cast<int>(people.people.size());
   const StageTimer timer(report, "population");
-  for (int i = 0; i < total; ++i) {
-    const Person& person = people.people[static_cast<std::size_t>(i)];
-    const fs::path file = options.folder / (person.name + (shop.mould ? ".bin" : ".glb")), done = notes / person.name;
-    const std::string key = row_key(person, options, versions);
-    std::string row = finished_row(done, file, key);
-    if (!row.empty()) {
-      ++kept;
-    } else {
-      try {
-        row = make_files(shop, person, options, file);
-        write_file_atomically(done, key + "\n" + row);
-        ++made;
-      } catch (const UnfitError& e) {
-        note(common, fmt::format("{}: {}", person.name, e.what()));
-        report.append_text("population.refused_people", person.name);
-        ++refused;
-        continue;
-      }
+  int done = 0;
+  make_people(shop, people.people, options, versions, [&](const Person& person, const Outcome& outcome) {
+    progress(common, "people", ++done, total);
+    if (outcome.row.empty()) {
+      note(common, fmt::format("{}: {}", person.name, outcome.refused));
+      report.append_text("population.refused_people", person.name);
+      ++refused;
+      return;
     }
-    if (row.find("missed") != std::string::npos) ++missed;
-    table += row;
-    if (shop.mould) members.push_back(crowd_member(shop.tape.table(), person, file, row));
-    progress(common, "people", i + 1, total);
-  }
+    ++(outcome.kept ? kept : made);
+    if (outcome.row.find("missed") != std::string::npos) ++missed;
+    table += outcome.row;
+    if (shop.mould) members.push_back(crowd_member(shop.tape.table(), person, person_file(shop, person, options), outcome.row));
+  });
   write_file_atomically(options.folder / "population.csv", table);
   if (!members.empty()) {
     std::sort(members.begin(), members.end(), [](const CrowdMember& a, const CrowdMember& b) { return a.name < b.name; });

@@ -129,9 +129,11 @@ class Sharing {
   void find_layer(const SkinRays& skin, const FatLayer& fat) {
     const SkinRays layer_rays(TriMesh{underside_.points, skin.mesh().F});
     spokes_.resize(all_.slices.size() * kDirections);
+    const std::vector<char> used = used_rays();
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, all_.slices.size(), 16), [&](const auto& range) {
       for (std::size_t k = range.begin(); k < range.end(); ++k)
         for (std::size_t i = 0; i < kDirections; ++i) {
+          if (!used[k * kDirections + i]) continue;
           const Vec3 to_edge = all_.edge(k, i);
           Spoke& spoke = spokes_[k * kDirections + i];
           spoke.base = std::max(static_cast<float>(to_edge.norm()), 1e-6f);
@@ -149,7 +151,16 @@ class Sharing {
           spoke.most = std::max(spoke.over, std::min(spoke.base, hit.distance - std::max(layer / 2, static_cast<float>(limits_.skin_gap))));
         }
     });
-    report_.rays += 2 * static_cast<long long>(spokes_.size());
+    report_.rays += 2 * std::count(used.begin(), used.end(), 1);
+  }
+
+  // Those that move a vertex, of what is not its partner's mirror image.
+  std::vector<char> used_rays() const {
+    std::vector<char> used(all_.slices.size() * kDirections, 0);
+    for (const StripPlace& strip : all_.strips)
+      for (std::size_t k = strip.begin; k < strip.end && !all_.is_mirrored(strip); ++k)
+        for (std::size_t i = 0; i < kDirections; ++i) used[k * kDirections + i] = static_cast<char>(all_.is_drawn(k, i));
+    return used;
   }
 
   // Where rays can come to, and what can come to them: of an even body little more than one half.

@@ -120,6 +120,7 @@ Movers find_movers(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMe
   spread_twist(anatomy.skeleton, skin, painted.vertices, out.rows, tables.twists);
   const std::vector<std::array<Influence, 4>> four = four_joints(out.rows, tables);
   tables.pairs = add_pairs(anatomy.skeleton, skin, tables.twists, out.rows);
+  if (!options.moves) return out;  // what follows is for pairs and nodes
   const std::vector<LimbSection> sections = limb_sections(anatomy.skeleton, skin, four);
   apply_hinge_gains(tables, find_hinge_gains(anatomy.skeleton, skin, sections, tables, out.rows), out.rows);
   if (options.muscle_share > 0 && !rest.slices.empty()) {
@@ -152,12 +153,12 @@ void follow_base(const Refinement& refinement, std::shared_ptr<const SkinTables>
   fine.base = std::move(base);
 }
 
-Binding finish(const TriMesh& skin, std::vector<Anchor> anchors, const Movers& movers, std::shared_ptr<SkinTables> tables) {
+Binding finish(const TriMesh& skin, std::vector<Anchor> anchors, const Movers& movers, std::shared_ptr<SkinTables> tables, bool moves) {
   Binding binding;
   binding.vertex_count = static_cast<int>(skin.V.rows());
   binding.anchors = std::move(anchors);
   binding.joint_weights = four_joints(movers.rows, *tables);
-  binding.tables = std::move(tables);
+  if (moves) binding.tables = std::move(tables);
   return binding;
 }
 
@@ -178,8 +179,8 @@ Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMes
   SkinSurvey survey = survey_skin(Surroundings(anatomy, rest), skin);
   auto tables = std::make_shared<SkinTables>();
   const Movers movers = find_movers(anatomy, rest, skin, survey, options, painted, *tables);
-  lay_out_elastic(anatomy, skin, survey, movers, *tables);
-  return finish(skin, std::move(survey.anchors), movers, std::move(tables));
+  if (options.moves) lay_out_elastic(anatomy, skin, survey, movers, *tables);
+  return finish(skin, std::move(survey.anchors), movers, std::move(tables), options.moves);
 }
 
 Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& base, const Refinement& refinement, const TriMesh& fine,
@@ -198,11 +199,13 @@ Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMes
   const SkinSurvey survey = survey_skin(inside, base);
   const Movers movers = find_movers(anatomy, rest, base, survey, options, painted, *tables);
   const Movers finer = refine_movers(refinement, movers, *tables);
-  auto base_tables = std::make_shared<SkinTables>(*tables);
-  lay_out(fine, finer.rows, finer.node_rows, *tables);
-  lay_out_elastic(anatomy, base, survey, movers, *base_tables);
-  follow_base(refinement, std::move(base_tables), *tables);
-  return finish(fine, find_anchors(inside, fine), finer, std::move(tables));
+  if (options.moves) {
+    auto base_tables = std::make_shared<SkinTables>(*tables);
+    lay_out(fine, finer.rows, finer.node_rows, *tables);
+    lay_out_elastic(anatomy, base, survey, movers, *base_tables);
+    follow_base(refinement, std::move(base_tables), *tables);
+  }
+  return finish(fine, find_anchors(inside, fine), finer, std::move(tables), options.moves);
 }
 
 }  // namespace ecorche

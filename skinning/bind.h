@@ -29,6 +29,7 @@ struct BindOptions {
   double muscle_share = 1.0;   // how much of the height change of the muscles reaches the skin; 0: bones only
   double lift_limit = 0.1;    // m, lift or sink of the skin by muscles that is never reached; half of it, where they ask for it all
   double node_spacing = 0.04;  // m, between muscle nodes
+  bool moves = true;           // false: anchors and joint weights alone, for what is written and not moved here; Binding::tables stays empty
 };
 
 // The component of the anatomy nearest to a skin vertex at rest, exact.
@@ -51,7 +52,7 @@ struct Binding {
   int vertex_count = 0;
   std::vector<Anchor> anchors;                            // #V
   std::vector<std::array<Influence, 4>> joint_weights;    // #V, sum 1: what an engine with four influences can use
-  std::shared_ptr<const SkinTables> tables;
+  std::shared_ptr<const SkinTables> tables;               // empty: cannot be deformed
 };
 
 // Precondition: body.skin is the rest pose of the anatomy, closed enough to have an inside; throws UnfitError for a vertex that is

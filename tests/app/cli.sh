@@ -84,8 +84,12 @@ expect 0 "one of them gone" "$ecorche" body population turned.csv --skins -o tur
 if grep -q '"kept": 1' again.json && cmp -s people/ada.glb turned/ada.glb; then ok; else bad "only what is missing should be made"; fi
 expect 2 "an unknown measure as a column" "$ecorche" body population <(printf 'sex,girth_of_ears\nmale,3cm\n') -o none
 expect 2 "neither file nor number" "$ecorche" body population -o none
-expect 0,8 "people by chance, with anatomy" "$ecorche" body population --count 1 --sex male -o chance
+expect 0,8 "people by chance, with anatomy, side by side" "$ecorche" body population --count 2 --sex male -o chance
 there chance/person-0001.glb
+expect 0,8 "the same on one core" "$ecorche" body population --count 2 --sex male --threads 1 -o single
+for file in person-0001.glb person-0002.glb population.csv; do
+  if cmp -s chance/$file single/$file; then ok; else bad "$file of a population depends on the number of threads"; fi
+done
 expect 0,8 "a crowd" "$ecorche" body population people.csv -o crowd --crowd crowd.glb
 there crowd.glb; there crowd/ada.bin; absent crowd/bob.bin
 expect 0,8 "the same crowd, turned round, one of its people made anew" bash -c "cp crowd.glb first.glb; rm crowd/cyd.bin; exec '$ecorche' body population turned.csv -o crowd --crowd crowd.glb --report crowd.json"

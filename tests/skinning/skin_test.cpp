@@ -161,6 +161,22 @@ TEST(Skin, AnchorsAreTheNearestComponents) {
   }
 }
 
+TEST(Skin, WhatIsOnlyWrittenHasTheSameAnchorsAndWeights) {
+  const Arm arm = make_arm();
+  const Binding moving = bind_arm(arm).binding, still = bind_arm(arm, {.moves = false}).binding;
+  EXPECT_TRUE(moving.tables);
+  EXPECT_FALSE(still.tables);
+  ASSERT_EQ(still.joint_weights.size(), moving.joint_weights.size());
+  for (std::size_t v = 0; v < moving.joint_weights.size(); ++v) {
+    EXPECT_EQ(still.anchors[v].part, moving.anchors[v].part);
+    EXPECT_EQ(still.anchors[v].distance, moving.anchors[v].distance);
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_EQ(still.joint_weights[v][k].joint, moving.joint_weights[v][k].joint);
+      EXPECT_EQ(still.joint_weights[v][k].weight, moving.joint_weights[v][k].weight);
+    }
+  }
+}
+
 TEST(Skin, SameBytesAtOneAndTwoThreads) {
   const auto run = [](std::size_t threads) {
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
