@@ -60,9 +60,8 @@ int run(const BakeVerbOptions& options, const Common& common, Report& report) {
   Actor actor = make_actor(read_character(options.character), report, {.weights = options.weights});
   const Character& character = actor.character;
   ActorFrame frame;
-  const ExactSkin exact = [&](const Pose& pose, std::vector<Transform>& X_WJ, SkinFrame& out) {
+  const ExactSkin exact = [&](const Pose& pose, SkinFrame& out) {
     play(actor, pose, frame);
-    X_WJ = frame.posed.X_WJ;
     out.positions = frame.skin.positions;
     out.normals = frame.skin.normals;
   };

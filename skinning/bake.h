@@ -8,10 +8,12 @@
 //    Where that leaves the skin worst, helper joints are added, children of the joint that moves the skin there most: a frame's rigid map that
 //    brings the skin about the helper closest, which neither joints nor sums of shapes that other frames share can express.
 // 2. Shapes. What is left over is taken up by shapes in the rest pose, solved by turns with their curves for what they do in the posed world;
-//    vertices that stay far off in a frame count more and more. Frames that the shapes miss most are added to the samples, and
-//    the shapes solved on. Curves keep within -1 .. 1.
+//    vertices that stay far off in a frame count more and more. Helpers then make room for what shapes do better, frames that are missed
+//    most are added to the samples, and the shapes are solved on.
 // 3. Normals. Engines turn the rest normals by the same blend, which jumps where neighbours hang on different joints. The shapes therefore
 //    carry changes of the normals, solved with the curves as they are.
+// 4. Curves and helpers of every frame are solved together, at last, for the twelfth power of the errors: it is the largest that show.
+//    Curves keep within -1 .. 1.
 #pragma once
 
 #include <array>
@@ -28,7 +30,7 @@ namespace ecorche {
 
 struct BakeOptions {
   int morphs = 32;            // at most
-  int helpers = 56;           // joints added, at most
+  int helpers = 72;           // joints added, at most
   double helper_error = 4e-3; // m; helpers are added where the joints alone leave more
   int sample_frames = 450;    // of all motions together, that weights and shapes are solved on; errors are of every frame
   double keep_weights = 5e-4; // m; a weight strays by 1 from the given ones only where that brings the skin closer by as much
@@ -68,15 +70,16 @@ struct Bake {
   double influences_only_rms = 0;  // without the shapes, over all frames
 };
 
-// Where the exact skin has every vertex and its normal, and the world frames of the joints.
-using ExactSkin = std::function<void(const Pose& pose, std::vector<Transform>& X_WJ, SkinFrame& out)>;
+// Where the exact skin has every vertex and its normal.
+using ExactSkin = std::function<void(const Pose& pose, SkinFrame& out)>;
 
 // Throws UnfitError for motions without frames. Preconditions: `start` are influences of the skin's vertices to begin from, and the
 // motions belong to the skeleton. Same input, same bytes at any number of threads.
 Bake bake_skin(const TriMesh& skin, const Skeleton& skeleton, std::span<const std::array<Influence, 4>> start, const ExactSkin& exact,
                std::vector<BakedMotion> motions, const BakeOptions& options = {});
 
-// One frame as an engine plays it: plain linear blend of the shaped rest pose. X_WJ: the joints' world frames. `out` is resized once. #V x 3
+// One frame as an engine plays it: plain linear blend of the shaped rest pose. X_WJ: the joints' world frames, with turns as the file has
+// them (short_turns.h). `out` is resized once. #V x 3
 void play_bake(const Bake& bake, const TriMesh& skin, const Skeleton& skeleton, std::span<const Transform> X_WJ, std::span<const Transform> helpers,
                const Eigen::VectorXf& curves, Points& out);
 

@@ -38,6 +38,10 @@ class Errors {
 
 struct BakeErrors {
   Errors distances{1e-5}, angles{0.02};
+  void add(const Eigen::VectorXd& m, const Eigen::VectorXd& degrees) {
+    for (const double d : m) distances.add(d);
+    for (const double a : degrees) angles.add(a);
+  }
   BakeError summary(int frames) const {
     return {frames, distances.mean(), distances.rms(), distances.p95(), distances.max(), angles.rms(), angles.p95()};
   }

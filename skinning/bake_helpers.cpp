@@ -11,6 +11,7 @@ namespace {
 constexpr double kRadius = 0.06, kApart = 0.10;  // m
 constexpr double kLeastWeight = 0.02;            // a vertex that hangs on a helper by less says nothing about it
 constexpr double kPatch = 0.02;                  // how much the patch counts beside the vertices that hang on the helper
+constexpr int kRounds = 3;
 
 // Sums for the rigid map that brings points x closest to y (Kabsch 1976, 10.1107/S0567739476001873).
 class RigidFit {
@@ -61,42 +62,40 @@ std::vector<HelperPatch> choose_helpers(const Points& V, const Eigen::VectorXd& 
   return out;
 }
 
-void pose_helpers(const Points& V, std::span<const HelperPatch> patches, std::span<const std::array<Influence, 4>> influences, int rounds, BakeFrame& frame) {
+std::vector<std::vector<int>> hung_on_helpers(Influences influences, std::size_t joints, std::size_t helpers) {
+  std::vector<std::vector<int>> out(helpers);
+  for (std::size_t i = 0; i < influences.size(); ++i)
+    for (const Influence& influence : influences[i])
+      if (influence.weight > kLeastWeight && static_cast<std::size_t>(influence.joint) >= joints)
+        out[static_cast<std::size_t>(influence.joint) - joints].push_back(static_cast<int>(i));
+  return out;
+}
+
+void pose_helpers(const Points& V, std::span<const HelperPatch> patches, std::span<const std::vector<int>> hung, Influences influences, BakeFrame& frame) {
   const std::size_t joints = frame.bones.size() - patches.size();
   for (std::size_t h = 0; h < patches.size(); ++h) {
     RigidFit fit;
     add_patch(V, patches[h], frame.exact, 1, fit);
     frame.bones[joints + h] = fit.map();
   }
-  const Eigen::VectorXd even = Eigen::VectorXd::Ones(V.rows());
-  for (int round = 0; round < rounds; ++round) refine_helpers(V, patches, influences, even, frame);
-}
-
-void refine_helpers(const Points& places, std::span<const HelperPatch> patches, std::span<const std::array<Influence, 4>> influences,
-                    const Eigen::VectorXd& weights, BakeFrame& frame) {
-  const std::size_t joints = frame.bones.size() - patches.size();
-  std::vector<std::vector<int>> hung(patches.size());
-  for (std::size_t i = 0; i < influences.size(); ++i)
-    for (const Influence& influence : influences[i])
-      if (influence.weight > kLeastWeight && static_cast<std::size_t>(influence.joint) >= joints)
-        hung[static_cast<std::size_t>(influence.joint) - joints].push_back(static_cast<int>(i));
-  for (std::size_t h = 0; h < patches.size(); ++h) {
-    RigidFit fit;
-    for (const int i : hung[h]) {
-      const Vec3 x = places.row(i);
-      Vec3 rest = frame.exact.row(i).transpose().cast<double>();
-      double share = 0;
-      for (const Influence& influence : influences[static_cast<std::size_t>(i)]) {
-        if (influence.weight <= 0) continue;
-        const std::size_t bone = static_cast<std::size_t>(influence.joint);
-        if (bone == joints + h) share += influence.weight;
-        else rest -= influence.weight * (frame.bones[bone] * x);
+  for (int round = 0; round < kRounds; ++round)
+    for (std::size_t h = 0; h < patches.size(); ++h) {
+      RigidFit fit;
+      for (const int i : hung[h]) {
+        const Vec3 x = V.row(i);
+        Vec3 rest = frame.exact.row(i).transpose().cast<double>();
+        double share = 0;
+        for (const Influence& influence : influences[static_cast<std::size_t>(i)]) {
+          if (influence.weight <= 0) continue;
+          const std::size_t bone = static_cast<std::size_t>(influence.joint);
+          if (bone == joints + h) share += influence.weight;
+          else rest -= influence.weight * (frame.bones[bone] * x);
+        }
+        fit.add(x, rest / share, share * share);
       }
-      fit.add(x, rest / share, weights[i] * share * share);
+      add_patch(V, patches[h], frame.exact, kPatch, fit);
+      frame.bones[joints + h] = fit.map();
     }
-    add_patch(places, patches[h], frame.exact, kPatch, fit);
-    frame.bones[joints + h] = fit.map();
-  }
 }
 
 }  // namespace ecorche

@@ -18,13 +18,12 @@ struct HelperPatch {
 // those below `least` are left alone. V: rest, #V x 3.
 std::vector<HelperPatch> choose_helpers(const Points& V, const Eigen::VectorXd& errors, double least, int count);
 
-// Where helpers are in a frame: the rigid map that brings its patch closest to the exact skin, refined in `rounds` rounds. Sets the last
-// patches.size() bones of `frame`. A function of the frame alone.
-void pose_helpers(const Points& V, std::span<const HelperPatch> patches, std::span<const std::array<Influence, 4>> influences, int rounds, BakeFrame& frame);
+// The vertices that hang on each helper by enough to say where it is. `joints`: how many bones are no helpers.
+std::vector<std::vector<int>> hung_on_helpers(Influences influences, std::size_t joints, std::size_t helpers);
 
-// Moves each helper in turn so that the vertices that hang on it come closest to the exact skin, the other bones held (after Le & Deng 2012,
-// 10.1145/2366145.2366218). `places`: of the vertices in the rest pose, with their shapes; `weights`: how much each counts, #V.
-void refine_helpers(const Points& places, std::span<const HelperPatch> patches, std::span<const std::array<Influence, 4>> influences,
-                    const Eigen::VectorXd& weights, BakeFrame& frame);
+// Where helpers are in a frame: the rigid map that brings its patch closest to the exact skin, and then in turn the one that brings the vertices
+// that hang on it closest, the other bones held (after Le & Deng 2012, 10.1145/2366145.2366218). Sets the last patches.size() bones of `frame`.
+// `hung`: as hung_on_helpers() has it. A function of the frame alone.
+void pose_helpers(const Points& V, std::span<const HelperPatch> patches, std::span<const std::vector<int>> hung, Influences influences, BakeFrame& frame);
 
 }  // namespace ecorche

@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "skinning/glb_builder.h"
 #include "skinning/gltf_values.h"
+#include "skinning/short_turns.h"
 
 namespace ecorche {
 namespace {
@@ -94,7 +97,7 @@ Motion with_helpers(const Skeleton& skeleton, const Bake& bake, const BakedMotio
   places.assign(bake.helpers.size(), {});
   std::vector<Transform> X_WJ;
   for (std::size_t f = 0; f < out.frames.size(); ++f) {
-    forward_kinematics(skeleton, each.motion.frames[f], X_WJ);
+    forward_kinematics(skeleton, kept_in_shorts(each.motion.frames[f]), X_WJ);
     for (std::size_t h = 0; h < bake.helpers.size(); ++h) {
       const Transform X = X_WJ[static_cast<std::size_t>(bake.helpers[h].parent)].inverse() * each.helpers[f][h];
       out.frames[f].rotations.emplace_back(X.linear());
@@ -105,10 +108,10 @@ Motion with_helpers(const Skeleton& skeleton, const Bake& bake, const BakedMotio
 }
 
 void add_curves(gltf::GlbBuilder& glb, const BakedMotion& each, int node, int times) {
-  std::vector<float> weights;
+  std::vector<std::int16_t> weights;
   for (Eigen::Index f = 0; f < each.curves.rows(); ++f)
-    for (Eigen::Index m = 0; m < each.curves.cols(); ++m) weights.push_back(each.curves(f, m));
-  gltf::add_channel(glb.model().animations.back(), node, "weights", times, glb.add_scalars(weights, false, 0));
+    for (Eigen::Index m = 0; m < each.curves.cols(); ++m) weights.push_back(static_cast<std::int16_t>(std::lround(32767 * std::clamp(each.curves(f, m), -1.0f, 1.0f))));
+  gltf::add_channel(glb.model().animations.back(), node, "weights", times, glb.add_shares(weights, TINYGLTF_TYPE_SCALAR, 1));
 }
 
 }  // namespace
@@ -143,7 +146,7 @@ void write_bake(const std::filesystem::path& file, const std::string& name, cons
   const int skin_node = glb.add_node(std::move(node));
   for (const BakedMotion& each : bake.motions) {
     std::vector<std::vector<float>> places;
-    const int times = gltf::add_motion(glb, bones, with_helpers(skeleton, bake, each, places), each.name);
+    const int times = gltf::add_motion(glb, bones, with_helpers(skeleton, bake, each, places), each.name, gltf::TurnKeys::shorts);
     for (std::size_t h = 0; h < places.size(); ++h)
       gltf::add_channel(glb.model().animations.back(), static_cast<int>(skeleton.joints.size() + h), "translation", times,
                         glb.add_accessor(places[h], TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 3, 0));

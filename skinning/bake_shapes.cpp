@@ -28,7 +28,7 @@ MatrixXf carried(const Shapes& shapes, const Leftover& frame) {
   MatrixXf out(shapes.offsets.rows(), shapes.offsets.cols());
   for (Index m = 0; m < out.cols(); ++m)
     for (Index i = 0; i < frame.left.rows(); ++i)
-      out.col(m).segment<3>(3 * i) = Eigen::Map<const Mat3f>(frame.blend.row(i).data()) * shapes.offsets.col(m).segment<3>(3 * i);
+      out.col(m).segment<3>(3 * i) = blend_of(frame, i) * shapes.offsets.col(m).segment<3>(3 * i);
   return out;
 }
 
@@ -166,28 +166,6 @@ Shapes fit_shapes(const std::vector<Leftover>& frames, int most, int rounds, con
   Shapes begin = start.offsets.cols() > 0 ? start : principal_shapes(frames, most);
   if (begin.offsets.cols() == 0) return begin;
   return Fitter(frames, std::move(begin)).run(rounds);
-}
-
-Eigen::VectorXf fit_curves(const Shapes& shapes, const Leftover& frame, double enough) {
-  constexpr int kRounds = 4;
-  if (shapes.offsets.cols() == 0) return VectorXf();
-  const MatrixXf here = carried(shapes, frame);
-  const VectorXf left = flat(frame.left);
-  VectorXf weights = VectorXf::Ones(frame.left.rows()), best;
-  float least = -1;
-  for (int round = 0; round < kRounds; ++round) {
-    const VectorXf curves = solve_curves(here, left, weights), errors = lengths(left - here * curves);
-    const float most = errors.maxCoeff();
-    if (least < 0 || most < least) least = most, best = curves;
-    if (most < static_cast<float>(enough)) break;
-    weights.array() *= (errors.array() / (0.5f * most)).max(0.7f).min(2.0f);
-  }
-  return best;
-}
-
-Eigen::VectorXf distances_left(const Shapes& shapes, const Leftover& frame, const Eigen::VectorXf& curves) {
-  if (curves.size() == 0) return frame.left.rowwise().norm();
-  return lengths(flat(frame.left) - carried(shapes, frame) * curves);
 }
 
 }  // namespace ecorche

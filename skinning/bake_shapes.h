@@ -22,10 +22,4 @@ struct Shapes {
 // those of the largest errors), so that the largest error falls, not the mean alone. `start`: shapes to go on from; none: from the beginning.
 Shapes fit_shapes(const std::vector<Leftover>& frames, int most, int rounds, const Shapes& start = {});
 
-// The curves of one frame, likewise: least squares, with more weight for what is far off where anything is farther than `enough`, m.
-Eigen::VectorXf fit_curves(const Shapes& shapes, const Leftover& frame, double enough);
-
-// What shapes leave of a frame's leftovers. #V, m
-Eigen::VectorXf distances_left(const Shapes& shapes, const Leftover& frame, const Eigen::VectorXf& curves);
-
 }  // namespace ecorche

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "skinning/gltf_values.h"
+#include "skinning/short_turns.h"
 
 namespace ecorche::gltf {
 
@@ -98,6 +100,12 @@ int GlbBuilder::add_scalars(const std::vector<float>& values, bool bounds, int t
   return add_accessor(values, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_SCALAR, 1, target, bounds);
 }
 
+int GlbBuilder::add_shares(const std::vector<std::int16_t>& values, int type, int components) {
+  const int accessor = add_accessor(values, TINYGLTF_COMPONENT_TYPE_SHORT, type, components, 0);
+  model_.accessors.back().normalized = true;
+  return accessor;
+}
+
 namespace {
 
 std::vector<double> to_vector(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
@@ -137,7 +145,36 @@ void add_channel(tinygltf::Animation& animation, int node, const char* path, int
   animation.channels.back().target_path = path;
 }
 
-int add_motion(GlbBuilder& glb, const Skeleton& skeleton, const Motion& motion, const std::string& name) {
+namespace {
+
+// A joint's turns, on one hemisphere from key to key, so that linear players do not turn the long way round.
+std::vector<Quat> turns_of(const Motion& motion, std::size_t joint) {
+  std::vector<Quat> out;
+  Quat last = Quat::Identity();
+  for (const Pose& pose : motion.frames) {
+    Quat q = pose.rotations[joint].normalized();
+    if (q.dot(last) < 0) q.coeffs() = -q.coeffs();
+    out.push_back(last = q);
+  }
+  return out;
+}
+
+int add_turns(GlbBuilder& glb, std::span<const Quat> turns, TurnKeys keys) {
+  if (keys == TurnKeys::shorts) {
+    std::vector<std::int16_t> values;
+    for (const Quat& q : turns)
+      for (const std::int16_t part : to_shorts(q)) values.push_back(part);
+    return glb.add_shares(values, TINYGLTF_TYPE_VEC4, 4);
+  }
+  std::vector<float> values;
+  for (const Quat& q : turns)
+    for (const double part : q.coeffs()) values.push_back(static_cast<float>(part));
+  return glb.add_accessor(values, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC4, 4, 0);
+}
+
+}  // namespace
+
+int add_motion(GlbBuilder& glb, const Skeleton& skeleton, const Motion& motion, const std::string& name, TurnKeys keys) {
   constexpr float kStill = 5e-7f;  // of a quaternion's parts
   tinygltf::Animation animation;
   animation.name = name;
@@ -150,24 +187,12 @@ int add_motion(GlbBuilder& glb, const Skeleton& skeleton, const Motion& motion, 
   int begin = -1;  // of what does not move: one key
   add_channel(animation, 0, "translation", times, glb.add_accessor(roots, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 3, 0));
   for (size_t j = 0; j < skeleton.joints.size(); ++j) {
-    std::vector<float> turns;
-    Quat last = Quat::Identity();
-    bool turned = false, moves = false;
-    for (const Pose& pose : motion.frames) {
-      Quat q = pose.rotations[j].normalized();
-      if (q.dot(last) < 0) q.coeffs() = -q.coeffs();  // one hemisphere, so that linear players do not turn the long way round
-      last = q;
-      turned = turned || std::abs(q.w()) < 1 - 1e-12;
-      for (std::size_t k = 0; k < 4; ++k) {
-        turns.push_back(static_cast<float>(q.coeffs()[static_cast<Eigen::Index>(k)]));
-        moves = moves || std::abs(turns.back() - turns[k]) > kStill;
-      }
-    }
+    const std::vector<Quat> turns = turns_of(motion, j);
+    const bool turned = std::any_of(turns.begin(), turns.end(), [](const Quat& q) { return std::abs(q.w()) < 1 - 1e-12; });
+    const bool moves = std::any_of(turns.begin(), turns.end(), [&](const Quat& q) { return (q.coeffs() - turns[0].coeffs()).cast<float>().cwiseAbs().maxCoeff() > kStill; });
     if (!turned) continue;
-    if (!moves) turns.resize(4);
     if (!moves && begin < 0) begin = glb.add_scalars({0}, true, 0);
-    add_channel(animation, static_cast<int>(j), "rotation", moves ? times : begin,
-                glb.add_accessor(turns, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC4, 4, 0));
+    add_channel(animation, static_cast<int>(j), "rotation", moves ? times : begin, add_turns(glb, std::span(turns).first(moves ? turns.size() : 1), keys));
   }
   Object extras;
   extras["fps"] = number(motion.fps);

@@ -61,6 +61,9 @@ class GlbBuilder {
 
   int add_scalars(const std::vector<float>& values, bool bounds, int target);
 
+  // Integers that stand for -1 .. 1.
+  int add_shares(const std::vector<std::int16_t>& values, int type, int components);
+
   int add_material(const std::string& name, std::array<double, 4> colour, double roughness);
 
   // A mesh with normals; the caller may add attributes to the returned primitive.
@@ -81,7 +84,9 @@ void add_joints(GlbBuilder& glb, const Skeleton& skeleton);
 
 void add_channel(tinygltf::Animation& animation, int node, const char* path, int times, int values);
 
+enum class TurnKeys { floats, shorts };  // shorts: as short_turns.h has them
+
 // An animation of the joints, a key a frame; one for joints that stay as they are. Returns the accessor of its times.
-int add_motion(GlbBuilder& glb, const Skeleton& skeleton, const Motion& motion, const std::string& name);
+int add_motion(GlbBuilder& glb, const Skeleton& skeleton, const Motion& motion, const std::string& name, TurnKeys keys = TurnKeys::floats);
 
 }  // namespace ecorche::gltf
