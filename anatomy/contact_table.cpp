@@ -16,7 +16,9 @@ namespace {
 constexpr int kPoses = 12;
 constexpr double kHalfWay = 0.6;        // of the way to a limit
 constexpr double kHinge = 2.5;          // its flexion has so many times the range of its other angles
-constexpr double kLeastShared = 5e-5;   // of all muscles' volume, in some pose: less is not worth a look
+constexpr double kMuchShared = 5e-5;    // of all muscles' volume, in some pose: what a pose looks at,
+constexpr double kLeastShared = 5e-6;   // and what is worth a look at all
+constexpr std::size_t kBlock = 128;     // pairs that are looked at together: what is known of them stays in the nearest memory
 constexpr float kRounding = 1e-5f;            // of a factor, in single precision
 
 struct Box {
@@ -73,8 +75,8 @@ Pose limit_pose(const Skeleton& skeleton, int index) {
 // Volume that one section shares with another beyond what it shares at rest, m^3.
 float shared_volume(const ContactTable& table, const ContactMemory& posed, const ContactMemory& rest, int own, int other) {
   ContactSpokes press, near, still;
-  if (!press_of(table, posed, own, other, other, press, near) || !(*std::max_element(press.begin(), press.end()) > 0)) return 0;
-  if (!press_of(table, rest, own, other, other, still, near)) still.fill(0);
+  if (!press_of(posed, own, other, other, press, near) || !(*std::max_element(press.begin(), press.end()) > 0)) return 0;
+  if (!press_of(rest, own, other, other, still, near)) still.fill(0);
   const ContactSection& s = posed.sections[static_cast<std::size_t>(own)];
   const ContactShape& shape = table.shapes[static_cast<std::size_t>(own)];
   float sum = 0;
@@ -94,8 +96,17 @@ struct Places {
 // own << 32 | other, ascending.
 using Pairs = std::vector<std::uint64_t>;
 
-// Pairs of sections that share more than `least`, m^3.
-Pairs pairs_of(const ContactTable& table, const Places& places, const ContactMemory& posed, const ContactMemory& rest, float least) {
+// m^3
+struct Shared {
+  float much = 0, least = 0;
+};
+
+struct FoundPairs {
+  Pairs much, all;
+};
+
+// Pairs of sections that share so much.
+FoundPairs pairs_of(const ContactTable& table, const Places& places, const ContactMemory& posed, const ContactMemory& rest, const Shared& asked) {
   const std::size_t n = places.strips.size();
   std::vector<Box> near(n), wide(n);  // about outlines, about what they speak for
   for (std::size_t s = 0; s < n; ++s)
@@ -104,7 +115,7 @@ Pairs pairs_of(const ContactTable& table, const Places& places, const ContactMem
       near[s].add(posed.sections[i], posed.wide[i]);
       wide[s].add(posed.sections[i], posed.balls[i][3]);
     }
-  Pairs out;
+  FoundPairs out;
   for (std::size_t s = 0; s < n; ++s)
     for (std::size_t t = 0; t < n; ++t) {
       if (places.strips[s].muscle == places.strips[t].muscle || !near[s].meets(wide[t])) continue;
@@ -113,8 +124,13 @@ Pairs pairs_of(const ContactTable& table, const Places& places, const ContactMem
         Box box;
         box.add(own, posed.wide[static_cast<std::size_t>(a)]);
         if (!box.meets(wide[t])) continue;
-        for (int b = places.strips[t].begin; b < places.strips[t].end; ++b)
-          if (shared_volume(table, posed, rest, a, b) > least) out.push_back(static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b));
+        for (int b = places.strips[t].begin; b < places.strips[t].end; ++b) {
+          const float shared = shared_volume(table, posed, rest, a, b);
+          if (!(shared > asked.least)) continue;
+          const std::uint64_t pair = static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b);
+          out.all.push_back(pair);
+          if (shared > asked.much) out.much.push_back(pair);
+        }
       }
     }
   return out;
@@ -149,9 +165,34 @@ void group(const Pairs& pairs, const Places& places, const ContactMemory& rest, 
   }
   ContactSpokes near;
   for (ContactGroup& of : table.groups) {
-    if (!press_of(table, rest, of.own, of.first, of.last, of.at_rest, near)) of.at_rest.fill(0);
+    if (!press_of(rest, of.own, of.first, of.last, of.at_rest, near)) of.at_rest.fill(0);
     for (float& p : of.at_rest) p += kRounding;
   }
+}
+
+// What a section touches at rest and is in no group with stays beside it in every pose, for all that is known.
+void hold(const Places& places, const ContactMemory& rest, ContactTable& table) {
+  const std::size_t n = places.strips.size();
+  std::vector<Box> wide(n);
+  for (std::size_t t = 0; t < n; ++t)
+    for (int k = places.strips[t].begin; k < places.strips[t].end; ++k) wide[t].add(rest.sections[static_cast<std::size_t>(k)], rest.balls[static_cast<std::size_t>(k)][3]);
+  table.held.assign(table.members.size(), {});
+  tbb::parallel_for(std::size_t{0}, n, [&](std::size_t s) {
+    ContactSpokes press, near;
+    for (int a = places.strips[s].begin; a < places.strips[s].end; ++a) {
+      Box box;
+      box.add(rest.sections[static_cast<std::size_t>(a)], rest.wide[static_cast<std::size_t>(a)]);
+      const auto first = std::partition_point(table.groups.begin(), table.groups.end(), [&](const ContactGroup& g) { return g.own < a; });
+      for (std::size_t t = 0; t < n; ++t) {
+        if (places.strips[s].muscle == places.strips[t].muscle || !box.meets(wide[t])) continue;
+        bool looked_at = false;
+        for (auto g = first; g != table.groups.end() && g->own == a; ++g) looked_at = looked_at || (g->first < places.strips[t].end && g->last >= places.strips[t].begin);
+        if (looked_at || !press_of(rest, a, places.strips[t].begin, places.strips[t].end - 1, press, near)) continue;
+        ContactSpokes& held = table.held[static_cast<std::size_t>(a)];
+        for (std::size_t i = 0; i < held.size(); ++i) held[i] = std::max(held[i], near[i]);
+      }
+    }
+  });
 }
 
 // Members that are in no group go.
@@ -166,53 +207,40 @@ void leave_out_idle(ContactTable& table) {
     if (place[i] < 0) continue;
     table.members[static_cast<std::size_t>(count)] = table.members[i];
     table.shapes[static_cast<std::size_t>(count)] = table.shapes[i];
+    table.held[static_cast<std::size_t>(count)] = table.held[i];
     place[i] = count++;
   }
   table.members.resize(static_cast<std::size_t>(count));
   table.shapes.resize(static_cast<std::size_t>(count));
+  table.held.resize(static_cast<std::size_t>(count));
   table.members.shrink_to_fit();
   table.shapes.shrink_to_fit();
   for (ContactGroup& group : table.groups)
     for (int* member : {&group.own, &group.first, &group.last}) *member = place[static_cast<std::size_t>(*member)];
 }
 
+// Pairs and their blocks, between which members do not share theirs.
 void list_pairs(ContactTable& table) {
-  std::size_t begin = 0;  // of the own member's
+  table.blocks.push_back(0);
+  const auto close = [&] {
+    const int end = static_cast<int>(table.pairs.size());
+    table.most_pairs = std::max(table.most_pairs, end - table.blocks.back());
+    table.blocks.push_back(end);
+  };
   for (std::size_t g = 0; g < table.groups.size(); ++g) {
     const ContactGroup& group = table.groups[g];
-    if (g > 0 && table.groups[g - 1].own != group.own) begin = table.pairs.size();
+    const bool next = g > 0 && table.groups[g - 1].own != group.own;
+    if (next && table.pairs.size() >= kBlock + static_cast<std::size_t>(table.blocks.back())) close();
     for (int k = group.first; k <= group.last; ++k) table.pairs.push_back({group.own, k, static_cast<int>(g)});
-    table.most_pairs = std::max(table.most_pairs, static_cast<int>(table.pairs.size() - begin));
   }
+  if (!table.pairs.empty()) close();
 }
 
-}  // namespace
-
-ContactTable make_contact_table(const Anatomy& anatomy, const PosingTable& still) {
-  ContactTable table;
-  const std::vector<SliceRange> ranges = slice_ranges(anatomy);
-  lay_out(anatomy, ranges, table);
-  const Places places{ranges, mirrored_sections(anatomy, ranges, still.slices())};
-  const Skeleton& skeleton = anatomy.skeleton;
-  PosedAnatomy standing;
-  pose_anatomy(still, skeleton, rest_pose(skeleton), standing);
-  ContactMemory rest;
-  look_at_sections(table, standing.slices, standing.X_WJ[0].translation(), rest);
-
-  double whole = 0;
-  for (const SliceRange& range : ranges) whole += strip_volume(standing, range);
-  const double least = kLeastShared * whole;
-  std::vector<Pairs> found(kPoses);
-  tbb::parallel_for(0, kPoses, [&](int i) {
-    PosedAnatomy posed;
-    ContactMemory memory;
-    pose_anatomy(still, skeleton, limit_pose(skeleton, i), posed);
-    look_at_sections(table, posed.slices, posed.X_WJ[0].translation(), memory);
-    found[static_cast<std::size_t>(i)] = pairs_of(table, places, memory, rest, static_cast<float>(least));
-  });
+// Of all poses, and their mirror images.
+Pairs gathered(std::span<const FoundPairs> found, Pairs FoundPairs::*kind, const Places& places) {
   Pairs pairs;
-  for (const Pairs& some : found) {
-    for (const std::uint64_t pair : some) {
+  for (const FoundPairs& some : found) {
+    for (const std::uint64_t pair : some.*kind) {
       const auto image = [&](std::uint64_t k) { return static_cast<std::uint64_t>(places.mirrored[static_cast<std::size_t>(k)]); };
       pairs.push_back(pair);
       pairs.push_back(image(pair >> 32) << 32 | image(pair & 0xffffffffu));
@@ -220,10 +248,42 @@ ContactTable make_contact_table(const Anatomy& anatomy, const PosingTable& still
     std::sort(pairs.begin(), pairs.end());
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   }
-  group(pairs, places, rest, table);
-  leave_out_idle(table);
-  list_pairs(table);
-  return table;
+  return pairs;
+}
+
+}  // namespace
+
+ContactTables make_contact_tables(const Anatomy& anatomy, const PosingTable& still) {
+  ContactTable all;
+  const std::vector<SliceRange> ranges = slice_ranges(anatomy);
+  lay_out(anatomy, ranges, all);
+  const Places places{ranges, mirrored_sections(anatomy, ranges, still.slices())};
+  const Skeleton& skeleton = anatomy.skeleton;
+  PosedAnatomy standing;
+  pose_anatomy(still, skeleton, rest_pose(skeleton), standing);
+  ContactMemory rest;
+  look_at_sections(all, standing.slices, standing.X_WJ[0].translation(), rest);
+
+  double whole = 0;
+  for (const SliceRange& range : ranges) whole += strip_volume(standing, range);
+  const Shared asked{static_cast<float>(kMuchShared * whole), static_cast<float>(kLeastShared * whole)};
+  std::vector<FoundPairs> found(kPoses);
+  tbb::parallel_for(0, kPoses, [&](int i) {
+    PosedAnatomy posed;
+    ContactMemory memory;
+    pose_anatomy(still, skeleton, limit_pose(skeleton, i), posed);
+    look_at_sections(all, posed.slices, posed.X_WJ[0].translation(), memory);
+    found[static_cast<std::size_t>(i)] = pairs_of(all, places, memory, rest, asked);
+  });
+  const auto table_of = [&](Pairs FoundPairs::*kind) {
+    ContactTable table = all;
+    group(gathered(found, kind, places), places, rest, table);
+    hold(places, rest, table);
+    leave_out_idle(table);
+    list_pairs(table);
+    return table;
+  };
+  return {table_of(&FoundPairs::much), table_of(&FoundPairs::all)};
 }
 
 }  // namespace ecorche

@@ -346,10 +346,10 @@ void pose_anatomy(const PosingTable& table, const Skeleton& skeleton, const Pose
   } else {
     for (const PosingBatch& batch : data.batches) pose_batch(data, batch, activation, out);
   }
-  if (!data.contact.empty()) {
-    thread_local ContactMemory memory;  // large, and of no pose's own: nothing in it outlives the call
-    give_way_to_neighbours(data.contact, out.X_WJ[0].translation(), out.slices, memory);
-    regrow(data, memory.changed, out);
+  if (!data.contact.first.empty()) {
+    thread_local PartMemory memory;  // large, and of no pose's own: nothing in it outlives the call
+    give_way_to_neighbours(data.contact.first, out.X_WJ[0].translation(), data.outlines, out.slices, memory.contact, threads);
+    regrow(data, memory.contact.changed, out, memory.growing, threads);
   }
   out.clamped = out.overtwisted = 0;
   for (int i = 0; i < data.strips; ++i) {

@@ -5,7 +5,8 @@
 // along its ray to where both are equally deep: their levels (0 on the line of centres, 1 on the outline) agree there, which both see
 // alike. What a pair overlaps at rest it may overlap in every pose, so that the rest outlines stay to the last bit.
 // What a section loses it regains towards where nothing presses. Which sections can meet is found beforehand over poses at the joints'
-// limits; a frame looks at those alone. All of it is a continuous function of the slices.
+// limits; a frame looks at those alone: at the pairs that share much when it poses the muscles, and, by the outlines that they have then, at all
+// of them once the skin has moved and pressed them. All of it is a continuous function of the slices.
 #pragma once
 
 #include <array>
@@ -75,47 +76,65 @@ struct ContactPair {
 struct ContactTable {
   std::vector<ContactMember> members;  // ascending by section
   std::vector<ContactShape> shapes;    // #members
+  std::vector<ContactSpokes> held;     // #members: what lies beside it at rest that is in no group with it keeps it from growing there, 0 .. 1
   std::vector<ContactGroup> groups;    // ascending by own
   std::vector<ContactPair> pairs;      // of the groups, in their order
-  int most_pairs = 0;                  // of one member
+  std::vector<int> blocks;             // first pairs of those that are looked at together, and the end: a member's pairs are in one
+  int most_pairs = 0;                  // of a block
   bool empty() const { return groups.empty(); }
 };
 
-// A pair that is near enough to press: where its own section lies in the other's measures, and what comes of it along its rays.
-struct alignas(32) ContactMeeting {
-  ContactSpokes press, near;
-  ContactSpokes at, level, counts;            // where on the ray the other is asked, how deep that is in it, and how much its word counts
-  float center[4], width[4], thickness[4];    // of the own section
+struct ContactTables {
+  ContactTable first;  // pairs that share much
+  ContactTable again;  // all that share anything worth a look
+};
+
+// A pair that is near enough to press: where its own section lies in the other's measures.
+struct alignas(64) ContactMeeting {
+  float center[4], width[4], thickness[4];
   int own = 0, other = 0, group = 0;
-  bool presses = false;                       // only then `press` is set
+};
+
+// What a thread works in.
+struct ContactWork {
+  std::vector<int> near;                 // pairs of a block whose balls touch
+  std::vector<ContactMeeting> meetings;  // of a block
 };
 
 // Memory of a frame, kept from one to the next; nothing in it outlives one.
 struct ContactMemory {
-  std::vector<ContactSection> sections;     // #members
-  std::vector<std::array<float, 4>> balls;  // #members, center and radius of a ball about it and what it speaks for along the line
-  std::vector<float> wide;                  // #members, radius of a ball about its outline
-  std::vector<int> near;                    // pairs of a block whose balls touch
-  std::vector<ContactMeeting> meetings;     // of a block
-  std::vector<char> changed;                // #all sections
+  std::vector<ContactSection> sections;       // #members
+  std::vector<const ContactShape*> shapes;    // #members: the table's, or those of `pressed`
+  std::vector<ContactShape> pressed;          // of outlines that are not those of rest
+  std::vector<std::array<float, 4>> balls;    // #members, center and radius of a ball about it and what it speaks for along the line
+  std::vector<float> wide;                    // #members, radius of a ball about its outline
+  std::vector<ContactWork> work;              // a thread each
+  std::vector<char> changed;                  // #all sections
 };
 
 // Which sections may meet in some pose. `still`: a table of the same anatomy without contact. The same at any number of threads.
-ContactTable make_contact_table(const Anatomy& anatomy, const PosingTable& still);
+ContactTables make_contact_tables(const Anatomy& anatomy, const PosingTable& still);
 
 // Shape of a section. `sides`: bit 0, its sheet goes on at the low side of the width axis, bit 1, at the high side.
 ContactShape contact_shape(const SliceOutline& outline, int sides);
 
-void look_at_sections(const ContactTable& table, std::span<const Ellipse> slices, const Vec3& origin, ContactMemory& memory);
+// With the outlines of rest.
+void look_at_sections(const ContactTable& table, std::span<const Ellipse> slices, const Vec3& origin, ContactMemory& memory, int threads = 1);
 
 // Share of its outline's factors that member `own` gives way to the members first .. last, and how little it is free to grow (0 .. 1). False, and
 // nothing set, where they are out of each other's reach.
-bool press_of(const ContactTable& table, const ContactMemory& memory, int own, int first, int last, ContactSpokes& press, ContactSpokes& near);
+bool press_of(const ContactMemory& memory, int own, int first, int last, ContactSpokes& press, ContactSpokes& near);
 
-// An outline pressed by these shares of its factors, and grown again by what it has lost where it is not held (0 free .. 1).
-void press_outline(const ContactSpokes& press, const ContactSpokes& held, SliceOutline& outline);
+// An outline pressed by these shares of its factors, and grown again by what it has lost where it is not held (0 free .. 1). It keeps a share of the
+// area that it has `at_rest`, however often it is pressed.
+void press_outline(const ContactSpokes& press, const ContactSpokes& held, const SliceOutline& at_rest, SliceOutline& outline);
 
-// Outlines of all sections that give way; memory.changed tells which did.
-void give_way_to_neighbours(const ContactTable& table, const Vec3& origin, std::span<Ellipse> slices, ContactMemory& memory);
+// Outlines of all sections that give way; memory.changed tells which did. `slices` have the outlines `at_rest` (#sections). The same bytes at any number of threads.
+void give_way_to_neighbours(const ContactTable& table, const Vec3& origin, std::span<const SliceOutline> at_rest, std::span<Ellipse> slices,
+                            ContactMemory& memory, int threads);
+
+// The same for slices whose outlines, other than `at_rest`, have given way already. `held` (#sections): what else keeps them from growing, 0 .. 1.
+void give_way_again(const ContactTable& table, const Vec3& origin, std::span<const SliceOutline> at_rest, std::span<const ContactSpokes> held,
+                    std::span<Ellipse> slices, ContactMemory& memory, int threads);
 
 }  // namespace ecorche

@@ -320,7 +320,7 @@ PosingTable make_posing_table(const Anatomy& anatomy, MuscleContact contact) {
     data->batches.push_back(batch);
     at += batch.strips;
   }
-  if (contact == MuscleContact::yes) data->contact = make_contact_table(anatomy, PosingTable{data});
+  if (contact == MuscleContact::yes) data->contact = make_contact_tables(anatomy, PosingTable{data});
   return PosingTable{data};
 }
 

@@ -139,7 +139,7 @@ struct PosingTable::Data {
   std::vector<SliceOutline> outlines;       // #slices
   std::vector<PosingProfile> profiles;
   std::vector<WrapNote> notes;
-  ContactTable contact;                // empty: muscles do not touch
+  ContactTables contact;               // empty: muscles do not touch
 };
 
 // Limits of a belly's swelling (radii over those of the rest pose; sheets: the root of the thickness): far beyond what fibres do.

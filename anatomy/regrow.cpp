@@ -1,5 +1,9 @@
 #include "anatomy/regrow.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -15,6 +19,7 @@ namespace ecorche {
 namespace {
 
 constexpr double kVolumeKept = 1e-6;  // share
+constexpr std::size_t kGrain = 8;     // fours of strips
 constexpr double kLeastGrowth = 0.5, kMostGrowth = 2;  // of a belly's radii, after its outlines; sheets: of the root of their thickness
 
 // An Ellipse is stored as it lies in memory: center, width, thickness, tangent, radii, outline.
@@ -65,24 +70,19 @@ double round_strip(const PosingBatch& batch, int lane, int first, double low, do
   return round_out({&out.slices[static_cast<std::size_t>(first)], rows}, law, growth, batch.lanes.volume[lane] * std::numbers::pi / 3);
 }
 
-// One strip of a batch, which other strips of as many slices may grow beside.
-struct Touched {
-  const PosingBatch* batch = nullptr;
-  int lane = 0;
-};
-
 // Areas of the strips' outlines: those of the table where they are as at rest.
-void gather_areas(const PosingTable::Data& data, std::span<const Touched> strips, const PosingBatch& four, const std::array<int, kLanes>& first, const PosedAnatomy& posed,
+void gather_areas(const PosingTable::Data& data, const GrowingStrips& growing, const PosingBatch& four, const std::array<int, kLanes>& first, const PosedAnatomy& posed,
                   PosingAreas* areas) {
   for (int lane = 0; lane < four.strips; ++lane) {
-    const Touched& from = strips[static_cast<std::size_t>(lane)];
+    const GrowingStrips::Place& from = growing.strips[static_cast<std::size_t>(lane)];
+    const int still_row = data.batches[static_cast<std::size_t>(from.batch)].row;
     const auto outline = [&](int k) -> const SliceOutline& { return posed.slices[static_cast<std::size_t>(first[static_cast<std::size_t>(lane)] + k)].outline; };
     const auto pressed = [&](int k) { return differs(outline(k), data.outlines[static_cast<std::size_t>(first[static_cast<std::size_t>(lane)] + k)]); };  // now or earlier
     bool here = pressed(0);
     for (int k = 0; k < four.rows; ++k) {
       const int next = std::min(k + 1, four.rows - 1);
       const bool there = pressed(next);
-      const PosingAreas& still = data.areas[static_cast<std::size_t>(from.batch->row + k)];
+      const PosingAreas& still = data.areas[static_cast<std::size_t>(still_row + k)];
       PosingAreas& to = areas[k];
       if (here || there) {
         to.set(lane, piece_areas(outline(k), outline(next)));
@@ -101,24 +101,24 @@ void gather_areas(const PosingTable::Data& data, std::span<const Touched> strips
     }
 }
 
-// One to four strips of equally many slices.
-void regrow_strips(const PosingTable::Data& data, std::span<const Touched> strips, PosedAnatomy& out) {
+void regrow_strips(const PosingTable::Data& data, const GrowingStrips& growing, PosedAnatomy& out) {
   PosingBatch four;
-  four.rows = strips[0].batch->rows;
-  four.strips = static_cast<int>(strips.size());
+  four.rows = data.batches[static_cast<std::size_t>(growing.strips[0].batch)].rows;
+  four.strips = growing.count;
   std::array<int, kLanes> first{};
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    const Touched& from = strips[lane < strips.size() ? lane : 0];
+    const GrowingStrips::Place& from = growing.strips[lane < static_cast<std::size_t>(growing.count) ? lane : 0];
+    const PosingBatch& batch = data.batches[static_cast<std::size_t>(from.batch)];
     const auto to = static_cast<Eigen::Index>(lane);
-    four.strip[lane] = from.batch->strip[static_cast<std::size_t>(from.lane)];
-    four.lanes.volume[to] = from.batch->lanes.volume[from.lane];
-    four.lanes.width_swells[to] = from.batch->lanes.width_swells[from.lane];
+    four.strip[lane] = batch.strip[static_cast<std::size_t>(from.lane)];
+    four.lanes.volume[to] = batch.lanes.volume[from.lane];
+    four.lanes.width_swells[to] = batch.lanes.width_swells[from.lane];
     first[lane] = data.strip[static_cast<std::size_t>(four.strip[lane])].slice;
   }
   Scratch t;
   PosingAreas areas[kMaxStripSlices];
   for (int k = 0; k < four.rows; ++k) gather(out, first, k, t);
-  gather_areas(data, strips, four, first, out, areas);
+  gather_areas(data, growing, four, first, out, areas);
   const auto tubes = four.lanes.width_swells > 0;
   const Lane low = tubes.select(Lane::Constant(kLeastGrowth), Lane::Constant(kLeastGrowth * kLeastGrowth));
   const Lane high = tubes.select(Lane::Constant(kMostGrowth), Lane::Constant(kMostGrowth * kMostGrowth));
@@ -148,23 +148,36 @@ void round_out_missed(const PosingTable::Data& data, const PosingBatch& batch, c
   }
 }
 
-void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedAnatomy& out) {
-  std::array<Touched, kLanes> four;
-  std::size_t count = 0;
-  const auto grow = [&] {
-    if (count > 0) regrow_strips(data, std::span(four).first(count), out);
-    count = 0;
-  };
-  for (const PosingBatch& batch : data.batches) {  // by slices
-    if (count > 0 && four[0].batch->rows != batch.rows) grow();
+void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedAnatomy& out, RegrowMemory& memory, int threads) {
+  memory.clear();
+  memory.reserve(2 * data.batches.size());
+  for (std::size_t b = 0; b < data.batches.size(); ++b) {  // by slices
+    const PosingBatch& batch = data.batches[b];
     for (int lane = 0; lane < batch.strips; ++lane) {
       const auto begin = changed.begin() + data.strip[static_cast<std::size_t>(batch.strip[static_cast<std::size_t>(lane)])].slice;
       if (std::find(begin, begin + batch.rows, 1) == begin + batch.rows) continue;
-      four[count++] = {&batch, lane};
-      if (count == kLanes) grow();
+      const bool goes_on = !memory.empty() && memory.back().count < kLanes &&
+                           data.batches[static_cast<std::size_t>(memory.back().strips[0].batch)].rows == batch.rows;
+      if (!goes_on) memory.emplace_back();
+      GrowingStrips& four = memory.back();
+      four.strips[static_cast<std::size_t>(four.count++)] = {static_cast<int>(b), lane};
     }
   }
-  grow();
+  const auto grow = [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) regrow_strips(data, memory[i], out);
+  };
+  if (threads <= 1) return grow(0, memory.size());
+  // Isolated: while it waits, this thread must not begin another pose in the same memory.
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, memory.size(), kGrain), [&](const auto& some) { grow(some.begin(), some.end()); });
+  });
+}
+
+void part_again(const PosingTable::Data& data, std::span<const ContactSpokes> held, PosedAnatomy& out, PartMemory& memory, int threads) {
+  const ContactTable& table = data.contact.again;
+  if (table.empty()) return;
+  give_way_again(table, out.X_WJ[0].translation(), data.outlines, held, out.slices, memory.contact, threads);
+  regrow(data, memory.contact.changed, out, memory.growing, threads);
 }
 
 }  // namespace ecorche

@@ -2,14 +2,33 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "anatomy/posing_lanes.h"
 #include "anatomy/posing_table.h"
 
 namespace ecorche {
 
-// Strips of which a section has `changed` (#sections) swell or shrink until they have their rest volumes.
-void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedAnatomy& out);
+// One to four strips of equally many slices, by batch and lane.
+struct GrowingStrips {
+  struct Place {
+    int batch = 0, lane = 0;
+  };
+  std::array<Place, kLanes> strips;
+  int count = 0;
+};
+using RegrowMemory = std::vector<GrowingStrips>;
+
+// Strips of which a section has `changed` (#sections) swell or shrink until they have their rest volumes. The same bytes at any number of threads.
+void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedAnatomy& out, RegrowMemory& memory, int threads);
+
+// Muscles whose sections have been moved or pressed since they were posed part once more, and have their rest volumes again. `held` (#sections): what
+// else than muscles keeps their outlines from growing, 0 .. 1.
+struct PartMemory {
+  ContactMemory contact;
+  RegrowMemory growing;
+};
+void part_again(const PosingTable::Data& data, std::span<const ContactSpokes> held, PosedAnatomy& out, PartMemory& memory, int threads);
 
 // Strips of a batch that no growth found for them gives their rest volume: their outlines become more even (round_out).
 void round_out_missed(const PosingTable::Data& data, const PosingBatch& batch, const LaneGrowth& found, PosedAnatomy& out);

@@ -1,6 +1,7 @@
 #include "app/actor.h"
 
 #include <fmt/format.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -85,7 +86,7 @@ void move_skin(const Actor& actor, SkinMethod method, ActorFrame& frame, std::sp
 }
 
 void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation, std::span<const float> flesh) {
-  pose_anatomy(actor.table, actor.character.anatomy.skeleton, pose, frame.posed, 1, activation);
+  pose_anatomy(actor.table, actor.character.anatomy.skeleton, pose, frame.posed, tbb::this_task_arena::max_concurrency(), activation);
   move_skin(actor, actor.method, frame, flesh);
 }
 

@@ -98,7 +98,8 @@ void settle(const SkinTables& tables, const PosedAnatomy& posed, const Extras& e
   settle_skin(*tables.elastic, tables.triangles, posed.X_WJ, positions, elastic);
   const bool risen = extras.beneath && rise_over_muscles(extras.beneath->under, posed.slices, elastic.open, positions, extras.beneath->memory);
   const std::span<const float> room = risen ? room_over_muscles(extras.beneath->memory) : std::span<const float>{};
-  if (!part_settled_skin(*tables.elastic, tables.triangles, posed.X_WJ, room, positions, elastic) || !extras.beneath) return;
+  part_settled_skin(*tables.elastic, tables.triangles, posed.X_WJ, room, positions, elastic);
+  if (!extras.beneath) return;
   give_way_to_skin(extras.beneath->under, extras.beneath->table, positions, elastic.pressed, extras.beneath->posed, extras.beneath->memory);
 }
 

@@ -2,10 +2,14 @@
 // mirror and rigid motion, and do not jump.
 #include <gtest/gtest.h>
 
+#include <oneapi/tbb/global_control.h>
+
 #include <cstring>
 
 #include "anatomy/muscle_surface.h"
 #include "anatomy/pose_anatomy.h"
+#include "anatomy/posing_table.h"
+#include "anatomy/regrow.h"
 #include "anatomy/solids.h"
 #include "tests/anatomy/strips.h"
 
@@ -17,7 +21,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 
 // Two flexors of the elbow side by side, 1 mm apart at rest; `mirror` = -1 gives the right arm.
-Anatomy flexors(double mirror = 1) {
+Anatomy flexors(double mirror = 1, int slices = 13) {
   Anatomy anatomy;
   anatomy.skeleton = arm_skeleton(mirror);
   Joint& elbow = anatomy.skeleton.joints[2];
@@ -27,7 +31,7 @@ Anatomy flexors(double mirror = 1) {
   for (const double x : {0.16, 0.199}) {
     const auto at = [&](double y, double z) { return Vec3(mirror * x, y, z); };
     Strip strip = make_strip({on(1, at(1.42, 0.03)), on(1, at(1.30, 0.035)), on(1, at(1.20, 0.035)), on(2, at(1.10, 0.03)), on(2, at(1.06, 0.02))},
-                             spindle(13, 0.0194, 0.004, 0.1, 0.85, mirror * Vec3::UnitX()));
+                             spindle(slices, 0.0194, 0.004, 0.1, 0.85, mirror * Vec3::UnitX()));
     strip.belly_begin = 0.1;
     strip.belly_end = 0.85;
     Muscle muscle;
@@ -152,4 +156,97 @@ TEST(PosedContact, SameBytesAtAnyNumberOfThreadsAndAfterAnyHistory) {
   pose_anatomy(table, anatomy.skeleton, bent(anatomy, 120), used, 2);
   pose_anatomy(table, anatomy.skeleton, bent(anatomy, 120), fresh, 1);
   EXPECT_EQ(std::memcmp(fresh.slices.data(), used.slices.data(), fresh.slices.size() * sizeof(Ellipse)), 0);
+}
+
+namespace {
+
+bool same_slices(const PosedAnatomy& a, const PosedAnatomy& b) {
+  return a.slices.size() == b.slices.size() && std::memcmp(a.slices.data(), b.slices.data(), a.slices.size() * sizeof(Ellipse)) == 0;
+}
+
+// So many that threads share them, two by two, 0.1 m apart.
+Anatomy many_flexors() {
+  const Anatomy two = flexors(1, 60);
+  Anatomy all = two;
+  all.muscles.clear();
+  for (int i = 0; i < 12; ++i)
+    for (Muscle muscle : two.muscles) {
+      for (PathPoint& p : muscle.strips[0].path) p.rest.z() += 0.1 * i;
+      muscle.name = "pair_" + std::to_string(i) + "_" + muscle.name;
+      all.muscles.push_back(muscle);
+    }
+  return all;
+}
+
+// The outer muscle moved towards the inner one, as the skin might move it.
+PosedAnatomy moved(const Anatomy& anatomy, const PosingTable& table, double degrees, double way) {
+  PosedAnatomy out;
+  pose_anatomy(table, anatomy.skeleton, bent(anatomy, degrees), out);
+  const SliceRange outer = slice_ranges(anatomy)[1];
+  for (int k = outer.begin; k < outer.end; ++k) out.slices[static_cast<std::size_t>(k)].center.x() -= way;
+  return out;
+}
+
+}  // namespace
+
+TEST(PosedContact, SameBytesOnAllCores) {
+  const Anatomy anatomy = many_flexors();
+  const PosingTable table = make_posing_table(anatomy, MuscleContact::yes);
+  ASSERT_GE(table.data->contact.again.blocks.size(), 4u) << "too few for several threads";
+  PosedAnatomy one, all;
+  pose_anatomy(table, anatomy.skeleton, bent(anatomy, 110), one, 1);
+  const tbb::global_control four(tbb::global_control::max_allowed_parallelism, 4);
+  pose_anatomy(table, anatomy.skeleton, bent(anatomy, 110), all, 4);
+  EXPECT_TRUE(same_slices(one, all));
+  PartMemory memory[2];
+  for (PosedAnatomy* posed : {&one, &all})
+    for (Ellipse& slice : posed->slices) slice.center.x() *= 0.97;
+  part_again(*table.data, {}, one, memory[0], 1);
+  part_again(*table.data, {}, all, memory[1], 4);
+  EXPECT_TRUE(same_slices(one, all));
+}
+
+TEST(PosedContact, WhatIsMovedIntoAnotherPartsAgainAndKeepsItsVolume) {
+  const Anatomy anatomy = flexors();
+  const PosingTable table = make_posing_table(anatomy, MuscleContact::yes);
+  const auto ranges = slice_ranges(anatomy);
+  const PosedAnatomy rest = posed(anatomy, rest_pose(anatomy.skeleton));
+  PosedAnatomy p = moved(anatomy, table, 100, 0.008);
+  const double before = overlap(anatomy, p);
+  PartMemory memory;
+  part_again(*table.data, {}, p, memory, 1);
+  EXPECT_GT(before, 0.02);
+  EXPECT_LT(overlap(anatomy, p), 0.6 * before);
+  for (const SliceRange& range : ranges) EXPECT_NEAR(strip_volume(p, range) / strip_volume(rest, range), 1, 1e-9);
+}
+
+TEST(PosedContact, WhatHasNotBeenMovedAtRestStays) {
+  const Anatomy anatomy = flexors();
+  const PosingTable table = make_posing_table(anatomy, MuscleContact::yes);
+  const PosedAnatomy rest = posed(anatomy, rest_pose(anatomy.skeleton));
+  PosedAnatomy p = rest;
+  PartMemory memory;
+  part_again(*table.data, {}, p, memory, 1);
+  EXPECT_TRUE(same_slices(p, rest));
+}
+
+TEST(PosedContact, SectionsThatAreHeldDoNotGrowThere) {
+  const Anatomy anatomy = flexors();
+  const PosingTable table = make_posing_table(anatomy, MuscleContact::yes);
+  const SliceRange inner = slice_ranges(anatomy)[0];
+  ContactSpokes all_round;
+  all_round.fill(1);
+  const std::vector<ContactSpokes> held(static_cast<std::size_t>(table.slices()), all_round);
+  const PosedAnatomy before = moved(anatomy, table, 100, 0.008);
+  PosedAnatomy p = before;
+  PartMemory memory;
+  part_again(*table.data, held, p, memory, 1);
+  int pressed = 0;
+  for (int k = inner.begin; k < inner.end; ++k)
+    for (std::size_t i = 0; i < kOutlinePoints; ++i) {
+      const float now = p.slices[static_cast<std::size_t>(k)].outline[i], then = before.slices[static_cast<std::size_t>(k)].outline[i];
+      EXPECT_LE(now, then + 1e-6f);
+      pressed += now < then - 1e-3f;
+    }
+  EXPECT_GE(pressed, 4);
 }
