@@ -10,6 +10,8 @@
 namespace ecorche {
 namespace {
 
+constexpr double kGroupDamping = 1e-2;  // of steps that single groups take
+
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
@@ -197,13 +199,20 @@ double deviation(const BoneMap& map, const BoneMap& expected, BoneMap::Way way) 
   return map.shape[way] - expected.shape[way];
 }
 
-SolveSummary solve_bones(BoneProblem& problem, const SkinField& skin, int max_iterations) {
+SolveSummary solve_bones(BoneProblem& problem, const SkinField& skin, int max_iterations, bool one_by_one) {
   const Layout layout = lay_out(problem);
   std::vector<Probe> inside, depths;
   SolveSummary summary;
   double cost = total_cost(problem, skin, inside, depths);
   summary.initial_cost = summary.cost = cost;
   double damping = 1e-3;
+  const auto move = [&](const Vector& step, size_t g) {
+    for (size_t k = 0; k < layout.ways[g].size(); ++k) {
+      const BoneMap::Way way = layout.ways[g][k];
+      const double longest = longest_step(way);
+      problem.groups[g].map.move(way, std::clamp(step[layout.start[g] + k], -longest, longest));
+    }
+  };
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     if (cost < 1e-16) break;
     NormalEquations normal(layout);
@@ -214,12 +223,7 @@ SolveSummary solve_bones(BoneProblem& problem, const SkinField& skin, int max_it
       const Vector step = normal.solve(damping);
       std::vector<BoneMap> before;
       for (const BoneGroup& g : problem.groups) before.push_back(g.map);
-      for (size_t g = 0; g < problem.groups.size(); ++g)
-        for (size_t k = 0; k < layout.ways[g].size(); ++k) {
-          const BoneMap::Way way = layout.ways[g][k];
-          const double longest = longest_step(way);
-          problem.groups[g].map.move(way, std::clamp(step[layout.start[g] + k], -longest, longest));
-        }
+      for (size_t g = 0; g < problem.groups.size(); ++g) move(step, g);
       const double trial = total_cost(problem, skin, inside, depths);
       if (trial < cost) {
         better = true;
@@ -230,6 +234,18 @@ SolveSummary solve_bones(BoneProblem& problem, const SkinField& skin, int max_it
         for (size_t g = 0; g < problem.groups.size(); ++g) problem.groups[g].map = before[g];
         damping *= 8;
       }
+    }
+    if (!better && one_by_one) {  // one that is at a fold of the skin, where distances jump, must not hold up all others
+      const Vector step = normal.solve(kGroupDamping);
+      for (size_t g = 0; g < problem.groups.size(); ++g) {
+        const BoneMap before = problem.groups[g].map;
+        move(step, g);
+        const double trial = total_cost(problem, skin, inside, depths);
+        if (trial < cost) gain += cost - trial, cost = trial, better = true;
+        else problem.groups[g].map = before;
+      }
+      total_cost(problem, skin, inside, depths);
+      damping = kGroupDamping;
     }
     summary.iterations = iteration + 1;
     summary.cost = cost;

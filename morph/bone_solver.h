@@ -87,8 +87,9 @@ struct SolveSummary {
   double cost = 0;
 };
 
-// Moves the groups' maps to a minimum; deterministic at any thread count.
-SolveSummary solve_bones(BoneProblem& problem, const SkinField& skin, int max_iterations);
+// Moves the groups' maps to a minimum; deterministic at any thread count. `one_by_one`: where no step of all groups together leads down,
+// steps of single groups are tried, too.
+SolveSummary solve_bones(BoneProblem& problem, const SkinField& skin, int max_iterations, bool one_by_one = false);
 
 // Deviation of a map from another along a way: metres, radians (rotation vector), or difference of shape entries.
 double deviation(const BoneMap& map, const BoneMap& expected, BoneMap::Way way);

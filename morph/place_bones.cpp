@@ -167,7 +167,7 @@ std::vector<Violation> push_in(const PlaceInput& input, const SkinField& skin, B
 // Palpable points that lie a little off where they should are aimed at harder, some times over. Those that are far off are left
 // alone: there the bones would be bent for what is fat, or what no skeleton fits.
 void aim_again(const PlaceInput& input, const SkinField& skin, BoneProblem& problem, int& iterations) {
-  constexpr int kRounds = 4;
+  constexpr int kRounds = 8;
   constexpr double kFar = 25e-3, kWithin = 0.7e-3;  // m
   constexpr double kHarder = 0.6;
   for (int round = 0; round < kRounds; ++round) {
@@ -186,7 +186,7 @@ void aim_again(const PlaceInput& input, const SkinField& skin, BoneProblem& prob
       any = true;
     }
     if (!any) return;
-    iterations += solve_bones(problem, skin, 12).iterations;
+    iterations += solve_bones(problem, skin, 12, true).iterations;
   }
 }
 
