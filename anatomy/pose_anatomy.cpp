@@ -348,7 +348,7 @@ void pose_anatomy(const PosingTable& table, const Skeleton& skeleton, const Pose
   }
   if (!data.contact.first.empty()) {
     thread_local PartMemory memory;  // large, and of no pose's own: nothing in it outlives the call
-    give_way_to_neighbours(data.contact.first, out.X_WJ[0].translation(), data.outlines, out.slices, memory.contact, threads);
+    give_way_to_neighbours(data.contact.first, out.X_WJ[0].translation(), out.slices, memory.contact, threads);
     regrow(data, memory.contact.changed, out, memory.growing, threads);
   }
   out.clamped = out.overtwisted = 0;

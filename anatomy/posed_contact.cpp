@@ -16,14 +16,16 @@ namespace {
 constexpr std::size_t kCount = kOutlinePoints, kSpokes = kContactPoints;
 
 constexpr float kMostPress = 0.85f;   // of a factor
-constexpr float kLeastArea = 0.3f;    // of a section at rest, whatever presses it
 constexpr float kNear = 0.2f;         // levels above 1 at which a neighbour keeps a section from growing
 constexpr float kLeastFactor = 0.1f;
 constexpr float kSheetFree = 0.8f;    // of the half width: from there on a sheet's strip leaves off beside the next one,
 constexpr float kSheetSteep = 4;      // so many times as fast
 constexpr float kOver = 2.3f;         // bellies that have parted half-way swell back a part of it: so much more is taken
-constexpr float kOverAgain = 3;       // the second time
 constexpr float kMostRegrowth = 1.5f; // of the factors that are free
+// The second time:
+constexpr float kOverAgain = 3;
+constexpr float kLeastAgain = 0.6f;   // of the area that a section has left: a belly that loses much swells in its ends, which stick out
+constexpr float kHeldAgain = 0.8f;    // on all sides: what is pressed twice from many would grow thin and long where it is free
 constexpr float kEarly = 0.3f;        // of the way to the outline
 constexpr float kThrough = 4;         // how fast a piercing ray counts, per level
 constexpr int kRoomDirections = 64;
@@ -172,7 +174,7 @@ inline float sum(Eight v) { return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[
 inline float area_of(const Halves& a, const Halves& b) { return sum(a.even * b.odd + a.odd * next(b.even)); }
 
 // Gives a pressed outline its area back where it is free to grow.
-inline void give_back(const Halves& before, const Halves& freedom, float least_area, Halves& outline) {
+inline void give_back(const Halves& before, const Halves& freedom, float least, Halves& outline) {
   const Halves more{freedom.even * outline.even, freedom.odd * outline.odd};
   const float lost = area_of(before, before) - area_of(outline, outline), once = area_of(outline, more) + area_of(more, outline), twice = area_of(more, more);
   if (!(lost > 0)) return;
@@ -180,11 +182,14 @@ inline void give_back(const Halves& before, const Halves& freedom, float least_a
   const float growth = wish / (1 + wish / kMostRegrowth);
   outline.even += growth * more.even;
   outline.odd += growth * more.odd;
-  const float area = area_of(outline, outline), least = std::min(least_area, area_of(before, before));
-  if (area >= least) return;
-  const float swell = std::sqrt(least / area);
-  outline.even *= swell;
-  outline.odd *= swell;
+  const float area = area_of(outline, outline), missing = least * area_of(before, before) - area;
+  if (missing <= 0) return;
+  // It goes no farther than that leaves so much: were it to swell as a whole, what is free would stick out far.
+  const Halves back{before.even - outline.even, before.odd - outline.odd};
+  const float first = area_of(outline, back) + area_of(back, outline), second = area_of(back, back);
+  const float share = 2 * missing / (first + std::sqrt(std::max(first * first + 4 * second * missing, 0.0f)) + 1e-9f);
+  outline.even += share * back.even;
+  outline.odd += share * back.odd;
 }
 
 OutlineWaves outline_waves(const SliceOutline& outline) {
@@ -334,14 +339,13 @@ bool press_of(const ContactMemory& memory, int own, int first, int last, Contact
   return true;
 }
 
-void press_outline(const ContactSpokes& press, const ContactSpokes& held, const SliceOutline& at_rest, SliceOutline& outline) {
+void press_outline(const ContactSpokes& press, const ContactSpokes& held, SliceOutline& outline, float least) {
   static_assert(kCount == 16 && kSpokes == 8);
   const auto left = [](Eight p) { return 1 - p / root(1 + p * p * (1 / (kMostPress * kMostPress))); };
   const Eight p = load(press.data()), h = load(held.data()), zero{};
   const Halves before = halves(outline), freedom{larger(1 - h, zero), larger(1 - 0.5f * (h + next(h)), zero)};
   Halves pressed{before.even * left(p), before.odd * left(0.5f * (p + next(p)))};
-  const Halves still = halves(at_rest);
-  give_back(before, freedom, kLeastArea * area_of(still, still), pressed);
+  give_back(before, freedom, least, pressed);
   store(__builtin_shufflevector(pressed.even, pressed.odd, 0, 8, 1, 9, 2, 10, 3, 11), outline.data());
   store(__builtin_shufflevector(pressed.even, pressed.odd, 4, 12, 5, 13, 6, 14, 7, 15), outline.data() + kSpokes);
 }
@@ -373,7 +377,8 @@ std::span<const ContactMeeting> meetings_of(const ContactTable& table, const Con
 // How hard sections are pressed, and what keeps them from growing beside what they meet.
 struct Giving {
   float over = 1;
-  std::span<const SliceOutline> at_rest;  // #sections
+  float least = kLeastArea;               // of a section's area, that is left
+  float least_held = 0;
   std::span<const ContactSpokes> held{};  // #sections, or none
 };
 
@@ -392,11 +397,12 @@ void give_way(const ContactTable& table, std::span<const ContactMeeting> meeting
     }
     if (!any_above_zero(most)) continue;
     const auto section = static_cast<std::size_t>(table.members[static_cast<std::size_t>(own)].section);
+    held = larger(held, all(giving.least_held));
     if (!giving.held.empty()) held = larger(held, load(giving.held[section].data()));
     ContactSpokes by, hold;
     store(giving.over * most, by.data());
     store(held, hold.data());
-    press_outline(by, hold, giving.at_rest[section], slices[section].outline);
+    press_outline(by, hold, slices[section].outline, giving.least);
     memory.changed[section] = 1;
   }
 }
@@ -446,16 +452,15 @@ void look_at_outlines(const ContactTable& table, std::span<const Ellipse> slices
 
 }  // namespace
 
-void give_way_to_neighbours(const ContactTable& table, const Vec3& origin, std::span<const SliceOutline> at_rest, std::span<Ellipse> slices,
-                            ContactMemory& memory, int threads) {
+void give_way_to_neighbours(const ContactTable& table, const Vec3& origin, std::span<Ellipse> slices, ContactMemory& memory, int threads) {
   look_at_sections(table, slices, origin, memory, threads);
-  give_way(table, {kOver, at_rest, {}}, slices, memory, threads);
+  give_way(table, {.over = kOver}, slices, memory, threads);
 }
 
 void give_way_again(const ContactTable& table, const Vec3& origin, std::span<const SliceOutline> at_rest, std::span<const ContactSpokes> held,
                     std::span<Ellipse> slices, ContactMemory& memory, int threads) {
   look_at_outlines(table, slices, at_rest, origin, memory, threads);
-  give_way(table, {kOverAgain, at_rest, held}, slices, memory, threads);
+  give_way(table, {kOverAgain, kLeastAgain, kHeldAgain, held}, slices, memory, threads);
 }
 
 }  // namespace ecorche

@@ -125,13 +125,13 @@ void look_at_sections(const ContactTable& table, std::span<const Ellipse> slices
 // nothing set, where they are out of each other's reach.
 bool press_of(const ContactMemory& memory, int own, int first, int last, ContactSpokes& press, ContactSpokes& near);
 
-// An outline pressed by these shares of its factors, and grown again by what it has lost where it is not held (0 free .. 1). It keeps a share of the
-// area that it has `at_rest`, however often it is pressed.
-void press_outline(const ContactSpokes& press, const ContactSpokes& held, const SliceOutline& at_rest, SliceOutline& outline);
+// An outline pressed by these shares of its factors, and grown again by what it has lost where it is not held (0 free .. 1). It keeps at least this
+// share of its area.
+constexpr float kLeastArea = 0.3f;
+void press_outline(const ContactSpokes& press, const ContactSpokes& held, SliceOutline& outline, float least = kLeastArea);
 
-// Outlines of all sections that give way; memory.changed tells which did. `slices` have the outlines `at_rest` (#sections). The same bytes at any number of threads.
-void give_way_to_neighbours(const ContactTable& table, const Vec3& origin, std::span<const SliceOutline> at_rest, std::span<Ellipse> slices,
-                            ContactMemory& memory, int threads);
+// Outlines of all sections that give way; memory.changed tells which did. `slices` have the outlines of rest. The same bytes at any number of threads.
+void give_way_to_neighbours(const ContactTable& table, const Vec3& origin, std::span<Ellipse> slices, ContactMemory& memory, int threads);
 
 // The same for slices whose outlines, other than `at_rest`, have given way already. `held` (#sections): what else keeps them from growing, 0 .. 1.
 void give_way_again(const ContactTable& table, const Vec3& origin, std::span<const SliceOutline> at_rest, std::span<const ContactSpokes> held,

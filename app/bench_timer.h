@@ -17,4 +17,7 @@ struct BenchCase {
 // less than a millisecond are repeated inside a round until they fill one.
 std::vector<double> least_cpu_times(std::span<const BenchCase> cases, int rounds);
 
+// The same by the clock, for what several threads share: other work on the machine counts.
+std::vector<double> least_clock_times(std::span<const BenchCase> cases, int rounds);
+
 }  // namespace ecorche

@@ -207,7 +207,7 @@ Giving give_of(const UnderSkin::Data& data, const PosedSkin& skin, std::span<con
 }
 
 // Sections and outlines give what they must; memory.changed tells which did.
-void give_way(const UnderSkin::Data& data, std::span<const SliceOutline> at_rest, PosedAnatomy& posed, UnderSkinScratch& memory) {
+void give_way(const UnderSkin::Data& data, PosedAnatomy& posed, UnderSkinScratch& memory) {
   std::vector<Vec3>& ways = memory.ways;
   ways.assign(posed.slices.size(), Vec3::Zero());
   memory.changed.assign(posed.slices.size(), 0);
@@ -227,7 +227,7 @@ void give_way(const UnderSkin::Data& data, std::span<const SliceOutline> at_rest
   for (std::size_t o = 0; o < data.owners.size(); ++o) {
     if (!memory.givings[o].any) continue;
     const auto k = static_cast<std::size_t>(data.owners[o]);
-    press_outline(memory.givings[o].press, memory.givings[o].held, at_rest[k], posed.slices[k].outline);
+    press_outline(memory.givings[o].press, memory.givings[o].held, posed.slices[k].outline);
     memory.changed[k] = 1;
   }
 }
@@ -342,7 +342,7 @@ void give_way_to_skin(const UnderSkin& under, const PosingTable& table, std::spa
     for (std::size_t o = range.begin(); o < range.end(); ++o)
       memory.givings[o] = memory.near[o] || under_any(data, o, pressed) ? give_of(data, skin, posed.slices, o) : Giving{};
   });
-  give_way(data, table.data->outlines, posed, memory);
+  give_way(data, posed, memory);
   regrow(*table.data, memory.changed, posed, memory.growing, kThreads);
   memory.held.assign(posed.slices.size(), {});
   for (std::size_t o = 0; o < data.owners.size(); ++o) memory.held[static_cast<std::size_t>(data.owners[o])] = memory.givings[o].held;

@@ -1,7 +1,8 @@
 """Time to pose all our muscles beside the time that MuJoCo takes for MyoFullBody's kinematics and tendon paths.
 
 Usage: bench_mujoco.py ECORCHE PACKAGES [--rounds N] [--turns N]
-Ours: kinematics, wrapping, contact and bellies of all muscles over 12 poses of a motion, one after the other (`ecorche bench --muscles`), one thread.
+Ours: kinematics, wrapping, contact and bellies of all muscles over 12 poses of a motion, one after the other (`ecorche bench --muscles`), on one thread, and by the clock on
+all cores. The second parting after the skin has moved is no part of it.
 MuJoCo's: mj_kinematics, mj_comPos and mj_tendon over 60 poses spread over its joints' ranges, one after the other. The two take turns, and the
 least CPU time of each counts.
 Ends with 77 when MuJoCo or the package is not there. The ratio is printed, never asserted: times depend on what else runs.
@@ -46,13 +47,14 @@ def tendon_ms(model, rounds):
 
 
 def our_ms(ecorche, rounds):
-    """Least CPU time of one pose, ms."""
+    """Least times of one pose, ms: CPU time of one thread, and by the clock on all cores."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "bench.json")
         subprocess.run([ecorche, "bench", "--muscles", "--rounds", str(rounds), "--report", path, "-q"], check=True, stdout=subprocess.DEVNULL)
         with open(path) as file:
             report = json.load(file)
-    return report["bench.muscles_row_13k.ms"] if "bench.muscles_row_13k.ms" in report else report["bench"]["muscles_row_13k"]["ms"]
+    row = report["bench"]["muscles_row_13k"]
+    return np.array([row["ms"], row["all_cores_ms"]])
 
 
 def main():
@@ -67,12 +69,14 @@ def main():
         print(f"skipped: no musclemimic_models in {options.packages}; make setup")
         return SKIPPED
     model = Model(wheels[0])
-    theirs = ours = float("inf")
+    theirs, ours = float("inf"), np.full(2, np.inf)
     for _ in range(options.turns):
         theirs = min(theirs, tendon_ms(model, options.rounds))
-        ours = min(ours, our_ms(options.ecorche, options.rounds))
+        ours = np.minimum(ours, our_ms(options.ecorche, options.rounds))
     theirs = min(theirs, tendon_ms(model, options.rounds))
-    print(f"all our muscles {ours:.3f} ms, MuJoCo's kinematics and {model.model.ntendon} tendon paths {theirs:.3f} ms: ratio {ours / theirs:.2f} (asked {ASKED:.0f})")
+    print(f"MuJoCo's kinematics and {model.model.ntendon} tendon paths {theirs:.3f} ms")
+    for name, ms in zip(("one thread", "all cores"), ours):
+        print(f"all our muscles, {name}: {ms:.3f} ms, ratio {ms / theirs:.2f} (asked {ASKED:.0f})")
     return 0
 
 
