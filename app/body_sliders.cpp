@@ -7,9 +7,9 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/mesh_measures.h"
-#include "anatomy/muscle_line.h"
 #include "anatomy/package.h"
-#include "morph/carry_inside.h"
+#include "app/live_anatomy.h"
+#include "morph/body.h"
 #include "morph/modify_body.h"
 
 namespace ecorche {
@@ -33,9 +33,7 @@ struct BodySliders::Impl {
   ShapeSpace space;
   Points skin;               // as reshaped
   std::vector<int> shown;
-  Carrier bones, slices;     // all bones' vertices in order; three points a slice: middle, end of each half axis
-  Points moved_bones, moved_slices;
-  std::vector<Ellipse> rest;
+  LiveAnatomy inside{actor};
   PosedAnatomy base;
 };
 
@@ -47,25 +45,8 @@ BodySliders::BodySliders(const Actor& actor, SceneModel& model) : impl_(std::mak
   s.space = read_shape_space(s.package, s.tape, character.body.sex);
   s.skin = character.body.skin.V;
   for (const char* id : kShown) s.shown.push_back(s.tape.table().at(id));
-  Eigen::Index count = 0;
-  for (const DrawMesh& bone : model.bones) count += static_cast<Eigen::Index>(bone.positions.size());
-  Points inside(count, 3);
-  Eigen::Index row = 0;
-  for (const DrawMesh& bone : model.bones)
-    for (const Vec3f& p : bone.positions) inside.row(row++) = p.cast<double>().transpose();
-  s.bones = make_carrier(s.skin, inside);
   forward_kinematics(character.anatomy.skeleton, rest_pose(character.anatomy.skeleton), s.base.X_WJ);
   pose_anatomy(actor.table, character.anatomy.skeleton, rest_pose(character.anatomy.skeleton), s.base);
-  s.rest = s.base.slices;
-  Points ends(3 * static_cast<Eigen::Index>(s.rest.size()), 3);
-  for (std::size_t i = 0; i < s.rest.size(); ++i) {
-    const auto at = 3 * static_cast<Eigen::Index>(i);
-    const Ellipse& e = s.rest[i];
-    ends.row(at) = e.center.transpose();
-    ends.row(at + 1) = (e.center + e.radii.x() * e.axes.col(0)).transpose();
-    ends.row(at + 2) = (e.center + e.radii.y() * e.axes.col(1)).transpose();
-  }
-  s.slices = make_carrier(s.skin, ends);
 }
 
 BodySliders::~BodySliders() = default;
@@ -117,29 +98,27 @@ void BodySliders::reshape(const std::vector<std::optional<double>>& asked, std::
   achieved.push_back(fat_percentage(s.tape, s.space.sex, s.skin));
   achieved.push_back(hip_waist_ratio(s.tape, s.skin));
 
-  carry(s.bones, s.skin, s.moved_bones);
-  Eigen::Index row = 0;
-  for (DrawMesh& bone : s.model.bones) {
-    for (Vec3f& p : bone.positions) p = to_float(s.moved_bones, row++);
-    ++bone.revision;
+  s.inside.follow(s.skin);
+  const std::vector<Bone>& bones = s.inside.character().anatomy.bones;
+  for (std::size_t b = 0; b < s.model.bones.size(); ++b) {
+    DrawMesh& drawn = s.model.bones[b];
+    for (std::size_t v = 0; v < drawn.positions.size(); ++v) drawn.positions[v] = to_float(bones[b].mesh.V, static_cast<Eigen::Index>(v));
+    ++drawn.revision;
   }
-  carry(s.slices, s.skin, s.moved_slices);
+}
+
+void BodySliders::write(const std::filesystem::path& file) const {
+  Character character = impl_->inside.character();
+  character.body.mass = kBodyDensity * skin_volume(impl_->package, impl_->skin);
+  write_character(file, character, impl_->inside.binding());
 }
 
 void BodySliders::pose(PosedAnatomy& posed, SkinFrame& frame) const {
   const Impl& s = *impl_;
   posed = s.base;
-  for (std::size_t i = 0; i < posed.slices.size() && s.moved_slices.rows() > 0; ++i) {
-    const auto at = 3 * static_cast<Eigen::Index>(i);
-    Ellipse& e = posed.slices[i];
-    e.center = s.moved_slices.row(at);
-    const Vec3 u = s.moved_slices.row(at + 1).transpose() - e.center, v = s.moved_slices.row(at + 2).transpose() - e.center;
-    e.radii = Vec2(u.norm(), v.norm());
-    if (e.radii.minCoeff() < 1e-9) continue;
-    e.axes.col(0) = u.normalized();
-    e.axes.col(2) = u.cross(v).normalized();
-    e.axes.col(1) = e.axes.col(2).cross(e.axes.col(0));
-  }
+  posed.slices = s.inside.slices();
+  const Skeleton& skeleton = s.inside.character().anatomy.skeleton;
+  forward_kinematics(skeleton, rest_pose(skeleton), posed.X_WJ);
   const TriMesh mesh{s.skin, s.package.triangles};
   const Points normals = vertex_normals(mesh);
   frame.positions.resize(4 * static_cast<std::size_t>(s.skin.rows()));

@@ -1,6 +1,7 @@
-// A character whose measures are moved by sliders: the skin is solved at once, bones and muscles are carried along.
+// A character whose measures are moved by sliders: the skin is solved at once; bones, joints, muscles and binding are carried along.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,6 +26,9 @@ class BodySliders {
   // The most probable body with the asked values, what is the character's own kept; fills in what every slider reads then. Bones of the
   // model are moved.
   void reshape(const std::vector<std::optional<double>>& asked, std::vector<double>& achieved);
+
+  // The character as reshaped last. Throws OutputError.
+  void write(const std::filesystem::path& file) const;
 
   // At rest, as reshaped last.
   void pose(PosedAnatomy& posed, SkinFrame& skin) const;

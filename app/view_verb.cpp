@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "app/actor.h"
 #include "app/body_sliders.h"
@@ -19,7 +20,7 @@ namespace ecorche {
 namespace {
 
 struct ViewVerbOptions {
-  std::filesystem::path character, motion;
+  std::filesystem::path character, motion, output;
   WindowOptions window;
   std::vector<double> pick;
   bool sliders = false, dynamics = false;
@@ -47,6 +48,8 @@ int run(const ViewVerbOptions& options, const Common& common, Report& report) {
   Motion motion;
   motion.frames.push_back(rest_pose(anatomy.skeleton));
   if (options.sliders && !options.motion.empty()) throw UsageError("view: --sliders show the body at rest; leave the motion away");
+  if (!options.output.empty() && !options.sliders) throw UsageError("view: --output writes what --sliders made; without them there is nothing to write");
+  if (!options.output.empty()) check_output(options.output, {options.character});
   if (options.dynamics && options.motion.empty()) throw UsageError("view: --dynamics: flesh lags in a motion; name one");
   if (!options.motion.empty()) motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
 
@@ -69,7 +72,10 @@ int run(const ViewVerbOptions& options, const Common& common, Report& report) {
   if (options.sliders) {
     sliders.emplace(actor, model);
     subject.sliders = sliders->sliders();
-    subject.reshape = [&sliders](const auto& asked, auto& achieved) { sliders->reshape(asked, achieved); };
+    subject.reshape = [&](const auto& asked, auto& achieved) {
+      const StageTimer timer(report, "reshape");
+      sliders->reshape(asked, achieved);
+    };
     subject.pose = [&sliders](int, PosedAnatomy& posed, SkinFrame& skin) { sliders->pose(posed, skin); };
     document.asked = sliders->asked_by(options.measures);
   }
@@ -77,6 +83,7 @@ int run(const ViewVerbOptions& options, const Common& common, Report& report) {
   WindowOptions window = options.window;
   if (options.pick.size() == 2) window.pick_x = options.pick[0], window.pick_y = options.pick[1];
   run_window(subject, window, document);
+  if (!options.output.empty()) sliders->write(options.output);
   return 0;
 }
 
@@ -89,7 +96,8 @@ void add_view_verb(VerbRegistry& registry) {
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
   verb->add_option("character", options->character, "Character written by `ecorche fit`; the template when left out");
   verb->add_option("motion", options->motion, "Motion (.bvh)");
-  verb->add_flag("--sliders", options->sliders, "Measures as sliders: the skin follows, bones and muscles are carried along");
+  verb->add_flag("--sliders", options->sliders, "Measures as sliders: the skin follows, bones, joints, muscles and binding are carried along");
+  verb->add_option("-o,--output", options->output, "With --sliders: character to write when the window closes (.glb)");
   verb->add_option("--sex", options->sex, "Without a character: an average man or woman instead of the template")->check(CLI::IsMember({"male", "female"}));
   verb->add_option("--measure", options->measures, "NAME=VALUE that a slider begins with; may be repeated");
   verb->add_option("--frames", options->window.frames, "Close after so many frames")->check(CLI::Range(0, 1000000));

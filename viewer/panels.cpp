@@ -10,6 +10,8 @@
 namespace ecorche {
 namespace {
 
+constexpr float kSliderWidth = 130;  // pixels
+
 const ImVec4 quiet(0.66f, 0.66f, 0.68f, 1);
 
 void draw_layers(ViewDocument& document) {
@@ -92,8 +94,13 @@ void draw_parts(const ViewSubject& subject, ViewDocument& document) {
 // A tick beside what is asked for; what is not follows, and shows what it is.
 void draw_sliders(const ViewSubject& subject, ViewDocument& document) {
   if (subject.sliders.empty() || document.asked.size() != subject.sliders.size() || document.achieved.size() != subject.sliders.size()) return;
-  ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x - 372, 12}, ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize({360, 0}, ImGuiCond_FirstUseEver);
+  // As wide as its longest line, with the value that a slider reads when it misses what is asked.
+  float widest = 0;
+  for (const Slider& slider : subject.sliders) widest = std::max(widest, ImGui::CalcTextSize((slider.name + ": 000.0").c_str()).x);
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float width = widest + kSliderWidth + ImGui::GetFrameHeight() + 2 * style.ItemSpacing.x + 2 * style.WindowPadding.x;
+  ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x - width - 12, 12}, ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize({width, 0}, ImGuiCond_Always);
   if (ImGui::Begin("Measures")) {
     for (std::size_t i = 0; i < subject.sliders.size(); ++i) {
       const Slider& slider = subject.sliders[i];
@@ -104,7 +111,7 @@ void draw_sliders(const ViewSubject& subject, ViewDocument& document) {
       ImGui::SameLine();
       float value = static_cast<float>(slider.scale * asked.value_or(document.achieved[i]));
       const std::string format = slider.scale * slider.high < 10 ? "%.2f " + slider.unit : "%.1f " + slider.unit;
-      ImGui::SetNextItemWidth(130);
+      ImGui::SetNextItemWidth(kSliderWidth);
       if (ImGui::SliderFloat("##value", &value, static_cast<float>(slider.scale * slider.low), static_cast<float>(slider.scale * slider.high),
                              slider.unit == "%" ? "%.1f %%" : format.c_str()))
         asked = value / slider.scale;

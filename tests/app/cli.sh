@@ -201,6 +201,9 @@ says "folder"; absent c.glb
 if command -v xvfb-run > /dev/null; then
   expect 0 "the window" xvfb-run -a "$ecorche" view anna-1.glb "$walk" --frames 3 --screenshot window.png
   there window.png
+  expect 0 "a slider moved" xvfb-run -a "$ecorche" view anna-1.glb --sliders --measure stature=172cm --frames 2 -o edited.glb
+  expect 0 "its stature" "$ecorche" body measure edited.glb
+  if grep -q "^stature *172.0 cm" out.txt; then ok; else bad "the character that a slider made has another stature: $(grep '^stature ' out.txt)"; fi
 else
   skip "the window: xvfb-run is not installed"
 fi
