@@ -13,6 +13,7 @@
 #include "skinning/bake_errors.h"
 #include "skinning/bake_influences.h"
 #include "skinning/bake_normals.h"
+#include "skinning/bake_polish.h"
 #include "skinning/bake_settle.h"
 #include "skinning/bake_shapes.h"
 #include "skinning/short_turns.h"
@@ -22,7 +23,7 @@ namespace {
 
 using Eigen::Index;
 
-constexpr int kShapeRounds = 6, kMoreRounds = 6;
+constexpr int kShapeRounds = 6, kMoreRounds = 4, kPolishes = 2;
 constexpr std::size_t kTogether = 16;  // frames that are looked at one by one and then solved at once
 
 Points shaped(const Points& rest, const std::vector<Points>& shapes, const Eigen::VectorXf& curves) {
@@ -46,12 +47,16 @@ class Baker {
     if (scene_.options.morphs > 0) {
       shapes = fit_shapes(leftovers(), scene_.options.morphs, kShapeRounds);
       // Helpers make room for what shapes do better. The samples may have missed the frames that are hardest: those count too from now on.
-      settle_samples(shapes);
+      settle_samples(shapes, true);
       add_hardest(shapes);
       shapes = fit_shapes(leftovers(), scene_.options.morphs, kMoreRounds, shapes);
+      for (int round = 0; round < kPolishes; ++round) {
+        const Eigen::MatrixXd curves = settle_samples(shapes, false);
+        polish_shapes(leftovers(), curves, shapes);
+      }
     }
     leave_out_little(shapes);
-    bake_.morph_normals = fit_normals(scene_, rig_.influences, samples_, settle_samples(shapes));
+    bake_.morph_normals = fit_normals(scene_, rig_.influences, samples_, settle_samples(shapes, true));
     samples_.clear();
     follow(shapes);
   }
@@ -107,13 +112,14 @@ class Baker {
     return Settler(scene_.skin.V, shapes.offsets, rig_.influences, std::move(places));
   }
 
-  // Returns the curves. #shapes x #samples
-  Eigen::MatrixXd settle_samples(const Shapes& shapes) {
+  // Returns the curves. `even`: for the sum of squares alone. #shapes x #samples
+  Eigen::MatrixXd settle_samples(const Shapes& shapes, bool even) {
     const Settler settler = this->settler(shapes);
     Eigen::MatrixXd out(shapes.offsets.cols(), static_cast<Index>(samples_.size()));
     tbb::parallel_for(std::size_t{0}, samples_.size(), [&](std::size_t f) {
       Eigen::VectorXf curves;
-      settler.settle_evenly(samples_[f], curves);
+      if (even) settler.settle_evenly(samples_[f], curves);
+      else settler.settle(samples_[f], curves);
       out.col(static_cast<Index>(f)) = curves.cast<double>();
     });
     return out;

@@ -9,7 +9,7 @@
 //    brings the skin about the helper closest, which neither joints nor sums of shapes that other frames share can express.
 // 2. Shapes. What is left over is taken up by shapes in the rest pose, solved by turns with their curves for what they do in the posed world;
 //    vertices that stay far off in a frame count more and more. Helpers then make room for what shapes do better, frames that are missed
-//    most are added to the samples, and the shapes are solved on.
+//    most are added to the samples, and the shapes are solved on; those of the vertices that are still far off for the largest errors.
 // 3. Normals. Engines turn the rest normals by the same blend, which jumps where neighbours hang on different joints. The shapes therefore
 //    carry changes of the normals, solved with the curves as they are.
 // 4. Curves and helpers of every frame are solved together, at last, for the twelfth power of the errors: it is the largest that show.

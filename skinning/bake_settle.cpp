@@ -5,6 +5,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "skinning/bake_cost.h"
+
 namespace ecorche {
 namespace {
 
@@ -12,23 +14,10 @@ using Eigen::Index;
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr int kRounds = 8, kHalvings = 4;
-constexpr double kScale = 3e-3;       // m: larger errors count by their power, smaller by their square
-constexpr double kPower = 12;
 constexpr double kEnough = 0.05;      // a round that takes a smaller part off the cost is the last
 // What keeps curves and helpers that move next to nothing where they are; sums over vertices of squared moves, m: by a curve of 1, a turn of
 // 1, and the share of a move.
 constexpr double kCurveRidge = 1e-6, kTurnRidge = 1e-3, kMoveRidge = 1e-1;
-
-// (e / s)^10, the power's share in how much an error counts
-double steepness(double e) {
-  const double x = e * e / (kScale * kScale), x2 = x * x;
-  return x2 * x2 * x;
-}
-double cost(const Eigen::VectorXd& errors) {
-  double sum = 0;
-  for (const double e : errors) sum += e * e * (0.5 + steepness(e) / kPower);
-  return sum;
-}
 
 }  // namespace
 
@@ -64,12 +53,7 @@ void Settler::add_vertex(std::size_t vertex, const BakeFrame& frame, const Eigen
   const Vec3 x = shaped(vertex, curves);
   const Eigen::Affine3d A = blended(influences_[vertex], frame.bones);
   const Vec3 off = A * x - frame.exact.row(static_cast<Index>(vertex)).transpose().cast<double>();
-  // The second derivative by the vertex' place is (1 + steep) I + (p - 2) steep u u' = R' R.
-  const double e = std::max(off.norm(), 1e-12), steep = even ? 0 : steepness(e);
-  const Vec3 u = off / e;
-  const double across = std::sqrt(1 + steep), along = std::sqrt(1 + (kPower - 1) * steep);
-  const Mat3 R = across * Mat3::Identity() + (along - across) * u * u.transpose();
-  const Vec3 r = (1 + steep) / along * off;
+  const auto [R, r] = cost_root(off, even);
   const Mat3 RA = R * A.linear();
   const auto& offsets = offsets_[vertex];
   system.rows.resize(offsets.size());
@@ -137,21 +121,20 @@ void Settler::settle_evenly(BakeFrame& frame, Eigen::VectorXf& curves) const {
 void Settler::settle(BakeFrame& frame, Eigen::VectorXf& curves) const {
   settle_evenly(frame, curves);
   System system;
-  double now = cost(distances(frame, curves));
+  double now = cost_of(distances(frame, curves));
   for (int round = 0; round < kRounds; ++round) {
     const Eigen::VectorXd by = solve(frame, curves, false, system);
     double then = now, length = 1;
     for (int halving = 0; halving < kHalvings; ++halving, length /= 2) {
-      BakeFrame& tried = frame;
-      const std::vector<Transform> bones = tried.bones;
+      const std::vector<Transform> bones = frame.bones;
       Eigen::VectorXf moved = curves;
-      step(by, length, tried.bones, moved);
-      if (then = cost(distances(tried, moved)); then < now) {
+      step(by, length, frame.bones, moved);
+      if (const double there = cost_of(distances(frame, moved)); there < now) {
+        then = there;
         curves = moved;
         break;
       }
-      tried.bones = bones;
-      then = now;
+      frame.bones = bones;
     }
     if (then > (1 - kEnough) * now) break;
     now = then;

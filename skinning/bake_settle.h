@@ -16,8 +16,7 @@ class Settler {
   Settler(const Points& rest, const Eigen::MatrixXf& shapes, std::span<const std::array<Influence, 4>> influences, std::vector<Vec3> helpers);
 
   // Moves the helpers of `frame`, from where they are, and sets the curves, from zero, so that the largest errors fall and then the rest:
-  // Newton's steps on sum of e^2 / 2 + s^2 / p (e / s)^p over the vertices' errors e, with p = 12. Curves and helpers that hardly help hardly
-  // move. A function of the frame alone.
+  // Newton's steps on the cost of bake_cost.h. Curves and helpers that hardly help hardly move. A function of the frame alone.
   void settle(BakeFrame& frame, Eigen::VectorXf& curves) const;
 
   // The same by the sum of squares alone, in one step: settle()'s first, a tenth of the work.
