@@ -172,7 +172,7 @@ Anatomy many_flexors() {
   all.muscles.clear();
   for (int i = 0; i < 12; ++i)
     for (Muscle muscle : two.muscles) {
-      for (PathPoint& p : muscle.strips[0].path) p.rest.z() += 0.1 * i;
+      for (PathPoint& p : muscle.strips[0].path) p.rest.x() += 0.1 * i;  // along the hinge
       muscle.name = "pair_" + std::to_string(i) + "_" + muscle.name;
       all.muscles.push_back(muscle);
     }
