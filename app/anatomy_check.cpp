@@ -230,7 +230,7 @@ struct PosedMuscles {
   std::vector<double> outside, overlap, in_bone, drift;  // shares
 };
 
-PoseCheck check_pose(const Subject& subject, const NamedPose& pose, double spacing, PosedMuscles& muscles) {
+PoseCheck check_pose(const Subject& subject, const LimitPose& pose, double spacing, PosedMuscles& muscles) {
   Shape shape;
   shape_pose(subject, pose.pose, shape);
   PoseCheck out;
@@ -261,7 +261,7 @@ PoseCheck check_pose(const Subject& subject, const NamedPose& pose, double spaci
   return out;
 }
 
-void check_poses(const Subject& subject, const std::vector<NamedPose>& poses, const CheckOptions& options, const Common& common, AnatomyCheck& check) {
+void check_poses(const Subject& subject, const std::vector<LimitPose>& poses, const CheckOptions& options, const Common& common, AnatomyCheck& check) {
   check.poses.resize(poses.size());
   std::vector<PosedMuscles> muscles(poses.size());
   std::atomic<int> done = 0;
@@ -302,7 +302,7 @@ void check_sweeps(const Subject& subject, double step, AnatomyCheck& check) {
 
 }  // namespace
 
-AnatomyCheck check_anatomy(const Actor& actor, const BodyPackage& package, const std::vector<NamedPose>& poses, const CheckOptions& options, const Common& common) {
+AnatomyCheck check_anatomy(const Actor& actor, const BodyPackage& package, const std::vector<LimitPose>& poses, const CheckOptions& options, const Common& common) {
   const Anatomy& anatomy = actor.character.anatomy;
   Subject subject{actor, package, make_muscle_surface(anatomy), slice_ranges(anatomy), {}, rest_positions(anatomy.skeleton), false};
   subject.packaged = actor.character.body.skin.V.rows() == package.skin_size;

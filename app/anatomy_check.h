@@ -62,7 +62,7 @@ struct AnatomyCheck {
 
 // `package`: closes the skin's mouth and eyes and knows its parts, where the skin has its topology. Precondition: a bound actor. The same figures at any
 // number of threads.
-AnatomyCheck check_anatomy(const Actor& actor, const BodyPackage& package, const std::vector<NamedPose>& poses, const CheckOptions& options, const Common& common);
+AnatomyCheck check_anatomy(const Actor& actor, const BodyPackage& package, const std::vector<LimitPose>& poses, const CheckOptions& options, const Common& common);
 
 // What is asked of a figure, and whether it is met.
 struct Target {

@@ -26,7 +26,7 @@ std::vector<BodySpec> checked_bodies() {
   return bodies;
 }
 
-std::vector<BodyCheck> check_bodies(const std::vector<BodySpec>& bodies, const std::vector<NamedPose>& poses, const Common& common) {
+std::vector<BodyCheck> check_bodies(const std::vector<BodySpec>& bodies, const std::vector<LimitPose>& poses, const Common& common) {
   const BodyPackage package = read_body_package(find_packages());
   const Template body_template = read_template();
   std::vector<ShapedBody> all;  // before any is fitted: one that cannot be had is told at once

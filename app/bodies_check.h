@@ -23,7 +23,7 @@ struct BodyCheck {
 };
 
 // Fits the template into each and measures it. `poses`: none for the rest pose alone. Throws as shape_body and fit_anatomy do.
-std::vector<BodyCheck> check_bodies(const std::vector<BodySpec>& bodies, const std::vector<NamedPose>& poses, const Common& common);
+std::vector<BodyCheck> check_bodies(const std::vector<BodySpec>& bodies, const std::vector<LimitPose>& poses, const Common& common);
 
 std::string bodies_table(const std::vector<BodyCheck>& checks);
 std::string bodies_csv(const std::vector<BodyCheck>& checks);

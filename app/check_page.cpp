@@ -92,7 +92,7 @@ int worst_pose(const AnatomyCheck& check, Figure figure) {
   return worst;
 }
 
-void add_pictures(HtmlPage& page, const AnatomyCheck& check, const Actor& actor, const std::vector<NamedPose>& poses) {
+void add_pictures(HtmlPage& page, const AnatomyCheck& check, const Actor& actor, const std::vector<LimitPose>& poses) {
   Photographer photographer(actor);
   const Pose rest = rest_pose(actor.character.anatomy.skeleton);
   page.add_heading("At rest");
@@ -163,7 +163,7 @@ std::string check_csv(const AnatomyCheck& check, const Anatomy& anatomy) {
   return out;
 }
 
-std::string check_page(const AnatomyCheck& check, const Bulges& bulges, const Actor& actor, const std::vector<NamedPose>& poses, const CheckPageOptions& options) {
+std::string check_page(const AnatomyCheck& check, const Bulges& bulges, const Actor& actor, const std::vector<LimitPose>& poses, const CheckPageOptions& options) {
   HtmlPage page(options.title);
   page.add_heading("Asked and measured");
   std::vector<std::vector<std::string>> rows;

@@ -16,6 +16,6 @@ struct CheckPageOptions {
   bool pictures = true;
 };
 // Pictures: muscles coloured by what they share with others at rest, and the worst poses. Throws OutputError where nothing can be drawn.
-std::string check_page(const AnatomyCheck& check, const Bulges& bulges, const Actor& actor, const std::vector<NamedPose>& poses, const CheckPageOptions& options);
+std::string check_page(const AnatomyCheck& check, const Bulges& bulges, const Actor& actor, const std::vector<LimitPose>& poses, const CheckPageOptions& options);
 
 }  // namespace ecorche

@@ -44,7 +44,7 @@ int run_bodies(const CheckVerbOptions& options, const Common& common, Report& re
       throw InputError(fmt::format("check bodies: no body '{}'; leave --body out to see their names", name));
   if (!options.bodies.empty())
     std::erase_if(bodies, [&](const BodySpec& body) { return std::find(options.bodies.begin(), options.bodies.end(), body.name) == options.bodies.end(); });
-  std::vector<NamedPose> poses;
+  std::vector<LimitPose> poses;
   if (!options.poses.empty() && options.poses != "none") poses = read_limit_poses(fs::path(options.poses), read_template().anatomy.skeleton);
   const std::vector<BodyCheck> checks = check_bodies(bodies, poses, common);
   std::fputs(bodies_table(checks).c_str(), stdout);
@@ -66,7 +66,7 @@ int run(const CheckVerbOptions& options, const Common& common, Report& report) {
   const Actor actor = make_actor(open_subject(options.character), report);
   const BodyPackage package = read_body_package(find_packages());
   const Skeleton& skeleton = actor.character.anatomy.skeleton;
-  std::vector<NamedPose> poses;
+  std::vector<LimitPose> poses;
   if (options.poses != "none") poses = read_limit_poses(options.poses.empty() ? data_folder() / "poses.csv" : fs::path(options.poses), skeleton);
   CheckOptions how;
   if (options.no_sweeps) how.sweep_step = 0;

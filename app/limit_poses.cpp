@@ -34,21 +34,21 @@ Quat limit_rotation(const Joint& joint, const Vec3& shares) {
   return joint_rotation(joint, angles);
 }
 
-std::vector<NamedPose> read_limit_poses(const std::filesystem::path& file, const Skeleton& skeleton) {
+std::vector<LimitPose> read_limit_poses(const std::filesystem::path& file, const Skeleton& skeleton) {
   const Table table(file);
-  std::vector<NamedPose> poses;
+  std::vector<LimitPose> poses;
   for (int row = 0; row < table.rows(); ++row) {
     const Vec3 shares(share(table, row, "flexion"), share(table, row, "abduction"), share(table, row, "rotation"));
     const std::string &name = table.text(row, "pose"), &pattern = table.text(row, "joint");
     if (name.empty() || pattern.empty()) throw InputError(table.where(row) + ": a row needs the names of its pose and joint");
     for (std::size_t j = 0; j < skeleton.joints.size(); ++j) {
       if (!is_meant(pattern, skeleton.joints[j].name)) continue;
-      auto pose = std::find_if(poses.begin(), poses.end(), [&](const NamedPose& p) { return p.name == name; });
-      if (pose == poses.end()) pose = poses.insert(poses.end(), NamedPose{name, rest_pose(skeleton)});
+      auto pose = std::find_if(poses.begin(), poses.end(), [&](const LimitPose& p) { return p.name == name; });
+      if (pose == poses.end()) pose = poses.insert(poses.end(), LimitPose{name, rest_pose(skeleton)});
       pose->pose.rotations[j] = limit_rotation(skeleton.joints[j], shares);
     }
   }
-  for (NamedPose& pose : poses) complete_pose(skeleton, pose.pose);
+  for (LimitPose& pose : poses) complete_pose(skeleton, pose.pose);
   return poses;
 }
 

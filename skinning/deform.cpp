@@ -96,7 +96,8 @@ struct Extras {
 void settle(const SkinTables& tables, const PosedAnatomy& posed, const Extras& extras, ElasticScratch& elastic, std::vector<float>& positions) {
   add(extras.flesh, positions);
   settle_skin(*tables.elastic, tables.triangles, posed.X_WJ, positions, elastic);
-  const bool risen = extras.beneath && rise_over_muscles(extras.beneath->under, posed.slices, elastic.open, positions, extras.beneath->memory);
+  if (extras.beneath) find_rising(*tables.elastic, positions, elastic);
+  const bool risen = extras.beneath && rise_over_muscles(extras.beneath->under, posed.slices, elastic.rising, positions, extras.beneath->memory);
   const std::span<const float> room = risen ? room_over_muscles(extras.beneath->memory) : std::span<const float>{};
   part_settled_skin(*tables.elastic, tables.triangles, posed.X_WJ, room, positions, elastic);
   if (!extras.beneath) return;

@@ -37,7 +37,7 @@ struct ContactScratch {
 struct ElasticScratch {
   MembraneScratch membrane;
   ContactScratch contact;
-  std::vector<float> normals, half, open, working;
+  std::vector<float> normals, half, open, working, rising;
   std::vector<char> pressed;                  // #V: whether contact has moved it
   std::vector<float> base, offsets;           // of a refined skin's base mesh
 };

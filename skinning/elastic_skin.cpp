@@ -72,6 +72,12 @@ void settle_skin(const ElasticSkin& skin, std::span<const int> triangles, std::s
   keep_volumes(skin.volumes, X_WJ, s.open, s.normals, positions);
 }
 
+void find_rising(const ElasticSkin& skin, std::span<const float> positions, ElasticScratch& s) {
+  s.rising = s.open;
+  if (!find_meetings(skin.contact.patches, {skin.contact.give, 0, positions, s.normals}, s.contact.patches, s.contact.wanted)) return;
+  for (std::size_t i = 0; i < s.rising.size(); ++i) s.rising[i] *= s.contact.wanted[i] ? 0.0f : 1.0f;
+}
+
 bool part_settled_skin(const ElasticSkin& skin, std::span<const int> triangles, std::span<const Transform> X_WJ, std::span<const float> room,
                        std::span<float> positions, ElasticScratch& s) {
   const std::size_t n = s.open.size();

@@ -32,6 +32,9 @@ std::shared_ptr<const ElasticSkin> make_elastic_skin(const Skeleton& skeleton, c
 // another size than last time. Same input, same bytes at any number of threads.
 void settle_skin(const ElasticSkin& skin, std::span<const int> triangles, std::span<const Transform> X_WJ, std::span<float> positions, ElasticScratch& scratch);
 
+// After that: scratch.rising, #V, how freely the skin may rise: as open as it is, and not where it has met another part, whose flesh holds it down.
+void find_rising(const ElasticSkin& skin, std::span<const float> positions, ElasticScratch& scratch);
+
 // After that: parts that meet are pressed flat, and the flesh that this or a rise has moved comes from or goes to where there is `room` (#V,
 // 0 .. 1; empty where nothing has risen). Over what has risen, limbs and body alone keep volumes: were the flesh about a hinge to keep its own, a
 // flexed arm would sink where its muscles have just raised it. scratch.pressed: what contact has moved.

@@ -8,6 +8,7 @@
 
 #include "skinning/deform.h"
 #include "skinning/pose_book.h"
+#include "skinning/skin_folds.h"
 
 namespace ecorche {
 namespace {
@@ -24,9 +25,12 @@ double signed_volume(const Triangles& F, const Points& V) {
 
 PoseFigures measure_pose(const TriMesh& rest, const Binding& binding, std::span<const Transform> X_WJ, const SkinFrame& frame) {
   PoseFigures out;
-  out.flipped = measure_skin(rest, binding, {}, X_WJ, frame).flipped;
   Points V;
   to_points(frame, V);
+  const std::vector<int> flipped = flipped_triangles(rest, binding, X_WJ, V);
+  const std::vector<char> folded = in_contact_folds(rest, V, flipped);
+  out.flipped = static_cast<int>(flipped.size());
+  out.flipped_outside = out.flipped - static_cast<int>(std::count(folded.begin(), folded.end(), 1));
   const double before = signed_volume(rest.F, rest.V);
   out.body_volume_change = (signed_volume(rest.F, V) - before) / before;
   std::vector<double> changes;

@@ -11,6 +11,7 @@ namespace ecorche {
 
 struct PoseFigures {
   int flipped = 0;               // triangles that face against their turned rest normal
+  int flipped_outside = 0;       // those of them that do not lie in a contact fold (skin_folds.h)
   double edge_change_p99 = 0;    // 99th percentile of |length / rest length - 1|
   double body_volume_change = 0; // (V - V0) / V0 of the whole skin
 };

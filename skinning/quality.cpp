@@ -120,6 +120,19 @@ double section_volume(const LimbSection& section, const Triangles& F, const Poin
   return six / 6;
 }
 
+std::vector<int> flipped_triangles(const TriMesh& rest, const Binding& binding, std::span<const Transform> X_WJ, const Points& V) {
+  if (V.rows() != rest.V.rows() || binding.vertex_count != rest.V.rows())
+    throw std::invalid_argument("flipped_triangles: the shape, the rest skin and the binding differ in their number of vertices");
+  std::vector<int> out;
+  const std::vector<Eigen::Vector4d> turns = vertex_turns(*binding.tables, X_WJ);
+  for (Eigen::Index f = 0; f < rest.F.rows(); ++f) {
+    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+    for (int k = 0; k < 3; ++k) sum += turns[static_cast<std::size_t>(rest.F(f, k))];
+    if (area_vector(V, rest.F, f).dot(Quat(sum).normalized() * area_vector(rest.V, rest.F, f)) < 0) out.push_back(static_cast<int>(f));
+  }
+  return out;
+}
+
 SkinQuality measure_skin(const TriMesh& rest, const Binding& binding, std::span<const LimbSection> sections,
                          std::span<const Transform> X_WJ, const SkinFrame& frame) {
   if (frame.positions.size() != 4 * static_cast<std::size_t>(rest.V.rows()) || binding.vertex_count != rest.V.rows())
@@ -129,12 +142,7 @@ SkinQuality measure_skin(const TriMesh& rest, const Binding& binding, std::span<
   to_points(frame, V);
   out.triangles = static_cast<int>(rest.F.rows());
   for (Eigen::Index i = 0; i < V.rows(); ++i) out.not_finite += !V.row(i).allFinite();
-  const std::vector<Eigen::Vector4d> turns = vertex_turns(*binding.tables, X_WJ);
-  for (Eigen::Index f = 0; f < rest.F.rows(); ++f) {
-    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
-    for (int k = 0; k < 3; ++k) sum += turns[static_cast<std::size_t>(rest.F(f, k))];
-    out.flipped += area_vector(V, rest.F, f).dot(Quat(sum).normalized() * area_vector(rest.V, rest.F, f)) < 0;
-  }
+  out.flipped = static_cast<int>(flipped_triangles(rest, binding, X_WJ, V).size());
   out.flipped_share = out.triangles > 0 ? static_cast<double>(out.flipped) / out.triangles : 0;
   measure_edges(rest, V, out);
   for (const LimbSection& section : sections) {

@@ -41,8 +41,11 @@ std::vector<std::vector<std::array<int, 2>>> open_rims(const std::vector<int>& t
 // Volume of a section in the shape V, m^3.
 double section_volume(const LimbSection& section, const Triangles& F, const Points& V);
 
-// The same yardstick for every deformer: triangles are compared with their rest normal turned by the blended rotation of the
-// binding's carriers (followed along the chain of joints, so that more than half a circle counts as such), wherever `frame` comes from.
+// Triangles that face against their rest normal turned by the blended rotation of the binding's carriers (followed along the chain of joints, so
+// that more than half a circle counts as such), wherever the shape V comes from. Preconditions: as of measure_skin(); otherwise std::invalid_argument.
+std::vector<int> flipped_triangles(const TriMesh& rest, const Binding& binding, std::span<const Transform> X_WJ, const Points& V);
+
+// The same yardstick for every deformer, wherever `frame` comes from.
 // Precondition: posed.X_WJ and the positions are those of the binding's skeleton and skin.
 SkinQuality measure_skin(const TriMesh& rest, const Binding& binding, std::span<const LimbSection> sections,
                          std::span<const Transform> X_WJ, const SkinFrame& frame);

@@ -35,10 +35,10 @@ Skeleton two_arms() {
   return skeleton;
 }
 
-std::vector<NamedPose> poses_of(const std::string& text) {
+std::vector<LimitPose> poses_of(const std::string& text) {
   const fs::path file = fs::temp_directory_path() / ("ecorche_poses_" + std::to_string(::getpid()) + ".csv");
   std::ofstream(file, std::ios::binary) << text;
-  std::vector<NamedPose> poses;
+  std::vector<LimitPose> poses;
   try {
     poses = read_limit_poses(file, two_arms());
   } catch (...) {

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "anatomy/self_intersections.h"
+#include "skinning/elastic_skin.h"
 #include "skinning/limb_volumes.h"
 #include "skinning/membrane.h"
 #include "skinning/normals.h"
@@ -238,6 +239,40 @@ TEST(SkinContact, LooksAtEveryVertexThatIsInsideAndAtFewOthers) {
   }
   EXPECT_GT(inside, 50);
   EXPECT_LT(looked_at, 3 * inside);
+}
+
+// Over muscles the skin may rise as freely as it is open, but not where it has met another part.
+TEST(SkinContact, WhatHasMetDoesNotRise) {
+  const Pair pair;
+  const test::Arm arm = test::make_arm();
+  SkinSurvey survey;
+  survey.depth = survey.radius = pair.tissue;
+  const std::vector<std::array<Influence, 4>> weights(pair.tissue.size(), {Influence{0, 1}, {}, {}, {}});
+  const auto skin = make_elastic_skin(arm.anatomy.skeleton, pair.mesh, survey, weights, {}, pair.triangles());
+  const auto rising = [&](const Points& V) {
+    const std::vector<float> positions = floats(V);
+    ElasticScratch scratch;
+    scratch.open.assign(positions.size() / 4, 0.5f);
+    scratch.normals.resize(positions.size());
+    vertex_normals(positions, pair.triangles(), scratch.normals);
+    find_rising(*skin, positions, scratch);
+    return scratch.rising;
+  };
+  for (const float free : rising(pair.mesh.V)) EXPECT_EQ(free, 0.5f);
+  const Points through = pair.at(0.17);
+  const std::vector<float> met = rising(through);
+  int held = 0;
+  for (Eigen::Index i = 0; i < through.rows() / 2; ++i) {
+    const Vec3 p = Vec3(through.row(i)) - Vec3(0.17, 0.013, 0.007);
+    const double depth = 0.1 - Vec3(p.x(), p.y() - std::clamp(p.y(), 0.0, 1.0), p.z()).norm();
+    if (depth > 2e-4) {
+      EXPECT_EQ(met[static_cast<std::size_t>(i)], 0) << i;
+      ++held;
+    } else if (through(i, 0) < 0) {
+      EXPECT_EQ(met[static_cast<std::size_t>(i)], 0.5f) << i;
+    }
+  }
+  EXPECT_GT(held, 20);
 }
 
 }  // namespace
