@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kMembraneRounds = 3, kContactRounds = 3, kFillSteps = 2;
 constexpr float kPressed = 1e-3f;    // m; what contact has moved further does not swell
+constexpr float kMet = 0.1f;         // how open skin that has met other skin counts as: it rises by less than half, and muscles give way for the rest
 constexpr double kRadiusShare = 0.8;  // an ear is far from bone, but there is not much of it
 
 std::vector<double> tissue_of(const TriMesh& skin, const SkinSurvey& survey) {
@@ -75,7 +76,7 @@ void settle_skin(const ElasticSkin& skin, std::span<const int> triangles, std::s
 void find_rising(const ElasticSkin& skin, std::span<const float> positions, ElasticScratch& s) {
   s.rising = s.open;
   if (!find_meetings(skin.contact.patches, {skin.contact.give, 0, positions, s.normals}, s.contact.patches, s.contact.wanted)) return;
-  for (std::size_t i = 0; i < s.rising.size(); ++i) s.rising[i] *= s.contact.wanted[i] ? 0.0f : 1.0f;
+  for (std::size_t i = 0; i < s.rising.size(); ++i) s.rising[i] *= s.contact.wanted[i] ? kMet : 1.0f;
 }
 
 bool part_settled_skin(const ElasticSkin& skin, std::span<const int> triangles, std::span<const Transform> X_WJ, std::span<const float> room,

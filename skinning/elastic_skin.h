@@ -32,7 +32,8 @@ std::shared_ptr<const ElasticSkin> make_elastic_skin(const Skeleton& skeleton, c
 // another size than last time. Same input, same bytes at any number of threads.
 void settle_skin(const ElasticSkin& skin, std::span<const int> triangles, std::span<const Transform> X_WJ, std::span<float> positions, ElasticScratch& scratch);
 
-// After that: scratch.rising, #V, how freely the skin may rise: as open as it is, and not where it has met another part, whose flesh holds it down.
+// After that: scratch.rising, #V, how freely the skin may rise: as open as it is, and little where it has met another part, whose flesh holds it
+// down.
 void find_rising(const ElasticSkin& skin, std::span<const float> positions, ElasticScratch& scratch);
 
 // After that: parts that meet are pressed flat, and the flesh that this or a rise has moved comes from or goes to where there is `room` (#V,

@@ -241,8 +241,8 @@ TEST(SkinContact, LooksAtEveryVertexThatIsInsideAndAtFewOthers) {
   EXPECT_LT(looked_at, 3 * inside);
 }
 
-// Over muscles the skin may rise as freely as it is open, but not where it has met another part.
-TEST(SkinContact, WhatHasMetDoesNotRise) {
+// Over muscles the skin may rise as freely as it is open, but little where it has met another part.
+TEST(SkinContact, WhatHasMetRisesLess) {
   const Pair pair;
   const test::Arm arm = test::make_arm();
   SkinSurvey survey;
@@ -266,7 +266,7 @@ TEST(SkinContact, WhatHasMetDoesNotRise) {
     const Vec3 p = Vec3(through.row(i)) - Vec3(0.17, 0.013, 0.007);
     const double depth = 0.1 - Vec3(p.x(), p.y() - std::clamp(p.y(), 0.0, 1.0), p.z()).norm();
     if (depth > 2e-4) {
-      EXPECT_EQ(met[static_cast<std::size_t>(i)], 0) << i;
+      EXPECT_LT(met[static_cast<std::size_t>(i)], 0.1f) << i;
       ++held;
     } else if (through(i, 0) < 0) {
       EXPECT_EQ(met[static_cast<std::size_t>(i)], 0.5f) << i;
