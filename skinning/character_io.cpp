@@ -44,7 +44,7 @@ void add_skin(GlbBuilder& glb, const Character& character, const Binding& bindin
 }
 
 void add_bones(GlbBuilder& glb, const Anatomy& anatomy) {
-  const int material = glb.add_material("bone", {0.89, 0.85, 0.76, 1}, 0.7);
+  const int material = glb.add_material("bone", gltf::kBoneColour, 0.7);
   const auto positions = rest_positions(anatomy.skeleton);
   for (const Bone& bone : anatomy.bones) {
     TriMesh local = bone.mesh;
@@ -59,7 +59,7 @@ void add_bones(GlbBuilder& glb, const Anatomy& anatomy) {
 }
 
 void add_muscles(GlbBuilder& glb, const Anatomy& anatomy) {
-  const int material = glb.add_material("muscle", {0.62, 0.16, 0.13, 1}, 0.5);
+  const int material = glb.add_material("muscle", gltf::kMuscleColour, 0.5);
   const auto influences = slice_influences(anatomy);
   MuscleSurfaceOptions options;
   options.points_per_slice = 12;  // enough for the eye, and half the file

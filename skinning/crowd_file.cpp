@@ -14,6 +14,7 @@
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "skinning/crowd_layout.h"
+#include "skinning/glb_builder.h"
 
 namespace ecorche {
 namespace {
@@ -201,7 +202,7 @@ Json to_json(const CrowdMould& mould, std::size_t people, Document&& document, J
   out["nodes"] = std::move(document.nodes);
   out["meshes"] = std::move(document.meshes);
   out["skins"] = std::move(document.skins);
-  out["materials"] = Json::array({material("skin", {0.80, 0.58, 0.47, 1}, 0.6), material("bone", {0.89, 0.85, 0.76, 1}, 0.7), material("muscle", {0.62, 0.16, 0.13, 1}, 0.5)});
+  out["materials"] = Json::array({material("skin", gltf::kSkinColour, 0.6), material("bone", gltf::kBoneColour, 0.7), material("muscle", gltf::kMuscleColour, 0.5)});
   out["accessors"] = std::move(document.scene.accessors);
   out["bufferViews"] = std::move(document.scene.views);
   out["buffers"] = std::move(buffers);

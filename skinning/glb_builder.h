@@ -15,7 +15,7 @@
 
 namespace ecorche::gltf {
 
-inline constexpr std::array kSkinColour{0.80, 0.58, 0.47, 1.0};
+inline constexpr std::array kSkinColour{0.80, 0.58, 0.47, 1.0}, kBoneColour{0.89, 0.85, 0.76, 1.0}, kMuscleColour{0.62, 0.16, 0.13, 1.0};
 
 class GlbBuilder {
  public:
