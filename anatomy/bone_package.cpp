@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "anatomy/bone_hollows.h"
 #include "anatomy/bone_rules.h"
 #include "anatomy/errors.h"
 #include "anatomy/joint_rules.h"
@@ -84,6 +85,7 @@ Anatomy read_source_skeleton(const Packages& packages) {
                        geom->second.X_WG);
     bones.push_back(std::move(bone));
   }
+  press_hollows(Table(data_folder() / "hollows.csv"), bones);
 
   Anatomy anatomy;
   anatomy.skeleton = place_joints(Table(data_folder() / "joints.csv"), mjcf, bones);

@@ -21,6 +21,7 @@ namespace ecorche {
 
 namespace {
 
+constexpr double kSideways = 0.55;     // cosine between a direction and the width of a section, from which on it is along it
 constexpr std::size_t kDirections = kOutlinePoints;
 constexpr int kBone = -1;
 constexpr double kGrowRate = 0.8;      // of the room, a round
@@ -219,9 +220,9 @@ class Sharing {
       for (const StripPlace& strip : all_.strips) {
         if (all_.is_mirrored(strip)) continue;
         // Where a deep muscle lies next under the layer, tendons and vessels run over it.
-        const bool deep = anatomy_.muscles[static_cast<std::size_t>(strip.muscle)].layer == "deep";
+        const bool stays = anatomy_.muscles[static_cast<std::size_t>(strip.muscle)].layer == "deep" || is_of_the_jaw(strip);
         for (std::size_t k = strip.begin; k < strip.end; ++k)
-          for (std::size_t i = 0; i < kDirections; ++i) due_[k * kDirections + i] = static_cast<char>(all_.is_drawn(k, i) && (!covers(kind) || (asked_[k * kDirections + i] > 0 && !deep)));
+          for (std::size_t i = 0; i < kDirections; ++i) due_[k * kDirections + i] = static_cast<char>(all_.is_drawn(k, i) && (!covers(kind) || (asked_[k * kDirections + i] > 0 && !stays)));
       }
     }
     last_ = kind;
@@ -247,6 +248,10 @@ class Sharing {
     flesh_->cross(from, direction, far, enough, own.label, sight.crossings);
     find_stays(sight.crossings, solids_, far, sight.stays);
   }
+
+  // Beside them lie the face's own muscles, glands and the cheek's pad of fat, which are not drawn: they grow for their volume's sake alone,
+  // and thicker, not wider.
+  bool is_of_the_jaw(const StripPlace& strip) const { return anatomy_.muscles[static_cast<std::size_t>(strip.muscle)].group == "face_jaw"; }
 
   // The new radius in a direction, m.
   double reach(std::size_t k, std::size_t i, const StripPlace& strip, Round kind, Sight& sight) const {
@@ -283,8 +288,9 @@ class Sharing {
       const double tendons = std::pow(1 - all_.belly[k], kTendonPower);
       return std::max(now, std::min({static_cast<double>(spoke.over), deep, most, now + (1 - tendons) * asked + tendons * std::min(asked, kMostSheath)}));
     }
+    if (is_of_the_jaw(strip) && std::abs(outline_directions()[i].x()) > kSideways) return std::max(end, least);
     // Room that ends at the layer is filled; what is deep stays open to fat and vessels unless volume is wanting.
-    const bool outwards = !open && room <= deep;
+    const bool outwards = !open && room <= deep && !is_of_the_jaw(strip);
     const double rate = kGrowRate * all_.belly[k] * (!outwards ? std::clamp((need - 1) / kWanting, 0.0, 1.0) : 1);
     const double growth = std::min({room, deep, most, now + limits_.reach}) - now;
     return growth > 0 ? now + rate * growth : std::max(end, least);
