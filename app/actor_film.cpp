@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "anatomy/smooth_step.h"
 #include "app/eyes.h"
 #include "app/legend.h"
 #include "skinning/flesh_motion.h"
@@ -20,15 +21,10 @@ constexpr double kRampSeconds = 0.15;    // from full speed to slow motion, of t
 constexpr float kLane = 1.5f;            // m between figures side by side
 constexpr float kLowestSide = 240;       // pixels; smaller pictures have no room for words
 
-double ease(double t) {
-  const double x = std::clamp(t, 0.0, 1.0);
-  return x * x * (3 - 2 * x);
-}
-
 // How much of full slow motion there is at a moment of the motion.
 double slow_share(const ActorFilm& film, double seconds) {
   if (!film.slow) return 0;
-  return ease((seconds - film.slow->begin) / kRampSeconds + 1) * ease((film.slow->end - seconds) / kRampSeconds + 1);
+  return smooth_step((seconds - film.slow->begin) / kRampSeconds + 1) * smooth_step((film.slow->end - seconds) / kRampSeconds + 1);
 }
 
 // The moments of the motion that the film's frames show.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <string>
 
+#include "anatomy/smooth_step.h"
 #include "skinning/float4.h"
 #include "skinning/quality.h"
 
@@ -70,10 +71,7 @@ std::vector<double> shares_below(const Skeleton& skeleton, int joint, std::span<
 
 // 1 about the hinge, falling to 0 between a half and three quarters of the way along both segments.
 double about_hinge(const Vec3& upper, const Vec3& hinge, const Vec3& lower, const Vec3& p) {
-  const auto fall = [](double t) {
-    t = std::clamp((0.75 - t) / 0.25, 0.0, 1.0);
-    return t * t * (3 - 2 * t);
-  };
+  const auto fall = [](double t) { return smooth_step((0.75 - t) / 0.25); };
   const Vec3 up = upper - hinge, down = lower - hinge;
   return fall((p - hinge).dot(up) / up.squaredNorm()) * fall((p - hinge).dot(down) / down.squaredNorm());
 }

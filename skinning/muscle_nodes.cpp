@@ -5,6 +5,7 @@
 #include <limits>
 #include <queue>
 
+#include "anatomy/smooth_step.h"
 #include "skinning/muscle_lift.h"
 
 namespace ecorche {
@@ -66,8 +67,7 @@ bool anchor_node(const PosedAnatomy& rest, const SliceRange& range, const Anchor
   const double height = (p - anchor.point).norm();
   const Vec3 center = a + along * (b - a);
   if ((anchor.point - center).normalized().dot(normal) < kFacing || height > kFar) return false;
-  const double t = std::clamp((height - kNear) / (kFar - kNear), 0.0, 1.0);
-  node.weight = 1 - t * t * (3 - 2 * t);
+  node.weight = 1 - smooth_step(kNear, kFar, height);
   return node.weight > 0.02;
 }
 

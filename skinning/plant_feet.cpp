@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "anatomy/smooth_step.h"
 #include "skinning/leg_reach.h"
 
 namespace ecorche {
@@ -15,11 +16,6 @@ constexpr double kMostDrop = 0.10;      // m that the pelvis may come down
 constexpr double kStraight = 0.9985;    // of its length to which a planted leg stretches: 6 deg of knee
 constexpr double kToeExtension = 0.61;  // rad (35 deg): a foot pitched further, or than its toes bend, rolls over the tip of its toes
 constexpr double kMostBent = 0.75;      // rad the toes bend upwards
-
-double smooth(double x) {
-  x = std::clamp(x, 0.0, 1.0);
-  return x * x * (3 - 2 * x);
-}
 
 template <typename Get>
 double median(int begin, int end, Get get) {
@@ -72,8 +68,8 @@ void fade_out(const std::vector<Interval>& known, std::vector<Value>& values, do
     const double gap = before != nullptr && after != nullptr ? after->begin - before->end + 1 : HUGE_VAL;
     const double reach = std::min(fade, 0.5 * gap);
     values[f] = nothing;
-    if (before != nullptr) values[f] = blend(values[f], values[before->end - 1], 1 - smooth((f - before->end + 1) / reach));
-    if (after != nullptr) values[f] = blend(values[f], values[after->begin], 1 - smooth((after->begin - f) / reach));
+    if (before != nullptr) values[f] = blend(values[f], values[before->end - 1], 1 - smooth_step((f - before->end + 1) / reach));
+    if (after != nullptr) values[f] = blend(values[f], values[after->begin], 1 - smooth_step((after->begin - f) / reach));
   }
 }
 
@@ -194,8 +190,8 @@ class Planter {
       auto share = [&](const Anchor* mine, const std::vector<Anchor>& other) {
         if (mine == nullptr) return 0.0;
         double in = 1;
-        if (anchor_at(other, mine->when.begin - 1) != nullptr) in = std::min(in, smooth((f - mine->when.begin + 1) / hand_over));
-        if (anchor_at(other, mine->when.end) != nullptr) in = std::min(in, smooth((mine->when.end - f) / hand_over));
+        if (anchor_at(other, mine->when.begin - 1) != nullptr) in = std::min(in, smooth_step((f - mine->when.begin + 1) / hand_over));
+        if (anchor_at(other, mine->when.end) != nullptr) in = std::min(in, smooth_step((mine->when.end - f) / hand_over));
         return in;
       };
       const double h = share(heel, foot.balls), b = share(ball, foot.heels);

@@ -6,6 +6,8 @@
 #include <map>
 #include <string>
 
+#include "anatomy/smooth_step.h"
+
 namespace ecorche {
 namespace {
 
@@ -14,11 +16,6 @@ constexpr double kLeastPair = 0.01;     // 2 w_a w_b below it is not worth a car
 constexpr double kHingeSlack = 0.2;     // rad, of abduction
 constexpr std::size_t kMostPairs = 4;   // a vertex
 constexpr double kReachQuantile = 0.5, kReachSlack = 1.35;
-
-double smooth_step(double x, double low, double high) {
-  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
 
 double* find_share(ShareRow& row, int joint) {
   for (Influence& w : row)
@@ -136,7 +133,7 @@ void let_scapula_glide(const Skeleton& skeleton, const TriMesh& skin, std::vecto
     const double arm = (origins[static_cast<std::size_t>(elbow)] - center).norm();
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const double away = (Vec3(skin.V.row(static_cast<Eigen::Index>(i))) - center).norm() / arm;
-      move_share(rows[i], scapula, thorax, 0.6 * smooth_step(away, 0.25, 0.6));
+      move_share(rows[i], scapula, thorax, 0.6 * smooth_step(0.25, 0.6, away));
     }
   }
 }

@@ -4,15 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "anatomy/smooth_step.h"
 #include "viewer/camera.h"
 
 namespace ecorche {
 namespace {
 
-float ease(double t) {
-  const double x = std::clamp(t, 0.0, 1.0);
-  return static_cast<float>(x * x * (3 - 2 * x));
-}
+float ease(double t) { return static_cast<float>(smooth_step(t)); }
 
 // Gaussian weights for shifts of 0 .. reach; they sum to 1 over -reach .. reach.
 std::vector<float> bell(double sigma_frames) {
