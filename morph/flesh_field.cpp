@@ -9,6 +9,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "anatomy/join_meshes.h"
+
 namespace ecorche {
 
 namespace {
@@ -120,23 +122,12 @@ std::vector<char> regions_of(const Muscle& muscle, const Skeleton& skeleton, con
 // All bones but those of the hands, which hold most of the triangles and little flesh.
 TriMesh large_bones(const Anatomy& anatomy, std::vector<int>& joints) {
   std::vector<const TriMesh*> kept;
-  Eigen::Index vertices = 0, faces = 0;
   for (const Bone& bone : anatomy.bones) {
     if (bone.mesh.F.rows() > 1500 && bone.side != Side::middle) continue;
     kept.push_back(&bone.mesh);
     joints.insert(joints.end(), static_cast<std::size_t>(bone.mesh.F.rows()), bone.joint);
-    vertices += bone.mesh.V.rows();
-    faces += bone.mesh.F.rows();
   }
-  TriMesh all{Points(vertices, 3), Triangles(faces, 3)};
-  Eigen::Index v = 0, f = 0;
-  for (const TriMesh* mesh : kept) {
-    all.V.middleRows(v, mesh->V.rows()) = mesh->V;
-    all.F.middleRows(f, mesh->F.rows()) = mesh->F.array() + static_cast<int>(v);
-    v += mesh->V.rows();
-    f += mesh->F.rows();
-  }
-  return all;
+  return join_meshes(kept);
 }
 
 }  // namespace

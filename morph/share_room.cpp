@@ -61,6 +61,7 @@ class Sharing {
           const FatLayer& fat, const SharingLimits& limits)
       : anatomy_(anatomy), given_(slices), wanted_(wanted), limits_(limits), surface_(make_muscle_surface(anatomy)),
         all_(anatomy, surface_, slices, partners), needs_(wanted.size(), 1.0), underside_(underside(skin.mesh(), fat)) {
+    for (const Muscle& muscle : anatomy.muscles) of_the_jaw_.push_back(muscle.group == "face_jaw");
     find_layer(skin, fat);
     add_bones();
   }
@@ -251,7 +252,7 @@ class Sharing {
 
   // Beside them lie the face's own muscles, glands and the cheek's pad of fat, which are not drawn: they grow for their volume's sake alone,
   // and thicker, not wider.
-  bool is_of_the_jaw(const StripPlace& strip) const { return anatomy_.muscles[static_cast<std::size_t>(strip.muscle)].group == "face_jaw"; }
+  bool is_of_the_jaw(const StripPlace& strip) const { return of_the_jaw_[static_cast<std::size_t>(strip.muscle)]; }
 
   // The new radius in a direction, m.
   double reach(std::size_t k, std::size_t i, const StripPlace& strip, Round kind, Sight& sight) const {
@@ -383,6 +384,7 @@ class Sharing {
   std::vector<float> asked_;           // #slices x #directions: in a covering round, how far to come up to the layer, m
   std::vector<char> due_;              // #slices x #directions: rays of this round
   Round last_ = Round::parting;
+  std::vector<char> of_the_jaw_;       // #muscles
   Underside underside_;
   TriMesh mesh_;                       // muscles, then bones; triangles within sight
   Points positions_;                   // of the muscles' surface
