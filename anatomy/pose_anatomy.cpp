@@ -348,8 +348,9 @@ void pose_anatomy(const PosingTable& table, const Skeleton& skeleton, const Pose
   }
   if (!data.contact.first.empty()) {
     thread_local PartMemory memory;  // large, and of no pose's own: nothing in it outlives the call
-    give_way_to_neighbours(data.contact.first, out.X_WJ[0].translation(), out.slices, memory.contact, threads);
-    regrow(data, memory.contact.changed, out, memory.growing, threads);
+    const Threads sharing = threads > 1 ? Threads::all : Threads::one;
+    give_way_to_neighbours(data.contact.first, out.X_WJ[0].translation(), out.slices, memory.contact, sharing);
+    regrow(data, memory.contact.changed, out, memory.growing, sharing);
   }
   out.clamped = out.overtwisted = 0;
   for (int i = 0; i < data.strips; ++i) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "anatomy/anatomy.h"
+#include "anatomy/each_run.h"
 #include "anatomy/pose_anatomy.h"
 
 namespace ecorche {
@@ -119,7 +120,7 @@ ContactTables make_contact_tables(const Anatomy& anatomy, const PosingTable& sti
 ContactShape contact_shape(const SliceOutline& outline, int sides);
 
 // With the outlines of rest.
-void look_at_sections(const ContactTable& table, std::span<const Ellipse> slices, const Vec3& origin, ContactMemory& memory, int threads = 1);
+void look_at_sections(const ContactTable& table, std::span<const Ellipse> slices, const Vec3& origin, ContactMemory& memory, Threads threads = Threads::one);
 
 // Share of its outline's factors that member `own` gives way to the members first .. last, and how little it is free to grow (0 .. 1). False, and
 // nothing set, where they are out of each other's reach.
@@ -131,10 +132,10 @@ constexpr float kLeastArea = 0.3f;
 void press_outline(const ContactSpokes& press, const ContactSpokes& held, SliceOutline& outline, float least = kLeastArea);
 
 // Outlines of all sections that give way; memory.changed tells which did. `slices` have the outlines of rest. The same bytes at any number of threads.
-void give_way_to_neighbours(const ContactTable& table, const Vec3& origin, std::span<Ellipse> slices, ContactMemory& memory, int threads);
+void give_way_to_neighbours(const ContactTable& table, const Vec3& origin, std::span<Ellipse> slices, ContactMemory& memory, Threads threads);
 
 // The same for slices whose outlines, other than `at_rest`, have given way already. `held` (#sections): what else keeps them from growing, 0 .. 1.
 void give_way_again(const ContactTable& table, const Vec3& origin, std::span<const SliceOutline> at_rest, std::span<const ContactSpokes> held,
-                    std::span<Ellipse> slices, ContactMemory& memory, int threads);
+                    std::span<Ellipse> slices, ContactMemory& memory, Threads threads);
 
 }  // namespace ecorche

@@ -1,9 +1,5 @@
 #include "anatomy/regrow.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -148,7 +144,7 @@ void round_out_missed(const PosingTable::Data& data, const PosingBatch& batch, c
   }
 }
 
-void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedAnatomy& out, RegrowMemory& memory, int threads) {
+void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedAnatomy& out, RegrowMemory& memory, Threads threads) {
   memory.clear();
   memory.reserve(2 * data.batches.size());
   for (std::size_t b = 0; b < data.batches.size(); ++b) {  // by slices
@@ -163,17 +159,12 @@ void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedA
       four.strips[static_cast<std::size_t>(four.count++)] = {static_cast<int>(b), lane};
     }
   }
-  const auto grow = [&](std::size_t first, std::size_t last) {
+  each_run(memory.size(), kGrain, threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) regrow_strips(data, memory[i], out);
-  };
-  if (threads <= 1) return grow(0, memory.size());
-  // Isolated: while it waits, this thread must not begin another pose in the same memory.
-  tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, memory.size(), kGrain), [&](const auto& some) { grow(some.begin(), some.end()); });
   });
 }
 
-void part_again(const PosingTable::Data& data, std::span<const ContactSpokes> held, PosedAnatomy& out, PartMemory& memory, int threads) {
+void part_again(const PosingTable::Data& data, std::span<const ContactSpokes> held, PosedAnatomy& out, PartMemory& memory, Threads threads) {
   const ContactTable& table = data.contact.again;
   if (table.empty()) return;
   give_way_again(table, out.X_WJ[0].translation(), data.outlines, held, out.slices, memory.contact, threads);

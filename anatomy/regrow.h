@@ -20,7 +20,7 @@ struct GrowingStrips {
 using RegrowMemory = std::vector<GrowingStrips>;
 
 // Strips of which a section has `changed` (#sections) swell or shrink until they have their rest volumes. The same bytes at any number of threads.
-void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedAnatomy& out, RegrowMemory& memory, int threads);
+void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedAnatomy& out, RegrowMemory& memory, Threads threads);
 
 // Muscles whose sections have been moved or pressed since they were posed part once more, and have their rest volumes again. `held` (#sections): what
 // else than muscles keeps their outlines from growing, 0 .. 1.
@@ -28,7 +28,7 @@ struct PartMemory {
   ContactMemory contact;
   RegrowMemory growing;
 };
-void part_again(const PosingTable::Data& data, std::span<const ContactSpokes> held, PosedAnatomy& out, PartMemory& memory, int threads);
+void part_again(const PosingTable::Data& data, std::span<const ContactSpokes> held, PosedAnatomy& out, PartMemory& memory, Threads threads);
 
 // Strips of a batch that no growth found for them gives their rest volume: their outlines become more even (round_out).
 void round_out_missed(const PosingTable::Data& data, const PosingBatch& batch, const LaneGrowth& found, PosedAnatomy& out);

@@ -65,7 +65,6 @@ struct UnderSkinScratch {
 
 namespace {
 
-constexpr int kThreads = 2;         // all there are
 constexpr double kNear = 0.025;     // m below the skin at rest: deeper points are not looked at
 constexpr float kMargin = 1.2e-3f;  // m
 constexpr float kMostOut = 0.06f;   // m
@@ -343,10 +342,10 @@ void give_way_to_skin(const UnderSkin& under, const PosingTable& table, std::spa
       memory.givings[o] = memory.near[o] || under_any(data, o, pressed) ? give_of(data, skin, posed.slices, o) : Giving{};
   });
   give_way(data, posed, memory);
-  regrow(*table.data, memory.changed, posed, memory.growing, kThreads);
+  regrow(*table.data, memory.changed, posed, memory.growing, Threads::all);
   memory.held.assign(posed.slices.size(), {});
   for (std::size_t o = 0; o < data.owners.size(); ++o) memory.held[static_cast<std::size_t>(data.owners[o])] = memory.givings[o].held;
-  part_again(*table.data, memory.held, posed, memory.part, kThreads);
+  part_again(*table.data, memory.held, posed, memory.part, Threads::all);
 }
 
 }  // namespace ecorche

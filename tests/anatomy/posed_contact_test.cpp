@@ -202,8 +202,8 @@ TEST(PosedContact, SameBytesOnAllCores) {
   PartMemory memory[2];
   for (PosedAnatomy* posed : {&one, &all})
     for (Ellipse& slice : posed->slices) slice.center.x() *= 0.97;
-  part_again(*table.data, {}, one, memory[0], 1);
-  part_again(*table.data, {}, all, memory[1], 4);
+  part_again(*table.data, {}, one, memory[0], Threads::one);
+  part_again(*table.data, {}, all, memory[1], Threads::all);
   EXPECT_TRUE(same_slices(one, all));
 }
 
@@ -216,7 +216,7 @@ TEST(PosedContact, WhatIsMovedIntoAnotherPartsAgainAndKeepsItsVolume) {
   PosedAnatomy p = still;
   const double before = overlap(anatomy, p);
   PartMemory memory;
-  part_again(*table.data, {}, p, memory, 1);
+  part_again(*table.data, {}, p, memory, Threads::one);
   EXPECT_GT(before, 0.02);
   EXPECT_LT(overlap(anatomy, p), 0.6 * before);
   for (const SliceRange& range : ranges) EXPECT_NEAR(strip_volume(p, range) / strip_volume(rest, range), 1, 1e-9);
@@ -230,7 +230,7 @@ TEST(PosedContact, WhatHasNotBeenMovedAtRestStays) {
   const PosedAnatomy rest = posed(anatomy, rest_pose(anatomy.skeleton));
   PosedAnatomy p = rest;
   PartMemory memory;
-  part_again(*table.data, {}, p, memory, 1);
+  part_again(*table.data, {}, p, memory, Threads::one);
   EXPECT_TRUE(same_slices(p, rest));
 }
 
@@ -244,7 +244,7 @@ TEST(PosedContact, SectionsThatAreHeldDoNotGrowThere) {
   const PosedAnatomy before = moved(anatomy, table, 100, 0.008);
   PosedAnatomy p = before;
   PartMemory memory;
-  part_again(*table.data, held, p, memory, 1);
+  part_again(*table.data, held, p, memory, Threads::one);
   int pressed = 0;
   for (int k = inner.begin; k < inner.end; ++k)
     for (std::size_t i = 0; i < kOutlinePoints; ++i) {

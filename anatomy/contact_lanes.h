@@ -1,0 +1,68 @@
+// Eight directions of an outline at once, and the level of points in a section. Private to posed contact.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#include "anatomy/posed_contact.h"
+
+namespace ecorche {
+
+// Eight directions at once, or the three measures: the compiler keeps them in one register where there is one so wide.
+typedef float Eight __attribute__((vector_size(32)));
+typedef float Four __attribute__((vector_size(16)));
+typedef std::int64_t FourMasks __attribute__((vector_size(32)));
+typedef std::int64_t TwoMasks __attribute__((vector_size(16)));
+static_assert(sizeof(Eight) == sizeof(ContactSpokes));
+
+template <class V>
+inline V load_as(const float* p) {
+  V v;
+  std::memcpy(&v, p, sizeof v);
+  return v;
+}
+inline Eight load(const float* p) { return load_as<Eight>(p); }
+template <class V>
+inline void store(V v, float* p) {
+  std::memcpy(p, &v, sizeof v);
+}
+inline Eight all(float x) { return Eight{} + x; }
+template <class V>
+inline V larger(V a, V b) {
+  return a > b ? a : b;
+}
+template <class V>
+inline V smaller(V a, V b) {
+  return a < b ? a : b;
+}
+inline bool any_above_zero(Eight v) {
+  const FourMasks m = (FourMasks)(v > 0);
+  return (m[0] | m[1] | m[2] | m[3]) != 0;
+}
+inline Eight root(Eight v) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(kContactPoints); ++i) v[i] = std::sqrt(v[i]);
+  return v;
+}
+
+constexpr float kNearLevels = 0.2f;   // levels above 1 at which a neighbour keeps a section from growing
+constexpr float kLeastFactor = 0.1f;  // of an outline
+
+// Level of points given in a section's own measures: 0 on its line, 1 on its outline.
+inline Eight level_of(const ContactShape& shape, Eight x, Eight y) {
+  const OutlineWaves& w = shape.waves;
+  const SheetSides& sides = shape.sides;
+  x = sides.high_steep * larger(x - sides.high_free, Eight{}) + sides.low_steep * smaller(x + sides.low_free, Eight{});
+  // The factor times the fourth power of the radius, by powers of x + i y, so that one root and one division do.
+  const Eight xx = x * x, yy = y * y, square = xx + yy + 1e-12f, rho = root(square);
+  const Eight re2 = xx - yy, im2 = 2 * x * y, re3 = re2 * x - im2 * y, im3 = im2 * x + re2 * y, re4 = re2 * re2 - im2 * im2, im4 = 2 * re2 * im2;
+  const Eight even = square * (square * w[0] + re2 * w[2] + im2 * w[6]) + re4 * w[4] + im4 * w[8];
+  const Eight odd = square * (x * w[1] + y * w[5]) + re3 * w[3] + im3 * w[7];
+  const Eight fourth = square * square;
+  return rho * fourth / larger(even + rho * odd, kLeastFactor * fourth);
+}
+
+// A section's shape with another outline than at rest.
+void reshape(const SheetSides& sides, const SliceOutline& outline, ContactShape& out);
+
+}  // namespace ecorche
