@@ -54,7 +54,7 @@ struct Workshop {
 // All that a person's files depend on. A row that is edited is made anew.
 std::string row_key(const Person& person, const PopulationOptions& options, const std::string& versions) {
   std::string text = fmt::format("{} {} {} {} {}", versions, person.name, person.sex == Sex::male ? "male" : "female", options.skins, options.allow_unusual);
-  text += options.crowd.empty() ? "" : " crowd";
+  text += options.crowd.empty() ? "" : fmt::format(" crowd {}", kCrowdSchema);
   text += person.age ? fmt::format(" age {}", *person.age) : "";
   text += person.draw ? fmt::format(" draw {}", *person.draw) : "";
   for (const Wish& wish : person.wishes) text += fmt::format(" {}={}", wish.measure, wish.value);
@@ -85,14 +85,18 @@ std::string make_files(const Workshop& shop, const Person& person, const Populat
   if (person.age) body.age = *person.age;
   body.mass = kBodyDensity * skin_volume(shop.package, solved.points);
   std::string anatomy = "none";
-  if (options.skins) {
+  Report own;
+  if (options.skins && shop.mould) {
+    // Joints and weights are the bones'; muscles need not grow for them.
+    const Actor actor = make_actor({fit_anatomy(*shop.body_template, body).anatomy, body}, own, {.moves = false});
+    write_crowd_person(file, *shop.mould, actor.character, actor.binding.joint_weights);
+  } else if (options.skins) {
     write_body(file, body);
   } else {
-    Report own;
-    const FittedCharacter fitted = fit_character(*shop.body_template, body, shop.package, {.moves = false, .bound = !shop.mould, .tissues = false, .parts = &shop.parts}, own);
+    const FittedCharacter fitted = fit_character(*shop.body_template, body, shop.package, {.moves = false, .tissues = false, .parts = &shop.parts}, own);
     const std::vector<std::string> missed = missed_targets(fitted);
     anatomy = missed.empty() ? "met" : fmt::format("{} targets missed", missed.size());
-    if (shop.mould) write_crowd_person(file, *shop.mould, fitted.actor.character);
+    if (shop.mould) write_crowd_person(file, *shop.mould, fitted.actor.character, fitted.actor.binding.joint_weights);
     else write_character(file, fitted.actor.character, fitted.actor.binding);
   }
   return fmt::format("{},{},{},{:.4f},{:.2f},{:.3f},{}\n", person.name, person.sex == Sex::male ? "male" : "female",
@@ -154,13 +158,6 @@ void make_people(const Workshop& shop, const std::vector<Person>& people, const 
   tbb::parallel_pipeline(static_cast<std::size_t>(std::min(tbb::this_task_arena::max_concurrency(), kMostAtOnce)), begin & make & end);
 }
 
-// What all people of a crowd share: the template in its own body. Its muscles need not grow for that.
-CrowdMould make_mould(const Template& body_template) {
-  Report own;
-  const Actor actor = make_actor({body_template.anatomy, body_template.body}, own, {.moves = false});
-  return make_crowd_mould(actor.character, actor.binding);
-}
-
 // A row of population.csv and what was asked, as a crowd's figures.
 CrowdMember crowd_member(const MeasureTable& table, const Person& person, const fs::path& file, const std::string& row) {
   CrowdMember out{person.name, file, {}, {}};
@@ -174,7 +171,6 @@ CrowdMember crowd_member(const MeasureTable& table, const Person& person, const 
 
 void check_crowd(const PopulationOptions& options) {
   if (options.crowd.empty()) return;
-  if (options.skins) throw UsageError("body population: --crowd has skin, bones and muscles; leave --skins away");
   if (options.crowd.extension() != ".glb" && options.crowd.extension() != ".gltf") throw UsageError(options.crowd.string() + ": a crowd is written as .glb or .gltf");
   // Said now rather than when all people are made.
   if (options.crowd.extension() == ".gltf" && fs::weakly_canonical(fs::absolute(options.crowd).parent_path()) != fs::weakly_canonical(fs::absolute(options.folder)))
@@ -192,18 +188,18 @@ int run_population(const PopulationOptions& options, const Common& common, Repor
   else people = read_people(options.people, sex, shop.tape.table());
   for (const BadRow& bad : people.bad) note(common, bad.what);
   if (people.people.empty()) throw InputError(options.people.string() + ": no row can be used");
-  if (!options.skins) shop.body_template = read_template();
+  if (!options.skins || !options.crowd.empty()) shop.body_template = read_template();
   const fs::path notes = options.folder / ".rows";
   std::error_code failed;
   fs::create_directories(notes, failed);
   if (failed) throw OutputError(fmt::format("{}: {}", notes.string(), failed.message()));
   if (!options.crowd.empty()) {
     check_output(options.crowd, {options.people});
-    shop.mould = make_mould(*shop.body_template);
+    shop.mould = make_crowd_mould({shop.body_template->anatomy, shop.body_template->body}, options.skins ? CrowdLayers::skin_alone : CrowdLayers::all);
   }
 
   for (const Person& person : people.people) shop.prepare(person.sex);
-  const std::string versions = fmt::format("{} {} {} {}", ECORCHE_VERSION, options.skins ? "" : template_key(), shape_space_key(Sex::male), shape_space_key(Sex::female));
+  const std::string versions = fmt::format("{} {} {} {}", ECORCHE_VERSION, shop.body_template ? template_key() : "", shape_space_key(Sex::male), shape_space_key(Sex::female));
   std::string table = kHeader;
   std::vector<CrowdMember> members;
   int made = 0, kept = 0, refused = 0, missed = 0;
@@ -255,7 +251,7 @@ void add_body_population(VerbRegistry& registry, CLI::App& body) {
   verb->add_option("--sex", options->sex, "Of rows that do not say it; with --count, of all")->check(CLI::IsMember({"male", "female"}));
   verb->add_option("--crowd", options->crowd,
                    "One file of all people (.glb, or .gltf in the folder, referring to the people's own files): what they have in common is there once");
-  verb->add_flag("--skins", options->skins, "Skins alone, without bones and muscles");
+  verb->add_flag("--skins", options->skins, "Skins alone, without bones and muscles; in a crowd with joints that move them");
   verb->add_flag("--allow-unusual", options->allow_unusual, "Accept measures that people do not have, as far as the skin can be bent");
   verb->add_option("-o,--output", options->folder, "Folder to write; people that are there already from the same row are kept")->required();
 }

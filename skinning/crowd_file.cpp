@@ -26,8 +26,6 @@ using Json = nlohmann::ordered_json;
 constexpr int kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126;
 constexpr int kVertices = 34962, kIndices = 34963;
 
-constexpr double kApart = 1.5;  // m, between people
-
 // One end for all small pieces: appends a view and an accessor over it.
 struct Scene {
   Json accessors = Json::array(), views = Json::array();
@@ -52,47 +50,27 @@ std::size_t append(std::string& bytes, const std::vector<T>& values) {
   return start;
 }
 
-// 16-bit shares that sum to 65535 exactly: what rounding leaves over goes to the largest.
-void add_shares(const std::array<Influence, 4>& four, std::vector<std::uint8_t>& joints, std::vector<std::uint16_t>& weights) {
-  double sum = 0;
-  for (const Influence& influence : four) sum += influence.weight;
-  int left = 65535;
-  std::array<int, 4> share{};
-  std::size_t largest = 0;
-  for (std::size_t k = 0; k < 4; ++k) {
-    share[k] = static_cast<int>(std::lround(65535 * four[k].weight / sum));
-    left -= share[k];
-    if (share[k] > share[largest]) largest = k;
-  }
-  share[largest] += left;
-  for (std::size_t k = 0; k < 4; ++k) {
-    joints.push_back(static_cast<std::uint8_t>(share[k] > 0 ? four[k].joint : 0));  // an unused slot must name joint 0
-    weights.push_back(static_cast<std::uint16_t>(share[k]));
-  }
-}
-
 struct SharedAccessors {
   int indices = 0, joints = 0, weights = 0;
 };
 
-// Triangles and influences of all layers: bytes of the first buffer and the accessors over them.
-std::array<SharedAccessors, 3> share(const CrowdMould& mould, Scene& scene, std::string& bytes) {
-  std::array<SharedAccessors, 3> out;
-  for (std::size_t l = 0; l < 3; ++l) {
-    const CrowdMould::Layer& layer = mould.layers[l];
-    const std::size_t n = layer.influences.size(), corners = static_cast<std::size_t>(layer.F.size());
+// Triangles and influences of all layers: bytes of the first buffer and the accessors over them. The skin's influences are each person's own.
+std::vector<SharedAccessors> share(const CrowdMould& mould, Scene& scene, std::string& bytes) {
+  std::vector<SharedAccessors> out;
+  for (const CrowdMould::Layer& layer : mould.layers) {
+    SharedAccessors& own = out.emplace_back();
+    const std::size_t n = layer.vertices, corners = static_cast<std::size_t>(layer.F.size());
     if (n <= 65535) {
       const std::size_t at = append(bytes, std::vector<std::uint16_t>(layer.F.data(), layer.F.data() + corners));
-      out[l].indices = scene.add(0, at, corners, 2, 0, kIndices, kUnsignedShort, "SCALAR", false);
+      own.indices = scene.add(0, at, corners, 2, 0, kIndices, kUnsignedShort, "SCALAR", false);
     } else {
       const std::size_t at = append(bytes, std::vector<std::uint32_t>(layer.F.data(), layer.F.data() + corners));
-      out[l].indices = scene.add(0, at, corners, 4, 0, kIndices, kUnsignedInt, "SCALAR", false);
+      own.indices = scene.add(0, at, corners, 4, 0, kIndices, kUnsignedInt, "SCALAR", false);
     }
-    std::vector<std::uint8_t> joints;
-    std::vector<std::uint16_t> weights;
-    for (const auto& four : layer.influences) add_shares(four, joints, weights);
-    out[l].joints = scene.add(0, append(bytes, joints), n, 4, 0, kVertices, kUnsignedByte, "VEC4", false);
-    out[l].weights = scene.add(0, append(bytes, weights), n, 8, 0, kVertices, kUnsignedShort, "VEC4", true);
+    if (layer.influences.empty()) continue;
+    const CrowdShares shares = crowd_shares(layer.influences);
+    own.joints = scene.add(0, append(bytes, shares.joints), n, kJointBytes, 0, kVertices, kUnsignedByte, "VEC4", false);
+    own.weights = scene.add(0, append(bytes, shares.weights), n, kWeightBytes, 0, kVertices, kUnsignedShort, "VEC4", true);
   }
   return out;
 }
@@ -120,13 +98,13 @@ void add_bounds(const std::string& bytes, std::size_t at, std::size_t vertices, 
   accessor["max"] = high;
 }
 
-// Where a person's joints are, from their inverse bind matrices.
+// Where a person's joints are, from their inverse bind matrices: units from the body's middle.
 std::vector<Vec3> joint_places(const std::string& bytes, std::size_t joints) {
   std::vector<Vec3> out;
   for (std::size_t j = 0; j < joints; ++j) {
     float translation[3];
     std::memcpy(translation, bytes.data() + kMatrixBytes * j + 12 * sizeof(float), sizeof translation);
-    out.emplace_back(kCrowdCentre - Eigen::Map<const Eigen::Vector3f>(translation).cast<double>());
+    out.emplace_back(-Eigen::Map<const Eigen::Vector3f>(translation).cast<double>());
   }
   return out;
 }
@@ -144,42 +122,75 @@ Json extras_of(const CrowdMember& member) {
   return out;
 }
 
+// How far a person reaches from their own middle, over the ground, m.
+double reach_of(double unit, const Json& positions) {
+  double out = 0;
+  for (const char* end : {"min", "max"})
+    for (std::size_t axis : {0, 2}) out = std::max(out, unit * std::abs(positions[end][axis].get<int>()) / 32767);
+  return out;
+}
+
 struct Document {
   Scene scene;
   Json nodes = Json::array(), meshes = Json::array(), skins = Json::array(), roots = Json::array();
+  std::vector<std::size_t> people;  // nodes
+  double reach = 0;                 // the largest of all
 };
 
-void add_person(const CrowdMould& mould, const CrowdLayout& layout, const std::array<SharedAccessors, 3>& shared, const CrowdMember& member, const Vec3& place,
-                int buffer, std::size_t begin, Document& out) {
+void add_person(const CrowdMould& mould, const CrowdLayout& layout, const std::vector<SharedAccessors>& shared, const CrowdMember& member, int buffer,
+                std::size_t begin, Document& out) {
   const std::string bytes = read_person(member, layout.size);
-  const std::size_t joints = mould.skeleton.joints.size(), root = out.nodes.size();
+  const std::size_t joints = mould.skeleton.joints.size(), root = out.nodes.size(), first = root + 2;
+  float unit;
+  std::memcpy(&unit, bytes.data() + layout.unit, sizeof unit);
   const std::vector<Vec3> places = joint_places(bytes, joints);
-  out.nodes.push_back({{"name", member.name}, {"translation", rounded(place)}, {"children", Json::array({root + 1})}, {"extras", extras_of(member)}});
+  out.nodes.push_back({{"name", member.name}, {"translation", nullptr}, {"children", Json::array({root + 1})}, {"extras", extras_of(member)}});
+  out.nodes.push_back({{"name", member.name + "/middle"}, {"translation", rounded(kCrowdMiddle)}, {"children", Json::array({first})}});
+  if (unit != 1) out.nodes.back()["scale"] = std::array<float, 3>{unit, unit, unit};
   out.roots.push_back(root);
-  Json skin{{"inverseBindMatrices", out.scene.add(buffer, begin, joints, kMatrixBytes, 0, 0, kFloat, "MAT4", false)}, {"skeleton", root + 1}, {"joints", Json::array()}};
+  out.people.push_back(root);
+  Json skin{{"inverseBindMatrices", out.scene.add(buffer, begin, joints, kMatrixBytes, 0, 0, kFloat, "MAT4", false)}, {"skeleton", first}, {"joints", Json::array()}};
   for (std::size_t j = 0; j < joints; ++j) {
     const Joint& joint = mould.skeleton.joints[j];
     const Vec3 from = joint.parent < 0 ? Vec3(Vec3::Zero()) : places[static_cast<std::size_t>(joint.parent)];
     out.nodes.push_back({{"name", joint.name}, {"translation", rounded(places[j] - from)}});
-    if (joint.parent >= 0) out.nodes[root + 1 + static_cast<std::size_t>(joint.parent)]["children"].push_back(root + 1 + j);
-    skin["joints"].push_back(root + 1 + j);
+    if (joint.parent >= 0) out.nodes[first + static_cast<std::size_t>(joint.parent)]["children"].push_back(first + j);
+    skin["joints"].push_back(first + j);
   }
   out.skins.push_back(std::move(skin));
-  for (std::size_t l = 0; l < 3; ++l) {
-    const int positions = out.scene.add(buffer, begin + layout.positions[l], layout.vertices[l], kPositionBytes, kPositionBytes, kVertices, kShort, "VEC3", false);
-    add_bounds(bytes, layout.positions[l], layout.vertices[l], out.scene.accessors[static_cast<std::size_t>(positions)]);
-    const int normals = out.scene.add(buffer, begin + layout.normals[l], layout.vertices[l], kNormalBytes, kNormalBytes, kVertices, kByte, "VEC3", true);
+  for (std::size_t l = 0; l < layout.layers.size(); ++l) {
+    const CrowdLayout::Layer& layer = layout.layers[l];
+    const int positions = out.scene.add(buffer, begin + layer.positions, layer.vertices, kPositionBytes, kPositionBytes, kVertices, kShort, "VEC3", true);
+    Json& accessor = out.scene.accessors[static_cast<std::size_t>(positions)];
+    add_bounds(bytes, layer.positions, layer.vertices, accessor);
+    out.reach = std::max(out.reach, reach_of(static_cast<double>(unit), accessor));
+    const int normals = out.scene.add(buffer, begin + layer.normals, layer.vertices, kNormalBytes, kNormalBytes, kVertices, kByte, "VEC3", true);
+    SharedAccessors by = shared[l];
+    if (mould.layers[l].influences.empty()) {
+      by.joints = out.scene.add(buffer, begin + layout.joints, layer.vertices, kJointBytes, 0, kVertices, kUnsignedByte, "VEC4", false);
+      by.weights = out.scene.add(buffer, begin + layout.weights, layer.vertices, kWeightBytes, 0, kVertices, kUnsignedShort, "VEC4", true);
+    }
     const std::string name = member.name + "/" + mould.layers[l].name;
     out.meshes.push_back({{"name", name},
                           {"primitives",
                            Json::array({{{"attributes",
-                                          {{"POSITION", positions}, {"NORMAL", normals}, {"JOINTS_0", shared[l].joints}, {"WEIGHTS_0", shared[l].weights}}},
-                                         {"indices", shared[l].indices},
+                                          {{"POSITION", positions}, {"NORMAL", normals}, {"JOINTS_0", by.joints}, {"WEIGHTS_0", by.weights}}},
+                                         {"indices", by.indices},
                                          {"material", l}}})}});
     // Skinned meshes go with their joints and are roots themselves.
     out.roots.push_back(out.nodes.size());
     out.nodes.push_back({{"name", name}, {"mesh", out.meshes.size() - 1}, {"skin", out.skins.size() - 1}});
   }
+}
+
+// In rows, so far apart that nobody's arms reach into a neighbour.
+void place_people(Document& document) {
+  constexpr double kGap = 0.1, kLeast = 1.5;  // m
+  const double apart = std::max(kLeast, std::ceil(10 * (2 * document.reach + kGap)) / 10);
+  const auto in_a_row = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(document.people.size()))));
+  for (std::size_t i = 0; i < document.people.size(); ++i)
+    document.nodes[document.people[i]]["translation"] =
+        rounded({apart * static_cast<double>(i % in_a_row), 0, -apart * static_cast<double>(i / in_a_row)});
 }
 
 Json material(const char* name, std::array<double, 4> colour, double roughness) {
@@ -192,17 +203,23 @@ Json parts_of(const CrowdMould::Layer& layer) {
   return out;
 }
 
-Json to_json(const CrowdMould& mould, std::size_t people, Document&& document, Json buffers) {
+Json to_json(const CrowdMould& mould, Document&& document, Json buffers) {
   Json out;
   out["asset"] = {{"version", "2.0"}, {"generator", fmt::format("ecorche {}", ECORCHE_VERSION)}};
   out["extensionsUsed"] = out["extensionsRequired"] = Json::array({"KHR_mesh_quantization"});
   out["scene"] = 0;
-  const Json crowd{{"schema", 1}, {"people", people}, {"bones", parts_of(mould.layers[1])}, {"muscles", parts_of(mould.layers[2])}};
+  Json crowd{{"schema", kCrowdSchema}, {"people", document.people.size()}, {"joint_frames", crowd_layout(mould).frames}};
+  for (const CrowdMould::Layer& layer : mould.layers)
+    if (!layer.parts.empty()) crowd[layer.name] = parts_of(layer);
   out["scenes"] = Json::array({{{"name", "crowd"}, {"nodes", std::move(document.roots)}, {"extras", {{"crowd", crowd}}}}});
   out["nodes"] = std::move(document.nodes);
   out["meshes"] = std::move(document.meshes);
   out["skins"] = std::move(document.skins);
-  out["materials"] = Json::array({material("skin", gltf::kSkinColour, 0.6), material("bone", gltf::kBoneColour, 0.7), material("muscle", gltf::kMuscleColour, 0.5)});
+  out["materials"] = Json::array({material("skin", gltf::kSkinColour, 0.6)});
+  if (mould.layers.size() > 1) {
+    out["materials"].push_back(material("bone", gltf::kBoneColour, 0.7));
+    out["materials"].push_back(material("muscle", gltf::kMuscleColour, 0.5));
+  }
   out["accessors"] = std::move(document.scene.accessors);
   out["bufferViews"] = std::move(document.scene.views);
   out["buffers"] = std::move(buffers);
@@ -244,25 +261,24 @@ void write_crowd(const fs::path& file, const CrowdMould& mould, const std::vecto
   const CrowdLayout layout = crowd_layout(mould);
   Document document;
   std::string shared;
-  const std::array<SharedAccessors, 3> accessors = share(mould, document.scene, shared);
+  const std::vector<SharedAccessors> accessors = share(mould, document.scene, shared);
   constexpr double kRoom = 4.2e9;  // of a .glb, whose length is a 32-bit number; text and all
   if (one_file && static_cast<double>(members.size()) * (static_cast<double>(layout.size) + 2e4) > kRoom)
     throw LimitError(fmt::format("{}: {} people do not fit into the 4 GiB of a .glb; write a .gltf, or several files", file.string(), members.size()));
 
-  const auto in_a_row = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(members.size()))));
   const fs::path shared_file = fs::path(file).replace_extension(".shared");
   Json buffers = Json::array();
   if (!one_file) buffers.push_back({{"uri", shared_file.filename().string()}, {"byteLength", shared.size()}});
   for (std::size_t i = 0; i < members.size(); ++i) {
-    const Vec3 place(kApart * static_cast<double>(i % in_a_row), 0, -kApart * static_cast<double>(i / in_a_row));
-    add_person(mould, layout, accessors, members[i], place, one_file ? 0 : static_cast<int>(i) + 1, one_file ? shared.size() + i * layout.size : 0, document);
+    add_person(mould, layout, accessors, members[i], one_file ? 0 : static_cast<int>(i) + 1, one_file ? shared.size() + i * layout.size : 0, document);
     if (one_file) continue;
     if (!fs::equivalent(fs::absolute(members[i].file).parent_path(), fs::absolute(file).parent_path()))
       throw UsageError(fmt::format("{}: a .gltf must lie in the folder of the people's files, {}", file.string(), members[i].file.parent_path().string()));
     buffers.push_back({{"uri", members[i].file.filename().string()}, {"byteLength", layout.size}});
   }
+  place_people(document);
   if (one_file) buffers.push_back({{"byteLength", shared.size() + members.size() * layout.size}});
-  std::string text = to_json(mould, members.size(), std::move(document), std::move(buffers)).dump();
+  std::string text = to_json(mould, std::move(document), std::move(buffers)).dump();
   if (one_file) return write_glb(file, layout, members, std::move(text), shared);
   write_file_atomically(shared_file, shared);
   write_file_atomically(file, text);

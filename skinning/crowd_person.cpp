@@ -26,10 +26,13 @@ MuscleSurface crowd_surface(const Anatomy& anatomy) {
   return make_muscle_surface(anatomy, options);
 }
 
-std::array<TriMesh, 3> layer_meshes(const Character& character, const MuscleSurface& surface) {
+// As many as the crowd has layers: skin, bones, muscles.
+std::vector<TriMesh> layer_meshes(const Character& character, CrowdLayers layers) {
+  if (layers == CrowdLayers::skin_alone) return {character.body.skin};
   std::vector<const TriMesh*> bones;
   for (const Bone& bone : character.anatomy.bones) bones.push_back(&bone.mesh);
-  std::array<TriMesh, 3> out{character.body.skin, join_meshes(bones), TriMesh{Points(), surface.F}};
+  const MuscleSurface surface = crowd_surface(character.anatomy);
+  std::vector<TriMesh> out{character.body.skin, join_meshes(bones), TriMesh{Points(), surface.F}};
   update_muscle_surface(surface, rest_slices(character.anatomy), out[2].V);
   return out;
 }
@@ -41,23 +44,33 @@ bool same_joints(const Skeleton& a, const Skeleton& b) {
 
 void put(std::span<char> bytes, std::size_t at, const void* values, std::size_t size) { std::memcpy(bytes.data() + at, values, size); }
 
-void put_inverse_binds(std::span<char> bytes, const Skeleton& skeleton, float scale) {
+void put_inverse_binds(std::span<char> bytes, const Skeleton& skeleton, double unit) {
   const std::vector<Vec3> places = rest_positions(skeleton);
   for (std::size_t j = 0; j < places.size(); ++j) {
     Eigen::Matrix4f inverse = Eigen::Matrix4f::Identity();
-    inverse.diagonal().head<3>().setConstant(scale);
-    inverse.col(3).head<3>() = (kCrowdCentre - places[j]).cast<float>();
+    inverse.col(3).head<3>() = ((kCrowdMiddle - places[j]) / unit).cast<float>();
     put(bytes, kMatrixBytes * j, inverse.data(), kMatrixBytes);
   }
 }
 
-void put_mesh(std::span<char> bytes, std::size_t positions, std::size_t normals, const TriMesh& mesh, double scale) {
+void put_joint_frames(std::span<char> bytes, std::size_t at, const Skeleton& skeleton) {
+  for (const Joint& joint : skeleton.joints) {
+    std::array<float, kFrameFloats> values;
+    Eigen::Map<Eigen::Matrix3f>(values.data()) = joint.axes.cast<float>();
+    Eigen::Map<Eigen::Matrix3f> angles(values.data() + 9);
+    angles << joint.zero.cast<float>(), joint.min.cast<float>(), joint.max.cast<float>();
+    put(bytes, at, values.data(), sizeof values);
+    at += sizeof values;
+  }
+}
+
+void put_mesh(std::span<char> bytes, std::size_t positions, std::size_t normals, const TriMesh& mesh, double unit) {
   const Points directions = gltf::GlbBuilder::unit_normals(mesh);
   for (Eigen::Index v = 0; v < mesh.V.rows(); ++v) {
     std::int16_t place[4]{};
     std::int8_t direction[4]{};
     for (int axis = 0; axis < 3; ++axis) {
-      place[axis] = static_cast<std::int16_t>(std::clamp(std::lround((mesh.V(v, axis) - kCrowdCentre[axis]) / scale), -32767L, 32767L));
+      place[axis] = static_cast<std::int16_t>(std::clamp(std::lround(32767 * (mesh.V(v, axis) - kCrowdMiddle[axis]) / unit), -32767L, 32767L));
       direction[axis] = static_cast<std::int8_t>(std::lround(127 * directions(v, axis)));
     }
     put(bytes, positions + kPositionBytes * static_cast<std::size_t>(v), place, kPositionBytes);
@@ -65,48 +78,84 @@ void put_mesh(std::span<char> bytes, std::size_t positions, std::size_t normals,
   }
 }
 
+void add_bones(const Anatomy& anatomy, CrowdMould::Layer& layer) {
+  for (const Bone& bone : anatomy.bones) {
+    const auto begin = static_cast<int>(layer.influences.size()), end = begin + static_cast<int>(bone.mesh.V.rows());
+    layer.parts.push_back({bone.name, begin, end});
+    layer.influences.resize(static_cast<std::size_t>(end), {Influence{bone.joint, 1}});
+  }
+}
+
+void add_muscles(const Anatomy& anatomy, CrowdMould::Layer& layer) {
+  const MuscleSurface surface = crowd_surface(anatomy);
+  const std::vector<std::array<Influence, 4>> by_slice = slice_influences(anatomy);
+  for (int slice : surface.slice) layer.influences.push_back(by_slice[static_cast<std::size_t>(slice)]);
+  for (const MuscleSurface::Part& part : surface.parts)
+    layer.parts.push_back({anatomy.muscles[static_cast<std::size_t>(part.muscle)].name, part.vertex_begin, part.vertex_end});
+}
+
 }  // namespace
 
-CrowdMould make_crowd_mould(const Character& character, const Binding& binding) {
-  if (character.anatomy.skeleton.joints.size() > 256) throw LimitError("a crowd's people have at most 256 joints");
-  if (binding.joint_weights.size() != static_cast<std::size_t>(character.body.skin.V.rows()))
-    throw std::invalid_argument("make_crowd_mould: the binding is of another skin");
-  CrowdMould out;
-  out.skeleton = character.anatomy.skeleton;
-  const MuscleSurface surface = crowd_surface(character.anatomy);
-  std::array<TriMesh, 3> meshes = layer_meshes(character, surface);
-  static constexpr const char* kNames[] = {"skin", "bones", "muscles"};
-  for (std::size_t l = 0; l < 3; ++l) out.layers[l].name = kNames[l], out.layers[l].F = std::move(meshes[l].F);
-
-  out.layers[0].influences = binding.joint_weights;
-  for (const Bone& bone : character.anatomy.bones) {
-    const auto begin = static_cast<int>(out.layers[1].influences.size()), end = begin + static_cast<int>(bone.mesh.V.rows());
-    out.layers[1].parts.push_back({bone.name, begin, end});
-    out.layers[1].influences.resize(static_cast<std::size_t>(end), {Influence{bone.joint, 1}});
+CrowdShares crowd_shares(std::span<const std::array<Influence, 4>> influences) {
+  CrowdShares out;
+  for (const std::array<Influence, 4>& four : influences) {
+    double sum = 0;
+    for (const Influence& influence : four) sum += influence.weight;
+    int left = 65535;
+    std::array<int, 4> share{};
+    std::size_t largest = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      share[k] = static_cast<int>(std::lround(65535 * four[k].weight / sum));
+      left -= share[k];
+      if (share[k] > share[largest]) largest = k;
+    }
+    share[largest] += left;
+    for (std::size_t k = 0; k < 4; ++k) {
+      out.joints.push_back(static_cast<std::uint8_t>(share[k] > 0 ? four[k].joint : 0));  // an unused slot must name joint 0
+      out.weights.push_back(static_cast<std::uint16_t>(share[k]));
+    }
   }
-  const std::vector<std::array<Influence, 4>> by_slice = slice_influences(character.anatomy);
-  for (int slice : surface.slice) out.layers[2].influences.push_back(by_slice[static_cast<std::size_t>(slice)]);
-  for (const MuscleSurface::Part& part : surface.parts)
-    out.layers[2].parts.push_back({character.anatomy.muscles[static_cast<std::size_t>(part.muscle)].name, part.vertex_begin, part.vertex_end});
   return out;
 }
 
-void write_crowd_person(const std::filesystem::path& file, const CrowdMould& mould, const Character& character) {
+CrowdMould make_crowd_mould(const Character& character, CrowdLayers layers) {
+  if (character.anatomy.skeleton.joints.size() > 256) throw LimitError("a crowd's people have at most 256 joints");
+  CrowdMould out;
+  out.skeleton = character.anatomy.skeleton;
+  static constexpr const char* kNames[] = {"skin", "bones", "muscles"};
+  for (TriMesh& mesh : layer_meshes(character, layers)) {
+    const auto vertices = static_cast<std::size_t>(mesh.V.rows());
+    out.layers.push_back({kNames[out.layers.size()], std::move(mesh.F), vertices, {}, {}});
+  }
+  if (layers == CrowdLayers::skin_alone) return out;
+  add_bones(character.anatomy, out.layers[1]);
+  add_muscles(character.anatomy, out.layers[2]);
+  return out;
+}
+
+void write_crowd_person(const std::filesystem::path& file, const CrowdMould& mould, const Character& character,
+                        std::span<const std::array<Influence, 4>> weights) {
   AtomicFile out(file);
-  const std::array<TriMesh, 3> meshes = layer_meshes(character, crowd_surface(character.anatomy));
   const CrowdLayout layout = crowd_layout(mould);
+  const std::vector<TriMesh> meshes = layer_meshes(character, mould.layers.size() == 1 ? CrowdLayers::skin_alone : CrowdLayers::all);
   bool same = same_joints(mould.skeleton, character.anatomy.skeleton);
-  double reach = 0;
-  for (std::size_t l = 0; l < 3; ++l) {
-    same = same && static_cast<std::size_t>(meshes[l].V.rows()) == layout.vertices[l] && meshes[l].F.rows() == mould.layers[l].F.rows() &&
+  double reach = 1;  // m; who has no more is kept in metres
+  for (std::size_t l = 0; l < meshes.size(); ++l) {
+    same = same && static_cast<std::size_t>(meshes[l].V.rows()) == layout.layers[l].vertices && meshes[l].F.rows() == mould.layers[l].F.rows() &&
            meshes[l].F == mould.layers[l].F;
-    reach = std::max(reach, (meshes[l].V.rowwise() - kCrowdCentre.transpose()).cwiseAbs().maxCoeff());
+    reach = std::max(reach, (meshes[l].V.rowwise() - kCrowdMiddle.transpose()).cwiseAbs().maxCoeff());
   }
   if (!same) throw UnfitError(fmt::format("{}: not made from the template of the crowd; its joints or triangles are others", character.body.name));
-  const auto scale = static_cast<float>(reach / 32766);
+  if (weights.size() != layout.layers[0].vertices) throw std::invalid_argument("write_crowd_person: the weights are of another skin");
+  const auto unit = static_cast<float>(reach);
   std::vector<char> bytes(layout.size);
-  put_inverse_binds(bytes, character.anatomy.skeleton, scale);
-  for (std::size_t l = 0; l < 3; ++l) put_mesh(bytes, layout.positions[l], layout.normals[l], meshes[l], static_cast<double>(scale));
+  put_inverse_binds(bytes, character.anatomy.skeleton, static_cast<double>(unit));
+  put(bytes, layout.unit, &unit, sizeof unit);
+  put_joint_frames(bytes, layout.frames, character.anatomy.skeleton);
+  const CrowdShares shares = crowd_shares(weights);
+  put(bytes, layout.joints, shares.joints.data(), shares.joints.size());
+  put(bytes, layout.weights, shares.weights.data(), 2 * shares.weights.size());
+  for (std::size_t l = 0; l < meshes.size(); ++l) put_mesh(bytes, layout.layers[l].positions, layout.layers[l].normals, meshes[l], static_cast<double>(unit));
   out.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (!out.stream()) throw OutputError(fmt::format("{}: could not be written", file.string()));
   out.commit();

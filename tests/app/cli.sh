@@ -98,7 +98,9 @@ expect 0,8 "a crowd that refers to its people" "$ecorche" body population turned
 there crowd/crowd.gltf; there crowd/crowd.shared
 expect 2 "a crowd apart from its people" "$ecorche" body population turned.csv -o none --crowd apart.gltf
 absent none
-expect 2 "a crowd of skins" "$ecorche" body population people.csv --skins -o none --crowd crowd.glb
+expect 8 "a crowd of skins" "$ecorche" body population people.csv --skins -o skins --crowd skins.glb
+there skins.glb; there skins/ada.bin
+if [ "$(stat -c %s skins.glb)" -lt 2000000 ] && grep -q 'ada/skin' skins.glb && ! grep -q 'ada/bones' skins.glb; then ok; else bad "a crowd of skins has more than skins"; fi
 expect 2 "tissue without a mesh" "$ecorche" fit anna.glb -o c.glb --tissue t.vtk
 says "interior"; absent c.glb
 expect 0,8 "a fit by a warp of the tissue" "$ecorche" fit anna.glb -o anna-tetgen.glb --interior tetgen --tissue t.vtk --method ellipses
@@ -211,7 +213,7 @@ expect 4,6 "the window without a display" env -u DISPLAY -u WAYLAND_DISPLAY "$ec
 
 # Other people's programs.
 if [ -d "$build/clients/node_modules/gltf-validator" ]; then
-  for file in anna.glb anna-1.glb walk.glb baked.glb crowd.glb; do
+  for file in anna.glb anna-1.glb walk.glb baked.glb crowd.glb skins.glb; do
     expect 0 "the glTF validator on $file" node "$source/tests/clients/validate.cjs" "$build/clients/node_modules" "$folder/$file"
     tail -1 out.txt
   done
@@ -223,6 +225,10 @@ if [ -d "$build/clients/node_modules/three" ] && command -v chromium > /dev/null
   expect 0 "three.js in Chromium on baked.glb" three walk
   tail -1 out.txt
   expect 1 "three.js in Chromium on another motion than the cache's" three long_jump
+  for file in crowd.glb skins.glb crowd/crowd.gltf; do
+    expect 0 "three.js in Chromium on $file" node "$source/tests/clients/three_crowd.mjs" "$build/clients/node_modules" "$folder/$file" "$folder/people"
+    tail -1 out.txt
+  done
 else
   skip "three.js in Chromium: run make clients"
 fi
@@ -238,6 +244,10 @@ if [ -e "$build/clients/python/ready" ]; then
   expect 0 "Blender on baked.glb" "$build/clients/python/bin/python" "$source/tests/clients/blender_loads.py" "$folder/baked.glb"
   expect 0 "Blender on walk.glb" "$build/clients/python/bin/python" "$source/tests/clients/blender_loads.py" "$folder/walk.glb"
   tail -1 out.txt
+  for file in crowd.glb skins.glb crowd/crowd.gltf; do
+    expect 0 "Blender on $file" "$build/clients/python/bin/python" "$source/tests/clients/blender_crowd.py" "$folder/$file" "$folder/people"
+    tail -1 out.txt
+  done
 else
   skip "Blender: run make clients"
 fi

@@ -57,13 +57,13 @@ class CrowdTest : public ::testing::Test {
 
   CrowdMember member(const Character& character) {
     const fs::path file = folder / (character.body.name + ".bin");
-    write_crowd_person(file, mould, character);
+    write_crowd_person(file, mould, character, weights_of(character).joint_weights);
     return {character.body.name, file, {{"stature_m", 1.7}}, {{"sex", "female"}}};
   }
 
   fs::path folder = fs::temp_directory_path() / ("crowd-" + std::to_string(getpid()));
   Character pattern = person("pattern", 1);
-  CrowdMould mould = make_crowd_mould(pattern, weights_of(pattern));
+  CrowdMould mould = make_crowd_mould(pattern);
 };
 
 // What a player of glTF makes of a file.
@@ -93,7 +93,7 @@ class Crowd {
       std::memcpy(inverse.data(), at(skin.inverseBindMatrices, j), sizeof inverse);
       Eigen::Matrix4d world = Eigen::Matrix4d::Identity();
       for (int n = skin.joints[j]; n >= 0; n = parent(n))
-        if (const auto& t = model_.nodes[static_cast<std::size_t>(n)].translation; !t.empty()) world.col(3).head<3>() += Vec3(t[0], t[1], t[2]);
+        world = matrix_of(model_.nodes[static_cast<std::size_t>(n)]) * world;
       matrices.push_back(world * inverse.cast<double>());
     }
     const auto count = model_.accessors[static_cast<std::size_t>(p.attributes.at("POSITION"))].count;
@@ -107,13 +107,19 @@ class Crowd {
       std::memcpy(weights, at(p.attributes.at("WEIGHTS_0"), v), sizeof weights);
       EXPECT_EQ(weights[0] + weights[1] + weights[2] + weights[3], 65535);
       Eigen::Vector4d sum = Eigen::Vector4d::Zero();
-      for (int k = 0; k < 4; ++k) sum += weights[k] / 65535.0 * (matrices[joints[k]] * Eigen::Vector4d(q[0], q[1], q[2], 1));
+      for (int k = 0; k < 4; ++k) sum += weights[k] / 65535.0 * (matrices[joints[k]] * Eigen::Vector4d(q[0] / 32767.0, q[1] / 32767.0, q[2] / 32767.0, 1));
       out.row(static_cast<Eigen::Index>(v)) = sum.head<3>();
     }
     return out;
   }
 
  private:
+  static Eigen::Matrix4d matrix_of(const tinygltf::Node& node) {
+    Eigen::Matrix4d out = Eigen::Matrix4d::Identity();
+    for (std::size_t k = 0; k < node.scale.size(); ++k) out.col(static_cast<Eigen::Index>(k)) *= node.scale[k];
+    for (std::size_t k = 0; k < node.translation.size(); ++k) out(static_cast<Eigen::Index>(k), 3) = node.translation[k];
+    return out;
+  }
   int parent(int child) const {
     for (std::size_t n = 0; n < model_.nodes.size(); ++n)
       for (int c : model_.nodes[n].children)
@@ -165,14 +171,16 @@ TEST_F(CrowdTest, WhatPeopleHaveInCommonIsThereOnce) {
   write_crowd(folder / "one.glb", mould, {members[0]});
   const Crowd crowd(folder / "four.glb");
   for (const char* layer : {"skin", "bones", "muscles"}) {
+    const bool own_weights = std::string(layer) == "skin";
     std::set<int> shared, own;
     for (const CrowdMember& m : members) {
       const tinygltf::Primitive& p = crowd.primitive(m.name + "/" + layer);
-      shared.insert({p.indices, p.attributes.at("JOINTS_0"), p.attributes.at("WEIGHTS_0")});
+      shared.insert(p.indices);
+      (own_weights ? own : shared).insert({p.attributes.at("JOINTS_0"), p.attributes.at("WEIGHTS_0")});
       own.insert({p.attributes.at("POSITION"), p.attributes.at("NORMAL")});
     }
-    EXPECT_EQ(shared.size(), 3u);
-    EXPECT_EQ(own.size(), 8u);
+    EXPECT_EQ(shared.size(), own_weights ? 1u : 3u);
+    EXPECT_EQ(own.size(), own_weights ? 16u : 8u);
   }
   // A person more costs its own file, and text.
   const auto more = fs::file_size(folder / "four.glb") - fs::file_size(folder / "one.glb");
@@ -193,7 +201,7 @@ TEST_F(CrowdTest, APersonDependsOnNobodyElse) {
 TEST_F(CrowdTest, WhatDoesNotBelongIsRefused) {
   Character other = person("other", 1);
   other.body.skin = test::make_arm(1, true, 40).skin;
-  EXPECT_THROW(write_crowd_person(folder / "other.bin", mould, other), UnfitError);
+  EXPECT_THROW(write_crowd_person(folder / "other.bin", mould, other, weights_of(other).joint_weights), UnfitError);
   EXPECT_FALSE(fs::exists(folder / "other.bin"));
   CrowdMember a = member(person("a", 1));
   EXPECT_THROW(write_crowd(folder / "twice.glb", mould, {a, a}), UsageError);
