@@ -117,6 +117,13 @@ void report_limits(RetargetReport& found, Report& report) {
   report.set("motion.joints_limited", static_cast<int>(found.limited.size()));
   report.set("motion.samples_limited", samples);
   for (const EndMove& end : found.ends_moved) report.set("motion.ends_moved_max." + end.end, end.most);
+  for (const MeetingBreak& one : found.parted) {
+    std::string name = "motion.parted." + one.what;
+    std::replace(name.begin(), name.end(), ' ', '_');
+    report.set(name + ".frames", one.frames);
+    report.set(name + ".before", one.worst);
+    report.set(name + ".left", one.left);
+  }
   if (breaks.empty()) return;
   const LimitBreak& worst = breaks.front();
   found.warnings.push_back(fmt::format("{} joints go beyond their limits in some frame; the worst, {}, by {:.1f} deg in frame {} ({} frames); "
@@ -132,6 +139,7 @@ Motion open_motion(const std::filesystem::path& file, const Character& character
   const BvhMotion source = read_bvh(file);
   RetargetOptions placed = options;
   if (!placed.sole_height) placed.sole_height = character.body.skin.V.col(1).minCoeff();
+  if (placed.keep_apart) placed.rounds = measure_rounds(character.anatomy.skeleton, character.body.skin.V);
   RetargetReport found;
   Motion motion = retarget(source, character.anatomy.skeleton, placed, found);
   report.set("motion.frames", static_cast<int>(motion.frames.size()));

@@ -28,6 +28,7 @@ void add_motion_options(CLI::App& verb, MotionOptions& options) {
   verb.add_option("--limits", options.limits, "What becomes of joints beyond their anatomical limits: kept as they are, brought back (clamp), or auto: brought back unless the file's rest pose is ours")
       ->check(CLI::IsMember({"auto", "keep", "clamp"}))
       ->capture_default_str();
+  verb.add_flag("--no-apart", options.through, "Let limbs pass through each other, trunk and head where the motion has them do so");
   verb.add_flag("--no-plant", options.free_feet, "Leave the feet where the file puts them");
 }
 
@@ -37,6 +38,7 @@ RetargetOptions to_retarget_options(const MotionOptions& options) {
   if (!options.up.empty()) out.up = options.up[0];
   if (options.unit > 0) out.metres_per_unit = options.unit;
   if (options.limits != "auto") out.clamp_limits = options.limits == "clamp";
+  out.keep_apart = !options.through;
   out.plant_feet = !options.free_feet;
   return out;
 }

@@ -14,6 +14,7 @@ struct MotionOptions {
   std::string up;                  // --up
   double unit = 0;                 // --unit, metres
   std::string limits = "auto";     // --limits
+  bool through = false;            // --no-apart
   bool free_feet = false;          // --no-plant
 };
 

@@ -244,8 +244,8 @@ LimitTables make_limit_tables(const Skeleton& skeleton, double sole_height) {
   return tables;
 }
 
-void keep_limits(const Skeleton& skeleton, const LimitTables& tables, const LimbHold& hold, const std::array<FootStand, 2>& stands, Pose& pose,
-                 LimitScratch& scratch) {
+void keep_limits(const Skeleton& skeleton, const LimitTables& tables, const LimbHold& hold, const std::array<FootStand, 2>& stands,
+                 const LimbShifts& shifts, Pose& pose, LimitScratch& scratch) {
   forward_kinematics(skeleton, pose, scratch.before);
   const std::vector<Transform>& was = scratch.before;
   std::vector<Transform>& is = scratch.after;
@@ -268,8 +268,10 @@ void keep_limits(const Skeleton& skeleton, const LimitTables& tables, const Limb
         Quat& turn = pose.rotations[static_cast<std::size_t>(limb.joints[k])];
         turn = clamped(skeleton.joints[static_cast<std::size_t>(limb.joints[k])], turn);
       }
-      const Vec3 middle = carried * was[static_cast<std::size_t>(limb.joints[1])].translation();
-      LimbSolver(skeleton, limb, is[parent], carried * was[end], middle, hold, stand, pose).solve(pose);
+      const Vec3 middle = carried * was[static_cast<std::size_t>(limb.joints[1])].translation() + shifts[l].middle;
+      Transform wanted = carried * was[end];
+      wanted.pretranslate(shifts[l].end);
+      LimbSolver(skeleton, limb, is[parent], wanted, middle, hold, stand, pose).solve(pose);
     }
     is[j] = child_frame(skeleton, is, pose, j);
   }

@@ -46,6 +46,12 @@ struct LimbHold {
   bool ground = false;  // y = 0 is the ground: feet that stand stay to a tenth of a millimetre, and soles do not sink into it
 };
 
+// How far a limb's ends are to be put from where the given pose has them, in the world, m: knee or elbow, and foot or hand.
+struct LimbShift {
+  Vec3 middle = Vec3::Zero(), end = Vec3::Zero();
+};
+using LimbShifts = std::array<LimbShift, 4>;  // as LimitTables::limbs
+
 // Which points of a foot stand where the given pose has them.
 struct FootStand {
   bool heel = false, ball = false;
@@ -53,7 +59,7 @@ struct FootStand {
 
 // Brings `pose` inside the limits. Its root stays. scratch.before and scratch.after are the world frames of the two poses. `stands`: left and
 // right foot; they count where hold.ground is set.
-void keep_limits(const Skeleton& skeleton, const LimitTables& tables, const LimbHold& hold, const std::array<FootStand, 2>& stands, Pose& pose,
-                 LimitScratch& scratch);
+void keep_limits(const Skeleton& skeleton, const LimitTables& tables, const LimbHold& hold, const std::array<FootStand, 2>& stands,
+                 const LimbShifts& shifts, Pose& pose, LimitScratch& scratch);
 
 }  // namespace ecorche

@@ -267,8 +267,8 @@ void PoseTransfer::transfer(const std::vector<Transform>& X, Pose& pose) {
   if (!rig_.ours) complete_pose(skeleton_, pose);
 }
 
-Vec3 PoseTransfer::ankle_in_file(const std::vector<Transform>& X, Side side) const {
-  return scale_ * (alignment_.W * X[rig_.pivot.at(std::string("ankle") + side_suffix(side))].translation());
+Vec3 PoseTransfer::place_in_file(const std::vector<Transform>& X, const char* part, Side side) const {
+  return scale_ * (alignment_.W * X[rig_.pivot.at(std::string(part) + side_suffix(side))].translation());
 }
 
 }  // namespace ecorche

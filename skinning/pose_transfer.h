@@ -20,8 +20,9 @@ class PoseTransfer {
   // X: bvh_kinematics of the frame. `pose` gets rotations and a root with the file's own origin, scaled.
   void transfer(const std::vector<Transform>& X, Pose& pose);
 
-  // Where the file's ankle would be if it were on our hips: scaled, our axes. Of the frame last transferred.
-  Vec3 ankle_in_file(const std::vector<Transform>& X, Side side) const;
+  // Where the file has its hip or its ankle: scaled, our axes.
+  Vec3 hip_in_file(const std::vector<Transform>& X, Side side) const { return place_in_file(X, "hip", side); }
+  Vec3 ankle_in_file(const std::vector<Transform>& X, Side side) const { return place_in_file(X, "ankle", side); }
 
   // World rotation of our joint's counterpart as the file has it. Precondition: the joint has one.
   Mat3 as_in_file(const std::vector<Transform>& X, const std::string& joint) const;
@@ -47,6 +48,7 @@ class PoseTransfer {
   Mat3 spread(const std::vector<Transform>& X, const std::vector<Knot>& knots, const Plan& plan) const;
   void limb_rotations(const std::vector<Transform>& X);
   Mat3 turn_joint(const std::vector<Transform>& X, int joint) const;
+  Vec3 place_in_file(const std::vector<Transform>& X, const char* part, Side side) const;
   bool has(const std::string& part) const { return alignment_.from_source.count(part) > 0; }
   int ours(const std::string& name) const;
 

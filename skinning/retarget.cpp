@@ -8,8 +8,8 @@
 #include "anatomy/errors.h"
 #include "anatomy/joint_angles.h"
 #include "skinning/keep_flights.h"
-#include "skinning/keep_limits.h"
 #include "skinning/leg_reach.h"
+#include "skinning/limit_motion.h"
 #include "skinning/plant_feet.h"
 #include "skinning/pose_transfer.h"
 #include "skinning/rest_alignment.h"
@@ -50,49 +50,20 @@ void unwrap(std::vector<Pose>& frames) {
       if (frames[f].rotations[j].dot(frames[f - 1].rotations[j]) < 0) frames[f].rotations[j].coeffs() *= -1;
 }
 
-// Keeps every frame of a motion within limits and adds up what that did.
-class Limiter {
- public:
-  Limiter(const Skeleton& skeleton, double sole) : skeleton_(skeleton), tables_(make_limit_tables(skeleton, sole)) {
-    ends_.push_back({find_joint(skeleton, "head"), Vec3::Zero(), {.end = "head"}});
-    for (const LimbChain& limb : tables_.limbs) ends_.push_back({limb.joints[3], limb.point, {.end = skeleton.joints[limb.joints[3]].name}});
+// Feet as far apart as the file's, whose hips may be wider or narrower than ours.
+LimbShifts stance_shifts(const PoseTransfer& transfer, const std::vector<Transform>& X, const Skeleton& ours, const Pose& pose) {
+  constexpr double kMost = 0.04;  // m
+  LimbShifts out;
+  const std::vector<Vec3> rest = rest_positions(ours);
+  for (size_t s = 0; s < 2; ++s) {
+    const Side side = s == 0 ? Side::left : Side::right;
+    const size_t hip = static_cast<size_t>(find_joint(ours, std::string("hip") + side_suffix(side)));
+    const Vec3 across = pose.rotations[0] * Vec3::UnitX(), here = pose.root + pose.rotations[0] * (rest[hip] - rest[0]);
+    const double wider = std::clamp((transfer.hip_in_file(X, side) - here).dot(across), -kMost, kMost);
+    out[s] = {0.5 * wider * across, wider * across};
   }
-
-  // `contacts`: of the feet that stand.
-  void run(const LimbHold& hold, const std::vector<Contact>& contacts, Motion& motion) {
-    std::vector<std::array<FootStand, 2>> stands(motion.frames.size());
-    for (const Contact& contact : contacts)
-      for (int f = contact.begin; f < contact.end; ++f) {
-        FootStand& foot = stands[static_cast<size_t>(f)][contact.side == Side::left ? 0 : 1];
-        (contact.heel ? foot.heel : foot.ball) = true;
-      }
-    for (size_t f = 0; f < motion.frames.size(); ++f) {
-      keep_limits(skeleton_, tables_, hold, stands[f], motion.frames[f], scratch_);
-      for (End& end : ends_) {
-        const double moved = (scratch_.before[end.joint] * end.point - scratch_.after[end.joint] * end.point).norm();
-        end.move.mean += moved / motion.frames.size();
-        if (moved > end.move.most) end.move.most = moved, end.move.worst_frame = static_cast<int>(f);
-      }
-    }
-  }
-
-  std::vector<EndMove> moves() const {
-    std::vector<EndMove> out;
-    for (const End& end : ends_) out.push_back(end.move);
-    return out;
-  }
-
- private:
-  struct End {
-    int joint;
-    Vec3 point;
-    EndMove move;
-  };
-  const Skeleton& skeleton_;
-  LimitTables tables_;
-  LimitScratch scratch_;
-  std::vector<End> ends_;
-};
+  return out;
+}
 
 // Heel and ball of the file's own leg, our foot put at its ankle.
 void add_foot(const PoseTransfer& transfer, const std::vector<Transform>& X, const Skeleton& ours, Side side, double sole,
@@ -143,16 +114,19 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
   Motion motion{source.fps, std::vector<Pose>(std::max(source.frames, 1))};
   const double sole = options.sole_height.value_or(guess_sole_height(ours));
   std::array<FootPaths, 2> feet;
+  std::vector<LimbShifts> shifts;
   std::vector<Transform> X;
   for (size_t f = 0; f < motion.frames.size(); ++f) {
     bvh_kinematics(source, source.frames == 0 ? -1 : static_cast<int>(f), X);
     transfer.transfer(X, motion.frames[f]);
+    shifts.push_back(stance_shifts(transfer, X, ours, motion.frames[f]));
     for (int side = 0; side < 2; ++side) add_foot(transfer, X, ours, side == 0 ? Side::left : Side::right, sole, feet[side]);
   }
   report.dropped_frames = marker_frames(motion.frames);
   if (report.dropped_frames > 0) {
     const int n = report.dropped_frames;
     motion.frames.erase(motion.frames.begin(), motion.frames.begin() + n);
+    shifts.erase(shifts.begin(), shifts.begin() + n);
     for (FootPaths& foot : feet)
       foot.heel.erase(foot.heel.begin(), foot.heel.begin() + n), foot.ball.erase(foot.ball.begin(), foot.ball.begin() + n);
     report.warnings.push_back(
@@ -164,10 +138,14 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
       const FootShape foot = foot_shape(ours, side, sole);
       for (Pose& pose : motion.frames) turn_shin_with_foot(ours, foot, pose);
     }
-  Limiter limiter(ours, sole);
-  if (keep) report.limited = limit_breaks(ours, motion), limiter.run({}, {}, motion);
+  MotionLimiter limiter(ours, sole, options.keep_apart && options.rounds ? &*options.rounds : nullptr);
+  if (keep) {
+    report.limited = limit_breaks(ours, motion);
+    limiter.run({}, {}, shifts, motion);
+    report.parted = limiter.parted();
+  }
   if (options.plant_feet) plant_feet(ours, sole, feet, motion, report);
-  if (keep && options.plant_feet) limiter.run(kPlanted, report.contacts, motion);
+  if (keep && options.plant_feet) limiter.run(kPlanted, report.contacts, {}, motion);
   if (!keep && options.plant_feet)
     for (Pose& pose : motion.frames) complete_pose(ours, pose);  // knees have moved
   if (keep) report.ends_moved = limiter.moves();
@@ -175,6 +153,11 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
   measure_feet(ours, sole, motion, report);
   unwrap(motion.frames);
   report.limit_breaks = limit_breaks(ours, motion);
+  if (!report.parted.empty()) {
+    const std::vector<MeetingBreak> left = limiter.meetings(motion);
+    for (size_t k = 0; k < left.size(); ++k) report.parted[k].left = left[k].worst;
+    std::erase_if(report.parted, [](const MeetingBreak& one) { return one.frames == 0; });
+  }
   return motion;
 }
 

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "anatomy/skeleton.h"
+#include "skinning/body_rounds.h"
 #include "skinning/bvh_io.h"
 
 namespace ecorche {
@@ -35,6 +36,10 @@ struct RetargetOptions {
   // Bring joints back inside their limits (skinning/keep_limits.h); otherwise those beyond are only reported. Absent: unless the file's
   // rest pose is ours, since such a file is taken over as it is.
   std::optional<bool> clamp_limits;
+  // Where joints are brought back, limbs are also kept from passing through each other, the trunk and the head (skinning/keep_apart.h), if
+  // the body that is moved is told.
+  bool keep_apart = true;
+  std::optional<BodyRounds> rounds;
 };
 
 struct JointMatch {
@@ -60,6 +65,15 @@ struct LimitBreak {
   int frames = 0;  // how many frames are outside
   int worst_frame = 0;
   double worst = 0;  // rad beyond the limit
+};
+
+// Limbs that passed through one another, the trunk or the head before they were kept apart.
+struct MeetingBreak {
+  std::string what;        // "leg and leg", ...
+  int frames = 0;
+  double worst = 0;        // m beyond what flesh gives
+  int worst_frame = 0;
+  double left = 0;         // m, of the motion as it is
 };
 
 // By how much keeping the limits moved what a limb ends in, over all frames, m. Against where the file has it; a foot's ball while it
@@ -89,6 +103,7 @@ struct RetargetReport {
   std::vector<LimitBreak> limit_breaks;  // of the motion as it is
   std::vector<LimitBreak> limited;       // what was beyond before joints were brought back; empty where none were
   std::vector<EndMove> ends_moved;
+  std::vector<MeetingBreak> parted;  // empty where none met
 };
 
 // Throws UnfitError that lists what could not be matched (hips, chest, head, both arms, both legs are needed) with the table so

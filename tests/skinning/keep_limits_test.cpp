@@ -50,7 +50,7 @@ class KeepLimits : public testing::Test {
 
   int joint(const std::string& name) const { return find_joint(skeleton_, name); }
   Pose kept(Pose pose) {
-    keep_limits(skeleton_, tables_, {}, {}, pose, scratch_);
+    keep_limits(skeleton_, tables_, {}, {}, {}, pose, scratch_);
     return pose;
   }
   // The kneecap follows the knee; fingers of the plain skeleton go sideways by up to a right angle, where such angles cease to mean anything.
@@ -109,7 +109,7 @@ TEST_F(KeepLimits, AFootThatAsksTooMuchOfTheAnkleRisesOnItsBall) {
   for (const auto& [name, degrees] : {std::pair{"hip_l", 80.0}, {"knee_l", 100.0}, {"ankle_l", 45.0}})
     pose.rotations[joint(name)] = bent(name, Vec3(degrees * kDegree, 0, 0)).rotations[joint(name)];
   ASSERT_GT(worst(pose), 10 * kDegree);
-  keep_limits(skeleton_, tables_, {0.5e-3, kDegree}, {}, pose, scratch_);  // as while it stands
+  keep_limits(skeleton_, tables_, {0.5e-3, kDegree}, {}, {}, pose, scratch_);  // as while it stands
   const size_t foot = static_cast<size_t>(joint("subtalar_l"));
   const Vec3& ball = tables_.limbs[0].point;
   EXPECT_LT((scratch_.before[foot] * ball - scratch_.after[foot] * ball).norm(), 8e-3);
