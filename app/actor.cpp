@@ -123,6 +123,8 @@ void report_limits(RetargetReport& found, Report& report) {
     report.set(name + ".frames", one.frames);
     report.set(name + ".before", one.worst);
     report.set(name + ".left", one.left);
+    found.warnings.push_back(fmt::format("{} passed through each other in {} frames, by up to {:.0f} mm (frame {}); they are kept apart, --no-apart lets them",
+                                         one.what, one.frames, 1e3 * one.worst, one.worst_frame));
   }
   if (breaks.empty()) return;
   const LimitBreak& worst = breaks.front();

@@ -23,24 +23,40 @@ constexpr double kLimitTolerance = 0.5 * kDegree;
 constexpr LimbHold kPlanted{0.5e-3, 1 * kDegree, true};
 
 // Some files begin with a T-pose for the calibration, or glide out of one in a few frames. How many frames at the start belong to
-// it: those that move five times as fast as the movement that follows and together turn some joint by more than 30 deg.
+// it: those that move five times as fast as the movement that follows and together turn some joint by more than 30 deg, and those after
+// them in which the joints that were turned so far settle, likewise five times as fast as they move later.
 int marker_frames(const std::vector<Pose>& frames) {
-  constexpr int kAtMost = 6, kLookAhead = 30;
-  std::vector<double> steps;
-  for (size_t f = 0; f + 1 < frames.size() && f < kAtMost + kLookAhead; ++f) {
-    double largest = 0;
-    for (size_t j = 0; j < frames[f].rotations.size(); ++j)
-      largest = std::max(largest, frames[f].rotations[j].angularDistance(frames[f + 1].rotations[j]));
-    steps.push_back(largest);
-  }
-  if (steps.size() < 2 * kAtMost) return 0;
-  std::vector<double> later(steps.begin() + kAtMost, steps.end());
-  std::nth_element(later.begin(), later.begin() + later.size() / 2, later.end());
-  const double usual = later[later.size() / 2];
-  int count = 0;
+  constexpr size_t kAtMost = 6, kSettled = 6, kLookAhead = 30;
+  if (frames.size() < 2 * kAtMost + 1) return 0;
+  const size_t steps = std::min(frames.size() - 1, kAtMost + kLookAhead);
+  const auto step = [&](size_t f, size_t j) { return frames[f].rotations[j].angularDistance(frames[f + 1].rotations[j]); };
+  const auto usual = [&](size_t from, const auto& speed) {
+    std::vector<double> later;
+    for (size_t f = from; f < steps; ++f) later.push_back(speed(f));
+    std::nth_element(later.begin(), later.begin() + static_cast<std::ptrdiff_t>(later.size() / 2), later.end());
+    return later[later.size() / 2];
+  };
+  const auto fastest = [&](size_t f) {
+    double most = 0;
+    for (size_t j = 0; j < frames[f].rotations.size(); ++j) most = std::max(most, step(f, j));
+    return most;
+  };
+  const double fast = 5 * usual(kAtMost, fastest);
+  size_t count = 0;
   double total = 0;
-  while (count < kAtMost && steps[count] > 5 * usual) total += steps[count++];
-  return count < kAtMost && total > 30 * kDegree ? count : 0;
+  while (count < kAtMost && fastest(count) > fast) total += fastest(count++);
+  if (count == kAtMost || total <= 30 * kDegree) return 0;
+  size_t settled = count;
+  for (size_t j = 0; j < frames[0].rotations.size(); ++j) {
+    double turned = 0;
+    for (size_t f = 0; f < count; ++f) turned += step(f, j);
+    if (turned <= 30 * kDegree) continue;
+    const size_t last = std::min(count + kSettled, steps);
+    const double slow = std::max(0.5 * kDegree, 5 * usual(last - 1, [&](size_t f) { return step(f, j); }));
+    for (size_t f = settled; f < last; ++f)
+      if (step(f, j) > slow) settled = f + 1;
+  }
+  return static_cast<int>(settled);
 }
 
 // q and -q are the same turn: the one nearer to the frame before.

@@ -6,7 +6,7 @@
 // neck's turning is spread over our vertebrae by arc length, the shoulder girdle follows the arm (de Groot & Brand 2001,
 // 10.1016/S0268-0033(01)00065-3), twist of the hand goes to the radius. The root's path is scaled by leg length; planted feet are
 // held by two-bone inverse kinematics (after Kovar et al. 2002, 10.1145/545261.545277), joints are brought inside their limits with hands
-// and feet as near to their places as can be, and flights keep to gravity.
+// and feet as near to their places as can be, limbs are kept from passing through the body, and flights keep to gravity.
 //
 // Results live in the world frame with the ground at y = 0.
 #pragma once
