@@ -12,6 +12,7 @@ namespace ecorche {
 // Eight directions at once, or the three measures: the compiler keeps them in one register where there is one so wide.
 typedef float Eight __attribute__((vector_size(32)));
 typedef float Four __attribute__((vector_size(16)));
+typedef std::int32_t EightMasks __attribute__((vector_size(32)));
 typedef std::int64_t FourMasks __attribute__((vector_size(32)));
 typedef std::int64_t TwoMasks __attribute__((vector_size(16)));
 static_assert(sizeof(Eight) == sizeof(ContactSpokes));
@@ -36,6 +37,8 @@ template <class V>
 inline V smaller(V a, V b) {
   return a < b ? a : b;
 }
+// `v`, or none of it, without a branch.
+inline Eight only_if(bool yes, Eight v) { return (Eight)((EightMasks)v & (EightMasks{} - static_cast<std::int32_t>(yes))); }
 inline bool any_above_zero(Eight v) {
   const FourMasks m = (FourMasks)(v > 0);
   return (m[0] | m[1] | m[2] | m[3]) != 0;

@@ -45,11 +45,10 @@ inline bool measure(const ContactMemory& memory, int own, int other, ContactMeet
 // What a pair, or pairs, say of the own section's rays: the share of the outline's factor to give, and how little it may grow.
 struct Answer {
   Eight press{}, near{};
-  bool presses = false;
 };
 
 // Asks the other where the own section's rays are: how deep that is in it, and how much its word counts.
-inline void ask(const ContactMemory& memory, const ContactMeeting& m, Answer& sum) {
+inline Answer ask(const ContactMemory& memory, const ContactMeeting& m) {
   const ContactShape &own = shape_of(memory, m.own), &asked = shape_of(memory, m.other);
   const ContactSection& other = memory.sections[static_cast<std::size_t>(m.other)];
   const float x0 = m.center[0], y0 = m.center[1];
@@ -64,12 +63,9 @@ inline void ask(const ContactMemory& memory, const ContactMeeting& m, Answer& su
   const Eight level = level_of(asked, x0 + at * ex, y0 + at * ey);
   const Eight deep = larger(1 - level, zero), through = larger(1 - kThrough * (1 - at), zero), sure = smaller(kThrough * deep, one);
   const Eight counts = within * (sure + (1 - sure) * through);
-  sum.near += counts * larger(smaller((1 + kNearLevels - level) * (1 / kNearLevels), one), zero);
-  if (!any_above_zero(counts * deep)) return;
   const Eight start = larger(level_of(asked, all(x0), all(y0)), all(0.05f));
   const Eight back = level < 1 ? 1 - start * at / (at + larger(start - level, zero)) : zero;
-  sum.press += counts * back;
-  sum.presses = true;
+  return {counts * back, counts * larger(smaller((1 + kNearLevels - level) * (1 / kNearLevels), one), zero)};
 }
 
 inline bool in_reach(const ContactMemory& memory, int at_own, int at_other) {
@@ -138,7 +134,9 @@ bool press_of(const ContactMemory& memory, int own, int first, int last, Contact
     met = true;
     m.own = own;
     m.other = k;
-    ask(memory, m, sum);
+    const Answer answer = ask(memory, m);
+    sum.press += answer.press;
+    sum.near += answer.near;
   }
   if (!met) return false;
   store(sum.press, press.data());
@@ -178,22 +176,36 @@ struct Giving {
   std::span<const ContactSpokes> held{};  // #sections, or none
 };
 
-// Outlines of sections, by their meetings, group after group.
-void give_way(const ContactTable& table, std::span<const ContactMeeting> meetings, const Giving& giving, std::span<Ellipse> slices, ContactMemory& memory) {
-  std::size_t k = 0;
-  while (k < meetings.size()) {
-    const int own = meetings[k].own;
-    Eight most{}, held = load(table.held[static_cast<std::size_t>(own)].data());
-    while (k < meetings.size() && meetings[k].own == own) {
-      const int at = meetings[k].group;
-      Answer sum;
-      for (; k < meetings.size() && meetings[k].group == at; ++k) ask(memory, meetings[k], sum);
-      held = larger(held, sum.near);
-      if (sum.presses) most = larger(most, sum.press - load(table.groups[static_cast<std::size_t>(at)].at_rest.data()));
-    }
+// What sections are told by those that they meet. A group's word is the sum of its meetings', and of several groups the largest counts. Without a
+// branch: where a group or a section's meetings end is as good as chance.
+std::span<const ContactPress> presses_of(const ContactTable& table, std::span<const ContactMeeting> meetings, const ContactMemory& memory, ContactWork& work) {
+  if (meetings.empty()) return {};
+  ContactPress* out = work.presses.data() - 1;
+  int own = -1, group = -1;
+  Eight press{}, near{}, most{}, held{};
+  for (const ContactMeeting& m : meetings) {
+    const Answer answer = ask(memory, m);
+    press = only_if(m.group == group, press) + answer.press;
+    near = only_if(m.group == group, near) + answer.near;
+    most = larger(only_if(m.own == own, most), press - load(table.groups[static_cast<std::size_t>(m.group)].at_rest.data()));
+    held = larger(only_if(m.own == own, held), near);
+    out += m.own != own;
+    own = m.own;
+    group = m.group;
+    out->own = own;
+    store(most, out->press.data());
+    store(held, out->near.data());
+  }
+  return {work.presses.data(), out + 1};
+}
+
+// Outlines of sections.
+void give_way(const ContactTable& table, std::span<const ContactPress> presses, const Giving& giving, std::span<Ellipse> slices, ContactMemory& memory) {
+  for (const ContactPress& p : presses) {
+    const Eight most = load(p.press.data());
     if (!any_above_zero(most)) continue;
-    const auto section = static_cast<std::size_t>(table.members[static_cast<std::size_t>(own)].section);
-    held = larger(held, all(giving.least_held));
+    const auto section = static_cast<std::size_t>(table.members[static_cast<std::size_t>(p.own)].section);
+    Eight held = larger(larger(load(table.held[static_cast<std::size_t>(p.own)].data()), load(p.near.data())), all(giving.least_held));
     if (!giving.held.empty()) held = larger(held, load(giving.held[section].data()));
     ContactSpokes by, hold;
     store(giving.over * most, by.data());
@@ -211,11 +223,14 @@ void give_way(const ContactTable& table, const Giving& giving, std::span<Ellipse
   for (ContactWork& work : memory.work) {
     work.near.resize(static_cast<std::size_t>(table.most_pairs));
     work.meetings.resize(static_cast<std::size_t>(table.most_pairs));
+    work.presses.resize(static_cast<std::size_t>(table.most_pairs));
   }
   each_run(table.blocks.size() - 1, 1, threads, [&](std::size_t first, std::size_t last) {
     ContactWork& work = memory.work[threads == Threads::all ? static_cast<std::size_t>(tbb::this_task_arena::current_thread_index()) : 0];
-    for (std::size_t b = first; b < last; ++b)
-      give_way(table, meetings_of(table, memory, table.blocks[b], table.blocks[b + 1], work), giving, slices, memory);
+    for (std::size_t b = first; b < last; ++b) {
+      const auto meetings = meetings_of(table, memory, table.blocks[b], table.blocks[b + 1], work);
+      give_way(table, presses_of(table, meetings, memory, work), giving, slices, memory);
+    }
   });
 }
 

@@ -96,10 +96,17 @@ struct alignas(64) ContactMeeting {
   int own = 0, other = 0, group = 0;
 };
 
+// What a section is told: shares of its outline's factors to give, and how little it is free to grow (0 .. 1).
+struct ContactPress {
+  alignas(32) ContactSpokes press{}, near{};
+  int own = 0;
+};
+
 // What a thread works in.
 struct ContactWork {
   std::vector<int> near;                 // pairs of a block whose balls touch
   std::vector<ContactMeeting> meetings;  // of a block
+  std::vector<ContactPress> presses;     // of a block
 };
 
 // Memory of a frame, kept from one to the next; nothing in it outlives one.
