@@ -1,6 +1,7 @@
 // Eight directions of an outline at once, and the level of points in a section. Private to posed contact.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -51,10 +52,12 @@ inline Eight root(Eight v) {
 constexpr float kNearLevels = 0.2f;   // levels above 1 at which a neighbour keeps a section from growing
 constexpr float kLeastFactor = 0.1f;  // of an outline
 
-// Level of points given in a section's own measures: 0 on its line, 1 on its outline.
-inline Eight level_of(const ContactShape& shape, Eight x, Eight y) {
-  const OutlineWaves& w = shape.waves;
-  const SheetSides& sides = shape.sides;
+// Level of points given in a section's own measures: 0 on its line, 1 on its outline. Of one section's, by its ContactShape's waves and sides, or of
+// eight sections, one each.
+template <class Shape>
+inline Eight level_of(const Shape& shape, Eight x, Eight y) {
+  const auto& w = shape.waves;
+  const auto& sides = shape.sides;
   x = sides.high_steep * larger(x - sides.high_free, Eight{}) + sides.low_steep * smaller(x + sides.low_free, Eight{});
   // The factor times the fourth power of the radius, by powers of x + i y, so that one root and one division do.
   const Eight xx = x * x, yy = y * y, square = xx + yy + 1e-12f, rho = root(square);
@@ -63,6 +66,24 @@ inline Eight level_of(const ContactShape& shape, Eight x, Eight y) {
   const Eight odd = square * (x * w[1] + y * w[5]) + re3 * w[3] + im3 * w[7];
   const Eight fourth = square * square;
   return rho * fourth / larger(even + rho * odd, kLeastFactor * fourth);
+}
+
+// Eight rows become eight columns.
+inline void transpose(std::array<Eight, 8>& rows) {
+  std::array<Eight, 8> twos, fours;
+  for (std::size_t i = 0; i < 8; i += 2) {
+    twos[i] = __builtin_shufflevector(rows[i], rows[i + 1], 0, 8, 1, 9, 4, 12, 5, 13);
+    twos[i + 1] = __builtin_shufflevector(rows[i], rows[i + 1], 2, 10, 3, 11, 6, 14, 7, 15);
+  }
+  for (std::size_t i = 0; i < 8; i += 4)
+    for (std::size_t k = 0; k < 2; ++k) {
+      fours[i + 2 * k] = __builtin_shufflevector(twos[i + k], twos[i + k + 2], 0, 1, 8, 9, 4, 5, 12, 13);
+      fours[i + 2 * k + 1] = __builtin_shufflevector(twos[i + k], twos[i + k + 2], 2, 3, 10, 11, 6, 7, 14, 15);
+    }
+  for (std::size_t i = 0; i < 4; ++i) {
+    rows[i] = __builtin_shufflevector(fours[i], fours[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
+    rows[i + 4] = __builtin_shufflevector(fours[i], fours[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
+  }
 }
 
 // A section's shape with another outline than at rest.

@@ -15,17 +15,18 @@ static_assert(kCount % 4 == 0);
 typedef double Quad __attribute__((vector_size(32)));
 typedef float FloatQuad __attribute__((vector_size(16)));
 
-// An outline whose first direction follows the last once more.
-struct Ring {
-  float factor[kCount + 4];
-  explicit Ring(const SliceOutline& outline) {
-    std::memcpy(factor, outline.data(), sizeof outline);
-    std::memcpy(factor + kCount, outline.data(), 4 * sizeof(float));
-  }
-  Quad at(std::size_t i) const {
-    FloatQuad v;
-    std::memcpy(&v, factor + i, sizeof v);
-    return __builtin_convertvector(v, Quad);
+// The outline's factors from the one at `i` on; and those from the next on, which after the last is the first once more.
+inline FloatQuad load(const SliceOutline& outline, std::size_t i) {
+  FloatQuad v;
+  std::memcpy(&v, outline.data() + i, sizeof v);
+  return v;
+}
+struct Pair {
+  Quad at, next;
+  Pair(const SliceOutline& outline, std::size_t i) {
+    const FloatQuad here = load(outline, i), there = load(outline, (i + 4) % kCount);
+    at = __builtin_convertvector(here, Quad);
+    next = __builtin_convertvector(__builtin_shufflevector(here, there, 1, 2, 3, 4), Quad);
   }
 };
 
@@ -83,20 +84,22 @@ SliceOutline flipped_outline(const SliceOutline& outline, bool width, bool thick
 
 double outline_area(const SliceOutline& outline) {
   if (outline == kEllipticOutline) return 1;
-  const Ring f(outline);
   Quad area{};
-  for (std::size_t i = 0; i < kCount; i += 4) area += f.at(i) * f.at(i + 1);
+  for (std::size_t i = 0; i < kCount; i += 4) {
+    const Pair f(outline, i);
+    area += f.at * f.next;
+  }
   return sum(area) / kOutlinePoints;
 }
 
 PieceAreas piece_areas(const SliceOutline& first, const SliceOutline& second) {
   if (first == kEllipticOutline && second == kEllipticOutline) return {};
   const AllTurns& all = turns();
-  const Ring f(first), g(second);
   Quad own{}, ab{}, ba{}, aa{}, bb{}, a1{}, b1{}, a0{}, b0{};
   for (std::size_t i = 0; i < kCount; i += 4) {
     const Turns& t = all[i / 4];
-    const Quad f0 = f.at(i), f1 = f.at(i + 1), g0 = g.at(i), g1 = g.at(i + 1);
+    const Pair f(first, i), g(second, i);
+    const Quad f0 = f.at, f1 = f.next, g0 = g.at, g1 = g.next;
     const Quad fg = f0 * g1, gf = g0 * f1, less = fg - gf, of_first = f0 * f1, of_second = g0 * g1;
     own += of_first;
     ab += fg * t.xy - gf * t.yx;

@@ -16,6 +16,8 @@ constexpr float kHeldAgain = 0.8f;    // on all sides: what is pressed twice fro
 // Where a section is asked:
 constexpr float kEarly = 0.3f;        // of the way to the outline
 constexpr float kThrough = 4;         // how fast a piercing ray counts, per level
+constexpr float kLeastStart = 0.05f;  // level from which a ray begins
+constexpr std::size_t kLanesAtOnce = 8;
 constexpr std::size_t kRun = 512;     // members that a thread looks at
 
 inline const ContactShape& shape_of(const ContactMemory& memory, int member) { return *memory.shapes[static_cast<std::size_t>(member)]; }
@@ -63,9 +65,39 @@ inline Answer ask(const ContactMemory& memory, const ContactMeeting& m) {
   const Eight level = level_of(asked, x0 + at * ex, y0 + at * ey);
   const Eight deep = larger(1 - level, zero), through = larger(1 - kThrough * (1 - at), zero), sure = smaller(kThrough * deep, one);
   const Eight counts = within * (sure + (1 - sure) * through);
-  const Eight start = larger(level_of(asked, all(x0), all(y0)), all(0.05f));
+  const float start = m.center[3];
   const Eight back = level < 1 ? 1 - start * at / (at + larger(start - level, zero)) : zero;
   return {counts * back, counts * larger(smaller((1 + kNearLevels - level) * (1 / kNearLevels), one), zero)};
+}
+
+// What eight shapes say of levels.
+struct EightShapes {
+  std::array<Eight, 9> waves;
+  struct {
+    Eight high_free, high_steep, low_free, low_steep;
+  } sides;
+};
+
+// Levels of the middles of the own sections in those that they meet, eight at once.
+void set_starts(const ContactMemory& memory, std::span<ContactMeeting> meetings) {
+  for (std::size_t k = 0; k < meetings.size(); k += kLanesAtOnce) {
+    std::array<Eight, kLanesAtOnce> first, rest;
+    Eight x{}, y{};
+    for (std::size_t i = 0; i < kLanesAtOnce; ++i) {
+      const ContactMeeting& m = meetings[std::min(k + i, meetings.size() - 1)];
+      const ContactShape& asked = shape_of(memory, m.other);
+      first[i] = load(asked.waves.data());
+      const Four sides = load_as<Four>(&asked.sides.high_free);
+      rest[i] = Eight{sides[0], sides[1], sides[2], sides[3], asked.waves[8]};
+      x[i] = m.center[0];
+      y[i] = m.center[1];
+    }
+    transpose(first);
+    transpose(rest);
+    const EightShapes shapes{{first[0], first[1], first[2], first[3], first[4], first[5], first[6], first[7], rest[4]}, {rest[0], rest[1], rest[2], rest[3]}};
+    const Eight start = larger(level_of(shapes, x, y), all(kLeastStart));
+    for (std::size_t i = 0; i < kLanesAtOnce && k + i < meetings.size(); ++i) meetings[k + i].center[3] = start[i];
+  }
 }
 
 inline bool in_reach(const ContactMemory& memory, int at_own, int at_other) {
@@ -134,6 +166,7 @@ bool press_of(const ContactMemory& memory, int own, int first, int last, Contact
     met = true;
     m.own = own;
     m.other = k;
+    set_starts(memory, {&m, 1});
     const Answer answer = ask(memory, m);
     sum.press += answer.press;
     sum.near += answer.near;
@@ -165,7 +198,9 @@ std::span<const ContactMeeting> meetings_of(const ContactTable& table, const Con
     met += measure(memory, pair.own, pair.other, m);
     __builtin_prefetch(&shape_of(memory, pair.other).waves);
   }
-  return {work.meetings.data(), met};
+  const std::span<ContactMeeting> meetings{work.meetings.data(), met};
+  set_starts(memory, meetings);
+  return meetings;
 }
 
 // How hard sections are pressed, and what keeps them from growing beside what they meet.

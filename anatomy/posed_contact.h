@@ -92,7 +92,7 @@ struct ContactTables {
 
 // A pair that is near enough to press: where its own section lies in the other's measures.
 struct alignas(64) ContactMeeting {
-  float center[4], width[4], thickness[4];
+  float center[4], width[4], thickness[4];  // center[3]: the level there
   int own = 0, other = 0, group = 0;
 };
 

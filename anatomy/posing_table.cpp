@@ -109,17 +109,18 @@ bool fit_wrap(const Wrap& wrap, const RestStrip& rest, const Vec3& joint, Posing
   out.cylinder = wrap.kind == Wrap::Kind::cylinder;
   out.center = wrap.X_WO.translation() - joint;
   if (!(wrap.radii.minCoeff() > 1e-4)) return false;
-  out.to_unit = wrap.radii.cwiseInverse().asDiagonal() * wrap.X_WO.linear().transpose();
+  const Mat3 to_unit = wrap.radii.cwiseInverse().asDiagonal() * wrap.X_WO.linear().transpose();
+  for (int i = 0; i < 3; ++i) out.to_unit[static_cast<std::size_t>(i)] << to_unit.col(i).array(), 0;
   out.from_unit = wrap.X_WO.linear() * Mat3(wrap.radii.asDiagonal());
   const auto seen = [&](int k) {
-    Vec3 x = out.to_unit * (rest.line[k] - wrap.X_WO.translation());
+    Vec3 x = to_unit * (rest.line[k] - wrap.X_WO.translation());
     if (out.cylinder) x.z() = 0;
     return x;
   };
   int nearest = -1;
   double least = 1e300;
   for (int k = 1; k + 1 < n; ++k) {
-    const double beyond = out.cylinder ? std::abs((out.to_unit * (rest.line[k] - wrap.X_WO.translation())).z()) : 0;
+    const double beyond = out.cylinder ? std::abs((to_unit * (rest.line[k] - wrap.X_WO.translation())).z()) : 0;
     const double d = seen(k).norm();
     if (beyond < 1.5 && d < least) least = d, nearest = k;
   }

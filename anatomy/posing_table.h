@@ -45,7 +45,7 @@ struct PosingWrap {
   bool cylinder = false;
   int begin = 0, end = 0;             // slices that hold still at either side; those between are pushed
   Vec3 center = Vec3::Zero();         // in the joint's frame
-  Mat3 to_unit = Mat3::Identity();    // joint directions -> object units
+  std::array<Lane, 3> to_unit{};      // columns, joint directions -> object units, and zeros
   Mat3 from_unit = Mat3::Identity();
   Vec3 side = Vec3::UnitX();          // where the line passes at rest, unit
   Vec3 begin_at = Vec3::UnitX(), end_at = Vec3::UnitX();  // unit directions of the still slices at rest
@@ -165,6 +165,10 @@ constexpr double kWedgeTop = 1.5557238268604120;     // 1 / cos 50 deg
 inline double wedge_height(double across_squared) {
   if (across_squared < kWedgeSine * kWedgeSine) return std::sqrt(1 - across_squared);
   return kWedgeTop - kWedgeSlope * std::sqrt(across_squared);
+}
+inline Lane wedge_height(const Lane& across_squared) {
+  const Lane cap = (1 - across_squared).max(0.0).sqrt(), sides = kWedgeTop - kWedgeSlope * across_squared.sqrt();
+  return (across_squared < kWedgeSine * kWedgeSine).select(cap, sides);
 }
 
 }  // namespace ecorche
