@@ -193,6 +193,26 @@ TEST(Retarget, ToesTurnedOutTurnTheShinAndKeepTheFootsDirection) {
   EXPECT_LE(turned[2], knee.max[2] + 1e-9);
 }
 
+// A file that begins with arms spread for the calibration, which then leap down, wait a frame and settle.
+TEST(Retarget, AMarkerPoseIsLeftOutWithTheFramesInWhichArmsSettle) {
+  const Skeleton skeleton = plain_skeleton();
+  Motion motion = wiggle(skeleton, 60, 0.02);
+  const std::vector<double> arms = {60, 20, 8, 8, 4, 0.3, 0};  // deg
+  for (size_t f = 0; f < arms.size(); ++f)
+    for (const char* name : {"shoulder_l", "shoulder_r"}) {
+      const double side = name[9] == 'l' ? 1 : -1;
+      Quat& turn = motion.frames[f].rotations[static_cast<size_t>(find_joint(skeleton, name))];
+      turn = Quat(Eigen::AngleAxisd(side * arms[f] * kDegree, Vec3::UnitZ())) * turn;
+    }
+  RetargetReport report;
+  const Motion back = retarget(to_bvh(skeleton, motion), skeleton, as_is(), report);
+  EXPECT_EQ(report.dropped_frames, 5);
+  EXPECT_EQ(back.frames.size(), motion.frames.size() - 5);
+  const Motion without{motion.fps, {motion.frames.begin() + 6, motion.frames.end()}};
+  retarget(to_bvh(skeleton, without), skeleton, as_is(), report);
+  EXPECT_EQ(report.dropped_frames, 0);
+}
+
 TEST(Retarget, WhatIsMissingIsListed) {
   BvhMotion file = to_bvh(plain_skeleton(), wiggle(plain_skeleton(), 2, 0.1));
   for (BvhJoint& joint : file.joints) joint.name = "x_" + joint.name;
