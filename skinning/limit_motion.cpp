@@ -25,8 +25,8 @@ MotionLimiter::MotionLimiter(const Skeleton& skeleton, double sole_height, const
 }
 
 void MotionLimiter::run(const LimbHold& hold, const std::vector<Contact>& contacts, const std::vector<LimbShifts>& shifts, Motion& motion) {
-  const std::vector<Pose> given = motion.frames;
-  const std::vector<LimbShifts> placed = shifts.empty() ? std::vector<LimbShifts>(given.size()) : shifts;
+  std::vector<Pose> given = motion.frames;
+  std::vector<LimbShifts> placed = shifts.empty() ? std::vector<LimbShifts>(given.size()) : shifts;
   hold_ = hold;
   stands_.assign(given.size(), {});
   for (const Contact& contact : contacts)
@@ -45,9 +45,46 @@ void MotionLimiter::run(const LimbHold& hold, const std::vector<Contact>& contac
       if (moved > end.move.most) end.move.most = moved, end.move.worst_frame = static_cast<int>(f);
     }
   }
+  if (hold.ground) raise_pelvis(given, placed, motion);
   if (!apart_) return;
   parted_ = meetings(motion);
   part(given, placed, motion);
+}
+
+void MotionLimiter::limit(std::size_t frame, const Pose& given, const LimbShifts& shifts, Pose& pose) {
+  pose = given;
+  keep_limits(skeleton_, tables_, hold_, stands_[frame], shifts, pose, scratch_);
+}
+
+void MotionLimiter::raise_pelvis(std::vector<Pose>& given, std::vector<LimbShifts>& shifts, Motion& motion) {
+  constexpr int kTurns = 6;
+  constexpr double kNear = 0.015, kShare = 0.5, kMost = 0.1;  // m off its place that a knee may be; how much of the rest; m
+  std::vector<Transform> before, after;
+  std::vector<double> raised(given.size(), 0.0);
+  for (int turn = 0; turn < kTurns; ++turn) {
+    std::vector<LimbShifts> more(given.size());
+    for (std::size_t f = 0; f < given.size(); ++f) {
+      forward_kinematics(skeleton_, given[f], before);
+      forward_kinematics(skeleton_, motion.frames[f], after);
+      double off = 0;
+      for (std::size_t l = 0; l < 2; ++l) {
+        if (!stands_[f][l].heel && !stands_[f][l].ball) continue;
+        const std::size_t knee = static_cast<std::size_t>(tables_.limbs[l].joints[1]);
+        off = std::max(off, (before[knee].translation() + shifts[f][l].middle - after[knee].translation()).norm());
+      }
+      const Vec3 up(0, std::clamp(kShare * (off - kNear), 0.0, kMost - raised[f]), 0);
+      more[f][0] = more[f][1] = {-0.5 * up, -up};  // as the legs see it, whose feet stay
+    }
+    if (std::none_of(more.begin(), more.end(), moves_any)) return;
+    smooth_shifts(motion.fps, more);
+    for (std::size_t f = 0; f < given.size(); ++f) {
+      if (!moves_any(more[f])) continue;
+      shifts[f] = sum(shifts[f], more[f]);
+      given[f].root -= more[f][0].end;
+      raised[f] -= more[f][0].end.y();
+      limit(f, given[f], shifts[f], motion.frames[f]);
+    }
+  }
 }
 
 void MotionLimiter::part(const std::vector<Pose>& given, const std::vector<LimbShifts>& shifts, Motion& motion) {
@@ -64,8 +101,7 @@ void MotionLimiter::part(const std::vector<Pose>& given, const std::vector<LimbS
     for (std::size_t f = 0; f < given.size(); ++f) {
       if (!moves_any(more[f])) continue;
       found[f] = sum(found[f], more[f]);
-      motion.frames[f] = given[f];
-      keep_limits(skeleton_, tables_, hold_, stands_[f], sum(shifts[f], found[f]), motion.frames[f], scratch_);
+      limit(f, given[f], sum(shifts[f], found[f]), motion.frames[f]);
     }
   }
 }

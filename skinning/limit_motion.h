@@ -20,7 +20,8 @@ class MotionLimiter {
 
   // Every frame is brought within limits with its limbs shifted (`shifts`: a frame each, or none), then limbs that meet are parted: what
   // parts them is found on the motion as it is, smoothed over time, and topped up with it in place, in turns. `contacts`: of the feet that
-  // stand. Feet on the ground (hold.ground) are planted already and stay, only knees give way then.
+  // stand. Feet on the ground (hold.ground) are planted already and stay: only knees give way then, and where hip and ankle together bend no
+  // further, so that a knee would have to leave its place, the pelvis comes up.
   void run(const LimbHold& hold, const std::vector<Contact>& contacts, const std::vector<LimbShifts>& shifts, Motion& motion);
 
   // By how much keeping limits moved the ends of limbs, over all runs; parting them is not counted.
@@ -37,6 +38,8 @@ class MotionLimiter {
     Vec3 point;
     EndMove move;
   };
+  void limit(std::size_t frame, const Pose& given, const LimbShifts& shifts, Pose& pose);
+  void raise_pelvis(std::vector<Pose>& given, std::vector<LimbShifts>& shifts, Motion& motion);
   void part(const std::vector<Pose>& given, const std::vector<LimbShifts>& shifts, Motion& motion);
 
   const Skeleton& skeleton_;

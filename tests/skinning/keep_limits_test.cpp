@@ -9,6 +9,8 @@
 
 #include "anatomy/joint_angles.h"
 #include "skinning/foot_contacts.h"
+#include "skinning/leg_reach.h"
+#include "skinning/limit_motion.h"
 #include "skinning/retarget.h"
 #include "tests/skinning/plain_skeleton.h"
 
@@ -170,6 +172,37 @@ TEST_F(KeepLimits, MotionsComeOutInsideWithFeetPlanted) {
     EXPECT_LT(report.slide_p95, 0.5e-3);
     EXPECT_LT(report.penetration, 1e-3);
     for (const EndMove& end : report.ends_moved) EXPECT_LT(end.most, 0.04) << end.end;
+  }
+}
+
+// A squat deeper than hip and ankle bend: the pelvis comes up rather than the knees fall in, and the feet stay.
+TEST_F(KeepLimits, KneesDoNotFallInWhenASquatIsTooDeep) {
+  const double sole = guess_sole_height(skeleton_);
+  Motion motion{60, std::vector<Pose>(20, rest_pose(skeleton_))};
+  std::vector<Contact> contacts;
+  std::vector<Transform> X, given;
+  for (const Side side : {Side::left, Side::right}) {
+    const FootShape foot = foot_shape(skeleton_, side, sole);
+    const Vec3 ankle = rest_positions(skeleton_)[static_cast<size_t>(foot.ankle)] - Vec3(0, sole, 0);
+    for (Pose& pose : motion.frames) {
+      pose.root = Vec3(0, 0.30, -0.10);
+      forward_kinematics(skeleton_, pose, X);
+      reach_with_leg(skeleton_, foot, ankle, Mat3::Identity(), pose, X);
+    }
+    for (const bool heel : {true, false}) contacts.push_back({side, heel, 0, 20, 0});
+  }
+  forward_kinematics(skeleton_, motion.frames[10], given);
+  MotionLimiter(skeleton_, sole, nullptr).run({0.5e-3, kDegree, true}, contacts, {}, motion);
+  forward_kinematics(skeleton_, motion.frames[10], X);
+  EXPECT_GT(X[0].translation().y(), 0.32);
+  EXPECT_LT(worst(motion.frames[10]), 1e-4);
+  for (const char* name : {"knee_l", "knee_r"}) {
+    const size_t j = static_cast<size_t>(joint(name));
+    EXPECT_LT(std::abs(X[j].translation().x() - given[j].translation().x()), 0.03) << name;
+  }
+  for (const char* name : {"subtalar_l", "subtalar_r"}) {
+    const size_t j = static_cast<size_t>(joint(name));
+    EXPECT_LT((X[j].translation() - given[j].translation()).norm(), 0.06) << name;
   }
 }
 
