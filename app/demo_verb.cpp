@@ -212,7 +212,7 @@ int run(const DemoOptions& options, const Common& common, Report& report) {
 
   note(common, "pictures");
   add_pictures(body_template, package, fitted, motion, common, record);
-  record.missed = missed_targets(fitted);
+  for (const MissedTarget& target : missed_targets(fitted)) record.missed.push_back(target.what);
   const auto in_motion = missed_targets(quality);
   record.missed.insert(record.missed.end(), in_motion.begin(), in_motion.end());
   const auto& missed = record.missed;

@@ -51,7 +51,7 @@ int run(FitVerbOptions options, const Common& common, Report& report) {
   note(common, fmt::format("{}: {} bones, {} muscles, {} skin vertices", options.output.string(), actor.character.anatomy.bones.size(),
                            actor.character.anatomy.muscles.size(), actor.binding.vertex_count));
   const auto missed = missed_targets(fitted);
-  for (const std::string& target : missed) note(common, "missed: " + target);
+  for (const MissedTarget& target : missed) note(common, "missed: " + target.what);
   return missed.empty() ? 0 : 8;
 }
 

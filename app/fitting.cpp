@@ -209,19 +209,19 @@ FittedCharacter fit_character(const Template& body_template, const Body& body, c
   return fitted;
 }
 
-std::vector<std::string> missed_targets(const FittedCharacter& fitted) {
-  std::vector<std::string> missed;
+std::vector<MissedTarget> missed_targets(const FittedCharacter& fitted) {
+  std::vector<MissedTarget> missed;
   const FitReport& fit = fitted.fit;
   const FillReport& fill = fitted.fill;
-  if (fit.bones_outside > 0) missed.push_back(fmt::format("{} bone vertices are outside the skin, up to {:.1f} mm", fit.bones_outside, 1e3 * fit.bones_furthest));
+  if (fit.bones_outside > 0) missed.push_back({"bones_outside", fmt::format("{} bone vertices are outside the skin, up to {:.1f} mm", fit.bones_outside, 1e3 * fit.bones_furthest)});
   if (fill.points_outside > kOutsideLimit * fill.points)
-    missed.push_back(fmt::format("{:.2f} % of the muscle surface is outside the skin; at most 0.1 % was asked", 100.0 * fill.points_outside / fill.points));
+    missed.push_back({"muscles_outside", fmt::format("{:.2f} % of the muscle surface is outside the skin; at most 0.1 % was asked", 100.0 * fill.points_outside / fill.points)});
   if (fill.superficial_gap_median > kGapLimit)
-    missed.push_back(fmt::format("superficial muscles stay {:.1f} mm from the fat layer (median); at most 3 mm was asked", 1e3 * fill.superficial_gap_median));
+    missed.push_back({"superficial_gap", fmt::format("superficial muscles stay {:.1f} mm from the fat layer (median); at most 3 mm was asked", 1e3 * fill.superficial_gap_median)});
   for (const LandmarkDepth& landmark : fit.landmarks)
     if (is_off(landmark))
-      missed.push_back(fmt::format("{} lies {:.1f} mm deep; {:.0f} to {:.0f} mm were asked", landmark.name, 1e3 * landmark.depth, 1e3 * landmark.low,
-                                   1e3 * landmark.high));
+      missed.push_back({landmark.name, fmt::format("{} lies {:.1f} mm deep; {:.0f} to {:.0f} mm were asked", landmark.name, 1e3 * landmark.depth, 1e3 * landmark.low,
+                                                   1e3 * landmark.high)});
   return missed;
 }
 

@@ -61,7 +61,12 @@ struct FittedCharacter {
 FittedCharacter fit_character(const Template& body_template, const Body& body, const BodyPackage& package, const FittingOptions& options,
                               Report& report);
 
-// Names of the accuracy targets that a fit misses, with the figures; empty when it meets them all. Exit code 8 rests on it.
-std::vector<std::string> missed_targets(const FittedCharacter& fitted);
+struct MissedTarget {
+  std::string name;  // bones_outside, muscles_outside, superficial_gap, or a landmark of data/palpable.csv
+  std::string what;  // with the figures
+};
+
+// The accuracy targets that a fit misses; empty when it meets them all. Exit code 8 rests on it.
+std::vector<MissedTarget> missed_targets(const FittedCharacter& fitted);
 
 }  // namespace ecorche

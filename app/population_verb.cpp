@@ -30,7 +30,10 @@ struct PopulationOptions {
   bool skins = false, allow_unusual = false;
 };
 
-constexpr const char* kHeader = "name,sex,age,stature_m,weight_kg,worst_miss_in_tolerances,anatomy\n";
+constexpr const char* kHeader = "name,sex,age,stature_m,weight_kg,worst_miss_in_tolerances,anatomy,missed\n";
+
+// Rows of an earlier make have other columns.
+constexpr const char* kRowVersion = "rows 2";
 
 // People that are made side by side, one a core: half of a fit is work for one core alone. More would need more memory.
 constexpr int kMostAtOnce = 4;
@@ -84,7 +87,7 @@ std::string make_files(const Workshop& shop, const Person& person, const Populat
   body.sex = person.sex;
   if (person.age) body.age = *person.age;
   body.mass = kBodyDensity * skin_volume(shop.package, solved.points);
-  std::string anatomy = "none";
+  std::string anatomy = "none", names;
   Report own;
   if (options.skins && shop.mould) {
     // Joints and weights are the bones'; muscles need not grow for them.
@@ -94,14 +97,15 @@ std::string make_files(const Workshop& shop, const Person& person, const Populat
     write_body(file, body);
   } else {
     const FittedCharacter fitted = fit_character(*shop.body_template, body, shop.package, {.moves = false, .tissues = false, .parts = &shop.parts}, own);
-    const std::vector<std::string> missed = missed_targets(fitted);
+    const std::vector<MissedTarget> missed = missed_targets(fitted);
     anatomy = missed.empty() ? "met" : fmt::format("{} targets missed", missed.size());
+    for (const MissedTarget& target : missed) names += (names.empty() ? "" : ";") + target.name;
     if (shop.mould) write_crowd_person(file, *shop.mould, fitted.actor.character, fitted.actor.binding.joint_weights);
     else write_character(file, fitted.actor.character, fitted.actor.binding);
   }
-  return fmt::format("{},{},{},{:.4f},{:.2f},{:.3f},{}\n", person.name, person.sex == Sex::male ? "male" : "female",
+  return fmt::format("{},{},{},{:.4f},{:.2f},{:.3f},{},{}\n", person.name, person.sex == Sex::male ? "male" : "female",
                      person.age ? fmt::format("{}", *person.age) : "", stature(shop.package, solved.points), body.mass,
-                     worst_miss(shop.tape, person, solved), anatomy);
+                     worst_miss(shop.tape, person, solved), anatomy, names);
 }
 
 // The row of a person whose files are there and were made from the same; empty otherwise.
@@ -199,7 +203,7 @@ int run_population(const PopulationOptions& options, const Common& common, Repor
   }
 
   for (const Person& person : people.people) shop.prepare(person.sex);
-  const std::string versions = fmt::format("{} {} {} {}", ECORCHE_VERSION, shop.body_template ? template_key() : "", shape_space_key(Sex::male), shape_space_key(Sex::female));
+  const std::string versions = fmt::format("{} {} {} {} {}", ECORCHE_VERSION, kRowVersion, shop.body_template ? template_key() : "", shape_space_key(Sex::male), shape_space_key(Sex::female));
   std::string table = kHeader;
   std::vector<CrowdMember> members;
   int made = 0, kept = 0, refused = 0, missed = 0;
@@ -215,7 +219,7 @@ int run_population(const PopulationOptions& options, const Common& common, Repor
       return;
     }
     ++(outcome.kept ? kept : made);
-    if (outcome.row.find("missed") != std::string::npos) ++missed;
+    if (outcome.row.find("targets missed") != std::string::npos) ++missed;
     table += outcome.row;
     if (shop.mould) members.push_back(crowd_member(shop.tape.table(), person, person_file(shop, person, options), outcome.row));
   });

@@ -13,11 +13,13 @@ namespace ecorche {
 namespace {
 
 constexpr float kSame = 1e-6f;  // m
+constexpr unsigned kMoving = 0, kStill = 1;  // geometries
 
 // What one query hands to the filter.
 struct Query {
   RTCIntersectContext context;  // first: Embree hands its address back
   const int* labels = nullptr;
+  unsigned still = 0;  // the first triangle of those that stay
   int skip = 0;
   float enough = 0;
   std::vector<Crossing>* out = nullptr;
@@ -29,9 +31,10 @@ void take_down(const RTCFilterFunctionNArguments* arguments) {
   const auto* ray = reinterpret_cast<const RTCRay*>(arguments->ray);
   const auto* hit = reinterpret_cast<const RTCHit*>(arguments->hit);
   arguments->valid[0] = 0;
-  if (query.labels[hit->primID] == query.skip) return;
+  const unsigned triangle = hit->geomID == kStill ? query.still + hit->primID : hit->primID;
+  if (query.labels[triangle] == query.skip) return;
   const bool entering = hit->Ng_x * ray->dir_x + hit->Ng_y * ray->dir_y + hit->Ng_z * ray->dir_z < 0;
-  query.out->push_back({ray->tfar, static_cast<int>(hit->primID), entering});
+  query.out->push_back({ray->tfar, static_cast<int>(triangle), entering});
   if (entering && ray->tfar > query.enough) arguments->valid[0] = -1;
 }
 
@@ -59,47 +62,60 @@ void find_stays(std::span<const Crossing> crossings, std::span<const int> solids
 struct CrossingRays::Impl {
   std::vector<int> labels;
   RTCDevice device = nullptr;
-  RTCGeometry geometry = nullptr;
+  RTCGeometry moving = nullptr;
   RTCScene scene = nullptr;
-  Eigen::Index vertices = 0;
+  Eigen::Index points = 0;  // that move
+  unsigned still = 0;       // the first triangle of those that stay
 
   ~Impl() {
     if (scene) rtcReleaseScene(scene);
-    if (geometry) rtcReleaseGeometry(geometry);
     if (device) rtcReleaseDevice(device);
   }
 
-  void commit() const {
+  RTCGeometry attach(const Points& V, const Triangles& F, RTCBuildQuality quality, unsigned id) {
+    const RTCGeometry geometry = triangle_geometry(device, V, F);
+    rtcSetGeometryIntersectFilterFunction(geometry, take_down);
+    rtcSetGeometryBuildQuality(geometry, quality);
     rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(scene, geometry, id);
+    rtcReleaseGeometry(geometry);  // the scene's from now on
+    return geometry;
+  }
+
+  void commit() const {
     rtcCommitScene(scene);
     check_ray_device(device);
   }
 };
 
-CrossingRays::CrossingRays(const Points& V, const Triangles& F, std::vector<int> labels) : impl_(std::make_unique<Impl>()) {
+CrossingRays::CrossingRays(const Points& V, const Triangles& F, std::vector<int> labels, Eigen::Index moving) : impl_(std::make_unique<Impl>()) {
   const auto vertices = V.rows(), faces = F.rows();
   if (faces == 0 || !V.allFinite() || F.minCoeff() < 0 || F.maxCoeff() >= vertices || static_cast<Eigen::Index>(labels.size()) != faces) {
     throw std::invalid_argument(fmt::format("CrossingRays: {} vertices, {} triangles, {} labels; expected finite vertices, valid indices and a label a triangle", vertices, faces, labels.size()));
   }
+  Eigen::Index first = 0;
+  while (first < faces && F.row(first).maxCoeff() < moving) ++first;
+  if (first == 0 || (first < faces && F.bottomRows(faces - first).minCoeff() < moving))
+    throw std::invalid_argument(fmt::format("CrossingRays: triangle {} of {} is not where it belongs: those of the {} moving points first", first, faces, moving));
   impl_->labels = std::move(labels);
-  impl_->vertices = vertices;
+  impl_->points = moving;
+  impl_->still = static_cast<unsigned>(first);
   impl_->device = open_ray_device();
-  impl_->geometry = triangle_geometry(impl_->device, V, F);
-  rtcSetGeometryIntersectFilterFunction(impl_->geometry, take_down);
-  rtcSetGeometryBuildQuality(impl_->geometry, RTC_BUILD_QUALITY_REFIT);
   impl_->scene = rtcNewScene(impl_->device);
   rtcSetSceneFlags(impl_->scene, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC));
   rtcSetSceneBuildQuality(impl_->scene, RTC_BUILD_QUALITY_LOW);
-  rtcAttachGeometry(impl_->scene, impl_->geometry);
+  impl_->moving = impl_->attach(V.topRows(moving), F.topRows(first), RTC_BUILD_QUALITY_REFIT, kMoving);
+  if (first < faces) impl_->attach(V.bottomRows(vertices - moving), (F.bottomRows(faces - first).array() - static_cast<int>(moving)).matrix(), RTC_BUILD_QUALITY_MEDIUM, kStill);
   impl_->commit();
 }
 
 CrossingRays::~CrossingRays() = default;
 
 void CrossingRays::move(const Points& V) {
-  if (V.rows() != impl_->vertices) throw std::invalid_argument(fmt::format("CrossingRays: {} points for {}", V.rows(), impl_->vertices));
-  place_points(V, static_cast<float*>(rtcGetGeometryBufferData(impl_->geometry, RTC_BUFFER_TYPE_VERTEX, 0)));
-  rtcUpdateGeometryBuffer(impl_->geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+  if (V.rows() != impl_->points) throw std::invalid_argument(fmt::format("CrossingRays: {} points for {}", V.rows(), impl_->points));
+  place_points(V, static_cast<float*>(rtcGetGeometryBufferData(impl_->moving, RTC_BUFFER_TYPE_VERTEX, 0)));
+  rtcUpdateGeometryBuffer(impl_->moving, RTC_BUFFER_TYPE_VERTEX, 0);
+  rtcCommitGeometry(impl_->moving);
   impl_->commit();
 }
 
@@ -109,6 +125,7 @@ void CrossingRays::cross(const Vec3& origin, const Vec3& direction, double far, 
   Query query;
   rtcInitIntersectContext(&query.context);
   query.labels = impl_->labels.data();
+  query.still = impl_->still;
   query.skip = skip;
   query.enough = static_cast<float>(enough);
   query.out = &out;

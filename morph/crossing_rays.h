@@ -1,7 +1,7 @@
 // Rays that list every triangle they cross, in one pass through the hierarchy: who begins and ends where along a straight line.
 //
 // For many closed surfaces that lie in one another and change their shape but not their topology: the hierarchy is built once and then
-// only fitted to the new points.
+// only fitted to the new points, and not at all for those that stay where they are.
 #pragma once
 
 #include <memory>
@@ -32,14 +32,15 @@ void find_stays(std::span<const Crossing> crossings, std::span<const int> solids
 // Queries are const and may run in several threads.
 class CrossingRays {
  public:
-  // `labels`: #F, whose surface a triangle is. Throws std::invalid_argument for an empty mesh, indices out of range, coordinates that are
-  // not finite, or labels that do not match.
-  CrossingRays(const Points& V, const Triangles& F, std::vector<int> labels);
+  // `labels`: #F, whose surface a triangle is. `moving`: so many of the points, the first, may be moved later. Throws std::invalid_argument
+  // for an empty mesh, indices out of range, coordinates that are not finite, labels that do not match, or where triangles of moving
+  // points, and of them alone, are not the first, or there are none.
+  CrossingRays(const Points& V, const Triangles& F, std::vector<int> labels, Eigen::Index moving);
   ~CrossingRays();
   CrossingRays(const CrossingRays&) = delete;
   CrossingRays& operator=(const CrossingRays&) = delete;
 
-  // The same triangles elsewhere. Precondition: as many finite points. No query may run meanwhile.
+  // The moving points elsewhere. Precondition: as many finite ones. No query may run meanwhile.
   void move(const Points& V);
 
   // What the ray crosses up to `far`, m, nearest first, less the surfaces labelled `skip`; it ends where it enters something beyond

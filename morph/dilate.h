@@ -30,7 +30,7 @@ struct DilateOptions {
   bool cut_rays = true;        // paper: rays end where they can no longer lower the factor; the result is the same
   double clearance = 0.3e-3;   // ecorche: added to the layer, m
   bool share = true;           // ecorche: at last neighbours part and fill what is between them (share_room.h); costs most of the time
-  int rounds = 2;              // ecorche: times that the flesh is stretched
+  int rounds = 4;              // ecorche: times that the flesh is stretched
   double most = 2.2;           // ecorche: a half axis grows to at most this multiple
   double least = 0.35;         // ecorche: and is pressed to no less than this
   // ecorche: x of the plane about which skin and carried muscles are even, to a millimetre (FitReport::even_about). Then muscles of

@@ -15,6 +15,7 @@
 #include "anatomy/outline.h"
 #include "morph/crossing_rays.h"
 #include "morph/shared_sections.h"
+#include "morph/touched_cells.h"
 #include "morph/uncovered.h"
 
 namespace ecorche {
@@ -35,6 +36,7 @@ constexpr double kThinnest = 2e-4;     // m
 constexpr double kMostPress = 0.8;     // factor of a sheet's thickness in a round
 constexpr float kMainTerm = 0.2f;      // weight of a section that a vertex between strips follows
 constexpr float kTip = 0.25f;          // of the layer, that points of an outline may stand into it: facets are chords and lie lower
+constexpr double kTouchedCell = 0.004;  // m
 constexpr double kSteepest = 0.25;     // least cosine that the layer's slope is taken to have
 
 enum class Round { parting, growing, covering_around, covering, settling };
@@ -61,7 +63,7 @@ class Sharing {
           const FatLayer& fat, const SharingLimits& limits)
       : anatomy_(anatomy), given_(slices), wanted_(wanted), limits_(limits), surface_(make_muscle_surface(anatomy)),
         all_(anatomy, surface_, slices, partners), needs_(wanted.size(), 1.0), underside_(underside(skin.mesh(), fat)) {
-    for (const Muscle& muscle : anatomy.muscles) of_the_jaw_.push_back(muscle.group == "face_jaw");
+    for (const Muscle& muscle : anatomy.muscles) of_the_jaw_.push_back(muscle.group == "face_jaw"), staying_.push_back(of_the_jaw_.back() || muscle.layer == "deep");
     find_layer(skin, fat);
     add_bones();
   }
@@ -90,12 +92,16 @@ class Sharing {
     if (kind == Round::settling) {
       for (std::size_t ray = 0; ray < due_.size(); ++ray) due_[ray] = due_[ray] && next[ray / kDirections][ray % kDirections] < all_.slices[ray / kDirections].outline[ray % kDirections];
       press_between(next);
+      settled_.gave_way = due_;
     }
     for (const StripPlace& strip : all_.strips) {
       if (all_.is_mirrored(strip)) continue;
       for (std::size_t k = strip.begin; k < strip.end; ++k) all_.slices[k].outline = next[k];
     }
     mirror();
+    if (kind != Round::settling) return;
+    settled_.outlines.clear();
+    for (const Ellipse& slice : all_.slices) settled_.outlines.push_back(slice.outline);
   }
 
   void finish() {
@@ -197,12 +203,12 @@ class Sharing {
     std::vector<int> strip_of(all_.slices.size()), labels;
     for (std::size_t s = 0; s < all_.strips.size(); ++s)
       std::fill(strip_of.begin() + static_cast<long>(all_.strips[s].begin), strip_of.begin() + static_cast<long>(all_.strips[s].end), static_cast<int>(s));
-    const Eigen::AlignedBox3d seen = within_sight();
+    seen_ = within_sight();
     Triangles near(faces, 3);
     for (Eigen::Index f = 0; f < faces; ++f) {
       Eigen::AlignedBox3d box;
       for (int i = 0; i < 3; ++i) box.extend(mesh_.V.row(mesh_.F(f, i)).transpose());
-      if (!box.intersects(seen)) continue;
+      if (!box.intersects(seen_)) continue;
       near.row(static_cast<Eigen::Index>(solids_.size())) = mesh_.F.row(f);
       const bool muscle = f < surface_.F.rows();
       const auto vertex = static_cast<std::size_t>(mesh_.F(f, 0));
@@ -210,20 +216,41 @@ class Sharing {
       labels.push_back(muscle ? all_.strips[static_cast<std::size_t>(strip_of[static_cast<std::size_t>(surface_.slice[vertex])])].label : kBone);
     }
     mesh_.F = near.topRows(static_cast<Eigen::Index>(solids_.size()));
-    flesh_.emplace(mesh_.V, mesh_.F, std::move(labels));
+    flesh_.emplace(mesh_.V, mesh_.F, std::move(labels), surface_.vertices());
   }
 
-  // Which rays are cast. Where nothing gave way in a settling round, nothing will in the next: all of them only give way.
+  // What has moved since the last settling round.
+  void mark_touched() {
+    if (!touched_) touched_.emplace(seen_, kTouchedCell);
+    touched_->clear();
+    const auto moved = [&](int v) { return (positions_.row(v).array() != settled_.positions.row(v).array()).any(); };
+    for (Eigen::Index f = 0; f < mesh_.F.rows() && mesh_.F(f, 0) < positions_.rows(); ++f) {
+      if (!moved(mesh_.F(f, 0)) && !moved(mesh_.F(f, 1)) && !moved(mesh_.F(f, 2))) continue;
+      Eigen::AlignedBox3d box;
+      for (int i = 0; i < 3; ++i) box.extend(positions_.row(mesh_.F(f, i)).transpose()).extend(settled_.positions.row(mesh_.F(f, i)).transpose());
+      touched_->mark(box);
+    }
+  }
+
+  // Whether a ray that did not give way in the last settling round may in this one.
+  bool may_give_way(std::size_t k, std::size_t i) const {
+    const float factor = all_.slices[k].outline[i], base = spokes_[k * kDirections + i].base;
+    if (settled_.gave_way[k * kDirections + i] || settled_.outlines[k][i] != factor) return true;
+    return touched_->touches(all_.slices[k].center, all_.edge(k, i) / static_cast<double>(base), static_cast<double>(base * factor) + limits_.settled_reach);
+  }
+
+  // Which rays are cast. Where nothing gave way in a settling round, nothing will in the next: all of them only give way. Nor will it in a
+  // later one where nothing has moved since.
   void plan(Round kind) {
-    const bool again = kind == Round::settling && last_ == Round::settling;
+    const bool again = kind == Round::settling && last_ == Round::settling, later = kind == Round::settling && !again && !settled_.gave_way.empty();
+    if (kind == Round::settling && !settled_.gave_way.empty()) mark_touched();
     if (!again) {
       due_.assign(all_.slices.size() * kDirections, 0);
       for (const StripPlace& strip : all_.strips) {
         if (all_.is_mirrored(strip)) continue;
-        // Where a deep muscle lies next under the layer, tendons and vessels run over it.
-        const bool stays = anatomy_.muscles[static_cast<std::size_t>(strip.muscle)].layer == "deep" || is_of_the_jaw(strip);
+        const bool stays = does_stay(strip);
         for (std::size_t k = strip.begin; k < strip.end; ++k)
-          for (std::size_t i = 0; i < kDirections; ++i) due_[k * kDirections + i] = static_cast<char>(all_.is_drawn(k, i) && (!covers(kind) || (asked_[k * kDirections + i] > 0 && !stays)));
+          for (std::size_t i = 0; i < kDirections; ++i) due_[k * kDirections + i] = static_cast<char>(all_.is_drawn(k, i) && (!covers(kind) || (asked_[k * kDirections + i] > 0 && !stays)) && (!later || may_give_way(k, i)));
       }
     }
     last_ = kind;
@@ -234,7 +261,8 @@ class Sharing {
   void look() {
     update_muscle_surface(surface_, all_.slices, positions_);
     mesh_.V.topRows(positions_.rows()) = positions_;
-    flesh_->move(mesh_.V);
+    flesh_->move(positions_);
+    if (last_ == Round::settling) settled_.positions = positions_;
     for (const MuscleSurface::Part& part : surface_.parts) {
       const auto m = static_cast<std::size_t>(part.muscle);
       const double volume = part_volume(surface_, part, positions_);
@@ -254,13 +282,16 @@ class Sharing {
   // and thicker, not wider.
   bool is_of_the_jaw(const StripPlace& strip) const { return of_the_jaw_[static_cast<std::size_t>(strip.muscle)]; }
 
+  // Where a deep muscle lies next under the layer, others, tendons and vessels run over it: it grows for its volume's sake alone.
+  bool does_stay(const StripPlace& strip) const { return staying_[static_cast<std::size_t>(strip.muscle)]; }
+
   // The new radius in a direction, m.
   double reach(std::size_t k, std::size_t i, const StripPlace& strip, Round kind, Sight& sight) const {
     const bool grows = kind == Round::growing || covers(kind), settling = kind == Round::settling;
     const Spoke& spoke = spokes_[k * kDirections + i];
     const double base = static_cast<double>(spoke.base), now = base * static_cast<double>(all_.slices[k].outline[i]);
     const Vec3 direction = all_.edge(k, i) / base;
-    cast(all_.slices[k].center, direction, now + (settling ? limits_.settled_reach : limits_.reach), grows ? now : 1e3, strip, sight);
+    cast(all_.slices[k].center, direction, now + (settling ? limits_.settled_reach : limits_.reach), settling ? 1e3 : now, strip, sight);
     double end = std::min(now, static_cast<double>(spoke.most));
     const double need = needs_[static_cast<std::size_t>(strip.muscle)];
     const double room = static_cast<double>(spoke.layer);
@@ -291,14 +322,14 @@ class Sharing {
     }
     if (is_of_the_jaw(strip) && std::abs(outline_directions()[i].x()) > kSideways) return std::max(end, least);
     // Room that ends at the layer is filled; what is deep stays open to fat and vessels unless volume is wanting.
-    const bool outwards = !open && room <= deep && !is_of_the_jaw(strip);
+    const bool outwards = !open && room <= deep && !does_stay(strip);
     const double rate = kGrowRate * all_.belly[k] * (!outwards ? std::clamp((need - 1) / kWanting, 0.0, 1.0) : 1);
     const double growth = std::min({room, deep, most, now + limits_.reach}) - now;
     return growth > 0 ? now + rate * growth : std::max(end, least);
   }
 
   // Sheets are drawn between their strips, too: where they reach into others there, the strips on either side give way.
-  void press_between(std::vector<SliceOutline>& next) const {
+  void press_between(std::vector<SliceOutline>& next) {
     std::vector<float> ratios(static_cast<std::size_t>(surface_.vertices()), 1);
     for (const MuscleSurface::Part& sheet : surface_.parts) {
       const auto m = static_cast<std::size_t>(sheet.muscle);
@@ -312,7 +343,7 @@ class Sharing {
           for (const MuscleSurface::Term& t : terms) middle += static_cast<double>(t.weight) * all_.slices[static_cast<std::size_t>(t.slice)].center;
           const Vec3 out = mesh_.V.row(v).transpose() - middle;
           const double now = out.norm();
-          if (now < kThinnest) continue;
+          if (now < kThinnest || is_settled(v, middle, out / now, now)) continue;
           cast(middle, out / now, now + limits_.settled_reach, 1e3, all_.strips[all_.strip_begin[m]], sight);
           double end = now;
           for (const Stay& stay : sight.stays)
@@ -321,6 +352,8 @@ class Sharing {
         }
       });
     }
+    pressed_.resize(ratios.size());
+    for (std::size_t v = 0; v < ratios.size(); ++v) pressed_[v] = ratios[v] < 1;
     for (std::size_t v = 0; v < ratios.size(); ++v) {
       if (ratios[v] >= 1) continue;
       for (int j = surface_.term_begin[v]; j < surface_.term_begin[v + 1]; ++j) {
@@ -330,6 +363,12 @@ class Sharing {
         if (t.weight > kMainTerm) factor = std::min(factor, std::max(static_cast<float>(limits_.least), ratios[v] * all_.slices[k].outline[outline_place(t)]));
       }
     }
+  }
+
+  // A vertex between strips that was not pressed in the last settling round, and about which nothing has moved since.
+  bool is_settled(int v, const Vec3& middle, const Vec3& direction, double now) const {
+    if (pressed_.empty() || pressed_[static_cast<std::size_t>(v)] || positions_.row(v) != settled_.positions.row(v)) return false;
+    return !touched_->touches(middle, direction, now + limits_.settled_reach);
   }
 
   // Directions that are not drawn lie between those that are.
@@ -384,7 +423,16 @@ class Sharing {
   std::vector<float> asked_;           // #slices x #directions: in a covering round, how far to come up to the layer, m
   std::vector<char> due_;              // #slices x #directions: rays of this round
   Round last_ = Round::parting;
+  struct Settled {
+    std::vector<char> gave_way;           // #slices x #directions; empty before the first settling round
+    std::vector<SliceOutline> outlines;   // as it left them,
+    Points positions;                     // and what was drawn then
+  } settled_;
+  std::vector<char> pressed_;          // #vertices of the surface, in the last settling round
+  Eigen::AlignedBox3d seen_;           // within sight
+  std::optional<TouchedCells> touched_;
   std::vector<char> of_the_jaw_;       // #muscles
+  std::vector<char> staying_;          // #muscles: that do not come up to the layer
   Underside underside_;
   TriMesh mesh_;                       // muscles, then bones; triangles within sight
   Points positions_;                   // of the muscles' surface

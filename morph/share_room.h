@@ -20,7 +20,7 @@
 namespace ecorche {
 
 struct SharingLimits {
-  int parting = 1, growing = 4, covering = 4, settling = 1;  // rounds; a covering one is two that come up and one that gives way
+  int parting = 1, growing = 4, covering = 4, settling = 2;  // rounds; a covering one is two that come up and one that gives way
   double reach = 0.035;      // m: how far beyond its surface a section looks for room
   double settled_reach = 0.003;  // in the last rounds
   double gap = 0.35e-3;     // m, that a muscle keeps from its neighbour's half of the way

@@ -76,20 +76,30 @@ void compare(const Scene& scene, const CrossingRays& rays) {
 
 TEST(CrossingRays, ListWhatTheyCross) {
   const Scene scene = rods();
-  compare(scene, CrossingRays(scene.mesh.V, scene.mesh.F, scene.labels));
+  compare(scene, CrossingRays(scene.mesh.V, scene.mesh.F, scene.labels, scene.mesh.V.rows()));
 }
 
 TEST(CrossingRays, FollowTheMovedSurface) {
   Scene scene = rods();
-  CrossingRays rays(scene.mesh.V, scene.mesh.F, scene.labels);
+  CrossingRays rays(scene.mesh.V, scene.mesh.F, scene.labels, scene.mesh.V.rows());
   scene.mesh.V = (scene.mesh.V * Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()).toRotationMatrix()).rowwise() + Vec3(0.03, -0.02, 0.01).transpose();
   rays.move(scene.mesh.V);
   compare(scene, rays);
 }
 
+TEST(CrossingRays, LeaveAloneWhatDoesNotMove) {
+  Scene scene = rods();
+  const Eigen::Index moving = cylinder(0.05, -0.2, 0.2, 24, 6).V.rows() + cylinder(0.04, -0.15, 0.25, 20, 5).V.rows();
+  CrossingRays rays(scene.mesh.V, scene.mesh.F, scene.labels, moving);
+  compare(scene, rays);
+  scene.mesh.V.topRows(moving).rowwise() += Vec3(0.04, -0.03, 0.02).transpose();
+  rays.move(scene.mesh.V.topRows(moving));
+  compare(scene, rays);
+}
+
 TEST(CrossingRays, EndWhereSomethingBeginsBeyondEnough) {
   const Scene scene = rods();
-  const CrossingRays rays(scene.mesh.V, scene.mesh.F, scene.labels);
+  const CrossingRays rays(scene.mesh.V, scene.mesh.F, scene.labels, scene.mesh.V.rows());
   const std::vector<Crossing> all = by_hand(scene, Vec3(-0.1, 0.01, 0.002), Vec3::UnitX(), 1, -1);
   std::vector<Crossing> found;
   rays.cross(Vec3(-0.1, 0.01, 0.002), Vec3::UnitX(), 1, 0.2, -1, found);
@@ -101,7 +111,7 @@ TEST(CrossingRays, EndWhereSomethingBeginsBeyondEnough) {
 
 TEST(CrossingRays, TellWhereEachSolidBeginsAndEnds) {
   const Scene scene = rods();
-  const CrossingRays rays(scene.mesh.V, scene.mesh.F, scene.labels);
+  const CrossingRays rays(scene.mesh.V, scene.mesh.F, scene.labels, scene.mesh.V.rows());
   std::vector<Crossing> found;
   std::vector<Stay> stays;
   rays.cross(Vec3(0, 0.01, 0.002), Vec3::UnitX(), 0.2, 1e3, -1, found);
@@ -121,9 +131,11 @@ TEST(CrossingRays, TellWhereEachSolidBeginsAndEnds) {
 
 TEST(CrossingRays, TellWhatIsWrong) {
   const Scene scene = rods();
-  EXPECT_THROW(CrossingRays(scene.mesh.V, scene.mesh.F, {}), std::invalid_argument);
-  CrossingRays rays(scene.mesh.V, scene.mesh.F, scene.labels);
+  EXPECT_THROW(CrossingRays(scene.mesh.V, scene.mesh.F, {}, scene.mesh.V.rows()), std::invalid_argument);
+  CrossingRays rays(scene.mesh.V, scene.mesh.F, scene.labels, scene.mesh.V.rows());
   EXPECT_THROW(rays.move(scene.mesh.V.topRows(3)), std::invalid_argument);
+  EXPECT_THROW(CrossingRays(scene.mesh.V, scene.mesh.F, scene.labels, 0), std::invalid_argument);
+  EXPECT_THROW(CrossingRays(scene.mesh.V, scene.mesh.F, scene.labels, 5), std::invalid_argument);  // in the midst of a rod
 }
 
 }  // namespace
