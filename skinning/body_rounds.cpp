@@ -1,8 +1,9 @@
 #include "skinning/body_rounds.h"
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
-#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -15,7 +16,6 @@ constexpr std::size_t kFewest = 6;      // vertices that make a ring
 // What a skin vertex is nearest to.
 struct Axis {
   Vec3 from, to;
-  bool arm = false;
 };
 
 double squared_distance(const Axis& axis, const Vec3& p) {
@@ -37,8 +37,8 @@ class Rounder {
       side_ = side_suffix(s == 0 ? Side::left : Side::right);
       thigh[s] = axis(at("hip" + side_), at("knee" + side_)), shank[s] = axis(at("knee" + side_), at("ankle" + side_));
       foot[s] = axis(at("ankle" + side_), at("mtp3" + side_));
-      upper[s] = axis(at("shoulder" + side_), at("elbow" + side_), true), fore[s] = axis(at("elbow" + side_), at("wrist" + side_), true);
-      hand[s] = axis(at("wrist" + side_), at("dip3" + side_), true);
+      upper[s] = axis(at("shoulder" + side_), at("elbow" + side_)), fore[s] = axis(at("elbow" + side_), at("wrist" + side_));
+      hand[s] = axis(at("wrist" + side_), at("dip3" + side_));
     }
     belong();
     BodyRounds out;
@@ -69,8 +69,8 @@ class Rounder {
   }
   Vec3 at(const std::string& name) const { return rest_[static_cast<std::size_t>(joint_of(name))]; }
 
-  int axis(const Vec3& from, const Vec3& to, bool arm = false) {
-    axes_.push_back({from, to, arm});
+  int axis(const Vec3& from, const Vec3& to) {
+    axes_.push_back({from, to});
     return static_cast<int>(axes_.size()) - 1;
   }
 
@@ -110,15 +110,12 @@ class Rounder {
   }
 
   // Trunk between two heights: an ellipsoid half as high again.
-  void slab(std::span<const int> parts, double low, double high, const std::string& joint, BodyRounds& out) const {
+  void slab(std::initializer_list<int> parts, double low, double high, const std::string& joint, BodyRounds& out) const {
     std::vector<Vec3> points;
     for (const int part : parts)
       for (const Vec3& p : parts_[static_cast<std::size_t>(part)])
         if (p.y() > low && p.y() < high) points.push_back(p);
     round(points, joint, {std::sqrt(2), 0, std::sqrt(2)}, 0.75 * (high - low), out);
-  }
-  void slab(std::initializer_list<int> parts, double low, double high, const std::string& joint, BodyRounds& out) const {
-    slab(std::span<const int>(parts.begin(), parts.size()), low, high, joint, out);
   }
   void whole(std::initializer_list<int> parts, const std::string& joint, BodyRounds& out) const {
     std::vector<Vec3> points;

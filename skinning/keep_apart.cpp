@@ -11,7 +11,6 @@ constexpr double kGive = 0.08;       // of both radii: how deep flesh that meets
 constexpr double kTrunkGive = 0.15;  // likewise of an arm in the trunk, whose ellipsoids are rough
 constexpr double kBell = 0.05;       // s
 constexpr int kRounds = 12;
-constexpr int kHeads = 1;            // the last rounds of the trunk are the head's
 
 struct Place {
   Vec3 centre = Vec3::Zero();
@@ -84,20 +83,19 @@ ApartTables make_apart_tables(const Skeleton& skeleton, BodyRounds rounds) {
     pair(arm, 0, Meeting::arm_leg), pair(arm, 1, Meeting::arm_leg);
     pair(arm, -1, Meeting::arm_trunk);
   }
+  const int head = find_joint(skeleton, "head");
   const Parter parter{tables, X};
   for (RoundPair& one : tables.pairs) {
-    const double radius = parter.ball(one.limb, one.ball).radius;
-    Vec3 out;
-    double give = kGive;
-    double size = radius;
+    double give = kGive, size = parter.ball(one.limb, one.ball).radius;
     if (one.other_limb >= 0) {
       size += parter.ball(one.other_limb, one.other).radius;
     } else {
-      const bool head = one.other + kHeads >= static_cast<int>(trunk.size());
-      if (head) one.kind = Meeting::arm_head;
-      give = head ? kGive : kTrunkGive;
-      size += trunk[static_cast<std::size_t>(one.other)].half.minCoeff();
+      const TrunkRound& round = trunk[static_cast<std::size_t>(one.other)];
+      if (round.joint == head) one.kind = Meeting::arm_head;
+      if (round.joint != head) give = kTrunkGive;
+      size += round.half.minCoeff();
     }
+    Vec3 out;
     one.allowed = std::max(give * size, parter.depth(one, {}, out));
   }
   return tables;
