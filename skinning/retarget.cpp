@@ -95,6 +95,7 @@ void add_foot(const PoseTransfer& transfer, const std::vector<Transform>& X, con
 std::vector<LimitBreak> limit_breaks(const Skeleton& skeleton, const Motion& motion) {
   std::vector<LimitBreak> out;
   for (size_t j = 1; j < skeleton.joints.size(); ++j) {
+    if (skeleton.joints[j].name.starts_with("patella")) continue;  // it follows the knee
     LimitBreak broken{skeleton.joints[j].name};
     for (size_t f = 0; f < motion.frames.size(); ++f) {
       const double excess = limit_excess(skeleton.joints[j], motion.frames[f].rotations[j]);
