@@ -73,8 +73,10 @@ void check_output(const fs::path& file, const std::vector<fs::path>& inputs) {
   if (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored)) fail(file, "it is no regular file; give another name");
   if (!fs::is_directory(folder, ignored)) fail(file, fmt::format("the folder {} does not exist; create it first", folder.string()));
   if (::access(folder.c_str(), W_OK) != 0) fail(file, fmt::format("the folder {}: {}", folder.string(), std::strerror(errno)));
-  for (const fs::path& input : inputs)
-    if (fs::equivalent(file, input, ignored)) fail(file, "it is also the input; give another name");
+  for (const fs::path& input : inputs) {
+    const fs::path whole = fs::exists(input, ignored) ? input : fs::path(input.string().substr(0, input.string().rfind('#')));
+    if (fs::equivalent(file, whole, ignored)) fail(file, "it is also the input; give another name");
+  }
 }
 
 void write_file_atomically(const fs::path& file, std::string_view bytes) {

@@ -9,9 +9,12 @@
 #include "anatomy/errors.h"
 #include "app/activation_options.h"
 #include "app/actor.h"
+#include "app/animate_crowd.h"
 #include "app/motion_options.h"
 #include "app/motion_survey.h"
+#include "app/open_character.h"
 #include "app/verb.h"
+#include "skinning/crowd_read.h"
 #include "skinning/mdd_io.h"
 #include "skinning/obj_sequence.h"
 #include "skinning/pc2_io.h"
@@ -26,6 +29,7 @@ struct AnimateOptions {
   std::vector<fs::path> outputs;
   std::string activation = "none", skin = "ecorche";
   bool dynamics = false;
+  double stagger = 0;
   MotionOptions retarget;
 };
 
@@ -81,10 +85,23 @@ void check_outputs(const std::vector<fs::path>& outputs, const std::vector<fs::p
   }
 }
 
+// A crowd's people move by their joints.
+int run_crowd(const AnimateOptions& options, const Common& common, Report& report) {
+  if (options.outputs.size() != 1 || options.outputs[0].extension() != ".glb" || options.skin != "ecorche" || options.activation != "none" || options.dynamics ||
+      !options.weights.empty())
+    throw UsageError(fmt::format("{}: a crowd moves by its joints, into one .glb, without --skin, --weights, --activation and --dynamics; those are for one "
+                                 "person of it, {}#NAME",
+                                 options.character.string(), options.character.string()));
+  animate_crowd(options.character, options.motion, options.outputs[0], to_retarget_options(options.retarget), options.stagger, common, report);
+  return 0;
+}
+
 int run(const AnimateOptions& options, const Common& common, Report& report) {
   check_outputs(options.outputs, {options.character, options.motion});
+  if (is_crowd(options.character)) return run_crowd(options, common, report);
+  if (options.stagger > 0) throw UsageError("--stagger: for crowds, whose people then begin one after the other");
   require_settling(options.dynamics, options.skin);
-  Actor actor = make_actor(read_character(options.character), report, {.weights = options.weights});
+  Actor actor = make_actor(open_character(options.character, common, report), report, {.weights = options.weights});
   choose_skin(actor, options.skin);
   const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
   const Activations activations = open_activations(options.activation, actor, motion, report);
@@ -105,11 +122,12 @@ void add_animate_verb(VerbRegistry& registry) {
   CLI::App* verb = add_verb(registry, registry.app, "animate", "Move a character by a motion (BVH) and write it out",
                             "ecorche animate anna.glb walk.bvh -o anna-walks.glb -o anna-walks.pc2 --activation auto",
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
-  verb->add_option("character", options->character, "Character written by `ecorche fit`")->required();
+  verb->add_option("character", options->character, "Character written by `ecorche fit`, CROWD.glb#NAME, or a whole crowd")->required();
   verb->add_option("motion", options->motion, "Motion (.bvh)")->required();
   verb->add_option("-o,--output", options->outputs, "File to write; may be given several times: .glb (joints); every vertex, exact: .pc2, .mdd, DIR/%04d.obj")
       ->required()
       ->allow_extra_args(false);
+  verb->add_option("--stagger", options->stagger, "Of a crowd: seconds by which each person begins later than the one before")->check(CLI::Range(0.0, 3600.0));
   add_skin_option(*verb, options->skin);
   add_weights_option(*verb, options->weights);
   verb->add_option("--activation", options->activation, kActivationHelp)->capture_default_str();

@@ -7,6 +7,7 @@
 #include "anatomy/errors.h"
 #include "app/actor.h"
 #include "app/motion_options.h"
+#include "app/open_character.h"
 #include "app/verb.h"
 #include "skinning/bake_io.h"
 
@@ -57,7 +58,7 @@ int run(const BakeVerbOptions& options, const Common& common, Report& report) {
   std::vector<fs::path> inputs = options.motions;
   inputs.push_back(options.character);
   check_output(options.output, inputs);
-  Actor actor = make_actor(read_character(options.character), report, {.weights = options.weights});
+  Actor actor = make_actor(open_character(options.character, common, report), report, {.weights = options.weights});
   const Character& character = actor.character;
   ActorFrame frame;
   const ExactSkin exact = [&](const Pose& pose, SkinFrame& out) {
@@ -96,7 +97,7 @@ void add_bake_verb(VerbRegistry& registry) {
   CLI::App* verb = add_verb(registry, registry.app, "bake", "Make a character's motions ready for engines: 4 influences, morph targets, curves",
                             "ecorche bake anna.glb walk.bvh run.bvh -o anna-engine.glb",
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
-  verb->add_option("character", options->character, "Character written by `ecorche fit`")->required();
+  verb->add_option("character", options->character, "Character written by `ecorche fit`, or CROWD.glb#NAME")->required();
   verb->add_option("motions", options->motions, "Motions (.bvh), one animation each")->required();
   verb->add_option("-o,--output", options->output, "File to write (.glb)")->required();
   verb->add_option("--morphs", options->bake.morphs, "Corrective morph targets, at most")->check(CLI::Range(0, 64))->capture_default_str();

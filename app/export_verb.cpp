@@ -3,8 +3,8 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/export_model.h"
+#include "app/open_character.h"
 #include "app/verb.h"
-#include "skinning/character_io.h"
 
 namespace ecorche {
 namespace {
@@ -21,7 +21,7 @@ int run(const Options& options, const Common& common, Report& report) {
   for (const fs::path& output : options.outputs)
     if (output.extension() != ".osim" && output.extension() != ".xml")
       throw UsageError(fmt::format("{}: unknown kind of output '{}'; .osim (OpenSim) and .xml (MuJoCo) can be written", output.string(), output.extension().string()));
-  const Character character = read_character(options.character);
+  const Character character = open_character(options.character, common, report);
   ExportModel model = make_export_model(character.anatomy, character.body);
   if (options.no_meshes) model.meshes.clear();
   double mass = 0;
@@ -50,7 +50,7 @@ void add_export_verb(VerbRegistry& registry) {
   CLI::App* verb = add_verb(registry, registry.app, "export", "Write a character as a musculoskeletal model for OpenSim or MuJoCo",
                             "ecorche export anna-anatomy.glb -o anna.osim -o anna.xml",
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
-  verb->add_option("character", options->character, "Character written by `ecorche fit`, or a template of `ecorche template import`")->required();
+  verb->add_option("character", options->character, "Character written by `ecorche fit`, CROWD.glb#NAME, or a template of `ecorche template import`")->required();
   verb->add_option("-o,--output", options->outputs, "Model to write; may be given several times: .osim (OpenSim 4), .xml (MuJoCo). Bones go to NAME_meshes beside it")->required();
   verb->add_flag("--no-meshes", options->no_meshes, "Do not write the bones");
 }

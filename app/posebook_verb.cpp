@@ -10,6 +10,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/self_intersections.h"
 #include "app/eyes.h"
+#include "app/open_character.h"
 #include "app/picture_size.h"
 #include "app/pose_sheet.h"
 #include "app/verb.h"
@@ -204,7 +205,7 @@ int run(const PoseBookOptions& options, const Common& common, Report& report) {
   std::vector<NamedPose> book;
   int at_rest = 0;
   for (const fs::path& file : options.characters) {
-    Actor actor = make_actor(read_character(file), report);
+    Actor actor = make_actor(open_character(file, common, report), report);
     const Skeleton& skeleton = actor.character.anatomy.skeleton;
     book = read_pose_book(options.poses, skeleton);
     volumes = volume_poses(skeleton);

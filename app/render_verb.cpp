@@ -9,6 +9,7 @@
 #include "app/activation_options.h"
 #include "app/actor_film.h"
 #include "app/motion_options.h"
+#include "app/open_character.h"
 #include "app/picture_size.h"
 #include "app/verb.h"
 
@@ -47,7 +48,7 @@ int run(RenderVerbOptions options, const Common& common, Report& report) {
   if (options.colour_map) options.film.muscle_colors = MuscleColors::shortening;
   if (options.film.output.extension() == ".mp4") check_output(options.film.output);
   require_settling(options.film.dynamics, options.skin);
-  Actor actor = make_actor(read_character(options.character), report, {.weights = options.weights});
+  Actor actor = make_actor(open_character(options.character, common, report), report, {.weights = options.weights});
   choose_skin(actor, options.skin);
   const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
   options.film.ground.visible = true;
@@ -67,7 +68,7 @@ void add_render_verb(VerbRegistry& registry) {
   CLI::App* verb = add_verb(registry, registry.app, "render", "Film a character's motion",
                             "ecorche render anna.glb walk.bvh -o anna.mp4 --layers muscles,bones --camera left",
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
-  verb->add_option("character", options->character, "Character written by `ecorche fit`")->required();
+  verb->add_option("character", options->character, "Character written by `ecorche fit`, or CROWD.glb#NAME")->required();
   verb->add_option("motion", options->motion, "Motion (.bvh)")->required();
   verb->add_option("-o,--output", options->film.output, "FILM.mp4, or numbered pictures DIR/%04d.png")->required();
   verb->add_option("--layers", options->layers, "What is seen: skin, muscles, bones; the skin is glass over other layers")->capture_default_str();

@@ -10,6 +10,7 @@
 #include "app/eyes.h"
 #include "app/fitting.h"
 #include "app/motion_options.h"
+#include "app/open_character.h"
 #include "app/verb.h"
 #include "morph/body.h"
 #include "morph/template.h"
@@ -30,20 +31,20 @@ struct ViewVerbOptions {
 };
 
 // The template's muscles fill the skin only once they are dilated, in its own body as in any other.
-Actor open_actor(const std::filesystem::path& file, const std::string& sex, Report& report) {
+Actor open_actor(const std::filesystem::path& file, const std::string& sex, const Common& common, Report& report) {
   if (file.empty() && !sex.empty()) {
     BodySpec average;
     average.sex = sex == "female" ? Sex::female : Sex::male;
     const BodyPackage package = read_body_package(find_packages());
     return fit_character(read_template(), make_body(package, average), package, {}, report).actor;
   }
-  if (!file.empty()) return make_actor(read_character(file), report);
+  if (!file.empty()) return make_actor(open_character(file, common, report), report);
   const Template shown = read_template();
   return fit_character(shown, shown.body, read_body_package(find_packages()), {}, report).actor;
 }
 
 int run(const ViewVerbOptions& options, const Common& common, Report& report) {
-  const Actor actor = open_actor(options.character, options.sex, report);
+  const Actor actor = open_actor(options.character, options.sex, common, report);
   const Anatomy& anatomy = actor.character.anatomy;
   Motion motion;
   motion.frames.push_back(rest_pose(anatomy.skeleton));
@@ -94,7 +95,7 @@ void add_view_verb(VerbRegistry& registry) {
   CLI::App* verb = add_verb(registry, registry.app, "view", "Look at a character in a window: orbit, play, pick a bone or muscle",
                             "ecorche view anna.glb walk.bvh",
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
-  verb->add_option("character", options->character, "Character written by `ecorche fit`; the template when left out");
+  verb->add_option("character", options->character, "Character written by `ecorche fit`, or CROWD.glb#NAME; the template when left out");
   verb->add_option("motion", options->motion, "Motion (.bvh)");
   verb->add_flag("--sliders", options->sliders, "Measures as sliders: the skin follows, bones, joints, muscles and binding are carried along");
   verb->add_option("-o,--output", options->output, "With --sliders: character to write when the window closes (.glb)");

@@ -9,6 +9,7 @@
 #include "anatomy/mesh_measures.h"
 #include "app/actor.h"
 #include "app/motion_options.h"
+#include "app/open_character.h"
 #include "app/verb.h"
 #include "skinning/painted_weights.h"
 #include "viewer/camera.h"
@@ -91,7 +92,7 @@ int run(const WeightsVerbOptions& options, const Common& common, Report& report)
   if (options.table.empty() && options.picture.empty()) throw UsageError("weights: nothing to do; give -o FILE.csv, or --joint NAME and --picture FILE.png");
   if (options.picture.empty() != options.joints.empty()) throw UsageError("weights: --joint and --picture belong together");
   if (!options.table.empty()) check_output(options.table, {options.character, options.weights});
-  Character character = read_character(options.character);
+  Character character = open_character(options.character, common, report);
   const std::optional<BaseSkin> base = find_base(character.body.skin);
   const Actor actor = make_actor(std::move(character), report, {base ? &*base : nullptr, options.weights, false});
   const Skeleton& skeleton = actor.character.anatomy.skeleton;
@@ -119,7 +120,7 @@ void add_weights_verb(VerbRegistry& registry) {
   CLI::App* verb = add_verb(registry, registry.app, "weights", "How much each joint moves each vertex of the skin, as a table and as pictures",
                             "ecorche weights anna.glb -o weights.csv --joint scapula_l,shoulder_l --picture weights.png",
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
-  verb->add_option("character", options->character, "Character written by `ecorche fit`")->required();
+  verb->add_option("character", options->character, "Character written by `ecorche fit`, or CROWD.glb#NAME")->required();
   verb->add_option("-o,--output", options->table, "Table to write (.csv): vertex, joint, weight; change it and give it back with --weights");
   verb->add_option("--joint", options->joints, "Joints that the picture shows, separated by commas");
   verb->add_option("--picture", options->picture, "Picture to write (.png): the body coloured by these joints' weights");

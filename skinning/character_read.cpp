@@ -10,6 +10,7 @@
 
 #include "anatomy/errors.h"
 #include "skinning/character_io.h"
+#include "skinning/crowd_read.h"
 #include "skinning/gltf_values.h"
 
 namespace ecorche {
@@ -178,11 +179,20 @@ class Reader {
 
 }  // namespace
 
-Character read_character(const fs::path& file) { return Reader(file).read(); }
+Character read_character(const fs::path& file) {
+  if (const std::optional<CrowdAddress> one = crowd_address(file))
+    throw InputError(fmt::format("{}: a crowd has its people's muscles only as meshes; `ecorche fit '{}' -o {}.glb` makes a character of this one", file.string(),
+                                 file.string(), one->person));
+  return Reader(file).read();
+}
 
-Body read_body(const fs::path& file) { return Reader(file).read_body(); }
+Body read_body(const fs::path& file) {
+  if (const std::optional<CrowdAddress> one = crowd_address(file)) return read_crowd_person(open_crowd(one->file), one->person).body;
+  return Reader(file).read_body();
+}
 
 bool has_body_notes(const fs::path& file) {
+  if (crowd_address(file)) return true;
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return false;
   std::ifstream in(file, std::ios::binary);

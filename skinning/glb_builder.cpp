@@ -147,18 +147,6 @@ void add_channel(tinygltf::Animation& animation, int node, const char* path, int
 
 namespace {
 
-// A joint's turns, on one hemisphere from key to key, so that linear players do not turn the long way round.
-std::vector<Quat> turns_of(const Motion& motion, std::size_t joint) {
-  std::vector<Quat> out;
-  Quat last = Quat::Identity();
-  for (const Pose& pose : motion.frames) {
-    Quat q = pose.rotations[joint].normalized();
-    if (q.dot(last) < 0) q.coeffs() = -q.coeffs();
-    out.push_back(last = q);
-  }
-  return out;
-}
-
 int add_turns(GlbBuilder& glb, std::span<const Quat> turns, TurnKeys keys) {
   if (keys == TurnKeys::shorts) {
     std::vector<std::int16_t> values;
@@ -187,7 +175,7 @@ int add_motion(GlbBuilder& glb, const Skeleton& skeleton, const Motion& motion, 
   int begin = -1;  // of what does not move: one key
   add_channel(animation, 0, "translation", times, glb.add_accessor(roots, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 3, 0));
   for (size_t j = 0; j < skeleton.joints.size(); ++j) {
-    const std::vector<Quat> turns = turns_of(motion, j);
+    const std::vector<Quat> turns = steady_turns(motion, j);
     const bool turned = std::any_of(turns.begin(), turns.end(), [](const Quat& q) { return std::abs(q.w()) < 1 - 1e-12; });
     const bool moves = std::any_of(turns.begin(), turns.end(), [&](const Quat& q) { return (q.coeffs() - turns[0].coeffs()).cast<float>().cwiseAbs().maxCoeff() > kStill; });
     if (!turned) continue;

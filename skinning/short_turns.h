@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 #include "anatomy/skeleton.h"
 
@@ -14,6 +15,18 @@ namespace ecorche {
 inline std::array<std::int16_t, 4> to_shorts(const Quat& q) {
   std::array<std::int16_t, 4> out;
   for (std::size_t k = 0; k < 4; ++k) out[k] = static_cast<std::int16_t>(std::lround(32767 * q.coeffs()[static_cast<Eigen::Index>(k)]));
+  return out;
+}
+
+// A joint's turns, on one hemisphere from key to key, so that linear players do not turn the long way round.
+inline std::vector<Quat> steady_turns(const Motion& motion, std::size_t joint) {
+  std::vector<Quat> out;
+  Quat last = Quat::Identity();
+  for (const Pose& pose : motion.frames) {
+    Quat q = pose.rotations[joint].normalized();
+    if (q.dot(last) < 0) q.coeffs() = -q.coeffs();
+    out.push_back(last = q);
+  }
   return out;
 }
 

@@ -101,6 +101,18 @@ absent none
 expect 8 "a crowd of skins" "$ecorche" body population people.csv --skins -o skins --crowd skins.glb
 there skins.glb; there skins/ada.bin
 if [ "$(stat -c %s skins.glb)" -lt 2000000 ] && grep -q 'ada/skin' skins.glb && ! grep -q 'ada/bones' skins.glb; then ok; else bad "a crowd of skins has more than skins"; fi
+expect 3 "a crowd in place of a body" "$ecorche" body measure crowd.glb
+says "crowd.glb#ada (ada, cyd)"
+expect 3 "a crowd in place of a character" "$ecorche" export crowd.glb -o a.osim
+says "crowd.glb#ada (ada, cyd)"; absent a.osim
+expect 3 "somebody who is not in the crowd" "$ecorche" body measure 'crowd.glb#eve'
+says "there are ada, cyd"
+expect 0 "one of a crowd, measured" "$ecorche" body measure 'skins.glb#ada'
+if grep -q "^stature *168.0 cm" out.txt; then ok; else bad "a person of a crowd has another stature: $(grep '^stature ' out.txt)"; fi
+expect 6 "a crowd in whose place one of its people would come" "$ecorche" body modify 'crowd.glb#ada' --fat 30 -o crowd.glb
+says "also the input"
+expect 0 "one of a crowd, as a character" "$ecorche" export 'crowd/crowd.gltf#ada' -o ada.osim --no-meshes
+there ada.osim
 expect 2 "tissue without a mesh" "$ecorche" fit anna.glb -o c.glb --tissue t.vtk
 says "interior"; absent c.glb
 expect 0,8 "a fit by a warp of the tissue" "$ecorche" fit anna.glb -o anna-tetgen.glb --interior tetgen --tissue t.vtk --method ellipses
@@ -169,6 +181,13 @@ there walk.mdd; there objs/001.obj
 expect 0,8 "a bake" "$ecorche" bake anna-1.glb "$walk" "$source/data/motions/long_jump.bvh" -o baked.glb --samples 60 --morphs 8 --report bake.json
 there baked.glb
 if grep -q '"rms"' bake.json; then ok; else bad "the bake does not state its error"; fi
+expect 0 "a crowd that walks" "$ecorche" animate crowd.glb "$walk" -o walking.glb --stagger 0.3 --report walking.json
+there walking.glb
+if grep -q '"people": 2' walking.json; then ok; else bad "not everybody walks"; fi
+expect 2 "a crowd's vertices" "$ecorche" animate crowd.glb "$walk" -o a.pc2
+says "crowd.glb#NAME"; absent a.pc2
+expect 2 "one person, one after the other" "$ecorche" animate anna-1.glb "$walk" -o a.glb --stagger 1
+absent a.glb
 printf 'name,label,view,angles\nbent,bent,front,elbow 90\n' > poses.csv
 expect 0 "a pose book" "$ecorche" posebook anna-1.glb -o poses --poses poses.csv
 there poses/ecorche.png; there poses/lbs.png; there poses/figures.csv
@@ -213,7 +232,7 @@ expect 4,6 "the window without a display" env -u DISPLAY -u WAYLAND_DISPLAY "$ec
 
 # Other people's programs.
 if [ -d "$build/clients/node_modules/gltf-validator" ]; then
-  for file in anna.glb anna-1.glb walk.glb baked.glb crowd.glb skins.glb; do
+  for file in anna.glb anna-1.glb walk.glb baked.glb crowd.glb skins.glb walking.glb; do
     expect 0 "the glTF validator on $file" node "$source/tests/clients/validate.cjs" "$build/clients/node_modules" "$folder/$file"
     tail -1 out.txt
   done
@@ -229,6 +248,8 @@ if [ -d "$build/clients/node_modules/three" ] && command -v chromium > /dev/null
     expect 0 "three.js in Chromium on $file" node "$source/tests/clients/three_crowd.mjs" "$build/clients/node_modules" "$folder/$file" "$folder/people"
     tail -1 out.txt
   done
+  expect 0 "three.js in Chromium on walking.glb" node "$source/tests/clients/three_crowd.mjs" "$build/clients/node_modules" "$folder/walking.glb" "$folder/people" --motion walk
+  tail -1 out.txt
 else
   skip "three.js in Chromium: run make clients"
 fi
@@ -244,7 +265,7 @@ if [ -e "$build/clients/python/ready" ]; then
   expect 0 "Blender on baked.glb" "$build/clients/python/bin/python" "$source/tests/clients/blender_loads.py" "$folder/baked.glb"
   expect 0 "Blender on walk.glb" "$build/clients/python/bin/python" "$source/tests/clients/blender_loads.py" "$folder/walk.glb"
   tail -1 out.txt
-  for file in crowd.glb skins.glb crowd/crowd.gltf; do
+  for file in crowd.glb skins.glb crowd/crowd.gltf walking.glb; do
     expect 0 "Blender on $file" "$build/clients/python/bin/python" "$source/tests/clients/blender_crowd.py" "$folder/$file" "$folder/people"
     tail -1 out.txt
   done

@@ -1,7 +1,7 @@
 """python blender_crowd.py CROWD SKINS_FOLDER   Loads a crowd (.glb, or .gltf with its people beside it) in Blender and checks it against the
 same people's own files of a `body population --skins`, SKINS_FOLDER/NAME.glb: every mesh is there, each skin's vertices are where their own
 file has them, at the person's place, people are as tall as their figures say and do not reach into each other, and a bent elbow moves its
-own arm and nobody else."""
+own arm and nobody else. Of a crowd that moves, one of people who keep to the ground: the animation moves everybody, on the ground."""
 import json
 import math
 import struct
@@ -40,8 +40,33 @@ def posed(mesh, at_rest=False):
     return places[:, [0, 2, 1]] * [1, 1, -1]
 
 
+def bend(people, rest):
+    elbow = bpy.data.objects[people[0] + "/middle"].pose.bones["elbow_l"]
+    elbow.rotation_mode = "QUATERNION"
+    elbow.rotation_quaternion = (math.cos(0.5), math.sin(0.5), 0, 0)
+    bpy.context.view_layer.update()
+    moved = {name: np.linalg.norm(posed(bpy.data.objects[name + "/skin"]) - rest[name], axis=1) for name in people}
+    share = float((moved[people[0]] > 0.01).mean())
+    assert 0.01 < share < 0.3, f"an elbow moves {share:.3f} of the skin"
+    assert all(moved[name].max() < 1e-6 for name in people[1:]), "an elbow moves somebody else"
+    return ""
+
+
+def play(people, rest, seconds):
+    scene, off = bpy.context.scene, 0.0
+    for share in (0.25, 0.5, 0.75):
+        scene.frame_set(round(share * seconds * scene.render.fps / scene.render.fps_base))
+        for name in people:
+            now = posed(bpy.data.objects[name + "/skin"])
+            off = max(off, abs(float(now[:, 1].min())))
+            assert np.linalg.norm(now - rest[name], axis=1).min() > 0.1, f"{name} does not move along"
+    assert off < 0.02, f"{1e3 * off:.1f} mm off the ground"
+    return f", at most {1e3 * off:.1f} mm off the ground in motion"
+
+
 def main(path, folder):
     text, _ = document(path)
+    animated = "animations" in text
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.import_scene.gltf(filepath=path)
     meshes = [n["name"] for n in text["nodes"] if "mesh" in n]
@@ -52,7 +77,7 @@ def main(path, folder):
     most, boxes, rest = 0.0, {}, {}
     for name in people:
         place = next(n for n in text["nodes"] if n["name"] == name)["translation"]
-        rest[name] = posed(bpy.data.objects[name + "/skin"])
+        rest[name] = posed(bpy.data.objects[name + "/skin"], at_rest=animated)
         own = own_skin(f"{folder}/{name}.glb") + np.array(place)
         assert rest[name].shape == own.shape, f"{name}: {len(rest[name])} vertices, {len(own)} in their own file"
         most = max(most, float(np.linalg.norm(rest[name] - own, axis=1).max()))
@@ -66,15 +91,10 @@ def main(path, folder):
         for other in people:
             apart = (boxes[one][0] > boxes[other][1]) | (boxes[other][0] > boxes[one][1])
             assert one == other or apart.any(), f"{one} and {other} reach into each other"
-    elbow = bpy.data.objects[people[0] + "/middle"].pose.bones["elbow_l"]
-    elbow.rotation_mode = "QUATERNION"
-    elbow.rotation_quaternion = (math.cos(0.5), math.sin(0.5), 0, 0)
-    bpy.context.view_layer.update()
-    moved = {name: np.linalg.norm(posed(bpy.data.objects[name + "/skin"]) - rest[name], axis=1) for name in people}
-    share = float((moved[people[0]] > 0.01).mean())
-    assert 0.01 < share < 0.3, f"an elbow moves {share:.3f} of the skin"
-    assert all(moved[name].max() < 1e-6 for name in people[1:]), "an elbow moves somebody else"
-    print(f"{path}: Blender {bpy.app.version_string} shows {len(people)} people in {len(meshes)} meshes, at most {1e3 * most:.3f} mm from their own files")
+    if animated:
+        seconds = max(text["accessors"][s["input"]]["max"][0] for s in text["animations"][0]["samplers"])
+    more = play(people, rest, seconds) if animated else bend(people, rest)
+    print(f"{path}: Blender {bpy.app.version_string} shows {len(people)} people in {len(meshes)} meshes, at most {1e3 * most:.3f} mm from their own files{more}")
 
 
 main(*sys.argv[-2:])

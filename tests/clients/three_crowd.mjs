@@ -1,12 +1,15 @@
-// node three_crowd.mjs NODE_MODULES CROWD SKINS_FOLDER [PICTURES_FOLDER]
+// node three_crowd.mjs NODE_MODULES CROWD SKINS_FOLDER [--motion NAME] [--pictures FOLDER]
 // Opens a crowd (.glb, or .gltf with its people beside it) in three.js in headless Chromium and compares each person's skin with the same
 // person's own file of a `body population --skins`, SKINS_FOLDER/NAME.glb, put where the crowd says the person stands. Exit code 1 when a
-// vertex or a normal is elsewhere, people reach into each other, a mesh is missing, or a skin is not drawn where it is.
+// vertex or a normal is elsewhere, people reach into each other, a mesh is missing, or a skin is not drawn where it is. With a motion, one of people
+// who keep to the ground: when it does not move each of them, or not on the ground.
 import { readFileSync, writeFileSync } from 'node:fs';
 import { basename, dirname, join } from 'node:path';
 import { browse, document } from './browser.mjs';
 
-const [, , modules, file, skins, pictures] = process.argv;
+const [, , modules, file, skins, ...more] = process.argv;
+const option = (name) => more.includes(name) ? more[more.indexOf(name) + 1] : undefined;
+const motion = option('--motion'), pictures = option('--pictures'), shares = [0.25, 0.5, 0.75];
 const crowd = document(file), got = new Map();
 const kMost = 5e-5, kTurn = 1.5;  // m; degrees, of an 8-bit normal
 
@@ -41,8 +44,24 @@ function compare(name, found) {
   return { most, turned, box };
 }
 
+// How far the lowest point of somebody who moves is from the ground at most, and how far the first vertex goes at least.
+function compareMoving(name) {
+  const rest = got.get(name);
+  let off = 0, gone = Infinity;
+  for (const share of shares) {
+    const found = got.get(`${name} ${share}`) ?? [];
+    let low = Infinity;
+    for (let i = 1; i < found.length; i += 6) low = Math.min(low, found[i]);
+    off = Math.max(off, Math.abs(low));
+    gone = Math.min(gone, Math.hypot(found[0] - rest[0], found[1] - rest[1], found[2] - rest[2]));
+  }
+  if (!(off < 0.02)) throw new Error(`${name}: ${1e3 * off} mm off the ground`);
+  if (!(gone > 0.1)) throw new Error(`${name}: does not move along`);
+  return off;
+}
+
 function judge(answer) {
-  for (const { layer, picture } of answer.pictures) if (pictures) writeFileSync(join(pictures, `crowd-${layer}.png`), Buffer.from(picture.split(',')[1], 'base64'));
+  for (const { what, picture } of answer.pictures) if (pictures) writeFileSync(join(pictures, `crowd-${what}.png`), Buffer.from(picture.split(',')[1], 'base64'));
   const names = crowd.nodes.filter((node) => node.name.endsWith('/skin')).map((node) => node.name.slice(0, -5));
   if (names.length === 0 || names.length !== crowd.scenes[0].extras.crowd.people || answer.meshes !== crowd.meshes.length)
     throw new Error(`${names.length} people, ${answer.meshes} meshes of ${crowd.meshes.length}`);
@@ -51,13 +70,14 @@ function judge(answer) {
     if (one !== other && [0, 1, 2].every((k) => one.box.low[k] < other.box.high[k] && other.box.low[k] < one.box.high[k]))
       throw new Error('two people reach into each other');
   for (const { hit, seen } of answer.shown) if (hit < 0.99 || seen < 0.99) throw new Error(`a skin is not drawn where it is: ${hit} of ${seen}`);
+  const ground = motion ? `, at most ${(1e3 * Math.max(...names.map(compareMoving))).toFixed(1)} mm off the ground in ${motion}` : '';
   console.log(`${file}: three.js r${answer.version} shows ${names.length} people in ${answer.meshes} meshes, at most `
-    + `${(1e3 * Math.max(...people.map((one) => one.most))).toFixed(3)} mm and ${Math.max(...people.map((one) => one.turned)).toFixed(2)} degrees from their own files`);
+    + `${(1e3 * Math.max(...people.map((one) => one.most))).toFixed(3)} mm and ${Math.max(...people.map((one) => one.turned)).toFixed(2)} degrees from their own files${ground}`);
 }
 
 browse({
   what: file, modules, page: 'three_crowd.html', judge,
-  serve: (path) => path === '/asked.json' ? JSON.stringify({ file: basename(file) })
+  serve: (path) => path === '/asked.json' ? JSON.stringify({ file: basename(file), motion, shares })
     : path.startsWith('/crowd/') ? readFileSync(join(dirname(file), basename(path))) : undefined,
-  take: (url, floats) => got.set(url.searchParams.get('name'), floats),
+  take: (url, floats) => got.set([url.searchParams.get('name'), url.searchParams.get('share')].filter((part) => part).join(' '), floats),
 });

@@ -7,10 +7,12 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <set>
 
 #include "anatomy/errors.h"
+#include "skinning/crowd_read.h"
 #include "tests/skinning/arm.h"
 
 namespace ecorche {
@@ -67,9 +69,9 @@ class CrowdTest : public ::testing::Test {
 };
 
 // What a player of glTF makes of a file.
-class Crowd {
+class PlayedCrowd {
  public:
-  explicit Crowd(const fs::path& file) {
+  explicit PlayedCrowd(const fs::path& file) {
     std::string error, warning;
     tinygltf::TinyGLTF loader;
     const bool ok = file.extension() == ".glb" ? loader.LoadBinaryFromFile(&model_, &error, &warning, file) : loader.LoadASCIIFromFile(&model_, &error, &warning, file);
@@ -81,9 +83,43 @@ class Crowd {
       if (node.name == name) return node;
     throw std::runtime_error(name);
   }
+  // Every channel's last key.
+  void play_to_end(const std::string& motion) {
+    for (const tinygltf::Animation& animation : model_.animations) {
+      if (animation.name != motion) continue;
+      for (const tinygltf::AnimationChannel& channel : animation.channels) {
+        const tinygltf::AnimationSampler& sampler = animation.samplers[static_cast<std::size_t>(channel.sampler)];
+        tinygltf::Node& node = model_.nodes[static_cast<std::size_t>(channel.target_node)];
+        const std::size_t last = model_.accessors[static_cast<std::size_t>(sampler.output)].count - 1;
+        EXPECT_EQ(model_.accessors[static_cast<std::size_t>(sampler.input)].count, last + 1);
+        if (channel.target_path == "rotation") {
+          std::int16_t q[4]{};
+          std::memcpy(q, at(sampler.output, last), sizeof q);
+          node.rotation = {q[0] / 32767.0, q[1] / 32767.0, q[2] / 32767.0, q[3] / 32767.0};
+        } else {
+          node.translation.clear();
+          for (std::size_t k = 0; k < 3; ++k) {
+            float t = 0;
+            std::memcpy(&t, at(sampler.output, last) + k * sizeof t, sizeof t);
+            node.translation.push_back(static_cast<double>(t));
+          }
+        }
+      }
+    }
+  }
+  // When the motion of a joint, the first of a person, begins and ends.
+  std::pair<double, double> times_of(const std::string& motion, int node) const {
+    for (const tinygltf::Animation& animation : model_.animations)
+      for (const tinygltf::AnimationChannel& channel : animation.channels)
+        if (animation.name == motion && channel.target_node == node) {
+          const tinygltf::Accessor& times = model_.accessors[static_cast<std::size_t>(animation.samplers[static_cast<std::size_t>(channel.sampler)].input)];
+          return {times.minValues.at(0), times.maxValues.at(0)};
+        }
+    throw std::runtime_error(motion);
+  }
   const tinygltf::Primitive& primitive(const std::string& name) const { return model_.meshes[static_cast<std::size_t>(node(name).mesh)].primitives[0]; }
 
-  // A skinned mesh at rest, world.
+  // A skinned mesh as its nodes stand, world.
   Points rest(const std::string& name) const {
     const tinygltf::Primitive& p = primitive(name);
     const tinygltf::Skin& skin = model_.skins[static_cast<std::size_t>(node(name).skin)];
@@ -116,6 +152,7 @@ class Crowd {
  private:
   static Eigen::Matrix4d matrix_of(const tinygltf::Node& node) {
     Eigen::Matrix4d out = Eigen::Matrix4d::Identity();
+    if (const auto& q = node.rotation; !q.empty()) out.topLeftCorner<3, 3>() = Quat(q[3], q[0], q[1], q[2]).toRotationMatrix();
     for (std::size_t k = 0; k < node.scale.size(); ++k) out.col(static_cast<Eigen::Index>(k)) *= node.scale[k];
     for (std::size_t k = 0; k < node.translation.size(); ++k) out(static_cast<Eigen::Index>(k), 3) = node.translation[k];
     return out;
@@ -139,7 +176,7 @@ TEST_F(CrowdTest, PeopleStandAsTheyWereInBothKindsOfFile) {
   const std::vector<CrowdMember> members{member(small), member(tall)};
   for (const char* name : {"crowd.glb", "crowd.gltf"}) {
     write_crowd(folder / name, mould, members);
-    const Crowd crowd(folder / name);
+    const PlayedCrowd crowd(folder / name);
     const auto apart = [&](const char* who) { return crowd.node(who).translation; };
     for (const Character* one : {&small, &tall}) {
       const std::string& who = one->body.name;
@@ -169,7 +206,7 @@ TEST_F(CrowdTest, WhatPeopleHaveInCommonIsThereOnce) {
   for (int i = 0; i < 4; ++i) members.push_back(member(person("p" + std::to_string(i), 0.9 + 0.05 * i)));
   write_crowd(folder / "four.glb", mould, members);
   write_crowd(folder / "one.glb", mould, {members[0]});
-  const Crowd crowd(folder / "four.glb");
+  const PlayedCrowd crowd(folder / "four.glb");
   for (const char* layer : {"skin", "bones", "muscles"}) {
     const bool own_weights = std::string(layer) == "skin";
     std::set<int> shared, own;
@@ -211,6 +248,160 @@ TEST_F(CrowdTest, WhatDoesNotBelongIsRefused) {
   fs::remove(a.file);
   EXPECT_THROW(write_crowd(folder / "gone.glb", mould, {a}), InputError);
   EXPECT_FALSE(fs::exists(folder / "long.glb") || fs::exists(folder / "gone.glb"));
+}
+
+std::string error_of(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+TEST_F(CrowdTest, APersonComesBack) {
+  const Character giant = person("giant", 2.5), small = person("small", 0.8);  // one beyond what metres hold
+  const std::vector<CrowdMember> members{member(giant), member(small)};
+  for (const char* name : {"crowd.glb", "crowd.gltf"}) {
+    write_crowd(folder / name, mould, members);
+    const Crowd crowd = open_crowd(folder / name);
+    EXPECT_EQ(crowd.people, (std::vector<std::string>{"giant", "small"}));
+    for (const Character* one : {&giant, &small}) {
+      const CrowdPerson back = read_crowd_person(crowd, one->body.name);
+      EXPECT_LT((back.body.skin.V - one->body.skin.V).cwiseAbs().maxCoeff(), one == &giant ? 6e-5 : 2e-5);
+      EXPECT_EQ(back.body.skin.F, one->body.skin.F);
+      EXPECT_EQ(back.body.sex, Sex::female);
+      const std::vector<Joint>&found = back.skeleton.joints, &asked = one->anatomy.skeleton.joints;
+      ASSERT_EQ(found.size(), asked.size());
+      for (std::size_t j = 0; j < asked.size(); ++j) {
+        EXPECT_EQ(found[j].name, asked[j].name);
+        EXPECT_EQ(found[j].parent, asked[j].parent);
+        EXPECT_LT((found[j].X_PJ.translation() - asked[j].X_PJ.translation()).norm(), 1e-6);
+        EXPECT_LT((found[j].axes - asked[j].axes).norm() + (found[j].zero - asked[j].zero).norm(), 1e-6);
+        EXPECT_LT((found[j].min - asked[j].min).norm() + (found[j].max - asked[j].max).norm(), 1e-6);
+      }
+      // What reads bodies reads people of crowds.
+      EXPECT_EQ(read_body((folder / name).string() + "#" + one->body.name).skin.V, back.body.skin.V);
+    }
+  }
+}
+
+TEST_F(CrowdTest, WhoIsNotNamedOrNotThereIsToldWhoIs) {
+  write_crowd(folder / "crowd.glb", mould, {member(person("ada", 1)), member(person("bob", 1))});
+  const std::string file = (folder / "crowd.glb").string();
+  EXPECT_NE(error_of([&] { read_body(file); }).find("crowd.glb#ada (ada, bob)"), std::string::npos);
+  EXPECT_NE(error_of([&] { read_body(file + "#eve"); }).find("nobody is named 'eve'; there are ada, bob"), std::string::npos);
+  EXPECT_NE(error_of([&] { read_character(file + "#ada"); }).find("ecorche fit"), std::string::npos);
+  EXPECT_NE(error_of([&] { read_character(file); }).find("name one of them"), std::string::npos);
+  EXPECT_FALSE(is_crowd(folder / "ada.bin"));
+  EXPECT_FALSE(crowd_address(folder / "none.glb#ada"));
+}
+
+TEST_F(CrowdTest, DamagedCrowdsAreRefused) {
+  write_crowd(folder / "crowd.glb", mould, {member(person("ada", 1))});
+  write_crowd(folder / "crowd.gltf", mould, {member(person("ada", 1))});
+  const std::string whole = bytes_of(folder / "crowd.glb"), text = bytes_of(folder / "crowd.gltf");
+  const auto put = [&](const char* name, const std::string& bytes) { std::ofstream(folder / name, std::ios::binary) << bytes; };
+  const auto refused = [&](const char* name, const char* says = "") {
+    const std::string why = error_of([&] { read_crowd_person(open_crowd(folder / name), "ada"); });
+    EXPECT_NE(why.find(name), std::string::npos) << why;
+    EXPECT_NE(why.find(says), std::string::npos) << why;
+  };
+  for (const std::size_t kept : {std::size_t{10}, std::size_t{300}, whole.size() / 2, whole.size() - 1}) {
+    put("short.glb", whole.substr(0, kept));
+    refused("short.glb");
+  }
+  const auto changed = [&](const std::string& from, const std::string& to, const char* says = "") {
+    std::string out = text;
+    const auto at = out.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    out.replace(at, from.size(), to);
+    put("changed.gltf", out);
+    refused("changed.gltf", says);
+  };
+  changed("\"ada.bin\"", "\"../" + folder.filename().string() + "/ada.bin\"");  // there, but nothing outside the folder is opened
+  changed("\"ada.bin\"", "\"bob.bin\"");
+  changed("\"schema\":2", "\"schema\":3");
+  changed("\"joint_frames\":", "\"joint_frames\":99999", "reach beyond");
+  changed("\"inverseBindMatrices\":", "\"inverseBindMatrices\":1");
+  changed("\"children\":[1]", "\"children\":[0]", "above the joints");
+  changed("\"POSITION\":", "\"POSITION\":7");
+  changed("\"count\":", "\"count\":-");
+}
+
+// Joints turn by `angle` at the end, and the figure walks off.
+Motion test_motion(const Skeleton& skeleton, double angle) {
+  Motion out{10, {rest_pose(skeleton), rest_pose(skeleton), rest_pose(skeleton)}};
+  for (std::size_t f = 1; f < 3; ++f) {
+    out.frames[f].root += Vec3(0.1, 0.02, 0.3) * static_cast<double>(f);
+    out.frames[f].rotations[3] = Quat(Eigen::AngleAxisd(-angle * static_cast<double>(f) / 2, Vec3::UnitX()));
+  }
+  return out;
+}
+
+TEST_F(CrowdTest, AllMoveEachByTheirOwnMotion) {
+  const Character giant = person("giant", 2.5), small = person("small", 0.8);
+  for (const char* name : {"crowd.glb", "crowd.gltf"}) {
+    write_crowd(folder / name, mould, {member(giant), member(small)});
+    const auto angle = [](const std::string& who) { return who == "giant" ? 0.5 : 1.2; };
+    write_crowd_motion(folder / "moving.glb", open_crowd(folder / name), {"bend", 0.5},
+                       [&](const CrowdPerson& one) { return test_motion(one.skeleton, angle(one.body.name)); });
+    PlayedCrowd moving(folder / "moving.glb");
+    moving.play_to_end("bend");
+    for (const Character* one : {&giant, &small}) {
+      const std::string& who = one->body.name;
+      const Skeleton& skeleton = one->anatomy.skeleton;
+      const Motion motion = test_motion(skeleton, angle(who));
+      std::vector<Transform> posed;
+      forward_kinematics(skeleton, motion.frames.back(), posed);
+      const std::vector<Vec3> rest = rest_positions(skeleton);
+      const Binding weights = weights_of(*one);
+      const auto& t = moving.node(who).translation;
+      const Points found = moving.rest(who + "/skin").rowwise() - Eigen::RowVector3d(t[0], t[1], t[2]);
+      double most = 0;
+      for (Eigen::Index v = 0; v < found.rows(); ++v) {
+        Vec3 asked = Vec3::Zero();
+        for (const Influence& i : weights.joint_weights[static_cast<std::size_t>(v)])
+          asked += i.weight * (posed[static_cast<std::size_t>(i.joint)] * (one->body.skin.V.row(v).transpose() - rest[static_cast<std::size_t>(i.joint)]));
+        most = std::max(most, (asked - found.row(v).transpose()).norm());
+      }
+      EXPECT_LT(most, 2e-4) << who;  // turns are good to 0.004 degrees
+      const auto [begin, end] = moving.times_of("bend", moving.model().skins[one == &giant ? 0 : 1].joints[0]);
+      EXPECT_NEAR(begin, one == &giant ? 0 : 0.5, 1e-6);
+      EXPECT_NEAR(end - begin, 0.2, 1e-6);
+    }
+    // Another motion may follow, the same name may not.
+    const auto move = [](const CrowdPerson& one) { return test_motion(one.skeleton, 1); };
+    write_crowd_motion(folder / "twice.glb", open_crowd(folder / "moving.glb"), {"again"}, move);
+    EXPECT_EQ(PlayedCrowd(folder / "twice.glb").model().animations.size(), 2u);
+    EXPECT_THROW(write_crowd_motion(folder / "thrice.glb", open_crowd(folder / "moving.glb"), {"bend"}, move), UsageError);
+    EXPECT_THROW(write_crowd_motion(folder / "thrice.glb", open_crowd(folder / "moving.glb"), {"other"}, [](const CrowdPerson&) { return Motion{}; }), std::invalid_argument);
+    EXPECT_FALSE(fs::exists(folder / "thrice.glb"));
+  }
+}
+
+TEST_F(CrowdTest, SkinsAlone) {
+  mould = make_crowd_mould(pattern, CrowdLayers::skin_alone);
+  const Character ada = person("ada", 0.9);
+  write_crowd(folder / "skins.glb", mould, {member(ada)});
+  const PlayedCrowd crowd(folder / "skins.glb");
+  EXPECT_EQ(crowd.model().meshes.size(), 1u);
+  EXPECT_EQ(crowd.model().materials.size(), 1u);
+  EXPECT_LT((crowd.rest("ada/skin") - ada.body.skin.V).cwiseAbs().maxCoeff(), 4e-5);
+  EXPECT_EQ(read_crowd_person(open_crowd(folder / "skins.glb"), "ada").skeleton.joints.size(), pattern.anatomy.skeleton.joints.size());
+}
+
+TEST_F(CrowdTest, NobodyReachesIntoANeighbour) {
+  write_crowd(folder / "crowd.glb", mould, {member(person("a", 20)), member(person("b", 20)), member(person("c", 20)), member(person("d", 20))});
+  const PlayedCrowd crowd(folder / "crowd.glb");
+  std::vector<std::pair<Vec3, Vec3>> boxes;
+  for (const char* who : {"a", "b", "c", "d"}) {
+    const Points skin = crowd.rest(std::string(who) + "/skin");
+    boxes.emplace_back(skin.colwise().minCoeff(), skin.colwise().maxCoeff());
+  }
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t k = 0; k < i; ++k)
+      EXPECT_TRUE((boxes[i].first.array() > boxes[k].second.array()).any() || (boxes[k].first.array() > boxes[i].second.array()).any()) << i << " " << k;
 }
 
 }  // namespace

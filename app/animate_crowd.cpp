@@ -1,0 +1,47 @@
+#include "app/animate_crowd.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "skinning/bvh_io.h"
+#include "skinning/crowd_read.h"
+
+namespace ecorche {
+
+void animate_crowd(const std::filesystem::path& crowd, const std::filesystem::path& motion, const std::filesystem::path& output, const RetargetOptions& options,
+                   double stagger, const Common& common, Report& report) {
+  const BvhMotion source = read_bvh(motion);
+  const Crowd people = open_crowd(crowd);
+  int done = 0, frames = 0;
+  double slide = 0, penetration = 0, fps = 0;
+  std::set<std::string> warnings;  // the same for most people
+  const auto move = [&](const CrowdPerson& person) {
+    RetargetOptions own = options;
+    if (!own.sole_height) own.sole_height = person.body.skin.V.col(1).minCoeff();
+    RetargetReport found;
+    Motion out = retarget(source, person.skeleton, own, found);
+    slide = std::max(slide, found.slide_p95), penetration = std::max(penetration, found.penetration);
+    frames = static_cast<int>(out.frames.size()), fps = out.fps;
+    warnings.insert(found.warnings.begin(), found.warnings.end());
+    progress(common, "people", ++done, static_cast<int>(people.people.size()));
+    return out;
+  };
+  {
+    const StageTimer timer(report, "people");
+    write_crowd_motion(output, people, {motion.stem().string(), stagger}, move);
+  }
+  for (const std::string& warning : warnings) {
+    note(common, "warning: " + warning);
+    report.append_text("motion.warnings", warning);
+  }
+  report.set("motion.people", done);
+  report.set("motion.frames", frames);
+  report.set("motion.fps", fps);
+  report.set("motion.foot_slide_p95", slide);
+  report.set("motion.penetration", penetration);
+  note(common, fmt::format("{}: {} people, {} frames at {:.4g} fps", output.string(), done, frames, fps));
+}
+
+}  // namespace ecorche

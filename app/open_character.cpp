@@ -1,0 +1,18 @@
+#include "app/open_character.h"
+
+#include <fmt/format.h>
+
+#include "anatomy/package.h"
+#include "app/fitting.h"
+#include "skinning/crowd_read.h"
+
+namespace ecorche {
+
+Character open_character(const std::filesystem::path& file, const Common& common, Report& report) {
+  if (!crowd_address(file)) return read_character(file);
+  note(common, fmt::format("{}: fitting bones and muscles; `ecorche fit '{}' -o FILE.glb` keeps them", file.string(), file.string()));
+  const BodyPackage package = read_body_package(find_packages());
+  return fit_character(read_template(), read_body(file), package, {.moves = false, .bound = false, .tissues = false}, report).actor.character;
+}
+
+}  // namespace ecorche
