@@ -44,8 +44,9 @@ inline bool any_above_zero(Eight v) {
   const FourMasks m = (FourMasks)(v > 0);
   return (m[0] | m[1] | m[2] | m[3]) != 0;
 }
-inline Eight root(Eight v) {
-  for (std::size_t i = 0; i < static_cast<std::size_t>(kContactPoints); ++i) v[i] = std::sqrt(v[i]);
+template <class V>
+inline V root(V v) {
+  for (std::size_t i = 0; i < sizeof(V) / sizeof(float); ++i) v[i] = std::sqrt(v[i]);
   return v;
 }
 

@@ -123,19 +123,21 @@ void look_at(const ContactTable& table, std::span<const Ellipse> slices, const V
     const float before = member.first ? 0 : follows ? after : distance(member.section - 1);
     after = member.last ? 0 : distance(member.section);
     const float a = std::max(static_cast<float>(e.radii.x()), 1e-5f), b = std::max(member.thickness * static_cast<float>(e.radii.y()), 1e-5f);
-    const float per_a = 1 / a, per_b = 1 / b;
+    const float end_reach = std::max(0.5f * std::min(a, b), 1e-5f);
+    const float back = before > 0 ? std::max(before, 1e-5f) : end_reach, on = after > 0 ? std::max(after, 1e-5f) : end_reach;
+    const float along = std::max(before, after), x = a * std::max(shape.box.left, shape.box.right), y = b * std::max(shape.box.up, shape.box.down);
+    // One division and one root for all of them.
+    const Four per = 1 / Four{a, b, back, on}, reach = root(x * x + y * y + Four{0, along * along, 0, 0});
     const Four center = floats(e.center.data(), origin), w = floats(e.axes.data()), t = floats(e.axes.data() + 3), n = floats(e.axes.data() + 6);
+    const Four per_width = per[0] * w, per_thickness = per[1] * t;
     store(center, s.center);
     store(a * w, s.width);
     store(b * t, s.thickness);
-    for (int r = 0; r < 3; ++r) store(Four{w[r] * per_a, t[r] * per_b, n[r], 0}, s.to_measures[r]);
-    const float end_reach = std::max(0.5f * std::min(a, b), 1e-5f);
-    const float back = before > 0 ? std::max(before, 1e-5f) : end_reach, on = after > 0 ? std::max(after, 1e-5f) : end_reach;
-    store(Four{shape.room.left, shape.room.down, back, 1 / back}, s.low);
-    store(Four{shape.room.right, shape.room.up, on, 1 / on}, s.high);
-    const float along = std::max(before, after), x = a * std::max(shape.box.left, shape.box.right), y = b * std::max(shape.box.up, shape.box.down);
-    memory.wide[i] = std::sqrt(x * x + y * y);
-    memory.balls[i] = {s.center[0], s.center[1], s.center[2], std::sqrt(x * x + y * y + along * along)};
+    for (int r = 0; r < 3; ++r) store(Four{per_width[r], per_thickness[r], n[r], 0}, s.to_measures[r]);
+    store(Four{shape.room.left, shape.room.down, back, per[2]}, s.low);
+    store(Four{shape.room.right, shape.room.up, on, per[3]}, s.high);
+    memory.wide[i] = reach[0];
+    memory.balls[i] = {s.center[0], s.center[1], s.center[2], reach[1]};
   }
 }
 
