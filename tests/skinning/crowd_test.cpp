@@ -325,6 +325,7 @@ TEST_F(CrowdTest, DamagedCrowdsAreRefused) {
   changed("\"joint_frames\":", "\"joint_frames\":99999", "reach beyond");
   changed("\"inverseBindMatrices\":", "\"inverseBindMatrices\":1");
   changed("\"children\":[1]", "\"children\":[0]", "above the joints");
+  changed("\"children\":[1]", "\"children\":[99999]", "children that are none");
   changed("\"POSITION\":", "\"POSITION\":7");
   changed("\"count\":", "\"count\":-");
 }
