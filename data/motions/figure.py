@@ -198,14 +198,24 @@ def planted_foot(place, pitch):
     return R, sub(pivot, apply(R, point)), extension
 
 
-def reach_leg(world_hips, side, ankle, foot_rotation, hip_rot):
+STRETCH, MOST_STRETCH = 0.97, 0.993  # of its length: how far a free leg goes before it slows down, and comes to at most (14 deg of knee)
+
+
+def free_reach(distance):
+    """How far a free leg reaches towards something `distance` away: its knee runs out slowly instead of stopping dead."""
+    length = THIGH + SHANK
+    room, beyond = (MOST_STRETCH - STRETCH) * length, distance - STRETCH * length
+    return distance if beyond <= 0 else STRETCH * length + room * (1 - math.exp(-beyond / room))
+
+
+def reach_leg(world_hips, side, ankle, foot_rotation, hip_rot, free=False):
     """Rotations of hip, knee and foot that bring the ankle there, knee forwards, thigh turned inwards by hip_rot; their angles; and
-    the distance that the leg is too short by."""
+    the distance that the leg is too short by. A free leg is one that does not bear the body."""
     s = 1 if side == "Right" else -1
     P, p = world_hips
     v = apply(transpose(P), sub(ankle, add(p, apply(P, OFFSET[side + "UpLeg"]))))
     distance = math.sqrt(sum(x * x for x in v))
-    reach = min(distance, 0.9995 * (THIGH + SHANK))
+    reach = free_reach(distance) if free else min(distance, 0.9995 * (THIGH + SHANK))
     knee = math.degrees(math.acos((reach * reach - THIGH ** 2 - SHANK ** 2) / (2 * THIGH * SHANK)))
     k = math.radians(knee)
     w = apply(turn("Y", s * hip_rot), (0, -THIGH - SHANK * math.cos(k), -SHANK * math.sin(k)))
