@@ -17,7 +17,7 @@ constexpr int kPoses = 12;
 constexpr double kHalfWay = 0.6;        // of the way to a limit
 constexpr double kHinge = 2.5;          // its flexion has so many times the range of its other angles
 constexpr double kMuchShared = 5e-5;    // of all muscles' volume, in some pose: what a pose looks at,
-constexpr double kLeastShared = 5e-6;   // and what is worth a look at all
+constexpr double kLeastShared = 2e-6;   // and what is worth a look at all
 constexpr std::size_t kBlock = 128;     // pairs that are looked at together: what is known of them stays in the nearest memory
 constexpr float kRounding = 1e-5f;            // of a factor, in single precision
 

@@ -4,15 +4,18 @@
 #include <cmath>
 
 #include "anatomy/contact_lanes.h"
+#include "anatomy/smooth_step.h"
 
 namespace ecorche {
 namespace {
 
 constexpr float kOver = 2.3f;         // bellies that have parted half-way swell back a part of it: so much more is taken
-// The second time:
+// Again:
 constexpr float kOverAgain = 3;
 constexpr float kLeastAgain = 0.6f;   // of the area that a section has left: a belly that loses much swells in its ends, which stick out
-constexpr float kHeldAgain = 0.8f;    // on all sides: what is pressed twice from many would grow thin and long where it is free
+constexpr float kHeldAgain = 0.3f;    // on all sides: what is pressed from many again and again would grow thin and long where it is free
+constexpr float kDeep = 0.02f;        // of a factor: who was to give way by less is not looked at once more,
+constexpr float kSurelyDeep = 0.04f;  // and by all from here on
 // Where a section is asked:
 constexpr float kEarly = 0.3f;        // of the way to the outline
 constexpr float kThrough = 4;         // how fast a piercing ray counts, per level
@@ -181,12 +184,13 @@ bool press_of(const ContactMemory& memory, int own, int first, int last, Contact
 
 namespace {
 
-// Meetings of the pairs begin .. end.
-std::span<const ContactMeeting> meetings_of(const ContactTable& table, const ContactMemory& memory, int begin, int end, ContactWork& work) {
+// Meetings of the pairs begin .. end, of which the own member was deep enough the last time.
+std::span<const ContactMeeting> meetings_of(const ContactTable& table, const ContactMemory& memory, Parting parting, int begin, int end, ContactWork& work) {
   // Each step keeps what it passes on without a branch: which do is as good as chance.
   std::size_t near = 0, met = 0;
   for (int k = begin; k < end; ++k) {
     const ContactPair& pair = table.pairs[static_cast<std::size_t>(k)];
+    if (parting == Parting::deep && !(memory.deep[static_cast<std::size_t>(pair.own)] > kDeep)) continue;
     work.near[near] = k;
     near += in_reach(memory, pair.own, pair.other);
     fetch(memory.sections[static_cast<std::size_t>(pair.other)]);
@@ -211,7 +215,21 @@ struct Giving {
   float least = kLeastArea;               // of a section's area, that is left
   float least_held = 0;
   std::span<const ContactSpokes> held{};  // #sections, or none
+  bool again = false;                     // it is kept in mind how deep they were
+  Parting parting = Parting::all;
 };
+
+inline float largest(Eight v) {
+  const Eight half = larger(v, __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3)), two = larger(half, __builtin_shufflevector(half, half, 2, 3, 0, 1, 6, 7, 4, 5));
+  return std::max(two[0], two[1]);
+}
+
+// How much of what a section is to give way counts, by how deep it was the last time. Keeps in mind how deep it is now.
+float counted(const Giving& giving, Eight most, float& deep) {
+  const float before = deep;
+  deep = largest(most);
+  return giving.parting == Parting::all ? 1 : static_cast<float>(smooth_step(static_cast<double>(kDeep), static_cast<double>(kSurelyDeep), static_cast<double>(before)));
+}
 
 // What sections are told by those that they meet. A group's word is the sum of its meetings', and of several groups the largest counts. Without a
 // branch: where a group or a section's meetings end is as good as chance.
@@ -239,7 +257,8 @@ std::span<const ContactPress> presses_of(const ContactTable& table, std::span<co
 // Outlines of sections.
 void give_way(const ContactTable& table, std::span<const ContactPress> presses, const Giving& giving, std::span<Ellipse> slices, ContactMemory& memory) {
   for (const ContactPress& p : presses) {
-    const Eight most = load(p.press.data());
+    Eight most = load(p.press.data());
+    if (giving.again) most *= counted(giving, most, memory.deep[static_cast<std::size_t>(p.own)]);
     if (!any_above_zero(most)) continue;
     const auto section = static_cast<std::size_t>(table.members[static_cast<std::size_t>(p.own)].section);
     Eight held = larger(larger(load(table.held[static_cast<std::size_t>(p.own)].data()), load(p.near.data())), all(giving.least_held));
@@ -255,6 +274,7 @@ void give_way(const ContactTable& table, std::span<const ContactPress> presses, 
 // A section writes its own outline alone, and reads what memory has kept of the others.
 void give_way(const ContactTable& table, const Giving& giving, std::span<Ellipse> slices, ContactMemory& memory, Threads threads) {
   memory.changed.assign(slices.size(), 0);
+  if (giving.again && giving.parting == Parting::all) memory.deep.assign(table.members.size(), 0);
   const auto workers = static_cast<std::size_t>(threads == Threads::all ? tbb::this_task_arena::max_concurrency() : 1);
   if (memory.work.size() < workers) memory.work.resize(workers);
   for (ContactWork& work : memory.work) {
@@ -265,7 +285,7 @@ void give_way(const ContactTable& table, const Giving& giving, std::span<Ellipse
   each_run(table.blocks.size() - 1, 1, threads, [&](std::size_t first, std::size_t last) {
     ContactWork& work = memory.work[threads == Threads::all ? static_cast<std::size_t>(tbb::this_task_arena::current_thread_index()) : 0];
     for (std::size_t b = first; b < last; ++b) {
-      const auto meetings = meetings_of(table, memory, table.blocks[b], table.blocks[b + 1], work);
+      const auto meetings = meetings_of(table, memory, giving.parting, table.blocks[b], table.blocks[b + 1], work);
       give_way(table, presses_of(table, meetings, memory, work), giving, slices, memory);
     }
   });
@@ -296,10 +316,10 @@ void give_way_to_neighbours(const ContactTable& table, const Vec3& origin, std::
   give_way(table, {.over = kOver}, slices, memory, threads);
 }
 
-void give_way_again(const ContactTable& table, const Vec3& origin, std::span<const SliceOutline> at_rest, std::span<const ContactSpokes> held,
+void give_way_again(const ContactTable& table, const Vec3& origin, std::span<const SliceOutline> at_rest, std::span<const ContactSpokes> held, Parting parting,
                     std::span<Ellipse> slices, ContactMemory& memory, Threads threads) {
   look_at_outlines(table, slices, at_rest, origin, memory, threads);
-  give_way(table, {kOverAgain, kLeastAgain, kHeldAgain, held}, slices, memory, threads);
+  give_way(table, {kOverAgain, kLeastAgain, kHeldAgain, held, true, parting}, slices, memory, threads);
 }
 
 }  // namespace ecorche

@@ -4,7 +4,7 @@
 // At rest muscles touch (see SliceOutline). In a pose, a point of one section's outline that has come into another muscle goes back
 // along its ray to where both are equally deep: their levels (0 on the line of centres, 1 on the outline) agree there, which both see
 // alike. What a pair overlaps at rest it may overlap in every pose, so that the rest outlines stay to the last bit.
-// What a section loses it regains towards where nothing presses. Which sections can meet is found beforehand over poses at the joints'
+// What a section loses it regains towards where nothing presses, in no direction by more than an even outline would. Which sections can meet is found beforehand over poses at the joints'
 // limits; a frame looks at those alone: at the pairs that share much when it poses the muscles, and, by the outlines that they have then, at all
 // of them once the skin has moved and pressed them. All of it is a continuous function of the slices.
 #pragma once
@@ -118,6 +118,7 @@ struct ContactMemory {
   std::vector<float> wide;                    // #members, radius of a ball about its outline
   std::vector<ContactWork> work;              // a thread each
   std::vector<char> changed;                  // #all sections
+  std::vector<float> deep;                    // #members of the table that parts again: the largest share by which they were to give way last
 };
 
 // Which sections may meet in some pose. `still`: a table of the same anatomy without contact. The same at any number of threads.
@@ -141,8 +142,12 @@ void press_outline(const ContactSpokes& press, const ContactSpokes& held, SliceO
 // Outlines of all sections that give way; memory.changed tells which did. `slices` have the outlines of rest. The same bytes at any number of threads.
 void give_way_to_neighbours(const ContactTable& table, const Vec3& origin, std::span<Ellipse> slices, ContactMemory& memory, Threads threads);
 
+// Which sections look about them again: all, or those alone that were deep in others the last time, in the same memory; what was nearly not
+// deep then gives way by a part.
+enum class Parting { all, deep };
+
 // The same for slices whose outlines, other than `at_rest`, have given way already. `held` (#sections): what else keeps them from growing, 0 .. 1.
-void give_way_again(const ContactTable& table, const Vec3& origin, std::span<const SliceOutline> at_rest, std::span<const ContactSpokes> held,
+void give_way_again(const ContactTable& table, const Vec3& origin, std::span<const SliceOutline> at_rest, std::span<const ContactSpokes> held, Parting parting,
                     std::span<Ellipse> slices, ContactMemory& memory, Threads threads);
 
 }  // namespace ecorche

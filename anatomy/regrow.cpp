@@ -169,10 +169,10 @@ void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedA
   });
 }
 
-void part_again(const PosingTable::Data& data, std::span<const ContactSpokes> held, PosedAnatomy& out, PartMemory& memory, Threads threads) {
+void part_again(const PosingTable::Data& data, std::span<const ContactSpokes> held, Parting parting, PosedAnatomy& out, PartMemory& memory, Threads threads) {
   const ContactTable& table = data.contact.again;
   if (table.empty()) return;
-  give_way_again(table, out.X_WJ[0].translation(), data.outlines, held, out.slices, memory.contact, threads);
+  give_way_again(table, out.X_WJ[0].translation(), data.outlines, held, parting, out.slices, memory.contact, threads);
   regrow(data, memory.contact.changed, out, memory.growing, threads);
 }
 

@@ -25,12 +25,12 @@ void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedA
             std::span<const char> pressed = {});
 
 // Muscles whose sections have been moved or pressed since they were posed part once more, and have their rest volumes again. `held` (#sections): what
-// else than muscles keeps their outlines from growing, 0 .. 1.
+// else than muscles keeps their outlines from growing, 0 .. 1. `parting`: deep only after all in the same memory, and of the same pose.
 struct PartMemory {
   ContactMemory contact;
   RegrowMemory growing;
 };
-void part_again(const PosingTable::Data& data, std::span<const ContactSpokes> held, PosedAnatomy& out, PartMemory& memory, Threads threads);
+void part_again(const PosingTable::Data& data, std::span<const ContactSpokes> held, Parting parting, PosedAnatomy& out, PartMemory& memory, Threads threads);
 
 // Strips of a batch that no growth found for them gives their rest volume: their outlines become more even (round_out).
 void round_out_missed(const PosingTable::Data& data, const PosingBatch& batch, const LaneGrowth& found, PosedAnatomy& out);

@@ -13,6 +13,8 @@ namespace {
 
 constexpr int kMostSections = 64;
 constexpr int kHalvings = 8;
+constexpr double kKept = 1e-9;                       // of the volume
+constexpr double kLeastAll = 0.2, kMostAll = 5;      // of the radii, where a belly cannot take it all
 
 void scale(std::span<Ellipse> strip, const BellyGrowth& law, double growth, bool back) {
   for (std::size_t k = 0; k < strip.size(); ++k) {
@@ -74,6 +76,15 @@ Growth least_growth(std::span<const Ellipse> strip, const BellyGrowth& law, doub
   return out;
 }
 
+// What the belly cannot take goes to all sections.
+void share_out(std::span<Ellipse> strip, bool tube, double volume) {
+  if (std::abs(tube_volume(strip) - volume) <= kKept * std::abs(volume)) return;
+  std::array<float, kMostSections> all;
+  all.fill(1);
+  const BellyGrowth law{{all.data(), strip.size()}, tube, tube ? kLeastAll : kLeastAll * kLeastAll, tube ? kMostAll : kMostAll * kMostAll};
+  scale(strip, law, least_growth(strip, law, volume).growth, false);
+}
+
 }  // namespace
 
 double round_out(std::span<Ellipse> strip, const BellyGrowth& law, double growth, double volume) {
@@ -95,6 +106,7 @@ double round_out(std::span<Ellipse> strip, const BellyGrowth& law, double growth
   const Growth found = even(enough);
   std::copy(all.begin(), all.end(), strip.begin());
   scale(strip, law, found.growth, false);
+  share_out(strip, law.tube, volume);
   return found.growth;
 }
 

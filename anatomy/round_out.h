@@ -17,7 +17,8 @@ struct BellyGrowth {
 
 // `strip`: sections as grown by `growth`. Its outlines become as even about their centres (half a turn maps them onto themselves) as it
 // takes, and no more, so that a growth exists that gives `volume` (tube_volume, m^3); returns that growth, which the sections then have.
-// Where even outlines do not help, the sections hold as much as they can. Continuous in the sections.
+// Where even outlines do not help, the belly stays at the end of its range and all sections, tendons too, take up what is left. Continuous in the
+// sections. A strip without belly stays as it is.
 double round_out(std::span<Ellipse> strip, const BellyGrowth& law, double growth, double volume);
 
 }  // namespace ecorche

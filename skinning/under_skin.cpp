@@ -41,7 +41,7 @@ struct UnderSkin::Data {
 
 namespace {
 
-// What a section must give.
+// What a section must give to the skin.
 struct Giving {
   Vec3 way = Vec3::Zero();                                // inward
   std::array<float, kContactPoints> press{}, held{};      // of every second direction of its outline
@@ -73,6 +73,7 @@ constexpr float kHeldBelow = 0.004f;  // m: what lies deeper is free to swell
 constexpr double kPressed = 0.35;   // of an outline's radius; what is more moves the section
 constexpr float kNearly = 0.003f;   // m
 constexpr double kOver = 1.1;       // the belly swells back a part of what is pressed
+constexpr int kRounds = 2;          // by turns, to the skin and to one another: what gives way to the one swells towards the other
 
 Vec3 to_vec3(Float4 v) { return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])}; }
 
@@ -337,15 +338,18 @@ void give_way_to_skin(const UnderSkin& under, const PosingTable& table, std::spa
   memory.givings.resize(data.owners.size());
   const PosedSkin skin{positions, memory.normals};
   vertex_normals(positions, data.triangles, memory.normals, memory.half);
-  tbb::parallel_for(owners_of(data), [&](const auto& range) {
-    for (std::size_t o = range.begin(); o < range.end(); ++o)
-      memory.givings[o] = memory.near[o] || under_any(data, o, pressed) ? give_of(data, skin, posed.slices, o) : Giving{};
-  });
-  give_way(data, posed, memory);
-  regrow(*table.data, memory.changed, posed, memory.growing, Threads::all);
-  memory.held.assign(posed.slices.size(), {});
-  for (std::size_t o = 0; o < data.owners.size(); ++o) memory.held[static_cast<std::size_t>(data.owners[o])] = memory.givings[o].held;
-  part_again(*table.data, memory.held, posed, memory.part, Threads::all);
+  for (int round = 0; round < kRounds; ++round) {
+    tbb::parallel_for(owners_of(data), [&](const auto& range) {
+      for (std::size_t o = range.begin(); o < range.end(); ++o)
+        memory.givings[o] = memory.near[o] || under_any(data, o, pressed) ? give_of(data, skin, posed.slices, o) : Giving{};
+    });
+    give_way(data, posed, memory);
+    regrow(*table.data, memory.changed, posed, memory.growing, Threads::all);
+    memory.held.assign(posed.slices.size(), {});
+    for (std::size_t o = 0; o < data.owners.size(); ++o) memory.held[static_cast<std::size_t>(data.owners[o])] = memory.givings[o].held;
+    part_again(*table.data, memory.held, round == 0 ? Parting::all : Parting::deep, posed, memory.part, Threads::all);
+    part_again(*table.data, memory.held, Parting::deep, posed, memory.part, Threads::all);
+  }
 }
 
 }  // namespace ecorche

@@ -202,8 +202,8 @@ TEST(PosedContact, SameBytesOnAllCores) {
   PartMemory memory[2];
   for (PosedAnatomy* posed : {&one, &all})
     for (Ellipse& slice : posed->slices) slice.center.x() *= 0.97;
-  part_again(*table.data, {}, one, memory[0], Threads::one);
-  part_again(*table.data, {}, all, memory[1], Threads::all);
+  part_again(*table.data, {}, Parting::all, one, memory[0], Threads::one);
+  part_again(*table.data, {}, Parting::all, all, memory[1], Threads::all);
   EXPECT_TRUE(same_slices(one, all));
 }
 
@@ -216,12 +216,56 @@ TEST(PosedContact, WhatIsMovedIntoAnotherPartsAgainAndKeepsItsVolume) {
   PosedAnatomy p = still;
   const double before = overlap(anatomy, p);
   PartMemory memory;
-  part_again(*table.data, {}, p, memory, Threads::one);
+  part_again(*table.data, {}, Parting::all, p, memory, Threads::one);
   EXPECT_GT(before, 0.02);
   EXPECT_LT(overlap(anatomy, p), 0.6 * before);
   for (const SliceRange& range : ranges) EXPECT_NEAR(strip_volume(p, range) / strip_volume(rest, range), 1, 1e-9);
   for (std::size_t k = 0; k < p.slices.size(); ++k)
     EXPECT_GT(piece_areas(p.slices[k].outline, p.slices[k].outline).own, 0.59 * piece_areas(still.slices[k].outline, still.slices[k].outline).own);
+}
+
+TEST(PosedContact, WhatWasDeepPartsOnceMoreAndNothingElse) {
+  const Anatomy anatomy = many_flexors();
+  const PosingTable table = make_posing_table(anatomy, MuscleContact::yes);
+  const auto ranges = slice_ranges(anatomy);
+  PosedAnatomy p;
+  pose_anatomy(table, anatomy.skeleton, rest_pose(anatomy.skeleton), p);
+  const auto move_outer = [&](std::size_t pair, double way) {
+    for (int k = ranges[2 * pair + 1].begin; k < ranges[2 * pair + 1].end; ++k) p.slices[static_cast<std::size_t>(k)].center.x() -= way;
+  };
+  constexpr std::size_t kDeep = 3;  // pairs; the others lie as at rest
+  for (std::size_t pair = 0; pair < kDeep; ++pair) move_outer(pair, 0.006);
+  PartMemory memory;
+  part_again(*table.data, {}, Parting::all, p, memory, Threads::one);
+  for (std::size_t pair = 0; pair < kDeep; ++pair) move_outer(pair, 0.012);
+  move_outer(kDeep, 0.004);
+  const PosedAnatomy once = p;
+  const double before = overlap(anatomy, p);
+  part_again(*table.data, {}, Parting::deep, p, memory, Threads::one);
+  EXPECT_LT(overlap(anatomy, p), 0.95 * before);
+  for (std::size_t m = 0; m < ranges.size(); ++m) {
+    int changed = 0;
+    for (int k = ranges[m].begin; k < ranges[m].end; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      changed += p.slices[i].outline != once.slices[i].outline;
+    }
+    EXPECT_EQ(changed > 0, m < 2 * kDeep) << "muscle " << m << ": only pairs that were deep before";
+    EXPECT_NEAR(strip_volume(p, ranges[m]) / strip_volume(once, ranges[m]), 1, 1e-9);
+  }
+}
+
+TEST(PosedContact, ALongSideGrowsNoFasterThanAnEvenOutline) {
+  SliceOutline flat = kEllipticOutline;
+  flat[0] = flat[8] = 4;
+  ContactSpokes press{}, held{};
+  press[2] = 0.5f;
+  held[2] = 1;
+  SliceOutline now = flat;
+  press_outline(press, held, now);
+  const float even = std::sqrt(piece_areas(flat, flat).own), grown = now[12] / flat[12] - 1;
+  ASSERT_GT(grown, 0.01f);
+  EXPECT_LE(now[0] - flat[0], 1.02f * even * grown) << "in proportion it would be four times the short side's";
+  EXPECT_GT(now[0], flat[0]);
 }
 
 TEST(PosedContact, WhatHasNotBeenMovedAtRestStays) {
@@ -230,7 +274,7 @@ TEST(PosedContact, WhatHasNotBeenMovedAtRestStays) {
   const PosedAnatomy rest = posed(anatomy, rest_pose(anatomy.skeleton));
   PosedAnatomy p = rest;
   PartMemory memory;
-  part_again(*table.data, {}, p, memory, Threads::one);
+  part_again(*table.data, {}, Parting::all, p, memory, Threads::one);
   EXPECT_TRUE(same_slices(p, rest));
 }
 
@@ -244,7 +288,7 @@ TEST(PosedContact, SectionsThatAreHeldDoNotGrowThere) {
   const PosedAnatomy before = moved(anatomy, table, 100, 0.008);
   PosedAnatomy p = before;
   PartMemory memory;
-  part_again(*table.data, held, p, memory, Threads::one);
+  part_again(*table.data, held, Parting::all, p, memory, Threads::one);
   int pressed = 0;
   for (int k = inner.begin; k < inner.end; ++k)
     for (std::size_t i = 0; i < kOutlinePoints; ++i) {

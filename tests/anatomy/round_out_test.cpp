@@ -63,5 +63,49 @@ TEST(RoundOut, LeavesOutlinesThatCanHoldIt) {
   for (std::size_t k = 0; k < strip.size(); ++k) EXPECT_EQ(strip[k].outline, given[k].outline);
 }
 
+// A straight line of round sections, belly in the middle third; its tendons 30 times as thick as it.
+struct Strip {
+  std::vector<Ellipse> sections;
+  std::vector<float> belly;
+};
+Strip thin_belly() {
+  Strip out;
+  for (int k = 0; k < 10; ++k) {
+    Ellipse e;
+    e.center = Vec3(0, 0, 0.01 * k);
+    const bool fleshy = k >= 4 && k < 6;
+    e.radii = fleshy ? Vec2(0.0001, 0.0001) : Vec2(0.003, 0.003);
+    out.sections.push_back(e);
+    out.belly.push_back(fleshy ? 1 : 0);
+  }
+  return out;
+}
+
+TEST(RoundOut, TendonsTakeWhatTheBellyCannot) {
+  const Strip given = thin_belly();
+  const BellyGrowth law{given.belly, true, 1.0 / 3, 3};
+  for (const double share : {0.5, 0.9, 1.3, 2.0}) {
+    std::vector<Ellipse> strip = given.sections;
+    const double wanted = share * tube_volume(given.sections);
+    const double growth = round_out(strip, law, 1, wanted);
+    EXPECT_NEAR(tube_volume(strip) / wanted, 1, 1e-9) << share;
+    EXPECT_NEAR(growth, share < 1 ? 1.0 / 3 : 3, 1e-9) << "the belly stays at the end of its range";
+    EXPECT_GT((strip[0].radii.x() - 0.003) * (share - 1), 0);
+  }
+}
+
+TEST(RoundOut, TendonsSetInWithoutAJump) {
+  const Strip given = thin_belly();
+  const BellyGrowth law{given.belly, true, 1.0 / 3, 3};
+  std::vector<Ellipse> fullest = given.sections;
+  for (std::size_t k = 0; k < fullest.size(); ++k) fullest[k].radii *= 1 + 2 * static_cast<double>(given.belly[k]);
+  const double most = tube_volume(fullest);
+  for (const double over : {-1e-5, 1e-5}) {
+    std::vector<Ellipse> strip = given.sections;
+    round_out(strip, law, 1, (1 + over) * most);
+    for (std::size_t k = 0; k < strip.size(); ++k) EXPECT_NEAR(strip[k].radii.x() / fullest[k].radii.x(), 1, 1e-2) << over << " section " << k;
+  }
+}
+
 }  // namespace
 }  // namespace ecorche
