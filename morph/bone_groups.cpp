@@ -110,6 +110,9 @@ FitRules read_fit_rules(const std::filesystem::path& folder) {
     rule.high = landmarks.number(row, "high") * kMillimetre;
     rule.tolerance = landmarks.number(row, "tolerance") * kMillimetre;
     rule.fat_site = landmarks.text(row, "fat_site");
+    const std::string use = landmarks.text(row, "use");
+    if (use != "fit" && use != "aim") throw InputError(fmt::format("{}: use '{}'; expected fit or aim", landmarks.where(row), use));
+    rule.checked = use == "fit";
     if (!rules.group_of_bone.contains(rule.bone))
       throw InputError(fmt::format("{}: no group holds bone '{}'", landmarks.where(row), rule.bone));
   }

@@ -42,6 +42,7 @@ struct LandmarkRule {  // data/palpable.csv
   double low = 0, high = 0;                     // tissue over it in lean men, m
   std::string fat_site;                         // of data/fat.csv: what grows over it in others
   double tolerance = 0;                         // m
+  bool checked = true;                          // its depth is reported; else it is only aimed at
 };
 
 struct CubeRule {  // data/joint_cubes.csv

@@ -135,6 +135,7 @@ void measure_bones(const FitTables& tables, const BothSides& sides, const Anatom
   report.bones_furthest = std::max(sides.left.furthest, sides.right.furthest);
   for (size_t k = 0; k < tables.landmarks.size(); ++k) {
     const LandmarkRule& rule = tables.rules.landmarks[k];
+    if (!rule.checked) continue;
     const BonePoint& point = tables.landmarks[k].point;
     report.landmarks.push_back({rule.name, -field.distance(sides.placement.left.maps[point.group](point.position)), brackets[k].low, brackets[k].high});
   }

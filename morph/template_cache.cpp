@@ -118,7 +118,7 @@ template <class A> void field(A& a, Landmark& x) { fields(a, x.name, x.position)
 template <class A> void field(A& a, Body& x) { fields(a, x.skin, x.landmarks, x.name, x.sex, x.age, x.mass); }
 template <class A> void field(A& a, GroupRule& x) { fields(a, x.name, x.paired, x.bones, x.near, x.far, x.across, x.width, x.raised, x.shaft, x.freedom); }
 template <class A> void field(A& a, ContactRule& x) { fields(a, x.point, x.a, x.b, x.tolerance, x.along, x.spread, x.loose, x.close); }
-template <class A> void field(A& a, LandmarkRule& x) { fields(a, x.name, x.bone, x.direction, x.from, x.to, x.low, x.high, x.fat_site, x.tolerance); }
+template <class A> void field(A& a, LandmarkRule& x) { fields(a, x.name, x.bone, x.direction, x.from, x.to, x.low, x.high, x.fat_site, x.tolerance, x.checked); }
 template <class A> void field(A& a, CubeRule& x) { fields(a, x.joint, x.cube, x.toward, x.male, x.female, x.tolerance); }
 template <class A> void field(A& a, FitRules& x) { fields(a, x.groups, x.contacts, x.landmarks, x.cubes, x.group_of_bone); }
 template <class A> void field(A& a, Cavity& x) { fields(a, x.name, x.loop, x.quads); }
