@@ -74,6 +74,8 @@ class Support:
 
 
 class Jump:
+    soft_knees = True
+
     def __init__(self):
         self.jump, self.gaits, self.names = load()
         self.plan_run_up()

@@ -28,6 +28,8 @@ class Support:
 
 
 class Walk:
+    soft_knees = False  # heels strike with knees all but straight
+
     def __init__(self):
         rows = [r for r in figure.read_table(HERE / "gait_cycles.csv") if r["gait"] == "walk_1.35"]
         columns = [c for c in rows[0] if c not in ("gait", "percent")]

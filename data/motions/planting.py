@@ -1,6 +1,7 @@
 """Puts a figure whose angles, planted feet and centre of mass are given as functions of time on its feet.
 
-`plan` has angles_at(t), center_at(t) and supports (side, td, to, place(t), eased: the foot slows down before it touches down).
+`plan` has angles_at(t), center_at(t), soft_knees (free legs do not stretch all the way: running), and supports (side, td, to, place(t),
+eased: the foot slows down before it touches down).
 """
 
 import bisect
@@ -63,7 +64,7 @@ class Solver:
         if up <= 0:
             return
         foot, ankle = world[side + "Foot"]
-        hip, knee, local, _, _ = figure.reach_leg((R["Hips"], root), side, add(ankle, (0, up, 0)), foot, a["hip_rot" + SUFFIX[side]], free=True)
+        hip, knee, local, _, _ = figure.reach_leg((R["Hips"], root), side, add(ankle, (0, up, 0)), foot, a["hip_rot" + SUFFIX[side]], free=self.plan.soft_knees)
         R[side + "UpLeg"], R[side + "Leg"], R[side + "Foot"] = hip, knee, local
 
     def ease_down(self, a, R, root, side, t):
@@ -78,7 +79,7 @@ class Solver:
         share = min(max((when - t0) / (t1 - t0), 0.0), 1.0)
         foot = figure.between(path[k - 1][1], foot, share)
         ankle = tuple((1 - share) * p + share * q for p, q in zip(ankle0, ankle1))
-        hip, knee, local, _, _ = figure.reach_leg((R["Hips"], root), side, ankle, foot, a["hip_rot" + SUFFIX[side]], free=True)
+        hip, knee, local, _, _ = figure.reach_leg((R["Hips"], root), side, ankle, foot, a["hip_rot" + SUFFIX[side]], free=self.plan.soft_knees)
         R[side + "UpLeg"], R[side + "Leg"], R[side + "Foot"] = hip, knee, local
         R[side + "ToeBase"] = toes
 
