@@ -20,6 +20,7 @@ void animate_crowd(const std::filesystem::path& crowd, const std::filesystem::pa
   const auto move = [&](const CrowdPerson& person) {
     RetargetOptions own = options;
     if (!own.sole_height) own.sole_height = person.body.skin.V.col(1).minCoeff();
+    if (own.keep_apart) own.rounds = measure_rounds(person.skeleton, person.body.skin.V);
     RetargetReport found;
     Motion out = retarget(source, person.skeleton, own, found);
     slide = std::max(slide, found.slide_p95), penetration = std::max(penetration, found.penetration);
