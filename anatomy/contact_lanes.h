@@ -53,10 +53,15 @@ inline V root(V v) {
 constexpr float kNearLevels = 0.2f;   // levels above 1 at which a neighbour keeps a section from growing
 constexpr float kLeastFactor = 0.1f;  // of an outline
 
+// Parts of a level: it is their quotient.
+struct LevelParts {
+  Eight over, under;
+};
+
 // Level of points given in a section's own measures: 0 on its line, 1 on its outline. Of one section's, by its ContactShape's waves and sides, or of
 // eight sections, one each.
 template <class Shape>
-inline Eight level_of(const Shape& shape, Eight x, Eight y) {
+inline LevelParts level_parts(const Shape& shape, Eight x, Eight y) {
   const auto& w = shape.waves;
   const auto& sides = shape.sides;
   x = sides.high_steep * larger(x - sides.high_free, Eight{}) + sides.low_steep * smaller(x + sides.low_free, Eight{});
@@ -66,7 +71,12 @@ inline Eight level_of(const Shape& shape, Eight x, Eight y) {
   const Eight even = square * (square * w[0] + re2 * w[2] + im2 * w[6]) + re4 * w[4] + im4 * w[8];
   const Eight odd = square * (x * w[1] + y * w[5]) + re3 * w[3] + im3 * w[7];
   const Eight fourth = square * square;
-  return rho * fourth / larger(even + rho * odd, kLeastFactor * fourth);
+  return {rho * fourth, larger(even + rho * odd, kLeastFactor * fourth)};
+}
+template <class Shape>
+inline Eight level_of(const Shape& shape, Eight x, Eight y) {
+  const LevelParts parts = level_parts(shape, x, y);
+  return parts.over / parts.under;
 }
 
 // Eight rows become eight columns.

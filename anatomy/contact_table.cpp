@@ -112,7 +112,7 @@ FoundPairs pairs_of(const ContactTable& table, const Places& places, const Conta
   for (std::size_t s = 0; s < n; ++s)
     for (int k = places.strips[s].begin; k < places.strips[s].end; ++k) {
       const auto i = static_cast<std::size_t>(k);
-      near[s].add(posed.sections[i], posed.wide[i]);
+      near[s].add(posed.sections[i], -posed.own_balls[i][3]);
       wide[s].add(posed.sections[i], posed.balls[i][3]);
     }
   FoundPairs out;
@@ -122,7 +122,7 @@ FoundPairs pairs_of(const ContactTable& table, const Places& places, const Conta
       for (int a = places.strips[s].begin; a < places.strips[s].end; ++a) {
         const ContactSection& own = posed.sections[static_cast<std::size_t>(a)];
         Box box;
-        box.add(own, posed.wide[static_cast<std::size_t>(a)]);
+        box.add(own, -posed.own_balls[static_cast<std::size_t>(a)][3]);
         if (!box.meets(wide[t])) continue;
         for (int b = places.strips[t].begin; b < places.strips[t].end; ++b) {
           const float shared = shared_volume(table, posed, rest, a, b);
@@ -181,7 +181,7 @@ void hold(const Places& places, const ContactMemory& rest, ContactTable& table) 
     ContactSpokes press, near;
     for (int a = places.strips[s].begin; a < places.strips[s].end; ++a) {
       Box box;
-      box.add(rest.sections[static_cast<std::size_t>(a)], rest.wide[static_cast<std::size_t>(a)]);
+      box.add(rest.sections[static_cast<std::size_t>(a)], -rest.own_balls[static_cast<std::size_t>(a)][3]);
       const auto first = std::partition_point(table.groups.begin(), table.groups.end(), [&](const ContactGroup& g) { return g.own < a; });
       for (std::size_t t = 0; t < n; ++t) {
         if (places.strips[s].muscle == places.strips[t].muscle || !box.meets(wide[t])) continue;

@@ -304,11 +304,24 @@ void store(const PosingTable::Data& data, const PosingBatch& batch, const Lane& 
   }
 }
 
+// What store() fills next is fetched before it is needed: the slices of a body are larger than the nearer memories.
+void fetch_slices(const PosingTable::Data& data, const PosingBatch& batch, const PosedAnatomy& out) {
+  for (int lane = 0; lane < batch.strips; ++lane) {
+    const auto first = static_cast<std::size_t>(data.strip[batch.strip[lane]].slice), end = first + static_cast<std::size_t>(batch.rows);
+    const auto fetch = [](const void* begin, std::size_t bytes, auto one) {
+      for (std::size_t at = 0; at < bytes; at += 64) one(static_cast<const char*>(begin) + at);
+    };
+    fetch(&out.slices[first], (end - first) * sizeof(Ellipse), [](const char* p) { __builtin_prefetch(p, 1, 2); });
+    fetch(&data.outlines[first], (end - first) * sizeof(SliceOutline), [](const char* p) { __builtin_prefetch(p, 0, 2); });
+  }
+}
+
 void pose_batch(const PosingTable::Data& data, const PosingBatch& batch, std::span<const double> activation, PosedAnatomy& out) {
   Scratch t;
   lay_line(data, batch, out.X_WJ, t);
   find_tangents(batch.rows, t);
   carry_frames(data, batch, out.X_WJ, t);
+  fetch_slices(data, batch, out);
   const Lane twist = find_twist(data, batch, out.X_WJ, t, out);
   lay_slices(data, batch, twist, find_effort(data, batch, activation), t);
   const LaneGrowth found = find_growth(batch, &data.areas[static_cast<std::size_t>(batch.row)], t, batch.lanes.grow_min, batch.lanes.grow_max);

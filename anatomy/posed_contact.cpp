@@ -21,6 +21,7 @@ constexpr float kEarly = 0.3f;        // of the way to the outline
 constexpr float kThrough = 4;         // how fast a piercing ray counts, per level
 constexpr float kLeastStart = 0.05f;  // level from which a ray begins
 constexpr std::size_t kLanesAtOnce = 8;
+constexpr std::size_t kAhead = 8;     // pairs that memory is asked for ahead
 constexpr std::size_t kRun = 512;     // members that a thread looks at
 
 inline const ContactShape& shape_of(const ContactMemory& memory, int member) { return *memory.shapes[static_cast<std::size_t>(member)]; }
@@ -65,11 +66,13 @@ inline Answer ask(const ContactMemory& memory, const ContactMeeting& m) {
   const Eight at = passing > kEarly ? smaller(passing, one) : early;
   const Eight z = m.center[2] + at * (u * m.width[2] + v * m.thickness[2]);
   const Eight within = larger(1 - larger(z * other.high[3], -z * other.low[3]), zero);
-  const Eight level = level_of(asked, x0 + at * ex, y0 + at * ey);
+  const auto [over, under] = level_parts(asked, x0 + at * ex, y0 + at * ey);
+  const Eight level = over / under;
   const Eight deep = larger(1 - level, zero), through = larger(1 - kThrough * (1 - at), zero), sure = smaller(kThrough * deep, one);
   const Eight counts = within * (sure + (1 - sure) * through);
   const float start = m.center[3];
-  const Eight back = level < 1 ? 1 - start * at / (at + larger(start - level, zero)) : zero;
+  const Eight share = at * under;  // both times `under`, so that one division need not wait for the other
+  const Eight back = over < under ? 1 - start * share / (share + larger(start * under - over, zero)) : zero;
   return {counts * back, counts * larger(smaller((1 + kNearLevels - level) * (1 / kNearLevels), one), zero)};
 }
 
@@ -103,11 +106,56 @@ void set_starts(const ContactMemory& memory, std::span<ContactMeeting> meetings)
   }
 }
 
-inline bool in_reach(const ContactMemory& memory, int at_own, int at_other) {
-  const std::array<float, 4>&own = memory.balls[static_cast<std::size_t>(at_own)], &other = memory.balls[static_cast<std::size_t>(at_other)];
-  const float x = own[0] - other[0], y = own[1] - other[1], z = own[2] - other[2];
-  const float reach = memory.wide[static_cast<std::size_t>(at_own)] + other[3];
+// What two balls' centres lie apart, and their radii together.
+inline Four apart(const ContactMemory& memory, int own, int other) {
+  return load_as<Four>(memory.balls[static_cast<std::size_t>(other)].data()) - load_as<Four>(memory.own_balls[static_cast<std::size_t>(own)].data());
+}
+
+inline bool in_reach(const ContactMemory& memory, int own, int other) {
+  const Four d = apart(memory, own, other);
+  return d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < d[3] * d[3];
+}
+
+// The same of eight pairs.
+inline EightMasks in_reach(const ContactMemory& memory, const ContactPair* pairs) {
+  std::array<Eight, 4> rows;
+  for (std::size_t i = 0; i < 4; ++i)
+    rows[i] = __builtin_shufflevector(apart(memory, pairs[i].own, pairs[i].other), apart(memory, pairs[i + 4].own, pairs[i + 4].other), 0, 1, 2, 3, 4, 5, 6, 7);
+  const Eight xy0 = __builtin_shufflevector(rows[0], rows[1], 0, 8, 1, 9, 4, 12, 5, 13), xy2 = __builtin_shufflevector(rows[2], rows[3], 0, 8, 1, 9, 4, 12, 5, 13);
+  const Eight zr0 = __builtin_shufflevector(rows[0], rows[1], 2, 10, 3, 11, 6, 14, 7, 15), zr2 = __builtin_shufflevector(rows[2], rows[3], 2, 10, 3, 11, 6, 14, 7, 15);
+  const auto low = [](Eight a, Eight b) { return __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13); };
+  const auto high = [](Eight a, Eight b) { return __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15); };
+  const Eight x = low(xy0, xy2), y = high(xy0, xy2), z = low(zr0, zr2), reach = high(zr0, zr2);
   return x * x + y * y + z * z < reach * reach;
+}
+
+// Pairs begin .. end whose balls touch. Each step keeps what it passes on without a branch: which do is as good as chance.
+std::size_t find_near(const ContactTable& table, const ContactMemory& memory, int begin, int end, int* near) {
+  std::size_t count = 0;
+  int k = begin;
+  for (; k + static_cast<int>(kLanesAtOnce) <= end; k += kLanesAtOnce) {
+    const EightMasks touch = in_reach(memory, &table.pairs[static_cast<std::size_t>(k)]);
+    for (int i = 0; i < static_cast<int>(kLanesAtOnce); ++i) {
+      near[count] = k + i;
+      count -= static_cast<std::size_t>(static_cast<std::ptrdiff_t>(touch[i]));
+    }
+  }
+  for (; k < end; ++k) {
+    const ContactPair& pair = table.pairs[static_cast<std::size_t>(k)];
+    near[count] = k;
+    count += in_reach(memory, pair.own, pair.other);
+  }
+  return count;
+}
+
+// Those of pairs of which the own member was deep enough the last time.
+std::size_t leave_shallow(const ContactTable& table, const ContactMemory& memory, std::size_t count, int* near) {
+  std::size_t left = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    near[left] = near[k];
+    left += memory.deep[static_cast<std::size_t>(table.pairs[static_cast<std::size_t>(near[k])].own)] > kDeep;
+  }
+  return left;
 }
 
 // Three coordinates, and none.
@@ -139,7 +187,7 @@ void look_at(const ContactTable& table, std::span<const Ellipse> slices, const V
     for (int r = 0; r < 3; ++r) store(Four{per_width[r], per_thickness[r], n[r], 0}, s.to_measures[r]);
     store(Four{shape.room.left, shape.room.down, back, per[2]}, s.low);
     store(Four{shape.room.right, shape.room.up, on, per[3]}, s.high);
-    memory.wide[i] = reach[0];
+    memory.own_balls[i] = {s.center[0], s.center[1], s.center[2], -reach[0]};
     memory.balls[i] = {s.center[0], s.center[1], s.center[2], reach[1]};
   }
 }
@@ -149,7 +197,7 @@ void make_room(const ContactTable& table, ContactMemory& memory) {
   memory.sections.resize(count);
   memory.shapes.resize(count);
   memory.balls.resize(count);
-  memory.wide.resize(count);
+  memory.own_balls.resize(count);
 }
 
 }  // namespace
@@ -186,17 +234,11 @@ namespace {
 
 // Meetings of the pairs begin .. end, of which the own member was deep enough the last time.
 std::span<const ContactMeeting> meetings_of(const ContactTable& table, const ContactMemory& memory, Parting parting, int begin, int end, ContactWork& work) {
-  // Each step keeps what it passes on without a branch: which do is as good as chance.
-  std::size_t near = 0, met = 0;
-  for (int k = begin; k < end; ++k) {
-    const ContactPair& pair = table.pairs[static_cast<std::size_t>(k)];
-    if (parting == Parting::deep && !(memory.deep[static_cast<std::size_t>(pair.own)] > kDeep)) continue;
-    work.near[near] = k;
-    near += in_reach(memory, pair.own, pair.other);
-    fetch(memory.sections[static_cast<std::size_t>(pair.other)]);
-  }
+  std::size_t near = find_near(table, memory, begin, end, work.near.data()), met = 0;
+  if (parting == Parting::deep) near = leave_shallow(table, memory, near, work.near.data());
   for (std::size_t k = 0; k < near; ++k) {
     const ContactPair& pair = table.pairs[static_cast<std::size_t>(work.near[k])];
+    fetch(memory.sections[static_cast<std::size_t>(table.pairs[static_cast<std::size_t>(work.near[std::min(k + kAhead, near - 1)])].other)]);
     ContactMeeting& m = work.meetings[met];
     m.own = pair.own;
     m.other = pair.other;

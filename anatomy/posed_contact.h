@@ -115,7 +115,7 @@ struct ContactMemory {
   std::vector<const ContactShape*> shapes;    // #members: the table's, or those of `pressed`
   std::vector<ContactShape> pressed;          // of outlines that are not those of rest
   std::vector<std::array<float, 4>> balls;    // #members, center and radius of a ball about it and what it speaks for along the line
-  std::vector<float> wide;                    // #members, radius of a ball about its outline
+  std::vector<std::array<float, 4>> own_balls;  // #members, center and radius, negative, of a ball about its outline
   std::vector<ContactWork> work;              // a thread each
   std::vector<char> changed;                  // #all sections
   std::vector<float> deep;                    // #members of the table that parts again: the largest share by which they were to give way last
