@@ -33,7 +33,8 @@ constexpr double kWanting = 0.5;       // need beyond 1 that makes a muscle grow
 constexpr double kPush = 0.5;          // of a radius, into a neighbour that has more than its need
 constexpr double kLeastShare = 0.3;    // of the volume that a muscle comes with, to begin with
 constexpr double kThinnest = 2e-4;     // m
-constexpr double kMostPress = 0.8;     // factor of a sheet's thickness in a round
+constexpr double kMostPress = 0.8;     // factor of what is pressed between sections, in a round
+constexpr double kDeep = 1e-3;         // m, between a tube's sections, from which on they give way
 constexpr float kMainTerm = 0.2f;      // weight of a section that a vertex between strips follows
 constexpr float kTip = 0.25f;          // of the layer, that points of an outline may stand into it: facets are chords and lie lower
 constexpr double kTouchedCell = 0.004;  // m
@@ -84,14 +85,15 @@ class Sharing {
         for (std::size_t k = strip.begin; k < strip.end; ++k) {
           for (std::size_t i = 0; i < kDirections; ++i)
             next[k][i] = due_[k * kDirections + i] ? static_cast<float>(reach(k, i, strip, kind, sight) / static_cast<double>(spokes_[k * kDirections + i].base)) : all_.slices[k].outline[i];
-          fill(k, next[k]);
+          all_.fill(k, next[k]);
         }
-        for (int pass = 0; pass < smoothing; ++pass) smooth(std::span(next).subspan(strip.begin, strip.end - strip.begin));
+        for (int pass = 0; pass < smoothing; ++pass) smooth_outlines(std::span(next).subspan(strip.begin, strip.end - strip.begin));
       }
     });
     if (kind == Round::settling) {
       for (std::size_t ray = 0; ray < due_.size(); ++ray) due_[ray] = due_[ray] && next[ray / kDirections][ray % kDirections] < all_.slices[ray / kDirections].outline[ray % kDirections];
       press_between(next);
+      press_along(next);
       settled_.gave_way = due_;
     }
     for (const StripPlace& strip : all_.strips) {
@@ -365,38 +367,48 @@ class Sharing {
     }
   }
 
+  // Tubes are drawn straight from section to section: where an edge ends deep in another muscle half-way there, the sections on either side
+  // give way by half of it. What begins in the other or comes out of it again is none of the sides' making.
+  void press_along(std::vector<SliceOutline>& next) {
+    std::vector<float> ratios(due_.size(), 1);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, all_.strips.size(), 4), [&](const auto& range) {
+      Sight sight;
+      for (std::size_t s = range.begin(); s < range.end(); ++s) {
+        const StripPlace& strip = all_.strips[s];
+        for (std::size_t k = strip.begin; k + 1 < strip.end && !strip.sheet && !all_.is_mirrored(strip); ++k) {
+          const Vec3 middle = 0.5 * (all_.slices[k].center + all_.slices[k + 1].center);
+          for (std::size_t i = 0; i < kDirections; ++i) {
+            const Vec3 out = 0.5 * (static_cast<double>(all_.slices[k].outline[i]) * all_.edge(k, i) + static_cast<double>(all_.slices[k + 1].outline[i]) * all_.edge(k + 1, i));
+            const double now = out.norm();
+            if (now < kThinnest || is_settled_along(k, i, middle, out / now, now)) continue;
+            cast(middle, out / now, now + limits_.settled_reach, 1e3, strip, sight);
+            double end = now;
+            for (const Stay& stay : sight.stays)
+              if (stay.solid != strip.muscle && stay.solid != kBone && stay.from > 0 && stay.from < now - kDeep && stay.to >= now) end = std::min(end, 0.5 * (stay.from + now));
+            ratios[k * kDirections + i] = static_cast<float>(std::max(end / now, kMostPress));
+          }
+        }
+      }
+    });
+    pressed_along_.resize(ratios.size());
+    for (std::size_t ray = 0; ray < ratios.size(); ++ray) {
+      pressed_along_[ray] = ratios[ray] < 1;
+      const std::size_t i = ray % kDirections, here = ray / kDirections;
+      for (std::size_t k = here; k < here + 2 && ratios[ray] < 1; ++k) next[k][i] = std::min(next[k][i], std::max(static_cast<float>(limits_.least), ratios[ray] * all_.slices[k].outline[i]));
+    }
+  }
+
+  // An edge between sections that was not pressed in the last settling round, and about which nothing has moved since.
+  bool is_settled_along(std::size_t k, std::size_t i, const Vec3& middle, const Vec3& direction, double now) const {
+    if (pressed_along_.empty() || pressed_along_[k * kDirections + i]) return false;
+    if (settled_.outlines[k][i] != all_.slices[k].outline[i] || settled_.outlines[k + 1][i] != all_.slices[k + 1].outline[i]) return false;
+    return !touched_->touches(middle, direction, now + limits_.settled_reach);
+  }
+
   // A vertex between strips that was not pressed in the last settling round, and about which nothing has moved since.
   bool is_settled(int v, const Vec3& middle, const Vec3& direction, double now) const {
     if (pressed_.empty() || pressed_[static_cast<std::size_t>(v)] || positions_.row(v) != settled_.positions.row(v)) return false;
     return !touched_->touches(middle, direction, now + limits_.settled_reach);
-  }
-
-  // Directions that are not drawn lie between those that are.
-  void fill(std::size_t k, SliceOutline& outline) const {
-    for (std::size_t i = 0; i < kDirections; ++i) {
-      if (all_.is_drawn(k, i)) continue;
-      std::size_t before = 1, after = 1;
-      while (before < kDirections && !all_.is_drawn(k, (i + kDirections - before) % kDirections)) ++before;
-      while (after < kDirections && !all_.is_drawn(k, (i + after) % kDirections)) ++after;
-      if (before == kDirections) {
-        outline[i] = 1;
-        continue;
-      }
-      const float share = static_cast<float>(before) / static_cast<float>(before + after);
-      outline[i] = (1 - share) * outline[(i + kDirections - before) % kDirections] + share * outline[(i + after) % kDirections];
-    }
-  }
-
-  static void smooth(std::span<SliceOutline> outlines) {
-    std::vector<SliceOutline> old(outlines.begin(), outlines.end());
-    const std::size_t n = old.size();
-    for (std::size_t k = 0; k < n; ++k) {
-      const SliceOutline &before = old[k > 0 ? k - 1 : k], &after = old[k + 1 < n ? k + 1 : k], &here = old[k];
-      for (std::size_t i = 0; i < kDirections; ++i) {
-        const std::size_t left = (i + kDirections - 1) % kDirections, right = (i + 1) % kDirections;
-        outlines[k][i] = (4 * here[i] + before[i] + after[i] + here[left] + here[right]) / 8;
-      }
-    }
   }
 
   void mirror() {
@@ -429,6 +441,7 @@ class Sharing {
     Points positions;                     // and what was drawn then
   } settled_;
   std::vector<char> pressed_;          // #vertices of the surface, in the last settling round
+  std::vector<char> pressed_along_;    // #slices x #directions, from each to the next
   Eigen::AlignedBox3d seen_;           // within sight
   std::optional<TouchedCells> touched_;
   std::vector<char> of_the_jaw_;       // #muscles

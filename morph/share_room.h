@@ -7,7 +7,7 @@
 // along and round the strip. Then the layer is looked at from its own side: where no muscle comes up to it, the one that lies next under it
 // does (uncovered.h), points of outlines by up to a quarter of the layer into it, as facets lie lower than their corners. Several may come up into the
 // same gap: after every two such rounds one follows in which all only give way, and what that leaves open the next ones fill. The last rounds only
-// give way. Sections keep their ellipses: what is found are the outlines' factors.
+// give way. Where they do, what is drawn between sections is looked at, too, and those on either side give way for it. Sections keep their ellipses: what is found are the outlines' factors.
 #pragma once
 
 #include <span>

@@ -77,6 +77,33 @@ Vec3 SharedSections::edge(std::size_t k, std::size_t i) const {
   return e.radii.x() * d.x() * e.axes.col(0) + thickness[k] * e.radii.y() * d.y() * e.axes.col(1);
 }
 
+void SharedSections::fill(std::size_t k, SliceOutline& outline) const {
+  for (std::size_t i = 0; i < kDirections; ++i) {
+    if (is_drawn(k, i)) continue;
+    std::size_t before = 1, after = 1;
+    while (before < kDirections && !is_drawn(k, (i + kDirections - before) % kDirections)) ++before;
+    while (after < kDirections && !is_drawn(k, (i + after) % kDirections)) ++after;
+    if (before == kDirections) {
+      outline[i] = 1;
+      continue;
+    }
+    const float share = static_cast<float>(before) / static_cast<float>(before + after);
+    outline[i] = (1 - share) * outline[(i + kDirections - before) % kDirections] + share * outline[(i + after) % kDirections];
+  }
+}
+
+void smooth_outlines(std::span<SliceOutline> outlines) {
+  const std::vector<SliceOutline> old(outlines.begin(), outlines.end());
+  const std::size_t n = old.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    const SliceOutline &before = old[k > 0 ? k - 1 : k], &after = old[k + 1 < n ? k + 1 : k], &here = old[k];
+    for (std::size_t i = 0; i < kDirections; ++i) {
+      const std::size_t left = (i + kDirections - 1) % kDirections, right = (i + 1) % kDirections;
+      outlines[k][i] = (4 * here[i] + before[i] + after[i] + here[left] + here[right]) / 8;
+    }
+  }
+}
+
 // 0 on the line of a section's centre, 1 on its outline, as far as the section speaks for this place.
 double SharedSections::level(std::size_t k, const Vec3& p) const {
   const Ellipse& e = slices[k];

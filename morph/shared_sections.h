@@ -37,6 +37,8 @@ struct SharedSections {
 
   bool is_drawn(std::size_t k, std::size_t i) const { return drawn[k * static_cast<std::size_t>(kOutlinePoints) + i] != 0; }
   bool is_mirrored(const StripPlace& strip) const { return partners[static_cast<std::size_t>(strip.muscle)] >= 0; }
+  // Directions that are not drawn get what lies between those that are.
+  void fill(std::size_t k, SliceOutline& outline) const;
   // From a section's centre to its drawn ellipse.
   Vec3 edge(std::size_t k, std::size_t i) const;
 
@@ -50,6 +52,9 @@ struct SharedSections {
   double level_near(const StripPlace& strip, std::size_t k, const Vec3& p) const;
   std::size_t nearest(const StripPlace& strip, const Vec3& p) const;
 };
+
+// A strip's outlines, each half its own and half its neighbours' along and round the strip.
+void smooth_outlines(std::span<SliceOutline> outlines);
 
 // To a micrometre: who meets whom is yes or no, and must not turn on the last digits of two ways to the same place.
 double rounded(double x);

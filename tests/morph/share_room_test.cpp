@@ -132,6 +132,27 @@ TEST(ShareRoom, WhereTheLayerLiesBareTheMuscleUnderItComesUp) {
   EXPECT_LT(measure(anatomy, points).muscle_overlap_share(), 0.01);
 }
 
+// Two straps that cross where neither has a section.
+TEST(ShareRoom, MusclesPartBetweenTheirSections) {
+  Anatomy anatomy = limb(2);
+  for (int m = 0; m < 2; ++m) {
+    const double side = m ? 1 : -1;
+    std::vector<PathPoint> path(2);
+    for (int p = 0; p < 2; ++p) path[static_cast<std::size_t>(p)].rest = Vec3(side * (0.1 - 0.2 * p), 0.2 * p - 0.1, 0.034 + 0.008 * side);
+    std::vector<Station> stations;
+    for (const double s : {0.0, 0.4, 0.6, 1.0}) stations.push_back({s, Vec3::Zero(), Vec3::UnitZ(), Vec2(0.012, 0.012)});
+    Muscle& muscle = anatomy.muscles[static_cast<std::size_t>(m)];
+    muscle.strips = {make_strip(path, stations)};
+    muscle.volume = rest_volume(muscle);
+  }
+  Points points;
+  const double before = measure(anatomy, points).muscle_overlap_share();
+  share(anatomy, 0.2, 0.004);
+  const double after = measure(anatomy, points).muscle_overlap_share();
+  EXPECT_GT(before, 0.01);
+  EXPECT_LT(after, 0.1 * before);
+}
+
 TEST(ShareRoom, EllipsesStay) {
   Anatomy anatomy = limb(4);
   const auto before = rest_slices(anatomy);
