@@ -138,7 +138,7 @@ TEST(ShareRoom, MusclesPartBetweenTheirSections) {
   for (int m = 0; m < 2; ++m) {
     const double side = m ? 1 : -1;
     std::vector<PathPoint> path(2);
-    for (int p = 0; p < 2; ++p) path[static_cast<std::size_t>(p)].rest = Vec3(side * (0.1 - 0.2 * p), 0.2 * p - 0.1, 0.034 + 0.008 * side);
+    for (int p = 0; p < 2; ++p) path[static_cast<std::size_t>(p)].rest = Vec3(side * (0.1 - 0.2 * p), 0.2 * p - 0.1, 0.034 + 0.006 * side);
     std::vector<Station> stations;
     for (const double s : {0.0, 0.4, 0.6, 1.0}) stations.push_back({s, Vec3::Zero(), Vec3::UnitZ(), Vec2(0.012, 0.012)});
     Muscle& muscle = anatomy.muscles[static_cast<std::size_t>(m)];
