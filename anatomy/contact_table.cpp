@@ -1,6 +1,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -13,11 +14,13 @@
 namespace ecorche {
 namespace {
 
-constexpr int kPoses = 12;
+constexpr int kLimitPoses = 12;
 constexpr double kHalfWay = 0.6;        // of the way to a limit
+constexpr std::array<double, 2> kCrossing = {0.45, 0.8};  // of the way: where limbs brought inward lie in one another, too, at other sections
+constexpr int kPoses = kLimitPoses + static_cast<int>(kCrossing.size());
 constexpr double kHinge = 2.5;          // its flexion has so many times the range of its other angles
 constexpr double kMuchShared = 5e-5;    // of all muscles' volume, in some pose: what a pose looks at,
-constexpr double kLeastShared = 2e-6;   // and what is worth a look at all
+constexpr double kLeastShared = 1.5e-6;  // and what is worth a look at all
 constexpr std::size_t kBlock = 128;     // pairs that are looked at together: what is known of them stays in the nearest memory
 constexpr float kRounding = 1e-5f;            // of a factor, in single precision
 
@@ -51,21 +54,33 @@ void lay_out(const Anatomy& anatomy, const std::vector<SliceRange>& ranges, Cont
   }
 }
 
-// Poses at the limits of all joints at once: one angle after the other of those that turn every way up and down, with hinges bent and,
-// farther from the limits, straight. Bodies bend like that, and muscles meet most at the ends of ranges.
-Pose limit_pose(const Skeleton& skeleton, int index) {
-  const int turned = index / 4;
-  const bool up = index / 2 % 2 == 0, bent = index % 2 == 1;
+// Of joints that turn every way one angle goes so far up or down, of hinges their flexion to an end.
+struct Turn {
+  int angle = 0;
+  bool up = false, bent = false;
+  double share = 1;
+};
+
+// One angle after the other, with hinges bent and, farther from the limits, straight: bodies bend like that, and muscles meet most at the ends of
+// ranges. Legs that come together pass through one another before they are there.
+Turn turn_of(int index) {
+  if (index >= kLimitPoses) return {1, false, false, kCrossing[static_cast<std::size_t>(index - kLimitPoses)]};
+  const bool bent = index % 2 == 1;
+  return {index / 4, index / 2 % 2 == 0, bent, bent ? 1 : kHalfWay};
+}
+
+// All joints at once.
+Pose limit_pose(const Skeleton& skeleton, const Turn& turn) {
   Pose pose = rest_pose(skeleton);
   for (std::size_t j = 1; j < skeleton.joints.size(); ++j) {
     const Joint& joint = skeleton.joints[j];
     const Vec3 range = joint.max - joint.min;
     const bool hinge = range[0] > kHinge * std::max(range[1], range[2]);
-    const int axis = hinge ? 0 : turned;
+    const int axis = hinge ? 0 : turn.angle;
     Vec3 angles = joint_angles(joint, Quat::Identity());
     double& angle = angles[axis];
-    const double limit = (hinge ? bent : up) ? std::max(angle, joint.max[axis]) : std::min(angle, joint.min[axis]);
-    angle += (hinge || bent ? 1 : kHalfWay) * (limit - angle);
+    const double limit = (hinge ? turn.bent : turn.up) ? std::max(angle, joint.max[axis]) : std::min(angle, joint.min[axis]);
+    angle += (hinge ? 1 : turn.share) * (limit - angle);
     pose.rotations[j] = joint_rotation(joint, angles);
   }
   complete_pose(skeleton, pose);
@@ -271,9 +286,11 @@ ContactTables make_contact_tables(const Anatomy& anatomy, const PosingTable& sti
   tbb::parallel_for(0, kPoses, [&](int i) {
     PosedAnatomy posed;
     ContactMemory memory;
-    pose_anatomy(still, skeleton, limit_pose(skeleton, i), posed);
+    pose_anatomy(still, skeleton, limit_pose(skeleton, turn_of(i)), posed);
     look_at_sections(all, posed.slices, posed.X_WJ[0].translation(), memory);
-    found[static_cast<std::size_t>(i)] = pairs_of(all, places, memory, rest, asked);
+    FoundPairs& pairs = found[static_cast<std::size_t>(i)];
+    pairs = pairs_of(all, places, memory, rest, asked);
+    if (i >= kLimitPoses) pairs.much.clear();  // what shares little at the limits costs every pose more than it gives: parting again is enough
   });
   const auto table_of = [&](Pairs FoundPairs::*kind) {
     ContactTable table = all;
