@@ -68,20 +68,18 @@ double round_strip(const PosingBatch& batch, int lane, int first, double low, do
 
 // Areas of the strips' outlines: those of the table where they are as at rest.
 void gather_areas(const PosingTable::Data& data, const GrowingStrips& growing, const PosingBatch& four, const std::array<int, kLanes>& first, const PosedAnatomy& posed,
-                  std::span<const char> known, PosingAreas* areas) {
+                  PosingAreas* areas) {
   for (int lane = 0; lane < four.strips; ++lane) {
     const GrowingStrips::Place& from = growing.strips[static_cast<std::size_t>(lane)];
     const int still_row = data.batches[static_cast<std::size_t>(from.batch)].row;
     const auto begin = static_cast<std::size_t>(first[static_cast<std::size_t>(lane)]);
     const auto outline = [&](int k) -> const SliceOutline& { return posed.slices[begin + static_cast<std::size_t>(k)].outline; };
-    const auto pressed = [&](int k) {  // now or earlier
-      const std::size_t slice = begin + static_cast<std::size_t>(k);
-      return known.empty() ? differs(outline(k), data.outlines[slice]) : known[slice] != 0;
-    };
-    bool here = pressed(0);
+    // Pressed now or earlier, or rounded out when the strip was posed.
+    const auto moved = [&](int k) { return differs(outline(k), data.outlines[begin + static_cast<std::size_t>(k)]); };
+    bool here = moved(0);
     for (int k = 0; k < four.rows; ++k) {
       const int next = std::min(k + 1, four.rows - 1);
-      const bool there = pressed(next);
+      const bool there = moved(next);
       const PosingAreas& still = data.areas[static_cast<std::size_t>(still_row + k)];
       PosingAreas& to = areas[k];
       if (here || there) {
@@ -101,7 +99,7 @@ void gather_areas(const PosingTable::Data& data, const GrowingStrips& growing, c
     }
 }
 
-void regrow_strips(const PosingTable::Data& data, const GrowingStrips& growing, std::span<const char> pressed, PosedAnatomy& out) {
+void regrow_strips(const PosingTable::Data& data, const GrowingStrips& growing, PosedAnatomy& out) {
   PosingBatch four;
   four.rows = data.batches[static_cast<std::size_t>(growing.strips[0].batch)].rows;
   four.strips = growing.count;
@@ -118,7 +116,7 @@ void regrow_strips(const PosingTable::Data& data, const GrowingStrips& growing, 
   Scratch t;
   PosingAreas areas[kMaxStripSlices];
   for (int k = 0; k < four.rows; ++k) gather(out, first, k, t);
-  gather_areas(data, growing, four, first, out, pressed, areas);
+  gather_areas(data, growing, four, first, out, areas);
   const auto tubes = four.lanes.width_swells > 0;
   const Lane low = tubes.select(Lane::Constant(kLeastGrowth), Lane::Constant(kLeastGrowth * kLeastGrowth));
   const Lane high = tubes.select(Lane::Constant(kMostGrowth), Lane::Constant(kMostGrowth * kMostGrowth));
@@ -148,8 +146,7 @@ void round_out_missed(const PosingTable::Data& data, const PosingBatch& batch, c
   }
 }
 
-void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedAnatomy& out, RegrowMemory& memory, Threads threads,
-            std::span<const char> pressed) {
+void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedAnatomy& out, RegrowMemory& memory, Threads threads) {
   memory.clear();
   memory.reserve(2 * data.batches.size());
   for (std::size_t b = 0; b < data.batches.size(); ++b) {  // by slices
@@ -165,7 +162,7 @@ void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedA
     }
   }
   each_run(memory.size(), kGrain, threads, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) regrow_strips(data, memory[i], pressed, out);
+    for (std::size_t i = first; i < last; ++i) regrow_strips(data, memory[i], out);
   });
 }
 

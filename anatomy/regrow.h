@@ -20,9 +20,7 @@ struct GrowingStrips {
 using RegrowMemory = std::vector<GrowingStrips>;
 
 // Strips of which a section has `changed` (#sections) swell or shrink until they have their rest volumes. The same bytes at any number of threads.
-// `pressed` (#sections): whose outlines are not those of rest; where that is not given, they are compared.
-void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedAnatomy& out, RegrowMemory& memory, Threads threads,
-            std::span<const char> pressed = {});
+void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedAnatomy& out, RegrowMemory& memory, Threads threads);
 
 // Muscles whose sections have been moved or pressed since they were posed part once more, and have their rest volumes again. `held` (#sections): what
 // else than muscles keeps their outlines from growing, 0 .. 1. `parting`: deep only after all in the same memory, and of the same pose.
