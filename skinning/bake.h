@@ -30,7 +30,7 @@ namespace ecorche {
 
 struct BakeOptions {
   int morphs = 32;            // at most
-  int helpers = 72;           // joints added, at most
+  int helpers = 96;           // joints added, at most
   double helper_error = 4e-3; // m; helpers are added where the joints alone leave more
   int sample_frames = 450;    // of all motions together, that weights and shapes are solved on; errors are of every frame
   double keep_weights = 5e-4; // m; a weight strays by 1 from the given ones only where that brings the skin closer by as much
