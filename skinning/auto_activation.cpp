@@ -10,6 +10,7 @@
 
 #include "skinning/center_of_mass.h"
 #include "skinning/foot_contacts.h"
+#include "skinning/joint_of.h"
 
 namespace ecorche {
 namespace {
@@ -45,8 +46,7 @@ std::vector<Axis> loaded_axes(const Skeleton& skeleton) {
   std::vector<Axis> axes;
   for (const char* name : {"l4", "t12", "thorax", "c5", "head", "scapula_l", "scapula_r", "shoulder_l", "shoulder_r", "elbow_l", "elbow_r", "forearm_l", "forearm_r", "wrist_l",
                            "wrist_r", "hip_l", "hip_r", "knee_l", "knee_r", "ankle_l", "ankle_r", "subtalar_l", "subtalar_r"}) {
-    const int j = find_joint(skeleton, name);
-    if (j < 0) throw std::invalid_argument(std::string("auto_activations: the skeleton has no joint '") + name + "'");
+    const int j = joint_of(skeleton, name);
     const Joint& joint = skeleton.joints[static_cast<std::size_t>(j)];
     for (int k = 0; k < 3; ++k)
       if (joint.max[k] - joint.min[k] > kLeastRange) axes.push_back({j, joint.axes.col(k)});

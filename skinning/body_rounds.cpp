@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "skinning/joint_of.h"
+
 namespace ecorche {
 namespace {
 
@@ -62,12 +64,7 @@ class Rounder {
   }
 
  private:
-  int joint_of(const std::string& name) const {
-    const int j = find_joint(skeleton_, name);
-    if (j < 0) throw std::invalid_argument("rounds: our skeleton has no joint '" + name + "'");
-    return j;
-  }
-  Vec3 at(const std::string& name) const { return rest_[static_cast<std::size_t>(joint_of(name))]; }
+  Vec3 at(const std::string& name) const { return rest_[static_cast<std::size_t>(joint_of(skeleton_, name))]; }
 
   int axis(const Vec3& from, const Vec3& to) {
     axes_.push_back({from, to});
@@ -105,7 +102,7 @@ class Rounder {
       centre += 0.5 * (low + high) * u;
     }
     for (const Vec3& p : points) radius += (p - centre).norm() / static_cast<double>(points.size());
-    const int j = joint_of(joint + side_);
+    const int j = joint_of(skeleton_, joint + side_);
     out.push_back({j, centre - rest_[static_cast<std::size_t>(j)], radius, middle, end});
   }
 
@@ -133,7 +130,7 @@ class Rounder {
     for (const Vec3& p : points) sum += (p - centre).cwiseAbs2() / count;
     Vec3 half = spread.cwiseProduct(sum.cwiseSqrt());
     if (height > 0) half.y() = height;
-    const int j = joint_of(joint);
+    const int j = joint_of(skeleton_, joint);
     out.trunk.push_back({j, centre - rest_[static_cast<std::size_t>(j)], half.cwiseMin(0.5 * (high - low).cwiseMax(height))});
   }
 

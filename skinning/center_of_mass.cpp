@@ -2,15 +2,13 @@
 
 #include <stdexcept>
 
+#include "skinning/joint_of.h"
+
 namespace ecorche {
 
 CenterOfMass::CenterOfMass(const Skeleton& skeleton) {
   const std::vector<Vec3> at = rest_positions(skeleton);
-  auto index = [&](const std::string& name) {
-    const int j = find_joint(skeleton, name);
-    if (j < 0) throw std::invalid_argument("center of mass: our skeleton has no joint '" + name + "'");
-    return j;
-  };
+  auto index = [&](const std::string& name) { return joint_of(skeleton, name); };
   auto add = [&](double mass, const std::string& joint, const Vec3& place) {
     segments_.push_back({mass, index(joint), place - at[index(joint)]});
   };

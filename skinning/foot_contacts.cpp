@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "anatomy/joint_angles.h"
+#include "skinning/joint_of.h"
 
 namespace ecorche {
 namespace {
@@ -13,12 +14,6 @@ constexpr double kLowHeight = 0.025, kHighHeight = 0.040;  // m
 constexpr double kSlow = 0.35, kFast = 0.60;               // m/s
 constexpr double kShortest = 0.060, kGap = 0.060;          // s
 constexpr double kSamePlace = 0.03;                        // m
-
-int joint_of(const Skeleton& skeleton, const std::string& name) {
-  const int j = find_joint(skeleton, name);
-  if (j < 0) throw std::invalid_argument("feet: our skeleton has no joint '" + name + "'");
-  return j;
-}
 
 }  // namespace
 

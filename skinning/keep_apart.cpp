@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "skinning/bell.h"
 
 namespace ecorche {
 namespace {
@@ -145,27 +146,12 @@ LimbShifts part_limbs(const ApartTables& tables, const std::vector<Transform>& X
 }
 
 void smooth_shifts(double fps, std::vector<LimbShifts>& shifts) {
-  const int frames = static_cast<int>(shifts.size()), w = static_cast<int>(std::lround(kBell * fps));
-  if (w < 1) return;
-  const auto size = [](const LimbShift& one) { return one.middle.squaredNorm() + one.end.squaredNorm(); };
-  std::vector<LimbShifts> widened = shifts;
-  for (int f = 0; f < frames; ++f)
-    for (int g = std::max(0, f - w); g <= std::min(frames - 1, f + w); ++g)
-      for (std::size_t l = 0; l < 4; ++l) {
-        const LimbShift& there = shifts[static_cast<std::size_t>(g)][l];
-        LimbShift& here = widened[static_cast<std::size_t>(f)][l];
-        if (size(there) > size(here)) here = there;
-      }
-  for (int f = 0; f < frames; ++f) {
-    LimbShifts sum;
-    double weight = 0;
-    for (int g = f - w; g <= f + w; ++g) {
-      const double k = 1 + std::cos(std::numbers::pi * (g - f) / (w + 1));
-      const LimbShifts& there = widened[static_cast<std::size_t>(std::clamp(g, 0, frames - 1))];
-      for (std::size_t l = 0; l < 4; ++l) sum[l].middle += k * there[l].middle, sum[l].end += k * there[l].end;
-      weight += k;
-    }
-    for (std::size_t l = 0; l < 4; ++l) shifts[static_cast<std::size_t>(f)][l] = {sum[l].middle / weight, sum[l].end / weight};
+  using Both = Eigen::Vector<double, 6>;  // of a limb: middle, end
+  std::vector<Both> limb(shifts.size());
+  for (std::size_t l = 0; l < 4; ++l) {
+    for (std::size_t f = 0; f < shifts.size(); ++f) limb[f] << shifts[f][l].middle, shifts[f][l].end;
+    widened_bell(static_cast<int>(std::lround(kBell * fps)), limb, [](const Both& a, const Both& b) { return a.squaredNorm() > b.squaredNorm(); });
+    for (std::size_t f = 0; f < shifts.size(); ++f) shifts[f][l] = {limb[f].head<3>(), limb[f].tail<3>()};
   }
 }
 

@@ -11,6 +11,7 @@
 #include "anatomy/joint_angles.h"
 #include "anatomy/smooth_step.h"
 #include "skinning/foot_contacts.h"
+#include "skinning/joint_of.h"
 
 namespace ecorche {
 namespace {
@@ -175,12 +176,6 @@ class LimbSolver {
   Eigen::Matrix<double, kMost, kMost> hessian_;
   Angles slope_;
 };
-
-int joint_of(const Skeleton& skeleton, const std::string& name) {
-  const int j = find_joint(skeleton, name);
-  if (j < 0) throw std::invalid_argument("limits: our skeleton has no joint '" + name + "'");
-  return j;
-}
 
 // What toes do about a foot that has been turned back by `turn`: they stay where they were, unless that is far off.
 Quat toe_help(const Mat3& turn) {

@@ -47,7 +47,7 @@ void MotionLimiter::run(const LimbHold& hold, const std::vector<Contact>& contac
   }
   if (hold.ground) raise_pelvis(given, placed, motion);
   if (!apart_) return;
-  parted_ = meetings(motion);
+  if (parted_.empty()) parted_ = meetings(motion);
   part(given, placed, motion);
 }
 
@@ -97,6 +97,7 @@ void MotionLimiter::part(const std::vector<Pose>& given, const std::vector<LimbS
       more[f] = part_limbs(*apart_, X);
       if (hold_.ground) more[f][0].end.setZero(), more[f][1].end.setZero();
     }
+    if (std::none_of(more.begin(), more.end(), moves_any)) return;
     smooth_shifts(motion.fps, more);
     for (std::size_t f = 0; f < given.size(); ++f) {
       if (!moves_any(more[f])) continue;

@@ -27,7 +27,7 @@ class MotionLimiter {
   // By how much keeping limits moved the ends of limbs, over all runs; parting them is not counted.
   std::vector<EndMove> moves() const;
 
-  // How deep parts lay in one another in the last run before they were parted, and how deep they lie in any motion: an entry for each of
+  // How deep parts lay in one another in the first run before they were parted, and how deep they lie in any motion: an entry for each of
   // kMeetingNames; none without rounds.
   const std::vector<MeetingBreak>& parted() const { return parted_; }
   std::vector<MeetingBreak> meetings(const Motion& motion) const;

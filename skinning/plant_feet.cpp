@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "anatomy/smooth_step.h"
+#include "skinning/bell.h"
 #include "skinning/leg_reach.h"
 
 namespace ecorche {
@@ -13,6 +15,7 @@ constexpr double kFade = 0.10;          // s around a stance
 constexpr double kHandOver = 0.05;      // s in which heel and ball pass the foot to each other
 constexpr double kStep = 0.06;          // m: a contact higher than this stands on something
 constexpr double kMostDrop = 0.10;      // m that the pelvis may come down
+constexpr double kSinking = 0.06;       // s in which it does
 constexpr double kStraight = 0.9985;    // of its length to which a planted leg stretches: 6 deg of knee
 constexpr double kToeExtension = 0.61;  // rad (35 deg): a foot pitched further, or than its toes bend, rolls over the tip of its toes
 constexpr double kMostBent = 0.75;      // rad the toes bend upwards
@@ -244,7 +247,7 @@ class Planter {
 
   // Brings the pelvis down so that the planted legs reach, smoothly. Returns by how much, a frame.
   std::vector<double> lower_pelvis() {
-    std::vector<double> needed(frames_, 0.0), most(frames_, 0.0), sunk(frames_, 0.0);
+    std::vector<double> sunk(frames_, 0.0);
     for (int f = 0; f < frames_; ++f) {
       forward_kinematics(skeleton_, motion_.frames[f], X_);
       for (const FootPlan& foot : feet_) {
@@ -255,22 +258,11 @@ class Planter {
         const double reach = kStraight * straight_leg(skeleton_, foot.shape, X_);
         const double level = std::hypot(ankle.x() - hip.x(), ankle.z() - hip.z());
         if (level >= reach) continue;
-        needed[f] = std::max(needed[f], std::min(kMostDrop, hip.y() - ankle.y() - std::sqrt(reach * reach - level * level)));
+        sunk[f] = std::max(sunk[f], std::min(kMostDrop, hip.y() - ankle.y() - std::sqrt(reach * reach - level * level)));
       }
     }
-    const int w = std::max(1, static_cast<int>(std::lround(0.06 * motion_.fps)));
-    for (int f = 0; f < frames_; ++f)
-      for (int g = std::max(0, f - w); g <= std::min(frames_ - 1, f + w); ++g) most[f] = std::max(most[f], needed[g]);
-    for (int f = 0; f < frames_; ++f) {
-      double sum = 0, weight = 0;
-      for (int g = f - w; g <= f + w; ++g) {
-        const double k = 1 + std::cos(3.14159265358979323846 * (g - f) / (w + 1));
-        sum += k * most[std::clamp(g, 0, frames_ - 1)];
-        weight += k;
-      }
-      sunk[f] = sum / weight;
-      motion_.frames[f].root.y() -= sunk[f];
-    }
+    widened_bell(std::max(1, static_cast<int>(std::lround(kSinking * motion_.fps))), sunk, std::greater<>());
+    for (int f = 0; f < frames_; ++f) motion_.frames[f].root.y() -= sunk[f];
     return sunk;
   }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "anatomy/errors.h"
+#include "skinning/joint_of.h"
 
 namespace ecorche {
 namespace {
@@ -82,11 +83,7 @@ struct OurRest {
   std::vector<Vec3> positions;
   explicit OurRest(const Skeleton& s) : skeleton(s), positions(rest_positions(s)) {}
 
-  Vec3 at(const std::string& name) const {
-    const int j = find_joint(skeleton, name);
-    if (j < 0) throw std::invalid_argument("retarget: our skeleton has no joint '" + name + "'");
-    return positions[j];
-  }
+  Vec3 at(const std::string& name) const { return positions[joint_of(skeleton, name)]; }
   Vec3 bone(const std::string& from, const std::string& to) const { return at(to) - at(from); }
   Vec3 hand(const std::string& s) const {
     return 0.25 * (at("mcp2" + s) + at("mcp3" + s) + at("mcp4" + s) + at("mcp5" + s)) - at("wrist" + s);

@@ -7,6 +7,7 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/joint_angles.h"
+#include "skinning/joint_of.h"
 #include "skinning/keep_flights.h"
 #include "skinning/leg_reach.h"
 #include "skinning/limit_motion.h"
@@ -67,14 +68,13 @@ void unwrap(std::vector<Pose>& frames) {
 }
 
 // Feet as far apart as the file's, whose hips may be wider or narrower than ours.
-LimbShifts stance_shifts(const PoseTransfer& transfer, const std::vector<Transform>& X, const Skeleton& ours, const Pose& pose) {
+// `hips`: ours from the root at rest, left and right.
+LimbShifts stance_shifts(const PoseTransfer& transfer, const std::vector<Transform>& X, const std::array<Vec3, 2>& hips, const Pose& pose) {
   constexpr double kMost = 0.04;  // m
   LimbShifts out;
-  const std::vector<Vec3> rest = rest_positions(ours);
   for (size_t s = 0; s < 2; ++s) {
     const Side side = s == 0 ? Side::left : Side::right;
-    const size_t hip = static_cast<size_t>(find_joint(ours, std::string("hip") + side_suffix(side)));
-    const Vec3 across = pose.rotations[0] * Vec3::UnitX(), here = pose.root + pose.rotations[0] * (rest[hip] - rest[0]);
+    const Vec3 across = pose.rotations[0] * Vec3::UnitX(), here = pose.root + pose.rotations[0] * hips[s];
     const double wider = std::clamp((transfer.hip_in_file(X, side) - here).dot(across), -kMost, kMost);
     out[s] = {0.5 * wider * across, wider * across};
   }
@@ -132,11 +132,13 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
   const double sole = options.sole_height.value_or(guess_sole_height(ours));
   std::array<FootPaths, 2> feet;
   std::vector<LimbShifts> shifts;
+  const std::vector<Vec3> rest = rest_positions(ours);
+  const std::array<Vec3, 2> hips{rest[joint_of(ours, "hip_l")] - rest[0], rest[joint_of(ours, "hip_r")] - rest[0]};
   std::vector<Transform> X;
   for (size_t f = 0; f < motion.frames.size(); ++f) {
     bvh_kinematics(source, source.frames == 0 ? -1 : static_cast<int>(f), X);
     transfer.transfer(X, motion.frames[f]);
-    shifts.push_back(stance_shifts(transfer, X, ours, motion.frames[f]));
+    shifts.push_back(stance_shifts(transfer, X, hips, motion.frames[f]));
     for (int side = 0; side < 2; ++side) add_foot(transfer, X, ours, side == 0 ? Side::left : Side::right, sole, feet[side]);
   }
   report.dropped_frames = marker_frames(motion.frames);
