@@ -4,6 +4,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -13,7 +14,7 @@
 namespace ecorche {
 namespace {
 
-constexpr std::size_t kPatch = 48, kPart = 8;          // vertices
+constexpr std::size_t kPatch = 48, kPart = 8;          // vertices; whole eights
 constexpr std::size_t kTask = 16;                      // patches
 constexpr float kNearer = 0.97f;                       // of the distance at rest
 constexpr float kRight = std::numbers::pi_v<float> / 2;
@@ -23,11 +24,13 @@ Float4 row(std::span<const float> rows, int i) { return load4(&rows[4 * static_c
 
 float angle(float cosine) { return std::acos(std::clamp(cosine, -1.0f, 1.0f)); }
 
-std::span<const int> hull_of(const VertexGroups& groups, std::size_t g) {
-  return std::span(groups.hull)
-      .subspan(static_cast<std::size_t>(groups.hull_first[g]),
-               static_cast<std::size_t>(groups.hull_first[g + 1] - groups.hull_first[g]));
+std::span<const int> span_of(const std::vector<int>& list, const std::vector<int>& first, std::size_t g) {
+  return {list.data() + first[g], list.data() + first[g + 1]};
 }
+
+std::span<const int> own_of(const VertexGroups& groups, std::size_t g) { return span_of(groups.vertex, groups.first, g); }
+
+std::span<const int> hull_of(const VertexGroups& groups, std::size_t g) { return span_of(groups.hull, groups.hull_first, g); }
 
 PatchScratch::Shape shape_of(std::span<const int> hull, float reach, std::span<const float> positions, std::span<const float> normals) {
   PatchScratch::Shape out;
@@ -58,55 +61,133 @@ PatchScratch::Shape shape_of(std::span<const int> hull, float reach, std::span<c
   return out;
 }
 
-bool overlap(const PatchScratch::Shape& a, const PatchScratch::Shape& b) {
-  const float reach = std::max(a.reach, b.reach);
-  for (int k = 0; k < 3; ++k)
-    if (a.low[k] - reach > b.high[k] || b.low[k] - reach > a.high[k]) return false;
-  return true;
+// A lane of eight patches' boxes.
+void set_lane(const PatchScratch::Shape& shape, std::size_t lane, PatchScratch::EightBoxes& out) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    out.low[k][lane] = shape.low[k];
+    out.high[k][lane] = shape.high[k];
+  }
+  out.reach[lane] = shape.reach;
 }
 
+void set_lane(const PatchScratch::Shape& shape, std::size_t lane, PatchScratch::EightParts& out) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    out.low[k][lane] = shape.low[k];
+    out.high[k][lane] = shape.high[k];
+    out.up[k][lane] = shape.up[k];
+  }
+  out.facing[lane] = shape.facing;
+  out.bottom[lane] = shape.bottom;
+  out.top[lane] = shape.top;
+}
+
+// Shapes of a patch and of its parts. Where a patch has no eight of them, the last one fills up.
+void fit_shapes(const ContactPatches& patches, std::size_t patch, std::span<const float> positions, std::span<const float> normals,
+                PatchScratch& s) {
+  s.shapes[patch] = shape_of(hull_of(patches.groups, patch), patches.reach[patch], positions, normals);
+  const auto first = static_cast<std::size_t>(patches.part_first[patch]), end = static_cast<std::size_t>(patches.part_first[patch + 1]);
+  PatchScratch::EightParts* eight = &s.parts[static_cast<std::size_t>(patches.eight_first[patch])];
+  for (std::size_t begin = first; begin < end; begin += 8, ++eight) {
+    PatchScratch::Shape part;
+    for (std::size_t lane = 0; lane < 8; ++lane) {
+      if (begin + lane < end) part = shape_of(hull_of(patches.parts, begin + lane), 0, positions, normals);
+      set_lane(part, lane, *eight);
+    }
+  }
+}
+
+// Which of eight patches are within reach of one.
+unsigned overlaps(const PatchScratch::Shape& a, const PatchScratch::EightBoxes& b) {
+  const Float8 own = Float8{} + a.reach, reach = own > b.reach ? own : b.reach;
+  Int8 apart{};
+  for (std::size_t k = 0; k < 3; ++k) apart |= (a.low[k] - reach > b.high[k]) | (b.low[k] - reach > a.high[k]);
+  return lanes_that(apart == 0);
+}
+
+// Of two that are within reach of each other.
 bool may_meet(const ContactPatches& patches, const std::vector<PatchScratch::Shape>& shapes, std::size_t a, std::size_t b) {
   const PatchScratch::Shape &A = shapes[a], &B = shapes[b];
-  if (!overlap(A, B)) return false;
   const Float4 way = load4(A.middle) - load4(B.middle), rest = load4(&patches.rest_middle[4 * a]) - load4(&patches.rest_middle[4 * b]);
   if (sum4(way * way)[0] >= kNearer * kNearer * sum4(rest * rest)[0]) return false;
   return angle(sum4(load4(A.up) * load4(B.up))[0]) + A.spread + B.spread > kRight;
 }
 
-// The way of a vertex from a little before it inwards.
-struct WayIn {
-  Float4 normal, from, to;
+// The ways of a patch's vertices from a little before them inwards, eight at once.
+struct WaysIn {
+  struct Eight {
+    std::array<Float8, 3> normal, from, to, low, high;
+    std::array<int, 8> vertex{};
+    unsigned left = 0;  // lanes that are not known to enter anything yet
+  };
+  std::array<Eight, kPatch / 8> eights;
+  std::size_t count = 0;
 };
 
-// Whether it leads through where a shape lies whose far side it may be on, by its normal.
-bool may_enter(const WayIn& way, const PatchScratch::Shape& other) {
-  const Float4 up = load4(other.up);
-  if (sum4(up * way.normal)[0] > other.facing) return false;
-  const Float4 beyond = most(load4(other.low) - most(way.from, way.to), least(way.from, way.to) - load4(other.high));
-  if (beyond[0] > 0 || beyond[1] > 0 || beyond[2] > 0) return false;
-  const float a = sum4(up * way.from)[0], b = sum4(up * way.to)[0];
-  return std::max(a, b) >= other.bottom && std::min(a, b) <= other.top;
-}
-
-// The vertices of a patch that may enter another one.
-bool mark(const ContactPatches& patches, std::size_t patch, std::size_t other, const SkinReach& skin, const PatchScratch& s,
-          std::vector<char>& wanted) {
-  const auto first = s.parts.begin() + patches.part_first[other], last = s.parts.begin() + patches.part_first[other + 1];
-  bool any = false;
-  for (int k = patches.groups.first[patch]; k < patches.groups.first[patch + 1]; ++k) {
-    const int i = patches.groups.vertex[static_cast<std::size_t>(k)];
+WaysIn ways_of(std::span<const int> vertices, const SkinReach& skin) {
+  WaysIn out;
+  std::size_t lanes = 0;
+  for (const int i : vertices) {
     const float give = skin.give[static_cast<std::size_t>(i)];
     if (give <= 0) continue;
-    char& want = wanted[static_cast<std::size_t>(i)];
-    if (!want) {
-      const Float4 n = row(skin.normals, i), p = row(skin.positions, i);
-      const WayIn way{n, p + skin.before * n, p - give * n};
-      want = may_enter(way, s.shapes[other]) &&
-             std::any_of(first, last, [&](const PatchScratch::Shape& part) { return may_enter(way, part); });
+    const Float4 n = row(skin.normals, i), p = row(skin.positions, i), from = p + skin.before * n, to = p - give * n;
+    const Float4 low = least(from, to), high = most(from, to);
+    WaysIn::Eight& eight = out.eights[lanes / 8];
+    const std::size_t lane = lanes++ % 8;
+    if (lane == 0) eight = {};
+    for (std::size_t k = 0; k < 3; ++k) {
+      eight.normal[k][lane] = n[k];
+      eight.from[k][lane] = from[k];
+      eight.to[k][lane] = to[k];
+      eight.low[k][lane] = low[k];
+      eight.high[k][lane] = high[k];
     }
-    any = any || want;
+    eight.vertex[lane] = i;
+    eight.left |= 1u << lane;
   }
-  return any;
+  out.count = (lanes + 7) / 8;
+  return out;
+}
+
+// Lanes of ways that lead through where a shape lies whose far side they may be on, by their normals. Either may be eight, or one in every lane.
+template <class Way, class Shape>
+unsigned may_enter(const Way& way, const Shape& shape) {
+  const auto along = [&](const auto& v) { return shape.up[0] * v[0] + shape.up[1] * v[1] + shape.up[2] * v[2]; };
+  const Float8 a = along(way.from), b = along(way.to), bottom = Float8{} + shape.bottom, top = Float8{} + shape.top;
+  Int8 off = (along(way.normal) > Float8{} + shape.facing) | ((a < bottom) & (b < bottom)) | ((a > top) & (b > top));
+  for (std::size_t k = 0; k < 3; ++k) off |= (Float8{} + shape.low[k] > Float8{} + way.high[k]) | (Float8{} + way.low[k] > Float8{} + shape.high[k]);
+  return lanes_that(off == 0);
+}
+
+// One of them.
+struct WayIn {
+  std::array<float, 3> normal, from, to, low, high;
+};
+
+WayIn way_of(const WaysIn::Eight& eight, std::size_t lane) {
+  WayIn out;
+  for (std::size_t k = 0; k < 3; ++k) {
+    out.normal[k] = eight.normal[k][lane];
+    out.from[k] = eight.from[k][lane];
+    out.to[k] = eight.to[k][lane];
+    out.low[k] = eight.low[k][lane];
+    out.high[k] = eight.high[k][lane];
+  }
+  return out;
+}
+
+// Marks the vertices of a patch that may enter another one.
+void mark(const ContactPatches& patches, std::size_t other, const PatchScratch& s, WaysIn& ways, std::vector<char>& wanted) {
+  const auto first = s.parts.begin() + patches.eight_first[other], last = s.parts.begin() + patches.eight_first[other + 1];
+  for (WaysIn::Eight& eight : std::span(ways.eights).first(ways.count)) {
+    if (eight.left == 0) continue;
+    for (unsigned lanes = eight.left & may_enter(eight, s.shapes[other]); lanes != 0; lanes &= lanes - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+      const WayIn way = way_of(eight, lane);
+      if (std::none_of(first, last, [&](const PatchScratch::EightParts& parts) { return may_enter(way, parts) != 0; })) continue;
+      wanted[static_cast<std::size_t>(eight.vertex[lane])] = 1;
+      eight.left &= ~(1u << lane);
+    }
+  }
 }
 
 // Gathers connected vertices of `list`, which `among` tells from all others by `mark`, into groups of at most `most`. A vertex's
@@ -153,9 +234,7 @@ ContactPatches cut_patches(const Membrane& rings, std::span<const float> positio
   cut_groups(rings, all, std::vector<int>(n, 0), 0, kPatch, patch, seen, out.groups);
   const auto count = out.groups.first.size() - 1;
   for (std::size_t p = 0; p < count; ++p) {
-    const auto own = std::span(out.groups.vertex)
-                         .subspan(static_cast<std::size_t>(out.groups.first[p]),
-                                  static_cast<std::size_t>(out.groups.first[p + 1] - out.groups.first[p]));
+    const std::span<const int> own = own_of(out.groups, p);
     float reach = 0;
     for (const int i : own) reach = std::max(reach, give[static_cast<std::size_t>(i)]);
     out.reach.push_back(reach);
@@ -164,6 +243,8 @@ ContactPatches cut_patches(const Membrane& rings, std::span<const float> positio
     out.rest_spread.push_back(shape.spread);
     out.part_first.push_back(static_cast<int>(out.parts.first.size()) - 1);
     cut_groups(rings, own, patch, static_cast<int>(p), kPart, part, seen_by_part, out.parts);
+    const int parts = static_cast<int>(out.parts.first.size()) - 1 - out.part_first.back();
+    out.eight_first.push_back(out.eight_first.back() + (parts + 7) / 8);
   }
   out.part_first.push_back(static_cast<int>(out.parts.first.size()) - 1);
   return out;
@@ -172,24 +253,27 @@ ContactPatches cut_patches(const Membrane& rings, std::span<const float> positio
 bool find_meetings(const ContactPatches& patches, const SkinReach& skin, PatchScratch& s, std::vector<char>& wanted) {
   const std::size_t count = patches.reach.size();
   s.shapes.resize(count);
-  s.parts.resize(patches.parts.first.size() - 1);
+  s.boxes.resize((count + 7) / 8);
+  s.parts.resize(static_cast<std::size_t>(patches.eight_first.back()));
   wanted.assign(skin.give.size(), 0);
   s.met.assign(count, 0);
-  const tbb::blocked_range<std::size_t> all(0, count, kTask);
-  tbb::parallel_for(all, [&](const auto& range) {
-    for (std::size_t p = range.begin(); p < range.end(); ++p)
-      s.shapes[p] = shape_of(hull_of(patches.groups, p), patches.reach[p], skin.positions, skin.normals);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, s.boxes.size()), [&](const auto& range) {
+    for (std::size_t p = 8 * range.begin(); p < std::min(count, 8 * range.end()); ++p) {
+      fit_shapes(patches, p, skin.positions, skin.normals, s);
+      set_lane(s.shapes[p], p % 8, s.boxes[p / 8]);
+    }
   });
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, s.parts.size(), kTask), [&](const auto& range) {
-    for (std::size_t p = range.begin(); p < range.end(); ++p)
-      s.parts[p] = shape_of(hull_of(patches.parts, p), 0, skin.positions, skin.normals);
-  });
-  tbb::parallel_for(all, [&](const auto& range) {  // each marks its own vertices
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kTask), [&](const auto& range) {  // each marks its own vertices
     for (std::size_t a = range.begin(); a < range.end(); ++a) {
-      bool any = s.shapes[a].spread > std::max(kFold, patches.rest_spread[a] + kNewFold) && mark(patches, a, a, skin, s, wanted);
-      for (std::size_t b = 0; b < count; ++b)
-        if (a != b && may_meet(patches, s.shapes, a, b)) any = mark(patches, a, b, skin, s, wanted) || any;
-      s.met[a] = any;
+      const std::span<const int> own = own_of(patches.groups, a);
+      WaysIn ways = ways_of(own, skin);
+      if (s.shapes[a].spread > std::max(kFold, patches.rest_spread[a] + kNewFold)) mark(patches, a, s, ways, wanted);
+      for (std::size_t eight = 0; eight < s.boxes.size(); ++eight)
+        for (unsigned near = overlaps(s.shapes[a], s.boxes[eight]); near != 0; near &= near - 1) {
+          const std::size_t b = 8 * eight + static_cast<std::size_t>(std::countr_zero(near));
+          if (a != b && b < count && may_meet(patches, s.shapes, a, b)) mark(patches, b, s, ways, wanted);
+        }
+      s.met[a] = std::any_of(own.begin(), own.end(), [&](int i) { return wanted[static_cast<std::size_t>(i)] != 0; });
     }
   });
   return std::find(s.met.begin(), s.met.end(), 1) != s.met.end();

@@ -26,6 +26,7 @@ struct ContactPatches {
   std::vector<float> rest_middle;             // #patches x 4
   std::vector<float> rest_spread;             // a patch: rad, largest angle of a normal with their mean
   std::vector<int> part_first;                // #patches + 1 into `parts`: small pieces of it
+  std::vector<int> eight_first{0};            // #patches + 1: the same in eights of parts
   VertexGroups parts;
 };
 

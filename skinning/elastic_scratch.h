@@ -1,12 +1,15 @@
 // Working memory of the elastic skin, which every frame owns; its content means nothing between frames. Private to the room.
 #pragma once
 
+#include <array>
 #include <vector>
+
+#include "skinning/float4.h"
 
 namespace ecorche {
 
 struct MembraneScratch {
-  // Whole fours of vertices x 4.
+  // Whole eights of vertices x 4.
   std::vector<float> turns;                     // quaternions
   std::vector<float> places, offsets, normals, half;
   std::vector<float> pull;                      // sum of c (a_i - a_j) of the anchors a, component by component
@@ -22,7 +25,18 @@ struct PatchScratch {
     float facing = 1;                  // sine of it, or 1: what is further along `up` than that is not faced
     float bottom = 0, top = 0;         // m, along `up`
   };
-  std::vector<Shape> shapes, parts;    // a patch; a part
+  // Boxes of eight patches, and shapes of eight parts of one patch, component by component.
+  struct EightBoxes {
+    std::array<Float8, 3> low, high;
+    Float8 reach;
+  };
+  struct EightParts {
+    std::array<Float8, 3> low, high, up;
+    Float8 facing, bottom, top;
+  };
+  std::vector<Shape> shapes;           // a patch
+  std::vector<EightBoxes> boxes;
+  std::vector<EightParts> parts;
   std::vector<char> met;               // a patch: whether a vertex of it is to be looked at
 };
 

@@ -8,6 +8,7 @@ namespace ecorche {
 typedef float Float4 __attribute__((vector_size(16)));
 typedef int Int4 __attribute__((vector_size(16)));
 typedef float Float8 __attribute__((vector_size(32)));
+typedef int Int8 __attribute__((vector_size(32)));
 
 inline Float4 load4(const float* p) {
   Float4 v;
@@ -16,6 +17,14 @@ inline Float4 load4(const float* p) {
 }
 
 inline void store4(float* p, Float4 v) { std::memcpy(p, &v, sizeof v); }
+
+inline Float8 load8(const float* p) {
+  Float8 v;
+  std::memcpy(&v, p, sizeof v);
+  return v;
+}
+
+inline void store8(float* p, Float8 v) { std::memcpy(p, &v, sizeof v); }
 
 // (y z x w)
 inline Float4 turn(Float4 v) { return __builtin_shuffle(v, Int4{1, 2, 0, 3}); }
@@ -30,6 +39,17 @@ inline Float4 most(Float4 a, Float4 b) { return __builtin_ia32_maxps(a, b); }
 #else
 inline Float4 least(Float4 a, Float4 b) { return a < b ? a : b; }
 inline Float4 most(Float4 a, Float4 b) { return a > b ? a : b; }
+#endif
+
+// Which lanes of a comparison hold, a bit each.
+#ifdef __AVX__
+inline unsigned lanes_that(Int8 holds) { return static_cast<unsigned>(__builtin_ia32_movmskps256((Float8)holds)); }
+#else
+inline unsigned lanes_that(Int8 holds) {
+  unsigned out = 0;
+  for (int lane = 0; lane < 8; ++lane) out |= (holds[lane] != 0 ? 1u : 0u) << lane;
+  return out;
+}
 #endif
 
 // In every lane.

@@ -16,7 +16,7 @@ using Sparse = Eigen::SparseMatrix<double>;
 constexpr double kLeastCotan = 0.05, kMostCotan = 5;
 constexpr double kHold = 0.7, kHoldDepth = 0.012, kLeastHold = 0.06;  // beside cotangents of about 0.6; m
 constexpr double kGlideShare = 0.25, kMostGlide = 0.012;            // of the tissue's thickness; m
-constexpr int kBlock = 128;  // fours of vertices a task: tasks do not depend on the number of threads
+constexpr int kBlock = 64;   // eights of vertices a task: tasks do not depend on the number of threads
 constexpr int kFirstTurns = 4, kTurns = 2;
 
 double cotan(const Vec3& a, const Vec3& b) { return a.dot(b) / std::max(a.cross(b).norm(), 1e-12); }
@@ -51,11 +51,11 @@ Sparse system(const Sparse& C, std::span<const float> hold) {
   return A;
 }
 
-int fours_of(const Membrane& m) { return static_cast<int>(m.slot_begin.size()) - 1; }
+int eights_of(const Membrane& m) { return static_cast<int>(m.slot_begin.size()) - 1; }
 
 // Component `k` of a vertex's own in what lies component by component.
-float& part_of(std::vector<float>& fours, std::size_t components, std::size_t vertex, std::size_t k) {
-  return fours[4 * components * (vertex / 4) + 4 * k + vertex % 4];
+float& part_of(std::vector<float>& eights, std::size_t components, std::size_t vertex, std::size_t k) {
+  return eights[8 * components * (vertex / 8) + 8 * k + vertex % 8];
 }
 
 // Rows: along the normal, across the edge, and the third.
@@ -71,110 +71,111 @@ Mat3 frame_of(const Vec3& normal, const Vec3& edge) {
 // Rotations that take rest edges to the present ones, from a guess: the sum of r_c . a_c over the columns of rotation and matrix is made as large
 // as it can be, by Newton's method for small turns. Where that sum is no hill there, the step is the shorter one that always climbs (Mueller et
 // al. 2016, 10.1145/2994258.2994269). They cannot end in a reflection.
-void turn_to(const Lanes33& A, int steps, Lanes4& q) {
+void turn_to(const Wide33& A, int steps, Wide4& q) {
   constexpr float kStill = 1e-8f;       // rad^2, of half the angle: the next step would be far smaller
   constexpr float kLeastHill = 0.02f;   // of the sum's cube
   for (int step = 0; step < steps; ++step) {
-    const Lanes33 R = matrix(q);
-    const auto mixed = [&](Float4 Lanes3::*r, Float4 Lanes3::*a) {
+    const Wide33 R = matrix(q);
+    const auto mixed = [&](Float8 Wide3::*r, Float8 Wide3::*a) {
       return R.col[0].*r * A.col[0].*a + R.col[1].*r * A.col[1].*a + R.col[2].*r * A.col[2].*a;
     };
-    const Float4 xx = mixed(&Lanes3::x, &Lanes3::x), yy = mixed(&Lanes3::y, &Lanes3::y), zz = mixed(&Lanes3::z, &Lanes3::z);
-    const Float4 xy = mixed(&Lanes3::x, &Lanes3::y), yx = mixed(&Lanes3::y, &Lanes3::x), xz = mixed(&Lanes3::x, &Lanes3::z),
-                 zx = mixed(&Lanes3::z, &Lanes3::x), yz = mixed(&Lanes3::y, &Lanes3::z), zy = mixed(&Lanes3::z, &Lanes3::y);
-    const Lanes3 torque{yz - zy, zx - xz, xy - yx};
-    const Float4 pull = xx + yy + zz, size = pull < 0 ? -pull : pull;
+    const Float8 xx = mixed(&Wide3::x, &Wide3::x), yy = mixed(&Wide3::y, &Wide3::y), zz = mixed(&Wide3::z, &Wide3::z);
+    const Float8 xy = mixed(&Wide3::x, &Wide3::y), yx = mixed(&Wide3::y, &Wide3::x), xz = mixed(&Wide3::x, &Wide3::z),
+                 zx = mixed(&Wide3::z, &Wide3::x), yz = mixed(&Wide3::y, &Wide3::z), zy = mixed(&Wide3::z, &Wide3::y);
+    const Wide3 torque{yz - zy, zx - xz, xy - yx};
+    const Float8 pull = xx + yy + zz, size = pull < 0 ? -pull : pull;
     // The hill's curvature: symmetric, diagonal a b c, the others d (yz) e (xz) f (xy).
-    const Float4 a = yy + zz, b = xx + zz, c = xx + yy, d = -0.5f * (yz + zy), e = -0.5f * (xz + zx), f = -0.5f * (xy + yx);
-    const Float4 A0 = b * c - d * d, A1 = d * e - c * f, A2 = d * f - b * e, det = a * A0 + f * A1 + e * A2;
+    const Float8 a = yy + zz, b = xx + zz, c = xx + yy, d = -0.5f * (yz + zy), e = -0.5f * (xz + zx), f = -0.5f * (xy + yx);
+    const Float8 A0 = b * c - d * d, A1 = d * e - c * f, A2 = d * f - b * e, det = a * A0 + f * A1 + e * A2;
     const auto hill = (a > 0) & (A0 > 0) & (det > kLeastHill * pull * pull * pull) & (pull > 0);
-    const Float4 inverse = 0.5f / (hill ? det : all(1)), shorter = 0.5f / (size + 1e-12f);
-    const Lanes3 newton{A0 * torque.x + A1 * torque.y + A2 * torque.z, A1 * torque.x + (a * c - e * e) * torque.y + (e * f - a * d) * torque.z,
+    const Float8 inverse = 0.5f / (hill ? det : all_eight(1)), shorter = 0.5f / (size + 1e-12f);
+    const Wide3 newton{A0 * torque.x + A1 * torque.y + A2 * torque.z, A1 * torque.x + (a * c - e * e) * torque.y + (e * f - a * d) * torque.z,
                         A2 * torque.x + (e * f - a * d) * torque.y + (a * b - f * f) * torque.z};
-    const Lanes3 w{hill ? inverse * newton.x : shorter * torque.x, hill ? inverse * newton.y : shorter * torque.y,
+    const Wide3 w{hill ? inverse * newton.x : shorter * torque.x, hill ? inverse * newton.y : shorter * torque.y,
                    hill ? inverse * newton.z : shorter * torque.z};  // half the angle
-    const Lanes3 u = xyz(q), v = q.w * w + u + cross(w, u);
-    q = normalized(Lanes4{v.x, v.y, v.z, q.w - dot(w, u)});
-    const Float4 left = dot(w, w);
-    if (left[0] < kStill && left[1] < kStill && left[2] < kStill && left[3] < kStill) return;
+    const Wide3 u = xyz(q), v = q.w * w + u + cross(w, u);
+    q = normalized(Wide4{v.x, v.y, v.z, q.w - dot(w, u)});
+    if (lanes_that(dot(w, w) >= kStill) == 0) return;
   }
 }
 
 // The rotations that carry rest normal and first edge to the present ones: guesses to start from.
-Lanes4 guess(const float* rest, const Lanes3& n, const Lanes3& e) {
-  const Lanes3 up = normalized(n), along = normalized(cross(n, e)), third = cross(up, along);
-  Lanes33 R;
+Wide4 guess(const float* rest, const Wide3& n, const Wide3& e) {
+  const Wide3 up = normalized(n), along = normalized(cross(n, e)), third = cross(up, along);
+  Wide33 R;
   for (int c = 0; c < 3; ++c) {
-    const Lanes3 row = load3(rest + 12 * c);
+    const Wide3 row = load3(rest + 24 * c);
     R.col[c] = row.x * up + row.y * along + row.z * third;
   }
   return quaternion(R);
 }
 
 template <class Each>
-void for_fours(const Membrane& m, const Each& each) {
-  const int fours = fours_of(m);
-  tbb::parallel_for(0, (fours + kBlock - 1) / kBlock, [&](int block) {
-    for (int b = block * kBlock; b < std::min(fours, (block + 1) * kBlock); ++b) each(b);
+void for_eights(const Membrane& m, const Each& each) {
+  const int eights = eights_of(m);
+  tbb::parallel_for(0, (eights + kBlock - 1) / kBlock, [&](int block) {
+    for (int b = block * kBlock; b < std::min(eights, (block + 1) * kBlock); ++b) each(b);
   });
 }
 
 void fit_turns(const Membrane& m, bool first, MembraneScratch& s) {
-  for_fours(m, [&](int b) {
-    const std::size_t at = 16 * static_cast<std::size_t>(b);
-    const Lanes3 p = xyz(load_rows(&s.places[at])), n = xyz(load_rows(&s.normals[at]));
-    const float* N = &m.normal[12 * static_cast<std::size_t>(b)];
-    Lanes33 A;
-    for (int c = 0; c < 3; ++c) A.col[c] = load4(N + 4 * c) * n;
-    Lanes3 pull{};
+  for_eights(m, [&](int b) {
+    const std::size_t at = 32 * static_cast<std::size_t>(b);
+    const Wide3 p = xyz(load_eight(&s.places[at])), n = xyz(load_eight(&s.normals[at]));
+    const float* N = &m.normal[24 * static_cast<std::size_t>(b)];
+    Wide33 A;
+    for (int c = 0; c < 3; ++c) A.col[c] = load8(N + 8 * c) * n;
+    Wide3 pull{};
     for (int k = m.slot_begin[static_cast<std::size_t>(b)]; k < m.slot_begin[static_cast<std::size_t>(b) + 1]; ++k) {
-      const float* edge = &m.slot_edge[16 * static_cast<std::size_t>(k)];
-      const Lanes3 way = p - xyz(gather_rows(s.places.data(), &m.slot[4 * static_cast<std::size_t>(k)]));
-      for (int c = 0; c < 3; ++c) A.col[c] = A.col[c] + load4(edge + 4 * c) * way;
-      if (first) pull = pull + load4(edge + 12) * way;
+      const float* edge = &m.slot_edge[32 * static_cast<std::size_t>(k)];
+      const Wide3 way = p - xyz(gather_eight(s.places.data(), &m.slot[8 * static_cast<std::size_t>(k)]));
+      for (int c = 0; c < 3; ++c) A.col[c] = A.col[c] + load8(edge + 8 * c) * way;
+      if (first) pull = pull + load8(edge + 24) * way;
     }
-    Lanes4 q;
+    Wide4 q;
     if (first) {
-      store4(&s.pull[12 * static_cast<std::size_t>(b)], pull.x);
-      store4(&s.pull[12 * static_cast<std::size_t>(b) + 4], pull.y);
-      store4(&s.pull[12 * static_cast<std::size_t>(b) + 8], pull.z);
-      const Lanes3 e = p - xyz(gather_rows(s.places.data(), &m.guide[4 * static_cast<std::size_t>(b)]));
-      q = guess(&m.frame[36 * static_cast<std::size_t>(b)], n, e);
+      float* out = &s.pull[24 * static_cast<std::size_t>(b)];
+      store8(out, pull.x);
+      store8(out + 8, pull.y);
+      store8(out + 16, pull.z);
+      const Wide3 e = p - xyz(gather_eight(s.places.data(), &m.guide[8 * static_cast<std::size_t>(b)]));
+      q = guess(&m.frame[72 * static_cast<std::size_t>(b)], n, e);
     } else {
-      q = load_rows(&s.turns[at]);
+      q = load_eight(&s.turns[at]);
     }
     turn_to(A, first ? kFirstTurns : kTurns, q);
-    store_rows(&s.turns[at], q);
+    store_eight(&s.turns[at], q);
   });
 }
 
 // W (t - a) + sum c ((R_i + R_j)/2 E - (a_i - a_j)), to the factor's order. Where the sheet has glided along its anchors, it is let stay: t.
 void right_side(const Membrane& m, MembraneScratch& s) {
-  for_fours(m, [&](int b) {
-    const std::size_t at = 16 * static_cast<std::size_t>(b);
-    const Lanes3 n = xyz(load_rows(&s.normals[at])), gone = xyz(load_rows(&s.offsets[at])), along = gone - dot(gone, n) * n;
-    const Float4 length = root(dot(along, along)), most = load4(&m.glide[4 * static_cast<std::size_t>(b)]);
-    const Lanes3 target = (length > most ? most / length : all(1)) * along;
-    Lanes3 turned = rotate(load_rows(&s.turns[at]), load3(&m.edges[12 * static_cast<std::size_t>(b)]));
+  for_eights(m, [&](int b) {
+    const std::size_t at = 32 * static_cast<std::size_t>(b);
+    const Wide3 n = xyz(load_eight(&s.normals[at])), gone = xyz(load_eight(&s.offsets[at])), along = gone - dot(gone, n) * n;
+    const Float8 length = root(dot(along, along)), most = load8(&m.glide[8 * static_cast<std::size_t>(b)]);
+    const Wide3 target = (length > most ? most / length : all_eight(1)) * along;
+    Wide3 turned = rotate(load_eight(&s.turns[at]), load3(&m.edges[24 * static_cast<std::size_t>(b)]));
     for (int k = m.slot_begin[static_cast<std::size_t>(b)]; k < m.slot_begin[static_cast<std::size_t>(b) + 1]; ++k)
-      turned = turned + rotate(gather_rows(s.turns.data(), &m.slot[4 * static_cast<std::size_t>(k)]), load3(&m.slot_edge[16 * static_cast<std::size_t>(k)]));
-    const Lanes3 sum = load4(&m.hold[4 * static_cast<std::size_t>(b)]) * target + all(0.5f) * turned - load3(&s.pull[12 * static_cast<std::size_t>(b)]);
-    const Lanes4 rows = transposed(sum.x, sum.y, sum.z, Float4{});
-    const Float4 row[4] = {rows.x, rows.y, rows.z, rows.w};
-    for (int lane = 0; lane < std::min(4, m.vertex_count - 4 * b); ++lane) store4(&s.right[4 * static_cast<std::size_t>(m.factor.place[static_cast<std::size_t>(4 * b + lane)])], row[lane]);
+      turned = turned + rotate(gather_eight(s.turns.data(), &m.slot[8 * static_cast<std::size_t>(k)]), load3(&m.slot_edge[32 * static_cast<std::size_t>(k)]));
+    const Wide3 sum = load8(&m.hold[8 * static_cast<std::size_t>(b)]) * target + all_eight(0.5f) * turned - load3(&s.pull[24 * static_cast<std::size_t>(b)]);
+    each_row(Wide4{sum.x, sum.y, sum.z, Float8{}}, [&](int lane, Float4 row) {
+      const int vertex = 8 * b + lane;
+      if (vertex < m.vertex_count) store4(&s.right[4 * static_cast<std::size_t>(m.factor.place[static_cast<std::size_t>(vertex)])], row);
+    });
   });
 }
 
-void lay_out_fours(const Sparse& C, const TriMesh& skin, Membrane& out) {
-  for (int begin = 0; begin < out.vertex_count; begin += 4) {
-    out.slot_begin.push_back(static_cast<int>(out.slot.size() / 4));
+void lay_out_eights(const Sparse& C, const TriMesh& skin, Membrane& out) {
+  for (int begin = 0; begin < out.vertex_count; begin += 8) {
+    out.slot_begin.push_back(static_cast<int>(out.slot.size() / 8));
     int most = 0;
-    const int end = std::min(out.vertex_count, begin + 4);
+    const int end = std::min(out.vertex_count, begin + 8);
     for (int i = begin; i < end; ++i) most = std::max(most, out.first[static_cast<std::size_t>(i) + 1] - out.first[static_cast<std::size_t>(i)]);
     for (int k = 0; k < most; ++k) {
-      const std::size_t slot = out.slot.size() / 4;
-      out.slot_edge.resize(out.slot_edge.size() + 16, 0.0f);
-      for (int i = begin; i < begin + 4; ++i) {
+      const std::size_t slot = out.slot.size() / 8;
+      out.slot_edge.resize(out.slot_edge.size() + 32, 0.0f);
+      for (int i = begin; i < begin + 8; ++i) {
         out.slot.push_back(i);
         const int at = i < end ? out.first[static_cast<std::size_t>(i)] + k : 0;
         if (i >= end || at >= out.first[static_cast<std::size_t>(i) + 1]) continue;
@@ -182,14 +183,14 @@ void lay_out_fours(const Sparse& C, const TriMesh& skin, Membrane& out) {
         const double c = C.coeff(i, j);
         const Vec3 e = c * (skin.V.row(i) - skin.V.row(j)).transpose();
         for (std::size_t x = 0; x < 3; ++x) {
-          out.slot_edge[16 * slot + 4 * x + static_cast<std::size_t>(i - begin)] = static_cast<float>(e[static_cast<Eigen::Index>(x)]);
+          out.slot_edge[32 * slot + 8 * x + static_cast<std::size_t>(i - begin)] = static_cast<float>(e[static_cast<Eigen::Index>(x)]);
           part_of(out.edges, 3, static_cast<std::size_t>(i), x) += static_cast<float>(e[static_cast<Eigen::Index>(x)]);
         }
-        out.slot_edge[16 * slot + 12 + static_cast<std::size_t>(i - begin)] = static_cast<float>(c);
+        out.slot_edge[32 * slot + 24 + static_cast<std::size_t>(i - begin)] = static_cast<float>(c);
       }
     }
   }
-  out.slot_begin.push_back(static_cast<int>(out.slot.size() / 4));
+  out.slot_begin.push_back(static_cast<int>(out.slot.size() / 8));
 }
 
 }  // namespace
@@ -197,7 +198,7 @@ void lay_out_fours(const Sparse& C, const TriMesh& skin, Membrane& out) {
 Membrane make_membrane(const TriMesh& skin, std::span<const double> tissue) {
   Membrane out;
   out.vertex_count = static_cast<int>(skin.V.rows());
-  const std::size_t n = tissue.size(), padded = (n + 3) / 4 * 4;
+  const std::size_t n = tissue.size(), padded = (n + 7) / 8 * 8;
   const Sparse C = cotangents(skin);
   std::vector<float> positions, normals(4 * n);
   for (Eigen::Index i = 0; i < skin.V.rows(); ++i)
@@ -233,13 +234,13 @@ Membrane make_membrane(const TriMesh& skin, std::span<const double> tissue) {
     out.glide[i] = static_cast<float>(std::min(kMostGlide, kGlideShare * tissue[i]));
   }
   for (std::size_t i = n; i < padded; ++i) out.guide[i] = static_cast<int>(i);
-  lay_out_fours(C, skin, out);
+  lay_out_eights(C, skin, out);
   out.factor = factor_sheet(system(C, out.hold));
   return out;
 }
 
 void relax_membrane(const Membrane& m, std::span<const float> anchors, std::span<const int> triangles, int rounds, MembraneScratch& s) {
-  const std::size_t size = 4 * static_cast<std::size_t>(m.vertex_count), padded = 16 * static_cast<std::size_t>(fours_of(m));
+  const std::size_t size = 4 * static_cast<std::size_t>(m.vertex_count), padded = 32 * static_cast<std::size_t>(eights_of(m));
   for (std::vector<float>* each : {&s.turns, &s.offsets, &s.normals, &s.places}) each->resize(padded);
   s.pull.resize(padded / 4 * 3);
   s.right.resize(4 * work_rows(m.factor));
@@ -250,8 +251,8 @@ void relax_membrane(const Membrane& m, std::span<const float> anchors, std::span
     fit_turns(m, round == 0, s);
     right_side(m, s);
     solve_sheet(m.factor, s.right.data());
-    for_fours(m, [&](int b) {
-      for (std::size_t i = 4 * static_cast<std::size_t>(b); i < std::min(size / 4, 4 * static_cast<std::size_t>(b) + 4); ++i) {
+    for_eights(m, [&](int b) {
+      for (std::size_t i = 8 * static_cast<std::size_t>(b); i < std::min(size / 4, 8 * static_cast<std::size_t>(b) + 8); ++i) {
         const Float4 offset = load4(&s.right[4 * static_cast<std::size_t>(m.factor.place[i])]);
         store4(&s.offsets[4 * i], offset);
         store4(&s.places[4 * i], load4(&anchors[4 * i]) + offset);

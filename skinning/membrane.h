@@ -18,19 +18,19 @@
 
 namespace ecorche {
 
-// Vertices are worked on four at a time (lanes.h): what belongs to four of them lies component by component, x x x x y y y y. The last four
-// are made up with vertices that nothing is read of.
+// Vertices are worked on eight at a time (lanes.h): what belongs to eight of them lies component by component, x x x x x x x x y y y y y y y y. The
+// last eight are made up with vertices that nothing is read of.
 struct Membrane {
   int vertex_count = 0;
   std::vector<int> first;             // #V + 1 into neighbour
   std::vector<int> neighbour;
-  std::vector<int> slot_begin;        // #fours + 1 into slot, slot_edge: as many slots as the busiest of four vertices has neighbours
-  std::vector<int> slot;              // 4 a slot: a vertex's neighbour, or itself where it has no more
-  std::vector<float> slot_edge;       // 16 a slot: c (X_i - X_j), c
-  std::vector<float> normal;          // 12 a four: rest, times half the sum of c |X_i - X_j|^2: makes the fit of a flat ring definite
-  std::vector<float> frame;           // 36 a four: columns of the transposed frame of normal and first edge
-  std::vector<float> edges;           // 12 a four: sum of c (X_i - X_j)
-  std::vector<float> hold, glide;     // 4 a four: w_i; m
+  std::vector<int> slot_begin;        // #eights + 1 into slot, slot_edge: as many slots as the busiest of eight vertices has neighbours
+  std::vector<int> slot;              // 8 a slot: a vertex's neighbour, or itself where it has no more
+  std::vector<float> slot_edge;       // 32 a slot: c (X_i - X_j), c
+  std::vector<float> normal;          // 24 an eight: rest, times half the sum of c |X_i - X_j|^2: makes the fit of a flat ring definite
+  std::vector<float> frame;           // 72 an eight: columns of the transposed frame of normal and first edge
+  std::vector<float> edges;           // 24 an eight: sum of c (X_i - X_j)
+  std::vector<float> hold, glide;     // 8 an eight: w_i; m
   std::vector<int> guide;             // #V: vertex at the end of the first edge
   SheetFactor factor;                 // of W + C
 };

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "skinning/lanes.h"
 #include "skinning/skin_survey.h"
@@ -14,8 +14,6 @@ namespace {
 constexpr int kMostSteps = 40;
 
 std::size_t at(int vertex) { return 4 * static_cast<std::size_t>(vertex); }
-
-using Wide3 = Lanes3Of<Float8>;
 
 Wide3 same(Float4 v) { return {all_eight(v[0]), all_eight(v[1]), all_eight(v[2])}; }
 
@@ -32,11 +30,7 @@ float least_of(Float8 v) {
 }
 
 // The first lane that holds `value`.
-int lane_of(Float8 v, float value) {
-  float lanes[8];
-  std::memcpy(lanes, &v, sizeof lanes);
-  return static_cast<int>(std::find(lanes, lanes + 7, value) - lanes);
-}
+int lane_of(Float8 v, float value) { return std::countr_zero(lanes_that(v == value) | 0x80u); }
 
 // The points of eight triangles 0, b, c nearest to p, as shares of b and c.
 struct Shares {
@@ -77,7 +71,7 @@ void look_at_fan(const SkinRings& rings, const PosedSkin& skin, const Wide3& p, 
   constexpr Float8 kLane{0, 1, 2, 3, 4, 5, 6, 7};
   float least_distance2 = 1e30f;
   for (const SkinRings::Eight& eight : eights_of(rings, lie.vertex)) {
-    const Wide3 b = gather_eight(skin.positions.data(), eight.neighbour.data()) - base - a;
+    const Wide3 b = xyz(gather_eight(skin.positions.data(), eight.neighbour.data())) - base - a;
     const auto next = [](Float8 v) { return __builtin_shufflevector(v, v, 1, 2, 3, 4, 5, 6, 7, 0); };
     const Wide3 c{next(b.x), next(b.y), next(b.z)};
     const Shares shares = nearest_shares(from_a, b, c);
@@ -151,7 +145,7 @@ Lie lie_of(const SkinRings& rings, const PosedSkin& skin, Float4 point, int from
   for (int step = 0; step < kMostSteps; ++step) {
     const int before = lie.vertex;
     for (const SkinRings::Eight& eight : eights_of(rings, before)) {
-      const Wide3 way = gather_eight(skin.positions.data(), eight.neighbour.data()) - base - p;
+      const Wide3 way = xyz(gather_eight(skin.positions.data(), eight.neighbour.data())) - base - p;
       const Float8 distance2 = dot(way, way);
       const float nearest = least_of(distance2);
       if (!(nearest < least_distance2)) continue;
