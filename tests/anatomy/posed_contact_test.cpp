@@ -98,6 +98,38 @@ TEST(PosedContact, VolumesAreKept) {
   }
 }
 
+// Lines close by the joint, and outlines that lean so far to the hollow side of its bend that no growth of the belly gives them their volume: they are
+// rounded out when they are posed. The neighbour then presses only some of them.
+TEST(PosedContact, VolumesAreKeptWhereOutlinesWereRoundedOut) {
+  Anatomy anatomy = flexors();
+  for (Muscle& muscle : anatomy.muscles) {
+    Strip& strip = muscle.strips[0];
+    const auto at = [&](double y, double z) { return Vec3(strip.path[0].rest.x(), y, z); };
+    strip = make_strip({on(1, at(1.28, 0.03)), on(1, at(1.18, 0.005)), on(2, at(1.12, 0.005)), on(2, at(1.06, 0.02))},
+                       spindle(13, 0.0194, 0.004, 0.1, 0.85, Vec3::UnitX()));
+    strip.belly_begin = 0.1;
+    strip.belly_end = 0.85;
+    for (Slice& slice : strip.slices)
+      for (std::size_t i = 0; i < kOutlinePoints; ++i) slice.outline[i] = outline_directions()[i].y() > 0.5 ? 4.0f : 0.5f;
+  }
+  const auto ranges = slice_ranges(anatomy);
+  const PosedAnatomy rest = posed(anatomy, rest_pose(anatomy.skeleton));
+  for (const double degrees : {90.0, 128.0}) {
+    const PosedAnatomy alone = posed(anatomy, bent(anatomy, degrees), MuscleContact::no), p = posed(anatomy, bent(anatomy, degrees));
+    for (std::size_t m = 0; m < 2; ++m) {
+      int pressed = 0, rounded = 0;
+      for (int k = ranges[m].begin; k < ranges[m].end; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        if (p.slices[i].outline != alone.slices[i].outline) ++pressed;
+        else if (alone.slices[i].outline != rest.slices[i].outline) ++rounded;
+      }
+      EXPECT_GE(pressed, 1) << "not what this test is about";
+      EXPECT_GE(rounded, 2) << "not what this test is about";
+      EXPECT_NEAR(strip_volume(p, ranges[m]) / strip_volume(rest, ranges[m]), 1, 2e-6) << anatomy.muscles[m].name << " at " << degrees;
+    }
+  }
+}
+
 TEST(PosedContact, RestIsRest) {
   const Anatomy anatomy = flexors();
   const PosedAnatomy with = posed(anatomy, rest_pose(anatomy.skeleton)), without = posed(anatomy, rest_pose(anatomy.skeleton), MuscleContact::no);
