@@ -10,6 +10,9 @@
 
 namespace ecorche {
 
+constexpr int kNormSquarings = 4;  // of the norm by which displacements add up: its power is 2^4
+constexpr double kBeside = 1.1 * 1.1, kFarBeside = 1.7 * 1.7;  // squared distances from the side axis, object units: the wedge fades between
+
 // Turns `v` by half of what the unit direction `from` turned to become `x`. That has no meaning when they face each other or x lies
 // at the object's centre: the turn fades before, so that it is continuous.
 inline Vec3 half_turn(const Vec3& from, const Vec3& x, const Vec3& v) {
@@ -44,13 +47,18 @@ inline Lane push_needed(const PosingWrap& wrap, const WrapSlice* slices, const L
     z = zero;
   }
   const Lane u = side.x() * x + side.y() * y + side.z() * z;
-  const Lane below = wedge_height((x * x + y * y + z * z - u * u).max(zero)) - u - depth;
+  const Lane across = (x * x + y * y + z * z - u * u).max(zero);
+  const Lane below = wedge_height(across) - u - depth;
   // Zero below -soft, a parabola up to +soft, then the depth itself.
   const Lane within = (below + wrap.soft).max(0.0);
   const Lane soft = (below < wrap.soft).select(within * within * (0.25 / wrap.soft), below);
   // What has passed the object altogether, out at its far side, is let go.
   const Lane gone = (0.5 * (u + 3)).max(0.0).min(1.0);
   const Lane half = 0.5 * room, over = (soft - half).max(0.0);
+  // Slices farther out than the object is broad are not behind it: the line has come round it, or turns back beside it. Where it has slipped behind, the
+  // slices in its middle take them along.
+  const Lane beside = ((kFarBeside - across) * (1 / (kFarBeside - kBeside))).max(0.0).min(1.0);
+  counts *= beside * beside * (3 - 2 * beside);
   return counts * gone * gone * (3 - 2 * gone) * (soft.min(half) + over * room / (room + 2 * over).max(1e-300));
 }
 
@@ -58,7 +66,8 @@ inline Lane push_needed(const PosingWrap& wrap, const WrapSlice* slices, const L
 // the still slices at either end have turned about the object since rest. The need for displacement is read off a rounded
 // wedge, so that a point that has slipped behind the object is brought back and nothing jumps when the line passes the centre;
 // slices may lie as deep as they do at rest.
-// Displacements then spread to the neighbours as those of a taut string: a straight decay to the still slices.
+// Displacements then spread to the neighbours as those of a taut string: a straight decay to the still slices. They add up by a high norm instead of
+// the largest alone, so that one slice takes over from the next without a kink.
 inline void push_out(const PosingWrap& wrap, const WrapSlice* slices, const Transform& X_WJ, Lane* points) {
   const auto& X = X_WJ.matrix();
   const Lane center = X.col(0).array() * wrap.center.x() + X.col(1).array() * wrap.center.y() + X.col(2).array() * wrap.center.z() + X.col(3).array();
@@ -84,13 +93,23 @@ inline void push_out(const PosingWrap& wrap, const WrapSlice* slices, const Tran
   }
   if (!any) return;
 
+  const auto power = [](double x) {
+    for (int i = 0; i < kNormSquarings; ++i) x *= x;
+    return x;
+  };
   double push[kMaxStripSlices];
-  std::fill(push + wrap.begin, push + wrap.end + 1, 0.0);
+  push[wrap.begin] = push[wrap.end] = 0;
+  double falling = 0, rising = 0;
   for (int k = wrap.begin + 1; k < wrap.end; ++k) {
-    if (!(need[k] > 0)) continue;
-    for (int i = wrap.begin + 1; i <= k; ++i) push[i] = std::max(push[i], need[k] * (i - wrap.begin) / (k - wrap.begin));
-    for (int i = k + 1; i < wrap.end; ++i) push[i] = std::max(push[i], need[k] * (wrap.end - i) / (wrap.end - k));
+    push[k] = falling * power(wrap.end - k);
+    falling += power(std::max(0.0, need[k]) / (wrap.end - k));
   }
+  for (int k = wrap.end - 1; k > wrap.begin; --k) {
+    rising += power(std::max(0.0, need[k]) / (k - wrap.begin));
+    push[k] += rising * power(k - wrap.begin);
+  }
+  for (int i = 0; i < kNormSquarings; ++i)
+    for (int k = wrap.begin + 1; k < wrap.end; ++k) push[k] = std::sqrt(push[k]);
   const Vec3 step = X_WJ.linear() * (wrap.from_unit * side);
   double before = 0;
   for (int k = wrap.begin + 1; k < wrap.end; ++k) {
