@@ -63,12 +63,14 @@ inline void keep_order(std::span<const PosingLink> links, const PosingPoint* poi
   for (const PosingLink& link : links) {
     const int i = link.point;
     Lane along = turned(points[i], X_WJ, link.direction) + turned(points[i + 1], X_WJ, link.direction);
-    const double size = std::sqrt((along * along).sum());
+    const double ahead = ((path[i + 1] - path[i]) * along).sum(), square = (along * along).sum();
+    if (ahead > 0 && ahead * ahead >= link.keep * link.keep * square) continue;  // as nearly all are, in nearly all poses
+    const double size = std::sqrt(square);
     const double sure = std::clamp((size - 0.1) / 0.8, 0.0, 1.0);  // no telling what is ahead when the bones face each other
     if (sure <= 0) continue;
     along /= size;
     // Nothing from `keep` on, a parabola down to none of it, then what is missing.
-    const double missing = link.keep - ((path[i + 1] - path[i]) * along).sum();
+    const double missing = link.keep - ahead / size;
     if (missing <= 0) continue;
     const double wish = missing < link.keep ? missing * missing / (2 * link.keep) : missing - 0.5 * link.keep;
     const double back = sure * sure * (3 - 2 * sure) * wish / std::sqrt(1 + wish * wish / (link.room * link.room));
@@ -193,8 +195,8 @@ Lane find_twist(const PosingTable::Data& data, const PosingBatch& batch, const s
 // cos and sin of |x| <= 2.2 to 1e-11, by series at half the angle.
 inline void cos_sin(const Lane& x, Lane& c, Lane& s) {
   const Lane h = 0.5 * x, q = h * h;
-  const Lane sh = h * (1 + q * (-1.0 / 6 + q * (1.0 / 120 + q * (-1.0 / 5040 + q * (1.0 / 362880 + q * (-1.0 / 39916800 + q / 6227020800.0))))));
-  const Lane ch = 1 + q * (-0.5 + q * (1.0 / 24 + q * (-1.0 / 720 + q * (1.0 / 40320 + q * (-1.0 / 3628800 + q * (1.0 / 479001600 - q / 87178291200.0))))));
+  const Lane sh = h * (1 + q * (-1.0 / 6 + q * (1.0 / 120 + q * (-1.0 / 5040 + q * (1.0 / 362880 + q * (-1.0 / 39916800 + q * (1 / 6227020800.0)))))));
+  const Lane ch = 1 + q * (-0.5 + q * (1.0 / 24 + q * (-1.0 / 720 + q * (1.0 / 40320 + q * (-1.0 / 3628800 + q * (1.0 / 479001600 - q * (1 / 87178291200.0)))))));
   c = 1 - 2 * sh * sh;
   s = 2 * sh * ch;
 }
@@ -235,9 +237,6 @@ void lay_slices(const PosingTable::Data& data, const PosingBatch& batch, const L
     const Lane across_width = dot(bend, t.width[k]), across_thickness = dot(bend, t.thickness[k]);
     // Sections off the line come no nearer to the bend's centre than folds allow, so that their middles keep their order.
     const FoldFactor fo = fold_factor((across_width * row.offset_x + across_thickness * row.offset_y).max(zero), row.free_offset.cast<double>());
-    const Lane off = fo.over / fo.under;
-    t.center[k] = t.line[k] + (off * row.offset_x) * t.width[k] + (off * row.offset_y) * t.thickness[k];
-
     // Which part of the rest line's substance is here now.
     const Lane at = t.chord[k];
     const Lane past = (at - belly_begin).max(zero);
@@ -255,9 +254,11 @@ void lay_slices(const PosingTable::Data& data, const PosingBatch& batch, const L
     const Lane free_width = row.free_width.cast<double>(), free_thickness = row.free_thickness.cast<double>();
     const FoldFactor fa = fold_factor(across_width * a, free_width);
     const FoldFactor fb = fold_factor(across_thickness * b, free_thickness);
-    const Lane both = 1 / (fa.under * fb.under);
-    t.a[k] = a * (fa.over * fb.under * both);
-    t.b[k] = b * (fb.over * fa.under * both);
+    const Lane folds = fa.under * fb.under, per_all = 1 / (folds * fo.under);  // one division for all three
+    const Lane off = fo.over * folds * per_all, per_folds = fo.under * per_all;
+    t.a[k] = a * (fa.over * fb.under * per_folds);
+    t.b[k] = b * (fb.over * fa.under * per_folds);
+    t.center[k] = t.line[k] + (off * row.offset_x) * t.width[k] + (off * row.offset_y) * t.thickness[k];
   }
 }
 
@@ -304,15 +305,16 @@ void store(const PosingTable::Data& data, const PosingBatch& batch, const Lane& 
   }
 }
 
-// What store() fills next is fetched before it is needed: the slices of a body are larger than the nearer memories.
-void fetch_slices(const PosingTable::Data& data, const PosingBatch& batch, const PosedAnatomy& out) {
+// What store() fills next is fetched before it is needed: the slices of a body are larger than the nearer memories. Always inline: as a function by
+// itself it has no effect that the compiler knows of, and is left out.
+[[gnu::always_inline]] inline void fetch_slices(const PosingTable::Data& data, const PosingBatch& batch, const PosedAnatomy& out) {
+  constexpr std::size_t kLine = 64;
   for (int lane = 0; lane < batch.strips; ++lane) {
-    const auto first = static_cast<std::size_t>(data.strip[batch.strip[lane]].slice), end = first + static_cast<std::size_t>(batch.rows);
-    const auto fetch = [](const void* begin, std::size_t bytes, auto one) {
-      for (std::size_t at = 0; at < bytes; at += 64) one(static_cast<const char*>(begin) + at);
-    };
-    fetch(&out.slices[first], (end - first) * sizeof(Ellipse), [](const char* p) { __builtin_prefetch(p, 1, 2); });
-    fetch(&data.outlines[first], (end - first) * sizeof(SliceOutline), [](const char* p) { __builtin_prefetch(p, 0, 2); });
+    const auto first = static_cast<std::size_t>(data.strip[batch.strip[lane]].slice), count = static_cast<std::size_t>(batch.rows);
+    const char* to = reinterpret_cast<const char*>(&out.slices[first]);
+    const char* from = reinterpret_cast<const char*>(&data.outlines[first]);
+    for (std::size_t at = 0; at < count * sizeof(Ellipse); at += kLine) __builtin_prefetch(to + at, 1);
+    for (std::size_t at = 0; at < count * sizeof(SliceOutline); at += kLine) __builtin_prefetch(from + at);
   }
 }
 

@@ -245,6 +245,7 @@ std::span<const ContactMeeting> meetings_of(const ContactTable& table, const Con
     m.group = pair.group;
     met += measure(memory, pair.own, pair.other, m);
     __builtin_prefetch(&shape_of(memory, pair.other).waves);
+    __builtin_prefetch(&table.groups[static_cast<std::size_t>(pair.group)].at_rest);
   }
   const std::span<ContactMeeting> meetings{work.meetings.data(), met};
   set_starts(memory, meetings);

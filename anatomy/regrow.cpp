@@ -152,8 +152,8 @@ void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedA
   for (std::size_t b = 0; b < data.batches.size(); ++b) {  // by slices
     const PosingBatch& batch = data.batches[b];
     for (int lane = 0; lane < batch.strips; ++lane) {
-      const auto begin = changed.begin() + data.strip[static_cast<std::size_t>(batch.strip[static_cast<std::size_t>(lane)])].slice;
-      if (std::find(begin, begin + batch.rows, 1) == begin + batch.rows) continue;
+      const char* begin = changed.data() + data.strip[static_cast<std::size_t>(batch.strip[static_cast<std::size_t>(lane)])].slice;
+      if (!std::memchr(begin, 1, static_cast<std::size_t>(batch.rows))) continue;
       const bool goes_on = !memory.empty() && memory.back().count < kLanes &&
                            data.batches[static_cast<std::size_t>(memory.back().strips[0].batch)].rows == batch.rows;
       if (!goes_on) memory.emplace_back();
