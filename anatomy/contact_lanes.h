@@ -44,6 +44,10 @@ inline bool any_above_zero(Eight v) {
   const FourMasks m = (FourMasks)(v > 0);
   return (m[0] | m[1] | m[2] | m[3]) != 0;
 }
+inline float largest(Eight v) {
+  const Eight half = larger(v, __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3)), two = larger(half, __builtin_shufflevector(half, half, 2, 3, 0, 1, 6, 7, 4, 5));
+  return larger(two[0], two[1]);
+}
 template <class V>
 inline V root(V v) {
   for (std::size_t i = 0; i < sizeof(V) / sizeof(float); ++i) v[i] = std::sqrt(v[i]);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <string>
 
 #include "anatomy/joint_angles.h"
@@ -234,7 +235,7 @@ void leave_out_idle(ContactTable& table) {
     for (int* member : {&group.own, &group.first, &group.last}) *member = place[static_cast<std::size_t>(*member)];
 }
 
-// Pairs and their blocks, between which members do not share theirs.
+// Pairs, where members' begin, and their blocks, between which members do not share theirs.
 void list_pairs(ContactTable& table) {
   table.blocks.push_back(0);
   const auto close = [&] {
@@ -249,6 +250,9 @@ void list_pairs(ContactTable& table) {
     for (int k = group.first; k <= group.last; ++k) table.pairs.push_back({group.own, k, static_cast<int>(g)});
   }
   if (!table.pairs.empty()) close();
+  table.first_pairs.assign(table.members.size() + 1, 0);
+  for (const ContactPair& pair : table.pairs) ++table.first_pairs[static_cast<std::size_t>(pair.own) + 1];
+  std::partial_sum(table.first_pairs.begin(), table.first_pairs.end(), table.first_pairs.begin());
 }
 
 // Of all poses, and their mirror images.

@@ -148,14 +148,19 @@ std::size_t find_near(const ContactTable& table, const ContactMemory& memory, in
   return count;
 }
 
-// Those of pairs of which the own member was deep enough the last time.
-std::size_t leave_shallow(const ContactTable& table, const ContactMemory& memory, std::size_t count, int* near) {
-  std::size_t left = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    near[left] = near[k];
-    left += memory.deep[static_cast<std::size_t>(table.pairs[static_cast<std::size_t>(near[k])].own)] > kDeep;
+// Those of pairs of which the own member was deep enough the last time, by runs of such members.
+std::size_t find_near_deep(const ContactTable& table, const ContactMemory& memory, int begin, int end, int* near) {
+  const auto deep = [&](int member) { return memory.deep[static_cast<std::size_t>(member)] > kDeep; };
+  const auto first_pair = [&](int member) { return table.first_pairs[static_cast<std::size_t>(member)]; };
+  const int last = table.pairs[static_cast<std::size_t>(end - 1)].own;
+  std::size_t count = 0;
+  for (int own = table.pairs[static_cast<std::size_t>(begin)].own; own <= last;) {
+    const int first = own;
+    while (own <= last && deep(own)) ++own;
+    if (own > first) count += find_near(table, memory, first_pair(first), first_pair(own), near + count);
+    else ++own;
   }
-  return left;
+  return count;
 }
 
 // Three coordinates, and none.
@@ -234,8 +239,8 @@ namespace {
 
 // Meetings of the pairs begin .. end, of which the own member was deep enough the last time.
 std::span<const ContactMeeting> meetings_of(const ContactTable& table, const ContactMemory& memory, Parting parting, int begin, int end, ContactWork& work) {
-  std::size_t near = find_near(table, memory, begin, end, work.near.data()), met = 0;
-  if (parting == Parting::deep) near = leave_shallow(table, memory, near, work.near.data());
+  const std::size_t near = (parting == Parting::all ? find_near : find_near_deep)(table, memory, begin, end, work.near.data());
+  std::size_t met = 0;
   for (std::size_t k = 0; k < near; ++k) {
     const ContactPair& pair = table.pairs[static_cast<std::size_t>(work.near[k])];
     fetch(memory.sections[static_cast<std::size_t>(table.pairs[static_cast<std::size_t>(work.near[std::min(k + kAhead, near - 1)])].other)]);
@@ -261,11 +266,6 @@ struct Giving {
   bool again = false;                     // it is kept in mind how deep they were
   Parting parting = Parting::all;
 };
-
-inline float largest(Eight v) {
-  const Eight half = larger(v, __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3)), two = larger(half, __builtin_shufflevector(half, half, 2, 3, 0, 1, 6, 7, 4, 5));
-  return std::max(two[0], two[1]);
-}
 
 // How much of what a section is to give way counts, by how deep it was the last time. Keeps in mind how deep it is now.
 float counted(const Giving& giving, Eight most, float& deep) {

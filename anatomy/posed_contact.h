@@ -80,6 +80,7 @@ struct ContactTable {
   std::vector<ContactSpokes> held;     // #members: what lies beside it at rest that is in no group with it keeps it from growing there, 0 .. 1
   std::vector<ContactGroup> groups;    // ascending by own
   std::vector<ContactPair> pairs;      // of the groups, in their order
+  std::vector<int> first_pairs;        // #members + 1, into pairs
   std::vector<int> blocks;             // first pairs of those that are looked at together, and the end: a member's pairs are in one
   int most_pairs = 0;                  // of a block
   bool empty() const { return groups.empty(); }
