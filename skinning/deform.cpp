@@ -93,15 +93,18 @@ struct Extras {
   const Beneath* beneath = nullptr;
 };
 
-void settle(const SkinTables& tables, const PosedAnatomy& posed, const Extras& extras, ElasticScratch& elastic, std::vector<float>& positions) {
+// Moves `positions`; `normals` become theirs.
+void settle(const SkinTables& tables, const PosedAnatomy& posed, const Extras& extras, ElasticScratch& elastic, std::vector<float>& positions,
+            std::vector<float>& normals) {
   add(extras.flesh, positions);
   settle_skin(*tables.elastic, tables.triangles, posed.X_WJ, positions, elastic);
   if (extras.beneath) find_rising(*tables.elastic, positions, elastic);
   const bool risen = extras.beneath && rise_over_muscles(extras.beneath->under, posed.slices, elastic.rising, positions, extras.beneath->memory);
   const std::span<const float> room = risen ? room_over_muscles(extras.beneath->memory) : std::span<const float>{};
   part_settled_skin(*tables.elastic, tables.triangles, posed.X_WJ, room, positions, elastic);
+  vertex_normals(positions, tables.triangles, normals, elastic.half);
   if (!extras.beneath) return;
-  give_way_to_skin(extras.beneath->under, extras.beneath->table, positions, elastic.pressed, extras.beneath->posed, extras.beneath->memory);
+  give_way_to_skin(extras.beneath->under, extras.beneath->table, positions, normals, elastic.pressed, extras.beneath->posed, extras.beneath->memory);
 }
 
 // The base mesh's way from where the blend puts it to where it settles, handed down.
@@ -111,7 +114,7 @@ void follow(const SkinTables& fine, const PosedAnatomy& posed, const Four& root,
   elastic.base.resize(4 * static_cast<std::size_t>(base.vertex_count));
   blend_vertices(base, scratch.carriers.data(), scratch.lifts.data(), root, elastic.base.data());
   elastic.offsets.assign(elastic.base.begin(), elastic.base.end());
-  settle(base, posed, extras, elastic, elastic.base);
+  settle(base, posed, extras, elastic, elastic.base, elastic.normals);
   for (std::size_t k = 0; k < elastic.base.size(); k += 4) store4(&elastic.offsets[k], load4(&elastic.base[k]) - load4(&elastic.offsets[k]));
   each_vertex(static_cast<std::size_t>(fine.vertex_count), [&](std::size_t s) {
     Float4 sum = load4(&positions[4 * s]);
@@ -145,9 +148,12 @@ void deform(const Binding& binding, const PosedAnatomy& posed, const Extras& ext
   blend_vertices(tables, scratch.carriers.data(), scratch.lifts.data(), root4, positions.data());
   if (!scratch.elastic.memory) scratch.elastic.memory = std::make_shared<ElasticScratch>();
   ElasticScratch& elastic = *scratch.elastic.memory;
-  if (settled == Settle::yes && tables.base) follow(tables, posed, root4, extras, scratch, elastic, positions);
-  else if (settled == Settle::yes && tables.elastic) settle(tables, posed, extras, elastic, positions);
-  vertex_normals(positions, tables.triangles, normals, elastic.half);
+  if (settled == Settle::yes && tables.elastic && !tables.base) {
+    settle(tables, posed, extras, elastic, positions, normals);
+  } else {
+    if (settled == Settle::yes && tables.base) follow(tables, posed, root4, extras, scratch, elastic, positions);
+    vertex_normals(positions, tables.triangles, normals, elastic.half);
+  }
   if (sorted) return;
   each_vertex(tables.order.size(), [&](std::size_t s) {
     const std::size_t v = 4 * static_cast<std::size_t>(tables.order[s]);

@@ -46,6 +46,8 @@ struct ContactScratch {
   std::vector<float> pushes, spread, before, half;  // #V x 4
   std::vector<char> wanted;                   // #V: which are looked at; then, which are pushed
   std::vector<int> pushed;                    // those, and the rings about them
+  std::vector<char> turned;                   // #V: whose normals change with those that are pushed
+  std::vector<int> turning;                   // those
 };
 
 struct ElasticScratch {

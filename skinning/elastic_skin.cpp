@@ -92,7 +92,6 @@ bool part_settled_skin(const ElasticSkin& skin, std::span<const int> triangles, 
     s.pressed[i] = share > 1;
     s.open[i] *= std::max(0.0f, 1 - share);
   }
-  if (moved) vertex_normals(positions, triangles, s.normals, s.half);
   for (int step = 0; step < (moved ? kFillSteps : 1); ++step)
     keep_volumes(skin.volumes, X_WJ, s.open, s.normals, positions, room.empty() ? Hinges::kept : Hinges::free);
   return moved;

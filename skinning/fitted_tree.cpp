@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
@@ -14,8 +15,10 @@ namespace ecorche {
 namespace {
 
 constexpr float kHere = 2e-4f;     // m
-constexpr int kLeaf = 4;            // triangles; fewer are filled up with the last one
-constexpr std::size_t kMostWaiting = 64;  // three a level, and medians halve twice a level: far deeper than any mesh needs
+constexpr int kLeaf = 8;           // triangles; fewer are filled up with the last one
+constexpr std::size_t kWays = 8;   // of a node
+constexpr std::size_t kBox = 56;   // floats a node
+constexpr std::size_t kMostWaiting = 64;  // seven a level, and medians halve thrice a level: far deeper than any mesh needs
 
 Float4 row(std::span<const float> rows, int i) { return load4(&rows[4 * static_cast<std::size_t>(i)]); }
 
@@ -45,10 +48,9 @@ struct Builder {
 
   int leaf(int begin, int end) {
     const int at = static_cast<int>(tree.corners.size());
-    for (int k = begin; k < begin + kLeaf; ++k) {
-      const auto corner = triangles.begin() + 3 * order[static_cast<std::size_t>(std::min(k, end - 1))];
-      tree.corners.insert(tree.corners.end(), corner, corner + 3);
-    }
+    for (int corner = 0; corner < 3; ++corner)
+      for (int k = begin; k < begin + kLeaf; ++k)
+        tree.corners.push_back(triangles[static_cast<std::size_t>(3 * order[static_cast<std::size_t>(std::min(k, end - 1))] + corner)]);
     return ~at;
   }
 
@@ -56,14 +58,14 @@ struct Builder {
     if (end - begin <= kLeaf && !tree.children.empty()) return leaf(begin, end);
     const std::size_t at = tree.children.size();
     tree.children.emplace_back();
-    std::array<int, 5> cut{begin, end, end, end, end};
-    if (end - begin > kLeaf) {
-      cut[2] = halve(begin, end);
-      cut[1] = cut[2] - begin > kLeaf ? halve(begin, cut[2]) : cut[2];
-      cut[3] = end - cut[2] > kLeaf ? halve(cut[2], end) : end;
-    }
+    std::array<int, kWays + 1> cut;
+    cut[0] = begin;
+    cut[kWays] = end;
+    for (std::size_t width = kWays; width > 1; width /= 2)
+      for (std::size_t k = 0; k < kWays; k += width)
+        cut[k + width / 2] = cut[k + width] - cut[k] > kLeaf ? halve(cut[k], cut[k + width]) : cut[k + width];
     int last = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t k = 0; k < kWays; ++k) {
       const int child = cut[k] < cut[k + 1] ? node(cut[k], cut[k + 1]) : last;
       tree.children[at][k] = last = child;
     }
@@ -72,57 +74,57 @@ struct Builder {
 };
 
 struct Ray {
-  Lanes3 origin, direction, inverse;  // the same in every lane
+  Wide3 origin, direction, inverse;  // the same in every lane
   float near = 0;
   float own = -1;  // >= 0: backs alone are seen, and nothing at about this distance
 };
 
 Ray make_ray(Float4 from, Float4 direction, float near) {
-  const auto inverse = [&](int k) { return all(1 / (std::abs(direction[k]) > 1e-12f ? direction[k] : std::copysign(1e-12f, direction[k]))); };
-  return {{all(from[0]), all(from[1]), all(from[2])}, {all(direction[0]), all(direction[1]), all(direction[2])}, {inverse(0), inverse(1), inverse(2)}, near};
+  const auto inverse = [&](int k) { return all_eight(1 / (std::abs(direction[k]) > 1e-12f ? direction[k] : std::copysign(1e-12f, direction[k]))); };
+  const auto same = [](Float4 v) { return Wide3{all_eight(v[0]), all_eight(v[1]), all_eight(v[2])}; };
+  return {same(from), same(direction), {inverse(0), inverse(1), inverse(2)}, near};
 }
 
-// Where the ray enters a node's four boxes, and whether it does.
-Float4 entries(const float* box, const Ray& ray, float far, Int4& enters) {
-  const Float4 ax = (load4(box) - ray.origin.x) * ray.inverse.x, bx = (load4(box + 12) - ray.origin.x) * ray.inverse.x;
-  const Float4 ay = (load4(box + 4) - ray.origin.y) * ray.inverse.y, by = (load4(box + 16) - ray.origin.y) * ray.inverse.y;
-  const Float4 az = (load4(box + 8) - ray.origin.z) * ray.inverse.z, bz = (load4(box + 20) - ray.origin.z) * ray.inverse.z;
-  const Float4 in = most(most(least(ax, bx), least(ay, by)), most(least(az, bz), all(ray.near)));
-  const Float4 out = least(least(most(ax, bx), most(ay, by)), least(most(az, bz), all(far)));
-  enters = in <= out;
+// Where the ray enters a node's eight boxes, and which of them it does.
+Float8 entries(const float* box, const Ray& ray, float far, unsigned& enters) {
+  const Float8 ax = (load8(box) - ray.origin.x) * ray.inverse.x, bx = (load8(box + 24) - ray.origin.x) * ray.inverse.x;
+  const Float8 ay = (load8(box + 8) - ray.origin.y) * ray.inverse.y, by = (load8(box + 32) - ray.origin.y) * ray.inverse.y;
+  const Float8 az = (load8(box + 16) - ray.origin.z) * ray.inverse.z, bz = (load8(box + 40) - ray.origin.z) * ray.inverse.z;
+  const Float8 in = most(most(least(ax, bx), least(ay, by)), most(least(az, bz), all_eight(ray.near)));
+  const Float8 out = least(least(most(ax, bx), most(ay, by)), least(most(az, bz), all_eight(far)));
+  enters = lanes_that(in <= out);
   return in;
 }
 
-// Four triangles at once (Moeller & Trumbore 1997, 10.1080/10867651.1997.10487468), a hair wider than they are: no ray slips through an edge.
+// Eight triangles at once (Moeller & Trumbore 1997, 10.1080/10867651.1997.10487468), a hair wider than they are: no ray slips through an edge.
 // Whether one is hit before `far`, which then is how far; `behind`: from which side.
 bool crosses(std::span<const float> positions, const int* corners, const Ray& ray, float& far, bool& behind) {
   constexpr float kHair = 1e-5f;
-  const int first[] = {corners[0], corners[3], corners[6], corners[9]}, second[] = {corners[1], corners[4], corners[7], corners[10]},
-            third[] = {corners[2], corners[5], corners[8], corners[11]};
-  const Lanes3 a = xyz(gather_rows(positions.data(), first)), ab = xyz(gather_rows(positions.data(), second)) - a, ac = xyz(gather_rows(positions.data(), third)) - a;
-  const Lanes3 p = cross(ray.direction, ac), s = ray.origin - a, q = cross(s, ab);
-  const Float4 det = dot(ab, p), inverse = 1.0f / det;  // infinite where the ray lies in the plane: nothing is true of what follows
-  const Float4 u = dot(s, p) * inverse, v = dot(ray.direction, q) * inverse, t = dot(ac, q) * inverse;
-  auto hit = (u >= -kHair) & (v >= -kHair) & (u + v <= 1 + kHair) & (t >= ray.near) & (t <= far);
+  const auto corner = [&](int k) { return xyz(gather_eight(positions.data(), corners + kLeaf * k)); };
+  const Wide3 a = corner(0), ab = corner(1) - a, ac = corner(2) - a;
+  const Wide3 p = cross(ray.direction, ac), s = ray.origin - a, q = cross(s, ab);
+  const Float8 det = dot(ab, p), inverse = 1.0f / det;  // infinite where the ray lies in the plane: nothing is true of what follows
+  const Float8 u = dot(s, p) * inverse, v = dot(ray.direction, q) * inverse, t = dot(ac, q) * inverse;
+  Int8 hit = (u >= -kHair) & (v >= -kHair) & (u + v <= 1 + kHair) & (t >= ray.near) & (t <= far);
   if (ray.own >= 0) hit = hit & (det < 0) & ((t < ray.own - kHere) | (t > ray.own + kHere));
-  bool any = false;
-  for (int lane = 0; lane < 4; ++lane) {
-    if (!hit[lane] || t[lane] > far) continue;
+  const unsigned lanes = lanes_that(hit);
+  for (unsigned left = lanes; left != 0; left &= left - 1) {
+    const int lane = std::countr_zero(left);
+    if (t[lane] > far) continue;
     far = t[lane];
     behind = det[lane] < 0;
-    any = true;
   }
-  return any;
+  return lanes != 0;
 }
 
 // A node's boxes, after its children's.
 void fit_node(const FittedTree& tree, std::span<const float> positions, std::size_t n, std::vector<float>& boxes) {
-  Float4 low[4], high[4];
-  for (std::size_t k = 0; k < 4; ++k) {
+  std::array<Float4, kWays> low, high;
+  for (std::size_t k = 0; k < kWays; ++k) {
     const int child = tree.children[n][k];
     if (child >= 0) {
-      low[k] = load4(&boxes[32 * static_cast<std::size_t>(child) + 24]);
-      high[k] = load4(&boxes[32 * static_cast<std::size_t>(child) + 28]);
+      low[k] = load4(&boxes[kBox * static_cast<std::size_t>(child) + 48]);
+      high[k] = load4(&boxes[kBox * static_cast<std::size_t>(child) + 52]);
       continue;
     }
     const int* corner = &tree.corners[static_cast<std::size_t>(~child)];
@@ -133,18 +135,25 @@ void fit_node(const FittedTree& tree, std::span<const float> positions, std::siz
       high[k] = most(high[k], p);
     }
   }
-  const Lanes4 lows = transposed(low[0], low[1], low[2], low[3]), highs = transposed(high[0], high[1], high[2], high[3]);
-  float* box = &boxes[32 * n];
-  for (const Float4 part : {lows.x, lows.y, lows.z, highs.x, highs.y, highs.z}) {
-    store4(box, part);
-    box += 4;
+  const auto columns = [](const std::array<Float4, kWays>& rows) {
+    return transposed(halves(rows[0], rows[4]), halves(rows[1], rows[5]), halves(rows[2], rows[6]), halves(rows[3], rows[7]));
+  };
+  const Wide4 lows = columns(low), highs = columns(high);
+  float* box = &boxes[kBox * n];
+  for (const Float8 part : {lows.x, lows.y, lows.z, highs.x, highs.y, highs.z}) {
+    store8(box, part);
+    box += 8;
   }
-  store4(box, least(least(low[0], low[1]), least(low[2], low[3])));
-  store4(box + 4, most(most(high[0], high[1]), most(high[2], high[3])));
+  for (std::size_t k = 1; k < kWays; ++k) {
+    low[0] = least(low[0], low[k]);
+    high[0] = most(high[0], high[k]);
+  }
+  store4(box, low[0]);
+  store4(box + 4, high[0]);
 }
 
 // A node's children that are nodes, each once, in the order of nodes.
-std::span<const int> subtrees(const FittedTree& tree, std::size_t node, std::array<int, 4>& out) {
+std::span<const int> subtrees(const FittedTree& tree, std::size_t node, std::array<int, kWays>& out) {
   std::size_t count = 0;
   for (const int child : tree.children[node])
     if (child > 0 && (count == 0 || out[count - 1] != child)) out[count++] = child;
@@ -174,13 +183,14 @@ Sight seen(const FittedTree& tree, std::span<const float> boxes, std::span<const
       found = crosses(positions, &tree.corners[static_cast<std::size_t>(~next.child)], ray, far, behind) || found;
       continue;
     }
-    Int4 enters;
-    const Float4 entry = entries(&boxes[32 * static_cast<std::size_t>(next.child)], ray, far, enters);
-    const std::array<int, 4>& children = tree.children[static_cast<std::size_t>(next.child)];
+    unsigned enters = 0;
+    const Float8 entry = entries(&boxes[kBox * static_cast<std::size_t>(next.child)], ray, far, enters);
+    const std::array<int, kWays>& children = tree.children[static_cast<std::size_t>(next.child)];
     const std::size_t begin = waiting;
-    for (int k = 0; k < 4; ++k) {
+    for (; enters != 0; enters &= enters - 1) {
+      const int k = std::countr_zero(enters);
       const int child = children[static_cast<std::size_t>(k)];
-      if (!enters[k] || (k > 0 && child == children[static_cast<std::size_t>(k) - 1])) continue;
+      if (k > 0 && child == children[static_cast<std::size_t>(k) - 1]) continue;
       std::size_t at = waiting++;  // the nearest one last
       for (; at > begin && stack[at - 1].entry < entry[k]; --at) stack[at] = stack[at - 1];
       stack[at] = {child, entry[k]};
@@ -202,10 +212,10 @@ FittedTree make_fitted_tree(std::span<const float> positions, std::span<const in
 }
 
 void fit_boxes(const FittedTree& tree, std::span<const float> positions, std::vector<float>& boxes) {
-  boxes.resize(32 * tree.children.size());
+  boxes.resize(kBox * tree.children.size());
   if (tree.children.empty()) return;
   // Whole subtrees of the third level at once, then what is above them. Nodes follow their parents, a subtree's each other.
-  constexpr std::size_t kMost = 1 + 4 + 16 + 1;
+  constexpr std::size_t kMost = 1 + kWays + kWays * kWays + 1;
   std::array<std::size_t, kMost> begins;
   std::array<char, kMost> upper;
   std::size_t count = 0;
@@ -214,7 +224,7 @@ void fit_boxes(const FittedTree& tree, std::span<const float> positions, std::ve
     upper[count++] = above;
   };
   add(0, true);
-  std::array<int, 4> children, grandchildren;
+  std::array<int, kWays> children, grandchildren;
   for (const int child : subtrees(tree, 0, children)) {
     add(static_cast<std::size_t>(child), true);
     for (const int grandchild : subtrees(tree, static_cast<std::size_t>(child), grandchildren)) add(static_cast<std::size_t>(grandchild), false);

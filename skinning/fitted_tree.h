@@ -1,4 +1,4 @@
-// A tree of boxes about the triangles of a surface that moves: the tree stays, its boxes are fitted anew to each pose. Four boxes and four
+// A tree of boxes about the triangles of a surface that moves: the tree stays, its boxes are fitted anew to each pose. Eight boxes and eight
 // triangles are looked at side by side (Wald, Benthin & Boulos 2008, 10.1109/RT.2008.4634620). Private to the room.
 #pragma once
 
@@ -11,15 +11,15 @@
 namespace ecorche {
 
 struct FittedTree {
-  // >= 0: a node; otherwise a leaf of four triangles, ~child the place of its first corner.
-  std::vector<std::array<int, 4>> children;  // a node; parents before children. A node of fewer repeats its last one
-  std::vector<int> corners;                  // 12 a leaf
+  // >= 0: a node; otherwise a leaf of eight triangles, ~child the place of its first corner.
+  std::vector<std::array<int, 8>> children;  // a node; parents before children. A node of fewer repeats its last one
+  std::vector<int> corners;                  // 24 a leaf: the first of each triangle, the second, the third
 };
 
 // `positions`: #V x 4; `triangles`: 3 indices each, four of them at least.
 FittedTree make_fitted_tree(std::span<const float> positions, std::span<const int> triangles);
 
-// `boxes`: 32 a node: low x of the four children, low y, low z, high x, high y, high z; low and high corner of the whole. Allocates only when
+// `boxes`: 56 a node: low x of the eight children, low y, low z, high x, high y, high z; low and high corner of the whole. Allocates only when
 // its size changes.
 void fit_boxes(const FittedTree& tree, std::span<const float> positions, std::vector<float>& boxes);
 

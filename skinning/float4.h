@@ -41,6 +41,14 @@ inline Float4 least(Float4 a, Float4 b) { return a < b ? a : b; }
 inline Float4 most(Float4 a, Float4 b) { return a > b ? a : b; }
 #endif
 
+#ifdef __AVX__
+inline Float8 least(Float8 a, Float8 b) { return __builtin_ia32_minps256(a, b); }
+inline Float8 most(Float8 a, Float8 b) { return __builtin_ia32_maxps256(a, b); }
+#else
+inline Float8 least(Float8 a, Float8 b) { return a < b ? a : b; }
+inline Float8 most(Float8 a, Float8 b) { return a > b ? a : b; }
+#endif
+
 // Which lanes of a comparison hold, a bit each.
 #ifdef __AVX__
 inline unsigned lanes_that(Int8 holds) { return static_cast<unsigned>(__builtin_ia32_movmskps256((Float8)holds)); }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <tbb/parallel_for.h>
 
@@ -83,6 +84,42 @@ void spread_pushes(const Membrane& rings, std::span<const float> give, ContactSc
   }
 }
 
+// Normals of those that have been pushed and of their neighbours.
+void renew_normals(const Membrane& rings, const SkinContact& contact, std::span<const float> positions, std::span<float> normals, ContactScratch& s) {
+  s.turning.clear();
+  const auto add = [&](int i) {
+    char& turned = s.turned[static_cast<std::size_t>(i)];
+    if (!turned) s.turning.push_back(i);
+    turned = 1;
+  };
+  for (const int i : s.pushed) {
+    add(i);
+    for (int k = rings.first[static_cast<std::size_t>(i)]; k < rings.first[static_cast<std::size_t>(i) + 1]; ++k) add(rings.neighbour[static_cast<std::size_t>(k)]);
+  }
+  each_vertex(static_cast<int>(s.turning.size()), [&](int t) {
+    const std::size_t i = static_cast<std::size_t>(s.turning[static_cast<std::size_t>(t)]);
+    const auto place = [&](int corner) { return load4(&positions[4 * static_cast<std::size_t>(contact.about[static_cast<std::size_t>(corner)])]); };
+    Float4 sum{};
+    for (int k = contact.about_first[i]; k < contact.about_first[i + 1]; k += 3) {
+      const Float4 a = place(k);
+      sum += cross(place(k + 1) - a, place(k + 2) - a);
+    }
+    store4(&normals[4 * i], sum * (1.0f / std::sqrt(sum4(sum * sum)[0] + 1e-30f)));
+    s.turned[i] = 0;
+  });
+}
+
+void find_triangles(std::span<const int> triangles, std::size_t vertices, SkinContact& out) {
+  out.about_first.assign(vertices + 1, 0);
+  for (const int v : triangles) out.about_first[static_cast<std::size_t>(v) + 1] += 3;
+  std::partial_sum(out.about_first.begin(), out.about_first.end(), out.about_first.begin());
+  out.about.resize(3 * triangles.size());
+  std::vector<int> next(out.about_first.begin(), out.about_first.end() - 1);
+  for (std::size_t f = 0; f < triangles.size(); f += 3)
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t c = 0; c < 3; ++c) out.about[static_cast<std::size_t>(next[static_cast<std::size_t>(triangles[f + k])]++)] = triangles[f + c];
+}
+
 }  // namespace
 
 SkinContact make_skin_contact(const Membrane& rings, std::span<const float> positions, std::span<const int> triangles, std::span<const double> tissue) {
@@ -99,6 +136,7 @@ SkinContact make_skin_contact(const Membrane& rings, std::span<const float> posi
     out.give.push_back(inside ? 0 : static_cast<float>(kGive * tissue[i] + kLeastGive));
     out.gap.push_back(before > 0 ? before / 2 : kGap);
   }
+  find_triangles(triangles, tissue.size(), out);
   out.patches = cut_patches(rings, positions, normals, out.give);
   return out;
 }
@@ -110,12 +148,13 @@ bool part_skin(const Membrane& rings, const SkinContact& contact, std::span<cons
   for (std::vector<float>* each : {&s.pushes, &s.spread, &normals}) each->resize(4 * n);
   s.wanted.resize(n);
   s.pushed.reserve(n);
+  s.turned.resize(n, 0);
+  s.turning.reserve(n);
   vertex_normals(positions, triangles, normals, s.half);
   if (!find_meetings(contact.patches, {give, kGap, positions, normals}, s.patches, s.wanted)) return false;
   s.before.assign(positions.begin(), positions.end());
   bool moved = false;
   for (int round = 0; round < rounds; ++round) {
-    if (round > 0) vertex_normals(positions, triangles, normals, s.half);
     fit_boxes(contact.tree, positions, s.boxes);
     find_pushes({contact.tree, s.boxes, positions}, contact, normals, s);
     spread_pushes(rings, give, s);
@@ -128,6 +167,7 @@ bool part_skin(const Membrane& rings, const SkinContact& contact, std::span<cons
       store4(&positions[4 * i], start + way);
     });
     if (s.pushed.empty()) break;
+    renew_normals(rings, contact, positions, normals, s);
     moved = true;
   }
   return moved;

@@ -19,6 +19,7 @@ namespace ecorche {
 struct SkinContact {
   std::vector<float> give;   // #V m, how far each vertex may be pushed; 0 for those that are left alone
   std::vector<float> gap;    // #V m, that is left before each; less than what is before it at rest
+  std::vector<int> about_first, about;  // #V + 1 into the triangles about each vertex, by 3 corners
   ContactPatches patches;
   FittedTree tree;
 };
@@ -26,8 +27,8 @@ struct SkinContact {
 // `positions`: #V x 4, rest; `triangles`: 3 indices each; `tissue`: what lies between skin and bone, m, #V.
 SkinContact make_skin_contact(const Membrane& rings, std::span<const float> positions, std::span<const int> triangles, std::span<const double> tissue);
 
-// Parts `positions` (#V x 4) by rounds, adding to them; whether any has moved: scratch.before then has all as they were. Allocates only at
-// first use; same input, same bytes at any number of threads.
+// Parts `positions` (#V x 4) by rounds, adding to them; whether any has moved: scratch.before then has all as they were. `normals` become those
+// of the parted skin. Allocates only at first use; same input, same bytes at any number of threads.
 bool part_skin(const Membrane& rings, const SkinContact& contact, std::span<const int> triangles, int rounds, std::span<float> positions,
                std::vector<float>& normals, ContactScratch& scratch);
 

@@ -17,9 +17,9 @@ bool rise_over_muscles(const UnderSkin& under, std::span<const Ellipse> slices, 
 // After that: 0 where a muscle lies at the surface .. 1 where none is near, #V. There the skin may sink again.
 std::span<const float> room_over_muscles(const UnderSkinMemory& memory);
 
-// After that, and for the same memory: sections and outlines of `posed` that are still out give way. `pressed`: #V, not 0 where the skin has been
-// pressed in since; empty where it has nowhere.
-void give_way_to_skin(const UnderSkin& under, const PosingTable& table, std::span<const float> positions, std::span<const char> pressed,
-                      PosedAnatomy& posed, UnderSkinMemory& memory);
+// After that, and for the same memory: sections and outlines of `posed` that are still out give way. `normals`: of the skin as it is now, #V x 4;
+// `pressed`: #V, not 0 where the skin has been pressed in since; empty where it has nowhere.
+void give_way_to_skin(const UnderSkin& under, const PosingTable& table, std::span<const float> positions, std::span<const float> normals,
+                      std::span<const char> pressed, PosedAnatomy& posed, UnderSkinMemory& memory);
 
 }  // namespace ecorche

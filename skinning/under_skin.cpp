@@ -330,14 +330,13 @@ bool rise_over_muscles(const UnderSkin& under, std::span<const Ellipse> slices, 
 
 std::span<const float> room_over_muscles(const UnderSkinMemory& memory) { return memory.own->rise.room; }
 
-void give_way_to_skin(const UnderSkin& under, const PosingTable& table, std::span<const float> positions, std::span<const char> pressed,
-                      PosedAnatomy& posed, UnderSkinMemory& own) {
+void give_way_to_skin(const UnderSkin& under, const PosingTable& table, std::span<const float> positions, std::span<const float> normals,
+                      std::span<const char> pressed, PosedAnatomy& posed, UnderSkinMemory& own) {
   if (!table.data) throw std::invalid_argument("give_way_to_skin: an empty table");
   const UnderSkin::Data& data = *under.data;
   UnderSkinScratch& memory = *own.own;
   memory.givings.resize(data.owners.size());
-  const PosedSkin skin{positions, memory.normals};
-  vertex_normals(positions, data.triangles, memory.normals, memory.half);
+  const PosedSkin skin{positions, normals};
   for (int round = 0; round < kRounds; ++round) {
     tbb::parallel_for(owners_of(data), [&](const auto& range) {
       for (std::size_t o = range.begin(); o < range.end(); ++o)

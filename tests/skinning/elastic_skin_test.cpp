@@ -173,12 +173,13 @@ struct Pair {
     return V;
   }
   std::span<const int> triangles() const { return {mesh.F.data(), static_cast<std::size_t>(mesh.F.size())}; }
-  Points parted(const Points& V) const {
+  Points parted(const Points& V, std::vector<float>* its_normals = nullptr) const {
     const Membrane rings = make_membrane(mesh, tissue);
     const SkinContact contact = make_skin_contact(rings, floats(mesh.V), triangles(), tissue);
     std::vector<float> positions = floats(V), normals;
     ContactScratch scratch;
     part_skin(rings, contact, triangles(), 2, positions, normals, scratch);
+    if (its_normals) *its_normals = normals;
     return points(positions);
   }
 };
@@ -195,6 +196,14 @@ TEST(SkinContact, WhatIsApartStaysAndWhatMeetsIsPressedFlat) {
   for (Eigen::Index i = 0; i < V.rows(); ++i) far = std::max(far, (V.row(i) - through.row(i)).norm());
   EXPECT_LT(far, 0.015);
   EXPECT_GT(far, 0.008);
+}
+
+TEST(SkinContact, NormalsAreThoseOfThePartedSkin) {
+  const Pair pair;
+  std::vector<float> normals, anew(4 * pair.tissue.size());
+  vertex_normals(floats(pair.parted(pair.at(0.18), &normals)), pair.triangles(), anew);
+  ASSERT_EQ(normals.size(), anew.size());
+  for (std::size_t k = 0; k < anew.size(); ++k) ASSERT_NEAR(normals[k], anew[k], 1e-5) << k / 4;
 }
 
 TEST(SkinContact, WhatNearlyMeetsKeepsAGap) {

@@ -80,7 +80,8 @@ struct Limb {
 bool keep_under_skin(const Limb& limb, SkinFrame& frame, PosedAnatomy& posed, UnderSkinMemory& memory) {
   const std::vector<float> open(frame.positions.size() / 4, 1.0f);
   if (!rise_over_muscles(limb.under, posed.slices, open, frame.positions, memory)) return false;
-  give_way_to_skin(limb.under, limb.table, frame.positions, {}, posed, memory);
+  vertex_normals(frame.positions, std::span(limb.skin.F.data(), static_cast<std::size_t>(limb.skin.F.size())), frame.normals);
+  give_way_to_skin(limb.under, limb.table, frame.positions, frame.normals, {}, posed, memory);
   return true;
 }
 
