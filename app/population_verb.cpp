@@ -162,6 +162,8 @@ void make_people(const Workshop& shop, const std::vector<Person>& people, const 
   tbb::parallel_pipeline(static_cast<std::size_t>(std::min(tbb::this_task_arena::max_concurrency(), kMostAtOnce)), begin & make & end);
 }
 
+bool misses_targets(const std::string& row) { return !Table(kHeader + row, "population.csv").text(0, "missed").empty(); }
+
 // A row of population.csv and what was asked, as a crowd's figures.
 CrowdMember crowd_member(const MeasureTable& table, const Person& person, const fs::path& file, const std::string& row) {
   CrowdMember out{person.name, file, {}, {}};
@@ -219,7 +221,7 @@ int run_population(const PopulationOptions& options, const Common& common, Repor
       return;
     }
     ++(outcome.kept ? kept : made);
-    if (outcome.row.find("targets missed") != std::string::npos) ++missed;
+    missed += misses_targets(outcome.row);
     table += outcome.row;
     if (shop.mould) members.push_back(crowd_member(shop.tape.table(), person, person_file(shop, person, options), outcome.row));
   });

@@ -37,7 +37,7 @@ constexpr double kMostPress = 0.8;     // factor of what is pressed between sect
 constexpr double kDeep = 1e-3;         // m, between a tube's sections, from which on they give way
 constexpr float kMainTerm = 0.2f;      // weight of a section that a vertex between strips follows
 constexpr float kTip = 0.25f;          // of the layer, that points of an outline may stand into it: facets are chords and lie lower
-constexpr double kTouchedCell = 0.004;  // m
+constexpr double kTouchedCell = 0.004, kSightCell = 0.02;  // m
 constexpr double kSteepest = 0.25;     // least cosine that the layer's slope is taken to have
 
 enum class Round { parting, growing, covering_around, covering, settling };
@@ -173,18 +173,41 @@ class Sharing {
     return used;
   }
 
-  // Where rays can come to, and what can come to them: of an even body little more than one half.
-  Eigen::AlignedBox3d within_sight() const {
-    Eigen::AlignedBox3d box;
-    for (const StripPlace& strip : all_.strips) {
-      if (all_.is_mirrored(strip)) continue;
-      for (std::size_t k = strip.begin; k < strip.end; ++k) {
-        const Vec3 far = Vec3::Constant(std::max(all_.slices[k].radii.x(), all_.thickness[k] * all_.slices[k].radii.y()) + 2 * kMostGrowth + limits_.reach);
-        box.extend(all_.slices[k].center - far);
-        box.extend(all_.slices[k].center + far);
-      }
+  // Where a section's rays can come to, and from where others can grow to there.
+  Eigen::AlignedBox3d sight_of(std::size_t k) const {
+    Eigen::AlignedBox3d box(all_.slices[k].center);
+    for (std::size_t i = 0; i < kDirections; ++i) {
+      if (!all_.is_drawn(k, i)) continue;
+      const Spoke& spoke = spokes_[k * kDirections + i];
+      const double base = static_cast<double>(spoke.base), most = std::max(base, std::min(base + kMostGrowth, static_cast<double>(spoke.over)));
+      box.extend(all_.slices[k].center + (most + limits_.reach) / base * all_.edge(k, i));
     }
-    return box;
+    return {box.min() - Vec3::Constant(kMostGrowth), box.max() + Vec3::Constant(kMostGrowth)};
+  }
+
+  // All of that: of an even body little more than one half.
+  TouchedCells find_sight() {
+    std::vector<Eigen::AlignedBox3d> boxes;
+    for (const StripPlace& strip : all_.strips)
+      for (std::size_t k = strip.begin; k < strip.end && !all_.is_mirrored(strip); ++k) seen_.extend(boxes.emplace_back(sight_of(k)));
+    TouchedCells cells(seen_, kSightCell);
+    for (const Eigen::AlignedBox3d& box : boxes) cells.mark(box);
+    return cells;
+  }
+
+  // What lies out of sight need not be drawn.
+  void leave_out_unseen() {
+    std::vector<char> seen(static_cast<std::size_t>(surface_.vertices()), 0);
+    for (Eigen::Index f = 0; f < mesh_.F.rows() && solids_[static_cast<std::size_t>(f)] != kBone; ++f)
+      for (int i = 0; i < 3; ++i) seen[static_cast<std::size_t>(mesh_.F(f, i))] = 1;
+    std::vector<MuscleSurface::Term> kept;
+    std::vector<int> begin{0};
+    for (std::size_t v = 0; v < seen.size(); ++v) {
+      if (seen[v]) kept.insert(kept.end(), surface_.terms.begin() + surface_.term_begin[v], surface_.terms.begin() + surface_.term_begin[v + 1]);
+      begin.push_back(static_cast<int>(kept.size()));
+    }
+    surface_.terms = std::move(kept);
+    surface_.term_begin = std::move(begin);
   }
 
   void add_bones() {
@@ -205,21 +228,24 @@ class Sharing {
     std::vector<int> strip_of(all_.slices.size()), labels;
     for (std::size_t s = 0; s < all_.strips.size(); ++s)
       std::fill(strip_of.begin() + static_cast<long>(all_.strips[s].begin), strip_of.begin() + static_cast<long>(all_.strips[s].end), static_cast<int>(s));
-    seen_ = within_sight();
+    const TouchedCells sight = find_sight();
     Triangles near(faces, 3);
     for (Eigen::Index f = 0; f < faces; ++f) {
-      Eigen::AlignedBox3d box;
-      for (int i = 0; i < 3; ++i) box.extend(mesh_.V.row(mesh_.F(f, i)).transpose());
-      if (!box.intersects(seen_)) continue;
-      near.row(static_cast<Eigen::Index>(solids_.size())) = mesh_.F.row(f);
       const bool muscle = f < surface_.F.rows();
       const auto vertex = static_cast<std::size_t>(mesh_.F(f, 0));
+      Eigen::AlignedBox3d box;
+      for (int i = 0; i < 3; ++i) box.extend(mesh_.V.row(mesh_.F(f, i)).transpose());
+      if ((!muscle || is_mirrored(surface_.muscle[vertex])) && !sight.touches(box)) continue;
+      near.row(static_cast<Eigen::Index>(solids_.size())) = mesh_.F.row(f);
       solids_.push_back(muscle ? surface_.muscle[vertex] : kBone);
       labels.push_back(muscle ? all_.strips[static_cast<std::size_t>(strip_of[static_cast<std::size_t>(surface_.slice[vertex])])].label : kBone);
     }
     mesh_.F = near.topRows(static_cast<Eigen::Index>(solids_.size()));
     flesh_.emplace(mesh_.V, mesh_.F, std::move(labels), surface_.vertices());
+    leave_out_unseen();
   }
+
+  bool is_mirrored(int muscle) const { return all_.partners[static_cast<std::size_t>(muscle)] >= 0; }
 
   // What has moved since the last settling round.
   void mark_touched() {
@@ -267,8 +293,12 @@ class Sharing {
     if (last_ == Round::settling) settled_.positions = positions_;
     for (const MuscleSurface::Part& part : surface_.parts) {
       const auto m = static_cast<std::size_t>(part.muscle);
+      if (is_mirrored(part.muscle)) continue;
       const double volume = part_volume(surface_, part, positions_);
       needs_[m] = volume > 0 ? std::pow(std::clamp(wanted_[m] / volume, 0.5, 2.0), 2) : 1;
+    }
+    for (std::size_t m = 0; m < needs_.size(); ++m) {
+      if (all_.partners[m] >= 0) needs_[m] = needs_[static_cast<std::size_t>(all_.partners[m])];
       all_.weights[m] = std::pow(needs_[m], -0.25);
     }
   }

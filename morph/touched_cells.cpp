@@ -19,6 +19,15 @@ void TouchedCells::mark(const Eigen::AlignedBox3d& box) {
       for (int z = low.z(); z <= high.z(); ++z) marked_[static_cast<std::size_t>((x * count_.y() + y) * count_.z() + z)] = 1;
 }
 
+bool TouchedCells::touches(const Eigen::AlignedBox3d& box) const {
+  const Eigen::Array3i low = cell(box.min()).max(0), high = cell(box.max()).min(count_ - 1);
+  for (int x = low.x(); x <= high.x(); ++x)
+    for (int y = low.y(); y <= high.y(); ++y)
+      for (int z = low.z(); z <= high.z(); ++z)
+        if (marked_[static_cast<std::size_t>((x * count_.y() + y) * count_.z() + z)]) return true;
+  return false;
+}
+
 bool TouchedCells::touches(const Vec3& from, const Vec3& direction, double length) const {
   const int steps = static_cast<int>(std::ceil(length / size_));
   for (int step = 0; step <= steps; ++step) {

@@ -1,4 +1,4 @@
-// Where in space something has changed: cells of a grid.
+// Where in space something is or has changed: cells of a grid.
 #pragma once
 
 #include <vector>
@@ -17,6 +17,8 @@ class TouchedCells {
   // Whether a line comes through what was marked. Never misses what lies in `space`; may say so of what it only passes by, by a cell.
   // Precondition: direction of length one.
   bool touches(const Vec3& from, const Vec3& direction, double length) const;
+  // Whether a box does: as above, without the neighbours.
+  bool touches(const Eigen::AlignedBox3d& box) const;
 
  private:
   Eigen::Array3i cell(const Vec3& point) const { return ((point - corner_).array() / size_).floor().cast<int>(); }

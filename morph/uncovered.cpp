@@ -25,6 +25,8 @@ constexpr float kMainTerm = 0.2f;      // weight of a section that a vertex betw
 constexpr double kLeastCosine = 0.3;   // of a spoke that can still raise the surface
 constexpr int kNothing = -2;           // a label that no surface has
 
+constexpr double kBeside = 0.01;       // m, by which a drawn muscle may stand out beyond its sections
+
 struct Find {
   int triangle = -1;  // -1: nothing is entered within the depth
   float gap = std::numeric_limits<float>::infinity();
@@ -37,6 +39,15 @@ Find look(const CrossingRays& flesh, const Vec3& from, const Vec3& direction, st
   // What is left before anything is entered reaches the layer already.
   if (!crossings[0].entering) return {-1, 0, direction};
   return {crossings[0].triangle, crossings[0].distance, direction};
+}
+
+// About all sections that can be asked: mirror images cannot.
+Eigen::AlignedBox3d askable(const SharedSections& sections) {
+  Eigen::AlignedBox3d box;
+  for (const StripPlace& strip : sections.strips)
+    for (std::size_t k = strip.begin; k < strip.end && !sections.is_mirrored(strip); ++k)
+      for (std::size_t i = 0; i < kDirections; ++i) box.extend(sections.slices[k].center + static_cast<double>(sections.slices[k].outline[i]) * sections.edge(k, i));
+  return box;
 }
 
 // Half of the neighbours' mean and more, so that a section does not come up as a single point.
@@ -63,13 +74,14 @@ Underside underside(const TriMesh& skin, const FatLayer& fat) {
 
 std::vector<float> find_uncovered(const SharedSections& sections, const MuscleSurface& surface, const Underside& underside, const CrossingRays& flesh,
                                   const Triangles& F, std::span<const int> solids, bool around) {
+  const Eigen::AlignedBox3d near = askable(sections);
   std::vector<std::array<Find, 1 + kAround>> finds(static_cast<std::size_t>(underside.points.rows()));
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, finds.size(), 64), [&](const auto& range) {
     std::vector<Crossing> crossings;
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       const auto row = static_cast<Eigen::Index>(i);
       const Vec3 from = underside.points.row(row), in = -underside.normals.row(row);
-      if (in.squaredNorm() == 0) continue;
+      if (in.squaredNorm() == 0 || near.exteriorDistance(from) > kDeepest + kBeside) continue;
       finds[i][0] = look(flesh, from, in, crossings);
       if (!around || finds[i][0].gap < kSunken) continue;
       const Vec3 side = in.unitOrthogonal(), other = in.cross(side);

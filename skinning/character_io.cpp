@@ -76,7 +76,7 @@ void add_muscles(GlbBuilder& glb, const Anatomy& anatomy) {
     node.name = "muscle/" + muscle.name;
     node.mesh = static_cast<int>(glb.model().meshes.size()) - 1;
     node.skin = 0;
-    node.extras = gltf::muscle_extras(muscle);
+    node.extras = gltf::muscle_extras(muscle, glb.keep_text(gltf::strips_text(muscle)));
     glb.add_node(std::move(node));
   }
 }
@@ -87,8 +87,7 @@ void finish(GlbBuilder& glb, const Body& body, const std::filesystem::path& file
   extras["ecorche"] = Value(std::move(ecorche));
   glb.scene().extras = Value(std::move(extras));
   glb.scene().name = body.name.empty() ? "body" : body.name;
-  if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&glb.model(), out.stream(), false, true))
-    throw OutputError(fmt::format("{}: could not be written", file.string()));
+  if (!glb.write(out.stream())) throw OutputError(fmt::format("{}: could not be written", file.string()));
   out.commit();
 }
 

@@ -4,7 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <sstream>
+#include <stdexcept>
 
+#include "anatomy/errors.h"
 #include "skinning/gltf_values.h"
 #include "skinning/short_turns.h"
 
@@ -88,6 +92,55 @@ int GlbBuilder::add_node(tinygltf::Node node, int parent) {
   model_.nodes.push_back(std::move(node));
   (parent < 0 ? scene().nodes : model_.nodes[parent].children).push_back(index);
   return index;
+}
+
+tinygltf::Value GlbBuilder::keep_text(std::string json) {
+  texts_.push_back(std::move(json));
+  return tinygltf::Value(static_cast<int>(texts_.size()) - 1);
+}
+
+namespace {
+
+void write_number(std::ostream& out, std::size_t value) {
+  if (value > std::numeric_limits<std::uint32_t>::max()) throw LimitError("a .glb file holds at most 4 GB");
+  const auto number = static_cast<std::uint32_t>(value);
+  out.write(reinterpret_cast<const char*>(&number), sizeof number);
+}
+
+// Copies `from` up to where `place` stands and `instead` in place of it. No text of a user's looks like a place: in there a quotation mark
+// follows a backslash.
+void replace_next(const std::string& from, const std::string& place, const std::string& instead, std::size_t& at, std::string& to) {
+  const std::size_t found = from.find(place, at);
+  if (found == std::string::npos) throw std::logic_error(fmt::format("GlbBuilder: {} is nowhere", place));
+  to.append(from, at, found - at);
+  to += instead;
+  at = found + place.size();
+}
+
+}  // namespace
+
+bool GlbBuilder::write(std::ostream& out) {
+  constexpr std::size_t kHeader = 12, kChunkHeader = 8, kVersion = 2, kJson = 0x4E4F534A, kBinary = 0x004E4942;
+  // Without its bytes, which would be copied twice.
+  const std::size_t length = align();
+  std::vector<unsigned char> bytes;
+  bytes.swap(model_.buffers[0].data);
+  std::ostringstream written;
+  if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model_, written, false, true)) return false;
+  const std::string model = std::move(written).str();
+  std::string json;
+  std::size_t at = kHeader + kChunkHeader;
+  replace_next(model, R"("buffers":[{"byteLength":0)", fmt::format(R"("buffers":[{{"byteLength":{})", length), at, json);
+  for (std::size_t n = 0; n < texts_.size(); ++n)
+    replace_next(model, fmt::format(R"("strips":{},)", n), fmt::format(R"("strips":{},)", texts_[n]), at, json);
+  json.append(model, at);
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  out.write("glTF", 4);
+  for (const std::size_t number : {kVersion, kHeader + 2 * kChunkHeader + json.size() + bytes.size(), json.size(), kJson}) write_number(out, number);
+  out.write(json.data(), static_cast<std::streamsize>(json.size()));
+  for (const std::size_t number : {bytes.size(), kBinary}) write_number(out, number);
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  return static_cast<bool>(out);
 }
 
 int GlbBuilder::add_vectors(const Points& points, bool bounds) {

@@ -4,8 +4,8 @@
 #include <tiny_gltf.h>
 
 #include <array>
-#include <cstring>
 #include <limits>
+#include <ostream>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,8 +30,8 @@ class GlbBuilder {
   int add_accessor(const std::vector<T>& values, int component_type, int type, int components, int target, bool bounds = false) {
     const size_t start = align();
     auto& bytes = model_.buffers[0].data;
-    bytes.resize(start + values.size() * sizeof(T));
-    std::memcpy(bytes.data() + start, values.data(), values.size() * sizeof(T));
+    const auto* data = reinterpret_cast<const unsigned char*>(values.data());
+    bytes.insert(bytes.end(), data, data + values.size() * sizeof(T));
 
     tinygltf::BufferView view;
     view.buffer = 0;
@@ -73,10 +73,19 @@ class GlbBuilder {
 
   static Points unit_normals(const TriMesh& mesh);
 
+  // JSON that is put in place only when the file is written: strips have nearly all of a character's numbers, and one by one as
+  // tinygltf::Value they cost several times what the rest of the file does. Returns the value that stands for it, in an object of extras by the name
+  // "strips". To be placed in the order of keeping.
+  tinygltf::Value keep_text(std::string json);
+
+  // The whole file. False when it cannot be written.
+  bool write(std::ostream& out);
+
  private:
   size_t align();
 
   tinygltf::Model model_;
+  std::vector<std::string> texts_;
 };
 
 // Joint nodes in skeleton order, so that node index = joint index, and the glTF skin 0 over them. Call it first.

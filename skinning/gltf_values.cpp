@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <initializer_list>
+#include <iterator>
 
 #include "anatomy/errors.h"
 
@@ -21,31 +23,48 @@ Value numbers(std::initializer_list<double> values) {
   return Value(std::move(array));
 }
 
-Value strip_value(const Strip& strip) {
-  Array path, slices, wraps;
-  for (const PathPoint& p : strip.path)
-    path.push_back(numbers({p.rest.x(), p.rest.y(), p.rest.z(), double(p.joints[0]), double(p.joints[1]), p.share}));
-  for (const Slice& k : strip.slices) {
-    Array row;
-    for (const double v : {k.s, k.roll, k.offset.x(), k.offset.y(), k.radii.x(), k.radii.y()}) row.push_back(number(v));
-    if (k.outline != kEllipticOutline)
-      for (const float factor : k.outline) row.push_back(number(static_cast<double>(factor)));
-    slices.push_back(Value(std::move(row)));
+void append_row(std::string& out, std::initializer_list<double> values) { fmt::format_to(std::back_inserter(out), "[{}]", fmt::join(values, ",")); }
+
+void append_vector(std::string& out, const Vec3& v) { append_row(out, {v.x(), v.y(), v.z()}); }
+
+template <class Items, class Append>
+void append_list(std::string& out, const Items& items, const Append& append) {
+  out += '[';
+  for (const auto& item : items) {
+    if (out.back() != '[') out += ',';
+    append(item);
   }
-  for (const Wrap& wrap : strip.wraps) {
-    const Quat q(wrap.X_WO.linear());
-    const Vec3 t = wrap.X_WO.translation();
-    wraps.push_back(Value(Object{{"kind", text(kind_name(wrap.kind))},
-                                 {"joint", Value(wrap.joint)},
-                                 {"translation", vector3(t)},
-                                 {"rotation", numbers({q.x(), q.y(), q.z(), q.w()})},
-                                 {"radii", vector3(wrap.radii)}}));
+  out += ']';
+}
+
+void append_strip(std::string& out, const Strip& strip) {
+  out += R"({"belly":)";
+  append_row(out, {strip.belly_begin, strip.belly_end});
+  out += R"(,"path":)";
+  append_list(out, strip.path, [&](const PathPoint& p) { append_row(out, {p.rest.x(), p.rest.y(), p.rest.z(), double(p.joints[0]), double(p.joints[1]), p.share}); });
+  out += R"(,"reference":)";
+  append_vector(out, strip.reference);
+  fmt::format_to(std::back_inserter(out), R"(,"rest_length":{},"slices":)", strip.rest_length);
+  append_list(out, strip.slices, [&](const Slice& k) {
+    append_row(out, {k.s, k.roll, k.offset.x(), k.offset.y(), k.radii.x(), k.radii.y()});
+    if (k.outline == kEllipticOutline) return;
+    out.back() = ',';
+    fmt::format_to(std::back_inserter(out), "{}]", fmt::join(k.outline, ","));
+  });
+  if (!strip.wraps.empty()) {
+    out += R"(,"wraps":)";
+    append_list(out, strip.wraps, [&](const Wrap& wrap) {
+      const Quat q(wrap.X_WO.linear());
+      fmt::format_to(std::back_inserter(out), R"({{"joint":{},"kind":"{}","radii":)", wrap.joint, kind_name(wrap.kind));
+      append_vector(out, wrap.radii);
+      out += R"(,"rotation":)";
+      append_row(out, {q.x(), q.y(), q.z(), q.w()});
+      out += R"(,"translation":)";
+      append_vector(out, wrap.X_WO.translation());
+      out += '}';
+    });
   }
-  Object object{{"path", Value(std::move(path))},         {"slices", Value(std::move(slices))},
-                {"reference", vector3(strip.reference)},  {"belly", numbers({strip.belly_begin, strip.belly_end})},
-                {"rest_length", number(strip.rest_length)}};
-  if (!wraps.empty()) object["wraps"] = Value(std::move(wraps));
-  return Value(std::move(object));
+  out += '}';
 }
 
 // Reads members of one object; every failure says where.
@@ -185,9 +204,13 @@ Value joint_extras(const Joint& joint) {
 
 Value bone_extras(const Bone& bone) { return Value(Object{{"joint", Value(bone.joint)}, {"side", text(side_name(bone.side))}}); }
 
-Value muscle_extras(const Muscle& muscle) {
-  Array strips;
-  for (const Strip& strip : muscle.strips) strips.push_back(strip_value(strip));
+std::string strips_text(const Muscle& muscle) {
+  std::string out;
+  append_list(out, muscle.strips, [&](const Strip& strip) { append_strip(out, strip); });
+  return out;
+}
+
+Value muscle_extras(const Muscle& muscle, Value strips) {
   return Value(Object{{"label", text(muscle.label)},
                       {"side", text(side_name(muscle.side))},
                       {"group", text(muscle.group)},
@@ -202,7 +225,7 @@ Value muscle_extras(const Muscle& muscle) {
                       {"max_force", number(muscle.max_force)},
                       {"tendon_slack", number(muscle.tendon_slack)},
                       {"sheet", Value(muscle.sheet)},
-                      {"strips", Value(std::move(strips))}});
+                      {"strips", std::move(strips)}});
 }
 
 Value body_extras(const Body& body) {

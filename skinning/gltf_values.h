@@ -18,7 +18,8 @@ tinygltf::Value vector3(const Vec3& v);
 
 tinygltf::Value joint_extras(const Joint& joint);
 tinygltf::Value bone_extras(const Bone& bone);
-tinygltf::Value muscle_extras(const Muscle& muscle);
+tinygltf::Value muscle_extras(const Muscle& muscle, tinygltf::Value strips);  // `strips`: what stands for strips_text (GlbBuilder::keep_text)
+std::string strips_text(const Muscle& muscle);  // JSON
 tinygltf::Value body_extras(const Body& body);
 
 // The readers throw InputError "<where>: ..." for what is missing, of the wrong type or not finite.
