@@ -53,9 +53,10 @@ struct Giving {
 struct UnderSkinScratch {
   std::vector<float> normals, half;           // #V x 4
   std::vector<Pierce> pierces;                // #probes
-  std::vector<char> near;                     // #owners: whether a point of theirs is at the surface, or nearly so
+  std::vector<char> near;                     // #owners: whether a point of theirs is at the surface, or nearly so; then, or under skin that was pressed in
   RiseScratch rise;
-  std::vector<Giving> givings;
+  std::vector<Giving> givings;                // #owners
+  std::vector<Ellipse> asked;                 // #owners: sections as they were when they were asked first
   std::vector<Vec3> ways;
   std::vector<char> changed;                  // #sections
   RegrowMemory growing;
@@ -73,6 +74,7 @@ constexpr float kHeldBelow = 0.004f;  // m: what lies deeper is free to swell
 constexpr double kPressed = 0.35;   // of an outline's radius; what is more moves the section
 constexpr float kNearly = 0.003f;   // m
 constexpr double kOver = 1.1;       // the belly swells back a part of what is pressed
+constexpr std::size_t kStrips = 32;  // a task
 constexpr int kRounds = 2;          // by turns, to the skin and to one another: what gives way to the one swells towards the other
 
 Vec3 to_vec3(Float4 v) { return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])}; }
@@ -170,6 +172,12 @@ bool under_any(const UnderSkin::Data& data, std::size_t owner, std::span<const c
   return std::any_of(probes.begin(), probes.end(), [&](const SkinProbe& probe) { return marks[static_cast<std::size_t>(probe.vertex)] != 0; });
 }
 
+tbb::blocked_range<std::size_t> owners_of(const UnderSkin::Data& data) { return {0, data.owners.size(), 64}; }
+
+bool same(const Ellipse& a, const Ellipse& b) {
+  return a.center == b.center && a.axes == b.axes && a.radii == b.radii && a.outline == b.outline;
+}
+
 // What a section must give: its way inward, and the share of its spokes.
 Giving give_of(const UnderSkin::Data& data, const PosedSkin& skin, std::span<const Ellipse> slices, std::size_t owner) {
   Giving out;
@@ -214,22 +222,45 @@ void give_way(const UnderSkin::Data& data, PosedAnatomy& posed, UnderSkinScratch
   for (std::size_t o = 0; o < data.owners.size(); ++o)
     if (memory.givings[o].any) ways[static_cast<std::size_t>(data.owners[o])] = memory.givings[o].way;
   // A section that moves takes its neighbours along by half.
-  for (const SliceRange& strip : data.strips)
-    for (int k = strip.begin; k < strip.end; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      const Vec3 before = k > strip.begin ? ways[i - 1] : ways[i], after = k + 1 < strip.end ? ways[i + 1] : ways[i];
-      const Vec3 drawn = 0.25 * (before + after) + 0.5 * ways[i];
-      const Vec3 way = drawn.squaredNorm() > ways[i].squaredNorm() ? drawn : ways[i];
-      if (way == Vec3::Zero()) continue;
-      posed.slices[i].center += way;
-      memory.changed[i] = 1;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, data.strips.size(), kStrips), [&](const auto& range) {
+    for (std::size_t s = range.begin(); s < range.end(); ++s)
+      for (int k = data.strips[s].begin; k < data.strips[s].end; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        const Vec3 before = k > data.strips[s].begin ? ways[i - 1] : ways[i], after = k + 1 < data.strips[s].end ? ways[i + 1] : ways[i];
+        const Vec3 drawn = 0.25 * (before + after) + 0.5 * ways[i];
+        const Vec3 way = drawn.squaredNorm() > ways[i].squaredNorm() ? drawn : ways[i];
+        if (way == Vec3::Zero()) continue;
+        posed.slices[i].center += way;
+        memory.changed[i] = 1;
+      }
+  });
+  tbb::parallel_for(owners_of(data), [&](const auto& range) {
+    for (std::size_t o = range.begin(); o < range.end(); ++o) {
+      if (!memory.givings[o].any) continue;
+      const auto k = static_cast<std::size_t>(data.owners[o]);
+      press_outline(memory.givings[o].press, memory.givings[o].held, posed.slices[k].outline);
+      memory.changed[k] = 1;
     }
-  for (std::size_t o = 0; o < data.owners.size(); ++o) {
-    if (!memory.givings[o].any) continue;
-    const auto k = static_cast<std::size_t>(data.owners[o]);
-    press_outline(memory.givings[o].press, memory.givings[o].held, posed.slices[k].outline);
-    memory.changed[k] = 1;
-  }
+  });
+}
+
+// What sections must give. Those that had nothing to give and are as they were when they were asked first are not asked `again`.
+void ask(const UnderSkin::Data& data, const PosedSkin& skin, std::span<const char> pressed, std::span<const Ellipse> slices, bool again,
+         UnderSkinScratch& memory) {
+  tbb::parallel_for(owners_of(data), [&](const auto& range) {
+    for (std::size_t o = range.begin(); o < range.end(); ++o) {
+      Giving& giving = memory.givings[o];
+      if (!again) memory.near[o] = memory.near[o] || under_any(data, o, pressed);
+      if (!memory.near[o]) {
+        if (!again) giving = {};
+        continue;
+      }
+      const Ellipse& section = slices[static_cast<std::size_t>(data.owners[o])];
+      if (again && !giving.any && same(section, memory.asked[o])) continue;
+      if (!again) memory.asked[o] = section;
+      giving = give_of(data, skin, slices, o);
+    }
+  });
 }
 
 std::vector<float> rows_of(const Points& points) {
@@ -238,8 +269,6 @@ std::vector<float> rows_of(const Points& points) {
     for (int k = 0; k < 4; ++k) out.push_back(k < 3 ? static_cast<float>(points(v, k)) : 1);
   return out;
 }
-
-tbb::blocked_range<std::size_t> owners_of(const UnderSkin::Data& data) { return {0, data.owners.size(), 64}; }
 
 // Points of all outlines that lie near the skin at rest.
 void place_probes(const PosedAnatomy& rest, const TriMesh& skin, UnderSkin::Data& data) {
@@ -336,12 +365,10 @@ void give_way_to_skin(const UnderSkin& under, const PosingTable& table, std::spa
   const UnderSkin::Data& data = *under.data;
   UnderSkinScratch& memory = *own.own;
   memory.givings.resize(data.owners.size());
+  memory.asked.resize(data.owners.size());
   const PosedSkin skin{positions, normals};
   for (int round = 0; round < kRounds; ++round) {
-    tbb::parallel_for(owners_of(data), [&](const auto& range) {
-      for (std::size_t o = range.begin(); o < range.end(); ++o)
-        memory.givings[o] = memory.near[o] || under_any(data, o, pressed) ? give_of(data, skin, posed.slices, o) : Giving{};
-    });
+    ask(data, skin, pressed, posed.slices, round > 0, memory);
     give_way(data, posed, memory);
     regrow(*table.data, memory.changed, posed, memory.growing, Threads::all);
     memory.held.assign(posed.slices.size(), {});
