@@ -27,11 +27,12 @@ inline float sum(Eight v) { return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[
 // Area, or that of two mixed, over the sine between directions.
 inline float area_of(const Halves& a, const Halves& b) { return sum(a.even * b.odd + a.odd * next(b.even)); }
 
-// Gives a pressed outline its area back where it is free to grow. What is long already grows by no more than an even outline would, not in
-// proportion: there it would soon stick out.
+// Gives a pressed outline its area back where it is free to grow. What is longer than an even outline grows the less the longer it is, and
+// what is twice as long not at all: a muscle is pressed again and again, and there it would soon stick out.
 inline void give_back(const Halves& before, const Halves& freedom, float least, Halves& outline) {
   const Eight even = all(std::sqrt(area_of(before, before) / static_cast<float>(kCount)));
-  const Halves more{freedom.even * smaller(outline.even, even), freedom.odd * smaller(outline.odd, even)};
+  const auto grown = [&](Eight length) { return larger(smaller(length, 2 * even - length), Eight{}); };
+  const Halves more{freedom.even * grown(outline.even), freedom.odd * grown(outline.odd)};
   const float lost = area_of(before, before) - area_of(outline, outline), once = area_of(outline, more) + area_of(more, outline), twice = area_of(more, more);
   if (!(lost > 0)) return;
   const float wish = 2 * lost / (once + std::sqrt(once * once + 4 * twice * lost) + 1e-9f);

@@ -16,7 +16,9 @@ namespace {
 
 constexpr double kVolumeKept = 1e-6;  // share
 constexpr std::size_t kGrain = 8;     // fours of strips
-constexpr double kLeastGrowth = 0.5, kMostGrowth = 2;  // of a belly's radii, after its outlines; sheets: of the root of their thickness
+// Of a belly's radii, after its outlines; sheets: of the root of their thickness. Where sections lean or are pressed on all sides a belly would
+// have to grow far more for the same volume, be pressed the more for it, and so on: it grows rounder instead.
+constexpr double kLeastGrowth = 0.5, kMostGrowth = 1.1;
 
 // An Ellipse is stored as it lies in memory: center, width, thickness, tangent, radii, outline.
 static_assert(sizeof(Ellipse) == 14 * sizeof(double) + sizeof(SliceOutline));

@@ -286,18 +286,34 @@ TEST(PosedContact, WhatWasDeepPartsOnceMoreAndNothingElse) {
   }
 }
 
-TEST(PosedContact, ALongSideGrowsNoFasterThanAnEvenOutline) {
-  SliceOutline flat = kEllipticOutline;
-  flat[0] = flat[8] = 4;
+TEST(PosedContact, ASideGrowsTheLessTheLongerItIs) {
   ContactSpokes press{}, held{};
   press[2] = 0.5f;
   held[2] = 1;
-  SliceOutline now = flat;
-  press_outline(press, held, now);
-  const float even = std::sqrt(piece_areas(flat, flat).own), grown = now[12] / flat[12] - 1;
-  ASSERT_GT(grown, 0.01f);
-  EXPECT_LE(now[0] - flat[0], 1.02f * even * grown) << "in proportion it would be four times the short side's";
-  EXPECT_GT(now[0], flat[0]);
+  double before = 1;
+  for (const float length : {1.2f, 1.5f, 1.8f, 4.0f}) {
+    SliceOutline flat = kEllipticOutline;
+    flat[0] = flat[8] = length;
+    SliceOutline now = flat;
+    press_outline(press, held, now);
+    const double even = std::sqrt(piece_areas(flat, flat).own), share = now[12] / flat[12] - 1, grown = (now[0] - flat[0]) / (even * share);
+    ASSERT_GT(share, 0.01);
+    EXPECT_LT(grown, before) << "an even outline's growth is 1, one in proportion would be " << length;
+    EXPECT_EQ(grown > 0, length < 2 * even);
+    before = grown;
+  }
+}
+
+TEST(PosedContact, WhatIsPressedAgainAndAgainDoesNotStickOut) {
+  ContactSpokes press{}, held{};
+  press.fill(0.3f);
+  held.fill(1);
+  press[2] = held[2] = 0;
+  SliceOutline now = kEllipticOutline;
+  for (int turn = 0; turn < 8; ++turn) {
+    press_outline(press, held, now, 0.6f);
+    EXPECT_LT(now[4], 2.1f) << "turn " << turn;
+  }
 }
 
 TEST(PosedContact, WhatHasNotBeenMovedAtRestStays) {
