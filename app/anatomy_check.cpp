@@ -8,11 +8,13 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <span>
 
 #include "anatomy/join_meshes.h"
 #include "anatomy/joint_sweep.h"
 #include "anatomy/mesh_measures.h"
 #include "anatomy/muscle_surface.h"
+#include "anatomy/outline.h"
 #include "anatomy/solids.h"
 #include "morph/fat.h"
 #include "skinning/nearest_surface.h"
@@ -24,6 +26,7 @@ constexpr double kNear = 0.005;       // m, between the fat layer and what lies 
 constexpr double kLooseEnd = 0.010;   // m
 constexpr double kJump = 0.001;       // m
 constexpr double kLeastShared = 1e-9;  // m^3, of a neighbour that is named
+constexpr double kSticksOut = 0.020;  // m
 
 // Everything of a character that does not change from pose to pose.
 struct Subject {
@@ -32,6 +35,7 @@ struct Subject {
   MuscleSurface surface;
   std::vector<SliceRange> ranges;
   std::vector<double> rest_volumes;  // #strips
+  std::vector<double> rest_reaches;  // #slices, see reach()
   std::vector<Vec3> joints;
   bool packaged = false;  // the skin has the package's topology
 
@@ -225,9 +229,26 @@ void check_ends(const Subject& subject, AnatomyCheck& check) {
   check.end_distance_max = distances.back();
 }
 
+// How far a section's outline goes from its centre, m.
+double reach(const Ellipse& section) {
+  double out = 0;
+  for (std::size_t i = 0; i < kOutlinePoints; ++i)
+    out = std::max(out, static_cast<double>(section.outline[i]) * outline_directions()[i].cwiseProduct(section.radii).norm());
+  return out;
+}
+
+// By how much a section goes farther than at rest and than those before and after it, m: a spike if it is much.
+double sticking_out(std::span<const Ellipse> slices, const SliceRange& strip, int k, double at_rest) {
+  double others = at_rest;
+  if (k > strip.begin) others = std::max(others, reach(slices[static_cast<std::size_t>(k) - 1]));
+  if (k + 1 < strip.end) others = std::max(others, reach(slices[static_cast<std::size_t>(k) + 1]));
+  return reach(slices[static_cast<std::size_t>(k)]) - others;
+}
+
 // What one pose has to say about each muscle.
 struct PosedMuscles {
   std::vector<double> outside, overlap, in_bone, drift;  // shares
+  std::vector<double> spike;                             // m
 };
 
 PoseCheck check_pose(const Subject& subject, const LimitPose& pose, double spacing, PosedMuscles& muscles) {
@@ -236,7 +257,7 @@ PoseCheck check_pose(const Subject& subject, const LimitPose& pose, double spaci
   PoseCheck out;
   out.name = pose.name;
   const std::size_t count = subject.anatomy().muscles.size();
-  for (std::vector<double>* list : {&muscles.outside, &muscles.overlap, &muscles.in_bone, &muscles.drift}) list->assign(count, 0.0);
+  for (std::vector<double>* list : {&muscles.outside, &muscles.overlap, &muscles.in_bone, &muscles.drift, &muscles.spike}) list->assign(count, 0.0);
   const std::vector<int> winding = winding_numbers(shape.skin, shape.muscles);
   std::vector<int> points(count, 0);
   for (std::size_t i = 0; i < winding.size(); ++i) {
@@ -257,6 +278,12 @@ PoseCheck check_pose(const Subject& subject, const LimitPose& pose, double spaci
   for (std::size_t i = 0; i < subject.ranges.size(); ++i) {
     double& drift = muscles.drift[static_cast<std::size_t>(subject.ranges[i].muscle)];
     drift = std::max(drift, std::abs(strip_volume(shape.frame.posed, subject.ranges[i]) / subject.rest_volumes[i] - 1));
+    double& spike = muscles.spike[static_cast<std::size_t>(subject.ranges[i].muscle)];
+    for (int k = subject.ranges[i].begin; k < subject.ranges[i].end; ++k) {
+      const double by = sticking_out(shape.frame.posed.slices, subject.ranges[i], k, subject.rest_reaches[static_cast<std::size_t>(k)]);
+      spike = std::max(spike, by);
+      out.spikes += by > kSticksOut;
+    }
   }
   return out;
 }
@@ -276,12 +303,15 @@ void check_poses(const Subject& subject, const std::vector<LimitPose>& poses, co
     check.posed_outside_worst = std::max(check.posed_outside_worst, outside);
     check.posed_overlap_mean += pose.overlap_share / static_cast<double>(poses.size());
     check.posed_overlap_worst = std::max(check.posed_overlap_worst, pose.overlap_share);
+    check.posed_spikes += static_cast<double>(pose.spikes) / static_cast<double>(poses.size());
     for (std::size_t m = 0; m < check.muscles.size(); ++m) {
       MuscleCheck& muscle = check.muscles[m];
       if (muscles[p].outside[m] > muscle.posed_outside) muscle.posed_outside = muscles[p].outside[m], muscle.outside_pose = static_cast<int>(p);
       if (muscles[p].overlap[m] > muscle.posed_overlap) muscle.posed_overlap = muscles[p].overlap[m], muscle.overlap_pose = static_cast<int>(p);
       muscle.posed_in_bone = std::max(muscle.posed_in_bone, muscles[p].in_bone[m]);
       muscle.drift = std::max(muscle.drift, muscles[p].drift[m]);
+      if (muscles[p].spike[m] > muscle.spike) muscle.spike = muscles[p].spike[m], muscle.spike_pose = static_cast<int>(p);
+      check.posed_spike_max = std::max(check.posed_spike_max, muscle.spike);
     }
   }
 }
@@ -304,13 +334,14 @@ void check_sweeps(const Subject& subject, double step, AnatomyCheck& check) {
 
 AnatomyCheck check_anatomy(const Actor& actor, const BodyPackage& package, const std::vector<LimitPose>& poses, const CheckOptions& options, const Common& common) {
   const Anatomy& anatomy = actor.character.anatomy;
-  Subject subject{actor, package, make_muscle_surface(anatomy), slice_ranges(anatomy), {}, rest_positions(anatomy.skeleton), false};
+  Subject subject{actor, package, make_muscle_surface(anatomy), slice_ranges(anatomy), {}, {}, rest_positions(anatomy.skeleton), false};
   subject.packaged = actor.character.body.skin.V.rows() == package.skin_size;
   AnatomyCheck check;
   check.muscles.resize(anatomy.muscles.size());
   Shape rest;
   shape_pose(subject, rest_pose(anatomy.skeleton), rest);
   for (const SliceRange& range : subject.ranges) subject.rest_volumes.push_back(strip_volume(rest.frame.posed, range));
+  for (const Ellipse& slice : rest.frame.posed.slices) subject.rest_reaches.push_back(reach(slice));
   check_rest(subject, rest, options, check);
   check_voids(subject, rest, check);
   check_ends(subject, check);

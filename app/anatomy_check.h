@@ -29,6 +29,8 @@ struct MuscleCheck {
   double jump = 0;               // m, a path's length from one degree to the next but one against going steadily
   int jump_joint = -1, jump_axis = 0;
   double jump_angle = 0;         // rad
+  double spike = 0;              // m, by which a section goes farther than at rest and than its neighbours along the muscle, in its worst pose
+  int spike_pose = -1;
   double end_distance = 0;       // m, of its ends on bones, the farthest from the bones of the joint that carries it
 };
 
@@ -37,6 +39,7 @@ struct PoseCheck {
   int muscle_points_outside = 0;
   int bone_points_outside = 0;
   double overlap_share = 0, bone_share = 0;
+  int spikes = 0;  // sections that stick out by more than 20 mm
 };
 
 struct AnatomyCheck {
@@ -51,6 +54,7 @@ struct AnatomyCheck {
   double posed_outside_share = 0;    // of muscle points, mean over the poses
   double posed_outside_worst = 0;
   double posed_overlap_mean = 0, posed_overlap_worst = 0;
+  double posed_spikes = 0, posed_spike_max = 0;  // sections that stick out by more than 20 mm, mean over the poses; m
   bool swept = false;                // joints were swept; otherwise nothing is known of jumps
   double drift_max = 0, jump_max = 0;
   int paths_that_jump = 0;           // muscles by more than 1 mm

@@ -52,6 +52,8 @@ void report_anatomy_check(const AnatomyCheck& check, Report& report) {
   report.set("check.posed_outside_share_max", check.posed_outside_worst);
   report.set("check.posed_overlap_share_mean", check.posed_overlap_mean);
   report.set("check.posed_overlap_share_max", check.posed_overlap_worst);
+  report.set("check.posed_spikes_mean", check.posed_spikes);
+  report.set("check.posed_spike_max", check.posed_spike_max);
   if (check.swept || !check.poses.empty()) report.set("check.volume_drift_max", check.drift_max);
   if (check.swept) {
     report.set("check.path_jump_max", check.jump_max);

@@ -132,6 +132,8 @@ void add_muscles(HtmlPage& page, const AnatomyCheck& check, const Anatomy& anato
             [&](int m, const MuscleCheck& c) { return std::vector<std::string>{name(m), share(c.in_bone)}; });
   add_worst(page, check, "Muscles that leave the skin when posed", {"muscle", "of its points", "pose"}, [](const MuscleCheck& m) { return m.posed_outside; },
             [&](int m, const MuscleCheck& c) { return std::vector<std::string>{name(m), share(c.posed_outside), pose_name(check, c.outside_pose)}; });
+  add_worst(page, check, "Muscles that stick out in a spike when posed", {"muscle", "mm beyond its next sections", "pose"}, [](const MuscleCheck& m) { return m.spike; },
+            [&](int m, const MuscleCheck& c) { return std::vector<std::string>{name(m), fmt::format("{:.0f}", 1e3 * c.spike), pose_name(check, c.spike_pose)}; });
   add_worst(page, check, "Paths that jump", {"muscle", "mm in a degree", "where"}, [](const MuscleCheck& m) { return m.jump; },
             [&](int m, const MuscleCheck& c) { return std::vector<std::string>{name(m), fmt::format("{:.2f}", 1e3 * c.jump), jump_place(c, anatomy)}; });
   add_worst(page, check, "Bellies that do not keep their volume", {"muscle", "change"}, [](const MuscleCheck& m) { return m.drift > 1e-6 ? m.drift : 0; },
