@@ -365,7 +365,7 @@ void pose_anatomy(const PosingTable& table, const Skeleton& skeleton, const Pose
     thread_local PartMemory memory;  // large, and of no pose's own: nothing in it outlives the call
     const Threads sharing = threads > 1 ? Threads::all : Threads::one;
     give_way_to_neighbours(data.contact.first, out.X_WJ[0].translation(), out.slices, memory.contact, sharing);
-    regrow(data, memory.contact.changed, out, memory.growing, sharing);
+    regrow(data, memory.contact.changed, out, memory.growing, sharing, kMostGrowthOnce);
   }
   out.clamped = out.overtwisted = 0;
   for (int i = 0; i < data.strips; ++i) {

@@ -16,9 +16,7 @@ namespace {
 
 constexpr double kVolumeKept = 1e-6;  // share
 constexpr std::size_t kGrain = 8;     // fours of strips
-// Of a belly's radii, after its outlines; sheets: of the root of their thickness. Where sections lean or are pressed on all sides a belly would
-// have to grow far more for the same volume, be pressed the more for it, and so on: it grows rounder instead.
-constexpr double kLeastGrowth = 0.5, kMostGrowth = 1.1;
+constexpr double kLeastGrowth = 0.5;
 
 // An Ellipse is stored as it lies in memory: center, width, thickness, tangent, radii, outline.
 static_assert(sizeof(Ellipse) == 14 * sizeof(double) + sizeof(SliceOutline));
@@ -101,7 +99,7 @@ void gather_areas(const PosingTable::Data& data, const GrowingStrips& growing, c
     }
 }
 
-void regrow_strips(const PosingTable::Data& data, const GrowingStrips& growing, PosedAnatomy& out) {
+void regrow_strips(const PosingTable::Data& data, const GrowingStrips& growing, double most, PosedAnatomy& out) {
   PosingBatch four;
   four.rows = data.batches[static_cast<std::size_t>(growing.strips[0].batch)].rows;
   four.strips = growing.count;
@@ -121,7 +119,7 @@ void regrow_strips(const PosingTable::Data& data, const GrowingStrips& growing, 
   gather_areas(data, growing, four, first, out, areas);
   const auto tubes = four.lanes.width_swells > 0;
   const Lane low = tubes.select(Lane::Constant(kLeastGrowth), Lane::Constant(kLeastGrowth * kLeastGrowth));
-  const Lane high = tubes.select(Lane::Constant(kMostGrowth), Lane::Constant(kMostGrowth * kMostGrowth));
+  const Lane high = tubes.select(Lane::Constant(most), Lane::Constant(most * most));
   const auto [growth, missed] = find_growth(four, areas, t, low, high);
   for (int lane = 0; lane < four.strips; ++lane) {
     const bool tube = four.lanes.width_swells[lane] > 0;
@@ -148,7 +146,7 @@ void round_out_missed(const PosingTable::Data& data, const PosingBatch& batch, c
   }
 }
 
-void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedAnatomy& out, RegrowMemory& memory, Threads threads) {
+void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedAnatomy& out, RegrowMemory& memory, Threads threads, double most) {
   memory.clear();
   memory.reserve(2 * data.batches.size());
   for (std::size_t b = 0; b < data.batches.size(); ++b) {  // by slices
@@ -164,7 +162,7 @@ void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedA
     }
   }
   each_run(memory.size(), kGrain, threads, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) regrow_strips(data, memory[i], out);
+    for (std::size_t i = first; i < last; ++i) regrow_strips(data, memory[i], most, out);
   });
 }
 
