@@ -42,7 +42,7 @@ struct PosedAnatomy {
   std::vector<double> lengths;   // #all strips, posed line lengths, m
   std::vector<double> swelling;  // #all strips, factor of the belly's radii (sheets: its square root of the thickness), 1 at rest
   std::vector<double> twists;    // #all strips, turn of the insertion about the line against the origin, relative to rest, rad
-  int clamped = 0;               // strips whose swelling met its limits 1/3 .. 1.8, so that their tendons swell or shrink, too
+  int clamped = 0;               // strips whose swelling met its limits 1/3 .. 2.5, so that their tendons swell or shrink, too
   int overtwisted = 0;           // strips with a twist of more than 100 deg; what is over is taken back
 };
 

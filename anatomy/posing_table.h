@@ -143,7 +143,7 @@ struct PosingTable::Data {
 };
 
 // Limits of a belly's swelling (radii over those of the rest pose; sheets: the root of the thickness): far beyond what fibres do.
-constexpr double kLeastSwelling = 1.0 / 3, kMostSwelling = 1.8;
+constexpr double kLeastSwelling = 1.0 / 3, kMostSwelling = 2.5;
 
 // How much of a radius survives a fold: q is curvature times radius toward the bend's centre, free what it may be (0.45, or
 // more if it is more at rest). Beyond that the product saturates, so that neighbouring slices do not cross; 1 up to it.
