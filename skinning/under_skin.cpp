@@ -374,7 +374,7 @@ void give_way_to_skin(const UnderSkin& under, const PosingTable& table, std::spa
     memory.held.assign(posed.slices.size(), {});
     for (std::size_t o = 0; o < data.owners.size(); ++o) memory.held[static_cast<std::size_t>(data.owners[o])] = memory.givings[o].held;
     part_again(*table.data, memory.held, round == 0 ? Parting::all : Parting::deep, posed, memory.part, Threads::all);
-    part_again(*table.data, memory.held, Parting::deep, posed, memory.part, Threads::all);
+    if (round > 0) part_again(*table.data, memory.held, Parting::deep, posed, memory.part, Threads::all);
   }
 }
 
