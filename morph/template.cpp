@@ -18,7 +18,7 @@
 namespace ecorche {
 namespace {
 
-constexpr const char* kVersion = "template 33";  // to be changed with the code that builds
+constexpr const char* kVersion = "template 34";  // to be changed with the code that builds
 constexpr double kSourceStature = 1.707;        // the bone package's skeleton with 5 mm of scalp and 15 mm of heel pad, m
 constexpr double kCentreTolerance = 4e-3;       // m: how well the regressor knows a joint centre
 constexpr double kThinTissue = 9e-3;            // m: fat gathers where there is more tissue than this, and bones do not follow it:
