@@ -14,6 +14,7 @@
 #include "anatomy/muscle_surface.h"
 #include "anatomy/outline.h"
 #include "morph/crossing_rays.h"
+#include "morph/layer_spokes.h"
 #include "morph/shared_sections.h"
 #include "morph/touched_cells.h"
 #include "morph/uncovered.h"
@@ -36,9 +37,7 @@ constexpr double kThinnest = 2e-4;     // m
 constexpr double kMostPress = 0.8;     // factor of what is pressed between sections, in a round
 constexpr double kDeep = 1e-3;         // m, between a tube's sections, from which on they give way
 constexpr float kMainTerm = 0.2f;      // weight of a section that a vertex between strips follows
-constexpr float kTip = 0.25f;          // of the layer, that points of an outline may stand into it: facets are chords and lie lower
 constexpr double kTouchedCell = 0.004, kSightCell = 0.02;  // m
-constexpr double kSteepest = 0.25;     // least cosine that the layer's slope is taken to have
 
 enum class Round { parting, growing, covering_around, covering, settling };
 
@@ -50,14 +49,6 @@ struct Sight {
   std::vector<Stay> stays;
 };
 
-// From a section's centre in one direction.
-struct Spoke {
-  float base = 0;       // the drawn ellipse's radius, m
-  float layer = 1e3f;   // to the layer of fat, m
-  float over = 1e3f;    // as far as a tip may stand, so that the facets about it lie on the layer
-  float most = 1e3f;    // to where the layer has given as far as it can
-};
-
 class Sharing {
  public:
   Sharing(Anatomy& anatomy, std::span<Ellipse> slices, std::span<const double> wanted, std::span<const int> partners, const SkinRays& skin,
@@ -65,7 +56,9 @@ class Sharing {
       : anatomy_(anatomy), given_(slices), wanted_(wanted), limits_(limits), surface_(make_muscle_surface(anatomy)),
         all_(anatomy, surface_, slices, partners), needs_(wanted.size(), 1.0), underside_(underside(skin.mesh(), fat)) {
     for (const Muscle& muscle : anatomy.muscles) of_the_jaw_.push_back(muscle.group == "face_jaw"), staying_.push_back(of_the_jaw_.back() || muscle.layer == "deep");
-    find_layer(skin, fat);
+    const LayerSpokes layer = find_layer_spokes(all_, skin, fat, underside_, limits.skin_gap);
+    spokes_ = layer.spokes;
+    report_.rays += layer.rays;
     add_bones();
   }
 
@@ -136,43 +129,6 @@ class Sharing {
   const SharingReport& report() const { return report_; }
 
  private:
-  void find_layer(const SkinRays& skin, const FatLayer& fat) {
-    const SkinRays layer_rays(TriMesh{underside_.points, skin.mesh().F});
-    spokes_.resize(all_.slices.size() * kDirections);
-    const std::vector<char> used = used_rays();
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, all_.slices.size(), 16), [&](const auto& range) {
-      for (std::size_t k = range.begin(); k < range.end(); ++k)
-        for (std::size_t i = 0; i < kDirections; ++i) {
-          if (!used[k * kDirections + i]) continue;
-          const Vec3 to_edge = all_.edge(k, i);
-          Spoke& spoke = spokes_[k * kDirections + i];
-          spoke.base = std::max(static_cast<float>(to_edge.norm()), 1e-6f);
-          const Vec3 direction = to_edge / static_cast<double>(spoke.base);
-          const RayHit hit = skin.first_hit(all_.slices[k].center, direction);
-          if (hit.triangle < 0) continue;
-          const float thickness = static_cast<float>(rounded(static_cast<double>(fat.at(skin.mesh().F, hit))));
-          const float layer = thickness / std::max(hit.facing, static_cast<float>(kSteepest));
-          spoke.layer = hit.distance - layer;
-          // Where the skin is round, a ray that leans leaves the underside later than its tangent plane.
-          const RayHit under = layer_rays.first_hit(all_.slices[k].center, direction, static_cast<double>(hit.distance));
-          if (under.triangle >= 0 && under.facing > 0) spoke.layer = std::max(spoke.layer, under.distance);
-          spoke.over = spoke.layer + kTip * thickness;
-          // Only ellipses that press into the layer may go on doing so, by half of it.
-          spoke.most = std::max(spoke.over, std::min(spoke.base, hit.distance - std::max(layer / 2, static_cast<float>(limits_.skin_gap))));
-        }
-    });
-    report_.rays += 2 * std::count(used.begin(), used.end(), 1);
-  }
-
-  // Those that move a vertex, of what is not its partner's mirror image.
-  std::vector<char> used_rays() const {
-    std::vector<char> used(all_.slices.size() * kDirections, 0);
-    for (const StripPlace& strip : all_.strips)
-      for (std::size_t k = strip.begin; k < strip.end && !all_.is_mirrored(strip); ++k)
-        for (std::size_t i = 0; i < kDirections; ++i) used[k * kDirections + i] = static_cast<char>(all_.is_drawn(k, i));
-    return used;
-  }
-
   // Where a section's rays can come to, and from where others can grow to there.
   Eigen::AlignedBox3d sight_of(std::size_t k) const {
     Eigen::AlignedBox3d box(all_.slices[k].center);
