@@ -35,7 +35,7 @@ struct Subject {
   MuscleSurface surface;
   std::vector<SliceRange> ranges;
   std::vector<double> rest_volumes;  // #strips
-  std::vector<double> rest_reaches;  // #slices, see reach()
+  std::vector<double> rest_reaches;  // #slices, see reaches_of()
   std::vector<Vec3> joints;
   bool packaged = false;  // the skin has the package's topology
 
@@ -229,20 +229,23 @@ void check_ends(const Subject& subject, AnatomyCheck& check) {
   check.end_distance_max = distances.back();
 }
 
-// How far a section's outline goes from its centre, m.
-double reach(const Ellipse& section) {
-  double out = 0;
-  for (std::size_t i = 0; i < kOutlinePoints; ++i)
-    out = std::max(out, static_cast<double>(section.outline[i]) * outline_directions()[i].cwiseProduct(section.radii).norm());
+// How far each section's outline goes from its centre, m.
+std::vector<double> reaches_of(std::span<const Ellipse> sections) {
+  std::vector<double> out;
+  for (const Ellipse& section : sections) {
+    double& reach = out.emplace_back(0.0);
+    for (std::size_t i = 0; i < kOutlinePoints; ++i)
+      reach = std::max(reach, static_cast<double>(section.outline[i]) * outline_directions()[i].cwiseProduct(section.radii).norm());
+  }
   return out;
 }
 
 // By how much a section goes farther than at rest and than those before and after it, m: a spike if it is much.
-double sticking_out(std::span<const Ellipse> slices, const SliceRange& strip, int k, double at_rest) {
+double sticking_out(std::span<const double> reaches, const SliceRange& strip, int k, double at_rest) {
   double others = at_rest;
-  if (k > strip.begin) others = std::max(others, reach(slices[static_cast<std::size_t>(k) - 1]));
-  if (k + 1 < strip.end) others = std::max(others, reach(slices[static_cast<std::size_t>(k) + 1]));
-  return reach(slices[static_cast<std::size_t>(k)]) - others;
+  if (k > strip.begin) others = std::max(others, reaches[static_cast<std::size_t>(k) - 1]);
+  if (k + 1 < strip.end) others = std::max(others, reaches[static_cast<std::size_t>(k) + 1]);
+  return reaches[static_cast<std::size_t>(k)] - others;
 }
 
 // What one pose has to say about each muscle.
@@ -275,12 +278,13 @@ PoseCheck check_pose(const Subject& subject, const LimitPose& pose, double spaci
     muscles.overlap[m] = volumes.in_muscle[m] / volumes.volume[m];
     muscles.in_bone[m] = volumes.in_bone[m] / volumes.volume[m];
   }
+  const std::vector<double> reaches = reaches_of(shape.frame.posed.slices);
   for (std::size_t i = 0; i < subject.ranges.size(); ++i) {
     double& drift = muscles.drift[static_cast<std::size_t>(subject.ranges[i].muscle)];
     drift = std::max(drift, std::abs(strip_volume(shape.frame.posed, subject.ranges[i]) / subject.rest_volumes[i] - 1));
     double& spike = muscles.spike[static_cast<std::size_t>(subject.ranges[i].muscle)];
     for (int k = subject.ranges[i].begin; k < subject.ranges[i].end; ++k) {
-      const double by = sticking_out(shape.frame.posed.slices, subject.ranges[i], k, subject.rest_reaches[static_cast<std::size_t>(k)]);
+      const double by = sticking_out(reaches, subject.ranges[i], k, subject.rest_reaches[static_cast<std::size_t>(k)]);
       spike = std::max(spike, by);
       out.spikes += by > kSticksOut;
     }
@@ -311,7 +315,6 @@ void check_poses(const Subject& subject, const std::vector<LimitPose>& poses, co
       muscle.posed_in_bone = std::max(muscle.posed_in_bone, muscles[p].in_bone[m]);
       muscle.drift = std::max(muscle.drift, muscles[p].drift[m]);
       if (muscles[p].spike[m] > muscle.spike) muscle.spike = muscles[p].spike[m], muscle.spike_pose = static_cast<int>(p);
-      check.posed_spike_max = std::max(check.posed_spike_max, muscle.spike);
     }
   }
 }
@@ -341,7 +344,7 @@ AnatomyCheck check_anatomy(const Actor& actor, const BodyPackage& package, const
   Shape rest;
   shape_pose(subject, rest_pose(anatomy.skeleton), rest);
   for (const SliceRange& range : subject.ranges) subject.rest_volumes.push_back(strip_volume(rest.frame.posed, range));
-  for (const Ellipse& slice : rest.frame.posed.slices) subject.rest_reaches.push_back(reach(slice));
+  subject.rest_reaches = reaches_of(rest.frame.posed.slices);
   check_rest(subject, rest, options, check);
   check_voids(subject, rest, check);
   check_ends(subject, check);
@@ -351,6 +354,7 @@ AnatomyCheck check_anatomy(const Actor& actor, const BodyPackage& package, const
   for (const MuscleCheck& muscle : check.muscles) {
     check.drift_max = std::max(check.drift_max, muscle.drift);
     check.jump_max = std::max(check.jump_max, muscle.jump);
+    check.posed_spike_max = std::max(check.posed_spike_max, muscle.spike);
     check.paths_that_jump += muscle.jump > kJump;
   }
   return check;
