@@ -77,7 +77,7 @@ void choose_skin(Actor& actor, const std::string& method) {
 
 void move_skin(const Actor& actor, SkinMethod method, ActorFrame& frame, std::span<const float> flesh) {
   if (method == SkinMethod::ecorche) {
-    deform_over_muscles(actor.binding, actor.under, actor.table, flesh, frame.posed, frame.skin, frame.under);
+    deform_over_muscles(actor.binding, actor.under, flesh, frame.posed, frame.skin, frame.under);
   } else if (method == SkinMethod::anchors) {
     deform_skin(actor.binding, frame.posed, frame.skin, Settle::no);
   } else {
@@ -85,9 +85,14 @@ void move_skin(const Actor& actor, SkinMethod method, ActorFrame& frame, std::sp
   }
 }
 
-void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation, std::span<const float> flesh) {
+void play_skin(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation, std::span<const float> flesh) {
   pose_anatomy(actor.table, actor.character.anatomy.skeleton, pose, frame.posed, tbb::this_task_arena::max_concurrency(), activation);
   move_skin(actor, actor.method, frame, flesh);
+}
+
+void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation, std::span<const float> flesh) {
+  play_skin(actor, pose, frame, activation, flesh);
+  if (actor.method == SkinMethod::ecorche) give_way_to_skin(actor.binding, actor.under, actor.table, frame.skin, frame.posed, frame.under);
 }
 
 Body open_body(const std::filesystem::path& file, const BodyPackage& package, const Common& common, Report& report, std::optional<double> unit) {

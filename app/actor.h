@@ -62,10 +62,13 @@ void add_rivals(Actor& actor);
 void choose_skin(Actor& actor, const std::string& method);
 
 // One frame: kinematics, muscles, skin with normals. Reuses the memory of `frame`. `activation` as in pose_anatomy; `flesh` that lags
-// (FleshState::seen) counts for "ecorche" alone.
+// (FleshState::seen) counts for "ecorche" alone, by which the muscles then give way where they would come out of the skin.
 void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation = {}, std::span<const float> flesh = {});
 
-// The skin of a frame whose muscles are posed, by any method. By "ecorche" the muscles of the frame give way where they would come out of it.
+// The same skin, in half the time: the muscles stay as the pose alone has them. For who looks at the skin only.
+void play_skin(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation = {}, std::span<const float> flesh = {});
+
+// The skin of a frame whose muscles are posed, by any method.
 // Precondition: actor.rivals for those that are not ours.
 void move_skin(const Actor& actor, SkinMethod method, ActorFrame& frame, std::span<const float> flesh = {});
 

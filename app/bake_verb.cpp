@@ -62,7 +62,7 @@ int run(const BakeVerbOptions& options, const Common& common, Report& report) {
   const Character& character = actor.character;
   ActorFrame frame;
   const ExactSkin exact = [&](const Pose& pose, SkinFrame& out) {
-    play(actor, pose, frame);
+    play_skin(actor, pose, frame);
     out.positions = frame.skin.positions;
     out.normals = frame.skin.normals;
   };

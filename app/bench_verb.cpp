@@ -57,7 +57,7 @@ std::vector<Ratio> bench_frames(const Actor& actor, const Motion& motion, const 
   PosedAnatomy posed;
   Actor still = actor;
   still.method = SkinMethod::anchors;
-  size_t at_still = 0;
+  size_t at_still = 0, at_skin = 0;
   const std::vector<BenchCase> cases{
       {"frame", [&] { play(actor, motion.frames[at++ % motion.frames.size()], frame); }},
       {"linear", [&] {
@@ -68,10 +68,12 @@ std::vector<Ratio> bench_frames(const Actor& actor, const Motion& motion, const 
        }},
       {"muscles", [&] { pose_anatomy(actor.table, skeleton, motion.frames[at_muscles++ % motion.frames.size()], posed); }},
       {"row", row_of_poses(actor, motion, posed)},
+      {"skin", [&] { play_skin(actor, motion.frames[at_skin++ % motion.frames.size()], frame); }},
       {"still", [&] { play(still, motion.frames[at_still++ % motion.frames.size()], frame); }}};
   const auto times = least_cpu_times(cases, rounds);
   return {{"frame_" + size, "whole frame, settled / linear blend with normals, " + size, times[0], times[1], 0},
-          {"frame_anchors_" + size, "the same without settling (--skin anchors)", times[4], times[1], asked},
+          {"frame_skin_" + size, "the same, muscles not parted beneath the settled skin", times[4], times[1], 0},
+          {"frame_anchors_" + size, "the same without settling (--skin anchors)", times[5], times[1], asked},
           {"muscles_" + size, "kinematics and all muscles, between other work / linear blend, " + size, times[2], times[1], 0},
           {"muscles_row_" + size, "the same, pose after pose / linear blend, " + size, times[3] / kRow, times[1], 0}};
 }

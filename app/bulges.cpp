@@ -63,7 +63,7 @@ void measure_arm(const Actor& actor, Bulges& bulges) {
   if (elbow < 0 || forearm < 0 || find_joint(skeleton, "shoulder_l") < 0) return;
   ActorFrame frame;
   Pose pose = rest_pose(skeleton);
-  play(actor, pose, frame);
+  play_skin(actor, pose, frame);
   bulges.arm_relaxed = arm_girth(actor, frame, 0.5, 0.5);
   const auto turn = [&](int j, int axis, double angle) {
     const Joint& joint = skeleton.joints[static_cast<std::size_t>(j)];
@@ -73,11 +73,11 @@ void measure_arm(const Actor& actor, Bulges& bulges) {
   };
   turn(elbow, 0, kFlexed);
   turn(forearm, 2, skeleton.joints[static_cast<std::size_t>(forearm)].max.z());
-  play(actor, pose, frame);
+  play_skin(actor, pose, frame);
   bulges.arm_flexed = arm_girth(actor, frame, 0.4, 0.65);
   std::vector<double> effort;
   for (const Muscle& muscle : anatomy.muscles) effort.push_back(muscle.group == "arm" ? 1.0 : 0.0);
-  play(actor, pose, frame, effort);
+  play_skin(actor, pose, frame, effort);
   bulges.arm_tensed = arm_girth(actor, frame, 0.4, 0.65);
 }
 

@@ -55,7 +55,7 @@ void add_figures(const Actor& actor, const std::vector<VolumePose>& volumes, con
   const std::vector<LimbSection> limbs = whole_limbs(actor.character.anatomy.skeleton, rest, actor.binding);
   ActorFrame frame;
   for (const VolumePose& each : volumes) {
-    play(actor, each.pose, frame);
+    play_skin(actor, each.pose, frame);
     double change = each.sections.empty() ? measure_pose(rest, actor.binding, frame.posed.X_WJ, frame.skin).body_volume_change : 0;
     for (const LimbSection& limb : limbs)
       if (std::find(each.sections.begin(), each.sections.end(), limb.name) != each.sections.end()) change = largest(change, section_change(limb, rest, frame.skin));
@@ -63,7 +63,7 @@ void add_figures(const Actor& actor, const std::vector<VolumePose>& volumes, con
   }
   Points V;
   for (std::size_t i = 0; i < book.size(); ++i) {
-    play(actor, book[i].pose, frame);
+    play_skin(actor, book[i].pose, frame);
     out.poses.push_back(measure_pose(rest, actor.binding, frame.posed.X_WJ, frame.skin));
     to_points(frame.skin, V);
     out.self_intersections.push_back(count_self_intersections(rest.F, V));

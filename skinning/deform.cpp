@@ -79,11 +79,9 @@ void add(std::span<const float> offsets, std::span<float> positions) {
   for (std::size_t k = 0; k < positions.size(); k += 4) store4(&positions[k], load4(&positions[k]) + load4(&offsets[k]));
 }
 
-// Muscles that the skin rises over, and that give way to it.
+// Muscles that the skin rises over.
 struct Beneath {
   const UnderSkin& under;
-  const PosingTable& table;
-  PosedAnatomy& posed;
   UnderSkinMemory& memory;
 };
 
@@ -103,8 +101,6 @@ void settle(const SkinTables& tables, const PosedAnatomy& posed, const Extras& e
   const std::span<const float> room = risen ? room_over_muscles(extras.beneath->memory) : std::span<const float>{};
   part_settled_skin(*tables.elastic, tables.triangles, posed.X_WJ, room, positions, elastic);
   vertex_normals(positions, tables.triangles, normals, elastic.half);
-  if (!extras.beneath) return;
-  give_way_to_skin(extras.beneath->under, extras.beneath->table, positions, normals, elastic.pressed, extras.beneath->posed, extras.beneath->memory);
 }
 
 // The base mesh's way from where the blend puts it to where it settles, handed down.
@@ -170,10 +166,19 @@ void deform_skin(const Binding& binding, const PosedAnatomy& posed, std::span<co
   deform(binding, posed, {flesh, nullptr}, Settle::yes, out);
 }
 
-void deform_over_muscles(const Binding& binding, const UnderSkin& under, const PosingTable& table, std::span<const float> flesh, PosedAnatomy& posed,
-                         SkinFrame& out, UnderSkinMemory& memory) {
-  const Beneath beneath{under, table, posed, memory};
+void deform_over_muscles(const Binding& binding, const UnderSkin& under, std::span<const float> flesh, const PosedAnatomy& posed, SkinFrame& out,
+                         UnderSkinMemory& memory) {
+  const Beneath beneath{under, memory};
   deform(binding, posed, {flesh, &beneath}, Settle::yes, out);
+}
+
+void give_way_to_skin(const Binding& binding, const UnderSkin& under, const PosingTable& table, const SkinFrame& skin, PosedAnatomy& posed, UnderSkinMemory& memory) {
+  const ElasticScratch* elastic = skin.scratch.elastic.memory.get();
+  if (!binding.tables || !elastic || !memory.own) throw std::invalid_argument("give_way_to_skin: a skin that was not moved by deform_over_muscles");
+  const bool refined = binding.tables->base != nullptr, sorted = binding.tables->order.empty();
+  const std::vector<float>& positions = refined ? elastic->base : sorted ? skin.positions : skin.scratch.positions;
+  const std::vector<float>& normals = refined ? elastic->normals : sorted ? skin.normals : skin.scratch.normals;
+  give_way_to_skin(under, table, positions, normals, elastic->pressed, posed, memory);
 }
 
 void to_points(const SkinFrame& frame, Points& out) {

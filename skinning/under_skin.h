@@ -39,8 +39,13 @@ struct UnderSkinMemory {
 // Precondition: the binding is not empty (std::invalid_argument).
 UnderSkin make_under_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const Binding& binding);
 
-// deform_skin(), and the skin keeps muscles under it, and its volumes; `flesh` as there, see flesh_motion.h. `under`: made for the binding.
-void deform_over_muscles(const Binding& binding, const UnderSkin& under, const PosingTable& table, std::span<const float> flesh, PosedAnatomy& posed,
-                         SkinFrame& out, UnderSkinMemory& memory);
+// deform_skin(), and the skin rises over the muscles, at kept volumes; `flesh` as there, see flesh_motion.h. `under`: made for the binding.
+void deform_over_muscles(const Binding& binding, const UnderSkin& under, std::span<const float> flesh, const PosedAnatomy& posed, SkinFrame& out,
+                         UnderSkinMemory& memory);
+
+// The muscles give way beneath the skin of the frame that deform_over_muscles() has just made over them with the same memory; `table`: what they
+// were posed by. Who wants the skin alone does without.
+// Throws std::invalid_argument for a frame that was moved otherwise.
+void give_way_to_skin(const Binding& binding, const UnderSkin& under, const PosingTable& table, const SkinFrame& skin, PosedAnatomy& posed, UnderSkinMemory& memory);
 
 }  // namespace ecorche

@@ -181,7 +181,7 @@ TEST(UnderSkin, TheSkinKeepsItsVolumeAndRisesNotWhereItIsClosed) {
   EXPECT_EQ(closed, settled.positions);
   SkinFrame still;  // the lifts of nodes know the moved muscle
   deform_skin(binding, posed, still);
-  deform_over_muscles(binding, under, table, {}, posed, over, memory);
+  deform_over_muscles(binding, under, {}, posed, over, memory);
   double risen = 0;
   for (std::size_t k = 0; k < over.positions.size(); ++k) risen = std::max(risen, std::abs(static_cast<double>(over.positions[k] - still.positions[k])));
   EXPECT_GT(risen, 1e-3);
@@ -198,4 +198,25 @@ TEST(UnderSkin, RefusesWhatBelongsToAnother) {
 }
 
 }  // namespace
+TEST(UnderSkin, MusclesGiveWayOnlyToASkinThatWasMovedOverThem) {
+  const test::Arm arm = test::make_arm();
+  const Skeleton& skeleton = arm.anatomy.skeleton;
+  const PosingTable table = make_posing_table(arm.anatomy);
+  PosedAnatomy posed;
+  pose_anatomy(table, skeleton, rest_pose(skeleton), posed);
+  const Binding binding = bind_skin(arm.anatomy, posed, arm.skin);
+  const UnderSkin under = make_under_skin(arm.anatomy, posed, binding);
+  for (Ellipse& slice : posed.slices) slice.center.z() += 0.015;
+  SkinFrame frame;
+  UnderSkinMemory memory;
+  EXPECT_THROW(give_way_to_skin(binding, under, table, frame, posed, memory), std::invalid_argument);
+  deform_skin(binding, posed, frame);
+  EXPECT_THROW(give_way_to_skin(binding, under, table, frame, posed, memory), std::invalid_argument);
+  const PosedAnatomy before = posed;
+  deform_over_muscles(binding, under, {}, posed, frame, memory);
+  EXPECT_EQ(std::memcmp(posed.slices.data(), before.slices.data(), posed.slices.size() * sizeof(Ellipse)), 0) << "the skin alone leaves them";
+  give_way_to_skin(binding, under, table, frame, posed, memory);
+  EXPECT_NE(std::memcmp(posed.slices.data(), before.slices.data(), posed.slices.size() * sizeof(Ellipse)), 0);
+}
+
 }  // namespace ecorche
