@@ -65,13 +65,23 @@ std::span<const SkinRings::Eight> eights_of(const SkinRings& rings, int vertex) 
   return {rings.eights.data() + rings.eight_begin[v], rings.eights.data() + rings.eight_begin[v + 1]};
 }
 
-// Of the triangles about `vertex`, the nearest point; `base`: what positions are taken relative to.
-void look_at_fan(const SkinRings& rings, const PosedSkin& skin, const Wide3& p, const Wide3& base, Lie& lie) {
-  const Wide3 a = same(load4(&skin.positions[at(lie.vertex)])) - base, from_a = p - a;
+// What positions are taken relative to: less is lost so than by their size.
+struct Looker {
+  const PosedSkin& skin;
+  Wide3 base, p;  // `p`: relative to `base`
+
+  Wide3 ways_to(const SkinRings::Eight& eight) const { return xyz(gather_eight(skin.positions.data(), eight.neighbour.data())) - base - p; }
+};
+
+// Of the triangles about a vertex, the nearest point. `about`: the ways to its neighbours, if they fill one eight
+// and are known.
+void look_at_fan(std::span<const SkinRings::Eight> eights, const Looker& looker, Float4 way_to_vertex, const Wide3* about, Lie& lie) {
+  const PosedSkin& skin = looker.skin;
+  const Wide3 from_a = same(-way_to_vertex);
   constexpr Float8 kLane{0, 1, 2, 3, 4, 5, 6, 7};
   float least_distance2 = 1e30f;
-  for (const SkinRings::Eight& eight : eights_of(rings, lie.vertex)) {
-    const Wide3 b = xyz(gather_eight(skin.positions.data(), eight.neighbour.data())) - base - a;
+  for (const SkinRings::Eight& eight : eights) {
+    const Wide3 b = (about ? *about : looker.ways_to(eight)) + from_a;
     const auto next = [](Float8 v) { return __builtin_shufflevector(v, v, 1, 2, 3, 4, 5, 6, 7, 0); };
     const Wide3 c{next(b.x), next(b.y), next(b.z)};
     const Shares shares = nearest_shares(from_a, b, c);
@@ -139,26 +149,29 @@ SkinRings make_skin_rings(const TriMesh& skin) {
 
 Lie lie_of(const SkinRings& rings, const PosedSkin& skin, Float4 point, int from) {
   const Float4 begin = load4(&skin.positions[at(from)]);
-  const Wide3 p = same(point), base = same(begin);
+  const Looker looker{skin, same(begin), same(point)};
   Lie lie{from, 0, {}};
   float least_distance2 = sum4(point * point)[0];
-  for (int step = 0; step < kMostSteps; ++step) {
+  Wide3 about;
+  bool arrived = false;
+  for (int step = 0; step < kMostSteps && !arrived; ++step) {
     const int before = lie.vertex;
     for (const SkinRings::Eight& eight : eights_of(rings, before)) {
-      const Wide3 way = xyz(gather_eight(skin.positions.data(), eight.neighbour.data())) - base - p;
-      const Float8 distance2 = dot(way, way);
+      about = looker.ways_to(eight);
+      const Float8 distance2 = dot(about, about);
       const float nearest = least_of(distance2);
       if (!(nearest < least_distance2)) continue;
       least_distance2 = nearest;
       lie.vertex = eight.neighbour[static_cast<std::size_t>(lane_of(distance2, nearest))];
     }
-    if (lie.vertex == before) break;
+    arrived = lie.vertex == before;
   }
   lie.normal = load4(&skin.normals[at(lie.vertex)]);
-  const Float4 way = point - (load4(&skin.positions[at(lie.vertex)]) - begin);
-  lie.height = sum4(way * lie.normal)[0];
+  const Float4 way = load4(&skin.positions[at(lie.vertex)]) - begin - point;
+  lie.height = -sum4(way * lie.normal)[0];
   if (lie.height < -kDeepLie) return lie;
-  look_at_fan(rings, skin, p, base, lie);
+  const std::span<const SkinRings::Eight> eights = eights_of(rings, lie.vertex);
+  look_at_fan(eights, looker, way, arrived && eights.size() == 1 ? &about : nullptr, lie);
   return lie;
 }
 

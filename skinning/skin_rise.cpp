@@ -10,7 +10,6 @@ namespace {
 
 constexpr float kMostOut = 0.06f;    // m
 constexpr float kSkinShare = 0.85f;  // of the way out that the skin rises
-constexpr float kRoom = 0.005f;      // m
 constexpr int kRoomRounds = 2;
 constexpr int kSpreading = 8;  // rounds, the first half of them only upwards
 constexpr int kEasing = 4;     // rounds

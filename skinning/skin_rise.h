@@ -14,6 +14,9 @@ struct Pierce {
   float out = 0;  // m, that it is out of the skin by; negative: how deep it lies
 };
 
+// m: what lies deeper leaves the skin room to sink.
+inline constexpr float kRoom = 0.005f;
+
 struct RiseScratch {
   std::vector<float> rise, before;  // #V, m
   std::vector<float> room;          // #V, 0 where a point is at the surface .. 1 where none is near
