@@ -10,14 +10,14 @@
 #include "anatomy/smooth_step.h"
 #include "skinning/float4.h"
 #include "skinning/quality.h"
+#include "skinning/swelling.h"
 
 namespace ecorche {
 namespace {
 
-constexpr double kMostTissue = 0.05;   // m; deeper flesh swells no more
 constexpr std::size_t kMostRegions = 11;  // the body, four limbs, four hinges, two shoulders
 constexpr float kHollow = 0.03f;       // m; where the skin curves inwards more sharply than this it does not swell
-constexpr double kMostSwelling = 0.3;  // of the tissue
+constexpr double kMostSwelling = 0.4;  // units: no edge changes by more
 constexpr double kShoulderEnd = 0.5, kShoulderFade = 0.4;  // of the upper arm's length
 constexpr std::size_t kBlock = 1024;   // vertices a task
 
@@ -130,11 +130,11 @@ LimbVolumes make_limb_volumes(const Skeleton& skeleton, std::span<const float> p
                               std::span<const std::array<Influence, 4>> joint_weights, std::span<const double> tissue) {
   const std::vector<Vec3> origins = rest_positions(skeleton);
   const std::vector<double> areas = vertex_areas(positions, triangles);
-  std::vector<double> thickness, trunk(tissue.size(), 1);
-  for (const double t : tissue) thickness.push_back(std::min(t, kMostTissue));
+  const std::vector<double> unit = find_swelling(positions, triangles, tissue);
+  std::vector<double> trunk(tissue.size(), 1);
   const auto product = [&](const std::vector<double>& share) {
     std::vector<double> out(share.size());
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = share[i] * thickness[i];
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = share[i] * unit[i];
     return out;
   };
   LimbVolumes out;
@@ -148,7 +148,7 @@ LimbVolumes make_limb_volumes(const Skeleton& skeleton, std::span<const float> p
     for (std::size_t i = 0; i < tissue.size(); ++i) {
       const double along = down_arm(shoulder, elbow, Vec3(positions[4 * i], positions[4 * i + 1], positions[4 * i + 2]));
       inside[i] = along < kShoulderEnd ? with_girdle[i] : 0;
-      swelling[i] = with_girdle[i] * thickness[i] * std::clamp((kShoulderEnd - along) / kShoulderFade, 0.0, 1.0);
+      swelling[i] = with_girdle[i] * unit[i] * std::clamp((kShoulderEnd - along) / kShoulderFade, 0.0, 1.0);
     }
     out.regions.push_back(make_closed_region(joint, shoulder, positions, triangles, inside, swelling, areas));
     out.regions.back().within = 0;

@@ -1,6 +1,6 @@
 // Keeps the volume of arms and legs, of the flesh about elbows and knees, of the shoulders, and of the trunk: what a bend or the sheet's tension takes away comes back as a swelling of the flesh.
-// Private to the room. The swelling is along the normals and in proportion to what lies between skin and bone, one step a
-// region, which the smallness of the change allows; folds are left out.
+// Private to the room. The swelling is along the normals and in proportion to what lies between skin and bone, less where the skin bends sharply
+// (swelling.h), one step a region, which the smallness of the change allows; folds are left out.
 #pragma once
 
 #include <array>

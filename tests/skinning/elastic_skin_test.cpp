@@ -143,6 +143,43 @@ TEST(LimbVolumes, ComeBackWhenTheSkinWasPressedIn) {
   EXPECT_NEAR(volume(tube.mesh, kept(pressed)) / before, 1, 2e-3);
 }
 
+// A nub of 4 mm on the tube's end, which has all of its flesh beneath it.
+TEST(LimbVolumes, SmallThingsOnDeepFleshKeepTheirShape) {
+  constexpr double kRadius = 0.1, kNub = 0.004;
+  std::vector<Vec2> profile;
+  for (int k = 1; k <= 24; ++k) profile.emplace_back(0, kRadius * k / 24);
+  for (int k = 1; k < 40; ++k) profile.emplace_back(k / 40.0, kRadius);
+  for (int k = 0; k < 24; ++k) profile.emplace_back(1, kRadius + (kNub - kRadius) * k / 24);
+  for (int k = 0; k < 4; ++k) {
+    const double angle = std::numbers::pi / 2 * k / 4;
+    profile.emplace_back(1 + kNub * std::sin(angle), kNub * std::cos(angle));
+  }
+  const TriMesh mesh = test::lathe(Vec3::Zero(), Vec3::UnitY(), profile, 24);
+  const std::span<const int> triangles(mesh.F.data(), static_cast<std::size_t>(mesh.F.size()));
+  const std::vector<double> tissue(static_cast<std::size_t>(mesh.V.rows()), 0.04);
+  const std::vector<std::array<Influence, 4>> weights(tissue.size(), {Influence{0, 1}, {}, {}, {}});
+  const test::Arm arm = test::make_arm();
+  const LimbVolumes volumes = make_limb_volumes(arm.anatomy.skeleton, floats(mesh.V), triangles, weights, tissue);
+  std::vector<Transform> X_WJ;
+  forward_kinematics(arm.anatomy.skeleton, rest_pose(arm.anatomy.skeleton), X_WJ);
+  Points shorter = mesh.V;
+  for (Eigen::Index i = 0; i < shorter.rows(); ++i) shorter(i, 1) -= 0.04 * std::clamp(shorter(i, 1), 0.0, 1.0);
+  std::vector<float> positions = floats(shorter), normals(positions.size()), open(tissue.size(), 1.0f);
+  vertex_normals(positions, triangles, normals);
+  keep_volumes(volumes, X_WJ, open, normals, positions);
+  const Points V = points(positions);
+  EXPECT_NEAR(volume(mesh, V) / volume(mesh, mesh.V), 1, 3e-3);
+  int edges = 0;
+  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f)
+    for (int k = 0; k < 3; ++k) {
+      const int a = mesh.F(f, k), b = mesh.F(f, (k + 1) % 3);
+      if (std::min(mesh.V(a, 1), mesh.V(b, 1)) < 1 + 1e-4) continue;
+      ++edges;
+      EXPECT_NEAR((V.row(a) - V.row(b)).norm() / (mesh.V.row(a) - mesh.V.row(b)).norm(), 1, 0.06);
+    }
+  EXPECT_GT(edges, 100);
+}
+
 TEST(LimbVolumes, FoldsDoNotSwell) {
   const Tube tube;
   const Membrane rings = make_membrane(tube.mesh, tube.tissue);
