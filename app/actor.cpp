@@ -156,6 +156,7 @@ Motion open_motion(const std::filesystem::path& file, const Character& character
   report.set("motion.facing", found.facing);
   report.set("motion.scale", found.scale);
   report.set_flag("motion.same_rest", found.same_rest);
+  report.set_flag("motion.own_rig", found.own_rig);
   report.set("motion.contacts", static_cast<int>(found.contacts.size()));
   report.set("motion.foot_slide_p95", found.slide_p95);
   report.set("motion.penetration", found.penetration);

@@ -29,7 +29,8 @@ void add_motion_options(CLI::App& verb, MotionOptions& options) {
       ->check(CLI::IsMember({"auto", "keep", "clamp"}))
       ->capture_default_str();
   verb.add_flag("--no-apart", options.through, "Let limbs pass through each other, trunk and head where the motion has them do so");
-  verb.add_flag("--no-plant", options.free_feet, "Leave the feet where the file puts them");
+  CLI::Option* free = verb.add_flag("--no-plant", options.free_feet, "Leave the feet where the file puts them");
+  verb.add_flag("--plant", options.plant_feet, "Plant the feet even of a file whose rig is this body's own, which is otherwise taken over as it is")->excludes(free);
 }
 
 RetargetOptions to_retarget_options(const MotionOptions& options) {
@@ -39,7 +40,7 @@ RetargetOptions to_retarget_options(const MotionOptions& options) {
   if (options.unit > 0) out.metres_per_unit = options.unit;
   if (options.limits != "auto") out.clamp_limits = options.limits == "clamp";
   out.keep_apart = !options.through;
-  out.plant_feet = !options.free_feet;
+  if (options.free_feet || options.plant_feet) out.plant_feet = options.plant_feet;
   return out;
 }
 

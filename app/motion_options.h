@@ -15,7 +15,7 @@ struct MotionOptions {
   double unit = 0;                 // --unit, metres
   std::string limits = "auto";     // --limits
   bool through = false;            // --no-apart
-  bool free_feet = false;          // --no-plant
+  bool free_feet = false, plant_feet = false;  // --no-plant, --plant
 };
 
 // --skin: how the skin is moved; for choose_skin().

@@ -52,11 +52,12 @@ Quat possible_turn(const Joint& joint, const Quat& turn) {
 
 }  // namespace
 
-PoseTransfer::PoseTransfer(const BvhMotion& source, const SourceRig& rig, const RestAlignment& alignment,
+PoseTransfer::PoseTransfer(const BvhMotion& source, const SourceRig& rig, const RestAlignment& alignment, const OwnRig* own,
                            const Skeleton& our_skeleton, bool shoulder_rhythm)
     : source_(source),
       rig_(rig),
       alignment_(alignment),
+      own_(own),
       skeleton_(our_skeleton),
       rhythm_(shoulder_rhythm),
       rest_(rest_positions(our_skeleton)) {
@@ -64,7 +65,7 @@ PoseTransfer::PoseTransfer(const BvhMotion& source, const SourceRig& rig, const 
   for (const std::string s : kSides)
     leg += 0.5 * ((rest_[ours("knee" + s)] - rest_[ours("hip" + s)]).norm() +
                   (rest_[ours("ankle" + s)] - rest_[ours("knee" + s)]).norm());
-  scale_ = leg / alignment.leg;
+  scale_ = own ? own->metres : leg / alignment.leg;
   plans_.resize(skeleton_.joints.size());
   R_.resize(skeleton_.joints.size());
   for (size_t j = 0; j < plans_.size(); ++j)
@@ -135,7 +136,7 @@ void PoseTransfer::plan_limbs() {
     const std::string stem = name.substr(0, name.size() - 2);
     if (stem.starts_with("mtp") && has("toes" + std::string(side_suffix(side)))) {
       p = Plan{Rule::direct, "toes" + std::string(side_suffix(side))};
-    } else if (const double flexion = relaxed_flexion(stem); flexion > 0) {
+    } else if (const double flexion = own_ ? 0 : relaxed_flexion(stem); flexion > 0) {
       p.rule = Rule::finger;
       p.relaxed = Quat(Eigen::AngleAxisd(flexion - skeleton_.joints[j].zero[0], skeleton_.joints[j].axes.col(0)));
     }
@@ -265,9 +266,17 @@ void PoseTransfer::transfer(const std::vector<Transform>& X, Pose& pose) {
   const Vec3 offset = 0.5 * (rest_[ours("hip_l")] + rest_[ours("hip_r")]) - rest_[0];
   pose.root = scale_ * (alignment_.W * hips) - R_[0] * offset;
   if (!rig_.ours) complete_pose(skeleton_, pose);
+  if (!own_) return;
+  forward_kinematics(skeleton_, pose, X_WJ_);
+  pose.root += shift_to_rig(*own_, X, rest_, X_WJ_);
 }
 
 Vec3 PoseTransfer::place_in_file(const std::vector<Transform>& X, const char* part, Side side) const {
+  if (own_) {
+    const int joint = ours(std::string(part) + side_suffix(side));
+    for (const CarriedPlace& place : own_->places)
+      if (place.joint == joint && place.part == joint) return carried(*own_, X, place);
+  }
   return scale_ * (alignment_.W * X[rig_.pivot.at(std::string(part) + side_suffix(side))].translation());
 }
 

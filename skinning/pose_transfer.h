@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "anatomy/skeleton.h"
+#include "skinning/own_rig.h"
 #include "skinning/rest_alignment.h"
 #include "skinning/source_rig.h"
 
@@ -11,8 +12,8 @@ namespace ecorche {
 
 class PoseTransfer {
  public:
-  // The arguments are kept by reference.
-  PoseTransfer(const BvhMotion& source, const SourceRig& rig, const RestAlignment& alignment, const Skeleton& ours,
+  // The arguments are kept by reference. `own`: of a file whose rig sits in the body, else null.
+  PoseTransfer(const BvhMotion& source, const SourceRig& rig, const RestAlignment& alignment, const OwnRig* own, const Skeleton& ours,
                bool shoulder_rhythm);
 
   double scale() const { return scale_; }  // file units -> metres of our figure
@@ -55,6 +56,7 @@ class PoseTransfer {
   const BvhMotion& source_;
   const SourceRig& rig_;
   const RestAlignment& alignment_;
+  const OwnRig* own_;
   const Skeleton& skeleton_;
   bool rhythm_;
   double scale_ = 1;
@@ -63,6 +65,7 @@ class PoseTransfer {
   std::vector<Knot> spine_knots_, neck_knots_;
   std::map<std::string, Mat3> limb_;  // shoulder, hip: world rotations of this frame, hinges put right
   std::vector<Mat3> R_;               // world rotations of ours, this frame
+  std::vector<Transform> X_WJ_;       // world frames of ours, this frame, where the rig is our body's own
 };
 
 }  // namespace ecorche

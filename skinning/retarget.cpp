@@ -11,6 +11,7 @@
 #include "skinning/keep_flights.h"
 #include "skinning/leg_reach.h"
 #include "skinning/limit_motion.h"
+#include "skinning/own_rig.h"
 #include "skinning/plant_feet.h"
 #include "skinning/pose_transfer.h"
 #include "skinning/rest_alignment.h"
@@ -126,7 +127,9 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
   std::tie(report.unit, report.metres_per_unit) = guess_unit(alignment.leg);
   if (options.metres_per_unit) report.unit = "given", report.metres_per_unit = *options.metres_per_unit;
 
-  PoseTransfer transfer(source, rig, alignment, ours, options.shoulder_rhythm);
+  const std::optional<OwnRig> own = find_own_rig(source, rig, alignment, ours);
+  report.own_rig = own.has_value();
+  PoseTransfer transfer(source, rig, alignment, own ? &*own : nullptr, ours, options.shoulder_rhythm);
   report.scale = transfer.scale();
   Motion motion{source.fps, std::vector<Pose>(std::max(source.frames, 1))};
   const double sole = options.sole_height.value_or(guess_sole_height(ours));
@@ -151,7 +154,7 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
     report.warnings.push_back(
         fmt::format("{}: a marker pose at the start is left out ({} frames)", source.name, report.dropped_frames));
   }
-  const bool keep = options.clamp_limits.value_or(!alignment.same_rest);
+  const bool keep = options.clamp_limits.value_or(!alignment.same_rest), plant = options.plant_feet.value_or(!own), fall = options.keep_flights.value_or(!own);
   if (!alignment.same_rest)
     for (const Side side : {Side::left, Side::right}) {
       const FootShape foot = foot_shape(ours, side, sole);
@@ -163,12 +166,12 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
     limiter.run({}, {}, shifts, motion);
     report.parted = limiter.parted();
   }
-  if (options.plant_feet) plant_feet(ours, sole, feet, motion, report);
-  if (keep && options.plant_feet) limiter.run(kPlanted, report.contacts, {}, motion);
-  if (!keep && options.plant_feet)
+  if (plant) plant_feet(ours, sole, feet, motion, report);
+  if (keep && plant) limiter.run(kPlanted, report.contacts, {}, motion);
+  if (!keep && plant)
     for (Pose& pose : motion.frames) complete_pose(ours, pose);  // knees have moved
   if (keep) report.ends_moved = limiter.moves();
-  if (options.keep_flights) keep_flights(ours, sole, motion, report);
+  if (fall) keep_flights(ours, sole, motion, report);
   measure_feet(ours, sole, motion, report);
   unwrap(motion.frames);
   report.limit_breaks = limit_breaks(ours, motion);

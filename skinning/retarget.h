@@ -2,11 +2,12 @@
 //
 // What each joint of the file stands for is found from names, tree and geometry; units, up axis and facing from the figure's own
 // size and posture, never from the header. Rest poses are aligned bone by bone, so that T-, A- and arms-down files give the same
-// movement; a file whose rest pose is already ours (the body package's rigs) is taken over rotation for rotation. The trunk's and
-// neck's turning is spread over our vertebrae by arc length, the shoulder girdle follows the arm (de Groot & Brand 2001,
+// movement; a file whose rest pose is already ours (the body package's rigs) is taken over rotation for rotation, and place for
+// place, with nothing planted, if its rig sits in this very body (skinning/own_rig.h). The trunk's and neck's turning is spread over
+// our vertebrae by how far each can move, the shoulder girdle follows the arm (de Groot & Brand 2001,
 // 10.1016/S0268-0033(01)00065-3), twist of the hand goes to the radius. The root's path is scaled by leg length; planted feet are
-// held by two-bone inverse kinematics (after Kovar et al. 2002, 10.1145/545261.545277), joints are brought inside their limits with hands
-// and feet as near to their places as can be, limbs are kept from passing through the body, and flights keep to gravity.
+// held by two-bone inverse kinematics (after Kovar et al. 2002, 10.1145/545261.545277), joints are brought inside their limits with
+// hands and feet as near to their places as can be, limbs are kept from passing through the body, and flights keep to gravity.
 //
 // Results live in the world frame with the ground at y = 0.
 #pragma once
@@ -30,8 +31,9 @@ struct RetargetOptions {
       metres_per_unit;     // instead of the guess from leg length (it is only reported: paths are scaled by leg length)
   std::optional<char> up;  // 'x', 'y' or 'z' of the file, instead of the guess
   std::optional<double> sole_height;  // world y of the soles in the skeleton's rest pose; from the toe joints if absent
-  bool plant_feet = true;
-  bool keep_flights = true;  // centre of mass in free flight on a parabola of 9.81 m/s^2
+  // Absent: unless the file's rig sits in this very body (skinning/own_rig.h), since such a file is where its author has put it.
+  std::optional<bool> plant_feet;
+  std::optional<bool> keep_flights;  // centre of mass in free flight on a parabola of 9.81 m/s^2
   bool shoulder_rhythm = true;
   // Bring joints back inside their limits (skinning/keep_limits.h); otherwise those beyond are only reported. Absent: unless the file's
   // rest pose is ours, since such a file is taken over as it is.
@@ -92,6 +94,7 @@ struct RetargetReport {
   double source_leg = 0;            // hip to ankle along the leg, file units
   double scale = 1;                 // file units -> metres of our figure
   bool same_rest = false;           // taken over rotation for rotation
+  bool own_rig = false;             // and place for place: the rig sits in this very body
   int reference_frame = -1;         // pose the rest alignment starts from: -1 the file's rest pose, else a frame near standing
   int dropped_frames = 0;           // at the start: a marker pose
   std::vector<JointMatch> matches;  // one a joint of the file

@@ -61,6 +61,7 @@ void expect_taken_over(const Rig& rig, bool z_up, double unit, const std::map<st
   RetargetReport report;
   const Motion motion = retarget(file, skeleton, options, report);
   EXPECT_TRUE(report.same_rest);
+  EXPECT_TRUE(report.own_rig);
   EXPECT_EQ(report.up, z_up ? 'z' : 'y');
   Mat3 W = Mat3::Identity();
   if (z_up) W << 1, 0, 0, 0, 0, 1, 0, -1, 0;
@@ -169,4 +170,85 @@ TEST_F(RigMotion, GameEngineRigIsTakenOver) {
                             {"foot_%", "subtalar"},
                             {"ball_%", "mtp1"}},
                            "l", "r"));
+}
+
+namespace {
+
+// The rest pose, and then frames of a swing.
+BvhMotion rest_and_swing(const Rig& rig) {
+  BvhMotion file = swing(rig, false, 0.01);
+  for (int c = 0; c < file.channels; ++c) file.samples[static_cast<std::size_t>(c)] = c < 3 ? file.joints[0].offset[c] : 0;
+  return file;
+}
+
+}  // namespace
+
+TEST_F(RigMotion, AnOwnRigAtRestIsTheBodyAtRest) {
+  const Skeleton skeleton = plain_skeleton();
+  for (const char* name : {"default", "cmu_mb", "mixamo", "game_engine"}) {
+    SCOPED_TRACE(name);
+    RetargetReport report;
+    const Motion motion = retarget(rest_and_swing(read_rig(package(), name, package().points)), skeleton, {}, report);
+    const Pose rest = rest_pose(skeleton);
+    EXPECT_TRUE(report.own_rig);
+    EXPECT_LT((motion.frames[0].root - rest.root).norm(), 1e-6) << "m; the rig's hips are up to 5 cm beside the body's";
+    for (std::size_t j = 0; j < rest.rotations.size(); ++j) EXPECT_LT(motion.frames[0].rotations[j].angularDistance(rest.rotations[j]), 1e-6) << skeleton.joints[j].name;
+  }
+}
+
+// What the rig does to the body's places, reckoned from the file alone: the mean of all of them comes to where the rig has it.
+TEST_F(RigMotion, AnOwnRigTakesTheWholeBodyAlong) {
+  const Skeleton skeleton = plain_skeleton();
+  const Rig rig = read_rig(package(), "default", package().points);
+  const BvhMotion file = rest_and_swing(rig);
+  RetargetReport report;
+  const Motion motion = retarget(file, skeleton, {}, report);
+  const std::vector<Vec3> rest = rest_positions(skeleton);
+  const auto joint = [&](const std::string& name) {
+    for (std::size_t k = 0; k < file.joints.size(); ++k)
+      if (file.joints[k].name == name) return k;
+    throw std::invalid_argument(name);
+  };
+  std::vector<Transform> still, theirs, ours;
+  bvh_kinematics(file, 0, still);
+  double worst = 0;
+  for (int f = 0; f < file.frames; ++f) {
+    bvh_kinematics(file, f, theirs);
+    forward_kinematics(skeleton, motion.frames[static_cast<std::size_t>(f)], ours);
+    Vec3 mean = Vec3::Zero();
+    const std::vector<std::pair<std::string, std::string>> places{{"upperleg02.", "hip_"}, {"lowerleg02.", "knee_"}, {"lowerarm01.", "elbow_"}, {"upperarm02.", "shoulder_"}};
+    for (const auto& [bone, own] : places)
+      for (const bool left : {true, false}) {
+        const std::size_t b = joint(bone + (left ? "L" : "R"));
+        const auto j = static_cast<std::size_t>(find_joint(skeleton, own + (left ? "l" : "r")));
+        mean += (0.01 * (theirs[b] * (still[b].inverse() * (100 * rest[j]))) - ours[j].translation()) / 8;
+      }
+    worst = std::max(worst, mean.norm());
+  }
+  EXPECT_LT(worst, 0.006) << "m; with hips laid on hips it is 0.02 and more";
+}
+
+TEST_F(RigMotion, PosesOfAnOwnRigComeInAnyOrder) {
+  const Skeleton skeleton = plain_skeleton();
+  const BvhMotion file = rest_and_swing(read_rig(package(), "mixamo", package().points));
+  BvhMotion back = file;
+  const auto row = [&](int f) { return file.samples.begin() + static_cast<std::ptrdiff_t>(f) * file.channels; };
+  for (int f = 0; f < file.frames; ++f) std::copy(row(f), row(f) + file.channels, back.samples.begin() + static_cast<std::ptrdiff_t>(file.frames - 1 - f) * file.channels);
+  RetargetReport report;
+  const Motion there = retarget(file, skeleton, {}, report), here = retarget(back, skeleton, {}, report);
+  for (std::size_t f = 0; f < there.frames.size(); ++f) {
+    const Pose &a = there.frames[f], &b = here.frames[there.frames.size() - 1 - f];
+    EXPECT_EQ(a.root, b.root) << "no foot is planted, no flight bent: the file is where its author has put it";
+    for (std::size_t j = 0; j < a.rotations.size(); ++j) EXPECT_LT(a.rotations[j].angularDistance(b.rotations[j]), 1e-9);
+  }
+}
+
+TEST_F(RigMotion, ALargerBodysRigIsNotOwn) {
+  Rig rig = read_rig(package(), "default", package().points);
+  for (auto* places : {&rig.heads, &rig.tails})
+    for (Vec3& place : *places) place *= 1.06;
+  RetargetReport report;
+  retarget(rest_and_swing(rig), plain_skeleton(), {}, report);
+  EXPECT_TRUE(report.same_rest);
+  EXPECT_FALSE(report.own_rig);
 }

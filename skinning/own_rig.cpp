@@ -1,0 +1,115 @@
+#include "skinning/own_rig.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "skinning/joint_of.h"
+
+namespace ecorche {
+namespace {
+
+constexpr std::array<double, 7> kUnits{1, 0.1, 0.01, 0.001, 0.0254, 0.3048, 0.9144};  // m
+constexpr double kScaleOff = 0.012;           // of a unit: rigs and bodies measure their limbs between other points
+constexpr double kBeside = 0.03, kHipBeside = 0.06;  // m
+constexpr double kSamePlace = 0.025;          // m: a rig so near is where the body is, and its joints' offsets are its own
+
+// A part of the body between two joints: its share of the skin, and whose rotation of the file it has.
+struct Part {
+  const char* part;
+  const char* from;
+  const char* to;
+  double share;
+};
+// Shares of the surface of an adult (Lund & Browder 1944), the trunk's between its ends.
+constexpr std::array<Part, 9> kParts{{{"pelvis", "l5", "hip", 0.09},
+                                      {"thorax", "clavicle", "c7", 0.11},
+                                      {"head", "head", "jaw", 0.08},
+                                      {"shoulder", "shoulder", "elbow", 0.04},
+                                      {"elbow", "elbow", "wrist", 0.03},
+                                      {"wrist", "wrist", "mcp3", 0.025},
+                                      {"hip", "hip", "knee", 0.095},
+                                      {"knee", "knee", "ankle", 0.07},
+                                      {"ankle", "ankle", "mtp3", 0.035}}};
+
+// A name with its side, or without one for a joint of the trunk.
+std::string sided(const Skeleton& skeleton, const std::string& stem, const char* side) {
+  return find_joint(skeleton, stem) >= 0 ? stem : stem + side;
+}
+
+struct Fitting {
+  double metres = 1;
+  Vec3 shift = Vec3::Zero();  // ours - the file's, m
+  bool fits = false;
+};
+
+// The limbs' joints of the file laid on ours without turning them.
+Fitting lay_on(const std::vector<Transform>& X, const SourceRig& rig, const Mat3& W, const Skeleton& ours, const std::vector<Vec3>& rest) {
+  struct Pair {
+    Vec3 theirs, own;
+    double beside;
+  };
+  std::vector<Pair> pairs;
+  for (const char* stem : {"hip", "knee", "ankle", "shoulder", "elbow", "wrist"})
+    for (const char* side : {"_l", "_r"}) {
+      const auto at = rig.pivot.find(std::string(stem) + side);
+      if (at == rig.pivot.end()) return {};
+      pairs.push_back({W * X[static_cast<std::size_t>(at->second)].translation(), rest[static_cast<std::size_t>(joint_of(ours, std::string(stem) + side))],
+                       std::string(stem) == "hip" ? kHipBeside : kBeside});
+    }
+  Vec3 theirs = Vec3::Zero(), own = Vec3::Zero();
+  for (const Pair& p : pairs) theirs += p.theirs / static_cast<double>(pairs.size()), own += p.own / static_cast<double>(pairs.size());
+  double both = 0, square = 0;
+  for (const Pair& p : pairs) both += (p.theirs - theirs).dot(p.own - own), square += (p.theirs - theirs).squaredNorm();
+  const double scale = both / std::max(square, std::numeric_limits<double>::min());
+  const auto unit = std::find_if(kUnits.begin(), kUnits.end(), [&](double metres) { return std::abs(scale / metres - 1) < kScaleOff; });
+  if (unit == kUnits.end()) return {};
+  Fitting out{*unit, own - *unit * theirs, true};
+  for (const Pair& p : pairs) out.fits = out.fits && (*unit * p.theirs + out.shift - p.own).norm() < p.beside;
+  if (out.shift.norm() < kSamePlace) out.shift.setZero();
+  return out;
+}
+
+}  // namespace
+
+std::optional<OwnRig> find_own_rig(const BvhMotion& source, const SourceRig& rig, const RestAlignment& alignment, const Skeleton& ours) {
+  if (!alignment.same_rest) return std::nullopt;
+  std::vector<Transform> X;
+  bvh_kinematics(source, -1, X);
+  const std::vector<Vec3> rest = rest_positions(ours);
+  const Fitting fitting = lay_on(X, rig, alignment.W, ours, rest);
+  if (!fitting.fits) return std::nullopt;
+  OwnRig out{fitting.metres, alignment.W, {}};
+  for (const Part& part : kParts)
+    for (const char* side : {"_l", "_r"}) {
+      const std::string name = sided(ours, part.part, side);
+      const auto carrier = rig.turner.find(name);
+      if (carrier == rig.turner.end()) continue;
+      for (const char* end : {part.from, part.to}) {
+        const int joint = joint_of(ours, sided(ours, end, side));
+        const Vec3 in_file = alignment.W.transpose() * (rest[static_cast<std::size_t>(joint)] - fitting.shift) / fitting.metres;
+        out.places.push_back({joint, joint_of(ours, name), carrier->second, X[static_cast<std::size_t>(carrier->second)].inverse() * in_file, 0.5 * part.share});
+      }
+    }
+  return out;
+}
+
+Vec3 carried(const OwnRig& rig, const std::vector<Transform>& X, const CarriedPlace& place) {
+  return rig.metres * (rig.W * (X[static_cast<std::size_t>(place.carrier)] * place.there));
+}
+
+Vec3 shift_to_rig(const OwnRig& rig, const std::vector<Transform>& X, const std::vector<Vec3>& rest, const std::vector<Transform>& X_WJ) {
+  Vec3 sum = Vec3::Zero();
+  double shares = 0;
+  for (const CarriedPlace& place : rig.places) {
+    const auto part = static_cast<std::size_t>(place.part);
+    const Vec3 here = X_WJ[part] * (rest[static_cast<std::size_t>(place.joint)] - rest[part]);
+    sum += place.share * (carried(rig, X, place) - here);
+    shares += place.share;
+  }
+  return sum / shares;
+}
+
+}  // namespace ecorche

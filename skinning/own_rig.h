@@ -1,0 +1,43 @@
+// A motion file whose rig sits in the very body that it moves, as the body package's rigs do.
+//
+// Such a file is taken over as it is: rotation for rotation (retarget.h), and the body goes where the rig takes it. A rig's joints need not
+// be where the anatomy has them (its hip lies up to 5 cm beside ours), so with the same rotations a limb ends elsewhere by some of that: the root
+// is put where the parts of the body, each as large as its skin, are nearest to where the rig carries them. In the file's rest pose that is the
+// rest pose of ours to the last millimetre, wherever the rig's own root lies.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "anatomy/skeleton.h"
+#include "skinning/rest_alignment.h"
+#include "skinning/source_rig.h"
+
+namespace ecorche {
+
+// A place of ours that a joint of the file carries.
+struct CarriedPlace {
+  int joint = 0;            // ours, whose place at rest it is
+  int part = 0;             // ours, with which it moves
+  int carrier = 0;          // the file's
+  Vec3 there = Vec3::Zero();  // in the carrier's rest frame, file units
+  double share = 0;         // of the body
+};
+
+struct OwnRig {
+  double metres = 1;  // a unit of the file
+  Mat3 W = Mat3::Identity();
+  std::vector<CarriedPlace> places;
+};
+
+// None where the file's rest pose is not ours, where limbs' joints lie more than 3 cm beside ours (hips: 6 cm), or where that takes another unit
+// than one of length. Throws std::invalid_argument for a skeleton that is not ours.
+std::optional<OwnRig> find_own_rig(const BvhMotion& source, const SourceRig& rig, const RestAlignment& alignment, const Skeleton& ours);
+
+// Where the file has a place of ours, m, our axes. X: bvh_kinematics of the frame.
+Vec3 carried(const OwnRig& rig, const std::vector<Transform>& X, const CarriedPlace& place);
+
+// By how much the root has to move so that the body is nearest to where the rig has it. X_WJ: of our pose.
+Vec3 shift_to_rig(const OwnRig& rig, const std::vector<Transform>& X, const std::vector<Vec3>& rest, const std::vector<Transform>& X_WJ);
+
+}  // namespace ecorche
