@@ -28,8 +28,6 @@ std::span<const int> span_of(const std::vector<int>& list, const std::vector<int
   return {list.data() + first[g], list.data() + first[g + 1]};
 }
 
-std::span<const int> own_of(const VertexGroups& groups, std::size_t g) { return span_of(groups.vertex, groups.first, g); }
-
 std::span<const int> hull_of(const VertexGroups& groups, std::size_t g) { return span_of(groups.hull, groups.hull_first, g); }
 
 PatchScratch::Shape shape_of(std::span<const int> hull, float reach, std::span<const float> positions, std::span<const float> normals) {
@@ -224,6 +222,8 @@ void cut_groups(const Membrane& rings, std::span<const int> list, const std::vec
 }
 
 }  // namespace
+
+std::span<const int> own_of(const VertexGroups& groups, std::size_t group) { return span_of(groups.vertex, groups.first, group); }
 
 ContactPatches cut_patches(const Membrane& rings, std::span<const float> positions, std::span<const float> normals,
                            std::span<const float> give) {

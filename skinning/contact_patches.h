@@ -20,6 +20,8 @@ struct VertexGroups {
   std::vector<int> hull_first{0}, hull;       // the same with the ring about them
 };
 
+std::span<const int> own_of(const VertexGroups& groups, std::size_t group);
+
 struct ContactPatches {
   VertexGroups groups;
   std::vector<float> reach;                   // a patch: m

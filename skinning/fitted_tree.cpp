@@ -9,15 +9,13 @@
 #include <cstddef>
 #include <numeric>
 
-#include "skinning/lanes.h"
+#include "skinning/tree_ray.h"
 
 namespace ecorche {
 namespace {
 
-constexpr float kHere = 2e-4f;     // m
 constexpr int kLeaf = 8;           // triangles; fewer are filled up with the last one
 constexpr std::size_t kWays = 8;   // of a node
-constexpr std::size_t kBox = 56;   // floats a node
 constexpr std::size_t kMostWaiting = 64;  // seven a level, and medians halve thrice a level: far deeper than any mesh needs
 
 Float4 row(std::span<const float> rows, int i) { return load4(&rows[4 * static_cast<std::size_t>(i)]); }
@@ -73,29 +71,6 @@ struct Builder {
   }
 };
 
-struct Ray {
-  Wide3 origin, direction, inverse;  // the same in every lane
-  float near = 0;
-  float own = -1;  // >= 0: backs alone are seen, and nothing at about this distance
-};
-
-Ray make_ray(Float4 from, Float4 direction, float near) {
-  const auto inverse = [&](int k) { return all_eight(1 / (std::abs(direction[k]) > 1e-12f ? direction[k] : std::copysign(1e-12f, direction[k]))); };
-  const auto same = [](Float4 v) { return Wide3{all_eight(v[0]), all_eight(v[1]), all_eight(v[2])}; };
-  return {same(from), same(direction), {inverse(0), inverse(1), inverse(2)}, near};
-}
-
-// Where the ray enters a node's eight boxes, and which of them it does.
-Float8 entries(const float* box, const Ray& ray, float far, unsigned& enters) {
-  const Float8 ax = (load8(box) - ray.origin.x) * ray.inverse.x, bx = (load8(box + 24) - ray.origin.x) * ray.inverse.x;
-  const Float8 ay = (load8(box + 8) - ray.origin.y) * ray.inverse.y, by = (load8(box + 32) - ray.origin.y) * ray.inverse.y;
-  const Float8 az = (load8(box + 16) - ray.origin.z) * ray.inverse.z, bz = (load8(box + 40) - ray.origin.z) * ray.inverse.z;
-  const Float8 in = most(most(least(ax, bx), least(ay, by)), most(least(az, bz), all_eight(ray.near)));
-  const Float8 out = least(least(most(ax, bx), most(ay, by)), least(most(az, bz), all_eight(far)));
-  enters = lanes_that(in <= out);
-  return in;
-}
-
 // Eight triangles at once (Moeller & Trumbore 1997, 10.1080/10867651.1997.10487468), a hair wider than they are: no ray slips through an edge.
 // Whether one is hit before `far`, which then is how far; `behind`: from which side.
 bool crosses(std::span<const float> positions, const int* corners, const Ray& ray, float& far, bool& behind) {
@@ -123,8 +98,8 @@ void fit_node(const FittedTree& tree, std::span<const float> positions, std::siz
   for (std::size_t k = 0; k < kWays; ++k) {
     const int child = tree.children[n][k];
     if (child >= 0) {
-      low[k] = load4(&boxes[kBox * static_cast<std::size_t>(child) + 48]);
-      high[k] = load4(&boxes[kBox * static_cast<std::size_t>(child) + 52]);
+      low[k] = load4(&boxes[kTreeBox * static_cast<std::size_t>(child) + 48]);
+      high[k] = load4(&boxes[kTreeBox * static_cast<std::size_t>(child) + 52]);
       continue;
     }
     const int* corner = &tree.corners[static_cast<std::size_t>(~child)];
@@ -139,7 +114,7 @@ void fit_node(const FittedTree& tree, std::span<const float> positions, std::siz
     return transposed(halves(rows[0], rows[4]), halves(rows[1], rows[5]), halves(rows[2], rows[6]), halves(rows[3], rows[7]));
   };
   const Wide4 lows = columns(low), highs = columns(high);
-  float* box = &boxes[kBox * n];
+  float* box = &boxes[kTreeBox * n];
   for (const Float8 part : {lows.x, lows.y, lows.z, highs.x, highs.y, highs.z}) {
     store8(box, part);
     box += 8;
@@ -184,7 +159,7 @@ Sight seen(const FittedTree& tree, std::span<const float> boxes, std::span<const
       continue;
     }
     unsigned enters = 0;
-    const Float8 entry = entries(&boxes[kBox * static_cast<std::size_t>(next.child)], ray, far, enters);
+    const Float8 entry = entries(&boxes[kTreeBox * static_cast<std::size_t>(next.child)], ray, far, enters);
     const std::array<int, kWays>& children = tree.children[static_cast<std::size_t>(next.child)];
     const std::size_t begin = waiting;
     for (; enters != 0; enters &= enters - 1) {
@@ -212,7 +187,7 @@ FittedTree make_fitted_tree(std::span<const float> positions, std::span<const in
 }
 
 void fit_boxes(const FittedTree& tree, std::span<const float> positions, std::vector<float>& boxes) {
-  boxes.resize(kBox * tree.children.size());
+  boxes.resize(kTreeBox * tree.children.size());
   if (tree.children.empty()) return;
   // Whole subtrees of the third level at once, then what is above them. Nodes follow their parents, a subtree's each other.
   constexpr std::size_t kMost = 1 + kWays + kWays * kWays + 1;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -19,7 +20,9 @@ struct FittedTree {
 // `positions`: #V x 4; `triangles`: 3 indices each, four of them at least.
 FittedTree make_fitted_tree(std::span<const float> positions, std::span<const int> triangles);
 
-// `boxes`: 56 a node: low x of the eight children, low y, low z, high x, high y, high z; low and high corner of the whole. Allocates only when
+inline constexpr std::size_t kTreeBox = 56;  // floats a node
+
+// `boxes`: kTreeBox a node: low x of the eight children, low y, low z, high x, high y, high z; low and high corner of the whole. Allocates only when
 // its size changes.
 void fit_boxes(const FittedTree& tree, std::span<const float> positions, std::vector<float>& boxes);
 
@@ -29,7 +32,9 @@ float back_seen(const FittedTree& tree, std::span<const float> boxes, std::span<
 // The same, but if it is seen from the front.
 float front_seen(const FittedTree& tree, std::span<const float> boxes, std::span<const float> positions, Float4 from, Float4 direction, float near, float far);
 
-// Distance to the first back up to `far`, whatever fronts lie before it; 0 without one. What is at the distance `own`, to 0.2 mm, is passed over.
+inline constexpr float kHere = 2e-4f;  // m
+
+// Distance to the first back up to `far`, whatever fronts lie before it; 0 without one. What is at the distance `own`, to kHere, is passed over.
 float next_back(const FittedTree& tree, std::span<const float> boxes, std::span<const float> positions, Float4 from, Float4 direction, float own, float far);
 
 }  // namespace ecorche

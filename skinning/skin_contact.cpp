@@ -6,8 +6,9 @@
 
 #include <tbb/parallel_for.h>
 
-#include "skinning/float4.h"
+#include "skinning/lanes.h"
 #include "skinning/normals.h"
+#include "skinning/ray_bundle.h"
 
 namespace ecorche {
 
@@ -19,21 +20,30 @@ constexpr double kGive = 1;                    // of the tissue
 constexpr float kReach = 1;                    // of what a vertex may be pushed: deeper inside, the other side of a thin part would be met
 constexpr double kLeastGive = 1e-3;            // m
 constexpr int kBlock = 512;
+constexpr std::size_t kManyLooks = 4;
 
 struct Surface {
   const FittedTree& tree;
   std::span<const float> boxes, positions;
 };
 
+// The look behind a vertex: from a little before it inwards, as far as it may be pushed.
+struct LookBehind {
+  Float4 from, normal;
+  float gap = 0, reach = 0;
+};
+
+LookBehind look_behind(const Surface& surface, const SkinContact& contact, std::span<const float> normals, std::size_t vertex) {
+  const Float4 normal = load4(&normals[4 * vertex]);
+  return {load4(&surface.positions[4 * vertex]) + contact.gap[vertex] * normal, normal, contact.gap[vertex], kReach * contact.give[vertex]};
+}
+
 // Half of the way out, and of the gap. A point before the vertex that is inside another part sees the back of the surface that it came through
-// a little way behind it, and some back ahead of it; the look behind comes first, as it is short and mostly settles the matter.
-Float4 find_push(const Surface& surface, std::size_t vertex, Float4 normal, float give, float gap) {
-  const float reach = kReach * give;
-  const Float4 from = load4(&surface.positions[4 * vertex]) + gap * normal;
-  const float depth = next_back(surface.tree, surface.boxes, surface.positions, from, -normal, gap, gap + reach);
-  if (depth <= 0 || back_seen(surface.tree, surface.boxes, surface.positions, from, normal, 0, kSight) <= 0) return Float4{};
-  const float fade = std::clamp(2 - 2 * (depth - gap) / reach, 0.0f, 1.0f);
-  return (-0.5f * fade * depth) * normal;
+// a little way behind it, at `depth`, and some back ahead of it; the look behind comes first, as it is short and mostly settles the matter.
+Float4 find_push(const Surface& surface, const LookBehind& look, float depth) {
+  if (depth <= 0 || back_seen(surface.tree, surface.boxes, surface.positions, look.from, look.normal, 0, kSight) <= 0) return Float4{};
+  const float fade = std::clamp(2 - 2 * (depth - look.gap) / look.reach, 0.0f, 1.0f);
+  return (-0.5f * fade * depth) * look.normal;
 }
 
 template <class Do>
@@ -43,12 +53,37 @@ void each_vertex(int count, const Do& act) {
   });
 }
 
+// The pushes of a patch's vertices that are looked at. Where these are many, what lies behind them is gathered first.
+void find_pushes(const Surface& surface, const SkinContact& contact, std::span<const float> normals, std::span<const int> patch, ContactScratch& s) {
+  std::size_t count = 0;
+  Float4 low = all(1e30f), high = all(-1e30f);
+  for (const int i : patch) {
+    const auto at = static_cast<std::size_t>(i);
+    if (!s.wanted[at]) continue;
+    const LookBehind look = look_behind(surface, contact, normals, at);
+    const Float4 end = look.from - (look.gap + look.reach) * look.normal;
+    low = least(low, least(look.from, end));
+    high = most(high, most(look.from, end));
+    ++count;
+  }
+  RayBundle bundle;
+  const bool gathered = count >= kManyLooks && gather_leaves(surface.tree, surface.boxes, surface.positions, low, high, bundle);
+  for (const int i : patch) {
+    const auto at = static_cast<std::size_t>(i);
+    Float4 push{};
+    if (s.wanted[at]) {
+      const LookBehind look = look_behind(surface, contact, normals, at);
+      const float far = look.gap + look.reach;
+      push = find_push(surface, look, gathered ? next_back(bundle, look.from, -look.normal, look.gap, far)
+                                               : next_back(surface.tree, surface.boxes, surface.positions, look.from, -look.normal, look.gap, far));
+    }
+    store4(&s.pushes[4 * at], push);
+  }
+}
+
 // The pushes of those that are looked at; s.pushed: who gets one, and nobody else.
 void find_pushes(const Surface& surface, const SkinContact& contact, std::span<const float> normals, ContactScratch& s) {
-  each_vertex(static_cast<int>(s.wanted.size()), [&](int i) {
-    const std::size_t at = static_cast<std::size_t>(i);
-    store4(&s.pushes[4 * at], s.wanted[at] ? find_push(surface, at, load4(&normals[4 * at]), contact.give[at], contact.gap[at]) : Float4{});
-  });
+  tbb::parallel_for(std::size_t{0}, contact.patches.reach.size(), [&](std::size_t p) { find_pushes(surface, contact, normals, own_of(contact.patches.groups, p), s); });
   s.pushed.clear();
   for (std::size_t i = 0; i < s.wanted.size(); ++i) {
     const Float4 push = load4(&s.pushes[4 * i]);
