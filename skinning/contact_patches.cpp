@@ -9,7 +9,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "skinning/float4.h"
+#include "skinning/lanes.h"
 
 namespace ecorche {
 namespace {
@@ -17,12 +17,9 @@ namespace {
 constexpr std::size_t kPatch = 48, kPart = 8;          // vertices; whole eights
 constexpr std::size_t kTask = 16;                      // patches
 constexpr float kNearer = 0.97f;                       // of the distance at rest
-constexpr float kRight = std::numbers::pi_v<float> / 2;
 constexpr float kFold = 0.7f, kNewFold = 0.1f;         // rad: spread of a patch that may meet itself; and beyond its own at rest
 
 Float4 row(std::span<const float> rows, int i) { return load4(&rows[4 * static_cast<std::size_t>(i)]); }
-
-float angle(float cosine) { return std::acos(std::clamp(cosine, -1.0f, 1.0f)); }
 
 std::span<const int> span_of(const std::vector<int>& list, const std::vector<int>& first, std::size_t g) {
   return {list.data() + first[g], list.data() + first[g + 1]};
@@ -54,8 +51,8 @@ PatchScratch::Shape shape_of(std::span<const int> hull, float reach, std::span<c
   out.reach = reach;
   store4(out.middle, sum * (1 / static_cast<float>(hull.size())));
   store4(out.up, up);
-  out.spread = angle(least);
-  out.facing = out.spread < kRight ? std::sin(out.spread) : 1;
+  out.spread = std::clamp(least, -1.0f, 1.0f);
+  out.facing = out.spread > 0 ? std::sqrt(1 - out.spread * out.spread) : 1;
   return out;
 }
 
@@ -107,7 +104,9 @@ bool may_meet(const ContactPatches& patches, const std::vector<PatchScratch::Sha
   const PatchScratch::Shape &A = shapes[a], &B = shapes[b];
   const Float4 way = load4(A.middle) - load4(B.middle), rest = load4(&patches.rest_middle[4 * a]) - load4(&patches.rest_middle[4 * b]);
   if (sum4(way * way)[0] >= kNearer * kNearer * sum4(rest * rest)[0]) return false;
-  return angle(sum4(load4(A.up) * load4(B.up))[0]) + A.spread + B.spread > kRight;
+  // Whether their angle and both spreads make more than a right angle: of cosines, sines by their sum.
+  if (A.spread <= 0 || B.spread <= 0 || A.spread * B.spread <= A.facing * B.facing) return true;
+  return sum4(load4(A.up) * load4(B.up))[0] < A.facing * B.spread + A.spread * B.facing;
 }
 
 // The ways of a patch's vertices from a little before them inwards, eight at once.
@@ -123,26 +122,25 @@ struct WaysIn {
 
 WaysIn ways_of(std::span<const int> vertices, const SkinReach& skin) {
   WaysIn out;
-  std::size_t lanes = 0;
-  for (const int i : vertices) {
-    const float give = skin.give[static_cast<std::size_t>(i)];
-    if (give <= 0) continue;
-    const Float4 n = row(skin.normals, i), p = row(skin.positions, i), from = p + skin.before * n, to = p - give * n;
-    const Float4 low = least(from, to), high = most(from, to);
-    WaysIn::Eight& eight = out.eights[lanes / 8];
-    const std::size_t lane = lanes++ % 8;
-    if (lane == 0) eight = {};
-    for (std::size_t k = 0; k < 3; ++k) {
-      eight.normal[k][lane] = n[k];
-      eight.from[k][lane] = from[k];
-      eight.to[k][lane] = to[k];
-      eight.low[k][lane] = low[k];
-      eight.high[k][lane] = high[k];
+  for (std::size_t begin = 0; begin < vertices.size(); begin += 8) {
+    WaysIn::Eight& eight = out.eights[out.count++];
+    Float8 give{};
+    eight.left = 0;
+    for (std::size_t lane = 0; lane < 8; ++lane) {
+      const int i = eight.vertex[lane] = vertices[std::min(begin + lane, vertices.size() - 1)];
+      give[static_cast<int>(lane)] = skin.give[static_cast<std::size_t>(i)];
+      if (begin + lane < vertices.size() && skin.give[static_cast<std::size_t>(i)] > 0) eight.left |= 1u << lane;
     }
-    eight.vertex[lane] = i;
-    eight.left |= 1u << lane;
+    const Wide3 n = xyz(gather_eight(skin.normals.data(), eight.vertex.data())), p = xyz(gather_eight(skin.positions.data(), eight.vertex.data()));
+    const Wide3 from = p + all_eight(skin.before) * n, to = p - give * n;
+    eight.normal = {n.x, n.y, n.z};
+    eight.from = {from.x, from.y, from.z};
+    eight.to = {to.x, to.y, to.z};
+    for (std::size_t k = 0; k < 3; ++k) {
+      eight.low[k] = least(eight.from[k], eight.to[k]);
+      eight.high[k] = most(eight.from[k], eight.to[k]);
+    }
   }
-  out.count = (lanes + 7) / 8;
   return out;
 }
 
@@ -240,7 +238,7 @@ ContactPatches cut_patches(const Membrane& rings, std::span<const float> positio
     out.reach.push_back(reach);
     const PatchScratch::Shape shape = shape_of(hull_of(out.groups, p), reach, positions, normals);
     out.rest_middle.insert(out.rest_middle.end(), shape.middle, shape.middle + 4);
-    out.rest_spread.push_back(shape.spread);
+    out.fold.push_back(std::cos(std::clamp(std::acos(shape.spread) + kNewFold, kFold, std::numbers::pi_v<float>)));
     out.part_first.push_back(static_cast<int>(out.parts.first.size()) - 1);
     cut_groups(rings, own, patch, static_cast<int>(p), kPart, part, seen_by_part, out.parts);
     const int parts = static_cast<int>(out.parts.first.size()) - 1 - out.part_first.back();
@@ -267,7 +265,7 @@ bool find_meetings(const ContactPatches& patches, const SkinReach& skin, PatchSc
     for (std::size_t a = range.begin(); a < range.end(); ++a) {
       const std::span<const int> own = own_of(patches.groups, a);
       WaysIn ways = ways_of(own, skin);
-      if (s.shapes[a].spread > std::max(kFold, patches.rest_spread[a] + kNewFold)) mark(patches, a, s, ways, wanted);
+      if (s.shapes[a].spread < patches.fold[a]) mark(patches, a, s, ways, wanted);
       for (std::size_t eight = 0; eight < s.boxes.size(); ++eight)
         for (unsigned near = overlaps(s.shapes[a], s.boxes[eight]); near != 0; near &= near - 1) {
           const std::size_t b = 8 * eight + static_cast<std::size_t>(std::countr_zero(near));

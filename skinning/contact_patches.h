@@ -26,7 +26,7 @@ struct ContactPatches {
   VertexGroups groups;
   std::vector<float> reach;                   // a patch: m
   std::vector<float> rest_middle;             // #patches x 4
-  std::vector<float> rest_spread;             // a patch: rad, largest angle of a normal with their mean
+  std::vector<float> fold;                    // a patch: the cosine of its spread is less where it has folded
   std::vector<int> part_first;                // #patches + 1 into `parts`: small pieces of it
   std::vector<int> eight_first{0};            // #patches + 1: the same in eights of parts
   VertexGroups parts;

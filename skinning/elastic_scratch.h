@@ -21,8 +21,8 @@ struct PatchScratch {
     float low[4] = {}, high[4] = {};   // of the box
     float middle[4] = {}, up[4] = {};
     float reach = 0;                   // m
-    float spread = 0;                  // rad, largest angle of a normal with `up`
-    float facing = 1;                  // sine of it, or 1: what is further along `up` than that is not faced
+    float spread = 0;                  // cosine of the largest angle of a normal with `up`
+    float facing = 1;                  // its sine, or 1: what is further along `up` than that is not faced
     float bottom = 0, top = 0;         // m, along `up`
   };
   // Boxes of eight patches, and shapes of eight parts of one patch, component by component.
