@@ -6,6 +6,8 @@
 #include <limits>
 #include <string>
 
+#include <Eigen/Cholesky>
+
 #include "skinning/joint_of.h"
 
 namespace ecorche {
@@ -14,6 +16,8 @@ namespace {
 constexpr std::array<double, 7> kUnits{1, 0.1, 0.01, 0.001, 0.0254, 0.3048, 0.9144};  // m
 constexpr double kScaleOff = 0.012;           // of a unit: rigs and bodies measure their limbs between other points
 constexpr double kBeside = 0.03, kHipBeside = 0.06;  // m
+constexpr double kStiff = 0.15;               // of a chain's length: along itself it cannot give
+constexpr int kRounds = 3;
 constexpr double kSamePlace = 0.025;          // m: a rig so near is where the body is, and its joints' offsets are its own
 
 // A part of the body between two joints: its share of the skin, and whose rotation of the file it has.
@@ -82,22 +86,57 @@ std::optional<OwnRig> find_own_rig(const BvhMotion& source, const SourceRig& rig
   const Fitting fitting = lay_on(X, rig, alignment.W, ours, rest);
   if (!fitting.fits) return std::nullopt;
   OwnRig out{fitting.metres, alignment.W, {}};
+  // Precondition: the file turns the part.
+  const auto place = [&](const std::string& part, const std::string& name, double share) {
+    const int joint = joint_of(ours, name), carrier = rig.turner.at(part);
+    const Vec3 in_file = alignment.W.transpose() * (rest[static_cast<std::size_t>(joint)] - fitting.shift) / fitting.metres;
+    return CarriedPlace{joint, joint_of(ours, part), carrier, X[static_cast<std::size_t>(carrier)].inverse() * in_file, share};
+  };
   for (const Part& part : kParts)
     for (const char* side : {"_l", "_r"}) {
       const std::string name = sided(ours, part.part, side);
-      const auto carrier = rig.turner.find(name);
-      if (carrier == rig.turner.end()) continue;
-      for (const char* end : {part.from, part.to}) {
-        const int joint = joint_of(ours, sided(ours, end, side));
-        const Vec3 in_file = alignment.W.transpose() * (rest[static_cast<std::size_t>(joint)] - fitting.shift) / fitting.metres;
-        out.places.push_back({joint, joint_of(ours, name), carrier->second, X[static_cast<std::size_t>(carrier->second)].inverse() * in_file, 0.5 * part.share});
-      }
+      if (!rig.turner.contains(name)) continue;
+      for (const char* end : {part.from, part.to}) out.places.push_back(place(name, sided(ours, end, side), 0.5 * part.share));
     }
+  for (const auto& [below, first, above] : {std::array{"pelvis", "l5", "thorax"}, std::array{"thorax", "c7", "head"}}) {
+    if (!rig.turner.contains(below) || !rig.turner.contains(above)) continue;
+    CarriedChain chain{{}, place(below, first, 0), place(above, above, 0)};
+    for (int j = ours.joints[static_cast<std::size_t>(chain.end.joint)].parent; j != chain.begin.part; j = ours.joints[static_cast<std::size_t>(j)].parent) chain.joints.push_back(j);
+    std::reverse(chain.joints.begin(), chain.joints.end());
+    out.chains.push_back(chain);
+  }
   return out;
 }
 
 Vec3 carried(const OwnRig& rig, const std::vector<Transform>& X, const CarriedPlace& place) {
   return rig.metres * (rig.W * (X[static_cast<std::size_t>(place.carrier)] * place.there));
+}
+
+void bend_to_rig(const OwnRig& rig, const CarriedChain& chain, const std::vector<Transform>& X, const std::vector<Vec3>& rest, std::vector<Mat3>& R) {
+  const Vec3 wanted = carried(rig, X, chain.end) - carried(rig, X, chain.begin);
+  const std::size_t count = chain.joints.size();
+  for (int round = 0; round < kRounds; ++round) {
+    // All are turned about one axis square to the chain, t = u x m for its direction u, the middle most: c_k t moves the end by c_k t x v_k.
+    std::vector<Vec3> steps(count);
+    Vec3 chord = Vec3::Zero();
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto joint = static_cast<std::size_t>(chain.joints[k]), next = static_cast<std::size_t>(k + 1 < count ? chain.joints[k + 1] : chain.end.joint);
+      steps[k] = R[joint] * (rest[next] - rest[joint]);
+      chord += steps[k];
+    }
+    const Vec3 u = chord.normalized(), off = wanted - chord;
+    const auto weight = [&](std::size_t k) { const double s = (static_cast<double>(k) + 0.5) / static_cast<double>(count); return 4 * s * (1 - s); };
+    Mat3 moves = Mat3::Zero();
+    for (std::size_t k = 0; k < count; ++k) moves += weight(k) * (u.dot(steps[k]) * Mat3::Identity() - u * steps[k].transpose());
+    const double stiff = kStiff * chord.norm();
+    const Vec3 m = (moves.transpose() * moves + stiff * stiff * Mat3::Identity()).ldlt().solve(moves.transpose() * off);
+    for (std::size_t k = 0; k < count; ++k) {
+      const Vec3 turn = weight(k) * u.cross(m);
+      const double angle = turn.norm();
+      Mat3& own = R[static_cast<std::size_t>(chain.joints[k])];
+      if (angle > 0) own = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() * own;
+    }
+  }
 }
 
 Vec3 shift_to_rig(const OwnRig& rig, const std::vector<Transform>& X, const std::vector<Vec3>& rest, const std::vector<Transform>& X_WJ) {

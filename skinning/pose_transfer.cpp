@@ -260,6 +260,11 @@ void PoseTransfer::transfer(const std::vector<Transform>& X, Pose& pose) {
     // The foot stays as the file has it: soles are seen to stand.
     if (parent >= 0 && !alignment_.same_rest && plans_[j].rule != Rule::subtalar && plans_[j].rule != Rule::ankle)
       R_[j] = R_[parent] * possible_turn(skeleton_.joints[j], Quat(Mat3(R_[parent].transpose() * R_[j]))).toRotationMatrix();
+  }
+  if (own_)
+    for (const CarriedChain& chain : own_->chains) bend_to_rig(*own_, chain, X, rest_, R_);
+  for (size_t j = 0; j < skeleton_.joints.size(); ++j) {
+    const int parent = skeleton_.joints[j].parent;
     pose.rotations[j] = Quat(parent < 0 ? R_[j] : Mat3(R_[parent].transpose() * R_[j])).normalized();
   }
   const Vec3 hips = 0.5 * (X[rig_.pivot.at("hip_l")].translation() + X[rig_.pivot.at("hip_r")].translation());

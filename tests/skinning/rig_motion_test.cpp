@@ -1,6 +1,7 @@
 // The body package's own rigs: a file whose rest pose is ours is taken over rotation for rotation.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "skinning/retarget.h"
@@ -226,6 +227,39 @@ TEST_F(RigMotion, AnOwnRigTakesTheWholeBodyAlong) {
     worst = std::max(worst, mean.norm());
   }
   EXPECT_LT(worst, 0.006) << "m; with hips laid on hips it is 0.02 and more";
+}
+
+// The rig's spine lies in the middle of the body and bends between the ribs, too: ours comes to the same place all the same, and by small turns.
+TEST_F(RigMotion, ThoraxAndHeadComeToWhereAnOwnRigHasThem) {
+  const Skeleton skeleton = plain_skeleton();
+  BvhMotion file = rest_and_swing(read_rig(package(), "default", package().points));
+  std::fill(file.samples.begin() + file.channels, file.samples.end(), 0.0);
+  const auto joint = [&](const std::string& name) {
+    return static_cast<std::size_t>(std::find_if(file.joints.begin(), file.joints.end(), [&](const BvhJoint& j) { return j.name == name; }) - file.joints.begin());
+  };
+  for (int f = 0; f < file.frames; ++f)
+    for (const char* bone : {"spine05", "spine04", "spine03", "spine02", "spine01", "neck01", "neck02", "neck03"})  // Z-X-Y
+      file.samples[static_cast<std::size_t>(f * file.channels + file.joints[joint(bone)].first_channel + 1)] = 8.0 * f / file.frames;
+  RetargetReport report;
+  const Motion motion = retarget(file, skeleton, {}, report);
+  const std::vector<Vec3> rest = rest_positions(skeleton);
+  std::vector<Transform> still, theirs, ours;
+  bvh_kinematics(file, 0, still);
+  bvh_kinematics(file, file.frames - 1, theirs);
+  const auto place = [&](const char* bone, const char* own) {
+    const std::size_t b = joint(bone);
+    return Vec3(0.01 * (theirs[b] * (still[b].inverse() * (100 * rest[static_cast<std::size_t>(find_joint(skeleton, own))]))));
+  };
+  forward_kinematics(skeleton, motion.frames.back(), ours);
+  const auto at = [&](const char* own) { return Vec3(ours[static_cast<std::size_t>(find_joint(skeleton, own))].translation()); };
+  EXPECT_LT(((at("c7") - at("l5")) - (place("spine01", "c7") - place("root", "l5"))).norm(), 0.008) << "m";
+  EXPECT_LT(((at("head") - at("c7")) - (place("head", "head") - place("spine01", "c7"))).norm(), 0.010) << "m";
+  const Pose &pose = motion.frames.back(), before = motion.frames[motion.frames.size() - 2];
+  for (const char* name : {"l5", "l4", "l3", "l2", "l1", "t12", "t11", "c7", "c6", "c5", "c4", "c3", "c2", "c1"}) {
+    const auto j = static_cast<std::size_t>(find_joint(skeleton, name));
+    EXPECT_LT(pose.rotations[j].angularDistance(Quat::Identity()), 0.3) << name;
+    EXPECT_LT(pose.rotations[j].angularDistance(before.rotations[j]), 0.02) << name;
+  }
 }
 
 TEST_F(RigMotion, PosesOfAnOwnRigComeInAnyOrder) {
