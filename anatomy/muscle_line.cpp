@@ -346,10 +346,10 @@ double tube_volume(std::span<const Ellipse> ellipses) {
     const Ellipse &p = ellipses[k], &q = ellipses[k + 1];
     const Vec3 a0 = p.radii.x() * p.axes.col(0), b0 = p.radii.y() * p.axes.col(1);
     const Vec3 a1 = q.radii.x() * q.axes.col(0), b1 = q.radii.y() * q.axes.col(1);
-    const auto [own, mixed, more] = piece_areas(p.outline, q.outline);
-    const Vec3 between = mixed.ab * a0.cross(b1) + mixed.ba * a1.cross(b0) + mixed.aa * a0.cross(a1) + mixed.bb * b0.cross(b1);
-    const Vec3 area = (own * a0.cross(b0) + 0.5 * between + outline_area(q.outline) * a1.cross(b1)) / 3;
-    const double turned = (more.a1 * a1 + more.b1 * b1).dot(a0.cross(b0)) - (more.a0 * a0 + more.b0 * b0).dot(a1.cross(b1));
+    const PieceAreas areas = piece_areas(p.outline, q.outline);
+    const Vec3 between = areas.ab * a0.cross(b1) + areas.ba * a1.cross(b0) + areas.aa * a0.cross(a1) + areas.bb * b0.cross(b1);
+    const Vec3 area = (areas.own * a0.cross(b0) + 0.5 * between + outline_area(q.outline) * a1.cross(b1)) / 3;
+    const double turned = (areas.more_a1 * a1 + areas.more_b1 * b1).dot(a0.cross(b0)) - (areas.more_a0 * a0 + areas.more_b0 * b0).dot(a1.cross(b1));
     volume += std::numbers::pi * ((q.center - p.center).dot(area) + turned / 3);
   }
   return volume;

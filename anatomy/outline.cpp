@@ -93,7 +93,7 @@ double outline_area(const SliceOutline& outline) {
 }
 
 PieceAreas piece_areas(const SliceOutline& first, const SliceOutline& second) {
-  if (first == kEllipticOutline && second == kEllipticOutline) return {};
+  if (first == kEllipticOutline && second == kEllipticOutline) return {1, 1, 1, 0, 0, 0, 0, 0, 0};
   const AllTurns& all = turns();
   Quad own{}, ab{}, ba{}, aa{}, bb{}, a1{}, b1{}, a0{}, b0{};
   for (std::size_t i = 0; i < kCount; i += 4) {
@@ -111,7 +111,7 @@ PieceAreas piece_areas(const SliceOutline& first, const SliceOutline& second) {
     a0 += of_second * (f0 * t.x + f1 * t.next_x);
     b0 += of_second * (f0 * t.y + f1 * t.next_y);
   }
-  return {sum(own) / kOutlinePoints, {sum(ab), sum(ba), sum(aa), sum(bb)}, {sum(a1), sum(b1), sum(a0), sum(b0)}};
+  return {sum(own) / kOutlinePoints, sum(ab), sum(ba), sum(aa), sum(bb), sum(a1), sum(b1), sum(a0), sum(b0)};
 }
 
 }  // namespace ecorche

@@ -24,28 +24,26 @@ SliceOutline flipped_outline(const SliceOutline& outline, bool width, bool thick
 // Area over that of the ellipse.
 double outline_area(const SliceOutline& outline);
 
-// Mixed area of two sections with the axes a0, b0 and a1, b1 (each times its radius), over pi: half of
-//   ab (a0 x b1) + ba (a1 x b0) + aa (a0 x a1) + bb (b0 x b1).
-// The section at a share t between them has the area  (1 - t)^2 A00 + 2 t (1 - t) A01 + t^2 A11.
-struct MixedArea {
-  double ab = 1, ba = 1, aa = 0, bb = 0;
+// Areas of a piece between two sections with the axes a0, b0 and a1, b1 (each times its radius). T: of one piece, or of several at once.
+template <class T>
+struct AreasOf {
+  T own;  // of the first, over that of its ellipse
+
+  // Mixed area, over pi: half of
+  //   ab (a0 x b1) + ba (a1 x b0) + aa (a0 x a1) + bb (b0 x b1).
+  // The section at a share t between the two has the area  (1 - t)^2 A00 + 2 t (1 - t) A01 + t^2 A11.
+  T ab, ba, aa, bb;
+
+  // What a piece between sections that are not their own image about their centre holds more than centre line times area, as they turn and
+  // swell about it: pi / 3 times
+  //   a1 a1 . (a0 x b0) + b1 b1 . (a0 x b0) - a0 a0 . (a1 x b1) - b0 b0 . (a1 x b1),
+  // the factor (more_a1 ..) first, the vector after it. From the volume's integral over rings, 1/3 the triple product of a section, its change
+  // along the piece and its change around, which vanishes for what is even about its centre.
+  T more_a1, more_b1, more_a0, more_b0;
 };
 
-// What a piece between two sections that are not their own image about their centre holds more than centre line times area, as they turn
-// and swell about it: pi / 3 times
-//   a1 a1 . (a0 x b0) + b1 b1 . (a0 x b0) - a0 a0 . (a1 x b1) - b0 b0 . (a1 x b1),
-// the factor first, the vector after it. From the volume's integral over rings, 1/3 the triple product of a section, its change along the
-// piece and its change around, which vanishes for what is even about its centre.
-struct LopsidedMoments {
-  double a1 = 0, b1 = 0, a0 = 0, b0 = 0;
-};
-
-// Of two successive sections: all of it at once.
-struct PieceAreas {
-  double own = 1;  // of the first, over that of its ellipse
-  MixedArea mixed;
-  LopsidedMoments more;
-};
+// Of two successive sections.
+using PieceAreas = AreasOf<double>;
 PieceAreas piece_areas(const SliceOutline& first, const SliceOutline& second);
 
 }  // namespace ecorche

@@ -205,7 +205,7 @@ void add_lane(PosingTable::Data& data, PosingBatch& batch, int lane, const Strip
     row.free_thickness[lane] = free(1);
     const double inward = bend.dot(rest.slices[k].axes.leftCols<2>() * slice.offset);
     row.free_offset[lane] = static_cast<float>(std::max(kFreeOffset, 1.000001 * inward + 1e-9));
-    data.areas[batch.row + k].set(lane, piece_areas(slice.outline, strip.slices[std::min(k + 1, n - 1)].outline));
+    set_lane(data.areas[batch.row + k], lane, piece_areas(slice.outline, strip.slices[std::min(k + 1, n - 1)].outline));
   }
 }
 

@@ -91,17 +91,13 @@ struct PosingRow {
   Eigen::Array4f free_width, free_thickness, free_offset;  // what fold_factor lets pass
 };
 
-// Areas of a row's outlines, mixed with those of the next row, and what lopsided ones add (outline.h).
-struct PosingAreas {
-  Lane own, ab, ba, aa, bb;
-  Lane more_a1, more_b1, more_a0, more_b0;
-
-  void set(int lane, const PieceAreas& of) {
-    own[lane] = of.own;
-    ab[lane] = of.mixed.ab, ba[lane] = of.mixed.ba, aa[lane] = of.mixed.aa, bb[lane] = of.mixed.bb;
-    more_a1[lane] = of.more.a1, more_b1[lane] = of.more.b1, more_a0[lane] = of.more.a0, more_b0[lane] = of.more.b0;
-  }
-};
+// Of a row's outlines and those of the next row.
+using PosingAreas = AreasOf<Lane>;
+inline void set_lane(PosingAreas& areas, int lane, const PieceAreas& of) {
+  areas.own[lane] = of.own;
+  areas.ab[lane] = of.ab, areas.ba[lane] = of.ba, areas.aa[lane] = of.aa, areas.bb[lane] = of.bb;
+  areas.more_a1[lane] = of.more_a1, areas.more_b1[lane] = of.more_b1, areas.more_a0[lane] = of.more_a0, areas.more_b0[lane] = of.more_b0;
+}
 
 struct PosingBatch {
   int rows = 0;          // slices of each strip

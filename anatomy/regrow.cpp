@@ -14,7 +14,6 @@
 namespace ecorche {
 namespace {
 
-constexpr double kVolumeKept = 1e-6;  // share
 constexpr std::size_t kGrain = 8;     // fours of strips
 constexpr double kLeastGrowth = 0.5;
 
@@ -58,13 +57,18 @@ inline bool differs(const SliceOutline& a, const SliceOutline& b) {
   return all != 0;
 }
 
-bool fits(double missed, double volume) { return std::abs(missed) <= kVolumeKept * std::abs(volume); }
-
-double round_strip(const PosingBatch& batch, int lane, int first, double low, double high, double growth, PosedAnatomy& out) {
-  const auto rows = static_cast<std::size_t>(batch.rows);
-  const BellyGrowth law{{&out.belly[static_cast<std::size_t>(first)], rows}, batch.lanes.width_swells[lane] > 0, low, high};
-  return round_out({&out.slices[static_cast<std::size_t>(first)], rows}, law, growth, batch.lanes.volume[lane] * std::numbers::pi / 3);
+std::span<Ellipse> sections(const PosingBatch& batch, int first, PosedAnatomy& posed) {
+  return {&posed.slices[static_cast<std::size_t>(first)], static_cast<std::size_t>(batch.rows)};
 }
+
+BellyGrowth law_of(const PosingBatch& batch, int lane, int first, double low, double high, const PosedAnatomy& posed) {
+  return {{&posed.belly[static_cast<std::size_t>(first)], static_cast<std::size_t>(batch.rows)}, batch.lanes.width_swells[lane] > 0, low, high};
+}
+
+double volume(const PosingBatch& batch, int lane) { return batch.lanes.volume[lane] * std::numbers::pi / 3; }
+
+// As a share of the radii.
+double swelling(const BellyGrowth& law, double growth) { return law.tube ? growth : std::sqrt(growth); }
 
 // Areas of the strips' outlines: those of the table where they are as at rest.
 void gather_areas(const PosingTable::Data& data, const GrowingStrips& growing, const PosingBatch& four, const std::array<int, kLanes>& first, const PosedAnatomy& posed,
@@ -83,7 +87,7 @@ void gather_areas(const PosingTable::Data& data, const GrowingStrips& growing, c
       const PosingAreas& still = data.areas[static_cast<std::size_t>(still_row + k)];
       PosingAreas& to = areas[k];
       if (here || there) {
-        to.set(lane, piece_areas(outline(k), outline(next)));
+        set_lane(to, lane, piece_areas(outline(k), outline(next)));
       } else {
         for (Lane PosingAreas::*area : {&PosingAreas::own, &PosingAreas::ab, &PosingAreas::ba, &PosingAreas::aa, &PosingAreas::bb, &PosingAreas::more_a1,
                                         &PosingAreas::more_b1, &PosingAreas::more_a0, &PosingAreas::more_b0})
@@ -120,18 +124,15 @@ void regrow_strips(const PosingTable::Data& data, const GrowingStrips& growing, 
   const auto tubes = four.lanes.width_swells > 0;
   const Lane low = tubes.select(Lane::Constant(kLeastGrowth), Lane::Constant(kLeastGrowth * kLeastGrowth));
   const Lane high = tubes.select(Lane::Constant(most), Lane::Constant(most * most));
-  const auto [growth, missed] = find_growth(four, areas, t, low, high);
+  const LaneGrowth found = find_growth(four, areas, t, low, high);
   for (int lane = 0; lane < four.strips; ++lane) {
-    const bool tube = four.lanes.width_swells[lane] > 0;
     const int begin = first[static_cast<std::size_t>(lane)];
-    for (int k = 0; k < four.rows; ++k) {
-      Ellipse& e = out.slices[static_cast<std::size_t>(begin + k)];
-      const double g = 1 + t.belly[k][lane] * (growth[lane] - 1);
-      e.radii = Vec2(tube ? e.radii.x() * g : e.radii.x(), e.radii.y() * g);
-    }
-    const int strip = data.strip[static_cast<std::size_t>(four.strip[static_cast<std::size_t>(lane)])].strip;
-    const double grown = fits(missed[lane], four.lanes.volume[lane]) ? growth[lane] : round_strip(four, lane, begin, low[lane], high[lane], growth[lane], out);
-    out.swelling[static_cast<std::size_t>(strip)] *= tube ? grown : std::sqrt(grown);
+    const BellyGrowth law = law_of(four, lane, begin, low[lane], high[lane], out);
+    const std::span<Ellipse> strip = sections(four, begin, out);
+    double grown = found.growth[lane];
+    if (found.found[lane]) grow(strip, law, grown);
+    else grown = round_out(strip, law, volume(four, lane));
+    out.swelling[static_cast<std::size_t>(data.strip[static_cast<std::size_t>(four.strip[static_cast<std::size_t>(lane)])].strip)] *= swelling(law, grown);
   }
 }
 
@@ -139,10 +140,10 @@ void regrow_strips(const PosingTable::Data& data, const GrowingStrips& growing, 
 
 void round_out_missed(const PosingTable::Data& data, const PosingBatch& batch, const LaneGrowth& found, PosedAnatomy& out) {
   for (int lane = 0; lane < batch.strips; ++lane) {
-    if (fits(found.missed[lane], batch.lanes.volume[lane])) continue;
+    if (found.found[lane]) continue;
     const PosingStrip& strip = data.strip[static_cast<std::size_t>(batch.strip[static_cast<std::size_t>(lane)])];
-    const double grown = round_strip(batch, lane, strip.slice, batch.lanes.grow_min[lane], batch.lanes.grow_max[lane], found.growth[lane], out);
-    out.swelling[static_cast<std::size_t>(strip.strip)] = batch.lanes.width_swells[lane] > 0 ? grown : std::sqrt(grown);
+    const BellyGrowth law = law_of(batch, lane, strip.slice, batch.lanes.grow_min[lane], batch.lanes.grow_max[lane], out);
+    out.swelling[static_cast<std::size_t>(strip.strip)] = swelling(law, round_out(sections(batch, strip.slice, out), law, volume(batch, lane)));
   }
 }
 

@@ -34,7 +34,7 @@ struct PartMemory {
 };
 void part_again(const PosingTable::Data& data, std::span<const ContactSpokes> held, Parting parting, PosedAnatomy& out, PartMemory& memory, Threads threads);
 
-// Strips of a batch that no growth found for them gives their rest volume: their outlines become more even (round_out).
+// Strips of a batch for which no growth was found, stored as they are without: their outlines become more even (round_out).
 void round_out_missed(const PosingTable::Data& data, const PosingBatch& batch, const LaneGrowth& found, PosedAnatomy& out);
 
 }  // namespace ecorche

@@ -3,111 +3,132 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
-#include <Eigen/LU>
-
-#include "anatomy/muscle_line.h"
+#include "anatomy/pose_anatomy.h"
+#include "anatomy/volume_cubic.h"
 
 namespace ecorche {
 namespace {
 
-constexpr int kMostSections = 64;
-constexpr int kHalvings = 8;
-constexpr double kKept = 1e-9;                       // of the volume
-constexpr double kLeastAll = 0.2, kMostAll = 5;      // of the radii, where a belly cannot take it all
+constexpr double kKept = 1e-9, kFine = 1e-12;    // of the volume: how well it is kept, and a root found
+constexpr double kSpare = 1e-6;                  // of the volume, that outlines hold at most beyond what they must
+constexpr int kMostTrials = 12;                  // three or four do
+constexpr int kMostRounds = 60;                  // five or six do
+constexpr double kLeastAll = 0.2, kMostAll = 5;  // of the radii, where a belly cannot take it all
 
-void scale(std::span<Ellipse> strip, const BellyGrowth& law, double growth, bool back) {
-  for (std::size_t k = 0; k < strip.size(); ++k) {
-    double g = 1 + static_cast<double>(law.belly[k]) * (growth - 1);
-    if (back) g = 1 / g;
-    strip[k].radii = Vec2(law.tube ? strip[k].radii.x() * g : strip[k].radii.x(), strip[k].radii.y() * g);
-  }
-}
+using Outlines = std::array<SliceOutline, kMaxStripSlices>;
 
 SliceOutline evened(const SliceOutline& outline, float share) {
   constexpr std::size_t half = kOutlinePoints / 2;
   SliceOutline out;
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    const float here = outline[i] * outline[i], there = outline[(i + half) % kOutlinePoints] * outline[(i + half) % kOutlinePoints];
-    out[i] = std::sqrt((1 - share) * here + share * 0.5f * (here + there));
+  for (std::size_t i = 0; i < half; ++i) {
+    const float here = outline[i] * outline[i], there = outline[i + half] * outline[i + half], given = share * 0.5f * (there - here);
+    out[i] = std::sqrt(here + given);
+    out[i + half] = std::sqrt(there - given);
   }
   return out;
 }
 
-struct Growth {
-  double growth = 1;
-  bool reached = false;
-};
+// What the strip with these outlines holds beyond `volume`.
+VolumeCubic<double> excess(std::span<const Ellipse> strip, const Outlines& outlines, const BellyGrowth& law, double volume) {
+  VolumeCubic<double> out{-3 / std::numbers::pi * volume, 0, 0, 0};
+  const auto section = [&](std::size_t k) -> GrowingSection<double> {
+    const Ellipse& e = strip[k];
+    const Vec3 a = e.radii.x() * e.axes.col(0), b = e.radii.y() * e.axes.col(1);
+    return {{e.center.x(), e.center.y(), e.center.z()}, {a.x(), a.y(), a.z()}, {b.x(), b.y(), b.z()}, static_cast<double>(law.belly[k])};
+  };
+  const std::size_t last = strip.size() - 1;
+  GrowingSection<double> here = section(0);
+  PieceAreas areas = piece_areas(outlines[0], outlines[1]);
+  for (std::size_t k = 0; k < last; ++k) {
+    const GrowingSection<double> next = section(k + 1);
+    const PieceAreas next_areas = piece_areas(outlines[k + 1], outlines[std::min(k + 2, last)]);
+    out.add(here, next, areas, next_areas.own, law.tube ? 1 : 0);
+    here = next;
+    areas = next_areas;
+  }
+  return out;
+}
 
-// The least growth that gives the volume, else that which gives most. The volume is a cubic in the growth.
-Growth least_growth(std::span<const Ellipse> strip, const BellyGrowth& law, double volume) {
-  std::array<Ellipse, kMostSections> grown;
-  const std::span<Ellipse> all(grown.data(), strip.size());
-  Eigen::Matrix4d powers;
-  Eigen::Vector4d at;
-  for (int k = 0; k < 4; ++k) {
-    const double g = law.low + (law.high - law.low) * k / 3;
-    std::copy(strip.begin(), strip.end(), all.begin());
-    scale(all, law, g, false);
-    powers.row(k) << 1, g, g * g, g * g * g;
-    at[k] = tube_volume(all) - volume;
+// The ends of the range, and in order what is between of where the cubic turns.
+std::array<double, 4> turns(const VolumeCubic<double>& q, double low, double high) {
+  const double a = 3 * q.q3, b = 2 * q.q2, root = b * b - 4 * a * q.q1;
+  if (root < 0) return {low, high, high, high};
+  const double c = -0.5 * (b + std::copysign(std::sqrt(root), b));
+  const auto [first, second] = std::minmax({a != 0 ? c / a : high, c != 0 ? q.q1 / c : high});
+  return {low, std::clamp(first, low, high), std::clamp(second, low, high), high};
+}
+
+// The least x that gives as much as is wanted, or more where that is the low end; else that which gives most.
+double least(const VolumeCubic<double>& q, double low, double high, double fine) {
+  const std::array<double, 4> ends = turns(q, low, high);
+  const auto enough = std::find_if(ends.begin(), ends.end(), [&](double x) { return q(x) >= 0; });
+  if (enough == ends.end()) return *std::max_element(ends.begin(), ends.end(), [&](double x, double y) { return q(x) < q(y); });
+  if (enough == ends.begin()) return low;
+  double below = enough[-1], above = enough[0], x = above;
+  for (int round = 0; round < kMostRounds && std::abs(q(x)) > fine; ++round) {
+    (q(x) < 0 ? below : above) = x;
+    const double newton = x - q(x) / q.slope(x);
+    x = newton > below && newton < above ? newton : 0.5 * (below + above);
   }
-  const Eigen::Vector4d c = powers.partialPivLu().solve(at);
-  const auto over = [&](double g) { return c[0] + g * (c[1] + g * (c[2] + g * c[3])); };
-  std::array<double, 4> ends{law.low, law.high, law.high, law.high};  // the cubic rises or falls all the way between them
-  const double a = 3 * c[3], b = 2 * c[2], root = b * b - 4 * a * c[1];
-  if (root >= 0) {
-    const double q = -0.5 * (b + std::copysign(std::sqrt(root), b));
-    const double first = a != 0 ? q / a : law.high, second = q != 0 ? c[1] / q : law.high;
-    ends[1] = std::clamp(std::min(first, second), law.low, law.high);
-    ends[2] = std::clamp(std::max(first, second), law.low, law.high);
-  }
-  Growth out{law.low, over(law.low) >= 0};
-  if (out.reached) return out;
-  for (std::size_t k = 0; k + 1 < ends.size(); ++k) {
-    double low = ends[k], high = ends[k + 1];
-    if (over(high) < 0) {
-      if (over(high) > over(out.growth)) out.growth = high;
-      continue;
-    }
-    for (int round = 0; round < 60; ++round) (over(0.5 * (low + high)) < 0 ? low : high) = 0.5 * (low + high);
-    return {high, true};
-  }
+  return x;
+}
+
+// The most that it comes to.
+double most(const VolumeCubic<double>& q, double low, double high) {
+  double out = q(low);
+  for (const double x : turns(q, low, high)) out = std::max(out, q(x));
   return out;
 }
 
 // What the belly cannot take goes to all sections.
-void share_out(std::span<Ellipse> strip, bool tube, double volume) {
-  if (std::abs(tube_volume(strip) - volume) <= kKept * std::abs(volume)) return;
-  std::array<float, kMostSections> all;
+void share_out(std::span<Ellipse> strip, const Outlines& outlines, bool tube, double volume) {
+  std::array<float, kMaxStripSlices> all;
   all.fill(1);
   const BellyGrowth law{{all.data(), strip.size()}, tube, tube ? kLeastAll : kLeastAll * kLeastAll, tube ? kMostAll : kMostAll * kMostAll};
-  scale(strip, law, least_growth(strip, law, volume).growth, false);
+  grow(strip, law, 1 + least(excess(strip, outlines, law, volume), law.low - 1, law.high - 1, kFine * std::abs(volume)));
 }
 
 }  // namespace
 
-double round_out(std::span<Ellipse> strip, const BellyGrowth& law, double growth, double volume) {
-  if (strip.size() > kMostSections || std::none_of(law.belly.begin(), law.belly.end(), [](float b) { return b > 0; })) return growth;
-  scale(strip, law, growth, true);
-  std::array<Ellipse, kMostSections> trial;
-  const std::span<Ellipse> all(trial.data(), strip.size());
-  const auto even = [&](double share) {
-    std::copy(strip.begin(), strip.end(), all.begin());
-    for (Ellipse& e : all) e.outline = evened(e.outline, static_cast<float>(share));
-    return least_growth(all, law, volume);
-  };
-  double too_little = 0, enough = 1;
-  if (even(0).reached) enough = 0;
-  for (int k = 0; k < kHalvings && enough > 0; ++k) {
-    const double share = 0.5 * (too_little + enough);
-    (even(share).reached ? enough : too_little) = share;
+void grow(std::span<Ellipse> strip, const BellyGrowth& law, double growth) {
+  for (std::size_t k = 0; k < strip.size(); ++k) {
+    const double g = 1 + static_cast<double>(law.belly[k]) * (growth - 1);
+    strip[k].radii = Vec2(law.tube ? strip[k].radii.x() * g : strip[k].radii.x(), strip[k].radii.y() * g);
   }
-  const Growth found = even(enough);
-  std::copy(all.begin(), all.end(), strip.begin());
-  scale(strip, law, found.growth, false);
-  share_out(strip, law.tube, volume);
-  return found.growth;
+}
+
+double round_out(std::span<Ellipse> strip, const BellyGrowth& law, double volume) {
+  if (std::none_of(law.belly.begin(), law.belly.end(), [](float b) { return b > 0; })) return 1;
+  const double unit = 3 / std::numbers::pi * std::abs(volume), low = law.low - 1, high = law.high - 1;
+  Outlines outlines;
+  VolumeCubic<double> over;
+  const auto even = [&](double share) {
+    for (std::size_t k = 0; k < strip.size(); ++k) outlines[k] = evened(strip[k].outline, static_cast<float>(share));
+    over = excess(strip, outlines, law, volume);
+    return most(over, low, high) / unit - 0.5 * kSpare;
+  };
+  struct Trial {
+    double share, over;
+  };
+  Trial before{0, even(0)};
+  if (before.over < 0) {
+    Trial latest{1, even(1)};
+    // Illinois: the two are on either side of what is looked for, if there is such a share.
+    for (int trial = 0; trial < kMostTrials && before.over * latest.over < 0 && std::abs(latest.over) > 0.5 * kSpare; ++trial) {
+      const double share = latest.share - latest.over * (before.share - latest.share) / (before.over - latest.over);
+      const Trial now{share, even(share)};
+      if (now.over * latest.over < 0) before = latest;
+      else before.over *= 0.5;
+      latest = now;
+    }
+  }
+  const double x = least(over, low, high, kFine * unit);
+  for (std::size_t k = 0; k < strip.size(); ++k) strip[k].outline = outlines[k];
+  grow(strip, law, 1 + x);
+  if (std::abs(over(x)) > kKept * unit) share_out(strip, outlines, law.tube, volume);
+  return 1 + x;
 }
 
 }  // namespace ecorche

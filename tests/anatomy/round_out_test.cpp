@@ -46,11 +46,26 @@ TEST(RoundOut, GivesTheVolumeThatLeaningOutlinesCannotHold) {
   const BellyGrowth law{belly, true, 1.0 / 3, 3};
   const double wanted = 1.05 * most_without(given);
   std::vector<Ellipse> strip = given;
-  const double growth = round_out(strip, law, 1, wanted);
+  const double growth = round_out(strip, law, wanted);
   EXPECT_NEAR(tube_volume(strip) / wanted, 1, 1e-9);
   EXPECT_GT(growth, 1);
   EXPECT_LT(growth, 3);
   EXPECT_GT(strip[4].outline[0], strip[4].outline[kOutlinePoints / 2]);  // it leans still
+}
+
+TEST(RoundOut, OutlinesAreNoMoreEvenThanTheVolumeTakes) {
+  const std::vector<Ellipse> given = bend(0.02, 2.4);
+  const std::vector<float> belly(given.size(), 1);
+  const double most = most_without(given);
+  float before = given[4].outline[0];
+  for (int k = 1; k <= 20; ++k) {
+    std::vector<Ellipse> strip = given;
+    round_out(strip, {belly, true, 1.0 / 3, 3}, (1.05 + 2e-4 * k) * most);
+    const float now = strip[4].outline[0];
+    EXPECT_LT(now, before) << k;
+    if (k > 1) EXPECT_GT(now, before - 1e-3f) << k;
+    before = now;
+  }
 }
 
 TEST(RoundOut, LeavesOutlinesThatCanHoldIt) {
@@ -58,7 +73,7 @@ TEST(RoundOut, LeavesOutlinesThatCanHoldIt) {
   const std::vector<float> belly(given.size(), 1);
   std::vector<Ellipse> strip = given;
   const double wanted = 1.2 * tube_volume(given);
-  round_out(strip, {belly, true, 1.0 / 3, 3}, 1, wanted);
+  round_out(strip, {belly, true, 1.0 / 3, 3}, wanted);
   EXPECT_NEAR(tube_volume(strip) / wanted, 1, 1e-9);
   for (std::size_t k = 0; k < strip.size(); ++k) EXPECT_EQ(strip[k].outline, given[k].outline);
 }
@@ -87,7 +102,7 @@ TEST(RoundOut, TendonsTakeWhatTheBellyCannot) {
   for (const double share : {0.5, 0.9, 1.3, 2.0}) {
     std::vector<Ellipse> strip = given.sections;
     const double wanted = share * tube_volume(given.sections);
-    const double growth = round_out(strip, law, 1, wanted);
+    const double growth = round_out(strip, law, wanted);
     EXPECT_NEAR(tube_volume(strip) / wanted, 1, 1e-9) << share;
     EXPECT_NEAR(growth, share < 1 ? 1.0 / 3 : 3, 1e-9) << "the belly stays at the end of its range";
     EXPECT_GT((strip[0].radii.x() - 0.003) * (share - 1), 0);
@@ -102,7 +117,7 @@ TEST(RoundOut, TendonsSetInWithoutAJump) {
   const double most = tube_volume(fullest);
   for (const double over : {-1e-5, 1e-5}) {
     std::vector<Ellipse> strip = given.sections;
-    round_out(strip, law, 1, (1 + over) * most);
+    round_out(strip, law, (1 + over) * most);
     for (std::size_t k = 0; k < strip.size(); ++k) EXPECT_NEAR(strip[k].radii.x() / fullest[k].radii.x(), 1, 1e-2) << over << " section " << k;
   }
 }
