@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
-#include <iterator>
 #include <numbers>
 
-#include "anatomy/outline.h"
+#include "anatomy/lane_areas.h"
 #include "anatomy/posing_lanes.h"
 #include "anatomy/round_out.h"
 
@@ -30,31 +28,39 @@ inline std::array<Lane, 4> across(const std::array<const double*, kLanes>& from)
 
 // The row's sections of four strips that begin at these slices.
 void gather(const PosedAnatomy& posed, const std::array<int, kLanes>& first, int row, Scratch& t) {
-  std::array<const double*, kLanes> begin, middle, end;
+  std::array<const double*, kLanes> begin, middle;
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     const auto slice = static_cast<std::size_t>(first[lane] + row);
     const Ellipse& e = posed.slices[slice];
     begin[lane] = e.center.data();
     middle[lane] = e.axes.data() + 1;
-    end[lane] = e.axes.data() + 5;
-    t.a[row][static_cast<int>(lane)] = e.radii.x();
-    t.b[row][static_cast<int>(lane)] = e.radii.y();
-    t.belly[row][static_cast<int>(lane)] = static_cast<double>(posed.belly[slice]);
+    const auto to = static_cast<int>(lane);
+    t.thickness[row].z[to] = e.axes(2, 1);
+    t.a[row][to] = e.radii.x();
+    t.b[row][to] = e.radii.y();
+    t.belly[row][to] = static_cast<double>(posed.belly[slice]);
   }
-  const auto one = across(begin), two = across(middle), three = across(end);
+  const auto one = across(begin), two = across(middle);
   t.center[row] = {one[0], one[1], one[2]};
   t.width[row] = {one[3], two[0], two[1]};
-  t.thickness[row] = {two[2], two[3], three[0]};
-  t.tangent[row] = {three[1], three[2], three[3]};
+  t.thickness[row].x = two[2], t.thickness[row].y = two[3];
 }
 
-// Whether they differ, without a branch.
-inline bool differs(const SliceOutline& a, const SliceOutline& b) {
-  std::uint64_t x[sizeof a / 8], y[sizeof a / 8], all = 0;
-  std::memcpy(x, a.data(), sizeof x);
-  std::memcpy(y, b.data(), sizeof y);
-  for (std::size_t i = 0; i < std::size(x); ++i) all |= x[i] ^ y[i];
-  return all != 0;
+// The areas of all rows' outlines; of the last, its own.
+void gather_areas(const PosedAnatomy& posed, const std::array<int, kLanes>& first, int rows, PosingAreas* areas) {
+  const auto set = [&](int row, LaneOutlines& to) {
+    std::array<const SliceOutline*, kLanes> from;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) from[lane] = &posed.slices[static_cast<std::size_t>(first[lane] + row)].outline;
+    to.set(from);
+  };
+  std::array<LaneOutlines, 2> outlines;  // of even and of odd rows
+  set(0, outlines[0]);
+  for (int k = 0; k + 1 < rows; ++k) {
+    LaneOutlines &here = outlines[static_cast<std::size_t>(k % 2)], &next = outlines[static_cast<std::size_t>((k + 1) % 2)];
+    set(k + 1, next);
+    areas[k] = areas_between(here, next);
+    areas[k + 1].own = next.own;
+  }
 }
 
 std::span<Ellipse> sections(const PosingBatch& batch, int first, PosedAnatomy& posed) {
@@ -69,39 +75,6 @@ double volume(const PosingBatch& batch, int lane) { return batch.lanes.volume[la
 
 // As a share of the radii.
 double swelling(const BellyGrowth& law, double growth) { return law.tube ? growth : std::sqrt(growth); }
-
-// Areas of the strips' outlines: those of the table where they are as at rest.
-void gather_areas(const PosingTable::Data& data, const GrowingStrips& growing, const PosingBatch& four, const std::array<int, kLanes>& first, const PosedAnatomy& posed,
-                  PosingAreas* areas) {
-  for (int lane = 0; lane < four.strips; ++lane) {
-    const GrowingStrips::Place& from = growing.strips[static_cast<std::size_t>(lane)];
-    const int still_row = data.batches[static_cast<std::size_t>(from.batch)].row;
-    const auto begin = static_cast<std::size_t>(first[static_cast<std::size_t>(lane)]);
-    const auto outline = [&](int k) -> const SliceOutline& { return posed.slices[begin + static_cast<std::size_t>(k)].outline; };
-    // Pressed now or earlier, or rounded out when the strip was posed.
-    const auto moved = [&](int k) { return differs(outline(k), data.outlines[begin + static_cast<std::size_t>(k)]); };
-    bool here = moved(0);
-    for (int k = 0; k < four.rows; ++k) {
-      const int next = std::min(k + 1, four.rows - 1);
-      const bool there = moved(next);
-      const PosingAreas& still = data.areas[static_cast<std::size_t>(still_row + k)];
-      PosingAreas& to = areas[k];
-      if (here || there) {
-        set_lane(to, lane, piece_areas(outline(k), outline(next)));
-      } else {
-        for (Lane PosingAreas::*area : {&PosingAreas::own, &PosingAreas::ab, &PosingAreas::ba, &PosingAreas::aa, &PosingAreas::bb, &PosingAreas::more_a1,
-                                        &PosingAreas::more_b1, &PosingAreas::more_a0, &PosingAreas::more_b0})
-          (to.*area)[lane] = (still.*area)[from.lane];
-      }
-      here = there;
-    }
-  }
-  for (int k = 0; k < four.rows; ++k)
-    for (int lane = four.strips; lane < kLanes; ++lane) {  // idle
-      PosingAreas& to = areas[k];
-      for (Lane* area : {&to.own, &to.ab, &to.ba, &to.aa, &to.bb, &to.more_a1, &to.more_b1, &to.more_a0, &to.more_b0}) (*area)[lane] = (*area)[0];
-    }
-}
 
 void regrow_strips(const PosingTable::Data& data, const GrowingStrips& growing, double most, PosedAnatomy& out) {
   PosingBatch four;
@@ -120,7 +93,7 @@ void regrow_strips(const PosingTable::Data& data, const GrowingStrips& growing, 
   Scratch t;
   PosingAreas areas[kMaxStripSlices];
   for (int k = 0; k < four.rows; ++k) gather(out, first, k, t);
-  gather_areas(data, growing, four, first, out, areas);
+  gather_areas(out, first, four.rows, areas);
   const auto tubes = four.lanes.width_swells > 0;
   const Lane low = tubes.select(Lane::Constant(kLeastGrowth), Lane::Constant(kLeastGrowth * kLeastGrowth));
   const Lane high = tubes.select(Lane::Constant(most), Lane::Constant(most * most));

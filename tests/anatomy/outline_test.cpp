@@ -1,4 +1,5 @@
 // Laws of outlines: areas, volumes and motion of sections that are no ellipses, by triangles and polygons.
+#include "anatomy/lane_areas.h"
 #include "anatomy/outline.h"
 
 #include <gtest/gtest.h>
@@ -108,6 +109,26 @@ TEST(SliceOutline, APieceKnowsItsFirstAreaAndIsLopsidedOnlyWhereItsOutlinesAre) 
   EXPECT_EQ(plain.ab, 1);
   EXPECT_NEAR(lop.more_a1, other_way.more_a0, 1e-12);
   EXPECT_NEAR(lop.more_b1, other_way.more_b0, 1e-12);
+}
+
+TEST(SliceOutline, FourPiecesAtOnceHaveTheAreasOfEach) {
+  std::array<SliceOutline, kLanes> first, second;
+  LaneOutlines f, g;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const auto at = static_cast<std::size_t>(lane);
+    first[at] = shape(lane, 0.2), second[at] = lane < 3 ? shape(lane + 2, -0.1) : kEllipticOutline;
+  }
+  f.set({&first[0], &first[1], &first[2], &first[3]});
+  g.set({&second[0], &second[1], &second[2], &second[3]});
+  const PosingAreas all = areas_between(f, g);
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const auto at = static_cast<std::size_t>(lane);
+    const PieceAreas one = piece_areas(first[at], second[at]);
+    EXPECT_NEAR(g.own[lane], outline_area(second[at]), 1e-14);
+    for (const auto& [lanes, wanted] : {std::pair{all.own, one.own}, {all.ab, one.ab}, {all.ba, one.ba}, {all.aa, one.aa}, {all.bb, one.bb},
+                                        {all.more_a1, one.more_a1}, {all.more_b1, one.more_b1}, {all.more_a0, one.more_a0}, {all.more_b0, one.more_b0}})
+      EXPECT_NEAR(lanes[lane], wanted, 1e-14) << lane;
+  }
 }
 
 TEST(SliceOutline, FactorIsLinearBetweenItsPoints) {
