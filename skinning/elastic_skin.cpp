@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "skinning/float4.h"
+#include "skinning/joint_strain.h"
 #include "skinning/normals.h"
 
 namespace ecorche {
@@ -14,21 +15,35 @@ constexpr int kMembraneRounds = 3, kContactRounds = 3, kFillSteps = 2;
 constexpr float kPressed = 1e-3f;    // m; what contact has moved further does not swell
 constexpr float kMet = 0.1f;         // how open skin that has met other skin counts as: it rises by less than half, and muscles give way for the rest
 constexpr double kRadiusShare = 0.8;  // an ear is far from bone, but there is not much of it
+constexpr double kLoosened = 0.05;    // m: skin that joints would stretch to twice its length goes as over so much tissue
+constexpr int kTissueRounds = 8, kStrainRounds = 4;
+
+// Goes half of the way to the neighbours' mean, so many times.
+void smooth(const std::vector<std::vector<int>>& rings, int rounds, std::vector<double>& values) {
+  std::vector<double> next = values;
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      double sum = 0;
+      for (int j : rings[i]) sum += values[static_cast<std::size_t>(j)];
+      if (!rings[i].empty()) next[i] = 0.5 * values[i] + 0.5 * sum / static_cast<double>(rings[i].size());
+    }
+    values.swap(next);
+  }
+}
 
 std::vector<double> tissue_of(const TriMesh& skin, const SkinSurvey& survey) {
-  constexpr int kRounds = 8;
   std::vector<double> out(survey.depth.size());
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = std::min(survey.depth[i], kRadiusShare * survey.radius[i]);
-  const std::vector<std::vector<int>> rings = vertex_neighbours(skin);
-  std::vector<double> next = out;
-  for (int round = 0; round < kRounds; ++round) {
-    for (std::size_t i = 0; i < out.size(); ++i) {
-      double sum = 0;
-      for (int j : rings[i]) sum += out[static_cast<std::size_t>(j)];
-      if (!rings[i].empty()) next[i] = 0.5 * out[i] + 0.5 * sum / static_cast<double>(rings[i].size());
-    }
-    out.swap(next);
-  }
+  smooth(vertex_neighbours(skin), kTissueRounds, out);
+  return out;
+}
+
+// How deep the tissue is that would let skin go as freely: the tissue's own depth, or more where joints stretch it.
+std::vector<double> looseness_of(const Skeleton& skeleton, const TriMesh& skin, std::span<const std::array<Influence, 4>> joint_weights,
+                                 std::span<const double> tissue) {
+  std::vector<double> out = find_joint_strain(skeleton, skin, joint_weights);
+  smooth(vertex_neighbours(skin), kStrainRounds, out);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = std::max(tissue[i], kLoosened * out[i]);
   return out;
 }
 
@@ -53,7 +68,7 @@ std::shared_ptr<const ElasticSkin> make_elastic_skin(const Skeleton& skeleton, c
   }
   std::vector<Vec3> rest;
   for (Eigen::Index s = 0; s < sorted.V.rows(); ++s) rest.push_back(sorted.V.row(s));
-  Membrane membrane = make_membrane(sorted, thickness);
+  Membrane membrane = make_membrane(sorted, looseness_of(skeleton, sorted, weights, thickness));
   SkinContact contact = make_skin_contact(membrane, positions, triangles, thickness);
   ElasticSkin out{std::move(membrane),
                   make_limb_volumes(skeleton, positions, triangles, weights, thickness),

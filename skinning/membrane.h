@@ -35,7 +35,7 @@ struct Membrane {
   SheetFactor factor;                 // of W + C
 };
 
-// `tissue`: what lies between skin and bone, m, #V: skin holds the less and glides the further the more there is.
+// `tissue`: what lies between skin and bone, or what it is as loose as lying over, m, #V: skin holds the less and glides the further the more there is.
 // Precondition: the mesh has no vertex without triangles whose place matters: such a vertex stays on its anchor.
 Membrane make_membrane(const TriMesh& skin, std::span<const double> tissue);
 

@@ -9,6 +9,7 @@
 
 #include "anatomy/self_intersections.h"
 #include "skinning/elastic_skin.h"
+#include "skinning/joint_strain.h"
 #include "skinning/limb_volumes.h"
 #include "skinning/membrane.h"
 #include "skinning/normals.h"
@@ -141,6 +142,59 @@ TEST(LimbVolumes, ComeBackWhenTheSkinWasPressedIn) {
   const double before = volume(tube.mesh, tube.mesh.V);
   EXPECT_NEAR(volume(tube.mesh, pressed) / before, 0.96, 1e-6);
   EXPECT_NEAR(volume(tube.mesh, kept(pressed)) / before, 1, 2e-3);
+}
+
+// The forearm's share of an arm's skin passes from 0 to 1 within `length` about the elbow.
+std::vector<std::array<Influence, 4>> arm_weights(const test::Arm& arm, double length) {
+  const double elbow = rest_positions(arm.anatomy.skeleton)[3].y();
+  std::vector<std::array<Influence, 4>> out;
+  for (Eigen::Index i = 0; i < arm.skin.V.rows(); ++i) {
+    const double share = std::clamp(0.5 + (elbow - arm.skin.V(i, 1)) / length, 0.0, 1.0);
+    out.push_back({Influence{2, 1 - share}, {3, share}, {}, {}});
+  }
+  return out;
+}
+
+TEST(JointStrain, GrowsWithLeverAndSteepnessAndEndsWithThePassage) {
+  const test::Arm arm = test::make_arm();
+  const double elbow = rest_positions(arm.anatomy.skeleton)[3].y(), length = 0.08;
+  const std::vector<double> wide = find_joint_strain(arm.anatomy.skeleton, arm.skin, arm_weights(arm, length)),
+                            narrow = find_joint_strain(arm.anatomy.skeleton, arm.skin, arm_weights(arm, length / 2));
+  int about = 0, away = 0;
+  for (Eigen::Index i = 0; i < arm.skin.V.rows(); ++i) {
+    const std::size_t v = static_cast<std::size_t>(i);
+    const double along = std::abs(arm.skin.V(i, 1) - elbow);
+    if (along < 0.005) {
+      ++about;
+      EXPECT_NEAR(wide[v], 1.3 * 0.045 / length, 0.05);  // rad, m, m
+      EXPECT_NEAR(narrow[v], 2 * wide[v], 0.1);
+    } else if (along > length / 2 + 0.011) {
+      ++away;
+      EXPECT_EQ(wide[v], 0);
+    }
+  }
+  EXPECT_GT(about, 20);
+  EXPECT_GT(away, 1000);
+}
+
+TEST(JointStrain, ThinSkinOverAJointIsHeldLess) {
+  const test::Arm arm = test::make_arm();
+  const double elbow = rest_positions(arm.anatomy.skeleton)[3].y();
+  const std::size_t n = static_cast<std::size_t>(arm.skin.V.rows());
+  SkinSurvey survey;
+  survey.depth.assign(n, 0.004);
+  survey.radius.assign(n, 0.045);
+  const std::vector<std::array<Influence, 4>> weights = arm_weights(arm, 0.08);
+  const std::shared_ptr<const ElasticSkin> skin =
+      make_elastic_skin(arm.anatomy.skeleton, arm.skin, survey, weights, {}, {arm.skin.F.data(), static_cast<std::size_t>(arm.skin.F.size())});
+  for (std::size_t i = 0; i < n; ++i) {
+    const double along = std::abs(arm.skin.V(static_cast<Eigen::Index>(i), 1) - elbow);
+    if (along < 0.02) {
+      EXPECT_LT(skin->membrane.hold[i], 0.15f);
+    } else if (along > 0.12) {
+      EXPECT_GT(skin->membrane.hold[i], 0.6f);
+    }
+  }
 }
 
 // A nub of 4 mm on the tube's end, which has all of its flesh beneath it.
