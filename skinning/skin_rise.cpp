@@ -15,6 +15,7 @@ constexpr int kSpreading = 8;  // rounds, the first half of them only upwards
 constexpr int kEasing = 4;     // rounds
 constexpr float kOpen = 4;  // the skin rises freely where it is at least a quarter open
 constexpr float kFoldShare = 0.12f;
+constexpr float kNoRise = 1e-5f;  // m: what is less stops in no fold, as normals meet half an edge away at the nearest
 constexpr std::size_t kBlock = 512;
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
@@ -62,6 +63,7 @@ void spread(const SkinRings& rings, RiseScratch& s) {
 void spare_folds(const SkinRings& rings, std::span<const float> positions, std::span<const float> normals, RiseScratch& s) {
   each(s, [&](int v) {
     float& most = s.rise[index(v)];
+    if (most < kNoRise) return;
     const Float4 p = load4(&positions[4 * index(v)]), n = load4(&normals[4 * index(v)]);
     for (int u : ring_of(rings, v)) {
       const Float4 edge = load4(&positions[4 * index(u)]) - p;
