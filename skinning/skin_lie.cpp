@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <cmath>
+#include <cstring>
 
-#include "skinning/lanes.h"
 #include "skinning/skin_survey.h"
 
 namespace ecorche {
@@ -13,24 +11,11 @@ namespace {
 
 constexpr int kMostSteps = 40;
 
-std::size_t at(int vertex) { return 4 * static_cast<std::size_t>(vertex); }
-
-Wide3 same(Float4 v) { return {all_eight(v[0]), all_eight(v[1]), all_eight(v[2])}; }
 
 Float8 clamped(Float8 v) {
   const Float8 positive = v > 0 ? v : Float8{};
   return positive < 1 ? positive : all_eight(1);
 }
-
-float least_of(Float8 v) {
-  const auto smaller = [](Float8 a, Float8 b) { return a < b ? a : b; };
-  v = smaller(v, __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3));
-  v = smaller(v, __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5));
-  return smaller(v, __builtin_shufflevector(v, v, 1, 0, 3, 2, 5, 4, 7, 6))[0];
-}
-
-// The first lane that holds `value`.
-int lane_of(Float8 v, float value) { return std::countr_zero(lanes_that(v == value) | 0x80u); }
 
 // The points of eight triangles 0, b, c nearest to p, as shares of b and c.
 struct Shares {
@@ -60,45 +45,101 @@ Shares nearest_shares(const Wide3& p, const Wide3& b, const Wide3& c) {
   return out;
 }
 
-std::span<const SkinRings::Eight> eights_of(const SkinRings& rings, int vertex) {
-  const auto v = static_cast<std::size_t>(vertex);
-  return {rings.eights.data() + rings.eight_begin[v], rings.eights.data() + rings.eight_begin[v + 1]};
-}
+using Eights = std::array<const SkinRings::Eight*, 8>;  // one a lane
 
-// What positions are taken relative to: less is lost so than by their size.
+// What positions are taken relative to, a lane each: less is lost so than by their size.
 struct Looker {
   const PosedSkin& skin;
-  Wide3 base, p;  // `p`: relative to `base`
+  Wide3 base, points;  // `points`: relative to `base`
 
-  Wide3 ways_to(const SkinRings::Eight& eight) const { return xyz(gather_eight(skin.positions.data(), eight.neighbour.data())) - base - p; }
+  Wide3 ways_to(const std::array<int, 8>& vertex) const { return xyz(gather_eight(skin.positions.data(), vertex.data())) - base - points; }
 };
 
-// Of the triangles about a vertex, the nearest point. `about`: the ways to its neighbours, if they fill one eight
-// and are known.
-void look_at_fan(std::span<const SkinRings::Eight> eights, const Looker& looker, Float4 way_to_vertex, const Wide3* about, Lie& lie) {
-  const PosedSkin& skin = looker.skin;
-  const Wide3 from_a = same(-way_to_vertex);
-  constexpr Float8 kLane{0, 1, 2, 3, 4, 5, 6, 7};
-  float least_distance2 = 1e30f;
-  for (const SkinRings::Eight& eight : eights) {
-    const Wide3 b = (about ? *about : looker.ways_to(eight)) + from_a;
-    const auto next = [](Float8 v) { return __builtin_shufflevector(v, v, 1, 2, 3, 4, 5, 6, 7, 0); };
-    const Wide3 c{next(b.x), next(b.y), next(b.z)};
-    const Shares shares = nearest_shares(from_a, b, c);
-    const Float8 distance2 = kLane < static_cast<float>(eight.triangles) ? shares.distance2 : all_eight(1e30f);
-    const float nearest = least_of(distance2);
-    if (!(nearest < least_distance2)) continue;
-    least_distance2 = nearest;
-    const int best = lane_of(distance2, nearest);
-    const float to_b = shares.b[best], to_c = shares.c[best];
-    const int second = eight.neighbour[static_cast<std::size_t>(best)],
-              third = eight.neighbour[static_cast<std::size_t>(best + 1) % 8];
-    const Float4 normal = (1 - to_b - to_c) * load4(&skin.normals[at(lie.vertex)]) + to_b * load4(&skin.normals[at(second)]) +
-                          to_c * load4(&skin.normals[at(third)]);
-    lie.normal = normal * (1.0f / std::sqrt(sum4(normal * normal)[0] + 1e-30f));
-    const Wide3 way = from_a - (all_eight(to_b) * b + all_eight(to_c) * c);
-    lie.height = way.x[best] * lie.normal[0] + way.y[best] * lie.normal[1] + way.z[best] * lie.normal[2];
+std::array<int, 8> neighbours(const Eights& eights, std::size_t k) {
+  std::array<int, 8> out;
+  for (std::size_t lane = 0; lane < 8; ++lane) out[lane] = eights[lane]->neighbour[k];
+  return out;
+}
+
+// act(eights, most) for the first eight of every vertex's neighbours, and so on; a ring that has no more repeats its last. `most`: triangles in one of them.
+template <class Act>
+void each_eight(const SkinRings& rings, const std::array<int, 8>& vertex, const Act& act) {
+  for (int e = 0, count = 1; e < count; ++e) {
+    Eights eights;
+    int most = 0;
+    for (std::size_t lane = 0; lane < 8; ++lane) {
+      const auto v = static_cast<std::size_t>(vertex[lane]);
+      const int begin = rings.eight_begin[v], own = rings.eight_begin[v + 1] - begin;
+      count = std::max(count, own);
+      eights[lane] = &rings.eights[static_cast<std::size_t>(begin + std::min(e, own - 1))];
+      most = std::max(most, eights[lane]->triangles);
+    }
+    act(eights, static_cast<std::size_t>(most));
   }
+}
+
+Int8 load_ints(const std::array<int, 8>& of) {
+  Int8 out;
+  std::memcpy(&out, of.data(), sizeof out);
+  return out;
+}
+
+// Every lane's vertex goes to the nearest neighbour, if that is nearer; whether one does.
+bool step_on(const SkinRings& rings, const Looker& looker, std::array<int, 8>& vertex, Float8& least_distance2) {
+  Int8 nearest = load_ints(vertex), moved{};
+  each_eight(rings, vertex, [&](const Eights& eights, std::size_t most) {
+    for (std::size_t k = 0; k <= std::min<std::size_t>(most, 7); ++k) {
+      const std::array<int, 8> other = neighbours(eights, k);
+      const Wide3 way = looker.ways_to(other);
+      const Float8 distance2 = dot(way, way);
+      const Int8 nearer = distance2 < least_distance2;
+      least_distance2 = nearer ? distance2 : least_distance2;
+      nearest = nearer ? load_ints(other) : nearest;
+      moved |= nearer;
+    }
+  });
+  std::memcpy(vertex.data(), &nearest, sizeof nearest);
+  return lanes_that(moved) != 0;
+}
+
+// Of the triangles about each vertex, to which `to_vertex` leads, the nearest point.
+void look_at_fans(const SkinRings& rings, const Looker& looker, const Wide3& to_vertex, Lies& lies) {
+  const Wide3 from_a = all_eight(-1) * to_vertex;
+  Float8 least_distance2 = all_eight(1e30f), share_b{}, share_c{};
+  Int8 second = load_ints(lies.vertex), third = second;
+  Wide3 way = from_a;
+  each_eight(rings, lies.vertex, [&](const Eights& eights, std::size_t most) {
+    Int8 triangles{};
+    for (std::size_t lane = 0; lane < 8; ++lane) triangles[static_cast<int>(lane)] = eights[lane]->triangles;
+    std::array<int, 8> next = neighbours(eights, 0);
+    Wide3 c = looker.ways_to(next) + from_a;
+    for (std::size_t k = 0; k < most; ++k) {
+      const Int8 b_vertex = load_ints(next);
+      const Wide3 b = c;
+      next = neighbours(eights, (k + 1) % 8);
+      c = looker.ways_to(next) + from_a;
+      const Shares shares = nearest_shares(from_a, b, c);
+      const Int8 nearer = (shares.distance2 < least_distance2) & (triangles > static_cast<int>(k));
+      const auto take = [&](const auto& better, auto& of) { of = nearer ? better : of; };
+      take(shares.distance2, least_distance2);
+      take(shares.b, share_b);
+      take(shares.c, share_c);
+      take(b_vertex, second);
+      take(load_ints(next), third);
+      take(from_a.x - (shares.b * b.x + shares.c * c.x), way.x);
+      take(from_a.y - (shares.b * b.y + shares.c * c.y), way.y);
+      take(from_a.z - (shares.b * b.z + shares.c * c.z), way.z);
+    }
+  });
+  const auto normals_of = [&](Int8 vertex) {
+    std::array<int, 8> numbers;
+    std::memcpy(numbers.data(), &vertex, sizeof vertex);
+    return xyz(gather_eight(looker.skin.normals.data(), numbers.data()));
+  };
+  const Wide3 normal = normalized((1 - share_b - share_c) * lies.normal + share_b * normals_of(second) + share_c * normals_of(third));
+  const Int8 shallow = lies.height >= -kDeepLie;
+  lies.height = shallow ? dot(way, normal) : lies.height;
+  lies.normal = {shallow ? normal.x : lies.normal.x, shallow ? normal.y : lies.normal.y, shallow ? normal.z : lies.normal.z};
 }
 
 // Chains the sides that triangles have opposite to a vertex, and lays them out.
@@ -142,37 +183,24 @@ SkinRings make_skin_rings(const TriMesh& skin) {
   out.eight_begin.push_back(0);
   for (std::vector<std::array<int, 2>>& about : sides) {
     add_eights(std::move(about), out.eights);
+    if (static_cast<int>(out.eights.size()) == out.eight_begin.back()) out.eights.emplace_back().neighbour.fill(static_cast<int>(out.eight_begin.size()) - 1);
     out.eight_begin.push_back(static_cast<int>(out.eights.size()));
   }
   return out;
 }
 
-Lie lie_of(const SkinRings& rings, const PosedSkin& skin, Float4 point, int from) {
-  const Float4 begin = load4(&skin.positions[at(from)]);
-  const Looker looker{skin, same(begin), same(point)};
-  Lie lie{from, 0, {}};
-  float least_distance2 = sum4(point * point)[0];
-  Wide3 about;
-  bool arrived = false;
-  for (int step = 0; step < kMostSteps && !arrived; ++step) {
-    const int before = lie.vertex;
-    for (const SkinRings::Eight& eight : eights_of(rings, before)) {
-      about = looker.ways_to(eight);
-      const Float8 distance2 = dot(about, about);
-      const float nearest = least_of(distance2);
-      if (!(nearest < least_distance2)) continue;
-      least_distance2 = nearest;
-      lie.vertex = eight.neighbour[static_cast<std::size_t>(lane_of(distance2, nearest))];
-    }
-    arrived = lie.vertex == before;
+Lies lies_of(const SkinRings& rings, const PosedSkin& skin, const Wide3& points, const std::array<int, 8>& from) {
+  const Looker looker{skin, xyz(gather_eight(skin.positions.data(), from.data())), points};
+  Lies lies;
+  lies.vertex = from;
+  Float8 least_distance2 = dot(points, points);
+  for (int step = 0; step < kMostSteps && step_on(rings, looker, lies.vertex, least_distance2); ++step) {
   }
-  lie.normal = load4(&skin.normals[at(lie.vertex)]);
-  const Float4 way = load4(&skin.positions[at(lie.vertex)]) - begin - point;
-  lie.height = -sum4(way * lie.normal)[0];
-  if (lie.height < -kDeepLie) return lie;
-  const std::span<const SkinRings::Eight> eights = eights_of(rings, lie.vertex);
-  look_at_fan(eights, looker, way, arrived && eights.size() == 1 ? &about : nullptr, lie);
-  return lie;
+  const Wide3 way = looker.ways_to(lies.vertex);
+  lies.normal = xyz(gather_eight(skin.normals.data(), lies.vertex.data()));
+  lies.height = -dot(way, lies.normal);
+  if (lanes_that(lies.height >= -kDeepLie) != 0) look_at_fans(rings, looker, way, lies);
+  return lies;
 }
 
 }  // namespace ecorche

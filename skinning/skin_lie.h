@@ -6,12 +6,13 @@
 #include <vector>
 
 #include "anatomy/types.h"
-#include "skinning/float4.h"
+#include "skinning/lanes.h"
 
 namespace ecorche {
 
 // Neighbours of every vertex, in the order of the triangles about it: eight at a time, of which each and the next bound a triangle with the vertex.
-// After the last comes the first. Longer rings go on in the next eight, which begin with the last one's eighth.
+// After the last comes the first. Longer rings go on in the next eight, which begin with the last one's eighth. A vertex without triangles has
+// itself for neighbours.
 struct SkinRings {
   struct Eight {
     std::array<int, 8> neighbour{};
@@ -28,16 +29,17 @@ struct PosedSkin {
   std::span<const float> positions, normals;  // #V x 4
 };
 
-struct Lie {
-  int vertex = 0;     // nearest
-  float height = 0;   // m over the skin, negative below
-  Float4 normal{};    // outward, unit, w = 0
+// Of eight points.
+struct Lies {
+  std::array<int, 8> vertex{};  // nearest
+  Float8 height{};              // m over the skin, negative below
+  Wide3 normal{};               // outward, unit
 };
 
 // m: below that the height is that over the plane of the nearest vertex.
 inline constexpr float kDeepLie = 0.005f;
 
-// `p`: relative to the vertex `from`, w = 0.
-Lie lie_of(const SkinRings& rings, const PosedSkin& skin, Float4 p, int from);
+// `points`: relative to the vertices `from`. How one lies does not depend on the others.
+Lies lies_of(const SkinRings& rings, const PosedSkin& skin, const Wide3& points, const std::array<int, 8>& from);
 
 }  // namespace ecorche

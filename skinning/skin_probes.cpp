@@ -17,8 +17,37 @@ constexpr double kNear = 0.025;     // m below the skin at rest: deeper points a
 constexpr float kMargin = 1.2e-3f;  // m
 constexpr float kAside = 0.01f, kAsideDepths = 1.5f;  // m; times how deep it lies: further off, another part of the skin may be nearer
 
-// Every second point of the outline from the centre, in single precision.
-Wide3 spokes_of(const Ellipse& e, float thickness) {
+Float4 from_point(const Vec3& p, Float4 point) {
+  Float4 out{};
+  for (int k = 0; k < 3; ++k) out[k] = static_cast<float>(p[k] - static_cast<double>(point[k]));
+  return out;
+}
+
+Wide3 same(Float4 v) { return {all_eight(v[0]), all_eight(v[1]), all_eight(v[2])}; }
+
+// Relative to the vertices.
+Wide3 points_of(const SectionProbes& probes, const Ellipse& section, const Wide3& spokes, const PosedSkin& skin) {
+  const Float4 origin = load4(&skin.positions[4 * static_cast<std::size_t>(probes.vertex[0])]);
+  return same(from_point(section.center, origin)) + spokes - (xyz(gather_eight(skin.positions.data(), probes.vertex.data())) - same(origin));
+}
+
+// Lanes that are not looked along have the first one's vertex that is.
+void fill_up(SectionProbes& probes) {
+  for (std::size_t lane = 0; lane < 8; ++lane)
+    if ((probes.lanes >> lane & 1) == 0) probes.vertex[lane] = probes.vertex[static_cast<std::size_t>(std::countr_zero(probes.lanes))];
+}
+
+std::vector<float> rows_of(const Points& points) {
+  std::vector<float> out;
+  for (Eigen::Index v = 0; v < points.rows(); ++v)
+    for (int k = 0; k < 4; ++k) out.push_back(k < 3 ? static_cast<float>(points(v, k)) : 1);
+  return out;
+}
+
+}  // namespace
+
+// In single precision.
+Wide3 probe_spokes(const Ellipse& e, float thickness) {
   static const auto directions = [] {
     std::array<Float8, 2> out{};
     for (int lane = 0; lane < 8; ++lane)
@@ -33,30 +62,6 @@ Wide3 spokes_of(const Ellipse& e, float thickness) {
   return {along(0), along(1), along(2)};
 }
 
-Float4 from_point(const Vec3& p, Float4 point) {
-  Float4 out{};
-  for (int k = 0; k < 3; ++k) out[k] = static_cast<float>(p[k] - static_cast<double>(point[k]));
-  return out;
-}
-
-Wide3 same(Float4 v) { return {all_eight(v[0]), all_eight(v[1]), all_eight(v[2])}; }
-
-Float4 lane_of(const Wide3& v, std::size_t lane) {
-  const int k = static_cast<int>(lane);
-  return Float4{v.x[k], v.y[k], v.z[k], 0};
-}
-
-Vec3 to_vec3(Float4 v) { return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])}; }
-
-std::vector<float> rows_of(const Points& points) {
-  std::vector<float> out;
-  for (Eigen::Index v = 0; v < points.rows(); ++v)
-    for (int k = 0; k < 4; ++k) out.push_back(k < 3 ? static_cast<float>(points(v, k)) : 1);
-  return out;
-}
-
-}  // namespace
-
 std::vector<SectionProbes> place_probes(std::span<const Ellipse> rest, std::span<const float> thickness, const TriMesh& skin, const SkinRings& rings) {
   const std::vector<float> positions = rows_of(skin.V);
   std::vector<float> normals(positions.size());
@@ -68,10 +73,10 @@ std::vector<SectionProbes> place_probes(std::span<const Ellipse> rest, std::span
     for (std::size_t k = range.begin(); k < range.end(); ++k) {
       SectionProbes& probes = out[k];
       probes.section = static_cast<int>(k);
-      const Wide3 spokes = spokes_of(rest[k], thickness[k]);
+      const Wide3 spokes = probe_spokes(rest[k], thickness[k]);
       for (std::size_t lane = 0; lane < 8; ++lane) {
-        const Float4 spoke = lane_of(spokes, lane);
-        const Vec3 p = rest[k].center + to_vec3(spoke);
+        const int at = static_cast<int>(lane);
+        const Vec3 p = rest[k].center + Vec3(spokes.x[at], spokes.y[at], spokes.z[at]);
         const SurfacePoint hit = nearest.nearest(p);
         if (hit.distance > kNear) continue;
         const auto far = [&](int corner) { return (skin.V.row(skin.F(hit.triangle, corner)).transpose() - p).squaredNorm(); };
@@ -79,35 +84,56 @@ std::vector<SectionProbes> place_probes(std::span<const Ellipse> rest, std::span
         for (int c = 1; c < 3; ++c)
           if (far(c) < far(corner)) corner = c;
         const int vertex = skin.F(hit.triangle, corner);
-        const Lie lie = lie_of(rings, still, from_point(rest[k].center, load4(&positions[4 * static_cast<std::size_t>(vertex)])) + spoke, vertex);
         probes.lanes |= 1u << lane;
         probes.vertex[lane] = vertex;
-        probes.margin[lane] = std::min(kMargin, -lie.height - 1e-5f);
       }
+      if (probes.lanes == 0) continue;
+      fill_up(probes);
+      const Lies lies = lies_of(rings, still, points_of(probes, rest[k], spokes, still), probes.vertex);
+      for (int lane = 0; lane < 8; ++lane) probes.margin[static_cast<std::size_t>(lane)] = std::min(kMargin, -lies.height[lane] - 1e-5f);
     }
   });
   std::erase_if(out, [](const SectionProbes& probes) { return probes.lanes == 0; });
-  for (SectionProbes& probes : out)
-    for (std::size_t lane = 0; lane < 8; ++lane)
-      if ((probes.lanes >> lane & 1) == 0) probes.vertex[lane] = probes.vertex[static_cast<std::size_t>(std::countr_zero(probes.lanes))];
   return out;
 }
 
-PosedProbes::PosedProbes(const SectionProbes& probes, const Ellipse& section, float thickness, const PosedSkin& skin)
-    : probes_(probes), skin_(skin), spokes_(spokes_of(section, thickness)) {
-  const Float4 origin = load4(&skin.positions[4 * static_cast<std::size_t>(probes.vertex[0])]);
-  points_ = same(from_point(section.center, origin)) + spokes_ - (xyz(gather_eight(skin.positions.data(), probes.vertex.data())) - same(origin));
-}
-
-unsigned PosedProbes::shallow() const {
-  const Float8 height = dot(points_, xyz(gather_eight(skin_.normals.data(), probes_.vertex.data())));
+void ShallowProbes::add(int owner, const SectionProbes& probes, const Ellipse& section, float thickness, const PosedSkin& skin) {
+  const Wide3 points = points_of(probes, section, probe_spokes(section, thickness), skin);
+  const Float8 height = dot(points, xyz(gather_eight(skin.normals.data(), probes.vertex.data())));
   const Float8 aside = most(all_eight(kAside), -kAsideDepths * height);
-  const Int8 deep = (height < -kDeepLie) & (dot(points_, points_) - height * height < aside * aside);
-  return ~lanes_that(deep) & probes_.lanes;
+  const Int8 deep = (height < -kDeepLie) & (dot(points, points) - height * height < aside * aside);
+  for (unsigned lanes = ~lanes_that(deep) & probes.lanes; lanes != 0; lanes &= lanes - 1) {
+    const int lane = std::countr_zero(lanes);
+    x_[count_] = points.x[lane];
+    y_[count_] = points.y[lane];
+    z_[count_] = points.z[lane];
+    ProbeLie& lie = lies_[count_++];
+    lie.owner = owner;
+    lie.lane = static_cast<std::size_t>(lane);
+    lie.vertex = probes.vertex[lie.lane];
+  }
 }
 
-Lie PosedProbes::lie(const SkinRings& rings, std::size_t lane) const { return lie_of(rings, skin_, lane_of(points_, lane), probes_.vertex[lane]); }
-
-Vec3 PosedProbes::spoke(std::size_t lane) const { return to_vec3(lane_of(spokes_, lane)); }
+std::span<const ProbeLie> ShallowProbes::lie(const SkinRings& rings, const PosedSkin& skin) {
+  for (std::size_t begin = 0; begin < count_; begin += 8) {
+    const std::size_t end = std::min(begin + 8, count_);
+    std::array<int, 8> from;
+    for (std::size_t lane = 0; lane < 8; ++lane) {
+      const std::size_t k = std::min(begin + lane, end - 1);  // the last one fills up
+      from[lane] = lies_[k].vertex;
+      x_[begin + lane] = x_[k];
+      y_[begin + lane] = y_[k];
+      z_[begin + lane] = z_[k];
+    }
+    const Lies lies = lies_of(rings, skin, {load8(&x_[begin]), load8(&y_[begin]), load8(&z_[begin])}, from);
+    for (std::size_t k = begin; k < end; ++k) {
+      const int lane = static_cast<int>(k - begin);
+      lies_[k].vertex = lies.vertex[k - begin];
+      lies_[k].height = lies.height[lane];
+      lies_[k].normal = Float4{lies.normal.x[lane], lies.normal.y[lane], lies.normal.z[lane], 0};
+    }
+  }
+  return {lies_.data(), count_};
+}
 
 }  // namespace ecorche

@@ -25,22 +25,33 @@ struct SectionProbes {
 // Sections that have a point near the skin at rest. `thickness`: #sections, see MuscleSurface::Part.
 std::vector<SectionProbes> place_probes(std::span<const Ellipse> rest, std::span<const float> thickness, const TriMesh& skin, const SkinRings& rings);
 
-// A section's probes in a pose. Places are taken from the vertices near them: nothing is lost far from the origin.
-class PosedProbes {
+// A section's points from its centre, m.
+Wide3 probe_spokes(const Ellipse& section, float thickness);
+
+// How a probe lies against the skin. Without initial values, as whole arrays of it are made each frame.
+struct ProbeLie {
+  int owner;         // into the sections that have some
+  std::size_t lane;
+  int vertex;        // of the skin, nearest
+  float height;      // m over the skin, negative below
+  Float4 normal;     // outward, unit
+};
+
+// Probes of up to kSections sections that may be out in a pose, looked at eight by eight.
+class ShallowProbes {
  public:
-  PosedProbes(const SectionProbes& probes, const Ellipse& section, float thickness, const PosedSkin& skin);
+  static constexpr std::size_t kSections = 64;
 
-  // Lanes that do not lie so deep below the vertex that they had at rest that they cannot be out.
-  unsigned shallow() const;
+  // Those that do not lie so deep below the vertex that they had at rest that they cannot be out.
+  void add(int owner, const SectionProbes& probes, const Ellipse& section, float thickness, const PosedSkin& skin);
 
-  Lie lie(const SkinRings& rings, std::size_t lane) const;
-
-  Vec3 spoke(std::size_t lane) const;  // from the centre, m
+  // All that were added, in that order.
+  std::span<const ProbeLie> lie(const SkinRings& rings, const PosedSkin& skin);
 
  private:
-  const SectionProbes& probes_;
-  const PosedSkin& skin_;
-  Wide3 spokes_, points_;  // `points_`: relative to the vertices
+  std::size_t count_ = 0;
+  std::array<float, 8 * kSections> x_, y_, z_;  // relative to the vertices: nothing is lost far from the origin
+  std::array<ProbeLie, 8 * kSections> lies_;
 };
 
 }  // namespace ecorche

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <stdexcept>
 
@@ -69,23 +68,35 @@ constexpr double kOver = 1.1;       // the belly swells back a part of what is p
 constexpr std::size_t kStrips = 32;  // a task
 constexpr int kRounds = 2;          // by turns, to the skin and to one another: what gives way to the one swells towards the other
 
-PosedProbes posed_probes(const UnderSkin::Data& data, const PosedSkin& skin, std::span<const Ellipse> slices, const SectionProbes& probes) {
-  const auto section = static_cast<std::size_t>(probes.section);
-  return {probes, slices[section], data.thickness[section], skin};
+// act(owner, its lies) for those of some owners that are wanted, where a probe may be out.
+template <class Wanted, class Act>
+void each_lying(const UnderSkin::Data& data, const PosedSkin& skin, std::span<const Ellipse> slices, const Wanted& wanted, const Act& act) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, data.probes.size(), ShallowProbes::kSections), [&](const auto& range) {
+    for (std::size_t begin = range.begin(); begin < range.end(); begin += ShallowProbes::kSections) {
+      ShallowProbes shallow;
+      for (std::size_t o = begin; o < std::min(begin + ShallowProbes::kSections, range.end()); ++o) {
+        if (!wanted(o)) continue;
+        const auto section = static_cast<std::size_t>(data.probes[o].section);
+        shallow.add(static_cast<int>(o), data.probes[o], slices[section], data.thickness[section], skin);
+      }
+      for (std::span<const ProbeLie> left = shallow.lie(data.rings, skin); !left.empty();) {
+        const int owner = left.front().owner;
+        std::size_t count = 1;
+        while (count < left.size() && left[count].owner == owner) ++count;
+        act(static_cast<std::size_t>(owner), left.first(count));
+        left = left.subspan(count);
+      }
+    }
+  });
 }
 
 Vec3 to_vec3(Float4 v) { return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])}; }
 
 // Those of a section's probes that are out of the skin, or that the skin must not sink upon; how many. `near`: whether one of them is out, or nearly so.
-std::size_t find_pierces(const UnderSkin::Data& data, const PosedSkin& skin, std::span<const Ellipse> slices, const SectionProbes& probes, Pierce* pierces,
-                         char& near) {
-  const PosedProbes posed = posed_probes(data, skin, slices, probes);
+std::size_t find_pierces(const SectionProbes& probes, std::span<const ProbeLie> lies, Pierce* pierces, char& near) {
   std::size_t count = 0;
-  near = 0;
-  for (unsigned lanes = posed.shallow(); lanes != 0; lanes &= lanes - 1) {
-    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-    const Lie lie = posed.lie(data.rings, lane);
-    const float out = lie.height + probes.margin[lane];
+  for (const ProbeLie& lie : lies) {
+    const float out = lie.height + probes.margin[lie.lane];
     if (out <= -kRoom) continue;
     pierces[count++] = {lie.vertex, out};
     near = near || out > -kNearly;
@@ -98,30 +109,26 @@ bool under_any(const SectionProbes& probes, std::span<const char> marks) {
   return !marks.empty() && std::any_of(probes.vertex.begin(), probes.vertex.end(), [&](int v) { return marks[static_cast<std::size_t>(v)] != 0; });
 }
 
-tbb::blocked_range<std::size_t> owners_of(const UnderSkin::Data& data) { return {0, data.probes.size(), 64}; }
-
 bool same(const Ellipse& a, const Ellipse& b) {
   return a.center == b.center && a.axes == b.axes && a.radii == b.radii && a.outline == b.outline;
 }
 
 // What a section must give: its way inward, and the share of its spokes. `held`: how far the skin keeps them from growing.
-Giving give_of(const UnderSkin::Data& data, const PosedSkin& skin, std::span<const Ellipse> slices, const SectionProbes& probes, ContactSpokes& held) {
+Giving give_of(const SectionProbes& probes, std::span<const ProbeLie> lies, const Wide3& all_spokes, ContactSpokes& held) {
   Giving out;
-  held = {};
   std::array<double, kContactPoints> wish{};
   std::array<Vec3, kContactPoints> inward, spokes;
-  const PosedProbes posed = posed_probes(data, skin, slices, probes);
   Vec3 direction = Vec3::Zero();
   double over = 0;
-  for (unsigned lanes = posed.shallow(); lanes != 0; lanes &= lanes - 1) {
-    const auto i = static_cast<std::size_t>(std::countr_zero(lanes));
-    const Lie lie = posed.lie(data.rings, i);
+  for (const ProbeLie& lie : lies) {
+    const std::size_t i = lie.lane;
     const float out_by = std::clamp(lie.height + probes.margin[i], 0.0f, kMostOut);
     held[i] = std::clamp(1 + (lie.height + probes.margin[i]) / kHeldBelow, 0.0f, 1.0f);
     if (!(out_by > 0)) continue;
     wish[i] = static_cast<double>(out_by);
     inward[i] = -to_vec3(lie.normal);
-    spokes[i] = posed.spoke(i);
+    const int lane = static_cast<int>(i);
+    spokes[i] = to_vec3(Float4{all_spokes.x[lane], all_spokes.y[lane], all_spokes.z[lane], 0});
     const double excess = std::max(0.0, wish[i] - kPressed * spokes[i].norm());
     over = std::max(over, excess);
     direction += excess * inward[i];
@@ -181,19 +188,23 @@ void give_way(const UnderSkin::Data& data, PosedAnatomy& posed, UnderSkinScratch
 // What sections must give. Those that had nothing to give and are as they were when they were asked first are not asked `again`.
 void ask(const UnderSkin::Data& data, const PosedSkin& skin, std::span<const char> pressed, std::span<const Ellipse> slices, bool again,
          UnderSkinScratch& memory) {
-  tbb::parallel_for(owners_of(data), [&](const auto& range) {
-    for (std::size_t o = range.begin(); o < range.end(); ++o) {
-      const SectionProbes& probes = data.probes[o];
-      const Ellipse& section = slices[static_cast<std::size_t>(probes.section)];
-      ContactSpokes& held = memory.held[static_cast<std::size_t>(probes.section)];
-      Giving& giving = memory.givings[o];
-      if (!again) memory.near[o] = memory.near[o] || under_any(probes, pressed);
-      if (!again) giving.any = false;
-      if (!memory.near[o]) continue;
-      if (again && !giving.any && same(section, memory.asked[o])) continue;
-      if (!again) memory.asked[o] = section;
-      giving = give_of(data, skin, slices, probes, held);
+  const auto section_of = [&](std::size_t o) { return static_cast<std::size_t>(data.probes[o].section); };
+  const auto wanted = [&](std::size_t o) {
+    Giving& giving = memory.givings[o];
+    if (!again) {
+      giving.any = false;
+      memory.near[o] = memory.near[o] || under_any(data.probes[o], pressed);
     }
+    const Ellipse& section = slices[section_of(o)];
+    if (!memory.near[o] || (again && !giving.any && same(section, memory.asked[o]))) return false;
+    if (!again) memory.asked[o] = section;
+    giving.any = false;
+    memory.held[section_of(o)] = {};
+    return true;
+  };
+  each_lying(data, skin, slices, wanted, [&](std::size_t o, std::span<const ProbeLie> lies) {
+    const std::size_t section = section_of(o);
+    memory.givings[o] = give_of(data.probes[o], lies, probe_spokes(slices[section], data.thickness[section]), memory.held[section]);
   });
 }
 
@@ -244,9 +255,10 @@ bool rise_over_muscles(const UnderSkin& under, std::span<const Ellipse> slices, 
   memory.near.resize(data.probes.size());
   const PosedSkin skin{positions, memory.normals};
   vertex_normals(positions, data.triangles, memory.normals, memory.half);
-  tbb::parallel_for(owners_of(data), [&](const auto& range) {
-    for (std::size_t o = range.begin(); o < range.end(); ++o)
-      memory.pierce_count[o] = static_cast<unsigned char>(find_pierces(data, skin, slices, data.probes[o], &memory.pierces[8 * o], memory.near[o]));
+  std::fill(memory.pierce_count.begin(), memory.pierce_count.end(), 0);
+  std::fill(memory.near.begin(), memory.near.end(), 0);
+  each_lying(data, skin, slices, [](std::size_t) { return true; }, [&](std::size_t o, std::span<const ProbeLie> lies) {
+    memory.pierce_count[o] = static_cast<unsigned char>(find_pierces(data.probes[o], lies, &memory.pierces[8 * o], memory.near[o]));
   });
   std::size_t count = 0;
   for (std::size_t o = 0; o < data.probes.size(); ++o) {
