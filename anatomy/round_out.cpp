@@ -64,7 +64,7 @@ std::array<double, 4> turns(const VolumeCubic<double>& q, double low, double hig
 double least(const VolumeCubic<double>& q, double low, double high, double fine) {
   const std::array<double, 4> ends = turns(q, low, high);
   const auto enough = std::find_if(ends.begin(), ends.end(), [&](double x) { return q(x) >= 0; });
-  if (enough == ends.end()) return *std::max_element(ends.begin(), ends.end(), [&](double x, double y) { return q(x) < q(y); });
+  if (enough == ends.end()) return std::ranges::max(ends, {}, q);
   if (enough == ends.begin()) return low;
   double below = enough[-1], above = enough[0], x = above;
   for (int round = 0; round < kMostRounds && std::abs(q(x)) > fine; ++round) {
@@ -77,9 +77,7 @@ double least(const VolumeCubic<double>& q, double low, double high, double fine)
 
 // The most that it comes to.
 double most(const VolumeCubic<double>& q, double low, double high) {
-  double out = q(low);
-  for (const double x : turns(q, low, high)) out = std::max(out, q(x));
-  return out;
+  return q(std::ranges::max(turns(q, low, high), {}, q));
 }
 
 // What the belly cannot take goes to all sections.

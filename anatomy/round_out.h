@@ -20,6 +20,7 @@ void grow(std::span<Ellipse> strip, const BellyGrowth& law, double growth);
 // Sections grow so that they hold `volume` (tube_volume, m^3). Their outlines become as even about their centres (half a turn maps them onto
 // themselves) as it takes, and no more. Returns the growth. Where even outlines do not help, the belly goes to the end of its range and all
 // sections, tendons too, take up what is left. Continuous in the sections. A strip without belly stays as it is: 1.
+// Precondition: two to kMaxStripSlices sections.
 double round_out(std::span<Ellipse> strip, const BellyGrowth& law, double volume);
 
 }  // namespace ecorche

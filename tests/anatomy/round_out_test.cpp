@@ -63,7 +63,9 @@ TEST(RoundOut, OutlinesAreNoMoreEvenThanTheVolumeTakes) {
     round_out(strip, {belly, true, 1.0 / 3, 3}, (1.05 + 2e-4 * k) * most);
     const float now = strip[4].outline[0];
     EXPECT_LT(now, before) << k;
-    if (k > 1) EXPECT_GT(now, before - 1e-3f) << k;
+    if (k > 1) {
+      EXPECT_GT(now, before - 1e-3f) << k;
+    }
     before = now;
   }
 }
