@@ -15,7 +15,7 @@ constexpr int kMembraneRounds = 3, kContactRounds = 3, kFillSteps = 2;
 constexpr float kPressed = 1e-3f;    // m; what contact has moved further does not swell
 constexpr float kMet = 0.1f;         // how open skin that has met other skin counts as: it rises by less than half, and muscles give way for the rest
 constexpr double kRadiusShare = 0.8;  // an ear is far from bone, but there is not much of it
-constexpr double kLoosened = 0.05;    // m: skin that joints would stretch to twice its length goes as over so much tissue
+constexpr double kLoosened = 0.055;   // m: skin that joints would stretch to twice its length goes as over so much tissue
 constexpr int kTissueRounds = 8, kStrainRounds = 4;
 
 // Goes half of the way to the neighbours' mean, so many times.

@@ -14,7 +14,7 @@ namespace {
 using Sparse = Eigen::SparseMatrix<double>;
 
 constexpr double kLeastCotan = 0.05, kMostCotan = 5;
-constexpr double kHold = 0.7, kHoldDepth = 0.012, kLeastHold = 0.06;  // beside cotangents of about 0.6; m
+constexpr double kHold = 0.7, kHoldDepth = 0.012, kLeastHold = 0.1;  // beside cotangents of about 0.6; m
 constexpr double kGlideShare = 0.25, kMostGlide = 0.012;            // of the tissue's thickness; m
 constexpr int kBlock = 64;   // eights of vertices a task: tasks do not depend on the number of threads
 constexpr int kFirstTurns = 4, kTurns = 2;
