@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include "skinning/lanes.h"
@@ -20,7 +21,7 @@ constexpr double kGive = 1;                    // of the tissue
 constexpr float kReach = 1;                    // of what a vertex may be pushed: deeper inside, the other side of a thin part would be met
 constexpr double kLeastGive = 1e-3;            // m
 constexpr int kBlock = 512;
-constexpr std::size_t kManyLooks = 4;
+constexpr std::size_t kManyLooks = 4, kPatches = 16;  // a patch; a task
 
 struct Surface {
   const FittedTree& tree;
@@ -70,22 +71,27 @@ void find_pushes(const Surface& surface, const SkinContact& contact, std::span<c
   const bool gathered = count >= kManyLooks && gather_leaves(surface.tree, surface.boxes, surface.positions, low, high, bundle);
   for (const int i : patch) {
     const auto at = static_cast<std::size_t>(i);
-    Float4 push{};
-    if (s.wanted[at]) {
-      const LookBehind look = look_behind(surface, contact, normals, at);
-      const float far = look.gap + look.reach;
-      push = find_push(surface, look, gathered ? next_back(bundle, look.from, -look.normal, look.gap, far)
-                                               : next_back(surface.tree, surface.boxes, surface.positions, look.from, -look.normal, look.gap, far));
-    }
-    store4(&s.pushes[4 * at], push);
+    if (!s.wanted[at]) continue;
+    const LookBehind look = look_behind(surface, contact, normals, at);
+    const float far = look.gap + look.reach;
+    const float depth = gathered ? next_back(bundle, look.from, -look.normal, look.gap, far)
+                                 : next_back(surface.tree, surface.boxes, surface.positions, look.from, -look.normal, look.gap, far);
+    store4(&s.pushes[4 * at], find_push(surface, look, depth));
   }
 }
 
 // The pushes of those that are looked at; s.pushed: who gets one, and nobody else.
 void find_pushes(const Surface& surface, const SkinContact& contact, std::span<const float> normals, ContactScratch& s) {
-  tbb::parallel_for(std::size_t{0}, contact.patches.reach.size(), [&](std::size_t p) { find_pushes(surface, contact, normals, own_of(contact.patches.groups, p), s); });
+  std::fill(s.pushes.begin(), s.pushes.end(), 0.0f);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, contact.patches.reach.size(), kPatches), [&](const auto& range) {
+    for (std::size_t p = range.begin(); p < range.end(); ++p) {
+      const std::span<const int> patch = own_of(contact.patches.groups, p);
+      if (std::any_of(patch.begin(), patch.end(), [&](int i) { return s.wanted[static_cast<std::size_t>(i)] != 0; })) find_pushes(surface, contact, normals, patch, s);
+    }
+  });
   s.pushed.clear();
   for (std::size_t i = 0; i < s.wanted.size(); ++i) {
+    if (!s.wanted[i]) continue;
     const Float4 push = load4(&s.pushes[4 * i]);
     s.wanted[i] = sum4(push * push)[0] > 0;
     if (s.wanted[i]) s.pushed.push_back(static_cast<int>(i));
