@@ -22,7 +22,7 @@ constexpr int kPoses = kLimitPoses + static_cast<int>(kCrossing.size());
 constexpr double kHinge = 2.5;          // its flexion has so many times the range of its other angles
 constexpr double kMuchShared = 1e-4;    // of all muscles' volume, in some pose: what a pose looks at, before the skin has pressed anything,
 constexpr double kLeastShared = 1.5e-6;  // and what is worth a look at all
-constexpr std::size_t kBlock = 128;     // pairs that are looked at together: what is known of them stays in the nearest memory
+constexpr int kBlock = 128;             // pairs that are looked at together: what is known of them stays in the nearest memory
 constexpr float kRounding = 1e-5f;            // of a factor, in single precision
 
 struct Box {
@@ -235,24 +235,26 @@ void leave_out_idle(ContactTable& table) {
     for (int* member : {&group.own, &group.first, &group.last}) *member = place[static_cast<std::size_t>(*member)];
 }
 
-// Pairs, where members' begin, and their blocks, between which members do not share theirs.
+// Pairs, where members' begin, and their blocks.
 void list_pairs(ContactTable& table) {
-  table.blocks.push_back(0);
-  const auto close = [&] {
-    const int end = static_cast<int>(table.pairs.size());
-    table.most_pairs = std::max(table.most_pairs, end - table.blocks.back());
-    table.blocks.push_back(end);
-  };
+  table.first_pairs.assign(table.members.size() + 1, 0);
   for (std::size_t g = 0; g < table.groups.size(); ++g) {
     const ContactGroup& group = table.groups[g];
-    const bool next = g > 0 && table.groups[g - 1].own != group.own;
-    if (next && table.pairs.size() >= kBlock + static_cast<std::size_t>(table.blocks.back())) close();
-    for (int k = group.first; k <= group.last; ++k) table.pairs.push_back({group.own, k, static_cast<int>(g)});
+    for (int k = group.first; k <= group.last; ++k) {
+      table.others.push_back(k);
+      table.group_of.push_back(static_cast<int>(g));
+    }
+    table.first_pairs[static_cast<std::size_t>(group.own) + 1] = static_cast<int>(table.others.size());
   }
-  if (!table.pairs.empty()) close();
-  table.first_pairs.assign(table.members.size() + 1, 0);
-  for (const ContactPair& pair : table.pairs) ++table.first_pairs[static_cast<std::size_t>(pair.own) + 1];
-  std::partial_sum(table.first_pairs.begin(), table.first_pairs.end(), table.first_pairs.begin());
+  for (std::size_t i = 1; i < table.first_pairs.size(); ++i) table.first_pairs[i] = std::max(table.first_pairs[i], table.first_pairs[i - 1]);  // of members without
+  table.others.insert(table.others.end(), kContactPoints, 0);
+  table.blocks.push_back(0);
+  for (std::size_t i = 1; i < table.first_pairs.size(); ++i) {
+    const int count = table.first_pairs[i] - table.first_pairs[static_cast<std::size_t>(table.blocks.back())];
+    if (count < kBlock && i + 1 < table.first_pairs.size()) continue;
+    table.most_pairs = std::max(table.most_pairs, count);
+    table.blocks.push_back(static_cast<int>(i));
+  }
 }
 
 // Of all poses, and their mirror images.

@@ -106,21 +106,21 @@ void set_starts(const ContactMemory& memory, std::span<ContactMeeting> meetings)
   }
 }
 
-// What two balls' centres lie apart, and their radii together.
-inline Four apart(const ContactMemory& memory, int own, int other) {
-  return load_as<Four>(memory.balls[static_cast<std::size_t>(other)].data()) - load_as<Four>(memory.own_balls[static_cast<std::size_t>(own)].data());
-}
+inline Four own_ball(const ContactMemory& memory, int own) { return load_as<Four>(memory.own_balls[static_cast<std::size_t>(own)].data()); }
+
+// What another's ball lies apart from this, and their radii together.
+inline Four apart(const ContactMemory& memory, Four ball, int other) { return load_as<Four>(memory.balls[static_cast<std::size_t>(other)].data()) - ball; }
 
 inline bool in_reach(const ContactMemory& memory, int own, int other) {
-  const Four d = apart(memory, own, other);
+  const Four d = apart(memory, own_ball(memory, own), other);
   return d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < d[3] * d[3];
 }
 
-// The same of eight pairs.
-inline EightMasks in_reach(const ContactMemory& memory, const ContactPair* pairs) {
+// The same of eight others.
+inline EightMasks in_reach(const ContactMemory& memory, Four ball, const int* others) {
   std::array<Eight, 4> rows;
   for (std::size_t i = 0; i < 4; ++i)
-    rows[i] = __builtin_shufflevector(apart(memory, pairs[i].own, pairs[i].other), apart(memory, pairs[i + 4].own, pairs[i + 4].other), 0, 1, 2, 3, 4, 5, 6, 7);
+    rows[i] = __builtin_shufflevector(apart(memory, ball, others[i]), apart(memory, ball, others[i + 4]), 0, 1, 2, 3, 4, 5, 6, 7);
   const Eight xy0 = __builtin_shufflevector(rows[0], rows[1], 0, 8, 1, 9, 4, 12, 5, 13), xy2 = __builtin_shufflevector(rows[2], rows[3], 0, 8, 1, 9, 4, 12, 5, 13);
   const Eight zr0 = __builtin_shufflevector(rows[0], rows[1], 2, 10, 3, 11, 6, 14, 7, 15), zr2 = __builtin_shufflevector(rows[2], rows[3], 2, 10, 3, 11, 6, 14, 7, 15);
   const auto low = [](Eight a, Eight b) { return __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13); };
@@ -129,39 +129,24 @@ inline EightMasks in_reach(const ContactMemory& memory, const ContactPair* pairs
   return x * x + y * y + z * z < reach * reach;
 }
 
-// Pairs begin .. end whose balls touch. Each step keeps what it passes on without a branch: which do is as good as chance.
-std::size_t find_near(const ContactTable& table, const ContactMemory& memory, int begin, int end, int* near) {
+// Pairs of a member whose balls touch. Each step keeps what it passes on without a branch: which do is as good as chance.
+std::size_t find_near(const ContactTable& table, const ContactMemory& memory, int own, ContactPair* near) {
+  constexpr int eight = static_cast<int>(kLanesAtOnce);
+  const EightMasks places = {0, 1, 2, 3, 4, 5, 6, 7};
+  const Four ball = own_ball(memory, own);
+  const int end = table.first_pairs[static_cast<std::size_t>(own) + 1];
   std::size_t count = 0;
-  int k = begin;
-  for (; k + static_cast<int>(kLanesAtOnce) <= end; k += kLanesAtOnce) {
-    const EightMasks touch = in_reach(memory, &table.pairs[static_cast<std::size_t>(k)]);
-    for (int i = 0; i < static_cast<int>(kLanesAtOnce); ++i) {
-      near[count] = k + i;
+  for (int k = table.first_pairs[static_cast<std::size_t>(own)]; k < end; k += eight) {
+    const EightMasks touch = in_reach(memory, ball, &table.others[static_cast<std::size_t>(k)]) & (places < end - k);
+    for (int i = 0; i < eight; ++i) {
+      near[count] = {own, k + i};
       count -= static_cast<std::size_t>(static_cast<std::ptrdiff_t>(touch[i]));
     }
-  }
-  for (; k < end; ++k) {
-    const ContactPair& pair = table.pairs[static_cast<std::size_t>(k)];
-    near[count] = k;
-    count += in_reach(memory, pair.own, pair.other);
   }
   return count;
 }
 
-// Those of pairs of which the own member was deep enough the last time, by runs of such members.
-std::size_t find_near_deep(const ContactTable& table, const ContactMemory& memory, int begin, int end, int* near) {
-  const auto deep = [&](int member) { return memory.deep[static_cast<std::size_t>(member)] > kDeep; };
-  const auto first_pair = [&](int member) { return table.first_pairs[static_cast<std::size_t>(member)]; };
-  const int last = table.pairs[static_cast<std::size_t>(end - 1)].own;
-  std::size_t count = 0;
-  for (int own = table.pairs[static_cast<std::size_t>(begin)].own; own <= last;) {
-    const int first = own;
-    while (own <= last && deep(own)) ++own;
-    if (own > first) count += find_near(table, memory, first_pair(first), first_pair(own), near + count);
-    else ++own;
-  }
-  return count;
-}
+inline bool deep(const ContactMemory& memory, std::size_t member) { return memory.deep[member] > kDeep; }
 
 // Three coordinates, and none.
 inline Four floats(const double* p, const Vec3& origin = Vec3::Zero()) {
@@ -173,6 +158,7 @@ void look_at(const ContactTable& table, std::span<const Ellipse> slices, const V
   for (std::size_t i = begin; i < end; ++i) {
     const ContactMember& member = table.members[i];
     const ContactShape& shape = *memory.shapes[i];
+    __builtin_prefetch(&memory.shapes[std::min(i + kAhead, end - 1)]->box);
     const Ellipse& e = slices[static_cast<std::size_t>(member.section)];
     ContactSection& s = memory.sections[i];
     const bool follows = i > begin && table.members[i - 1].section + 1 == member.section;
@@ -237,20 +223,21 @@ bool press_of(const ContactMemory& memory, int own, int first, int last, Contact
 
 namespace {
 
-// Meetings of the pairs begin .. end, of which the own member was deep enough the last time.
-std::span<const ContactMeeting> meetings_of(const ContactTable& table, const ContactMemory& memory, Parting parting, int begin, int end, ContactWork& work) {
-  const std::size_t near = (parting == Parting::all ? find_near : find_near_deep)(table, memory, begin, end, work.near.data());
-  std::size_t met = 0;
+// Pairs of members first .. last that are near enough to press: of all members, or of those alone that were deep enough the last time.
+std::span<const ContactMeeting> meetings_of(const ContactTable& table, const ContactMemory& memory, Parting parting, int first, int last, ContactWork& work) {
+  std::size_t near = 0, met = 0;
+  for (int own = first; own < last; ++own)
+    if (parting == Parting::all || deep(memory, static_cast<std::size_t>(own))) near += find_near(table, memory, own, work.near.data() + near);
+  const auto other_of = [&](std::size_t k) { return table.others[static_cast<std::size_t>(work.near[k].pair)]; };
   for (std::size_t k = 0; k < near; ++k) {
-    const ContactPair& pair = table.pairs[static_cast<std::size_t>(work.near[k])];
-    fetch(memory.sections[static_cast<std::size_t>(table.pairs[static_cast<std::size_t>(work.near[std::min(k + kAhead, near - 1)])].other)]);
+    fetch(memory.sections[static_cast<std::size_t>(other_of(std::min(k + kAhead, near - 1)))]);
     ContactMeeting& m = work.meetings[met];
-    m.own = pair.own;
-    m.other = pair.other;
-    m.group = pair.group;
-    met += measure(memory, pair.own, pair.other, m);
-    __builtin_prefetch(&shape_of(memory, pair.other).waves);
-    __builtin_prefetch(&table.groups[static_cast<std::size_t>(pair.group)].at_rest);
+    m.own = work.near[k].own;
+    m.other = other_of(k);
+    m.group = table.group_of[static_cast<std::size_t>(work.near[k].pair)];
+    met += measure(memory, m.own, m.other, m);
+    __builtin_prefetch(&shape_of(memory, m.other).waves);
+    __builtin_prefetch(&table.groups[static_cast<std::size_t>(m.group)].at_rest);
   }
   const std::span<ContactMeeting> meetings{work.meetings.data(), met};
   set_starts(memory, meetings);
@@ -321,7 +308,7 @@ void give_way(const ContactTable& table, const Giving& giving, std::span<Ellipse
   const auto workers = static_cast<std::size_t>(threads == Threads::all ? tbb::this_task_arena::max_concurrency() : 1);
   if (memory.work.size() < workers) memory.work.resize(workers);
   for (ContactWork& work : memory.work) {
-    work.near.resize(static_cast<std::size_t>(table.most_pairs));
+    work.near.resize(static_cast<std::size_t>(table.most_pairs) + 1);  // one is written before it is known whether it is kept
     work.meetings.resize(static_cast<std::size_t>(table.most_pairs));
     work.presses.resize(static_cast<std::size_t>(table.most_pairs));
   }
@@ -334,21 +321,36 @@ void give_way(const ContactTable& table, const Giving& giving, std::span<Ellipse
   });
 }
 
+// Marks those that are asked or ask.
+void choose(const ContactTable& table, Parting parting, ContactMemory& memory) {
+  memory.chosen.assign(table.members.size(), parting == Parting::all);
+  if (parting == Parting::all) return;
+  for (std::size_t i = 0; i < table.members.size(); ++i) {
+    if (!deep(memory, i)) continue;
+    memory.chosen[i] = 1;
+    for (int k = table.first_pairs[i]; k < table.first_pairs[i + 1]; ++k) memory.chosen[static_cast<std::size_t>(table.others[static_cast<std::size_t>(k)])] = 1;
+  }
+}
+
 // With the outlines that they have now.
-void look_at_outlines(const ContactTable& table, std::span<const Ellipse> slices, std::span<const SliceOutline> at_rest, const Vec3& origin, ContactMemory& memory,
-                      Threads threads) {
+void look_at_outlines(const ContactTable& table, std::span<const Ellipse> slices, std::span<const SliceOutline> at_rest, const Vec3& origin, Parting parting,
+                      ContactMemory& memory, Threads threads) {
   make_room(table, memory);
   memory.pressed.resize(table.members.size());
+  choose(table, parting, memory);
   each_run(table.members.size(), kRun, threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const auto section = static_cast<std::size_t>(table.members[i].section);
-      const SliceOutline& outline = slices[section].outline;
-      memory.shapes[i] = &table.shapes[i];
-      if (outline == at_rest[section]) continue;
-      reshape(table.shapes[i].sides, outline, memory.pressed[i]);
-      memory.shapes[i] = &memory.pressed[i];
+      const std::size_t first = i;
+      for (; i < end && memory.chosen[i]; ++i) {
+        const auto section = static_cast<std::size_t>(table.members[i].section);
+        const SliceOutline& outline = slices[section].outline;
+        memory.shapes[i] = &table.shapes[i];
+        if (outline == at_rest[section]) continue;
+        reshape(table.shapes[i].sides, outline, memory.pressed[i]);
+        memory.shapes[i] = &memory.pressed[i];
+      }
+      look_at(table, slices, origin, first, i, memory);
     }
-    look_at(table, slices, origin, begin, end, memory);
   });
 }
 
@@ -361,7 +363,7 @@ void give_way_to_neighbours(const ContactTable& table, const Vec3& origin, std::
 
 void give_way_again(const ContactTable& table, const Vec3& origin, std::span<const SliceOutline> at_rest, std::span<const ContactSpokes> held, Parting parting,
                     std::span<Ellipse> slices, ContactMemory& memory, Threads threads) {
-  look_at_outlines(table, slices, at_rest, origin, memory, threads);
+  look_at_outlines(table, slices, at_rest, origin, parting, memory, threads);
   give_way(table, {kOverAgain, kLeastAgain, kHeldAgain, held, true, parting}, slices, memory, threads);
 }
 

@@ -48,7 +48,7 @@ struct SheetSides {
 
 // What of a section is the same in every pose: what it asks others with, what it is asked by, and its reach, each a line of memory.
 struct alignas(64) ContactShape {
-  alignas(64) ContactSpokes along_width, along_thickness;  // its outline at rest in the directions that are looked along, in radii
+  ContactSpokes along_width, along_thickness;  // its outline at rest in the directions that are looked along, in radii
   alignas(64) OutlineWaves waves{};
   SheetSides sides;
   alignas(64) OutlineBox box;  // of its outline
@@ -69,19 +69,15 @@ struct ContactGroup {
   alignas(32) ContactSpokes at_rest{};  // press that is there at rest
 };
 
-struct ContactPair {
-  int own = 0, other = 0;  // members
-  int group = 0;
-};
-
 struct ContactTable {
   std::vector<ContactMember> members;  // ascending by section
   std::vector<ContactShape> shapes;    // #members
   std::vector<ContactSpokes> held;     // #members: what lies beside it at rest that is in no group with it keeps it from growing there, 0 .. 1
   std::vector<ContactGroup> groups;    // ascending by own
-  std::vector<ContactPair> pairs;      // of the groups, in their order
+  std::vector<int> others;             // #pairs, members that the groups may meet, in their order; and some more, so that eight may be read from each
+  std::vector<int> group_of;           // #pairs
   std::vector<int> first_pairs;        // #members + 1, into pairs
-  std::vector<int> blocks;             // first pairs of those that are looked at together, and the end: a member's pairs are in one
+  std::vector<int> blocks;             // first members of those whose pairs are looked at together, and the end
   int most_pairs = 0;                  // of a block
   bool empty() const { return groups.empty(); }
 };
@@ -89,6 +85,11 @@ struct ContactTable {
 struct ContactTables {
   ContactTable first;  // pairs that share much
   ContactTable again;  // all that share anything worth a look
+};
+
+struct ContactPair {
+  int own = 0;  // member
+  int pair = 0;
 };
 
 // A pair that is near enough to press: where its own section lies in the other's measures.
@@ -105,7 +106,7 @@ struct ContactPress {
 
 // What a thread works in.
 struct ContactWork {
-  std::vector<int> near;                 // pairs of a block whose balls touch
+  std::vector<ContactPair> near;         // of a block, whose balls touch
   std::vector<ContactMeeting> meetings;  // of a block
   std::vector<ContactPress> presses;     // of a block
 };
@@ -119,6 +120,7 @@ struct ContactMemory {
   std::vector<std::array<float, 4>> own_balls;  // #members, center and radius, negative, of a ball about its outline
   std::vector<ContactWork> work;              // a thread each
   std::vector<char> changed;                  // #all sections
+  std::vector<char> chosen;                   // #members of the table that parts again: whether it is looked at
   std::vector<float> deep;                    // #members of the table that parts again: the largest share by which they were to give way last
 };
 

@@ -284,6 +284,14 @@ TEST(PosedContact, WhatWasDeepPartsOnceMoreAndNothingElse) {
     EXPECT_EQ(changed > 0, m < 2 * kDeep) << "muscle " << m << ": only pairs that were deep before";
     EXPECT_NEAR(strip_volume(p, ranges[m]) / strip_volume(once, ranges[m]), 1, 1e-9);
   }
+  const std::vector<ContactMember>& members = table.data->contact.again.members;
+  int looked_at = 0;
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    const bool moved = members[i].section < ranges[2 * kDeep].begin;
+    looked_at += memory.contact.chosen[i];
+    EXPECT_FALSE(memory.contact.chosen[i] && !moved) << "section " << members[i].section << ": only those and what they may meet are looked at";
+  }
+  EXPECT_GT(looked_at, 0);
 }
 
 TEST(PosedContact, ASideGrowsTheLessTheLongerItIs) {
