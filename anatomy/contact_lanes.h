@@ -48,6 +48,7 @@ inline float largest(Eight v) {
   const Eight half = larger(v, __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3)), two = larger(half, __builtin_shufflevector(half, half, 2, 3, 0, 1, 6, 7, 4, 5));
   return larger(two[0], two[1]);
 }
+inline float sum(Eight v) { return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7])); }
 template <class V>
 inline V root(V v) {
   for (std::size_t i = 0; i < sizeof(V) / sizeof(float); ++i) v[i] = std::sqrt(v[i]);

@@ -93,15 +93,8 @@ float shared_volume(const ContactTable& table, const ContactMemory& posed, const
   ContactSpokes press, near, still;
   if (!press_of(posed, own, other, other, press, near) || !(*std::max_element(press.begin(), press.end()) > 0)) return 0;
   if (!press_of(rest, own, other, other, still, near)) still.fill(0);
-  const ContactSection& s = posed.sections[static_cast<std::size_t>(own)];
-  const ContactShape& shape = table.shapes[static_cast<std::size_t>(own)];
-  float sum = 0;
-  for (std::size_t i = 0; i < press.size(); ++i) {
-    Eigen::Vector3f spoke;
-    for (int r = 0; r < 3; ++r) spoke[r] = shape.along_width[i] * s.width[r] + shape.along_thickness[i] * s.thickness[r];
-    sum += std::max(press[i] - still[i], 0.0f) * spoke.squaredNorm();
-  }
-  return sum * (6.2831853f / kContactPoints) * 0.5f * (s.low[2] + s.high[2]);
+  for (std::size_t i = 0; i < press.size(); ++i) press[i] -= still[i];
+  return given_volume(posed.sections[static_cast<std::size_t>(own)], table.shapes[static_cast<std::size_t>(own)], press);
 }
 
 struct Places {
@@ -304,6 +297,7 @@ ContactTables make_contact_tables(const Anatomy& anatomy, const PosingTable& sti
     hold(places, rest, table);
     leave_out_idle(table);
     list_pairs(table);
+    table.whole = static_cast<float>(whole);
     return table;
   };
   return {table_of(&FoundPairs::much), table_of(&FoundPairs::all)};

@@ -14,8 +14,8 @@ constexpr float kOver = 2.3f;         // bellies that have parted half-way swell
 constexpr float kOverAgain = 3;
 constexpr float kLeastAgain = 0.6f;   // of the area that a section has left: a belly that loses much swells in its ends, which stick out
 constexpr float kHeldAgain = 0.3f;    // on all sides: what is pressed from many again and again would grow thin and long where it is free
-constexpr float kDeep = 0.02f;        // of a factor: who was to give way by less is not looked at once more,
-constexpr float kSurelyDeep = 0.04f;  // and by all from here on
+constexpr float kDeep = 7e-6f;         // of all muscles' volume: who was to give less is not looked at once more,
+constexpr float kSurelyDeep = 1.4e-5f;  // and by all from here on
 // Where a section is asked:
 constexpr float kEarly = 0.3f;        // of the way to the outline
 constexpr float kThrough = 4;         // how fast a piercing ray counts, per level
@@ -221,6 +221,14 @@ bool press_of(const ContactMemory& memory, int own, int first, int last, Contact
   return true;
 }
 
+float given_volume(const ContactSection& section, const ContactShape& shape, const ContactSpokes& press) {
+  const auto square = [](const float* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
+  const Eight u = load(shape.along_width.data()), v = load(shape.along_thickness.data());
+  const Eight squares = u * u * square(section.width) + v * v * square(section.thickness);
+  constexpr float sector = 6.2831853f / kContactPoints;
+  return sector * sum(larger(load(press.data()), Eight{}) * squares) * 0.5f * (section.low[2] + section.high[2]);
+}
+
 namespace {
 
 // Pairs of members first .. last that are near enough to press: of all members, or of those alone that were deep enough the last time.
@@ -254,10 +262,10 @@ struct Giving {
   Parting parting = Parting::all;
 };
 
-// How much of what a section is to give way counts, by how deep it was the last time. Keeps in mind how deep it is now.
-float counted(const Giving& giving, Eight most, float& deep) {
+// How much of what a section is to give way counts, by how much it was to give the last time. Keeps in mind how much that is now.
+float counted(const Giving& giving, float now, float& deep) {
   const float before = deep;
-  deep = largest(most);
+  deep = now;
   return giving.parting == Parting::all ? 1 : static_cast<float>(smooth_step(static_cast<double>(kDeep), static_cast<double>(kSurelyDeep), static_cast<double>(before)));
 }
 
@@ -288,8 +296,13 @@ std::span<const ContactPress> presses_of(const ContactTable& table, std::span<co
 void give_way(const ContactTable& table, std::span<const ContactPress> presses, const Giving& giving, std::span<Ellipse> slices, ContactMemory& memory) {
   for (const ContactPress& p : presses) {
     Eight most = load(p.press.data());
-    if (giving.again) most *= counted(giving, most, memory.deep[static_cast<std::size_t>(p.own)]);
-    if (!any_above_zero(most)) continue;
+    const bool gives = any_above_zero(most);
+    if (giving.again) {
+      const auto own = static_cast<std::size_t>(p.own);
+      const float volume = gives ? given_volume(memory.sections[own], shape_of(memory, p.own), p.press) : 0;
+      most *= counted(giving, volume / table.whole, memory.deep[own]);
+    }
+    if (!gives) continue;
     const auto section = static_cast<std::size_t>(table.members[static_cast<std::size_t>(p.own)].section);
     Eight held = larger(larger(load(table.held[static_cast<std::size_t>(p.own)].data()), load(p.near.data())), all(giving.least_held));
     if (!giving.held.empty()) held = larger(held, load(giving.held[section].data()));

@@ -79,6 +79,7 @@ struct ContactTable {
   std::vector<int> first_pairs;        // #members + 1, into pairs
   std::vector<int> blocks;             // first members of those whose pairs are looked at together, and the end
   int most_pairs = 0;                  // of a block
+  float whole = 1;                     // volume of all muscles, m^3
   bool empty() const { return groups.empty(); }
 };
 
@@ -121,7 +122,7 @@ struct ContactMemory {
   std::vector<ContactWork> work;              // a thread each
   std::vector<char> changed;                  // #all sections
   std::vector<char> chosen;                   // #members of the table that parts again: whether it is looked at
-  std::vector<float> deep;                    // #members of the table that parts again: the largest share by which they were to give way last
+  std::vector<float> deep;                    // #members of the table that parts again: the volume that they were to give last, of that of all muscles
 };
 
 // Which sections may meet in some pose. `still`: a table of the same anatomy without contact. The same at any number of threads.
@@ -137,6 +138,9 @@ void look_at_sections(const ContactTable& table, std::span<const Ellipse> slices
 // nothing set, where they are out of each other's reach.
 bool press_of(const ContactMemory& memory, int own, int first, int last, ContactSpokes& press, ContactSpokes& near);
 
+// Volume that a section gives by these shares of its outline's factors, m^3: about it, half-way to the next ones.
+float given_volume(const ContactSection& section, const ContactShape& shape, const ContactSpokes& press);
+
 // An outline pressed by these shares of its factors, and grown again by what it has lost where it is not held (0 free .. 1). It keeps at least this
 // share of its area.
 constexpr float kLeastArea = 0.3f;
@@ -145,8 +149,8 @@ void press_outline(const ContactSpokes& press, const ContactSpokes& held, SliceO
 // Outlines of all sections that give way; memory.changed tells which did. `slices` have the outlines of rest. The same bytes at any number of threads.
 void give_way_to_neighbours(const ContactTable& table, const Vec3& origin, std::span<Ellipse> slices, ContactMemory& memory, Threads threads);
 
-// Which sections look about them again: all, or those alone that were deep in others the last time, in the same memory; what was nearly not
-// deep then gives way by a part.
+// Which sections look about them again: all, or those alone that were to give much volume the last time, in the same memory; what was nearly too
+// little then gives way by a part.
 enum class Parting { all, deep };
 
 // The same for slices whose outlines, other than `at_rest`, have given way already. `held` (#sections): what else keeps them from growing, 0 .. 1.

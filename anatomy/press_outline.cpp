@@ -22,8 +22,6 @@ inline Halves halves(const SliceOutline& outline) {
   return {__builtin_shufflevector(low, high, 0, 2, 4, 6, 8, 10, 12, 14), __builtin_shufflevector(low, high, 1, 3, 5, 7, 9, 11, 13, 15)};
 }
 
-inline float sum(Eight v) { return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7])); }
-
 // Area, or that of two mixed, over the sine between directions.
 inline float area_of(const Halves& a, const Halves& b) { return sum(a.even * b.odd + a.odd * next(b.even)); }
 

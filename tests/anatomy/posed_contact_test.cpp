@@ -21,22 +21,22 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// Two flexors of the elbow side by side, 1 mm apart at rest; `mirror` = -1 gives the right arm.
-Anatomy flexors(double mirror = 1, int slices = 13) {
+// Two flexors of the elbow side by side, 1 mm apart at rest; `mirror` = -1 gives the right arm. `size`: of sections and what lies between them.
+Anatomy flexors(double mirror = 1, int slices = 13, double size = 1) {
   Anatomy anatomy;
   anatomy.skeleton = arm_skeleton(mirror);
   Joint& elbow = anatomy.skeleton.joints[2];
   elbow.axes = Eigen::DiagonalMatrix<double, 3>(-1, 1, -1) * Mat3::Identity();
   elbow.min = Vec3(-0.01, -0.01, -0.01);
   elbow.max = Vec3(130 * kDegree, 0.01, 0.01);
-  for (const double x : {0.16, 0.199}) {
+  for (const double x : {0.16, 0.16 + 0.039 * size}) {
     const auto at = [&](double y, double z) { return Vec3(mirror * x, y, z); };
     Strip strip = make_strip({on(1, at(1.42, 0.03)), on(1, at(1.30, 0.035)), on(1, at(1.20, 0.035)), on(2, at(1.10, 0.03)), on(2, at(1.06, 0.02))},
-                             spindle(slices, 0.0194, 0.004, 0.1, 0.85, mirror * Vec3::UnitX()));
+                             spindle(slices, 0.0194 * size, 0.004 * size, 0.1, 0.85, mirror * Vec3::UnitX()));
     strip.belly_begin = 0.1;
     strip.belly_end = 0.85;
     Muscle muscle;
-    muscle.name = std::string(x < 0.18 ? "inner" : "outer") + (mirror > 0 ? "_l" : "_r");
+    muscle.name = std::string(x == 0.16 ? "inner" : "outer") + (mirror > 0 ? "_l" : "_r");
     muscle.side = mirror > 0 ? Side::left : Side::right;
     muscle.strips.push_back(strip);
     anatomy.muscles.push_back(muscle);
@@ -197,13 +197,13 @@ bool same_slices(const PosedAnatomy& a, const PosedAnatomy& b) {
   return a.slices.size() == b.slices.size() && std::memcmp(a.slices.data(), b.slices.data(), a.slices.size() * sizeof(Ellipse)) == 0;
 }
 
-// So many that threads share them, two by two, 0.1 m apart.
-Anatomy many_flexors() {
-  const Anatomy two = flexors(1, 60);
+// So many that threads share them, two by two, 0.1 m apart; the first `thin` pairs a fifth as thick.
+Anatomy many_flexors(int thin = 0) {
+  const Anatomy two = flexors(1, 60), thin_two = flexors(1, 60, 0.2);
   Anatomy all = two;
   all.muscles.clear();
   for (int i = 0; i < 12; ++i)
-    for (Muscle muscle : two.muscles) {
+    for (Muscle muscle : (i < thin ? thin_two : two).muscles) {
       for (PathPoint& p : muscle.strips[0].path) p.rest.x() += 0.1 * i;  // along the hinge
       muscle.name = "pair_" + std::to_string(i) + "_" + muscle.name;
       all.muscles.push_back(muscle);
@@ -292,6 +292,35 @@ TEST(PosedContact, WhatWasDeepPartsOnceMoreAndNothingElse) {
     EXPECT_FALSE(memory.contact.chosen[i] && !moved) << "section " << members[i].section << ": only those and what they may meet are looked at";
   }
   EXPECT_GT(looked_at, 0);
+}
+
+TEST(PosedContact, WhatHasLittleToGivePartsOnceAlone) {
+  const Anatomy anatomy = many_flexors(1);
+  const PosingTable table = make_posing_table(anatomy, MuscleContact::yes);
+  const auto ranges = slice_ranges(anatomy);
+  PosedAnatomy p;
+  pose_anatomy(table, anatomy.skeleton, rest_pose(anatomy.skeleton), p);
+  const auto move_outer = [&](std::size_t pair, double way) {
+    for (int k = ranges[2 * pair + 1].begin; k < ranges[2 * pair + 1].end; ++k) p.slices[static_cast<std::size_t>(k)].center.x() -= way;
+  };
+  const auto changed = [&](Parting parting, PartMemory& memory) {  // sections of the thin pair and of the next one, by so much for their size
+    move_outer(0, 0.0009);
+    move_outer(1, 0.0045);
+    const PosedAnatomy before = p;
+    part_again(*table.data, {}, parting, p, memory, Threads::one);
+    std::array<int, 2> out{};
+    for (std::size_t m = 0; m < 4; ++m)
+      for (int k = ranges[m].begin; k < ranges[m].end; ++k)
+        out[m / 2] += p.slices[static_cast<std::size_t>(k)].outline != before.slices[static_cast<std::size_t>(k)].outline;
+    return out;
+  };
+  PartMemory memory;
+  const auto [thin, thick] = changed(Parting::all, memory);
+  EXPECT_GT(thin, 5);
+  EXPECT_GT(thick, 5);
+  const auto [thin_again, thick_again] = changed(Parting::deep, memory);
+  EXPECT_EQ(thin_again, 0);
+  EXPECT_GT(thick_again, 3);
 }
 
 TEST(PosedContact, ASideGrowsTheLessTheLongerItIs) {
