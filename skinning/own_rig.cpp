@@ -85,7 +85,7 @@ std::optional<OwnRig> find_own_rig(const BvhMotion& source, const SourceRig& rig
   const std::vector<Vec3> rest = rest_positions(ours);
   const Fitting fitting = lay_on(X, rig, alignment.W, ours, rest);
   if (!fitting.fits) return std::nullopt;
-  OwnRig out{fitting.metres, alignment.W, {}};
+  OwnRig out{fitting.metres, alignment.W, {}, {}};
   // Precondition: the file turns the part.
   const auto place = [&](const std::string& part, const std::string& name, double share) {
     const int joint = joint_of(ours, name), carrier = rig.turner.at(part);
