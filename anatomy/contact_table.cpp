@@ -21,7 +21,7 @@ constexpr std::array<double, 2> kCrossing = {0.45, 0.8};  // of the way: where l
 constexpr int kPoses = kLimitPoses + static_cast<int>(kCrossing.size());
 constexpr double kHinge = 2.5;          // its flexion has so many times the range of its other angles
 constexpr double kMuchShared = 1e-4;    // of all muscles' volume, in some pose: what a pose looks at, before the skin has pressed anything,
-constexpr double kLeastShared = 1.5e-6;  // and what is worth a look at all
+constexpr double kLeastShared = 5e-6;  // and what is worth a look at all
 constexpr int kBlock = 128;             // pairs that are looked at together: what is known of them stays in the nearest memory
 constexpr float kRounding = 1e-5f;            // of a factor, in single precision
 

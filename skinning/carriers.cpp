@@ -1,9 +1,14 @@
 #include "skinning/carriers.h"
 
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
 #include <cmath>
 
 namespace ecorche {
 namespace {
+
+constexpr std::size_t kPairs = 128;  // a task
 
 void write_columns(const Mat3& R, const Vec3& t, float* out) {
   for (int c = 0; c < 3; ++c) {
@@ -89,7 +94,7 @@ void pose_carriers(const SkinTables& tables, std::span<const Transform> X_WJ, st
     frames[joints + k].translation() = X_WJ[j].translation() - root - R * (tables.origins[j] - rest_root);
   }
   for (std::size_t c = 0; c < frames.size(); ++c) write_columns(frames[c].linear(), frames[c].translation(), &out[16 * c]);
-  for (std::size_t k = 0; k < tables.pairs.size(); ++k) {
+  const auto pose_pair = [&](std::size_t k) {
     const PairCarrier& pair = tables.pairs[k];
     const Transform& A = frames[static_cast<std::size_t>(pair.a)];
     const Transform& B = frames[static_cast<std::size_t>(pair.b)];
@@ -97,7 +102,10 @@ void pose_carriers(const SkinTables& tables, std::span<const Transform> X_WJ, st
     const Mat3 H = half_way(turns[static_cast<std::size_t>(pair.a)], turns[static_cast<std::size_t>(pair.b)]);
     const Vec3 t = 0.5 * (A * center + B * center) - H * center;
     write_columns(2 * H - (A.linear() + B.linear()), 2 * t - (A.translation() + B.translation()), &out[16 * (frames.size() + k)]);
-  }
+  };
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tables.pairs.size(), kPairs), [&](const auto& range) {
+    for (std::size_t k = range.begin(); k < range.end(); ++k) pose_pair(k);
+  });
 }
 
 }  // namespace ecorche

@@ -11,7 +11,7 @@ namespace ecorche {
 
 namespace {
 
-constexpr int kMembraneRounds = 3, kContactRounds = 3, kFillSteps = 2;
+constexpr int kMembraneRounds = 2, kContactRounds = 2, kFillSteps = 2;
 constexpr float kPressed = 1e-3f;    // m; what contact has moved further does not swell
 constexpr float kMet = 0.1f;         // how open skin that has met other skin counts as: it rises by less than half, and muscles give way for the rest
 constexpr double kRadiusShare = 0.8;  // an ear is far from bone, but there is not much of it
@@ -103,7 +103,9 @@ bool part_settled_skin(const ElasticSkin& skin, std::span<const int> triangles, 
   // What contact has pressed away swells where nothing presses.
   for (std::size_t i = 0; parted && i < n; ++i) {
     const Float4 way = load4(&positions[4 * i]) - load4(&s.contact.before[4 * i]);
-    const float share = std::sqrt(sum4(way * way)[0]) / kPressed;
+    const float square = sum4(way * way)[0];
+    if (!(square > 0)) continue;
+    const float share = std::sqrt(square) / kPressed;
     s.pressed[i] = share > 1;
     s.open[i] *= std::max(0.0f, 1 - share);
   }

@@ -18,6 +18,7 @@ constexpr double kHold = 0.7, kHoldDepth = 0.012, kLeastHold = 0.1;  // beside c
 constexpr double kGlideShare = 0.25, kMostGlide = 0.012;            // of the tissue's thickness; m
 constexpr int kBlock = 64;   // eights of vertices a task: tasks do not depend on the number of threads
 constexpr int kFirstTurns = 4, kTurns = 2;
+constexpr float kOver = 1.3f;  // of a round's way: two rounds so come about as far as three of the way itself
 
 double cotan(const Vec3& a, const Vec3& b) { return a.dot(b) / std::max(a.cross(b).norm(), 1e-12); }
 
@@ -253,7 +254,8 @@ void relax_membrane(const Membrane& m, std::span<const float> anchors, std::span
     solve_sheet(m.factor, s.right.data());
     for_eights(m, [&](int b) {
       for (std::size_t i = 8 * static_cast<std::size_t>(b); i < std::min(size / 4, 8 * static_cast<std::size_t>(b) + 8); ++i) {
-        const Float4 offset = load4(&s.right[4 * static_cast<std::size_t>(m.factor.place[i])]);
+        const Float4 before = load4(&s.offsets[4 * i]);
+        const Float4 offset = before + kOver * (load4(&s.right[4 * static_cast<std::size_t>(m.factor.place[i])]) - before);
         store4(&s.offsets[4 * i], offset);
         store4(&s.places[4 * i], load4(&anchors[4 * i]) + offset);
       }

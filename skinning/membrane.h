@@ -39,7 +39,8 @@ struct Membrane {
 // Precondition: the mesh has no vertex without triangles whose place matters: such a vertex stays on its anchor.
 Membrane make_membrane(const TriMesh& skin, std::span<const double> tissue);
 
-// Places that the sheet takes above anchors (#V x 4, x y z 1), as offsets from them (#V x 4, last 0): scratch.offsets. `triangles`: 3
+// Places that the sheet takes above anchors (#V x 4, x y z 1), as offsets from them (#V x 4, last 0): scratch.offsets. Rounds go farther than
+// their own way, so that few do (successive over-relaxation). `triangles`: 3
 // indices each. Allocates only when scratch changes size; same input, same bytes at any number of threads.
 void relax_membrane(const Membrane& membrane, std::span<const float> anchors, std::span<const int> triangles, int rounds, MembraneScratch& scratch);
 

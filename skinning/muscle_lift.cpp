@@ -1,5 +1,8 @@
 #include "skinning/muscle_lift.h"
 
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +10,7 @@ namespace ecorche {
 namespace {
 
 constexpr int kSmoothing = 1;
+constexpr std::size_t kNodes = 64;     // a task
 constexpr double kLeastRadius = 1e-4;  // m
 
 // How far the tube's surface lies beyond p along the direction from the line to p, as a vector. The slice beneath p is found by
@@ -61,9 +65,9 @@ void lift_nodes(const SkinTables& tables, const PosedAnatomy& posed, const std::
   lifts.resize(4 * tables.nodes.size());
   working.resize(lifts.size());
   const Vec3 root = posed.X_WJ[0].translation(), rest_root = tables.origins[0];
-  Eigen::Matrix<float, 4, 4> map;
-  for (std::size_t k = 0; k < tables.nodes.size(); ++k) {
+  const auto lift_node = [&](std::size_t k) {
     const MuscleNode& node = tables.nodes[k];
+    Eigen::Matrix<float, 4, 4> map;
     blend(node, carriers.data(), map);
     const Eigen::Vector3f X = (node.surface - rest_root).cast<float>();
     const Vec3 p = (map.topLeftCorner<3, 3>() * X + map.topRightCorner<3, 1>()).cast<double>() + root;
@@ -74,7 +78,10 @@ void lift_nodes(const SkinTables& tables, const PosedAnatomy& posed, const std::
     const double lift = node.weight * height / (1 + std::abs(height) / tables.lift_limit);
     for (int r = 0; r < 3; ++r) lifts[4 * k + static_cast<std::size_t>(r)] = static_cast<float>(lift * n[r]);
     lifts[4 * k + 3] = 0;
-  }
+  };
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tables.nodes.size(), kNodes), [&](const auto& range) {
+    for (std::size_t k = range.begin(); k < range.end(); ++k) lift_node(k);
+  });
   for (int round = 0; round < kSmoothing; ++round) {
     smooth(tables, lifts, working);
     lifts.swap(working);

@@ -88,7 +88,7 @@ Points bent(const Points& V, double angle, double length) {
 std::vector<float> relaxed(const Tube& tube, const Points& anchors) {
   std::vector<float> out = floats(anchors);
   MembraneScratch scratch;
-  relax_membrane(make_membrane(tube.mesh, tube.tissue), out, tube.triangles(), 3, scratch);
+  relax_membrane(make_membrane(tube.mesh, tube.tissue), out, tube.triangles(), 2, scratch);
   for (std::size_t k = 0; k < out.size(); ++k) out[k] += scratch.offsets[k];
   return out;
 }
