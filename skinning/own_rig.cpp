@@ -103,7 +103,8 @@ std::optional<OwnRig> find_own_rig(const BvhMotion& source, const SourceRig& rig
     CarriedChain chain{{}, place(below, first, 0), place(above, above, 0)};
     for (int j = ours.joints[static_cast<std::size_t>(chain.end.joint)].parent; j != chain.begin.part; j = ours.joints[static_cast<std::size_t>(j)].parent) chain.joints.push_back(j);
     std::reverse(chain.joints.begin(), chain.joints.end());
-    out.chains.push_back(chain);
+    const bool told = std::any_of(chain.joints.begin(), chain.joints.end(), [&](int j) { return rig.turner.contains(ours.joints[static_cast<std::size_t>(j)].name); });
+    if (!told) out.chains.push_back(chain);
   }
   return out;
 }

@@ -35,7 +35,7 @@ struct OwnRig {
   double metres = 1;  // a unit of the file
   Mat3 W = Mat3::Identity();
   std::vector<CarriedPlace> places;
-  std::vector<CarriedChain> chains;  // spine, neck
+  std::vector<CarriedChain> chains;  // spine, neck, unless the file turns their joints itself
 };
 
 // None where the file's rest pose is not ours, where limbs' joints lie more than 3 cm beside ours (hips: 6 cm), or where that takes another unit
