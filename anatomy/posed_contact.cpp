@@ -14,8 +14,8 @@ constexpr float kOver = 2.3f;         // bellies that have parted half-way swell
 constexpr float kOverAgain = 3;
 constexpr float kLeastAgain = 0.6f;   // of the area that a section has left: a belly that loses much swells in its ends, which stick out
 constexpr float kHeldAgain = 0.3f;    // on all sides: what is pressed from many again and again would grow thin and long where it is free
-constexpr float kDeep = 7e-6f;         // of all muscles' volume: who was to give less is not looked at once more,
-constexpr float kSurelyDeep = 1.4e-5f;  // and by all from here on
+constexpr float kDeep = 2e-5f;        // of all muscles' volume: who was to give less is not looked at once more,
+constexpr float kSurelyDeep = 4e-5f;  // and by all from here on
 // Where a section is asked:
 constexpr float kEarly = 0.3f;        // of the way to the outline
 constexpr float kThrough = 4;         // how fast a piercing ray counts, per level
