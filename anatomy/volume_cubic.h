@@ -4,36 +4,10 @@
 // terms that tube_volume sums up is a product of two or three axes and of what does not grow.
 #pragma once
 
-#include <type_traits>
-
 #include "anatomy/outline.h"
+#include "anatomy/triple.h"
 
 namespace ecorche {
-
-template <class T>
-struct Triple {
-  T x, y, z;
-};
-template <class T>
-Triple<T> operator+(const Triple<T>& a, const Triple<T>& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-template <class T>
-Triple<T> operator-(const Triple<T>& a, const Triple<T>& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-template <class T>
-Triple<T> operator*(const std::type_identity_t<T>& s, const Triple<T>& a) {
-  return {s * a.x, s * a.y, s * a.z};
-}
-template <class T>
-T dot(const Triple<T>& a, const Triple<T>& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-template <class T>
-Triple<T> cross(const Triple<T>& a, const Triple<T>& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 
 template <class T>
 struct GrowingSection {

@@ -1,27 +1,21 @@
 // Four vertices side by side, or eight, one in each lane. Private to the room.
 #pragma once
 
-#include <type_traits>
-
 #include <Eigen/Core>
 
+#include "anatomy/triple.h"
 #include "skinning/float4.h"
 
 namespace ecorche {
-
-template <class Floats>
-struct Lanes3Of {
-  Floats x, y, z;
-};
 
 template <class Floats>
 struct Lanes4Of {
   Floats x, y, z, w;
 };
 
-using Lanes3 = Lanes3Of<Float4>;
+using Lanes3 = Triple<Float4>;
 using Lanes4 = Lanes4Of<Float4>;
-using Wide3 = Lanes3Of<Float8>;
+using Wide3 = Triple<Float8>;
 using Wide4 = Lanes4Of<Float8>;
 
 // Four rows of four floats become four columns, and back: it is its own inverse.
@@ -84,27 +78,7 @@ inline Float8 root(Float8 v) {
 }
 
 template <class F>
-Lanes3Of<F> operator+(const Lanes3Of<F>& a, const Lanes3Of<F>& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-template <class F>
-Lanes3Of<F> operator-(const Lanes3Of<F>& a, const Lanes3Of<F>& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-template <class F>
-Lanes3Of<F> operator*(const std::type_identity_t<F>& s, const Lanes3Of<F>& v) {
-  return {s * v.x, s * v.y, s * v.z};
-}
-template <class F>
-F dot(const Lanes3Of<F>& a, const Lanes3Of<F>& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-template <class F>
-Lanes3Of<F> cross(const Lanes3Of<F>& a, const Lanes3Of<F>& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-template <class F>
-Lanes3Of<F> xyz(const Lanes4Of<F>& v) {
+Triple<F> xyz(const Lanes4Of<F>& v) {
   return {v.x, v.y, v.z};
 }
 

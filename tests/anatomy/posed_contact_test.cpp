@@ -256,21 +256,31 @@ TEST(PosedContact, WhatIsMovedIntoAnotherPartsAgainAndKeepsItsVolume) {
     EXPECT_GT(piece_areas(p.slices[k].outline, p.slices[k].outline).own, 0.59 * piece_areas(still.slices[k].outline, still.slices[k].outline).own);
 }
 
-TEST(PosedContact, WhatWasDeepPartsOnceMoreAndNothingElse) {
-  const Anatomy anatomy = many_flexors();
-  const PosingTable table = make_posing_table(anatomy, MuscleContact::yes);
-  const auto ranges = slice_ranges(anatomy);
-  PosedAnatomy p;
-  pose_anatomy(table, anatomy.skeleton, rest_pose(anatomy.skeleton), p);
-  const auto move_outer = [&](std::size_t pair, double way) {
+// Pairs of flexors at rest, whose outer ones may be moved.
+struct RestingFlexors {
+  explicit RestingFlexors(int thin) : anatomy(many_flexors(thin)), table(make_posing_table(anatomy, MuscleContact::yes)), ranges(slice_ranges(anatomy)) {
+    pose_anatomy(table, anatomy.skeleton, rest_pose(anatomy.skeleton), p);
+  }
+
+  void move_outer(std::size_t pair, double way) {
     for (int k = ranges[2 * pair + 1].begin; k < ranges[2 * pair + 1].end; ++k) p.slices[static_cast<std::size_t>(k)].center.x() -= way;
-  };
+  }
+
+  Anatomy anatomy;
+  PosingTable table;
+  std::vector<SliceRange> ranges;
+  PosedAnatomy p;
+};
+
+TEST(PosedContact, WhatWasDeepPartsOnceMoreAndNothingElse) {
+  RestingFlexors resting(0);
+  auto& [anatomy, table, ranges, p] = resting;
   constexpr std::size_t kDeep = 3;  // pairs; the others lie as at rest
-  for (std::size_t pair = 0; pair < kDeep; ++pair) move_outer(pair, 0.006);
+  for (std::size_t pair = 0; pair < kDeep; ++pair) resting.move_outer(pair, 0.006);
   PartMemory memory;
   part_again(*table.data, {}, Parting::all, p, memory, Threads::one);
-  for (std::size_t pair = 0; pair < kDeep; ++pair) move_outer(pair, 0.012);
-  move_outer(kDeep, 0.004);
+  for (std::size_t pair = 0; pair < kDeep; ++pair) resting.move_outer(pair, 0.012);
+  resting.move_outer(kDeep, 0.004);
   const PosedAnatomy once = p;
   const double before = overlap(anatomy, p);
   part_again(*table.data, {}, Parting::deep, p, memory, Threads::one);
@@ -295,17 +305,11 @@ TEST(PosedContact, WhatWasDeepPartsOnceMoreAndNothingElse) {
 }
 
 TEST(PosedContact, WhatHasLittleToGivePartsOnceAlone) {
-  const Anatomy anatomy = many_flexors(1);
-  const PosingTable table = make_posing_table(anatomy, MuscleContact::yes);
-  const auto ranges = slice_ranges(anatomy);
-  PosedAnatomy p;
-  pose_anatomy(table, anatomy.skeleton, rest_pose(anatomy.skeleton), p);
-  const auto move_outer = [&](std::size_t pair, double way) {
-    for (int k = ranges[2 * pair + 1].begin; k < ranges[2 * pair + 1].end; ++k) p.slices[static_cast<std::size_t>(k)].center.x() -= way;
-  };
+  RestingFlexors resting(1);
+  auto& [anatomy, table, ranges, p] = resting;
   const auto changed = [&](Parting parting, PartMemory& memory) {  // sections of the thin pair and of the next one, by so much for their size
-    move_outer(0, 0.0009);
-    move_outer(1, 0.0045);
+    resting.move_outer(0, 0.0009);
+    resting.move_outer(1, 0.0045);
     const PosedAnatomy before = p;
     part_again(*table.data, {}, parting, p, memory, Threads::one);
     std::array<int, 2> out{};

@@ -161,14 +161,26 @@ double volume_of(const Triangles& F, const SkinFrame& frame) {
   return six / 6;
 }
 
+// An arm whose skin is bound to it at rest.
+struct BoundArm {
+  test::Arm arm = test::make_arm();
+  PosingTable table = make_posing_table(arm.anatomy);
+  PosedAnatomy rest = at_rest();
+  Binding binding = bind_skin(arm.anatomy, rest, arm.skin);
+  UnderSkin under = make_under_skin(arm.anatomy, rest, binding);
+
+  PosedAnatomy at_rest() const {
+    PosedAnatomy out;
+    pose_anatomy(table, arm.anatomy.skeleton, rest_pose(arm.anatomy.skeleton), out);
+    return out;
+  }
+};
+
 TEST(UnderSkin, TheSkinKeepsItsVolumeAndRisesNotWhereItIsClosed) {
-  const test::Arm arm = test::make_arm();
+  const BoundArm bound;
+  const auto& [arm, table, rest, binding, under] = bound;
   const Skeleton& skeleton = arm.anatomy.skeleton;
-  const PosingTable table = make_posing_table(arm.anatomy);
   PosedAnatomy posed;
-  pose_anatomy(table, skeleton, rest_pose(skeleton), posed);
-  const Binding binding = bind_skin(arm.anatomy, posed, arm.skin);
-  const UnderSkin under = make_under_skin(arm.anatomy, posed, binding);
   Pose pose = rest_pose(skeleton);
   pose.rotations[3] = Quat(Eigen::AngleAxisd(-0.5, Vec3::UnitX()));
   pose_anatomy(table, skeleton, pose, posed);
@@ -197,15 +209,10 @@ TEST(UnderSkin, RefusesWhatBelongsToAnother) {
   EXPECT_THROW(keep_under_skin(limb, frame, posed, memory), std::invalid_argument);
 }
 
-}  // namespace
 TEST(UnderSkin, MusclesGiveWayOnlyToASkinThatWasMovedOverThem) {
-  const test::Arm arm = test::make_arm();
-  const Skeleton& skeleton = arm.anatomy.skeleton;
-  const PosingTable table = make_posing_table(arm.anatomy);
-  PosedAnatomy posed;
-  pose_anatomy(table, skeleton, rest_pose(skeleton), posed);
-  const Binding binding = bind_skin(arm.anatomy, posed, arm.skin);
-  const UnderSkin under = make_under_skin(arm.anatomy, posed, binding);
+  const BoundArm bound;
+  const auto& [arm, table, rest, binding, under] = bound;
+  PosedAnatomy posed = rest;
   for (Ellipse& slice : posed.slices) slice.center.z() += 0.015;
   SkinFrame frame;
   UnderSkinMemory memory;
@@ -219,4 +226,5 @@ TEST(UnderSkin, MusclesGiveWayOnlyToASkinThatWasMovedOverThem) {
   EXPECT_NE(std::memcmp(posed.slices.data(), before.slices.data(), posed.slices.size() * sizeof(Ellipse)), 0);
 }
 
+}  // namespace
 }  // namespace ecorche
