@@ -9,7 +9,10 @@
 namespace ecorche {
 
 // A file that appears under its name only when commit() succeeds; otherwise the temporary is removed and an older file stays.
-// Throws OutputError: missing parent folder, a folder or a device in its place, no permission, disk full.
+// A symbolic link stays a link: what it leads to is replaced.
+// Temporaries are named .STEM.RANDOM.part.EXTENSION and locked (flock) while they are written. Those of runs that were killed are removed by the next run that
+// writes a file of that name there.
+// Throws OutputError that gives the system's reason: missing parent folder, a folder or a device in its place, no permission, disk full.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path file);
@@ -23,8 +26,14 @@ class AtomicFile {
   void release_stream() { stream_.close(); }
   void commit();
 
+  // Of a stream that has failed: throws OutputError with the system's reason.
+  [[noreturn]] void fail() const;
+
  private:
-  std::filesystem::path file_, temporary_;
+  std::filesystem::path named_;   // as given, for messages
+  std::filesystem::path file_;    // links followed
+  std::filesystem::path temporary_;
+  int lock_ = -1;                 // descriptor that holds the temporary's lock
   std::ofstream stream_;
   bool committed_ = false;
 };
@@ -33,6 +42,21 @@ class AtomicFile {
 // is one of the inputs, under whatever name.
 void check_output(const std::filesystem::path& file, const std::vector<std::filesystem::path>& inputs = {});
 
+// The same for all outputs of a command, which must also be different files.
+void check_outputs(const std::vector<std::filesystem::path>& files, const std::vector<std::filesystem::path>& inputs = {});
+
+// Makes a folder and those above it that are missing. Throws OutputError as AtomicFile.
+void make_output_folder(const std::filesystem::path& folder);
+
 void write_file_atomically(const std::filesystem::path& file, std::string_view bytes);
+
+// What a run has written so far, for one that is about to end.
+struct WrittenFiles {
+  std::vector<std::filesystem::path> complete;   // in the order of their commits
+  std::vector<std::filesystem::path> abandoned;  // begun; their temporaries have been removed
+};
+
+// Removes all temporaries. A commit() that comes after it waits for ever, so that nothing appears while the program ends.
+WrittenFiles abandon_writing();
 
 }  // namespace ecorche

@@ -8,7 +8,6 @@
 #include "anatomy/input_file.h"
 
 namespace ecorche {
-namespace {
 
 namespace fs = std::filesystem;
 
@@ -17,8 +16,6 @@ fs::path cache_folder() {
   if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache" / "ecorche";
   return {};
 }
-
-}  // namespace
 
 std::optional<std::string> read_cached(const std::string& name) {
   const fs::path folder = cache_folder();

@@ -3,11 +3,15 @@
 // In $XDG_CACHE_HOME/ecorche, else ~/.cache/ecorche, else nowhere. A cache that cannot be read or written costs time, nothing else.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
 
 namespace ecorche {
+
+// The folder; empty where the environment names none.
+std::filesystem::path cache_folder();
 
 // Nothing when there is none or it cannot be read.
 std::optional<std::string> read_cached(const std::string& name);

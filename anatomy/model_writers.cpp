@@ -51,9 +51,7 @@ std::string osim_name(const std::string& raw) {
 std::string write_meshes(const fs::path& file, const ExportModel& model, const Mat3& axes) {
   const std::string folder = file.stem().string() + "_meshes";
   if (model.meshes.empty()) return folder;
-  std::error_code error;
-  fs::create_directories(file.parent_path() / folder, error);
-  if (error) throw OutputError(fmt::format("{}: {}", (file.parent_path() / folder).string(), error.message()));
+  make_output_folder(file.parent_path() / folder);
   for (const ExportMesh& mesh : model.meshes) {
     TriMesh turned = mesh.mesh;
     turned.V = mesh.mesh.V * axes.transpose();

@@ -138,13 +138,23 @@ void report_limits(RetargetReport& found, Report& report) {
                                        breaks.size(), worst.joint, worst.worst * kDegrees, worst.worst_frame, worst.frames));
 }
 
+// "walk.bvh: 241 frames at 60 fps, in cm, y up, facing +z; 7 contacts, planted feet slide 0.2 mm".
+std::string describe_motion(const std::filesystem::path& file, const Motion& motion, const RetargetReport& found) {
+  std::string out = fmt::format("{}: {} frames at {:.4g} fps, in {}, {} up, facing {}", file.filename().string(), motion.frames.size(), motion.fps,
+                                found.unit == "unknown" ? "an unknown unit" : found.unit, found.up, found.facing);
+  if (found.own_rig) return out + "; its rig is this body's own and is taken over as it is";
+  if (found.same_rest) out += "; its rest pose is ours";
+  if (found.contacts.empty()) return out + "; no foot stands";
+  return out + fmt::format("; {} contacts, planted feet slide {:.1f} mm", found.contacts.size(), 1e3 * found.slide_p95);
+}
+
 }  // namespace
 
-Motion open_motion(const std::filesystem::path& file, const Character& character, const RetargetOptions& options, const Common& common,
+Motion open_motion(const std::filesystem::path& file, const Character& character, const MotionOptions& options, const Common& common,
                    Report& report) {
   const StageTimer timer(report, "retarget");
-  const BvhMotion source = read_bvh(file);
-  RetargetOptions placed = options;
+  const BvhMotion source = read_bvh(file, to_read_options(options));
+  RetargetOptions placed = to_retarget_options(options);
   if (!placed.sole_height) placed.sole_height = character.body.skin.V.col(1).minCoeff();
   if (placed.keep_apart) placed.rounds = measure_rounds(character.anatomy.skeleton, character.body.skin.V);
   RetargetReport found;
@@ -161,6 +171,8 @@ Motion open_motion(const std::filesystem::path& file, const Character& character
   report.set("motion.foot_slide_p95", found.slide_p95);
   report.set("motion.penetration", found.penetration);
   report_limits(found, report);
+  note(common, describe_motion(file, motion, found));
+  if (common.verbose) note(common, format_matches(found));
   for (const std::string& warning : found.warnings) {
     note(common, "warning: " + warning);
     report.append_text("motion.warnings", warning);

@@ -10,11 +10,11 @@
 #include "anatomy/body_package.h"
 #include "anatomy/pose_anatomy.h"
 #include "anatomy/subdivide.h"
+#include "app/motion_options.h"
 #include "app/verb.h"
 #include "skinning/activation.h"
 #include "skinning/character_io.h"
 #include "skinning/deform.h"
-#include "skinning/retarget.h"
 #include "skinning/skin_methods.h"
 #include "skinning/under_skin.h"
 
@@ -77,7 +77,7 @@ void move_skin(const Actor& actor, SkinMethod method, ActorFrame& frame, std::sp
 Body open_body(const std::filesystem::path& file, const BodyPackage& package, const Common& common, Report& report, std::optional<double> unit = {});
 
 // Reads a BVH file and retargets it to the character. What was assumed goes to the report under `motion`, warnings to people too.
-Motion open_motion(const std::filesystem::path& file, const Character& character, const RetargetOptions& options, const Common& common,
+Motion open_motion(const std::filesystem::path& file, const Character& character, const MotionOptions& options, const Common& common,
                    Report& report);
 
 }  // namespace ecorche

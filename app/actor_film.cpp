@@ -8,6 +8,7 @@
 #include "anatomy/smooth_step.h"
 #include "app/eyes.h"
 #include "app/legend.h"
+#include "app/progress.h"
 #include "skinning/flesh_motion.h"
 #include "skinning/pose_at.h"
 #include "viewer/camera.h"
@@ -174,7 +175,8 @@ FilmReport film_actor(const Actor& actor, const Motion& motion, const ActorFilm&
     if (film.dissolve) dissolve(*film.dissolve, moments[f], appearance.looks.front());
     update_scene(model, frame.posed, &frame.skin, activity, appearance, static_cast<std::uint64_t>(f) + 1, scene);
   };
-  return make_film(options, frames, source, [&](int done) { progress(common, film.output.filename().string(), done, frames); });
+  Progress progress(common, film.output.filename().string(), frames);
+  return make_film(options, frames, source, [&](int done) { progress.at(done); });
 }
 
 }  // namespace ecorche

@@ -16,6 +16,7 @@
 #include "anatomy/muscle_surface.h"
 #include "anatomy/outline.h"
 #include "anatomy/solids.h"
+#include "app/progress.h"
 #include "morph/fat.h"
 #include "skinning/nearest_surface.h"
 
@@ -295,10 +296,10 @@ PoseCheck check_pose(const Subject& subject, const LimitPose& pose, double spaci
 void check_poses(const Subject& subject, const std::vector<LimitPose>& poses, const CheckOptions& options, const Common& common, AnatomyCheck& check) {
   check.poses.resize(poses.size());
   std::vector<PosedMuscles> muscles(poses.size());
-  std::atomic<int> done = 0;
+  Progress progress(common, "poses", static_cast<int>(poses.size()));
   tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t p) {
     check.poses[p] = check_pose(subject, poses[p], options.pose_spacing, muscles[p]);
-    progress(common, "poses", ++done, static_cast<int>(poses.size()));
+    progress.step();
   });
   for (std::size_t p = 0; p < poses.size(); ++p) {
     const PoseCheck& pose = check.poses[p];

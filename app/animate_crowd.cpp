@@ -5,20 +5,22 @@
 #include <algorithm>
 #include <set>
 
+#include "app/progress.h"
 #include "skinning/bvh_io.h"
 #include "skinning/crowd_read.h"
 
 namespace ecorche {
 
-void animate_crowd(const std::filesystem::path& crowd, const std::filesystem::path& motion, const std::filesystem::path& output, const RetargetOptions& options,
+void animate_crowd(const std::filesystem::path& crowd, const std::filesystem::path& motion, const std::filesystem::path& output, const MotionOptions& options,
                    double stagger, const Common& common, Report& report) {
-  const BvhMotion source = read_bvh(motion);
+  const BvhMotion source = read_bvh(motion, to_read_options(options));
   const Crowd people = open_crowd(crowd);
-  int done = 0, frames = 0;
+  int frames = 0;
+  Progress progress(common, "people", static_cast<int>(people.people.size()));
   double slide = 0, penetration = 0, fps = 0;
   std::set<std::string> warnings;  // the same for most people
   const auto move = [&](const CrowdPerson& person) {
-    RetargetOptions own = options;
+    RetargetOptions own = to_retarget_options(options);
     if (!own.sole_height) own.sole_height = person.body.skin.V.col(1).minCoeff();
     if (own.keep_apart) own.rounds = measure_rounds(person.skeleton, person.body.skin.V);
     RetargetReport found;
@@ -26,7 +28,7 @@ void animate_crowd(const std::filesystem::path& crowd, const std::filesystem::pa
     slide = std::max(slide, found.slide_p95), penetration = std::max(penetration, found.penetration);
     frames = static_cast<int>(out.frames.size()), fps = out.fps;
     warnings.insert(found.warnings.begin(), found.warnings.end());
-    progress(common, "people", ++done, static_cast<int>(people.people.size()));
+    progress.step();
     return out;
   };
   {
@@ -37,12 +39,13 @@ void animate_crowd(const std::filesystem::path& crowd, const std::filesystem::pa
     note(common, "warning: " + warning);
     report.append_text("motion.warnings", warning);
   }
-  report.set("motion.people", done);
+  const int count = static_cast<int>(people.people.size());
+  report.set("motion.people", count);
   report.set("motion.frames", frames);
   report.set("motion.fps", fps);
   report.set("motion.foot_slide_p95", slide);
   report.set("motion.penetration", penetration);
-  note(common, fmt::format("{}: {} people, {} frames at {:.4g} fps", output.string(), done, frames, fps));
+  note(common, fmt::format("{}: {} people, {} frames at {:.4g} fps", output.string(), count, frames, fps));
 }
 
 }  // namespace ecorche

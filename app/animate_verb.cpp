@@ -1,4 +1,5 @@
 // ecorche animate: a motion on a character, as an animated .glb or a vertex cache.
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <span>
@@ -13,6 +14,8 @@
 #include "app/motion_options.h"
 #include "app/motion_survey.h"
 #include "app/open_character.h"
+#include "app/option_values.h"
+#include "app/progress.h"
 #include "app/verb.h"
 #include "skinning/crowd_read.h"
 #include "skinning/mdd_io.h"
@@ -65,24 +68,36 @@ MotionQuality write_outputs(const AnimateOptions& options, const Actor& actor, c
     else caches.push_back(open_cache(file, actor, motion));
   }
   MotionRun pass{activations, options.dynamics};
+  Progress progress(common, "frames", static_cast<int>(motion.frames.size()));
   pass.take = [&](int f, const ActorFrame& frame) {
     for (const CacheWriter& cache : caches) cache.add(frame.skin.positions);
-    progress(common, "frames", f + 1, static_cast<int>(motion.frames.size()));
+    progress.at(f + 1);
   };
   const MotionQuality quality = play_motion(actor, motion, pass);
   for (const CacheWriter& cache : caches) cache.finish();
   return quality;
 }
 
-void check_outputs(const std::vector<fs::path>& outputs, const std::vector<fs::path>& inputs) {
-  for (const fs::path& output : outputs) {
-    const std::string kind = output.extension().string();
-    if (kind != ".glb" && kind != ".pc2" && kind != ".mdd" && kind != ".obj")
-      throw UsageError(fmt::format("{}: unknown kind of output '{}'; .glb, .pc2, .mdd and DIR/%04d.obj can be written", output.string(), kind));
-    if (kind == ".obj" && output.filename().string().find('%') == std::string::npos)
+// What shapes muscles and skin is not seen in joints.
+void check_shaping(const AnimateOptions& options) {
+  if (std::any_of(options.outputs.begin(), options.outputs.end(), [](const fs::path& output) { return output.extension() != ".glb"; })) return;
+  const char* given = options.activation != "none" ? "--activation" : options.dynamics ? "--dynamics" : options.skin != "ecorche" ? "--skin" : nullptr;
+  if (given)
+    throw UsageError(fmt::format("{}: a .glb is moved by its joints, which cannot show it; add a vertex cache ({}), or leave it out", given,
+                                 fs::path(options.outputs[0]).replace_extension(".pc2").string()));
+}
+
+// A file for the activations, too; "none" and "auto" are no files.
+void check_outputs(const AnimateOptions& options, const Common& common) {
+  std::vector<fs::path> files;
+  for (const fs::path& output : options.outputs) {
+    require_ending(output, {".glb", ".pc2", ".mdd", ".obj"});
+    const bool sequence = output.extension() == ".obj";
+    if (sequence && output.filename().string().find('%') == std::string::npos)
       throw UsageError(fmt::format("{}: an OBJ file holds one frame; name a sequence, like DIR/%04d.obj", output.string()));
-    if (kind != ".obj") check_output(output, inputs);
+    if (!sequence) files.push_back(output);
   }
+  check_outputs(common, std::move(files), {options.character, options.motion, options.weights, options.activation, options.retarget.map_file});
 }
 
 // A crowd's people move by their joints.
@@ -92,18 +107,19 @@ int run_crowd(const AnimateOptions& options, const Common& common, Report& repor
     throw UsageError(fmt::format("{}: a crowd moves by its joints, into one .glb, without --skin, --weights, --activation and --dynamics; those are for one "
                                  "person of it, {}#NAME",
                                  options.character.string(), options.character.string()));
-  animate_crowd(options.character, options.motion, options.outputs[0], to_retarget_options(options.retarget), options.stagger, common, report);
+  animate_crowd(options.character, options.motion, options.outputs[0], options.retarget, options.stagger, common, report);
   return 0;
 }
 
 int run(const AnimateOptions& options, const Common& common, Report& report) {
-  check_outputs(options.outputs, {options.character, options.motion});
+  check_outputs(options, common);
   if (is_crowd(options.character)) return run_crowd(options, common, report);
+  check_shaping(options);
   if (options.stagger > 0) throw UsageError("--stagger: for crowds, whose people then begin one after the other");
   require_settling(options.dynamics, options.skin);
   Actor actor = make_actor(open_character(options.character, common, report), report, {.weights = options.weights});
   choose_skin(actor, options.skin);
-  const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
+  const Motion motion = open_motion(options.motion, actor.character, options.retarget, common, report);
   const Activations activations = open_activations(options.activation, actor, motion, report);
   const MotionQuality quality = write_outputs(options, actor, motion, activations, common, report);
   for (const fs::path& output : options.outputs)
@@ -127,7 +143,7 @@ void add_animate_verb(VerbRegistry& registry) {
   verb->add_option("-o,--output", options->outputs, "File to write; may be given several times: .glb (joints); every vertex, exact: .pc2, .mdd, DIR/%04d.obj")
       ->required()
       ->allow_extra_args(false);
-  verb->add_option("--stagger", options->stagger, "Of a crowd: seconds by which each person begins later than the one before")->check(CLI::Range(0.0, 3600.0));
+  verb->add_option("--stagger", options->stagger, "Of a crowd: seconds by which each person begins later than the one before")->check(between(0.0, 3600.0));
   add_skin_option(*verb, options->skin);
   add_weights_option(*verb, options->weights);
   verb->add_option("--activation", options->activation, kActivationHelp)->capture_default_str();

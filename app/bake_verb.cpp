@@ -8,6 +8,8 @@
 #include "app/actor.h"
 #include "app/motion_options.h"
 #include "app/open_character.h"
+#include "app/option_values.h"
+#include "app/progress.h"
 #include "app/verb.h"
 #include "skinning/bake_io.h"
 
@@ -32,7 +34,7 @@ std::vector<BakedMotion> open_motions(const BakeVerbOptions& options, const Acto
     BakedMotion each;
     each.name = file.stem().string();
     for (int k = 2; !names.insert(each.name).second; ++k) each.name = fmt::format("{}_{}", file.stem().string(), k);
-    each.motion = open_motion(file, actor.character, to_retarget_options(options.retarget), common, report);
+    each.motion = open_motion(file, actor.character, options.retarget, common, report);
     out.push_back(std::move(each));
   }
   return out;
@@ -54,10 +56,10 @@ std::string in_words(const BakeError& error) {
 }
 
 int run(const BakeVerbOptions& options, const Common& common, Report& report) {
-  if (options.output.extension() != ".glb") throw UsageError(fmt::format("{}: a bake is written as .glb", options.output.string()));
+  require_ending(options.output, {".glb"});
   std::vector<fs::path> inputs = options.motions;
-  inputs.push_back(options.character);
-  check_output(options.output, inputs);
+  inputs.insert(inputs.end(), {options.character, options.weights, options.retarget.map_file});
+  check_outputs(common, {options.output}, inputs);
   Actor actor = make_actor(open_character(options.character, common, report), report, {.weights = options.weights});
   const Character& character = actor.character;
   ActorFrame frame;
@@ -70,7 +72,9 @@ int run(const BakeVerbOptions& options, const Common& common, Report& report) {
   {
     std::vector<BakedMotion> motions = open_motions(options, actor, common, report);
     const StageTimer timer(report, "bake");
-    bake = bake_skin(character.body.skin, character.anatomy.skeleton, actor.binding.joint_weights, exact, std::move(motions), options.bake);
+    Progress progress(common, options.output.filename().string(), 100);
+    bake = bake_skin(character.body.skin, character.anatomy.skeleton, actor.binding.joint_weights, exact, std::move(motions), options.bake,
+                     [&progress](const char* stage, double share) { progress.at(static_cast<int>(100 * share), stage); });
   }
   write_bake(options.output, character.body.name, character.body.skin, character.anatomy.skeleton, bake);
   const double bytes = static_cast<double>(fs::file_size(options.output));
@@ -100,12 +104,12 @@ void add_bake_verb(VerbRegistry& registry) {
   verb->add_option("character", options->character, "Character written by `ecorche fit`, or CROWD.glb#NAME")->required();
   verb->add_option("motions", options->motions, "Motions (.bvh), one animation each")->required();
   verb->add_option("-o,--output", options->output, "File to write (.glb)")->required();
-  verb->add_option("--morphs", options->bake.morphs, "Corrective morph targets, at most")->check(CLI::Range(0, 64))->capture_default_str();
+  verb->add_option("--morphs", options->bake.morphs, "Corrective morph targets, at most")->check(between(0, 64))->capture_default_str();
   verb->add_option("--helpers", options->bake.helpers, "Joints added where the character's own leave the skin far off, at most")
-      ->check(CLI::Range(0, 128))
+      ->check(between(0, 128))
       ->capture_default_str();
   verb->add_option("--samples", options->bake.sample_frames, "Frames that weights and shapes are solved on; errors are of every frame")
-      ->check(CLI::Range(2, 2000))
+      ->check(between(2, 2000))
       ->capture_default_str();
   add_weights_option(*verb, options->weights);
   add_motion_options(*verb, options->retarget);

@@ -12,6 +12,7 @@
 #include "app/bench_measures.h"
 #include "app/bench_timer.h"
 #include "app/fitting.h"
+#include "app/option_values.h"
 #include "app/verb.h"
 #include "morph/body.h"
 #include "morph/slice_room.h"
@@ -171,7 +172,7 @@ void add_bench_verb(VerbRegistry& registry) {
   CLI::App* verb = add_verb(registry, registry.app, "bench", "Measure speed, as ratios within one run", "ecorche bench --report bench.json",
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
   verb->add_flag("--muscles", options->muscles, "Only the posing of all muscles, pose after pose");
-  verb->add_option("--rounds", options->rounds, "Interleaved repetitions; the least time of each case counts")->check(CLI::Range(3, 1000))->capture_default_str();
+  verb->add_option("--rounds", options->rounds, "Interleaved repetitions; the least time of each case counts")->check(between(3, 1000))->capture_default_str();
 }
 
 }  // namespace ecorche

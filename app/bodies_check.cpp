@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "anatomy/package.h"
+#include "app/progress.h"
 #include "morph/template.h"
 
 namespace ecorche {
@@ -32,8 +33,10 @@ std::vector<BodyCheck> check_bodies(const std::vector<BodySpec>& bodies, const s
   std::vector<ShapedBody> all;  // before any is fitted: one that cannot be had is told at once
   for (const BodySpec& spec : bodies) all.push_back(shape_body(package, spec));
   std::vector<BodyCheck> checks;
+  Progress progress(common, "bodies", static_cast<int>(bodies.size()));
+  Common silent = common;  // the bodies' own bars would break this one
+  silent.progress = "never";
   for (const ShapedBody& shaped : all) {
-    progress(common, "bodies", static_cast<int>(checks.size()), static_cast<int>(bodies.size()));
     Report report;
     const FittedCharacter fitted = fit_character(body_template, shaped.body, package, {}, report);
     CheckOptions options;
@@ -45,10 +48,10 @@ std::vector<BodyCheck> check_bodies(const std::vector<BodySpec>& bodies, const s
     body.tissues = fitted.tissues;
     body.wanted_volume = fitted.dilation.wanted_volume;
     body.dilation_ms = report.number("timings_ms.dilation");
-    body.check = check_anatomy(fitted.actor, package, poses, options, common);
+    body.check = check_anatomy(fitted.actor, package, poses, options, silent);
     checks.push_back(std::move(body));
+    progress.step();
   }
-  progress(common, "bodies", static_cast<int>(checks.size()), static_cast<int>(bodies.size()));
   return checks;
 }
 

@@ -70,7 +70,7 @@ std::vector<std::optional<double>> BodySliders::asked_by(const std::vector<std::
   const Impl& s = *impl_;
   std::vector<std::optional<double>> out(sliders().size());
   for (const std::string& text : measures) {
-    const Wish wish = parse_wish(text, s.tape.table());
+    const Wish wish = parse_wish(text, s.tape);
     const auto at = std::find(s.shown.begin(), s.shown.end(), wish.measure);
     if (at == s.shown.end()) throw UsageError(fmt::format("--measure {}: no slider shows it", text));
     out[static_cast<std::size_t>(at - s.shown.begin())] = wish.value;

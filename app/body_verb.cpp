@@ -7,6 +7,7 @@
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
+#include "app/option_values.h"
 #include "app/verb.h"
 #include "morph/body.h"
 #include "morph/sizes.h"
@@ -30,7 +31,7 @@ std::vector<Wish> parse_wishes(const NewOptions& options, const TapeMeasure& tap
   std::vector<Wish> out;
   if (options.height > 0) out.push_back({tape.table().at("stature"), options.height});
   if (options.mass > 0) out.push_back({tape.table().at("weight"), options.mass});
-  for (const std::string& text : options.measures) out.push_back(parse_wish(text, tape.table()));
+  for (const std::string& text : options.measures) out.push_back(parse_wish(text, tape));
   if (options.size.empty()) return out;
   // What is asked for by itself goes before what the size says of it.
   const std::vector<StandardSize> sizes = read_sizes(data_folder() / "body");
@@ -91,8 +92,8 @@ int run_measured(const NewOptions& options, const Common& common, Report& report
 }
 
 int run_new(const NewOptions& options, const Common& common, Report& report) {
-  if (options.output.extension() != ".glb") throw UsageError(options.output.string() + ": a body is written as .glb");
-  check_output(options.output);
+  require_ending(options.output, {".glb"});
+  check_outputs(common, {options.output});
   if (!options.measures.empty() || !options.size.empty()) return run_measured(options, common, report);
   BodySpec spec;
   spec.sex = options.sex == "female" ? Sex::female : Sex::male;
@@ -123,15 +124,15 @@ void add_body_verb(VerbRegistry& registry) {
   CLI::App* verb = add_verb(registry, *body, "new", "Make a body of a wanted sex, age, height and mass, or of measures",
                             "ecorche body new --sex female --age 30 --height 1.68 --mass 60 -o anna.glb",
                             [options](const Common& common, Report& report) { return run_new(*options, common, report); });
-  verb->add_option("--sex", options->sex, "male or female")->required()->check(CLI::IsMember({"male", "female"}));
-  verb->add_option("--age", options->age, "Years; 25 when left out, and with --measure people of all ages")->check(CLI::Range(1.0, 90.0));
-  verb->add_option("--height", options->height, "Stature in metres; the average when left out")->check(CLI::Range(0.5, 2.6));
-  verb->add_option("--mass", options->mass, "Kilograms; follows from an average build when left out")->check(CLI::Range(2.0, 400.0));
-  verb->add_option("--muscle", options->muscle, "Muscularity from 0 to 1; follows from the mass when left out")->check(CLI::Range(0.0, 1.0));
+  verb->add_option("--sex", options->sex, "male or female")->required()->check(one_of({"male", "female"}));
+  verb->add_option("--age", options->age, "Years; 25 when left out, and with --measure people of all ages")->check(between(1.0, 90.0));
+  add_length(*verb, "--height", options->height, {0.5, 2.6}, {1.2, 2.3}, "Stature: 1.68, 168cm, 5ft6; the average when left out");
+  add_mass(*verb, "--mass", options->mass, 2, 400, "60kg, 132lb, or kilograms; follows from an average build when left out");
+  verb->add_option("--muscle", options->muscle, "Muscularity from 0 to 1; follows from the mass when left out")->check(between(0.0, 1.0));
   verb->add_option("--measure", options->measures,
-                   "NAME=VALUE, met exactly; m, cm, mm or in (kg, lb for weight); may be repeated. "
-                   "Example: --measure chest_girth=92cm --measure waist_girth=74cm. Names: ecorche body measure --list");
-  verb->add_option("--size", options->size, "Clothing size XS, S, M, L or XL: the body it is made for; --measure changes it");
+                   "NAME=VALUE, met exactly; m, cm, mm, in or ft (kg, lb for weight); may be repeated. "
+                   "Example: --measure chest_girth=92cm --measure waist_girth=74cm. Names: ecorche list measures");
+  verb->add_option("--size", options->size, "Clothing size XS to 3XL (ecorche list sizes): the body it is made for; --measure changes it");
   verb->add_flag("--best-effort", options->best_effort, "Write the nearest body (exit code 8) when measures contradict each other");
   verb->add_flag("--allow-unusual", options->allow_unusual, "Accept measures that people do not have, as far as the skin can be bent");
   verb->add_option("-o,--output", options->output, "Body file to write (.glb)")->required();

@@ -6,6 +6,7 @@
 
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
+#include "anatomy/similar_names.h"
 #include "anatomy/package.h"
 #include "app/bodies_check.h"
 #include "app/bulges.h"
@@ -30,10 +31,10 @@ Character open_subject(const std::string& name) {
   return {std::move(shown.anatomy), std::move(shown.body)};
 }
 
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw OutputError(fmt::format("{}: {}", folder.string(), error.message()));
+std::vector<std::string> names_of(const std::vector<BodySpec>& bodies) {
+  std::vector<std::string> out;
+  for (const BodySpec& body : bodies) out.push_back(body.name);
+  return out;
 }
 
 // A row a body; posed only where a table of poses was given.
@@ -41,7 +42,7 @@ int run_bodies(const CheckVerbOptions& options, const Common& common, Report& re
   std::vector<BodySpec> bodies = checked_bodies();
   for (const std::string& name : options.bodies)
     if (std::none_of(bodies.begin(), bodies.end(), [&](const BodySpec& body) { return body.name == name; }))
-      throw InputError(fmt::format("check bodies: no body '{}'; leave --body out to see their names", name));
+      throw UsageError(fmt::format("--body {}: no such body{}\nLeave --body out to see their names.", name, did_you_mean(name, names_of(bodies))));
   if (!options.bodies.empty())
     std::erase_if(bodies, [&](const BodySpec& body) { return std::find(options.bodies.begin(), options.bodies.end(), body.name) == options.bodies.end(); });
   std::vector<LimitPose> poses;
@@ -53,7 +54,6 @@ int run_bodies(const CheckVerbOptions& options, const Common& common, Report& re
   report.set("check.bodies_met", static_cast<int>(met));
   const bool all = met == static_cast<long>(checks.size());
   if (!options.folder.empty()) {
-    make_folder(options.folder);
     write_file_atomically(options.folder / "bodies.csv", bodies_csv(checks));
     report.set("exit_code", all ? 0 : 8);
     report.write(options.folder / "check.json");
@@ -61,7 +61,18 @@ int run_bodies(const CheckVerbOptions& options, const Common& common, Report& re
   return all ? 0 : 8;
 }
 
+// Options that would do nothing are refused.
+void check_options(const CheckVerbOptions& options, const Common& common) {
+  const bool bodies = options.character == "bodies";
+  if (!bodies && !options.bodies.empty()) throw UsageError("--body: only with `ecorche check bodies`");
+  if (bodies && (options.no_sweeps || options.no_pictures)) throw UsageError("check bodies: joints are not swept and no pictures are drawn; leave --no-sweeps and --no-pictures out");
+  if (options.no_pictures && options.folder.empty()) throw UsageError("--no-pictures: pictures are drawn with -o FOLDER only; leave it out");
+  check_outputs(common, {}, {options.character, options.poses});
+  if (!options.folder.empty()) make_output_folder(options.folder);
+}
+
 int run(const CheckVerbOptions& options, const Common& common, Report& report) {
+  check_options(options, common);
   if (options.character == "bodies") return run_bodies(options, common, report);
   const Actor actor = make_actor(open_subject(options.character), report);
   const BodyPackage package = read_body_package(find_packages());
@@ -80,7 +91,6 @@ int run(const CheckVerbOptions& options, const Common& common, Report& report) {
   report_bulges(bulges, report);
   std::fputs((check_table(check) + bulge_table(bulges)).c_str(), stdout);
   if (!options.folder.empty()) {
-    make_folder(options.folder);
     write_file_atomically(options.folder / "check.csv", check_csv(check, actor.character.anatomy));
     write_file_atomically(options.folder / "check.html", check_page(check, bulges, actor, poses, {"Check of " + options.character, !options.no_pictures}));
     note(common, fmt::format("look at {0}/check.html; {0}/check.csv has a row a muscle", options.folder.string()));

@@ -162,14 +162,8 @@ Template timed_template(Report& report) {
   return read_template();
 }
 
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw OutputError(fmt::format("{}: {}", folder.string(), error.message()));
-}
-
 int run(const DemoOptions& options, const Common& common, Report& report) {
-  make_folder(options.folder);
+  make_output_folder(options.folder);
   note(common, "template");
   const Template body_template = timed_template(report);
   const BodyPackage package = read_body_package(find_packages());

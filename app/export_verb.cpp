@@ -18,9 +18,8 @@ struct Options {
 };
 
 int run(const Options& options, const Common& common, Report& report) {
-  for (const fs::path& output : options.outputs)
-    if (output.extension() != ".osim" && output.extension() != ".xml")
-      throw UsageError(fmt::format("{}: unknown kind of output '{}'; .osim (OpenSim) and .xml (MuJoCo) can be written", output.string(), output.extension().string()));
+  for (const fs::path& output : options.outputs) require_ending(output, {".osim", ".xml"});
+  check_outputs(common, options.outputs, {options.character});
   const Character character = open_character(options.character, common, report);
   ExportModel model = make_export_model(character.anatomy, character.body);
   if (options.no_meshes) model.meshes.clear();

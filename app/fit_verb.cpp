@@ -8,6 +8,7 @@
 #include "anatomy/errors.h"
 #include "app/fitting.h"
 #include "app/motion_options.h"
+#include "app/option_values.h"
 #include "app/template_file.h"
 #include "app/verb.h"
 
@@ -19,6 +20,7 @@ const std::map<std::string, Interior> kInteriors{{"bones", Interior::bones}, {"t
 struct FitVerbOptions {
   std::filesystem::path body, body_template, output, tissue, weights;
   std::string method = "ecorche", skin = "base", sex, unit, interior = "bones";
+  std::optional<double> alpha;
   FittingOptions fitting;
 };
 
@@ -29,14 +31,15 @@ int run(FitVerbOptions options, const Common& common, Report& report) {
   options.fitting.fine_skin = options.skin == "fine";
   options.fitting.weights = options.weights;
   options.fitting.moves = false;
-  if (options.output.extension() != ".glb") throw UsageError(options.output.string() + ": a character is written as .glb");
-  check_output(options.output, {options.body});
+  require_ending(options.output, {".glb"});
+  if (options.alpha && options.method != "paper") throw UsageError("--alpha: only --method paper has it; leave it out");
+  if (options.alpha) options.fitting.dilate.alpha = *options.alpha;
   const bool meshed = options.fitting.fit.interior == Interior::tetgen || options.fitting.fit.interior == Interior::lattice;
   if (!options.tissue.empty()) {
     if (!meshed) throw UsageError("--tissue: there is a mesh only with --interior tetgen or lattice");
-    if (options.tissue.extension() != ".vtk") throw UsageError(options.tissue.string() + ": tissue is written as .vtk");
-    check_output(options.tissue, {options.body});
+    require_ending(options.tissue, {".vtk"});
   }
+  check_outputs(common, {options.output, options.tissue}, {options.body, options.body_template, options.weights});
   const BodyPackage package = read_body_package(find_packages());
   Body body = open_body(options.body, package, common, report, options.unit.empty() ? std::nullopt : metres_in(options.unit));
   if (!options.sex.empty()) body.sex = options.sex == "female" ? Sex::female : Sex::male;
@@ -66,25 +69,24 @@ void add_fit_verb(VerbRegistry& registry) {
   verb->add_option("-o,--output", options->output, "Character to write (.glb)")->required();
   verb->add_option("--template", options->body_template, "Template of `ecorche template import`; the built-in one when left out");
   verb->add_option("--skin", options->skin, "The character's skin: base (the body's own mesh), or fine (refined, 120,404 vertices)")
-      ->check(CLI::IsMember({"base", "fine"}))
+      ->check(one_of({"base", "fine"}))
       ->capture_default_str();
   verb->add_option("--method", options->method, "How muscles grow to the skin: ecorche; ellipses (the same, but neighbours do not part: faster), or paper (one factor a muscle)")
-      ->check(CLI::IsMember({"ecorche", "ellipses", "paper"}))
+      ->check(one_of({"ecorche", "ellipses", "paper"}))
       ->capture_default_str();
   verb->add_option("--interior", options->interior,
                    "What carries the flesh into the body before it grows: the bones it rides on, a harmonic warp of the tissue between bones and skin "
                    "(tetgen: tetrahedra, lattice: cubes), or radial functions (rbf)")
-      ->check(CLI::IsMember({"bones", "tetgen", "lattice", "rbf"}))
+      ->check(one_of({"bones", "tetgen", "lattice", "rbf"}))
       ->capture_default_str();
   verb->add_option("--tissue", options->tissue, "Tetrahedra between bones and skin, for simulations (.vtk); with --interior tetgen or lattice");
   add_weights_option(*verb, options->weights);
-  verb->add_option("--alpha", options->fitting.dilate.alpha, "paper: share of their length's change that muscles start with across")
-      ->check(CLI::Range(0.01, 10.0))
-      ->capture_default_str();
+  verb->add_option("--alpha", options->alpha, fmt::format("With --method paper: share of their length's change that muscles start with across [{}]", DilateOptions{}.alpha))
+      ->check(between(0.01, 10.0));
   verb->add_option("--sex", options->sex, "Of a skin that does not say it; decides the layer of fat (a bare skin counts as male)")
-      ->check(CLI::IsMember({"male", "female"}));
+      ->check(one_of({"male", "female"}));
   verb->add_option("--unit", options->unit, "Of a bare skin's coordinates: m, dm, cm, mm, in or ft; found out from its height when left out")
-      ->check(CLI::IsMember({"m", "dm", "cm", "mm", "in", "ft"}));
+      ->check(one_of({"m", "dm", "cm", "mm", "in", "ft"}));
 }
 
 }  // namespace ecorche

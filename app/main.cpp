@@ -1,21 +1,33 @@
 // ecorche: a thin command line. Data goes to stdout, everything else to stderr; exit codes are those of anatomy/errors.h.
+#include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <optional>
+#include <system_error>
 #include <thread>
 
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
+#include "app/command_line.h"
+#include "app/interrupt.h"
 #include "app/verb.h"
 
 namespace {
 
 using namespace ecorche;
+
+// Printed text may still wait in a buffer.
+void finish_stdout() {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
+  throw std::system_error(errno != 0 ? errno : EIO, std::generic_category(), "standard output");
+}
 
 int run(VerbFunction& chosen, const Common& common) {
   const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
@@ -27,32 +39,43 @@ int run(VerbFunction& chosen, const Common& common) {
   report.set("threads", threads);
   if (!common.report_file.empty()) check_output(common.report_file);
   const int exit_code = chosen(common, report);
+  finish_stdout();
   report.set("exit_code", exit_code);
   if (!common.report_file.empty()) report.write(common.report_file);
+  if (common.verbose) note(common, report.to_text());
   return exit_code;
 }
 
-int fail(int exit_code, const char* message) {
-  std::fprintf(stderr, "ecorche: %s\n", message);
+int fail(int exit_code, const std::string& message) {
+  std::fprintf(stderr, "ecorche: %s\n", message.c_str());
   return exit_code;
 }
 
-}  // namespace
+// Threads that cannot be had, and a stdout that takes no more.
+int fail_system(const std::system_error& e) {
+  const int error = e.code().value();
+  if (error == EPIPE) return 6;  // whoever read has read enough
+  if (error == EAGAIN) return fail(5, "no more threads or processes to be had; try --threads 1");
+  if (error == ENOSPC || error == EIO || error == EBADF)
+    return fail(6, fmt::format("standard output: could not be written: {}", e.code().message()));
+  return fail(1, fmt::format("internal error: {}; please report it with the command line", e.what()));
+}
 
-int main(int argc, char** argv) {
-  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is a failed write, not a death
-  std::signal(SIGXFSZ, SIG_IGN);  // so is a limit on the size of files
-  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma"))
-    return fail(1, "this build needs a processor with AVX2 and FMA; configure with -DECORCHE_ARCH= to build for yours");
+int run_words(CLI::App& app, const Common& common, VerbFunction& chosen, std::vector<std::string> words) {
+  if (const std::optional<std::string> unknown = unknown_word(app, words)) return fail(2, *unknown);
+  try {
+    std::vector<std::string> reversed(words.rbegin(), words.rend());
+    app.parse(reversed);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() != 0) return fail(2, describe_parse_error(app, words, e));
+    app.exit(e);
+    finish_stdout();
+    return 0;
+  }
+  return run(chosen, common);
+}
 
-  CLI::App app{"Puts a complete set of bones and muscles into any human skin, and moves the skin by that anatomy."};
-  app.footer("Start with:\n  ecorche demo -o out/long-jump\nEvery verb has --help with an example.");
-  app.set_version_flag("--version", ECORCHE_VERSION);
-  app.require_subcommand(1);
-
-  Common common;
-  VerbFunction chosen;
-  VerbRegistry registry{app, common, chosen};
+void add_verbs(VerbRegistry& registry) {
   add_demo_verb(registry);
   add_template_verb(registry);
   add_body_verb(registry);
@@ -68,19 +91,36 @@ int main(int argc, char** argv) {
   add_view_verb(registry);
 #endif
   add_bench_verb(registry);
+  add_list_verb(registry);
+  add_shell_verbs(registry);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is a failed write, not a death
+  std::signal(SIGXFSZ, SIG_IGN);  // so is a limit on the size of files
+  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma"))
+    return fail(1, "this build needs a processor with AVX2 and FMA; configure with -DECORCHE_ARCH= to build for yours");
 
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
-  try {
-    return run(chosen, common);
+    const InterruptWatch watch;
+    CLI::App app{"Puts a complete set of bones and muscles into any human skin, and moves the skin by that anatomy.", "ecorche"};
+    app.footer("Start with:\n  ecorche demo -o out/long-jump\nEvery verb has --help with an example; `ecorche list` names muscles, joints, measures and more.");
+    app.set_version_flag("--version,-V", ECORCHE_VERSION);
+    app.require_subcommand(1);
+    Common common;
+    VerbFunction chosen;
+    VerbRegistry registry{app, common, chosen};
+    add_verbs(registry);
+    return run_words(app, common, chosen, read_command_line(argc, argv));
   } catch (const Error& e) {
     return fail(e.exit_code(), e.what());
   } catch (const std::bad_alloc&) {
     return fail(5, "out of memory; try a smaller input or fewer threads");
+  } catch (const std::system_error& e) {
+    return fail_system(e);
   } catch (const std::exception& e) {
-    return fail(1, (std::string("internal error: ") + e.what() + "; please report it with the command line").c_str());
+    return fail(1, fmt::format("internal error: {}; please report it with the command line", e.what()));
   }
 }

@@ -7,6 +7,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
 #include "app/html_page.h"
+#include "app/option_values.h"
 #include "app/tape_pictures.h"
 #include "app/verb.h"
 #include "morph/measure.h"
@@ -32,6 +33,7 @@ Unit unit_of(const std::string& name) {
   if (name == "mm") return {name, 1000};
   if (name == "cm") return {name, 100};
   if (name == "in") return {name, 1 / 0.0254};
+  if (name == "ft") return {name, 1 / 0.3048};
   return {"m", 1};
 }
 
@@ -78,6 +80,7 @@ int run_measure(const MeasureOptions& options, const Common& common, Report& rep
     return 0;
   }
   if (options.body.empty()) throw UsageError("body measure: give a body file, or --list for the names of the measures");
+  check_outputs(common, {options.html}, {options.body});
   const Body body = read_body(options.body);
   if (body.skin.V.rows() != package.skin_size)
     throw UnfitError(fmt::format("{}: {} skin vertices, but measures are tied to the base mesh's {}; register the skin first (body register)",
@@ -116,10 +119,10 @@ void add_body_measure(VerbRegistry& registry, CLI::App& body) {
                             [options](const Common& common, Report& report) { return run_measure(*options, common, report); });
   verb->add_option("body", options->body, "Body or character (.glb)");
   verb->add_flag("--list", options->list, "Name the measures and stop");
-  auto* json = verb->add_flag("--json", options->json, "As JSON: metres and kilograms");
-  verb->add_flag("--csv", options->csv, "As CSV: id, value, unit")->excludes(json);
-  verb->add_option("--html", options->html, "Write a page instead");
-  verb->add_option("--unit", options->unit, "m, cm, mm or in")->check(CLI::IsMember({"m", "cm", "mm", "in"}))->capture_default_str();
+  CLI::Option* json = verb->add_flag("--json", options->json, "As JSON: metres and kilograms");
+  CLI::Option* csv = verb->add_flag("--csv", options->csv, "As CSV: id, value, unit")->excludes(json);
+  verb->add_option("--html", options->html, "Write a page instead, with pictures of where the tapes lie")->excludes(json)->excludes(csv);
+  verb->add_option("--unit", options->unit, "Of lengths")->check(one_of({"m", "cm", "mm", "in", "ft"}))->excludes(json)->capture_default_str();
 }
 
 }  // namespace ecorche

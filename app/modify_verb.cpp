@@ -4,6 +4,7 @@
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
+#include "app/option_values.h"
 #include "app/verb.h"
 #include "morph/modify_body.h"
 #include "skinning/character_io.h"
@@ -20,8 +21,8 @@ struct ModifyOptions {
 };
 
 int run_modify(const ModifyOptions& options, const Common& common, Report& report) {
-  if (options.output.extension() != ".glb") throw UsageError(options.output.string() + ": a body is written as .glb");
-  check_output(options.output, {options.body});
+  require_ending(options.output, {".glb"});
+  check_outputs(common, {options.output}, {options.body});
   const BodyPackage package = read_body_package(find_packages());
   const TapeMeasure tape(package, read_measure_table(package, data_folder() / "body"));
   Body body = read_body(options.body);
@@ -36,7 +37,7 @@ int run_modify(const ModifyOptions& options, const Common& common, Report& repor
   change.muscle = options.muscle;
   change.exaggeration = options.exaggeration;
   if (options.age) change.age = std::pair{body.age > 0 ? body.age : 25.0, *options.age};
-  for (const std::string& text : options.measures) change.measures.push_back(parse_wish(text, tape.table()));
+  for (const std::string& text : options.measures) change.measures.push_back(parse_wish(text, tape));
   const auto figures = [&](const char* when, const Points& skin) {
     const double fat = fat_percentage(tape, body.sex, skin), ratio = hip_waist_ratio(tape, skin);
     report.set(fmt::format("{}.fat_percent", when), fat);
@@ -68,13 +69,13 @@ void add_body_modify(VerbRegistry& registry, CLI::App& body) {
                             "ecorche body modify anna.glb --fat 32 -o anna-heavier.glb",
                             [options](const Common& common, Report& report) { return run_modify(*options, common, report); });
   verb->add_option("body", options->body, "Body or character (.glb)")->required();
-  verb->add_option("--fat", options->fat, "Share of fat, per cent, by girths and height")->check(CLI::Range(2.0, 60.0));
-  verb->add_option("--hip-waist", options->hip_waist, "Hip girth over waist girth")->check(CLI::Range(0.7, 2.0));
+  verb->add_option("--fat", options->fat, "Share of fat, per cent, by girths and height")->check(between(2.0, 60.0));
+  verb->add_option("--hip-waist", options->hip_waist, "Hip girth over waist girth")->check(between(0.7, 2.0));
   verb->add_option("--measure", options->measures, "NAME=VALUE, as for body new; may be repeated. Lengths not asked for stay");
-  verb->add_option("--muscle", options->muscle, "From -1, as weak as can be, to 1, as muscular")->check(CLI::Range(-1.0, 1.0));
-  verb->add_option("--age", options->age, "Years that the body is to be old")->check(CLI::Range(1.0, 90.0));
-  verb->add_option("--exaggerate", options->exaggeration, "More (above 1) or less (below 1) of what sets the body apart from the average")->check(CLI::Range(0.0, 3.0));
-  verb->add_option("--sex", options->sex, "Of a body that does not say it")->check(CLI::IsMember({"male", "female"}));
+  verb->add_option("--muscle", options->muscle, "From -1, as weak as can be, to 1, as muscular")->check(between(-1.0, 1.0));
+  verb->add_option("--age", options->age, "Years that the body is to be old")->check(between(1.0, 90.0));
+  verb->add_option("--exaggerate", options->exaggeration, "More (above 1) or less (below 1) of what sets the body apart from the average")->check(between(0.0, 3.0));
+  verb->add_option("--sex", options->sex, "Of a body that does not say it")->check(one_of({"male", "female"}));
   verb->add_option("-o,--output", options->output, "Body file to write (.glb)")->required();
 }
 

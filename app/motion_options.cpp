@@ -1,6 +1,7 @@
 #include "app/motion_options.h"
 
 #include "anatomy/errors.h"
+#include "app/option_values.h"
 
 namespace ecorche {
 
@@ -23,10 +24,10 @@ void require_settling(bool dynamics, const std::string& method) {
 
 void add_motion_options(CLI::App& verb, MotionOptions& options) {
   verb.add_option("--map", options.map_file, "Which joint is which, where guessing fails: lines `file joint = our joint`");
-  verb.add_option("--up", options.up, "Up axis of the file, instead of guessing")->check(CLI::IsMember({"x", "y", "z"}));
-  verb.add_option("--unit", options.unit, "Metres a file unit, instead of guessing")->check(CLI::Range(1e-6, 1e3));
+  verb.add_option("--up", options.up, "Up axis of the file, instead of guessing; for figures that are seldom upright")->check(one_of({"x", "y", "z"}));
+  verb.add_option("--motion-fps", options.fps, "Frames a second of the file, instead of what it says")->check(between(0.1, 10000));
   verb.add_option("--limits", options.limits, "What becomes of joints beyond their anatomical limits: kept as they are, brought back (clamp), or auto: brought back unless the file's rest pose is ours")
-      ->check(CLI::IsMember({"auto", "keep", "clamp"}))
+      ->check(one_of({"auto", "keep", "clamp"}))
       ->capture_default_str();
   verb.add_flag("--no-apart", options.through, "Let limbs pass through each other, trunk and head where the motion has them do so");
   CLI::Option* free = verb.add_flag("--no-plant", options.free_feet, "Leave the feet where the file puts them");
@@ -37,10 +38,15 @@ RetargetOptions to_retarget_options(const MotionOptions& options) {
   RetargetOptions out;
   if (!options.map_file.empty()) out.joint_map = read_joint_map(options.map_file);
   if (!options.up.empty()) out.up = options.up[0];
-  if (options.unit > 0) out.metres_per_unit = options.unit;
   if (options.limits != "auto") out.clamp_limits = options.limits == "clamp";
   out.keep_apart = !options.through;
   if (options.free_feet || options.plant_feet) out.plant_feet = options.plant_feet;
+  return out;
+}
+
+BvhReadOptions to_read_options(const MotionOptions& options) {
+  BvhReadOptions out;
+  if (options.fps > 0) out.fps = options.fps;
   return out;
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "skinning/bvh_io.h"
 #include "skinning/retarget.h"
 
 namespace ecorche {
@@ -12,7 +13,7 @@ namespace ecorche {
 struct MotionOptions {
   std::filesystem::path map_file;  // --map
   std::string up;                  // --up
-  double unit = 0;                 // --unit, metres
+  double fps = 0;                  // --motion-fps; 0: the file's
   std::string limits = "auto";     // --limits
   bool through = false;            // --no-apart
   bool free_feet = false, plant_feet = false;  // --no-plant, --plant
@@ -30,5 +31,6 @@ void require_settling(bool dynamics, const std::string& method);
 
 void add_motion_options(CLI::App& verb, MotionOptions& options);
 RetargetOptions to_retarget_options(const MotionOptions& options);
+BvhReadOptions to_read_options(const MotionOptions& options);
 
 }  // namespace ecorche

@@ -38,8 +38,9 @@ void check_name(const std::string& name) {
 }
 
 // One row as a table of its own, so that a broken row spoils no other.
-Person read_person(const Table& row, const std::vector<std::string>& columns, int number, std::optional<Sex> sex, const MeasureTable& table,
+Person read_person(const Table& row, const std::vector<std::string>& columns, int number, std::optional<Sex> sex, const TapeMeasure& tape,
                    const std::vector<StandardSize>& sizes) {
+  const MeasureTable& table = tape.table();
   const auto text = [&](const char* column) { return row.has_column(column) ? row.text(0, column) : std::string(); };
   Person out;
   out.name = text("name").empty() ? fmt::format("person-{:04}", number) : text("name");
@@ -55,7 +56,7 @@ Person read_person(const Table& row, const std::vector<std::string>& columns, in
   for (const std::string& column : columns) {
     if (is_own(column) || row.text(0, column).empty()) continue;
     const int k = table.at(column);
-    out.wishes.push_back({k, parse_quantity(row.text(0, column), table.measures[static_cast<std::size_t>(k)].kind)});
+    out.wishes.push_back({k, tape.parse(k, row.text(0, column), column)});
   }
   if (text("size").empty()) return out;
   for (const Wish& wish : size_wishes(find_size(sizes, out.sex, text("size")), table))
@@ -65,7 +66,7 @@ Person read_person(const Table& row, const std::vector<std::string>& columns, in
 
 }  // namespace
 
-People read_people(const std::filesystem::path& file, std::optional<Sex> sex, const MeasureTable& table) {
+People read_people(const std::filesystem::path& file, std::optional<Sex> sex, const TapeMeasure& tape) {
   std::ifstream in(file);
   if (!in) throw InputError(file.string() + ": cannot be read");
   const std::vector<StandardSize> sizes = read_sizes(data_folder() / "body");
@@ -81,12 +82,12 @@ People read_people(const std::filesystem::path& file, std::optional<Sex> sex, co
       header = text;
       columns = column_names(header);
       for (const std::string& column : columns)
-        if (!is_own(column)) table.at(column);  // a column that is no measure would be passed over in silence
+        if (!is_own(column)) tape.table().at(column);  // a column that is no measure would be passed over in silence
       continue;
     }
     try {
       const Table row(header + "\n" + text + "\n", file.string());
-      Person person = read_person(row, columns, static_cast<int>(out.people.size() + out.bad.size()) + 1, sex, table, sizes);
+      Person person = read_person(row, columns, static_cast<int>(out.people.size() + out.bad.size()) + 1, sex, tape, sizes);
       if (!names.insert(person.name).second) throw InputError(fmt::format("name '{}': taken by a row above", person.name));
       out.people.push_back(std::move(person));
     } catch (const Error& e) {

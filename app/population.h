@@ -33,7 +33,7 @@ struct People {
 // First row: names of columns: `name`, `sex`, `age` (all optional), `size` (XS .. XL), and measures of `body measure --list`. Cells are
 // quantities ("92cm"; a bare number is metres or kilograms); empty ones are not asked for. Lines that start with # are remarks. Bad rows
 // are set aside. Throws InputError for a file that cannot be read, UsageError for a column that is not known.
-People read_people(const std::filesystem::path& file, std::optional<Sex> sex, const MeasureTable& table);
+People read_people(const std::filesystem::path& file, std::optional<Sex> sex, const TapeMeasure& tape);
 
 // `count` people drawn from the law of the space, by turns female and male when `sex` is left out. Person i depends on `seed` and i alone.
 std::vector<Person> draw_people(int count, std::optional<Sex> sex, std::uint64_t seed);

@@ -13,7 +13,9 @@
 #include "anatomy/package.h"
 #include "anatomy/table.h"
 #include "app/fitting.h"
+#include "app/option_values.h"
 #include "app/population.h"
+#include "app/progress.h"
 #include "app/verb.h"
 #include "skinning/character_io.h"
 #include "skinning/crowd_io.h"
@@ -177,7 +179,7 @@ CrowdMember crowd_member(const MeasureTable& table, const Person& person, const 
 
 void check_crowd(const PopulationOptions& options) {
   if (options.crowd.empty()) return;
-  if (options.crowd.extension() != ".glb" && options.crowd.extension() != ".gltf") throw UsageError(options.crowd.string() + ": a crowd is written as .glb or .gltf");
+  require_ending(options.crowd, {".glb", ".gltf"});
   // Said now rather than when all people are made.
   if (options.crowd.extension() == ".gltf" && fs::weakly_canonical(fs::absolute(options.crowd).parent_path()) != fs::weakly_canonical(fs::absolute(options.folder)))
     throw UsageError(fmt::format("{}: a .gltf must lie in the folder of the people's files, {}", options.crowd.string(), options.folder.string()));
@@ -186,21 +188,19 @@ void check_crowd(const PopulationOptions& options) {
 int run_population(const PopulationOptions& options, const Common& common, Report& report) {
   if (options.people.empty() == (options.count == 0)) throw UsageError("body population: give a file of measures or --count, one of them");
   check_crowd(options);
+  check_outputs(common, {options.crowd}, {options.people});
   std::optional<Sex> sex;
   if (!options.sex.empty()) sex = options.sex == "female" ? Sex::female : Sex::male;
   Workshop shop;
   People people;
   if (options.people.empty()) people.people = draw_people(options.count, sex, common.seed);
-  else people = read_people(options.people, sex, shop.tape.table());
+  else people = read_people(options.people, sex, shop.tape);
   for (const BadRow& bad : people.bad) note(common, bad.what);
   if (people.people.empty()) throw InputError(options.people.string() + ": no row can be used");
   if (!options.skins || !options.crowd.empty()) shop.body_template = read_template();
   const fs::path notes = options.folder / ".rows";
-  std::error_code failed;
-  fs::create_directories(notes, failed);
-  if (failed) throw OutputError(fmt::format("{}: {}", notes.string(), failed.message()));
+  make_output_folder(notes);
   if (!options.crowd.empty()) {
-    check_output(options.crowd, {options.people});
     shop.mould = make_crowd_mould({shop.body_template->anatomy, shop.body_template->body}, options.skins ? CrowdLayers::skin_alone : CrowdLayers::all);
   }
 
@@ -211,9 +211,9 @@ int run_population(const PopulationOptions& options, const Common& common, Repor
   int made = 0, kept = 0, refused = 0, missed = 0;
   const int total = static_cast<int>(people.people.size());
   const StageTimer timer(report, "population");
-  int done = 0;
+  Progress progress(common, "people", total);
   make_people(shop, people.people, options, versions, [&](const Person& person, const Outcome& outcome) {
-    progress(common, "people", ++done, total);
+    progress.step();
     if (outcome.row.empty()) {
       note(common, fmt::format("{}: {}", person.name, outcome.refused));
       report.append_text("population.refused_people", person.name);
@@ -253,8 +253,8 @@ void add_body_population(VerbRegistry& registry, CLI::App& body) {
                             [options](const Common& common, Report& report) { return run_population(*options, common, report); });
   verb->add_option("people", options->people, "CSV with a row a person; columns name, sex, age, size and measures (ecorche body measure --list)");
   verb->add_option("--count", options->count, "Instead of a file: so many people by chance, with the survey's means, spreads and correlations (--seed)")
-      ->check(CLI::Range(1, 1000000));
-  verb->add_option("--sex", options->sex, "Of rows that do not say it; with --count, of all")->check(CLI::IsMember({"male", "female"}));
+      ->check(between(1, 1000000));
+  verb->add_option("--sex", options->sex, "Of rows that do not say it; with --count, of all")->check(one_of({"male", "female"}));
   verb->add_option("--crowd", options->crowd,
                    "One file of all people (.glb, or .gltf in the folder, referring to the people's own files): what they have in common is there once");
   verb->add_flag("--skins", options->skins, "Skins alone, without bones and muscles; in a crowd with joints that move them");

@@ -13,6 +13,7 @@
 #include "app/open_character.h"
 #include "app/picture_size.h"
 #include "app/pose_sheet.h"
+#include "app/progress.h"
 #include "app/verb.h"
 #include "skinning/pose_figures.h"
 
@@ -62,12 +63,13 @@ void add_figures(const Actor& actor, const std::vector<VolumePose>& volumes, con
     out.volumes.push_back(change);
   }
   Points V;
+  Progress progress(common, std::string(long_name(actor.method)), static_cast<int>(book.size()));
   for (std::size_t i = 0; i < book.size(); ++i) {
     play_skin(actor, book[i].pose, frame);
     out.poses.push_back(measure_pose(rest, actor.binding, frame.posed.X_WJ, frame.skin));
     to_points(frame.skin, V);
     out.self_intersections.push_back(count_self_intersections(rest.F, V));
-    progress(common, std::string(long_name(actor.method)), static_cast<int>(i) + 1, static_cast<int>(book.size()));
+    progress.step();
   }
 }
 
@@ -194,11 +196,22 @@ void write_sheets(const PoseBookOptions& options, PoseSheetOptions sheet, Actor&
   }
 }
 
+// What our own skin misses of what it is asked, in words.
+std::vector<std::string> missed_targets(const std::vector<Row>& rows, const std::vector<MethodFigures>& all) {
+  std::vector<std::string> out;
+  for (std::size_t m = 0; m < all.size(); ++m)
+    for (const Row& row : rows)
+      if (all[m].method == SkinMethod::ecorche && row.asked && row.values[m] > *row.asked)
+        out.push_back(fmt::format("{}: {:.2f}; at most {:.2f} was asked", row.label, row.values[m] / row.unit, *row.asked / row.unit));
+  return out;
+}
+
 int run(const PoseBookOptions& options, const Common& common, Report& report) {
+  if (!options.pictures && options.cell != PoseBookOptions{}.cell) throw UsageError("--cell: there are no sheets with --no-pictures; leave one of them out");
   const std::vector<SkinMethod> methods = read_methods(options.methods);
   const PoseSheetOptions sheet = read_cell(options.cell);
-  std::error_code ignored;  // a folder that cannot be made shows when the first file is written
-  fs::create_directories(options.folder, ignored);
+  check_outputs(common, {}, options.characters);
+  make_output_folder(options.folder);
   std::vector<MethodFigures> all(methods.size());
   std::vector<std::string> names;
   std::vector<VolumePose> volumes;
@@ -231,7 +244,12 @@ int run(const PoseBookOptions& options, const Common& common, Report& report) {
   print_rows(rows, all);
   note(common, fmt::format("{} poses of {} characters; at most {} triangles pass through others at rest; every pose is in {}", book.size(), names.size(), at_rest,
                            (options.folder / "figures.csv").string()));
-  return 0;
+  const std::vector<std::string> missed = missed_targets(rows, all);
+  for (const std::string& target : missed) {
+    note(common, "missed: " + target);
+    report.append_text("missed", target);
+  }
+  return missed.empty() ? 0 : 8;
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "app/actor_film.h"
 #include "app/motion_options.h"
 #include "app/open_character.h"
+#include "app/option_values.h"
 #include "app/picture_size.h"
 #include "app/verb.h"
 
@@ -46,18 +47,20 @@ int run(RenderVerbOptions options, const Common& common, Report& report) {
   set_size(options.size, options.film);
   if (options.dissolve.size() == 2) options.film.dissolve = Span{options.dissolve[0], options.dissolve[1]};
   if (options.colour_map) options.film.muscle_colors = MuscleColors::shortening;
-  if (options.film.output.extension() == ".mp4") check_output(options.film.output);
+  const bool film = options.film.output.extension() == ".mp4";
+  check_outputs(common, film ? std::vector{options.film.output} : std::vector<std::filesystem::path>(),
+                {options.character, options.motion, options.weights, options.activation, options.retarget.map_file});
   require_settling(options.film.dynamics, options.skin);
   Actor actor = make_actor(open_character(options.character, common, report), report, {.weights = options.weights});
   choose_skin(actor, options.skin);
-  const Motion motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
+  const Motion motion = open_motion(options.motion, actor.character, options.retarget, common, report);
   options.film.ground.visible = true;
   options.film.activations = open_activations(options.activation, actor, motion, report);
-  const FilmReport film = film_actor(actor, motion, options.film, common);
-  report.set("timings_ms.film", 1e3 * film.seconds);
-  report.set("film.frames", film.frames);
-  report.set("film.driver", film.driver);
-  note(common, fmt::format("{}: {} frames of {}x{} in {:.1f} s", options.film.output.string(), film.frames, film.width, film.height, film.seconds));
+  const FilmReport filmed = film_actor(actor, motion, options.film, common);
+  report.set("timings_ms.film", 1e3 * filmed.seconds);
+  report.set("film.frames", filmed.frames);
+  report.set("film.driver", filmed.driver);
+  note(common, fmt::format("{}: {} frames of {}x{} in {:.1f} s", options.film.output.string(), filmed.frames, filmed.width, filmed.height, filmed.seconds));
   return 0;
 }
 
@@ -81,7 +84,7 @@ void add_render_verb(VerbRegistry& registry) {
   verb->add_flag("--colour-map", options->colour_map, "Muscle lengths in orange and blue that colour-blind eyes tell apart");
   verb->add_flag("!--no-legend", options->film.legend, "Leave away what the muscles' colours mean");
   verb->add_option("--size", options->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
-  verb->add_option("--fps", options->film.fps, "Frames a second")->check(CLI::Range(1.0, 240.0))->capture_default_str();
+  verb->add_option("--fps", options->film.fps, "Frames a second")->check(between(1.0, 240.0))->capture_default_str();
   verb->add_option("--camera", options->film.camera, "follow; or front, back, left, right, top, oblique, or AZIMUTH,ELEVATION in degrees")
       ->capture_default_str();
   verb->add_option("--activation", options->activation, kActivationHelp)->capture_default_str();

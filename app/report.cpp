@@ -1,6 +1,7 @@
 #include "app/report.h"
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -60,6 +61,18 @@ double Report::number(std::string_view name) const {
 
 // Names and paths may hold any bytes; what is not UTF-8 is replaced, not thrown over.
 std::string Report::to_json() const { return impl_->root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+std::string Report::to_text() const {
+  std::string out;
+  const std::function<void(const Json&, const std::string&)> add = [&](const Json& node, const std::string& name) {
+    if (node.is_object())
+      for (const auto& [key, value] : node.items()) add(value, name.empty() ? key : name + "." + key);
+    else
+      out += name + " " + (node.is_string() ? node.get<std::string>() : node.dump(-1, ' ', false, Json::error_handler_t::replace)) + "\n";
+  };
+  add(impl_->root, "");
+  return out;
+}
 
 void Report::write(const std::filesystem::path& file) const { write_file_atomically(file, to_json()); }
 

@@ -29,6 +29,7 @@ class Report {
   double number(std::string_view name) const;                         // NaN where absent
 
   std::string to_json() const;
+  std::string to_text() const;  // a line a figure: "timings_ms.fit 12.5"
   void write(const std::filesystem::path& file) const;  // throws OutputError
 
  private:

@@ -5,6 +5,7 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
+#include "app/option_values.h"
 #include "app/verb.h"
 #include "morph/sizes.h"
 #include "skinning/character_io.h"
@@ -12,7 +13,8 @@
 namespace ecorche {
 namespace {
 
-int run_size(const std::filesystem::path& file, const std::string& sex, Report& report) {
+int run_size(const std::filesystem::path& file, const std::string& sex, const Common& common, Report& report) {
+  check_outputs(common, {}, {file});
   const BodyPackage package = read_body_package(find_packages());
   const TapeMeasure tape(package, read_measure_table(package, data_folder() / "body"));
   Body body = read_body(file);
@@ -59,9 +61,9 @@ void add_body_size(VerbRegistry& registry, CLI::App& body) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(registry, body, "size", "Find the clothing size nearest to a body, and how it must be altered", "ecorche body size anna.glb",
-                            [options](const Common&, Report& report) { return run_size(options->body, options->sex, report); });
+                            [options](const Common& common, Report& report) { return run_size(options->body, options->sex, common, report); });
   verb->add_option("body", options->body, "Body or character (.glb)")->required();
-  verb->add_option("--sex", options->sex, "Sizes for male or female; the body's own when left out")->check(CLI::IsMember({"male", "female"}));
+  verb->add_option("--sex", options->sex, "Sizes for male or female; the body's own when left out")->check(one_of({"male", "female"}));
 }
 
 }  // namespace ecorche

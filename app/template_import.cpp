@@ -3,6 +3,7 @@
 
 #include "anatomy/muscle_model.h"
 #include "app/actor.h"
+#include "app/option_values.h"
 #include "app/verb.h"
 #include "morph/import_model.h"
 
@@ -41,6 +42,8 @@ void fill(const Imported& imported, Report& report) {
 }
 
 int run(const Options& options, const Common& common, Report& report) {
+  require_ending(options.output, {".glb"});
+  check_outputs(common, {options.output}, {options.model});
   const std::filesystem::path folder = options.folder.empty() ? std::filesystem::absolute(options.model).parent_path() : options.folder;
   MuscleModel model;
   {
@@ -92,7 +95,7 @@ void add_template_import(VerbRegistry& registry, CLI::App& template_verb) {
   verb->add_option("-o,--output", options->output, "Template to write (.glb); any glTF viewer and `ecorche view` open it")->required();
   verb->add_option("--folder", options->folder, "Folder that holds all files of the model; that of MODEL when left out. Nothing outside it is read");
   verb->add_option("--stress", options->stress, "Force per cross-section that the model's forces stand for, N/cm2; sets the muscles' volumes")
-      ->check(CLI::Range(5.0, 200.0))
+      ->check(between(5.0, 200.0))
       ->capture_default_str();
   verb->add_flag("--mirror", options->mirror, "Add the other side of muscles that the model has on one side only");
   verb->add_flag("--our-bones", options->own_bones, "Do not read the model's meshes; show our bones");

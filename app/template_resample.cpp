@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <memory>
 
+#include "anatomy/bare_skin.h"
 #include "anatomy/errors.h"
 #include "anatomy/mesh_io.h"
 #include "anatomy/resample.h"
 #include "anatomy/text_scan.h"
+#include "app/option_values.h"
 #include "app/verb.h"
 
 namespace ecorche {
@@ -36,9 +38,7 @@ Vec3 parse_point(const std::string& text, const char* name) {
 
 // Metres in one unit of the mesh. No muscle is longer than a metre, none is measured in kilometres.
 double unit_of(const Flags& flags, const TriMesh& mesh, const Common& common) {
-  if (flags.unit == "m") return 1;
-  if (flags.unit == "cm") return 0.01;
-  if (flags.unit == "mm") return 0.001;
+  if (const std::optional<double> given = metres_in(flags.unit)) return *given;
   const double size = (mesh.V.colwise().maxCoeff() - mesh.V.colwise().minCoeff()).norm();
   const double unit = size <= 1.2 ? 1 : 0.001;
   note(common, fmt::format("{}: {:g} units long, read as {}; --unit says otherwise", flags.mesh.string(), size, unit == 1 ? "metres" : "millimetres"));
@@ -80,6 +80,8 @@ void print_table(const Resampled& result) {
 }
 
 int run(const Flags& flags, const Common& common, Report& report) {
+  if (!flags.output.empty()) require_ending(flags.output, {".obj", ".ply"});
+  check_outputs(common, {flags.output}, {flags.mesh});
   TriMesh mesh = read_mesh(flags.mesh);
   const double unit = unit_of(flags, mesh, common);
   mesh.V *= unit;
@@ -115,10 +117,10 @@ void add_template_resample(VerbRegistry& registry, CLI::App& template_verb) {
   verb->add_option("mesh", flags->mesh, "The muscle: OBJ, PLY or GLB")->required();
   verb->add_option("--origin", flags->origin, "Where the muscle begins: x,y,z in the mesh's units");
   verb->add_option("--insertion", flags->insertion, "Where it ends");
-  verb->add_option("--unit", flags->unit, "Unit of the mesh")->check(CLI::IsMember({"auto", "m", "cm", "mm"}));
-  verb->add_option("--control-points", flags->options.control_points, "Free controls of the action line")->check(CLI::Range(0, 12));
-  verb->add_option("--slices", flags->options.slices, "Slices along it")->check(CLI::Range(3, 200));
-  verb->add_option("--rays", flags->options.rays, "Rays a slice")->check(CLI::Range(8, 1000));
+  verb->add_option("--unit", flags->unit, "Unit of the mesh; auto finds it out")->check(one_of({"auto", "m", "dm", "cm", "mm", "in", "ft"}));
+  verb->add_option("--control-points", flags->options.control_points, "Free controls of the action line")->check(between(0, 12));
+  verb->add_option("--slices", flags->options.slices, "Slices along it")->check(between(3, 200));
+  verb->add_option("--rays", flags->options.rays, "Rays a slice")->check(between(8, 1000));
   verb->add_option("-o,--output", flags->output, "Write the lofted muscle to this OBJ or PLY file");
   verb->add_flag("--json", flags->json, "Print the report instead of a table");
 }

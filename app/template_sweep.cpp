@@ -9,6 +9,8 @@
 #include "anatomy/joint_sweep.h"
 #include "anatomy/muscle_table.h"
 #include "anatomy/package.h"
+#include "app/option_values.h"
+#include "app/progress.h"
 #include "app/verb.h"
 
 namespace ecorche {
@@ -24,13 +26,15 @@ struct Flags {
 };
 
 int run(const Flags& flags, const Common& common, Report& report) {
+  check_outputs(common, {flags.output});
   Anatomy anatomy = read_source_skeleton(find_packages());
   anatomy.muscles = place_muscles(read_muscle_table(data_folder()), anatomy);
   const PosingTable table = make_posing_table(anatomy);
   const auto ranges = slice_ranges(anatomy);
   const auto sweeps = joint_sweeps(anatomy.skeleton, flags.step * kDegree);
   std::string rows = "joint,axis,angle_deg,muscle,strip,length_mm\n";
-  int lines = 0, done = 0;
+  int lines = 0;
+  Progress progress(common, "sweeps", static_cast<int>(sweeps.size()));
   for (const JointSweep& sweep : sweeps) {
     const Eigen::MatrixXd lengths = swept_lengths(table, anatomy.skeleton, sweep);
     for (size_t i = 0; i < ranges.size(); ++i) {
@@ -41,7 +45,7 @@ int run(const Flags& flags, const Common& common, Report& report) {
         rows += fmt::format("{},{},{:.6f},{},{},{:.4f}\n", anatomy.skeleton.joints[sweep.joint].name, kAxes[sweep.axis], sweep.angles[k] / kDegree,
                             anatomy.muscles[ranges[i].muscle].name, ranges[i].strip, 1e3 * of[static_cast<Eigen::Index>(k)]);
     }
-    progress(common, "sweeps", ++done, static_cast<int>(sweeps.size()));
+    progress.step();
   }
   write_file_atomically(flags.output, rows);
   report.set("sweeps", static_cast<int>(sweeps.size()));
@@ -57,7 +61,7 @@ void add_template_sweep(VerbRegistry& registry, CLI::App& template_verb) {
                             "Write the lengths of the muscles' lines while one joint after the other turns, on the bone package's skeleton",
                             "ecorche template sweep -o sweeps.csv",
                             [flags](const Common& common, Report& report) { return run(*flags, common, report); });
-  verb->add_option("--step", flags->step, "Degrees from one angle to the next, at most")->check(CLI::Range(0.5, 45.0));
+  verb->add_option("--step", flags->step, "Degrees from one angle to the next, at most")->check(between(0.5, 45.0));
   verb->add_option("-o,--output", flags->output, "The CSV file: joint, axis, degrees from the anatomical zero, muscle, strip, mm; lines that change by 0.1 mm or more")->required();
 }
 

@@ -1,8 +1,12 @@
 #include "app/verb.h"
 
-#include <unistd.h>
+#include <fmt/format.h>
 
 #include <cstdio>
+
+#include "anatomy/atomic_file.h"
+#include "anatomy/errors.h"
+#include "app/option_values.h"
 
 namespace ecorche {
 
@@ -13,25 +17,32 @@ CLI::App* add_verb(VerbRegistry& registry, CLI::App& parent, const std::string& 
   Common& common = registry.common;
   verb->add_option("--report", common.report_file, "Write timings, counts and quality figures to this JSON file");
   verb->add_option("--threads", common.threads, "Threads to use; 0 for all cores. The result does not depend on it")
-      ->check(CLI::Range(0, 1024));
-  verb->add_option("--seed", common.seed, "Seed of everything random");
-  verb->add_flag("-q,--quiet", common.quiet, "Say nothing but errors");
-  verb->add_flag("-v,--verbose", common.verbose, "Say more");
+      ->check(between(0, 1024));
+  verb->add_option("--seed", common.seed, "Seed of everything random: a whole number")->check(between(0, 18446744073709549568.0));
+  verb->add_option("--progress", common.progress, "How far long work is: auto (a bar on a terminal), lines (a line every few seconds, anywhere), never")
+      ->check(one_of({"auto", "lines", "never"}));
+  CLI::Option* quiet = verb->add_flag("-q,--quiet", common.quiet, "Say nothing but errors");
+  verb->add_flag("-v,--verbose", common.verbose, "Say what was found, measured and timed: the report's figures as text")->excludes(quiet);
   verb->callback([&registry, run = std::move(run)] { registry.chosen = run; });
   return verb;
 }
 
-void note(const Common& common, const std::string& text) {
-  if (!common.quiet) std::fprintf(stderr, "%s\n", text.c_str());
+void check_outputs(const Common& common, std::vector<std::filesystem::path> outputs, const std::vector<std::filesystem::path>& inputs) {
+  outputs.push_back(common.report_file);
+  check_outputs(outputs, inputs);
 }
 
-void progress(const Common& common, const std::string& what, int done, int total) {
-  if (common.quiet || total <= 0 || isatty(STDERR_FILENO) == 0) return;
-  constexpr int kWidth = 32;
-  const int filled = static_cast<int>(static_cast<long long>(kWidth) * done / total);
-  std::fprintf(stderr, "\r%-18s [%.*s%*s] %d/%d", what.c_str(), filled, "================================", kWidth - filled, "", done, total);
-  if (done >= total) std::fputc('\n', stderr);
-  std::fflush(stderr);
+void require_ending(const std::filesystem::path& output, std::initializer_list<const char*> endings) {
+  std::string all;
+  for (const char* ending : endings) {
+    if (output.extension() == ending) return;
+    all += fmt::format("{}{}{}", all.empty() ? "" : " or ", output.stem().string(), ending);
+  }
+  throw UsageError(fmt::format("{}: what this writes cannot end in '{}'; name it {}", output.string(), output.extension().string(), all));
+}
+
+void note(const Common& common, const std::string& text) {
+  if (!common.quiet) std::fprintf(stderr, "%s\n", text.c_str());
 }
 
 }  // namespace ecorche

@@ -11,6 +11,7 @@
 #include "app/fitting.h"
 #include "app/motion_options.h"
 #include "app/open_character.h"
+#include "app/option_values.h"
 #include "app/verb.h"
 #include "morph/body.h"
 #include "morph/template.h"
@@ -50,9 +51,10 @@ int run(const ViewVerbOptions& options, const Common& common, Report& report) {
   motion.frames.push_back(rest_pose(anatomy.skeleton));
   if (options.sliders && !options.motion.empty()) throw UsageError("view: --sliders show the body at rest; leave the motion away");
   if (!options.output.empty() && !options.sliders) throw UsageError("view: --output writes what --sliders made; without them there is nothing to write");
-  if (!options.output.empty()) check_output(options.output, {options.character});
+  if (!options.output.empty()) require_ending(options.output, {".glb"});
+  check_outputs(common, {options.output, options.window.screenshot}, {options.character, options.motion});
   if (options.dynamics && options.motion.empty()) throw UsageError("view: --dynamics: flesh lags in a motion; name one");
-  if (!options.motion.empty()) motion = open_motion(options.motion, actor.character, to_retarget_options(options.retarget), common, report);
+  if (!options.motion.empty()) motion = open_motion(options.motion, actor.character, options.retarget, common, report);
 
   SceneOptions scene;
   scene.eyes = find_eyes(actor.character.body.skin, anatomy.skeleton);
@@ -99,13 +101,13 @@ void add_view_verb(VerbRegistry& registry) {
   verb->add_option("motion", options->motion, "Motion (.bvh)");
   verb->add_flag("--sliders", options->sliders, "Measures as sliders: the skin follows, bones, joints, muscles and binding are carried along");
   verb->add_option("-o,--output", options->output, "With --sliders: character to write when the window closes (.glb)");
-  verb->add_option("--sex", options->sex, "Without a character: an average man or woman instead of the template")->check(CLI::IsMember({"male", "female"}));
+  verb->add_option("--sex", options->sex, "Without a character: an average man or woman instead of the template")->check(one_of({"male", "female"}));
   verb->add_option("--measure", options->measures, "NAME=VALUE that a slider begins with; may be repeated");
-  verb->add_option("--frames", options->window.frames, "Close after so many frames")->check(CLI::Range(0, 1000000));
+  verb->add_option("--frames", options->window.frames, "Close after so many frames")->check(between(0, 1000000));
   verb->add_option("--pick", options->pick, "Pick what is seen at this place at the first frame: shares of the window's width and height")
       ->expected(2)
       ->delimiter(',')
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(between(0.0, 1.0));
   verb->add_option("--screenshot", options->window.screenshot, "Save the last frame, panels included (.png)");
   add_dynamics_option(*verb, options->dynamics);
   add_motion_options(*verb, options->retarget);

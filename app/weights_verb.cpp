@@ -6,7 +6,9 @@
 
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
+#include "anatomy/input_file.h"
 #include "anatomy/mesh_measures.h"
+#include "anatomy/similar_names.h"
 #include "app/actor.h"
 #include "app/motion_options.h"
 #include "app/open_character.h"
@@ -27,12 +29,19 @@ struct WeightsVerbOptions {
   std::string joints;
 };
 
+std::vector<std::string> joint_names(const Skeleton& skeleton) {
+  std::vector<std::string> out;
+  for (const Joint& joint : skeleton.joints) out.push_back(joint.name);
+  return out;
+}
+
 std::vector<int> read_joints(const std::string& text, const Skeleton& skeleton) {
   std::vector<int> out;
   std::istringstream names(text);
   for (std::string name; std::getline(names, name, ',');) {
     out.push_back(find_joint(skeleton, name));
-    if (out.back() < 0) throw UsageError(fmt::format("--joint: '{}' is no joint of this character; data/joints.csv names them, for example shoulder_l", name));
+    if (out.back() < 0)
+      throw UsageError(fmt::format("--joint: '{}' is no joint of this character{}\n`ecorche list joints` names them.", printable(name), did_you_mean(name, joint_names(skeleton))));
   }
   return out;
 }
@@ -91,10 +100,10 @@ Image picture_of(const TriMesh& skin, const Skeleton& skeleton, const std::vecto
 int run(const WeightsVerbOptions& options, const Common& common, Report& report) {
   if (options.table.empty() && options.picture.empty()) throw UsageError("weights: nothing to do; give -o FILE.csv, or --joint NAME and --picture FILE.png");
   if (options.picture.empty() != options.joints.empty()) throw UsageError("weights: --joint and --picture belong together");
-  if (!options.table.empty()) check_output(options.table, {options.character, options.weights});
+  check_outputs(common, {options.table, options.picture}, {options.character, options.weights});
   Character character = open_character(options.character, common, report);
   const std::optional<BaseSkin> base = find_base(character.body.skin);
-  const Actor actor = make_actor(std::move(character), report, {base ? &*base : nullptr, options.weights, false});
+  const Actor actor = make_actor(std::move(character), report, {base ? &*base : nullptr, options.weights});
   const Skeleton& skeleton = actor.character.anatomy.skeleton;
   const std::vector<int> joints = read_joints(options.joints, skeleton);
   const std::vector<std::vector<Influence>> rows = joint_shares(actor.binding);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "anatomy/errors.h"
+#include "anatomy/quantity.h"
 #include "morph/body.h"
 #include "morph/measure_plane.h"
 
@@ -18,11 +19,21 @@ bool is_section(const Measure& m) { return m.kind == MeasureKind::girth || m.kin
 }  // namespace
 
 TapeMeasure::TapeMeasure(const BodyPackage& package, MeasureTable table) : table_(std::move(table)), triangles_(package.triangles) {
+  base_ = package.points.topRows(package.skin_size);
   build_neighbours();
   build_parts(package);
   build_chains(package.points);
   capped_ = capped_skin(package, package.points).F;
   for (const auto& cavity : package.cavities) caps_.push_back(cavity.loop);
+}
+
+double TapeMeasure::parse(int k, std::string_view text, const std::string& what) const {
+  const Measure& m = measure(k);
+  if (m.kind == MeasureKind::mass) return parse_mass(text, what, 2, 400);
+  if (m.kind == MeasureKind::ahead) return parse_length(text, what, {-0.5, 0.5}, {-0.5, 0.5});
+  const double usual = take(k, base_);
+  const bool round = m.kind == MeasureKind::girth || m.kind == MeasureKind::breadth || m.kind == MeasureKind::depth;
+  return parse_length(text, what, {usual / 4, (round ? 3 : 1.6) * usual}, {usual / 2, (round ? 2 : 1.35) * usual});
 }
 
 void TapeMeasure::build_neighbours() {

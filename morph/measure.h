@@ -29,6 +29,10 @@ class TapeMeasure {
   int count() const { return static_cast<int>(table_.measures.size()); }
   const Measure& measure(int k) const { return table_.measures[static_cast<std::size_t>(k)]; }
 
+  // A measure as people write it: "92cm", "0.92 m", "36.2in", "3ft1", "70kg"; without a unit metres (kilograms for the mass), where nothing else can
+  // be meant (anatomy/quantity.h). `what` names it in messages. Throws UsageError.
+  double parse(int k, std::string_view text, const std::string& what) const;
+
   // Value of measure k in metres (kilograms for the mass); NaN where the plane misses the skin. `gradient` and `trace` are
   // overwritten when given. Precondition: V has at least #skin rows in the base mesh's order.
   double take(int k, const Points& V, MeasureGradient* gradient = nullptr, TapeTrace* trace = nullptr) const;
@@ -61,6 +65,7 @@ class TapeMeasure {
   double take_mass(const Points& V, MeasureGradient* gradient) const;
 
   MeasureTable table_;
+  Points base_;                               // #skin x 3: the base mesh, for what is usual
   Triangles triangles_;                       // the skin
   std::vector<std::array<int, 3>> neighbours_;  // across edge e (corner e to e + 1) of each triangle; -1 at a border
   std::vector<std::vector<int>> starts_;        // a measure: triangles on which its loop may be found

@@ -1,14 +1,14 @@
 #include "morph/measure_table.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <map>
 #include <sstream>
 
 #include <fmt/format.h>
 
 #include "anatomy/errors.h"
+#include "anatomy/input_file.h"
+#include "anatomy/similar_names.h"
 #include "anatomy/table.h"
 
 namespace ecorche {
@@ -115,21 +115,6 @@ class MeasureReader {
   MeasureTable& out_;
 };
 
-// Letters in which two names differ, for "did you mean".
-int edit_distance(std::string_view a, std::string_view b) {
-  std::vector<int> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = static_cast<int>(j);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    int corner = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const int next = std::min({row[j] + 1, row[j + 1] + 1, corner + (a[i] == b[j] ? 0 : 1)});
-      corner = row[j + 1];
-      row[j + 1] = next;
-    }
-  }
-  return row.back();
-}
-
 }  // namespace
 
 std::optional<int> MeasureTable::find(std::string_view id) const {
@@ -140,11 +125,9 @@ std::optional<int> MeasureTable::find(std::string_view id) const {
 
 int MeasureTable::at(std::string_view id) const {
   if (const auto found = find(id)) return *found;
-  std::vector<std::pair<int, std::string>> near;
-  for (const auto& m : measures) near.emplace_back(edit_distance(id, m.id), m.id);
-  std::sort(near.begin(), near.end());
-  throw UsageError(fmt::format("unknown measure '{}'; did you mean {}, {} or {}? `ecorche body measure --list` names all {}", id, near[0].second,
-                               near[1].second, near[2].second, measures.size()));
+  std::vector<std::string> names;
+  for (const Measure& m : measures) names.push_back(m.id);
+  throw UsageError(fmt::format("unknown measure '{}'{}\n`ecorche list measures` names all {}.", printable(std::string(id)), did_you_mean(id, names), measures.size()));
 }
 
 MeasureTable read_measure_table(const BodyPackage& package, const std::filesystem::path& folder) {
@@ -154,26 +137,6 @@ MeasureTable read_measure_table(const BodyPackage& package, const std::filesyste
   MeasureReader reader(package, rows, out);
   for (int row = 0; row < rows.rows(); ++row) reader.read(row);
   return out;
-}
-
-double parse_quantity(std::string_view text, MeasureKind kind) {
-  static constexpr std::pair<std::string_view, double> lengths[] = {{"", 1}, {"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}, {"\"", 0.0254}};
-  static constexpr std::pair<std::string_view, double> masses[] = {{"", 1}, {"kg", 1}, {"lb", 0.45359237}};
-  double value = 0;
-  const char* end = text.data() + text.size();
-  const auto [after, error] = std::from_chars(text.data(), end, value);
-  std::string_view unit(after, static_cast<std::size_t>(end - after));
-  while (!unit.empty() && unit.front() == ' ') unit.remove_prefix(1);
-  if (error == std::errc() && std::isfinite(value) && value > 0) {
-    if (kind == MeasureKind::mass) {
-      for (const auto& [name, factor] : masses)
-        if (unit == name) return factor * value;
-    } else {
-      for (const auto& [name, factor] : lengths)
-        if (unit == name) return factor * value;
-    }
-  }
-  throw UsageError(fmt::format("'{}' is not a measure; write {}", text, kind == MeasureKind::mass ? "70kg or 154lb" : "92cm, 0.92m, 920mm or 36.2in"));
 }
 
 }  // namespace ecorche

@@ -60,8 +60,4 @@ struct MeasureTable {
 // base mesh (another mesh would give wrong measures without a word).
 MeasureTable read_measure_table(const BodyPackage& package, const std::filesystem::path& folder);
 
-// A measure as people write it: "92", "92cm", "0.92 m", "36.2in", "920mm", "70kg". A number without a unit is metres (kilograms
-// for the mass), as for every other option. Throws UsageError.
-double parse_quantity(std::string_view text, MeasureKind kind);
-
 }  // namespace ecorche

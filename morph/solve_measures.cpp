@@ -123,11 +123,11 @@ class Solver {
 
 }  // namespace
 
-Wish parse_wish(const std::string& text, const MeasureTable& table) {
+Wish parse_wish(const std::string& text, const TapeMeasure& tape) {
   const auto equals = text.find('=');
   if (equals == std::string::npos) throw UsageError(fmt::format("--measure {}: expected NAME=VALUE, as in waist_girth=74cm", text));
-  const int k = table.at(text.substr(0, equals));
-  return {k, parse_quantity(std::string_view(text).substr(equals + 1), table.measures[static_cast<std::size_t>(k)].kind)};
+  const int k = tape.table().at(text.substr(0, equals));
+  return {k, tape.parse(k, std::string_view(text).substr(equals + 1), tape.measure(k).id)};
 }
 
 // Set so that fewer than one in a hundred people of the survey is refused, whichever of their measures are asked; people's measures

@@ -23,7 +23,7 @@ struct Wish {
 };
 
 // "waist_girth=74cm" as people write it. Throws UsageError.
-Wish parse_wish(const std::string& text, const MeasureTable& table);
+Wish parse_wish(const std::string& text, const TapeMeasure& tape);
 
 // Why a request cannot be met.
 struct Conflict {

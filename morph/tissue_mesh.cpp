@@ -1,7 +1,6 @@
 #include "morph/tissue_mesh.h"
 
-#include <fcntl.h>
-#include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -19,13 +18,12 @@
 
 #include "anatomy/atomic_file.h"
 #include "anatomy/bytes.h"
+#include "anatomy/child_processes.h"
 #include "anatomy/errors.h"
 #include "anatomy/input_file.h"
 #include "anatomy/solids.h"
 #include "morph/half_skeleton.h"
 #include "morph/skin_field.h"
-
-extern char** environ;
 
 namespace ecorche {
 namespace {
@@ -109,39 +107,56 @@ fs::path tetgen_program() {
   throw UnfitError("TetGen: the program ecorche-tetgen is not beside ecorche; build it (it needs libtet1.5-dev), name it in ECORCHE_TETGEN, or take --interior lattice");
 }
 
-// A folder for what goes to the program and comes back, gone with it.
-struct Exchange {
-  fs::path folder;
-  Exchange() {
-    std::string name = (fs::temp_directory_path() / "ecorche-tetgen-XXXXXX").string();
-    if (!mkdtemp(name.data())) throw OutputError(fmt::format("{}: no folder can be made there", fs::temp_directory_path().string()));
-    folder = name;
+// A file in memory, for what goes to the program and comes back.
+class MemoryFile {
+ public:
+  MemoryFile() : descriptor_(memfd_create("ecorche-tetgen", MFD_CLOEXEC)) {
+    if (descriptor_ < 0) fail();
   }
-  ~Exchange() {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
+  ~MemoryFile() { close(descriptor_); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+
+  int descriptor() const { return descriptor_; }
+
+  void write_all(std::string_view bytes) {
+    while (!bytes.empty()) {
+      const ssize_t n = ::write(descriptor_, bytes.data(), bytes.size());
+      if (n < 0 && errno == EINTR) continue;
+      if (n < 0) fail();
+      bytes.remove_prefix(static_cast<std::size_t>(n));
+    }
+    lseek(descriptor_, 0, SEEK_SET);
   }
-  Exchange(const Exchange&) = delete;
-  Exchange& operator=(const Exchange&) = delete;
+
+  std::string read_all() {
+    std::string out(static_cast<std::size_t>(std::max<off_t>(0, lseek(descriptor_, 0, SEEK_END))), '\0');
+    for (std::size_t at = 0; at < out.size();) {
+      const ssize_t n = pread(descriptor_, out.data() + at, out.size() - at, static_cast<off_t>(at));
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) fail();
+      at += static_cast<std::size_t>(n);
+    }
+    return out;
+  }
+
+ private:
+  [[noreturn]] static void fail() { throw LimitError(fmt::format("TetGen: no memory to speak to it: {}", std::generic_category().message(errno))); }
+
+  int descriptor_;
 };
 
 // Returns the program's exit status; 128 + signal when it was ended by one.
-int run_between(const fs::path& program, const std::string& argument, const fs::path& input, const fs::path& output) {
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, input.c_str(), O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  std::string name = program.string(), option = argument;
-  char* arguments[] = {name.data(), option.data(), nullptr};
-  pid_t child = 0;
-  const int failed = posix_spawn(&child, name.c_str(), &files, nullptr, arguments, environ);
-  posix_spawn_file_actions_destroy(&files);
-  if (failed != 0) throw UnfitError(fmt::format("TetGen: {} cannot be started ({}); take --interior lattice", name, std::generic_category().message(failed)));
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+int run_between(const fs::path& program, const std::string& argument, const MemoryFile& input, const MemoryFile& output) {
+  try {
+    ChildProcess child = start_program({program.string(), argument}, input.descriptor(), output.descriptor(), -1);
+    int status = 0;
+    while (waitpid(child.pid(), &status, 0) < 0 && errno == EINTR) continue;
+    child.ended();
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  } catch (const std::system_error& e) {
+    throw UnfitError(fmt::format("TetGen: {} cannot be started ({}); take --interior lattice", program.string(), e.code().message()));
   }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
 }  // namespace
@@ -166,19 +181,18 @@ TissueMesh tetgen_tissue(const TriMesh& closed_skin, const std::vector<Bone>& bo
     v = number[static_cast<std::size_t>(v)];
   }
   for (std::size_t k = 0; k < on_bones.at.size(); ++k) add(on_bones.at[k], on_bones.anchors[k]);
-  const Exchange exchange;
-  const fs::path input = exchange.folder / "in", output = exchange.folder / "out";
+  MemoryFile input, output;
   {
     std::string question;
     const std::int64_t counts[] = {static_cast<std::int64_t>(mesh.anchors.size()), F.rows()};
     put_bytes(question, counts, 2);
     put_bytes(question, points.data(), points.size());
     put_bytes(question, F.data(), static_cast<std::size_t>(F.size()));
-    write_file_atomically(input, question);
+    input.write_all(question);
   }
   const int status = run_between(program, fmt::format("{}", options.quality), input, output);
   if (status != 0) throw UnfitError(fmt::format("TetGen gave up on this skin (status {}); take --interior lattice", status));
-  const std::string answer = read_input_file(output);
+  const std::string answer = output.read_all();
   std::string_view in = answer;
   std::int64_t counts[2];
   if (in.size() < sizeof counts) throw UnfitError("TetGen: its answer ends too early; take --interior lattice");

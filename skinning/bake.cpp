@@ -34,34 +34,49 @@ Points shaped(const Points& rest, const std::vector<Points>& shapes, const Eigen
 
 class Baker {
  public:
-  Baker(const TriMesh& skin, const Skeleton& skeleton, Influences start, const ExactSkin& exact, const BakeOptions& options, Bake& bake)
-      : scene_{skin, skeleton, start, options}, exact_(exact), bake_(bake) {}
+  Baker(const TriMesh& skin, const Skeleton& skeleton, Influences start, const ExactSkin& exact, const BakeOptions& options, const BakeProgress& progress, Bake& bake)
+      : scene_{skin, skeleton, start, options}, exact_(exact), progress_(progress), bake_(bake) {}
 
   void run() {
     take_samples();
+    tell(kSampled, "joints and weights");
     rig_ = solve_rig(scene_, samples_);
     hung_ = hung_on_helpers(rig_.influences, scene_.joints(), rig_.helpers.size());
     bake_.influences = rig_.influences;
     bake_.helpers = rig_.helpers;
     Shapes shapes;
     if (scene_.options.morphs > 0) {
+      tell(kRigged, "shapes");
       shapes = fit_shapes(leftovers(), scene_.options.morphs, kShapeRounds);
       // Helpers make room for what shapes do better. The samples may have missed the frames that are hardest: those count too from now on.
       settle_samples(shapes, true);
+      tell(kShaped, "hardest frames");
       add_hardest(shapes);
+      tell(kSearched, "shapes");
       shapes = fit_shapes(leftovers(), scene_.options.morphs, kMoreRounds, shapes);
       for (int round = 0; round < kPolishes; ++round) {
         const Eigen::MatrixXd curves = settle_samples(shapes, false);
         polish_shapes(leftovers(), curves, shapes);
+        tell(kSearched + (kPolished - kSearched) * (round + 1) / kPolishes, "shapes");
       }
     }
+    tell(kPolished, "normals");
     leave_out_little(shapes);
     bake_.morph_normals = fit_normals(scene_, rig_.influences, samples_, settle_samples(shapes, true));
     samples_.clear();
+    tell(kNormals, "every frame");
     follow(shapes);
+    tell(1, "every frame");
   }
 
  private:
+  // Shares of the whole work at the ends of the stages, as measured on the long jump.
+  static constexpr double kSampled = 0.1, kRigged = 0.3, kShaped = 0.5, kSearched = 0.6, kPolished = 0.7, kNormals = 0.75;
+
+  void tell(double share, const char* stage) const {
+    if (progress_) progress_(stage, share);
+  }
+
   // The bones are as the file has them, so that helpers and shapes make up for what it rounds off.
   void look(const Pose& pose, BakeFrame& frame) {
     exact_(pose, skin_frame_);
@@ -86,6 +101,7 @@ class Baker {
       for (const Pose& pose : each.motion.frames) {
         if (static_cast<double>(at++) < next) continue;
         next += stride;
+        tell(kSampled * static_cast<double>(at) / static_cast<double>(total), "samples");
         sampled_.insert(&pose);
         look(pose, samples_.emplace_back());
       }
@@ -158,9 +174,10 @@ class Baker {
       settler.settle_evenly(frame, curves);
       most[slot] = settler.distances(frame, curves).maxCoeff();
     };
-    for_frames(poses, settle, [&](std::size_t slot, std::size_t, const BakeFrame& frame) {
+    for_frames(poses, settle, [&](std::size_t slot, std::size_t index, const BakeFrame& frame) {
       hardest.emplace(most[slot], frame);
       if (hardest.size() > wanted) hardest.erase(hardest.begin());
+      tell(kShaped + (kSearched - kShaped) * static_cast<double>(index) / static_cast<double>(poses.size()), "hardest frames");
     });
     for (auto& [distance, frame] : hardest) samples_.push_back(std::move(frame));
   }
@@ -178,6 +195,8 @@ class Baker {
     const Settler settler = this->settler(shapes);
     BakeErrors all;
     double squares = 0;
+    std::size_t total = 0, done = 0;
+    for (const BakedMotion& each : bake_.motions) total += each.motion.frames.size();
     std::array<Measured, kTogether> measured;
     for (BakedMotion& each : bake_.motions) {
       BakeErrors here;
@@ -196,6 +215,7 @@ class Baker {
         each.curves.row(static_cast<Index>(f)) = out.curves.transpose();
         each.helpers.push_back(out.helpers);
         squares += out.alone;
+        tell(kNormals + (1 - kNormals) * static_cast<double>(++done) / static_cast<double>(total), "every frame");
         here.add(out.distances, out.angles);
         all.add(out.distances, out.angles);
       });
@@ -253,6 +273,7 @@ class Baker {
 
   const BakeScene scene_;
   const ExactSkin& exact_;
+  const BakeProgress& progress_;
   Bake& bake_;
   BakeRig rig_;
   std::vector<std::vector<int>> hung_;  // by helper
@@ -274,11 +295,11 @@ void play_bake(const Bake& bake, const TriMesh& skin, const Skeleton& skeleton, 
 }
 
 Bake bake_skin(const TriMesh& skin, const Skeleton& skeleton, std::span<const std::array<Influence, 4>> start, const ExactSkin& exact,
-               std::vector<BakedMotion> motions, const BakeOptions& options) {
+               std::vector<BakedMotion> motions, const BakeOptions& options, const BakeProgress& progress) {
   if (start.size() != static_cast<std::size_t>(skin.V.rows())) throw std::invalid_argument("bake_skin: one row of influences a vertex is needed");
   Bake bake;
   bake.motions = std::move(motions);
-  Baker(skin, skeleton, start, exact, options, bake).run();
+  Baker(skin, skeleton, start, exact, options, progress, bake).run();
   return bake;
 }
 

@@ -39,6 +39,9 @@ struct BakeOptions {
   double least_turn = 0.04;   // of a unit normal; smaller changes of a shape's normals are left out of it
 };
 
+// How far a bake is: what it is doing, and the share of the whole that is done. Rising, from one thread.
+using BakeProgress = std::function<void(const char* stage, double share)>;
+
 // Distances from the exact skin over vertices and frames, m; angles between normals, degrees.
 struct BakeError {
   int frames = 0;
@@ -76,7 +79,7 @@ using ExactSkin = std::function<void(const Pose& pose, SkinFrame& out)>;
 // Throws UnfitError for motions without frames. Preconditions: `start` are influences of the skin's vertices to begin from, and the
 // motions belong to the skeleton. Same input, same bytes at any number of threads.
 Bake bake_skin(const TriMesh& skin, const Skeleton& skeleton, std::span<const std::array<Influence, 4>> start, const ExactSkin& exact,
-               std::vector<BakedMotion> motions, const BakeOptions& options = {});
+               std::vector<BakedMotion> motions, const BakeOptions& options = {}, const BakeProgress& progress = {});
 
 // One frame as an engine plays it: plain linear blend of the shaped rest pose. X_WJ: the joints' world frames, with turns as the file has
 // them (short_turns.h). `out` is resized once. #V x 3

@@ -155,7 +155,7 @@ void write_bake(const std::filesystem::path& file, const std::string& name, cons
   glb.scene().name = name.empty() ? "bake" : name;
   glb.scene().extras = notes(bake);
   if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&glb.model(), out.stream(), false, true))
-    throw OutputError(fmt::format("{}: could not be written", file.string()));
+    out.fail();
   out.commit();
 }
 

@@ -322,7 +322,7 @@ double read_motion_header(Words& words, BvhMotion& motion, const BvhReadOptions&
     motion.fps = *options.fps;
     motion.frame_time = 1 / motion.fps;
   } else if (!usable) {
-    words.fail(fmt::format("Frame Time: '{}'; expected {} to {} seconds, or give the rate with --fps", shown(word), kMinFrameTime,
+    words.fail(fmt::format("Frame Time: '{}'; expected {} to {} seconds, or give the rate with --motion-fps", shown(word), kMinFrameTime,
                            kMaxFrameTime));
   } else {
     motion.frame_time = *time;

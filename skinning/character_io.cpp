@@ -81,13 +81,13 @@ void add_muscles(GlbBuilder& glb, const Anatomy& anatomy) {
   }
 }
 
-void finish(GlbBuilder& glb, const Body& body, const std::filesystem::path& file, AtomicFile& out) {
+void finish(GlbBuilder& glb, const Body& body, AtomicFile& out) {
   Object ecorche{{"schema", Value(kCharacterSchema)}, {"body", gltf::body_extras(body)}};
   Object extras;
   extras["ecorche"] = Value(std::move(ecorche));
   glb.scene().extras = Value(std::move(extras));
   glb.scene().name = body.name.empty() ? "body" : body.name;
-  if (!glb.write(out.stream())) throw OutputError(fmt::format("{}: could not be written", file.string()));
+  if (!glb.write(out.stream())) out.fail();
   out.commit();
 }
 
@@ -115,7 +115,7 @@ void write_character(const std::filesystem::path& file, const Character& charact
   add_bones(glb, character.anatomy);
   add_muscles(glb, character.anatomy);
   if (motion) gltf::add_motion(glb, character.anatomy.skeleton, *motion, "motion");
-  finish(glb, character.body, file, out);
+  finish(glb, character.body, out);
 }
 
 void write_body(const std::filesystem::path& file, const Body& body) {
@@ -126,7 +126,7 @@ void write_body(const std::filesystem::path& file, const Body& body) {
   node.name = "skin";
   node.mesh = 0;
   glb.add_node(std::move(node));
-  finish(glb, body, file, out);
+  finish(glb, body, out);
 }
 
 }  // namespace ecorche

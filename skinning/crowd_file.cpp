@@ -246,7 +246,7 @@ void write_glb(const fs::path& file, const CrowdLayout& layout, const std::vecto
   stream.write("BIN\0", 4);
   stream << shared;
   for (const CrowdMember& member : members) stream << read_person(member, layout.size);
-  if (!stream) throw OutputError(fmt::format("{}: could not be written", file.string()));
+  if (!stream) out.fail();
   out.commit();
 }
 

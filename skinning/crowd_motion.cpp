@@ -152,7 +152,7 @@ void write_crowd_motion(const fs::path& file, const Crowd& crowd, const CrowdMot
   stream.write("BIN\0", 4);
   copy_buffers(text, stream);
   stream << keys.bytes;
-  if (!stream) throw OutputError(fmt::format("{}: could not be written", file.string()));
+  if (!stream) out.fail();
   out.commit();
 } catch (const nlohmann::json::exception& e) {
   throw InputError(fmt::format("{}: a damaged crowd: {}", crowd.text->file.string(), e.what()));

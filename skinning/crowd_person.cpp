@@ -157,7 +157,7 @@ void write_crowd_person(const std::filesystem::path& file, const CrowdMould& mou
   put(bytes, layout.weights, shares.weights.data(), 2 * shares.weights.size());
   for (std::size_t l = 0; l < meshes.size(); ++l) put_mesh(bytes, layout.layers[l].positions, layout.layers[l].normals, meshes[l], static_cast<double>(unit));
   out.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!out.stream()) throw OutputError(fmt::format("{}: could not be written", file.string()));
+  if (!out.stream()) out.fail();
   out.commit();
 }
 

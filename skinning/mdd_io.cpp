@@ -42,7 +42,7 @@ void MddWriter::add_frame(std::span<const float> positions, int stride) {
   for (std::size_t i = 0; i < static_cast<std::size_t>(points_); ++i)
     for (std::size_t k = 0; k < 3; ++k) row_[3 * i + k] = big_endian(std::bit_cast<std::uint32_t>(positions[i * static_cast<std::size_t>(stride) + k]));
   write_words(file_.stream(), row_);
-  if (!file_.stream()) throw OutputError(fmt::format("{}: writing frame {} failed; is the disk full?", path_.string(), added_));
+  if (!file_.stream()) file_.fail();
   ++added_;
 }
 

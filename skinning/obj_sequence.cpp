@@ -18,10 +18,7 @@ ObjSequenceWriter::ObjSequenceWriter(const std::filesystem::path& pattern, const
     throw UsageError(fmt::format("{}: the files of a sequence are named like DIR/%04d.obj", pattern.string()));
   before_ = (pattern.parent_path() / text.substr(0, percent)).string();
   after_ = text.substr(end + 1);
-  const std::filesystem::path folder = pattern.parent_path();
-  std::error_code error;
-  if (!folder.empty() && !std::filesystem::is_directory(folder) && !std::filesystem::create_directory(folder, error))
-    throw OutputError(fmt::format("{}: cannot be made a folder: {}", folder.string(), error.message()));
+  make_output_folder(pattern.parent_path());
   for (Eigen::Index f = 0; f < F.rows(); ++f) fmt::format_to(std::back_inserter(faces_), "f {} {} {}\n", F(f, 0) + 1, F(f, 1) + 1, F(f, 2) + 1);
   if (F.size() > 0) highest_ = F.maxCoeff();
 }

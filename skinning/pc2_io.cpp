@@ -43,7 +43,7 @@ void Pc2Writer::add_frame(std::span<const float> positions, int stride) {
   const std::size_t step = static_cast<std::size_t>(stride);
   for (std::size_t i = 0; i < static_cast<std::size_t>(points_); ++i) std::memcpy(&row_[3 * i], &positions[i * step], 12);
   file_.stream().write(reinterpret_cast<const char*>(row_.data()), static_cast<std::streamsize>(row_.size() * sizeof(float)));
-  if (!file_.stream()) throw OutputError(fmt::format("{}: writing frame {} failed; is the disk full?", path_.string(), frames_));
+  if (!file_.stream()) file_.fail();
   ++frames_;
 }
 

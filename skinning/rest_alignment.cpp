@@ -209,6 +209,9 @@ class Aligner {
         sampled_.empty() || moving_up.norm() < 0.5 * sampled_.size() || moving_up.cwiseAbs().maxCoeff() < 0.8 * moving_up.norm();
     if (lying && !sampled_.empty()) out.warnings.push_back("the figure is seldom upright; up is taken from the rest pose");
     Vec3 up = snapped(lying ? rest_up : moving_up, 4);
+    if (given_up && !lying && nearest_axis(up).first != *given_up - 'x')
+      throw UnfitError(fmt::format("{}: --up {}: the figure stands along {}; leave --up out, or name that axis", source_.name, *given_up,
+                                   "xyz"[nearest_axis(up).first]));
     if (given_up) up = Vec3::Unit(*given_up - 'x') * (moving_up[*given_up - 'x'] < 0 && !lying ? -1.0 : 1.0);
     out.up = "xyz"[nearest_axis(up).first];
 

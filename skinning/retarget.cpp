@@ -125,7 +125,6 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
   report.same_rest = alignment.same_rest;
   report.source_leg = alignment.leg;
   std::tie(report.unit, report.metres_per_unit) = guess_unit(alignment.leg);
-  if (options.metres_per_unit) report.unit = "given", report.metres_per_unit = *options.metres_per_unit;
 
   const std::optional<OwnRig> own = find_own_rig(source, rig, alignment, ours);
   report.own_rig = own.has_value();

@@ -27,9 +27,8 @@ namespace ecorche {
 struct RetargetOptions {
   // The file's joint -> our joint, before any guess of ours; an empty name leaves the joint out. See read_joint_map().
   std::map<std::string, std::string> joint_map;
-  std::optional<double>
-      metres_per_unit;     // instead of the guess from leg length (it is only reported: paths are scaled by leg length)
-  std::optional<char> up;  // 'x', 'y' or 'z' of the file, instead of the guess
+  // 'x', 'y' or 'z' of the file, instead of the guess; refused where the figure is plainly upright along another axis.
+  std::optional<char> up;
   std::optional<double> sole_height;  // world y of the soles in the skeleton's rest pose; from the toe joints if absent
   // Absent: unless the file's rig sits in this very body (skinning/own_rig.h), since such a file is where its author has put it.
   std::optional<bool> plant_feet;
@@ -87,7 +86,7 @@ struct EndMove {
 };
 
 struct RetargetReport {
-  std::string unit;  // "cm", "m", "inch", "CMU unit", ... or "unknown"
+  std::string unit;  // guessed from leg length, for people: paths are scaled by leg length. "cm", "m", "inch", "CMU unit", ... or "unknown"
   double metres_per_unit = 1;
   char up = 'y';                    // of the file
   std::string facing;               // of the rest pose, file axes: "+z"

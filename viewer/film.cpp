@@ -13,6 +13,7 @@
 #include <system_error>
 #include <thread>
 
+#include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 
 namespace ecorche {
@@ -77,9 +78,8 @@ class FrameWriter {
   FrameWriter(const FilmOptions& options, int width, int height) : pattern_(read_pattern(options.output)) {
     if (!pattern_) {
       video_.emplace(options.output, width, height, options.video);
-    } else if (const auto folder = options.output.parent_path(); !folder.empty()) {
-      std::error_code ignored;  // a folder that cannot be made shows when the first picture is written
-      std::filesystem::create_directories(folder, ignored);
+    } else {
+      make_output_folder(options.output.parent_path());
     }
   }
   void add(const Image& image) {

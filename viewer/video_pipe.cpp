@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -12,12 +11,12 @@
 #include <cstdio>
 #include <cstring>
 #include <stdexcept>
+#include <system_error>
 #include <vector>
 
 #include "anatomy/atomic_file.h"
+#include "anatomy/child_processes.h"
 #include "anatomy/errors.h"
-
-extern char** environ;
 
 namespace ecorche {
 namespace {
@@ -55,9 +54,9 @@ struct VideoPipe::Impl {
   }
   ~Impl() {
     if (input >= 0) close(input);
-    if (child > 0) {
-      kill(child, SIGKILL);
-      waitpid(child, nullptr, 0);
+    if (child.pid() > 0) {
+      kill(child.pid(), SIGKILL);
+      waitpid(child.pid(), nullptr, 0);
     }
     if (messages) std::fclose(messages);
   }
@@ -69,7 +68,7 @@ struct VideoPipe::Impl {
   AtomicFile file;
   int width, height;
   std::string program;
-  pid_t child = -1;
+  ChildProcess child;
   int input = -1;
   std::FILE* messages = nullptr;  // what the program writes on its standard error
   std::vector<std::uint8_t> rgb;
@@ -85,25 +84,17 @@ void VideoPipe::Impl::start(const VideoOptions& options) {
       "-pix_fmt", "yuv420p", "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1", "-color_range", "tv",
       "-threads", "2", "-fflags", "+bitexact", "-flags:v", "+bitexact", "-map_metadata", "-1", "-movflags", "+faststart", "-f", "mp4",
       file.temporary().string()};
-  std::vector<char*> arguments;
-  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
   int ends[2];
   messages = std::tmpfile();
   if (!messages || pipe2(ends, O_CLOEXEC) != 0) throw OutputError(fmt::format("{}: cannot make a pipe: {}", program, std::strerror(errno)));
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, ends[0], STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, fileno(messages), STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, fileno(messages), STDERR_FILENO);
-  const int failure = posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  close(ends[0]);
   input = ends[1];
-  if (failure == 0) return;
-  child = -1;
-  throw OutputError(fmt::format("cannot start '{}': {}; install the package ffmpeg, or write pictures instead: -o DIR/%04d.png", program,
-                                std::strerror(failure)));
+  try {
+    child = start_program(words, ends[0], fileno(messages), fileno(messages));
+    close(ends[0]);
+  } catch (const std::system_error& e) {
+    close(ends[0]);
+    throw OutputError(fmt::format("cannot start '{}': {}; install the package ffmpeg, or write pictures instead: -o DIR/%04d.png", program, e.code().message()));
+  }
 }
 
 std::string VideoPipe::Impl::said() const {
@@ -119,8 +110,8 @@ int VideoPipe::Impl::wait() {
   if (input >= 0) close(input);
   input = -1;
   int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
-  child = -1;
+  while (waitpid(child.pid(), &status, 0) < 0 && errno == EINTR) continue;
+  child.ended();
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 

@@ -1,5 +1,6 @@
 #include "morph/measure.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "anatomy/errors.h"
@@ -93,13 +94,21 @@ TEST_F(MeasureTest, TracesAreAsLongAsTheTape) {
   }
 }
 
-TEST(Quantity, UnitsMeanWhatTheySay) {
-  EXPECT_DOUBLE_EQ(parse_quantity("92cm", MeasureKind::girth), 0.92);
-  EXPECT_DOUBLE_EQ(parse_quantity("0.92", MeasureKind::girth), 0.92);
-  EXPECT_DOUBLE_EQ(parse_quantity("920 mm", MeasureKind::girth), 0.92);
-  EXPECT_DOUBLE_EQ(parse_quantity("10in", MeasureKind::girth), 0.254);
-  EXPECT_DOUBLE_EQ(parse_quantity("70kg", MeasureKind::mass), 70);
-  for (const char* bad : {"", "cm", "-3cm", "nan", "92furlongs", "1e400", "70kg"}) EXPECT_THROW(parse_quantity(bad, MeasureKind::girth), UsageError) << bad;
+// Every measure can be written in every unit, and a bare number only where it can be nothing but metres.
+TEST_F(MeasureTest, ReadsEveryMeasureInEveryUnit) {
+  for (int k = 0; k < tape().count(); ++k) {
+    const Measure& m = tape().measure(k);
+    if (m.kind == MeasureKind::mass || m.kind == MeasureKind::ahead) continue;
+    const double usual = tape().take(k, package().points);
+    const auto read = [&](double value, const char* unit) { return tape().parse(k, fmt::format("{:.9f}{}", value, unit), m.id); };
+    EXPECT_NEAR(read(100 * usual, "cm"), usual, 1e-6) << m.id;
+    EXPECT_NEAR(read(usual / 0.0254, "in"), usual, 1e-6) << m.id;
+    EXPECT_NEAR(read(usual, ""), usual, 1e-6) << m.id;
+    for (const double factor : {100.0, 1000.0, 1 / 0.0254}) EXPECT_THROW(read(factor * usual, ""), UsageError) << m.id << " " << factor;
+    for (const char* bad : {"", "cm", "-3cm", "nan", "92furlongs", "1e400", "70kg"}) EXPECT_THROW(tape().parse(k, bad, m.id), UsageError) << m.id << " " << bad;
+  }
+  const int weight = tape().table().at("weight");
+  EXPECT_DOUBLE_EQ(tape().parse(weight, "70kg", "weight"), 70);
 }
 
 }  // namespace

@@ -1,0 +1,484 @@
+#!/usr/bin/env python3
+"""Every verb with every option of its --help, on a character as a user makes one: what an option promises is looked for in the output. Fails on an option that no
+run here has used.   Usage: options.py ECORCHE SOURCE_FOLDER"""
+import json
+import os
+import re
+import shutil
+import struct
+import subprocess
+import sys
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from runner import Runner  # noqa: E402
+
+VIEW = ["xvfb-run", "-a"]
+
+
+def short_motion(source, target, frames):
+    """The first frames of a BVH file."""
+    with open(source, encoding="utf-8") as file:
+        lines = file.read().splitlines()
+    start = next(i for i, line in enumerate(lines) if line.startswith("Frame Time:")) + 1
+    lines = [f"Frames: {frames}" if line.startswith("Frames:") else line for line in lines[:start + frames]]
+    with open(target, "w", encoding="utf-8") as file:
+        file.write("\n".join(lines) + "\n")
+
+
+def pc2_frames(data):
+    """Vertex positions of a PC2 file, frame by frame."""
+    _, _, points, _, _, frames = struct.unpack_from("<12siiffi", data)
+    values = struct.unpack_from(f"<{3 * points * frames}f", data, 32)
+    return [values[3 * points * f:3 * points * (f + 1)] for f in range(frames)]
+
+
+def difference(a, b):
+    """Largest distance of a coordinate between two caches, m."""
+    return max(max(abs(x - y) for x, y in zip(f, g)) for f, g in zip(pc2_frames(a), pc2_frames(b)))
+
+
+def measures(t, body):
+    return json.loads(t.run(0, "body", "measure", body, "--json").stdout)
+
+
+def bodies(t):
+    t.run((0, 8), "body", "new", "--sex", "female", "--age", 30, "--height", "168cm", "--mass", "60kg", "-o", "anna.glb", "--report", "anna.json")
+    anna = measures(t, "anna.glb")
+    t.check(abs(anna["stature"] - 1.68) < 0.002 and abs(anna["weight"] - 60) < 0.3, f"anna: {anna['stature']} m, {anna['weight']} kg")
+    t.run((0, 8), "body", "new", "--sex", "male", "--height", "5ft10", "--mass", "165lb", "-o", "ben.glb")
+    ben = measures(t, "ben.glb")
+    t.check(abs(ben["stature"] - 1.778) < 0.002 and abs(ben["weight"] - 74.8) < 0.4, f"ben: {ben['stature']} m, {ben['weight']} kg")
+    t.run((0, 8), "body", "new", "--sex", "male", "--height", "1.778m", "--mass", 74.84, "--muscle", 0.9, "-o", "strong.glb")
+    t.check(measures(t, "strong.glb")["upper_arm_girth_relaxed"] > ben["biceps_girth"] + 0.005, "--muscle does not show in the upper arm")
+    t.run((0, 8), "body", "new", "--sex", "female", "--age", 75, "--height", "168cm", "--mass", "60kg", "-o", "old.glb")
+    t.check(t.bytes("old.glb") != t.bytes("anna.glb"), "--age changes nothing")
+    t.run(0, "body", "new", "--sex", "female", "--measure", "stature=168cm", "--measure", "waist_girth=29in", "-o", "waist.glb")
+    t.check(abs(measures(t, "waist.glb")["waist_girth"] - 29 * 0.0254) < 0.001, "--measure is not met")
+    t.run(0, "body", "new", "--sex", "male", "--size", "xxl", "-o", "xxl.glb")
+    t.check(1.12 < measures(t, "xxl.glb")["chest_girth"] < 1.32, "--size XXL has another chest")
+    conflict = ["--sex", "female", "--measure", "stature=160cm", "--measure", "crotch_height=100cm"]
+    t.says(t.run(4, "body", "new", *conflict, "-o", "no.glb"), "contradicts")
+    t.absent("no.glb")
+    t.run(8, "body", "new", *conflict, "--best-effort", "-o", "effort.glb")
+    t.there("effort.glb")
+    t.run(0, "body", "new", "--sex", "male", "--measure", "stature=201cm", "--measure", "waist_girth=66cm", "--measure", "weight=70kg", "--allow-unusual", "-o", "unusual.glb")
+    t.there("unusual.glb")
+
+
+def units(t):
+    """Lengths take units everywhere; a number that could be meant otherwise is refused."""
+    for text in ("1.68", "168cm", "1680mm", "5ft6.142", "66.142in", "5'6.142\""):
+        t.run((0, 8), "body", "new", "--sex", "female", "--age", 30, "--height", text, "--mass", "60kg", "-o", "same.glb")
+        t.check(abs(measures(t, "same.glb")["stature"] - 1.68) < 0.002, f"--height {text}")
+    for text, hint in (("178", "178cm"), ("70", "70in"), ("5.9", "5.9ft"), ("nan", "not a length"), ("17m", "possible"), ("tall", "not a length"), ("1,78m", "point")):
+        t.says(t.run(2, "body", "new", "--sex", "male", "--height", text, "-o", "no.glb"), hint)
+    for text in ("waist_girth=80", "waist_girth=nan", "waist_girth=-3cm", "waist_girth=much"):
+        t.says(t.run(2, "body", "modify", "anna.glb", "--measure", text, "-o", "no.glb"), "waist_girth")
+    for option in ("--mass", "--muscle", "--age"):
+        t.says(t.run(2, "body", "new", "--sex", "male", option, "nan", "-o", "no.glb"), option)
+    for option in ("--fat", "--exaggerate", "--hip-waist"):
+        t.says(t.run(2, "body", "modify", "anna.glb", option, "nan", "-o", "no.glb"), option)
+    t.absent("no.glb")
+    people = t.write("bare.csv", "name,sex,stature,weight\nada,female,168,60\nbob,male,178cm,74\n")
+    t.says(t.run(8, "body", "population", people, "--skins", "-o", "bare"), "168cm")
+    t.there("bare/bob.glb")
+    t.absent("bare/ada.glb")
+
+
+def body_verbs(t):
+    listed = t.run(0, "body", "measure", "--list").stdout
+    t.check(listed.count("\n") > 50 and "waist_girth" in listed, "--list names the measures")
+    inches = t.run(0, "body", "measure", "anna.glb", "--unit", "in").stdout
+    t.check(re.search(r"^stature +66\.1 in", inches, re.M), "--unit in")
+    csv = t.run(0, "body", "measure", "anna.glb", "--csv", "--unit", "mm").stdout
+    t.check(re.search(r"^stature,16(79|80)\.\d*,mm", csv, re.M), "--csv")
+    t.run(0, "body", "measure", "anna.glb", "--html", "anna.html")
+    t.check(b"data:image/png" in t.bytes("anna.html"), "--html has a picture")
+    t.run(0, "body", "modify", "anna.glb", "--fat", 34, "-o", "fatter.glb", "--report", "modify.json")
+    t.check(abs(t.json("modify.json")["after"]["fat_percent"] - 34) < 0.5, "--fat is not met")
+    t.run((0, 8), "body", "modify", "anna.glb", "--hip-waist", 1.35, "-o", "curvy.glb", "--report", "modify.json")
+    t.check(abs(t.json("modify.json")["after"]["hip_waist_ratio"] - 1.35) < 0.01, "--hip-waist is not met")
+    t.run((0, 8), "body", "modify", "anna.glb", "--measure", "waist_girth=80cm", "-o", "wide.glb")
+    t.check(abs(measures(t, "wide.glb")["waist_girth"] - 0.8) < 0.002, "--measure is not met")
+    t.run((0, 8), "body", "modify", "anna.glb", "--muscle", 0.8, "-o", "trained.glb")
+    t.check(measures(t, "trained.glb")["upper_arm_girth_relaxed"] > measures(t, "anna.glb")["biceps_girth"], "--muscle")
+    t.run((0, 8), "body", "modify", "anna.glb", "--age", 70, "-o", "aged.glb")
+    t.run((0, 8), "body", "modify", "wide.glb", "--exaggerate", 1.5, "-o", "overdrawn.glb")
+    t.run((0, 8), "body", "modify", "anna.glb", "--sex", "female", "--fat", 34, "-o", "again.glb")
+    t.check(t.bytes("aged.glb") != t.bytes("anna.glb") and t.bytes("overdrawn.glb") != t.bytes("wide.glb"), "--age, --exaggerate")
+    size = t.run(0, "body", "size", "xxl.glb", "--sex", "male").stdout
+    t.check(size.startswith("size XXL"), f"body size: {size[:20]}")
+    t.write("people.csv", "name,sex,stature,waist_girth\nada,female,168cm,74cm\nbob,,178cm,90cm\n")
+    t.run((0, 8), "body", "population", "people.csv", "--sex", "male", "--skins", "-o", "people", "--crowd", "crowd.glb", "--progress", "lines")
+    t.there("people/ada.bin")
+    t.there("crowd.glb")
+    t.check(re.search(r"^bob,male", t.bytes("people/population.csv").decode(), re.M), "--sex of a row without one")
+    t.run((0, 8), "body", "population", "--count", 2, "--seed", 5, "--skins", "-o", "drawn")
+    t.there("drawn/person-0002.glb")
+    t.write("tall.csv", "name,sex,stature,waist_girth,weight\ntom,male,201cm,66cm,70kg\n")
+    t.run(4, "body", "population", "tall.csv", "--skins", "-o", "tall")
+    t.run((0, 8), "body", "population", "tall.csv", "--skins", "--allow-unusual", "-o", "tall")
+    t.there("tall/tom.glb")
+
+
+def skin_of(data):
+    """Positions of the node `skin` of a .glb, as its file has them."""
+    length = struct.unpack_from("<I", data, 12)[0]
+    doc = json.loads(data[20:20 + length])
+    mesh = next(n["mesh"] for n in doc["nodes"] if n.get("name") == "skin")
+    primitive = doc["meshes"][mesh]["primitives"][0]
+
+    def read(index, letter, size):
+        accessor = doc["accessors"][index]
+        view = doc["bufferViews"][accessor["bufferView"]]
+        start = 28 + length + view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+        return struct.unpack_from(f"<{accessor['count'] * size}{letter}", data, start), accessor["count"]
+    points, count = read(primitive["attributes"]["POSITION"], "f", 3)
+    kind = {5123: "H", 5125: "I"}[doc["accessors"][primitive["indices"]]["componentType"]]
+    triangles, _ = read(primitive["indices"], kind, 1)
+    return points, triangles, count
+
+
+def write_obj(t, name, scale):
+    points, triangles, count = skin_of(t.bytes("anna.glb"))
+    lines = [f"v {scale * points[3 * i]:.6f} {scale * points[3 * i + 1]:.6f} {scale * points[3 * i + 2]:.6f}" for i in range(count)]
+    lines += [f"f {triangles[i] + 1} {triangles[i + 1] + 1} {triangles[i + 2] + 1}" for i in range(0, len(triangles), 3)]
+    return t.write(name, "\n".join(lines) + "\n")
+
+
+def fits(t):
+    t.run((0, 8), "fit", "anna.glb", "-o", "anna-anatomy.glb", "--report", "fit.json")
+    t.check(t.json("fit.json")["fit"]["bone_vertices"] > 1e5, "a fit reports its bones")
+    t.run((0, 8), "fit", "anna.glb", "--skin", "fine", "--method", "ellipses", "-o", "fine.glb", "--report", "fine.json")
+    t.check(skin_of(t.bytes("fine.glb"))[2] == 120404, "--skin fine")
+    t.run((0, 8), "fit", "anna.glb", "--method", "paper", "--alpha", 0.6, "-o", "paper.glb")
+    t.run((0, 8), "fit", "anna.glb", "--method", "paper", "-o", "paper-04.glb")
+    t.check(t.bytes("paper.glb") != t.bytes("paper-04.glb"), "--alpha")
+    t.says(t.run(2, "fit", "anna.glb", "--alpha", 0.6, "-o", "no.glb"), "--method paper")
+    t.run((0, 8), "fit", "anna.glb", "--interior", "lattice", "--tissue", "tissue.vtk", "--method", "ellipses", "-o", "lattice.glb", "--report", "lattice.json")
+    t.check(t.json("lattice.json")["fit"]["tissue"]["tetrahedra"] > 1000 and b"UNSTRUCTURED_GRID" in t.bytes("tissue.vtk"), "--interior, --tissue")
+    obj = write_obj(t, "anna.obj", 100 / 2.54)
+    t.run((0, 8), "fit", obj, "--unit", "in", "--sex", "female", "-o", "from-obj.glb", "--report", "obj.json")
+    t.check(abs(t.json("obj.json")["fit"]["stature"] - 1.68) < 0.002, "--unit in")
+    t.run((0, 8), "fit", obj, "--unit", "in", "--sex", "male", "-o", "as-male.glb")
+    t.check(t.bytes("as-male.glb") != t.bytes("from-obj.glb"), "--sex decides the layer of fat")
+    t.run(0, "weights", "anna-anatomy.glb", "-o", "weights.csv", "--joint", "knee_l,hip_l", "--picture", "weights.png")
+    rows = t.bytes("weights.csv").decode().splitlines()
+    t.check(rows[0] == "vertex,joint,weight" and len(rows) > 13380, "weights of every vertex")
+    t.check(t.bytes("weights.png")[:4] == b"\x89PNG", "--picture")
+    # The skin between the knees hangs on the pelvis alone: it stays where the pelvis has it.
+    knees = sorted({row.split(",")[0] for row in rows[1:] if row.split(",")[1] == "knee_l" and float(row.split(",")[2]) > 0.5}, key=int)
+    t.write("painted.csv", "vertex,joint,weight\n" + "".join(f"{v},pelvis,1\n" for v in knees[:40]))
+    t.run(0, "weights", "anna-anatomy.glb", "-o", "painted-weights.csv", "--weights", "painted.csv")
+    t.check(f"{knees[0]},pelvis,1" in t.bytes("painted-weights.csv").decode(), "--weights of weights")
+    t.run((0, 8), "fit", "anna.glb", "--weights", "painted.csv", "-o", "painted.glb")
+    t.check(t.bytes("painted.glb") != t.bytes("anna-anatomy.glb"), "--weights of fit")
+    t.run(0, "export", "anna-anatomy.glb", "-o", "anna.osim", "-o", "anna.xml")
+    t.there("anna_meshes/femur_l.obj")
+    t.run(0, "export", "anna-anatomy.glb", "-o", "bare.osim", "--no-meshes")
+    t.absent("bare_meshes")
+
+
+def animations(t):
+    short_motion(t.data("motions", "walk.bvh"), t.path("walk.bvh"), 8)
+    short_motion(t.data("motions", "long_jump.bvh"), t.path("jump.bvh"), 6)
+    animate = lambda *words, codes=(0, 8): t.run(codes, "animate", "anna-anatomy.glb", *words)  # noqa: E731
+    done = animate("walk.bvh", "-o", "walk.glb", "-o", "walk.pc2", "-o", "walk.mdd", "-o", "objs/%03d.obj", "--report", "walk.json", "-v")
+    t.says(done, "walk.bvh: 8 frames at")
+    t.says(done, "timings_ms.frames")
+    t.check(len(pc2_frames(t.bytes("walk.pc2"))) == 8, "8 frames")
+    t.there("objs/008.obj")
+    t.there("walk.mdd")
+    animate("walk.bvh", "-o", "lbs.pc2", "--skin", "lbs")
+    t.check(difference(t.bytes("lbs.pc2"), t.bytes("walk.pc2")) > 1e-3, "--skin lbs")
+    t.write("tense.csv", "time,muscle,value\n0,biceps_brachii_*,1\n0,gastrocnemius_*,1\n")
+    animate("walk.bvh", "-o", "tense.pc2", "--activation", "tense.csv", "--report", "tense.json")
+    t.check(t.json("tense.json")["activation"]["muscles"] > 0 and difference(t.bytes("tense.pc2"), t.bytes("walk.pc2")) > 1e-4, "--activation")
+    t.says(t.run(2, "animate", "anna-anatomy.glb", "walk.bvh", "-o", "no.glb", "--activation", "tense.csv"), ".pc2")
+    animate("jump.bvh", "-o", "jump.pc2")
+    animate("jump.bvh", "-o", "loose.pc2", "--dynamics")
+    t.check(difference(t.bytes("jump.pc2"), t.bytes("loose.pc2")) > 1e-5, "--dynamics")
+    animate("walk.bvh", "-o", "painted.pc2", "--weights", "painted.csv")
+    t.check(difference(t.bytes("painted.pc2"), t.bytes("walk.pc2")) > 1e-3, "--weights")
+    joints = re.findall(r"^\s*(?:ROOT|JOINT) (\S+)", open(t.path("walk.bvh"), encoding="utf-8").read(), re.M)
+    t.write("map.txt", "".join(f"{name} =\n" for name in joints if "Hand" in name or "hand" in name or "Wrist" in name))
+    animate("walk.bvh", "-o", "mapped.pc2", "--map", "map.txt")
+    t.check(difference(t.bytes("mapped.pc2"), t.bytes("walk.pc2")) > 1e-3, "--map leaves the hands as they are")
+    animate("walk.bvh", "-o", "up.pc2", "--up", "y")
+    t.check(t.bytes("up.pc2") == t.bytes("walk.pc2"), "--up y of a file whose figure stands along y")
+    t.says(animate("walk.bvh", "-o", "no.pc2", "--up", "z", codes=4), "stands along y")
+    animate("walk.bvh", "-o", "slow.glb", "--motion-fps", 12, "--report", "slow.json")
+    t.check(abs(t.json("slow.json")["motion"]["fps"] - 12) < 1e-6, "--motion-fps")
+    text = open(t.path("walk.bvh"), encoding="utf-8").read()
+    bent = bend_knees(text)
+    t.write("bent.bvh", bent)
+    animate("bent.bvh", "-o", "keep.pc2", "--limits", "keep", "--report", "keep.json")
+    animate("bent.bvh", "-o", "clamp.pc2", "--limits", "clamp", "--report", "clamp.json")
+    t.check(t.json("keep.json")["motion"]["joints_beyond_limits"] > t.json("clamp.json")["motion"]["joints_beyond_limits"], "--limits")
+    t.write("crossed.bvh", cross_legs(text))
+    animate("crossed.bvh", "-o", "apart.pc2", "--limits", "clamp", "--report", "apart.json")
+    animate("crossed.bvh", "-o", "through.pc2", "--limits", "clamp", "--no-apart", "--report", "through.json")
+    t.check("parted" in t.json("apart.json")["motion"] and "parted" not in t.json("through.json")["motion"], "--no-apart")
+    animate("walk.bvh", "-o", "free.pc2", "--no-plant", "--report", "free.json")
+    t.check(t.json("free.json")["motion"]["contacts"] == 0, "--no-plant")
+    animate("walk.bvh", "-o", "planted.pc2", "--plant", "--report", "planted.json")
+    t.check(t.json("planted.json")["motion"]["contacts"] > 0, "--plant")
+    t.run((0, 8), "animate", "crowd.glb", "walk.bvh", "-o", "walking.glb", "--stagger", 0.5)
+    t.check(b"walk" in t.bytes("walking.glb"), "a crowd that walks")
+    done = t.run((0, 8), "bake", "anna-anatomy.glb", "walk.bvh", "jump.bvh", "-o", "baked.glb", "--morphs", 4, "--helpers", 6, "--samples", 10, "--weights", "painted.csv",
+                 "--map", "map.txt", "--up", "y", "--motion-fps", 30, "--limits", "keep", "--no-apart", "--no-plant", "--report", "bake.json", "--progress", "lines")
+    bake = t.json("bake.json")["bake"]
+    t.check(bake["morphs"] <= 4 and bake["helpers"] <= 6 and bake["frames"] == 14, "--morphs, --helpers")
+    t.run((0, 8), "bake", "anna-anatomy.glb", "walk.bvh", "-o", "planted.glb", "--morphs", 2, "--helpers", 0, "--samples", 8, "--plant")
+
+
+def channel_columns(text, joint):
+    """Columns of a joint's rotation channels in a BVH file."""
+    column, found = 0, None
+    for name, count, channels in re.findall(r"(?:ROOT|JOINT) (\S+).*?CHANNELS (\d+) ([^\n]*)", text, re.S):
+        for k, channel in enumerate(channels.split()):
+            if name == joint and channel == "Xrotation":
+                found = column + k
+        column += int(count)
+    return found
+
+
+def change_column(text, joint, axis_value):
+    column = channel_columns(text, joint)
+    assert column is not None, joint
+    head, rows = text.split("Frame Time:", 1)
+    time, rows = rows.split("\n", 1)
+    out = []
+    for row in rows.strip().splitlines():
+        values = row.split()
+        values[column] = str(float(values[column]) + axis_value)
+        out.append(" ".join(values))
+    return head + "Frame Time:" + time + "\n" + "\n".join(out) + "\n"
+
+
+def leg_joints(text):
+    names = re.findall(r"(?:ROOT|JOINT) (\S+)", text)
+    return [n for n in names if re.search(r"shin|knee|(?<!up)leg$|lowerleg|calf", n, re.I) and not re.search(r"up", n, re.I)]
+
+
+def bend_knees(text):
+    for joint in leg_joints(text):
+        text = change_column(text, joint, -80)
+    return text
+
+
+def cross_legs(text):
+    """Thighs turned towards each other."""
+    names = [n for n in re.findall(r"(?:ROOT|JOINT) (\S+)", text) if re.search(r"up.?leg|thigh", n, re.I)]
+    for name in names:
+        for axis in ("Zrotation",):
+            column, found = 0, None
+            for each, count, channels in re.findall(r"(?:ROOT|JOINT) (\S+).*?CHANNELS (\d+) ([^\n]*)", text, re.S):
+                if each == name:
+                    found = column + channels.split().index(axis)
+                column += int(count)
+            head, rows = text.split("Frame Time:", 1)
+            time, rows = rows.split("\n", 1)
+            lines = []
+            for row in rows.strip().splitlines():
+                values = row.split()
+                values[found] = str(float(values[found]) + (-25 if "left" in name.lower() or name.lower().startswith("l") else 25))
+                lines.append(" ".join(values))
+            text = head + "Frame Time:" + time + "\n" + "\n".join(lines) + "\n"
+    return text
+
+
+def pictures(t):
+    def render(*words, codes=0):
+        return t.run(codes, "render", "anna-anatomy.glb", *words)
+    render("walk.bvh", "-o", "film.mp4", "--size", "160x90", "--fps", 4, "--layers", "muscles,bones", "--camera", "left", "--colour-map", "--report", "film.json")
+    t.there("film.mp4")
+    t.check(t.json("film.json")["film"]["frames"] >= 1, "--fps")
+    png = lambda name: t.bytes(name)  # noqa: E731
+    base = ["--size", "96x80", "--fps", 1]
+    render("walk.bvh", "-o", "a/%02d.png", *base)
+    t.check(struct.unpack(">II", png("a/01.png")[16:24]) == (96, 80), "--size")
+    for name, words in (("skin", ["--layers", "skin"]), ("beside", ["--beside"]), ("colours", ["--colour-map"]), ("top", ["--camera", "top"]),
+                        ("dissolved", ["--dissolve", "0,0.01", "--layers", "skin,muscles"]), ("lbs", ["--skin", "lbs", "--layers", "skin"])):
+        render("walk.bvh", "-o", f"{name}/%02d.png", *base, *words)
+        t.check(png(f"{name}/01.png") != png("a/01.png"), f"render {' '.join(words)} changes nothing")
+    large = ["--size", "640x360", "--fps", 1, "--layers", "muscles"]
+    render("walk.bvh", "-o", "legend/%02d.png", *large)
+    render("walk.bvh", "-o", "bare/%02d.png", *large, "--no-legend")
+    t.check(png("legend/01.png") != png("bare/01.png"), "--no-legend")
+    render("walk.bvh", "-o", "all/%02d.png", *base, "--weights", "painted.csv", "--map", "map.txt", "--up", "y", "--motion-fps", 30, "--limits", "keep", "--no-apart", "--no-plant")
+    render("jump.bvh", "-o", "loose/%02d.png", *base, "--plant", "--dynamics", "--activation", "auto")
+    t.there("loose/01.png")
+    done = t.run((0, 8), "posebook", "anna-anatomy.glb", "ben-anatomy.glb", "-o", "poses", "--poses", t.write("poses.csv", "name,label,view,angles\nbent,bent,front,elbow 90\n"),
+                 "--methods", "ecorche,lbs", "--cell", "100x120")
+    t.there("poses/ecorche.png")
+    t.check(not os.path.exists(t.path("poses/dqs.png")) and "lbs" in done.stdout, "--methods")
+    t.run((0, 8), "posebook", "anna-anatomy.glb", "-o", "figures", "--poses", "poses.csv", "--methods", "ecorche", "--no-pictures")
+    t.there("figures/figures.csv")
+    t.absent("figures/ecorche.png")
+
+
+def checks(t):
+    t.write("limits.csv", "pose,joint,flexion,abduction,rotation\nsitting,hip,0.75,0.2,0\n")
+    done = t.run((0, 8), "check", "anna-anatomy.glb", "-o", "check", "--poses", "limits.csv", "--no-sweeps", "--no-pictures")
+    t.there("check/check.html")
+    t.there("check/check.csv")
+    t.check(b"<img" not in t.bytes("check/check.html") and t.json("check/check.json")["exit_code"] == done.returncode, "--no-pictures, check.json")
+    done = t.run((0, 8), "check", "bodies", "--body", "thin_male", "-o", "bodies")
+    t.check("thin_male" in done.stdout and "heavy_male" not in done.stdout, "--body")
+    t.says(t.run(2, "check", "bodies", "--body", "thin_mal"), "did you mean thin_male")
+    t.says(t.run(2, "check", "anna-anatomy.glb", "--body", "thin_male"), "check bodies")
+
+
+def templates(t):
+    info = t.json(t.write("info.json", t.run(0, "template", "info", "--json").stdout))
+    t.check(info["bones"] == 178 and info["muscles"] == 460, "template info")
+    t.run((0, 8), "template", "check", "--json")
+    t.run(0, "template", "import", "anna.osim", "-o", "imported.glb", "--stress", 60, "--our-bones", "--report", "import.json")
+    t.run(0, "template", "import", "anna.osim", "-o", "imported-30.glb", "--stress", 30, "--folder", ".", "--report", "import-30.json")
+    ratio = t.json("import-30.json")["muscle_volume"] / t.json("import.json")["muscle_volume"]
+    t.check(abs(ratio - 2) < 0.1, f"--stress: half the stress makes twice the volume, not {ratio:.2f}")
+    t.check(t.json("import-30.json")["import"]["meshes"] > 0 and t.json("import.json")["import"]["meshes"] == 0, "--our-bones")
+    t.run(0, "template", "import", t.write("left.osim", one_side(t.bytes("anna.osim").decode())), "-o", "mirrored.glb", "--mirror", "--our-bones", "--report", "mirror.json")
+    t.run(0, "template", "import", "left.osim", "-o", "left.glb", "--our-bones", "--report", "left.json")
+    t.check(t.json("mirror.json")["muscles"] > t.json("left.json")["muscles"], "--mirror")
+    t.run(0, "template", "info", "imported.glb")
+    t.run((0, 8), "template", "check", "imported.glb")
+    t.run((0, 8), "fit", "anna.glb", "--template", "imported.glb", "-o", "anna-imported.glb")
+    t.run(0, "template", "sweep", "--step", 40, "-o", "coarse.csv")
+    t.run(0, "template", "sweep", "--step", 20, "-o", "sweep.csv")
+    t.check(1.5 < len(t.bytes("sweep.csv")) / len(t.bytes("coarse.csv")) < 3, "--step")
+    t.write("spindle.obj", spindle())
+    done = t.run(0, "template", "resample", "spindle.obj", "--origin", "0,0,0", "--insertion", "0,20,0", "--unit", "cm", "--control-points", 2, "--slices", 9, "--rays", 24,
+                 "-o", "loft.ply", "--json")
+    found = json.loads(done.stdout)
+    t.check(found["slices"] == 9 and abs(found["action_line_length"] - 0.2) < 0.01 and abs(found["volume_error"]) < 0.1, f"resample: {found}")
+    t.check(t.bytes("loft.ply")[:3] == b"ply", "-o of resample")
+
+
+def one_side(model):
+    """An OpenSim model without the right side's muscles."""
+    return re.sub(r"<(Thelen2003Muscle|Millard2012EquilibriumMuscle) name=\"[^\"]*_r[^\"]*\">.*?</\1>", "", model, flags=re.S)
+
+
+def spindle():
+    """A closed spindle along y, 20 units long."""
+    from math import cos, pi, sin
+    rings, around = 20, 24
+    points, faces = ["v 0 0 0"], []
+    for i in range(1, rings):
+        y = 20 * i / rings
+        r = 2.5 * sin(pi * i / rings)
+        points += [f"v {r * cos(2 * pi * k / around):.6f} {y:.6f} {r * sin(2 * pi * k / around):.6f}" for k in range(around)]
+    points.append("v 0 20 0")
+    at = lambda i, k: 2 + (i - 1) * around + k % around  # noqa: E731
+    for k in range(around):
+        faces.append(f"f 1 {at(1, k)} {at(1, k + 1)}")
+        faces.append(f"f {len(points)} {at(rings - 1, k + 1)} {at(rings - 1, k)}")
+        for i in range(1, rings - 1):
+            faces += [f"f {at(i, k)} {at(i + 1, k)} {at(i + 1, k + 1)}", f"f {at(i, k)} {at(i + 1, k + 1)} {at(i, k + 1)}"]
+    return "\n".join(points + faces) + "\n"
+
+
+def lists(t):
+    counts = {"muscles": 460, "joints": 90, "bones": 178, "measures": 60, "landmarks": 40, "sizes": 10, "poses": 60, "motions": 2}
+    for what, least in counts.items():
+        names = t.run(0, "list", what, "--names").stdout.split()
+        t.check(len(names) >= least, f"list {what}: {len(names)}")
+        t.check(len(json.loads(t.run(0, "list", what, "--json").stdout)) == len(names), f"list {what} --json")
+    t.check("biceps_brachii" in t.run(0, "list", "muscles", "anna-anatomy.glb").stdout, "list of a character")
+    t.says(t.run(2, "list", "muscels"), "muscles")
+    man = t.run(0, "man").stdout
+    for verb in t.verbs:
+        t.check(f'"ecorche {verb}"' in man.replace("\\-", "-"), f"man has no {verb}")
+    bash = t.run(0, "completion", "bash").stdout
+    t.write("complete.sh", bash + '\nCOMP_WORDS=(ecorche "$@"); COMP_CWORD=$#; _ecorche; printf "%s\\n" "${COMPREPLY[@]}"\n')
+    for words, wanted in ((["an"], "animate"), (["body", "ne"], "new"), (["fit", "--interi"], "--interior"), (["fit", "x.glb", "--method", "pa"], "paper"),
+                          (["body", "new", "--measure", "waist_gi"], "waist_girth"), (["list", "musc"], "muscles"), (["help", "po"], "posebook")):
+        env = {**os.environ, "PATH": os.path.dirname(t.program) + ":" + os.environ["PATH"]}
+        found = subprocess.run(["bash", t.path("complete.sh"), *words], capture_output=True, text=True, env=env).stdout.split()
+        t.check(wanted in found, f"completion of {' '.join(words)}: {found[:5]}")
+    zsh = t.run(0, "completion", "zsh").stdout
+    t.check(zsh.startswith("#compdef ecorche"), "completion zsh")
+    if shutil.which("zsh"):
+        t.write("_ecorche", zsh)
+        done = subprocess.run(["zsh", "-n", t.path("_ecorche")], capture_output=True, text=True)
+        t.check(done.returncode == 0, f"zsh does not read its completion: {done.stderr}")
+
+
+def words(t):
+    """What is mistyped is answered with what it may have been."""
+    for line, hint in ((["ft", "anna.glb"], "fit"), (["body", "nwe"], "new"), (["fit", "anna.glb", "--metod", "paper", "-o", "x.glb"], "--method"), (["--verion"], "--version"),
+                       (["-v"], "name the verb"), (["help", "fitt"], "fit"), (["body"], "measure"), ([], "animate"), (["animate", "--bogus", "--wors"], "--bogus"),
+                       (["fit", "anna.glb", "-o", "x.glb", "--method", "papr"], "paper"), (["body", "new", "--sex", "male", "--measure", "waist_grith=80cm", "-o", "x.glb"], "waist_girth"),
+                       (["body", "new", "--sex", "male", "--size", "LX", "-o", "x.glb"], "XL")):
+        t.says(t.run(2, *line), hint)
+    for line in (["help", "fit"], ["help", "body", "new"], ["help"], ["--version"], ["-V"]):
+        t.run(0, *line)
+    t.check("--method" in t.run(0, "help", "fit").stdout, "help fit")
+    t.says(t.run(3, "animate", "anna.glb", t.data("motions", "walk.bvh"), "-o", "x.glb"), "ecorche fit")
+    t.says(t.run(2, "weights", "anna-anatomy.glb", "--joint", "kne_l", "--picture", "x.png"), "knee_l")
+    t.says(t.run(3, "animate", "anna-anatomy.glb", "walk.bhv", "-o", "x.glb"), "walk.bvh")
+    t.absent("x.glb")
+
+
+def window(t):
+    if not shutil.which("xvfb-run"):
+        print("skipped: xvfb-run is not installed")
+        t.used.setdefault("view", set()).update(name for group in t.options_of("view") for name in group)
+        return
+    view = lambda *words, codes=0: t.run(codes, "view", *words, under=VIEW)  # noqa: E731
+    view("anna-anatomy.glb", "walk.bvh", "--frames", 3, "--screenshot", "a.png", "--pick", "0.5,0.5")
+    t.check(t.bytes("a.png")[:4] == b"\x89PNG", "--screenshot")
+    view("--sliders", "--sex", "female", "--measure", "stature=170cm", "--frames", 2, "-o", "edited.glb", codes=(0, 8))
+    t.check(abs(measures(t, "edited.glb")["stature"] - 1.70) < 0.002, "--sliders --measure")
+    view("anna-anatomy.glb", "jump.bvh", "--frames", 2, "--dynamics", "--map", "map.txt", "--up", "y", "--motion-fps", 30, "--limits", "keep", "--no-apart",
+         "--no-plant")
+    view("anna-anatomy.glb", "walk.bvh", "--frames", 2, "--plant")
+
+
+def benches(t):
+    out = t.run((0, 8), "bench", "--rounds", 3, "--muscles").stdout
+    t.check("mu" in out, "bench --muscles")
+
+
+def demo(t):
+    done = t.run((0, 8), "demo", "-o", "jump", "--activation", "none", "--progress", "lines", timeout=1500)
+    for name in ("long-jump.mp4", "athlete.glb", "long-jump.pc2", "report.html", "report.json"):
+        t.there("jump/" + name, 10000)
+    t.check(t.json("jump/report.json")["exit_code"] == done.returncode, "report.json says how the run ended")
+
+
+def common_options(t):
+    t.run((0, 8), "fit", "anna.glb", "-o", "one.glb", "--threads", 1, "-q", "--report", "one.json")
+    t.check(t.bytes("one.glb") == t.bytes("anna-anatomy.glb") and t.json("one.json")["threads"] == 1, "--threads")
+    t.check(t.run((0, 8), "fit", "anna.glb", "-o", "one.glb", "-q").stderr == "", "-q")
+    t.says(t.run((0, 8), "fit", "anna.glb", "-o", "one.glb", "-v"), "timings_ms.fit_bones")
+    t.run((0, 8), "body", "population", "--count", 1, "--seed", 6, "--skins", "-o", "other")
+    t.check(t.bytes("other/person-0001.glb") != t.bytes("drawn/person-0001.glb"), "--seed")
+    t.run(2, "fit", "anna.glb", "-o", "no.glb", "--threads", -1)
+    t.run(2, "fit", "anna.glb", "-o", "no.glb", "--seed", -1)
+    t.says(t.run((0, 8), "animate", "anna-anatomy.glb", t.data("motions", "walk.bvh"), "-o", "lines.pc2", "--progress", "lines"), "frames: ")
+
+
+def main(program, source):
+    t = Runner(program, source)
+    parts = [bodies, units, body_verbs, fits, animations, pictures, checks, templates, lists, words, window, common_options, benches, demo]
+    chosen = sys.argv[3:]
+    for part in parts:
+        if chosen and part.__name__ not in chosen:
+            continue
+        if part is pictures:
+            t.run((0, 8), "fit", "ben.glb", "--method", "ellipses", "-o", "ben-anatomy.glb")
+        try:
+            part(t)
+        except Exception as error:  # noqa: BLE001  one part must not hide the others
+            t.check(False, f"{part.__name__}: {type(error).__name__}: {error}")
+        print(part.__name__, flush=True)
+    if not chosen:
+        t.check(not t.unused(), "no run has used: " + "; ".join(t.unused()))
+    t.finish()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], sys.argv[2])
