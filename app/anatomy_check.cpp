@@ -117,6 +117,7 @@ void check_rest(const Subject& subject, const Shape& shape, const CheckOptions& 
     if (!(muscle.volume > 0)) continue;
     muscle.overlap = volumes.in_muscle[static_cast<std::size_t>(m)] / muscle.volume;
     muscle.in_bone = volumes.in_bone[static_cast<std::size_t>(m)] / muscle.volume;
+    if (muscle.in_bone > check.pierced_share) check.pierced_share = muscle.in_bone, check.pierced_muscle = subject.anatomy().muscles[static_cast<std::size_t>(m)].name;
   }
   for (const SharedVolume& pair : volumes.pairs) {  // largest first
     if (pair.b >= muscles || pair.volume < kLeastShared) continue;
@@ -306,6 +307,7 @@ void check_poses(const Subject& subject, const std::vector<LimitPose>& poses, co
     const double outside = static_cast<double>(pose.muscle_points_outside) / std::max(check.muscle_points, 1);
     check.posed_outside_share += outside / static_cast<double>(poses.size());
     check.posed_outside_worst = std::max(check.posed_outside_worst, outside);
+    check.posed_bone_points_outside = std::max(check.posed_bone_points_outside, pose.bone_points_outside);
     check.posed_overlap_mean += pose.overlap_share / static_cast<double>(poses.size());
     check.posed_overlap_worst = std::max(check.posed_overlap_worst, pose.overlap_share);
     check.posed_spikes += static_cast<double>(pose.spikes) / static_cast<double>(poses.size());

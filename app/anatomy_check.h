@@ -48,11 +48,14 @@ struct AnatomyCheck {
   double furthest_outside = 0;       // m, of muscles at rest
   double overlap_share = 0;          // sum of the muscles' volumes over their union, less one part: what is counted twice
   double bone_share = 0;             // of the muscles' volume in bones
+  double pierced_share = 0;          // the largest share of one muscle's volume that lies in bones, and whose
+  std::string pierced_muscle;
   double filled_share = 0;           // of the area under the fat layer of limbs and trunk within 5 mm of muscle or bone; NaN: not known
   double gap_median = 0, gap_p95 = 0;  // m, from there to muscle or bone
   std::vector<PoseCheck> poses;
   double posed_outside_share = 0;    // of muscle points, mean over the poses
   double posed_outside_worst = 0;
+  int posed_bone_points_outside = 0;  // of the worst pose
   double posed_overlap_mean = 0, posed_overlap_worst = 0;
   double posed_spikes = 0, posed_spike_max = 0;  // sections that stick out by more than 20 mm, mean over the poses; m
   bool swept = false;                // joints were swept; otherwise nothing is known of jumps

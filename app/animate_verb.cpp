@@ -136,7 +136,7 @@ int run(const AnimateOptions& options, const Common& common, Report& report) {
 void add_animate_verb(VerbRegistry& registry) {
   auto options = std::make_shared<AnimateOptions>();
   CLI::App* verb = add_verb(registry, registry.app, "animate", "Move a character by a motion (BVH) and write it out",
-                            "ecorche animate anna.glb walk.bvh -o anna-walks.glb -o anna-walks.pc2 --activation auto",
+                            "ecorche animate anna-anatomy.glb walk.bvh -o anna-walks.glb -o anna-walks.pc2 --activation auto",
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
   verb->add_option("character", options->character, "Character written by `ecorche fit`, CROWD.glb#NAME, or a whole crowd")->required();
   verb->add_option("motion", options->motion, "Motion (.bvh)")->required();

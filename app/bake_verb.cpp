@@ -99,7 +99,7 @@ int run(const BakeVerbOptions& options, const Common& common, Report& report) {
 void add_bake_verb(VerbRegistry& registry) {
   auto options = std::make_shared<BakeVerbOptions>();
   CLI::App* verb = add_verb(registry, registry.app, "bake", "Make a character's motions ready for engines: 4 influences, morph targets, curves",
-                            "ecorche bake anna.glb walk.bvh run.bvh -o anna-engine.glb",
+                            "ecorche bake anna-anatomy.glb walk.bvh run.bvh -o anna-engine.glb",
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
   verb->add_option("character", options->character, "Character written by `ecorche fit`, or CROWD.glb#NAME")->required();
   verb->add_option("motions", options->motions, "Motions (.bvh), one animation each")->required();

@@ -10,12 +10,43 @@
 #include <numeric>
 
 #include "anatomy/joint_angles.h"
+#include "anatomy/outline.h"
 
 namespace ecorche {
 namespace {
 
 constexpr double kFlexed = 1.7453292519943295;  // rad
 
+// What was measured in people: change of thickness at full effort with the joint held, as a share of the relaxed thickness.
+struct PublishedBulge {
+  const char* muscle;
+  double low, high;
+  const char* what;
+};
+constexpr PublishedBulge kPublished[] = {
+    {"gastrocnemius_lateral_l", 0.25, 0.55, "+5 to +7 mm, +36 to +47 % (Maganaris 1998)"},
+    {"gastrocnemius_medial_l", -0.1, 0.1, "0, not significant (Maganaris 1998)"},
+    {"soleus_l", 0.25, 0.55, "+6 to +7 mm, +38 to +47 % (Maganaris 1998)"},
+    {"tibialis_anterior_l", -0.1, 0.1, "unchanged (Maganaris 1999, recalled); belly shortens and its section grows (Raiteri 2016)"},
+    {"masseter_superficial_l", 0.2, 0.65, "men +5.4 mm, +56 % (Kiliaridis 1991); +3.4 mm, +30 % (Park 2018)"},
+};
+
+// Least width of a section's outline over all directions.
+double calliper_thickness(const Ellipse& section) {
+  constexpr int kDirections = 90;
+  double least = std::numeric_limits<double>::infinity();
+  for (int d = 0; d < kDirections; ++d) {
+    const double angle = d * 3.141592653589793 / kDirections;
+    const Vec2 direction(std::cos(angle), std::sin(angle));
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (std::size_t k = 0; k < outline_directions().size(); ++k) {
+      const double along = section.outline[k] * section.radii.cwiseProduct(outline_directions()[k]).dot(direction);
+      low = std::min(low, along), high = std::max(high, along);
+    }
+    least = std::min(least, high - low);
+  }
+  return least;
+}
 
 int root_of(std::vector<int>& parent, int i) {
   while (parent[static_cast<std::size_t>(i)] != i) i = parent[static_cast<std::size_t>(i)] = parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(i)])];
@@ -127,13 +158,6 @@ double tape_girth(const TriMesh& skin, const Vec3& point, const Vec3& normal) {
 }
 
 Bulges measure_bulges(const Actor& actor) {
-  static constexpr std::array<std::array<const char*, 2>, 5> kPublished{{
-      {"gastrocnemius_lateral_l", "+5 to +7 mm, +36 to +47 % (Maganaris 1998)"},
-      {"gastrocnemius_medial_l", "0, not significant (Maganaris 1998)"},
-      {"soleus_l", "+6 to +7 mm, +38 to +47 % (Maganaris 1998)"},
-      {"tibialis_anterior_l", "unchanged (Maganaris 1999, recalled); belly shortens and its section grows (Raiteri 2016)"},
-      {"masseter_superficial_l", "men +5.4 mm, +56 % (Kiliaridis 1991); +3.4 mm, +30 % (Park 2018)"},
-  }};
   Bulges bulges;
   measure_arm(actor, bulges);
   const Anatomy& anatomy = actor.character.anatomy;
@@ -142,16 +166,27 @@ Bulges measure_bulges(const Actor& actor) {
   PosedAnatomy relaxed, tense;
   pose_anatomy(actor.table, anatomy.skeleton, pose, relaxed);
   pose_anatomy(actor.table, anatomy.skeleton, pose, tense, 1, std::vector<double>(anatomy.muscles.size(), 1.0));
-  for (const auto& [name, published] : kPublished) {
-    const int m = find_muscle(anatomy, name);
+  for (const PublishedBulge& published : kPublished) {
+    const int m = find_muscle(anatomy, published.muscle);
     const auto range = std::find_if(ranges.begin(), ranges.end(), [m](const SliceRange& r) { return r.muscle == m; });
     if (m < 0 || range == ranges.end()) continue;
+    const auto thickness = [&](const PosedAnatomy& posed, int k) { return calliper_thickness(posed.slices[static_cast<std::size_t>(k)]); };
     int thickest = range->begin;
     for (int k = range->begin; k < range->end; ++k)
-      if (relaxed.slices[static_cast<std::size_t>(k)].radii.y() > relaxed.slices[static_cast<std::size_t>(thickest)].radii.y()) thickest = k;
-    bulges.muscles.push_back({name, 2 * relaxed.slices[static_cast<std::size_t>(thickest)].radii.y(), 2 * tense.slices[static_cast<std::size_t>(thickest)].radii.y(), published});
+      if (thickness(relaxed, k) > thickness(relaxed, thickest)) thickest = k;
+    bulges.muscles.push_back({published.muscle, thickness(relaxed, thickest), thickness(tense, thickest), published.low, published.high, published.what});
   }
   return bulges;
+}
+
+std::vector<Target> bulge_targets(const Bulges& bulges) {
+  std::vector<Target> out;
+  for (const Thickening& m : bulges.muscles) {
+    const double change = m.tense / m.relaxed - 1;
+    out.push_back({fmt::format("thickening of {} at full effort", m.muscle), fmt::format("{:+.0f} .. {:+.0f} %", 100 * m.low, 100 * m.high), fmt::format("{:+.0f} %", 100 * change),
+                   change >= m.low && change <= m.high});
+  }
+  return out;
 }
 
 std::string bulge_table(const Bulges& bulges) {

@@ -5,13 +5,16 @@
 #include <vector>
 
 #include "app/actor.h"
+#include "app/anatomy_check.h"
 
 namespace ecorche {
 
 struct Thickening {
   std::string muscle;
-  double relaxed = 0, tense = 0;  // m, of its thickest section at rest and of the same at full effort, joints held
-  std::string published;          // what was measured in people
+  // m: the least width of a section, whatever its direction, as between two callipers; of the section that is thickest at rest, and of the same at full effort, joints held.
+  double relaxed = 0, tense = 0;
+  double low = 0, high = 0;  // what is asked of the change, a share of `relaxed`: the range of what was measured in people, widened by its error
+  std::string published;     // what was measured in people
 };
 
 struct Bulges {
@@ -25,6 +28,9 @@ Bulges measure_bulges(const Actor& actor);
 
 // Length of a tape round the piece of the skin that a plane cuts nearest to a point: the section's convex hull. 0 where the plane misses.
 double tape_girth(const TriMesh& skin, const Vec3& point, const Vec3& normal);
+
+// What is asked of the muscles' thickening, and whether it is met.
+std::vector<Target> bulge_targets(const Bulges& bulges);
 
 std::string bulge_table(const Bulges& bulges);
 void report_bulges(const Bulges& bulges, Report& report);  // under `check.bulge`

@@ -144,9 +144,9 @@ void add_muscles(HtmlPage& page, const AnatomyCheck& check, const Anatomy& anato
 
 }  // namespace
 
-std::string check_table(const AnatomyCheck& check) {
-  std::string out = fmt::format("{:<52} {:>10}  {:>16}  {}\n", "figure", "asked", "measured", "met");
-  for (const Target& target : check_targets(check)) out += fmt::format("{:<52} {:>10}  {:>16}  {}\n", target.what, target.asked, target.measured, target.met ? "yes" : "NO");
+std::string check_table(const std::vector<Target>& targets) {
+  std::string out = fmt::format("{:<64} {:>13}  {:>16}  {}\n", "figure", "asked", "measured", "met");
+  for (const Target& target : targets) out += fmt::format("{:<64} {:>13}  {:>16}  {}\n", target.what, target.asked, target.measured, target.met ? "yes" : "NO");
   return out;
 }
 
@@ -165,11 +165,11 @@ std::string check_csv(const AnatomyCheck& check, const Anatomy& anatomy) {
   return out;
 }
 
-std::string check_page(const AnatomyCheck& check, const Bulges& bulges, const Actor& actor, const std::vector<LimitPose>& poses, const CheckPageOptions& options) {
+std::string check_page(const AnatomyCheck& check, const std::vector<Target>& targets, const Bulges& bulges, const Actor& actor, const std::vector<LimitPose>& poses, const CheckPageOptions& options) {
   HtmlPage page(options.title);
   page.add_heading("Asked and measured");
   std::vector<std::vector<std::string>> rows;
-  for (const Target& target : check_targets(check)) rows.push_back({target.what, target.asked, target.measured, target.met ? "met" : "not met"});
+  for (const Target& target : targets) rows.push_back({target.what, target.asked, target.measured, target.met ? "met" : "not met"});
   const std::vector<std::string> header{"figure", "asked", "measured", ""};
   page.add_table(header, rows);
   add_bulges(page, bulges);

@@ -8,7 +8,7 @@
 
 namespace ecorche {
 
-std::string check_table(const AnatomyCheck& check);                          // asked, measured, met
+std::string check_table(const std::vector<Target>& targets);                // asked, measured, met
 std::string check_csv(const AnatomyCheck& check, const Anatomy& anatomy);    // a row a muscle
 
 struct CheckPageOptions {
@@ -16,6 +16,6 @@ struct CheckPageOptions {
   bool pictures = true;
 };
 // Pictures: muscles coloured by what they share with others at rest, and the worst poses. Throws OutputError where nothing can be drawn.
-std::string check_page(const AnatomyCheck& check, const Bulges& bulges, const Actor& actor, const std::vector<LimitPose>& poses, const CheckPageOptions& options);
+std::string check_page(const AnatomyCheck& check, const std::vector<Target>& targets, const Bulges& bulges, const Actor& actor, const std::vector<LimitPose>& poses, const CheckPageOptions& options);
 
 }  // namespace ecorche

@@ -89,14 +89,16 @@ int run(const CheckVerbOptions& options, const Common& common, Report& report) {
   report_anatomy_check(check, report);
   const Bulges bulges = measure_bulges(actor);
   report_bulges(bulges, report);
-  std::fputs((check_table(check) + bulge_table(bulges)).c_str(), stdout);
+  std::vector<Target> targets = check_targets(check);
+  for (Target& target : bulge_targets(bulges)) targets.push_back(std::move(target));
+  const bool met = std::all_of(targets.begin(), targets.end(), [](const Target& target) { return target.met; });
+  report.set_flag("check.met", met);
+  std::fputs((check_table(targets) + bulge_table(bulges)).c_str(), stdout);
   if (!options.folder.empty()) {
     write_file_atomically(options.folder / "check.csv", check_csv(check, actor.character.anatomy));
-    write_file_atomically(options.folder / "check.html", check_page(check, bulges, actor, poses, {"Check of " + options.character, !options.no_pictures}));
+    write_file_atomically(options.folder / "check.html", check_page(check, targets, bulges, actor, poses, {"Check of " + options.character, !options.no_pictures}));
     note(common, fmt::format("look at {0}/check.html; {0}/check.csv has a row a muscle", options.folder.string()));
   }
-  bool met = true;
-  for (const Target& target : check_targets(check)) met = met && target.met;
   if (!options.folder.empty()) {
     report.set("exit_code", met ? 0 : 8);
     report.write(options.folder / "check.json");
@@ -109,7 +111,7 @@ int run(const CheckVerbOptions& options, const Common& common, Report& report) {
 void add_check_verb(VerbRegistry& registry) {
   auto options = std::make_shared<CheckVerbOptions>();
   CLI::App* verb = add_verb(registry, registry.app, "check", "Measure a character's anatomy: containment, overlap, voids, volumes and paths at the joints' limits",
-                            "ecorche check anna.glb -o anna-check\n  ecorche check template --poses my-poses.csv -o out/template-check",
+                            "ecorche check anna-anatomy.glb -o anna-check\n  ecorche check template --poses my-poses.csv -o out/template-check",
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
   verb->add_option("character", options->character, "Character written by `ecorche fit`, `template`: the template in its own body, or `bodies`: fitted into twenty bodies, a row each, at rest")->capture_default_str();
   verb->add_option("--body", options->bodies, "With `bodies`: only this one; may be given again")->take_all();

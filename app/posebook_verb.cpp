@@ -257,7 +257,7 @@ int run(const PoseBookOptions& options, const Common& common, Report& report) {
 void add_posebook_verb(VerbRegistry& registry) {
   auto options = std::make_shared<PoseBookOptions>();
   CLI::App* verb = add_verb(registry, registry.app, "posebook", "Hard poses by every way to move a skin: a sheet each, and a table of figures",
-                            "ecorche posebook anna.glb ben.glb -o poses",
+                            "ecorche posebook anna-anatomy.glb ben-anatomy.glb -o poses",
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
   verb->add_option("characters", options->characters, "Characters written by `ecorche fit`; the sheets show the first, the figures are of all")->required();
   verb->add_option("-o,--output", options->folder, "Folder for METHOD.png, muscles.png and figures.csv")->required();

@@ -69,7 +69,7 @@ int run(RenderVerbOptions options, const Common& common, Report& report) {
 void add_render_verb(VerbRegistry& registry) {
   auto options = std::make_shared<RenderVerbOptions>();
   CLI::App* verb = add_verb(registry, registry.app, "render", "Film a character's motion",
-                            "ecorche render anna.glb walk.bvh -o anna.mp4 --layers muscles,bones --camera left",
+                            "ecorche render anna-anatomy.glb walk.bvh -o anna.mp4 --layers muscles,bones --camera left",
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
   verb->add_option("character", options->character, "Character written by `ecorche fit`, or CROWD.glb#NAME")->required();
   verb->add_option("motion", options->motion, "Motion (.bvh)")->required();

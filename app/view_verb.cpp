@@ -95,7 +95,7 @@ int run(const ViewVerbOptions& options, const Common& common, Report& report) {
 void add_view_verb(VerbRegistry& registry) {
   auto options = std::make_shared<ViewVerbOptions>();
   CLI::App* verb = add_verb(registry, registry.app, "view", "Look at a character in a window: orbit, play, pick a bone or muscle",
-                            "ecorche view anna.glb walk.bvh",
+                            "ecorche view anna-anatomy.glb walk.bvh",
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
   verb->add_option("character", options->character, "Character written by `ecorche fit`, or CROWD.glb#NAME; the template when left out");
   verb->add_option("motion", options->motion, "Motion (.bvh)");

@@ -127,7 +127,7 @@ int run(const WeightsVerbOptions& options, const Common& common, Report& report)
 void add_weights_verb(VerbRegistry& registry) {
   auto options = std::make_shared<WeightsVerbOptions>();
   CLI::App* verb = add_verb(registry, registry.app, "weights", "How much each joint moves each vertex of the skin, as a table and as pictures",
-                            "ecorche weights anna.glb -o weights.csv --joint scapula_l,shoulder_l --picture weights.png",
+                            "ecorche weights anna-anatomy.glb -o weights.csv --joint scapula_l,shoulder_l --picture weights.png",
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
   verb->add_option("character", options->character, "Character written by `ecorche fit`, or CROWD.glb#NAME")->required();
   verb->add_option("-o,--output", options->table, "Table to write (.csv): vertex, joint, weight; change it and give it back with --weights");

@@ -117,7 +117,7 @@ TEST(CheckTargets, AreMetOrNot) {
   check.poses.resize(1);
   const std::size_t posed = check_targets(check).size();
   check.swept = true;
-  EXPECT_EQ(posed, at_rest + 3);
+  EXPECT_EQ(posed, at_rest + 4);
   EXPECT_EQ(check_targets(check).size(), posed + 1);
   check.muscle_points_outside = 6;
   check.overlap_share = check.bone_share = 0.03;
@@ -127,6 +127,8 @@ TEST(CheckTargets, AreMetOrNot) {
   check.posed_overlap_worst = 0.06;
   check.drift_max = 0.01;
   check.jump_max = 0.002;
+  check.pierced_share = 0.1;
+  check.poses[0].bone_points_outside = 1;
   for (const Target& target : check_targets(check)) EXPECT_FALSE(target.met) << target.what;
 }
 

@@ -1,0 +1,160 @@
+#!/usr/bin/env python3
+"""Runs every command line of README.md, docs/*.md and the help texts as a reader would, and looks for every path that they name.
+
+    documents.py ECORCHE SOURCE_FOLDER [DOCUMENT...]
+
+Commands are lines of code that begin with `ecorche` or `build/ecorche`. They are run in a folder that holds what their readers have: a body, characters, motions, tables.
+A command ends 0 or 8. Commands that a line `<!-- not run: WHY -->` stands before are only looked at: their verbs and options must exist.
+"""
+import glob
+import os
+import re
+import shutil
+import subprocess
+import sys
+import zipfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "command_line"))
+from options import short_motion, spindle  # noqa: E402
+from runner import Runner  # noqa: E402
+
+ROOMS = ("anatomy", "morph", "skinning", "viewer", "app", "data", "docs", "tests")
+HELP_VERBS_NOT_RUN = {"demo": "run by make demo and by the options' test", "bench": "minutes"}
+
+
+def documents(source):
+    return ["README.md", "CONTRIBUTING.md"] + sorted("docs/" + name for name in os.listdir(os.path.join(source, "docs")) if name.endswith(".md"))
+
+
+def commands_of(text):
+    """(command, why it is not run or None) of a Markdown text."""
+    out, reason, fenced, held = [], None, False, ""
+    for line in text.splitlines():
+        note = re.match(r"<!-- not run: (.*) -->", line.strip())
+        if note:
+            reason = note.group(1)
+            continue
+        if line.startswith("```"):
+            fenced = not fenced
+            if not fenced:
+                reason = None
+            continue
+        code = line.strip() if fenced or line.startswith("    ") else ""
+        if held or re.match(r"(build/)?ecorche\s", code):
+            held += code.rstrip("\\")
+            if not code.endswith("\\"):
+                out.append((re.sub(r"\s+#\s.*", "", held).strip(), reason))
+                held = ""
+    return out
+
+
+class Reader:
+    """What readers of the documents have before them."""
+
+    def __init__(self, program, source):
+        self.tools = Runner(program, source)
+        self.program, self.source, self.folder = self.tools.program, self.tools.source, self.tools.folder
+        t = self.tools
+        t.run((0, 8), "body", "new", "--sex", "female", "--age", 30, "--height", "168cm", "--mass", "60kg", "-o", "anna.glb")
+        t.run((0, 8), "fit", "anna.glb", "-o", "anna-anatomy.glb", "--method", "ellipses")
+        t.run((0, 8), "body", "new", "--sex", "male", "-o", "ben.glb")
+        t.run((0, 8), "fit", "ben.glb", "-o", "ben-anatomy.glb", "--method", "ellipses")
+        t.run(0, "export", "anna-anatomy.glb", "-o", "gait.osim")
+        t.run(0, "weights", "anna-anatomy.glb", "-o", "mine.csv")
+        for name in ("walk", "run", "curl"):
+            short_motion(t.data("motions", "walk.bvh"), t.path(f"{name}.bvh"), 6)
+        t.write("curl.csv", "time,muscle,value\n0,biceps_brachii_*,0\n0.05,biceps_brachii_*,1\n")
+        t.write("people.csv", "name,sex,stature,waist_girth\nada,female,168cm,74cm\nbob,male,178cm,90cm\n")
+        t.write("my-poses.csv", "pose,joint,flexion,abduction,rotation\nsitting,hip,0.75,0.2,0\n")
+        t.write("biceps.obj", spindle())
+        for wheel in glob.glob(os.path.join(os.path.dirname(self.program), "packages", "musclemimic_models-*.whl")):
+            with zipfile.ZipFile(wheel) as package:  # a MuJoCo model as its users have it
+                prefix = "musclemimic_models/"
+                package.extractall(t.folder, [name for name in package.namelist() if name.startswith(prefix + "model/")])
+            os.rename(t.path(prefix + "model"), t.path("model"))
+        os.symlink(os.path.join(self.source, "data"), t.path("data"))
+        os.makedirs(t.path("build"))
+        os.makedirs(t.path("out"))
+        os.symlink(self.program, t.path("build/ecorche"))
+        self.done = {}
+
+    def run(self, where, command):
+        """Each command once, as a shell runs it; windows close after two frames."""
+        if command in self.done:
+            return
+        self.done[command] = where
+        line = re.sub(r"^(build/)?ecorche view\b(.*)", r"xvfb-run -a build/ecorche view\2 --frames 2", command)
+        if line != command and not shutil.which("xvfb-run"):
+            print(f"skipped: {command} (no xvfb-run)")
+            return
+        path = self.folder + "/build:" + os.environ["PATH"]
+        found = subprocess.run(["bash", "-c", line], cwd=self.folder, capture_output=True, text=True, timeout=1500, env={**os.environ, "PATH": path}, errors="replace")
+        self.tools.check(found.returncode in (0, 8), f"{where}: {command}: exit {found.returncode}\n{found.stderr[-600:]}")
+
+    def look(self, where, command):
+        """The verb and the options exist."""
+        words = re.sub(r"[|;>].*", "", command).split()[1:]
+        verb = self.tools.verb_of(words)
+        known = {name for group in self.tools.options_of(verb) for name in group} if verb or not words else set()
+        unknown = [word.split("=")[0] for word in words if re.match(r"--?[a-zA-Z]", word) and word.split("=")[0] not in known]
+        self.tools.check((verb or words[:1] in (["help"], ["--help"], ["--version"])) and not unknown, f"{where}: {command}: there is no such verb or option {unknown}")
+
+
+def paths_of(text):
+    """Paths into the repository that a text names: links, and words in backticks that begin with one of its rooms."""
+    out = {target.split("#")[0] for target in re.findall(r"\]\(([^)\s]+)\)", text) if "://" not in target and not target.startswith("#")}
+    words = {word for quoted in re.findall(r"`([^`\n]+)`", text) for word in re.findall(r"[\w./*-]+", quoted)}
+    return out, {word.rstrip(".") for word in words if word.split("/")[0] in ROOMS and "/" in word}
+
+
+def exists(source, path):
+    full = os.path.join(source, path)
+    return bool(glob.glob(full)) or any(glob.glob(full + ending) for ending in (".h", ".cpp"))
+
+
+def look_for_paths(reader, name, text):
+    links, words = paths_of(text)
+    folder = os.path.dirname(name)
+    for link in links:
+        reader.tools.check(exists(reader.source, os.path.normpath(os.path.join(folder, link))), f"{name}: the link {link} leads nowhere")
+    for word in words:
+        reader.tools.check(exists(reader.source, word), f"{name}: {word} is not there")
+
+
+def examples_of(help_text):
+    found = re.search(r"^Examples?:\n((?:  .*\n?)+)", help_text, re.M)
+    return [line.strip() for line in found.group(1).splitlines() if line.strip().startswith("ecorche")] if found else []
+
+
+def main():
+    source = os.path.abspath(sys.argv[2])
+    reader = Reader(sys.argv[1], source)
+    chosen = sys.argv[3:] or documents(source) + ["help"]
+    for name in chosen:
+        if name == "help":
+            for verb in reader.tools.verbs:
+                text = reader.tools.help_of(verb)
+                examples = examples_of(text)
+                reader.tools.check(examples, f"{verb} --help has no example")
+                for command in examples:
+                    if verb in HELP_VERBS_NOT_RUN:
+                        reader.look(f"{verb} --help", command)
+                    else:
+                        reader.run(f"{verb} --help", command)
+            continue
+        with open(os.path.join(source, name), encoding="utf-8") as file:
+            text = file.read()
+        look_for_paths(reader, name, text)
+        for command, reason in commands_of(text):
+            if reason:
+                reader.look(name, command)
+                print(f"{name}: not run ({reason}): {command}")
+            else:
+                reader.run(name, command)
+        print(name, flush=True)
+    print(f"{len(reader.done)} commands run")
+    reader.tools.finish()
+
+
+if __name__ == "__main__":
+    main()
