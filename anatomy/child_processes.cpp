@@ -67,7 +67,7 @@ ChildProcess start_program(const std::vector<std::string>& words, int in, int ou
   sigset_t none;
   sigemptyset(&none);
   posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
   pid_t pid = -1;
   const int failure = posix_spawnp(&pid, arguments[0], &actions, &attributes, arguments.data(), environ);
   posix_spawnattr_destroy(&attributes);
@@ -78,7 +78,7 @@ ChildProcess start_program(const std::vector<std::string>& words, int in, int ou
 
 void kill_child_processes() {
   const std::lock_guard lock(children().mutex);
-  for (const pid_t pid : children().running) ::kill(pid, SIGKILL);
+  for (const pid_t pid : children().running) ::kill(-pid, SIGKILL);
 }
 
 }  // namespace ecorche

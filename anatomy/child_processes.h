@@ -25,10 +25,10 @@ class ChildProcess {
 };
 
 // Starts a program: words[0] with the rest as arguments, looked for in PATH unless it has a slash. `in`, `out`, `err`: descriptors that become its standard
-// streams; -1: /dev/null. No signal is blocked in it. Throws std::system_error where it cannot be started.
+// streams; -1: /dev/null. It leads a process group of its own, and no signal is blocked in it. Throws std::system_error where it cannot be started.
 ChildProcess start_program(const std::vector<std::string>& words, int in, int out, int err);
 
-// Ends them all at once (SIGKILL), for a program that is itself about to end.
+// Ends them all, with what they have started, at once (SIGKILL), for a program that is itself about to end.
 void kill_child_processes();
 
 }  // namespace ecorche

@@ -3,11 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
+#include <mutex>
+#include <stop_token>
+#include <thread>
 
 #include "anatomy/errors.h"
-#include "anatomy/mesh_measures.h"
+#include "anatomy/muscle_line.h"
 #include "anatomy/package.h"
+#include "app/eyes.h"
 #include "app/live_anatomy.h"
 #include "morph/body.h"
 #include "morph/modify_body.h"
@@ -15,39 +22,236 @@
 namespace ecorche {
 namespace {
 
+using Asked = std::vector<std::optional<double>>;
+
 constexpr const char* kShown[] = {"stature",      "crotch_height", "arm_length_outseam", "biacromial_breadth", "neck_girth",
                                   "chest_girth",  "waist_girth",   "hip_girth",          "thigh_girth",        "calf_girth",
                                   "upper_arm_girth_relaxed", "forearm_girth", "weight"};
+// A slider that stands so long is let go, and the next stage begins.
+constexpr std::array<std::chrono::milliseconds, 3> kRest{std::chrono::milliseconds(0), std::chrono::milliseconds(60), std::chrono::milliseconds(200)};
 
-Vec3f to_float(const Points& P, Eigen::Index row) { return P.row(row).transpose().cast<float>(); }
+using Stage = SlidBody::Stage;
+
+bool is_nothing(const Asked& asked) { return std::ranges::none_of(asked, [](const auto& value) { return value.has_value(); }); }
+
+// Bones and muscles of another template cannot be fitted with this one.
+void require_template(const Character& character, const Template& body_template) {
+  const auto same = [](const auto& ours, const auto& theirs) {
+    return std::ranges::equal(ours, theirs, [](const auto& a, const auto& b) { return a.name == b.name; });
+  };
+  if (same(character.anatomy.bones, body_template.anatomy.bones) && same(character.anatomy.muscles, body_template.anatomy.muscles)) return;
+  throw UnfitError(fmt::format("{} bones and {} muscles, not those of the template: sliders fit them anew; say --template with the one the character was fitted with",
+                               character.anatomy.bones.size(), character.anatomy.muscles.size()));
+}
+
+PosedAnatomy at_rest(const Anatomy& anatomy, const SceneModel& model) {
+  PosedAnatomy posed;
+  forward_kinematics(anatomy.skeleton, rest_pose(anatomy.skeleton), posed.X_WJ);
+  posed.slices = rest_slices(anatomy);
+  posed.lengths = model.rest_lengths;
+  return posed;
+}
 
 }  // namespace
 
 struct BodySliders::Impl {
-  Impl(const Actor& a, SceneModel& m) : actor(a), model(m) {}
+  Impl(Character character, Template body_template);
+  ~Impl();
 
-  const Actor& actor;
-  SceneModel& model;
+  Points solve(const Asked& asked) const;
+  std::vector<double> measure(const Points& skin) const;
+  Body body_of(const Points& skin) const;
+  std::shared_ptr<SlidBody> show(Character character) const;
+  std::shared_ptr<SlidBody> go_along(const Points& skin);
+  std::shared_ptr<SlidBody> fit_first(const Points& skin) const;
+  std::shared_ptr<SlidBody> fit_whole(const Points& skin) const;
+  void work(Stage stage, const std::stop_token& stop);
+  std::shared_ptr<SlidBody> make(Stage stage, const Asked& values, const Points& skin);
+  void publish(long long of, std::shared_ptr<SlidBody> made);
+  void give_up(long long of, const std::string& why);
+  bool is_due(Stage stage) const;
+  long long& done(Stage stage) { return stages_done[static_cast<std::size_t>(stage)]; }
+
+  Character start;
+  Template body_template;
   BodyPackage package = read_body_package(find_packages());
   TapeMeasure tape{package, read_measure_table(package, data_folder() / "body")};
+  std::vector<VertexPart> parts = vertex_parts(package);
   ShapeSpace space;
-  Points skin;               // as reshaped
-  std::vector<int> shown;
-  LiveAnatomy inside{actor};
-  PosedAnatomy base;
+  std::vector<int> shown_measures;
+
+  std::unique_ptr<LiveAnatomy> live;  // of the thread that carries
+
+  // What was asked last has the highest number; each stage may lag behind it, and behind the stage before.
+  mutable std::mutex mutex;
+  mutable std::condition_variable_any changed;
+  Asked asked;
+  long long number = 0, shown_number = 0;
+  std::array<long long, 3> stages_done{};
+  std::array<double, 3> times{};
+  std::chrono::steady_clock::time_point asked_at{};
+  Points solved;  // the skin of the number that has been carried
+  std::shared_ptr<const SlidBody> body, original;
+  std::string problem;
+  std::array<std::jthread, 3> workers;  // last: they use all of the above
 };
 
-BodySliders::BodySliders(const Actor& actor, SceneModel& model) : impl_(std::make_unique<Impl>(actor, model)) {
-  Impl& s = *impl_;
-  const Character& character = actor.character;
-  if (character.body.skin.V.rows() != s.package.skin_size)
-    throw UnfitError(fmt::format("{} skin vertices: sliders need a skin of the base mesh's {}; leave --skin fine away", character.body.skin.V.rows(), s.package.skin_size));
-  s.space = read_shape_space(s.package, s.tape, character.body.sex);
-  s.skin = character.body.skin.V;
-  for (const char* id : kShown) s.shown.push_back(s.tape.table().at(id));
-  forward_kinematics(character.anatomy.skeleton, rest_pose(character.anatomy.skeleton), s.base.X_WJ);
-  pose_anatomy(actor.table, character.anatomy.skeleton, rest_pose(character.anatomy.skeleton), s.base);
+BodySliders::Impl::Impl(Character character, Template tmpl) : start(std::move(character)), body_template(std::move(tmpl)) {
+  if (start.body.skin.V.rows() != package.skin_size)
+    throw UnfitError(fmt::format("{} skin vertices: sliders need a skin of the base mesh's {}; leave --skin fine away", start.body.skin.V.rows(), package.skin_size));
+  require_template(start, body_template);
+  space = read_shape_space(package, tape, start.body.sex);
+  for (const char* id : kShown) shown_measures.push_back(tape.table().at(id));
+  const std::shared_ptr<SlidBody> own = show(start);
+  own->stage = Stage::whole;
+  body = original = own;
+  for (const Stage stage : {Stage::carried, Stage::first, Stage::whole})
+    workers[static_cast<std::size_t>(stage)] = std::jthread([this, stage](const std::stop_token& stop) { work(stage, stop); });
 }
+
+BodySliders::Impl::~Impl() {
+  for (std::jthread& worker : workers) worker.request_stop();
+}
+
+Points BodySliders::Impl::solve(const Asked& values) const {
+  const Points& own = start.body.skin.V;
+  if (is_nothing(values)) return own;
+  BodyChange change;
+  for (std::size_t i = 0; i < shown_measures.size(); ++i)
+    if (i < values.size() && values[i]) change.measures.push_back({shown_measures[i], *values[i]});
+  if (values.size() > shown_measures.size()) change.fat = values[shown_measures.size()];
+  if (values.size() > shown_measures.size() + 1) change.hip_waist = values[shown_measures.size() + 1];
+  // Fat and girths change at a given height; with a length, the others follow it.
+  change.keep_lengths = std::ranges::none_of(change.measures, [&](const Wish& wish) {
+    const MeasureKind kind = tape.measure(wish.measure).kind;
+    return kind != MeasureKind::girth && kind != MeasureKind::mass;
+  });
+  return change_body(package, tape, space, own, change).points;
+}
+
+std::vector<double> BodySliders::Impl::measure(const Points& skin) const {
+  std::vector<double> out;
+  for (int k : shown_measures) out.push_back(tape.take(k, skin));
+  out.push_back(fat_percentage(tape, space.sex, skin));
+  out.push_back(hip_waist_ratio(tape, skin));
+  return out;
+}
+
+Body BodySliders::Impl::body_of(const Points& skin) const {
+  Body out = start.body;
+  out.skin.V = skin;
+  out.mass = kBodyDensity * skin_volume(package, skin);
+  return out;
+}
+
+std::shared_ptr<SlidBody> BodySliders::Impl::show(Character character) const {
+  auto out = std::make_shared<SlidBody>();
+  SceneOptions options;
+  options.eyes = find_eyes(package, character.body.skin, character.anatomy.skeleton);
+  options.key = fresh_scene_key();
+  out->model = make_scene_model(character.anatomy, character.body.skin, options);
+  out->rest = at_rest(character.anatomy, out->model);
+  out->achieved = measure(character.body.skin.V);
+  out->character = std::move(character);
+  return out;
+}
+
+std::shared_ptr<SlidBody> BodySliders::Impl::go_along(const Points& skin) {
+  if (!live) live = std::make_unique<LiveAnatomy>(start);
+  live->follow(skin);
+  return show(live->character());
+}
+
+// As fit_character, less what takes longest: that neighbours part.
+std::shared_ptr<SlidBody> BodySliders::Impl::fit_first(const Points& skin) const {
+  const Body fitted_body = body_of(skin);
+  Fit fit = fit_anatomy(body_template, fitted_body);
+  const std::vector<Muscle> carried = fit.anatomy.muscles;
+  const SkinRays rays(capped_skin(package, skin));
+  const FatLayer fat = make_fat_layer(rays, fit.anatomy, fitted_body);
+  DilateOptions options;
+  options.share = false;
+  options.even_about = fit.report.even_about;
+  dilate_muscles(fit.anatomy, carried, body_template.tables->muscles, rays, fat, options);
+  const std::shared_ptr<SlidBody> out = show({std::move(fit.anatomy), fitted_body});
+  out->stage = Stage::first;
+  return out;
+}
+
+std::shared_ptr<SlidBody> BodySliders::Impl::fit_whole(const Points& skin) const {
+  Report aside;
+  FittedCharacter fitted = fit_character(body_template, body_of(skin), package, {.moves = false, .bound = false, .tissues = false, .parts = &parts}, aside);
+  std::vector<std::string> missed;
+  for (const MissedTarget& target : missed_targets(fitted)) missed.push_back(target.what);
+  std::shared_ptr<SlidBody> out = show(std::move(fitted.actor.character));
+  out->stage = Stage::whole;
+  out->missed = std::move(missed);
+  return out;
+}
+
+// Under the lock.
+bool BodySliders::Impl::is_due(Stage stage) const {
+  const auto k = static_cast<std::size_t>(stage);
+  return stages_done[k] != number && (k == 0 || stages_done[k - 1] == number);
+}
+
+// What has been overtaken is not shown any more, but for skins that follow a slider that is on its way.
+void BodySliders::Impl::publish(long long of, std::shared_ptr<SlidBody> made) {
+  const std::lock_guard lock(mutex);
+  if (of != number && (made->stage != Stage::carried || of < shown_number)) return;
+  done(made->stage) = of;
+  shown_number = of;
+  if (made->stage == Stage::carried) solved = made->character.body.skin.V;
+  body = std::move(made);
+  changed.notify_all();
+}
+
+void BodySliders::Impl::give_up(long long of, const std::string& why) {
+  const std::lock_guard lock(mutex);
+  stages_done.fill(of);
+  if (of == number) problem = why;
+  changed.notify_all();
+}
+
+std::shared_ptr<SlidBody> BodySliders::Impl::make(Stage stage, const Asked& values, const Points& skin) {
+  const auto begin = std::chrono::steady_clock::now();
+  const std::shared_ptr<SlidBody> made = stage == Stage::carried ? go_along(solve(values)) : stage == Stage::first ? fit_first(skin) : fit_whole(skin);
+  const std::lock_guard lock(mutex);
+  times[static_cast<std::size_t>(stage)] = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  return made;
+}
+
+void BodySliders::Impl::work(Stage stage, const std::stop_token& stop) {
+  while (true) {
+    Asked values;
+    Points skin;
+    long long of = 0;
+    {
+      std::unique_lock lock(mutex);
+      if (!changed.wait(lock, stop, [&] { return is_due(stage); })) return;
+      of = number;
+      const auto rested = asked_at + kRest[static_cast<std::size_t>(stage)];
+      if (changed.wait_until(lock, stop, rested, [&] { return number != of; }) || stop.stop_requested()) continue;
+      if (!is_due(stage)) continue;
+      values = asked;
+      skin = solved;
+      if (is_nothing(values)) {
+        stages_done.fill(of);
+        shown_number = of;
+        body = original;
+        changed.notify_all();
+        continue;
+      }
+    }
+    try {
+      publish(of, make(stage, values, skin));
+    } catch (const std::exception& error) {
+      give_up(of, error.what());
+    }
+  }
+}
+
+BodySliders::BodySliders(Character start, Template body_template) : impl_(std::make_unique<Impl>(std::move(start), std::move(body_template))) {}
 
 BodySliders::~BodySliders() = default;
 
@@ -55,7 +259,7 @@ std::vector<Slider> BodySliders::sliders() const {
   const Impl& s = *impl_;
   std::vector<Slider> out;
   constexpr double kReach = 3.5;  // standard deviations to both sides
-  for (int k : s.shown) {
+  for (int k : s.shown_measures) {
     const Measure& m = s.tape.measure(k);
     const double mean = s.space.law_mean[k], sd = std::sqrt(s.space.law_covariance(k, k));
     const bool mass = m.kind == MeasureKind::mass;
@@ -68,67 +272,64 @@ std::vector<Slider> BodySliders::sliders() const {
 
 std::vector<std::optional<double>> BodySliders::asked_by(const std::vector<std::string>& measures) const {
   const Impl& s = *impl_;
-  std::vector<std::optional<double>> out(sliders().size());
+  Asked out(sliders().size());
   for (const std::string& text : measures) {
     const Wish wish = parse_wish(text, s.tape);
-    const auto at = std::find(s.shown.begin(), s.shown.end(), wish.measure);
-    if (at == s.shown.end()) throw UsageError(fmt::format("--measure {}: no slider shows it", text));
-    out[static_cast<std::size_t>(at - s.shown.begin())] = wish.value;
+    const auto at = std::ranges::find(s.shown_measures, wish.measure);
+    if (at == s.shown_measures.end()) throw UsageError(fmt::format("--measure {}: no slider shows it", text));
+    out[static_cast<std::size_t>(at - s.shown_measures.begin())] = wish.value;
   }
   return out;
 }
 
-void BodySliders::reshape(const std::vector<std::optional<double>>& asked, std::vector<double>& achieved) {
+Body BodySliders::solve(const Asked& asked) const { return is_nothing(asked) ? impl_->start.body : impl_->body_of(impl_->solve(asked)); }
+
+void BodySliders::ask(const Asked& asked) {
   Impl& s = *impl_;
-  std::vector<Wish> wishes;
-  for (std::size_t i = 0; i < s.shown.size(); ++i)
-    if (i < asked.size() && asked[i]) wishes.push_back({s.shown[i], *asked[i]});
-  BodyChange change;
-  if (asked.size() > s.shown.size()) change.fat = asked[s.shown.size()];
-  if (asked.size() > s.shown.size() + 1) change.hip_waist = asked[s.shown.size() + 1];
-  // Fat and girths change at a given height; with a length, the others follow it.
-  const auto is_length = [&](const Wish& wish) { return s.tape.measure(wish.measure).kind != MeasureKind::girth && s.tape.measure(wish.measure).kind != MeasureKind::mass; };
-  change.keep_lengths = std::none_of(wishes.begin(), wishes.end(), is_length);
-  change.measures = wishes;
-  const Points& character = s.actor.character.body.skin.V;
-  if (wishes.empty() && !change.fat && !change.hip_waist) s.skin = character;
-  else s.skin = change_body(s.package, s.tape, s.space, character, change).points;
-  achieved.clear();
-  for (int k : s.shown) achieved.push_back(s.tape.take(k, s.skin));
-  achieved.push_back(fat_percentage(s.tape, s.space.sex, s.skin));
-  achieved.push_back(hip_waist_ratio(s.tape, s.skin));
-
-  s.inside.follow(s.skin);
-  const std::vector<Bone>& bones = s.inside.character().anatomy.bones;
-  for (std::size_t b = 0; b < s.model.bones.size(); ++b) {
-    DrawMesh& drawn = s.model.bones[b];
-    for (std::size_t v = 0; v < drawn.positions.size(); ++v) drawn.positions[v] = to_float(bones[b].mesh.V, static_cast<Eigen::Index>(v));
-    ++drawn.revision;
-  }
+  const std::lock_guard lock(s.mutex);
+  if (asked == s.asked || (s.number == 0 && is_nothing(asked))) return;
+  s.asked = asked;
+  s.asked_at = std::chrono::steady_clock::now();
+  ++s.number;
+  s.problem.clear();
+  s.changed.notify_all();
 }
 
-void BodySliders::write(const std::filesystem::path& file) const {
-  Character character = impl_->inside.character();
-  character.body.mass = kBodyDensity * skin_volume(impl_->package, impl_->skin);
-  write_character(file, character, impl_->inside.binding());
+std::shared_ptr<const SlidBody> BodySliders::shown() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->body;
 }
 
-void BodySliders::pose(PosedAnatomy& posed, SkinFrame& frame) const {
+bool BodySliders::busy() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->stages_done.back() != impl_->number;
+}
+
+std::array<double, 3> BodySliders::milliseconds() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->times;
+}
+
+std::string BodySliders::problem() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->problem;
+}
+
+void BodySliders::wait() const {
+  std::unique_lock lock(impl_->mutex);
+  impl_->changed.wait(lock, [this] { return impl_->stages_done.back() == impl_->number; });
+}
+
+std::vector<MissedTarget> BodySliders::write(const Asked& asked, const std::filesystem::path& file, Report& report) const {
   const Impl& s = *impl_;
-  posed = s.base;
-  posed.slices = s.inside.slices();
-  const Skeleton& skeleton = s.inside.character().anatomy.skeleton;
-  forward_kinematics(skeleton, rest_pose(skeleton), posed.X_WJ);
-  const TriMesh mesh{s.skin, s.package.triangles};
-  const Points normals = vertex_normals(mesh);
-  frame.positions.resize(4 * static_cast<std::size_t>(s.skin.rows()));
-  frame.normals.resize(frame.positions.size());
-  for (Eigen::Index v = 0; v < s.skin.rows(); ++v)
-    for (int axis = 0; axis < 4; ++axis) {
-      const auto at = static_cast<std::size_t>(4 * v + axis);
-      frame.positions[at] = axis < 3 ? static_cast<float>(s.skin(v, axis)) : 1;
-      frame.normals[at] = axis < 3 ? static_cast<float>(normals(v, axis)) : 0;
-    }
+  if (is_nothing(asked)) {
+    const Actor actor = make_actor(s.start, report, {.moves = false});
+    write_character(file, actor.character, actor.binding);
+    return {};
+  }
+  const FittedCharacter fitted = fit_character(s.body_template, solve(asked), s.package, {.moves = false, .parts = &s.parts}, report);
+  write_character(file, fitted.actor.character, fitted.actor.binding);
+  return missed_targets(fitted);
 }
 
 }  // namespace ecorche

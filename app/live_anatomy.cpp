@@ -81,11 +81,8 @@ void carry_path(const Strip& rest, const Points& moved, Eigen::Index row, std::s
 
 }  // namespace
 
-LiveAnatomy::LiveAnatomy(const Actor& actor) : actor_(actor), character_(actor.character) {
-  binding_.vertex_count = actor.binding.vertex_count;
-  binding_.anchors = actor.binding.anchors;
-  binding_.joint_weights = actor.binding.joint_weights;
-  const Anatomy& anatomy = actor.character.anatomy;
+LiveAnatomy::LiveAnatomy(const Character& character) : start_(character), character_(character) {
+  const Anatomy& anatomy = character.anatomy;
   slices_ = rest_slices(anatomy);
   Rows rows;
   for (const Bone& bone : anatomy.bones)
@@ -106,11 +103,9 @@ LiveAnatomy::LiveAnatomy(const Actor& actor) : actor_(actor), character_(actor.c
   joint_row_ = static_cast<Eigen::Index>(rows.points.size());
   const std::vector<Vec3> joints = rest_positions(anatomy.skeleton);
   for (std::size_t j = 0; j < joints.size(); ++j) rows.add_frame(joints[j], kStep * anatomy.skeleton.joints[j].axes);
-  anchor_row_ = static_cast<Eigen::Index>(rows.points.size());
-  for (const Anchor& anchor : binding_.anchors) rows.add(anchor.point);
   Points inside(static_cast<Eigen::Index>(rows.points.size()), 3);
   for (std::size_t i = 0; i < rows.points.size(); ++i) inside.row(static_cast<Eigen::Index>(i)) = rows.points[i];
-  carrier_ = make_carrier(actor.character.body.skin.V, inside);
+  carrier_ = make_carrier(character.body.skin.V, inside);
 }
 
 void LiveAnatomy::follow(const Points& skin) {
@@ -123,15 +118,10 @@ void LiveAnatomy::follow(const Points& skin) {
   }
   follow_muscles(slice_row_, path_row_);
   follow_skeleton(joint_row_);
-  for (std::size_t v = 0; v < binding_.anchors.size(); ++v) {
-    Anchor& anchor = binding_.anchors[v];
-    anchor.point = moved_.row(anchor_row_ + static_cast<Eigen::Index>(v));
-    anchor.distance = (anchor.point - skin.row(static_cast<Eigen::Index>(v)).transpose()).norm();
-  }
 }
 
 void LiveAnatomy::follow_muscles(Eigen::Index slice_row, Eigen::Index path_row) {
-  const std::vector<Muscle>& rest = actor_.character.anatomy.muscles;
+  const std::vector<Muscle>& rest = start_.anatomy.muscles;
   std::vector<Muscle>& muscles = character_.anatomy.muscles;
   struct Begin {
     Eigen::Index path = 0;
@@ -143,7 +133,7 @@ void LiveAnatomy::follow_muscles(Eigen::Index slice_row, Eigen::Index path_row) 
     begins.push_back(next);
     for (const Strip& strip : muscle.strips) next.path += path_rows(strip), next.slice += strip.slices.size();
   }
-  const std::vector<Ellipse> old = rest_slices(actor_.character.anatomy);
+  const std::vector<Ellipse> old = rest_slices(start_.anatomy);
   tbb::parallel_for(std::size_t{0}, muscles.size(), [&](std::size_t m) {
     Begin at = begins[m];
     double before = 0, now = 0;

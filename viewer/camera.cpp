@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -11,6 +12,17 @@
 #include "anatomy/errors.h"
 
 namespace ecorche {
+namespace {
+
+struct NamedView {
+  std::string_view name;
+  float azimuth = 0, elevation = 0;  // degrees
+};
+
+constexpr NamedView named_views[] = {{"front", 0, 0},  {"back", 180, 0},   {"left", 90, 0},     {"right", -90, 0},
+                                     {"top", 0, 90}, {"bottom", 0, -90}, {"oblique", 35, 12}};
+
+}  // namespace
 
 Mat4f look_along(const Vec3f& eye, const Vec3f& forward, const Vec3f& up) {
   const Vec3f f = forward.normalized();
@@ -39,11 +51,16 @@ Mat4f view_matrix(const Camera& camera) { return look_along(camera.eye, camera.t
 
 Mat4f projection_matrix(const Camera& camera, float aspect) {
   const float n = camera.near_plane, f = camera.far_plane;
-  if (camera.ortho_height > 0) return orthographic(0.5f * camera.ortho_height * aspect, 0.5f * camera.ortho_height, n, f);
+  if (camera.ortho_height > 0) {
+    Mat4f m = orthographic(0.5f * camera.ortho_height * aspect, 0.5f * camera.ortho_height, n, f);
+    m.block<2, 1>(0, 3) += camera.shift;
+    return m;
+  }
   const float t = 1 / std::tan(0.5f * camera.fov_y);
   Mat4f m = Mat4f::Zero();
   m(0, 0) = t / aspect;
   m(1, 1) = t;
+  m.block<2, 1>(0, 2) = -camera.shift;
   m(2, 2) = -(f + n) / (f - n);
   m(2, 3) = -2 * f * n / (f - n);
   m(3, 2) = -1;
@@ -56,8 +73,7 @@ Camera orbit_camera(const Vec3f& center, float radius, float azimuth, float elev
   Camera camera;
   const float narrow = std::min(fov_y, 2 * std::atan(std::tan(0.5f * fov_y) * aspect));
   const float distance = radius / std::sin(0.5f * narrow);
-  const Vec3f away(std::cos(elevation) * std::sin(azimuth), std::sin(elevation), std::cos(elevation) * std::cos(azimuth));
-  camera.eye = center + distance * away;
+  camera.eye = center + distance * away_from({azimuth, elevation});
   camera.target = center;
   camera.fov_y = fov_y;
   camera.near_plane = std::max(0.05f * radius, distance - 3 * radius);
@@ -65,15 +81,32 @@ Camera orbit_camera(const Vec3f& center, float radius, float azimuth, float elev
   return camera;
 }
 
+Vec3f away_from(const ViewAngles& angles) {
+  return {std::cos(angles.elevation) * std::sin(angles.azimuth), std::sin(angles.elevation),
+          std::cos(angles.elevation) * std::cos(angles.azimuth)};
+}
+
+Vec3f upward_from(const ViewAngles& angles) {
+  return {-std::sin(angles.elevation) * std::sin(angles.azimuth), std::cos(angles.elevation),
+          -std::sin(angles.elevation) * std::cos(angles.azimuth)};
+}
+
+float distance_to_see(std::span<const Vec3f> points, const Vec3f& target, const Vec3f& away, float fov_y, float aspect, float margin) {
+  const Mat4f seen = look_along(Vec3f::Zero(), -away, {0, 1, 0});
+  const Vec3f side = seen.block<1, 3>(0, 0).transpose(), upward = seen.block<1, 3>(1, 0).transpose();
+  const float tan_y = std::tan(0.5f * fov_y) * (1 - margin), tan_x = tan_y * aspect;
+  float distance = 0;
+  for (const Vec3f& p : points) {
+    const Vec3f q = p - target;
+    distance = std::max(distance, q.dot(away) + std::max(std::abs(q.dot(side)) / tan_x, std::abs(q.dot(upward)) / tan_y));
+  }
+  return distance;
+}
+
 ViewAngles view_angles(std::string_view name) {
   constexpr float degree = std::numbers::pi_v<float> / 180;
-  if (name == "front") return {0, 0};
-  if (name == "back") return {180 * degree, 0};
-  if (name == "left") return {90 * degree, 0};
-  if (name == "right") return {-90 * degree, 0};
-  if (name == "top") return {0, 90 * degree};
-  if (name == "bottom") return {0, -90 * degree};
-  if (name == "oblique") return {35 * degree, 12 * degree};
+  for (const auto& [known, azimuth, elevation] : named_views)
+    if (name == known) return {azimuth * degree, elevation * degree};
   float angles[2] = {0, 0};
   const std::size_t comma = name.find(',');
   bool good = comma != std::string_view::npos;
@@ -84,9 +117,14 @@ ViewAngles view_angles(std::string_view name) {
       good = code == std::errc() && end == texts[i].data() + texts[i].size() && std::isfinite(angles[i]);
     }
   }
-  if (!good)
-    throw UsageError(fmt::format("view '{}': expected front, back, left, right, top, bottom, oblique or AZIMUTH,ELEVATION in degrees", name));
+  if (!good) throw UsageError(fmt::format("view '{}': expected {}", name, view_names()));
   return {angles[0] * degree, angles[1] * degree};
+}
+
+std::string view_names() {
+  std::string names;
+  for (const NamedView& view : named_views) names += fmt::format("{}, ", view.name);
+  return names + "or AZIMUTH,ELEVATION in degrees";
 }
 
 }  // namespace ecorche

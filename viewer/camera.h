@@ -1,6 +1,8 @@
 // Where the eye is, as matrices and as named views.
 #pragma once
 
+#include <span>
+#include <string>
 #include <string_view>
 
 #include "viewer/draw_list.h"
@@ -22,5 +24,14 @@ struct ViewAngles {
 };
 // "front", "back", "left", "right", "top", "bottom", "oblique", or "AZIMUTH,ELEVATION" in degrees. Throws UsageError.
 ViewAngles view_angles(std::string_view name);
+// All of them in words, for messages and help.
+std::string view_names();
+// From what is looked at towards the eye, unit; and what is then up in the picture, from above and below, too.
+Vec3f away_from(const ViewAngles& angles);
+Vec3f upward_from(const ViewAngles& angles);
+
+// How far the eye has to be from `target`, in the direction `away`, for all points to lie within the picture.
+// margin: share of half the picture that stays free at each edge.
+float distance_to_see(std::span<const Vec3f> points, const Vec3f& target, const Vec3f& away, float fov_y, float aspect, float margin = 0);
 
 }  // namespace ecorche

@@ -19,6 +19,7 @@ using Triangle32 = Eigen::Matrix<std::uint32_t, 3, 1>;
 struct DrawMesh {
   std::uint64_t key = 0;       // names the mesh from one list to the next, so that it is sent to the GPU once; 0: send every time
   std::uint64_t revision = 0;  // another one: positions, normals and colours have changed; the rest stays for a key
+  std::uint64_t shape = 0;     // another one: triangles and all the rest have changed, too
   std::vector<Vec3f> positions;
   std::vector<Vec3f> normals;           // unit
   std::vector<Vec3f> colors;            // empty: the item's colour
@@ -58,6 +59,7 @@ struct Camera {
   float ortho_height = 0;  // metres seen from top to bottom; above 0: parallel projection
   float near_plane = 0.05f;
   float far_plane = 200;
+  Eigen::Vector2f shift{0, 0};  // of the picture, in halves of its width and height, to the right and up: the target is then seen there
 };
 
 struct Lighting {

@@ -73,21 +73,28 @@ std::optional<Pattern> read_pattern(const std::filesystem::path& output) {
   return Pattern{text.substr(0, percent), text.substr(end + 1), width};
 }
 
+bool is_still(const std::filesystem::path& output) { return output.extension() == ".png" && !read_pattern(output); }
+
 class FrameWriter {
  public:
   FrameWriter(const FilmOptions& options, int width, int height) : pattern_(read_pattern(options.output)) {
-    if (!pattern_) {
+    number_ = options.first_number;
+    step_ = options.number_step;
+    if (is_still(options.output)) {
+      still_ = options.output;
+      check_output(still_);
+    } else if (!pattern_) {
       video_.emplace(options.output, width, height, options.video);
     } else {
       make_output_folder(options.output.parent_path());
     }
   }
   void add(const Image& image) {
-    ++count_;
     if (video_) {
       video_->add(image);
     } else {
-      write_png(pattern_->name(count_), image);
+      write_png(pattern_ ? pattern_->name(number_) : still_, image);
+      number_ += step_;
     }
   }
   void finish() {
@@ -97,7 +104,8 @@ class FrameWriter {
  private:
   std::optional<Pattern> pattern_;
   std::optional<VideoPipe> video_;
-  int count_ = 0;
+  std::filesystem::path still_;
+  int number_ = 1, step_ = 1;
 };
 
 constexpr int slot_count = 2;
@@ -183,9 +191,13 @@ int even(int size) { return size + size % 2; }
 
 FilmReport make_film(const FilmOptions& options, int frames, const FrameSource& source, const std::function<void(int)>& progress) {
   if (frames < 1) throw UsageError("a film needs at least one frame");
-  const bool pictures = read_pattern(options.output).has_value();
+  const bool still = is_still(options.output), pictures = still || read_pattern(options.output);
   if (!pictures && options.output.extension() != ".mp4")
-    throw UsageError(fmt::format("{}: films end in .mp4; pictures are named like DIR/%04d.png", options.output.string()));
+    throw UsageError(fmt::format("{}: films end in .mp4; pictures are named like DIR/%04d.png, one alone STILL.png", options.output.string()));
+  if (still && frames > 1)
+    throw UsageError(fmt::format("{}: {} frames in one picture; name numbered ones like DIR/%04d.png", options.output.string(), frames));
+  if (!pictures && options.render.transparent)
+    throw UsageError(fmt::format("{}: films have no transparency; write pictures like DIR/%04d.png", options.output.string()));
   FilmReport report;
   report.frames = frames;
   if (options.width < 1 || options.height < 1) throw UsageError(fmt::format("film size {}x{}: must be at least 1x1", options.width, options.height));

@@ -14,7 +14,8 @@ namespace ecorche {
 using FrameFinish = std::function<void(int frame, Image& picture)>;
 
 struct FilmOptions {
-  std::filesystem::path output;    // FILM.mp4, or DIR/%04d.png (any width; counted from 1)
+  std::filesystem::path output;    // FILM.mp4, DIR/%04d.png (any width), or STILL.png for one frame
+  int first_number = 1, number_step = 1;  // of numbered pictures
   int width = 1280, height = 720;  // made even for an .mp4
   VideoOptions video{};
   RenderOptions render{};
@@ -31,7 +32,7 @@ struct FilmReport {
 // Called for frames 0, 1, 2, ... in order from a thread of its own; writes into a scene that it may have written to before.
 using FrameSource = std::function<void(int frame, Scene& scene)>;
 
-// Throws UsageError (size, name, no frames), LimitError (size), OutputError (folder, ffmpeg, disk). Numbered pictures that were
+// Throws UsageError (size, name, no frames, several for a still), LimitError (size), OutputError (folder, ffmpeg, disk). Numbered pictures that were
 // finished before an error stay; a film appears whole or not at all. What `source` throws comes out here.
 FilmReport make_film(const FilmOptions& options, int frames, const FrameSource& source, const std::function<void(int)>& progress = {});
 

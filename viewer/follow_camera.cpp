@@ -56,18 +56,6 @@ Vec3f middle(const std::vector<Vec3f>& points) {
   return box.center();
 }
 
-// How far away the eye must be for all points to lie within the picture.
-float distance_for(const std::vector<Vec3f>& points, const Vec3f& target, const Vec3f& away, const FollowCamera& options) {
-  const Vec3f side = Vec3f(0, 1, 0).cross(away).normalized(), upward = away.cross(side);
-  const float tan_y = std::tan(0.5f * options.fov_y) * (1 - options.margin), tan_x = tan_y * options.aspect;
-  float distance = 0;
-  for (const Vec3f& p : points) {
-    const Vec3f q = p - target;
-    distance = std::max(distance, q.dot(away) + std::max(std::abs(q.dot(side)) / tan_x, std::abs(q.dot(upward)) / tan_y));
-  }
-  return distance;
-}
-
 }  // namespace
 
 std::vector<Camera> follow(std::span<const std::vector<Vec3f>> figures, double fps, const FollowCamera& options) {
@@ -91,8 +79,8 @@ std::vector<Camera> follow(std::span<const std::vector<Vec3f>> figures, double f
     const double share = n > 1 ? double(f) / (n - 1) : 0;
     const float turn = ease((share - options.turn_begin) / std::max(1e-9, options.turn_end - options.turn_begin));
     const float azimuth = options.begin_azimuth + turn * (options.end_azimuth - options.begin_azimuth);
-    directions.emplace_back(std::cos(options.elevation) * std::sin(azimuth), std::sin(options.elevation), std::cos(options.elevation) * std::cos(azimuth));
-    distances.push_back(distance_for(figures[f], camera.target, directions[f], options));
+    directions.push_back(away_from({azimuth, options.elevation}));
+    distances.push_back(distance_to_see(figures[f], camera.target, directions[f], options.fov_y, options.aspect, options.margin));
   }
   distances = smooth_above(distances, weights);
   for (int f = 0; f < n; ++f) {

@@ -8,10 +8,11 @@
 
 #include <array>
 #include <cstdlib>
+#include <map>
 #include <string_view>
-#include <vector>
 
 #include "anatomy/errors.h"
+#include "viewer/gl_probe.h"
 
 namespace ecorche {
 namespace {
@@ -148,24 +149,42 @@ class OsMesaContext : public GlContext {
   OSMesaContext context_ = nullptr;
 };
 
+struct Way {
+  std::string_view name;
+  std::unique_ptr<GlContext> (*make)();
+};
+
+constexpr Way ways[] = {
+    {"egl", []() -> std::unique_ptr<GlContext> { return std::make_unique<EglContext>(false); }},
+    {"pbuffer", []() -> std::unique_ptr<GlContext> { return std::make_unique<EglContext>(true); }},
+    {"osmesa", []() -> std::unique_ptr<GlContext> { return std::make_unique<OsMesaContext>(); }},
+};
+
+// Why a way leads nowhere; empty where it does not. Asked once a process, before the first context: later a copy of the process would
+// lack the driver's threads.
+const std::string& fault_of(const Way& way) {
+  static std::map<std::string_view, std::string> faults;
+  const auto [known, fresh] = faults.try_emplace(way.name);
+  if (fresh) known->second = failure_elsewhere([&way] { way.make(); });
+  return known->second;
+}
+
 }  // namespace
 
 std::unique_ptr<GlContext> make_headless_context() {
   const char* asked = std::getenv("ECORCHE_GL");
   const std::string_view only = asked ? asked : "";
   std::string reasons;
-  auto attempt = [&](std::string_view name, auto make) -> std::unique_ptr<GlContext> {
-    if (!only.empty() && only != name) return nullptr;
-    try {
-      return make();
-    } catch (const OutputError& error) {
-      reasons += fmt::format("\n  {}: {}", name, error.what());
-      return nullptr;
-    }
-  };
-  if (auto context = attempt("egl", [] { return std::make_unique<EglContext>(false); })) return context;
-  if (auto context = attempt("pbuffer", [] { return std::make_unique<EglContext>(true); })) return context;
-  if (auto context = attempt("osmesa", [] { return std::make_unique<OsMesaContext>(); })) return context;
+  for (const Way& way : ways) {
+    if (!only.empty() && only != way.name) continue;
+    std::string fault = fault_of(way);
+    if (fault.empty()) try {
+        return way.make();
+      } catch (const OutputError& error) {
+        fault = error.what();
+      }
+    reasons += fmt::format("\n  {}: {}", way.name, fault);
+  }
   if (reasons.empty()) throw UsageError(fmt::format("ECORCHE_GL={}: unknown; expected egl, pbuffer or osmesa", only));
   throw OutputError(fmt::format("no OpenGL context for drawing; install libegl1 and libgl1-mesa-dri, or libosmesa6:{}", reasons));
 }

@@ -3,10 +3,17 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <stdexcept>
+
+#include "anatomy/errors.h"
 
 namespace ecorche {
 namespace {
+
+[[noreturn]] void refuse(const char* name, const char* log) {
+  throw OutputError(fmt::format("the graphics driver cannot compile the shader '{}': {}; "
+                                "without a display ECORCHE_GL=osmesa (package libosmesa6) takes another driver",
+                                name, log));
+}
 
 GLuint compile(const GlApi& gl, GLenum stage, const char* name, const char* defines, const char* prelude, const char* source) {
   const GLuint shader = gl.CreateShader(stage);
@@ -18,7 +25,7 @@ GLuint compile(const GlApi& gl, GLenum stage, const char* name, const char* defi
   if (good) return shader;
   std::array<char, 4096> log{};
   gl.GetShaderInfoLog(shader, log.size(), nullptr, log.data());
-  throw std::invalid_argument(fmt::format("shader '{}': {}", name, log.data()));
+  refuse(name, log.data());
 }
 
 }  // namespace
@@ -36,7 +43,7 @@ GlProgram::GlProgram(const GlApi& gl, const char* name, const char* defines, con
   if (good) return;
   std::array<char, 4096> log{};
   gl_.GetProgramInfoLog(id_, log.size(), nullptr, log.data());
-  throw std::invalid_argument(fmt::format("shader '{}': {}", name, log.data()));
+  refuse(name, log.data());
 }
 
 GlProgram::~GlProgram() { gl_.DeleteProgram(id_); }

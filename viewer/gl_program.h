@@ -12,7 +12,7 @@ namespace ecorche {
 
 class GlProgram {
  public:
-  // Throws std::invalid_argument with the driver's log: sources are ours.
+  // Throws OutputError with the driver's log.
   // `defines`: lines "#define NAME\n" that choose a variant.
   GlProgram(const GlApi& gl, const char* name, const char* defines, const char* prelude, const char* vertex, const char* fragment);
   ~GlProgram();

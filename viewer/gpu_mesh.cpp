@@ -52,13 +52,15 @@ void GpuMeshes::begin(const DrawList& list) {
     keys_.push_back(key);
     const auto [it, fresh] = slots_.try_emplace(key);
     Slot& slot = it->second;
-    const bool resized = slot.vertices != mesh.positions.size() || slot.triangles != mesh.triangles.size();
-    if (fresh || resized || !mesh.key || slot.revision != mesh.revision) {
+    const bool whole = fresh || !mesh.key || slot.shape != mesh.shape || slot.vertices != mesh.positions.size() ||
+                       slot.triangles != mesh.triangles.size();
+    if (whole || slot.revision != mesh.revision) {
       check(mesh, static_cast<int>(i));
-      if (fresh || resized || !mesh.key) check_triangles(mesh, static_cast<int>(i));
-      send(slot, mesh, fresh || resized || !mesh.key);
+      if (whole) check_triangles(mesh, static_cast<int>(i));
+      send(slot, mesh, whole);
     }
     slot.revision = mesh.revision;
+    slot.shape = mesh.shape;
     slot.last_frame = frame_;
   }
   for (auto it = slots_.begin(); it != slots_.end();) {

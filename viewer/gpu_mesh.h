@@ -33,7 +33,7 @@ class GpuMeshes {
     GLuint vertex_array = 0, indices = 0;
     std::array<GLuint, attribute_count> buffers{};
     Eigen::AlignedBox3f box;
-    std::uint64_t revision = 0;
+    std::uint64_t revision = 0, shape = 0;
     std::size_t vertices = 0, triangles = 0;
     int last_frame = 0;
   };

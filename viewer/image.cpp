@@ -28,11 +28,11 @@ bool encode(const Image& image, png_bytepp rows, std::vector<std::uint8_t>& out)
   }
   png_set_write_fn(png, &out, append, flush);
   png_set_compression_level(png, 4);
-  png_set_IHDR(png, info, image.width, image.height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-               PNG_FILTER_TYPE_DEFAULT);
+  png_set_IHDR(png, info, image.width, image.height, 8, image.transparent ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
   png_write_info(png, info);
-  png_set_filler(png, 0, PNG_FILLER_AFTER);
+  if (!image.transparent) png_set_filler(png, 0, PNG_FILLER_AFTER);
   png_write_image(png, rows);
   png_write_end(png, info);
   png_destroy_write_struct(&png, &info);
@@ -42,7 +42,7 @@ bool encode(const Image& image, png_bytepp rows, std::vector<std::uint8_t>& out)
 }  // namespace
 
 Image make_image(int width, int height, std::uint8_t grey) {
-  return {width, height, std::vector<std::uint8_t>(4 * static_cast<std::size_t>(width) * height, grey)};
+  return {width, height, std::vector<std::uint8_t>(4 * static_cast<std::size_t>(width) * height, grey), false};
 }
 
 std::vector<std::uint8_t> encode_png(const Image& image) {

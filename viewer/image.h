@@ -9,7 +9,8 @@ namespace ecorche {
 
 struct Image {
   int width = 0, height = 0;
-  std::vector<std::uint8_t> rgba;  // top row first, 4 bytes a pixel, sRGB
+  std::vector<std::uint8_t> rgba;  // top row first, 4 bytes a pixel, sRGB; not multiplied by the opacity
+  bool transparent = false;        // the fourth byte means something
 
   std::uint8_t* pixel(int x, int y) { return rgba.data() + 4 * (static_cast<std::size_t>(y) * width + x); }
   const std::uint8_t* pixel(int x, int y) const { return rgba.data() + 4 * (static_cast<std::size_t>(y) * width + x); }

@@ -15,7 +15,7 @@ struct PartInfo {
 };
 PartInfo describe(const ViewSubject& subject, const PosedAnatomy& posed, std::uint32_t part);
 
-// Between ImGui::NewFrame and ImGui::Render.
-void draw_panels(const ViewSubject& subject, const PosedAnatomy& posed, ViewDocument& document);
+// Between ImGui::NewFrame and ImGui::Render. The room that they leave for the figure; what is selected may lie over it.
+ViewRoom draw_panels(const ViewSubject& subject, const PosedAnatomy& posed, ViewDocument& document);
 
 }  // namespace ecorche

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "anatomy/errors.h"
@@ -40,8 +41,11 @@ struct Renderer::Impl {
     GLint largest = 0;
     gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
     driver_side = std::min(static_cast<int>(largest), largest_side);
-    driver = fmt::format("{}, {}, OpenGL {}", context ? context->kind() : "window",
-                         reinterpret_cast<const char*>(gl.GetString(GL_RENDERER)), reinterpret_cast<const char*>(gl.GetString(GL_VERSION)));
+    const auto text = [this](GLenum name) {
+      const GLubyte* said = gl.GetString(name);
+      return said ? reinterpret_cast<const char*>(said) : "unknown";
+    };
+    driver = fmt::format("{}, {}, OpenGL {}", context ? context->kind() : "window", text(GL_RENDERER), text(GL_VERSION));
     gl.GenVertexArrays(1, &empty_array);
     gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   }
@@ -103,6 +107,7 @@ struct Renderer::Impl {
   GlProgram blur_program{gl, "occlusion blur", "", shader_prelude, screen_vertex, occlusion_blur_fragment};
   GlProgram resolve_program{gl, "resolve", "#define FIGURE\n", shader_prelude, screen_vertex, resolve_fragment};
   GlProgram resolve_ground_program{gl, "resolve ground", "", shader_prelude, screen_vertex, resolve_fragment};
+  std::optional<GlProgram> resolve_transparent_program;  // few pictures need it
 };
 
 void Renderer::Impl::set_frame(const GlProgram& program, const DrawList& list) const {
@@ -196,6 +201,13 @@ void Renderer::Impl::draw_background(const DrawList& list) {
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_ALWAYS);
   gl.DepthMask(GL_TRUE);
+  if (options.transparent) {
+    const float nothing[4] = {0, 0, 0, 0}, far_away = 1;
+    gl.ClearBufferfv(GL_COLOR, 0, nothing);
+    gl.ClearBufferfv(GL_DEPTH, 0, &far_away);
+    gl.DepthFunc(GL_LESS);
+    return;
+  }
   auto draw_in = [&](const GlProgram& p, const PixelWindow& w) {
     if (w.width <= 0 || w.height <= 0) return;
     limit_to(w, 1);
@@ -314,7 +326,11 @@ void Renderer::Impl::draw_resolved(GLuint framebuffer) {
   bind_texture(2, scene.texture(1));
   bind_texture(3, open.texture(0));
   bind_texture(4, ground.texture(0));
-  for (const GlProgram* program : {&resolve_ground_program, &resolve_program}) {
+  if (options.transparent && !resolve_transparent_program)
+    resolve_transparent_program.emplace(gl, "resolve without background", "#define FIGURE\n#define TRANSPARENT\n", shader_prelude,
+                                        screen_vertex, resolve_fragment);
+  const GlProgram* over = options.transparent ? &*resolve_transparent_program : &resolve_program;
+  for (const GlProgram* program : {options.transparent ? over : &resolve_ground_program, over}) {
     program->use();
     program->set("u_color", 1);
     program->set("u_parts", 2);
@@ -373,6 +389,7 @@ Image Renderer::render(const DrawList& list, int width, int height) {
   if (width >= 1 && height >= 1 && std::max(width, height) <= r.driver_side) r.result.resize(width, height);
   r.draw(list, width, height, r.result.framebuffer());
   Image upside_down = make_image(width, height), image = make_image(width, height);
+  image.transparent = r.options.transparent;
   r.gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
   r.gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, upside_down.rgba.data());
   for (int y = 0; y < height; ++y) std::copy_n(upside_down.pixel(0, height - 1 - y), 4 * width, image.pixel(0, y));
@@ -388,9 +405,12 @@ std::uint32_t Renderer::part_at(int x, int y) {
   if (x < 0 || y < 0 || x >= r.width || y >= r.height) return 0;
   if (r.context) r.context->make_current();
   std::uint32_t part = 0;
+  GLint drawn_into = 0;
+  r.gl.GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &drawn_into);
   r.gl.BindFramebuffer(GL_FRAMEBUFFER, r.scene.framebuffer());
   r.gl.ReadBuffer(GL_COLOR_ATTACHMENT1);
   r.gl.ReadPixels(x * r.samples, (r.height - 1 - y) * r.samples, 1, 1, GL_RED_INTEGER, GL_UNSIGNED_INT, &part);
+  r.gl.BindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(drawn_into));
   return part;
 }
 

@@ -19,6 +19,7 @@ struct RenderOptions {
   int shadow_size = 2048;         // texels a side of the shadow map; 0: no shadows
   bool ambient_occlusion = true;  // of the screen; costs about 40 ms at 1280x720 on a software driver
   float outline = 0.35f;          // darkness of the line between neighbouring parts, 0..1
+  bool transparent = false;       // neither ground nor background; the picture's fourth byte says how much the figure covers
 };
 
 class Renderer {
@@ -44,7 +45,7 @@ class Renderer {
 
   // Parts of the picture drawn last, top row first, 0 where there is none. #pixels
   std::vector<std::uint32_t> parts();
-  // The part at one pixel of it, top left (0, 0); 0 outside.
+  // The part at one pixel of it, top left (0, 0); 0 outside. What was bound to draw into stays bound.
   std::uint32_t part_at(int x, int y);
 
   // "EGL surfaceless, llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5"

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <iterator>
 #include <numbers>
@@ -165,7 +166,8 @@ Mat4f moved_by(const Vec3f& offset) {
 }
 
 // The list's meshes, in the model's order: skin, muscles, bones, eyes. A list from elsewhere is filled anew.
-void take_meshes(const SceneModel& model, DrawList& list) {
+void take_meshes(const SceneModel& model, Scene& scene) {
+  DrawList& list = scene.list;
   const std::size_t wanted = 2 + model.bones.size() + model.eyes.size();
   bool same = list.meshes.size() == wanted && list.meshes[0].key == model.skin.key && list.meshes[1].key == model.muscles.key;
   if (same) same = list.meshes[0].positions.size() == model.skin.positions.size() && list.meshes[1].fibres.size() == model.muscles.fibres.size();
@@ -177,6 +179,33 @@ void take_meshes(const SceneModel& model, DrawList& list) {
   list.meshes.push_back(model.muscles);
   list.meshes.insert(list.meshes.end(), model.bones.begin(), model.bones.end());
   list.meshes.insert(list.meshes.end(), model.eyes.begin(), model.eyes.end());
+  scene.muscles_left_away.clear();
+}
+
+bool is_hidden(const Appearance& appearance, std::uint32_t part) {
+  return std::binary_search(appearance.hidden.begin(), appearance.hidden.end(), part);
+}
+
+// The same for the same parts, in every scene and in every run.
+std::uint64_t shape_without(std::span<const std::uint32_t> parts) {
+  std::uint64_t hash = 0xcbf29ce484222325u;  // Fowler, Noll and Vo's, 1a
+  for (const std::uint32_t part : parts) hash = (hash ^ part) * 0x100000001b3u;
+  return parts.empty() ? 0 : hash;
+}
+
+// Hidden muscles' triangles go: they are neither seen nor picked, nor do they cast shadows.
+void leave_away_muscles(const SceneModel& model, const Appearance& appearance, Scene& scene) {
+  const auto first = std::lower_bound(appearance.hidden.begin(), appearance.hidden.end(), kFirstMusclePart);
+  const std::span<const std::uint32_t> hidden(first, appearance.hidden.end());
+  if (std::ranges::equal(hidden, scene.muscles_left_away)) return;
+  DrawMesh& mesh = scene.list.meshes[1];
+  mesh.triangles.clear();
+  for (const MuscleSurface::Part& part : model.surface.parts)
+    if (!is_hidden(appearance, kFirstMusclePart + static_cast<std::uint32_t>(part.muscle)))
+      mesh.triangles.insert(mesh.triangles.end(), model.muscles.triangles.begin() + part.face_begin,
+                            model.muscles.triangles.begin() + part.face_end);
+  mesh.shape = shape_without(hidden);
+  scene.muscles_left_away.assign(hidden.begin(), hidden.end());
 }
 
 Mat4f joint_motion(const SceneModel& model, const PosedAnatomy& posed, int joint) {
@@ -190,18 +219,21 @@ void add_look(const SceneModel& model, const PosedAnatomy& posed, const Appearan
   const Mat4f offset = moved_by(look.offset);
   if (look.bones > 0) {
     for (std::size_t b = 0; b < model.bones.size(); ++b) {
+      const std::uint32_t part = kFirstBonePart + static_cast<std::uint32_t>(b);
+      if (is_hidden(appearance, part)) continue;
       DrawItem& item = list.items.emplace_back();
       item.mesh = static_cast<int>(2 + b);
       item.X_WM = offset * joint_motion(model, posed, model.bone_joints[b]);
       item.surface = bone_surface(appearance, look.bones);
       item.closed = true;
-      item.part = kFirstBonePart + static_cast<std::uint32_t>(b);
+      item.part = part;
       if (item.part == appearance.selected) item.surface.color = selected_color;
-      item.casts_shadow = look.muscles < 0.5f || model.bone_shadows[b];
+      item.casts_shadow = look.muscles < 0.5f || model.bone_shadows[b] || !appearance.hidden.empty();
     }
   }
   // Eyes go with whatever hides what is behind them; bare bones have none.
-  if (look.muscles >= 1 || (look.skin >= 1 && look.skin_dissolved < 1)) {
+  const bool faced = look.muscles >= 1 || (look.skin >= 1 && look.skin_dissolved < 1);
+  if (faced && !is_hidden(appearance, kEyesPart)) {
     for (std::size_t e = 0; e < model.eyes.size(); ++e) {
       DrawItem& item = list.items.emplace_back();
       item.mesh = static_cast<int>(2 + model.bones.size() + e);
@@ -211,14 +243,15 @@ void add_look(const SceneModel& model, const PosedAnatomy& posed, const Appearan
       item.closed = true;
     }
   }
-  if (look.muscles > 0 && !model.muscles.triangles.empty()) {
+  if (look.muscles > 0 && !list.meshes[1].triangles.empty()) {
     DrawItem& item = list.items.emplace_back();
     item.mesh = 1;
     item.X_WM = offset;
     item.surface = muscle_surface(look.muscles);
     item.closed = true;
   }
-  if ((look.skin > 0 || look.skin_edge > 0) && look.skin_dissolved < 1 && !model.skin.triangles.empty()) {
+  const bool skinned = (look.skin > 0 || look.skin_edge > 0) && look.skin_dissolved < 1 && !model.skin.triangles.empty();
+  if (skinned && !is_hidden(appearance, kSkinPart)) {
     DrawItem& item = list.items.emplace_back();
     item.mesh = 0;
     item.X_WM = offset;
@@ -279,7 +312,13 @@ Part part_of(std::uint32_t number) {
   if (number >= kFirstMusclePart) return {Part::Kind::muscle, static_cast<int>(number - kFirstMusclePart)};
   if (number >= kFirstBonePart) return {Part::Kind::bone, static_cast<int>(number - kFirstBonePart)};
   if (number == kSkinPart) return {Part::Kind::skin, 0};
+  if (number == kEyesPart) return {Part::Kind::eyes, 0};
   return {};
+}
+
+std::uint64_t fresh_scene_key() {
+  static std::atomic<std::uint64_t> last{1};
+  return ++last;
 }
 
 SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin, const SceneOptions& options) {
@@ -328,7 +367,8 @@ void update_scene(const SceneModel& model, const PosedAnatomy& posed, const Skin
     throw std::invalid_argument(fmt::format("update_scene: a pose of {} joints for {}", posed.X_WJ.size(), model.joint_rest.size()));
   if (!activity.empty() && static_cast<int>(activity.size()) != model.muscle_count)
     throw std::invalid_argument(fmt::format("update_scene: {} activities for {} muscles", activity.size(), model.muscle_count));
-  take_meshes(model, scene.list);
+  take_meshes(model, scene);
+  leave_away_muscles(model, appearance, scene);
   DrawMesh& muscles = scene.list.meshes[1];
   if (model.muscle_count > 0) {
     update_muscle_surface(model.surface, posed, scene.muscle_positions, &scene.muscle_normals);

@@ -18,11 +18,12 @@ namespace ecorche {
 
 // Part numbers of the id buffer.
 inline constexpr std::uint32_t kSkinPart = 1;
+inline constexpr std::uint32_t kEyesPart = 2;  // can be hidden, not picked
 inline constexpr std::uint32_t kFirstBonePart = 1000;
 inline constexpr std::uint32_t kFirstMusclePart = 100000;
 
 struct Part {
-  enum class Kind { none, skin, bone, muscle };
+  enum class Kind { none, skin, eyes, bone, muscle };
   Kind kind = Kind::none;
   int index = -1;  // of the bone or muscle
 };
@@ -41,6 +42,9 @@ struct SceneOptions {
   std::vector<Eyeball> eyes; // seen with the skin as well as without it
   std::uint64_t key = 1;     // a character's number; another one while two are drawn with one renderer
 };
+
+// Another number each time.
+std::uint64_t fresh_scene_key();
 
 struct SceneModel {
   MuscleSurface surface;
@@ -83,19 +87,21 @@ struct Appearance {
   Vec3f skin_color{0.82f, 0.63f, 0.53f};
   Vec3f bone_color{0.90f, 0.86f, 0.77f};
   std::uint32_t selected = 0;  // part that is shown in another colour
+  std::vector<std::uint32_t> hidden{};  // parts that are left away, rising
 };
 
 // One frame: the draw list and the memory it is made in.
 struct Scene {
   DrawList list;
   PointsF muscle_positions, muscle_normals;
+  std::vector<std::uint32_t> muscles_left_away;  // parts that the muscles' triangles in `list` lack
 };
 
 // How far each muscle is from its rest length: +1 shortened by 20 % or more, -1 stretched by as much. #muscles
 void muscle_shortening(const SceneModel& model, const PosedAnatomy& posed, std::vector<float>& out);
 
 // Sets meshes, items and focus of `scene.list`; camera, light and ground stay as they are. Give the same scene again: nothing is
-// allocated from the second frame on. `revision` differs from frame to frame, also between scenes that one renderer draws in turn.
+// allocated from the second frame on, unless other parts are hidden. `revision` differs from frame to frame, also between scenes that one renderer draws in turn.
 // `skin` null: the skin as at rest. `activity` (#muscles, -1..1) colours the muscles; empty: all 0.
 // Throws std::invalid_argument if `posed`, `skin` or `activity` belongs to another character.
 void update_scene(const SceneModel& model, const PosedAnatomy& posed, const SkinFrame* skin, std::span<const float> activity,

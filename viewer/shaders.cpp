@@ -383,21 +383,36 @@ void main() {
   ivec2 origin = here * u_samples;
   ivec2 last = textureSize(u_parts, 0) - 1;
   vec3 sum = vec3(0.0);
+#ifdef TRANSPARENT
+  float covered = 0.0;
+#endif
   for (int y = 0; y < u_samples; ++y)
     for (int x = 0; x < u_samples; ++x) {
       ivec2 at = origin + ivec2(x, y);
       vec4 c = texelFetch(u_color, at, 0);
+#ifdef TRANSPARENT
+      vec3 seen = c.a * tone(shade * c.rgb / max(c.a, 1e-4));
+      covered += c.a;
+#else
       vec3 seen = tone(shade * (c.rgb + (1.0 - c.a) * ground));
+#endif
       uint part = texelFetch(u_parts, at, 0).r;
       uint right = texelFetch(u_parts, min(at + ivec2(1, 0), last), 0).r, above = texelFetch(u_parts, min(at + ivec2(0, 1), last), 0).r;
       bool line = part != 0u && ((right != part && right != 0u) || (above != part && above != 0u));
       sum += line ? seen * (1.0 - u_outline) : seen;
     }
+#ifdef TRANSPARENT
+  sum /= max(covered, 1e-4);
+  float alpha = covered / float(u_samples * u_samples);
+#else
   sum /= float(u_samples * u_samples);
+  const float alpha = 1.0;
+#endif
 #else
   vec3 sum = tone(ground * shade);
+  const float alpha = 1.0;
 #endif
-  o_color = vec4(to_srgb(clamp(sum, 0.0, 1.0)), 1.0);
+  o_color = vec4(to_srgb(clamp(sum, 0.0, 1.0)), alpha);
 }
 )";
 

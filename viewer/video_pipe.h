@@ -13,9 +13,10 @@ struct VideoOptions {
   double fps = 30;
   int quality = 18;             // H.264 constant rate factor, 0 lossless .. 51
   std::string program = "ffmpeg";  // looked for in PATH
+  double patience = 60;         // s without a byte read or written, after which the program counts as hung and is ended
 };
 
-// H.264, yuv420p, faststart. Appears under its name only when finish() succeeds.
+// H.264, yuv420p, faststart. Appears under its name only when finish() succeeds: the program ended well, and the film has all frames.
 class VideoPipe {
  public:
   // Throws UsageError for a frame rate that is not above 0, OutputError when the folder is missing or the program cannot be
@@ -25,7 +26,8 @@ class VideoPipe {
   VideoPipe(const VideoPipe&) = delete;
   VideoPipe& operator=(const VideoPipe&) = delete;
 
-  // Precondition: the size given above, even. Throws OutputError with what the program said when it has died.
+  // Precondition: the size given above, even. Throws OutputError with what the program said when it has died or hangs, or left a film
+  // that is not whole.
   void add(const Image& frame);
   void finish();
 

@@ -14,8 +14,8 @@ struct WindowOptions {
   double pick_x = -1, pick_y = -1;   // share of the window's width and height: picked at the first frame, as by a click
 };
 
-// Shows until closed and hands back what the person had chosen last. Throws OutputError without a display or a driver, and says
-// what to do; UsageError for a size below 1.
+// Shows until closed and hands back what the person had chosen last. With `frames`, the last one waits for what is under way.
+// Throws OutputError without a display or a driver, and says what to do; UsageError for a size below 1.
 ViewDocument run_window(const ViewSubject& subject, const WindowOptions& options = {}, const ViewDocument& document = {});
 
 }  // namespace ecorche

@@ -200,6 +200,52 @@ expect 0 "a film" "$ecorche" render anna-1.glb "$walk" -o film.mp4 --size 160x90
 there film.mp4
 expect 0 "pictures" "$ecorche" render anna-1.glb "$walk" -o "frames/%04d.png" --size 96x96 --fps 2
 there frames/0001.png
+expect 0 "every third frame of some" "$ecorche" render anna-1.glb "$walk" -o "some/%04d.png" --frames 10-16x3 --size 64x64
+there some/0010.png; there some/0016.png; absent some/0011.png; absent some/0017.png
+expect 0 "a part of the motion" "$ecorche" render anna-1.glb "$walk" -o part.mp4 --from 0.5 --to 1 --fps 10 --size 64x64 --report part.json
+if grep -q '"frames": 6' part.json; then ok; else bad "half a second at 10 a second is not 6 frames"; fi
+expect 2 "a part beyond the end" "$ecorche" render anna-1.glb "$walk" -o a.mp4 --from 900
+expect 2 "a part that is no number" "$ecorche" render anna-1.glb "$walk" -o a.mp4 --from nan
+expect 2 "frames that are none" "$ecorche" render anna-1.glb "$walk" -o a.mp4 --frames 9-3
+expect 2 "frames beyond the end" "$ecorche" render anna-1.glb "$walk" -o a.mp4 --frames 1-99999
+expect 2 "a zoom of nothing" "$ecorche" render anna-1.glb "$walk" -o a.mp4 --zoom nan
+expect 2 "no layer" "$ecorche" render anna-1.glb "$walk" -o a.mp4 --layers ""
+absent a.mp4
+expect 0 "a still at rest" "$ecorche" render anna-1.glb -o rest.png --size 96x96
+there rest.png
+expect 0 "a close-up in a pose, without background" "$ecorche" render anna-1.glb -o knee.png --pose squat --look-at knee_l --hide skin --background transparent --size 96x96
+there knee.png
+expect 0 "a close-up of a landmark in a motion" "$ecorche" render anna-1.glb "$walk" -o elbow.png --at 1 --look-at olecranon_r --size 96x96
+expect 2 "a film without a motion" "$ecorche" render anna-1.glb -o a.mp4
+says "needs a motion"
+expect 2 "a still of no moment" "$ecorche" render anna-1.glb "$walk" -o a.png
+says "--at"
+expect 2 "a film without a background" "$ecorche" render anna-1.glb "$walk" -o a.mp4 --background transparent
+expect 2 "an unknown pose" "$ecorche" render anna-1.glb -o a.png --pose sqaut
+says "squat"
+expect 2 "an unknown part" "$ecorche" render anna-1.glb -o a.png --only femr
+says "femur"
+expect 2 "an unknown thing to look at" "$ecorche" render anna-1.glb -o a.png --look-at patela
+says "patella"
+absent a.png; absent a.mp4
+if mount -t tmpfs -o size=16k none full 2> /dev/null; then
+  expect 6 "a film on a full disk" "$ecorche" render anna-1.glb "$walk" -o full/a.mp4 --size 320x180 --fps 4
+  says "space"
+  expect 6 "a still on a full disk" "$ecorche" render anna-1.glb -o full/a.png --size 640x360
+  if [ -z "$(ls -A full)" ]; then ok; else bad "left on the full disk: $(ls -A full)"; fi
+  umount full
+else
+  skip "a film on a full disk: no right to mount one"
+fi
+mkdir -p tools
+printf '#!/bin/sh\ncat > /dev/null\n' > tools/ffmpeg; chmod +x tools/ffmpeg
+expect 6 "an ffmpeg that writes nothing" env PATH="$folder/tools:$PATH" "$ecorche" render anna-1.glb "$walk" -o a.mp4 --size 64x64 --fps 2
+says "empty"
+expect 6 "no ffmpeg" env PATH="$folder/none" "$ecorche" render anna-1.glb "$walk" -o a.mp4 --size 64x64 --fps 2
+says "install the package ffmpeg"
+expect 6 "no graphics driver" env ECORCHE_GL=egl __EGL_VENDOR_LIBRARY_DIRS="$folder/none" "$ecorche" render anna-1.glb -o a.png --size 64x64
+says "libegl1"
+absent a.mp4; absent a.png
 
 # Models of other programs.
 expect 2 "an unknown kind of model" "$ecorche" export anna-1.glb -o a.fbx
@@ -225,6 +271,13 @@ if command -v xvfb-run > /dev/null; then
   expect 0 "a slider moved" xvfb-run -a "$ecorche" view anna-1.glb --sliders --measure stature=172cm --frames 2 -o edited.glb
   expect 0 "its stature" "$ecorche" body measure edited.glb
   if grep -q "^stature *172.0 cm" out.txt; then ok; else bad "the character that a slider made has another stature: $(grep '^stature ' out.txt)"; fi
+  expect 0 "the anatomy of what a slider made, fitted once more" "$ecorche" fit edited.glb -o edited-fitted.glb
+  expect 8 "a slider where no fit is good" xvfb-run -a "$ecorche" view --sex male --sliders --measure waist_girth=115cm --measure stature=141cm --frames 2 -o stout.glb
+  says "missed"; there stout.glb
+  expect 0 "a window from the left on some parts" xvfb-run -a "$ecorche" view anna-1.glb --only thigh_l --camera left --frames 2 --screenshot parts.png
+  there parts.png
+  expect 2 "a window on no part" "$ecorche" view anna-1.glb --only thihg --frames 2
+  says "thigh"
 else
   skip "the window: xvfb-run is not installed"
 fi

@@ -2,6 +2,8 @@
 #include "viewer/renderer.h"
 
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <numbers>
@@ -9,6 +11,7 @@
 
 #include "anatomy/errors.h"
 #include "viewer/camera.h"
+#include "viewer/gl_probe.h"
 
 namespace ecorche {
 namespace {
@@ -196,6 +199,14 @@ TEST(RendererContext, each_way_to_a_context_draws_the_same_ball) {
   setenv("ECORCHE_GL", "glide", 1);
   EXPECT_THROW(Renderer(), UsageError);
   unsetenv("ECORCHE_GL");
+}
+
+TEST(RendererContext, a_driver_that_crashes_or_hangs_is_a_reason_and_not_our_end) {
+  EXPECT_EQ(failure_elsewhere([] {}), "");
+  EXPECT_EQ(failure_elsewhere([] { throw OutputError("no screen"); }), "no screen");
+  EXPECT_NE(failure_elsewhere([] { raise(SIGSEGV); }).find("crashes"), std::string::npos);
+  EXPECT_NE(failure_elsewhere([] { _exit(3); }).find("ended the process"), std::string::npos);
+  EXPECT_NE(failure_elsewhere([] { pause(); }, 0.2).find("did not answer"), std::string::npos);
 }
 
 TEST(CameraTest, named_views_and_angles) {

@@ -14,6 +14,7 @@
 #include "viewer/camera.h"
 #include "viewer/film.h"
 #include "viewer/follow_camera.h"
+#include "viewer/part_names.h"
 #include "viewer/view_document.h"
 
 namespace ecorche {
@@ -106,6 +107,73 @@ TEST(SceneTest, layers_that_are_off_are_not_drawn) {
   EXPECT_EQ(kinds({.skin = 0, .muscles = 1, .bones = 0}), (std::multiset<int>{1}));
   EXPECT_EQ(kinds({.skin = 0, .muscles = 0, .bones = 1}), (std::multiset<int>{2, 3}));
   EXPECT_EQ(kinds({.skin = 1, .skin_dissolved = 1, .muscles = 0, .bones = 0}), (std::multiset<int>{}));
+}
+
+TEST(SceneTest, hidden_parts_are_not_drawn_and_come_back) {
+  const Anatomy a = arm();
+  const SceneModel model = make_scene_model(a, arm_skin);
+  Scene scene;
+  Appearance appearance;
+  const auto parts = [&](std::vector<std::uint32_t> hidden) {
+    appearance.hidden = std::move(hidden);
+    update_scene(model, posed_arm(a, 0), nullptr, {}, appearance, 1, scene);
+    std::set<std::uint32_t> drawn;
+    for (const DrawItem& item : scene.list.items) {
+      const DrawMesh& mesh = scene.list.meshes[static_cast<std::size_t>(item.mesh)];
+      for (const Triangle32& t : mesh.triangles) drawn.insert(mesh.parts.empty() ? item.part : mesh.parts[t[0]]);
+    }
+    return drawn;
+  };
+  const std::uint32_t upper = kFirstBonePart, lower = kFirstBonePart + 1, flexor = kFirstMusclePart;
+  const std::set<std::uint32_t> all{kSkinPart, upper, lower, flexor};
+  EXPECT_EQ(parts({}), all);
+  const std::uint64_t whole = scene.list.meshes[1].shape;
+  EXPECT_EQ(parts({upper}), (std::set<std::uint32_t>{kSkinPart, lower, flexor}));
+  EXPECT_EQ(parts({kSkinPart, flexor}), (std::set<std::uint32_t>{upper, lower}));
+  EXPECT_NE(scene.list.meshes[1].shape, whole) << "the renderer has to send it again";
+  EXPECT_EQ(parts({}), all);
+  EXPECT_EQ(scene.list.meshes[1].shape, whole);
+}
+
+TEST(PartNamesTest, names_mean_what_people_mean_by_them) {
+  Anatomy a = arm();
+  a.bones[0].name = "femur_l", a.bones[0].side = Side::left;
+  a.bones[1].name = "femur_r", a.bones[1].side = Side::right;
+  const Muscle flexor = a.muscles[0];
+  a.muscles.clear();
+  for (const char* name : {"biceps_femoris_long_l", "biceps_femoris_long_r", "biceps_femoris_short_l", "rectus_femoris_l"}) {
+    a.muscles.push_back(flexor);
+    a.muscles.back().name = name;
+    a.muscles.back().side = std::string_view(name).ends_with("_l") ? Side::left : Side::right;
+    a.muscles.back().group = std::string_view(name).starts_with("rectus") ? "thigh_front" : "thigh_back";
+    a.muscles.back().layer = "superficial";
+  }
+  const std::uint32_t bone = kFirstBonePart, muscle = kFirstMusclePart;
+  using Parts = std::vector<std::uint32_t>;
+  EXPECT_EQ(parts_named(a, "femur_l"), (Parts{bone}));
+  EXPECT_EQ(parts_named(a, "Femur"), (Parts{bone, bone + 1}));
+  EXPECT_EQ(parts_named(a, "biceps femoris"), (Parts{muscle, muscle + 1, muscle + 2}));
+  EXPECT_EQ(parts_named(a, "biceps_l"), (Parts{muscle, muscle + 2}));
+  EXPECT_EQ(parts_named(a, "bic"), Parts{}) << "a name ends at a joint of words";
+  EXPECT_EQ(parts_named(a, "*short*"), (Parts{muscle + 2}));
+  EXPECT_EQ(parts_named(a, "thigh_front"), (Parts{muscle + 3}));
+  EXPECT_EQ(parts_named(a, "thigh_r"), (Parts{muscle + 1}));
+  EXPECT_EQ(parts_named(a, "superficial").size(), 4u);
+  EXPECT_EQ(parts_named(a, "bones"), (Parts{bone, bone + 1}));
+  EXPECT_EQ(parts_named(a, "skin"), (Parts{kSkinPart}));
+  EXPECT_EQ(parts_named(a, ""), Parts{});
+  EXPECT_EQ(parts_of_list(a, "skin,femur_r,femur", "--hide"), (Parts{kSkinPart, bone, bone + 1}));
+  EXPECT_EQ(parts_of_list(a, "", "--hide"), Parts{});
+  try {
+    parts_of_list(a, "skin,femr", "--hide");
+    ADD_FAILURE();
+  } catch (const UsageError& error) {
+    EXPECT_NE(std::string(error.what()).find("'femur'"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(part_label(a, bone), "femur, left");
+  EXPECT_EQ(part_label(a, muscle + 1), "flexor, right");
+  EXPECT_EQ(part_label(a, bone + 7), "");
+  EXPECT_EQ(all_parts(a).size(), 8u);
 }
 
 TEST(SceneTest, a_shortened_muscle_is_brighter_and_a_stretched_one_darker) {
@@ -288,7 +356,7 @@ TEST_F(FilmTest, an_error_of_the_source_comes_out_and_no_film_stays) {
 TEST(ViewDocumentTest, the_clock_and_the_mouse) {
   const Anatomy a = arm();
   const SceneModel model = make_scene_model(a, arm_skin);
-  const ViewSubject subject{a, model, 30, 10, {}};
+  const ViewSubject subject{.anatomy = &a, .model = &model, .frames = 30, .fps = 10};
   ViewDocument document;
   advance(subject, 1, document);
   EXPECT_EQ(document.time, 0) << "it stands until it is played";
@@ -298,7 +366,7 @@ TEST(ViewDocumentTest, the_clock_and_the_mouse) {
   advance(subject, 1, document);
   EXPECT_NEAR(document.time, 0.55, 1e-9) << "begins again";
   orbit(0, 1e6f, document);
-  EXPECT_LT(document.elevation, std::numbers::pi_v<float> / 2);
+  EXPECT_LE(document.elevation, std::numbers::pi_v<float> / 2);
   zoom(1000, document);
   EXPECT_GT(document.radius, 0);
   const Vec3f before = document.center;
@@ -306,6 +374,44 @@ TEST(ViewDocumentTest, the_clock_and_the_mouse) {
   document.elevation = 0;
   pan(10, 0, 800, document);
   EXPECT_LT(document.center.x(), before.x()) << "the body goes with the mouse";
+}
+
+// Where a point is seen, in pixels from the upper left.
+Eigen::Vector2f seen_at(const Camera& camera, const Vec3f& p, float width, float height) {
+  const Vec4f clip = projection_matrix(camera, width / height) * view_matrix(camera) * p.homogeneous();
+  return {0.5f * (1 + clip.x() / clip.w()) * width, 0.5f * (1 - clip.y() / clip.w()) * height};
+}
+
+TEST(ViewDocumentTest, the_whole_figure_is_in_its_room_tall_or_short_from_every_side) {
+  const Anatomy a = arm();
+  const SceneModel model = make_scene_model(a, arm_skin);
+  ViewSubject subject{.anatomy = &a, .model = &model};
+  const Vec3f root(3, 0.95f, -2);
+  for (const float stature : {1.41f, 1.75f, 2.05f})
+    for (const auto& [width, height] : {std::pair{1280.0f, 800.0f}, {700.0f, 900.0f}, {1920.0f, 500.0f}})
+      for (const char* view : {"front", "left", "top", "bottom", "oblique", "140,-30"})
+        for (const bool parallel : {false, true}) {
+          subject.bounds = {Vec3f(-0.3f * stature, 0, -0.1f), Vec3f(0.3f * stature, stature, 0.2f)};
+          const ViewRoom room{250, 0, width - 250 - 200, height - 60};
+          ViewDocument document;
+          document.parallel = parallel;
+          document.azimuth = view_angles(view).azimuth;
+          document.elevation = view_angles(view).elevation;
+          frame_figure(subject, room, document);
+          const Camera camera = camera_of(document, root, width, height, room);
+          float highest = 0;
+          for (int k = 0; k < 8; ++k) {
+            const Vec3f corner = subject.bounds.corner(static_cast<Eigen::AlignedBox3f::CornerType>(k)) + Vec3f(root.x(), 0, root.z());
+            const Eigen::Vector2f p = seen_at(camera, corner, width, height);
+            const std::string where = fmt::format("{} m, {} x {}, {}{}: ({}, {})", stature, width, height, view, parallel ? ", parallel" : "", p.x(), p.y());
+            EXPECT_GE(p.x(), room.x) << where;
+            EXPECT_LE(p.x(), room.x + room.width) << where;
+            EXPECT_GE(p.y(), room.y) << where;
+            EXPECT_LE(p.y(), room.y + room.height) << where;
+            highest = std::max({highest, std::abs(p.y() - (room.y + 0.5f * room.height)) / room.height, std::abs(p.x() - (room.x + 0.5f * room.width)) / room.width});
+          }
+          EXPECT_GT(highest, 0.4f) << "and it fills it";
+        }
 }
 
 }  // namespace
