@@ -39,24 +39,27 @@ double shared_edges(const TriMesh& mesh, const BodyPackage& package, int first =
   return static_cast<double>(found) / static_cast<double>(4 * package.quads.rows());
 }
 
+[[noreturn]] void refuse_two(const std::string& name, const std::string& what) {
+  throw UnfitError(fmt::format("{}: holds two skins or more ({}); save one person a file", name, what));
+}
+
 // The part of a file that is the skin, or a message that says why there is none.
 const TriMesh& find_skin(const MeshFile& file, const std::string& name, const BodyPackage& package) {
   std::string counts;
   double best = 0;
+  const MeshPart* found = nullptr;
   for (const auto& part : file.parts) {
-    if (part.mesh.V.rows() >= package.skin_size) {
-      const double share = shared_edges(part.mesh, package);
-      if (share > kSameEdges) {
-        if (part.mesh.V.rows() >= 2 * package.skin_size && shared_edges(part.mesh, package, package.skin_size) > kSameEdges) {
-          throw UnfitError(fmt::format("{}: holds two skins or more ({} vertices); save one person a file", name, part.mesh.V.rows()));
-        }
-        return part.mesh;
-      }
-      best = std::max(best, share);
-    }
-    counts += fmt::format("{}{}", counts.empty() ? "" : ", ", part.mesh.V.rows());
-    if (counts.size() > 200) break;
+    if (counts.size() < 200) counts += fmt::format("{}{}", counts.empty() ? "" : ", ", part.mesh.V.rows());
+    if (part.mesh.V.rows() < package.skin_size) continue;
+    const double share = shared_edges(part.mesh, package);
+    best = std::max(best, share);
+    if (share <= kSameEdges) continue;
+    if (found) refuse_two(name, fmt::format("'{}' and '{}'", found->name, part.name));
+    if (part.mesh.V.rows() >= 2 * package.skin_size && shared_edges(part.mesh, package, package.skin_size) > kSameEdges)
+      refuse_two(name, fmt::format("{} vertices", part.mesh.V.rows()));
+    found = &part;
   }
+  if (found) return found->mesh;
   const auto advice = "a skin must keep the base mesh's vertices and their order: export without merging, splitting or re-ordering";
   if (best > 0) {
     throw UnfitError(fmt::format("{}: {} vertices, but only {:.0f} % of the base mesh's edges; {}", name, counts, 100 * best, advice));
@@ -237,7 +240,7 @@ BareSkin bare_skin(const MeshFile& file, const std::string& name, const BodyPack
   if (out.mirrored) out.notes.push_back(fmt::format("{}: mirrored, because its axes are left-handed", name));
   out.body.skin = skin_mesh(package, out.points);
   check_smooth(out.body.skin, name);
-  out.body.name = std::filesystem::path(name).stem().string();
+  out.body.name = printable(std::filesystem::path(name).stem().string());
   out.body.age = 0;
   return out;
 }

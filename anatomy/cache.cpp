@@ -17,12 +17,22 @@ fs::path cache_folder() {
   return {};
 }
 
+namespace {
+
+// What a cache file begins with, so that one under another's name is seen for what it is.
+std::string first_line(const std::string& name) { return "ecorche cache " + name + "\n"; }
+
+}  // namespace
+
 std::optional<std::string> read_cached(const std::string& name) {
   const fs::path folder = cache_folder();
   std::error_code missing;
   if (folder.empty() || !fs::exists(folder / name, missing)) return std::nullopt;
   try {
-    return read_input_file(folder / name);
+    std::string bytes = read_input_file(folder / name);
+    const std::string line = first_line(name);
+    if (!bytes.starts_with(line)) return std::nullopt;
+    return bytes.erase(0, line.size());
   } catch (const InputError&) {
     return std::nullopt;
   } catch (const LimitError&) {
@@ -35,7 +45,7 @@ void write_cached(const std::string& name, std::string_view bytes) {
   if (folder.empty()) return;
   try {
     fs::create_directories(folder);
-    write_file_atomically(folder / name, bytes);
+    write_file_atomically(folder / name, first_line(name).append(bytes));
   } catch (const OutputError&) {
   } catch (const fs::filesystem_error&) {
   }

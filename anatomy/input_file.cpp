@@ -4,50 +4,118 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
-#include <cstring>
-#include <memory>
+#include <system_error>
 
 #include <fmt/format.h>
 
 #include "anatomy/errors.h"
 
 namespace ecorche {
+namespace {
 
-std::string printable(const std::string& text) {
-  std::string out = text;
-  for (char& c : out) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+namespace fs = std::filesystem;
+
+// How many bytes the UTF-8 letter at the beginning of `text` has; 0 where there is none.
+std::size_t letter_bytes(std::string_view text) {
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
+  const unsigned char lead = byte(0);
+  const std::size_t length = lead < 0x80 ? 1 : lead >= 0xC2 && lead < 0xE0 ? 2 : lead >= 0xE0 && lead < 0xF0 ? 3 : lead >= 0xF0 && lead < 0xF5 ? 4 : 0;
+  if (length == 0 || length > text.size()) return 0;
+  for (std::size_t k = 1; k < length; ++k)
+    if ((byte(k) & 0xC0) != 0x80) return 0;
+  // Overlong spellings, halves of surrogate pairs, and what lies beyond the last letter.
+  const bool strange = length > 2 && ((lead == 0xE0 && byte(1) < 0xA0) || (lead == 0xED && byte(1) > 0x9F) || (lead == 0xF0 && byte(1) < 0x90) ||
+                                      (lead == 0xF4 && byte(1) > 0x8F));
+  return strange ? 0 : length;
+}
+
+class OpenFile {
+ public:
+  explicit OpenFile(const fs::path& file) : name_(printable(file.string())), handle_(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {
+    if (handle_ < 0) fail(errno);
+    struct stat info {};
+    if (::fstat(handle_, &info) != 0) {
+      const int reason = errno;
+      ::close(handle_);
+      fail(reason);
+    }
+    size_ = static_cast<std::size_t>(info.st_size);
+    if (S_ISREG(info.st_mode) && size_ > 0) return;
+    ::close(handle_);
+    if (S_ISDIR(info.st_mode)) fail(EISDIR);
+    if (!S_ISREG(info.st_mode)) throw InputError(name_ + ": no regular file, but a pipe, socket or device; save what comes out of it to a file");
+    throw InputError(name_ + ": empty file");
+  }
+  ~OpenFile() { ::close(handle_); }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+
+  const std::string& name() const { return name_; }
+  std::size_t size() const { return size_; }
+
+  std::string read() const {
+    std::string bytes(size_, '\0');
+    for (std::size_t done = 0; done < size_;) {
+      const ssize_t got = ::read(handle_, bytes.data() + done, size_ - done);
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) fail(errno);
+      if (got == 0) throw InputError(name_ + ": became shorter while it was read");
+      done += static_cast<std::size_t>(got);
+    }
+    return bytes;
+  }
+
+ private:
+  [[noreturn]] void fail(int reason) const { throw InputError(fmt::format("{}: {}", name_, std::generic_category().message(reason))); }
+
+  std::string name_;
+  int handle_ = -1;
+  std::size_t size_ = 0;
+};
+
+}  // namespace
+
+bool is_utf8(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t length = letter_bytes(text);
+    if (length == 0) return false;
+    text.remove_prefix(length);
+  }
+  return true;
+}
+
+std::string printable(std::string_view text) {
+  std::string out;
+  while (!text.empty()) {
+    const std::size_t length = letter_bytes(text);
+    if (length > 1) out += text.substr(0, length);
+    else out += length == 0 || static_cast<unsigned char>(text[0]) < 0x20 || text[0] == 0x7f ? '?' : text[0];
+    text.remove_prefix(std::max<std::size_t>(length, 1));
   }
   return out;
 }
 
-std::string read_input_file(const std::filesystem::path& file, std::size_t limit) {
-  const std::string name = printable(file.string());
-  const int handle = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-  if (handle < 0) throw InputError(fmt::format("{}: cannot be opened: {}", name, std::strerror(errno)));
-  struct Closer {
-    int handle;
-    ~Closer() { ::close(handle); }
-  } closer{handle};
-  struct stat info {};
-  if (::fstat(handle, &info) != 0) throw InputError(fmt::format("{}: cannot be examined: {}", name, std::strerror(errno)));
-  if (S_ISDIR(info.st_mode)) throw InputError(fmt::format("{}: is a folder; name a file in it", name));
-  if (!S_ISREG(info.st_mode)) throw InputError(fmt::format("{}: is no regular file", name));
-  if (info.st_size == 0) throw InputError(fmt::format("{}: empty file", name));
-  if (static_cast<std::size_t>(info.st_size) > limit) {
-    throw LimitError(fmt::format("{}: {} bytes; the limit is {}", name, info.st_size, limit));
-  }
-  std::string bytes(static_cast<std::size_t>(info.st_size), '\0');
-  std::size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t got = ::read(handle, bytes.data() + done, bytes.size() - done);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) throw InputError(fmt::format("{}: cannot be read: {}", name, std::strerror(errno)));
-    if (got == 0) throw InputError(fmt::format("{}: became shorter while it was read", name));
-    done += static_cast<std::size_t>(got);
-  }
-  return bytes;
+std::string read_input_file(const fs::path& file, std::size_t limit) {
+  const OpenFile in(file);
+  if (in.size() > limit) throw LimitError(fmt::format("{}: {} bytes; the limit is {}", in.name(), in.size(), limit));
+  return in.read();
+}
+
+void check_input_file(const fs::path& file) { const OpenFile in(file); }
+
+fs::path file_beside(const fs::path& folder, const std::string& name, const std::string& where) {
+  const fs::path plain(name);
+  if (name.empty() || name.find('\0') != std::string::npos || plain != plain.filename() || name == "." || name == "..")
+    throw InputError(fmt::format("{}: '{}' is not a file in its folder", where, printable(name)));
+  const fs::path file = folder / plain;
+  std::error_code error;
+  const fs::path home = fs::canonical(folder.empty() ? fs::path(".") : folder, error);
+  const fs::path real = error ? fs::path() : fs::canonical(file, error);
+  if (error) throw InputError(fmt::format("{}: {}", printable(file.string()), error.message()));
+  if (real.parent_path() != home) throw InputError(fmt::format("{}: '{}' is a link that leads out of the folder", where, printable(name)));
+  return file;
 }
 
 }  // namespace ecorche

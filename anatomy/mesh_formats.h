@@ -5,11 +5,10 @@
 #include <string_view>
 #include <vector>
 
+#include "anatomy/limits.h"
 #include "anatomy/mesh_io.h"
 
 namespace ecorche {
-
-inline constexpr long long kMeshLimit = 1LL << 27;  // vertices, faces
 
 void parse_obj(std::string_view text, const std::string& name, MeshFile& out);
 void parse_ply(std::string_view bytes, const std::string& name, MeshFile& out);

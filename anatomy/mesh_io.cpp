@@ -11,6 +11,7 @@
 #include "anatomy/input_file.h"
 #include "anatomy/join_meshes.h"
 #include "anatomy/mesh_formats.h"
+#include "anatomy/text_scan.h"
 
 namespace ecorche {
 namespace {
@@ -20,6 +21,7 @@ enum class Format { obj, ply, glb };
 Format format_of(std::string_view bytes, const std::string& name) {
   if (bytes.starts_with("glTF")) return Format::glb;
   if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return Format::ply;
+  unmarked_text(bytes, name);  // refuses UTF-16 by its name
   const auto head = bytes.substr(0, 4096);
   if (head.find('\0') != std::string_view::npos) throw InputError(fmt::format("{}: neither OBJ, PLY nor GLB; give a mesh in one of these", name));
   return Format::obj;

@@ -8,13 +8,11 @@
 #include <pugixml.hpp>
 
 #include "anatomy/errors.h"
+#include "anatomy/limits.h"
 
 namespace ecorche {
 
 namespace {
-
-constexpr int kDeepest = 64;     // bodies within bodies, includes within includes
-constexpr int kMostFiles = 256;
 
 struct Place {  // a body on the way down the tree
   std::string body;
@@ -42,7 +40,7 @@ class Reader {
   const pugi::xml_document& load(const std::string& path) {
     const auto known = documents_.find(path);
     if (known != documents_.end()) return known->second;
-    if (documents_.size() >= kMostFiles) throw LimitError(fmt::format("{}: more than {} included files", path, kMostFiles));
+    if (documents_.size() >= limits::kModelFiles) throw LimitError(fmt::format("{}: more than {} included files", path, limits::kModelFiles));
     const std::string text = files_(path);
     pugi::xml_document& document = documents_[path];
     const auto result = document.load_buffer(text.data(), text.size());
@@ -61,7 +59,7 @@ class Reader {
   // Calls `visit` for the children of a file's top element, in order, those of included files in their place.
   template <class Visit>
   void walk(const std::string& file, const Visit& visit, int depth) {
-    if (depth > kDeepest) throw LimitError(fmt::format("{}: includes nested deeper than {}", file, kDeepest));
+    if (depth > limits::kModelDepth) throw LimitError(fmt::format("{}: includes nested deeper than {}", file, limits::kModelDepth));
     for (pugi::xml_node child : load(file).document_element().children()) {
       if (std::string_view(child.name()) == "include") {
         walk(included(file, child), visit, depth + 1);
@@ -153,7 +151,7 @@ class Reader {
 
   // --- the tree ------------------------------------------------------------------------------------------------------------------
   void bodies(pugi::xml_node parent, const std::string& file, const Place& place, int depth) {
-    if (depth > kDeepest) throw LimitError(fmt::format("{}: bodies nested deeper than {}", file, kDeepest));
+    if (depth > limits::kModelDepth) throw LimitError(fmt::format("{}: bodies nested deeper than {}", file, limits::kModelDepth));
     for (pugi::xml_node child : parent.children()) {
       const std::string_view kind = child.name();
       if (kind == "include") {

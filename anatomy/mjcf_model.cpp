@@ -62,6 +62,7 @@ class Reader {
     if (other_actuators_ > 0) model_.notes.push_back(fmt::format("{}: {} actuators are no muscles on tendons; left out", model_.file, other_actuators_));
     if (model_.bodies.empty()) throw UnfitError(fmt::format("{}: no bodies", model_.file));
     if (model_.muscles.empty()) throw UnfitError(fmt::format("{}: no muscle actuators on spatial tendons", model_.file));
+    check_model(model_);
     return std::move(model_);
   }
 
@@ -88,7 +89,7 @@ class Reader {
 
   // --- joints --------------------------------------------------------------------------------------------------------------------
   void find_joints(xml_node node, const std::string& childclass, int depth) {
-    if (depth > model_xml::kDeepest) throw LimitError(fmt::format("{}: bodies nested deeper than {}", model_.file, model_xml::kDeepest));
+    if (depth > limits::kModelDepth) throw LimitError(fmt::format("{}: bodies nested deeper than {}", model_.file, limits::kModelDepth));
     for (xml_node child : node.children()) {
       const std::string_view kind = child.name();
       if (kind == "body" || kind == "frame") find_joints(child, class_of(child, childclass), depth + 1);
@@ -146,7 +147,7 @@ class Reader {
   }
 
   void in_frame(xml_node node, int index, const PerPose<Transform>& X_WB, const std::string& outer, int depth) {
-    if (depth > model_xml::kDeepest) throw LimitError(fmt::format("{}: frames nested deeper than {}", model_.file, model_xml::kDeepest));
+    if (depth > limits::kModelDepth) throw LimitError(fmt::format("{}: frames nested deeper than {}", model_.file, limits::kModelDepth));
     const std::string childclass = class_of(node, outer);
     const Transform X_BF = tree_.placement(node);
     for (xml_node child : node.children()) {
@@ -161,8 +162,8 @@ class Reader {
   }
 
   void body(xml_node node, int parent, const PerPose<Transform>& X_WP, const std::string& outer, int depth) {
-    if (depth > model_xml::kDeepest) throw LimitError(fmt::format("{}: bodies nested deeper than {}", model_.file, model_xml::kDeepest));
-    if (model_.bodies.size() >= static_cast<size_t>(model_xml::kMostParts)) throw LimitError(fmt::format("{}: more than {} bodies", model_.file, model_xml::kMostParts));
+    if (depth > limits::kModelDepth) throw LimitError(fmt::format("{}: bodies nested deeper than {}", model_.file, limits::kModelDepth));
+    if (model_.bodies.size() >= static_cast<size_t>(limits::kModelParts)) throw LimitError(fmt::format("{}: more than {} bodies", model_.file, limits::kModelParts));
     const std::string childclass = class_of(node, outer);
     const Transform X_PB = tree_.placement(node);
     ModelBody out;
@@ -199,7 +200,7 @@ class Reader {
   }
 
   void site(xml_node node, int body, const Transform& X_BF, const std::string& childclass) {
-    if (sites_.size() >= 4 * static_cast<size_t>(model_xml::kMostParts)) throw LimitError(fmt::format("{}: too many sites", model_.file));
+    if (sites_.size() >= 4 * static_cast<size_t>(limits::kModelParts)) throw LimitError(fmt::format("{}: too many sites", model_.file));
     sites_[node.attribute("name").value()] = {body, (X_BF * tree_.placement(node, childclass)).translation()};
   }
 
@@ -231,7 +232,7 @@ class Reader {
       wrap.radii.z() = half;
       if (!(half > 0)) return;
     }
-    if (wrap_geoms_.size() >= 4 * static_cast<size_t>(model_xml::kMostParts)) throw LimitError(fmt::format("{}: too many geoms", model_.file));
+    if (wrap_geoms_.size() >= 4 * static_cast<size_t>(limits::kModelParts)) throw LimitError(fmt::format("{}: too many geoms", model_.file));
     wrap_geoms_[wrap.name] = wrap;
   }
 

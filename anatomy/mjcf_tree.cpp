@@ -40,11 +40,11 @@ MjcfTree::MjcfTree(const ModelFiles& files, const std::string& path) : files_(fi
 
 // Included files are named from the main file's folder; many models name them from the folder of the file that includes.
 void MjcfTree::expand(pugi::xml_node node, const std::string& file, int depth) {
-  if (depth > 4 * model_xml::kDeepest) throw LimitError(fmt::format("{}: includes or elements nested too deep", file));
+  if (depth > 4 * limits::kModelDepth) throw LimitError(fmt::format("{}: includes or elements nested too deep", file));
   for (pugi::xml_node child = node.first_child(); child;) {
     const pugi::xml_node next = child.next_sibling();
     if (std::string_view(child.name()) == "include") {
-      if (++included_ > model_xml::kMostFiles) throw LimitError(fmt::format("{}: more than {} included files; does one include itself?", file, model_xml::kMostFiles));
+      if (++included_ > limits::kModelFiles) throw LimitError(fmt::format("{}: more than {} included files; does one include itself?", file, limits::kModelFiles));
       const std::string name = child.attribute("file").value();
       std::string path, text;
       try {
@@ -56,7 +56,7 @@ void MjcfTree::expand(pugi::xml_node node, const std::string& file, int depth) {
       }
       pugi::xml_document inner;
       model_xml::load(inner, text, path);
-      expand(inner.document_element(), path, depth + model_xml::kDeepest / 16);
+      expand(inner.document_element(), path, depth + limits::kModelDepth / 16);
       for (pugi::xml_node part : inner.document_element().children()) node.insert_copy_before(part, child);
       node.remove_child(child);
     } else {
@@ -67,7 +67,7 @@ void MjcfTree::expand(pugi::xml_node node, const std::string& file, int depth) {
 }
 
 void MjcfTree::defaults(pugi::xml_node node, const std::string& parent, int depth) {
-  if (depth > model_xml::kDeepest) throw LimitError(fmt::format("{}: default classes nested too deep", path_));
+  if (depth > limits::kModelDepth) throw LimitError(fmt::format("{}: default classes nested too deep", path_));
   const std::string name = node.attribute("class") ? node.attribute("class").value() : parent.empty() ? "main" : "";
   if (name.empty()) throw InputError(where(node) + ": a class inside a class needs a name");
   auto& own = classes_[name];

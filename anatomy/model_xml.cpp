@@ -12,8 +12,6 @@
 namespace ecorche::model_xml {
 namespace {
 
-constexpr int kDeepestElement = 256;
-
 // How deep elements nest, told by counting tags: the parser recurses, so that this must be known before it starts.
 int element_depth(std::string_view text) {
   int depth = 0, deepest = 0;
@@ -35,8 +33,8 @@ int element_depth(std::string_view text) {
 }  // namespace
 
 void load(pugi::xml_document& document, std::string_view text, const std::string& name) {
-  if (const int depth = element_depth(text); depth > kDeepestElement)
-    throw LimitError(fmt::format("{}: elements nested {} deep; at most {} are read", name, depth, kDeepestElement));
+  if (const int depth = element_depth(text); depth > limits::kXmlDepth)
+    throw LimitError(fmt::format("{}: elements nested {} deep; at most {} are read", name, depth, limits::kXmlDepth));
   const auto result = document.load_buffer(text.data(), text.size());
   if (!result) throw InputError(fmt::format("{}: byte {}: {}; is the file complete XML?", name, result.offset, result.description()));
 }

@@ -8,6 +8,7 @@
 
 #include <pugixml.hpp>
 
+#include "anatomy/limits.h"
 #include "anatomy/types.h"
 
 namespace ecorche {
@@ -18,11 +19,7 @@ struct ModelFiles {
 
 namespace model_xml {
 
-inline constexpr int kDeepest = 64;
-inline constexpr int kMostFiles = 256;
-inline constexpr int kMostParts = 20000;
-
-// Throws InputError "name: byte N: ..." or, for elements nested deeper than 256, LimitError before parsing.
+// Throws InputError "name: byte N: ..." or, for elements nested deeper than limits::kXmlDepth, LimitError before parsing.
 void load(pugi::xml_document& document, std::string_view text, const std::string& name);
 
 // Words of a text as finite numbers; throws InputError "where: ..." for anything else or more than `most`.

@@ -90,6 +90,10 @@ struct ModelFiles;
 MuscleModel parse_osim(const std::string& text, const std::string& name);
 MuscleModel parse_mjcf_model(const ModelFiles& files, const std::string& path);
 
+// Throws InputError that names the first part which lies further than 100 m from the origin or its body, or has a length or force that no muscle
+// has. Both parsers ask it of what they hand back.
+void check_model(const MuscleModel& model);
+
 // Mesh of a body: OBJ, PLY, STL or ASCII VTP inside the folder; model scale applied, body frame. Empty when the file does not exist.
 TriMesh read_model_mesh(const std::filesystem::path& folder, const ModelMesh& mesh);
 

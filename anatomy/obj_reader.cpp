@@ -25,7 +25,7 @@ int corner_vertex(TextScan& scan, std::string_view word, long long count) {
   if (index == 0) scan.fail("a face corner is 0; OBJ counts vertices from 1");
   if (index < 0) index += count + 1;
   if (index < 1) scan.fail(fmt::format("a face corner counts back beyond the first of {} vertices", count));
-  if (index > kMeshLimit) scan.fail(fmt::format("a face corner names vertex {}, beyond the limit", index));
+  if (index > limits::kMeshElements) scan.fail(fmt::format("a face corner names vertex {}, beyond the limit", index));
   return static_cast<int>(index - 1);
 }
 
@@ -42,7 +42,7 @@ void parse_obj(std::string_view text, const std::string& name, MeshFile& out) {
     ++statements;
     if (key == "v") {
       for (const char* axis : {"x", "y", "z"}) polygons.coordinates.push_back(scan.number(axis));
-      if (polygons.coordinates.size() > 3 * static_cast<std::size_t>(kMeshLimit)) throw LimitError(fmt::format("{}: more than {} vertices", name, kMeshLimit));
+      if (polygons.coordinates.size() > 3 * static_cast<std::size_t>(limits::kMeshElements)) throw LimitError(fmt::format("{}: more than {} vertices", name, limits::kMeshElements));
     } else if (key == "f") {
       const auto count = static_cast<long long>(polygons.coordinates.size() / 3);
       int size = 0;
@@ -54,6 +54,7 @@ void parse_obj(std::string_view text, const std::string& name, MeshFile& out) {
         }
       }
       polygons.sizes.push_back(size);
+      if (polygons.corners.size() > limits::kMeshCorners) throw LimitError(fmt::format("{}: more than {} corners of faces", name, limits::kMeshCorners));
     } else if (key == "mtllib") {
       out.notes.push_back(fmt::format("{}:{}: materials are not read", name, scan.line_number()));
     } else if (key != "vt" && key != "vn" && key != "vp" && key != "g" && key != "o" && key != "s" && key != "usemtl" && key != "l" && key != "p") {

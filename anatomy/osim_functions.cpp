@@ -82,7 +82,7 @@ double polyline(const Samples& s, double x) {
 }
 
 double evaluate(pugi::xml_node node, double x, const std::string& where, int depth) {
-  if (depth > model_xml::kDeepest) throw LimitError(where + ": functions nested too deep");
+  if (depth > limits::kModelDepth) throw LimitError(where + ": functions nested too deep");
   const std::string_view kind = node.name();
   const auto coefficients = [&] { return model_xml::numbers(node.child_value("coefficients"), where + ": coefficients", 64); };
   const auto value = [&](const char* name, double otherwise) {

@@ -19,6 +19,8 @@ namespace {
 
 using pugi::xml_node;
 
+constexpr double kMostTurn = 100;  // rad
+
 // Our axes (left, up, forward) from OpenSim's (forward, up, right).
 Mat3 ours_from_osim() {
   Mat3 C;
@@ -65,6 +67,7 @@ class Reader {
     if (xml_node ground = model.child("Ground")) ground_wraps(ground);
     for (xml_node force : model.child("ForceSet").child("objects").children()) add_force(force);
     leave_out();
+    check_model(model_);
     return std::move(model_);
   }
 
@@ -74,7 +77,11 @@ class Reader {
   Transform placement(xml_node node, const char* position, const char* orientation, const std::string& at) const {
     Transform X = Transform::Identity();
     if (node.child(position)) X.translation() = model_xml::vector3(node.child_value(position), fmt::format("{}: {}", at, position));
-    if (node.child(orientation)) X.linear() = model_xml::body_xyz(model_xml::vector3(node.child_value(orientation), fmt::format("{}: {}", at, orientation)));
+    if (node.child(orientation)) {
+      const Vec3 turn = model_xml::vector3(node.child_value(orientation), fmt::format("{}: {}", at, orientation));
+      if (turn.cwiseAbs().maxCoeff() > kMostTurn) throw InputError(fmt::format("{}: {}: {:.3g} rad; expected radians up to {}", at, orientation, turn.cwiseAbs().maxCoeff(), kMostTurn));
+      X.linear() = model_xml::body_xyz(turn);
+    }
     return X;
   }
 
@@ -85,7 +92,7 @@ class Reader {
     for (xml_node body : model.child("BodySet").child("objects").children("Body")) {
       const std::string name = body.attribute("name").value();
       if (name == "ground") continue;
-      if (frames_.size() > static_cast<size_t>(model_xml::kMostParts)) throw LimitError(fmt::format("{}: more than {} bodies", model_.file, model_xml::kMostParts));
+      if (frames_.size() > static_cast<size_t>(limits::kModelParts)) throw LimitError(fmt::format("{}: more than {} bodies", model_.file, limits::kModelParts));
       if (name.empty() || !frames_.emplace(name, Frame{name, Transform::Identity()}).second)
         throw InputError(fmt::format("{}: a body without a name of its own", where("body", body)));
       for (xml_node frame : body.child("components").children("PhysicalOffsetFrame")) offset_frame(frame, name);
@@ -231,7 +238,7 @@ class Reader {
 
   void add_wrap(xml_node node, int body) {
     const std::string at = where("wrap object", node), kind = node.name();
-    if (model_.wraps.size() >= static_cast<size_t>(model_xml::kMostParts)) throw LimitError(fmt::format("{}: more than {} wrap objects", model_.file, model_xml::kMostParts));
+    if (model_.wraps.size() >= static_cast<size_t>(limits::kModelParts)) throw LimitError(fmt::format("{}: more than {} wrap objects", model_.file, limits::kModelParts));
     ModelWrap wrap;
     wrap.name = node.attribute("name").value();
     wrap.body = body;
@@ -316,7 +323,7 @@ class Reader {
 
   void add_point(xml_node node, const std::string& muscle_at, ModelMuscle& muscle) {
     const std::string at = fmt::format("{}: path point '{}'", muscle_at, printable(node.attribute("name").value())), kind = node.name();
-    if (++points_ > model_xml::kMostParts) throw LimitError(fmt::format("{}: more than {} path points", model_.file, model_xml::kMostParts));
+    if (++points_ > limits::kModelParts) throw LimitError(fmt::format("{}: more than {} path points", model_.file, limits::kModelParts));
     const char* socket = node.child("socket_parent_frame") ? "socket_parent_frame" : node.child("socket_parent") ? "socket_parent" : "body";
     const Frame& f = frame(trimmed(node.child_value(socket)), at);
     ModelPoint point;

@@ -74,7 +74,8 @@ Property parse_property(TextScan& scan) {
 
 Header parse_header(std::string_view bytes, const std::string& name) {
   Header header;
-  TextScan scan(bytes.substr(0, std::size_t{1} << 20), name);
+  const char end = bytes.starts_with("ply\r") && !bytes.starts_with("ply\r\n") ? '\r' : '\n';
+  TextScan scan(bytes.substr(0, std::size_t{1} << 20), name, end);
   bool formatted = false;
   while (scan.next_line()) {
     const auto key = scan.word();
@@ -96,7 +97,7 @@ Header parse_header(std::string_view bytes, const std::string& name) {
     } else if (key == "end_header") {
       if (!formatted) scan.fail("the header has no format");
       header.size = static_cast<std::size_t>(scan.line().data() + scan.line().size() - bytes.data());
-      while (header.size < bytes.size() && bytes[header.size] != '\n') ++header.size;
+      while (header.size < bytes.size() && bytes[header.size] != end) ++header.size;
       header.size = std::min(header.size + 1, bytes.size());
       return header;
     } else if (key != "ply" && key != "comment" && key != "obj_info" && !key.empty()) {
@@ -192,6 +193,7 @@ void read_row_with_lists(const Element& element, long long row, Values& values, 
       }
       faces->corners.push_back(static_cast<int>(index));
     }
+    if (is_face && faces->corners.size() > limits::kMeshCorners) throw LimitError(fmt::format("{}: more than {} corners of faces", name, limits::kMeshCorners));
     if (is_face) faces->sizes.push_back(static_cast<int>(count));
   }
 }
@@ -214,7 +216,7 @@ void parse_ply(std::string_view bytes, const std::string& name, MeshFile& out) {
     if (!values.can_hold(element.count, element.properties.size(), least)) {
       throw InputError(fmt::format("{}: the header promises {} of element '{}', more than the file can hold", name, element.count, printable(element.name)));
     }
-    if (element.count > kMeshLimit) throw LimitError(fmt::format("{}: {} of an element; the limit is {}", name, element.count, kMeshLimit));
+    if (element.count > limits::kMeshElements) throw LimitError(fmt::format("{}: {} of an element; the limit is {}", name, element.count, limits::kMeshElements));
     if (element.count > 0 && element.properties.empty()) throw InputError(fmt::format("{}: an element without properties", name));
     const bool is_vertex = element.name == "vertex";
     if (is_vertex && (coordinates != 3 || has_lists || !polygons.coordinates.empty())) {

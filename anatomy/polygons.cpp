@@ -9,8 +9,6 @@
 namespace ecorche {
 namespace {
 
-constexpr std::size_t kPolygonLimit = 10000;
-
 Vec3 newell_normal(const Points& V, const std::vector<int>& polygon) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t k = 0; k < polygon.size(); ++k) {
@@ -41,33 +39,81 @@ bool inside(const Vec2& p, const Vec2& a, const Vec2& b, const Vec2& c) {
   return twice_area(a, b, p) >= 0 && twice_area(b, c, p) >= 0 && twice_area(c, a, p) >= 0;
 }
 
-// Ears of a ring of corners; where none is left to find (a crossing polygon), the corner that turns least wrong is cut.
-void clip_ears(const Points& V, const std::vector<int>& polygon, std::vector<int>& out) {
-  const std::vector<Vec2> flat = flatten(V, polygon);
-  std::vector<int> ring(polygon.size());
-  for (std::size_t k = 0; k < ring.size(); ++k) ring[k] = static_cast<int>(k);
-  const auto at = [&](std::size_t k) -> const Vec2& { return flat[static_cast<std::size_t>(ring[k % ring.size()])]; };
-  while (ring.size() > 3) {
-    const std::size_t n = ring.size();
-    std::size_t best = 0;
-    double best_score = -1e300;
-    for (std::size_t k = 0; k < n; ++k) {
-      const Vec2 &a = at(k + n - 1), &b = at(k), &c = at(k + 1);
-      const double area = twice_area(a, b, c);
-      bool empty = area > 0;
-      for (std::size_t m = k + 2; empty && m < k + n - 1; ++m) {
-        const Vec2& p = at(m);
-        empty = p == a || p == b || p == c || !inside(p, a, b, c);
-      }
-      // Round ears first: slivers are what makes a bad triangulation.
-      const double edges = (a - b).squaredNorm() + (b - c).squaredNorm() + (c - a).squaredNorm();
-      const double score = (empty ? 10 : 0) + (edges > 0 ? area / edges : 0);
-      if (score > best_score) best = k, best_score = score;
-    }
-    for (const std::size_t k : {best + n - 1, best, best + 1}) out.push_back(polygon[static_cast<std::size_t>(ring[k % n])]);
-    ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(best));
+// A ring of corners from which ears are cut. What is known of a corner stays so until a neighbour of it goes or the one corner that was
+// found to lie within its triangle, so that a polygon takes time by the square of its corners, not by their cube.
+class EarRing {
+ public:
+  EarRing(std::vector<Vec2> flat) : flat_(std::move(flat)), corners_(flat_.size()) {
+    const std::size_t n = flat_.size();
+    for (std::size_t k = 0; k < n; ++k) corners_[k] = {(k + n - 1) % n, (k + 1) % n, (k + 2) % n, 0, true};
+    for (std::size_t k = 0; k < n; ++k) judge(k);
   }
-  for (int k : ring) out.push_back(polygon[static_cast<std::size_t>(k)]);
+
+  // The corner whose ear is cut next: where none is left to find (a crossing polygon), the one that turns least wrong.
+  std::size_t best() const {
+    std::size_t found = first_;
+    for (std::size_t k = corners_[first_].next; k != first_; k = corners_[k].next)
+      if (corners_[k].score > corners_[found].score) found = k;
+    return found;
+  }
+  std::size_t before(std::size_t k) const { return corners_[k].before; }
+  std::size_t next(std::size_t k) const { return corners_[k].next; }
+  std::size_t first() const { return first_; }
+
+  void cut(std::size_t k) {
+    const std::size_t a = corners_[k].before, c = corners_[k].next;
+    corners_[k].there = false;
+    corners_[a].next = c;
+    corners_[c].before = a;
+    if (first_ == k) first_ = c;
+    for (std::size_t m = corners_[c].next; m != a; m = corners_[m].next)
+      if (corners_[m].within == k) judge(m);
+    for (const std::size_t m : {a, c}) {
+      corners_[m].within = corners_[corners_[m].next].next;
+      judge(m);
+    }
+  }
+
+ private:
+  struct Corner {
+    std::size_t before = 0, next = 0;
+    std::size_t within = 0;  // no corner from the next but one up to this one lies within the triangle; this one does, or there is none
+    double score = 0;
+    bool there = false;
+  };
+
+  void judge(std::size_t k) {
+    Corner& corner = corners_[k];
+    const Vec2 &a = flat_[corner.before], &b = flat_[k], &c = flat_[corner.next];
+    const double area = twice_area(a, b, c);
+    bool empty = area > 0;
+    if (empty) {
+      std::size_t m = corner.within;
+      while (!corners_[m].there) m = corners_[m].next;  // those that went keep the way on from where they were
+      while (m != corner.before && !blocks(flat_[m], a, b, c)) m = corners_[m].next;
+      corner.within = m;
+      empty = m == corner.before;
+    }
+    // Round ears first: slivers are what makes a bad triangulation.
+    const double edges = (a - b).squaredNorm() + (b - c).squaredNorm() + (c - a).squaredNorm();
+    corner.score = (empty ? 10 : 0) + (edges > 0 ? area / edges : 0);
+  }
+
+  static bool blocks(const Vec2& p, const Vec2& a, const Vec2& b, const Vec2& c) { return p != a && p != b && p != c && inside(p, a, b, c); }
+
+  std::vector<Vec2> flat_;
+  std::vector<Corner> corners_;
+  std::size_t first_ = 0;
+};
+
+void clip_ears(const Points& V, const std::vector<int>& polygon, std::vector<int>& out) {
+  EarRing ring(flatten(V, polygon));
+  for (std::size_t left = polygon.size(); left > 3; --left) {
+    const std::size_t k = ring.best();
+    for (const std::size_t corner : {ring.before(k), k, ring.next(k)}) out.push_back(polygon[corner]);
+    ring.cut(k);
+  }
+  for (const std::size_t corner : {ring.first(), ring.next(ring.first()), ring.before(ring.first())}) out.push_back(polygon[corner]);
 }
 
 void append_triangles(const Points& V, const std::vector<int>& polygon, std::vector<int>& out) {
@@ -95,7 +141,7 @@ TriMesh triangulate(const Polygons& polygons, const std::string& name, std::vect
   mesh.V = Eigen::Map<const Points>(polygons.coordinates.data(), static_cast<Eigen::Index>(polygons.coordinates.size() / 3), 3);
   std::vector<int> triangles, polygon;
   triangles.reserve(polygons.corners.size());
-  std::size_t next = 0;
+  std::size_t next = 0, work = 0;
   int dropped = 0;
   for (std::size_t f = 0; f < polygons.sizes.size(); ++f) {
     polygon.clear();
@@ -110,14 +156,16 @@ TriMesh triangulate(const Polygons& polygons, const std::string& name, std::vect
       ++dropped;
       continue;
     }
-    if (polygon.size() > kPolygonLimit) {
-      throw LimitError(fmt::format("{}: face {} has {} corners; the limit is {}", name, f + 1, polygon.size(), kPolygonLimit));
+    if (polygon.size() > limits::kPolygonCorners) {
+      throw LimitError(fmt::format("{}: face {} has {} corners; the limit is {}", name, f + 1, polygon.size(), limits::kPolygonCorners));
     }
+    if (polygon.size() > 4) work += polygon.size() * polygon.size();
+    if (work > limits::kPolygonWork) throw LimitError(fmt::format("{}: face {}: too many polygons of many corners; save the mesh in triangles", name, f + 1));
     append_triangles(mesh.V, polygon, triangles);
   }
   if (dropped > 0) notes.push_back(fmt::format("{}: passed over {} faces with fewer than three different corners", name, dropped));
   if (triangles.empty()) throw UnfitError(fmt::format("{}: {} vertices but no faces; a surface is needed", name, mesh.V.rows()));
-  if (static_cast<long long>(triangles.size()) / 3 > kMeshLimit) throw LimitError(fmt::format("{}: more than {} triangles", name, kMeshLimit));
+  if (static_cast<long long>(triangles.size()) / 3 > limits::kMeshElements) throw LimitError(fmt::format("{}: more than {} triangles", name, limits::kMeshElements));
   mesh.F = Eigen::Map<const Triangles>(triangles.data(), static_cast<Eigen::Index>(triangles.size() / 3), 3);
   return mesh;
 }

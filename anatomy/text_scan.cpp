@@ -45,16 +45,23 @@ bool parse_whole(std::string_view word, long long& value) {
   return error == std::errc() && !word.empty() && end == word.data() + word.size();
 }
 
-TextScan::TextScan(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {
-  if (rest_.substr(0, 3) == "\xEF\xBB\xBF") rest_.remove_prefix(3);
-  if (rest_.substr(0, 2) == "\xFF\xFE" || rest_.substr(0, 2) == "\xFE\xFF") {
-    throw InputError(name_ + ": the text is UTF-16; save it as UTF-8");
-  }
+std::string_view unmarked_text(std::string_view text, const std::string& name) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  const bool marked = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
+  const bool wide = text.size() > 1 && (text[0] == '\0') != (text[1] == '\0');
+  if (marked || wide) throw InputError(name + ": the text is UTF-16; save it as UTF-8");
+  return text;
 }
+
+char line_end(std::string_view text) { return text.find('\n') == std::string_view::npos && text.find('\r') != std::string_view::npos ? '\r' : '\n'; }
+
+TextScan::TextScan(std::string_view text, std::string name) : rest_(unmarked_text(text, name)), name_(std::move(name)), end_(line_end(rest_)) {}
+
+TextScan::TextScan(std::string_view text, std::string name, char end) : rest_(text), name_(std::move(name)), end_(end) {}
 
 bool TextScan::next_line() {
   if (rest_.empty()) return false;
-  const auto end = rest_.find('\n');
+  const auto end = rest_.find(end_);
   line_ = rest_.substr(0, end);
   rest_ = end == std::string_view::npos ? std::string_view() : rest_.substr(end + 1);
   if (!line_.empty() && line_.back() == '\r') line_.remove_suffix(1);

@@ -1,6 +1,6 @@
 // Numbers and words out of text files, line by line, with errors that say file and line.
 //
-// Independent of the locale. Understands LF and CRLF, skips a UTF-8 byte order mark, refuses UTF-16.
+// Independent of the locale. Understands LF, CRLF and CR, skips a UTF-8 byte order mark, refuses UTF-16.
 #pragma once
 
 #include <string>
@@ -8,10 +8,18 @@
 
 namespace ecorche {
 
+// The text without its byte order mark. Throws InputError that names UTF-16, with or without a mark.
+std::string_view unmarked_text(std::string_view text, const std::string& name);
+
+// What lines of a text end with: '\r' where it has no '\n' at all, as files from old spreadsheets; else '\n', which a '\r' may precede.
+char line_end(std::string_view text);
+
 class TextScan {
  public:
   // `name` is what messages call the text. The text must outlive the scan. Throws InputError for UTF-16 text.
   TextScan(std::string_view text, std::string name);
+  // With the end of lines told: for a text that bytes follow.
+  TextScan(std::string_view text, std::string name, char end);
 
   // Moves to the next line; false at the end of the text.
   bool next_line();
@@ -34,6 +42,7 @@ class TextScan {
   std::string_view rest_, line_, tail_;
   std::string name_;
   int number_ = 0;
+  char end_ = '\n';
 };
 
 // The whole word as a finite number. False when it is anything else.

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <set>
 
+#include "anatomy/input_file.h"
+#include "anatomy/own_joints.h"
 #include "app/progress.h"
 #include "skinning/bvh_io.h"
 #include "skinning/crowd_read.h"
@@ -20,6 +22,7 @@ void animate_crowd(const std::filesystem::path& crowd, const std::filesystem::pa
   double slide = 0, penetration = 0, fps = 0;
   std::set<std::string> warnings;  // the same for most people
   const auto move = [&](const CrowdPerson& person) {
+    require_own_joints(person.skeleton, printable(crowd.string()));
     RetargetOptions own = to_retarget_options(options);
     if (!own.sole_height) own.sole_height = person.body.skin.V.col(1).minCoeff();
     if (own.keep_apart) own.rounds = measure_rounds(person.skeleton, person.body.skin.V);
@@ -33,7 +36,7 @@ void animate_crowd(const std::filesystem::path& crowd, const std::filesystem::pa
   };
   {
     const StageTimer timer(report, "people");
-    write_crowd_motion(output, people, {motion.stem().string(), stagger}, move);
+    write_crowd_motion(output, people, {printable(motion.stem().string()), stagger}, move);
   }
   for (const std::string& warning : warnings) {
     note(common, "warning: " + warning);

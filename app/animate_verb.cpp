@@ -63,10 +63,8 @@ MotionQuality write_outputs(const AnimateOptions& options, const Actor& actor, c
                             Report& report) {
   const StageTimer timer(report, "frames");
   std::vector<CacheWriter> caches;
-  for (const fs::path& file : options.outputs) {
-    if (file.extension() == ".glb") write_character(file, actor.character, actor.binding, &motion);
-    else caches.push_back(open_cache(file, actor, motion));
-  }
+  for (const fs::path& file : options.outputs)
+    if (file.extension() != ".glb") caches.push_back(open_cache(file, actor, motion));
   MotionRun pass{activations, options.dynamics};
   Progress progress(common, "frames", static_cast<int>(motion.frames.size()));
   pass.take = [&](int f, const ActorFrame& frame) {
@@ -74,6 +72,8 @@ MotionQuality write_outputs(const AnimateOptions& options, const Actor& actor, c
     progress.at(f + 1);
   };
   const MotionQuality quality = play_motion(actor, motion, pass);
+  for (const fs::path& file : options.outputs)  // once it is known that nothing is flung away
+    if (file.extension() == ".glb") write_character(file, actor.character, actor.binding, &motion);
   for (const CacheWriter& cache : caches) cache.finish();
   return quality;
 }

@@ -5,6 +5,7 @@
 
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
+#include "anatomy/input_file.h"
 #include "app/actor.h"
 #include "app/motion_options.h"
 #include "app/open_character.h"
@@ -32,8 +33,8 @@ std::vector<BakedMotion> open_motions(const BakeVerbOptions& options, const Acto
   std::set<std::string> names;
   for (const fs::path& file : options.motions) {
     BakedMotion each;
-    each.name = file.stem().string();
-    for (int k = 2; !names.insert(each.name).second; ++k) each.name = fmt::format("{}_{}", file.stem().string(), k);
+    each.name = printable(file.stem().string());
+    for (int k = 2; !names.insert(each.name).second; ++k) each.name = fmt::format("{}_{}", printable(file.stem().string()), k);
     each.motion = open_motion(file, actor.character, options.retarget, common, report);
     out.push_back(std::move(each));
   }

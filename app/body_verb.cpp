@@ -6,6 +6,7 @@
 
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
+#include "anatomy/input_file.h"
 #include "anatomy/package.h"
 #include "app/option_values.h"
 #include "app/verb.h"
@@ -78,7 +79,7 @@ int run_measured(const NewOptions& options, const Common& common, Report& report
                                  solved.conflicts.empty() ? "" : ", --allow-unusual tries without asking whether people measure so"));
   Body body;
   body.skin = skin_mesh(package, solved.points);
-  body.name = options.output.stem().string();
+  body.name = printable(options.output.stem().string());
   body.sex = sex;
   if (options.age) body.age = *options.age;
   body.mass = kBodyDensity * skin_volume(package, solved.points);
@@ -101,7 +102,7 @@ int run_new(const NewOptions& options, const Common& common, Report& report) {
   if (options.height > 0) spec.height = options.height;
   if (options.mass > 0) spec.mass = options.mass;
   if (options.muscle >= 0) spec.muscle = options.muscle;
-  spec.name = options.output.stem().string();
+  spec.name = printable(options.output.stem().string());
 
   const BodyPackage package = read_body_package(find_packages());
   const StageTimer timer(report, "body");

@@ -11,6 +11,7 @@
 #include "app/bodies_check.h"
 #include "app/bulges.h"
 #include "app/check_page.h"
+#include "app/open_character.h"
 #include "morph/template.h"
 
 namespace ecorche {
@@ -25,8 +26,8 @@ struct CheckVerbOptions {
   bool no_pictures = false, no_sweeps = false;
 };
 
-Character open_subject(const std::string& name) {
-  if (name != "template") return read_character(name);
+Character open_subject(const std::string& name, const Common& common, Report& report) {
+  if (name != "template") return open_character(name, common, report);
   Template shown = read_template();
   return {std::move(shown.anatomy), std::move(shown.body)};
 }
@@ -74,7 +75,7 @@ void check_options(const CheckVerbOptions& options, const Common& common) {
 int run(const CheckVerbOptions& options, const Common& common, Report& report) {
   check_options(options, common);
   if (options.character == "bodies") return run_bodies(options, common, report);
-  const Actor actor = make_actor(open_subject(options.character), report);
+  const Actor actor = make_actor(open_subject(options.character, common, report), report);
   const BodyPackage package = read_body_package(find_packages());
   const Skeleton& skeleton = actor.character.anatomy.skeleton;
   std::vector<LimitPose> poses;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "anatomy/errors.h"
+#include "anatomy/input_file.h"
 #include "anatomy/joint_angles.h"
 #include "anatomy/table.h"
 #include "skinning/name_pattern.h"
@@ -41,13 +42,17 @@ std::vector<LimitPose> read_limit_poses(const std::filesystem::path& file, const
     const Vec3 shares(share(table, row, "flexion"), share(table, row, "abduction"), share(table, row, "rotation"));
     const std::string &name = table.text(row, "pose"), &pattern = table.text(row, "joint");
     if (name.empty() || pattern.empty()) throw InputError(table.where(row) + ": a row needs the names of its pose and joint");
+    bool meant = false;
     for (std::size_t j = 0; j < skeleton.joints.size(); ++j) {
       if (!is_meant(pattern, skeleton.joints[j].name)) continue;
+      meant = true;
       auto pose = std::find_if(poses.begin(), poses.end(), [&](const LimitPose& p) { return p.name == name; });
       if (pose == poses.end()) pose = poses.insert(poses.end(), LimitPose{name, rest_pose(skeleton)});
       pose->pose.rotations[j] = limit_rotation(skeleton.joints[j], shares);
     }
+    if (!meant) throw InputError(fmt::format("{}: '{}' is no joint", table.where(row), pattern));
   }
+  if (poses.empty()) throw InputError(fmt::format("{}: holds no poses", printable(file.string())));
   for (LimitPose& pose : poses) complete_pose(skeleton, pose.pose);
   return poses;
 }

@@ -46,6 +46,17 @@ MotionSurvey begin_survey(const Actor& actor, const BodyPackage* package) {
   return survey;
 }
 
+// A frame's skin that is not near its body means that something in character or motion is none of a body's; it is not handed on.
+void check_near(const ActorFrame& frame, int f) {
+  constexpr float kFarthest = 10;  // m from the root
+  const Eigen::Vector3f root = frame.posed.X_WJ[0].translation().cast<float>();
+  const std::vector<float>& places = frame.skin.positions;
+  for (size_t v = 0; v + 3 < places.size(); v += 4)
+    for (int k = 0; k < 3; ++k)
+      if (const float way = places[v + static_cast<size_t>(k)] - root[k]; !(way >= -kFarthest && way <= kFarthest))
+        throw UnfitError(fmt::format("frame {}: skin vertex {} is moved {:.3g} m away from its body; the character or the motion is damaged", f, v / 4, way));
+}
+
 FrameQuality survey_frame(const MotionSurvey& survey, const ActorFrame& frame, SkinFrame& linear) {
   const Actor& actor = *survey.actor;
   const TriMesh& rest = actor.character.body.skin;
@@ -111,6 +122,7 @@ MotionQuality play_motion(const Actor& actor, const Motion& motion, const Motion
   };
   const auto make = [&](int f, int slot) {
     play(actor, motion.frames[static_cast<size_t>(f)], at(slot).frame, at(slot).efforts, at(slot).flesh);
+    check_near(at(slot).frame, f);
     at(slot).quality = survey_frame(survey, at(slot).frame, at(slot).linear);
   };
   MotionQuality quality;

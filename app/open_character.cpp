@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "anatomy/input_file.h"
+#include "anatomy/own_joints.h"
 #include "anatomy/package.h"
 #include "app/fitting.h"
 #include "skinning/crowd_read.h"
@@ -9,7 +11,11 @@
 namespace ecorche {
 
 Character open_character(const std::filesystem::path& file, const Common& common, Report& report) {
-  if (!crowd_address(file)) return read_character(file);
+  if (!crowd_address(file)) {
+    Character character = read_character(file);
+    require_own_joints(character.anatomy.skeleton, printable(file.string()));
+    return character;
+  }
   note(common, fmt::format("{}: fitting bones and muscles; `ecorche fit '{}' -o FILE.glb` keeps them", file.string(), file.string()));
   const BodyPackage package = read_body_package(find_packages());
   return fit_character(read_template(), read_body(file), package, {.moves = false, .bound = false, .tissues = false}, report).actor.character;

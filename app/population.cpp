@@ -1,16 +1,16 @@
 #include "app/population.h"
 
 #include <algorithm>
-#include <fstream>
 #include <random>
 #include <set>
-#include <sstream>
 
 #include <fmt/format.h>
 
 #include "anatomy/errors.h"
+#include "anatomy/input_file.h"
 #include "anatomy/package.h"
 #include "anatomy/table.h"
+#include "anatomy/text_scan.h"
 #include "morph/sizes.h"
 
 namespace ecorche {
@@ -20,15 +20,16 @@ constexpr const char* kOwnColumns[] = {"name", "sex", "age", "size"};
 
 bool is_own(const std::string& column) { return std::find(std::begin(kOwnColumns), std::end(kOwnColumns), column) != std::end(kOwnColumns); }
 
-std::vector<std::string> column_names(std::string header) {
-  header.erase(std::remove(header.begin(), header.end(), '\r'), header.end());
-  std::vector<std::string> out;
-  std::istringstream cells(header);
-  for (std::string cell; std::getline(cells, cell, ',');) {
-    const auto first = cell.find_first_not_of(" \t\""), last = cell.find_last_not_of(" \t\"");
-    out.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
+// A column that is no measure would be passed over in silence.
+void check_columns(const std::vector<std::string>& columns, const MeasureTable& table, const std::string& where) {
+  for (const std::string& column : columns) {
+    if (is_own(column)) continue;
+    try {
+      table.at(column);
+    } catch (const Error& e) {
+      throw UsageError(fmt::format("{}: {}; other columns are name, sex, age and size", where, e.what()));
+    }
   }
-  return out;
 }
 
 void check_name(const std::string& name) {
@@ -67,34 +68,36 @@ Person read_person(const Table& row, const std::vector<std::string>& columns, in
 }  // namespace
 
 People read_people(const std::filesystem::path& file, std::optional<Sex> sex, const TapeMeasure& tape) {
-  std::ifstream in(file);
-  if (!in) throw InputError(file.string() + ": cannot be read");
+  const std::string name = printable(file.string()), bytes = read_input_file(file, limits::kTableBytes);
   const std::vector<StandardSize> sizes = read_sizes(data_folder() / "body");
   People out;
   std::string header;
   std::vector<std::string> columns;
   std::set<std::string> names;
-  int line = 0;
-  for (std::string text; std::getline(in, text);) {
-    ++line;
+  TextScan scan(bytes, name);
+  while (scan.next_line()) {
+    const std::string text(scan.line());
+    const int line = scan.line_number();
     if (text.find_first_not_of(" \t\r,") == std::string::npos || text[0] == '#') continue;
     if (header.empty()) {
       header = text;
-      columns = column_names(header);
-      for (const std::string& column : columns)
-        if (!is_own(column)) tape.table().at(column);  // a column that is no measure would be passed over in silence
+      columns = Table(header, fmt::format("{}:{}", name, line)).columns();
+      check_columns(columns, tape.table(), fmt::format("{}:{}", name, line));
       continue;
     }
     try {
-      const Table row(header + "\n" + text + "\n", file.string());
+      const Table row(header + "\n" + text + "\n", name);
       Person person = read_person(row, columns, static_cast<int>(out.people.size() + out.bad.size()) + 1, sex, tape, sizes);
       if (!names.insert(person.name).second) throw InputError(fmt::format("name '{}': taken by a row above", person.name));
       out.people.push_back(std::move(person));
     } catch (const Error& e) {
-      out.bad.push_back({line, fmt::format("{}:{}: {}", file.string(), line, e.what())});
+      const std::string own = fmt::format("{}:2: ", name), what = e.what();  // where the row stands in a table of its own
+      if (out.people.size() + out.bad.size() >= limits::kPeople) throw LimitError(fmt::format("{}:{}: more than {} people", name, line, limits::kPeople));
+      out.bad.push_back({line, fmt::format("{}:{}: {}", name, line, what.starts_with(own) ? what.substr(own.size()) : what)});
     }
   }
-  if (header.empty()) throw InputError(file.string() + ": empty; expected a row of column names, then a row a person");
+  if (header.empty()) throw InputError(name + ": empty; expected a row of column names, then a row a person");
+  if (out.people.empty() && out.bad.empty()) throw InputError(fmt::format("{}: no rows after the column names; expected one a person", name));
   return out;
 }
 

@@ -196,7 +196,7 @@ int run_population(const PopulationOptions& options, const Common& common, Repor
   if (options.people.empty()) people.people = draw_people(options.count, sex, common.seed);
   else people = read_people(options.people, sex, shop.tape);
   for (const BadRow& bad : people.bad) note(common, bad.what);
-  if (people.people.empty()) throw InputError(options.people.string() + ": no row can be used");
+  if (people.people.empty()) throw InputError(fmt::format("{} ({} rows, none of which can be used)", people.bad.front().what, people.bad.size()));
   if (!options.skins || !options.crowd.empty()) shop.body_template = read_template();
   const fs::path notes = options.folder / ".rows";
   make_output_folder(notes);

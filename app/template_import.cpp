@@ -1,11 +1,13 @@
 // ecorche template import: other people's musculoskeletal models as templates.
 #include <fmt/format.h>
 
+#include "anatomy/input_file.h"
 #include "anatomy/muscle_model.h"
 #include "app/actor.h"
 #include "app/option_values.h"
 #include "app/verb.h"
 #include "morph/import_model.h"
+#include "skinning/character_check.h"
 
 namespace ecorche {
 namespace {
@@ -64,7 +66,10 @@ int run(const Options& options, const Common& common, Report& report) {
   const ImportReport& r = imported.report;
   Body body = base.body;
   body.name = model.name.empty() ? options.model.stem().string() : model.name;
-  const Actor actor = make_actor({imported.anatomy, std::move(body)}, report, {.moves = false});
+  body.name = printable(body.name);
+  Character character{imported.anatomy, std::move(body)};
+  check_character(character, printable(options.model.string()));
+  const Actor actor = make_actor(std::move(character), report, {.moves = false});
   write_character(options.output, actor.character, actor.binding);
 
   note(common, fmt::format("{}: {} of {} muscles, {} bones, {:.1f} l of muscle; ends {:.1f} mm from bones (median), {:.0f} mm at most ({})", options.output.string(),

@@ -25,6 +25,7 @@ namespace {
 constexpr double kThroughHole = 0.8;       // of a torus's hole: how far from its middle a line may pass
 constexpr double kHoleReach = 4;           // radii: a line that passes further away has nothing to do with it
 constexpr double kShortest = 1e-4;         // m between path points
+constexpr int kDirections = 16;            // places along a line that are asked for their direction: those of its sections
 constexpr double kUnderSkin = 15e-3;       // m: a belly this near to the skin grows to it
 constexpr double kUnknownSection = 1e-4;   // m^2, of muscles whose forces are not stated
 
@@ -193,7 +194,18 @@ class Importer {
     while (stations.size() > static_cast<size_t>(kMaxPathPoints)) thin(stations);
     strip.path.clear();
     for (const Station& s : stations) strip.path.push_back(s.point);
-    return true;
+    if (has_directions(strip)) return true;
+    out_.report.notes.push_back(fmt::format("{}: muscle '{}': its path turns back on itself; left out", model_.file, printable(muscle.name)));
+    return false;
+  }
+
+  // Whether sections can be laid across the line wherever they come to lie.
+  static bool has_directions(const Strip& strip) {
+    if (!(line_length(strip.path) > kShortest)) return false;
+    std::vector<double> s;
+    for (int k = 0; k <= kDirections; ++k) s.push_back(double(k) / kDirections);
+    const std::vector<Vec3> tangents = line_tangents(line_points(strip.path, s));
+    return std::all_of(tangents.begin(), tangents.end(), [](const Vec3& t) { return t.allFinite() && std::abs(t.norm() - 1) < 1e-6; });
   }
 
   Wrap to_wrap(const ModelWrap& from) const {

@@ -44,5 +44,6 @@ std::string nearest_names(const Anatomy& anatomy, std::string_view name, const M
 // Times are seconds; they must rise (keyframes: no two of a muscle alike). Throws InputError: unreadable, malformed, not finite, a value outside
 // [0, 1], an unknown name (with the nearest ones), LimitError above 64 MB.
 Activations read_activations(const std::filesystem::path& file, const Anatomy& anatomy, const MuscleAliases& aliases = {});
+Activations parse_activations(std::string_view text, const std::string& name, const Anatomy& anatomy, const MuscleAliases& aliases = {});
 
 }  // namespace ecorche

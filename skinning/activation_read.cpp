@@ -14,8 +14,6 @@
 namespace ecorche {
 namespace {
 
-constexpr std::size_t kMaxBytes = std::size_t{64} << 20;
-constexpr std::size_t kMaxColumns = 10000;
 constexpr double kSlack = 1e-6;  // beyond [0, 1], from rounding
 
 struct Source {
@@ -25,6 +23,7 @@ struct Source {
 };
 
 std::vector<int> find_muscles(const Source& source, const std::string& where, const std::string& name) {
+  if (name.size() > limits::kNameBytes) throw LimitError(fmt::format("{}: a name of {} bytes; the limit is {}", where, name.size(), limits::kNameBytes));
   std::vector<int> muscles = muscles_meant(source.anatomy, name, source.aliases);
   if (muscles.empty())
     throw InputError(fmt::format("{}: no muscle is called '{}'; near it are {}. `ecorche template info` lists the names; `*` stands for any letters", where,
@@ -83,34 +82,14 @@ Activations read_keyframes(const Source& source, const Table& table) {
   return out;
 }
 
-// Header names of a table whose columns are muscles.
-std::vector<std::string> header_names(std::string_view text, const std::string& file) {
-  TextScan scan(text, file);
-  while (scan.next_line()) {
-    std::string_view line = scan.line();
-    if (line.empty() || line[0] == '#') continue;
-    std::vector<std::string> names;
-    for (std::size_t at = 0; at <= line.size();) {
-      const std::size_t comma = std::min(line.find(',', at), line.size());
-      std::string_view cell = line.substr(at, comma - at);
-      while (!cell.empty() && (cell.front() == ' ' || cell.front() == '"' || cell.front() == '\t')) cell.remove_prefix(1);
-      while (!cell.empty() && (cell.back() == ' ' || cell.back() == '"' || cell.back() == '\t')) cell.remove_suffix(1);
-      names.emplace_back(cell);
-      at = comma + 1;
-    }
-    return names;
-  }
-  return {};
-}
-
-Activations read_csv(const Source& source, const std::string& text) {
+Activations read_csv(const Source& source, std::string_view text) {
   const Table table(text, source.name);
   if (!table.has_column("time")) throw InputError(source.name + ": no column 'time'; write time,muscle,value or time and a column a muscle");
   if (table.has_column("muscle") && table.has_column("value")) return read_keyframes(source, table);
   std::vector<std::string> names;
-  for (const std::string& name : header_names(text, source.name))
+  for (const std::string& name : table.columns())
     if (name != "time") names.push_back(name);
-  if (names.empty() || names.size() > kMaxColumns) throw InputError(fmt::format("{}: {} columns of muscles; 1 to {} can be read", source.name, names.size(), kMaxColumns));
+  if (names.empty()) throw InputError(fmt::format("{}: no column of a muscle beside 'time'", source.name));
   std::vector<double> times;
   std::vector<std::vector<double>> values(names.size());
   for (int row = 0; row < table.rows(); ++row) {
@@ -132,7 +111,7 @@ bool is_activation(const std::string& label) {
   return text.ends_with("/activation") || text.ends_with(".activation") || text.ends_with("|activation");
 }
 
-Activations read_opensim(const Source& source, const std::string& text) {
+Activations read_opensim(const Source& source, std::string_view text) {
   TextScan scan(text, source.name);
   bool head = true;
   while (head) {
@@ -144,7 +123,7 @@ Activations read_opensim(const Source& source, const std::string& text) {
     if (!scan.next_line()) throw InputError(source.name + ": no line of labels after 'endheader'");
     for (std::string_view word = scan.word(); !word.empty(); word = scan.word()) {
       labels.emplace_back(word);
-      if (labels.size() > kMaxColumns) scan.fail(fmt::format("more than {} columns", kMaxColumns));
+      if (labels.size() > limits::kTableColumns) throw LimitError(fmt::format("{}:{}: more than {} columns", source.name, scan.line_number(), limits::kTableColumns));
     }
   }
   const std::string where = fmt::format("{}:{}", source.name, scan.line_number());
@@ -177,12 +156,15 @@ Activations read_opensim(const Source& source, const std::string& text) {
 }  // namespace
 
 Activations read_activations(const std::filesystem::path& file, const Anatomy& anatomy, const MuscleAliases& aliases) {
-  const std::string text = read_input_file(file, kMaxBytes);
-  const Source source{anatomy, aliases, printable(file.filename().string())};
-  const std::string extension = lower(file.extension().string());
+  return parse_activations(read_input_file(file, limits::kTableBytes), printable(file.filename().string()), anatomy, aliases);
+}
+
+Activations parse_activations(std::string_view text, const std::string& name, const Anatomy& anatomy, const MuscleAliases& aliases) {
+  const Source source{anatomy, aliases, name};
+  const std::string extension = lower(std::filesystem::path(name).extension().string());
   if (extension == ".csv") return read_csv(source, text);
   if (extension == ".sto" || extension == ".mot") return read_opensim(source, text);
-  throw InputError(fmt::format("{}: unknown kind of activation table '{}'; .csv, .sto and .mot can be read", source.name, printable(extension)));
+  throw InputError(fmt::format("{}: unknown kind of activation table '{}'; .csv, .sto and .mot can be read", source.name, extension));
 }
 
 }  // namespace ecorche

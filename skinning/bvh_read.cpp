@@ -1,23 +1,18 @@
 #include <fmt/format.h>
 
-#include <cerrno>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstring>
-#include <fstream>
-#include <set>
+#include <map>
 
 #include "anatomy/errors.h"
+#include "anatomy/input_file.h"
+#include "anatomy/text_scan.h"
 #include "skinning/bvh_io.h"
 
 namespace ecorche {
 namespace {
 
-constexpr size_t kMaxDepth = 256;
-constexpr size_t kMaxJoints = 65535;
-constexpr size_t kMaxNameBytes = 1024;
-constexpr int kMaxFrames = 1 << 24;
-constexpr std::uintmax_t kMaxFileBytes = 1u << 30;
 constexpr double kMaxDegrees = 1e6;  // beyond this a double has lost the fraction that matters
 constexpr double kMaxPosition = 1e9;
 constexpr double kMinFrameTime = 1e-4, kMaxFrameTime = 10;
@@ -31,13 +26,8 @@ bool same_word(std::string_view a, std::string_view b) {
   return true;
 }
 
-// For messages: a token shortened, and without control characters.
-std::string shown(std::string_view token) {
-  std::string out;
-  for (char c : token.substr(0, 40)) out += (static_cast<unsigned char>(c) < 32 || c == 127) ? '?' : c;
-  if (token.size() > 40) out += "...";
-  return out;
-}
+// For messages: a token shortened, and printable.
+std::string shown(std::string_view token) { return printable(token.substr(0, 40)) + (token.size() > 40 ? "..." : ""); }
 
 // Words of the file with their line number. '{' and '}' are words even without spaces around them.
 class Words {
@@ -93,15 +83,9 @@ class Words {
   int line_ = 1;
 };
 
-// A finite number, or nullopt. Independent of the locale.
 std::optional<double> to_number(std::string_view word) {
-  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
   double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (end != word.data() + word.size() || word.empty()) return std::nullopt;
-  if (error == std::errc::result_out_of_range && word.find("e-") != std::string_view::npos) return 0.0;  // underflow
-  if (error != std::errc() || !std::isfinite(value)) return std::nullopt;
-  return value;
+  return parse_number(word, value) ? std::optional(value) : std::nullopt;
 }
 
 double read_number(Words& words, const char* part) {
@@ -111,22 +95,6 @@ double read_number(Words& words, const char* part) {
   if (!value) words.fail(fmt::format("{}: '{}' is not a finite number; expected digits with a decimal point", part, shown(word)));
   if (std::abs(*value) > kMaxPosition) words.fail(fmt::format("{}: {} is beyond {:g}", part, *value, kMaxPosition));
   return *value;
-}
-
-bool valid_utf8(std::string_view text) {
-  for (size_t k = 0; k < text.size();) {
-    const auto lead = static_cast<unsigned char>(text[k]);
-    const size_t length = lead < 0x80                   ? 1
-                          : lead >= 0xC2 && lead < 0xE0 ? 2
-                          : lead >= 0xE0 && lead < 0xF0 ? 3
-                          : lead >= 0xF0 && lead < 0xF5 ? 4
-                                                        : 0;
-    if (length == 0 || k + length > text.size()) return false;
-    for (size_t m = 1; m < length; ++m)
-      if ((static_cast<unsigned char>(text[k + m]) & 0xC0) != 0x80) return false;
-    k += length;
-  }
-  return true;
 }
 
 // Reads the tree with an explicit stack, so that nesting costs heap, not the call stack.
@@ -209,7 +177,7 @@ class HierarchyReader {
   }
 
   void open_joint(int parent) {
-    if (motion_.joints.size() >= kMaxJoints) words_.fail(fmt::format("more than {} joints", kMaxJoints));
+    if (motion_.joints.size() >= limits::kMotionJoints) words_.fail(fmt::format("more than {} joints", limits::kMotionJoints));
     BvhJoint joint;
     joint.name = unique_name(words_.rest_of_line());
     joint.parent = parent;
@@ -221,21 +189,20 @@ class HierarchyReader {
     const std::string_view brace = words_.next();
     if (brace.empty()) words_.fail("the hierarchy is cut short: a '{' is missing");
     if (brace != "{") words_.fail(fmt::format("'{}' where a '{{' should be", shown(brace)));
-    if (open_.size() >= kMaxDepth) words_.fail(fmt::format("joints nested deeper than {}", kMaxDepth));
+    if (open_.size() >= limits::kMotionDepth) words_.fail(fmt::format("joints nested deeper than {}", limits::kMotionDepth));
     open_.push_back(open);
   }
 
   std::string unique_name(std::string_view written) {
-    if (written.size() > kMaxNameBytes)
-      words_.fail(fmt::format("a joint's name of {} bytes; the limit is {}", written.size(), kMaxNameBytes));
+    if (written.size() > limits::kNameBytes)
+      words_.fail(fmt::format("a joint's name of {} bytes; the limit is {}", written.size(), limits::kNameBytes));
     std::string name(written);
     std::string why;
     if (name.empty()) {
       name = fmt::format("joint_{}", motion_.joints.size());
       why = "has no name";
-    } else if (!valid_utf8(name)) {
-      for (char& c : name)
-        if (static_cast<unsigned char>(c) >= 0x80) c = '?';
+    } else if (!is_utf8(name)) {
+      name = printable(name);
       why = "is not UTF-8";
     }
     if (const int count = ++seen_[name]; count > 1) {
@@ -383,7 +350,7 @@ void read_frames(Words& words, BvhMotion& motion, double claimed) {
           fmt::format("{}: the last frame has {} of {} values and is left out", motion.name, count, motion.channels));
       break;
     }
-    if (++motion.frames > kMaxFrames) words.fail(fmt::format("more than {} frames", kMaxFrames));
+    if (++motion.frames > limits::kMotionFrames) words.fail(fmt::format("more than {} frames", limits::kMotionFrames));
     motion.samples.insert(motion.samples.end(), frame.begin(), frame.end());
   }
   if (motion.frames != claimed)
@@ -398,8 +365,13 @@ BvhMotion parse_bvh(std::string_view text, const std::string& name, const BvhRea
   BvhMotion motion;
   motion.name = name;
   if (text.empty()) throw InputError(name + ": empty file");
-  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) throw InputError(name + ":1: UTF-16 text; save it as UTF-8");
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  text = unmarked_text(text, name);
+  std::string turned;
+  if (line_end(text) == '\r') {  // of old programs
+    turned = text;
+    std::replace(turned.begin(), turned.end(), '\r', '\n');
+    text = turned;
+  }
   Words words(text, name);
   HierarchyReader(words, motion).read();
   const double claimed = read_motion_header(words, motion, options);
@@ -408,20 +380,7 @@ BvhMotion parse_bvh(std::string_view text, const std::string& name, const BvhRea
 }
 
 BvhMotion read_bvh(const std::filesystem::path& file, const BvhReadOptions& options) {
-  std::error_code error;
-  const auto status = std::filesystem::status(file, error);
-  if (error || !std::filesystem::exists(status))
-    throw InputError(fmt::format("{}: {}", file.string(), error ? error.message() : "no such file"));
-  if (!std::filesystem::is_regular_file(status)) throw InputError(file.string() + ": not a regular file");
-  const auto size = std::filesystem::file_size(file, error);
-  if (error) throw InputError(fmt::format("{}: {}", file.string(), error.message()));
-  if (size > kMaxFileBytes) throw LimitError(fmt::format("{}: {} bytes; the limit is {}", file.string(), size, kMaxFileBytes));
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(fmt::format("{}: {}", file.string(), std::strerror(errno)));
-  std::string text(size, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(size));
-  if (static_cast<std::uintmax_t>(stream.gcount()) != size) throw InputError(file.string() + ": could not be read to its end");
-  return parse_bvh(text, file.filename().string(), options);
+  return parse_bvh(read_input_file(file, limits::kMotionBytes), printable(file.filename().string()), options);
 }
 
 }  // namespace ecorche

@@ -26,17 +26,20 @@ inline constexpr int kCharacterSchema = 1;
 // (std::invalid_argument otherwise). Throws OutputError.
 void write_character(const std::filesystem::path& file, const Character& character, const Binding& binding, const Motion* motion = nullptr);
 
-// Throws InputError for a file that is no character of ours (it names what is missing), or one of a newer schema.
-// Positions come back in single precision (1e-7 m).
+// Throws InputError for a file that is no character of ours (it names what is missing) or whose numbers no body has (character_check.h),
+// UnfitError for one of a newer schema, LimitError. Positions come back in single precision (1e-7 m).
 Character read_character(const std::filesystem::path& file);
+Character parse_character(std::string bytes, const std::string& name);  // `name` is what messages call it
 
 // A body without anatomy: the mesh node `skin` and the body's notes (name, sex, age, mass, landmarks). Throws OutputError.
 void write_body(const std::filesystem::path& file, const Body& body);
 
-// The body of a file that write_body or write_character wrote. Throws InputError.
+// The body of a file that write_body or write_character wrote. Throws as read_character.
 Body read_body(const std::filesystem::path& file);
+Body parse_body(std::string bytes, const std::string& name);
 
-// Whether the file is a binary glTF that write_body or write_character may have written: by its first bytes and the mark in its text.
+// Whether the file is a binary glTF that write_body or write_character may have written: by its first bytes and the mark in its text. Throws
+// InputError for what is no file that can be read.
 bool has_body_notes(const std::filesystem::path& file);
 
 }  // namespace ecorche

@@ -1,76 +1,46 @@
-// Reading. Nothing outside the file itself is ever opened.
+// Reading. Nothing outside the file itself is ever opened, and what the file says of images, materials and animations is not looked at.
 #include <fmt/format.h>
-#include <tiny_gltf.h>
 
 #include <cmath>
 #include <cstring>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "anatomy/errors.h"
+#include "anatomy/gltf_file.h"
+#include "anatomy/input_file.h"
+#include "skinning/character_check.h"
 #include "skinning/character_io.h"
 #include "skinning/crowd_read.h"
-#include "skinning/gltf_values.h"
+#include "skinning/extras_read.h"
 
 namespace ecorche {
 namespace {
 
 namespace fs = std::filesystem;
-using tinygltf::Value;
+using Json = nlohmann::json;
 
-constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 31;
-
-std::vector<unsigned char> read_bytes(const fs::path& file) {
-  std::error_code error;
-  if (!fs::is_regular_file(file, error)) throw InputError(fmt::format("{}: not a file that can be read", file.string()));
-  const auto size = fs::file_size(file, error);
-  if (error) throw InputError(fmt::format("{}: {}", file.string(), error.message()));
-  if (size == 0) throw InputError(fmt::format("{}: empty file", file.string()));
-  if (size > kLargestFile) throw LimitError(fmt::format("{}: {} bytes; at most {} are read", file.string(), size, kLargestFile));
-  std::vector<unsigned char> bytes(size);
-  std::ifstream in(file, std::ios::binary);
-  if (!in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size)))
-    throw InputError(fmt::format("{}: could not be read to its end", file.string()));
-  return bytes;
-}
-
+// What ecorche has written down in a .glb about a body or character.
 class Reader {
  public:
-  explicit Reader(const fs::path& file) : name_(file.string()) {
-    const auto bytes = read_bytes(file);
-    if (bytes.size() < 20 || std::memcmp(bytes.data(), "glTF", 4) != 0)
-      fail("not a binary glTF file; `ecorche fit BODY -o CHARACTER.glb` writes one");
-    tinygltf::TinyGLTF loader;
-    tinygltf::FsCallbacks closed{[](const std::string&, void*) { return false; },
-                                 [](const std::string& path, void*) { return path; },
-                                 [](std::vector<unsigned char>*, std::string* error, const std::string& path, void*) {
-                                   *error = "refers to another file: " + path;
-                                   return false;
-                                 },
-                                 [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; },
-                                 nullptr};
-    loader.SetFsCallbacks(closed);
-    std::string error, warning;
-    if (!loader.LoadBinaryFromMemory(&model_, &error, &warning, bytes.data(), static_cast<unsigned>(bytes.size()))) fail("malformed glTF: " + error);
-    if (model_.scenes.empty() || !model_.scenes[0].extras.Has("ecorche"))
-      fail("a glTF file, but not one that ecorche wrote; `ecorche fit` makes a character from a body");
-    std::set<std::string> names;
-    for (const tinygltf::Node& node : model_.nodes)
-      if (!names.insert(node.name).second) fail(fmt::format("two nodes are named '{}'", node.name));
-  }
+  explicit Reader(const fs::path& file) : name_(printable(file.string())), bytes_(read_input_file(file)) { open(); }
+  Reader(std::string bytes, const std::string& name) : name_(name), bytes_(std::move(bytes)) { open(); }
 
   Body read_body() {
-    const Value& ecorche = model_.scenes[0].extras.Get("ecorche");
-    const int schema = gltf::read_schema(ecorche, name_);
+    const Json& notes = scene_notes();
+    const int schema = extras::read_schema(notes, name_);
     if (schema > kCharacterSchema)
-      fail(fmt::format("written by a newer version (schema {}, this program reads up to {}); update ecorche", schema, kCharacterSchema));
+      throw UnfitError(fmt::format("{}: written by a newer version (schema {}, this program reads up to {}); update ecorche", name_, schema, kCharacterSchema));
+    if (schema < 1) fail(fmt::format("schema {}; expected 1 to {}", schema, kCharacterSchema));
     Body body;
-    if (!ecorche.Has("body")) fail("'body' is missing");
-    gltf::read_body_extras(ecorche.Get("body"), name_ + ": body", body);
-    for (const tinygltf::Node& node : model_.nodes)
-      if (node.name == "skin") body.skin = read_mesh(node);
+    if (!notes.contains("body")) fail("'body' is missing");
+    extras::read_body(notes.at("body"), name_ + ": body", body);
+    for (std::size_t n = 0; n < names_.size(); ++n)
+      if (names_[n] == "skin") body.skin = read_mesh(n);
     if (body.skin.V.rows() == 0) fail("mesh node 'skin' is missing");
+    check_body(body, name_);
     return body;
   }
 
@@ -79,102 +49,122 @@ class Reader {
     character.body = read_body();
     read_skeleton(character.anatomy.skeleton);
     const auto positions = rest_positions(character.anatomy.skeleton);
-    for (const tinygltf::Node& node : model_.nodes) {
-      if (node.name.starts_with("bone/")) character.anatomy.bones.push_back(read_bone(node, positions));
-      if (node.name.starts_with("muscle/")) character.anatomy.muscles.push_back(read_muscle(node));
+    for (std::size_t n = 0; n < names_.size(); ++n) {
+      if (names_[n].starts_with("bone/")) character.anatomy.bones.push_back(read_bone(n, positions));
+      if (names_[n].starts_with("muscle/")) character.anatomy.muscles.push_back(read_muscle(n));
     }
-    try {
-      validate(character.anatomy);
-    } catch (const std::invalid_argument& e) {
-      fail(e.what());
-    }
+    check_character(character, name_);
     return character;
   }
 
  private:
   [[noreturn]] void fail(const std::string& what) const { throw InputError(name_ + ": " + what); }
 
-  void read_skeleton(Skeleton& skeleton) {
-    if (model_.skins.size() != 1) fail(fmt::format("{} skins; a character has one", model_.skins.size()));
-    std::map<int, int> joint_of_node;
-    const auto& joints = model_.skins[0].joints;
-    for (size_t j = 0; j < joints.size(); ++j) {
-      if (joints[j] < 0 || joints[j] >= static_cast<int>(model_.nodes.size())) fail(fmt::format("skin names node {}", joints[j]));
-      joint_of_node[joints[j]] = static_cast<int>(j);
+  void open() {
+    if (bytes_.size() < 20 || !bytes_.starts_with("glTF")) fail("not a binary glTF file; `ecorche fit BODY -o CHARACTER.glb` writes one");
+    file_.emplace(bytes_, name_);
+    scene_notes();
+    const std::size_t nodes = file_->count("nodes");
+    if (nodes > limits::kNodes) throw LimitError(fmt::format("{}: {} nodes; the limit is {}", name_, nodes, limits::kNodes));
+    std::set<std::string> known;
+    for (std::size_t n = 0; n < nodes; ++n) {
+      const Json& node = file_->item("nodes", n);
+      const auto name = node.find("name");
+      if (name == node.end() || !name->is_string()) fail(fmt::format("node {} has no name", n));
+      names_.push_back(name->get<std::string>());
+      if (names_.back().size() > limits::kNameBytes) throw LimitError(fmt::format("{}: node {}: a name of {} bytes; the limit is {}", name_, n, names_.back().size(), limits::kNameBytes));
+      if (!known.insert(names_.back()).second) fail(fmt::format("two nodes are named '{}'", printable(names_.back())));
     }
-    skeleton.joints.resize(joints.size());
+    parents_ = file_->parents();
+    file_->check_views();
+  }
+
+  // The file's own words about itself: extras of its first scene.
+  const Json& scene_notes() const {
+    if (file_->count("scenes") > 0) {
+      const Json& scene = file_->item("scenes", 0);
+      const auto extras = scene.find("extras");
+      if (extras != scene.end() && extras->is_object() && extras->contains("ecorche")) return extras->at("ecorche");
+    }
+    fail("a glTF file, but not one that ecorche wrote; `ecorche fit` makes a character from a body");
+  }
+
+  const Json& extras_of(std::size_t node) const {
+    static const Json kNone;
+    const Json& all = file_->item("nodes", node);
+    const auto found = all.find("extras");
+    return found == all.end() ? kNone : *found;
+  }
+
+  void read_skeleton(Skeleton& skeleton) {
+    if (file_->count("skins") == 0) fail(fmt::format("a body without bones and muscles; `ecorche fit {} -o CHARACTER.glb` puts them inside", name_));
+    if (file_->count("skins") != 1) fail(fmt::format("{} skins; a character has one", file_->count("skins")));
+    const Json& skin = file_->item("skins", 0);
+    const auto joints = skin.find("joints");
+    if (joints == skin.end() || !joints->is_array() || joints->empty()) fail("its skin names no joints");
+    std::map<std::size_t, int> joint_of_node;
+    for (const Json& joint : *joints) {
+      const std::size_t node = joint.is_number_unsigned() ? joint.get<std::size_t>() : names_.size();
+      if (node >= names_.size()) fail(fmt::format("its skin names node {}, which is not there", joint.dump()));
+      if (!joint_of_node.emplace(node, static_cast<int>(joint_of_node.size())).second) fail(fmt::format("joint '{}' is in its skin twice", printable(names_[node])));
+    }
+    check_binds(skin, joints->size());
+    skeleton.joints.resize(joints->size());
     for (const auto& [node, j] : joint_of_node) {
-      Joint& joint = skeleton.joints[j];
-      joint.name = model_.nodes[node].name;
-      gltf::read_joint_extras(model_.nodes[node].extras, name_ + ": joint '" + joint.name + "'", joint);
-      for (int child : model_.nodes[node].children) {
-        const auto found = joint_of_node.find(child);
-        if (found != joint_of_node.end()) skeleton.joints[found->second].parent = j;
-      }
+      Joint& joint = skeleton.joints[static_cast<std::size_t>(j)];
+      joint.name = names_[node];
+      extras::read_joint(extras_of(node), fmt::format("{}: joint '{}'", name_, printable(joint.name)), joint);
+      const auto parent = parents_[node] < 0 ? joint_of_node.end() : joint_of_node.find(static_cast<std::size_t>(parents_[node]));
+      if (parent != joint_of_node.end()) joint.parent = parent->second;
     }
   }
 
-  Bone read_bone(const tinygltf::Node& node, const std::vector<Vec3>& positions) {
+  // We have no use for them, but other programs move the file's meshes by them.
+  void check_binds(const Json& skin, std::size_t joints) const {
+    if (!skin.contains("inverseBindMatrices")) return;
+    const std::vector<Eigen::Matrix4d> binds = file_->matrices(file_->whole(skin, "inverseBindMatrices"));
+    if (binds.size() < joints) fail(fmt::format("{} inverse bind matrices for {} joints", binds.size(), joints));
+    for (std::size_t j = 0; j < joints; ++j)
+      if (!(std::abs(binds[j].determinant()) > 1e-9)) fail(fmt::format("inverse bind matrix {} is singular", j));
+  }
+
+  Bone read_bone(std::size_t node, const std::vector<Vec3>& positions) {
     Bone bone;
-    bone.name = node.name.substr(5);
-    gltf::read_bone_extras(node.extras, name_ + ": " + node.name, bone);
-    if (bone.joint < 0 || bone.joint >= static_cast<int>(positions.size())) fail(fmt::format("{}: joint {} of {}", node.name, bone.joint, positions.size()));
+    bone.name = names_[node].substr(5);
+    extras::read_bone(extras_of(node), fmt::format("{}: {}", name_, printable(names_[node])), bone);
+    if (bone.joint < 0 || bone.joint >= static_cast<int>(positions.size()))
+      fail(fmt::format("{}: joint {} of {}", printable(names_[node]), bone.joint, positions.size()));
     bone.mesh = read_mesh(node);
-    bone.mesh.V.rowwise() += positions[bone.joint].transpose();
+    bone.mesh.V.rowwise() += positions[static_cast<std::size_t>(bone.joint)].transpose();
     return bone;
   }
 
-  Muscle read_muscle(const tinygltf::Node& node) {
+  Muscle read_muscle(std::size_t node) {
     Muscle muscle;
-    muscle.name = node.name.substr(7);
-    gltf::read_muscle_extras(node.extras, name_ + ": " + node.name, muscle);
+    muscle.name = names_[node].substr(7);
+    extras::read_muscle(extras_of(node), fmt::format("{}: {}", name_, printable(names_[node])), muscle);
     return muscle;
   }
 
-  TriMesh read_mesh(const tinygltf::Node& node) {
-    const std::string where = name_ + ": " + node.name;
-    if (node.mesh < 0 || node.mesh >= static_cast<int>(model_.meshes.size()) || model_.meshes[node.mesh].primitives.size() != 1)
-      throw InputError(where + ": needs one mesh with one primitive");
-    const tinygltf::Primitive& primitive = model_.meshes[node.mesh].primitives[0];
-    const auto position = primitive.attributes.find("POSITION");
-    if (position == primitive.attributes.end()) throw InputError(where + ": has no POSITION");
-    TriMesh mesh;
-    const auto values = read_accessor<float>(position->second, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 3, where);
-    mesh.V = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(values.data(), static_cast<Eigen::Index>(values.size() / 3), 3)
-                 .cast<double>();
-    if (!mesh.V.allFinite()) throw InputError(where + ": a vertex is not finite");
-    const auto indices =
-        read_accessor<std::uint32_t>(primitive.indices, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, 1, where);
-    if (indices.size() % 3 != 0) throw InputError(where + ": the number of indices is no multiple of three");
-    mesh.F.resize(static_cast<Eigen::Index>(indices.size() / 3), 3);
-    for (size_t i = 0; i < indices.size(); ++i) {
-      if (indices[i] >= static_cast<std::uint32_t>(mesh.V.rows()))
-        throw InputError(fmt::format("{}: index {} of {} vertices", where, indices[i], mesh.V.rows()));
-      mesh.F.data()[i] = static_cast<int>(indices[i]);
-    }
-    return mesh;
-  }
-
-  template <class T>
-  std::vector<T> read_accessor(int index, int component_type, int type, size_t components, const std::string& where) {
-    if (index < 0 || index >= static_cast<int>(model_.accessors.size())) throw InputError(where + ": an accessor is missing");
-    const tinygltf::Accessor& accessor = model_.accessors[index];
-    if (accessor.componentType != component_type || accessor.type != type || accessor.sparse.isSparse || accessor.bufferView < 0 ||
-        accessor.bufferView >= static_cast<int>(model_.bufferViews.size()))
-      throw InputError(where + ": an accessor is of a kind that ecorche does not write");
-    const tinygltf::BufferView& view = model_.bufferViews[accessor.bufferView];
-    if (view.buffer != 0 || model_.buffers.empty() || view.byteStride != 0) throw InputError(where + ": a buffer view is of a kind that ecorche does not write");
-    const size_t available = model_.buffers[0].data.size();
-    const size_t start = view.byteOffset + accessor.byteOffset, element = components * sizeof(T);
-    if (view.byteOffset > available || accessor.byteOffset > available || start > available || accessor.count > (available - start) / element)
-      throw InputError(fmt::format("{}: an accessor of {} elements reaches beyond the file", where, accessor.count));
-    std::vector<T> out(accessor.count * components);
-    if (!out.empty()) std::memcpy(out.data(), model_.buffers[0].data.data() + start, out.size() * sizeof(T));
+  TriMesh read_mesh(std::size_t node) const {
+    const std::string where = printable(names_[node]);
+    const Json& mesh = file_->item("meshes", file_->whole(file_->item("nodes", node), "mesh"));
+    const auto primitives = mesh.find("primitives");
+    if (primitives == mesh.end() || !primitives->is_array() || primitives->size() != 1 || !(*primitives)[0].is_object()) fail(where + ": needs one mesh with one primitive");
+    const Json& primitive = (*primitives)[0];
+    if (!primitive.contains("attributes")) fail(where + ": has no POSITION");
+    TriMesh out;
+    out.V = file_->points(file_->whole(primitive.at("attributes"), "POSITION"));
+    const std::vector<int> corners = file_->corners(file_->whole(primitive, "indices"), static_cast<std::size_t>(out.V.rows()));
+    if (corners.size() % 3 != 0) fail(where + ": the number of indices is no multiple of three");
+    out.F = Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
     return out;
   }
 
-  std::string name_;
-  tinygltf::Model model_;
+  std::string name_, bytes_;
+  std::optional<GltfFile> file_;
+  std::vector<std::string> names_;  // #nodes
+  std::vector<int> parents_;        // #nodes
 };
 
 }  // namespace
@@ -186,6 +176,9 @@ Character read_character(const fs::path& file) {
   return Reader(file).read();
 }
 
+Character parse_character(std::string bytes, const std::string& name) { return Reader(std::move(bytes), name).read(); }
+Body parse_body(std::string bytes, const std::string& name) { return Reader(std::move(bytes), name).read_body(); }
+
 Body read_body(const fs::path& file) {
   if (const std::optional<CrowdAddress> one = crowd_address(file)) return read_crowd_person(open_crowd(one->file), one->person).body;
   return Reader(file).read_body();
@@ -193,14 +186,14 @@ Body read_body(const fs::path& file) {
 
 bool has_body_notes(const fs::path& file) {
   if (crowd_address(file)) return true;
-  std::error_code error;
-  if (!fs::is_regular_file(file, error)) return false;
+  check_input_file(file);
   std::ifstream in(file, std::ios::binary);
   char header[20];
   if (!in.read(header, sizeof header) || std::memcmp(header, "glTF", 4) != 0) return false;
   std::uint32_t length = 0;
   std::memcpy(&length, header + 12, sizeof length);
-  if (length > fs::file_size(file, error)) return false;
+  std::error_code error;
+  if (length > limits::kJsonBytes || length > fs::file_size(file, error)) return false;
   std::string text(length, '\0');
   in.read(text.data(), length);
   return text.find("\"ecorche\"") != std::string::npos;

@@ -135,7 +135,9 @@ void write_crowd_motion(const fs::path& file, const Crowd& crowd, const CrowdMot
     set_times(motion, begin, keys, times);
     const Json& skin = document["skins"][whole_number(text, document["nodes"][static_cast<std::size_t>(text.skins.at(name))], "skin")];
     const Json& middle = document["nodes"][static_cast<std::size_t>(text.parents[skin["joints"][0].get<std::size_t>()])];
-    add_motion(motion, skin["joints"], middle.contains("scale") ? middle["scale"].at(0).get<double>() : 1.0, times.accessor, keys);
+    const double unit = middle.contains("scale") ? middle["scale"].at(0).get<double>() : 1.0;
+    if (!(unit > 0 && unit < 100)) throw InputError(fmt::format("{}: {}: a unit of {} m", text.file.string(), name, unit));
+    add_motion(motion, skin["joints"], unit, times.accessor, keys);
     begin += options.stagger;
   }
   document["animations"].push_back({{"name", options.name}, {"channels", std::move(keys.channels)}, {"samplers", std::move(keys.samplers)}});

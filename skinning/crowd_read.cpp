@@ -7,6 +7,9 @@
 #include <fstream>
 
 #include "anatomy/errors.h"
+#include "anatomy/gltf_file.h"
+#include "anatomy/input_file.h"
+#include "skinning/character_check.h"
 #include "skinning/crowd_layout.h"
 #include "skinning/crowd_text.h"
 
@@ -16,7 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::uintmax_t kLargestText = std::uintmax_t{1} << 29;
 constexpr const char* kMark = "\"crowd\":{\"schema\"";  // as write_crowd has it
 
 // The glTF text of a file and where the bytes behind it begin; empty for what is neither .glb nor .gltf.
@@ -25,9 +27,10 @@ struct Text {
   std::uintmax_t binary = 0, binary_size = 0;
 };
 
+// Throws InputError for what is no file that can be read.
 Text read_text(const fs::path& file) {
+  check_input_file(file);
   std::error_code error;
-  if (!fs::is_regular_file(file, error)) return {};
   const std::uintmax_t size = fs::file_size(file, error);
   std::ifstream in(file, std::ios::binary);
   Text out;
@@ -35,7 +38,7 @@ Text read_text(const fs::path& file) {
   const bool binary = in.read(reinterpret_cast<char*>(header), sizeof header) && std::memcmp(header, "glTF", 4) == 0;
   if (!binary && file.extension() != ".gltf") return {};
   const std::uintmax_t length = binary ? header[3] : size, begin = binary ? sizeof header : 0;
-  if (length > kLargestText || begin + length > size) return {};
+  if (length > limits::kCrowdJsonBytes || begin + length > size) return {};
   in.clear();
   in.seekg(static_cast<std::streamoff>(begin));
   out.words.resize(length);
@@ -46,7 +49,7 @@ Text read_text(const fs::path& file) {
   return out;
 }
 
-[[noreturn]] void fail(const CrowdText& text, const std::string& what) { throw InputError(fmt::format("{}: {}", text.file.string(), what)); }
+[[noreturn]] void fail(const CrowdText& text, const std::string& what) { throw InputError(fmt::format("{}: {}", printable(text.file.string()), printable(what))); }
 
 // The element that an object's member counts.
 const Json& element(const CrowdText& text, const char* list, std::size_t index) {
@@ -59,15 +62,29 @@ void find_buffers(const Text& text, CrowdText& out) {
   for (const Json& buffer : out.document.at("buffers")) {
     CrowdText::Buffer one{out.file, text.binary, text.binary_size};
     if (buffer.contains("uri")) {
-      const fs::path uri = buffer.at("uri").get<std::string>();
-      if (uri.empty() || uri != uri.filename() || uri == ".." || uri == ".") fail(out, fmt::format("'{}' is not a file in its folder", uri.string()));
-      std::error_code error;
-      one = {out.file.parent_path() / uri, 0, fs::file_size(out.file.parent_path() / uri, error)};
-      if (error) fail(out, fmt::format("{} is missing beside it", uri.string()));
+      one = {file_beside(out.file.parent_path(), buffer.at("uri").get<std::string>(), printable(out.file.string())), 0, 0};
+      check_input_file(one.file);
+      one.size = fs::file_size(one.file);
     }
-    if (whole_number(out, buffer, "byteLength") > one.size) fail(out, fmt::format("{} is shorter than it says", one.file.string()));
+    const std::size_t stated = whole_number(out, buffer, "byteLength");
+    if (stated == 0) fail(out, fmt::format("buffer {} is empty", out.buffers.size()));
+    if (stated > one.size) fail(out, fmt::format("{} is shorter than it says", one.file.string()));
+    one.size = stated;
     out.buffers.push_back(std::move(one));
   }
+}
+
+// What nobody reads here, other programs will: every view inside its buffer, every accessor's view there.
+void check_views(const CrowdText& text) {
+  const Json& views = text.document.at("bufferViews");
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const std::size_t buffer = whole_number(text, views[v], "buffer"), offset = whole_number(text, views[v], "byteOffset", 0), length = whole_number(text, views[v], "byteLength");
+    const std::uintmax_t size = buffer < text.buffers.size() ? text.buffers[buffer].size : 0;
+    if (offset > size || length > size - offset) fail(text, fmt::format("bufferView {} reaches beyond buffer {} of {} bytes", v, buffer, size));
+  }
+  const Json& accessors = text.document.at("accessors");
+  for (std::size_t i = 0; i < accessors.size(); ++i)
+    if (whole_number(text, accessors[i], "bufferView") >= views.size()) fail(text, fmt::format("accessor {}: there is no bufferView {}", i, accessors[i].at("bufferView").dump()));
 }
 
 void find_people(CrowdText& out) {
@@ -77,11 +94,12 @@ void find_people(CrowdText& out) {
     if (nodes[n].contains("children"))
       for (const Json& child : nodes[n].at("children")) {
         const auto c = child.is_number_unsigned() ? child.get<std::size_t>() : nodes.size();
-        if (c >= nodes.size()) fail(out, fmt::format("node {} has children that are none", n));
+        if (c >= nodes.size() || out.parents[c] >= 0) fail(out, fmt::format("node {} has children that are none, or another's", n));
         out.parents[c] = static_cast<int>(n);
       }
     const std::string name = nodes[n].value("name", std::string());
-    if (nodes[n].contains("mesh") && name.ends_with("/skin")) out.skins[name.substr(0, name.size() - 5)] = static_cast<int>(n);
+    if (!nodes[n].contains("mesh") || !name.ends_with("/skin")) continue;
+    if (!out.skins.emplace(name.substr(0, name.size() - 5), static_cast<int>(n)).second) fail(out, fmt::format("two people are named '{}'", name.substr(0, name.size() - 5)));
   }
 }
 
@@ -100,7 +118,7 @@ std::vector<T> values_of(const CrowdText& text, std::size_t accessor, int compon
   const std::size_t count = whole_number(text, one, "count"), offset = whole_number(text, view, "byteOffset", 0);
   if (one.value("componentType", 0) != component || one.value("type", std::string()) != type || one.contains("byteOffset") || one.contains("sparse"))
     fail(text, fmt::format("accessor {} is of a kind that ecorche does not write", accessor));
-  if (count > kLargestText / stride) fail(text, fmt::format("accessor {} has {} elements", accessor, count));
+  if (count > limits::kCrowdJsonBytes / stride) fail(text, fmt::format("accessor {} has {} elements", accessor, count));
   const std::string bytes = read_buffer(text, whole_number(text, view, "buffer"), offset, count * stride);
   if (begin) *begin = offset;
   std::vector<T> out(bytes.size() / sizeof(T));
@@ -125,7 +143,7 @@ Skeleton read_skeleton(const CrowdText& text, const Json& skin, double& unit) {
   const Json& joints = skin.at("joints");
   std::size_t begin = 0;
   const auto binds = values_of<float>(text, whole_number(text, skin, "inverseBindMatrices"), 5126, "MAT4", kMatrixBytes, &begin);
-  if (joints.empty() || joints.size() > 256 || binds.size() != 16 * joints.size()) fail(text, "a skin's joints and matrices do not belong together");
+  if (joints.empty() || joints.size() > limits::kCrowdJoints || binds.size() != 16 * joints.size()) fail(text, "a skin's joints and matrices do not belong together");
   const Json& view = element(text, "bufferViews", whole_number(text, element(text, "accessors", whole_number(text, skin, "inverseBindMatrices")), "bufferView"));
   const std::size_t frames = whole_number(text, text.document.at("scenes").at(0).at("extras").at("crowd"), "joint_frames");
   const std::string bytes = read_buffer(text, whole_number(text, view, "buffer"), begin + frames - sizeof(float), sizeof(float) * (1 + kFrameFloats * joints.size()));
@@ -150,9 +168,12 @@ Skeleton read_skeleton(const CrowdText& text, const Json& skin, double& unit) {
     const float* own = values.data() + 1 + kFrameFloats * j;
     const Mat3 angles = matrix_of(own + 9);
     joint.axes = matrix_of(own), joint.zero = angles.col(0), joint.min = angles.col(1), joint.max = angles.col(2);
-    if ((joint.axes.transpose() * joint.axes - Mat3::Identity()).norm() > 1e-3) fail(text, fmt::format("joint '{}' has axes that are no frame", joint.name));
+    const Eigen::Matrix4f bind = Eigen::Map<const Eigen::Matrix4f>(binds.data() + 16 * j);
+    if (!bind.leftCols<3>().isApprox(Eigen::Matrix<float, 4, 3>::Identity()) || bind(3, 3) != 1.0F)
+      fail(text, fmt::format("joint '{}' has an inverse bind matrix that does more than move", joint.name));
     places.push_back(kCrowdMiddle - unit * Eigen::Map<const Eigen::Vector3f>(binds.data() + 16 * j + 12).cast<double>());
     joint.X_PJ.translation() = j == 0 ? places[j] : Vec3(places[j] - places[static_cast<std::size_t>(joint.parent)]);
+    check_joint(joint, fmt::format("{}: joint '{}'", printable(text.file.string()), printable(joint.name)));
     out.joints.push_back(std::move(joint));
   }
   return out;
@@ -206,7 +227,11 @@ std::string read_buffer(const CrowdText& text, std::size_t buffer, std::size_t o
   return out;
 }
 
-bool is_crowd(const fs::path& file) { return read_text(file).words.find(kMark) != std::string::npos; }
+bool is_crowd(const fs::path& file) try {
+  return read_text(file).words.find(kMark) != std::string::npos;
+} catch (const InputError&) {  // whoever reads it says why
+  return false;
+}
 
 std::optional<CrowdAddress> crowd_address(const fs::path& file) {
   if (is_crowd(file)) {
@@ -225,12 +250,14 @@ Crowd open_crowd(const fs::path& file) try {
   text->file = file;
   Text read = read_text(file);
   if (read.words.find(kMark) == std::string::npos) fail(*text, "not a crowd; `ecorche body population --crowd` writes one");
-  text->document = Json::parse(read.words);
+  text->document = parse_gltf_json<Json>(read.words, printable(file.string()), limits::kCrowdJsonBytes);
   std::string().swap(read.words);
   const std::size_t schema = whole_number(*text, text->document.at("scenes").at(0).at("extras").at("crowd"), "schema");
+  if (schema > kCrowdSchema) throw UnfitError(fmt::format("{}: a crowd written by a newer version (schema {}, this program reads {}); update ecorche", printable(file.string()), schema, kCrowdSchema));
   if (schema != kCrowdSchema)
-    fail(*text, fmt::format("a crowd of another version (schema {}, this program reads {}); make it anew with `ecorche body population --crowd`", schema, kCrowdSchema));
+    fail(*text, fmt::format("a crowd of an older version (schema {}, this program reads {}); make it anew with `ecorche body population --crowd`", schema, kCrowdSchema));
   find_buffers(read, *text);
+  check_views(*text);
   find_people(*text);
   Crowd out;
   for (const auto& [name, node] : text->skins) out.people.push_back(name);
@@ -239,7 +266,7 @@ Crowd open_crowd(const fs::path& file) try {
   out.text = std::move(text);
   return out;
 } catch (const nlohmann::json::exception& e) {
-  throw InputError(fmt::format("{}: a damaged crowd: {}", file.string(), e.what()));
+  throw InputError(fmt::format("{}: a damaged crowd: {}", printable(file.string()), printable(e.what())));
 }
 
 CrowdPerson read_crowd_person(const Crowd& crowd, const std::string& name) try {
@@ -256,9 +283,10 @@ CrowdPerson read_crowd_person(const Crowd& crowd, const std::string& name) try {
   const int middle = text.parents[skin.at("joints").at(0).get<std::size_t>()], root = middle < 0 ? -1 : text.parents[static_cast<std::size_t>(middle)];
   if (root < 0) fail(text, fmt::format("{}: no node above the joints", name));
   read_figures(text, text.document.at("nodes")[static_cast<std::size_t>(root)], out.body);
+  check_body(out.body, fmt::format("{}: {}", printable(text.file.string()), printable(name)));
   return out;
 } catch (const nlohmann::json::exception& e) {
-  throw InputError(fmt::format("{}: {}: damaged: {}", crowd.text->file.string(), name, e.what()));
+  throw InputError(fmt::format("{}: {}: damaged: {}", printable(crowd.text->file.string()), printable(name), printable(e.what())));
 }
 
 }  // namespace ecorche

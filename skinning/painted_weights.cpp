@@ -8,7 +8,7 @@
 
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
-#include "anatomy/table.h"
+#include "anatomy/input_file.h"
 #include "skinning/skin_tables.h"
 
 namespace ecorche {
@@ -52,10 +52,13 @@ void add_row(const Table& table, int row, const Anatomy& anatomy, int vertex_cou
 }  // namespace
 
 PaintedWeights read_painted_weights(const std::filesystem::path& file, const Anatomy& anatomy, int vertex_count) {
-  const Table table(file);
+  return painted_weights(Table(file), printable(file.string()), anatomy, vertex_count);
+}
+
+PaintedWeights painted_weights(const Table& table, const std::string& name, const Anatomy& anatomy, int vertex_count) {
   std::map<int, Painted> found;
   for (int row = 0; row < table.rows(); ++row) add_row(table, row, anatomy, vertex_count, found);
-  if (found.empty()) throw InputError(fmt::format("{}: holds no weights; columns are vertex, joint and weight", file.string()));
+  if (found.empty()) throw InputError(fmt::format("{}: holds no weights; columns are vertex, joint and weight", name));
   PaintedWeights out;
   for (const auto& [vertex, painted] : found) {
     if (std::abs(painted.sum - 1) > kSumSlack)

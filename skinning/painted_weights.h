@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "anatomy/table.h"
 #include "skinning/bind.h"
 
 namespace ecorche {
@@ -18,6 +19,7 @@ struct PaintedWeights {
 // does not have, an unknown name, a weight outside [0, 1], a name that a vertex has twice, weights that do not add up to 1 within 0.01,
 // more than 8 joints a vertex, or a table without rows.
 PaintedWeights read_painted_weights(const std::filesystem::path& file, const Anatomy& anatomy, int vertex_count);
+PaintedWeights painted_weights(const Table& table, const std::string& name, const Anatomy& anatomy, int vertex_count);
 
 // bind_skin() with painted vertices. What follows from the shares (gradual twist of upper arm and thigh, half-way rotations, muscles, the
 // elastic skin) is found as ever; the forearm's own spread between ulna and radius is left as it is painted.

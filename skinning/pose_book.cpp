@@ -10,8 +10,9 @@
 #include <sstream>
 
 #include "anatomy/errors.h"
-#include "anatomy/table.h"
+#include "anatomy/input_file.h"
 #include "anatomy/joint_angles.h"
+#include "anatomy/table.h"
 #include "skinning/shoulder_rhythm.h"
 
 namespace ecorche {
@@ -142,8 +143,9 @@ Pose pose_of_angles(const std::string& angles, const Skeleton& skeleton, const s
   return poser.finish();
 }
 
-std::vector<NamedPose> read_pose_book(const std::filesystem::path& file, const Skeleton& skeleton) {
-  const Table table(file);
+std::vector<NamedPose> read_pose_book(const std::filesystem::path& file, const Skeleton& skeleton) { return pose_book(Table(file), printable(file.string()), skeleton); }
+
+std::vector<NamedPose> pose_book(const Table& table, const std::string& name, const Skeleton& skeleton) {
   std::vector<NamedPose> out;
   std::set<std::string> names;
   for (int row = 0; row < table.rows(); ++row) {
@@ -152,7 +154,7 @@ std::vector<NamedPose> read_pose_book(const std::filesystem::path& file, const S
     each.pose = pose_of_angles(table.text(row, "angles"), skeleton, table.where(row));
     out.push_back(std::move(each));
   }
-  if (out.empty()) throw InputError(fmt::format("{}: holds no poses", file.string()));
+  if (out.empty()) throw InputError(fmt::format("{}: holds no poses", name));
   return out;
 }
 

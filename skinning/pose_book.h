@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "anatomy/skeleton.h"
+#include "anatomy/table.h"
 
 namespace ecorche {
 
@@ -24,6 +25,7 @@ struct NamedPose {
 //   fingers[_l|_r] MCP PIP DIP             the four fingers' flexion.
 // Joints that are not named stay as at rest. Throws InputError that names the line: unknown parts, no numbers, a name that comes twice.
 std::vector<NamedPose> read_pose_book(const std::filesystem::path& file, const Skeleton& skeleton);
+std::vector<NamedPose> pose_book(const Table& table, const std::string& name, const Skeleton& skeleton);
 
 // One pose from the text of `angles`; `where` stands before messages.
 Pose pose_of_angles(const std::string& angles, const Skeleton& skeleton, const std::string& where);

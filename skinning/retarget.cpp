@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
-#include <fstream>
 
 #include "anatomy/errors.h"
+#include "anatomy/input_file.h"
 #include "anatomy/joint_angles.h"
+#include "anatomy/text_scan.h"
 #include "skinning/joint_of.h"
 #include "skinning/keep_flights.h"
 #include "skinning/leg_reach.h"
@@ -109,6 +111,50 @@ std::vector<LimitBreak> limit_breaks(const Skeleton& skeleton, const Motion& mot
   return out;
 }
 
+// No recording goes so far; and further out single precision does not know millimetres.
+void check_nearness(const std::string& name, const Motion& motion, double metres_per_unit) {
+  constexpr double kFarthest = 10e3;  // m
+  for (size_t f = 0; f < motion.frames.size(); ++f) {
+    const Vec3& root = motion.frames[f].root;
+    const bool turned = std::all_of(motion.frames[f].rotations.begin(), motion.frames[f].rotations.end(), [](const Quat& q) { return q.coeffs().allFinite(); });
+    if (turned && root.cwiseAbs().maxCoeff() <= kFarthest) continue;
+    throw UnfitError(fmt::format("{}: frame {}: the figure is at {:.3g}, {:.3g}, {:.3g} m, further than {:.0f} km from the origin (a unit of the file is taken as {:.3g} m); "
+                                 "correct that frame, or move the motion to the origin",
+                                 name, f, root.x(), root.y(), root.z(), kFarthest / 1000, metres_per_unit));
+  }
+}
+
+// Leaps that no body makes are a fault of the recording, and are said; they are not mended.
+void warn_of_leaps(const std::string& name, const Motion& motion, std::vector<std::string>& warnings) {
+  constexpr double kFastest = 30, kShortest = 0.5;  // m/s, m
+  int leaps = 0;
+  size_t worst_frame = 0;
+  double worst = 0;
+  for (size_t f = 1; f < motion.frames.size(); ++f) {
+    const double way = (motion.frames[f].root - motion.frames[f - 1].root).norm();
+    if (way < kShortest || way * motion.fps < kFastest) continue;
+    ++leaps;
+    if (way > worst) worst = way, worst_frame = f;
+  }
+  if (leaps > 0) warnings.push_back(fmt::format("{}: the figure leaps {} times from one frame to the next, the furthest by {:.3g} m into frame {}", name, leaps, worst, worst_frame));
+}
+
+// Slight excesses are in most recordings; a knee turned backwards is in few.
+void warn_of_limited(const std::string& name, const std::vector<LimitBreak>& limited, std::vector<std::string>& warnings) {
+  constexpr double kFar = 15 * kDegree;
+  const LimitBreak* worst = nullptr;
+  int joints = 0;
+  for (const LimitBreak& one : limited) {
+    if (one.worst < kFar) continue;
+    ++joints;
+    if (!worst || one.worst > worst->worst) worst = &one;
+  }
+  if (worst)
+    warnings.push_back(fmt::format("{}: {} joints go beyond their limits by more than 15 deg and are brought back; the worst, {}, by {:.0f} deg in frame {} ({} frames); "
+                                   "--limits keep leaves them",
+                                   name, joints, worst->joint, worst->worst / kDegree, worst->worst_frame, worst->frames));
+}
+
 }  // namespace
 
 Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOptions& options, RetargetReport& report) {
@@ -143,6 +189,8 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
     shifts.push_back(stance_shifts(transfer, X, hips, motion.frames[f]));
     for (int side = 0; side < 2; ++side) add_foot(transfer, X, ours, side == 0 ? Side::left : Side::right, sole, feet[side]);
   }
+  check_nearness(source.name, motion, report.metres_per_unit);
+  warn_of_leaps(source.name, motion, report.warnings);
   report.dropped_frames = marker_frames(motion.frames);
   if (report.dropped_frames > 0) {
     const int n = report.dropped_frames;
@@ -162,6 +210,7 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
   MotionLimiter limiter(ours, sole, options.keep_apart && options.rounds ? &*options.rounds : nullptr);
   if (keep) {
     report.limited = limit_breaks(ours, motion);
+    warn_of_limited(source.name, report.limited, report.warnings);
     limiter.run({}, {}, shifts, motion);
     report.parted = limiter.parted();
   }
@@ -192,25 +241,26 @@ std::string format_matches(const RetargetReport& report) {
 }
 
 std::map<std::string, std::string> read_joint_map(const std::filesystem::path& file) {
-  if (!std::filesystem::is_regular_file(file)) throw InputError(file.string() + ": no such file");
-  std::ifstream stream(file);
+  return parse_joint_map(read_input_file(file, limits::kTableBytes), printable(file.string()));
+}
+
+std::map<std::string, std::string> parse_joint_map(std::string_view text, const std::string& name) {
   std::map<std::string, std::string> out;
-  auto trimmed = [](const std::string& text) {
-    const size_t begin = text.find_first_not_of(" \t\r"), end = text.find_last_not_of(" \t\r");
-    return begin == std::string::npos ? std::string() : text.substr(begin, end - begin + 1);
+  const auto trimmed = [](std::string_view words) {
+    const size_t begin = words.find_first_not_of(" \t\r"), end = words.find_last_not_of(" \t\r");
+    return begin == std::string_view::npos ? std::string() : std::string(words.substr(begin, end - begin + 1));
   };
-  std::string line;
-  for (int number = 1; std::getline(stream, line); ++number) {
-    line = trimmed(line.substr(0, line.find('#')));
+  TextScan scan(text, name);
+  while (scan.next_line()) {
+    const std::string line = trimmed(scan.line().substr(0, scan.line().find('#')));
     if (line.empty()) continue;
     const size_t equals = line.rfind('=');
-    if (equals == std::string::npos)
-      throw InputError(fmt::format("{}:{}: '{}': expected 'file joint = our joint'", file.string(), number, line));
+    if (equals == std::string::npos) scan.fail(fmt::format("'{}': expected 'file joint = our joint'", printable(line.substr(0, 80))));
     const std::string joint = trimmed(line.substr(0, equals));
-    if (joint.empty() || out.count(joint))
-      throw InputError(fmt::format("{}:{}: '{}': empty or given twice", file.string(), number, joint));
+    if (joint.empty() || out.count(joint)) scan.fail(fmt::format("'{}': empty or given twice", printable(joint.substr(0, 80))));
     out[joint] = trimmed(line.substr(equals + 1));
   }
+  if (out.empty()) throw InputError(fmt::format("{}: names no joint; expected lines 'file joint = our joint'", name));
   return out;
 }
 

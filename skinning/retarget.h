@@ -16,6 +16,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "anatomy/skeleton.h"
@@ -109,13 +110,14 @@ struct RetargetReport {
 };
 
 // Throws UnfitError that lists what could not be matched (hips, chest, head, both arms, both legs are needed) with the table so
-// far. Precondition (std::invalid_argument): `ours` has the joints of data/joints.csv.
+// far, or names the first frame in which the figure is more than 10 km away. Precondition (std::invalid_argument): `ours` has the joints of data/joints.csv.
 Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOptions& options, RetargetReport& report);
 
 // The matches as a table for people, one joint a line.
 std::string format_matches(const RetargetReport& report);
 
-// Lines "file joint = our joint", '#' comments. Throws InputError with file and line.
+// Lines "file joint = our joint", '#' comments. Throws InputError with file and line, also for a map that names no joint.
 std::map<std::string, std::string> read_joint_map(const std::filesystem::path& file);
+std::map<std::string, std::string> parse_joint_map(std::string_view text, const std::string& name);
 
 }  // namespace ecorche

@@ -98,7 +98,7 @@ void VideoPipe::Impl::start(const VideoOptions& options) {
   input = ends[1];
   fcntl(input, F_SETFL, O_NONBLOCK);  // so that a program that stops reading is noticed
   try {
-    child = start_program(words, ends[0], fileno(messages), fileno(messages));
+    child = start_program(words, ends[0], fileno(messages.get()), fileno(messages.get()));
     close(ends[0]);
   } catch (const std::system_error& e) {
     close(ends[0]);

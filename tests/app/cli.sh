@@ -82,7 +82,9 @@ if cmp -s people/ada.glb turned/ada.glb && cmp -s people/cyd.glb turned/cyd.glb;
 rm turned/ada.glb
 expect 0 "one of them gone" "$ecorche" body population turned.csv --skins -o turned --report again.json
 if grep -q '"kept": 1' again.json && cmp -s people/ada.glb turned/ada.glb; then ok; else bad "only what is missing should be made"; fi
-expect 2 "an unknown measure as a column" "$ecorche" body population <(printf 'sex,girth_of_ears\nmale,3cm\n') -o none
+printf 'sex,girth_of_ears\nmale,3cm\n' > ears.csv
+expect 2 "an unknown measure as a column" "$ecorche" body population ears.csv -o none
+says "ears.csv:1"
 expect 2 "neither file nor number" "$ecorche" body population -o none
 expect 0,8 "people by chance, with anatomy, side by side" "$ecorche" body population --count 2 --sex male -o chance
 there chance/person-0001.glb

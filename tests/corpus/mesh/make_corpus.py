@@ -21,7 +21,7 @@ SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 put("empty.obj", "", "input", "empty file")
 put("noise.obj", bytes((i * 197 + i * i * 31) % 256 for i in range(600)), "input", "neither OBJ, PLY nor GLB")
 put("prose.obj", "It was a bright cold day\nin April, and the clocks\n", "input", "neither OBJ, PLY nor GLB")
-put("truncated_utf16.obj", "v 0 0 0\n".encode("utf-16"), "input", "neither OBJ")
+put("truncated_utf16.obj", "v 0 0 0\n".encode("utf-16"), "input", "UTF-16")
 put("quad.obj", SQUARE + "f 1 2 3 4\n", "ok")
 put("quad_crlf_bom.obj", b"\xef\xbb\xbf" + (SQUARE + "f 1/1 2/2 3/3 4/4\n").replace("\n", "\r\n").encode(), "ok")
 put("negative.obj", SQUARE + "f -4 -3 -2 -1\n", "ok")
