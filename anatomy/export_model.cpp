@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "anatomy/coordinates.h"
 #include "anatomy/errors.h"
 #include "anatomy/muscle_line.h"
 #include "anatomy/package.h"
@@ -16,7 +17,6 @@ namespace {
 constexpr double kUnknownMass = 70;        // kg
 constexpr double kSmallShare = 1.0 / 5000; // of the mass, for a body without a segment
 constexpr double kSmallRadius = 0.02;      // m, of the ball that such a body is taken for
-constexpr double kFixedSpan = 0.0785;      // rad: angles with less to go are fixed
 constexpr double kMostFibre = 0.95;        // of the path: fibres at rest leave room for a tendon
 constexpr double kLeastTendon = 0.02;      // of the path
 
@@ -59,16 +59,15 @@ void add_masses(const Anatomy& anatomy, const Body& body, ExportModel& out) {
   }
 }
 
-// L = A Rx(f) Ry(a) Rz(r) Z^-1 A^T with Z the angles at rest. About rest it is a chain of turns about axes fixed in the rest frame: the first A x, the
-// second A Rx(f0) y, the third A Rx(f0) Ry(a0) z, each by its change; a left-handed A turns them round.
-void add_angles(const Joint& joint, int body, ExportModel& out) {
-  static const char* names[] = {"flexion", "abduction", "rotation"};
-  Mat3 before = joint.axes.determinant() < 0 ? Mat3(-joint.axes) : joint.axes;
-  for (int i = 0; i < 3; ++i) {
-    const Vec3 axis = before.col(i).normalized();
-    const double low = std::min(joint.min[i], joint.zero[i]), high = std::max(joint.max[i], joint.zero[i]);
-    if (joint.max[i] - joint.min[i] > kFixedSpan) out.angles.push_back({fmt::format("{}_{}", joint.name, names[i]), body, axis, joint.zero[i], low, high});
-    before = Eigen::AngleAxisd(joint.zero[i], axis).toRotationMatrix() * before;
+// L = A Rx(f) Ry(a) Rz(r) Z^-1 A^T with Z the angles at rest (coordinates.h). About rest it is a chain of turns about axes fixed in the rest frame: the
+// first A x, the second A Rx(f0) y, the third A Rx(f0) Ry(a0) z, each by its change; a left-handed A turns them round.
+void add_angles(const Skeleton& skeleton, ExportModel& out) {
+  for (const Coordinate& one : model_coordinates(skeleton)) {
+    const Joint& joint = skeleton.joints[static_cast<std::size_t>(one.joint)];
+    Mat3 axes = joint.axes.determinant() < 0 ? Mat3(-joint.axes) : joint.axes;
+    for (int i = 0; i < one.axis; ++i) axes = Eigen::AngleAxisd(joint.zero[i], axes.col(i).normalized()).toRotationMatrix() * axes;
+    const double zero = joint.zero[one.axis];
+    out.angles.push_back({one.name, one.joint, axes.col(one.axis).normalized(), zero, std::min(joint.min[one.axis], zero), std::max(joint.max[one.axis], zero)});
   }
 }
 
@@ -92,9 +91,8 @@ void add_strip(const Muscle& muscle, size_t index, double share, const std::vect
   const double length = polyline(strip.path);
   s.pennation = muscle.pennation;
   s.fibre_length = muscle.fibre_length > 0 ? muscle.fibre_length : 0.6 * length;
-  const bool stated = muscle.max_force > 0 && muscle.fibre_length > 0;
-  s.max_force = stated ? share * muscle.max_force : share * muscle.volume / s.fibre_length * kExportStress;
-  if (stated) {
+  s.max_force = share * (muscle.max_force > 0 ? muscle.max_force : isometric_force(muscle.volume, s.fibre_length));
+  if (muscle.max_force > 0 && muscle.tendon_slack > 0) {
     s.tendon_slack = muscle.tendon_slack;
   } else {
     s.fibre_length = std::min(s.fibre_length, kMostFibre * length);
@@ -126,8 +124,7 @@ ExportModel make_export_model(const Anatomy& anatomy, const Body& body) {
     out.bodies.push_back(std::move(b));
   }
   add_masses(anatomy, body, out);
-  for (size_t j = 0; j < joints.size(); ++j)
-    if (joints[j].parent >= 0) add_angles(joints[j], static_cast<int>(j), out);
+  add_angles(anatomy.skeleton, out);
   const auto angle = [&](const std::string& name) {
     for (size_t a = 0; a < out.angles.size(); ++a)
       if (out.angles[a].name == name) return static_cast<int>(a);
@@ -139,6 +136,7 @@ ExportModel make_export_model(const Anatomy& anatomy, const Body& body) {
   }
   for (const Muscle& muscle : anatomy.muscles) {
     double total = 0;
+    out.filled_forces += muscle.max_force <= 0;
     std::vector<double> volumes;
     for (const Strip& strip : muscle.strips) {
       volumes.push_back(strip.slices.size() >= 2 ? tube_volume(rest_slices(strip)) : 0);

@@ -3,18 +3,19 @@
 // One body a joint, its frame aligned with the world at rest, named as the joint. A joint turns about its three anatomical axes in the order
 // flexion, abduction, rotation; its coordinates are the anatomical angles (joint_flexion, ...), at rest those of the rest pose, with the joint's limits.
 // Angles that can hardly change (less than 4.5 degrees) are left fixed. The patella follows the knee. One actuator a strip, named as the muscle, or
-// NAME.1, NAME.2, ... for several strips. A path point between two joints rides on the one with the larger share.
+// NAME.1, NAME.2, ... for several strips. A path point between two joints rides on the one with the larger share. Forces are the muscles' own
+// (Muscle::max_force); where a character of an earlier version states none, they are volume / fibre length times a stress.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "anatomy/anatomy.h"
+#include "anatomy/muscle_force.h"
 
 namespace ecorche {
-
-inline constexpr double kExportStress = 0.6e6;  // Pa: force of muscles whose force is not stated, from volume and fibre length
 
 struct ExportBody {
   std::string name;
@@ -46,6 +47,20 @@ struct ExportMesh {
   TriMesh mesh;      // body frame, our axes
 };
 
+// A ball that meets the ground.
+struct ExportContact {
+  std::string name;            // "heel_l"
+  int body = 0;
+  Vec3 center = Vec3::Zero();  // body frame
+  double radius = 0;
+};
+
+struct ExportMarker {
+  std::string name;           // "acromion_l"
+  int body = 0;
+  Vec3 place = Vec3::Zero();  // body frame
+};
+
 struct ExportModel {
   std::string name;
   std::vector<ExportBody> bodies;  // #joints
@@ -53,16 +68,25 @@ struct ExportModel {
   std::vector<std::pair<int, int>> patellae;  // angle of the patella, angle of the knee that it follows
   std::vector<ExportStrip> strips;
   std::vector<ExportMesh> meshes;
+  std::vector<ExportContact> contacts;  // export_ground.h; none where there is no ground
+  std::optional<double> ground;         // height of the floor, world at rest, m
+  std::vector<ExportMarker> markers;
   int blended_points = 0;   // that ride on one joint instead of two
+  int filled_forces = 0;    // muscles whose force rests on the volume that fills the skin, because the character does not say another
 };
 
 // Masses from data/segments.csv for the body's sex, stature (skin) and mass (70 kg where unknown); joints without a segment of their own get 1/5000 of
 // the mass each. Throws InputError for a missing table, std::invalid_argument for an anatomy that is not valid.
 ExportModel make_export_model(const Anatomy& anatomy, const Body& body);
 
+// What a format has no word for.
+struct ExportLosses {
+  int wraps_as_spheres = 0;  // MJCF has no ellipsoids to wrap over: the sphere that is like it where the line passes
+  int wraps_left_out = 0;    // MJCF takes one object between two points
+};
+
 // Writes MODEL and, beside it, the folder `<stem>_meshes` with the bones as OBJ (none when `model.meshes` is empty). Throws OutputError.
-// MJCF has no ellipsoids to wrap over; returns how many wraps were left out.
-int write_osim(const std::filesystem::path& file, const ExportModel& model);
-int write_mjcf(const std::filesystem::path& file, const ExportModel& model);
+ExportLosses write_osim(const std::filesystem::path& file, const ExportModel& model);
+ExportLosses write_mjcf(const std::filesystem::path& file, const ExportModel& model);
 
 }  // namespace ecorche

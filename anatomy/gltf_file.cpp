@@ -174,6 +174,14 @@ Points GltfFile::points(std::size_t accessor) const {
   return out;
 }
 
+std::vector<double> GltfFile::scalars(std::size_t accessor) const {
+  const Values all = values(accessor, "SCALAR", 1);
+  count_elements(all.count);
+  std::vector<double> out(all.count);
+  for (std::size_t row = 0; row < all.count; ++row) out[row] = number(all, accessor, row, 0);
+  return out;
+}
+
 std::vector<int> GltfFile::corners(std::size_t accessor, std::size_t vertices) const {
   const Values all = values(accessor, "SCALAR", 1);
   if (all.type == 5126) fail(fmt::format("accessor {}: corners of triangles in floating point", accessor));

@@ -49,6 +49,7 @@ class GltfFile {
   // Values of an accessor; InputError that names it for anything out of its buffer, of another shape or not finite.
   Points points(std::size_t accessor) const;                                         // VEC3, of any component type
   std::vector<int> corners(std::size_t accessor, std::size_t vertices) const;        // SCALAR, whole numbers below `vertices`
+  std::vector<double> scalars(std::size_t accessor) const;                           // SCALAR, of any component type
   std::vector<Eigen::Matrix4d> matrices(std::size_t accessor) const;                 // MAT4, column by column
   std::size_t size_of(std::size_t accessor) const { return whole(item("accessors", accessor), "count"); }
 

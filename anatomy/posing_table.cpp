@@ -7,13 +7,13 @@
 #include <span>
 #include <stdexcept>
 
+#include "anatomy/belly_length.h"
 #include "anatomy/muscle_line.h"
 #include "anatomy/outline.h"
 
 namespace ecorche {
 namespace {
 
-constexpr double kTendonGive = 0.1;      // stretch of tendon over stretch of belly
 constexpr double kTendonTwist = 3;       // turn of tendon over turn of belly, per metre
 constexpr double kKeptGap = 0.3;         // share of their distance at rest that path points of two bones keep
 constexpr double kShortEnd = 0.04;       // m; first and last pieces of paths that may be passed

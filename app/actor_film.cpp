@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "anatomy/smooth_step.h"
-#include "app/eyes.h"
+#include "anatomy/eyes.h"
 #include "app/legend.h"
 #include "app/progress.h"
 #include "skinning/flesh_motion.h"

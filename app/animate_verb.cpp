@@ -1,26 +1,23 @@
 // ecorche animate: a motion on a character, as an animated .glb or a vertex cache.
-#include <algorithm>
-#include <functional>
-#include <memory>
-#include <span>
-
 #include <fmt/format.h>
+
+#include <algorithm>
 
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "app/activation_options.h"
 #include "app/actor.h"
 #include "app/animate_crowd.h"
+#include "app/character_file.h"
 #include "app/motion_options.h"
 #include "app/motion_survey.h"
+#include "app/motion_tables.h"
 #include "app/open_character.h"
 #include "app/option_values.h"
 #include "app/progress.h"
 #include "app/verb.h"
+#include "app/vertex_caches.h"
 #include "skinning/crowd_read.h"
-#include "skinning/mdd_io.h"
-#include "skinning/obj_sequence.h"
-#include "skinning/pc2_io.h"
 
 namespace ecorche {
 namespace {
@@ -32,78 +29,75 @@ struct AnimateOptions {
   std::vector<fs::path> outputs;
   std::string activation = "none", skin = "ecorche";
   bool dynamics = false;
+  Detail detail = Detail::full;
+  CacheOptions cache;
+  std::vector<std::string> tables;
   double stagger = 0;
   MotionOptions retarget;
 };
-
-// A vertex cache under way.
-struct CacheWriter {
-  std::function<void(std::span<const float>)> add;
-  std::function<void()> finish;
-};
-
-template <class Writer>
-CacheWriter cache_of(std::shared_ptr<Writer> writer) {
-  CacheWriter out;
-  out.add = [writer](std::span<const float> positions) { writer->add_frame(positions); };
-  if constexpr (requires { writer->finish(); }) out.finish = [writer] { writer->finish(); };
-  else out.finish = [] {};
-  return out;
-}
-
-CacheWriter open_cache(const fs::path& file, const Actor& actor, const Motion& motion) {
-  const fs::path kind = file.extension();
-  if (kind == ".pc2") return cache_of(std::make_shared<Pc2Writer>(file, actor.binding.vertex_count));
-  if (kind == ".mdd") return cache_of(std::make_shared<MddWriter>(file, actor.binding.vertex_count, static_cast<int>(motion.frames.size()), motion.fps));
-  return cache_of(std::make_shared<ObjSequenceWriter>(file, actor.character.body.skin.F));
-}
 
 // All outputs in one pass over the motion.
 MotionQuality write_outputs(const AnimateOptions& options, const Actor& actor, const Motion& motion, const Activations& activations, const Common& common,
                             Report& report) {
   const StageTimer timer(report, "frames");
-  std::vector<CacheWriter> caches;
-  for (const fs::path& file : options.outputs)
-    if (file.extension() != ".glb") caches.push_back(open_cache(file, actor, motion));
+  std::vector<fs::path> cached, characters;
+  std::vector<TableRequest> wanted = table_requests(options.tables);
+  for (const fs::path& file : options.outputs) {
+    if (is_cache(file)) cached.push_back(file);
+    else if (is_table(file)) wanted.push_back(table_request(file));
+    else characters.push_back(file);
+  }
+  CacheOptions cache = options.cache;
+  cache.detail = options.detail;
+  VertexCaches caches(cached, actor, motion, cache);
+  MotionTables tables(std::move(wanted), actor, motion, activations);
   MotionRun pass{activations, options.dynamics};
   Progress progress(common, "frames", static_cast<int>(motion.frames.size()));
   pass.take = [&](int f, const ActorFrame& frame) {
-    for (const CacheWriter& cache : caches) cache.add(frame.skin.positions);
+    caches.add(frame);
+    tables.add(frame);
     progress.at(f + 1);
   };
   const MotionQuality quality = play_motion(actor, motion, pass);
-  for (const fs::path& file : options.outputs)  // once it is known that nothing is flung away
-    if (file.extension() == ".glb") write_character(file, actor.character, actor.binding, &motion);
-  for (const CacheWriter& cache : caches) cache.finish();
+  for (const fs::path& file : characters) write_character_file(file, actor, options.detail, &motion);  // once it is known that nothing is flung away
+  caches.finish();
+  tables.write();
   return quality;
 }
 
 // What shapes muscles and skin is not seen in joints.
 void check_shaping(const AnimateOptions& options) {
-  if (std::any_of(options.outputs.begin(), options.outputs.end(), [](const fs::path& output) { return output.extension() != ".glb"; })) return;
+  const auto shows_joints = [](const fs::path& output) { return output.extension() == ".glb" || output.extension() == ".mot"; };
+  if (!options.tables.empty() || !std::all_of(options.outputs.begin(), options.outputs.end(), shows_joints)) return;
   const char* given = options.activation != "none" ? "--activation" : options.dynamics ? "--dynamics" : options.skin != "ecorche" ? "--skin" : nullptr;
   if (given)
-    throw UsageError(fmt::format("{}: a .glb is moved by its joints, which cannot show it; add a vertex cache ({}), or leave it out", given,
-                                 fs::path(options.outputs[0]).replace_extension(".pc2").string()));
+    throw UsageError(fmt::format("{}: {} is moved by its joints, which cannot show it; add a vertex cache ({}), or leave it out", given,
+                                 options.outputs[0].string(), fs::path(options.outputs[0]).replace_extension(".pc2").string()));
 }
 
-// A file for the activations, too; "none" and "auto" are no files.
 void check_outputs(const AnimateOptions& options, const Common& common) {
+  if (options.outputs.empty() && options.tables.empty()) throw UsageError("nothing to write: name a file by -o, or a table by --table WHAT=FILE");
   std::vector<fs::path> files;
+  bool cache = false;
   for (const fs::path& output : options.outputs) {
-    require_ending(output, {".glb", ".pc2", ".mdd", ".obj"});
+    require_ending(output, {".glb", ".pc2", ".mdd", ".obj", ".mot", ".trc"});
     const bool sequence = output.extension() == ".obj";
     if (sequence && output.filename().string().find('%') == std::string::npos)
       throw UsageError(fmt::format("{}: an OBJ file holds one frame; name a sequence, like DIR/%04d.obj", output.string()));
-    if (!sequence) files.push_back(output);
+    cache |= is_cache(output);
+    for (const fs::path& file : is_cache(output) ? cache_files(output, options.cache) : std::vector{output})
+      if (!sequence) files.push_back(file);
   }
+  if (!options.cache.layers.empty() && !cache) throw UsageError("--layers: for vertex caches (.pc2, .mdd, DIR/%04d.obj); none is asked for");
+  for (const TableRequest& table : table_requests(options.tables)) files.push_back(table.file);
+  // "none" and "auto" are no files of activations.
   check_outputs(common, std::move(files), {options.character, options.motion, options.weights, options.activation, options.retarget.map_file});
 }
 
 // A crowd's people move by their joints.
 int run_crowd(const AnimateOptions& options, const Common& common, Report& report) {
   if (options.outputs.size() != 1 || options.outputs[0].extension() != ".glb" || options.skin != "ecorche" || options.activation != "none" || options.dynamics ||
-      !options.weights.empty())
+      !options.weights.empty() || !options.tables.empty() || !options.cache.layers.empty() || options.detail != Detail::full)
     throw UsageError(fmt::format("{}: a crowd moves by its joints, into one .glb, without --skin, --weights, --activation and --dynamics; those are for one "
                                  "person of it, {}#NAME",
                                  options.character.string(), options.character.string()));
@@ -123,7 +117,8 @@ int run(const AnimateOptions& options, const Common& common, Report& report) {
   const Activations activations = open_activations(options.activation, actor, motion, report);
   const MotionQuality quality = write_outputs(options, actor, motion, activations, common, report);
   for (const fs::path& output : options.outputs)
-    note(common, fmt::format("{}: {} frames at {:.4g} fps", output.string(), motion.frames.size(), motion.fps));
+    for (const fs::path& file : is_cache(output) ? cache_files(output, options.cache) : std::vector{output})
+      if (file.extension() != ".mtl") note(common, fmt::format("{}: {} frames at {:.4g} fps", file.string(), motion.frames.size(), motion.fps));
   report.set("skin_vertices", actor.binding.vertex_count);
   report.set("skin", options.skin);
   report_quality(quality, "quality", report);
@@ -140,13 +135,15 @@ void add_animate_verb(VerbRegistry& registry) {
                             [options](const Common& common, Report& report) { return run(*options, common, report); });
   verb->add_option("character", options->character, "Character written by `ecorche fit`, CROWD.glb#NAME, or a whole crowd")->required();
   verb->add_option("motion", options->motion, "Motion (.bvh)")->required();
-  verb->add_option("-o,--output", options->outputs, "File to write; may be given several times: .glb (joints); every vertex, exact: .pc2, .mdd, DIR/%04d.obj")
-      ->required()
+  verb->add_option("-o,--output", options->outputs, "File to write; may be given several times: .glb (joints); every vertex, exact: .pc2, .mdd, DIR/%04d.obj; joint angles: .mot; skin markers: .trc")
       ->allow_extra_args(false);
   verb->add_option("--stagger", options->stagger, "Of a crowd: seconds by which each person begins later than the one before")->check(between(0.0, 3600.0));
   add_skin_option(*verb, options->skin);
   add_weights_option(*verb, options->weights);
   verb->add_option("--activation", options->activation, kActivationHelp)->capture_default_str();
+  add_detail_option(*verb, options->detail);
+  add_cache_options(*verb, options->cache);
+  add_table_option(*verb, options->tables);
   add_dynamics_option(*verb, options->dynamics);
   add_motion_options(*verb, options->retarget);
 }

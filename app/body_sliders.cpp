@@ -12,9 +12,10 @@
 #include <thread>
 
 #include "anatomy/errors.h"
+#include "anatomy/eyes.h"
 #include "anatomy/muscle_line.h"
 #include "anatomy/package.h"
-#include "app/eyes.h"
+#include "app/character_file.h"
 #include "app/live_anatomy.h"
 #include "morph/body.h"
 #include "morph/modify_body.h"
@@ -324,11 +325,11 @@ std::vector<MissedTarget> BodySliders::write(const Asked& asked, const std::file
   const Impl& s = *impl_;
   if (is_nothing(asked)) {
     const Actor actor = make_actor(s.start, report, {.moves = false});
-    write_character(file, actor.character, actor.binding);
+    write_character_file(file, actor, Detail::full, s.package);
     return {};
   }
   const FittedCharacter fitted = fit_character(s.body_template, solve(asked), s.package, {.moves = false, .parts = &s.parts}, report);
-  write_character(file, fitted.actor.character, fitted.actor.binding);
+  write_character_file(file, fitted.actor, Detail::full, s.package);
   return missed_targets(fitted);
 }
 

@@ -1,6 +1,6 @@
 #include "app/demo_pictures.h"
 
-#include "app/eyes.h"
+#include "anatomy/eyes.h"
 #include "app/stage_pictures.h"
 
 namespace ecorche {

@@ -185,7 +185,8 @@ int run(const DemoOptions& options, const Common& common, Report& report) {
   const Activations activations = open_activations(options.activation, actor, motion, report);
 
   note(common, "files");
-  write_character(options.folder / "athlete.glb", actor.character, actor.binding, &motion);
+  write_character(options.folder / "athlete.glb", actor.character, actor.binding, &motion,
+                  find_look(package, actor.character.body.skin, anatomy.skeleton));
   DemoRecord record;
   const MotionQuality quality = play_jump(options.folder / "long-jump.pc2", actor, motion, activations, package, record, report);
   report_quality(quality, "quality", report);

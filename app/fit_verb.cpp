@@ -6,6 +6,7 @@
 #include "anatomy/atomic_file.h"
 #include "anatomy/bare_skin.h"
 #include "anatomy/errors.h"
+#include "app/character_file.h"
 #include "app/fitting.h"
 #include "app/motion_options.h"
 #include "app/option_values.h"
@@ -21,6 +22,7 @@ struct FitVerbOptions {
   std::filesystem::path body, body_template, output, tissue, weights;
   std::string method = "ecorche", skin = "base", sex, unit, interior = "bones";
   std::optional<double> alpha;
+  Detail detail = Detail::full;
   FittingOptions fitting;
 };
 
@@ -46,7 +48,7 @@ int run(FitVerbOptions options, const Common& common, Report& report) {
   const Template body_template = open_template(options.body_template);
   const FittedCharacter fitted = fit_character(body_template, body, package, options.fitting, report);
   const Actor& actor = fitted.actor;
-  write_character(options.output, actor.character, actor.binding);
+  write_character_file(options.output, actor, options.detail, package);
   if (!options.tissue.empty()) {
     write_tissue_vtk(options.tissue, fitted.tissue);
     note(common, fmt::format("{}: {} tetrahedra", options.tissue.string(), fitted.tissue.T.rows()));
@@ -81,6 +83,7 @@ void add_fit_verb(VerbRegistry& registry) {
       ->capture_default_str();
   verb->add_option("--tissue", options->tissue, "Tetrahedra between bones and skin, for simulations (.vtk); with --interior tetgen or lattice");
   add_weights_option(*verb, options->weights);
+  add_detail_option(*verb, options->detail);
   verb->add_option("--alpha", options->alpha, fmt::format("With --method paper: share of their length's change that muscles start with across [{}]", DilateOptions{}.alpha))
       ->check(between(0.01, 10.0));
   verb->add_option("--sex", options->sex, "Of a skin that does not say it; decides the layer of fat (a bare skin counts as male)")

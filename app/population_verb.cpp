@@ -103,7 +103,7 @@ std::string make_files(const Workshop& shop, const Person& person, const Populat
     anatomy = missed.empty() ? "met" : fmt::format("{} targets missed", missed.size());
     for (const MissedTarget& target : missed) names += (names.empty() ? "" : ";") + target.name;
     if (shop.mould) write_crowd_person(file, *shop.mould, fitted.actor.character, fitted.actor.binding.joint_weights);
-    else write_character(file, fitted.actor.character, fitted.actor.binding);
+    else write_character(file, fitted.actor.character, fitted.actor.binding, nullptr, find_look(shop.package, body.skin, fitted.actor.character.anatomy.skeleton));
   }
   return fmt::format("{},{},{},{:.4f},{:.2f},{:.3f},{},{}\n", person.name, person.sex == Sex::male ? "male" : "female",
                      person.age ? fmt::format("{}", *person.age) : "", stature(shop.package, solved.points), body.mass,

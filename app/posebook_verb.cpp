@@ -9,7 +9,7 @@
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "anatomy/self_intersections.h"
-#include "app/eyes.h"
+#include "anatomy/eyes.h"
 #include "app/open_character.h"
 #include "app/picture_size.h"
 #include "app/pose_sheet.h"

@@ -214,7 +214,7 @@ void add_render_verb(VerbRegistry& registry) {
   verb->add_option("--dissolve", options->dissolve, "The skin goes, from the feet up, between these two moments of the motion, in seconds")
       ->expected(2)
       ->delimiter(',');
-  verb->add_flag("--colour-map", options->colour_map, "Muscle lengths in orange and blue that colour-blind eyes tell apart");
+  verb->add_flag("--colour-map", options->colour_map, "Muscle lengths in yellow (shorter) and blue (longer) that colour-blind eyes tell apart");
   verb->add_flag("!--no-legend", options->film.legend, "Leave away what the muscles' colours mean");
   verb->add_option("--size", options->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   verb->add_option("--fps", options->film.fps, "Frames a second")->check(between(1.0, 240.0))->capture_default_str();

@@ -70,7 +70,8 @@ int run(const Options& options, const Common& common, Report& report) {
   Character character{imported.anatomy, std::move(body)};
   check_character(character, printable(options.model.string()));
   const Actor actor = make_actor(std::move(character), report, {.moves = false});
-  write_character(options.output, actor.character, actor.binding);
+  const CharacterLook look = find_look(actor.character.body.skin, actor.character.anatomy.skeleton);
+  write_character(options.output, actor.character, actor.binding, nullptr, look);
 
   note(common, fmt::format("{}: {} of {} muscles, {} bones, {:.1f} l of muscle; ends {:.1f} mm from bones (median), {:.0f} mm at most ({})", options.output.string(),
                            r.muscles, model.muscles.size(), imported.anatomy.bones.size(), 1e3 * r.volume, 1e3 * r.attachment_median, 1e3 * r.attachment_max,

@@ -7,9 +7,9 @@
 
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
+#include "anatomy/eyes.h"
 #include "anatomy/mesh_measures.h"
 #include "anatomy/package.h"
-#include "app/eyes.h"
 #include "app/fitting.h"
 #include "app/open_character.h"
 #include "app/template_file.h"

@@ -10,6 +10,7 @@
 #include <tbb/parallel_for.h>
 
 #include "anatomy/errors.h"
+#include "anatomy/muscle_force.h"
 #include "morph/fat.h"
 #include "morph/fitted_skeleton.h"
 #include "morph/interior_warp.h"
@@ -190,6 +191,8 @@ void carry_all(const std::vector<Muscle>& muscles, const SkeletonCarrier& carrie
     if (now <= 0) return;
     for (Strip& strip : out[m].strips) scale_radii(strip, Vec2::Constant(std::sqrt(wanted * before / now)));
     out[m].volume = wanted * muscles[m].volume;
+    // Of the volume that a person of this size has; what then fills the skin between the muscles is no muscle that pulls.
+    if (out[m].max_force <= 0) out[m].max_force = isometric_force(out[m].volume, out[m].fibre_length);
   });
 }
 

@@ -122,7 +122,7 @@ void write_bake(const std::filesystem::path& file, const std::string& name, cons
   gltf::GlbBuilder glb;
   const Skeleton bones = with_helpers(skeleton, bake);
   gltf::add_joints(glb, bones);
-  glb.add_mesh("skin", skin, glb.add_material("skin", gltf::kSkinColour, 0.6));
+  glb.add_mesh("skin", skin, glb.material(kSkinLook));
   // By index from here on: adding accessors does not move meshes, but the reference would not outlive another mesh.
   tinygltf::Mesh& mesh = glb.model().meshes.back();
   glb.add_influences(mesh.primitives[0], bake.influences);

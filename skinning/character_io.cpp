@@ -1,132 +1,117 @@
 // Writing. Reading is in character_read.cpp.
 #include "skinning/character_io.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <span>
-#include <stdexcept>
 
-#include "anatomy/atomic_file.h"
-#include "anatomy/errors.h"
+#include "anatomy/cartilage.h"
 #include "anatomy/muscle_line.h"
 #include "anatomy/muscle_surface.h"
-#include "skinning/glb_builder.h"
-#include "skinning/gltf_values.h"
+#include "skinning/character_nodes.h"
+#include "skinning/layer_mesh.h"
 #include "skinning/slice_influences.h"
+#include "skinning/tissue_meshes.h"
 
 namespace ecorche {
 namespace {
 
 using gltf::GlbBuilder;
-using gltf::kSkinColour;
-using gltf::Object;
-using tinygltf::Value;
 
-void add_skin(GlbBuilder& glb, const Character& character, const Binding& binding) {
-  const int material = glb.add_material("skin", kSkinColour, 0.6);
-  tinygltf::Primitive& primitive = glb.add_mesh("skin", character.body.skin, material);
-  glb.add_influences(primitive, binding.joint_weights);
+// What of the anatomy lies nearest to each of the skin's vertices.
+void add_anchors(GlbBuilder& glb, const Character& character, const Binding& binding, const SkinTexture& texture) {
   const int bones = static_cast<int>(character.anatomy.bones.size());
+  const std::size_t count = texture.empty() ? binding.anchors.size() : texture.vertex.size();
   std::vector<float> parts, distances;
-  for (const Anchor& anchor : binding.anchors) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const Anchor& anchor = binding.anchors[texture.empty() ? i : static_cast<std::size_t>(texture.vertex[i])];
     parts.push_back(static_cast<float>(anchor.kind == Anchor::Kind::muscle ? bones + anchor.part : anchor.part));
     distances.push_back(static_cast<float>(anchor.distance));
   }
-  primitive.attributes["_ANCHOR_PART"] = glb.add_scalars(parts, false, TINYGLTF_TARGET_ARRAY_BUFFER);
-  primitive.attributes["_ANCHOR_DISTANCE"] = glb.add_scalars(distances, false, TINYGLTF_TARGET_ARRAY_BUFFER);
-
-  tinygltf::Node node;
-  node.name = "skin";
-  node.mesh = static_cast<int>(glb.model().meshes.size()) - 1;
-  node.skin = 0;
-  glb.add_node(std::move(node));
+  auto& attributes = glb.model().meshes.back().primitives[0].attributes;
+  attributes["_ANCHOR_PART"] = glb.add_scalars(parts, false, TINYGLTF_TARGET_ARRAY_BUFFER);
+  attributes["_ANCHOR_DISTANCE"] = glb.add_scalars(distances, false, TINYGLTF_TARGET_ARRAY_BUFFER);
 }
 
 void add_bones(GlbBuilder& glb, const Anatomy& anatomy) {
-  const int material = glb.add_material("bone", gltf::kBoneColour, 0.7);
+  const auto rules = read_cartilage_rules();
   const auto positions = rest_positions(anatomy.skeleton);
   for (const Bone& bone : anatomy.bones) {
     TriMesh local = bone.mesh;
     local.V.rowwise() -= positions[bone.joint].transpose();
-    glb.add_mesh("bone/" + bone.name, local, material);
     tinygltf::Node node;
     node.name = "bone/" + bone.name;
-    node.mesh = static_cast<int>(glb.model().meshes.size()) - 1;
+    const std::vector<char> cartilage = cartilage_faces(rules, bone);
+    const bool has = std::count(cartilage.begin(), cartilage.end(), 1) > 0;
+    const int material = glb.material(kBoneLook), other = has ? glb.material(kCartilageLook) : material;
+    const Points normals = GlbBuilder::unit_normals(local);
+    node.mesh = glb.add_mesh(node.name, gltf::two_tissues(glb, local, normals, cartilage, material, other));
     node.extras = gltf::bone_extras(bone);
     glb.add_node(std::move(node), bone.joint);
   }
 }
 
 void add_muscles(GlbBuilder& glb, const Anatomy& anatomy) {
-  const int material = glb.add_material("muscle", gltf::kMuscleColour, 0.5);
   const auto influences = slice_influences(anatomy);
   MuscleSurfaceOptions options;
-  options.points_per_slice = 12;  // enough for the eye, and half the file
+  options.points_per_slice = kLoftPoints;
   const MuscleSurface surface = make_muscle_surface(anatomy, options);
   Points positions;
   update_muscle_surface(surface, rest_slices(anatomy), positions);
   for (const MuscleSurface::Part& part : surface.parts) {
     const Muscle& muscle = anatomy.muscles[part.muscle];
-    tinygltf::Primitive& primitive = glb.add_mesh("muscle/" + muscle.name, part_mesh(surface, part, positions), material);
     std::vector<std::array<Influence, 4>> shares;
     for (int i = part.vertex_begin; i < part.vertex_end; ++i) shares.push_back(influences[surface.slice[i]]);
-    glb.add_influences(primitive, shares);
+    const TriMesh mesh = part_mesh(surface, part, positions);
+    const std::span<const float> belly(surface.belly.data() + part.vertex_begin, surface.belly.data() + part.vertex_end);
+    auto tissues = gltf::muscle_tissues(glb, mesh, gltf::muscle_tints(part.muscle, belly, mesh.F));
+    glb.add_influences(tissues.front(), shares);
+    for (const char* name : {"JOINTS_0", "WEIGHTS_0"}) tissues.back().attributes[name] = tissues.front().attributes[name];
     tinygltf::Node node;
     node.name = "muscle/" + muscle.name;
-    node.mesh = static_cast<int>(glb.model().meshes.size()) - 1;
+    node.mesh = glb.add_mesh(node.name, std::move(tissues));
     node.skin = 0;
     node.extras = gltf::muscle_extras(muscle, glb.keep_text(gltf::strips_text(muscle)));
     glb.add_node(std::move(node));
   }
 }
 
-void finish(GlbBuilder& glb, const Body& body, AtomicFile& out) {
-  Object ecorche{{"schema", Value(kCharacterSchema)}, {"body", gltf::body_extras(body)}};
-  Object extras;
-  extras["ecorche"] = Value(std::move(ecorche));
-  glb.scene().extras = Value(std::move(extras));
-  glb.scene().name = body.name.empty() ? "body" : body.name;
-  if (!glb.write(out.stream())) out.fail();
-  out.commit();
-}
-
-void check(const Character& character, const Binding& binding, const Motion* motion) {
-  validate(character.anatomy);
-  const size_t vertices = static_cast<size_t>(character.body.skin.V.rows());
-  if (binding.joint_weights.size() != vertices || binding.anchors.size() != vertices)
-    throw std::invalid_argument(fmt::format("write_character: binding of {} vertices for a skin of {}", binding.joint_weights.size(), vertices));
-  if (character.anatomy.skeleton.joints.size() > 65535) throw LimitError("more than 65535 joints cannot be written as glTF");
-  if (!motion) return;
-  if (motion->frames.empty() || !(motion->fps > 0)) throw std::invalid_argument("write_character: a motion without frames or rate");
-  for (const Pose& pose : motion->frames)
-    if (pose.rotations.size() != character.anatomy.skeleton.joints.size())
-      throw std::invalid_argument("write_character: the motion belongs to another skeleton");
+void add_eyes(GlbBuilder& glb, const Skeleton& skeleton, std::span<const Eyeball> eyes) {
+  const auto positions = rest_positions(skeleton);
+  for (Eyeball eye : eyes) {
+    tinygltf::Node node;
+    node.name = eye.center.x() > 0 ? "eye/left" : "eye/right";
+    eye.center -= positions[static_cast<std::size_t>(eye.joint)];
+    node.mesh = glb.add_mesh(node.name, gltf::eye_tissues(glb, eye));
+    glb.add_node(std::move(node), eye.joint);
+  }
 }
 
 }  // namespace
 
-void write_character(const std::filesystem::path& file, const Character& character, const Binding& binding, const Motion* motion) {
-  check(character, binding, motion);
+void write_character(const std::filesystem::path& file, const Character& character, const Binding& binding, const Motion* motion,
+                     const CharacterLook& look) {
+  gltf::check_parts(character, binding, motion, look);
   AtomicFile out(file);  // before the work, so that a bad place is told at once
   GlbBuilder glb;
   gltf::add_joints(glb, character.anatomy.skeleton);
-  add_skin(glb, character, binding);
+  gltf::add_skin(glb, character.body.skin, binding.joint_weights, look.texture);
+  add_anchors(glb, character, binding, look.texture);
   add_bones(glb, character.anatomy);
   add_muscles(glb, character.anatomy);
+  add_eyes(glb, character.anatomy.skeleton, look.eyes);
   if (motion) gltf::add_motion(glb, character.anatomy.skeleton, *motion, "motion");
-  finish(glb, character.body, out);
+  gltf::finish(glb, character.body, {}, out);
 }
 
 void write_body(const std::filesystem::path& file, const Body& body) {
   AtomicFile out(file);
   GlbBuilder glb;
-  glb.add_mesh("skin", body.skin, glb.add_material("skin", kSkinColour, 0.6));
+  glb.add_mesh("skin", body.skin, glb.material(kSkinLook));
   tinygltf::Node node;
   node.name = "skin";
   node.mesh = 0;
   glb.add_node(std::move(node));
-  finish(glb, body, out);
+  gltf::finish(glb, body, {}, out);
 }
 
 }  // namespace ecorche

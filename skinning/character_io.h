@@ -1,7 +1,9 @@
 // A character as a .glb that any glTF viewer opens, and that reads back as the anatomy it was written from.
 //
-// Scene: mesh node `skin`, mesh nodes `bone/<name>` and `muscle/<name>`, the joint hierarchy under `pelvis`; metres, +Y up, facing +Z.
-// Skin and muscles carry four joint influences a vertex; bones ride on their joints. What glTF has no word for is in `extras`: schema
+// Scene: mesh node `skin`, mesh nodes `bone/<name>`, `muscle/<name>`, `eye/left` and `eye/right`, the joint hierarchy under `pelvis`; metres,
+// +Y up, facing +Z. A material a tissue; muscles fade from belly to tendon by COLOR_0. The skin has TEXCOORD_0 where its texture is known: its
+// first vertices are the body's, in order, and those that seams need twice follow; _SKIN_VERTEX names the body's vertex of each.
+// Skin and muscles carry four joint influences a vertex; bones and eyes ride on their joints. What glTF has no word for is in `extras`: schema
 // number and body on the asset's scene, axes and limits on joints, label, attachments, path and slices on muscles. The skin's nearest
 // parts are the vertex attributes _ANCHOR_PART (bone index, or number of bones + slice index) and _ANCHOR_DISTANCE (m).
 // glTF has nothing exact for a skin that moves by muscles: its four influences are the joint part of the binding. Vertex caches
@@ -12,6 +14,7 @@
 
 #include "anatomy/anatomy.h"
 #include "skinning/bind.h"
+#include "skinning/character_look.h"
 
 namespace ecorche {
 
@@ -20,11 +23,12 @@ struct Character {
   Body body;
 };
 
-inline constexpr int kCharacterSchema = 1;
+inline constexpr int kCharacterSchema = 2;  // 1: no copies of vertices on seams, one primitive a bone
 
 // With a motion, the file holds it as one animation named `motion`, a key a frame. Binding and motion must belong to the character
 // (std::invalid_argument otherwise). Throws OutputError.
-void write_character(const std::filesystem::path& file, const Character& character, const Binding& binding, const Motion* motion = nullptr);
+void write_character(const std::filesystem::path& file, const Character& character, const Binding& binding, const Motion* motion = nullptr,
+                     const CharacterLook& look = {});
 
 // Throws InputError for a file that is no character of ours (it names what is missing) or whose numbers no body has (character_check.h),
 // UnfitError for one of a newer schema, LimitError. Positions come back in single precision (1e-7 m).

@@ -38,13 +38,15 @@ class Reader {
     if (!notes.contains("body")) fail("'body' is missing");
     extras::read_body(notes.at("body"), name_ + ": body", body);
     for (std::size_t n = 0; n < names_.size(); ++n)
-      if (names_[n] == "skin") body.skin = read_mesh(n);
+      if (names_[n] == "skin") body.skin = read_skin(n);
     if (body.skin.V.rows() == 0) fail("mesh node 'skin' is missing");
     check_body(body, name_);
     return body;
   }
 
   Character read() {
+    if (scene_notes().contains("detail"))
+      throw UnfitError(name_ + ": a light version, for looking at only; give the character that it was written from");
     Character character;
     character.body = read_body();
     read_skeleton(character.anatomy.skeleton);
@@ -97,7 +99,8 @@ class Reader {
   }
 
   void read_skeleton(Skeleton& skeleton) {
-    if (file_->count("skins") == 0) fail(fmt::format("a body without bones and muscles; `ecorche fit {} -o CHARACTER.glb` puts them inside", name_));
+    if (file_->count("skins") == 0)
+      throw UnfitError(fmt::format("{}: a body without bones and muscles; `ecorche fit {} -o CHARACTER.glb` puts them inside", name_, name_));
     if (file_->count("skins") != 1) fail(fmt::format("{} skins; a character has one", file_->count("skins")));
     const Json& skin = file_->item("skins", 0);
     const auto joints = skin.find("joints");
@@ -146,19 +149,48 @@ class Reader {
     return muscle;
   }
 
-  TriMesh read_mesh(std::size_t node) const {
-    const std::string where = printable(names_[node]);
+  const Json& primitives_of(std::size_t node) const {
     const Json& mesh = file_->item("meshes", file_->whole(file_->item("nodes", node), "mesh"));
     const auto primitives = mesh.find("primitives");
-    if (primitives == mesh.end() || !primitives->is_array() || primitives->size() != 1 || !(*primitives)[0].is_object()) fail(where + ": needs one mesh with one primitive");
-    const Json& primitive = (*primitives)[0];
-    if (!primitive.contains("attributes")) fail(where + ": has no POSITION");
+    if (primitives == mesh.end() || !primitives->is_array() || primitives->empty()) fail(printable(names_[node]) + ": its mesh has no primitive");
+    for (const Json& each : *primitives)
+      if (!each.is_object() || !each.contains("attributes") || !each.at("attributes").is_object()) fail(printable(names_[node]) + ": has no POSITION");
+    return *primitives;
+  }
+
+  // Of all its tissues, which share the vertices.
+  TriMesh read_mesh(std::size_t node) const {
+    const std::string where = printable(names_[node]);
+    const Json& primitives = primitives_of(node);
+    const std::size_t position = file_->whole(primitives[0].at("attributes"), "POSITION");
     TriMesh out;
-    out.V = file_->points(file_->whole(primitive.at("attributes"), "POSITION"));
-    const std::vector<int> corners = file_->corners(file_->whole(primitive, "indices"), static_cast<std::size_t>(out.V.rows()));
-    if (corners.size() % 3 != 0) fail(where + ": the number of indices is no multiple of three");
+    out.V = file_->points(position);
+    std::vector<int> corners;
+    for (const Json& primitive : primitives) {
+      if (file_->whole(primitive.at("attributes"), "POSITION") != position) fail(where + ": its primitives do not share their vertices");
+      const std::vector<int> more = file_->corners(file_->whole(primitive, "indices"), static_cast<std::size_t>(out.V.rows()));
+      if (more.size() % 3 != 0) fail(where + ": the number of indices is no multiple of three");
+      corners.insert(corners.end(), more.begin(), more.end());
+    }
     out.F = Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
     return out;
+  }
+
+  // Without the copies of its vertices that seams of the texture need.
+  TriMesh read_skin(std::size_t node) const {
+    TriMesh mesh = read_mesh(node);
+    const Json& attributes = primitives_of(node)[0].at("attributes");
+    if (!attributes.contains("_SKIN_VERTEX")) return mesh;
+    const std::vector<double> own = file_->scalars(file_->whole(attributes, "_SKIN_VERTEX"));
+    if (own.size() != static_cast<std::size_t>(mesh.V.rows())) fail("skin: _SKIN_VERTEX is not of all its vertices");
+    std::size_t count = 0;
+    while (count < own.size() && own[count] == static_cast<double>(count)) ++count;
+    for (std::size_t i = count; i < own.size(); ++i)
+      if (!(own[i] >= 0 && own[i] < static_cast<double>(count)) || own[i] != std::floor(own[i]))
+        fail(fmt::format("skin: _SKIN_VERTEX of vertex {} is {}, with {} vertices of its own", i, own[i], count));
+    for (int* v = mesh.F.data(); v != mesh.F.data() + mesh.F.size(); ++v) *v = static_cast<int>(own[static_cast<std::size_t>(*v)]);
+    mesh.V.conservativeResize(static_cast<Eigen::Index>(count), 3);
+    return mesh;
   }
 
   std::string name_, bytes_;

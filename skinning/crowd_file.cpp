@@ -193,8 +193,8 @@ void place_people(Document& document) {
         rounded({apart * static_cast<double>(i % in_a_row), 0, -apart * static_cast<double>(i / in_a_row)});
 }
 
-Json material(const char* name, std::array<double, 4> colour, double roughness) {
-  return {{"name", name}, {"pbrMetallicRoughness", {{"baseColorFactor", colour}, {"metallicFactor", 0.0}, {"roughnessFactor", roughness}}}};
+Json material(const TissueLook& look) {
+  return {{"name", look.name}, {"pbrMetallicRoughness", {{"baseColorFactor", gltf::base_color(look)}, {"metallicFactor", 0.0}, {"roughnessFactor", look.roughness}}}};
 }
 
 Json parts_of(const CrowdMould::Layer& layer) {
@@ -215,10 +215,10 @@ Json to_json(const CrowdMould& mould, Document&& document, Json buffers) {
   out["nodes"] = std::move(document.nodes);
   out["meshes"] = std::move(document.meshes);
   out["skins"] = std::move(document.skins);
-  out["materials"] = Json::array({material("skin", gltf::kSkinColour, 0.6)});
+  out["materials"] = Json::array({material(kSkinLook)});
   if (mould.layers.size() > 1) {
-    out["materials"].push_back(material("bone", gltf::kBoneColour, 0.7));
-    out["materials"].push_back(material("muscle", gltf::kMuscleColour, 0.5));
+    out["materials"].push_back(material(kBoneLook));
+    out["materials"].push_back(material(kMuscleLook));
   }
   out["accessors"] = std::move(document.scene.accessors);
   out["bufferViews"] = std::move(document.scene.views);

@@ -22,29 +22,51 @@ GlbBuilder::GlbBuilder() {
   model_.defaultScene = 0;
 }
 
-int GlbBuilder::add_material(const std::string& name, std::array<double, 4> colour, double roughness) {
+std::array<double, 4> base_color(const TissueLook& look) {
+  const Rgb light = linear_light(look.color);
+  return {light.x(), light.y(), light.z(), 1};
+}
+
+int GlbBuilder::material(const TissueLook& look, float brighter) {
+  for (std::size_t i = 0; i < model_.materials.size(); ++i)
+    if (model_.materials[i].name == look.name) return static_cast<int>(i);
+  TissueLook shown = look;
+  shown.color *= brighter;
+  const std::array<double, 4> color = base_color(shown);
   tinygltf::Material material;
-  material.name = name;
-  material.pbrMetallicRoughness.baseColorFactor.assign(colour.begin(), colour.end());
+  material.name = look.name;
+  material.pbrMetallicRoughness.baseColorFactor.assign(color.begin(), color.end());
   material.pbrMetallicRoughness.metallicFactor = 0;
-  material.pbrMetallicRoughness.roughnessFactor = roughness;
+  material.pbrMetallicRoughness.roughnessFactor = static_cast<double>(look.roughness);
   model_.materials.push_back(std::move(material));
   return static_cast<int>(model_.materials.size()) - 1;
 }
 
-tinygltf::Primitive& GlbBuilder::add_mesh(const std::string& name, const TriMesh& mesh, int material) {
+int GlbBuilder::add_indices(const Triangles& F) {
+  const std::vector<std::uint32_t> indices(F.data(), F.data() + F.size());
+  return add_accessor(indices, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, 1, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+}
+
+tinygltf::Primitive GlbBuilder::surface(const Points& V, const Points& normals, int indices, int material) {
   tinygltf::Primitive primitive;
   primitive.mode = TINYGLTF_MODE_TRIANGLES;
   primitive.material = material;
-  primitive.attributes["POSITION"] = add_vectors(mesh.V, true);
-  primitive.attributes["NORMAL"] = add_vectors(unit_normals(mesh), false);
-  const std::vector<std::uint32_t> indices(mesh.F.data(), mesh.F.data() + mesh.F.size());
-  primitive.indices =
-      add_accessor(indices, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, TINYGLTF_TYPE_SCALAR, 1, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+  primitive.attributes["POSITION"] = add_vectors(V, true);
+  primitive.attributes["NORMAL"] = add_vectors(normals, false);
+  primitive.indices = indices;
+  return primitive;
+}
+
+int GlbBuilder::add_mesh(const std::string& name, std::vector<tinygltf::Primitive> primitives) {
   tinygltf::Mesh out;
   out.name = name;
-  out.primitives.push_back(std::move(primitive));
+  out.primitives = std::move(primitives);
   model_.meshes.push_back(std::move(out));
+  return static_cast<int>(model_.meshes.size()) - 1;
+}
+
+tinygltf::Primitive& GlbBuilder::add_mesh(const std::string& name, const TriMesh& mesh, int material) {
+  add_mesh(name, {surface(mesh.V, unit_normals(mesh), add_indices(mesh.F), material)});
   return model_.meshes.back().primitives[0];
 }
 
@@ -151,6 +173,20 @@ int GlbBuilder::add_vectors(const Points& points, bool bounds) {
 
 int GlbBuilder::add_scalars(const std::vector<float>& values, bool bounds, int target) {
   return add_accessor(values, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_SCALAR, 1, target, bounds);
+}
+
+int GlbBuilder::add_places(const TexturePoints& places) {
+  std::vector<float> values;
+  for (Eigen::Index i = 0; i < places.rows(); ++i) values.insert(values.end(), {places(i, 0), 1 - places(i, 1)});
+  return add_accessor(values, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2, 2, TINYGLTF_TARGET_ARRAY_BUFFER);
+}
+
+int GlbBuilder::add_tints(const std::vector<Tint>& tints) {
+  std::vector<std::uint8_t> values;
+  for (const Tint& tint : tints) values.insert(values.end(), tint.begin(), tint.end());
+  const int accessor = add_accessor(values, TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, TINYGLTF_TYPE_VEC4, 4, TINYGLTF_TARGET_ARRAY_BUFFER);
+  model_.accessors.back().normalized = true;
+  return accessor;
 }
 
 int GlbBuilder::add_shares(const std::vector<std::int16_t>& values, int type, int components) {

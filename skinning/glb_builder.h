@@ -11,11 +11,17 @@
 #include <vector>
 
 #include "anatomy/skeleton.h"
+#include "anatomy/skin_texture.h"
+#include "anatomy/tissue_look.h"
 #include "skinning/bind.h"
 
 namespace ecorche::gltf {
 
-inline constexpr std::array kSkinColour{0.80, 0.58, 0.47, 1.0}, kBoneColour{0.89, 0.85, 0.76, 1.0}, kMuscleColour{0.62, 0.16, 0.13, 1.0};
+// glTF's base colour of a tissue: in proportion to light, opaque.
+std::array<double, 4> base_color(const TissueLook& look);
+
+// A colour that the material's base colour is multiplied by, 8 bits each, the last one opacity.
+using Tint = std::array<std::uint8_t, 4>;
 
 class GlbBuilder {
  public:
@@ -64,7 +70,21 @@ class GlbBuilder {
   // Integers that stand for -1 .. 1.
   int add_shares(const std::vector<std::int16_t>& values, int type, int components);
 
-  int add_material(const std::string& name, std::array<double, 4> colour, double roughness);
+  // Right and up from the lower left; glTF counts down from the upper left.
+  int add_places(const TexturePoints& places);
+
+  int add_tints(const std::vector<Tint>& tints);
+
+  // The material of a tissue, made when it is first asked for. `brighter`: a factor of its colour, for tints that only darken.
+  int material(const TissueLook& look, float brighter = 1);
+
+  int add_indices(const Triangles& F);
+
+  // Places and normals; attributes and indices are the caller's.
+  tinygltf::Primitive surface(const Points& V, const Points& normals, int indices, int material);
+
+  // Returns its index.
+  int add_mesh(const std::string& name, std::vector<tinygltf::Primitive> primitives);
 
   // A mesh with normals; the caller may add attributes to the returned primitive.
   tinygltf::Primitive& add_mesh(const std::string& name, const TriMesh& mesh, int material);

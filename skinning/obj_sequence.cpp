@@ -6,8 +6,16 @@
 
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
+#include "skinning/layer_mesh.h"
 
 namespace ecorche {
+
+ObjSequenceWriter::ObjSequenceWriter(const std::filesystem::path& pattern, int vertices, std::string before, std::string after)
+    : ObjSequenceWriter(pattern, Triangles()) {
+  head_ += before;
+  faces_ = std::move(after);
+  highest_ = vertices - 1;
+}
 
 ObjSequenceWriter::ObjSequenceWriter(const std::filesystem::path& pattern, const Triangles& F) {
   const std::string text = pattern.filename().string();
@@ -28,9 +36,8 @@ std::filesystem::path ObjSequenceWriter::name(int number) const { return fmt::fo
 void ObjSequenceWriter::add_frame(std::span<const float> positions, int stride) {
   if (stride < 3 || positions.size() < (static_cast<std::size_t>(highest_) + 1) * static_cast<std::size_t>(stride))
     throw std::invalid_argument(fmt::format("ObjSequenceWriter: {} floats do not hold {} points", positions.size(), highest_ + 1));
-  std::string out = "# metres, +Y up\n";
-  for (std::size_t i = 0; i + 2 < positions.size(); i += static_cast<std::size_t>(stride))
-    fmt::format_to(std::back_inserter(out), "v {} {} {}\n", positions[i], positions[i + 1], positions[i + 2]);
+  std::string out = head_;
+  append_vertices(positions, stride, out);
   out += faces_;
   write_file_atomically(name(++frames_), out);
 }

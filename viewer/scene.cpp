@@ -13,24 +13,14 @@
 namespace ecorche {
 namespace {
 
-const Vec3f tendon_color(0.93f, 0.88f, 0.78f);
 // Light and dark tell shortened from stretched where hues cannot.
-const Vec3f belly_color(0.62f, 0.24f, 0.20f);
 const Vec3f short_color(0.95f, 0.52f, 0.20f);
 const Vec3f long_color(0.36f, 0.19f, 0.42f);
 const Vec3f selected_color(0.98f, 0.80f, 0.25f);
-// Okabe & Ito's orange and blue, with a light grey between them.
+// Okabe & Ito's orange, which flesh and light turn yellow, and their blue, with a light grey between them.
 const Vec3f map_short(0.90f, 0.62f, 0.00f);
 const Vec3f map_rest(0.88f, 0.87f, 0.85f);
 const Vec3f map_long(0.00f, 0.45f, 0.70f);
-
-std::uint32_t scramble(std::uint32_t x) {
-  x = (x ^ (x >> 16)) * 0x7feb352du;
-  x = (x ^ (x >> 15)) * 0x846ca68bu;
-  return x ^ (x >> 16);
-}
-
-float unit(std::uint32_t x) { return static_cast<float>(scramble(x) >> 8) / 16777216.0f; }
 
 // Smooth random values in space: the patches in which a skin goes.
 float patchiness(const Vec3f& p) {
@@ -41,7 +31,7 @@ float patchiness(const Vec3f& p) {
   for (int k = 0; k < 8; ++k) {
     const Eigen::Vector3i c = cell + Eigen::Vector3i(k & 1, (k >> 1) & 1, k >> 2);
     const auto seed = static_cast<std::uint32_t>(c.x() * 73856093 ^ c.y() * 19349663 ^ c.z() * 83492791);
-    sum += unit(seed) * (k & 1 ? t.x() : 1 - t.x()) * (k & 2 ? t.y() : 1 - t.y()) * (k & 4 ? t.z() : 1 - t.z());
+    sum += scattered(seed) * (k & 1 ? t.x() : 1 - t.x()) * (k & 2 ? t.y() : 1 - t.y()) * (k & 4 ? t.z() : 1 - t.z());
   }
   return sum;
 }
@@ -108,17 +98,14 @@ void set_fibres(DrawMesh& muscles, const MuscleSurface& surface, const Anatomy& 
 
 Vec3f mix(const Vec3f& a, const Vec3f& b, float t) { return a + t * (b - a); }
 
-// No two neighbours quite alike, so that the eye tells them apart.
-float own_tone(int muscle) { return 0.90f + 0.20f * unit(static_cast<std::uint32_t>(muscle) + 17); }
-
 void color_muscles(const SceneModel& model, std::span<const float> activity, const Appearance& appearance, DrawMesh& mesh) {
   mesh.colors.resize(model.surface.vertices());
   for (const MuscleSurface::Part& part : model.surface.parts) {
     const float a = activity.empty() ? 0 : std::clamp(activity[part.muscle], -1.0f, 1.0f);
     const bool map = appearance.muscle_colors == MuscleColors::shortening;
     Vec3f belly = muscle_color(appearance.muscle_colors, a);
-    if (!map) belly *= own_tone(part.muscle);
-    Vec3f tendon = map ? Vec3f(0.70f, 0.69f, 0.67f) : tendon_color;
+    if (!map) belly *= muscle_tone(part.muscle);
+    Vec3f tendon = map ? Vec3f(0.70f, 0.69f, 0.67f) : kTendonLook.color;
     if (appearance.selected == kFirstMusclePart + static_cast<std::uint32_t>(part.muscle)) {
       belly = selected_color;
       tendon = mix(tendon, selected_color, 0.5f);
@@ -142,11 +129,11 @@ void take_skin(const SkinFrame& frame, DrawMesh& mesh) {
 }
 
 Surface bone_surface(const Appearance& appearance, float opacity) {
-  return {.color = appearance.bone_color, .opacity = opacity, .roughness = 0.55f, .specular = 0.035f, .scatter = 0.25f};
+  return {.color = appearance.bone_color, .opacity = opacity, .roughness = kBoneLook.roughness, .specular = 0.035f, .scatter = 0.25f};
 }
 
 Surface muscle_surface(float opacity) {
-  return {.color = belly_color, .opacity = opacity, .roughness = 0.38f, .specular = 0.045f, .scatter = 0.35f, .striation = 1};
+  return {.color = kMuscleLook.color, .opacity = opacity, .roughness = kMuscleLook.roughness, .specular = 0.045f, .scatter = 0.35f, .striation = 1};
 }
 
 Surface skin_surface(const Appearance& appearance, const Look& look) {
@@ -154,7 +141,7 @@ Surface skin_surface(const Appearance& appearance, const Look& look) {
           .opacity = look.skin,
           .edge_opacity = look.skin_edge,
           .dissolved = look.skin_dissolved,
-          .roughness = 0.50f,
+          .roughness = kSkinLook.roughness,
           .specular = 0.035f,
           .scatter = 0.6f};
 }
@@ -238,7 +225,7 @@ void add_look(const SceneModel& model, const PosedAnatomy& posed, const Appearan
       DrawItem& item = list.items.emplace_back();
       item.mesh = static_cast<int>(2 + model.bones.size() + e);
       item.X_WM = offset * joint_motion(model, posed, model.eye_joints[e]);
-      item.surface = {.color = Vec3f(0.9f, 0.9f, 0.9f), .roughness = 0.18f, .specular = 0.04f, .scatter = 0.2f};
+      item.surface = {.color = Vec3f(0.9f, 0.9f, 0.9f), .roughness = kEyeWhiteLook.roughness, .specular = 0.04f, .scatter = 0.2f};
       item.casts_shadow = false;
       item.closed = true;
     }
@@ -275,28 +262,18 @@ void set_focus(const PosedAnatomy& posed, const Appearance& appearance, DrawList
   list.focus_radius = 0.5f * (high - low).norm() + 0.25f;
 }
 
-// A globe whose pole looks along +Z; rings are doubled where its colour changes.
 DrawMesh make_eye(const Eyeball& eye, std::uint64_t key) {
-  constexpr int around = 32;
-  const Vec3f pupil(0.03f, 0.025f, 0.02f), iris(0.28f, 0.19f, 0.11f), white(0.90f, 0.88f, 0.84f);
-  const std::pair<double, Vec3f> rings[] = {{0, pupil}, {11, pupil}, {11, iris}, {20, iris}, {28, iris}, {28, white}, {40, white},
-                                            {60, white}, {80, white}, {105, white}, {130, white}, {155, white}, {180, white}};
   DrawMesh mesh;
   mesh.key = key;
-  for (const auto& [degrees, color] : rings)
-    for (int k = 0; k < around; ++k) {
-      const double polar = degrees * std::numbers::pi / 180, turn = 2 * std::numbers::pi * k / around;
-      const Vec3 out(std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar));
-      mesh.positions.push_back(Vec3(eye.center + eye.radius * out).cast<float>());
-      mesh.normals.push_back(out.cast<float>());
-      mesh.colors.push_back(color);
+  for (const EyePart& part : eye_parts(eye)) {
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    for (Eigen::Index i = 0; i < part.mesh.V.rows(); ++i) {
+      mesh.positions.push_back(part.mesh.V.row(i).transpose().cast<float>());
+      mesh.normals.push_back(part.normals.row(i).transpose().cast<float>());
+      mesh.colors.push_back(part.look.color);
     }
-  for (std::uint32_t ring = 0; ring + 1 < std::size(rings); ++ring)
-    for (std::uint32_t k = 0; k < around; ++k) {
-      const std::uint32_t a = ring * around + k, b = ring * around + (k + 1) % around;
-      mesh.triangles.emplace_back(a, a + around, b);
-      mesh.triangles.emplace_back(b, a + around, b + around);
-    }
+    for (const Triangle32& t : to_indices(part.mesh.F)) mesh.triangles.emplace_back(t.array() + first);
+  }
   return mesh;
 }
 
@@ -304,7 +281,7 @@ DrawMesh make_eye(const Eyeball& eye, std::uint64_t key) {
 
 Vec3f muscle_color(MuscleColors colors, float activity) {
   const bool map = colors == MuscleColors::shortening;
-  const Vec3f &rest = map ? map_rest : belly_color, &end = activity >= 0 ? (map ? map_short : short_color) : (map ? map_long : long_color);
+  const Vec3f &rest = map ? map_rest : kMuscleLook.color, &end = activity >= 0 ? (map ? map_short : short_color) : (map ? map_long : long_color);
   return mix(rest, end, std::min(std::abs(activity), 1.0f));
 }
 

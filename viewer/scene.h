@@ -9,8 +9,10 @@
 #include <vector>
 
 #include "anatomy/anatomy.h"
+#include "anatomy/eyes.h"
 #include "anatomy/muscle_surface.h"
 #include "anatomy/pose_anatomy.h"
+#include "anatomy/tissue_look.h"
 #include "skinning/skin_frame.h"
 #include "viewer/draw_list.h"
 
@@ -28,13 +30,6 @@ struct Part {
   int index = -1;  // of the bone or muscle
 };
 Part part_of(std::uint32_t number);
-
-// Drawn as white, iris and pupil; looks along the joint's +Z at rest.
-struct Eyeball {
-  Vec3 center = Vec3::Zero();  // world, at rest, m
-  double radius = 0.012;       // m
-  int joint = 0;               // rides on it
-};
 
 struct SceneOptions {
   MuscleSurfaceOptions surface;
@@ -65,7 +60,7 @@ SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin, const S
 
 enum class MuscleColors {
   flesh,      // towards orange while it shortens, towards violet while it is stretched
-  shortening  // orange shortened, white at rest, blue stretched; safe for colour-blind eyes
+  shortening  // yellow shortened, light grey at rest, blue stretched; safe for colour-blind eyes
 };
 
 // The colour of a belly in sRGB. activity: as of muscle_shortening, -1 .. 1.
@@ -84,8 +79,8 @@ struct Look {
 struct Appearance {
   std::vector<Look> looks{Look{}};
   MuscleColors muscle_colors = MuscleColors::flesh;
-  Vec3f skin_color{0.82f, 0.63f, 0.53f};
-  Vec3f bone_color{0.90f, 0.86f, 0.77f};
+  Vec3f skin_color = kSkinLook.color;
+  Vec3f bone_color = kBoneLook.color;
   std::uint32_t selected = 0;  // part that is shown in another colour
   std::vector<std::uint32_t> hidden{};  // parts that are left away, rising
 };

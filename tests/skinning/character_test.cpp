@@ -4,10 +4,12 @@
 
 #include <fstream>
 #include <iterator>
+#include <limits>
 
 #include "anatomy/errors.h"
 #include "anatomy/muscle_line.h"
 #include "skinning/character_io.h"
+#include "skinning/light_character.h"
 
 using namespace ecorche;
 namespace fs = std::filesystem;
@@ -84,6 +86,24 @@ Binding binding_of(const Character& character) {
   return binding;
 }
 
+// A texture whose seam runs round the box's upper face: its four vertices lie elsewhere on the sides.
+CharacterLook seamed_look(const Character& character) {
+  const Triangles& F = character.body.skin.F;
+  CharacterLook look;
+  for (int i = 0; i < 8; ++i) look.texture.vertex.push_back(i);
+  look.texture.F = F;
+  for (const int v : {4, 5, 6, 7}) {  // faces 2 and 3 are the upper one
+    const int copy = static_cast<int>(look.texture.vertex.size());
+    look.texture.vertex.push_back(v);
+    for (int f = 2; f < 4; ++f)
+      for (int k = 0; k < 3; ++k)
+        if (F(f, k) == v) look.texture.F(f, k) = copy;
+  }
+  look.texture.places = TexturePoints::Random(12, 2);
+  look.eyes = {{Vec3(0.1, 1.5, 0), 0.012, 0}, {Vec3(-0.1, 1.5, 0), 0.012, 0}};
+  return look;
+}
+
 struct Folder {
   fs::path path = fs::temp_directory_path() / ("ecorche-character-" + std::to_string(::getpid()));
   Folder() { fs::create_directories(path); }
@@ -158,6 +178,61 @@ TEST(Character, ComesBackAsItWentIn) {
   EXPECT_EQ(out.body.landmarks[0].position, in.body.landmarks[0].position);
 }
 
+// Files of before seams and tissues read as ever.
+TEST(Character, AnEarlierSchemaIsRead) {
+  const Character in = arm(), out = read_character(fs::path(ECORCHE_TEST_DIR) / "corpus" / "character" / "schema1.glb");
+  EXPECT_EQ(out.body.skin.F, in.body.skin.F);
+  ASSERT_EQ(out.anatomy.bones.size(), 2u);
+  EXPECT_EQ(out.anatomy.bones[1].mesh.F, in.anatomy.bones[1].mesh.F);
+  EXPECT_EQ(out.anatomy.muscles[0].strips[0].slices[3].outline, in.anatomy.muscles[0].strips[0].slices[3].outline);
+}
+
+TEST(Character, SeamsOfTheTextureAreSplitAndJoinedAgain) {
+  const Folder folder;
+  const Character in = arm();
+  write_character(folder.path / "a.glb", in, binding_of(in), nullptr, seamed_look(in));
+  const std::string text = bytes_of(folder.path / "a.glb");
+  for (const char* wanted : {"TEXCOORD_0", "_SKIN_VERTEX", "COLOR_0", "eye/left", "eye/right", "eye_white"}) EXPECT_NE(text.find(wanted), std::string::npos) << wanted;
+  const Body out = read_character(folder.path / "a.glb").body;
+  EXPECT_EQ(out.skin.F, in.body.skin.F);
+  EXPECT_LT((out.skin.V - in.body.skin.V).cwiseAbs().maxCoeff(), 1e-6);
+  CharacterLook other = seamed_look(in);
+  other.texture.F.conservativeResize(5, 3);
+  EXPECT_THROW(write_character(folder.path / "b.glb", in, binding_of(in), nullptr, other), std::invalid_argument);
+}
+
+TEST(Character, DamagedSeamsAreRefused) {
+  const Folder folder;
+  const Character in = arm();
+  write_character(folder.path / "a.glb", in, binding_of(in), nullptr, seamed_look(in));
+  const std::string whole = bytes_of(folder.path / "a.glb");
+  // The copies' own vertices, 4 5 6 7 after 0 .. 7, as floats.
+  std::string names;
+  for (const float v : {0.f, 1.f, 2.f, 3.f, 4.f, 5.f, 6.f, 7.f, 4.f, 5.f, 6.f, 7.f}) names.append(reinterpret_cast<const char*>(&v), 4);
+  const size_t at = whole.find(names);
+  ASSERT_NE(at, std::string::npos);
+  for (const float bad : {-1.f, 8.f, 4.5f, 1e30f, std::numeric_limits<float>::quiet_NaN()}) {
+    std::string bytes = whole;
+    bytes.replace(at + 4 * 9, 4, reinterpret_cast<const char*>(&bad), 4);
+    write_bytes(folder.path / "bad.glb", bytes);
+    EXPECT_THROW(read_character(folder.path / "bad.glb"), InputError) << bad;
+  }
+}
+
+TEST(Character, ALightFileIsForLookingAtOnly) {
+  const Folder folder;
+  const Character in = arm();
+  const Motion motion = wave(in.anatomy.skeleton);
+  write_light_character(folder.path / "a.glb", in, binding_of(in), &motion, seamed_look(in));
+  try {
+    read_character(folder.path / "a.glb");
+    ADD_FAILURE() << "it was read";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("light"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(read_body(folder.path / "a.glb").skin.F, in.body.skin.F);
+}
+
 TEST(Character, SameInputSameBytes) {
   const Folder folder;
   const Character character = arm();
@@ -192,7 +267,7 @@ TEST(Character, DamagedTextIsRefusedOrHarmless) {
   write_character(folder.path / "a.glb", character, binding_of(character));
   const std::string whole = bytes_of(folder.path / "a.glb");
   const std::pair<const char*, const char*> damages[] = {
-      {"\"schema\":1", "\"schema\":9"}, {"\"count\":8", "\"count\":9999999"}, {"\"joint\":1", "\"joint\":7"},
+      {"\"schema\":2", "\"schema\":9"}, {"\"count\":8", "\"count\":9999999"}, {"\"joint\":1", "\"joint\":7"},
       {"\"axes\":[", "\"axos\":["},     {"\"side\":\"left\"", "\"side\":\"lift\""}, {"\"path\":[[", "\"path\":[[\"x\","}};
   for (const auto& [from, to] : damages) {
     std::string bytes = whole;

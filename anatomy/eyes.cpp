@@ -1,7 +1,10 @@
-#include "app/eyes.h"
+#include "anatomy/eyes.h"
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <iterator>
+#include <numbers>
 
 #include "anatomy/errors.h"
 
@@ -27,6 +30,31 @@ Eyeball globe(const std::vector<int>& vertices, const Points& points) {
   for (const int v : vertices) low = low.cwiseMin(points.row(v).transpose()), high = high.cwiseMax(points.row(v).transpose());
   const double radius = 0.5 * (high.x() - low.x());
   return {Vec3(0.5 * (low.x() + high.x()), 0.5 * (low.y() + high.y()), low.z() + radius), radius, 0};
+}
+
+// Rings about the pole, which looks along +Z, at these angles from it in degrees.
+EyePart band(const Eyeball& eye, const TissueLook& look, std::initializer_list<double> rings) {
+  constexpr int around = 32;
+  EyePart part{look, {}, {}};
+  part.mesh.V.resize(static_cast<Eigen::Index>(rings.size()) * around, 3);
+  part.normals.resize(part.mesh.V.rows(), 3);
+  Eigen::Index row = 0;
+  for (const double degrees : rings)
+    for (int k = 0; k < around; ++k, ++row) {
+      const double polar = degrees * std::numbers::pi / 180, turn = 2 * std::numbers::pi * k / around;
+      const Vec3 out(std::sin(polar) * std::cos(turn), std::sin(polar) * std::sin(turn), std::cos(polar));
+      part.mesh.V.row(row) = (eye.center + eye.radius * out).transpose();
+      part.normals.row(row) = out.transpose();
+    }
+  std::vector<int> corners;
+  for (int ring = 0; ring + 1 < static_cast<int>(rings.size()); ++ring)
+    for (int k = 0; k < around; ++k) {
+      const int a = ring * around + k, b = ring * around + (k + 1) % around;
+      if (rings.begin()[ring] > 0) corners.insert(corners.end(), {a, a + around, b});
+      if (rings.begin()[ring + 1] < 180) corners.insert(corners.end(), {b, a + around, b + around});
+    }
+  part.mesh.F = Eigen::Map<const Triangles>(corners.data(), static_cast<Eigen::Index>(corners.size() / 3), 3);
+  return part;
 }
 
 }  // namespace
@@ -57,6 +85,11 @@ std::vector<Eyeball> find_eyes(const TriMesh& skin, const Skeleton& skeleton) {
   } catch (const InputError&) {
     return {};
   }
+}
+
+std::vector<EyePart> eye_parts(const Eyeball& eye) {
+  return {band(eye, kPupilLook, {0, 11}), band(eye, kIrisLook, {11, 20, 28}),
+          band(eye, kEyeWhiteLook, {28, 40, 60, 80, 105, 130, 155, 180})};
 }
 
 }  // namespace ecorche

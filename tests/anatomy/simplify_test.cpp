@@ -1,0 +1,60 @@
+// Fewer triangles, the same shape.
+#include "anatomy/simplify.h"
+
+#include <gtest/gtest.h>
+
+#include "anatomy/mesh_measures.h"
+#include "anatomy/subdivide.h"
+
+namespace ecorche {
+namespace {
+
+TriMesh ball(int rounds) {
+  TriMesh mesh{Points(6, 3), Triangles(8, 3)};
+  mesh.V << 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1;
+  mesh.F << 0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5;
+  const Refinement fine = refine(mesh.F, 6, rounds);
+  return {refine_points(fine, mesh.V).rowwise().normalized(), fine.F};
+}
+
+TEST(Simplify, KeepsTheShapeAndStaysClosed) {
+  const TriMesh whole = ball(3);  // 5832 triangles
+  const TriMesh light = simplify(whole, 400);
+  EXPECT_LE(light.F.rows(), 400);
+  EXPECT_GT(light.F.rows(), 380);
+  EXPECT_TRUE(is_closed(light.F));
+  EXPECT_NEAR(mesh_volume(light) / mesh_volume(whole), 1, 0.03);
+  for (Eigen::Index i = 0; i < light.V.rows(); ++i) {
+    EXPECT_LT(light.V.row(i).norm(), 1 + 2e-3);
+    EXPECT_GT(light.V.row(i).norm(), 0.98);
+  }
+}
+
+TEST(Simplify, LeavesWhatIsLightAlone) {
+  const TriMesh whole = ball(1);
+  const TriMesh same = simplify(whole, static_cast<int>(whole.F.rows()));
+  EXPECT_EQ(same.F, whole.F);
+  EXPECT_EQ(same.V, whole.V);
+}
+
+TEST(Simplify, TakesMeshesThatMeetInAnEdge) {
+  TriMesh two = ball(2);
+  const Eigen::Index vertices = two.V.rows(), faces = two.F.rows();
+  two.F.conservativeResize(faces + 1, 3);
+  two.F.row(faces) << two.F(0, 0), two.F(0, 1), static_cast<int>(vertices);  // a fin on an edge that has two faces
+  two.V.conservativeResize(vertices + 1, 3);
+  two.V.row(vertices) << 2, 2, 2;
+  const TriMesh light = simplify(two, 200);
+  EXPECT_LE(light.F.rows(), 200);
+  EXPECT_TRUE(light.V.allFinite());
+  EXPECT_LT(light.F.maxCoeff(), light.V.rows());
+}
+
+TEST(Simplify, FindsTheNearestRows) {
+  const TriMesh whole = ball(1);
+  const std::vector<int> rows = nearest_rows(1.1 * whole.V, whole.V);
+  for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_EQ(rows[i], static_cast<int>(i));
+}
+
+}  // namespace
+}  // namespace ecorche
