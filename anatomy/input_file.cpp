@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "anatomy/errors.h"
+#include "anatomy/similar_names.h"
 
 namespace ecorche {
 namespace {
@@ -31,9 +33,22 @@ std::size_t letter_bytes(std::string_view text) {
   return strange ? 0 : length;
 }
 
+// "; did you mean anna.glb?": files beside a missing one whose names are nearly its own.
+std::string files_like(const fs::path& missing) {
+  constexpr std::size_t kMost = 10000;  // files that are looked at
+  std::vector<std::string> names;
+  std::error_code error;
+  const fs::path folder = missing.parent_path();
+  for (fs::directory_iterator entry(folder.empty() ? fs::path(".") : folder, error), end; !error && entry != end && names.size() < kMost; entry.increment(error))
+    names.push_back(printable(entry->path().filename().string()));
+  std::sort(names.begin(), names.end());
+  return did_you_mean(missing.filename().string(), names);
+}
+
 class OpenFile {
  public:
   explicit OpenFile(const fs::path& file) : name_(printable(file.string())), handle_(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {
+    if (handle_ < 0 && errno == ENOENT) throw InputError(fmt::format("{}: {}{}", name_, std::generic_category().message(ENOENT), files_like(file)));
     if (handle_ < 0) fail(errno);
     struct stat info {};
     if (::fstat(handle_, &info) != 0) {

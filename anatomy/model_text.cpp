@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "anatomy/mesh_io.h"
 

@@ -14,7 +14,7 @@
 #include "app/fitting.h"
 #include "app/option_values.h"
 #include "app/verb.h"
-#include "morph/body.h"
+#include "morph/standard_bodies.h"
 #include "morph/slice_room.h"
 #include "skinning/baseline.h"
 

@@ -28,23 +28,20 @@ std::vector<BodySpec> checked_bodies() {
 }
 
 std::vector<BodyCheck> check_bodies(const std::vector<BodySpec>& bodies, const std::vector<LimitPose>& poses, const Common& common) {
-  const BodyPackage package = read_body_package(find_packages());
+  const BodyModel model;
+  const BodyPackage& package = model.package();
   const Template body_template = read_template();
-  std::vector<ShapedBody> all;  // before any is fitted: one that cannot be had is told at once
-  for (const BodySpec& spec : bodies) all.push_back(shape_body(package, spec));
+  std::vector<Body> all;  // before any is fitted: one that cannot be had is told at once
+  for (const BodySpec& spec : bodies) all.push_back(make_body(model, spec));
   std::vector<BodyCheck> checks;
-  Progress progress(common, "bodies", static_cast<int>(bodies.size()));
-  Common silent = common;  // the bodies' own bars would break this one
-  silent.progress = "never";
-  for (const ShapedBody& shaped : all) {
     Report report;
-    const FittedCharacter fitted = fit_character(body_template, shaped.body, package, {}, report);
+    const FittedCharacter fitted = fit_character(body_template, made, package, {}, report);
     CheckOptions options;
     options.sweep_step = 0;
     BodyCheck body;
     body.name = bodies[checks.size()].name;
-    body.mass = shaped.mass;
-    body.stature = shaped.stature;
+    body.mass = made.mass;
+    body.stature = made.skin.V.col(1).maxCoeff() - made.skin.V.col(1).minCoeff();
     body.tissues = fitted.tissues;
     body.wanted_volume = fitted.dilation.wanted_volume;
     body.dilation_ms = report.number("timings_ms.dilation");

@@ -6,7 +6,7 @@
 
 #include "app/anatomy_check.h"
 #include "app/fitting.h"
-#include "morph/body.h"
+#include "morph/standard_bodies.h"
 
 namespace ecorche {
 
@@ -22,7 +22,7 @@ struct BodyCheck {
   double dilation_ms = 0;
 };
 
-// Fits the template into each and measures it. `poses`: none for the rest pose alone. Throws as shape_body and fit_anatomy do.
+// Fits the template into each and measures it. `poses`: none for the rest pose alone. Throws as make_body and fit_anatomy do.
 std::vector<BodyCheck> check_bodies(const std::vector<BodySpec>& bodies, const std::vector<LimitPose>& poses, const Common& common);
 
 std::string bodies_table(const std::vector<BodyCheck>& checks);

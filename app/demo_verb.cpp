@@ -14,7 +14,7 @@
 #include "app/fitting.h"
 #include "app/motion_survey.h"
 #include "app/verb.h"
-#include "morph/body.h"
+#include "morph/standard_bodies.h"
 #include "skinning/pc2_io.h"
 
 namespace ecorche {

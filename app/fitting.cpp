@@ -155,6 +155,7 @@ void report_fit(const FittedCharacter& fitted, Report& report) {
   report.set("fit.muscle_points_outside_max", fitted.fill.furthest);
   report.set("fit.superficial_gap_median", fitted.fill.superficial_gap_median);
   report.set("fit.skin_gap_median", fitted.fill.skin_gap_median);
+  report.set("fit.muscle_mass_wanted", fit.muscle_mass);
   report.set("fit.muscle_volume_wanted", fitted.dilation.wanted_volume);
   report.set("fit.muscle_volume", fitted.dilation.volume);
   const Tissues& tissues = fitted.tissues;
@@ -184,6 +185,9 @@ FittedCharacter fit_character(const Template& body_template, const Body& body, c
   const TriMesh closed_skin = capped_skin(package, body.skin.V);
   DilateOptions dilation = options.dilate;
   dilation.even_about = fitted.fit.even_about;
+  // Strips of one muscle lie in one another: all sections together hold more than is drawn.
+  constexpr double kDrawn = 0.915;
+  if (!dilation.most_volume) dilation.most_volume = fitted.fit.muscle_mass / (kMuscleDensity * kDrawn);
   auto timer = std::make_optional<StageTimer>(report, "dilation");
   const SkinRays rays(closed_skin);
   const FatLayer fat = make_fat_layer(rays, fit.anatomy, body);

@@ -10,6 +10,7 @@
 #include "morph/dilate.h"
 #include "morph/fat.h"
 #include "morph/fit.h"
+#include "morph/muscle_mass.h"
 
 namespace ecorche {
 
@@ -44,9 +45,8 @@ struct Tissues {
   double rest = 0;      // organs, vessels, deep fat, what is left
 };
 
-// Mean densities, kg/m^3: whole skeleton 1300 and adipose tissue 950 (ICRP Publication 89), muscle 1056 (Ward and Lieber 2005,
-// 10.1016/j.jbiomech.2004.10.017), organs 1050 (ICRP Publication 89).
-inline constexpr double kBoneDensity = 1300, kMuscleDensity = 1056, kAdiposeDensity = 950, kOrganDensity = 1050;
+// Mean densities, kg/m^3: whole skeleton 1300, adipose tissue 950, organs 1050 (ICRP Publication 89); muscle's is in muscle_mass.h.
+inline constexpr double kBoneDensity = 1300, kAdiposeDensity = 950, kOrganDensity = 1050;
 
 struct FittedCharacter {
   Actor actor;                    // bound

@@ -7,6 +7,7 @@
 #include "app/option_values.h"
 #include "app/verb.h"
 #include "morph/modify_body.h"
+#include "morph/shape_age.h"
 #include "skinning/character_io.h"
 
 namespace ecorche {
@@ -36,7 +37,8 @@ int run_modify(const ModifyOptions& options, const Common& common, Report& repor
   change.hip_waist = options.hip_waist;
   change.muscle = options.muscle;
   change.exaggeration = options.exaggeration;
-  if (options.age) change.age = std::pair{body.age > 0 ? body.age : 25.0, *options.age};
+  const double own_age = body.age > 0 ? body.age : kSurveyAge;
+  change.age = std::pair{own_age, options.age.value_or(own_age)};
   for (const std::string& text : options.measures) change.measures.push_back(parse_wish(text, tape));
   const auto figures = [&](const char* when, const Points& skin) {
     const double fat = fat_percentage(tape, body.sex, skin), ratio = hip_waist_ratio(tape, skin);
@@ -45,12 +47,16 @@ int run_modify(const ModifyOptions& options, const Common& common, Report& repor
     report.set(fmt::format("{}.weight", when), kBodyDensity * skin_volume(package, skin));
     return fmt::format("fat {:.1f} %, hip to waist {:.3f}, {:.1f} kg", fat, ratio, kBodyDensity * skin_volume(package, skin));
   };
+  ShapeSpace people = space;
+  move_to_age(package, tape, change.age->second, people);
+  check_change(tape, people, body.skin.V, change);
   const std::string before = figures("before", body.skin.V);
   ChangedBody changed;
   {
     const StageTimer timer(report, "body");
     changed = change_body(package, tape, space, body.skin.V, change);
   }
+  check_human(tape, people, changed.points);
   const std::string after = figures("after", changed.points);
   body.skin = skin_mesh(package, changed.points);
   body.mass = kBodyDensity * skin_volume(package, changed.points);
@@ -72,7 +78,7 @@ void add_body_modify(VerbRegistry& registry, CLI::App& body) {
   verb->add_option("--fat", options->fat, "Share of fat, per cent, by girths and height")->check(between(2.0, 60.0));
   verb->add_option("--hip-waist", options->hip_waist, "Hip girth over waist girth")->check(between(0.7, 2.0));
   verb->add_option("--measure", options->measures, "NAME=VALUE, as for body new; may be repeated. Lengths not asked for stay");
-  verb->add_option("--muscle", options->muscle, "From -1, as weak as can be, to 1, as muscular")->check(between(-1.0, 1.0));
+  verb->add_option("--muscle", options->muscle, "From -1, as weak as people of that stature and mass are, to 1, as muscular; the mass stays where it is not asked for")->check(between(-1.0, 1.0));
   verb->add_option("--age", options->age, "Years that the body is to be old")->check(between(1.0, 90.0));
   verb->add_option("--exaggerate", options->exaggeration, "More (above 1) or less (below 1) of what sets the body apart from the average")->check(between(0.0, 3.0));
   verb->add_option("--sex", options->sex, "Of a body that does not say it")->check(one_of({"male", "female"}));

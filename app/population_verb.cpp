@@ -17,6 +17,7 @@
 #include "app/population.h"
 #include "app/progress.h"
 #include "app/verb.h"
+#include "morph/shape_age.h"
 #include "skinning/character_io.h"
 #include "skinning/crowd_io.h"
 
@@ -87,7 +88,7 @@ std::string make_files(const Workshop& shop, const Person& person, const Populat
   body.skin = skin_mesh(shop.package, solved.points);
   body.name = person.name;
   body.sex = person.sex;
-  if (person.age) body.age = *person.age;
+  body.age = person.age.value_or(kSurveyAge);
   body.mass = kBodyDensity * skin_volume(shop.package, solved.points);
   std::string anatomy = "none", names;
   Report own;

@@ -11,7 +11,7 @@ void add_shell_verbs(VerbRegistry& registry) {
   CLI::App& app = registry.app;
   auto shell = std::make_shared<std::string>();
   CLI::App* completion = add_verb(registry, app, "completion", "Print the completion of verbs, options and names for a shell",
-                                  "source <(ecorche completion bash)\n  ecorche completion zsh > ~/.zfunc/_ecorche",
+                                  "source <(ecorche completion bash)\n  mkdir -p ~/.zfunc; ecorche completion zsh > ~/.zfunc/_ecorche",
                                   [shell, &app](const Common&, Report&) {
                                     fmt::print("{}", *shell == "zsh" ? zsh_completion(app) : bash_completion(app));
                                     return 0;

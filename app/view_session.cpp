@@ -13,7 +13,7 @@
 #include "app/fitting.h"
 #include "app/open_character.h"
 #include "app/template_file.h"
-#include "morph/body.h"
+#include "morph/body_model.h"
 
 namespace ecorche {
 namespace {

@@ -144,53 +144,12 @@ void solve_height(const BodyPackage& package, double wanted, Macros& macros) {
   macros.height = taller ? solve_rising(stature_at, 0.5, middle, 1, end, wanted, 1e-5) : solve_rising(stature_at, 0, end, 0.5, middle, wanted, 1e-5);
 }
 
-// From thin (-1) over average (0) to heavy (+1): the weight slider alone when muscle is asked for, otherwise both sliders, because
-// the package's very light and very heavy shapes need little muscle as well.
-void set_build(double t, const std::optional<double>& muscle, Macros& macros) {
-  macros.weight = std::clamp(0.5 + 0.5 * t, 0.0, 1.0);
-  macros.muscle = muscle ? *muscle : std::clamp(0.5 - 0.5 * std::abs(t), 0.0, 1.0);
-}
-
-void solve_mass(const BodyPackage& package, const BodySpec& spec, Macros& macros) {
-  const auto mass_at = [&](double t) {
-    set_build(t, spec.muscle, macros);
-    if (spec.height) solve_height(package, *spec.height, macros);
-    return kBodyDensity * skin_volume(package, shape_points(package, macros));
-  };
-  const double middle = mass_at(0);
-  const double direction = *spec.mass > middle ? 1 : -1;
-  constexpr int kSteps = 8;
-  double inner = 0, inner_mass = middle;
-  for (int step = 1; step <= kSteps; ++step) {
-    const double outer = direction * step / kSteps, outer_mass = mass_at(outer);
-    if (direction * (outer_mass - *spec.mass) >= 0) {
-      const double t = direction > 0 ? solve_rising(mass_at, inner, inner_mass, outer, outer_mass, *spec.mass, 1e-3)
-                                     : solve_rising(mass_at, outer, outer_mass, inner, inner_mass, *spec.mass, 1e-3);
-      mass_at(t);
-      return;
-    }
-    inner = outer;
-    inner_mass = outer_mass;
-  }
-  const double other_end = mass_at(-direction);
-  throw UnfitError(fmt::format("mass {:.1f} kg: shapes of this sex, age{} and height reach {:.1f} kg .. {:.1f} kg; choose a mass in that range{}", *spec.mass,
-                               spec.muscle ? ", muscle" : "", std::min(inner_mass, other_end), std::max(inner_mass, other_end),
-                               spec.muscle ? ", or leave the muscle out" : ""));
-}
-
-void check_spec(const BodySpec& spec) {
+void check_spec(const ShapeSpec& spec) {
   const auto check = [](const char* what, double value, double low, double high, const char* unit) {
     if (!(value >= low && value <= high)) throw UnfitError(fmt::format("{} {}{}: expected {} .. {}{}", what, value, unit, low, high, unit));
   };
   check("age", spec.age, 1, 110, " years");
   check("height", spec.height.value_or(1.7), 0.3, 3, " m");
-  check("mass", spec.mass.value_or(70), 2, 500, " kg");
-  check("muscle", spec.muscle.value_or(0.5), 0, 1, "");
-  check("proportions", spec.proportions, 0, 1, "");
-  check("cup", spec.cup, 0, 1, "");
-  check("firmness", spec.firmness, 0, 1, "");
-  check("smallest share of origin", spec.origin.minCoeff(), 0, 1e6, "");
-  check("sum of the shares of origin", spec.origin.sum(), 1e-6, 1e6, "");
 }
 
 }  // namespace
@@ -228,69 +187,22 @@ double skin_volume(const BodyPackage& package, const Points& points) {
   return six_volumes / 6;
 }
 
-ShapedBody shape_body(const BodyPackage& package, const BodySpec& spec) {
+ShapedBody shape_body(const BodyPackage& package, const ShapeSpec& spec) {
   check_spec(spec);
   ShapedBody out;
   Macros& macros = out.macros;
   macros.male = spec.sex == Sex::male ? 1 : 0;
   macros.age = age_slider(spec.age);
-  macros.proportions = spec.proportions;
-  macros.cup = spec.cup;
-  macros.firmness = spec.firmness;
-  macros.origin = spec.origin;
-  set_build(0, spec.muscle, macros);
-  if (spec.mass) {
-    solve_mass(package, spec, macros);
-  } else if (spec.height) {
-    solve_height(package, *spec.height, macros);
-  }
+  if (spec.height) solve_height(package, *spec.height, macros);
   out.points = shape_points(package, macros);
   out.points.col(1).array() -= out.points.col(1).head(package.skin_size).minCoeff();
   out.stature = stature(package, out.points);
   out.volume = skin_volume(package, out.points);
   out.mass = kBodyDensity * out.volume;
   out.body.skin = skin_mesh(package, out.points);
-  out.body.name = spec.name;
   out.body.sex = spec.sex;
   out.body.age = spec.age;
   out.body.mass = out.mass;
-  return out;
-}
-
-Body make_body(const BodyPackage& package, const BodySpec& spec) { return shape_body(package, spec).body; }
-
-std::vector<BodySpec> standard_bodies() {
-  const auto spec = [](const char* name, Sex sex, double age, std::optional<double> height, std::optional<double> mass,
-                       std::optional<double> muscle = std::nullopt) {
-    BodySpec out;
-    out.name = name;
-    out.sex = sex;
-    out.age = age;
-    out.height = height;
-    out.mass = mass;
-    out.muscle = muscle;
-    return out;
-  };
-  constexpr auto kAsIs = std::nullopt;
-  return {
-      spec("default_male", Sex::male, 25, kAsIs, kAsIs),    spec("default_female", Sex::female, 25, kAsIs, kAsIs),
-      spec("thin_male", Sex::male, 25, 1.75, 56),           spec("thin_female", Sex::female, 25, 1.64, 46),
-      spec("heavy_male", Sex::male, 40, 1.75, 110),         spec("heavy_female", Sex::female, 40, 1.64, 85),
-      spec("muscular_male", Sex::male, 25, 1.80, 92, 1.0),  spec("muscular_female", Sex::female, 25, 1.68, 64, 1.0),
-      spec("short_male", Sex::male, 25, 1.50, kAsIs),       spec("short_female", Sex::female, 25, 1.50, kAsIs),
-      spec("tall_male", Sex::male, 25, 2.00, kAsIs),        spec("old_male", Sex::male, 80, 1.70, kAsIs),
-      spec("old_female", Sex::female, 80, 1.57, kAsIs),     spec("young_male", Sex::male, 14, 1.60, kAsIs),
-      spec("young_female", Sex::female, 14, 1.55, kAsIs),
-  };
-}
-
-BodySpec athlete() {
-  BodySpec out;
-  out.name = "athlete";
-  out.height = 1.85;
-  out.mass = 78;
-  out.muscle = 0.8;
-  out.proportions = 0.75;
   return out;
 }
 

@@ -1,12 +1,10 @@
-// Bodies of a wanted sex, age, height and mass, from the blend targets of the body package.
+// The body package's own shapes: skins by its sliders, their stature and volume.
 //
 // Lengths in metres, masses in kilograms, ages in years. A made body stands with its soles on y = 0, in the base mesh's A-pose,
 // with the base mesh's vertices and triangles.
 #pragma once
 
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "anatomy/anatomy.h"
 #include "anatomy/body_package.h"
@@ -42,18 +40,12 @@ double skin_volume(const BodyPackage& package, const Points& points);
 // Mass for the volume inside a skin: tissue of 1055 kg/m^3 less the air of half-filled lungs.
 inline constexpr double kBodyDensity = 1010;  // kg/m^3
 
-struct BodySpec {
+// A body of the package's own average build: what the template stands in and its regressors are
+// trained on. People are made by body_model.h.
+struct ShapeSpec {
   Sex sex = Sex::male;
   double age = 25;
-  std::optional<double> height;  // the package's average for sex and age when left out
-  std::optional<double> mass;    // follows from average build when left out
-  // Slider. Left out, it moves with mass: the package's weight slider alone only reaches a body mass index of 18 to 23.5.
-  std::optional<double> muscle{};
-  double proportions = 0.5;
-  double cup = 0.5;
-  double firmness = 0.5;
-  Vec3 origin = Vec3(0, 0, 1);
-  std::string name{};
+  std::optional<double> height{};  // the package's average for sex and age when left out
 };
 
 struct ShapedBody {
@@ -65,16 +57,7 @@ struct ShapedBody {
   double mass = 0;
 };
 
-// Height is met to 0.1 mm, mass to 10 g. Throws UnfitError that states the reachable range when the package's shapes cannot.
-ShapedBody shape_body(const BodyPackage& package, const BodySpec& spec);
-
-// The same without what only rigs need.
-Body make_body(const BodyPackage& package, const BodySpec& spec);
-
-// The bodies that fits are judged on: default male and female, thin, heavy, muscular, short, tall, old, young. Unique names.
-std::vector<BodySpec> standard_bodies();
-
-// The long jumper: lean, muscular, 1.85 m.
-BodySpec athlete();
+// Height is met to 0.1 mm. Throws UnfitError that states the reachable range when the package's shapes cannot.
+ShapedBody shape_body(const BodyPackage& package, const ShapeSpec& spec);
 
 }  // namespace ecorche

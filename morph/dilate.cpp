@@ -16,6 +16,7 @@
 #include "morph/grow_strip.h"
 #include "morph/keep_inside.h"
 #include "morph/share_room.h"
+#include "morph/slim_muscles.h"
 
 namespace ecorche {
 
@@ -178,6 +179,7 @@ void dilate_ecorche(Anatomy& anatomy, Sections& sections, const SkinRays& rays, 
   std::vector<double> wanted;
   for (const MuscleDilation& muscle : report.muscles) wanted.push_back(muscle.wanted);
   if (options.share) report.rays += share_room(anatomy, sections.slices, wanted, partners, rays, fat).rays;
+  if (options.most_volume) slim_muscles(muscles, sections.slices, wanted, partners, *options.most_volume);
   report.rays += flesh.rays() + inside.rays;
   report.surface_outside = inside.outside;
   report.surface_left = inside.left;

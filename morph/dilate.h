@@ -33,6 +33,9 @@ struct DilateOptions {
   int rounds = 4;              // ecorche: times that the flesh is stretched
   double most = 2.2;           // ecorche: a half axis grows to at most this multiple
   double least = 0.35;         // ecorche: and is pressed to no less than this
+  // ecorche: what muscles are to hold together, m^3: where the room holds more they are made slimmer (slim_muscles.h). None: all
+  // that the room holds.
+  std::optional<double> most_volume;
   // ecorche: x of the plane about which skin and carried muscles are even, to a millimetre (FitReport::even_about). Then muscles of
   // the right side become mirror images of the left ones.
   std::optional<double> even_about;

@@ -11,9 +11,11 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/muscle_force.h"
+#include "morph/body.h"
 #include "morph/fat.h"
 #include "morph/fitted_skeleton.h"
 #include "morph/interior_warp.h"
+#include "morph/muscle_mass.h"
 #include "morph/skin_field.h"
 #include "morph/template_tissue.h"
 
@@ -176,12 +178,9 @@ InteriorMap warp_interior(const Template& body_template, const Points& skin, con
   return map;
 }
 
-// The muscle volume of a body is that of the template at its size; of what a body is wider beyond that muscle takes a part (heavier
-// people carry more muscle, but less than in proportion).
-void carry_all(const std::vector<Muscle>& muscles, const SkeletonCarrier& carrier, const InteriorMap& flesh, double size, double volume,
+// `wanted`: muscle that the body has for the template's.
+void carry_all(const std::vector<Muscle>& muscles, const SkeletonCarrier& carrier, const InteriorMap& flesh, double wanted,
                std::vector<Muscle>& out) {
-  const double grown = size * size * size;
-  const double wanted = grown * std::sqrt(volume / grown);
   const CarryMap map = [&](const Vec3& x, int joint) { return carrier.by_joint(joint, x); };
   const CarryMap inner = flesh ? CarryMap([&](const Vec3& x, int) { return flesh(x); }) : CarryMap();
   out = muscles;
@@ -231,8 +230,11 @@ Fit fit_anatomy(const Template& body_template, const Body& body, const FitOption
   if (tables.own) fit.anatomy.bones = carry_bones(body_template.anatomy.bones, carrier);
 
   start = Clock::now();
-  carry_all(tables.muscles, carrier, flesh, fit.report.stature / tables.stature, inner_volume(tables.topology, skin) / tables.volume,
-            fit.anatomy.muscles);
+  const Body& own = body_template.body;
+  const double mass = body.mass > 0 ? body.mass : kBodyDensity * inner_volume(tables.topology, skin);
+  fit.report.muscle_mass = muscle_mass(body.sex, body.age, fit.report.stature, mass);
+  const double in_template = muscle_mass(own.sex, own.age, tables.stature, kBodyDensity * tables.volume);
+  carry_all(tables.muscles, carrier, flesh, fit.report.muscle_mass / in_template, fit.anatomy.muscles);
   fit.report.muscles_ms = since(start);
   measure_bones(tables, sides, fit.anatomy, field, brackets, fit.report);
   return fit;

@@ -57,6 +57,7 @@ struct FitReport {
   double bones_furthest = 0;     // m
   std::vector<LandmarkDepth> landmarks;  // left side and middle
   InteriorReport interior;       // zeros without a warp
+  double muscle_mass = 0;        // that such a person has (muscle_mass.h), kg
 };
 
 struct Fit {

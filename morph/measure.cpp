@@ -151,8 +151,8 @@ double TapeMeasure::take(int k, const Points& V, MeasureGradient* gradient, Tape
       MeasureGradient part;
       TapeTrace lines;
       for (const Term& term : m.terms) {
-        sum += term.sign * take(term.measure, V, gradient != nullptr ? &part : nullptr, trace != nullptr ? &lines : nullptr);
-        for (const auto& [vertex, g] : part) gradient->emplace_back(vertex, term.sign * g);
+        sum += term.factor * take(term.measure, V, gradient != nullptr ? &part : nullptr, trace != nullptr ? &lines : nullptr);
+        for (const auto& [vertex, g] : part) gradient->emplace_back(vertex, term.factor * g);
         if (trace != nullptr) trace->insert(trace->end(), lines.begin(), lines.end());
       }
       return sum;

@@ -1,6 +1,7 @@
 #include "morph/measure_table.h"
 
 #include <algorithm>
+#include <charconv>
 #include <map>
 #include <sstream>
 
@@ -80,14 +81,26 @@ class MeasureReader {
     throw InputError(fmt::format("{}: unknown landmark '{}'; landmarks.csv lists them", rows_.where(row), id));
   }
 
-  void read_word(int row, const std::string& word, Measure& m) const {
-    if (m.kind == MeasureKind::sum) {
-      const auto known = out_.find(std::string_view(word).substr(1));
-      if ((word[0] != '+' && word[0] != '-') || !known)
-        throw InputError(fmt::format("{}: '{}' is not + or - and a measure of an earlier row", rows_.where(row), word));
-      m.terms.push_back({*known, word[0] == '+' ? 1.0 : -1.0});
-      return;
+  // "+waist_breadth", "-0.5*hip_breadth".
+  void read_term(int row, const std::string& word, Measure& m) const {
+    const bool negative = word[0] == '-';
+    const auto star = word.find('*');
+    double factor = 1;
+    bool good = negative || word[0] == '+';
+    if (star != std::string::npos) {
+      const char *from = word.data() + 1, *to = word.data() + star;
+      const auto [end, error] = std::from_chars(from, to, factor);
+      good = good && error == std::errc() && end == to && std::isfinite(factor);
     }
+    const auto known = out_.find(std::string_view(word).substr(star == std::string::npos ? 1 : star + 1));
+    if (!good || !known)
+      throw InputError(fmt::format("{}: '{}' is not + or -, perhaps a factor and *, and a measure "
+                                   "of an earlier row", rows_.where(row), word));
+    m.terms.push_back({*known, negative ? -factor : factor});
+  }
+
+  void read_word(int row, const std::string& word, Measure& m) const {
+    if (m.kind == MeasureKind::sum) return read_term(row, word, m);
     const auto colon = word.find(':');
     const std::string prefix = colon == std::string::npos ? "" : word.substr(0, colon);
     const int found = vertex(row, colon == std::string::npos ? word : word.substr(colon + 1));

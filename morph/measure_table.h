@@ -21,10 +21,10 @@ struct SkinLandmark {
   std::string rule;   // how a person finds it
 };
 
-// A signed measure of a sum.
+// A measure of a sum with its factor.
 struct Term {
   int measure = 0;
-  double sign = 1;
+  double factor = 1;
 };
 
 // Columns as described at the head of data/body/measures.csv. Lengths in metres.

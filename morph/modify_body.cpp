@@ -1,14 +1,15 @@
 #include "morph/modify_body.h"
 
+#include <algorithm>
 #include <cmath>
-#include <functional>
 #include <set>
 
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include "anatomy/errors.h"
-#include "morph/shape_examples.h"
+#include "morph/muscularity.h"
+#include "morph/shape_age.h"
 
 namespace ecorche {
 namespace {
@@ -23,11 +24,31 @@ double with_gradient(const TapeMeasure& tape, const char* id, double by, const P
   return value;
 }
 
-// Something a body is to have: its value and derivative on a skin.
-struct Aim {
-  std::function<double(const Points&, MeasureGradient*)> value;
-  double wanted = 0, tolerance = 1;
-};
+constexpr const char* kKept[] = {"stature", "crotch_height", "arm_length_outseam"};
+
+// Whether the person stays as long as they are: who grows up or is made a child does not.
+bool keeps_lengths(const BodyChange& change) {
+  const bool grows = change.age && change.age->first != change.age->second && std::min(change.age->first, change.age->second) < kGrownAge;
+  return change.keep_lengths && !grows;
+}
+
+bool keeps_mass(const TapeMeasure& tape, const BodyChange& change) {
+  const int weight = tape.table().at("weight");
+  return change.muscle != 0 && !change.fat && std::ranges::none_of(change.measures, [weight](const Wish& wish) { return wish.measure == weight; });
+}
+
+// What is asked and what stays, as wishes.
+std::vector<Wish> facts(const TapeMeasure& tape, const Points& skin, const BodyChange& change) {
+  std::vector<Wish> out = change.measures;
+  const auto keep = [&](const char* id) {
+    const int k = tape.table().at(id);
+    if (std::ranges::none_of(out, [k](const Wish& wish) { return wish.measure == k; })) out.push_back({k, tape.take(k, skin)});
+  };
+  if (keeps_lengths(change))
+    for (const char* id : kKept) keep(id);
+  if (keeps_mass(tape, change)) keep("weight");
+  return out;
+}
 
 std::vector<Aim> aims(const TapeMeasure& tape, const ShapeSpace& space, const Points& skin, const BodyChange& change) {
   constexpr double kLength = 0.0002, kMass = 0.02, kFat = 0.02, kRatio = 0.0002;
@@ -37,31 +58,13 @@ std::vector<Aim> aims(const TapeMeasure& tape, const ShapeSpace& space, const Po
     const double tolerance = tape.measure(k).kind == MeasureKind::mass ? kMass : kLength;
     out.push_back({[&tape, k](const Points& V, MeasureGradient* g) { return tape.take(k, V, g); }, wanted, tolerance});
   };
-  for (const Wish& wish : change.measures) {
+  for (const Wish& wish : change.measures)
     if (!seen.insert(wish.measure).second) throw UsageError(fmt::format("measure {} is asked for twice", tape.measure(wish.measure).id));
-    add(wish.measure, wish.value);
-  }
-  for (const char* kept : {"stature", "crotch_height", "arm_length_outseam"})
-    if (const int k = tape.table().at(kept); change.keep_lengths && !seen.contains(k)) add(k, tape.take(k, skin));
+  for (const Wish& wish : facts(tape, skin, change)) add(wish.measure, wish.value);
   if (change.fat)
     out.push_back({[&](const Points& V, MeasureGradient* g) { return fat_percentage(tape, space.sex, V, g); }, *change.fat, kFat});
   if (change.hip_waist) out.push_back({[&](const Points& V, MeasureGradient* g) { return hip_waist_ratio(tape, V, g); }, *change.hip_waist, kRatio});
   return out;
-}
-
-// Which way the package's average body goes when its muscle slider does.
-Points muscle_offset(const BodyPackage& package, Sex sex, double amount) {
-  const auto shape = [&](double muscle) {
-    Macros macros;
-    macros.male = sex == Sex::male ? 1 : 0;
-    macros.muscle = muscle;
-    return Points(shape_points(package, macros).topRows(package.skin_size));
-  };
-  Eigen::MatrixXd apart = shape(amount > 0 ? 1 : 0) - shape(0.5);
-  const Points offset = std::abs(amount) * apart;
-  Eigen::MatrixXd column = Eigen::Map<const Eigen::VectorXd>(offset.data(), offset.size());
-  make_symmetric(package, column);
-  return Eigen::Map<const Points>(column.data(), package.skin_size, 3);
 }
 
 }  // namespace
@@ -90,12 +93,34 @@ double hip_waist_ratio(const TapeMeasure& tape, const Points& skin, MeasureGradi
   return hip / waist;
 }
 
-ChangedBody change_body(const BodyPackage& package, const TapeMeasure& tape, const ShapeSpace& space, const Points& skin, const BodyChange& change) {
-  Points start = skin.topRows(space.mean.rows());
-  const std::vector<Aim> wanted = aims(tape, space, start, change);  // lengths as they are before anything is changed
-  if (change.exaggeration != 1) start = space.mean + change.exaggeration * (start - space.mean);
-  if (change.age) start += age_offset(package, space.sex, change.age->second) - age_offset(package, space.sex, change.age->first);
-  if (change.muscle != 0) start += muscle_offset(package, space.sex, change.muscle);
+void check_change(const TapeMeasure& tape, const ShapeSpace& space, const Points& skin, const BodyChange& change) {
+  const std::vector<Wish> wishes = facts(tape, skin, change);
+  const auto asked = [&](int i) { return static_cast<std::size_t>(i) < change.measures.size(); };
+  std::string why;
+  for (const Conflict& conflict : find_conflicts(space, wishes))
+    if (asked(conflict.blamed) || std::ranges::any_of(conflict.others, asked)) why += "\n  " + describe(conflict, tape, wishes);
+  if (!why.empty()) throw UnfitError("no body has these measures:" + why);
+}
+
+ChangedBody change_body(const BodyPackage& package, const TapeMeasure& tape, const ShapeSpace& adults, const Points& skin, const BodyChange& change) {
+  Points start = skin.topRows(adults.mean.rows());
+  ShapeSpace own, later;
+  if (change.age) {
+    own = adults;
+    move_to_age(package, tape, change.age->first, own);
+  }
+  const bool ages = change.age && change.age->first != change.age->second;
+  if (ages) {
+    later = adults;
+    move_to_age(package, tape, change.age->second, later);
+  }
+  const ShapeSpace &before = change.age ? own : adults, &space = ages ? later : before;
+  std::vector<Aim> wanted = aims(tape, space, start, change);  // lengths as they are before anything is changed
+  start = space.mean + change.exaggeration * space.spread[0] / before.spread[0] * (start - before.mean);
+  if (change.muscle != 0) {
+    const std::vector<Wish> given = facts(tape, start, change);
+    wanted.push_back(muscle_aim(tape, space, given, start, kMostMuscular * change.muscle));
+  }
 
   const auto n = static_cast<Eigen::Index>(wanted.size());
   Eigen::VectorXd step = Eigen::VectorXd::Zero(space.basis.cols()), miss(n);

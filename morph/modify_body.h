@@ -24,9 +24,11 @@ struct BodyChange {
   std::optional<double> fat;              // per cent, of fat_percentage
   std::optional<double> hip_waist;        // of hip_waist_ratio
   std::vector<Wish> measures;
-  bool keep_lengths = true;               // stature, crotch height and arm length stay where they are not asked for
-  double muscle = 0;                      // -1 .. 1: how far towards the package's weak or muscular shape
-  std::optional<std::pair<double, double>> age;  // from and to, years
+  bool keep_lengths = true;               // stature, crotch height and arm length stay where they are not asked for (but for who grows)
+  double muscle = 0;                      // -1 .. 1: how far towards the least or most muscular of people (muscularity.h); the mass stays then
+  // Own age and the one to be had, years: adults of the survey where left out. What sets the person apart from people of the one age
+  // sets them apart from those of the other.
+  std::optional<std::pair<double, double>> age;
   double exaggeration = 1;                // of what sets the person apart from the mean; below 1 towards the mean
 };
 
@@ -36,7 +38,10 @@ struct ChangedBody {
   bool met = false;   // attributes and measures to 0.02 per cent, 0.0002, and 0.2 mm
 };
 
-// Precondition: `skin` has the space's vertices. Throws UsageError when a measure is asked for twice.
-ChangedBody change_body(const BodyPackage& package, const TapeMeasure& tape, const ShapeSpace& space, const Points& skin, const BodyChange& change);
+// Throws UnfitError that says what is possible when the asked measures contradict each other, the lengths that stay, or what people measure.
+void check_change(const TapeMeasure& tape, const ShapeSpace& space, const Points& skin, const BodyChange& change);
+
+// Precondition: `skin` has the space's vertices; `adults` as read_shape_space gives it. Throws UsageError when a measure is asked for twice.
+ChangedBody change_body(const BodyPackage& package, const TapeMeasure& tape, const ShapeSpace& adults, const Points& skin, const BodyChange& change);
 
 }  // namespace ecorche

@@ -35,7 +35,7 @@ struct Examples {
   std::vector<BuildExample> builds;
 };
 
-void place_template(const BodyPackage& package, const FitTables& tables, const BodySpec& spec, Examples& out) {
+void place_template(const BodyPackage& package, const FitTables& tables, const ShapeSpec& spec, Examples& out) {
   const ShapedBody body = shape_body(package, spec);
   const SkinField skin(capped_skin(package, body.points));
   const PlaceInput input = fit_input(tables, body.body.skin.V, body.stature);
@@ -62,7 +62,7 @@ void train(const BodyPackage& package, const HalfSkeleton& source, const ShapedB
   const FitRules& rules = tables.rules;
   std::vector<CentreExample> examples{{own.body.skin.V, known_centres(rules, tables.half.points)}};
   examples[0].centres["pelvis"] = tables.half.points.at("pelvis");
-  BodySpec woman_spec;
+  ShapeSpec woman_spec;
   woman_spec.sex = Sex::female;
   const ShapedBody woman = shape_body(package, woman_spec);
   const SkinField skin(capped_skin(package, woman.points));
@@ -94,14 +94,14 @@ void train(const BodyPackage& package, const HalfSkeleton& source, const ShapedB
   for (const Sex sex : {Sex::male, Sex::female})
     for (const double height : {1.5, 1.55, 1.6, 1.65, 1.7, 1.8, 1.9, 2.0}) {
       if (sex == Sex::female && height > 1.85) continue;
-      BodySpec spec;
+      ShapeSpec spec;
       spec.sex = sex;
       spec.height = height;
       place_template(package, tables, spec, placed);
     }
   for (const Sex sex : {Sex::male, Sex::female})
     for (const double age : {15.0, 50.0, 75.0}) {
-      BodySpec spec;
+      ShapeSpec spec;
       spec.sex = sex;
       spec.age = age;
       place_template(package, tables, spec, placed);

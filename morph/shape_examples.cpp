@@ -53,23 +53,6 @@ Eigen::MatrixXd shape_examples(const BodyPackage& package, Sex sex, int count) {
   return out;
 }
 
-Points age_offset(const BodyPackage& package, Sex sex, double years) {
-  // A third of the span: the mean of a squared even number. Above 25 years the slider is linear, and so are the shapes.
-  const double mean_age = kYoungest + (kOldest - kYoungest) / 3;
-  const auto average = [&](double age) {
-    Macros macros;
-    macros.male = sex == Sex::male ? 1 : 0;
-    macros.age = age_slider(age);
-    Points skin = shape_points(package, macros).topRows(package.skin_size);
-    skin.col(1).array() -= skin.col(1).minCoeff();
-    return skin;
-  };
-  const Points apart = average(years) - average(mean_age);
-  Eigen::MatrixXd column = Eigen::Map<const Eigen::VectorXd>(apart.data(), apart.size());
-  make_symmetric(package, column);
-  return Eigen::Map<const Points>(column.data(), package.skin_size, 3);
-}
-
 Eigen::MatrixXd local_shapes(const BodyPackage& package, Sex sex, const std::filesystem::path& folder) {
   const Table table(folder / "local_shapes.csv");
   const Eigen::Index n = package.skin_size;

@@ -14,9 +14,6 @@ Macros example_macros(Sex sex, int i);
 // The same count gives the same examples.
 Eigen::MatrixXd shape_examples(const BodyPackage& package, Sex sex, int count);
 
-// How the average body differs at an age (years) from the examples' mean age. #skin x 3, symmetric
-Points age_offset(const BodyPackage& package, Sex sex, double years);
-
 // Displacements of one usual deviation of each local shape of data/body/local_shapes.csv, symmetric: 3 #skin x #shapes.
 // Throws InputError when the package lacks one.
 Eigen::MatrixXd local_shapes(const BodyPackage& package, Sex sex, const std::filesystem::path& folder);

@@ -45,6 +45,9 @@ struct ShapeSpace {
   // How the tape's measures vary together between people: the survey's figures, and those of the space where it has none.
   Eigen::VectorXd law_mean;        // #measures, m; kg
   Eigen::MatrixXd law_covariance;  // #measures x #measures, with a little noise for the difference of definitions
+  // What more of fat brings than soldiers have, one usual deviation of it among civilians: people
+  // heavier than the mean vary by law_covariance + heavier heavier^T.
+  Eigen::VectorXd heavier;         // #measures
 };
 
 // Throws InputError for damaged tables or targets. Takes seconds; read_shape_space keeps the result.
@@ -55,10 +58,6 @@ std::string shape_space_key(Sex sex);
 
 // The same from the cache ($XDG_CACHE_HOME/ecorche, else ~/.cache/ecorche), building and storing it when there is none.
 ShapeSpace read_shape_space(const BodyPackage& package, const TapeMeasure& tape, Sex sex);
-
-// The space of people of that age (1 to 90 years) instead of all ages: the mean and the law's means move as the package's average body
-// does between the examples' mean age and this one. Asked measures are met as before; face, posture and build are of the age.
-void move_to_age(const BodyPackage& package, const TapeMeasure& tape, double years, ShapeSpace& space);
 
 // The skin of coefficients, not yet put on the floor. #skin x 3
 Points space_points(const ShapeSpace& space, const Eigen::VectorXd& z);

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kVersion[] = "ecorche shape space 5";  // counts up with every change of how a space is built
+constexpr char kVersion[] = "ecorche shape space 6";  // counts up with every change of how a space is built
 
 std::string space_bytes(const ShapeSpace& space) {
   const std::int64_t sizes[] = {space.sex == Sex::male ? 1 : 0, space.mean.rows(), space.basis.cols(), space.components, space.example_components, space.law_mean.size()};
@@ -23,6 +23,7 @@ std::string space_bytes(const ShapeSpace& space) {
   put_bytes(out, space.spread.data(), static_cast<std::size_t>(space.spread.size()));
   put_bytes(out, space.law_mean.data(), static_cast<std::size_t>(space.law_mean.size()));
   put_bytes(out, space.law_covariance.data(), static_cast<std::size_t>(space.law_covariance.size()));
+  put_bytes(out, space.heavier.data(), static_cast<std::size_t>(space.heavier.size()));
   put_bytes(out, space.basis.data(), static_cast<std::size_t>(space.basis.size()));
   return sealed(std::move(out));
 }
@@ -45,6 +46,8 @@ ShapeSpace space_from(std::string_view bytes, Eigen::Index skin) {
   out.law_covariance.resize(sizes[5], sizes[5]);
   take_bytes(bytes, out.law_mean.data(), static_cast<std::size_t>(out.law_mean.size()));
   take_bytes(bytes, out.law_covariance.data(), static_cast<std::size_t>(out.law_covariance.size()));
+  out.heavier.resize(sizes[5]);
+  take_bytes(bytes, out.heavier.data(), static_cast<std::size_t>(out.heavier.size()));
   take_bytes(bytes, out.basis.data(), static_cast<std::size_t>(out.basis.size()));
   return out;
 }

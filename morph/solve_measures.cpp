@@ -20,20 +20,20 @@ struct Residual {
   double expected = 0, sd = 0;  // of the measure, the others given
 };
 
-Residual residual(const ShapeSpace& space, std::span<const Wish> wishes, int of, const std::vector<int>& others) {
+Residual residual(const ShapeSpace& space, const Eigen::MatrixXd& law, std::span<const Wish> wishes, int of, const std::vector<int>& others) {
   const auto wish = [&](int i) -> const Wish& { return wishes[static_cast<std::size_t>(i)]; };
   const int k = wish(of).measure;
   const auto n = static_cast<Eigen::Index>(others.size());
   Residual out{0, space.law_mean[k], 0};
-  double variance = space.law_covariance(k, k);
+  double variance = law(k, k);
   if (n > 0) {
     Eigen::MatrixXd C(n, n);
     Eigen::VectorXd with(n), apart(n);
     for (Eigen::Index i = 0; i < n; ++i) {
       const Wish& a = wish(others[static_cast<std::size_t>(i)]);
-      with[i] = space.law_covariance(a.measure, k);
+      with[i] = law(a.measure, k);
       apart[i] = a.value - space.law_mean[a.measure];
-      for (Eigen::Index j = 0; j < n; ++j) C(i, j) = space.law_covariance(a.measure, wish(others[static_cast<std::size_t>(j)]).measure);
+      for (Eigen::Index j = 0; j < n; ++j) C(i, j) = law(a.measure, wish(others[static_cast<std::size_t>(j)]).measure);
     }
     const Eigen::VectorXd gain = C.llt().solve(with);
     out.expected += gain.dot(apart);
@@ -44,6 +44,22 @@ Residual residual(const ShapeSpace& space, std::span<const Wish> wishes, int of,
   return out;
 }
 
+// The survey's law, or for wishes of somebody heavier than its people that of civilians. One wish alone does not say who is heavy.
+Eigen::MatrixXd law_of(const ShapeSpace& space, std::span<const Wish> wishes) {
+  const auto n = static_cast<Eigen::Index>(wishes.size());
+  const Eigen::MatrixXd wide = space.law_covariance + space.heavier * space.heavier.transpose();
+  if (n < 2) return space.law_covariance;
+  Eigen::MatrixXd C(n, n);
+  Eigen::VectorXd with(n), apart(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Wish& a = wishes[static_cast<std::size_t>(i)];
+    with[i] = space.heavier[a.measure];
+    apart[i] = a.value - space.law_mean[a.measure];
+    for (Eigen::Index j = 0; j < n; ++j) C(i, j) = wide(a.measure, wishes[static_cast<std::size_t>(j)].measure);
+  }
+  return with.dot(C.llt().solve(apart)) > 0 ? wide : space.law_covariance;
+}
+
 std::vector<int> without(std::vector<int> set, int member) {
   std::erase(set, member);
   return set;
@@ -52,10 +68,12 @@ std::vector<int> without(std::vector<int> set, int member) {
 class Solver {
  public:
   Solver(const TapeMeasure& tape, const ShapeSpace& space, std::span<const Wish> wishes, const SolveOptions& options)
-      : tape_(tape), space_(space), wishes_(wishes), options_(options), wanted_(static_cast<Eigen::Index>(wishes.size())), tolerance_(wanted_.size()) {
+      : tape_(tape), space_(space), wishes_(wishes), options_(options), wanted_(static_cast<Eigen::Index>(wishes.size() + options.also.size())),
+        tolerance_(wanted_.size()) {
     for (Eigen::Index i = 0; i < wanted_.size(); ++i) {
-      wanted_[i] = wish(i).value;
-      tolerance_[i] = is_mass(tape, wish(i)) ? 100 * options.tolerance : options.tolerance;
+      wanted_[i] = is_wish(i) ? wish(i).value : also(i).wanted;
+      if (is_wish(i)) tolerance_[i] = is_mass(tape, wish(i)) ? 100 * options.tolerance : options.tolerance;
+      else tolerance_[i] = also(i).tolerance;
     }
   }
 
@@ -85,13 +103,21 @@ class Solver {
   // Moves of the coefficients that change nothing one would see, once the measures are met.
   static constexpr double kSettled = 0.05;
 
+  bool is_wish(Eigen::Index i) const { return static_cast<std::size_t>(i) < wishes_.size(); }
   const Wish& wish(Eigen::Index i) const { return wishes_[static_cast<std::size_t>(i)]; }
+  const Aim& also(Eigen::Index i) const { return options_.also[static_cast<std::size_t>(i) - wishes_.size()]; }
+
+  double value(Eigen::Index i, const Points& V, MeasureGradient* gradient) const {
+    if (is_wish(i)) return tape_.take(wish(i).measure, V, gradient);
+    if (gradient != nullptr) gradient->clear();
+    return also(i).value(V, gradient);
+  }
 
   // Worst miss of a wish, in tolerances.
   double miss(const Points& V) const {
     double worst = 0;
     for (Eigen::Index i = 0; i < wanted_.size(); ++i) {
-      const double off = std::abs(tape_.take(wish(i).measure, V) - wanted_[i]) / tolerance_[i];
+      const double off = std::abs(value(i, V, nullptr) - wanted_[i]) / tolerance_[i];
       worst = std::max(worst, std::isfinite(off) ? off : 1e9);
     }
     return worst;
@@ -99,11 +125,11 @@ class Solver {
 
   // The least coefficients with the measures, linearised at z, as asked.
   Eigen::VectorXd next(const Points& V, const Eigen::VectorXd& z) const {
-    Eigen::VectorXd value(wanted_.size());
+    Eigen::VectorXd now(wanted_.size());
     Eigen::MatrixXd J(wanted_.size(), z.size());
     MeasureGradient gradient;
     for (Eigen::Index i = 0; i < wanted_.size(); ++i) {
-      value[i] = tape_.take(wish(i).measure, V, &gradient);
+      now[i] = value(i, V, &gradient);
       J.row(i) = space_gradient(space_, gradient);
     }
     // Measures in units of their tolerance, so that a kilogram and a metre weigh alike where measures hang together exactly.
@@ -111,7 +137,7 @@ class Solver {
     J = unit.asDiagonal() * J;
     Eigen::MatrixXd A = J * J.transpose();
     A.diagonal().array() += 1e-11 * A.trace() / static_cast<double>(std::max<Eigen::Index>(1, A.rows()));
-    return J.transpose() * A.ldlt().solve(unit.cwiseProduct(wanted_ - value) + J * z);
+    return J.transpose() * A.ldlt().solve(unit.cwiseProduct(wanted_ - now) + J * z);
   }
 
   const TapeMeasure& tape_;
@@ -136,10 +162,11 @@ double conflict_limit(int count) { return count <= 1 ? 7.0 : 3.45 + 0.017 * coun
 
 std::vector<Conflict> find_conflicts(const ShapeSpace& space, std::span<const Wish> wishes) {
   std::vector<Conflict> out;
+  const Eigen::MatrixXd law = law_of(space, wishes);
   std::vector<int> open(wishes.size());
   for (std::size_t i = 0; i < wishes.size(); ++i) open[i] = static_cast<int>(i);
   const auto refused = [&](int i, const std::vector<int>& others) {
-    return std::abs(residual(space, wishes, i, others).away) / conflict_limit(static_cast<int>(others.size()) + 1);
+    return std::abs(residual(space, law, wishes, i, others).away) / conflict_limit(static_cast<int>(others.size()) + 1);
   };
   while (!open.empty()) {
     Conflict conflict;
@@ -150,7 +177,7 @@ std::vector<Conflict> find_conflicts(const ShapeSpace& space, std::span<const Wi
     }
     if (conflict.blamed < 0) break;
     std::erase(open, conflict.blamed);
-    const Residual r = residual(space, wishes, conflict.blamed, open);
+    const Residual r = residual(space, law, wishes, conflict.blamed, open);
     const double room = conflict_limit(static_cast<int>(open.size()) + 1) * r.sd;
     conflict.away = r.away;
     conflict.low = r.expected - room;
@@ -187,8 +214,31 @@ SolvedBody solve_measures(const TapeMeasure& tape, const ShapeSpace& space, std:
   Solver(tape, space, possible, options).solve(out);
   out.met = out.met && out.conflicts.empty();
   out.points.col(1).array() -= out.points.col(1).minCoeff();
+  if (!out.met || options.allow_unusual) check_human(tape, space, out.points);
   for (const Wish& wish : wishes) out.achieved.push_back(tape.take(wish.measure, out.points));
   return out;
+}
+
+double deviation(const ShapeSpace& space, std::span<const Wish> wishes, const Wish& measured) {
+  std::vector<Wish> all(wishes.begin(), wishes.end());
+  std::vector<int> others;
+  for (std::size_t i = 0; i < wishes.size(); ++i)
+    if (wishes[i].measure != measured.measure) others.push_back(static_cast<int>(i));
+  all.push_back(measured);
+  return residual(space, law_of(space, wishes), all, static_cast<int>(wishes.size()), others).away;
+}
+
+void check_human(const TapeMeasure& tape, const ShapeSpace& space, const Points& skin) {
+  constexpr double kLeast = 0.3, kMost = 3.5;              // of what people have on average
+  constexpr double kLeastMass = 0.15, kMostMass = 8;
+  for (int k = 0; k < tape.count(); ++k) {
+    const MeasureKind kind = tape.measure(k).kind;
+    const bool mass = kind == MeasureKind::mass, round = kind == MeasureKind::girth;
+    if (!mass && !round && tape.measure(k).id != "stature") continue;
+    const double share = tape.take(k, skin) / space.law_mean[k];
+    if (share >= (mass ? kLeastMass : kLeast) && share <= (mass ? kMostMass : kMost)) continue;
+    throw UnfitError(fmt::format("no body has these measures: its {} would be {:.2f} times the average; ask for measures that people have", tape.measure(k).id, share));
+  }
 }
 
 std::string describe(const Conflict& conflict, const TapeMeasure& tape, std::span<const Wish> wishes) {

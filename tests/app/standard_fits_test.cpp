@@ -10,7 +10,7 @@
 #include "anatomy/muscle_surface.h"
 #include "app/fitting.h"
 #include "tests/body_fixture.h"
-#include "morph/body.h"
+#include "morph/standard_bodies.h"
 
 namespace ecorche {
 namespace {

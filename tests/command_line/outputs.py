@@ -160,7 +160,7 @@ def interrupts(t):
         "animate pc2": ["animate", "anna-anatomy.glb", "long.bvh", "-o", "cut/x.pc2", "-o", "cut/x.glb"],
         "render": ["render", "anna-anatomy.glb", "long.bvh", "--size", "320x240", "-o", "cut/x.mp4"],
         "bake": ["bake", "anna-anatomy.glb", "long.bvh", "-o", "cut/x.glb"],
-        "body population": ["body", "population", "--count", "50", "--skins", "-o", "cut"],
+        "body population": ["body", "population", "--count", "20000", "--skins", "-o", "cut"],
         "fit tetgen": ["fit", "anna.glb", "--interior", "tetgen", "-o", "cut/x.glb"],
         "animate obj": ["animate", "anna-anatomy.glb", "long.bvh", "-o", "cut/%03d.obj"],
     }
@@ -183,6 +183,8 @@ def interrupts(t):
             left = [f for f in left if not f.startswith(".rows")]
             t.check(not left, f"{name}: {sent.name} leaves {left}")
             t.check(not os.path.exists(t.path("cut/x.mp4")) and not os.path.exists(t.path("cut/x.pc2")), f"{name}: half a file is there")
+    shutil.rmtree(t.path("cut"), ignore_errors=True)
+    os.makedirs(t.path("cut"))
     ignored = subprocess.Popen(["nohup", t.program, *long_ones["body population"]], cwd=t.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     time.sleep(1)
     ignored.send_signal(signal.SIGHUP)

@@ -12,7 +12,7 @@
 #include "anatomy/joint_angles.h"
 #include "anatomy/mesh_measures.h"
 #include "anatomy/muscle_line.h"
-#include "morph/body.h"
+#include "morph/standard_bodies.h"
 #include "morph/dilate.h"
 #include "morph/shape_space.h"
 #include "morph/skin_field.h"

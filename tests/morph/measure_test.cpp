@@ -18,17 +18,20 @@ class MeasureTest : public BodyFixture {
     static const TapeMeasure once(package(), read_measure_table(package(), data_folder() / "body"));
     return once;
   }
-  static Points body(Sex sex, double mass) {
-    BodySpec spec;
-    spec.sex = sex;
-    spec.mass = mass;
-    return shape_body(package(), spec).points.topRows(package().skin_size);
+  // Of the package's average stature; `weight` is its slider from thin to heavy.
+  static Points body(Sex sex, double weight) {
+    Macros macros;
+    macros.male = sex == Sex::male ? 1 : 0;
+    macros.weight = weight;
+    Points out = shape_points(package(), macros).topRows(package().skin_size);
+    out.col(1).array() -= out.col(1).minCoeff();
+    return out;
   }
 };
 
 TEST_F(MeasureTest, AgreesWithMeasuringCodeOfItsOwn) {
   const TapeCheck check(package(), tape().table());
-  for (const Points& V : {body(Sex::male, 62), body(Sex::male, 95), body(Sex::female, 48), body(Sex::female, 75)}) {
+  for (const Points& V : {body(Sex::male, 0.3), body(Sex::male, 0.95), body(Sex::female, 0.2), body(Sex::female, 0.9)}) {
     for (int k = 0; k < tape().count(); ++k) {
       const double expected = check.take(tape().measure(k), V);
       // A search that looks at every millimetre misses the best plane by a little.
@@ -41,7 +44,7 @@ TEST_F(MeasureTest, AgreesWithMeasuringCodeOfItsOwn) {
 }
 
 TEST_F(MeasureTest, EveryMeasureLiesInsideWhatPeopleMeasure) {
-  const Points V = body(Sex::male, 78);
+  const Points V = body(Sex::male, 0.7);
   for (int k = 0; k < tape().count(); ++k) {
     const double value = tape().take(k, V);
     EXPECT_GT(value, 0.03) << tape().measure(k).id;
@@ -50,7 +53,7 @@ TEST_F(MeasureTest, EveryMeasureLiesInsideWhatPeopleMeasure) {
 }
 
 TEST_F(MeasureTest, ScaledBodiesHaveScaledMeasures) {
-  const Points V = body(Sex::female, 60);
+  const Points V = body(Sex::female, 0.6);
   for (int k = 0; k < tape().count(); ++k) {
     if (tape().measure(k).search != Search::none) continue;  // the reach of a search does not grow with the body
     const double factor = tape().measure(k).kind == MeasureKind::mass ? 1.331 : 1.1;
@@ -60,7 +63,7 @@ TEST_F(MeasureTest, ScaledBodiesHaveScaledMeasures) {
 
 // Along displacements that are the same on both sides, as all of the shape space are.
 TEST_F(MeasureTest, DerivativesAreThoseOfDifferences) {
-  const Points V = body(Sex::male, 80);
+  const Points V = body(Sex::male, 0.75);
   Points D = V;
   for (Eigen::Index v = 0; v < V.rows(); ++v) {
     const double x = std::abs(V(v, 0)), y = V(v, 1), z = V(v, 2);
@@ -80,7 +83,7 @@ TEST_F(MeasureTest, DerivativesAreThoseOfDifferences) {
 }
 
 TEST_F(MeasureTest, TracesAreAsLongAsTheTape) {
-  const Points V = body(Sex::female, 55);
+  const Points V = body(Sex::female, 0.4);
   for (int k = 0; k < tape().count(); ++k) {
     const Measure& m = tape().measure(k);
     if (m.kind != MeasureKind::girth && m.kind != MeasureKind::path && m.kind != MeasureKind::distance && m.kind != MeasureKind::height) continue;

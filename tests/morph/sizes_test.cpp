@@ -51,7 +51,7 @@ TEST_F(SizesTest, EverySizeHasItsMeasuresAndIsNearestToItself) {
   const auto folder = data_folder() / "body";
   const TapeMeasure tape(package(), read_measure_table(package(), folder));
   const std::vector<StandardSize> sizes = read_sizes(folder);
-  EXPECT_EQ(sizes.size(), 10u);
+  EXPECT_EQ(sizes.size(), 14u);
   for (const Sex sex : {Sex::male, Sex::female}) {
     const ShapeSpace space = read_shape_space(package(), tape, sex);
     std::vector<std::vector<SizeFigure>> figures;

@@ -9,6 +9,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
 #include "morph/region_functions.h"
+#include "morph/shape_age.h"
 #include "morph/skin_field.h"
 #include "tests/body_fixture.h"
 #include "tests/morph/tape_check.h"

@@ -34,7 +34,7 @@ class TapeCheck {
       case MeasureKind::depth: return searched(m, V);
       case MeasureKind::sum: {
         double sum = 0;
-        for (const Term& t : m.terms) sum += t.sign * take(table_.measures[static_cast<std::size_t>(t.measure)], V);
+        for (const Term& t : m.terms) sum += t.factor * take(table_.measures[static_cast<std::size_t>(t.measure)], V);
         return sum;
       }
       case MeasureKind::mass: return kBodyDensity * skin_volume(package_, V);

@@ -34,7 +34,7 @@
 #include "anatomy/solids.h"
 #include "anatomy/surface_path.h"
 #include "anatomy/table.h"
-#include "morph/body.h"
+#include "morph/body_model.h"
 #include "morph/fit.h"
 #include "morph/template.h"
 #include "skinning/nearest_surface.h"
@@ -305,8 +305,8 @@ Vec3 centroid(const TriMesh& mesh) {
 
 // The volumes that a fit gives the muscles of a man of their stature and mass, before they grow into their room.
 std::vector<double> volumes_in_their_man(const Anatomy& anatomy) {
-  const ShapedBody man = shape_body(read_body_package(find_packages()), {.sex = Sex::male, .age = 22, .height = kTheirStature, .mass = kTheirMass, .name = "theirs"});
-  const Anatomy fitted = fit_anatomy(read_template(), man.body).anatomy;
+  const Body man = make_body(read_body_package(find_packages()), {.sex = Sex::male, .age = 22, .height = kTheirStature, .mass = kTheirMass, .name = "theirs"});
+  const Anatomy fitted = fit_anatomy(read_template(), man).anatomy;
   std::vector<double> out;
   for (const Muscle& muscle : anatomy.muscles) {
     const int m = find_muscle(fitted, muscle.name);

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "anatomy/errors.h"
-#include "morph/body.h"
+#include "morph/standard_bodies.h"
 #include "morph/fit.h"
 #include "morph/template.h"
 #include "skinning/bind.h"

@@ -184,10 +184,13 @@ TEST_F(ObjSequence, ReadsBackExactly) {
   EXPECT_FALSE(fs::exists(folder_ / "frames" / "003.obj"));
 }
 
-TEST_F(ObjSequence, NeedsANumberAndAFolder) {
+TEST_F(ObjSequence, NeedsANumberAndMakesItsFolder) {
   const Triangles F(0, 3);
   for (const char* name : {"a.obj", "%04d.ply", "%04f.obj", "%d%d.obj", "%99999d.obj"}) EXPECT_THROW(ObjSequenceWriter(folder_ / name, F), UsageError) << name;
-  EXPECT_THROW(ObjSequenceWriter(folder_ / "no" / "where" / "%d.obj", F), OutputError);
+  ObjSequenceWriter(folder_ / "not" / "yet" / "%d.obj", F);
+  EXPECT_TRUE(fs::is_directory(folder_ / "not" / "yet"));
+  std::ofstream(folder_ / "file") << "in the way";
+  EXPECT_THROW(ObjSequenceWriter(folder_ / "file" / "%d.obj", F), OutputError);
 }
 
 }  // namespace
