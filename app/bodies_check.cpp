@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "anatomy/package.h"
 #include "app/progress.h"
 #include "morph/template.h"
 
@@ -34,6 +33,10 @@ std::vector<BodyCheck> check_bodies(const std::vector<BodySpec>& bodies, const s
   std::vector<Body> all;  // before any is fitted: one that cannot be had is told at once
   for (const BodySpec& spec : bodies) all.push_back(make_body(model, spec));
   std::vector<BodyCheck> checks;
+  Progress progress(common, "bodies", static_cast<int>(bodies.size()));
+  Common silent = common;  // the bodies' own bars would break this one
+  silent.progress = "never";
+  for (const Body& made : all) {
     Report report;
     const FittedCharacter fitted = fit_character(body_template, made, package, {}, report);
     CheckOptions options;

@@ -267,7 +267,7 @@ std::string man_page(const CLI::App& app) {
   walk(app, "", [&](const CLI::App& verb, const std::string& path) {
     if (verbs_of(verb).empty()) verbs += man_verb(verb, path);
   });
-  return ".TH ECORCHE 1 \"\" \"ecorche " ECORCHE_VERSION "\" \"User Commands\"\n.SH NAME\necorche \\- bones and muscles inside any human skin, and the skin moved by them\n"
+  return ".TH ECORCHE 1 \"\" \"ecorche " ECORCHE_VERSION "\" \"User Commands\"\n.SH NAME\necorche \\- bones and muscles inside a human skin, and the skin moved by them\n"
          ".SH SYNOPSIS\n.B ecorche\n.I verb\n[\\fIoptions\\fR]\n.br\n.B ecorche help\n.I verb\n.SH DESCRIPTION\n" +
          troff(app.get_description()) + "\nData go to standard output, all else to standard error.\n.SH VERBS\n" + verbs + kExitStatus;
 }

@@ -105,7 +105,7 @@ int main(int argc, char** argv) {
 
   try {
     const InterruptWatch watch;
-    CLI::App app{"Puts a complete set of bones and muscles into any human skin, and moves the skin by that anatomy.", "ecorche"};
+    CLI::App app{"Puts a complete set of bones and muscles into a human skin, and moves the skin by that anatomy.", "ecorche"};
     app.footer("Start with:\n  ecorche demo -o out/long-jump\nEvery verb has --help with an example; `ecorche list` names muscles, joints, measures and more.");
     app.set_version_flag("--version,-V", ECORCHE_VERSION);
     app.require_subcommand(1);

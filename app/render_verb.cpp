@@ -175,8 +175,8 @@ void add_view_options(CLI::App& verb, RenderVerbOptions& options) {
   verb.add_option("--camera", options.camera,
                   fmt::format("follow; or {}. When left out: follow; of a close-up, from where the part is seen best; of a still, as the pose is seen best", view_names()));
   verb.add_option("--look-at", options.film.view.look_at, "Close-up of a bone, muscle, region of muscles, joint, or landmark of the skin, which stays in the middle");
-  CLI::Option* zoom = verb.add_option("--zoom", options.film.view.zoom, "Times as large")->capture_default_str();
-  verb.add_option("--distance", options.film.view.distance, "Metres from the eye to what is looked at")->excludes(zoom);
+  CLI::Option* zoom = verb.add_option("--zoom", options.film.view.zoom, "Times as large")->check(between(0.05, 100.0))->capture_default_str();
+  verb.add_option("--distance", options.film.view.distance, "Metres from the eye to what is looked at")->check(between(0.02, 1000.0))->excludes(zoom);
   verb.add_option("--layers", options.layers, "What is seen: skin, muscles, bones; the skin is glass over other layers")->capture_default_str();
   CLI::Option* hide = verb.add_option("--hide", options.hide, "Parts to leave away: names of bones, muscles, regions (thigh, trunk_back, ...), layers (superficial, ...), with commas between them; * stands for any letters, a name without side for both");
   verb.add_option("--only", options.only, "The only parts to show, named likewise")->excludes(hide);
@@ -184,11 +184,11 @@ void add_view_options(CLI::App& verb, RenderVerbOptions& options) {
 }
 
 void add_moment_options(CLI::App& verb, RenderVerbOptions& options) {
-  verb.add_option("--at", options.at, "A still: this moment of the motion, in seconds");
+  verb.add_option("--at", options.at, "A still: this moment of the motion, in seconds")->check(between(0.0, 1e5));
   verb.add_option("--pose", options.pose, "A still without motion: a pose of data/poses/poses.csv or data/poses.csv; at rest when left out");
   verb.add_option("--poses", options.poses, "Table of poses like data/poses/poses.csv that --pose is looked up in");
-  CLI::Option* from = verb.add_option("--from", options.film.from, "Where the film begins, in seconds of the motion");
-  CLI::Option* to = verb.add_option("--to", options.film.to, "Where it ends");
+  CLI::Option* from = verb.add_option("--from", options.film.from, "Where the film begins, in seconds of the motion")->check(between(0.0, 1e5));
+  CLI::Option* to = verb.add_option("--to", options.film.to, "Where it ends")->check(between(0.0, 1e5));
   verb.add_option("--frames", options.frames, "Frames of the motion, counted from 1, one a picture: 1-240; x2 behind it takes every second one. Pictures are numbered as the frames are")
       ->excludes(from)
       ->excludes(to);
@@ -213,7 +213,8 @@ void add_render_verb(VerbRegistry& registry) {
   verb->add_flag("--beside", options->film.beside, "The skin, and the figure without it beside it");
   verb->add_option("--dissolve", options->dissolve, "The skin goes, from the feet up, between these two moments of the motion, in seconds")
       ->expected(2)
-      ->delimiter(',');
+      ->delimiter(',')
+      ->check(between(0.0, 1e5));
   verb->add_flag("--colour-map", options->colour_map, "Muscle lengths in yellow (shorter) and blue (longer) that colour-blind eyes tell apart");
   verb->add_flag("!--no-legend", options->film.legend, "Leave away what the muscles' colours mean");
   verb->add_option("--size", options->size, "WIDTHxHEIGHT in pixels")->capture_default_str();

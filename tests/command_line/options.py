@@ -177,6 +177,11 @@ def fits(t):
     t.there("anna_meshes/femur_l.obj")
     t.run(0, "export", "anna-anatomy.glb", "-o", "bare.osim", "--no-meshes")
     t.absent("bare_meshes")
+    t.run(0, "export", "anna-anatomy.glb", "-o", "ground.osim", "-o", "ground.xml", "--no-meshes", "--ground")
+    t.check(b"ContactHalfSpace" in t.bytes("ground.osim") and b'type="plane"' in t.bytes("ground.xml") and b"ContactHalfSpace" not in t.bytes("bare.osim"), "--ground")
+    t.run((0, 8), "fit", "anna.glb", "-o", "light.glb", "--detail", "light", "--method", "ellipses")
+    t.check(len(t.bytes("light.glb")) < len(t.bytes("anna-anatomy.glb")) / 3, "--detail light")
+    t.says(t.run(4, "animate", "light.glb", t.data("motions", "walk.bvh"), "-o", "no.glb"), "light")
 
 
 def animations(t):
@@ -189,6 +194,23 @@ def animations(t):
     t.check(len(pc2_frames(t.bytes("walk.pc2"))) == 8, "8 frames")
     t.there("objs/008.obj")
     t.there("walk.mdd")
+    animate("walk.bvh", "-o", "layers.pc2", "--layers", "skin,muscles,bones")
+    t.check(len(pc2_frames(t.bytes("layers-muscles.pc2"))) == 8 and t.bytes("layers-skin.pc2") == t.bytes("walk.pc2"), "--layers")
+    vertices = sum(line.startswith("v ") for line in t.bytes("layers-muscles.obj").decode().splitlines())
+    t.check(vertices == struct.unpack("<i", t.bytes("layers-muscles.pc2")[16:20])[0], "the muscles' mesh and cache have the same vertices")
+    animate("walk.bvh", "-o", "blender.pc2", "-o", "blender.glb", "--cache-for", "glb")
+    t.check(struct.unpack("<i", t.bytes("blender.pc2")[16:20])[0] > 13380, "--cache-for glb")
+    animate("walk.bvh", "-o", "light-walk.glb", "--detail", "light")
+    t.check(len(t.bytes("light-walk.glb")) < len(t.bytes("walk.glb")) / 3, "--detail of animate")
+    animate("walk.bvh", "-o", "walk.mot", "-o", "walk.trc", "--table", "lengths=lengths.csv", "--table", "moment-arms:knee_l_flexion=arms.sto", "--table", "velocities=velocities.csv",
+            "--table", "bellies=bellies.csv", "--table", "tendons=tendons.csv", "--table", "activations=activations.csv")
+    for name in ("lengths.csv", "velocities.csv", "bellies.csv", "tendons.csv", "activations.csv"):
+        rows = [line for line in t.bytes(name).decode().splitlines() if line and not line.startswith("#")]
+        t.check(len(rows) == 9 and rows[0].startswith("time"), f"{name}: a row a frame, {len(rows)}")
+    t.check(b"endheader" in t.bytes("walk.mot") and b"endheader" in t.bytes("arms.sto") and b"PathFileType" in t.bytes("walk.trc"), "headers of .mot, .sto and .trc")
+    t.says(t.run(2, "animate", "anna-anatomy.glb", "walk.bvh", "--table", "lenghts=x.csv"), "lengths")
+    t.says(t.run(2, "animate", "anna-anatomy.glb", "walk.bvh", "--table", "moment-arms:kne_l_flexion=x.csv"), "knee_l_flexion")
+    t.says(t.run(2, "animate", "anna-anatomy.glb", "walk.bvh", "-o", "no.glb", "--layers", "skin"), ".pc2")
     animate("walk.bvh", "-o", "lbs.pc2", "--skin", "lbs")
     t.check(difference(t.bytes("lbs.pc2"), t.bytes("walk.pc2")) > 1e-3, "--skin lbs")
     t.write("tense.csv", "time,muscle,value\n0,biceps_brachii_*,1\n0,gastrocnemius_*,1\n")
@@ -309,6 +331,23 @@ def pictures(t):
     render("walk.bvh", "-o", "all/%02d.png", *base, "--weights", "painted.csv", "--map", "map.txt", "--up", "y", "--motion-fps", 30, "--limits", "keep", "--no-apart", "--no-plant")
     render("jump.bvh", "-o", "loose/%02d.png", *base, "--plant", "--dynamics", "--activation", "auto")
     t.there("loose/01.png")
+    still = lambda name, *words: render("-o", f"{name}.png", "--size", "160x120", *words)  # noqa: E731
+    still("rest")
+    for name, words in (("squat", ["--pose", "squat"]), ("white", ["--background", "white"]), ("knee", ["--look-at", "knee_l"]), ("hidden", ["--hide", "trunk_back", "--layers", "muscles"]),
+                        ("only", ["--only", "femur_*", "--layers", "bones"])):
+        still(name, *words)
+        t.check(png(f"{name}.png") != png("rest.png"), f"render {' '.join(words)} changes nothing")
+    still("near", "--look-at", "knee_l", "--zoom", 3)
+    still("nearer", "--look-at", "knee_l", "--distance", 0.3)
+    t.check(len({png(f"{name}.png") for name in ("knee", "near", "nearer")}) == 3, "--zoom, --distance")
+    still("own", "--pose", "bent", "--poses", t.write("own.csv", "name,label,view,angles\nbent,bent,front,elbow 90\n"))
+    t.says(t.run(2, "render", "anna-anatomy.glb", "-o", "no.png", "--pose", "sqat"), "squat")
+    t.says(t.run(2, "render", "anna-anatomy.glb", "-o", "no.png", "--look-at", "kne_l"), "knee_l")
+    render("walk.bvh", "-o", "moment.png", "--at", 0.1, "--size", "160x120")
+    render("walk.bvh", "-o", "part/%02d.png", "--from", 0.05, "--to", 0.1, "--fps", 60, "--size", "96x80")
+    t.check(os.listdir(t.path("part")) and "01.png" in os.listdir(t.path("part")), "--from, --to")
+    render("walk.bvh", "-o", "frames/%02d.png", "--frames", "2-6x2", "--size", "96x80")
+    t.check(sorted(os.listdir(t.path("frames"))) == ["02.png", "04.png", "06.png"], f"--frames 2-6x2: {os.listdir(t.path('frames'))}")
     done = t.run((0, 8), "posebook", "anna-anatomy.glb", "ben-anatomy.glb", "-o", "poses", "--poses", t.write("poses.csv", "name,label,view,angles\nbent,bent,front,elbow 90\n"),
                  "--methods", "ecorche,lbs", "--cell", "100x120")
     t.there("poses/ecorche.png")
@@ -435,6 +474,10 @@ def window(t):
     view("anna-anatomy.glb", "jump.bvh", "--frames", 2, "--dynamics", "--map", "map.txt", "--up", "y", "--motion-fps", 30, "--limits", "keep", "--no-apart",
          "--no-plant")
     view("anna-anatomy.glb", "walk.bvh", "--frames", 2, "--plant")
+    for name, words in (("back", ["--camera", "back"]), ("bones", ["--only", "femur_*,tibia_*"]), ("bare", ["--hide", "thigh"])):
+        view("anna-anatomy.glb", "--frames", 2, "--screenshot", f"{name}.png", *words)
+    t.check(len({t.bytes(f"{name}.png") for name in ("back", "bones", "bare")}) == 3, "--camera, --only, --hide")
+    view("anna-anatomy.glb", "--sliders", "--template", "anna-anatomy.glb", "--frames", 2)
 
 
 def benches(t):
