@@ -75,7 +75,9 @@ Listing list_bones(const Anatomy& anatomy) {
 Listing list_measures() {
   const BodyPackage package = read_body_package(find_packages());
   Listing out{{"measure", "name", "standard", "remark"}, {}};
-  for (const Measure& m : read_measure_table(package, data_folder() / "body").measures) out.rows.push_back({m.id, m.name, m.standard, m.note});
+  const MeasureTable table = read_measure_table(package, data_folder() / "body");
+  for (const Measure& m : table.measures) out.rows.push_back({m.id, m.name, m.standard, m.note});
+  for (const MeasureName& other : table.other_names) out.rows.push_back({other.name, "the same as " + table.measures[static_cast<std::size_t>(other.measure)].id, "", ""});
   return out;
 }
 

@@ -133,6 +133,8 @@ class MeasureReader {
 std::optional<int> MeasureTable::find(std::string_view id) const {
   for (std::size_t k = 0; k < measures.size(); ++k)
     if (measures[k].id == id) return static_cast<int>(k);
+  for (const MeasureName& other : other_names)
+    if (other.name == id) return other.measure;
   return std::nullopt;
 }
 
@@ -140,6 +142,7 @@ int MeasureTable::at(std::string_view id) const {
   if (const auto found = find(id)) return *found;
   std::vector<std::string> names;
   for (const Measure& m : measures) names.push_back(m.id);
+  for (const MeasureName& other : other_names) names.push_back(other.name);
   throw UsageError(fmt::format("unknown measure '{}'{}\n`ecorche list measures` names all {}.", printable(std::string(id)), did_you_mean(id, names), measures.size()));
 }
 
@@ -149,6 +152,8 @@ MeasureTable read_measure_table(const BodyPackage& package, const std::filesyste
   const Table rows(folder / "measures.csv");
   MeasureReader reader(package, rows, out);
   for (int row = 0; row < rows.rows(); ++row) reader.read(row);
+  const Table others(folder / "measure_names.csv");
+  for (int row = 0; row < others.rows(); ++row) out.other_names.push_back({others.text(row, "name"), out.at(others.text(row, "measure"))});
   return out;
 }
 

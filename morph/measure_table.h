@@ -46,11 +46,18 @@ struct Measure {
   double survey_slack = 0;                // m or kg: how far the survey's definition may differ from ours
 };
 
+// Another name of a measure: "bust_girth" of chest_girth.
+struct MeasureName {
+  std::string name;
+  int measure = 0;
+};
+
 struct MeasureTable {
   std::vector<SkinLandmark> landmarks;
   std::vector<Measure> measures;
+  std::vector<MeasureName> other_names;  // data/body/measure_names.csv
 
-  // Number of a measure, or nothing.
+  // Number of a measure, by its id or another name, or nothing.
   std::optional<int> find(std::string_view id) const;
   // Number of a measure. Throws UsageError that lists the nearest names.
   int at(std::string_view id) const;

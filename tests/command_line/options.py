@@ -54,6 +54,9 @@ def bodies(t):
     t.check(t.bytes("old.glb") != t.bytes("anna.glb"), "--age changes nothing")
     t.run(0, "body", "new", "--sex", "female", "--measure", "stature=168cm", "--measure", "waist_girth=29in", "-o", "waist.glb")
     t.check(abs(measures(t, "waist.glb")["waist_girth"] - 29 * 0.0254) < 0.001, "--measure is not met")
+    t.run(0, "body", "new", "--sex", "female", "--measure", "height=5ft6", "--measure", "bust=92cm", "-o", "bust.glb")
+    t.check(abs(measures(t, "bust.glb")["chest_girth"] - 0.92) < 0.001 and abs(measures(t, "bust.glb")["stature"] - 1.6764) < 0.001, "other names of measures")
+    t.says(t.run(2, "body", "new", "--sex", "female", "--measure", "bust=92cm", "--measure", "chest_girth=90cm", "-o", "no.glb"), "chest_girth")
     t.run(0, "body", "new", "--sex", "male", "--size", "xxl", "-o", "xxl.glb")
     t.check(1.12 < measures(t, "xxl.glb")["chest_girth"] < 1.32, "--size XXL has another chest")
     conflict = ["--sex", "female", "--measure", "stature=160cm", "--measure", "crotch_height=100cm"]

@@ -3,6 +3,8 @@
 
     documents.py ECORCHE SOURCE_FOLDER [DOCUMENT...]
 
+A block of code after a line `<!-- output of: COMMAND -->` is what that command printed: each of its lines must be printed again, words alike and numbers within 3 % or one
+unit of the last digit; "..." stands for lines left out.
 Commands are lines of code that begin with `ecorche` or `build/ecorche`. They are run in a folder that holds what their readers have: a body, characters, motions, tables.
 A command ends 0 or 8. Commands that a line `<!-- not run: WHY -->` stands before are only looked at: their verbs and options must exist.
 """
@@ -48,6 +50,23 @@ def commands_of(text):
     return out
 
 
+def outputs_of(text):
+    """(command, lines that it printed) of a Markdown text."""
+    return [(command, block.splitlines()) for command, block in re.findall(r"<!-- output of: (.*?) -->\n```\w*\n(.*?)```", text, re.S)]
+
+
+def alike(written, printed):
+    """Whether two lines have the same words, and nearly the same numbers."""
+    number = r"-?\d+(?:\.\d+)?"
+    if re.sub(number, "#", " ".join(written.split())) != re.sub(number, "#", " ".join(printed.split())):
+        return False
+    for a, b in zip(re.findall(number, written), re.findall(number, printed)):
+        unit = 10.0 ** -len(a.partition(".")[2])
+        if abs(float(a) - float(b)) > max(1.001 * unit, 0.03 * abs(float(a))):
+            return False
+    return True
+
+
 class Reader:
     """What readers of the documents have before them."""
 
@@ -76,6 +95,7 @@ class Reader:
         os.makedirs(t.path("build"))
         os.makedirs(t.path("out"))
         os.symlink(self.program, t.path("build/ecorche"))
+        os.symlink(os.path.join(os.path.dirname(self.program), "tests"), t.path("build/tests"))
         self.done = {}
 
     def run(self, where, command):
@@ -90,6 +110,17 @@ class Reader:
         path = self.folder + "/build:" + os.environ["PATH"]
         found = subprocess.run(["bash", "-c", line], cwd=self.folder, capture_output=True, text=True, timeout=1500, env={**os.environ, "PATH": path}, errors="replace")
         self.tools.check(found.returncode in (0, 8), f"{where}: {command}: exit {found.returncode}\n{found.stderr[-600:]}")
+
+    def compare(self, where, command, lines):
+        """The lines are there among what the command prints, one after the other."""
+        done = subprocess.run(["bash", "-c", command], cwd=self.folder, capture_output=True, text=True, timeout=1500, errors="replace",
+                              env={**os.environ, "PATH": f"{self.folder}/build:{os.environ['PATH']}"})
+        self.tools.check(done.returncode in (0, 8), f"{where}: {command}: exit {done.returncode}\n{done.stderr[-600:]}")
+        printed = iter(done.stdout.splitlines())
+        for line in lines:
+            if line.strip() in ("", "..."):
+                continue
+            self.tools.check(any(alike(line, each) for each in printed), f"{where}: {command} no longer prints\n  {line}\nbut\n{done.stdout}")
 
     def look(self, where, command):
         """The verb and the options exist."""
@@ -145,6 +176,8 @@ def main():
         with open(os.path.join(source, name), encoding="utf-8") as file:
             text = file.read()
         look_for_paths(reader, name, text)
+        for command, lines in outputs_of(text):
+            reader.compare(name, command, lines)
         for command, reason in commands_of(text):
             if reason:
                 reader.look(name, command)
