@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <set>
 #include <span>
@@ -43,8 +44,41 @@ double shared_edges(const TriMesh& mesh, const BodyPackage& package, int first =
   throw UnfitError(fmt::format("{}: holds two skins or more ({}); save one person a file", name, what));
 }
 
+// Vertices at one place made one, in the order in which places first appear: exporters split a skin
+// along the seams of its texture, and put copies beside the vertices or after all of them.
+TriMesh welded(const TriMesh& mesh) {
+  std::map<std::array<double, 3>, int> first;
+  std::vector<int> joined;
+  TriMesh out;
+  out.V.resize(mesh.V.rows(), 3);
+  for (Eigen::Index v = 0; v < mesh.V.rows(); ++v) {
+    const std::array<double, 3> place{mesh.V(v, 0), mesh.V(v, 1), mesh.V(v, 2)};
+    const auto [at, is_new] = first.emplace(place, static_cast<int>(first.size()));
+    if (is_new) out.V.row(at->second) = mesh.V.row(v);
+    joined.push_back(at->second);
+  }
+  out.V.conservativeResize(static_cast<Eigen::Index>(first.size()), 3);
+  out.F = mesh.F.unaryExpr([&joined](int v) { return joined[static_cast<std::size_t>(v)]; });
+  return out;
+}
+
+// The one part of a file that is a skin split along seams; nothing where there is none.
+std::optional<TriMesh> find_split_skin(const MeshFile& file, const std::string& name, const BodyPackage& package) {
+  std::optional<TriMesh> found;
+  for (const MeshPart& part : file.parts) {
+    if (part.mesh.V.rows() <= package.skin_size) continue;
+    TriMesh mesh = welded(part.mesh);
+    if (mesh.V.rows() == part.mesh.V.rows() || mesh.V.rows() < package.skin_size) continue;
+    if (shared_edges(mesh, package) <= kSameEdges) continue;
+    if (found || (mesh.V.rows() >= 2 * package.skin_size && shared_edges(mesh, package, package.skin_size) > kSameEdges))
+      refuse_two(name, fmt::format("'{}'", part.name));
+    found = std::move(mesh);
+  }
+  return found;
+}
+
 // The part of a file that is the skin, or a message that says why there is none.
-const TriMesh& find_skin(const MeshFile& file, const std::string& name, const BodyPackage& package) {
+TriMesh find_skin(const MeshFile& file, const std::string& name, const BodyPackage& package, std::vector<std::string>& notes) {
   std::string counts;
   double best = 0;
   const MeshPart* found = nullptr;
@@ -60,6 +94,10 @@ const TriMesh& find_skin(const MeshFile& file, const std::string& name, const Bo
     found = &part;
   }
   if (found) return found->mesh;
+  if (std::optional<TriMesh> split = find_split_skin(file, name, package)) {
+    notes.push_back(fmt::format("{}: split along the seams of its texture; vertices at one place are taken as one, {} in all", name, split->V.rows()));
+    return std::move(*split);
+  }
   const auto advice = "a skin must keep the base mesh's vertices and their order: export without merging, splitting or re-ordering";
   if (best > 0) {
     throw UnfitError(fmt::format("{}: {} vertices, but only {:.0f} % of the base mesh's edges; {}", name, counts, 100 * best, advice));
@@ -122,13 +160,13 @@ double find_unit(double height, const std::string& name, std::vector<std::string
     const double tall = height * unit.metres;
     if (!human(tall)) continue;
     if (unit.metres == 0.01 && tall < kToddler && height * 0.0254 > kShortAdult) {
-      throw UnfitError(fmt::format("{}: {:.1f} units tall, a child of {:.2f} m in centimetres or an adult of {:.2f} m in inches; say --unit cm or --unit in",
+      throw UnfitError(fmt::format("{}: {:.1f} units tall, a child of {:.2f} m in centimetres or an adult of {:.2f} m in inches; say --unit cm or --unit in (--skin-unit of `body`)",
                                    name, height, tall, height * 0.0254));
     }
     notes.push_back(fmt::format("{}: read as {} ({:.3f} m tall)", name, unit.plural, tall));
     return unit.metres;
   }
-  throw UnfitError(fmt::format("{}: {:g} units tall, which is no human height in m, dm, cm or mm; scale it to metres, or say --unit", name, height));
+  throw UnfitError(fmt::format("{}: {:g} units tall, which is no human height in m, dm, cm or mm; scale it to metres, or say --unit (--skin-unit of `body`)", name, height));
 }
 
 // Mean angle between triangles that share an edge, rad. Skin is smooth; what is not has been read in the wrong order or spoilt.
@@ -212,7 +250,7 @@ std::optional<double> metres_in(const std::string& unit) {
 BareSkin bare_skin(const MeshFile& file, const std::string& name, const BodyPackage& package, std::optional<double> unit) {
   BareSkin out;
   out.notes = file.notes;
-  const TriMesh& mesh = find_skin(file, name, package);
+  const TriMesh mesh = find_skin(file, name, package, out.notes);
   const bool helpers = mesh.V.rows() == package.points.rows();
   if (mesh.V.rows() > package.skin_size) {
     out.notes.push_back(fmt::format("{}: {} vertices; the first {} are the skin{}", name, mesh.V.rows(), package.skin_size,

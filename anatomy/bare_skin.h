@@ -25,7 +25,8 @@ struct BareSkin {
 // Metres in a unit by its short name (m, dm, cm, mm, in, ft); nothing for another name.
 std::optional<double> metres_in(const std::string& unit);
 
-// The file may hold other meshes beside the skin, and more vertices after it (eyes, clothes, helper geometry). `unit`: metres in one
+// The file may hold other meshes beside the skin, and more vertices after it (eyes, clothes, helper geometry); a skin may be split along the
+// seams of its texture. `unit`: metres in one
 // unit of the file; found out when left out.
 // Throws as read_mesh_file does, and UnfitError that names the counts: another number of vertices, another order (fewer than 99 % of
 // the base mesh's edges), a second skin after the first, a height that is not human in the given unit or in m, dm, cm and mm, or one that

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "anatomy/bare_skin.h"
 #include "anatomy/errors.h"
 #include "anatomy/muscle_line.h"
 #include "anatomy/package.h"
@@ -93,19 +92,6 @@ void play_skin(const Actor& actor, const Pose& pose, ActorFrame& frame, std::spa
 void play(const Actor& actor, const Pose& pose, ActorFrame& frame, std::span<const double> activation, std::span<const float> flesh) {
   play_skin(actor, pose, frame, activation, flesh);
   if (actor.method == SkinMethod::ecorche) give_way_to_skin(actor.binding, actor.under, actor.table, frame.skin, frame.posed, frame.under);
-}
-
-Body open_body(const std::filesystem::path& file, const BodyPackage& package, const Common& common, Report& report, std::optional<double> unit) {
-  if (has_body_notes(file)) return read_body(file);
-  BareSkin bare = read_bare_skin(file, package, unit);
-  for (const std::string& text : bare.notes) {
-    note(common, text);
-    report.append_text("body.notes", text);
-  }
-  report.set("body.unit", bare.unit);
-  report.set("body.up", bare.up);
-  report.set("body.front", bare.front);
-  return std::move(bare.body);
 }
 
 namespace {

@@ -72,10 +72,6 @@ void play_skin(const Actor& actor, const Pose& pose, ActorFrame& frame, std::spa
 // Precondition: actor.rivals for those that are not ours.
 void move_skin(const Actor& actor, SkinMethod method, ActorFrame& frame, std::span<const float> flesh = {});
 
-// A body of ours (.glb), or a bare skin in the base mesh's topology and vertex order. What was found out about the
-// latter's units and axes goes to the report under `body`. Throws InputError or UnfitError.
-Body open_body(const std::filesystem::path& file, const BodyPackage& package, const Common& common, Report& report, std::optional<double> unit = {});
-
 // Reads a BVH file and retargets it to the character. What was assumed goes to the report under `motion`, warnings to people too.
 Motion open_motion(const std::filesystem::path& file, const Character& character, const MotionOptions& options, const Common& common,
                    Report& report);

@@ -9,6 +9,7 @@
 #include "app/character_file.h"
 #include "app/fitting.h"
 #include "app/motion_options.h"
+#include "app/open_body.h"
 #include "app/option_values.h"
 #include "app/template_file.h"
 #include "app/verb.h"
@@ -43,7 +44,7 @@ int run(FitVerbOptions options, const Common& common, Report& report) {
   }
   check_outputs(common, {options.output, options.tissue}, {options.body, options.body_template, options.weights});
   const BodyPackage package = read_body_package(find_packages());
-  Body body = open_body(options.body, package, common, report, options.unit.empty() ? std::nullopt : metres_in(options.unit));
+  Body body = open_body(options.body, package, common, report, options.unit);
   if (!options.sex.empty()) body.sex = options.sex == "female" ? Sex::female : Sex::male;
   const Template body_template = open_template(options.body_template);
   const FittedCharacter fitted = fit_character(body_template, body, package, options.fitting, report);
@@ -88,8 +89,7 @@ void add_fit_verb(VerbRegistry& registry) {
       ->check(between(0.01, 10.0));
   verb->add_option("--sex", options->sex, "Of a skin that does not say it; decides the layer of fat (a bare skin counts as male)")
       ->check(one_of({"male", "female"}));
-  verb->add_option("--unit", options->unit, "Of a bare skin's coordinates: m, dm, cm, mm, in or ft; found out from its height when left out")
-      ->check(one_of({"m", "dm", "cm", "mm", "in", "ft"}));
+  add_skin_unit_option(*verb, "--unit", options->unit);
 }
 
 }  // namespace ecorche

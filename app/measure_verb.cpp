@@ -7,11 +7,11 @@
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
 #include "app/html_page.h"
+#include "app/open_body.h"
 #include "app/option_values.h"
 #include "app/tape_pictures.h"
 #include "app/verb.h"
 #include "morph/measure.h"
-#include "skinning/character_io.h"
 
 namespace ecorche {
 namespace {
@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 struct MeasureOptions {
   fs::path body, html;
   bool list = false, json = false, csv = false;
-  std::string unit = "cm";
+  std::string unit = "cm", skin_unit;
 };
 
 struct Unit {
@@ -81,10 +81,7 @@ int run_measure(const MeasureOptions& options, const Common& common, Report& rep
   }
   if (options.body.empty()) throw UsageError("body measure: give a body file, or --list for the names of the measures");
   check_outputs(common, {options.html}, {options.body});
-  const Body body = read_body(options.body);
-  if (body.skin.V.rows() != package.skin_size)
-    throw UnfitError(fmt::format("{}: {} skin vertices, but measures are tied to the base mesh's {}; register the skin first (body register)",
-                                 options.body.string(), body.skin.V.rows(), package.skin_size));
+  const Body body = open_base_body(options.body, package, common, report, options.skin_unit);
   std::vector<double> values;
   {
     const StageTimer timer(report, "measure");
@@ -117,12 +114,13 @@ void add_body_measure(VerbRegistry& registry, CLI::App& body) {
   CLI::App* verb = add_verb(registry, body, "measure", "Measure a body: heights, lengths, breadths, depths, girths, mass",
                             "ecorche body measure anna.glb --unit in",
                             [options](const Common& common, Report& report) { return run_measure(*options, common, report); });
-  verb->add_option("body", options->body, "Body or character (.glb)");
+  verb->add_option("body", options->body, "Body or character (.glb), or a bare skin on the base mesh (.obj, .ply, .glb)");
   verb->add_flag("--list", options->list, "Name the measures and stop");
   CLI::Option* json = verb->add_flag("--json", options->json, "As JSON: metres and kilograms");
   CLI::Option* csv = verb->add_flag("--csv", options->csv, "As CSV: id, value, unit")->excludes(json);
   verb->add_option("--html", options->html, "Write a page instead, with pictures of where the tapes lie")->excludes(json)->excludes(csv);
   verb->add_option("--unit", options->unit, "Of lengths")->check(one_of({"m", "cm", "mm", "in", "ft"}))->excludes(json)->capture_default_str();
+  add_skin_unit_option(*verb, "--skin-unit", options->skin_unit);
 }
 
 }  // namespace ecorche

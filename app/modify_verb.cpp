@@ -4,6 +4,7 @@
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
+#include "app/open_body.h"
 #include "app/option_values.h"
 #include "app/verb.h"
 #include "morph/modify_body.h"
@@ -18,7 +19,7 @@ struct ModifyOptions {
   std::optional<double> fat, hip_waist, age;
   double muscle = 0, exaggeration = 1;
   std::vector<std::string> measures;
-  std::string sex;
+  std::string sex, unit;
 };
 
 int run_modify(const ModifyOptions& options, const Common& common, Report& report) {
@@ -26,10 +27,7 @@ int run_modify(const ModifyOptions& options, const Common& common, Report& repor
   check_outputs(common, {options.output}, {options.body});
   const BodyPackage package = read_body_package(find_packages());
   const TapeMeasure tape(package, read_measure_table(package, data_folder() / "body"));
-  Body body = read_body(options.body);
-  if (body.skin.V.rows() != package.skin_size)
-    throw UnfitError(fmt::format("{}: {} skin vertices, but attributes are tied to the base mesh's {}; register the skin first (body register)",
-                                 options.body.string(), body.skin.V.rows(), package.skin_size));
+  Body body = open_base_body(options.body, package, common, report, options.unit);
   if (!options.sex.empty()) body.sex = options.sex == "female" ? Sex::female : Sex::male;
   const ShapeSpace space = read_shape_space(package, tape, body.sex);
   BodyChange change;
@@ -74,7 +72,7 @@ void add_body_modify(VerbRegistry& registry, CLI::App& body) {
   CLI::App* verb = add_verb(registry, body, "modify", "Change a body by attributes and keep what is the person's own",
                             "ecorche body modify anna.glb --fat 32 -o anna-heavier.glb",
                             [options](const Common& common, Report& report) { return run_modify(*options, common, report); });
-  verb->add_option("body", options->body, "Body or character (.glb)")->required();
+  verb->add_option("body", options->body, "Body or character (.glb), or a bare skin on the base mesh (.obj, .ply, .glb)")->required();
   verb->add_option("--fat", options->fat, "Share of fat, per cent, by girths and height")->check(between(2.0, 60.0));
   verb->add_option("--hip-waist", options->hip_waist, "Hip girth over waist girth")->check(between(0.7, 2.0));
   verb->add_option("--measure", options->measures, "NAME=VALUE, as for body new; may be repeated. Lengths not asked for stay");
@@ -82,6 +80,7 @@ void add_body_modify(VerbRegistry& registry, CLI::App& body) {
   verb->add_option("--age", options->age, "Years that the body is to be old")->check(between(1.0, 90.0));
   verb->add_option("--exaggerate", options->exaggeration, "More (above 1) or less (below 1) of what sets the body apart from the average")->check(between(0.0, 3.0));
   verb->add_option("--sex", options->sex, "Of a body that does not say it")->check(one_of({"male", "female"}));
+  add_skin_unit_option(*verb, "--skin-unit", options->unit);
   verb->add_option("-o,--output", options->output, "Body file to write (.glb)")->required();
 }
 

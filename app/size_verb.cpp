@@ -5,22 +5,19 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/package.h"
+#include "app/open_body.h"
 #include "app/option_values.h"
 #include "app/verb.h"
 #include "morph/sizes.h"
-#include "skinning/character_io.h"
 
 namespace ecorche {
 namespace {
 
-int run_size(const std::filesystem::path& file, const std::string& sex, const Common& common, Report& report) {
+int run_size(const std::filesystem::path& file, const std::string& sex, const std::string& unit, const Common& common, Report& report) {
   check_outputs(common, {}, {file});
   const BodyPackage package = read_body_package(find_packages());
   const TapeMeasure tape(package, read_measure_table(package, data_folder() / "body"));
-  Body body = read_body(file);
-  if (body.skin.V.rows() != package.skin_size)
-    throw UnfitError(fmt::format("{}: {} skin vertices, but sizes are compared on the base mesh's {}; register the skin first (body register)",
-                                 file.string(), body.skin.V.rows(), package.skin_size));
+  Body body = open_base_body(file, package, common, report, unit);
   if (!sex.empty()) body.sex = sex == "female" ? Sex::female : Sex::male;
   const std::vector<SizeFigure> own = size_figures(tape, package, body.skin.V);
   const BodyFeatures features = find_features(body.skin);
@@ -57,13 +54,14 @@ int run_size(const std::filesystem::path& file, const std::string& sex, const Co
 void add_body_size(VerbRegistry& registry, CLI::App& body) {
   struct Options {
     std::filesystem::path body;
-    std::string sex;
+    std::string sex, unit;
   };
   auto options = std::make_shared<Options>();
   CLI::App* verb = add_verb(registry, body, "size", "Find the clothing size nearest to a body, and how it must be altered", "ecorche body size anna.glb",
-                            [options](const Common& common, Report& report) { return run_size(options->body, options->sex, common, report); });
-  verb->add_option("body", options->body, "Body or character (.glb)")->required();
+                            [options](const Common& common, Report& report) { return run_size(options->body, options->sex, options->unit, common, report); });
+  verb->add_option("body", options->body, "Body or character (.glb), or a bare skin on the base mesh (.obj, .ply, .glb)")->required();
   verb->add_option("--sex", options->sex, "Sizes for male or female; the body's own when left out")->check(one_of({"male", "female"}));
+  add_skin_unit_option(*verb, "--skin-unit", options->unit);
 }
 
 }  // namespace ecorche

@@ -56,6 +56,41 @@ TEST_F(BareSkinTest, ObliqueAxesAreTurnedBack) {
   EXPECT_LT((read.body.skin.V - grounded()).cwiseAbs().maxCoeff(), 1e-6);
 }
 
+TEST_F(BareSkinTest, SeamsOfATextureAreWelded) {
+  // Every fifth triangle has corners of its own: copies after all vertices, or each beside its vertex.
+  const Points V = base();
+  const Triangles& F = package().triangles;
+  std::vector<std::pair<int, int>> copies;  // vertex, corner
+  for (int corner = 0; corner < 3 * F.rows(); corner += 15) copies.emplace_back(F(corner / 3, corner % 3), corner);
+  for (const bool beside : {false, true}) {
+    std::vector<int> rows, first(static_cast<std::size_t>(V.rows()));  // vertex of each row
+    std::vector<int> own(static_cast<std::size_t>(3 * F.rows()), -1);   // row of a corner that has its own
+    std::vector<std::vector<int>> of_vertex(static_cast<std::size_t>(V.rows()));
+    for (const auto& [vertex, corner] : copies) of_vertex[static_cast<std::size_t>(vertex)].push_back(corner);
+    const auto add_copies = [&](int v) {
+      for (const int corner : of_vertex[static_cast<std::size_t>(v)]) own[static_cast<std::size_t>(corner)] = static_cast<int>(rows.size()), rows.push_back(v);
+    };
+    for (int v = 0; v < V.rows(); ++v) {
+      first[static_cast<std::size_t>(v)] = static_cast<int>(rows.size());
+      rows.push_back(v);
+      if (beside) add_copies(v);
+    }
+    if (!beside)
+      for (int v = 0; v < V.rows(); ++v) add_copies(v);
+    Points split(static_cast<Eigen::Index>(rows.size()), 3);
+    for (std::size_t r = 0; r < rows.size(); ++r) split.row(static_cast<Eigen::Index>(r)) = V.row(rows[r]);
+    Triangles corners(F.rows(), 3);
+    for (int corner = 0; corner < 3 * F.rows(); ++corner) {
+      const int copy = own[static_cast<std::size_t>(corner)];
+      corners(corner / 3, corner % 3) = copy >= 0 ? copy : first[static_cast<std::size_t>(F(corner / 3, corner % 3))];
+    }
+    const BareSkin read = bare_skin(file_of(split, corners), "split.glb", package());
+    EXPECT_EQ(read.body.skin.V.rows(), package().skin_size);
+    EXPECT_LT((read.body.skin.V - grounded()).cwiseAbs().maxCoeff(), 1e-6);
+    EXPECT_NE(read.notes.front().find("seams"), std::string::npos);
+  }
+}
+
 TEST_F(BareSkinTest, HelperGeometryIsKept) {
   const BareSkin read = bare_skin(file_of(package().points, package().triangles), "full.obj", package());
   EXPECT_EQ(read.points.rows(), package().points.rows());
