@@ -3,7 +3,7 @@ BUILD := build
 NINJA := ninja -C $(BUILD)
 export ECORCHE_PACKAGES ?= $(CURDIR)/$(BUILD)/packages
 
-.PHONY: all setup build demo test clients asan bench clean
+.PHONY: all setup build demo pictures test clients asan bench clean
 all: build
 
 setup:
@@ -23,6 +23,10 @@ $(DEMO)/report.json: $(BUILD)/ecorche $(shell find data -type f)
 demo: build
 	@$(MAKE) --no-print-directory -q $(DEMO)/report.json && echo "nothing has changed since $(DEMO) was made; look at its long-jump.mp4 and report.html" \
 	  || $(MAKE) --no-print-directory $(DEMO)/report.json
+
+# The pictures of README.md and docs/tour.md, from the demo's report and film.
+pictures: demo
+	@python3 docs/pictures/make.py $(DEMO)
 
 # The clients that exported files are tried in: the glTF validator, three.js in Chromium, Blender, MuJoCo and OpenSim.
 clients: setup
