@@ -15,7 +15,7 @@
 #include "anatomy/muscle_line.h"
 #include "anatomy/solids.h"
 #include "app/live_anatomy.h"
-#include "morph/body.h"
+#include "morph/body_model.h"
 #include "tests/morph/built_template.h"
 
 namespace ecorche {
