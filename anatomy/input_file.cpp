@@ -128,7 +128,7 @@ fs::path file_beside(const fs::path& folder, const std::string& name, const std:
   std::error_code error;
   const fs::path home = fs::canonical(folder.empty() ? fs::path(".") : folder, error);
   const fs::path real = error ? fs::path() : fs::canonical(file, error);
-  if (error) throw InputError(fmt::format("{}: {}", printable(file.string()), error.message()));
+  if (error) throw InputError(fmt::format("{}: '{}': {}", where, printable(name), error.message()));
   if (real.parent_path() != home) throw InputError(fmt::format("{}: '{}' is a link that leads out of the folder", where, printable(name)));
   return file;
 }

@@ -8,6 +8,7 @@
 #include <pugixml.hpp>
 
 #include "anatomy/errors.h"
+#include "anatomy/input_file.h"
 #include "anatomy/limits.h"
 
 namespace ecorche {
@@ -34,17 +35,17 @@ class Reader {
 
  private:
   [[noreturn]] static void fail(const std::string& file, pugi::xml_node node, const std::string& message) {
-    throw InputError(fmt::format("{}: <{} name=\"{}\">: {}", file, node.name(), node.attribute("name").value(), message));
+    throw InputError(printable(fmt::format("{}: <{} name=\"{}\">: {}", file, node.name(), node.attribute("name").value(), message)));
   }
 
   const pugi::xml_document& load(const std::string& path) {
     const auto known = documents_.find(path);
     if (known != documents_.end()) return known->second;
-    if (documents_.size() >= limits::kModelFiles) throw LimitError(fmt::format("{}: more than {} included files", path, limits::kModelFiles));
+    if (documents_.size() >= limits::kModelFiles) throw LimitError(fmt::format("{}: more than {} included files", printable(path), limits::kModelFiles));
     const std::string text = files_(path);
     pugi::xml_document& document = documents_[path];
     const auto result = document.load_buffer(text.data(), text.size());
-    if (!result) throw InputError(fmt::format("{}: byte {}: {}", path, result.offset, result.description()));
+    if (!result) throw InputError(fmt::format("{}: byte {}: {}", printable(path), result.offset, result.description()));
     return document;
   }
 
@@ -59,7 +60,7 @@ class Reader {
   // Calls `visit` for the children of a file's top element, in order, those of included files in their place.
   template <class Visit>
   void walk(const std::string& file, const Visit& visit, int depth) {
-    if (depth > limits::kModelDepth) throw LimitError(fmt::format("{}: includes nested deeper than {}", file, limits::kModelDepth));
+    if (depth > limits::kModelDepth) throw LimitError(fmt::format("{}: includes nested deeper than {}", printable(file), limits::kModelDepth));
     for (pugi::xml_node child : load(file).document_element().children()) {
       if (std::string_view(child.name()) == "include") {
         walk(included(file, child), visit, depth + 1);
@@ -151,7 +152,7 @@ class Reader {
 
   // --- the tree ------------------------------------------------------------------------------------------------------------------
   void bodies(pugi::xml_node parent, const std::string& file, const Place& place, int depth) {
-    if (depth > limits::kModelDepth) throw LimitError(fmt::format("{}: bodies nested deeper than {}", file, limits::kModelDepth));
+    if (depth > limits::kModelDepth) throw LimitError(fmt::format("{}: bodies nested deeper than {}", printable(file), limits::kModelDepth));
     for (pugi::xml_node child : parent.children()) {
       const std::string_view kind = child.name();
       if (kind == "include") {

@@ -88,7 +88,7 @@ Header parse_header(std::string_view bytes, const std::string& name) {
       else scan.fail("unknown format; expected ascii, binary_little_endian or binary_big_endian");
     } else if (key == "element") {
       Element element;
-      element.name = scan.word();
+      element.name = printable(scan.word());
       element.count = scan.whole("element count", 0, INT64_MAX);
       header.elements.push_back(std::move(element));
     } else if (key == "property") {

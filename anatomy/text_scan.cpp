@@ -48,7 +48,8 @@ bool parse_whole(std::string_view word, long long& value) {
 std::string_view unmarked_text(std::string_view text, const std::string& name) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   const bool marked = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
-  const bool wide = text.size() > 1 && (text[0] == '\0') != (text[1] == '\0');
+  const auto half = [text](std::size_t unit) { return (text[2 * unit] == '\0') - (text[2 * unit + 1] == '\0'); };  // which of its bytes is 0
+  const bool wide = text.size() > 3 && half(0) != 0 && half(0) == half(1);
   if (marked || wide) throw InputError(name + ": the text is UTF-16; save it as UTF-8");
   return text;
 }

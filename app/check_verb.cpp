@@ -47,7 +47,7 @@ int run_bodies(const CheckVerbOptions& options, const Common& common, Report& re
   if (!options.bodies.empty())
     std::erase_if(bodies, [&](const BodySpec& body) { return std::find(options.bodies.begin(), options.bodies.end(), body.name) == options.bodies.end(); });
   std::vector<LimitPose> poses;
-  if (!options.poses.empty() && options.poses != "none") poses = read_limit_poses(fs::path(options.poses), read_template().anatomy.skeleton);
+  if (!options.poses.empty() && options.poses != "none") poses = read_limit_poses(options.poses, read_template().anatomy.skeleton, UnknownJoints::refuse);
   const std::vector<BodyCheck> checks = check_bodies(bodies, poses, common);
   std::fputs(bodies_table(checks).c_str(), stdout);
   const auto met = std::count_if(checks.begin(), checks.end(), is_met);
@@ -79,7 +79,8 @@ int run(const CheckVerbOptions& options, const Common& common, Report& report) {
   const BodyPackage package = read_body_package(find_packages());
   const Skeleton& skeleton = actor.character.anatomy.skeleton;
   std::vector<LimitPose> poses;
-  if (options.poses != "none") poses = read_limit_poses(options.poses.empty() ? data_folder() / "poses.csv" : fs::path(options.poses), skeleton);
+  if (options.poses.empty()) poses = standard_limit_poses(skeleton);
+  else if (options.poses != "none") poses = read_limit_poses(options.poses, skeleton, UnknownJoints::refuse);
   CheckOptions how;
   if (options.no_sweeps) how.sweep_step = 0;
   AnatomyCheck check;

@@ -7,7 +7,9 @@
 #include "anatomy/errors.h"
 #include "anatomy/input_file.h"
 #include "anatomy/joint_angles.h"
+#include "anatomy/package.h"
 #include "anatomy/table.h"
+#include "app/no_such_joint.h"
 #include "skinning/name_pattern.h"
 
 namespace ecorche {
@@ -35,7 +37,7 @@ Quat limit_rotation(const Joint& joint, const Vec3& shares) {
   return joint_rotation(joint, angles);
 }
 
-std::vector<LimitPose> read_limit_poses(const std::filesystem::path& file, const Skeleton& skeleton) {
+std::vector<LimitPose> read_limit_poses(const std::filesystem::path& file, const Skeleton& skeleton, UnknownJoints unknown) {
   const Table table(file);
   std::vector<LimitPose> poses;
   for (int row = 0; row < table.rows(); ++row) {
@@ -50,11 +52,16 @@ std::vector<LimitPose> read_limit_poses(const std::filesystem::path& file, const
       if (pose == poses.end()) pose = poses.insert(poses.end(), LimitPose{name, rest_pose(skeleton)});
       pose->pose.rotations[j] = limit_rotation(skeleton.joints[j], shares);
     }
-    if (!meant) throw InputError(fmt::format("{}: '{}' is no joint", table.where(row), pattern));
+    if (!meant && unknown == UnknownJoints::refuse)
+      throw InputError(fmt::format("{}: {}", table.where(row), no_such_joint(skeleton, pattern)));
   }
   if (poses.empty()) throw InputError(fmt::format("{}: holds no poses", printable(file.string())));
   for (LimitPose& pose : poses) complete_pose(skeleton, pose.pose);
   return poses;
+}
+
+std::vector<LimitPose> standard_limit_poses(const Skeleton& skeleton) {
+  return read_limit_poses(data_folder() / "poses.csv", skeleton, UnknownJoints::pass_over);
 }
 
 }  // namespace ecorche

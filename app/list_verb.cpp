@@ -99,7 +99,7 @@ Listing list_sizes() {
 Listing list_poses(const Anatomy& anatomy) {
   Listing out{{"pose", "what", "of"}, {}};
   for (const NamedPose& pose : read_pose_book(data_folder() / "poses" / "poses.csv", anatomy.skeleton)) out.rows.push_back({pose.name, pose.label, "posebook"});
-  for (const LimitPose& pose : read_limit_poses(data_folder() / "poses.csv", anatomy.skeleton)) out.rows.push_back({pose.name, "joints at their limits", "check"});
+  for (const LimitPose& pose : standard_limit_poses(anatomy.skeleton)) out.rows.push_back({pose.name, "joints at their limits", "check"});
   return out;
 }
 

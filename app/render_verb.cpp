@@ -108,16 +108,15 @@ Posture find_posture(const RenderVerbOptions& options, const Skeleton& skeleton)
     if (each.name == options.pose) return {std::move(each.pose), each.view};
     known.push_back(each.name);
   }
-  const fs::path limits = data_folder() / "poses.csv";
   if (options.poses.empty())
-    for (LimitPose& each : read_limit_poses(limits, skeleton)) {
+    for (LimitPose& each : standard_limit_poses(skeleton)) {
       if (each.name == options.pose) return {std::move(each.pose), "oblique"};
       known.push_back(each.name);
     }
   const std::string near = nearest_name(options.pose, known);
   throw UsageError(fmt::format("--pose: no pose is called '{}'{}; look into {}{}", options.pose,
                                near.empty() ? "" : fmt::format(": did you mean '{}'?", near), book.string(),
-                               options.poses.empty() ? fmt::format(" and {}", limits.string()) : ""));
+                               options.poses.empty() ? fmt::format(" and {}", (data_folder() / "poses.csv").string()) : ""));
 }
 
 // One frame: at rest, or in the pose, its lowest point on the ground as at rest.

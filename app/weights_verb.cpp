@@ -6,11 +6,10 @@
 
 #include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
-#include "anatomy/input_file.h"
 #include "anatomy/mesh_measures.h"
-#include "anatomy/similar_names.h"
 #include "app/actor.h"
 #include "app/motion_options.h"
+#include "app/no_such_joint.h"
 #include "app/open_character.h"
 #include "app/verb.h"
 #include "skinning/painted_weights.h"
@@ -29,19 +28,13 @@ struct WeightsVerbOptions {
   std::string joints;
 };
 
-std::vector<std::string> joint_names(const Skeleton& skeleton) {
-  std::vector<std::string> out;
-  for (const Joint& joint : skeleton.joints) out.push_back(joint.name);
-  return out;
-}
-
 std::vector<int> read_joints(const std::string& text, const Skeleton& skeleton) {
   std::vector<int> out;
   std::istringstream names(text);
   for (std::string name; std::getline(names, name, ',');) {
     out.push_back(find_joint(skeleton, name));
     if (out.back() < 0)
-      throw UsageError(fmt::format("--joint: '{}' is no joint of this character{}\n`ecorche list joints` names them.", printable(name), did_you_mean(name, joint_names(skeleton))));
+      throw UsageError("--joint: " + no_such_joint(skeleton, name));
   }
   return out;
 }

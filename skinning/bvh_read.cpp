@@ -282,7 +282,9 @@ double read_motion_header(Words& words, BvhMotion& motion, const BvhReadOptions&
   if (word = words.next(); !same_word(word, "Time:")) {
     if (!same_word(word, "Time") || words.next() != ":") words.fail("'Frame' without 'Time:'");
   }
+  const int line = words.line();
   word = words.next();
+  if (words.line() != line) word = {};  // the first sample is no time
   const auto time = to_number(word);
   const bool usable = time && *time >= kMinFrameTime && *time <= kMaxFrameTime;
   if (options.fps) {

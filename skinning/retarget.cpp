@@ -176,6 +176,7 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
   report.own_rig = own.has_value();
   PoseTransfer transfer(source, rig, alignment, own ? &*own : nullptr, ours, options.shoulder_rhythm);
   report.scale = transfer.scale();
+  if (source.frames == 0) report.warnings.push_back(fmt::format("{}: it holds no frames; its rest pose is taken as one", source.name));
   Motion motion{source.fps, std::vector<Pose>(std::max(source.frames, 1))};
   const double sole = options.sole_height.value_or(guess_sole_height(ours));
   std::array<FootPaths, 2> feet;

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "anatomy/errors.h"
+#include "anatomy/input_file.h"
 #include "skinning/joint_names.h"
 
 namespace ecorche {
@@ -50,7 +51,7 @@ class Matcher {
       const std::string& name = source_.joints[j].name;
       if (const auto mapped = joint_map.find(name); mapped != joint_map.end()) {
         if (!mapped->second.empty() && find_joint(ours, mapped->second) < 0 && !mapped->second.starts_with("toes_"))
-          throw UnfitError(fmt::format("joint map: '{} = {}': we have no joint '{}'", name, mapped->second, mapped->second));
+          throw UnfitError(fmt::format("joint map: '{} = {}': we have no joint '{}'; `ecorche list joints` names ours", printable(name), printable(mapped->second), printable(mapped->second)));
         parts_[j] = mapped->second;
         how_[j] = "map";
         unused.erase(name);
@@ -61,7 +62,7 @@ class Matcher {
         if (!named.part.empty()) parts_[j] = named.part + side_suffix(named.side);
       }
     }
-    for (const std::string& name : unused) rig_.warnings.push_back(fmt::format("joint map: the file has no joint '{}'", name));
+    for (const std::string& name : unused) rig_.warnings.push_back(fmt::format("joint map: the file has no joint '{}'", printable(name)));
   }
 
   // Joints that only the tree can tell, once the names have given elbows, knees and head.
@@ -240,8 +241,8 @@ SourceRig match_joints(const BvhMotion& source, const Skeleton& ours, const std:
   if (const auto missing = matcher.missing(); !missing.empty()) {
     RetargetReport table;
     table.matches = rig.matches;
-    throw UnfitError(fmt::format("{}: no joint found for {}; name them in a joint map (file joint = our joint)\n{}", source.name,
-                                 fmt::join(missing, ", "), format_matches(table)));
+    throw UnfitError(fmt::format("{}: no joint found for {}; name them in a joint map (file joint = our joint)\n{}{}{}", source.name,
+                                 fmt::join(missing, ", "), fmt::join(rig.warnings, "\n"), rig.warnings.empty() ? "" : "\n", format_matches(table)));
   }
   return rig;
 }

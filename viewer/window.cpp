@@ -294,6 +294,7 @@ void Session::show(int frame, int width, int height, Point unit) {
 ViewDocument run_window(const ViewSubject& subject, const WindowOptions& options, const ViewDocument& start) {
   Screen screen(options.width, options.height);
   Session session{.subject = subject, .options = options, .screen = screen, .view = View(subject), .document = start, .shown = start};
+  session.document.closing = false;  // what another window ended with may be shown again
   std::string title;
   for (int frame = 0; !session.document.closing && !glfwWindowShouldClose(screen.window()) && (options.frames <= 0 || frame < options.frames); ++frame) {
     session.wait_for_events();

@@ -35,12 +35,12 @@ Skeleton two_arms() {
   return skeleton;
 }
 
-std::vector<LimitPose> poses_of(const std::string& text) {
+std::vector<LimitPose> poses_of(const std::string& text, UnknownJoints unknown = UnknownJoints::refuse) {
   const fs::path file = fs::temp_directory_path() / ("ecorche_poses_" + std::to_string(::getpid()) + ".csv");
   std::ofstream(file, std::ios::binary) << text;
   std::vector<LimitPose> poses;
   try {
-    poses = read_limit_poses(file, two_arms());
+    poses = read_limit_poses(file, two_arms(), unknown);
   } catch (...) {
     fs::remove(file);
     throw;
@@ -77,7 +77,7 @@ TEST(LimitPoses, SharesReachTheLimits) {
 }
 
 TEST(LimitPoses, NamesMeanJointsAndRowsOfOnePoseAdd) {
-  const auto poses = poses_of("pose,joint,flexion,abduction,rotation\nbent,elbow,1,0,0\nopen,jaw,0.5,0,0\nbent,jaw,1,0,0\nright,elbow_r,1,0,0\nnone,tail,1,0,0\n");
+  const auto poses = poses_of("pose,joint,flexion,abduction,rotation\nbent,elbow,1,0,0\nopen,jaw,0.5,0,0\nbent,jaw,1,0,0\nright,elbow_r,1,0,0\nnone,tail,1,0,0\n", UnknownJoints::pass_over);
   ASSERT_EQ(poses.size(), 3u);
   EXPECT_EQ(poses[0].name, "bent");
   const auto turned = [&](std::size_t pose, std::size_t joint) { return poses[pose].pose.rotations[joint].angularDistance(Quat::Identity()) > 1e-3; };
@@ -90,6 +90,12 @@ TEST(LimitPoses, ComplaintsNameTheRow) {
   EXPECT_THROW(poses_of("pose,joint,flexion,abduction,rotation\nbent,elbow,1.5,0,0\n"), InputError);
   EXPECT_THROW(poses_of("pose,joint,flexion,abduction,rotation\n,elbow,1,0,0\n"), InputError);
   EXPECT_THROW(poses_of("pose,joint,flexion\nbent,elbow,1\n"), InputError);
+  try {
+    poses_of("pose,joint,flexion,abduction,rotation\nbent,elbwo_l,1,0,0\n");
+    ADD_FAILURE() << "a joint that is none was taken";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("did you mean elbow_l"), std::string::npos) << error.what();
+  }
 }
 
 TEST(TapeGirth, LiesOverHollowsRoundTheNearestPiece) {

@@ -113,7 +113,7 @@ TEST_F(StandardFits, MeetTheirFigures) {
     int muscle_outside = 0;
     for (Eigen::Index i = 0; i < positions.rows(); ++i) muscle_outside += judge.outside(positions.row(i));
     EXPECT_LE(muscle_outside, 0.001 * static_cast<double>(positions.rows()));
-    EXPECT_NEAR(muscle_outside, fitted.fill.points_outside, 10);  // the report says the same
+    EXPECT_NEAR(muscle_outside, fitted.fill.points_outside, 1e-4 * static_cast<double>(positions.rows()));  // the report says the same
 
     EXPECT_LE(std::abs(fitted.fill.superficial_gap_median), 3e-3);
     EXPECT_GE(fitted.fill.superficial_slices, 500);

@@ -24,7 +24,7 @@ def words(says):
 class Bench:
     def __init__(self, program, scratch, only=None, workers=2, verbose=False):
         self.program, self.scratch, self.only, self.verbose = program, pathlib.Path(scratch), only, verbose
-        self.failures, self.skipped, self.count, self.later = [], [], 0, []
+        self.failures, self.skipped, self.count = [], [], 0
         self.most_memory, self.most_time = (0, ""), (0, "")
         self.rows = {}
         self.lock = threading.Lock()
@@ -49,10 +49,6 @@ class Bench:
             return
         self.rows[row] = self.rows.get(row, 0) + 1
         self.pending.append(self.pool.submit(self._guarded, row, what, arguments, codes, says, options))
-
-    def switched_off(self, row, what, why):
-        """A case that is written but not asked for yet."""
-        self.later.append(f"{row:>3} {what}: {why}")
 
     def _guarded(self, *case):
         try:

@@ -83,9 +83,9 @@ def row_3(t):
         t.bench.case(3, f"character: {name}", ["animate", place, t.good_motion, "-o", t.out(user)], 3, [name, words], **rest)
         t.bench.case(3, f"motion: {name}", ["animate", t.small, place, "-o", t.out(user)], 3, [name, words], **rest)
         for option in ("--weights", "--map", "--activation"):
-            t.bench.case(3, f"{option} {name}", ["animate", t.small, t.good_motion, "-o", t.out(user), option, place], 3, [name, words], **rest)
+            t.bench.case(3, f"{option} {name}", ["animate", t.small, t.good_motion, "-o", t.out(user, "m.pc2"), option, place], 3, [name, words], **rest)
         t.bench.case(3, f"--poses {name}", ["posebook", t.small, "--poses", place, "-o", t.out(user, "p"), "--no-pictures"], 3, [name, words], **rest)
-        t.bench.case(3, f"check --poses {name}", ["check", t.small, "--poses", place, "--no-pictures"], 3, [name, words], **rest)
+        t.bench.case(3, f"check --poses {name}", ["check", t.small, "--poses", place], 3, [name, words], **rest)
         t.bench.case(3, f"people: {name}", ["body", "population", place, "-o", t.out(user, "p")], 3, [name, words], **rest)
         t.bench.case(3, f"model: {name}", ["template", "import", place, "-o", t.out(user)], 3, [name, words], **rest)
         t.bench.case(3, f"mesh: {name}", ["template", "resample", place], 3, [name, words], **rest)

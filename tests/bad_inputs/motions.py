@@ -43,7 +43,7 @@ def row_49(t):
     w = t.walk.first(3)
     for count, codes, says in ((0, 0, "holds 3"), (-1, 3, "whole number"), (2, 0, "holds 3"), (2000000000, 0, "holds 3"), (10**30, 0, "holds 3"), ("many", 3, ""), (2.5, 3, "")):
         move(t, 49, f"frames_{count}", w.but(count=count).text(), codes, says, megabytes=700)
-    move(t, 49, "no_frames", w.but(frames=[]).text(), (3, 4), "frame")
+    move(t, 49, "no_frames", w.but(frames=[]).text(), 0, "no frames")
     lines = w.text().rstrip("\n").split("\n")
     move(t, 49, "line_long", "\n".join([*lines[:-2], lines[-2] + " 1 2 3", lines[-1]]), 3, "channels")
     move(t, 49, "line_short", "\n".join([*lines[:-2], lines[-2].rsplit(" ", 5)[0], lines[-1]]), 3, "channels")
@@ -86,7 +86,7 @@ def row_52(t):
     move(t, 52, "names_of_nothing", strange, (0, 4), ())
     move(t, 52, "one_joint", chain(0), 4, "one_joint.bvh")
     move(t, 52, "a_snake", chain(30), 4, "a_snake.bvh")
-    lines = [f"q{k}x = {name}" for k, name in enumerate(["pelvis", "spine", "no_such_joint"])]
+    lines = [f"q{k}x = {name}" for k, name in enumerate(["pelvis", "thorax", "no_such_joint"])]
     strange_file = t.bench.file("names_of_nothing.bvh")
     for name, content, codes, says in (("unknown_joint", "\n".join(lines), (3, 4), "no_such_joint"), ("file_joint_gone", "nobody = pelvis\n", (0, 3, 4), "nobody"), ("no_equals", "q0x pelvis\n", 3, "no_equals.map:1"),
                                        ("twice", "q0x = pelvis\nq0x = head\n", 3, "twice.map:2"), ("empty_name", " = pelvis\n", 3, "empty_name.map:1"), ("remarks_alone", "# nothing\n\n", 3, "remarks_alone.map"),
@@ -103,13 +103,13 @@ def row_53(t):
 
 
 def row_54(t):
-    """Knees and elbows turned backwards: brought back only if asked, and said either way, with the frame."""
+    """Knees turned backwards, which are legs turned about: brought back only if asked, and said either way, with the frame."""
     w = t.walk.first(6)
     knee = w.channel("LeftLeg", "Xrotation")
     bad = w
     for f in range(6):
         bad = bad.with_value(f, knee, -70)
-    for limits, says in (("keep", ["knee_l", "beyond"]), ("clamp", ["knee_l", "brought back"]), ("auto", "knee_l")):
+    for limits, says in (("keep", ["hip_l", "beyond"]), ("clamp", ["hip_l", "brought back"]), ("auto", "hip_l")):
         move(t, 54, f"knee_backwards_{limits}", bad.text(), 0, says, more=["--limits", limits])
 
 

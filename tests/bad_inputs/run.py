@@ -1,10 +1,9 @@
 #!/usr/bin/env python3
 """Makes bad inputs afresh, some eighty kinds of them, runs the program on each and holds it to what is stated of them. See SECURITY.md.
 
-run.py PROGRAM SOURCE_FOLDER [--rows 3,17] [--seed N] [--mutants N] [--thorough] [--later] [--verbose] [--keep]
+run.py PROGRAM SOURCE_FOLDER [--rows 3,17] [--seed N] [--mutants N] [--thorough] [--verbose] [--keep]
 
 --seed     other mutants, from other places; the one that is used is said
---later    also the cases that are written, but not asked for yet
 --keep     leave the inputs in the folder that is said
 """
 import argparse
@@ -41,7 +40,7 @@ class Things:
 
     def __init__(self, found, source, options):
         self.bench, self.source = found, source
-        self.seed, self.mutants, self.thorough, self.later = options.seed, options.mutants, options.thorough, options.later
+        self.seed, self.mutants, self.thorough = options.seed, options.mutants, options.thorough
         self.nobody = pwd.getpwnam("nobody").pw_uid if os.getuid() == 0 else None
         self.made = found.scratch / "in"
         self.made.mkdir(parents=True)
@@ -66,6 +65,7 @@ class Things:
     def _make_crowd(self):
         folder = self.bench.file("crowd")
         table = self.bench.file("people.csv", "name,sex,stature\nada,female,1.70\nbob,male,1.80\n")
+        folder.mkdir()
         crowd = folder / "crowd.gltf"
         done = self.bench.run(["body", "population", table, "--skins", "-o", folder, "--crowd", crowd], seconds=600, megabytes=0)
         if done.code not in (0, 8):
@@ -108,13 +108,13 @@ class Things:
                 return f"frame {f} has vertices far from its body"
         return ""
 
-    def out(self, user=None, name="m.pc2"):
-        """An output for a run by somebody else, who may write to a folder of their own alone."""
+    def out(self, user=None, name="m.glb"):
+        """An output; for a run by somebody else in a folder of their own, the only one that they may write to."""
         if user is None:
-            return "{out}/" + (name if name != "m.pc2" else "m.glb")
+            return "{out}/" + name
         folder = pathlib.Path(tempfile.mkdtemp(dir=self.bench.scratch))
         os.chown(folder, user, -1)
-        return folder / ("m.glb" if name == "m.pc2" else name)
+        return folder / name
 
     def osim(self, mesh=None, points=((0.1, 0, 0), (0.02, -0.2, 0.01)), bodies=0):
         """An OpenSim model of two bones and a muscle."""
@@ -136,10 +136,8 @@ class Things:
         made = subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", str(folder / "de_DE.UTF-8")], capture_output=True) if shutil.which("localedef") else None
         return {"LOCPATH": str(folder), "LC_ALL": "de_DE.UTF-8"} if made and (folder / "de_DE.UTF-8").is_dir() else None
 
-    def switched_or_not(self, row, what, arguments, codes, on, says=(), stdout=None, **options):
-        """A case that is asked for only with --later."""
-        if not on:
-            return self.bench.switched_off(row, what, "--later")
+    def case(self, row, what, arguments, codes, says=(), stdout=None, **options):
+        """A case of the bench whose standard output may be a file's name."""
         if isinstance(stdout, str):
             stdout = os.open(stdout, os.O_WRONLY)
         return self.bench.case(row, what, arguments, codes, says, **({"stdout": stdout} if stdout is not None else {}), **options)
@@ -184,6 +182,8 @@ class Things:
         wrong = [name for name in left if not name.startswith(".")] if code != 0 else []
         if number != signal.SIGKILL and code != 0:
             wrong += [name for name in left if name.startswith(".")]
+            if code not in (128 + number, -number):
+                wrong.append(f"an exit code that is not {128 + number}")
         for name in wrong:
             self.bench._fail(row, f"{signal.Signals(number).name} after {delay} s", f"exit {code}, left {name}", [out])
 
@@ -214,7 +214,7 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--mutants", type=int, default=40)
     parser.add_argument("--workers", type=int, default=2)
-    for flag in ("thorough", "later", "verbose", "keep"):
+    for flag in ("thorough", "verbose", "keep"):
         parser.add_argument("--" + flag, action="store_true")
     options = parser.parse_args()
     scratch = pathlib.Path(tempfile.mkdtemp(prefix="ecorche-bad-inputs-"))
@@ -233,7 +233,7 @@ def main():
             print("the inputs are in", scratch)
         else:
             shutil.rmtree(scratch, ignore_errors=True)
-    for title, lines in (("skipped", found.skipped), ("not asked for yet", found.later), ("left out", [f"{row:>3} {why}" for row, why in LEFT_OUT.items()])):
+    for title, lines in (("skipped", found.skipped), ("left out", [f"{row:>3} {why}" for row, why in LEFT_OUT.items()])):
         if lines:
             print(f"{title}:\n  " + "\n  ".join(lines))
     silent = sorted(set(range(1, 81)) - set(found.rows) - set(LEFT_OUT)) if not only else []

@@ -25,7 +25,7 @@ def activation(t, row, name, text, codes=3, says=()):
 
 def row_46(t):
     """People of too few, too many, unknown measures, or the same twice: file and row are said, and what was meant."""
-    people(t, 46, "unknown_measure", "name,sex,girth_of_ears\na,male,3cm\n", (2, 3), [":1", "did you mean"])
+    people(t, 46, "unknown_measure", "name,sex,girth_of_ears\na,male,3cm\n", (2, 3), [":1", "list measures"])
     people(t, 46, "measure_twice", "name,sex,stature,stature\na,male,1.8,1.8\n", (2, 3), [":1", "two columns"])
     people(t, 46, "no_rows", "name,sex,stature\n", 3)
     people(t, 46, "cells_missing", "name,sex,stature\na,male\n", 3, ":2")
@@ -36,7 +36,7 @@ def row_46(t):
     people(t, 46, "name_that_leads_away", "name,sex,stature\n../../x,male,1.8\n", 3, ":2")
     people(t, 46, "one_of_two", "name,sex,stature\na,male,tall\nb,male,1.8\n", 8, ":2")
     people(t, 46, "name_twice", "name,sex,stature\nb,male,1.7\nb,male,1.8\n", 8, ":3")
-    people(t, 46, "quote_open", 'name,sex,stature\n"a,male,1.8\n', 3, ":2")
+    people(t, 46, "people_quote_open", 'name,sex,stature\n"a,male,1.8\n', 3, ":2")
 
 
 def row_62(t):
@@ -65,7 +65,7 @@ def row_62(t):
     for name, text, says in (("share_9", "pose,joint,flexion,abduction,rotation\nx,knee,9,0,0\n", ":2"), ("no_name", "pose,joint,flexion,abduction,rotation\n,,0,0,0\n", ":2"), ("no_columns", "a\n1\n", "column"), ("none", "pose,joint,flexion,abduction,rotation\n", "pose"),
                              ("no_such_joint", "pose,joint,flexion,abduction,rotation\nx,tail,0.1,0,0\n", ":2")):
         path = t.bench.file(f"check_{name}.csv", text)
-        t.bench.case(62, f"check --poses {name}", ["check", t.small, "--poses", path, "--no-pictures", "--no-sweeps"], 3, [path.name, says])
+        t.bench.case(62, f"check --poses {name}", ["check", t.small, "--poses", path, "--no-sweeps"], 3, [path.name, says])
     activation(t, 62, "unknown.csv", "time,tail\n0,1\n", 3, "tail")
     activation(t, 62, "no_time.csv", "soleus_r\n1\n", 3, "time")
     activation(t, 62, "over.csv", "time,soleus_r\n0,55\n", 3, ":2")

@@ -48,7 +48,7 @@ def main(folder):
     for coordinate, table in arms.items():
         # Muscles of this joint alone: no other table of arms names them, and they are known to cross it only.
         for name in table:
-            alone = coordinate.startswith("knee") and name.split(".")[0][:-2] in (
+            alone = coordinate.startswith("knee") and coordinate.endswith("flexion") and name.split(".")[0][:-2] in (
                 "vastus_lateralis", "vastus_medialis", "vastus_intermedius", "biceps_femoris_short", "popliteus")
             if not alone or name[-2:] != coordinate.split("_")[1].join(("_", "")) and f"_{coordinate.split('_')[1]}" not in name:
                 continue

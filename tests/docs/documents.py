@@ -104,11 +104,13 @@ class Reader:
             return
         self.done[command] = where
         line = re.sub(r"^(build/)?ecorche view\b(.*)", r"xvfb-run -a build/ecorche view\2 --frames 2", command)
+        if re.search(r" --(at|from|frames) ", command):  # moments that a short motion has not
+            line = re.sub(r" walk\.bvh", " data/motions/walk.bvh", line)
         if line != command and not shutil.which("xvfb-run"):
             print(f"skipped: {command} (no xvfb-run)")
             return
         path = self.folder + "/build:" + os.environ["PATH"]
-        found = subprocess.run(["bash", "-c", line], cwd=self.folder, capture_output=True, text=True, timeout=1500, env={**os.environ, "PATH": path}, errors="replace")
+        found = subprocess.run(["bash", "-c", line], cwd=self.folder, capture_output=True, text=True, timeout=1500, env={**os.environ, "PATH": path, "HOME": self.folder}, errors="replace")
         self.tools.check(found.returncode in (0, 8), f"{where}: {command}: exit {found.returncode}\n{found.stderr[-600:]}")
 
     def compare(self, where, command, lines):
@@ -117,10 +119,8 @@ class Reader:
                               env={**os.environ, "PATH": f"{self.folder}/build:{os.environ['PATH']}"})
         self.tools.check(done.returncode in (0, 8), f"{where}: {command}: exit {done.returncode}\n{done.stderr[-600:]}")
         printed = iter(done.stdout.splitlines())
-        for line in lines:
-            if line.strip() in ("", "..."):
-                continue
-            self.tools.check(any(alike(line, each) for each in printed), f"{where}: {command} no longer prints\n  {line}\nbut\n{done.stdout}")
+        gone = next((line for line in lines if line.strip() not in ("", "...") and not any(alike(line, each) for each in printed)), None)
+        self.tools.check(gone is None, f"{where}: {command} no longer prints\n  {gone}\nbut\n{done.stdout}")
 
     def look(self, where, command):
         """The verb and the options exist."""
@@ -154,7 +154,7 @@ def look_for_paths(reader, name, text):
 
 def examples_of(help_text):
     found = re.search(r"^Examples?:\n((?:  .*\n?)+)", help_text, re.M)
-    return [line.strip() for line in found.group(1).splitlines() if line.strip().startswith("ecorche")] if found else []
+    return [line.strip() for line in found.group(1).splitlines() if "ecorche " in line] if found else []
 
 
 def main():

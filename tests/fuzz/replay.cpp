@@ -1,7 +1,8 @@
-// Every file of a corpus through every target, cut and changed a little as well, without a fuzzer: for the normal test run.
+// Every file of a corpus through a target, cut and changed a little as well.
 //
 //   fuzz_replay TARGET FILE_OR_FOLDER...        the files
 //   fuzz_replay --changes N TARGET ...          and N changed copies of each, the same ones in every run
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -11,7 +12,7 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/input_file.h"
-#include "fuzz/targets.h"
+#include "tests/fuzz/targets.h"
 
 namespace fs = std::filesystem;
 

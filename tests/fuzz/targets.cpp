@@ -1,4 +1,4 @@
-#include "fuzz/targets.h"
+#include "tests/fuzz/targets.h"
 
 #include <unistd.h>
 
@@ -20,14 +20,14 @@
 #include "anatomy/stl_io.h"
 #include "anatomy/table.h"
 #include "skinning/activation.h"
-#include "skinning/arm.h"
+#include "tests/skinning/arm.h"
 #include "skinning/bind.h"
 #include "skinning/bvh_io.h"
 #include "skinning/character_io.h"
 #include "skinning/crowd_read.h"
 #include "skinning/deform.h"
 #include "skinning/painted_weights.h"
-#include "skinning/plain_skeleton.h"
+#include "tests/skinning/plain_skeleton.h"
 #include "skinning/pose_book.h"
 #include "skinning/retarget.h"
 
@@ -142,7 +142,7 @@ void osim(std::string_view bytes) { check_model(parse_osim(std::string(bytes), "
 void mjcf(std::string_view bytes) {
   const std::string text(bytes);
   check_model(parse_mjcf_model({[&](const std::string& path) {
-                                 if (path != "input.xml" && path != "again.xml") throw InputError(path + ": not there");
+                                 if (path != "input.xml" && path != "again.xml") throw InputError(printable(path) + ": not there");
                                  return text;
                                }},
                                "input.xml"));

@@ -227,7 +227,7 @@ TEST(Character, ALightFileIsForLookingAtOnly) {
   try {
     read_character(folder.path / "a.glb");
     ADD_FAILURE() << "it was read";
-  } catch (const InputError& error) {
+  } catch (const UnfitError& error) {
     EXPECT_NE(std::string(error.what()).find("light"), std::string::npos) << error.what();
   }
   EXPECT_EQ(read_body(folder.path / "a.glb").skin.F, in.body.skin.F);
@@ -247,7 +247,7 @@ TEST(Character, ABodyAloneComesBackToo) {
   write_body(folder.path / "body.glb", body);
   EXPECT_TRUE(has_body_notes(folder.path / "body.glb"));
   EXPECT_EQ(read_body(folder.path / "body.glb").name, "arm");
-  EXPECT_THROW(read_character(folder.path / "body.glb"), InputError);
+  EXPECT_THROW(read_character(folder.path / "body.glb"), UnfitError);
 }
 
 TEST(Character, TruncatedFilesAreRefused) {

@@ -253,7 +253,7 @@ TEST_F(CrowdTest, WhatDoesNotBelongIsRefused) {
 std::string error_of(const std::function<void()>& act) {
   try {
     act();
-  } catch (const InputError& e) {
+  } catch (const Error& e) {
     return e.what();
   }
   return "no error";

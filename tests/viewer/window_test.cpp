@@ -103,6 +103,7 @@ TEST_F(WindowTest, a_click_leaves_the_panels_where_they_are) {
 class Hands {
  public:
   Hands() {
+    XSetErrorHandler([](Display*, XErrorEvent*) { return 0; });  // a window may close between a key's way down and up
     for (int tries = 0; tries < 400 && !window_; ++tries) {
       if (display_) window_ = find(DefaultRootWindow(display_));
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -173,10 +174,11 @@ ViewDocument with_hands(ViewSubject subject, const ViewDocument& start, const Ac
   const WindowOptions options{.width = 320, .height = 240, .frames = 3000};
   subject.update = [](ViewDocument&, bool) { std::this_thread::sleep_for(std::chrono::milliseconds(5)); };
   std::jthread person([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));  // the window of before goes, ours comes
     const Hands hands;
     EXPECT_TRUE(hands.ready());
     if (!hands.ready()) return;
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
     act(hands);
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     hands.tap(XK_q, ControlMask);

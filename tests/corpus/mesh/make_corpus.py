@@ -19,7 +19,7 @@ def put(name, data, outcome, needle=""):
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 
 put("empty.obj", "", "input", "empty file")
-put("noise.obj", bytes((i * 197 + i * i * 31) % 256 for i in range(600)), "input", "neither OBJ, PLY nor GLB")
+put("noise.obj", bytes((i * 197 + i * i * 31) % 256 for i in range(600)), "input", "neither OBJ")
 put("prose.obj", "It was a bright cold day\nin April, and the clocks\n", "input", "neither OBJ, PLY nor GLB")
 put("truncated_utf16.obj", "v 0 0 0\n".encode("utf-16"), "input", "UTF-16")
 put("quad.obj", SQUARE + "f 1 2 3 4\n", "ok")
@@ -146,7 +146,7 @@ put("stride_small.glb", glb(scene(bufferViews__0__byteStride=4), DATA), "input",
 put("stride_large.glb", glb(scene(bufferViews__0__byteStride=252), DATA), "input", "too short")
 put("index_high.glb", glb(scene(), DATA[:-2] + b"\x09\x00"), "input", "names vertex 9 of 4")
 put("accessor_gone.glb", glb(scene(meshes__0__primitives__0__indices=7), DATA), "input", "accessors[7]")
-put("float_indices.glb", glb(scene(accessors__1__componentType=5126), DATA), "input", "accessor 1")
+put("float_indices.glb", glb(scene(accessors__1__componentType=5126), DATA), "input", "bufferView 1")
 put("sparse.glb", glb(scene(accessors__0__sparse={"count": 2**40}), DATA), "input", "sparse")
 put("data_uri_4gb.glb", glb(scene(buffers=[{"uri": "data:;base64,AAAA", "byteLength": 2**32}]), DATA), "input", "outside the file")
 put("uri_traversal.glb", glb(scene(buffers=[{"uri": "..%2f..%2fetc%2fpasswd", "byteLength": 60}]), DATA), "input", "outside the file")
