@@ -35,7 +35,7 @@ clients: setup
 
 test: setup clients $(BUILD)/build.ninja
 	@$(NINJA)
-	@ctest --test-dir $(BUILD) --output-on-failure --timeout 600
+	@ctest --test-dir $(BUILD) --output-on-failure --timeout 600 -j 2
 
 asan: setup
 	@cmake --preset asan > /dev/null && ninja -C $(BUILD)/asan parser_tests

@@ -145,6 +145,7 @@ void report_fit(const FittedCharacter& fitted, Report& report) {
     report.set("fit.tissue.soft_volume", interior.soft_after);
   }
   report.set("fit.muscle_surface_outside_before_keeping_inside", fitted.dilation.surface_outside);
+  report.set("fit.muscles_collapsed", fitted.dilation.collapsed);
   report.set("rays", static_cast<double>(fitted.dilation.rays));
   report.set("fit.ray_misses", static_cast<double>(fitted.dilation.misses));
   report.set("fit.stature", fit.stature);
@@ -226,6 +227,8 @@ std::vector<MissedTarget> missed_targets(const FittedCharacter& fitted) {
     if (is_off(landmark))
       missed.push_back({landmark.name, fmt::format("{} lies {:.1f} mm deep; {:.0f} to {:.0f} mm were asked", landmark.name, 1e3 * landmark.depth, 1e3 * landmark.low,
                                                    1e3 * landmark.high)});
+  if (fitted.dilation.collapsed > 0)
+    missed.push_back({"muscles_collapsed", fmt::format("{} muscles found no room between their neighbours and the skin, and keep the shape they were carried with", fitted.dilation.collapsed)});
   return missed;
 }
 

@@ -185,6 +185,23 @@ void dilate_ecorche(Anatomy& anatomy, Sections& sections, const SkinRays& rays, 
   report.surface_left = inside.left;
 }
 
+// Where the skin crosses itself or folds, room can be shared out until sections have passed each other or left. A muscle is never written so.
+int restore_collapsed(std::vector<Muscle>& muscles, const std::vector<Ellipse>& carried, const std::vector<MuscleDilation>& report, Sections& sections) {
+  constexpr double kLeast = 0.05;     // of the volume that a muscle should have
+  constexpr double kFurthest = 0.15;  // m: how far a section may go from where it was carried
+  int count = 0;
+  for (std::size_t m = 0; m < muscles.size(); ++m) {
+    const std::span<const Ellipse> before = std::span(carried).subspan(sections.muscle_begin[m], sections.of(m).size());
+    const bool whole = volume_of(muscles[m].strips, sections.of(m)) > kLeast * report[m].wanted;
+    const bool near = std::ranges::equal(sections.of(m), before, [](const Ellipse& a, const Ellipse& b) { return (a.center - b.center).norm() < kFurthest; });
+    if (report[m].wanted <= 0 || (whole && near)) continue;
+    ++count;
+    std::ranges::copy(before, sections.of(m).begin());
+    for_strips(muscles[m].strips, sections.of(m), set_slices);
+  }
+  return count;
+}
+
 void check(const std::vector<Muscle>& carried, const std::vector<Muscle>& original, const SkinRays& rays, const FatLayer& fat,
            const DilateOptions& options) {
   if (options.rays < 8 || options.rays > 64) throw std::invalid_argument(fmt::format("dilate_muscles: {} rays; expected 8 .. 64", options.rays));
@@ -212,9 +229,11 @@ DilateReport dilate_muscles(Anatomy& anatomy, const std::vector<Muscle>& carried
   report.muscles.resize(muscles.size());
   std::vector<StripCount> counts(muscles.size());
   Sections sections = sections_of(muscles);
+  const std::vector<Ellipse> carried_sections = sections.slices;
   for_muscles(muscles.size(), [&](std::size_t m) { report.muscles[m].wanted = volume_of(muscles[m].strips, sections.of(m)); });
   if (options.method == DilateMethod::paper) dilate_paper(muscles, original, sections, rays, fat, options, counts, report);
   else dilate_ecorche(anatomy, sections, rays, fat, options, counts, report);
+  report.collapsed = restore_collapsed(muscles, carried_sections, report.muscles, sections);
   for_muscles(muscles.size(), [&](std::size_t m) {
     MuscleDilation& result = report.muscles[m];
     result.volume = muscles[m].volume = volume_of(muscles[m].strips, sections.of(m));

@@ -25,19 +25,22 @@ HalfPlane half_plane(const Ellipse& slice, const Vec2& direction, const RayHit& 
   return {direction, hit.distance - layer / kShallow, kGive * layer / kShallow, layer / kShallow};
 }
 
-// Out of a skin that the centre lies outside of: through the nearest place where a ray enters.
+// Into a skin that the centre lies outside of: through the nearest place where a ray enters. What is farther off is another part of the body.
 bool pull_in(Ellipse& slice, std::span<const Vec2> directions, const SkinRays& rays, const FatLayer& fat) {
   Vec3 best = Vec3::Zero();
-  double nearest = std::numeric_limits<double>::infinity();
+  constexpr double kFurthest = 0.04;  // m
+  double nearest = kFurthest;
+  bool found = false;
   for (const Vec2& in_plane : directions) {
     const Vec3 direction = slice.axes.leftCols<2>() * in_plane;
     const RayHit hit = rays.first_hit(slice.center, direction);
     if (hit.triangle < 0 || hit.facing >= 0 || hit.distance >= nearest) continue;
     nearest = hit.distance;
+    found = true;
     best = direction * (hit.distance + fat.at(rays.mesh().F, hit) + 1e-3);
   }
   slice.center += best;
-  return std::isfinite(nearest);
+  return found;
 }
 
 }  // namespace
@@ -63,8 +66,10 @@ RoomCount find_room(Ellipse& slice, std::span<const Vec2> directions, const Skin
       entering += hit.facing < 0;
       if (hit.facing > 0) room.push_back(half_plane(slice, direction, hit, fat.at(rays.mesh().F, hit) + clearance));
     }
-    // From inside a closed skin all rays leave it; where one enters, or many meet nothing, the centre is outside.
-    const bool outside = entering > 0 || 4 * result.misses > static_cast<long long>(directions.size());
+    // From inside a closed skin all rays leave it, but where it crosses itself (under a breast, between thighs) some enter a part of it
+    // first. Where most enter, or many meet nothing, the centre is outside.
+    const auto hits = static_cast<long long>(directions.size()) - result.misses;
+    const bool outside = 2 * entering > hits || 4 * result.misses > static_cast<long long>(directions.size());
     if (outside) result.misses = 0;
     if (!outside || attempt == 1) break;
     result.outside = true;

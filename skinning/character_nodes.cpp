@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "anatomy/errors.h"
+#include "skinning/character_check.h"
 
 namespace ecorche::gltf {
 
@@ -12,6 +13,11 @@ using tinygltf::Value;
 
 void check_parts(const Character& character, const Binding& binding, const Motion* motion, const CharacterLook& look) {
   validate(character.anatomy);
+  try {
+    check_character(character, "");
+  } catch (const InputError& error) {
+    throw UnfitError(fmt::format("no sound anatomy fits this body{}", error.what()));  // ": muscle 'x': ..."
+  }
   const TriMesh& skin = character.body.skin;
   const auto vertices = static_cast<std::size_t>(skin.V.rows());
   const std::size_t joints = character.anatomy.skeleton.joints.size();

@@ -10,7 +10,8 @@
 
 namespace ecorche::gltf {
 
-// Throws std::invalid_argument where the parts are not of one character, LimitError.
+// Throws std::invalid_argument where the parts are not of one character, UnfitError for anatomy that no reader would take (a body in which it
+// crumpled), LimitError.
 void check_parts(const Character& character, const Binding& binding, const Motion* motion, const CharacterLook& look);
 
 // The mesh node `skin`, split along the seams of its texture. The caller may add attributes to the mesh's one primitive.

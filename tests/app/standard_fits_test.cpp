@@ -128,5 +128,26 @@ TEST_F(StandardFits, MeetTheirFigures) {
   }
 }
 
+// Where the skin of heavy people crosses itself, under a breast or between thighs, sections were taken as outside of it and pulled to other parts of the
+// body, feet to hands.
+TEST_F(StandardFits, HeavyPeopleKeepTheirMusclesWhole) {
+  const Template body_template = read_template();
+  for (const BodySpec& spec : {BodySpec{.sex = Sex::female, .age = 40, .height = 1.60, .mass = 100, .name = "heavy_woman"},
+                               BodySpec{.sex = Sex::female, .age = 45, .height = 1.58, .mass = 112, .name = "heaviest_woman"},
+                               BodySpec{.sex = Sex::male, .age = 40, .height = 1.75, .mass = 135, .name = "heavy_man"}}) {
+    SCOPED_TRACE(spec.name);
+    Report report;
+    const FittedCharacter fitted = fit_character(body_template, make_body(package(), spec), package(), {}, report);
+    EXPECT_EQ(fitted.dilation.collapsed, 0);
+    EXPECT_EQ(fitted.fit.bones_outside, 0);
+    EXPECT_LE(fitted.fill.points_outside, 0.001 * fitted.fill.points);
+    for (const Muscle& muscle : fitted.actor.character.anatomy.muscles) {
+      EXPECT_GT(muscle.volume, 0) << muscle.name;
+      for (const Strip& strip : muscle.strips)
+        for (const Slice& slice : strip.slices) ASSERT_LT(slice.offset.norm(), 0.1) << muscle.name;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace ecorche
