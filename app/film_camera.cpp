@@ -21,6 +21,7 @@ namespace {
 constexpr float kJointBall = 0.13f;   // m, seen around a joint or a landmark
 constexpr float kMargin = 1.25f;      // of a part's ball
 constexpr float kFieldOfView = 0.35f;
+constexpr float kFree = 0.08f;        // of half the picture, at each edge
 
 // What a close-up looks at: points of its parts in every frame, and what the ball around them must hold at least.
 struct Target {
@@ -177,13 +178,24 @@ std::vector<Camera> whole_figure(const Actor& actor, const Motion& motion, std::
   }
   const bool follows = view.camera == "follow";
   if (!follows) side.begin_azimuth = side.end_azimuth = view_angles(view.camera).azimuth;
-  std::vector<Camera> cameras = follow(figures_of(actor, motion, moments, looks), fps, side);
+  const std::vector<std::vector<Vec3f>> figures = figures_of(actor, motion, moments, looks);
+  std::vector<Camera> cameras = follow(figures, fps, side);
   if (follows) return cameras;
+  // From one distance, at which the figure fills the picture where it reaches farthest.
   const ViewAngles angles = view_angles(view.camera);
-  const Points& skin = actor.character.body.skin.V;
-  const double stature = skin.col(1).maxCoeff() - skin.col(1).minCoeff();
-  const float radius = (looks.size() > 1 ? 0.85f : 0.65f) * static_cast<float>(stature);
-  for (Camera& camera : cameras) camera = orbit_camera(camera.target, radius, angles.azimuth, angles.elevation, kFieldOfView, aspect);
+  const Vec3f away = away_from(angles);
+  float distance = 0;
+  std::vector<Vec3f> centers;
+  for (std::size_t f = 0; f < cameras.size(); ++f) {
+    Eigen::AlignedBox3f box;
+    for (const Vec3f& p : figures[f]) box.extend(p);
+    centers.emplace_back(cameras.size() > 1 ? cameras[f].target : box.center());
+    distance = std::max(distance, distance_to_see(figures[f], centers.back(), away, kFieldOfView, aspect, kFree));
+  }
+  for (std::size_t f = 0; f < cameras.size(); ++f) {
+    const float radius = distance * std::sin(0.5f * std::min(kFieldOfView, 2 * std::atan(std::tan(0.5f * kFieldOfView) * aspect)));
+    cameras[f] = orbit_camera(centers[f], radius, angles.azimuth, angles.elevation, kFieldOfView, aspect);
+  }
   return cameras;
 }
 

@@ -187,12 +187,11 @@ void dilate_ecorche(Anatomy& anatomy, Sections& sections, const SkinRays& rays, 
 
 // Where the skin crosses itself or folds, room can be shared out until sections have passed each other or left. A muscle is never written so.
 int restore_collapsed(std::vector<Muscle>& muscles, const std::vector<Ellipse>& carried, const std::vector<MuscleDilation>& report, Sections& sections) {
-  constexpr double kLeast = 0.05;     // of the volume that a muscle should have
   constexpr double kFurthest = 0.15;  // m: how far a section may go from where it was carried
   int count = 0;
   for (std::size_t m = 0; m < muscles.size(); ++m) {
     const std::span<const Ellipse> before = std::span(carried).subspan(sections.muscle_begin[m], sections.of(m).size());
-    const bool whole = volume_of(muscles[m].strips, sections.of(m)) > kLeast * report[m].wanted;
+    const bool whole = volume_of(muscles[m].strips, sections.of(m)) > 0;
     const bool near = std::ranges::equal(sections.of(m), before, [](const Ellipse& a, const Ellipse& b) { return (a.center - b.center).norm() < kFurthest; });
     if (report[m].wanted <= 0 || (whole && near)) continue;
     ++count;

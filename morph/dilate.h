@@ -56,7 +56,7 @@ struct DilateReport {
   int grown = 0;               // slices that grew
   int surface_outside = 0;     // ecorche: surface points outside the skin before the last step,
   int surface_left = 0;        // and after it
-  int collapsed = 0;           // muscles that came out as nothing or inside out; they keep the sections they were carried with
+  int collapsed = 0;           // muscles that came out inside out or elsewhere; they keep the sections they were carried with
   double wanted_volume = 0;    // all muscles, m^3
   double volume = 0;
   std::vector<MuscleDilation> muscles;  // #muscles
