@@ -274,7 +274,7 @@ if command -v xvfb-run > /dev/null; then
   expect 0 "its stature" "$ecorche" body measure edited.glb
   if grep -q "^stature *172.0 cm" out.txt; then ok; else bad "the character that a slider made has another stature: $(grep '^stature ' out.txt)"; fi
   expect 0 "the anatomy of what a slider made, fitted once more" "$ecorche" fit edited.glb -o edited-fitted.glb
-  expect 8 "a slider where no fit is good" xvfb-run -a "$ecorche" view --sex male --sliders --measure waist_girth=115cm --measure stature=141cm --frames 2 -o stout.glb
+  expect 8 "a slider where no fit is good" xvfb-run -a "$ecorche" view --sex female --sliders --measure weight=125kg --measure stature=158cm --frames 2 -o stout.glb
   says "missed"; there stout.glb
   expect 0 "a window from the left on some parts" xvfb-run -a "$ecorche" view anna-1.glb --only thigh_l --camera left --frames 2 --screenshot parts.png
   there parts.png
