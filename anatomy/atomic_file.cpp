@@ -124,15 +124,18 @@ AtomicFile::AtomicFile(fs::path file) : named_(std::move(file)), file_(follow_li
   check_output(named_);
   sweep_temporaries(file_);
   temporary_ = temporary_for(file_);
+  const std::lock_guard lock(open_files().mutex);  // which abandon_writing() keeps: nothing is begun after it
   lock_ = ::open(temporary_.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (lock_ < 0) refuse(named_, errno);
   ::flock(lock_, LOCK_EX | LOCK_NB);  // where a file system knows no locks, nothing is swept either
-  {
-    const std::lock_guard lock(open_files().mutex);
-    open_files().open.push_back({this, named_, temporary_});
-  }
   stream_.open(temporary_, std::ios::binary | std::ios::trunc);
-  if (!stream_) refuse(named_, errno);
+  if (!stream_) {
+    const int error = errno;
+    ::unlink(temporary_.c_str());
+    ::close(lock_);
+    refuse(named_, error);
+  }
+  open_files().open.push_back({this, named_, temporary_});
 }
 
 AtomicFile::~AtomicFile() {

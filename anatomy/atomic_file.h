@@ -56,7 +56,7 @@ struct WrittenFiles {
   std::vector<std::filesystem::path> abandoned;  // begun; their temporaries have been removed
 };
 
-// Removes all temporaries. A commit() that comes after it waits for ever, so that nothing appears while the program ends.
+// Removes all temporaries. Files begun or committed after it wait for ever, so that nothing appears while the program ends.
 WrittenFiles abandon_writing();
 
 }  // namespace ecorche
