@@ -192,10 +192,9 @@ std::vector<Camera> whole_figure(const Actor& actor, const Motion& motion, std::
     centers.emplace_back(cameras.size() > 1 ? cameras[f].target : box.center());
     distance = std::max(distance, distance_to_see(figures[f], centers.back(), away, kFieldOfView, aspect, kFree));
   }
-  for (std::size_t f = 0; f < cameras.size(); ++f) {
-    const float radius = distance * std::sin(0.5f * std::min(kFieldOfView, 2 * std::atan(std::tan(0.5f * kFieldOfView) * aspect)));
+  const float radius = distance * std::sin(0.5f * narrow_angle(kFieldOfView, aspect));
+  for (std::size_t f = 0; f < cameras.size(); ++f)
     cameras[f] = orbit_camera(centers[f], radius, angles.azimuth, angles.elevation, kFieldOfView, aspect);
-  }
   return cameras;
 }
 

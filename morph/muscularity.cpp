@@ -37,16 +37,10 @@ double spread_of(const ShapeSpace& space, const std::vector<Term>& terms, std::s
   Eigen::VectorXd by = Eigen::VectorXd::Zero(law.rows());
   for (const Term& term : terms) by[term.measure] = term.factor;
   const Eigen::VectorXd with = law * by;
-  const auto n = static_cast<Eigen::Index>(wishes.size());
-  Eigen::MatrixXd C(n, n);
-  Eigen::VectorXd known(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const int a = wishes[static_cast<std::size_t>(i)].measure;
-    known[i] = with[a];
-    for (Eigen::Index j = 0; j < n; ++j)
-      C(i, j) = law(a, wishes[static_cast<std::size_t>(j)].measure);
-  }
-  const double said = n > 0 ? known.dot(C.llt().solve(known)) : 0;
+  const std::vector<int> measures = measures_of(wishes);
+  const Eigen::MatrixXd C = law(measures, measures);
+  const Eigen::VectorXd known = with(measures);
+  const double said = wishes.empty() ? 0 : known.dot(C.llt().solve(known));
   return std::sqrt(std::max(0.0, by.dot(with) - said));
 }
 

@@ -46,17 +46,13 @@ Residual residual(const ShapeSpace& space, const Eigen::MatrixXd& law, std::span
 
 // The survey's law, or for wishes of somebody heavier than its people that of civilians. One wish alone does not say who is heavy.
 Eigen::MatrixXd law_of(const ShapeSpace& space, std::span<const Wish> wishes) {
-  const auto n = static_cast<Eigen::Index>(wishes.size());
+  if (wishes.size() < 2) return space.law_covariance;
   const Eigen::MatrixXd wide = space.law_covariance + space.heavier * space.heavier.transpose();
-  if (n < 2) return space.law_covariance;
-  Eigen::MatrixXd C(n, n);
-  Eigen::VectorXd with(n), apart(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Wish& a = wishes[static_cast<std::size_t>(i)];
-    with[i] = space.heavier[a.measure];
-    apart[i] = a.value - space.law_mean[a.measure];
-    for (Eigen::Index j = 0; j < n; ++j) C(i, j) = wide(a.measure, wishes[static_cast<std::size_t>(j)].measure);
-  }
+  const std::vector<int> measures = measures_of(wishes);
+  Eigen::VectorXd apart = -space.law_mean(measures);
+  for (std::size_t i = 0; i < wishes.size(); ++i) apart[static_cast<Eigen::Index>(i)] += wishes[i].value;
+  const Eigen::MatrixXd C = wide(measures, measures);
+  const Eigen::VectorXd with = space.heavier(measures);
   return with.dot(C.llt().solve(apart)) > 0 ? wide : space.law_covariance;
 }
 
@@ -154,6 +150,12 @@ Wish parse_wish(const std::string& text, const TapeMeasure& tape) {
   if (equals == std::string::npos) throw UsageError(fmt::format("--measure {}: expected NAME=VALUE, as in waist_girth=74cm", text));
   const int k = tape.table().at(text.substr(0, equals));
   return {k, tape.parse(k, std::string_view(text).substr(equals + 1), tape.measure(k).id)};
+}
+
+std::vector<int> measures_of(std::span<const Wish> wishes) {
+  std::vector<int> out;
+  for (const Wish& wish : wishes) out.push_back(wish.measure);
+  return out;
 }
 
 // Set so that fewer than one in a hundred people of the survey is refused, whichever of their measures are asked; people's measures

@@ -27,6 +27,9 @@ struct Wish {
 // "waist_girth=74cm" as people write it. Throws UsageError.
 Wish parse_wish(const std::string& text, const TapeMeasure& tape);
 
+// Their numbers, to pick rows and columns of a law by.
+std::vector<int> measures_of(std::span<const Wish> wishes);
+
 // Why a request cannot be met.
 struct Conflict {
   int blamed = -1;               // number of the wish that fits the others least

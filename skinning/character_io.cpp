@@ -52,11 +52,7 @@ void add_bones(GlbBuilder& glb, const Anatomy& anatomy) {
 
 void add_muscles(GlbBuilder& glb, const Anatomy& anatomy) {
   const auto influences = slice_influences(anatomy);
-  MuscleSurfaceOptions options;
-  options.points_per_slice = kLoftPoints;
-  const MuscleSurface surface = make_muscle_surface(anatomy, options);
-  Points positions;
-  update_muscle_surface(surface, rest_slices(anatomy), positions);
+  const auto [surface, positions] = gltf::lofted_muscles(anatomy);
   for (const MuscleSurface::Part& part : surface.parts) {
     const Muscle& muscle = anatomy.muscles[part.muscle];
     std::vector<std::array<Influence, 4>> shares;

@@ -114,11 +114,7 @@ void add_bones(GlbBuilder& glb, const Anatomy& anatomy) {
 
 void add_muscles(GlbBuilder& glb, const Anatomy& anatomy) {
   const auto influences = slice_influences(anatomy);
-  MuscleSurfaceOptions options;
-  options.points_per_slice = kLoftPoints;
-  const MuscleSurface surface = make_muscle_surface(anatomy, options);
-  Points positions;
-  update_muscle_surface(surface, rest_slices(anatomy), positions);
+  const auto [surface, positions] = gltf::lofted_muscles(anatomy);
   std::vector<int> sizes;
   for (const MuscleSurface::Part& part : surface.parts) sizes.push_back(part.face_end - part.face_begin);
   const std::vector<int> most = budgets(sizes, kLightMuscles);

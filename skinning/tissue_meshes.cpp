@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "anatomy/muscle_line.h"
+#include "skinning/layer_mesh.h"
+
 namespace ecorche::gltf {
 namespace {
 
@@ -27,6 +30,12 @@ std::vector<tinygltf::Primitive> two_tissues(GlbBuilder& glb, const TriMesh& mes
     out.back().indices = indices;
     out.back().material = material;
   }
+  return out;
+}
+
+LoftedMuscles lofted_muscles(const Anatomy& anatomy) {
+  LoftedMuscles out{make_muscle_surface(anatomy, {.points_per_slice = kLoftPoints}), {}};
+  update_muscle_surface(out.surface, rest_slices(anatomy), out.positions);
   return out;
 }
 

@@ -14,6 +14,13 @@ namespace ecorche::gltf {
 std::vector<tinygltf::Primitive> two_tissues(GlbBuilder& glb, const TriMesh& mesh, const Points& normals, const std::vector<char>& second,
                                              int first_material, int second_material);
 
+// All muscles at rest as files show them: kLoftPoints around a section.
+struct LoftedMuscles {
+  MuscleSurface surface;
+  Points positions;  // #V x 3
+};
+LoftedMuscles lofted_muscles(const Anatomy& anatomy);
+
 // What colours a muscle: belly of one material, all that is not wholly belly of another, fading from tendon to belly.
 struct MuscleTints {
   std::vector<char> tendon;         // #F, 1: not wholly belly

@@ -67,12 +67,13 @@ Mat4f projection_matrix(const Camera& camera, float aspect) {
   return m;
 }
 
+float narrow_angle(float fov_y, float aspect) { return std::min(fov_y, 2 * std::atan(std::tan(0.5f * fov_y) * aspect)); }
+
 Camera orbit_camera(const Vec3f& center, float radius, float azimuth, float elevation, float fov_y, float aspect) {
   if (!(radius > 0) || !(fov_y > 0) || !(fov_y < std::numbers::pi_v<float>))
     throw std::invalid_argument(fmt::format("orbit_camera: radius {} and field of view {} must be above 0", radius, fov_y));
   Camera camera;
-  const float narrow = std::min(fov_y, 2 * std::atan(std::tan(0.5f * fov_y) * aspect));
-  const float distance = radius / std::sin(0.5f * narrow);
+  const float distance = radius / std::sin(0.5f * narrow_angle(fov_y, aspect));
   camera.eye = center + distance * away_from({azimuth, elevation});
   camera.target = center;
   camera.fov_y = fov_y;

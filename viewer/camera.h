@@ -19,6 +19,10 @@ Mat4f orthographic(float half_width, float half_height, float near_plane, float 
 // Throws std::invalid_argument unless radius > 0 and 0 < fov_y < pi.
 Camera orbit_camera(const Vec3f& center, float radius, float azimuth, float elevation, float fov_y = 0.35f, float aspect = 1);
 
+// The smaller of the two angles of view of a picture of width / height `aspect`, rad: a ball of radius r about the target touches its edges
+// from r / sin(half of it).
+float narrow_angle(float fov_y, float aspect);
+
 struct ViewAngles {
   float azimuth = 0, elevation = 0;
 };

@@ -13,8 +13,6 @@ namespace {
 constexpr float room_angle = 0.45f;  // rad, of the room's height as the eye sees it
 constexpr float free_margin = 0.04f;
 
-float narrow_angle(float aspect) { return std::min(room_angle, 2 * std::atan(std::tan(0.5f * room_angle) * aspect)); }
-
 float aspect_of(const ViewRoom& room) { return std::max(room.width, 1.0f) / std::max(room.height, 1.0f); }
 
 }  // namespace
@@ -87,7 +85,7 @@ void frame_figure(const ViewSubject& subject, const ViewRoom& room, ViewDocument
       half = std::max({half, std::abs((p - document.center).dot(up)), std::abs((p - document.center).dot(side)) / aspect});
     distance = half / (1 - free_margin) / std::tan(0.5f * room_angle);
   }
-  document.radius = distance * std::sin(0.5f * narrow_angle(aspect));
+  document.radius = distance * std::sin(0.5f * narrow_angle(room_angle, aspect));
 }
 
 void frame_points(const std::vector<Vec3f>& points, ViewDocument& document) {
