@@ -11,63 +11,77 @@ void require(bool ok, const std::string& message) {
 }
 
 void validate_strip(const std::string& where, const Strip& strip, int joints) {
-  require(strip.path.size() >= 2, where + ": " + std::to_string(strip.path.size()) + " path points, need two");
+  require(strip.path.size() >= 2,
+          where + ": " + std::to_string(strip.path.size()) + " path points, need two");
   for (const PathPoint& p : strip.path) {
-    require(p.joints[0] >= 0 && p.joints[0] < joints, where + ": joint " + std::to_string(p.joints[0]) + " of " + std::to_string(joints));
-    require(p.joints[1] >= -1 && p.joints[1] < joints, where + ": joint " + std::to_string(p.joints[1]) + " of " + std::to_string(joints));
+    require(p.joints[0] >= 0 && p.joints[0] < joints,
+            where + ": joint " + std::to_string(p.joints[0]) + " of " + std::to_string(joints));
+    require(p.joints[1] >= -1 && p.joints[1] < joints,
+            where + ": joint " + std::to_string(p.joints[1]) + " of " + std::to_string(joints));
     require(p.rest.allFinite() && std::isfinite(p.share), where + ": path point is not finite");
   }
   double last = -1;
   for (const Slice& slice : strip.slices) {
-    require(slice.s >= 0 && slice.s <= 1 && slice.s > last, where + ": slice parameter " + std::to_string(slice.s) + " after " + std::to_string(last));
-    require(slice.radii.allFinite() && slice.radii.minCoeff() >= 0, where + ": slice radius is negative or not finite");
+    require(
+        slice.s >= 0 && slice.s <= 1 && slice.s > last,
+        where + ": slice parameter " + std::to_string(slice.s) + " after " + std::to_string(last));
+    require(slice.radii.allFinite() && slice.radii.minCoeff() >= 0,
+            where + ": slice radius is negative or not finite");
     for (const float factor : slice.outline)
-      require(std::isfinite(factor) && factor >= 0, where + ": slice outline is negative or not finite");
+      require(std::isfinite(factor) && factor >= 0,
+              where + ": slice outline is negative or not finite");
     require(slice.offset.allFinite() && std::isfinite(slice.roll), where + ": slice is not finite");
     last = slice.s;
   }
   for (const Wrap& wrap : strip.wraps)
-    require(wrap.joint >= 0 && wrap.joint < joints && wrap.radii.allFinite(), where + ": wrap is broken");
+    require(wrap.joint >= 0 && wrap.joint < joints && wrap.radii.allFinite(),
+            where + ": wrap is broken");
 }
 
 }  // namespace
 
 void validate(const Anatomy& anatomy) {
-  const int joints = static_cast<int>(anatomy.skeleton.joints.size());
+  const int joints = anatomy.skeleton.joints.size();
   for (int j = 0; j < joints; ++j) {
     const Joint& joint = anatomy.skeleton.joints[j];
-    require(joint.parent < j && (joint.parent >= 0 || j == 0), "joint '" + joint.name + "': parent " + std::to_string(joint.parent) + " does not precede it");
+    require(joint.parent < j && (joint.parent >= 0 || j == 0),
+            "joint '" + joint.name + "': parent " + std::to_string(joint.parent) +
+                " does not precede it");
     require(joint.X_PJ.matrix().allFinite(), "joint '" + joint.name + "' is not finite");
   }
   for (const Bone& bone : anatomy.bones) {
-    require(bone.joint >= 0 && bone.joint < joints, "bone '" + bone.name + "': joint " + std::to_string(bone.joint) + " of " + std::to_string(joints));
+    require(bone.joint >= 0 && bone.joint < joints, "bone '" + bone.name + "': joint " +
+                                                        std::to_string(bone.joint) + " of " +
+                                                        std::to_string(joints));
     require(bone.mesh.V.allFinite(), "bone '" + bone.name + "': a vertex is not finite");
-    require(bone.mesh.F.size() == 0 || (bone.mesh.F.minCoeff() >= 0 && bone.mesh.F.maxCoeff() < bone.mesh.V.rows()),
+    require(bone.mesh.F.size() == 0 ||
+                (bone.mesh.F.minCoeff() >= 0 && bone.mesh.F.maxCoeff() < bone.mesh.V.rows()),
             "bone '" + bone.name + "': a triangle names a vertex out of range");
   }
   for (const Muscle& muscle : anatomy.muscles) {
     require(!muscle.strips.empty(), "muscle '" + muscle.name + "' has no strip");
     for (size_t i = 0; i < muscle.strips.size(); ++i)
-      validate_strip("muscle '" + muscle.name + "': strip " + std::to_string(i + 1), muscle.strips[i], joints);
+      validate_strip("muscle '" + muscle.name + "': strip " + std::to_string(i + 1),
+                     muscle.strips[i], joints);
   }
 }
 
 int find_bone(const Anatomy& anatomy, std::string_view name) {
   for (size_t i = 0; i < anatomy.bones.size(); ++i)
-    if (anatomy.bones[i].name == name) return static_cast<int>(i);
+    if (anatomy.bones[i].name == name) return int(i);
   return -1;
 }
 
 int find_muscle(const Anatomy& anatomy, std::string_view name) {
   for (size_t i = 0; i < anatomy.muscles.size(); ++i)
-    if (anatomy.muscles[i].name == name) return static_cast<int>(i);
+    if (anatomy.muscles[i].name == name) return int(i);
   return -1;
 }
 
 int slice_count(const Anatomy& anatomy) {
   int count = 0;
   for (const Muscle& muscle : anatomy.muscles)
-    for (const Strip& strip : muscle.strips) count += static_cast<int>(strip.slices.size());
+    for (const Strip& strip : muscle.strips) count += strip.slices.size();
   return count;
 }
 

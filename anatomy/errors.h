@@ -1,4 +1,5 @@
-// What can go wrong, by whose fault it is. The executable turns each type into the exit code it names.
+// What can go wrong, by whose fault it is. The executable turns each type into the exit code it
+// names.
 //
 // A message names the file, the part, the value and the next step:
 //   "run.bvh:57: joint 'Hips': unknown channel 'Zrot'; expected Xposition .. Zrotation"
@@ -12,7 +13,8 @@ namespace ecorche {
 
 class Error : public std::runtime_error {
  public:
-  Error(int exit_code, const std::string& message) : std::runtime_error(message), exit_code_(exit_code) {}
+  Error(int exit_code, const std::string& message)
+      : std::runtime_error(message), exit_code_(exit_code) {}
   int exit_code() const { return exit_code_; }
 
  private:

@@ -12,38 +12,46 @@ bool swings(const Joint& joint) { return joint.max[1] > std::numbers::pi / 2 && 
 
 Mat3 turned(const Joint& joint, const Vec3& angles) {
   if (!swings(joint))
-    return (Eigen::AngleAxisd(angles[0], Vec3::UnitX()) * Eigen::AngleAxisd(angles[1], Vec3::UnitY()) *
+    return (Eigen::AngleAxisd(angles[0], Vec3::UnitX()) *
+            Eigen::AngleAxisd(angles[1], Vec3::UnitY()) *
             Eigen::AngleAxisd(angles[2], Vec3::UnitZ()))
         .toRotationMatrix();
   const Vec3 swing(angles[0], angles[1], 0);
   const double angle = swing.norm();
   const Vec3 axis = angle > 0 ? Vec3(swing / angle) : Vec3::UnitX();
-  return (Eigen::AngleAxisd(angle, axis) * Eigen::AngleAxisd(angles[2], Vec3::UnitZ())).toRotationMatrix();
+  return (Eigen::AngleAxisd(angle, axis) * Eigen::AngleAxisd(angles[2], Vec3::UnitZ()))
+      .toRotationMatrix();
 }
 
 Vec3 angles_of(const Joint& joint, const Mat3& R) {
   if (!swings(joint))
-    return {std::atan2(-R(1, 2), R(2, 2)), std::atan2(R(0, 2), std::hypot(R(0, 0), R(0, 1))), std::atan2(-R(0, 1), R(0, 0))};
+    return {std::atan2(-R(1, 2), R(2, 2)), std::atan2(R(0, 2), std::hypot(R(0, 0), R(0, 1))),
+            std::atan2(-R(0, 1), R(0, 0))};
   const Quat q(R);
   const double twist = std::remainder(2 * std::atan2(q.z(), q.w()), 2 * std::numbers::pi);
   const Quat swing = q * Quat(Eigen::AngleAxisd(-twist, Vec3::UnitZ()));
   const Vec3 v = swing.w() < 0 ? Vec3(-swing.vec()) : Vec3(swing.vec());
   const double half_sine = v.norm();
-  const double scale = half_sine > 1e-12 ? 2 * std::atan2(half_sine, std::abs(swing.w())) / half_sine : 2;
+  const double scale =
+      half_sine > 1e-12 ? 2 * std::atan2(half_sine, std::abs(swing.w())) / half_sine : 2;
   return {scale * v.x(), scale * v.y(), twist};
 }
 
 // How far angle a is beyond its limits.
-double outside(const Joint& joint, int a, double angle) { return std::max({0.0, joint.min[a] - angle, angle - joint.max[a]}); }
+double outside(const Joint& joint, int a, double angle) {
+  return std::max({0.0, joint.min[a] - angle, angle - joint.max[a]});
+}
 
 }  // namespace
 
 Vec3 joint_angles(const Joint& joint, const Quat& rotation) {
-  return angles_of(joint, joint.axes.transpose() * rotation.toRotationMatrix() * joint.axes * turned(joint, joint.zero));
+  return angles_of(joint, joint.axes.transpose() * rotation.toRotationMatrix() * joint.axes *
+                              turned(joint, joint.zero));
 }
 
 Quat joint_rotation(const Joint& joint, const Vec3& angles) {
-  return Quat(Mat3(joint.axes * turned(joint, angles) * turned(joint, joint.zero).transpose() * joint.axes.transpose()));
+  return Quat(Mat3(joint.axes * turned(joint, angles) * turned(joint, joint.zero).transpose() *
+                   joint.axes.transpose()));
 }
 
 Vec3 joint_angles_near_limits(const Joint& joint, const Quat& rotation) {
@@ -65,7 +73,8 @@ Vec3 joint_angles_near_limits(const Joint& joint, const Quat& rotation) {
       for (const double turn : {-2 * pi, 2 * pi})
         if (outside(joint, a, angles[a] + turn) < outside(joint, a, angles[a])) angles[a] += turn;
     }
-    const double most = std::max({outside(joint, 0, angles[0]), outside(joint, 1, angles[1]), outside(joint, 2, angles[2])});
+    const double most = std::max(
+        {outside(joint, 0, angles[0]), outside(joint, 1, angles[1]), outside(joint, 2, angles[2])});
     if (most < least) least = most, best = angles;
   }
   return best;
@@ -73,7 +82,8 @@ Vec3 joint_angles_near_limits(const Joint& joint, const Quat& rotation) {
 
 double limit_excess(const Joint& joint, const Quat& rotation) {
   const Vec3 angles = joint_angles_near_limits(joint, rotation);
-  return std::max({outside(joint, 0, angles[0]), outside(joint, 1, angles[1]), outside(joint, 2, angles[2])});
+  return std::max(
+      {outside(joint, 0, angles[0]), outside(joint, 1, angles[1]), outside(joint, 2, angles[2])});
 }
 
 double limit_ease(const Joint& joint, int angle) {
@@ -85,9 +95,11 @@ Quat clamped(const Joint& joint, const Quat& rotation) {
   for (int a = 0; a < 3; ++a) {
     const double room = joint.max[a] - joint.min[a], ease = limit_ease(joint, a);
     const double far = std::numbers::pi - room / 2;  // beyond one limit as beyond the other
-    const double share = far > 0 ? std::clamp((outside(joint, a, angles[a]) / far - 0.5) / 0.5, 0.0, 1.0) : 0;
+    const double share =
+        far > 0 ? std::clamp((outside(joint, a, angles[a]) / far - 0.5) / 0.5, 0.0, 1.0) : 0;
     const double high = joint.max[a] - ease, low = joint.min[a] + ease;
-    if (ease > 0 && angles[a] > high) angles[a] = high + ease * std::tanh((angles[a] - high) / ease);
+    if (ease > 0 && angles[a] > high)
+      angles[a] = high + ease * std::tanh((angles[a] - high) / ease);
     if (ease > 0 && angles[a] < low) angles[a] = low + ease * std::tanh((angles[a] - low) / ease);
     angles[a] = std::clamp(angles[a], joint.min[a], joint.max[a]);
     angles[a] += share * share * (3 - 2 * share) * (joint.min[a] + room / 2 - angles[a]);

@@ -6,7 +6,7 @@ namespace ecorche {
 
 int find_joint(const Skeleton& skeleton, std::string_view name) {
   for (size_t j = 0; j < skeleton.joints.size(); ++j)
-    if (skeleton.joints[j].name == name) return static_cast<int>(j);
+    if (skeleton.joints[j].name == name) return int(j);
   return -1;
 }
 
@@ -29,8 +29,9 @@ Pose rest_pose(const Skeleton& skeleton) {
 
 void forward_kinematics(const Skeleton& skeleton, const Pose& pose, std::vector<Transform>& out) {
   if (pose.rotations.size() != skeleton.joints.size())
-    throw std::invalid_argument("forward_kinematics: " + std::to_string(pose.rotations.size()) + " rotations for " +
-                                std::to_string(skeleton.joints.size()) + " joints");
+    throw std::invalid_argument("forward_kinematics: " + std::to_string(pose.rotations.size()) +
+                                " rotations for " + std::to_string(skeleton.joints.size()) +
+                                " joints");
   out.resize(skeleton.joints.size());
   for (size_t j = 0; j < out.size(); ++j) {
     const Joint& joint = skeleton.joints[j];

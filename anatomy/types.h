@@ -1,7 +1,8 @@
 // The geometric vocabulary of all rooms.
 //
-// SI units in memory (m, kg, s, rad). World frame: +X the body's left, +Y up, +Z the way the face looks.
-// X_AB maps points of frame B into frame A. One letter per index set: i vertices, j joints, k slices, m muscles, f frames.
+// SI units in memory (m, kg, s, rad). World frame: +X the body's left, +Y up, +Z the way the face
+// looks. X_AB maps points of frame B into frame A. One letter per index set: i vertices, j joints,
+// k slices, m muscles, f frames.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,8 +16,9 @@ using Mat3 = Eigen::Matrix3d;
 using Quat = Eigen::Quaterniond;
 using Transform = Eigen::Isometry3d;
 using Affine = Eigen::Affine3d;
-using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;   // #V x 3
-using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;  // #F x 3, counter-clockwise seen from outside
+using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;  // #V x 3
+using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3,
+                                Eigen::RowMajor>;  // #F x 3, counter-clockwise seen from outside
 
 struct TriMesh {
   Points V;

@@ -8,12 +8,16 @@
 namespace ecorche {
 namespace {
 
-std::vector<const CLI::App*> verbs_of(const CLI::App& app) { return app.get_subcommands([](const CLI::App*) { return true; }); }
+std::vector<const CLI::App*> verbs_of(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
+}
 
 // Every verb with its path ("body new"), the executable itself first with an empty one.
-void walk(const CLI::App& app, const std::string& path, const std::function<void(const CLI::App&, const std::string&)>& take) {
+void walk(const CLI::App& app, const std::string& path,
+          const std::function<void(const CLI::App&, const std::string&)>& take) {
   take(app, path);
-  for (const CLI::App* verb : verbs_of(app)) walk(*verb, (path.empty() ? "" : path + " ") + verb->get_name(), take);
+  for (const CLI::App* verb : verbs_of(app))
+    walk(*verb, (path.empty() ? "" : path + " ") + verb->get_name(), take);
 }
 
 std::vector<std::string> names_of(const CLI::Option& option) {
@@ -26,13 +30,16 @@ std::vector<std::string> names_of(const CLI::Option& option) {
 // The words of "{a,b,c}" in an option's type.
 std::vector<std::string> choices_of(const CLI::Option& option) {
   const std::string type = option.get_type_name();
-  const std::size_t open = type.find('{'), close = type.find('}', open == std::string::npos ? 0 : open);
+  const std::size_t open = type.find('{'),
+                    close = type.find('}', open == std::string::npos ? 0 : open);
   std::vector<std::string> out;
   if (open == std::string::npos || close == std::string::npos) return out;
   std::string word;
   for (const char c : type.substr(open + 1, close - open)) {
-    if (c != ',' && c != '}') word += c;
-    else if (!word.empty()) out.push_back(std::move(word)), word.clear();
+    if (c != ',' && c != '}')
+      word += c;
+    else if (!word.empty())
+      out.push_back(std::move(word)), word.clear();
   }
   return out;
 }
@@ -52,26 +59,32 @@ std::string join(const std::vector<std::string>& words, const char* between) {
 }
 
 bool takes_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
-bool is_positional(const CLI::Option& option) { return option.get_snames().empty() && option.get_lnames().empty(); }
+bool is_positional(const CLI::Option& option) {
+  return option.get_snames().empty() && option.get_lnames().empty();
+}
 
 // Text in single quotes of a shell.
 std::string quoted(std::string text) {
-  for (std::size_t at = 0; (at = text.find('\'', at)) != std::string::npos; at += 4) text.replace(at, 1, "'\\''");
+  for (std::size_t at = 0; (at = text.find('\'', at)) != std::string::npos; at += 4)
+    text.replace(at, 1, "'\\''");
   return "'" + text + "'";
 }
 
 // Values of an option as a shell command that prints them; empty: files.
 std::string value_words(const CLI::Option& option) {
-  if (const std::vector<std::string> choices = choices_of(option); !choices.empty()) return join(choices, " ");
+  if (const std::vector<std::string> choices = choices_of(option); !choices.empty())
+    return join(choices, " ");
   for (const std::string& name : names_of(option))
-    if (const std::string list = list_for(name); !list.empty()) return fmt::format("$(ecorche list {} --names 2>/dev/null)", list);
+    if (const std::string list = list_for(name); !list.empty())
+      return fmt::format("$(ecorche list {} --names 2>/dev/null)", list);
   return {};
 }
 
 std::string positional_words(const CLI::App& verb) {
   for (const CLI::Option* option : verb.get_options())
     if (is_positional(*option))
-      if (const std::vector<std::string> choices = choices_of(*option); !choices.empty()) return join(choices, " ");
+      if (const std::vector<std::string> choices = choices_of(*option); !choices.empty())
+        return join(choices, " ");
   return {};
 }
 
@@ -85,30 +98,40 @@ std::string bash_case(const CLI::App& verb, const std::string& path) {
     options.insert(options.end(), names.begin(), names.end());
     if (!takes_value(*option)) continue;
     const std::string words = value_words(*option);
-    values += words.empty() ? fmt::format("        {}) files=1; return ;;\n", join(names, "|"))
-                            : fmt::format("        {}) words=\"{}\"; return ;;\n", join(names, "|"), words);
+    values += words.empty()
+                  ? fmt::format("        {}) files=1; return ;;\n", join(names, "|"))
+                  : fmt::format("        {}) words=\"{}\"; return ;;\n", join(names, "|"), words);
   }
   for (const CLI::App* each : verbs_of(verb)) below.push_back(each->get_name());
   const std::string first = positional_words(verb);
   std::string out = fmt::format("    {})\n", quoted(path));
   if (!values.empty()) out += "      case \"$prev\" in\n" + values + "      esac\n";
   out += fmt::format("      if [[ $cur == -* ]]; then words={}; ", quoted(join(options, " ")));
-  if (!below.empty()) out += fmt::format("else words={}; fi ;;\n", quoted(join(below, " ") + (path.empty() ? " help" : "")));
-  else if (!first.empty()) out += fmt::format("else words={}; files=1; fi ;;\n", quoted(first));
-  else out += "else files=1; fi ;;\n";
+  if (!below.empty())
+    out += fmt::format("else words={}; fi ;;\n",
+                       quoted(join(below, " ") + (path.empty() ? " help" : "")));
+  else if (!first.empty())
+    out += fmt::format("else words={}; files=1; fi ;;\n", quoted(first));
+  else
+    out += "else files=1; fi ;;\n";
   return out;
 }
 
 std::string escape_zsh(std::string text) {
   std::string out;
-  for (const char c : text) out += c == '[' || c == ']' || c == ':' || c == '\\' ? std::string("\\") + c : c == '\n' ? " " : std::string(1, c);
+  for (const char c : text)
+    out += c == '[' || c == ']' || c == ':' || c == '\\' ? std::string("\\") + c
+           : c == '\n'                                   ? " "
+                                                         : std::string(1, c);
   return out;
 }
 
 std::string zsh_values(const CLI::Option& option) {
-  if (const std::vector<std::string> choices = choices_of(option); !choices.empty()) return fmt::format(":value:({})", join(choices, " "));
+  if (const std::vector<std::string> choices = choices_of(option); !choices.empty())
+    return fmt::format(":value:({})", join(choices, " "));
   for (const std::string& name : names_of(option))
-    if (const std::string list = list_for(name); !list.empty()) return fmt::format(":value:($(ecorche list {} --names 2>/dev/null))", list);
+    if (const std::string list = list_for(name); !list.empty())
+      return fmt::format(":value:($(ecorche list {} --names 2>/dev/null))", list);
   return ":value:_files";
 }
 
@@ -117,39 +140,53 @@ std::string zsh_case(const CLI::App& verb, const std::string& path) {
   for (const CLI::Option* option : verb.get_options()) {
     if (is_positional(*option)) continue;
     for (const std::string& name : names_of(*option))
-      out += "        " + quoted(fmt::format("*{}[{}]{}", name, escape_zsh(option->get_description()), takes_value(*option) ? zsh_values(*option) : "")) + " \\\n";
+      out += "        " +
+             quoted(fmt::format("*{}[{}]{}", name, escape_zsh(option->get_description()),
+                                takes_value(*option) ? zsh_values(*option) : "")) +
+             " \\\n";
   }
   const std::string first = positional_words(verb);
-  return out + "        " + quoted(first.empty() ? "*:file:_files" : fmt::format("*:value:({})", first)) + " ;;\n";
+  return out + "        " +
+         quoted(first.empty() ? "*:file:_files" : fmt::format("*:value:({})", first)) + " ;;\n";
 }
 
 // Letters that mean something to troff.
 std::string troff(const std::string& text) {
   std::string out;
   for (const char c : text) {
-    if (c == '\\') out += "\\e";
-    else if (c == '-') out += "\\-";
-    else if (c == '\'') out += "\\(aq";
-    else if (c == '`') out += "\\(ga";
-    else out += c;
+    if (c == '\\')
+      out += "\\e";
+    else if (c == '-')
+      out += "\\-";
+    else if (c == '\'')
+      out += "\\(aq";
+    else if (c == '`')
+      out += "\\(ga";
+    else
+      out += c;
   }
   if (!out.empty() && out[0] == '.') out = "\\&" + out;
-  for (std::size_t at = 0; (at = out.find("\n.", at)) != std::string::npos; at += 2) out.replace(at, 2, "\n\\&.");
+  for (std::size_t at = 0; (at = out.find("\n.", at)) != std::string::npos; at += 2)
+    out.replace(at, 2, "\n\\&.");
   return out;
 }
 
 std::string man_option(const CLI::Option& option) {
   std::string head;
-  for (const std::string& name : names_of(option)) head += (head.empty() ? "" : ", ") + ("\\fB" + troff(name) + "\\fR");
-  if (is_positional(option)) head = "\\fI" + troff(option.get_name()) + "\\fR";
-  else if (takes_value(option)) head += " \\fI" + troff(option.get_type_name()) + "\\fR";
+  for (const std::string& name : names_of(option))
+    head += (head.empty() ? "" : ", ") + ("\\fB" + troff(name) + "\\fR");
+  if (is_positional(option))
+    head = "\\fI" + troff(option.get_name()) + "\\fR";
+  else if (takes_value(option))
+    head += " \\fI" + troff(option.get_type_name()) + "\\fR";
   std::string help = troff(option.get_description());
   if (!option.get_default_str().empty()) help += " [" + troff(option.get_default_str()) + "]";
   return ".TP\n" + head + "\n" + help + "\n";
 }
 
 std::string man_verb(const CLI::App& verb, const std::string& path) {
-  std::string out = fmt::format(".SS \"ecorche {}\"\n{}\n", troff(path), troff(verb.get_description()));
+  std::string out =
+      fmt::format(".SS \"ecorche {}\"\n{}\n", troff(path), troff(verb.get_description()));
   for (const CLI::Option* option : verb.get_options()) out += man_option(*option);
   if (!verb.get_footer().empty()) out += ".PP\n.nf\n" + troff(verb.get_footer()) + "\n.fi\n";
   return out;
@@ -203,14 +240,16 @@ std::string bash_completion(const CLI::App& app) {
   return R"(# Completion of ecorche for bash: source it, or save it as bash-completion's completions/ecorche.
 _ecorche_words() {
   case "$verb" in
-)" + cases + R"(  esac
+)" + cases +
+         R"(  esac
 }
 _ecorche() {
   local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD - 1]} verb= words= files= i next
   for ((i = 1; i < COMP_CWORD; i++)); do
     next="${verb:+$verb }${COMP_WORDS[i]}"
     case "$next" in
-      )" + paths + R"() verb=$next ;;
+      )" +
+         paths + R"() verb=$next ;;
       help) ;;
       *) break ;;
     esac
@@ -236,7 +275,9 @@ std::string zsh_completion(const CLI::App& app) {
       return;
     }
     cases += fmt::format("    {})\n      local -a verbs=(", quoted(path));
-    for (const CLI::App* each : verbs_of(verb)) cases += " " + quoted(escape_zsh(each->get_name()) + ":" + escape_zsh(each->get_description()));
+    for (const CLI::App* each : verbs_of(verb))
+      cases +=
+          " " + quoted(escape_zsh(each->get_name()) + ":" + escape_zsh(each->get_description()));
     cases += ")\n      _describe verb verbs ;;\n";
   });
   return R"(#compdef ecorche
@@ -247,7 +288,8 @@ _ecorche() {
   for ((i = 2; i < CURRENT; i++)); do
     next="${verb:+$verb }${words[i]}"
     case "$next" in
-      )" + paths + R"() verb=$next; depth=i ;;
+      )" +
+         paths + R"() verb=$next; depth=i ;;
       *) break ;;
     esac
   done
@@ -256,7 +298,8 @@ _ecorche() {
     ((CURRENT -= depth - 1))
   fi
   case "$verb" in
-)" + cases + R"(  esac
+)" + cases +
+         R"(  esac
 }
 _ecorche "$@"
 )";
@@ -267,9 +310,14 @@ std::string man_page(const CLI::App& app) {
   walk(app, "", [&](const CLI::App& verb, const std::string& path) {
     if (verbs_of(verb).empty()) verbs += man_verb(verb, path);
   });
-  return ".TH ECORCHE 1 \"\" \"ecorche " ECORCHE_VERSION "\" \"User Commands\"\n.SH NAME\necorche \\- bones and muscles inside a human skin, and the skin moved by them\n"
-         ".SH SYNOPSIS\n.B ecorche\n.I verb\n[\\fIoptions\\fR]\n.br\n.B ecorche help\n.I verb\n.SH DESCRIPTION\n" +
-         troff(app.get_description()) + "\nData go to standard output, all else to standard error.\n.SH VERBS\n" + verbs + kExitStatus;
+  return ".TH ECORCHE 1 \"\" \"ecorche " ECORCHE_VERSION
+         "\" \"User Commands\"\n.SH NAME\necorche \\- bones and muscles inside a human skin, and "
+         "the skin moved by them\n"
+         ".SH SYNOPSIS\n.B ecorche\n.I verb\n[\\fIoptions\\fR]\n.br\n.B ecorche help\n.I verb\n.SH "
+         "DESCRIPTION\n" +
+         troff(app.get_description()) +
+         "\nData go to standard output, all else to standard error.\n.SH VERBS\n" + verbs +
+         kExitStatus;
 }
 
 }  // namespace ecorche

@@ -1,4 +1,5 @@
-// Shell completion and the manual page, written from the command line's own definition so that they cannot differ from it.
+// Shell completion and the manual page, written from the command line's own definition so that they
+// cannot differ from it.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -6,9 +6,9 @@
 
 #include <string>
 
-#include "anatomy/atomic_file.h"
-#include "anatomy/cache.h"
-#include "anatomy/child_processes.h"
+#include "anatomy/files/atomic_file.h"
+#include "anatomy/files/cache.h"
+#include "anatomy/files/child_processes.h"
 
 namespace ecorche {
 namespace {

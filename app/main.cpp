@@ -1,4 +1,5 @@
-// ecorche: a thin command line. Data goes to stdout, everything else to stderr; exit codes are those of anatomy/errors.h.
+// ecorche: a thin command line. Data goes to stdout, everything else to stderr; exit codes are
+// those of anatomy/errors.h.
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
 
@@ -13,8 +14,8 @@
 #include <system_error>
 #include <thread>
 
-#include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
+#include "anatomy/files/atomic_file.h"
 #include "app/command_line.h"
 #include "app/interrupt.h"
 #include "app/verb.h"
@@ -30,9 +31,10 @@ void finish_stdout() {
 }
 
 int run(VerbFunction& chosen, const Common& common) {
-  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  const int cores = std::max(1u, std::thread::hardware_concurrency());
   const int threads = common.threads == 0 ? cores : std::min(common.threads, 4 * cores);
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads));
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  std::size_t(threads));
 
   Report report;
   report.set("ecorche", ECORCHE_VERSION);
@@ -58,10 +60,12 @@ int fail_system(const std::system_error& e) {
   if (error == EAGAIN) return fail(5, "no more threads or processes to be had; try --threads 1");
   if (error == ENOSPC || error == EIO || error == EBADF)
     return fail(6, fmt::format("standard output: could not be written: {}", e.code().message()));
-  return fail(1, fmt::format("internal error: {}; please report it with the command line", e.what()));
+  return fail(1,
+              fmt::format("internal error: {}; please report it with the command line", e.what()));
 }
 
-int run_words(CLI::App& app, const Common& common, VerbFunction& chosen, std::vector<std::string> words) {
+int run_words(CLI::App& app, const Common& common, VerbFunction& chosen,
+              std::vector<std::string> words) {
   if (const std::optional<std::string> unknown = unknown_word(app, words)) return fail(2, *unknown);
   try {
     std::vector<std::string> reversed(words.rbegin(), words.rend());
@@ -101,12 +105,19 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is a failed write, not a death
   std::signal(SIGXFSZ, SIG_IGN);  // so is a limit on the size of files
   if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma"))
-    return fail(1, "this build needs a processor with AVX2 and FMA; configure with -DECORCHE_ARCH= to build for yours");
+    return fail(1,
+                "this build needs a processor with AVX2 and FMA; configure with -DECORCHE_ARCH= to "
+                "build for yours");
 
   try {
     const InterruptWatch watch;
-    CLI::App app{"Puts a complete set of bones and muscles into a human skin, and moves the skin by that anatomy.", "ecorche"};
-    app.footer("Start with:\n  ecorche demo -o out/long-jump\nEvery verb has --help with an example; `ecorche list` names muscles, joints, measures and more.");
+    CLI::App app{
+        "Puts a complete set of bones and muscles into a human skin, and moves the skin by that "
+        "anatomy.",
+        "ecorche"};
+    app.footer(
+        "Start with:\n  ecorche demo -o out/long-jump\nEvery verb has --help with an example; "
+        "`ecorche list` names muscles, joints, measures and more.");
     app.set_version_flag("--version,-V", ECORCHE_VERSION);
     app.require_subcommand(1);
     Common common;
@@ -121,6 +132,7 @@ int main(int argc, char** argv) {
   } catch (const std::system_error& e) {
     return fail_system(e);
   } catch (const std::exception& e) {
-    return fail(1, fmt::format("internal error: {}; please report it with the command line", e.what()));
+    return fail(
+        1, fmt::format("internal error: {}; please report it with the command line", e.what()));
   }
 }

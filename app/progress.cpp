@@ -10,9 +10,9 @@
 namespace ecorche {
 namespace {
 
-constexpr int kWidth = 32;               // characters of the bar
-constexpr double kBarSeconds = 0.1;      // between two drawings
-constexpr double kLineSeconds = 5;       // between two lines
+constexpr int kWidth = 32;           // characters of the bar
+constexpr double kBarSeconds = 0.1;  // between two drawings
+constexpr double kLineSeconds = 5;   // between two lines
 
 }  // namespace
 
@@ -25,10 +25,15 @@ std::string time_left(double seconds_passed, double share_done) {
 }
 
 Progress::Progress(const Common& common, std::string what, int total)
-    : what_(std::move(what)), total_(total), start_(Clock::now()), shown_(start_ - std::chrono::hours(1)) {
+    : what_(std::move(what)),
+      total_(total),
+      start_(Clock::now()),
+      shown_(start_ - std::chrono::hours(1)) {
   if (common.quiet || total <= 0 || common.progress == "never") return;
-  if (common.progress == "lines") kind_ = Kind::lines, shown_ = start_;
-  else if (isatty(STDERR_FILENO) != 0) kind_ = Kind::bar;
+  if (common.progress == "lines")
+    kind_ = Kind::lines, shown_ = start_;
+  else if (isatty(STDERR_FILENO) != 0)
+    kind_ = Kind::bar;
 }
 
 Progress::~Progress() {
@@ -56,13 +61,21 @@ void Progress::advance(int done, const char* stage) {
 }
 
 void Progress::show(int done, const char* stage, double seconds) {
-  const std::string left = done >= total_ ? fmt::format("{:.1f} s", seconds) : time_left(seconds, static_cast<double>(done) / total_);
+  const std::string left =
+      done >= total_ ? fmt::format("{:.1f} s", seconds) : time_left(seconds, double(done) / total_);
   if (kind_ == Kind::lines) {
-    std::fprintf(stderr, "%s\n", fmt::format("{}: {} of {}{}{}{}{}", what_, done, total_, left.empty() ? "" : ", ", left, *stage ? ", " : "", stage).c_str());
+    std::fprintf(stderr, "%s\n",
+                 fmt::format("{}: {} of {}{}{}{}{}", what_, done, total_, left.empty() ? "" : ", ",
+                             left, *stage ? ", " : "", stage)
+                     .c_str());
     return;
   }
-  const int filled = static_cast<int>(static_cast<long long>(kWidth) * done / total_);
-  std::fprintf(stderr, "\r%s\033[K", fmt::format("{:<18} [{:<{}}] {}/{}  {}{}{}", what_, std::string(static_cast<std::size_t>(filled), '='), kWidth, done, total_, left, *stage ? "  " : "", stage).c_str());
+  const int filled = static_cast<long long>(kWidth) * done / total_;
+  std::fprintf(
+      stderr, "\r%s\033[K",
+      fmt::format("{:<18} [{:<{}}] {}/{}  {}{}{}", what_, std::string(std::size_t(filled), '='),
+                  kWidth, done, total_, left, *stage ? "  " : "", stage)
+          .c_str());
   open_ = done < total_;
   if (!open_) std::fputc('\n', stderr);
   std::fflush(stderr);

@@ -9,8 +9,9 @@
 
 namespace ecorche {
 
-// A bar on a terminal: "frames [=====     ] 120/240  12 s left". Silent in pipes and with -q; with --progress lines, a line every few seconds
-// wherever stderr goes. Finished when done == total, or when it goes out of scope.
+// A bar on a terminal: "frames [=====     ] 120/240  12 s left". Silent in pipes and with -q; with
+// --progress lines, a line every few seconds wherever stderr goes. Finished when done == total, or
+// when it goes out of scope.
 class Progress {
  public:
   Progress(const Common& common, std::string what, int total);
@@ -18,7 +19,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  // From any thread. Numbers rise; one that came late is passed over. `stage`: what is being done, where there are several things.
+  // From any thread. Numbers rise; one that came late is passed over. `stage`: what is being done,
+  // where there are several things.
   void at(int done, const char* stage = "");
   // One more is done.
   void step();
@@ -36,7 +38,8 @@ class Progress {
   bool open_ = false;  // a bar without its line end
 };
 
-// "about 12 s left", "about 3 min left"; empty where too little is known: less than a second has passed.
+// "about 12 s left", "about 3 min left"; empty where too little is known: less than a second has
+// passed.
 std::string time_left(double seconds_passed, double share_done);
 
 }  // namespace ecorche

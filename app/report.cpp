@@ -5,7 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "anatomy/atomic_file.h"
+#include "anatomy/files/atomic_file.h"
 
 namespace ecorche {
 
@@ -44,7 +44,9 @@ void Report::set_list(std::string_view name, const std::vector<double>& values) 
   impl_->at(name) = std::move(list);
 }
 
-void Report::append_text(std::string_view name, const std::string& value) { impl_->at(name).push_back(value); }
+void Report::append_text(std::string_view name, const std::string& value) {
+  impl_->at(name).push_back(value);
+}
 
 double Report::number(std::string_view name) const {
   const Json* node = &impl_->root;
@@ -60,20 +62,29 @@ double Report::number(std::string_view name) const {
 }
 
 // Names and paths may hold any bytes; what is not UTF-8 is replaced, not thrown over.
-std::string Report::to_json() const { return impl_->root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+std::string Report::to_json() const {
+  return impl_->root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
 
 std::string Report::to_text() const {
   std::string out;
-  const std::function<void(const Json&, const std::string&)> add = [&](const Json& node, const std::string& name) {
+  const std::function<void(const Json&, const std::string&)> add = [&](const Json& node,
+                                                                       const std::string& name) {
     if (node.is_object())
-      for (const auto& [key, value] : node.items()) add(value, name.empty() ? key : name + "." + key);
+      for (const auto& [key, value] : node.items())
+        add(value, name.empty() ? key : name + "." + key);
     else
-      out += name + " " + (node.is_string() ? node.get<std::string>() : node.dump(-1, ' ', false, Json::error_handler_t::replace)) + "\n";
+      out += name + " " +
+             (node.is_string() ? node.get<std::string>()
+                               : node.dump(-1, ' ', false, Json::error_handler_t::replace)) +
+             "\n";
   };
   add(impl_->root, "");
   return out;
 }
 
-void Report::write(const std::filesystem::path& file) const { write_file_atomically(file, to_json()); }
+void Report::write(const std::filesystem::path& file) const {
+  write_file_atomically(file, to_json());
+}
 
 }  // namespace ecorche

@@ -1,4 +1,5 @@
-// The report of a run: timings, counts and quality figures under stable names (docs/report.md), written as JSON.
+// The report of a run: timings, counts and quality figures under stable names (docs/report.md),
+// written as JSON.
 #pragma once
 
 #include <chrono>
@@ -10,8 +11,9 @@
 
 namespace ecorche {
 
-// Dotted names make objects: set("timings_ms.fit", 12.5) gives {"timings_ms": {"fit": 12.5}}. Order of first use is kept.
-// Numbers that are not finite are written as null, so that a missing figure cannot pass for a good one.
+// Dotted names make objects: set("timings_ms.fit", 12.5) gives {"timings_ms": {"fit": 12.5}}. Order
+// of first use is kept. Numbers that are not finite are written as null, so that a missing figure
+// cannot pass for a good one.
 class Report {
  public:
   Report();
@@ -29,7 +31,7 @@ class Report {
   double number(std::string_view name) const;                         // NaN where absent
 
   std::string to_json() const;
-  std::string to_text() const;  // a line a figure: "timings_ms.fit 12.5"
+  std::string to_text() const;                          // a line a figure: "timings_ms.fit 12.5"
   void write(const std::filesystem::path& file) const;  // throws OutputError
 
  private:
@@ -40,12 +42,14 @@ class Report {
 // Writes the elapsed wall time to timings_ms.<name> when it goes out of scope.
 class StageTimer {
  public:
-  StageTimer(Report& report, std::string name) : report_(report), name_(std::move(name)), start_(std::chrono::steady_clock::now()) {}
+  StageTimer(Report& report, std::string name)
+      : report_(report), name_(std::move(name)), start_(std::chrono::steady_clock::now()) {}
   ~StageTimer() { report_.set("timings_ms." + name_, milliseconds()); }
   StageTimer(const StageTimer&) = delete;
   StageTimer& operator=(const StageTimer&) = delete;
   double milliseconds() const {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_)
+        .count();
   }
 
  private:

@@ -10,7 +10,8 @@ namespace ecorche {
 
 struct ElasticScratch;
 
-// The elastic skin's share of a frame's working memory, made when it is first needed. A copied frame makes its own.
+// The elastic skin's share of a frame's working memory, made when it is first needed. A copied
+// frame makes its own.
 struct OwnElastic {
   OwnElastic() = default;
   OwnElastic(OwnElastic&&) = default;
@@ -21,8 +22,8 @@ struct OwnElastic {
   std::shared_ptr<ElasticScratch> memory;
 };
 
-// Four floats a vertex (x y z 1 and nx ny nz 0), world, metres, in the vertex order of the skin that was bound.
-// Buffers are sized on first use and then reused.
+// Four floats a vertex (x y z 1 and nx ny nz 0), world, metres, in the vertex order of the skin
+// that was bound. Buffers are sized on first use and then reused.
 struct SkinFrame {
   std::vector<float> positions;  // #V x 4
   std::vector<float> normals;    // #V x 4, unit length

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "anatomy/body_package.h"
+#include "anatomy/base_mesh/body_package.h"
 #include "anatomy/errors.h"
 
 namespace ecorche {

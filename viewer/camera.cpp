@@ -19,8 +19,9 @@ struct NamedView {
   float azimuth = 0, elevation = 0;  // degrees
 };
 
-constexpr NamedView named_views[] = {{"front", 0, 0},  {"back", 180, 0},   {"left", 90, 0},     {"right", -90, 0},
-                                     {"top", 0, 90}, {"bottom", 0, -90}, {"oblique", 35, 12}};
+constexpr NamedView named_views[] = {{"front", 0, 0},    {"back", 180, 0}, {"left", 90, 0},
+                                     {"right", -90, 0},  {"top", 0, 90},   {"bottom", 0, -90},
+                                     {"oblique", 35, 12}};
 
 }  // namespace
 
@@ -28,7 +29,8 @@ Mat4f look_along(const Vec3f& eye, const Vec3f& forward, const Vec3f& up) {
   const Vec3f f = forward.normalized();
   // Looking straight up or down, any horizontal direction serves as up.
   Vec3f side = f.cross(up);
-  if (side.squaredNorm() < 1e-8f) side = f.cross(std::abs(f.z()) < 0.9f ? Vec3f(0, 0, -1) : Vec3f(1, 0, 0));
+  if (side.squaredNorm() < 1e-8f)
+    side = f.cross(std::abs(f.z()) < 0.9f ? Vec3f(0, 0, -1) : Vec3f(1, 0, 0));
   const Vec3f s = side.normalized();
   const Vec3f u = s.cross(f);
   Mat4f m = Mat4f::Identity();
@@ -47,7 +49,9 @@ Mat4f orthographic(float half_width, float half_height, float near_plane, float 
   return m;
 }
 
-Mat4f view_matrix(const Camera& camera) { return look_along(camera.eye, camera.target - camera.eye, camera.up); }
+Mat4f view_matrix(const Camera& camera) {
+  return look_along(camera.eye, camera.target - camera.eye, camera.up);
+}
 
 Mat4f projection_matrix(const Camera& camera, float aspect) {
   const float n = camera.near_plane, f = camera.far_plane;
@@ -67,11 +71,15 @@ Mat4f projection_matrix(const Camera& camera, float aspect) {
   return m;
 }
 
-float narrow_angle(float fov_y, float aspect) { return std::min(fov_y, 2 * std::atan(std::tan(0.5f * fov_y) * aspect)); }
+float narrow_angle(float fov_y, float aspect) {
+  return std::min(fov_y, 2 * std::atan(std::tan(0.5f * fov_y) * aspect));
+}
 
-Camera orbit_camera(const Vec3f& center, float radius, float azimuth, float elevation, float fov_y, float aspect) {
+Camera orbit_camera(const Vec3f& center, float radius, float azimuth, float elevation, float fov_y,
+                    float aspect) {
   if (!(radius > 0) || !(fov_y > 0) || !(fov_y < std::numbers::pi_v<float>))
-    throw std::invalid_argument(fmt::format("orbit_camera: radius {} and field of view {} must be above 0", radius, fov_y));
+    throw std::invalid_argument(
+        fmt::format("orbit_camera: radius {} and field of view {} must be above 0", radius, fov_y));
   Camera camera;
   const float distance = radius / std::sin(0.5f * narrow_angle(fov_y, aspect));
   camera.eye = center + distance * away_from({azimuth, elevation});
@@ -92,14 +100,17 @@ Vec3f upward_from(const ViewAngles& angles) {
           -std::sin(angles.elevation) * std::cos(angles.azimuth)};
 }
 
-float distance_to_see(std::span<const Vec3f> points, const Vec3f& target, const Vec3f& away, float fov_y, float aspect, float margin) {
+float distance_to_see(std::span<const Vec3f> points, const Vec3f& target, const Vec3f& away,
+                      float fov_y, float aspect, float margin) {
   const Mat4f seen = look_along(Vec3f::Zero(), -away, {0, 1, 0});
-  const Vec3f side = seen.block<1, 3>(0, 0).transpose(), upward = seen.block<1, 3>(1, 0).transpose();
+  const Vec3f side = seen.block<1, 3>(0, 0).transpose(),
+              upward = seen.block<1, 3>(1, 0).transpose();
   const float tan_y = std::tan(0.5f * fov_y) * (1 - margin), tan_x = tan_y * aspect;
   float distance = 0;
   for (const Vec3f& p : points) {
     const Vec3f q = p - target;
-    distance = std::max(distance, q.dot(away) + std::max(std::abs(q.dot(side)) / tan_x, std::abs(q.dot(upward)) / tan_y));
+    distance = std::max(distance, q.dot(away) + std::max(std::abs(q.dot(side)) / tan_x,
+                                                         std::abs(q.dot(upward)) / tan_y));
   }
   return distance;
 }
@@ -114,8 +125,10 @@ ViewAngles view_angles(std::string_view name) {
   if (good) {
     const std::string_view texts[2] = {name.substr(0, comma), name.substr(comma + 1)};
     for (int i = 0; i < 2 && good; ++i) {
-      const auto [end, code] = std::from_chars(texts[i].data(), texts[i].data() + texts[i].size(), angles[i]);
-      good = code == std::errc() && end == texts[i].data() + texts[i].size() && std::isfinite(angles[i]);
+      const auto [end, code] =
+          std::from_chars(texts[i].data(), texts[i].data() + texts[i].size(), angles[i]);
+      good = code == std::errc() && end == texts[i].data() + texts[i].size() &&
+             std::isfinite(angles[i]);
     }
   }
   if (!good) throw UsageError(fmt::format("view '{}': expected {}", name, view_names()));

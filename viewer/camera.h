@@ -9,33 +9,38 @@
 
 namespace ecorche {
 
-Mat4f view_matrix(const Camera& camera);                       // world -> eye, which looks along its -z
-Mat4f projection_matrix(const Camera& camera, float aspect);   // eye -> clip, aspect = width / height
+Mat4f view_matrix(const Camera& camera);  // world -> eye, which looks along its -z
+Mat4f projection_matrix(const Camera& camera,
+                        float aspect);  // eye -> clip, aspect = width / height
 Mat4f look_along(const Vec3f& eye, const Vec3f& forward, const Vec3f& up);
 Mat4f orthographic(float half_width, float half_height, float near_plane, float far_plane);
 
 // A camera on the ball around `center` that just sees all of it.
-// Azimuth 0 looks at the front (+Z), pi/2 at the body's left side (+X); elevation above 0 looks down. Radians.
-// Throws std::invalid_argument unless radius > 0 and 0 < fov_y < pi.
-Camera orbit_camera(const Vec3f& center, float radius, float azimuth, float elevation, float fov_y = 0.35f, float aspect = 1);
+// Azimuth 0 looks at the front (+Z), pi/2 at the body's left side (+X); elevation above 0 looks
+// down. Radians. Throws std::invalid_argument unless radius > 0 and 0 < fov_y < pi.
+Camera orbit_camera(const Vec3f& center, float radius, float azimuth, float elevation,
+                    float fov_y = 0.35f, float aspect = 1);
 
-// The smaller of the two angles of view of a picture of width / height `aspect`, rad: a ball of radius r about the target touches its edges
-// from r / sin(half of it).
+// The smaller of the two angles of view of a picture of width / height `aspect`, rad: a ball of
+// radius r about the target touches its edges from r / sin(half of it).
 float narrow_angle(float fov_y, float aspect);
 
 struct ViewAngles {
   float azimuth = 0, elevation = 0;
 };
-// "front", "back", "left", "right", "top", "bottom", "oblique", or "AZIMUTH,ELEVATION" in degrees. Throws UsageError.
+// "front", "back", "left", "right", "top", "bottom", "oblique", or "AZIMUTH,ELEVATION" in degrees.
+// Throws UsageError.
 ViewAngles view_angles(std::string_view name);
 // All of them in words, for messages and help.
 std::string view_names();
-// From what is looked at towards the eye, unit; and what is then up in the picture, from above and below, too.
+// From what is looked at towards the eye, unit; and what is then up in the picture, from above and
+// below, too.
 Vec3f away_from(const ViewAngles& angles);
 Vec3f upward_from(const ViewAngles& angles);
 
-// How far the eye has to be from `target`, in the direction `away`, for all points to lie within the picture.
-// margin: share of half the picture that stays free at each edge.
-float distance_to_see(std::span<const Vec3f> points, const Vec3f& target, const Vec3f& away, float fov_y, float aspect, float margin = 0);
+// How far the eye has to be from `target`, in the direction `away`, for all points to lie within
+// the picture. margin: share of half the picture that stays free at each edge.
+float distance_to_see(std::span<const Vec3f> points, const Vec3f& target, const Vec3f& away,
+                      float fov_y, float aspect, float margin = 0);
 
 }  // namespace ecorche

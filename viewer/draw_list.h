@@ -1,6 +1,8 @@
-// What is to be seen, as plain numbers: meshes, where they stand, light, ground and the eye. No graphics API in it.
+// What is to be seen, as plain numbers: meshes, where they stand, light, ground and the eye. No
+// graphics API in it.
 //
-// World metres, +Y up; colours are sRGB in [0, 1] (as on the screen) and are turned into linear light by the renderer.
+// World metres, +Y up; colours are sRGB in [0, 1] (as on the screen) and are turned into linear
+// light by the renderer.
 #pragma once
 
 #include <cstdint>
@@ -15,26 +17,33 @@ using Vec4f = Eigen::Vector4f;
 using Mat4f = Eigen::Matrix4f;
 using Triangle32 = Eigen::Matrix<std::uint32_t, 3, 1>;
 
-// Geometry. Arrays other than positions, normals and triangles may be empty; those present have #V entries.
+// Geometry. Arrays other than positions, normals and triangles may be empty; those present have #V
+// entries.
 struct DrawMesh {
-  std::uint64_t key = 0;       // names the mesh from one list to the next, so that it is sent to the GPU once; 0: send every time
-  std::uint64_t revision = 0;  // another one: positions, normals and colours have changed; the rest stays for a key
-  std::uint64_t shape = 0;     // another one: triangles and all the rest have changed, too
+  // names the mesh from one list to the next, so that it is sent to the GPU once; 0: send every
+  // time
+  std::uint64_t key = 0;
+  // another one: positions, normals and colours have changed; the rest stays for a key
+  std::uint64_t revision = 0;
+  std::uint64_t shape = 0;  // another one: triangles and all the rest have changed, too
   std::vector<Vec3f> positions;
-  std::vector<Vec3f> normals;           // unit
-  std::vector<Vec3f> colors;            // empty: the item's colour
-  std::vector<float> occlusion;         // baked ambient occlusion: 1 open .. 0 closed
-  std::vector<float> dissolve;          // order of going in [0, 1]: 0 goes first (see Surface::dissolved)
-  std::vector<Vec4f> fibres;            // cos and sin of the angle around the belly, fibres around it, metres along it
-  std::vector<std::uint32_t> parts;     // for picking and outlines; empty: the item's
-  std::vector<Triangle32> triangles;    // counter-clockwise seen from outside
+  std::vector<Vec3f> normals;    // unit
+  std::vector<Vec3f> colors;     // empty: the item's colour
+  std::vector<float> occlusion;  // baked ambient occlusion: 1 open .. 0 closed
+  std::vector<float> dissolve;   // order of going in [0, 1]: 0 goes first (see Surface::dissolved)
+  std::vector<Vec4f>
+      fibres;  // cos and sin of the angle around the belly, fibres around it, metres along it
+  std::vector<std::uint32_t> parts;   // for picking and outlines; empty: the item's
+  std::vector<Triangle32> triangles;  // counter-clockwise seen from outside
 };
 
 // How a surface answers to light.
 struct Surface {
   Vec3f color{0.8f, 0.8f, 0.8f};
-  float opacity = 1;       // below 1: its nearest layer is blended over what lies behind it, whatever the drawing order
-  float edge_opacity = 0;  // added to the opacity where the surface is seen at a grazing angle (glass skin)
+  // below 1: its nearest layer is blended over what lies behind it, whatever the drawing order
+  float opacity = 1;
+  // added to the opacity where the surface is seen at a grazing angle (glass skin)
+  float edge_opacity = 0;
   float dissolved = 0;     // share of the surface that is gone; needs DrawMesh::dissolve
   float roughness = 0.6f;  // of the highlight, 0 mirror .. 1 matt
   float specular = 0.04f;  // reflectance at right angles
@@ -55,11 +64,13 @@ struct Camera {
   Vec3f eye{0, 1, 4};
   Vec3f target{0, 1, 0};
   Vec3f up{0, 1, 0};
-  float fov_y = 0.5f;    // rad
+  float fov_y = 0.5f;      // rad
   float ortho_height = 0;  // metres seen from top to bottom; above 0: parallel projection
   float near_plane = 0.05f;
   float far_plane = 200;
-  Eigen::Vector2f shift{0, 0};  // of the picture, in halves of its width and height, to the right and up: the target is then seen there
+  // of the picture, in halves of its width and height, to the right and up: the target is then seen
+  // there
+  Eigen::Vector2f shift{0, 0};
 };
 
 struct Lighting {
@@ -69,25 +80,26 @@ struct Lighting {
   Vec3f sky_color{0.80f, 0.88f, 1.0f};
   Vec3f floor_color{0.72f, 0.60f, 0.52f};  // light that comes back from below
   float ambient_strength = 0.42f;
-  Vec3f rim_color{0.85f, 0.92f, 1.0f};     // from behind the subject, seen from the camera
+  Vec3f rim_color{0.85f, 0.92f, 1.0f};  // from behind the subject, seen from the camera
   float rim_strength = 0.9f;
   float shadow_strength = 1;
-  bool follows_camera = false;  // directions are then in the camera's frame (studio light for stills)
+  // directions are then in the camera's frame (studio light for stills)
+  bool follows_camera = false;
 };
 
 // A runway along +Z that ends in a pit of sand. Empty intervals (end <= begin) leave the part away.
 struct Ground {
   bool visible = false;
-  float height = 0;              // y of the plane
+  float height = 0;  // y of the plane
   Vec3f color{0.80f, 0.80f, 0.78f};
-  float grid = 1;                // metres between lines; 0: none
+  float grid = 1;  // metres between lines; 0: none
   float track_half_width = 0.61f;
-  int lanes = 1;                 // side by side within it, with lines between
-  float track_center = 0;        // x
+  int lanes = 1;                         // side by side within it, with lines between
+  float track_center = 0;                // x
   float track_begin = 0, track_end = 0;  // z
-  float board = 0;               // z of the take-off line; the board is 0.20 m deep and ends there; 0: none
+  float board = 0;  // z of the take-off line; the board is 0.20 m deep and ends there; 0: none
   float pit_half_width = 1.4f;
-  float pit_begin = 0, pit_end = 0;      // z
+  float pit_begin = 0, pit_end = 0;  // z
 };
 
 struct DrawList {
@@ -98,7 +110,8 @@ struct DrawList {
   Ground ground;
   Vec3f background_top{0.86f, 0.88f, 0.91f};
   Vec3f background_bottom{0.97f, 0.97f, 0.96f};
-  // The ball that shadows and ambient occlusion are worked out for; radius 0: around all items that cast shadow.
+  // The ball that shadows and ambient occlusion are worked out for; radius 0: around all items that
+  // cast shadow.
   Vec3f focus{0, 0, 0};
   float focus_radius = 0;
 };

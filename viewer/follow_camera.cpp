@@ -4,21 +4,21 @@
 #include <algorithm>
 #include <cmath>
 
-#include "anatomy/smooth_step.h"
+#include "anatomy/compute/smooth_step.h"
 #include "viewer/camera.h"
 
 namespace ecorche {
 namespace {
 
-float ease(double t) { return static_cast<float>(smooth_step(t)); }
+float ease(double t) { return float(smooth_step(t)); }
 
 // Gaussian weights for shifts of 0 .. reach; they sum to 1 over -reach .. reach.
 std::vector<float> bell(double sigma_frames) {
-  const int reach = static_cast<int>(std::ceil(3 * sigma_frames));
+  const int reach = std::ceil(3 * sigma_frames);
   std::vector<float> weights(reach + 1, 1);
   float sum = 1;
   for (int k = 1; k <= reach; ++k) {
-    weights[k] = std::exp(static_cast<float>(-0.5 * k * k / (sigma_frames * sigma_frames)));
+    weights[k] = std::exp(float(-0.5 * k * k / (sigma_frames * sigma_frames)));
     sum += 2 * weights[k];
   }
   for (float& w : weights) w /= sum;
@@ -27,7 +27,7 @@ std::vector<float> bell(double sigma_frames) {
 
 // Beyond the ends the first and last motion goes on, so that the camera does not lag there.
 std::vector<Vec3f> smooth_way(const std::vector<Vec3f>& way, const std::vector<float>& weights) {
-  const int n = static_cast<int>(way.size()), reach = static_cast<int>(weights.size()) - 1;
+  const int n = int(way.size()), reach = int(weights.size()) - 1;
   auto at = [&](int f) -> Vec3f {
     if (f < 0) return 2 * way[0] - way[std::min(-f, n - 1)];
     if (f >= n) return 2 * way[n - 1] - way[std::max(2 * (n - 1) - f, 0)];
@@ -39,14 +39,18 @@ std::vector<Vec3f> smooth_way(const std::vector<Vec3f>& way, const std::vector<f
   return out;
 }
 
-// Nowhere below `values`: the mean of the largest values around, over no wider a window than they were taken from.
-std::vector<float> smooth_above(const std::vector<float>& values, const std::vector<float>& weights) {
-  const int n = static_cast<int>(values.size()), reach = static_cast<int>(weights.size()) - 1;
+// Nowhere below `values`: the mean of the largest values around, over no wider a window than they
+// were taken from.
+std::vector<float> smooth_above(const std::vector<float>& values,
+                                const std::vector<float>& weights) {
+  const int n = int(values.size()), reach = int(weights.size()) - 1;
   std::vector<float> largest(values.size()), out(values.size(), 0);
   for (int f = 0; f < n; ++f)
-    largest[f] = *std::max_element(values.begin() + std::max(f - reach, 0), values.begin() + std::min(f + reach + 1, n));
+    largest[f] = *std::max_element(values.begin() + std::max(f - reach, 0),
+                                   values.begin() + std::min(f + reach + 1, n));
   for (int f = 0; f < n; ++f)
-    for (int k = -reach; k <= reach; ++k) out[f] += weights[std::abs(k)] * largest[std::clamp(f + k, 0, n - 1)];
+    for (int k = -reach; k <= reach; ++k)
+      out[f] += weights[std::abs(k)] * largest[std::clamp(f + k, 0, n - 1)];
   return out;
 }
 
@@ -58,8 +62,9 @@ Vec3f middle(const std::vector<Vec3f>& points) {
 
 }  // namespace
 
-std::vector<Camera> follow(std::span<const std::vector<Vec3f>> figures, double fps, const FollowCamera& options) {
-  const int n = static_cast<int>(figures.size());
+std::vector<Camera> follow(std::span<const std::vector<Vec3f>> figures, double fps,
+                           const FollowCamera& options) {
+  const int n = figures.size();
   std::vector<Camera> cameras(n);
   if (n == 0) return cameras;
   const std::vector<float> weights = bell(std::max(1e-3, options.smoothing * fps));
@@ -72,15 +77,18 @@ std::vector<Camera> follow(std::span<const std::vector<Vec3f>> figures, double f
   for (int f = 0; f < n; ++f) {
     // The lead grows with speed, and is gone when the figure stands.
     const int before = std::max(f - 1, 0), after = std::min(f + 1, n - 1);
-    Vec3f speed = (way[after] - way[before]) * static_cast<float>(fps) / static_cast<float>(std::max(1, after - before));
+    Vec3f speed = (way[after] - way[before]) * float(fps) / float(std::max(1, after - before));
     speed.y() = 0;
     Camera& camera = cameras[f];
-    camera.target = way[f] + static_cast<float>(options.lead) * speed / std::max(1.0f, speed.norm());
+    camera.target = way[f] + float(options.lead) * speed / std::max(1.0f, speed.norm());
     const double share = n > 1 ? double(f) / (n - 1) : 0;
-    const float turn = ease((share - options.turn_begin) / std::max(1e-9, options.turn_end - options.turn_begin));
-    const float azimuth = options.begin_azimuth + turn * (options.end_azimuth - options.begin_azimuth);
+    const float turn =
+        ease((share - options.turn_begin) / std::max(1e-9, options.turn_end - options.turn_begin));
+    const float azimuth =
+        options.begin_azimuth + turn * (options.end_azimuth - options.begin_azimuth);
     directions.push_back(away_from({azimuth, options.elevation}));
-    distances.push_back(distance_to_see(figures[f], camera.target, directions[f], options.fov_y, options.aspect, options.margin));
+    distances.push_back(distance_to_see(figures[f], camera.target, directions[f], options.fov_y,
+                                        options.aspect, options.margin));
   }
   distances = smooth_above(distances, weights);
   for (int f = 0; f < n; ++f) {

@@ -9,18 +9,23 @@
 namespace ecorche {
 
 struct FollowCamera {
-  double smoothing = 0.30;     // s, standard deviation of the filters over the figure's way and the camera's distance
-  double lead = 0.25;          // m ahead of the figure, along the smoothed way
-  float elevation = 0.07f;     // rad, of the eye seen from the figure
-  float begin_azimuth = -1.05f, end_azimuth = -1.5707963f;  // rad, of the eye seen from the figure; 0 front, -pi/2 its right side
+  // s, standard deviation of the filters over the figure's way and the camera's distance
+  double smoothing = 0.30;
+  double lead = 0.25;       // m ahead of the figure, along the smoothed way
+  float elevation = 0.07f;  // rad, of the eye seen from the figure
+  float begin_azimuth = -1.05f,
+        // rad, of the eye seen from the figure; 0 front, -pi/2 its right side
+      end_azimuth = -1.5707963f;
   double turn_begin = 0, turn_end = 1;  // shares of the film in which it goes from one to the other
-  float fov_y = 0.42f;         // rad
-  float aspect = 16.0f / 9;    // width / height of the picture
-  float margin = 0.07f;        // share of half the picture that stays free at each edge
+  float fov_y = 0.42f;                  // rad
+  float aspect = 16.0f / 9;             // width / height of the picture
+  float margin = 0.07f;                 // share of half the picture that stays free at each edge
 };
 
-// Cameras for all frames. figures: for each frame the world points that have to be seen, at least one each; what stands on the ground
-// beneath a leaping figure is kept in sight by giving points of the ground.
-std::vector<Camera> follow(std::span<const std::vector<Vec3f>> figures, double fps, const FollowCamera& options = {});
+// Cameras for all frames. figures: for each frame the world points that have to be seen, at least
+// one each; what stands on the ground beneath a leaping figure is kept in sight by giving points of
+// the ground.
+std::vector<Camera> follow(std::span<const std::vector<Vec3f>> figures, double fps,
+                           const FollowCamera& options = {});
 
 }  // namespace ecorche

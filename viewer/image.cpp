@@ -5,8 +5,8 @@
 #include <csetjmp>
 #include <string_view>
 
-#include "anatomy/atomic_file.h"
 #include "anatomy/errors.h"
+#include "anatomy/files/atomic_file.h"
 
 namespace ecorche {
 namespace {
@@ -28,7 +28,8 @@ bool encode(const Image& image, png_bytepp rows, std::vector<std::uint8_t>& out)
   }
   png_set_write_fn(png, &out, append, flush);
   png_set_compression_level(png, 4);
-  png_set_IHDR(png, info, image.width, image.height, 8, image.transparent ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB,
+  png_set_IHDR(png, info, image.width, image.height, 8,
+               image.transparent ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB,
                PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
   png_write_info(png, info);
@@ -42,7 +43,7 @@ bool encode(const Image& image, png_bytepp rows, std::vector<std::uint8_t>& out)
 }  // namespace
 
 Image make_image(int width, int height, std::uint8_t grey) {
-  return {width, height, std::vector<std::uint8_t>(4 * static_cast<std::size_t>(width) * height, grey), false};
+  return {width, height, std::vector<std::uint8_t>(4 * std::size_t(width) * height, grey), false};
 }
 
 std::vector<std::uint8_t> encode_png(const Image& image) {

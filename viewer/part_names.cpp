@@ -8,18 +8,19 @@
 #include <sstream>
 
 #include "anatomy/errors.h"
-#include "skinning/name_pattern.h"
+#include "skinning/motion/name_pattern.h"
 #include "viewer/scene.h"
 
 namespace ecorche {
 namespace {
 
-std::uint32_t bone_part(std::size_t index) { return kFirstBonePart + static_cast<std::uint32_t>(index); }
-std::uint32_t muscle_part(std::size_t index) { return kFirstMusclePart + static_cast<std::uint32_t>(index); }
+std::uint32_t bone_part(std::size_t index) { return kFirstBonePart + std::uint32_t(index); }
+std::uint32_t muscle_part(std::size_t index) { return kFirstMusclePart + std::uint32_t(index); }
 
 std::string spelled(std::string_view text) {
   std::string out;
-  for (const char c : text) out += c == ' ' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (const char c : text)
+    out += c == ' ' ? '_' : char(std::tolower(static_cast<unsigned char>(c)));
   return out;
 }
 
@@ -32,21 +33,26 @@ bool is_called(const std::string& name, std::string_view asked) {
   const std::string_view bare = without_side(name);
   if (matches_pattern(asked, name) || matches_pattern(asked, bare)) return true;
   const std::string_view part = without_side(asked);
-  const bool begins = bare.size() > part.size() && bare.starts_with(part) && bare[part.size()] == '_';
+  const bool begins =
+      bare.size() > part.size() && bare.starts_with(part) && bare[part.size()] == '_';
   return begins && (part == asked || name.ends_with(asked.substr(part.size())));
 }
 
 bool is_of_region(const Muscle& muscle, std::string_view asked) {
   if (muscle.layer == asked) return true;
   const std::string_view region = without_side(asked);
-  const bool within = muscle.group == region || (muscle.group.starts_with(region) && muscle.group[region.size()] == '_');
+  const bool within = muscle.group == region ||
+                      (muscle.group.starts_with(region) && muscle.group[region.size()] == '_');
   return within && (region == asked || muscle.name.ends_with(asked.substr(region.size())));
 }
 
-const char* side_word(Side side) { return side == Side::left ? ", left" : side == Side::right ? ", right" : ""; }
+const char* side_word(Side side) {
+  return side == Side::left ? ", left" : side == Side::right ? ", right" : "";
+}
 
 std::vector<std::string> known_names(const Anatomy& anatomy) {
-  std::vector<std::string> names{"skin", "eyes", "muscles", "bones", "superficial", "intermediate", "deep"};
+  std::vector<std::string> names{"skin",        "eyes",         "muscles", "bones",
+                                 "superficial", "intermediate", "deep"};
   for (const Muscle& muscle : anatomy.muscles) {
     names.push_back(muscle.name);
     names.emplace_back(without_side(muscle.name));
@@ -78,11 +84,13 @@ std::size_t distance_between(std::string_view a, std::string_view b) {
 
 std::string part_name(const Anatomy& anatomy, std::uint32_t number) {
   const Part part = part_of(number);
-  const auto index = static_cast<std::size_t>(std::max(part.index, 0));
+  const std::size_t index = std::max(part.index, 0);
   if (part.kind == Part::Kind::skin) return "skin";
   if (part.kind == Part::Kind::eyes) return "eyes";
-  if (part.kind == Part::Kind::bone && index < anatomy.bones.size()) return anatomy.bones[index].name;
-  if (part.kind == Part::Kind::muscle && index < anatomy.muscles.size()) return anatomy.muscles[index].name;
+  if (part.kind == Part::Kind::bone && index < anatomy.bones.size())
+    return anatomy.bones[index].name;
+  if (part.kind == Part::Kind::muscle && index < anatomy.muscles.size())
+    return anatomy.muscles[index].name;
   return {};
 }
 
@@ -91,13 +99,14 @@ std::string part_label(const Anatomy& anatomy, std::uint32_t number) {
   const std::string name = part_name(anatomy, number);
   if (name.empty()) return name;
   if (part.kind == Part::Kind::muscle) {
-    const Muscle& muscle = anatomy.muscles[static_cast<std::size_t>(part.index)];
-    return (muscle.label.empty() ? std::string(without_side(name)) : muscle.label) + side_word(muscle.side);
+    const Muscle& muscle = anatomy.muscles[part.index];
+    return (muscle.label.empty() ? std::string(without_side(name)) : muscle.label) +
+           side_word(muscle.side);
   }
   if (part.kind != Part::Kind::bone) return name;
   std::string label(without_side(name));
   std::replace(label.begin(), label.end(), '_', ' ');
-  return label + side_word(anatomy.bones[static_cast<std::size_t>(part.index)].side);
+  return label + side_word(anatomy.bones[part.index].side);
 }
 
 std::vector<std::uint32_t> all_parts(const Anatomy& anatomy) {
@@ -117,20 +126,24 @@ std::vector<std::uint32_t> parts_named(const Anatomy& anatomy, std::string_view 
     if (asked == "bones" || is_called(anatomy.bones[b].name, asked)) parts.push_back(bone_part(b));
   for (std::size_t m = 0; m < anatomy.muscles.size(); ++m) {
     const Muscle& muscle = anatomy.muscles[m];
-    if (asked == "muscles" || is_called(muscle.name, asked) || is_of_region(muscle, asked)) parts.push_back(muscle_part(m));
+    if (asked == "muscles" || is_called(muscle.name, asked) || is_of_region(muscle, asked))
+      parts.push_back(muscle_part(m));
   }
   return parts;
 }
 
-std::vector<std::uint32_t> parts_of_list(const Anatomy& anatomy, const std::string& names, const std::string& where) {
+std::vector<std::uint32_t> parts_of_list(const Anatomy& anatomy, const std::string& names,
+                                         const std::string& where) {
   std::vector<std::uint32_t> all;
   std::istringstream text(names);
   for (std::string name; std::getline(text, name, ',');) {
     const std::vector<std::uint32_t> parts = parts_named(anatomy, name);
     if (parts.empty()) {
       const std::string near = nearest_name(spelled(name), known_names(anatomy));
-      throw UsageError(fmt::format("{}: no part is called '{}'{}; name a bone, a muscle, a region of muscles, a layer, skin, muscles or bones",
-                                   where, name, near.empty() ? "" : fmt::format(": did you mean '{}'?", near)));
+      throw UsageError(
+          fmt::format("{}: no part is called '{}'{}; name a bone, a muscle, a region of muscles, a "
+                      "layer, skin, muscles or bones",
+                      where, name, near.empty() ? "" : fmt::format(": did you mean '{}'?", near)));
     }
     all.insert(all.end(), parts.begin(), parts.end());
   }

@@ -17,7 +17,8 @@ namespace {
 const Vec3f short_color(0.95f, 0.52f, 0.20f);
 const Vec3f long_color(0.36f, 0.19f, 0.42f);
 const Vec3f selected_color(0.98f, 0.80f, 0.25f);
-// Okabe & Ito's orange, which flesh and light turn yellow, and their blue, with a light grey between them.
+// Okabe & Ito's orange, which flesh and light turn yellow, and their blue, with a light grey
+// between them.
 const Vec3f map_short(0.90f, 0.62f, 0.00f);
 const Vec3f map_rest(0.88f, 0.87f, 0.85f);
 const Vec3f map_long(0.00f, 0.45f, 0.70f);
@@ -30,8 +31,9 @@ float patchiness(const Vec3f& p) {
   float sum = 0;
   for (int k = 0; k < 8; ++k) {
     const Eigen::Vector3i c = cell + Eigen::Vector3i(k & 1, (k >> 1) & 1, k >> 2);
-    const auto seed = static_cast<std::uint32_t>(c.x() * 73856093 ^ c.y() * 19349663 ^ c.z() * 83492791);
-    sum += scattered(seed) * (k & 1 ? t.x() : 1 - t.x()) * (k & 2 ? t.y() : 1 - t.y()) * (k & 4 ? t.z() : 1 - t.z());
+    const std::uint32_t seed = c.x() * 73856093 ^ c.y() * 19349663 ^ c.z() * 83492791;
+    sum += scattered(seed) * (k & 1 ? t.x() : 1 - t.x()) * (k & 2 ? t.y() : 1 - t.y()) *
+           (k & 4 ? t.z() : 1 - t.z());
   }
   return sum;
 }
@@ -44,14 +46,16 @@ std::vector<Vec3f> to_float(const Points& points) {
 
 std::vector<Triangle32> to_indices(const Triangles& triangles) {
   std::vector<Triangle32> out(triangles.rows());
-  for (Eigen::Index i = 0; i < triangles.rows(); ++i) out[i] = triangles.row(i).transpose().cast<std::uint32_t>();
+  for (Eigen::Index i = 0; i < triangles.rows(); ++i)
+    out[i] = triangles.row(i).transpose().cast<std::uint32_t>();
   return out;
 }
 
 void set_normals(DrawMesh& mesh) {
   mesh.normals.assign(mesh.positions.size(), Vec3f::Zero());
   for (const Triangle32& t : mesh.triangles) {
-    const Vec3f n = (mesh.positions[t[1]] - mesh.positions[t[0]]).cross(mesh.positions[t[2]] - mesh.positions[t[0]]);
+    const Vec3f n = (mesh.positions[t[1]] - mesh.positions[t[0]])
+                        .cross(mesh.positions[t[2]] - mesh.positions[t[0]]);
     for (int k = 0; k < 3; ++k) mesh.normals[t[k]] += n;
   }
   for (Vec3f& n : mesh.normals) n = n.squaredNorm() > 0 ? n.normalized() : Vec3f(0, 1, 0);
@@ -75,30 +79,37 @@ void set_dissolve_order(DrawMesh& skin) {
   skin.dissolve.clear();
   for (const Vec3f& p : skin.positions) {
     const Vec3f q = p / height;
-    const float patches = 0.6f * patchiness(17 * q) + 0.3f * patchiness(41 * q) + 0.1f * patchiness(97 * q);
-    skin.dissolve.push_back(std::clamp(0.72f * (p.y() - low) / height + 0.28f * patches, 0.001f, 0.999f));
+    const float patches =
+        0.6f * patchiness(17 * q) + 0.3f * patchiness(41 * q) + 0.1f * patchiness(97 * q);
+    skin.dissolve.push_back(
+        std::clamp(0.72f * (p.y() - low) / height + 0.28f * patches, 0.001f, 0.999f));
   }
 }
 
 // Fibres lie side by side around each strip, `fascicle` wide at its thickest.
-void set_fibres(DrawMesh& muscles, const MuscleSurface& surface, const Anatomy& anatomy, std::span<const SliceRange> strips, double fascicle) {
+void set_fibres(DrawMesh& muscles, const MuscleSurface& surface, const Anatomy& anatomy,
+                std::span<const SliceRange> strips, double fascicle) {
   std::vector<float> fibres, lengths;
   for (const SliceRange& range : strips) {
     const Strip& strip = anatomy.muscles[range.muscle].strips[range.strip];
     double girth = 0;
-    for (const Slice& slice : strip.slices) girth = std::max(girth, std::numbers::pi * (slice.radii.x() + slice.radii.y()));
-    fibres.insert(fibres.end(), strip.slices.size(), std::max(6.0f, static_cast<float>(std::round(girth / fascicle))));
-    lengths.insert(lengths.end(), strip.slices.size(), static_cast<float>(strip.rest_length));
+    for (const Slice& slice : strip.slices)
+      girth = std::max(girth, std::numbers::pi * (slice.radii.x() + slice.radii.y()));
+    fibres.insert(fibres.end(), strip.slices.size(),
+                  std::max(6.0f, float(std::round(girth / fascicle))));
+    lengths.insert(lengths.end(), strip.slices.size(), float(strip.rest_length));
   }
   for (int i = 0; i < surface.vertices(); ++i) {
     const int k = surface.slice[i];
-    muscles.fibres.emplace_back(std::cos(surface.angle[i]), std::sin(surface.angle[i]), fibres[k], surface.along[i] * lengths[k]);
+    muscles.fibres.emplace_back(std::cos(surface.angle[i]), std::sin(surface.angle[i]), fibres[k],
+                                surface.along[i] * lengths[k]);
   }
 }
 
 Vec3f mix(const Vec3f& a, const Vec3f& b, float t) { return a + t * (b - a); }
 
-void color_muscles(const SceneModel& model, std::span<const float> activity, const Appearance& appearance, DrawMesh& mesh) {
+void color_muscles(const SceneModel& model, std::span<const float> activity,
+                   const Appearance& appearance, DrawMesh& mesh) {
   mesh.colors.resize(model.surface.vertices());
   for (const MuscleSurface::Part& part : model.surface.parts) {
     const float a = activity.empty() ? 0 : std::clamp(activity[part.muscle], -1.0f, 1.0f);
@@ -106,11 +117,12 @@ void color_muscles(const SceneModel& model, std::span<const float> activity, con
     Vec3f belly = muscle_color(appearance.muscle_colors, a);
     if (!map) belly *= muscle_tone(part.muscle);
     Vec3f tendon = map ? Vec3f(0.70f, 0.69f, 0.67f) : kTendonLook.color;
-    if (appearance.selected == kFirstMusclePart + static_cast<std::uint32_t>(part.muscle)) {
+    if (appearance.selected == kFirstMusclePart + std::uint32_t(part.muscle)) {
       belly = selected_color;
       tendon = mix(tendon, selected_color, 0.5f);
     }
-    for (int i = part.vertex_begin; i < part.vertex_end; ++i) mesh.colors[i] = mix(tendon, belly, model.surface.belly[i]);
+    for (int i = part.vertex_begin; i < part.vertex_end; ++i)
+      mesh.colors[i] = mix(tendon, belly, model.surface.belly[i]);
   }
 }
 
@@ -120,20 +132,33 @@ void copy_into(const PointsF& from, std::vector<Vec3f>& to) {
 }
 
 void take_skin(const SkinFrame& frame, DrawMesh& mesh) {
-  if (frame.positions.size() != 4 * mesh.positions.size() || frame.normals.size() != frame.positions.size())
-    throw std::invalid_argument(fmt::format("update_scene: {} skin coordinates for {} vertices", frame.positions.size(), mesh.positions.size()));
+  if (frame.positions.size() != 4 * mesh.positions.size() ||
+      frame.normals.size() != frame.positions.size())
+    throw std::invalid_argument(fmt::format("update_scene: {} skin coordinates for {} vertices",
+                                            frame.positions.size(), mesh.positions.size()));
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    mesh.positions[i] = Vec3f(frame.positions[4 * i], frame.positions[4 * i + 1], frame.positions[4 * i + 2]);
-    mesh.normals[i] = Vec3f(frame.normals[4 * i], frame.normals[4 * i + 1], frame.normals[4 * i + 2]);
+    mesh.positions[i] =
+        Vec3f(frame.positions[4 * i], frame.positions[4 * i + 1], frame.positions[4 * i + 2]);
+    mesh.normals[i] =
+        Vec3f(frame.normals[4 * i], frame.normals[4 * i + 1], frame.normals[4 * i + 2]);
   }
 }
 
 Surface bone_surface(const Appearance& appearance, float opacity) {
-  return {.color = appearance.bone_color, .opacity = opacity, .roughness = kBoneLook.roughness, .specular = 0.035f, .scatter = 0.25f};
+  return {.color = appearance.bone_color,
+          .opacity = opacity,
+          .roughness = kBoneLook.roughness,
+          .specular = 0.035f,
+          .scatter = 0.25f};
 }
 
 Surface muscle_surface(float opacity) {
-  return {.color = kMuscleLook.color, .opacity = opacity, .roughness = kMuscleLook.roughness, .specular = 0.045f, .scatter = 0.35f, .striation = 1};
+  return {.color = kMuscleLook.color,
+          .opacity = opacity,
+          .roughness = kMuscleLook.roughness,
+          .specular = 0.045f,
+          .scatter = 0.35f,
+          .striation = 1};
 }
 
 Surface skin_surface(const Appearance& appearance, const Look& look) {
@@ -152,12 +177,16 @@ Mat4f moved_by(const Vec3f& offset) {
   return m;
 }
 
-// The list's meshes, in the model's order: skin, muscles, bones, eyes. A list from elsewhere is filled anew.
+// The list's meshes, in the model's order: skin, muscles, bones, eyes. A list from elsewhere is
+// filled anew.
 void take_meshes(const SceneModel& model, Scene& scene) {
   DrawList& list = scene.list;
   const std::size_t wanted = 2 + model.bones.size() + model.eyes.size();
-  bool same = list.meshes.size() == wanted && list.meshes[0].key == model.skin.key && list.meshes[1].key == model.muscles.key;
-  if (same) same = list.meshes[0].positions.size() == model.skin.positions.size() && list.meshes[1].fibres.size() == model.muscles.fibres.size();
+  bool same = list.meshes.size() == wanted && list.meshes[0].key == model.skin.key &&
+              list.meshes[1].key == model.muscles.key;
+  if (same)
+    same = list.meshes[0].positions.size() == model.skin.positions.size() &&
+           list.meshes[1].fibres.size() == model.muscles.fibres.size();
   if (same && !model.bones.empty()) same = list.meshes[2].revision == model.bones[0].revision;
   if (same) return;
   list.meshes.clear();
@@ -182,13 +211,14 @@ std::uint64_t shape_without(std::span<const std::uint32_t> parts) {
 
 // Hidden muscles' triangles go: they are neither seen nor picked, nor do they cast shadows.
 void leave_away_muscles(const SceneModel& model, const Appearance& appearance, Scene& scene) {
-  const auto first = std::lower_bound(appearance.hidden.begin(), appearance.hidden.end(), kFirstMusclePart);
+  const auto first =
+      std::lower_bound(appearance.hidden.begin(), appearance.hidden.end(), kFirstMusclePart);
   const std::span<const std::uint32_t> hidden(first, appearance.hidden.end());
   if (std::ranges::equal(hidden, scene.muscles_left_away)) return;
   DrawMesh& mesh = scene.list.meshes[1];
   mesh.triangles.clear();
   for (const MuscleSurface::Part& part : model.surface.parts)
-    if (!is_hidden(appearance, kFirstMusclePart + static_cast<std::uint32_t>(part.muscle)))
+    if (!is_hidden(appearance, kFirstMusclePart + std::uint32_t(part.muscle)))
       mesh.triangles.insert(mesh.triangles.end(), model.muscles.triangles.begin() + part.face_begin,
                             model.muscles.triangles.begin() + part.face_end);
   mesh.shape = shape_without(hidden);
@@ -202,20 +232,22 @@ Mat4f joint_motion(const SceneModel& model, const PosedAnatomy& posed, int joint
   return moved.matrix().cast<float>();
 }
 
-void add_look(const SceneModel& model, const PosedAnatomy& posed, const Appearance& appearance, const Look& look, DrawList& list) {
+void add_look(const SceneModel& model, const PosedAnatomy& posed, const Appearance& appearance,
+              const Look& look, DrawList& list) {
   const Mat4f offset = moved_by(look.offset);
   if (look.bones > 0) {
     for (std::size_t b = 0; b < model.bones.size(); ++b) {
-      const std::uint32_t part = kFirstBonePart + static_cast<std::uint32_t>(b);
+      const std::uint32_t part = kFirstBonePart + std::uint32_t(b);
       if (is_hidden(appearance, part)) continue;
       DrawItem& item = list.items.emplace_back();
-      item.mesh = static_cast<int>(2 + b);
+      item.mesh = int(2 + b);
       item.X_WM = offset * joint_motion(model, posed, model.bone_joints[b]);
       item.surface = bone_surface(appearance, look.bones);
       item.closed = true;
       item.part = part;
       if (item.part == appearance.selected) item.surface.color = selected_color;
-      item.casts_shadow = look.muscles < 0.5f || model.bone_shadows[b] || !appearance.hidden.empty();
+      item.casts_shadow =
+          look.muscles < 0.5f || model.bone_shadows[b] || !appearance.hidden.empty();
     }
   }
   // Eyes go with whatever hides what is behind them; bare bones have none.
@@ -223,9 +255,12 @@ void add_look(const SceneModel& model, const PosedAnatomy& posed, const Appearan
   if (faced && !is_hidden(appearance, kEyesPart)) {
     for (std::size_t e = 0; e < model.eyes.size(); ++e) {
       DrawItem& item = list.items.emplace_back();
-      item.mesh = static_cast<int>(2 + model.bones.size() + e);
+      item.mesh = int(2 + model.bones.size() + e);
       item.X_WM = offset * joint_motion(model, posed, model.eye_joints[e]);
-      item.surface = {.color = Vec3f(0.9f, 0.9f, 0.9f), .roughness = kEyeWhiteLook.roughness, .specular = 0.04f, .scatter = 0.2f};
+      item.surface = {.color = Vec3f(0.9f, 0.9f, 0.9f),
+                      .roughness = kEyeWhiteLook.roughness,
+                      .specular = 0.04f,
+                      .scatter = 0.2f};
       item.casts_shadow = false;
       item.closed = true;
     }
@@ -237,7 +272,8 @@ void add_look(const SceneModel& model, const PosedAnatomy& posed, const Appearan
     item.surface = muscle_surface(look.muscles);
     item.closed = true;
   }
-  const bool skinned = (look.skin > 0 || look.skin_edge > 0) && look.skin_dissolved < 1 && !model.skin.triangles.empty();
+  const bool skinned = (look.skin > 0 || look.skin_edge > 0) && look.skin_dissolved < 1 &&
+                       !model.skin.triangles.empty();
   if (skinned && !is_hidden(appearance, kSkinPart)) {
     DrawItem& item = list.items.emplace_back();
     item.mesh = 0;
@@ -266,13 +302,14 @@ DrawMesh make_eye(const Eyeball& eye, std::uint64_t key) {
   DrawMesh mesh;
   mesh.key = key;
   for (const EyePart& part : eye_parts(eye)) {
-    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    const std::uint32_t first = mesh.positions.size();
     for (Eigen::Index i = 0; i < part.mesh.V.rows(); ++i) {
       mesh.positions.push_back(part.mesh.V.row(i).transpose().cast<float>());
       mesh.normals.push_back(part.normals.row(i).transpose().cast<float>());
       mesh.colors.push_back(part.look.color);
     }
-    for (const Triangle32& t : to_indices(part.mesh.F)) mesh.triangles.emplace_back(t.array() + first);
+    for (const Triangle32& t : to_indices(part.mesh.F))
+      mesh.triangles.emplace_back(t.array() + first);
   }
   return mesh;
 }
@@ -281,13 +318,15 @@ DrawMesh make_eye(const Eyeball& eye, std::uint64_t key) {
 
 Vec3f muscle_color(MuscleColors colors, float activity) {
   const bool map = colors == MuscleColors::shortening;
-  const Vec3f &rest = map ? map_rest : kMuscleLook.color, &end = activity >= 0 ? (map ? map_short : short_color) : (map ? map_long : long_color);
+  const Vec3f &rest = map ? map_rest : kMuscleLook.color,
+              &end =
+                  activity >= 0 ? (map ? map_short : short_color) : (map ? map_long : long_color);
   return mix(rest, end, std::min(std::abs(activity), 1.0f));
 }
 
 Part part_of(std::uint32_t number) {
-  if (number >= kFirstMusclePart) return {Part::Kind::muscle, static_cast<int>(number - kFirstMusclePart)};
-  if (number >= kFirstBonePart) return {Part::Kind::bone, static_cast<int>(number - kFirstBonePart)};
+  if (number >= kFirstMusclePart) return {Part::Kind::muscle, int(number - kFirstMusclePart)};
+  if (number >= kFirstBonePart) return {Part::Kind::bone, int(number - kFirstBonePart)};
   if (number == kSkinPart) return {Part::Kind::skin, 0};
   if (number == kEyesPart) return {Part::Kind::eyes, 0};
   return {};
@@ -298,7 +337,8 @@ std::uint64_t fresh_scene_key() {
   return ++last;
 }
 
-SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin, const SceneOptions& options) {
+SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin,
+                            const SceneOptions& options) {
   SceneModel model;
   const std::uint64_t key = options.key << 32;
   model.skin = make_mesh(skin, key + 1);
@@ -315,35 +355,43 @@ SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin, const S
   }
   model.joint_rest = rest_positions(anatomy.skeleton);
   model.strips = slice_ranges(anatomy);
-  for (const SliceRange& range : model.strips) model.rest_lengths.push_back(anatomy.muscles[range.muscle].strips[range.strip].rest_length);
-  model.muscle_count = static_cast<int>(anatomy.muscles.size());
+  for (const SliceRange& range : model.strips)
+    model.rest_lengths.push_back(anatomy.muscles[range.muscle].strips[range.strip].rest_length);
+  model.muscle_count = anatomy.muscles.size();
   model.muscles.key = key + 2;
   if (anatomy.muscles.empty()) return model;
   model.surface = make_muscle_surface(anatomy, options.surface);
   model.muscles.triangles = to_indices(model.surface.F);
-  for (const int m : model.surface.muscle) model.muscles.parts.push_back(kFirstMusclePart + static_cast<std::uint32_t>(m));
+  for (const int m : model.surface.muscle)
+    model.muscles.parts.push_back(kFirstMusclePart + std::uint32_t(m));
   set_fibres(model.muscles, model.surface, anatomy, model.strips, options.fascicle);
   return model;
 }
 
-void muscle_shortening(const SceneModel& model, const PosedAnatomy& posed, std::vector<float>& out) {
+void muscle_shortening(const SceneModel& model, const PosedAnatomy& posed,
+                       std::vector<float>& out) {
   if (posed.lengths.size() != model.rest_lengths.size())
-    throw std::invalid_argument(fmt::format("muscle_shortening: {} lengths for {} strips", posed.lengths.size(), model.rest_lengths.size()));
+    throw std::invalid_argument(fmt::format("muscle_shortening: {} lengths for {} strips",
+                                            posed.lengths.size(), model.rest_lengths.size()));
   out.assign(model.muscle_count, 0);
   for (std::size_t k = 0; k < model.strips.size();) {
     const int m = model.strips[k].muscle;
     double rest = 0, now = 0;
-    for (; k < model.strips.size() && model.strips[k].muscle == m; ++k) rest += model.rest_lengths[k], now += posed.lengths[k];
-    if (rest > 0) out[m] = static_cast<float>(std::clamp((rest - now) / (0.2 * rest), -1.0, 1.0));
+    for (; k < model.strips.size() && model.strips[k].muscle == m; ++k)
+      rest += model.rest_lengths[k], now += posed.lengths[k];
+    if (rest > 0) out[m] = float(std::clamp((rest - now) / (0.2 * rest), -1.0, 1.0));
   }
 }
 
-void update_scene(const SceneModel& model, const PosedAnatomy& posed, const SkinFrame* skin, std::span<const float> activity,
-                  const Appearance& appearance, std::uint64_t revision, Scene& scene) {
+void update_scene(const SceneModel& model, const PosedAnatomy& posed, const SkinFrame* skin,
+                  std::span<const float> activity, const Appearance& appearance,
+                  std::uint64_t revision, Scene& scene) {
   if (posed.X_WJ.size() != model.joint_rest.size())
-    throw std::invalid_argument(fmt::format("update_scene: a pose of {} joints for {}", posed.X_WJ.size(), model.joint_rest.size()));
-  if (!activity.empty() && static_cast<int>(activity.size()) != model.muscle_count)
-    throw std::invalid_argument(fmt::format("update_scene: {} activities for {} muscles", activity.size(), model.muscle_count));
+    throw std::invalid_argument(fmt::format("update_scene: a pose of {} joints for {}",
+                                            posed.X_WJ.size(), model.joint_rest.size()));
+  if (!activity.empty() && int(activity.size()) != model.muscle_count)
+    throw std::invalid_argument(fmt::format("update_scene: {} activities for {} muscles",
+                                            activity.size(), model.muscle_count));
   take_meshes(model, scene);
   leave_away_muscles(model, appearance, scene);
   DrawMesh& muscles = scene.list.meshes[1];

@@ -1,5 +1,5 @@
 // Outputs appear whole or not at all.
-#include "anatomy/atomic_file.h"
+#include "anatomy/files/atomic_file.h"
 
 #include <gtest/gtest.h>
 
@@ -58,7 +58,8 @@ TEST(AtomicFile, RefusesFoldersAndMissingParents) {
 
 TEST(AtomicFile, AFullDiskIsAnOutputError) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
-  // A folder that is a link to /dev cannot take our temporary either; what matters is the error's type.
+  // A folder that is a link to /dev cannot take our temporary either; what matters is the error's
+  // type.
   EXPECT_THROW(write_file_atomically("/dev/full/a.txt", "x"), OutputError);
 }
 
@@ -77,7 +78,8 @@ TEST(AtomicFile, ALinkStaysALinkAndItsTargetIsReplaced) {
   EXPECT_THROW(write_file_atomically(folder.path / "device.txt", "x"), OutputError);
 }
 
-// What a run that was killed has left is removed by the next one; what another one is still writing is not.
+// What a run that was killed has left is removed by the next one; what another one is still writing
+// is not.
 TEST(AtomicFile, SweepsWhatTheKilledHaveLeft) {
   const Folder folder;
   const pid_t child = fork();

@@ -1,9 +1,9 @@
 // Belly and tendon as tables state them are those that pictures show.
-#include "anatomy/belly_length.h"
+#include "anatomy/muscles/belly_length.h"
 
 #include <gtest/gtest.h>
 
-#include "anatomy/pose_anatomy.h"
+#include "anatomy/posing/pose_anatomy.h"
 #include "tests/skinning/arm.h"
 
 namespace ecorche {
@@ -15,7 +15,7 @@ double shown_belly(const PosedAnatomy& posed) {
   for (std::size_t k = 1; k < posed.slices.size(); ++k) {
     const double piece = (posed.slices[k].center - posed.slices[k - 1].center).norm();
     whole += piece;
-    belly += piece * 0.5 * static_cast<double>(posed.belly[k - 1] + posed.belly[k]);
+    belly += piece * 0.5 * double(posed.belly[k - 1] + posed.belly[k]);
   }
   return belly / whole * posed.lengths[0];
 }
@@ -28,7 +28,8 @@ TEST(BellyLength, IsWhatIsDrawn) {
   strip.belly_begin = 0.25;
   strip.belly_end = 0.75;
   strip.slices.clear();
-  for (int k = 0; k < 60; ++k) strip.slices.push_back({k / 59.0, 0, Vec2::Zero(), Vec2(0.01, 0.008)});
+  for (int k = 0; k < 60; ++k)
+    strip.slices.push_back({k / 59.0, 0, Vec2::Zero(), Vec2(0.01, 0.008)});
   const PosingTable table = make_posing_table(arm.anatomy);
   const BellyShare share = belly_shares(arm.anatomy)[0];
   for (const double turn : {0.6, 0.0, -0.8, -1.6})
@@ -51,7 +52,8 @@ TEST(BellyLength, RestIsTheShareOfTheLine) {
   arm.anatomy.muscles[0].strips[0].belly_begin = 0.25;
   const BellyShare share = belly_shares(arm.anatomy)[0];
   EXPECT_NEAR(belly_length(share, share.rest, 0), 0.75 * share.rest, 1e-12);
-  EXPECT_NEAR(belly_length(belly_shares(test::make_arm().anatomy)[0], share.rest, 0), share.rest, 1e-12);  // no tendon: all of it
+  EXPECT_NEAR(belly_length(belly_shares(test::make_arm().anatomy)[0], share.rest, 0), share.rest,
+              1e-12);  // no tendon: all of it
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "anatomy/body_package.h"
+#include "anatomy/base_mesh/body_package.h"
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,8 @@ bool is_closed(const Triangles& F) {
 double volume_of(const TriMesh& mesh) {
   double six = 0;
   for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
-    const Vec3 a = mesh.V.row(mesh.F(f, 0)), b = mesh.V.row(mesh.F(f, 1)), c = mesh.V.row(mesh.F(f, 2));
+    const Vec3 a = mesh.V.row(mesh.F(f, 0)), b = mesh.V.row(mesh.F(f, 1)),
+               c = mesh.V.row(mesh.F(f, 2));
     six += a.dot(b.cross(c));
   }
   return six / 6;
@@ -54,32 +55,35 @@ TEST_F(BodyPackageTest, MirrorMapsSkinOntoItself) {
   const auto& p = package();
   double worst = 0;
   for (Eigen::Index i = 0; i < p.skin_size; ++i) {
-    const Vec3 here = p.points.row(i), there = p.points.row(p.mirror[static_cast<std::size_t>(i)]);
+    const Vec3 here = p.points.row(i), there = p.points.row(p.mirror[i]);
     worst = std::max(worst, (here - Vec3(-there.x(), there.y(), there.z())).norm());
   }
   EXPECT_LT(worst, 1e-3);
   const auto edges = directed_edges(p.triangles);
   int unlike = 0;
   for (const auto& [edge, count] : edges) {
-    if (!edges.contains({p.mirror[static_cast<std::size_t>(edge.second)], p.mirror[static_cast<std::size_t>(edge.first)]})) ++unlike;
+    if (!edges.contains({p.mirror[edge.second], p.mirror[edge.first]})) ++unlike;
   }
   EXPECT_EQ(unlike, 0);
 }
 
 TEST_F(BodyPackageTest, RigsAreTreesWithWeightsThatSumToOne) {
-  const std::map<std::string, std::size_t> sizes{{"default", 163}, {"cmu_mb", 31}, {"mixamo", 52}, {"game_engine", 53}};
+  const std::map<std::string, std::size_t> sizes{
+      {"default", 163}, {"cmu_mb", 31}, {"mixamo", 52}, {"game_engine", 53}};
   for (const auto& [name, size] : sizes) {
     const Rig rig = read_rig(package(), name, package().points);
     ASSERT_EQ(rig.names.size(), size) << name;
     for (std::size_t b = 0; b < size; ++b) {
-      EXPECT_LT(rig.parents[b], static_cast<int>(b));
+      EXPECT_LT(rig.parents[b], int(b));
       EXPECT_TRUE(rig.axes[b].isUnitary(1e-9));
-      EXPECT_LT((rig.axes[b].col(1) - (rig.tails[b] - rig.heads[b]).normalized()).norm(), 1e-9) << rig.names[b];
+      EXPECT_LT((rig.axes[b].col(1) - (rig.tails[b] - rig.heads[b]).normalized()).norm(), 1e-9)
+          << rig.names[b];
     }
-    ASSERT_EQ(rig.weights.start.size(), static_cast<std::size_t>(package().skin_size) + 1);
+    ASSERT_EQ(rig.weights.start.size(), std::size_t(package().skin_size) + 1);
     for (std::size_t i = 0; i + 1 < rig.weights.start.size(); ++i) {
       double sum = 0;
-      for (int k = rig.weights.start[i]; k < rig.weights.start[i + 1]; ++k) sum += rig.weights.weight[static_cast<std::size_t>(k)];
+      for (int k = rig.weights.start[i]; k < rig.weights.start[i + 1]; ++k)
+        sum += rig.weights.weight[k];
       EXPECT_NEAR(sum, 1, 1e-12);
     }
   }
@@ -92,8 +96,9 @@ TEST_F(BodyPackageTest, PartsMirrorAndCoverTheBody) {
   int unlike = 0;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     ++counts[parts[i].part];
-    const auto& other = parts[static_cast<std::size_t>(package().mirror[i])];
-    unlike += other.part != parts[i].part || (parts[i].side != Side::middle && other.side == parts[i].side);
+    const auto& other = parts[package().mirror[i]];
+    unlike += other.part != parts[i].part ||
+              (parts[i].side != Side::middle && other.side == parts[i].side);
   }
   EXPECT_EQ(counts.size(), 9u);
   EXPECT_LT(unlike, 20);  // vertices whose two parts weigh the same

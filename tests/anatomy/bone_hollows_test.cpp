@@ -1,11 +1,11 @@
-#include "anatomy/bone_hollows.h"
+#include "anatomy/bones/bone_hollows.h"
 
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
-#include "anatomy/bone_package.h"
+#include "anatomy/bones/bone_package.h"
 #include "anatomy/errors.h"
 
 namespace ecorche {
@@ -21,9 +21,12 @@ Bone ball(const std::string& name) {
   int face = 0;
   for (int r = 0; r <= kRings; ++r)
     for (int s = 0; s < kSpokes; ++s) {
-      const double polar = std::numbers::pi * (r + 0.001) / (kRings + 0.002), turn = 2 * std::numbers::pi * s / kSpokes;
+      const double polar = std::numbers::pi * (r + 0.001) / (kRings + 0.002),
+                   turn = 2 * std::numbers::pi * s / kSpokes;
       const int v = r * kSpokes + s, next = r * kSpokes + (s + 1) % kSpokes;
-      bone.mesh.V.row(v) = Eigen::RowVector3d(kSourceMidPlane + 0.08 * std::sin(polar) * std::cos(turn), 1 + 0.08 * std::cos(polar), 0.08 * std::sin(polar) * std::sin(turn));
+      bone.mesh.V.row(v) =
+          Eigen::RowVector3d(kSourceMidPlane + 0.08 * std::sin(polar) * std::cos(turn),
+                             1 + 0.08 * std::cos(polar), 0.08 * std::sin(polar) * std::sin(turn));
       if (r == kRings) continue;
       bone.mesh.F.row(face++) << v, next, v + kSpokes;
       bone.mesh.F.row(face++) << next, next + kSpokes, v + kSpokes;
@@ -32,7 +35,9 @@ Bone ball(const std::string& name) {
 }
 
 constexpr const char* kHead = "hollow,bone,depth_mm,rim_mm,left_mm,up_mm,front_mm\n";
-constexpr const char* kSquare = "dent,ball,6,10,70,970,-30\ndent,ball,6,10,70,970,30\ndent,ball,6,10,70,1030,30\ndent,ball,6,10,70,1030,-30\n";
+constexpr const char* kSquare =
+    "dent,ball,6,10,70,970,-30\ndent,ball,6,10,70,970,30\ndent,ball,6,10,70,1030,30\ndent,ball,6,"
+    "10,70,1030,-30\n";
 
 TEST(BoneHollows, GoInByTheirDepthOnBothSidesAndEndAtTheRim) {
   std::vector<Bone> bones{ball("ball")};
@@ -70,7 +75,8 @@ TEST(BoneHollows, NameWhatIsWrong) {
       EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
     }
   };
-  says("dent,cube,6,10,70,970,-30\ndent,cube,6,10,70,970,30\ndent,cube,6,10,70,1030,30\n", "unknown bone 'cube'");
+  says("dent,cube,6,10,70,970,-30\ndent,cube,6,10,70,970,30\ndent,cube,6,10,70,1030,30\n",
+       "unknown bone 'cube'");
   says("dent,ball,6,10,70,970,-30\ndent,ball,6,10,70,970,30\n", "has 2 points");
 }
 

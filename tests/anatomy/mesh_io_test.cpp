@@ -1,4 +1,4 @@
-#include "anatomy/mesh_io.h"
+#include "anatomy/mesh_files/mesh_io.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -54,7 +54,8 @@ TEST(MeshCorpus, EveryFileHasItsOutcome) {
     std::getline(row, outcome, '\t');
     std::getline(row, needle, '\t');
     EXPECT_EQ(outcome_of(folder / name, words), outcome) << name << ": " << words;
-    EXPECT_NE(words.find(needle), std::string::npos) << name << ": " << words << "\nlacks: " << needle;
+    EXPECT_NE(words.find(needle), std::string::npos)
+        << name << ": " << words << "\nlacks: " << needle;
     ++files;
   }
   EXPECT_GT(files, 80);
@@ -63,9 +64,11 @@ TEST(MeshCorpus, EveryFileHasItsOutcome) {
 // Whatever a file's bytes are changed to, it is read or refused.
 TEST(MeshCorpus, SurvivesEveryDamagedByteAndEveryTruncation) {
   const fs::path folder = fs::path(ECORCHE_TEST_DIR) / "corpus" / "mesh";
-  for (const char* name : {"quad.obj", "quad.ply", "quad_little.ply", "quad_big.ply", "quad.glb", "quad_nodes.glb"}) {
+  for (const char* name :
+       {"quad.obj", "quad.ply", "quad_little.ply", "quad_big.ply", "quad.glb", "quad_nodes.glb"}) {
     std::ifstream file(folder / name, std::ios::binary);
-    const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    const std::string bytes((std::istreambuf_iterator<char>(file)),
+                            std::istreambuf_iterator<char>());
     ASSERT_FALSE(bytes.empty());
     const auto attempt = [&](const std::string& changed) {
       try {
@@ -75,7 +78,7 @@ TEST(MeshCorpus, SurvivesEveryDamagedByteAndEveryTruncation) {
     };
     for (std::size_t k = 0; k < bytes.size(); ++k) {
       attempt(bytes.substr(0, k));
-      for (const char c : {'\0', '\xff', '9', '-', static_cast<char>(bytes[k] ^ 0x10)}) {
+      for (const char c : {'\0', '\xff', '9', '-', char(bytes[k] ^ 0x10)}) {
         std::string changed = bytes;
         changed[k] = c;
         attempt(changed);
@@ -102,7 +105,8 @@ TriMesh bumpy() {
   mesh.V.resize(n * n, 3);
   mesh.F.resize(2 * (n - 1) * (n - 1), 3);
   for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) mesh.V.row(i * n + j) << 0.1 * i / 3.0, std::sin(i * 1.7) / 7, 1e-9 * j + 1e5 / (1 + j);
+    for (int j = 0; j < n; ++j)
+      mesh.V.row(i * n + j) << 0.1 * i / 3.0, std::sin(i * 1.7) / 7, 1e-9 * j + 1e5 / (1 + j);
   }
   Eigen::Index f = 0;
   for (int i = 0; i + 1 < n; ++i) {
@@ -116,7 +120,10 @@ TriMesh bumpy() {
 
 TEST(MeshFiles, RoundTripExactlyUnderAnyName) {
   const TriMesh mesh = bumpy();
-  for (const std::string name : {"a.obj", "with space 'quoted'.obj", "\xC3\xA9" "corch\xC3\xA9.ply", "-dash.ply"}) {
+  for (const std::string name : {"a.obj", "with space 'quoted'.obj",
+                                 "\xC3\xA9"
+                                 "corch\xC3\xA9.ply",
+                                 "-dash.ply"}) {
     const auto file = scratch(name);
     name.ends_with(".obj") ? write_obj(file, mesh) : write_ply(file, mesh);
     const TriMesh back = read_mesh(file);
@@ -133,13 +140,15 @@ TEST(MeshFiles, WriteNothingHalfway) {
 
 TEST(MeshFiles, PlacesNodesOfAGlb) {
   const auto read = read_mesh(fs::path(ECORCHE_TEST_DIR) / "corpus" / "mesh" / "quad_nodes.glb");
-  EXPECT_LT((read.V.row(2) - Eigen::RowVector3d(4, 6, 6)).norm(), 1e-12);  // 2 * ((1, 1, 0) + (1, 2, 3))
+  EXPECT_LT((read.V.row(2) - Eigen::RowVector3d(4, 6, 6)).norm(),
+            1e-12);  // 2 * ((1, 1, 0) + (1, 2, 3))
 }
 
 double area_of(const TriMesh& mesh) {
   Vec3 sum = Vec3::Zero();
   for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
-    const Vec3 a = mesh.V.row(mesh.F(f, 0)), b = mesh.V.row(mesh.F(f, 1)), c = mesh.V.row(mesh.F(f, 2));
+    const Vec3 a = mesh.V.row(mesh.F(f, 0)), b = mesh.V.row(mesh.F(f, 1)),
+               c = mesh.V.row(mesh.F(f, 2));
     EXPECT_GE((b - a).cross(c - a).z(), 0);
     sum += 0.5 * (b - a).cross(c - a);
   }
@@ -157,7 +166,8 @@ TEST(MeshFiles, ConcavePolygonsAreCutInside) {
   corner(0, -1);
   corner(40, -1);
   for (int tooth = 20; tooth-- > 0;) {
-    corner(2 * tooth + 2, 0), corner(2 * tooth + 1, 0), corner(2 * tooth + 1, 5), corner(2 * tooth, 5);
+    corner(2 * tooth + 2, 0), corner(2 * tooth + 1, 0), corner(2 * tooth + 1, 5),
+        corner(2 * tooth, 5);
   }
   const MeshFile read = parse_mesh(text + face + "\n", "comb.obj");
   EXPECT_EQ(read.parts[0].mesh.F.rows(), corners - 2);

@@ -1,11 +1,12 @@
-// Laws of the rest line: it meets its path points, sections survive the way to slices and back, carrying is a map of bodies.
-#include "anatomy/muscle_line.h"
+// Laws of the rest line: it meets its path points, sections survive the way to slices and back,
+// carrying is a map of bodies.
+#include "anatomy/muscles/action_line.h"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-#include "anatomy/carry_muscles.h"
+#include "anatomy/muscles/transform_muscles.h"
 #include "tests/anatomy/strips.h"
 
 using namespace ecorche;
@@ -36,7 +37,9 @@ TEST(MuscleLine, MeetsItsPathPointsAndIsMeasuredByItsLength) {
   std::vector<double> even;
   for (int k = 0; k <= 400; ++k) even.push_back(k / 400.0);
   const auto line = line_points(path, even);
-  for (int k = 0; k < 400; ++k) EXPECT_NEAR((line[k + 1] - line[k]).norm(), line_length(path) / 400, 0.01 * line_length(path) / 400);
+  for (int k = 0; k < 400; ++k)
+    EXPECT_NEAR((line[k + 1] - line[k]).norm(), line_length(path) / 400,
+                0.01 * line_length(path) / 400);
 }
 
 TEST(MuscleLine, WeightsSumToOneSoThatTheLineMovesWithItsPoints) {
@@ -46,8 +49,10 @@ TEST(MuscleLine, WeightsSumToOneSoThatTheLineMovesWithItsPoints) {
 }
 
 TEST(MuscleLine, StraightPathsStayStraightHoweverUneven) {
-  const std::vector<PathPoint> path{on(0, {0, 0, 0}), on(0, {0, 0.01, 0}), on(0, {0, 0.3, 0}), on(0, {0, 0.31, 0})};
-  for (const Vec3& p : line_points(path, std::vector<double>{0.01, 0.2, 0.5, 0.99})) EXPECT_LT(std::hypot(p.x(), p.z()), 1e-15);
+  const std::vector<PathPoint> path{on(0, {0, 0, 0}), on(0, {0, 0.01, 0}), on(0, {0, 0.3, 0}),
+                                    on(0, {0, 0.31, 0})};
+  for (const Vec3& p : line_points(path, std::vector<double>{0.01, 0.2, 0.5, 0.99}))
+    EXPECT_LT(std::hypot(p.x(), p.z()), 1e-15);
   EXPECT_NEAR(line_length(path), 0.31, 1e-12);
 }
 
@@ -107,7 +112,8 @@ TEST(MuscleLine, TubeVolumeIsExactForConesAndBends) {
     e.radii = Vec2(0.03, 0.02);
     torus.push_back(e);
   }
-  EXPECT_NEAR(tube_volume(torus) / (std::numbers::pi * 0.03 * 0.02 * 0.1 * std::numbers::pi / 2), 1, 1e-5);
+  EXPECT_NEAR(tube_volume(torus) / (std::numbers::pi * 0.03 * 0.02 * 0.1 * std::numbers::pi / 2), 1,
+              1e-5);
 }
 
 TEST(CarryMuscles, TheSameBodyGivesTheSameStrip) {

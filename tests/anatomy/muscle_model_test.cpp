@@ -1,5 +1,6 @@
-// Models of other programs: small ones written here, real ones from ../shared, damaged ones from tests/corpus/model.
-#include "anatomy/muscle_model.h"
+// Models of other programs: small ones written here, real ones from ../shared, damaged ones from
+// tests/corpus/model.
+#include "anatomy/model_files/musculoskeletal_model.h"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +10,10 @@
 #include <sstream>
 
 #include "anatomy/errors.h"
-#include "anatomy/export_model.h"
-#include "anatomy/model_xml.h"
-#include "anatomy/osim_functions.h"
-#include "anatomy/taut_path.h"
+#include "anatomy/model_files/model_export.h"
+#include "anatomy/model_files/model_xml.h"
+#include "anatomy/model_files/osim_functions.h"
+#include "anatomy/muscles/taut_path.h"
 
 namespace ecorche {
 namespace {
@@ -23,15 +24,18 @@ const fs::path kCorpus = fs::path(ECORCHE_TEST_DIR) / "corpus/model";
 const fs::path kShared = fs::path(ECORCHE_SHARED_DIR) / "testdata/osim";
 
 // Two bodies and a muscle; `joint` is what moves the second body, `extra` what follows the bodies.
-std::string osim(const std::string& joint, const std::string& extra = "", const std::string& points = "") {
+std::string osim(const std::string& joint, const std::string& extra = "",
+                 const std::string& points = "") {
   return R"(<OpenSimDocument Version="40000"><Model name="two"><BodySet name="b"><objects>
     <Body name="thigh"><WrapObjectSet><objects><WrapCylinder name="knee_w"><active>true</active><xyz_body_rotation>0 0 0</xyz_body_rotation>
       <translation>0 -0.4 0</translation><quadrant>+x</quadrant><radius>0.03</radius><length>0.1</length></WrapCylinder></objects></WrapObjectSet></Body>
     <Body name="shank"/></objects></BodySet><JointSet name="j"><objects>
     <WeldJoint name="root"><socket_parent_frame>/ground</socket_parent_frame><socket_child_frame>/bodyset/thigh</socket_child_frame></WeldJoint>)" +
-         joint + "</objects></JointSet>" + extra + R"(<ForceSet name="f"><objects><Thelen2003Muscle name="quad"><GeometryPath name="p"><PathPointSet><objects>
+         joint + "</objects></JointSet>" + extra +
+         R"(<ForceSet name="f"><objects><Thelen2003Muscle name="quad"><GeometryPath name="p"><PathPointSet><objects>
     <PathPoint name="a"><socket_parent_frame>/bodyset/thigh</socket_parent_frame><location>0.05 0 0</location></PathPoint>)" +
-         points + R"(<PathPoint name="b"><socket_parent_frame>/bodyset/shank</socket_parent_frame><location>0.04 -0.1 0.01</location></PathPoint>
+         points +
+         R"(<PathPoint name="b"><socket_parent_frame>/bodyset/shank</socket_parent_frame><location>0.04 -0.1 0.01</location></PathPoint>
     </objects></PathPointSet><PathWrapSet><objects><PathWrap name="w"><wrap_object>knee_w</wrap_object><range>-1 -1</range></PathWrap></objects></PathWrapSet></GeometryPath>
     <max_isometric_force>1000</max_isometric_force><optimal_fiber_length>0.08</optimal_fiber_length><tendon_slack_length>0.3</tendon_slack_length>
     <pennation_angle_at_optimal>0.2</pennation_angle_at_optimal></Thelen2003Muscle></objects></ForceSet></Model></OpenSimDocument>)";
@@ -39,7 +43,8 @@ std::string osim(const std::string& joint, const std::string& extra = "", const 
 
 std::string pin(double value, const std::string& range = "") {
   return R"(<PinJoint name="knee"><socket_parent_frame>up</socket_parent_frame><socket_child_frame>/bodyset/shank</socket_child_frame><coordinates>
-    <Coordinate name="angle"><default_value>)" + std::to_string(value) + "</default_value>" + range + R"(</Coordinate></coordinates><frames>
+    <Coordinate name="angle"><default_value>)" +
+         std::to_string(value) + "</default_value>" + range + R"(</Coordinate></coordinates><frames>
     <PhysicalOffsetFrame name="up"><socket_parent>/bodyset/thigh</socket_parent><translation>0 -0.4 0</translation><orientation>0 0 0</orientation></PhysicalOffsetFrame>
     </frames></PinJoint>)";
 }
@@ -53,7 +58,10 @@ TEST(OsimModel, PosesBodiesAndKeepsForces) {
   const ModelPoint& end = model.muscles[0].points[1];
   EXPECT_LT((shank.X_WB[kZeroPose] * end.place[kZeroPose] - Vec3(-0.01, -0.5, 0.04)).norm(), 1e-12);
   const double c = std::cos(0.5), s = std::sin(0.5);
-  EXPECT_LT((shank.X_WB[kDefaultPose] * end.place[kDefaultPose] - Vec3(-0.01, -0.4 + s * 0.04 - c * 0.1, c * 0.04 + s * 0.1)).norm(), 1e-12);
+  EXPECT_LT((shank.X_WB[kDefaultPose] * end.place[kDefaultPose] -
+             Vec3(-0.01, -0.4 + s * 0.04 - c * 0.1, c * 0.04 + s * 0.1))
+                .norm(),
+            1e-12);
   EXPECT_EQ(model.muscles[0].max_force, 1000);
   EXPECT_EQ(model.muscles[0].fibre_length, 0.08);
   EXPECT_EQ(model.muscles[0].tendon_slack, 0.3);
@@ -64,13 +72,16 @@ TEST(OsimModel, PosesBodiesAndKeepsForces) {
 }
 
 TEST(OsimModel, ZeroPoseStaysWithinLimits) {
-  const MuscleModel model = parse_osim(osim(pin(0.9, "<range>0.3 1</range><clamped>true</clamped>")), "two.osim");
-  const Mat3 R = model.bodies[0].X_WB[kZeroPose].linear().transpose() * model.bodies[1].X_WB[kZeroPose].linear();
+  const MuscleModel model =
+      parse_osim(osim(pin(0.9, "<range>0.3 1</range><clamped>true</clamped>")), "two.osim");
+  const Mat3 R = model.bodies[0].X_WB[kZeroPose].linear().transpose() *
+                 model.bodies[1].X_WB[kZeroPose].linear();
   EXPECT_NEAR(std::atan2(R(1, 0), R(0, 0)), 0.3, 1e-12);
 }
 
 TEST(OsimModel, ConditionalAndMovingPointsFollowTheirCoordinates) {
-  const std::string points = R"(<ConditionalPathPoint name="c"><socket_parent_frame>/bodyset/thigh</socket_parent_frame><location>0.06 -0.35 0</location>
+  const std::string points =
+      R"(<ConditionalPathPoint name="c"><socket_parent_frame>/bodyset/thigh</socket_parent_frame><location>0.06 -0.35 0</location>
       <socket_coordinate>/jointset/knee/angle</socket_coordinate><range>0.2 2</range></ConditionalPathPoint>
     <MovingPathPoint name="m"><socket_parent_frame>/bodyset/shank</socket_parent_frame><socket_x_coordinate>/jointset/knee/angle</socket_x_coordinate>
       <socket_y_coordinate>/jointset/knee/angle</socket_y_coordinate><socket_z_coordinate>/jointset/knee/angle</socket_z_coordinate>
@@ -86,7 +97,8 @@ TEST(OsimModel, ConditionalAndMovingPointsFollowTheirCoordinates) {
 }
 
 TEST(OsimModel, ReadsJointsInsideBodies) {  // as OpenSim 3 wrote them
-  const std::string text = R"(<OpenSimDocument Version="30000"><Model name="old"><BodySet><objects><Body name="ground"/><Body name="thigh"><Joint><FreeJoint name="r">
+  const std::string text =
+      R"(<OpenSimDocument Version="30000"><Model name="old"><BodySet><objects><Body name="ground"/><Body name="thigh"><Joint><FreeJoint name="r">
     <parent_body>ground</parent_body><location_in_parent>0 1 0</location_in_parent><orientation_in_parent>0 0 0</orientation_in_parent><location>0 0 0</location>
     <orientation>0 0 0</orientation><CoordinateSet><objects><Coordinate name="a"/><Coordinate name="b"/><Coordinate name="c"/><Coordinate name="d"/><Coordinate name="e"/>
     <Coordinate name="f"/></objects></CoordinateSet></FreeJoint></Joint></Body></objects></BodySet><ForceSet><objects><Thelen2003Muscle name="m"><GeometryPath><PathPointSet>
@@ -99,11 +111,13 @@ TEST(OsimModel, ReadsJointsInsideBodies) {  // as OpenSim 3 wrote them
 TEST(OsimFunction, SplinesGoThroughTheirPointsAndGiveBackCubics) {
   pugi::xml_document document;
   document.load_string("<SimmSpline><x>-1 0 1 2 4</x><y>-1 0 1 8 64</y></SimmSpline>");
-  for (double x : {-1.0, -0.5, 0.3, 1.7, 3.1, 4.0}) EXPECT_NEAR(osim_function(document.first_child(), x, "f"), x * x * x, 1e-9) << x;
+  for (double x : {-1.0, -0.5, 0.3, 1.7, 3.1, 4.0})
+    EXPECT_NEAR(osim_function(document.first_child(), x, "f"), x * x * x, 1e-9) << x;
 }
 
 TEST(Mjcf, ReadsClassesCouplingsSidesAndMuscles) {
-  const std::string text = R"(<mujoco model="m"><compiler angle="degree"/><default><default class="c"><joint axis="0 1 0" range="0 90"/><geom type="cylinder"/></default></default>
+  const std::string text =
+      R"(<mujoco model="m"><compiler angle="degree"/><default><default class="c"><joint axis="0 1 0" range="0 90"/><geom type="cylinder"/></default></default>
     <worldbody><body name="thigh" pos="0 0 1" childclass="c"><site name="a" pos="0.05 0 0"/><geom name="w" size="0.03 0.05" pos="0 0 -0.4" euler="90 0 0"/>
     <site name="side" pos="0.1 0 -0.4"/><body name="shank" pos="0 0 -0.4"><joint name="knee" ref="30"/><site name="b" pos="0.04 0 -0.1"/>
     <body name="cap"><joint name="cap"/></body></body></body></worldbody>
@@ -116,11 +130,17 @@ TEST(Mjcf, ReadsClassesCouplingsSidesAndMuscles) {
   EXPECT_EQ(model.muscles[0].max_force, 700);
   EXPECT_NEAR(model.muscles[0].fibre_length, 0.1, 1e-12);
   EXPECT_NEAR(model.muscles[0].tendon_slack, 0.29, 1e-12);
-  // At the default (30 degrees) the body stands as written; at zero it has turned back, and the cap half as far.
-  EXPECT_LT((model.bodies[1].X_WB[kDefaultPose].linear() - model.bodies[0].X_WB[kDefaultPose].linear()).norm(), 1e-12);
-  const Mat3 knee = model.bodies[0].X_WB[kZeroPose].linear().transpose() * model.bodies[1].X_WB[kZeroPose].linear();
+  // At the default (30 degrees) the body stands as written; at zero it has turned back, and the cap
+  // half as far.
+  EXPECT_LT(
+      (model.bodies[1].X_WB[kDefaultPose].linear() - model.bodies[0].X_WB[kDefaultPose].linear())
+          .norm(),
+      1e-12);
+  const Mat3 knee = model.bodies[0].X_WB[kZeroPose].linear().transpose() *
+                    model.bodies[1].X_WB[kZeroPose].linear();
   EXPECT_NEAR(std::atan2(knee(0, 2), knee(0, 0)), -3.14159265358979 / 6, 1e-12);
-  const Mat3 cap = model.bodies[1].X_WB[kZeroPose].linear().transpose() * model.bodies[2].X_WB[kZeroPose].linear();
+  const Mat3 cap = model.bodies[1].X_WB[kZeroPose].linear().transpose() *
+                   model.bodies[2].X_WB[kZeroPose].linear();
   EXPECT_NEAR(std::atan2(cap(0, 2), cap(0, 0)), -3.14159265358979 / 12, 1e-12);
   ASSERT_EQ(model.muscles[0].wraps.size(), 1u);
   EXPECT_GT(model.muscles[0].wraps[0].side.x(), 0.05);
@@ -139,7 +159,9 @@ TEST(ModelFiles, NothingOutsideTheFolderIsRead) {
   fs::create_symlink("../secret.xml", folder / "inner/link.xml");
   std::ofstream(folder / "inner/m.xml") << "<mujoco><include file=\"link.xml\"/></mujoco>";
   EXPECT_THROW(read_muscle_model(folder / "inner/m.xml"), InputError);
-  EXPECT_THROW(read_model_mesh(folder / "inner", {"../secret.obj", Vec3::Ones(), Transform::Identity()}), InputError);
+  EXPECT_THROW(
+      read_model_mesh(folder / "inner", {"../secret.obj", Vec3::Ones(), Transform::Identity()}),
+      InputError);
   fs::remove_all(folder);
 }
 
@@ -186,12 +208,15 @@ TEST(RealModels, HaveWhatTheyHave) {
     const char* file;
     size_t bodies, muscles;
   };
-  for (const Known& k : {Known{"opensim_core/subject_walk_scaled.osim", 22, 80}, Known{"opensim_core/ThoracoscapularShoulderModel.osim", 7, 33},
-                         Known{"biobuddy/MOBL_ARMS_41.osim", 12, 50}, Known{"biobuddy/Wu_Shoulder_Model_via_points.osim", 7, 31}}) {
+  for (const Known& k : {Known{"opensim_core/subject_walk_scaled.osim", 22, 80},
+                         Known{"opensim_core/ThoracoscapularShoulderModel.osim", 7, 33},
+                         Known{"biobuddy/MOBL_ARMS_41.osim", 12, 50},
+                         Known{"biobuddy/Wu_Shoulder_Model_via_points.osim", 7, 31}}) {
     const MuscleModel model = read_muscle_model(kShared / k.file);
     EXPECT_EQ(model.bodies.size(), k.bodies) << k.file;
     EXPECT_EQ(model.muscles.size(), k.muscles) << k.file;
-    for (const ModelMuscle& m : model.muscles) EXPECT_GT(m.fibre_length * m.max_force * m.points.size(), 0) << m.name;
+    for (const ModelMuscle& m : model.muscles)
+      EXPECT_GT(m.fibre_length * m.max_force * m.points.size(), 0) << m.name;
   }
 }
 
@@ -203,24 +228,32 @@ TEST(RealModels, StandWhereOpenSimPutsThem) {
     Vec3 position;
   };
   for (const Place& place : std::vector<Place>{
-      {"opensim_core/subject_walk_scaled.osim", "patella_r", Vec3(-0.083559052, 0.433526212, -0.018268102)},
-      {"opensim_core/subject_walk_scaled.osim", "toes_l", Vec3(0.094678860, -0.076934815, 0.047212980)},
-      {"opensim_core/subject_walk_scaled.osim", "hand_l", Vec3(0.232164888, 0.838155853, -0.113983681)},
-      {"opensim_core/ThoracoscapularShoulderModel.osim", "scapula", Vec3(-0.141653857, 0.020543790, -0.049553938)},
-      {"opensim_core/ThoracoscapularShoulderModel.osim", "hand", Vec3(-0.265950429, -0.542653394, 0.013157237)},
-      {"biobuddy/MOBL_ARMS_41.osim", "hand", Vec3(-0.275848817, -0.471152662, -0.192247260)},
-      {"biobuddy/MOBL_ARMS_41.osim", "humerus", Vec3(0.027296994, 0.000083585, -0.169651701)},
-      {"biobuddy/Wu_Shoulder_Model_via_points.osim", "hand_r", Vec3(-0.201469700, -0.539007712, 0.005953499)},
+           {"opensim_core/subject_walk_scaled.osim", "patella_r",
+            Vec3(-0.083559052, 0.433526212, -0.018268102)},
+           {"opensim_core/subject_walk_scaled.osim", "toes_l",
+            Vec3(0.094678860, -0.076934815, 0.047212980)},
+           {"opensim_core/subject_walk_scaled.osim", "hand_l",
+            Vec3(0.232164888, 0.838155853, -0.113983681)},
+           {"opensim_core/ThoracoscapularShoulderModel.osim", "scapula",
+            Vec3(-0.141653857, 0.020543790, -0.049553938)},
+           {"opensim_core/ThoracoscapularShoulderModel.osim", "hand",
+            Vec3(-0.265950429, -0.542653394, 0.013157237)},
+           {"biobuddy/MOBL_ARMS_41.osim", "hand", Vec3(-0.275848817, -0.471152662, -0.192247260)},
+           {"biobuddy/MOBL_ARMS_41.osim", "humerus", Vec3(0.027296994, 0.000083585, -0.169651701)},
+           {"biobuddy/Wu_Shoulder_Model_via_points.osim", "hand_r",
+            Vec3(-0.201469700, -0.539007712, 0.005953499)},
        }) {
     const MuscleModel model = read_muscle_model(kShared / place.file);
     for (const ModelBody& body : model.bodies) {
       if (body.name != place.body) continue;
-      EXPECT_LT((body.X_WB[kDefaultPose].translation() - place.position).norm(), 1e-6) << place.file << " " << place.body;
+      EXPECT_LT((body.X_WB[kDefaultPose].translation() - place.position).norm(), 1e-6)
+          << place.file << " " << place.body;
     }
   }
 }
 
-// --- strings over objects ------------------------------------------------------------------------------------------------------------
+// --- strings over objects
+// ------------------------------------------------------------------------------------------------------------
 TEST(TautPath, GoesOverASphereOnTheAskedSide) {
   Wrap ball;
   ball.radii.setConstant(0.05);
@@ -238,7 +271,8 @@ TEST(TautPath, GoesOverASphereOnTheAskedSide) {
     length += (Vec3(0.2, 0.01, 0) - last).norm();
     // Tangents and arc, exactly.
     const double d = std::hypot(0.2, 0.01), tangent = std::sqrt(d * d - 0.0025);
-    const double angle = 3.14159265358979 - side * 2 * std::atan2(0.01, 0.2) - 2 * std::acos(0.05 / d);
+    const double angle =
+        3.14159265358979 - side * 2 * std::atan2(0.01, 0.2) - 2 * std::acos(0.05 / d);
     EXPECT_NEAR(length, 2 * tangent + 0.05 * angle, 2e-4);
   }
 }
@@ -248,8 +282,9 @@ TEST(TautPath, LeavesFreeLinesAlone) {
   rod.kind = Wrap::Kind::cylinder;
   rod.radii << 0.03, 0.03, 0.02;
   EXPECT_TRUE(taut_points({-0.2, 0.05, 0}, {0.2, 0.05, 0}, rod, Vec3::Zero()).empty());
-  EXPECT_TRUE(taut_points({-0.2, 0, 0.03}, {0.2, 0, 0.03}, rod, Vec3::Zero()).empty());   // past its end
-  EXPECT_TRUE(taut_points({-0.01, 0, 0}, {0.2, 0, 0}, rod, Vec3::Zero()).empty());        // begins inside
+  EXPECT_TRUE(
+      taut_points({-0.2, 0, 0.03}, {0.2, 0, 0.03}, rod, Vec3::Zero()).empty());     // past its end
+  EXPECT_TRUE(taut_points({-0.01, 0, 0}, {0.2, 0, 0}, rod, Vec3::Zero()).empty());  // begins inside
   EXPECT_FALSE(taut_points({-0.2, 0, 0}, {0.2, 0, 0}, rod, Vec3::Zero()).empty());
 }
 

@@ -1,11 +1,11 @@
 // Laws of muscle surfaces: closed, outward, of the slices' volume, at rest and in motion.
-#include "anatomy/muscle_surface.h"
+#include "anatomy/muscles/muscle_surface.h"
 
 #include <gtest/gtest.h>
 
 #include <map>
 
-#include "anatomy/carry_muscles.h"
+#include "anatomy/muscles/transform_muscles.h"
 
 #include "tests/anatomy/strips.h"
 
@@ -38,7 +38,8 @@ TEST(MuscleSurface, EveryMuscleIsClosed) {
     const MuscleSurface surface = make_muscle_surface(anatomy, {16, loft});
     ASSERT_EQ(surface.parts.size(), anatomy.muscles.size());
     for (const auto& part : surface.parts) {
-      EXPECT_TRUE(closed(surface.F.middleRows(part.face_begin, part.face_end - part.face_begin))) << part.muscle;
+      EXPECT_TRUE(closed(surface.F.middleRows(part.face_begin, part.face_end - part.face_begin)))
+          << part.muscle;
       EXPECT_EQ(part.sheet, loft && anatomy.muscles[part.muscle].sheet);
     }
   }
@@ -50,7 +51,9 @@ TEST(MuscleSurface, TubesEncloseTheVolumeOfTheirSlices) {
   Points positions;
   update_muscle_surface(surface, rest_slices(anatomy), positions);
   for (const auto& part : surface.parts)
-    EXPECT_NEAR(part_volume(surface, part, positions) / rest_volume(anatomy.muscles[part.muscle]), 1, 0.012) << part.muscle;
+    EXPECT_NEAR(part_volume(surface, part, positions) / rest_volume(anatomy.muscles[part.muscle]),
+                1, 0.012)
+        << part.muscle;
 }
 
 TEST(MuscleSurface, SheetsHaveTheVolumeOfTheirStripsAtRest) {
@@ -60,7 +63,8 @@ TEST(MuscleSurface, SheetsHaveTheVolumeOfTheirStripsAtRest) {
   update_muscle_surface(surface, rest_slices(anatomy), positions);
   for (const auto& part : surface.parts)
     if (part.sheet) {
-      EXPECT_NEAR(part_volume(surface, part, positions) / rest_volume(anatomy.muscles[part.muscle]), 1, 0.005);
+      EXPECT_NEAR(part_volume(surface, part, positions) / rest_volume(anatomy.muscles[part.muscle]),
+                  1, 0.005);
     }
 }
 
@@ -71,7 +75,8 @@ TEST(MuscleSurface, VolumeStaysInMotion) {
   update_muscle_surface(surface, rest_slices(anatomy), rest);
   for (double elbow : {30.0, 90.0, 130.0})
     for (double side : {0.0, 60.0, 110.0}) {
-      update_muscle_surface(surface, posed(anatomy, arm_pose(anatomy.skeleton, side, 20, 10, elbow, 60)), moved);
+      update_muscle_surface(
+          surface, posed(anatomy, arm_pose(anatomy.skeleton, side, 20, 10, elbow, 60)), moved);
       ASSERT_TRUE(moved.allFinite());
       for (const auto& part : surface.parts)
         EXPECT_NEAR(part_volume(surface, part, moved) / part_volume(surface, part, rest), 1, 0.01)
@@ -88,7 +93,8 @@ TEST(MuscleSurface, NormalsAreUnitAndPointOutward) {
   int inward = 0;
   for (int i = 0; i < surface.vertices(); ++i) {
     EXPECT_NEAR(normals.row(i).norm(), 1, 1e-5);
-    const Vec3 from_center = positions.row(i).cast<double>().transpose() - p.slices[surface.slice[i]].center;
+    const Vec3 from_center =
+        positions.row(i).cast<double>().transpose() - p.slices[surface.slice[i]].center;
     inward += normals.row(i).cast<double>().dot(from_center.transpose()) < 0;
   }
   EXPECT_LT(inward, 0.01 * surface.vertices());
@@ -105,7 +111,8 @@ TEST(MuscleSurface, VerticesLieOnTheirSlicesAtTheirAngles) {
     const Ellipse& e = slices[surface.slice[i]];
     const Vec3 at = positions.row(i).transpose();
     const double a = surface.angle[i];
-    const Vec3 ring = e.center + e.axes.col(0) * e.radii.x() * std::cos(a) + e.axes.col(1) * e.radii.y() * std::sin(a);
+    const Vec3 ring = e.center + e.axes.col(0) * e.radii.x() * std::cos(a) +
+                      e.axes.col(1) * e.radii.y() * std::sin(a);
     on_rings += (at - ring).norm() < 1e-7;
   }
   EXPECT_EQ(on_rings, 16 * slice_count(anatomy));
@@ -128,4 +135,6 @@ TEST(MuscleSurface, SheetsOfUnequalSliceCountsAreClosedToo) {
   EXPECT_EQ(mesh.F.maxCoeff() + 1, mesh.V.rows());
 }
 
-TEST(MuscleSurface, RefusesAbsurdOptions) { EXPECT_THROW(make_muscle_surface(arm_anatomy(), {7, true}), std::invalid_argument); }
+TEST(MuscleSurface, RefusesAbsurdOptions) {
+  EXPECT_THROW(make_muscle_surface(arm_anatomy(), {7, true}), std::invalid_argument);
+}

@@ -1,5 +1,6 @@
-// Laws of the muscle table: both sides, mirrored, with the volumes it states, hanging on bones; and bad lines get exact errors.
-#include "anatomy/muscle_table.h"
+// Laws of the muscle table: both sides, mirrored, with the volumes it states, hanging on bones; and
+// bad lines get exact errors.
+#include "anatomy/authoring/muscle_table.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +10,11 @@
 
 #include <gtest/gtest.h>
 
-#include "anatomy/bone_package.h"
-#include "anatomy/carry_muscles.h"
+#include "anatomy/bones/bone_package.h"
 #include "anatomy/errors.h"
-#include "anatomy/muscle_line.h"
-#include "anatomy/package.h"
+#include "anatomy/files/package_archive.h"
+#include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/transform_muscles.h"
 
 namespace ecorche {
 namespace {
@@ -25,7 +26,8 @@ const MuscleTable& real_table() {
   return table;
 }
 
-// A skeleton that has every bone and joint the table names, each bone on a joint of its own and without a mesh.
+// A skeleton that has every bone and joint the table names, each bone on a joint of its own and
+// without a mesh.
 Anatomy named_skeleton(const MuscleTable& table) {
   static const std::regex paired_by_name("rib.*");
   static const std::set<std::string> middle = {"skull", "mandible", "sacrum", "sternum"};
@@ -36,7 +38,8 @@ Anatomy named_skeleton(const MuscleTable& table) {
     entry.name = joint;
     entry.parent = anatomy.skeleton.joints.empty() ? -1 : 0;
     anatomy.skeleton.joints.push_back(entry);
-    if (!bone.empty()) anatomy.bones.push_back({bone, Side::middle, static_cast<int>(anatomy.skeleton.joints.size()) - 1, {}});
+    if (!bone.empty())
+      anatomy.bones.push_back({bone, Side::middle, int(anatomy.skeleton.joints.size()) - 1, {}});
   };
   for (const SourceLandmark& landmark : table.landmarks) {
     const std::string& name = landmark.carrier;
@@ -65,7 +68,7 @@ const Anatomy& placed() {
 
 TEST(MuscleTable, HasFourHundredMusclesOfSevenHundredLines) {
   int lines = 0;
-  for (const Muscle& muscle : placed().muscles) lines += static_cast<int>(muscle.strips.size());
+  for (const Muscle& muscle : placed().muscles) lines += muscle.strips.size();
   EXPECT_GE(placed().muscles.size(), 400u);
   EXPECT_GE(lines, 700);
   EXPECT_NO_THROW(validate(placed()));
@@ -93,21 +96,25 @@ TEST(MuscleTable, TubesHoldTheVolumesOfTheTable) {
       const std::vector<Ellipse> slices = rest_slices(strip);
       for (std::size_t k = 0; k + 1 < slices.size(); ++k) {
         const double area = (slices[k].radii.prod() + slices[k + 1].radii.prod()) / 2 +
-                            (slices[k].radii.x() - slices[k + 1].radii.x()) * (slices[k + 1].radii.y() - slices[k].radii.y()) / 6;
+                            (slices[k].radii.x() - slices[k + 1].radii.x()) *
+                                (slices[k + 1].radii.y() - slices[k].radii.y()) / 6;
         volume += std::numbers::pi * area * (slices[k + 1].center - slices[k].center).norm();
       }
     }
     const double stated = real_table().muscles[m / 2].volume_male;
     EXPECT_EQ(muscles[m].volume, stated) << muscles[m].name;
     EXPECT_NEAR(rest_volume(muscles[m]) / stated, 1, 1e-9) << muscles[m].name;
-    EXPECT_NEAR(volume / stated, 1, 0.06) << muscles[m].name;  // bends and twists cost straight frustums a few per cent
+    EXPECT_NEAR(volume / stated, 1, 0.06)
+        << muscles[m].name;  // bends and twists cost straight frustums a few per cent
   }
 }
 
 TEST(MuscleTable, FemaleVolumesAreTheTablesToo) {
-  const std::vector<Muscle> female = place_muscles(real_table(), named_skeleton(real_table()), {.sex = Sex::female});
+  const std::vector<Muscle> female =
+      place_muscles(real_table(), named_skeleton(real_table()), {.sex = Sex::female});
   for (std::size_t m = 0; m < female.size(); ++m)
-    EXPECT_NEAR(rest_volume(female[m]) / real_table().muscles[m / 2].volume_female, 1, 1e-9) << female[m].name;
+    EXPECT_NEAR(rest_volume(female[m]) / real_table().muscles[m / 2].volume_female, 1, 1e-9)
+        << female[m].name;
 }
 
 TEST(MuscleTable, RightIsTheMirrorOfLeft) {
@@ -143,9 +150,10 @@ TEST(MuscleTable, PathsFollowTheirLandmarks) {
       const auto& after = muscles[m].strips[i].path;
       for (std::size_t k = 0; k < before.size(); ++k) {
         const int landmark = real_table().muscles[m / 2].strips[i].path[k].landmark;
-        const bool femur = real_table().landmarks[static_cast<std::size_t>(landmark)].carrier == "femur";
+        const bool femur = real_table().landmarks[landmark].carrier == "femur";
         on_femur += femur;
-        EXPECT_LT((after[k].rest - before[k].rest - (femur ? shift : Vec3::Zero())).norm(), 1e-12) << muscles[m].name;
+        EXPECT_LT((after[k].rest - before[k].rest - (femur ? shift : Vec3::Zero())).norm(), 1e-12)
+            << muscles[m].name;
       }
     }
   }
@@ -154,7 +162,8 @@ TEST(MuscleTable, PathsFollowTheirLandmarks) {
 
 TEST(MuscleTable, BellyWallFollowsThoraxAboveAndPelvisBelow) {
   const Anatomy& anatomy = placed();
-  const int thorax = find_joint(anatomy.skeleton, "thorax"), pelvis = find_joint(anatomy.skeleton, "pelvis");
+  const int thorax = find_joint(anatomy.skeleton, "thorax"),
+            pelvis = find_joint(anatomy.skeleton, "pelvis");
   int blended = 0;
   for (const Muscle& muscle : anatomy.muscles) {
     for (const Strip& strip : muscle.strips) {
@@ -168,7 +177,8 @@ TEST(MuscleTable, BellyWallFollowsThoraxAboveAndPelvisBelow) {
   EXPECT_GT(blended, 50);
 }
 
-// ---- on the real bones ------------------------------------------------------------------------------------------------
+// ---- on the real bones
+// ------------------------------------------------------------------------------------------------
 
 bool have_bones() {
   try {
@@ -194,12 +204,12 @@ TEST(MusclesOnBones, EndsLieOnTheBonesTheyName) {
   EXPECT_GT(ends.size(), 1400u);
   for (const Attachment& end : ends) {
     // The nearest vertex is never nearer than the surface.
-    const TriMesh& mesh = on_bones().bones[static_cast<std::size_t>(find_bone(on_bones(), end.bone))].mesh;
-    const auto& path = on_bones().muscles[static_cast<std::size_t>(end.muscle)].strips[static_cast<std::size_t>(end.strip)].path;
+    const TriMesh& mesh = on_bones().bones[find_bone(on_bones(), end.bone)].mesh;
+    const auto& path = on_bones().muscles[end.muscle].strips[end.strip].path;
     const Vec3 p = end.origin ? path.front().rest : path.back().rest;
     const double vertex = (mesh.V.rowwise() - p.transpose()).rowwise().norm().minCoeff();
     EXPECT_LE(end.distance, vertex + 1e-12);
-    EXPECT_LE(end.distance, 0.010) << on_bones().muscles[static_cast<std::size_t>(end.muscle)].name << " on " << end.bone;
+    EXPECT_LE(end.distance, 0.010) << on_bones().muscles[end.muscle].name << " on " << end.bone;
   }
 }
 
@@ -208,7 +218,7 @@ TEST(MusclesOnBones, FewEndsLieOnFascia) {
   for (const TableMuscle& muscle : real_table().muscles) {
     for (const TableStrip& strip : muscle.strips) {
       for (const TablePoint* end : {&strip.path.front(), &strip.path.back()}) {
-        const std::string& carrier = real_table().landmarks[static_cast<std::size_t>(end->landmark)].carrier;
+        const std::string& carrier = real_table().landmarks[end->landmark].carrier;
         for (const SoftCarrier& c : real_table().carriers) soft += c.name == carrier;
         ++all;
       }
@@ -219,11 +229,12 @@ TEST(MusclesOnBones, FewEndsLieOnFascia) {
 
 TEST(MusclesOnBones, RunWhereTheMjcfRunsThemInLegAndBack) {
   if (!have_bones()) GTEST_SKIP() << "the bone package is not installed";
-  const auto compared = compare_paths(real_table(), on_bones(), read_tendon_paths(find_packages(), on_bones()));
+  const auto compared =
+      compare_paths(real_table(), on_bones(), read_tendon_paths(find_packages(), on_bones()));
   EXPECT_GE(compared.size(), 45u);
   std::vector<double> means;
   for (const PathComparison& c : compared) {
-    const Muscle& muscle = on_bones().muscles[static_cast<std::size_t>(c.muscle)];
+    const Muscle& muscle = on_bones().muscles[c.muscle];
     EXPECT_LE(c.mean, c.worst) << muscle.name;
     // The MJCF's belly wall is one chord a muscle, to a point in the air.
     if (muscle.group == "trunk_abdomen") continue;
@@ -235,7 +246,8 @@ TEST(MusclesOnBones, RunWhereTheMjcfRunsThemInLegAndBack) {
   EXPECT_LE(means[means.size() / 2], 0.015);
 }
 
-// ---- bad lines --------------------------------------------------------------------------------------------------------
+// ---- bad lines
+// --------------------------------------------------------------------------------------------------------
 
 constexpr const char* kLandmarks =
     "id,bone,left_mm,up_mm,front_mm,rule\n"
@@ -259,7 +271,11 @@ MuscleTable read_text(const std::string& text) {
 }
 
 TEST(MuscleText, ReadsItsOwnFormat) {
-  const MuscleTable table = read_text(std::string(kHead) + "  strip  # remark\n    origin high\n    via low 1 2 3  # beside\n    insertion shin\n    over knob 8\n    belly 0.1 0.9\n" + kSections);
+  const MuscleTable table =
+      read_text(std::string(kHead) +
+                "  strip  # remark\n    origin high\n    via low 1 2 3  # beside\n    insertion "
+                "shin\n    over knob 8\n    belly 0.1 0.9\n" +
+                kSections);
   ASSERT_EQ(table.muscles.size(), 1u);
   const TableStrip& strip = table.muscles[0].strips.at(0);
   EXPECT_NEAR(position(table, strip.path[1]).x(), 0.081 + kMidPlane, 1e-12);
@@ -269,8 +285,8 @@ TEST(MuscleText, ReadsItsOwnFormat) {
 }
 
 struct BadText {
-  std::string body;      // what follows kHead
-  std::string message;   // what the error must contain
+  std::string body;     // what follows kHead
+  std::string message;  // what the error must contain
 };
 
 class BadMuscleText : public testing::TestWithParam<BadText> {};
@@ -280,7 +296,8 @@ TEST_P(BadMuscleText, IsRefusedWithFileLineMuscleAndValue) {
     read_text(kHead + GetParam().body);
     FAIL() << "accepted:\n" << GetParam().body;
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find(GetParam().message), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find(GetParam().message), std::string::npos)
+        << error.what();
     EXPECT_EQ(error.exit_code(), 3);
   }
 }
@@ -290,25 +307,39 @@ const std::string kGood = std::string("  strip\n    origin high\n    insertion s
 INSTANTIATE_TEST_SUITE_P(
     Corpus, BadMuscleText,
     testing::Values(
-        BadText{"  strip\n    origin high\n" + std::string(kSections), "one: a strip with 1 path point"},
-        BadText{"  strip\n    origin high\n    insertion shinn\n" + std::string(kSections), "bad.txt:14: one: unknown landmark 'shinn'"},
-        BadText{"  strip\n    origin high\n    via low\n    insertion high\n" + std::string(kSections), "the origin is the insertion"},
-        BadText{"  strip\n    origin high\n    insertion high\n" + std::string(kSections), "bad.txt:14: one: the insertion lies on the point before it"},
-        BadText{"  strip\n    origin high nan 0 0\n", "bad.txt:13: one: offset: 'nan' is not a finite number"},
+        BadText{"  strip\n    origin high\n" + std::string(kSections),
+                "one: a strip with 1 path point"},
+        BadText{"  strip\n    origin high\n    insertion shinn\n" + std::string(kSections),
+                "bad.txt:14: one: unknown landmark 'shinn'"},
+        BadText{
+            "  strip\n    origin high\n    via low\n    insertion high\n" + std::string(kSections),
+            "the origin is the insertion"},
+        BadText{"  strip\n    origin high\n    insertion high\n" + std::string(kSections),
+                "bad.txt:14: one: the insertion lies on the point before it"},
+        BadText{"  strip\n    origin high nan 0 0\n",
+                "bad.txt:13: one: offset: 'nan' is not a finite number"},
         BadText{"  strip\n    origin high 1 2\n", "bad.txt:13: one: offset is missing"},
         BadText{"  strip\n    origin high 1 2 inf\n", "'inf' is not a finite number"},
         BadText{"  strip\n    origin high 1 2 3 4\n", "unexpected '4'"},
         BadText{"  strip\n    origin high 9999 0 0\n", "offset: 9999 is not within"},
         BadText{"  strip\n    via high\n", "the path must begin with an origin"},
         BadText{"  strip\n    origin high\n    origin low\n", "a path has one origin"},
-        BadText{"  strip\n    origin high\n    insertion shin\n    via low\n", "a point after the insertion"},
-        BadText{"  strip\n    origin high\n    insertion shin\n    over elbow\n", "bad.txt:15: one: unknown wrap 'elbow'"},
-        BadText{"  strip\n    origin high\n    insertion shin\n    over knob -3\n", "'-3' is not a radius"},
-        BadText{"  strip\n    origin high\n    insertion shin\n    belly 0.8 0.2\n", "the belly ends before it begins"},
-        BadText{"  strip\n    origin high\n    insertion shin\n    section 0.5 1 1 1 0 0\n", "section at 0.5: sections rise from 0 to 1"},
-        BadText{"  strip\n    origin high\n    insertion shin\n    section 0 1 0 1 0 0\n", "thickness in mm: 0 is not within"},
-        BadText{"  strip\n    origin high\n    insertion shin\n    section 0 1 1 0 0 0\n", "the width direction has no length"},
-        BadText{"  strip\n    origin high\n    insertion shin\n    section 0 1 1 1 0 0\n", "one: a strip needs sections from 0 to 1"},
+        BadText{"  strip\n    origin high\n    insertion shin\n    via low\n",
+                "a point after the insertion"},
+        BadText{"  strip\n    origin high\n    insertion shin\n    over elbow\n",
+                "bad.txt:15: one: unknown wrap 'elbow'"},
+        BadText{"  strip\n    origin high\n    insertion shin\n    over knob -3\n",
+                "'-3' is not a radius"},
+        BadText{"  strip\n    origin high\n    insertion shin\n    belly 0.8 0.2\n",
+                "the belly ends before it begins"},
+        BadText{"  strip\n    origin high\n    insertion shin\n    section 0.5 1 1 1 0 0\n",
+                "section at 0.5: sections rise from 0 to 1"},
+        BadText{"  strip\n    origin high\n    insertion shin\n    section 0 1 0 1 0 0\n",
+                "thickness in mm: 0 is not within"},
+        BadText{"  strip\n    origin high\n    insertion shin\n    section 0 1 1 0 0 0\n",
+                "the width direction has no length"},
+        BadText{"  strip\n    origin high\n    insertion shin\n    section 0 1 1 1 0 0\n",
+                "one: a strip needs sections from 0 to 1"},
         BadText{"  volume -1 3\n", "male volume in ml: -1 is not within"},
         BadText{"  volume 1e999 3\n", "'1e999' is not a finite number"},
         BadText{"  compare\n", "'compare' needs names"},
@@ -330,9 +361,16 @@ TEST(BadMuscleTable, OutsideAMuscle) {
 
 TEST(BadMuscleTable, LandmarksGivenTwiceOrWithoutNumbers) {
   MuscleTable table;
-  EXPECT_THROW(read_landmark_text("id,bone,left_mm,up_mm,front_mm,rule\na,femur,1,2,3,x\na,femur,1,2,3,x\n", "m.csv", table), InputError);
-  EXPECT_THROW(read_landmark_text("id,bone,left_mm,up_mm,front_mm,rule\nb,femur,nan,2,3,x\n", "m.csv", table), InputError);
-  EXPECT_THROW(read_landmark_text("id,bone,left_mm,up_mm,front_mm\nc,femur,1,2,3\n", "m.csv", table), InputError);
+  EXPECT_THROW(
+      read_landmark_text("id,bone,left_mm,up_mm,front_mm,rule\na,femur,1,2,3,x\na,femur,1,2,3,x\n",
+                         "m.csv", table),
+      InputError);
+  EXPECT_THROW(read_landmark_text("id,bone,left_mm,up_mm,front_mm,rule\nb,femur,nan,2,3,x\n",
+                                  "m.csv", table),
+               InputError);
+  EXPECT_THROW(
+      read_landmark_text("id,bone,left_mm,up_mm,front_mm\nc,femur,1,2,3\n", "m.csv", table),
+      InputError);
 }
 
 TEST(BadMuscleTable, BoneThatTheSkeletonDoesNotHave) {

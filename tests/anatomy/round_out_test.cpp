@@ -1,30 +1,33 @@
-#include "anatomy/round_out.h"
+#include "anatomy/posing/symmetrize_outlines.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "anatomy/muscle_line.h"
-#include "anatomy/outline.h"
+#include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/slice_outline.h"
 
 namespace ecorche {
 namespace {
 
-// Sections on a quarter of a circle of this radius about the origin; every width axis points to the middle.
+// Sections on a quarter of a circle of this radius about the origin; every width axis points to the
+// middle.
 std::vector<Ellipse> bend(double radius, double inward) {
   std::vector<Ellipse> out;
   constexpr int kSections = 9;
   for (int k = 0; k < kSections; ++k) {
     const double angle = 1.5707963 * k / (kSections - 1);
     Ellipse e;
-    const Vec3 from(std::cos(angle), std::sin(angle), 0), along(-std::sin(angle), std::cos(angle), 0);
+    const Vec3 from(std::cos(angle), std::sin(angle), 0),
+        along(-std::sin(angle), std::cos(angle), 0);
     e.center = radius * from;
     e.axes.col(0) = -from;
     e.axes.col(2) = along;
     e.axes.col(1) = along.cross(-from);
     e.radii = Vec2(0.01, 0.01);
-    for (std::size_t i = 0; i < e.outline.size(); ++i) e.outline[i] = outline_directions()[i].x() > 0.5 ? static_cast<float>(inward) : 0.6f;
+    for (std::size_t i = 0; i < e.outline.size(); ++i)
+      e.outline[i] = outline_directions()[i].x() > 0.5 ? float(inward) : 0.6f;
     out.push_back(e);
   }
   return out;
@@ -80,7 +83,8 @@ TEST(RoundOut, LeavesOutlinesThatCanHoldIt) {
   for (std::size_t k = 0; k < strip.size(); ++k) EXPECT_EQ(strip[k].outline, given[k].outline);
 }
 
-// A straight line of round sections, belly in the middle third; its tendons 30 times as thick as it.
+// A straight line of round sections, belly in the middle third; its tendons 30 times as thick as
+// it.
 struct Strip {
   std::vector<Ellipse> sections;
   std::vector<float> belly;
@@ -115,12 +119,14 @@ TEST(RoundOut, TendonsSetInWithoutAJump) {
   const Strip given = thin_belly();
   const BellyGrowth law{given.belly, true, 1.0 / 3, 3};
   std::vector<Ellipse> fullest = given.sections;
-  for (std::size_t k = 0; k < fullest.size(); ++k) fullest[k].radii *= 1 + 2 * static_cast<double>(given.belly[k]);
+  for (std::size_t k = 0; k < fullest.size(); ++k)
+    fullest[k].radii *= 1 + 2 * double(given.belly[k]);
   const double most = tube_volume(fullest);
   for (const double over : {-1e-5, 1e-5}) {
     std::vector<Ellipse> strip = given.sections;
     round_out(strip, law, (1 + over) * most);
-    for (std::size_t k = 0; k < strip.size(); ++k) EXPECT_NEAR(strip[k].radii.x() / fullest[k].radii.x(), 1, 1e-2) << over << " section " << k;
+    for (std::size_t k = 0; k < strip.size(); ++k)
+      EXPECT_NEAR(strip[k].radii.x() / fullest[k].radii.x(), 1, 1e-2) << over << " section " << k;
   }
 }
 

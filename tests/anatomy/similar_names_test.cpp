@@ -1,5 +1,5 @@
 // "Did you mean".
-#include "anatomy/similar_names.h"
+#include "anatomy/files/similar_names.h"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,16 @@ using namespace ecorche;
 
 namespace {
 
-const std::vector<std::string> kNames{"waist_girth", "waist_depth", "hip_girth", "knee_l", "knee_r", "animate", "fit"};
+const std::vector<std::string> kNames{"waist_girth", "waist_depth", "hip_girth", "knee_l",
+                                      "knee_r",      "animate",     "fit"};
 
 TEST(SimilarNames, SlipsOfAFingerAreFound) {
-  for (const auto& [typed, meant] : {std::pair{"waist_grith", "waist_girth"}, {"Waist_Girth", "waist_girth"}, {"kne_l", "knee_l"}, {"anmiate", "animate"}, {"ft", "fit"}, {"waistgirth", "waist_girth"}}) {
+  for (const auto& [typed, meant] : {std::pair{"waist_grith", "waist_girth"},
+                                     {"Waist_Girth", "waist_girth"},
+                                     {"kne_l", "knee_l"},
+                                     {"anmiate", "animate"},
+                                     {"ft", "fit"},
+                                     {"waistgirth", "waist_girth"}}) {
     const auto found = similar_names(typed, kNames);
     ASSERT_FALSE(found.empty()) << typed;
     EXPECT_EQ(found[0], meant) << typed;
@@ -18,7 +24,8 @@ TEST(SimilarNames, SlipsOfAFingerAreFound) {
 }
 
 TEST(SimilarNames, WhatIsFarFromAllIsNot) {
-  for (const char* typed : {"", "elephant", "xyzzy"}) EXPECT_TRUE(similar_names(typed, kNames).empty()) << typed;
+  for (const char* typed : {"", "elephant", "xyzzy"})
+    EXPECT_TRUE(similar_names(typed, kNames).empty()) << typed;
   EXPECT_TRUE(similar_names(std::string(5000, 'a'), kNames).empty());
   EXPECT_EQ(did_you_mean("elephant", kNames), "");
 }

@@ -44,7 +44,8 @@ TEST(Skeleton, TurningTheRootMovesEverythingRigidly) {
   pose.root = rigid * pose.root;
   pose.rotations[0] = Quat(rigid.linear()) * pose.rotations[0];
   forward_kinematics(skeleton, pose, after);
-  for (size_t j = 0; j < before.size(); ++j) EXPECT_TRUE((rigid * before[j]).isApprox(after[j], 1e-12));
+  for (size_t j = 0; j < before.size(); ++j)
+    EXPECT_TRUE((rigid * before[j]).isApprox(after[j], 1e-12));
 }
 
 TEST(Skeleton, WrongPoseSizeIsRefused) {

@@ -1,18 +1,19 @@
 // The skin's places on a texture: every corner has one, seams are split and nothing else is.
-#include "anatomy/skin_texture.h"
+#include "anatomy/base_mesh/skin_texture.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "anatomy/mesh_measures.h"
+#include "anatomy/geometry/mesh_measures.h"
 #include "tests/body_fixture.h"
 
 namespace ecorche {
 namespace {
 
 double area_on(const SkinTexture& texture, Eigen::Index f) {
-  const Eigen::Vector2d a = texture.places.row(texture.F(f, 0)).cast<double>(), b = texture.places.row(texture.F(f, 1)).cast<double>(),
+  const Eigen::Vector2d a = texture.places.row(texture.F(f, 0)).cast<double>(),
+                        b = texture.places.row(texture.F(f, 1)).cast<double>(),
                         c = texture.places.row(texture.F(f, 2)).cast<double>();
   return 0.5 * std::abs((b - a).x() * (c - a).y() - (b - a).y() * (c - a).x());
 }
@@ -20,12 +21,12 @@ double area_on(const SkinTexture& texture, Eigen::Index f) {
 // Laws of any texture of a skin.
 void expect_sound(const SkinTexture& texture, const Triangles& F, int vertices) {
   ASSERT_EQ(texture.F.rows(), F.rows());
-  ASSERT_EQ(texture.places.rows(), static_cast<Eigen::Index>(texture.vertex.size()));
-  for (int i = 0; i < vertices; ++i) ASSERT_EQ(texture.vertex[static_cast<std::size_t>(i)], i);
+  ASSERT_EQ(texture.places.rows(), Eigen::Index(texture.vertex.size()));
+  for (int i = 0; i < vertices; ++i) ASSERT_EQ(texture.vertex[i], i);
   std::set<int> used;
   for (Eigen::Index f = 0; f < F.rows(); ++f)
     for (int k = 0; k < 3; ++k) {
-      ASSERT_EQ(texture.vertex[static_cast<std::size_t>(texture.F(f, k))], F(f, k)) << f;
+      ASSERT_EQ(texture.vertex[texture.F(f, k)], F(f, k)) << f;
       used.insert(texture.F(f, k));
     }
   EXPECT_EQ(used.size(), texture.vertex.size());
@@ -33,7 +34,7 @@ void expect_sound(const SkinTexture& texture, const Triangles& F, int vertices) 
   EXPECT_LT(texture.places.maxCoeff(), 1);
   std::set<std::tuple<int, float, float>> distinct;
   for (Eigen::Index i = 0; i < texture.places.rows(); ++i)
-    distinct.emplace(texture.vertex[static_cast<std::size_t>(i)], texture.places(i, 0), texture.places(i, 1));
+    distinct.emplace(texture.vertex[i], texture.places(i, 0), texture.places(i, 1));
   EXPECT_EQ(distinct.size(), texture.vertex.size());
 }
 
@@ -46,22 +47,26 @@ TEST_F(SkinTextureOfPackage, SplitsTheSeamsAlone) {
   // A triangle that ran across a seam would be drawn out over the texture.
   for (Eigen::Index f = 0; f < texture.F.rows(); ++f)
     for (int k = 0; k < 3; ++k)
-      ASSERT_LT((texture.places.row(texture.F(f, k)) - texture.places.row(texture.F(f, (k + 1) % 3))).norm(), 0.07f) << f;
+      ASSERT_LT(
+          (texture.places.row(texture.F(f, k)) - texture.places.row(texture.F(f, (k + 1) % 3)))
+              .norm(),
+          0.07f)
+          << f;
 }
 
 TEST_F(SkinTextureOfPackage, FineTrianglesFillTheirParents) {
   const SkinTexture base = skin_texture(package());
   const Refinement fine = refine_skin(package());
   const SkinTexture texture = skin_texture(base, fine);
-  expect_sound(texture, fine.F, static_cast<int>(fine.map.rows()));
-  std::vector<double> area(static_cast<std::size_t>(base.F.rows()), 0);
+  expect_sound(texture, fine.F, int(fine.map.rows()));
+  std::vector<double> area(base.F.rows(), 0);
   for (Eigen::Index f = 0; f < texture.F.rows(); ++f) {
-    const auto parent = static_cast<std::size_t>(fine.parents[static_cast<std::size_t>(f)]);
+    const std::size_t parent = fine.parents[f];
     const double one = area_on(texture, f);
     area[parent] += one;
-    ASSERT_NEAR(one, area_on(base, static_cast<Eigen::Index>(parent)) / 9, 1e-9) << f;
+    ASSERT_NEAR(one, area_on(base, Eigen::Index(parent)) / 9, 1e-9) << f;
   }
-  for (Eigen::Index f = 0; f < base.F.rows(); ++f) ASSERT_NEAR(area[static_cast<std::size_t>(f)], area_on(base, f), 1e-8);
+  for (Eigen::Index f = 0; f < base.F.rows(); ++f) ASSERT_NEAR(area[f], area_on(base, f), 1e-8);
 }
 
 }  // namespace

@@ -1,12 +1,13 @@
-// Volumes of what solids share, against shapes whose overlap has a formula; inside and outside of points.
-#include "anatomy/solids.h"
+// Volumes of what solids share, against shapes whose overlap has a formula; inside and outside of
+// points.
+#include "anatomy/geometry/overlap_volumes.h"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 #include <random>
 
-#include "anatomy/mesh_measures.h"
+#include "anatomy/geometry/mesh_measures.h"
 
 using namespace ecorche;
 
@@ -15,9 +16,12 @@ namespace {
 TriMesh box(const Vec3& low, const Vec3& high) {
   TriMesh mesh;
   mesh.V.resize(8, 3);
-  for (int i = 0; i < 8; ++i) mesh.V.row(i) = Vec3(i & 1 ? high.x() : low.x(), i & 2 ? high.y() : low.y(), i & 4 ? high.z() : low.z());
+  for (int i = 0; i < 8; ++i)
+    mesh.V.row(i) =
+        Vec3(i & 1 ? high.x() : low.x(), i & 2 ? high.y() : low.y(), i & 4 ? high.z() : low.z());
   mesh.F.resize(12, 3);
-  mesh.F << 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5;
+  mesh.F << 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4,
+      6, 1, 3, 5, 3, 7, 5;
   return mesh;
 }
 
@@ -28,7 +32,9 @@ TriMesh ball(const Vec3& center, double radius) {
   for (int r = 1; r < rows; ++r)
     for (int k = 0; k < around; ++k) {
       const double t = std::numbers::pi * r / rows, p = 2 * std::numbers::pi * k / around;
-      mesh.V.row((r - 1) * around + k) = center + radius * Vec3(std::sin(t) * std::cos(p), std::cos(t), -std::sin(t) * std::sin(p));
+      mesh.V.row((r - 1) * around + k) =
+          center +
+          radius * Vec3(std::sin(t) * std::cos(p), std::cos(t), -std::sin(t) * std::sin(p));
     }
   const int top = (rows - 1) * around, bottom = top + 1;
   mesh.V.row(top) = center + Vec3(0, radius, 0);
@@ -43,12 +49,14 @@ TriMesh ball(const Vec3& center, double radius) {
       faces.push_back({(r + 1) * around + k, (r + 1) * around + n, r * around + n});
     }
   }
-  mesh.F.resize(static_cast<int>(faces.size()), 3);
-  for (std::size_t i = 0; i < faces.size(); ++i) mesh.F.row(static_cast<int>(i)) = faces[i];
+  mesh.F.resize(int(faces.size()), 3);
+  for (std::size_t i = 0; i < faces.size(); ++i) mesh.F.row(int(i)) = faces[i];
   return mesh;
 }
 
-Solid solid(const TriMesh& mesh, Solid::Kind kind) { return {kind, &mesh.V, &mesh.F, 0, static_cast<int>(mesh.F.rows())}; }
+Solid solid(const TriMesh& mesh, Solid::Kind kind) {
+  return {kind, &mesh.V, &mesh.F, 0, int(mesh.F.rows())};
+}
 
 }  // namespace
 
@@ -59,8 +67,10 @@ TEST(Solids, ShapesOfTheTestAreClosedAndFaceOut) {
 }
 
 TEST(Solids, BoxesShareWhatTheirFacesSay) {
-  const TriMesh a = box({0, 0, 0}, {0.1, 0.1, 0.1}), b = box({0.06, 0.02, 0.05}, {0.2, 0.08, 0.2}), bone = box({0.01, 0.01, 0.01}, {0.03, 0.03, 0.2});
-  const std::vector<Solid> solids{solid(a, Solid::Kind::muscle), solid(b, Solid::Kind::muscle), solid(bone, Solid::Kind::bone)};
+  const TriMesh a = box({0, 0, 0}, {0.1, 0.1, 0.1}), b = box({0.06, 0.02, 0.05}, {0.2, 0.08, 0.2}),
+                bone = box({0.01, 0.01, 0.01}, {0.03, 0.03, 0.2});
+  const std::vector<Solid> solids{solid(a, Solid::Kind::muscle), solid(b, Solid::Kind::muscle),
+                                  solid(bone, Solid::Kind::bone)};
   const SolidVolumes v = measure_solids(solids, 0.0005);
   EXPECT_NEAR(v.volume[0], 1e-3, 1e-6);
   EXPECT_NEAR(v.volume[1], 0.14 * 0.06 * 0.15, 1e-6);
@@ -85,25 +95,34 @@ TEST(Solids, BallsShareTheLens) {
   const TriMesh a = ball({0, 0, 0}, r), b = ball({d * 0.6, d * 0.64, d * 0.48}, r);
   const double away = d * Vec3(0.6, 0.64, 0.48).norm();
   const double lens = std::numbers::pi * (4 * r + away) * std::pow(2 * r - away, 2) / 12;
-  const SolidVolumes v = measure_solids(std::vector<Solid>{solid(a, Solid::Kind::muscle), solid(b, Solid::Kind::muscle)}, 0.001);
+  const SolidVolumes v = measure_solids(
+      std::vector<Solid>{solid(a, Solid::Kind::muscle), solid(b, Solid::Kind::muscle)}, 0.001);
   EXPECT_NEAR(v.muscle_excess / lens, 1, 0.01);
   EXPECT_NEAR(v.volume[0] / (4.0 / 3 * std::numbers::pi * r * r * r), 1, 0.005);
 }
 
 TEST(Solids, ThreeInOnePlaceCountTwiceTooMuch) {
   const TriMesh a = box({0, 0, 0}, {0.1, 0.1, 0.1});
-  const SolidVolumes v = measure_solids(std::vector<Solid>(3, solid(a, Solid::Kind::muscle)), 0.001);
+  const SolidVolumes v =
+      measure_solids(std::vector<Solid>(3, solid(a, Solid::Kind::muscle)), 0.001);
   EXPECT_NEAR(v.muscles, 1e-3, 2e-6);
   EXPECT_NEAR(v.muscle_excess, 2e-3, 4e-6);
   EXPECT_EQ(v.pairs.size(), 3u);
 }
 
 TEST(Solids, WhatStandsOutOfTheSkin) {
-  const TriMesh skin = box({0, 0, 0}, {0.1, 0.1, 0.1}), muscle = box({0.05, 0.05, 0.05}, {0.07, 0.13, 0.07});
-  const SolidVolumes v = measure_solids(std::vector<Solid>{solid(skin, Solid::Kind::skin), solid(muscle, Solid::Kind::muscle)}, 0.0005);
+  const TriMesh skin = box({0, 0, 0}, {0.1, 0.1, 0.1}),
+                muscle = box({0.05, 0.05, 0.05}, {0.07, 0.13, 0.07});
+  const SolidVolumes v = measure_solids(
+      std::vector<Solid>{solid(skin, Solid::Kind::skin), solid(muscle, Solid::Kind::muscle)},
+      0.0005);
   EXPECT_NEAR(v.outside[1], 0.02 * 0.02 * 0.03, 5e-7);
   const TriMesh inside = box({0.05, 0.05, 0.05}, {0.07, 0.09, 0.07});
-  EXPECT_EQ(measure_solids(std::vector<Solid>{solid(skin, Solid::Kind::skin), solid(inside, Solid::Kind::muscle)}, 0.0005).outside[1], 0);
+  EXPECT_EQ(measure_solids(std::vector<Solid>{solid(skin, Solid::Kind::skin),
+                                              solid(inside, Solid::Kind::muscle)},
+                           0.0005)
+                .outside[1],
+            0);
 }
 
 TEST(Solids, ATubeThatCrossesItselfCountsOnce) {
@@ -113,7 +132,8 @@ TEST(Solids, ATubeThatCrossesItselfCountsOnce) {
   both.V << a.V, b.V;
   both.F.resize(24, 3);
   both.F << a.F, (b.F.array() + 8).matrix();
-  const SolidVolumes v = measure_solids(std::vector<Solid>{solid(both, Solid::Kind::muscle)}, 0.001);
+  const SolidVolumes v =
+      measure_solids(std::vector<Solid>{solid(both, Solid::Kind::muscle)}, 0.001);
   EXPECT_NEAR(v.volume[0], 1.5e-3, 3e-6);
   EXPECT_EQ(v.muscle_excess, 0);
 }
@@ -125,7 +145,8 @@ TEST(Solids, OpenMeshesAreLeftOutAndCounted) {
   const SolidVolumes v = measure_solids(std::vector<Solid>{solid(a, Solid::Kind::muscle)}, 0.001);
   EXPECT_GT(v.open_columns, 0);
   EXPECT_LT(v.volume[0], 1e-3);
-  EXPECT_THROW(measure_solids(std::vector<Solid>{solid(a, Solid::Kind::muscle)}, 0), std::invalid_argument);
+  EXPECT_THROW(measure_solids(std::vector<Solid>{solid(a, Solid::Kind::muscle)}, 0),
+               std::invalid_argument);
 }
 
 TEST(Solids, LinesThroughCornersAndEdgesDoNotLeak) {
@@ -141,7 +162,7 @@ TEST(Solids, LinesThroughCornersAndEdgesDoNotLeak) {
     const bool beyond = points(i, 2) != 0.5 || points(i, 0) < 0 || points(i, 1) < 0;
     const bool within = !beyond && points(i, 0) > 0 && points(i, 1) > 0;
     if (beyond || within) {
-      EXPECT_EQ(winding[static_cast<std::size_t>(i)], within ? 1 : 0) << points.row(i);
+      EXPECT_EQ(winding[i], within ? 1 : 0) << points.row(i);
     }
   }
 }
@@ -151,11 +172,12 @@ TEST(Solids, PointsOfABallAreInsideByTheirDistance) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> spread(-0.8, 0.8);
   Points points(4000, 3);
-  for (Eigen::Index i = 0; i < points.rows(); ++i) points.row(i) = Vec3(0.1, 0.2, 0.3) + Vec3(spread(random), spread(random), spread(random));
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    points.row(i) = Vec3(0.1, 0.2, 0.3) + Vec3(spread(random), spread(random), spread(random));
   const std::vector<int> winding = winding_numbers(mesh, points);
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     const double distance = (points.row(i).transpose() - Vec3(0.1, 0.2, 0.3)).norm();
     if (std::abs(distance - 0.5) < 1e-3) continue;
-    EXPECT_EQ(winding[static_cast<std::size_t>(i)], distance < 0.5 ? 1 : 0) << distance;
+    EXPECT_EQ(winding[i], distance < 0.5 ? 1 : 0) << distance;
   }
 }

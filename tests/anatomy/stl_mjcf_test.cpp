@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "anatomy/errors.h"
-#include "anatomy/mjcf.h"
-#include "anatomy/stl_io.h"
+#include "anatomy/mesh_files/stl_io.h"
+#include "anatomy/model_files/mjcf_meshes.h"
 
 namespace ecorche {
 namespace {
@@ -24,7 +24,10 @@ std::string binary_stl(const std::vector<std::array<float, 9>>& triangles, std::
 // A tetrahedron with corners 0, x, y, z, shifted along x.
 std::vector<std::array<float, 9>> tetrahedron(float shift) {
   const float s = shift;
-  return {{s, 0, 0, s, 1, 0, s + 1, 0, 0}, {s, 0, 0, s + 1, 0, 0, s, 0, 1}, {s, 0, 0, s, 0, 1, s, 1, 0}, {s + 1, 0, 0, s, 1, 0, s, 0, 1}};
+  return {{s, 0, 0, s, 1, 0, s + 1, 0, 0},
+          {s, 0, 0, s + 1, 0, 0, s, 0, 1},
+          {s, 0, 0, s, 0, 1, s, 1, 0},
+          {s + 1, 0, 0, s, 1, 0, s, 0, 1}};
 }
 
 TEST(Stl, WeldsCornersAndFindsComponents) {
@@ -44,8 +47,11 @@ TEST(Stl, WeldsCornersAndFindsComponents) {
 }
 
 TEST(Stl, ReadsTextFiles) {
-  const TriMesh mesh = parse_stl("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e0 0\nendloop\n"
-                                 "endfacet\nendsolid", "a.stl");
+  const TriMesh mesh = parse_stl(
+      "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1e0 "
+      "0\nendloop\n"
+      "endfacet\nendsolid",
+      "a.stl");
   EXPECT_EQ(mesh.F.rows(), 1);
 }
 
@@ -59,20 +65,24 @@ TEST(Stl, RefusesBadFiles) {
 }
 
 Mjcf model(const std::map<std::string, std::string>& files) {
-  return read_mjcf([&](const std::string& path) {
-    const auto found = files.find(path);
-    if (found == files.end()) throw InputError(path + ": missing");
-    return found->second;
-  }, "body/main.xml");
+  return read_mjcf(
+      [&](const std::string& path) {
+        const auto found = files.find(path);
+        if (found == files.end()) throw InputError(path + ": missing");
+        return found->second;
+      },
+      "body/main.xml");
 }
 
 TEST(MjcfReader, ComposesFramesAndFollowsCouplings) {
-  const Mjcf m = model({{"body/main.xml", R"(<mujoco><compiler angle="radian"/><include file="../part/assets.xml"/>
+  const Mjcf m = model(
+      {{"body/main.xml", R"(<mujoco><compiler angle="radian"/><include file="../part/assets.xml"/>
     <worldbody><body name="a" pos="1 0 0" euler="0 0 1.5707963267948966"><include file="../part/chain.xml"/></body></worldbody></mujoco>)"},
-    {"part/assets.xml", R"(<x><asset><mesh name="m" file="m.stl" scale="1 1 -1"/></asset>
+       {"part/assets.xml", R"(<x><asset><mesh name="m" file="m.stl" scale="1 1 -1"/></asset>
     <equality><joint joint1="slide" joint2="turn" polycoef="0.5 2 0 0 0"/></equality>
     <tendon><spatial name="t"><site site="s"/><geom geom="w"/><site site="s"/></spatial></tendon></x>)"},
-    {"part/chain.xml", R"(<x><joint name="turn" axis="0 0 2"/><body name="b" pos="1 0 0"><joint name="slide" type="slide" axis="1 0 0"/>
+       {"part/chain.xml",
+        R"(<x><joint name="turn" axis="0 0 2"/><body name="b" pos="1 0 0"><joint name="slide" type="slide" axis="1 0 0"/>
     <geom name="g" mesh="m" quat="0 0 0 1"/><site name="s" pos="0 1 0"/></body></x>)"}});
   // b lies at (1, 0, 0) + Rz(90 deg) (1 + 0.5, 0, 0)
   EXPECT_LT((m.bodies.at("b").translation() - Vec3(1, 1.5, 0)).norm(), 1e-12);
@@ -84,12 +94,20 @@ TEST(MjcfReader, ComposesFramesAndFollowsCouplings) {
 }
 
 TEST(MjcfReader, NamesWhatIsWrong) {
-  EXPECT_THROW(model({{"body/main.xml", "<mujoco><worldbody><body name='a' pos='1 x 0'/></worldbody></mujoco>"}}), InputError);
+  EXPECT_THROW(model({{"body/main.xml",
+                       "<mujoco><worldbody><body name='a' pos='1 x 0'/></worldbody></mujoco>"}}),
+               InputError);
   EXPECT_THROW(model({{"body/main.xml", "<mujoco><worldbody>"}}), InputError);
-  EXPECT_THROW(model({{"body/main.xml", "<mujoco><compiler angle='degree'/></mujoco>"}}), InputError);
-  EXPECT_THROW(model({{"body/main.xml", "<mujoco><include file='../../etc/passwd'/></mujoco>"}}), InputError);
-  EXPECT_THROW(model({{"body/main.xml", "<mujoco><include file='main.xml'/></mujoco>"}}), LimitError);
-  EXPECT_THROW(model({{"body/main.xml", "<mujoco><worldbody><body name='a'/><body name='a'/></worldbody></mujoco>"}}), InputError);
+  EXPECT_THROW(model({{"body/main.xml", "<mujoco><compiler angle='degree'/></mujoco>"}}),
+               InputError);
+  EXPECT_THROW(model({{"body/main.xml", "<mujoco><include file='../../etc/passwd'/></mujoco>"}}),
+               InputError);
+  EXPECT_THROW(model({{"body/main.xml", "<mujoco><include file='main.xml'/></mujoco>"}}),
+               LimitError);
+  EXPECT_THROW(
+      model({{"body/main.xml",
+              "<mujoco><worldbody><body name='a'/><body name='a'/></worldbody></mujoco>"}}),
+      InputError);
 }
 
 }  // namespace

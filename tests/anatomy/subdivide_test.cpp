@@ -1,4 +1,4 @@
-#include "anatomy/subdivide.h"
+#include "anatomy/geometry/subdivide.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <set>
 
 #include "anatomy/errors.h"
-#include "anatomy/mesh_measures.h"
+#include "anatomy/geometry/mesh_measures.h"
 #include "tests/body_fixture.h"
 
 namespace ecorche {
@@ -26,14 +26,14 @@ TEST(Refine, NineTrianglesForOneAndStaysClosed) {
   EXPECT_EQ(fine.map.rows(), 8 * 81 / 2 + 2);
   EXPECT_TRUE(is_closed(fine.F));
   std::vector<int> children(8, 0);
-  for (int p : fine.parents) ++children[static_cast<std::size_t>(p)];
+  for (int p : fine.parents) ++children[p];
   EXPECT_EQ(children, std::vector<int>(8, 81));
 }
 
 TEST(Refine, KeepsTheVolumeOfWhatIsRound) {
   const Refinement first = refine(octahedron().F, 6, 2);
   TriMesh sphere{refine_points(first, octahedron().V).rowwise().normalized(), first.F};
-  const Refinement fine = refine(sphere.F, static_cast<int>(sphere.V.rows()));
+  const Refinement fine = refine(sphere.F, int(sphere.V.rows()));
   EXPECT_NEAR(mesh_volume({refine_points(fine, sphere.V), fine.F}) / mesh_volume(sphere), 1, 0.004);
 }
 
@@ -92,11 +92,11 @@ TEST_F(RefineSkinTest, IsClosedCloseToTheBaseAndHasItsVolume) {
   const Points P = refine_points(fine, base);
   double sum = 0, worst = 0;
   for (Eigen::Index i = 0; i < base.rows(); ++i) {
-    const double d = (P.row(fine.base_rows[static_cast<std::size_t>(i)]) - base.row(i)).norm();
+    const double d = (P.row(fine.base_rows[i]) - base.row(i)).norm();
     sum += d;
     worst = std::max(worst, d);
   }
-  EXPECT_LT(sum / static_cast<double>(base.rows()), 0.6e-3);
+  EXPECT_LT(sum / double(base.rows()), 0.6e-3);
   EXPECT_LT(worst, 7e-3);  // inside the mouth
   const double coarse_volume = mesh_volume(capped_skin(package(), base));
   const TriMesh capped = capped_skin(package(), fine, P);

@@ -1,5 +1,6 @@
-// Sliders on both sexes: what is shown while one moves stays in the body, what is shown after it is what `fit` makes, and so is what is written.
-#include "app/body_sliders.h"
+// Sliders on both sexes: what is shown while one moves stays in the body, what is shown after it is
+// what `fit` makes, and so is what is written.
+#include "app/studio/body_sliders.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -12,10 +13,10 @@
 #include <random>
 
 #include "anatomy/errors.h"
-#include "anatomy/muscle_line.h"
-#include "anatomy/solids.h"
-#include "app/live_anatomy.h"
-#include "morph/body_model.h"
+#include "anatomy/geometry/overlap_volumes.h"
+#include "anatomy/muscles/action_line.h"
+#include "morph/shapes/body_model.h"
+#include "skinning/character/live_character.h"
 #include "tests/morph/built_template.h"
 
 namespace ecorche {
@@ -32,7 +33,9 @@ const Character& person(const Template& tmpl, Sex sex) {
     average.sex = sex;
     const BodyPackage package = read_body_package(find_packages());
     Report aside;
-    it->second = fit_character(tmpl, make_body(package, average), package, {.moves = false, .bound = false, .tissues = false}, aside).actor.character;
+    it->second = fit_character(tmpl, make_body(package, average), package,
+                               {.moves = false, .bound = false, .tissues = false}, aside)
+                     .actor.character;
   }
   return it->second;
 }
@@ -59,8 +62,9 @@ double furthest_apart(const Anatomy& a, const Anatomy& b) {
 // Where an extreme can be, and then anywhere within the sliders' ranges, one or two at a time.
 std::vector<Asked> settings(const std::vector<Slider>& sliders, int drawn) {
   const auto at = [&](const std::string& name) {
-    const auto found = std::ranges::find_if(sliders, [&](const Slider& slider) { return slider.name.starts_with(name); });
-    return static_cast<std::size_t>(found - sliders.begin());
+    const auto found = std::ranges::find_if(
+        sliders, [&](const Slider& slider) { return slider.name.starts_with(name); });
+    return std::size_t(found - sliders.begin());
   };
   const std::size_t stature = at("body height"), waist = at("waist girth"), mass = at("body mass");
   std::vector<Asked> out(4, Asked(sliders.size()));
@@ -71,7 +75,7 @@ std::vector<Asked> settings(const std::vector<Slider>& sliders, int drawn) {
   std::mt19937 draw(20240611);
   for (int i = 0; i < drawn; ++i) {
     Asked& asked = out.emplace_back(sliders.size());
-    for (int wishes = 1 + static_cast<int>(draw() % 2); wishes > 0; --wishes) {
+    for (int wishes = 1 + int(draw() % 2); wishes > 0; --wishes) {
       const std::size_t k = draw() % (sliders.size() - 2);
       asked[k] = std::uniform_real_distribution<double>(sliders[k].low, sliders[k].high)(draw);
     }
@@ -82,7 +86,9 @@ std::vector<Asked> settings(const std::vector<Slider>& sliders, int drawn) {
 std::string in_words(const std::vector<Slider>& sliders, const Asked& asked) {
   std::string out;
   for (std::size_t i = 0; i < asked.size(); ++i)
-    if (asked[i]) out += fmt::format("{} {:.1f} {}  ", sliders[i].name, sliders[i].scale * *asked[i], sliders[i].unit);
+    if (asked[i])
+      out += fmt::format("{} {:.1f} {}  ", sliders[i].name, sliders[i].scale * *asked[i],
+                         sliders[i].unit);
   return out;
 }
 
@@ -120,16 +126,20 @@ TEST_P(BodySlidersTest, what_is_shown_is_what_fit_makes) {
   const std::shared_ptr<const SlidBody> body = sliders.shown();
   EXPECT_EQ(body->stage, SlidBody::Stage::whole);
   for (std::size_t i = 0; i < last.size(); ++i)
-    if (last[i]) EXPECT_NEAR(body->achieved[i], *last[i], 1e-3 * std::abs(*last[i])) << in_words(shown, last);
+    if (last[i])
+      EXPECT_NEAR(body->achieved[i], *last[i], 1e-3 * std::abs(*last[i])) << in_words(shown, last);
 
   Report aside;
-  const FittedCharacter fitted = fit_character(tmpl, sliders.solve(last), package, {.moves = false, .bound = false, .tissues = false}, aside);
+  const FittedCharacter fitted =
+      fit_character(tmpl, sliders.solve(last), package,
+                    {.moves = false, .bound = false, .tissues = false}, aside);
   const Anatomy &is = body->character.anatomy, &wanted = fitted.actor.character.anatomy;
   EXPECT_EQ(furthest_apart(is, wanted), 0);
   EXPECT_EQ(body->missed.size(), missed_targets(fitted).size());
   const std::vector<Ellipse> slices = rest_slices(wanted);
   ASSERT_EQ(body->rest.slices.size(), slices.size());
-  for (std::size_t k = 0; k < slices.size(); ++k) ASSERT_EQ(body->rest.slices[k].center, slices[k].center) << k;
+  for (std::size_t k = 0; k < slices.size(); ++k)
+    ASSERT_EQ(body->rest.slices[k].center, slices[k].center) << k;
   EXPECT_EQ(bones_outside(capped_skin(package, body->character.body.skin.V), is), 0);
 
   // And drawn where it is.
@@ -139,16 +149,19 @@ TEST_P(BodySlidersTest, what_is_shown_is_what_fit_makes) {
   for (const DrawItem& item : scene.list.items) {
     const Part part = part_of(item.part);
     if (part.kind != Part::Kind::bone) continue;
-    const Points& V = is.bones[static_cast<std::size_t>(part.index)].mesh.V;
-    const DrawMesh& mesh = scene.list.meshes[static_cast<std::size_t>(item.mesh)];
+    const Points& V = is.bones[part.index].mesh.V;
+    const DrawMesh& mesh = scene.list.meshes[item.mesh];
     for (Eigen::Index i = 0; i < V.rows(); ++i)
-      off = std::max(off, ((item.X_WM * mesh.positions[static_cast<std::size_t>(i)].homogeneous()).head<3>() - V.row(i).transpose().cast<float>()).norm());
+      off = std::max(off, ((item.X_WM * mesh.positions[i].homogeneous()).head<3>() -
+                           V.row(i).transpose().cast<float>())
+                              .norm());
   }
   EXPECT_LT(off, 1e-4f);
 
   sliders.ask(Asked(shown.size()));
   sliders.wait();
-  EXPECT_EQ(furthest_apart(sliders.shown()->character.anatomy, person(tmpl, GetParam()).anatomy), 0) << "let go, it is the person again";
+  EXPECT_EQ(furthest_apart(sliders.shown()->character.anatomy, person(tmpl, GetParam()).anatomy), 0)
+      << "let go, it is the person again";
 }
 
 INSTANTIATE_TEST_SUITE_P(BothSexes, BodySlidersTest, testing::Values(Sex::male, Sex::female),
@@ -156,14 +169,17 @@ INSTANTIATE_TEST_SUITE_P(BothSexes, BodySlidersTest, testing::Values(Sex::male, 
 
 TEST(BodySliders, what_is_written_is_fitted_and_judged) {
   NEED_TEMPLATE();
-  const std::filesystem::path file = std::filesystem::temp_directory_path() / fmt::format("ecorche_sliders_{}.glb", ::getpid());
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / fmt::format("ecorche_sliders_{}.glb", ::getpid());
   const BodySliders sliders(person(tmpl, Sex::male), tmpl);
   const Asked stout = settings(sliders.sliders(), 0)[2];
   Report report;
   const std::vector<MissedTarget> missed = sliders.write(stout, file, report);
   Report aside;
   const BodyPackage package = read_body_package(find_packages());
-  const FittedCharacter fitted = fit_character(tmpl, sliders.solve(stout), package, {.moves = false, .bound = false, .tissues = false}, aside);
+  const FittedCharacter fitted =
+      fit_character(tmpl, sliders.solve(stout), package,
+                    {.moves = false, .bound = false, .tissues = false}, aside);
   EXPECT_EQ(missed.size(), missed_targets(fitted).size());
   const Character written = read_character(file);
   EXPECT_LT(furthest_apart(written.anatomy, fitted.actor.character.anatomy), 1e-6);

@@ -1,4 +1,5 @@
-// What `ecorche check` is made of: poses from a table, a tape round a limb, targets that are met or not.
+// What `ecorche check` is made of: poses from a table, a tape round a limb, targets that are met or
+// not.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,9 +11,9 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/joint_angles.h"
-#include "app/anatomy_check.h"
-#include "app/bodies_check.h"
-#include "app/bulges.h"
+#include "skinning/checks/anatomy_check.h"
+#include "skinning/checks/bodies_check.h"
+#include "skinning/checks/bulges.h"
 
 using namespace ecorche;
 
@@ -35,8 +36,10 @@ Skeleton two_arms() {
   return skeleton;
 }
 
-std::vector<LimitPose> poses_of(const std::string& text, UnknownJoints unknown = UnknownJoints::refuse) {
-  const fs::path file = fs::temp_directory_path() / ("ecorche_poses_" + std::to_string(::getpid()) + ".csv");
+std::vector<LimitPose> poses_of(const std::string& text,
+                                UnknownJoints unknown = UnknownJoints::refuse) {
+  const fs::path file =
+      fs::temp_directory_path() / ("ecorche_poses_" + std::to_string(::getpid()) + ".csv");
   std::ofstream(file, std::ios::binary) << text;
   std::vector<LimitPose> poses;
   try {
@@ -69,18 +72,27 @@ TriMesh tube(const Vec3& at, double radius, double wave, int sides = 240) {
 
 TEST(LimitPoses, SharesReachTheLimits) {
   for (const Joint& joint : two_arms().joints) {
-    EXPECT_NEAR(joint_angles(joint, limit_rotation(joint, Vec3(1, 0, 0)))[0], 2.5, 1e-9) << joint.name;
-    EXPECT_NEAR(joint_angles(joint, limit_rotation(joint, Vec3(-1, 0, 0)))[0], -0.2, 1e-9) << joint.name;
-    EXPECT_NEAR(joint_angles(joint, limit_rotation(joint, Vec3(0.5, 0, 0)))[0], 1.4, 1e-9) << joint.name;
-    EXPECT_LT(limit_rotation(joint, Vec3::Zero()).angularDistance(Quat::Identity()), 1e-9) << joint.name;
+    EXPECT_NEAR(joint_angles(joint, limit_rotation(joint, Vec3(1, 0, 0)))[0], 2.5, 1e-9)
+        << joint.name;
+    EXPECT_NEAR(joint_angles(joint, limit_rotation(joint, Vec3(-1, 0, 0)))[0], -0.2, 1e-9)
+        << joint.name;
+    EXPECT_NEAR(joint_angles(joint, limit_rotation(joint, Vec3(0.5, 0, 0)))[0], 1.4, 1e-9)
+        << joint.name;
+    EXPECT_LT(limit_rotation(joint, Vec3::Zero()).angularDistance(Quat::Identity()), 1e-9)
+        << joint.name;
   }
 }
 
 TEST(LimitPoses, NamesMeanJointsAndRowsOfOnePoseAdd) {
-  const auto poses = poses_of("pose,joint,flexion,abduction,rotation\nbent,elbow,1,0,0\nopen,jaw,0.5,0,0\nbent,jaw,1,0,0\nright,elbow_r,1,0,0\nnone,tail,1,0,0\n", UnknownJoints::pass_over);
+  const auto poses = poses_of(
+      "pose,joint,flexion,abduction,rotation\nbent,elbow,1,0,0\nopen,jaw,0.5,0,0\nbent,jaw,1,0,"
+      "0\nright,elbow_r,1,0,0\nnone,tail,1,0,0\n",
+      UnknownJoints::pass_over);
   ASSERT_EQ(poses.size(), 3u);
   EXPECT_EQ(poses[0].name, "bent");
-  const auto turned = [&](std::size_t pose, std::size_t joint) { return poses[pose].pose.rotations[joint].angularDistance(Quat::Identity()) > 1e-3; };
+  const auto turned = [&](std::size_t pose, std::size_t joint) {
+    return poses[pose].pose.rotations[joint].angularDistance(Quat::Identity()) > 1e-3;
+  };
   EXPECT_TRUE(turned(0, 1) && turned(0, 2) && turned(0, 3));
   EXPECT_TRUE(!turned(1, 1) && !turned(1, 2) && turned(1, 3));
   EXPECT_TRUE(!turned(2, 1) && turned(2, 2) && !turned(2, 3));
@@ -94,7 +106,8 @@ TEST(LimitPoses, ComplaintsNameTheRow) {
     poses_of("pose,joint,flexion,abduction,rotation\nbent,elbwo_l,1,0,0\n");
     ADD_FAILURE() << "a joint that is none was taken";
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("did you mean elbow_l"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("did you mean elbow_l"), std::string::npos)
+        << error.what();
   }
 }
 
@@ -104,7 +117,7 @@ TEST(TapeGirth, LiesOverHollowsRoundTheNearestPiece) {
   EXPECT_NEAR(tape_girth(tube({0, 0, 0}, 0.05, 0.3), {0, 0.1, 0}, Vec3::UnitY()), circle, 1e-4);
   TriMesh two = tube({0, 0, 0}, 0.05, 0);
   const TriMesh other = tube({0.3, 0, 0}, 0.1, 0);
-  const int points = static_cast<int>(two.V.rows()), faces = static_cast<int>(two.F.rows());
+  const int points = int(two.V.rows()), faces = two.F.rows();
   two.V.conservativeResize(points + other.V.rows(), 3);
   two.V.bottomRows(other.V.rows()) = other.V;
   two.F.conservativeResize(faces + other.F.rows(), 3);
@@ -141,7 +154,8 @@ TEST(CheckTargets, AreMetOrNot) {
 TEST(CheckBodies, AreTwentyWithNamesOfTheirOwn) {
   std::set<std::string> names;
   int men = 0;
-  for (const BodySpec& body : checked_bodies()) names.insert(body.name), men += body.sex == Sex::male;
+  for (const BodySpec& body : checked_bodies())
+    names.insert(body.name), men += body.sex == Sex::male;
   EXPECT_EQ(names.size(), 20u);
   EXPECT_GE(men, 8);
   EXPECT_LE(men, 12);

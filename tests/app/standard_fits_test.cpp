@@ -1,21 +1,23 @@
-// The program's own fit of the athlete and the standard bodies, judged by code that shares nothing with it: inside and outside by
-// winding numbers and by rays of our own in three oblique directions, the gap to the fat layer by those rays.
+// The program's own fit of the athlete and the standard bodies, judged by code that shares nothing
+// with it: inside and outside by winding numbers and by rays of our own in three oblique
+// directions, the gap to the fat layer by those rays.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "anatomy/muscle_line.h"
-#include "anatomy/muscle_surface.h"
-#include "app/fitting.h"
+#include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/muscle_surface.h"
+#include "morph/fit/fit_character.h"
+#include "morph/shapes/standard_bodies.h"
 #include "tests/body_fixture.h"
-#include "morph/standard_bodies.h"
 
 namespace ecorche {
 namespace {
 
-// Triangles of a closed skin sorted into columns along one direction: how often a line from a point crosses the skin.
+// Triangles of a closed skin sorted into columns along one direction: how often a line from a point
+// crosses the skin.
 class Columns {
  public:
   Columns(const TriMesh& skin, const Vec3& direction) : skin_(skin) {
@@ -26,7 +28,7 @@ class Columns {
     low_ = flat_.colwise().minCoeff().head<2>();
     const Vec2 high = flat_.colwise().maxCoeff().head<2>();
     size_ = ((high - low_).array() / kSide).floor().cast<int>() + 1;
-    cells_.resize(static_cast<size_t>(size_.prod()));
+    cells_.resize(size_.prod());
     for (int f = 0; f < skin.F.rows(); ++f) {
       Vec2 a = flat_.row(skin.F(f, 0)).head<2>(), b = a;
       for (int k = 1; k < 3; ++k) {
@@ -35,7 +37,7 @@ class Columns {
       }
       const Eigen::Array2i from = cell(a), to = cell(b);
       for (int x = from.x(); x <= to.x(); ++x)
-        for (int y = from.y(); y <= to.y(); ++y) cells_[static_cast<size_t>(x * size_.y() + y)].push_back(f);
+        for (int y = from.y(); y <= to.y(); ++y) cells_[x * size_.y() + y].push_back(f);
     }
   }
 
@@ -44,7 +46,7 @@ class Columns {
     const Eigen::Array2i at = cell(p.head<2>());
     if ((at < 0).any() || (at >= size_).any()) return false;
     int crossings = 0;
-    for (const int f : cells_[static_cast<size_t>(at.x() * size_.y() + at.y())]) {
+    for (const int f : cells_[at.x() * size_.y() + at.y()]) {
       double share[3], whole = 0, height = 0;
       for (int k = 0; k < 3; ++k) {
         const Vec2 u = flat_.row(skin_.F(f, (k + 1) % 3)).head<2>().transpose() - p.head<2>();
@@ -52,7 +54,9 @@ class Columns {
         share[k] = u.x() * v.y() - u.y() * v.x();
         whole += share[k];
       }
-      if (!((share[0] > 0 && share[1] > 0 && share[2] > 0) || (share[0] < 0 && share[1] < 0 && share[2] < 0))) continue;
+      if (!((share[0] > 0 && share[1] > 0 && share[2] > 0) ||
+            (share[0] < 0 && share[1] < 0 && share[2] < 0)))
+        continue;
       for (int k = 0; k < 3; ++k) height += share[k] / whole * flat_(skin_.F(f, k), 2);
       crossings += height > p.z();
     }
@@ -61,7 +65,9 @@ class Columns {
 
  private:
   static constexpr double kSide = 0.01;  // m
-  Eigen::Array2i cell(const Vec2& p) const { return ((p - low_).array() / kSide).floor().cast<int>(); }
+  Eigen::Array2i cell(const Vec2& p) const {
+    return ((p - low_).array() / kSide).floor().cast<int>();
+  }
 
   const TriMesh& skin_;
   Mat3 axes_;
@@ -75,7 +81,8 @@ class Columns {
 class Judge {
  public:
   explicit Judge(const TriMesh& skin)
-      : skins_{Columns(skin, Vec3(0.31, 0.17, 0.93)), Columns(skin, Vec3(-0.83, 0.29, 0.47)), Columns(skin, Vec3(0.11, -0.88, 0.41))} {}
+      : skins_{Columns(skin, Vec3(0.31, 0.17, 0.93)), Columns(skin, Vec3(-0.83, 0.29, 0.47)),
+               Columns(skin, Vec3(0.11, -0.88, 0.41))} {}
   bool outside(const Vec3& p) const {
     const bool a = skins_[0].inside(p), b = skins_[1].inside(p);
     return a == b ? !a : !skins_[2].inside(p);
@@ -103,7 +110,8 @@ TEST_F(StandardFits, MeetTheirFigures) {
 
     int bones_outside = 0;
     for (const Bone& bone : anatomy.bones)
-      for (Eigen::Index i = 0; i < bone.mesh.V.rows(); ++i) bones_outside += judge.outside(bone.mesh.V.row(i));
+      for (Eigen::Index i = 0; i < bone.mesh.V.rows(); ++i)
+        bones_outside += judge.outside(bone.mesh.V.row(i));
     EXPECT_EQ(bones_outside, 0);
     EXPECT_EQ(fitted.fit.bones_outside, 0);
 
@@ -111,9 +119,11 @@ TEST_F(StandardFits, MeetTheirFigures) {
     Points positions;
     update_muscle_surface(surface, rest_slices(anatomy), positions);
     int muscle_outside = 0;
-    for (Eigen::Index i = 0; i < positions.rows(); ++i) muscle_outside += judge.outside(positions.row(i));
-    EXPECT_LE(muscle_outside, 0.001 * static_cast<double>(positions.rows()));
-    EXPECT_NEAR(muscle_outside, fitted.fill.points_outside, 1e-4 * static_cast<double>(positions.rows()));  // the report says the same
+    for (Eigen::Index i = 0; i < positions.rows(); ++i)
+      muscle_outside += judge.outside(positions.row(i));
+    EXPECT_LE(muscle_outside, 0.001 * double(positions.rows()));
+    EXPECT_NEAR(muscle_outside, fitted.fill.points_outside,
+                1e-4 * double(positions.rows()));  // the report says the same
 
     EXPECT_LE(std::abs(fitted.fill.superficial_gap_median), 3e-3);
     EXPECT_GE(fitted.fill.superficial_slices, 500);
@@ -121,23 +131,30 @@ TEST_F(StandardFits, MeetTheirFigures) {
 
     EXPECT_GE(fitted.fit.landmarks.size(), 40u);
     int off = 0;
-    for (const LandmarkDepth& at : fitted.fit.landmarks) off += at.depth < at.low - 4e-3 || at.depth > at.high + 4e-3;
-    // Beyond the fattest build that data/fat.csv knows, nobody says how deep bones lie; placing does not bend them for fat there.
-    if (estimate_fatness(body) <= 2) EXPECT_EQ(off, 0);
-    else EXPECT_LE(off, 4);
+    for (const LandmarkDepth& at : fitted.fit.landmarks)
+      off += at.depth < at.low - 4e-3 || at.depth > at.high + 4e-3;
+    // Beyond the fattest build that data/fat.csv knows, nobody says how deep bones lie; placing
+    // does not bend them for fat there.
+    if (estimate_fatness(body) <= 2)
+      EXPECT_EQ(off, 0);
+    else
+      EXPECT_LE(off, 4);
   }
 }
 
-// Where the skin of heavy people crosses itself, under a breast or between thighs, sections were taken as outside of it and pulled to other parts of the
-// body, feet to hands.
+// Where the skin of heavy people crosses itself, under a breast or between thighs, sections were
+// taken as outside of it and pulled to other parts of the body, feet to hands.
 TEST_F(StandardFits, HeavyPeopleKeepTheirMusclesWhole) {
   const Template body_template = read_template();
-  for (const BodySpec& spec : {BodySpec{.sex = Sex::female, .age = 40, .height = 1.60, .mass = 100, .name = "heavy_woman"},
-                               BodySpec{.sex = Sex::female, .age = 45, .height = 1.58, .mass = 112, .name = "heaviest_woman"},
-                               BodySpec{.sex = Sex::male, .age = 40, .height = 1.75, .mass = 135, .name = "heavy_man"}}) {
+  for (const BodySpec& spec :
+       {BodySpec{.sex = Sex::female, .age = 40, .height = 1.60, .mass = 100, .name = "heavy_woman"},
+        BodySpec{
+            .sex = Sex::female, .age = 45, .height = 1.58, .mass = 112, .name = "heaviest_woman"},
+        BodySpec{.sex = Sex::male, .age = 40, .height = 1.75, .mass = 135, .name = "heavy_man"}}) {
     SCOPED_TRACE(spec.name);
     Report report;
-    const FittedCharacter fitted = fit_character(body_template, make_body(package(), spec), package(), {}, report);
+    const FittedCharacter fitted =
+        fit_character(body_template, make_body(package(), spec), package(), {}, report);
     EXPECT_EQ(fitted.dilation.collapsed, 0);
     EXPECT_EQ(fitted.fit.bones_outside, 0);
     EXPECT_LE(fitted.fill.points_outside, 0.001 * fitted.fill.points);

@@ -25,7 +25,9 @@ def shown(value, what):
 
 
 def table(header):
-    rows = re.findall(r"^inline constexpr [\w:]+(?: \w+)* (k\w+) = (.+?);\s+// (.+)$", header, re.M)
+    constant = r"((?:^// .+\n)+)inline constexpr [\w:]+(?: \w+)* (k\w+) =\s+([^;]+);$"
+    rows = [(name, " ".join(value.split()), " ".join(re.sub("^// ", "", remark, flags=re.M).split()))
+            for remark, name, value in re.findall(constant, header, re.M)]
     if len(rows) != header.count("inline constexpr"):
         raise SystemExit("limits.h: a constant without a remark")
     return "| at most | of |\n|---:|---|\n" + "".join(f"| {shown(value_of(value), what)} | {what} |\n" for _, value, what in rows)

@@ -1,7 +1,8 @@
 // Every file of a corpus through a target, cut and changed a little as well.
 //
 //   fuzz_replay TARGET FILE_OR_FOLDER...        the files
-//   fuzz_replay --changes N TARGET ...          and N changed copies of each, the same ones in every run
+//   fuzz_replay --changes N TARGET ...          and N changed copies of each, the same ones in
+//   every run
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -11,7 +12,7 @@
 #include <vector>
 
 #include "anatomy/errors.h"
-#include "anatomy/input_file.h"
+#include "anatomy/files/input_file.h"
 #include "tests/fuzz/targets.h"
 
 namespace fs = std::filesystem;
@@ -20,13 +21,22 @@ namespace {
 
 std::string changed(const std::string& bytes, std::mt19937& random) {
   std::string out = bytes;
-  const auto at = [&] { return static_cast<std::size_t>(random() % out.size()); };
+  const auto at = [&] { return std::size_t(random() % out.size()); };
   for (unsigned k = 1 + random() % 4; k > 0 && !out.empty(); --k) switch (random() % 5) {
-      case 0: out[at()] = static_cast<char>(random()); break;
-      case 1: out[at()] = "0123456789-+.eE\"{}[]<>,\n\r"[random() % 25]; break;
-      case 2: out.resize(at()); break;
-      case 3: out.erase(at(), random() % 9); break;
-      default: out.insert(at(), out.substr(at(), random() % 40));
+      case 0:
+        out[at()] = char(random());
+        break;
+      case 1:
+        out[at()] = "0123456789-+.eE\"{}[]<>,\n\r"[random() % 25];
+        break;
+      case 2:
+        out.resize(at());
+        break;
+      case 3:
+        out.erase(at(), random() % 9);
+        break;
+      default:
+        out.insert(at(), out.substr(at(), random() % 40));
     }
   return out;
 }
@@ -47,7 +57,8 @@ int replay(const std::string& name, const std::vector<fs::path>& files, int chan
         target(one);
       } catch (const std::exception& error) {
         ++failures;
-        std::fprintf(stderr, "%s: %s, change %d: %s\n", name.c_str(), file.c_str(), k, error.what());
+        std::fprintf(stderr, "%s: %s, change %d: %s\n", name.c_str(), file.c_str(), k,
+                     error.what());
       }
     }
   }
@@ -70,7 +81,8 @@ int main(int argc, char** argv) {
   }
   std::vector<fs::path> files;
   for (std::size_t k = 1; k < words.size(); ++k) {
-    if (!fs::is_directory(words[k])) files.emplace_back(words[k]);
+    if (!fs::is_directory(words[k]))
+      files.emplace_back(words[k]);
     else
       for (const auto& entry : fs::recursive_directory_iterator(words[k]))
         if (entry.is_regular_file()) files.push_back(entry.path());

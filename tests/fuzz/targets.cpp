@@ -11,25 +11,25 @@
 #include <fmt/format.h>
 
 #include "anatomy/errors.h"
-#include "anatomy/input_file.h"
-#include "anatomy/mesh_io.h"
-#include "anatomy/model_xml.h"
-#include "anatomy/muscle_model.h"
-#include "anatomy/pose_anatomy.h"
-#include "anatomy/posing_table.h"
-#include "anatomy/stl_io.h"
-#include "anatomy/table.h"
-#include "skinning/activation.h"
+#include "anatomy/files/csv_table.h"
+#include "anatomy/files/input_file.h"
+#include "anatomy/mesh_files/mesh_io.h"
+#include "anatomy/mesh_files/stl_io.h"
+#include "anatomy/model_files/model_xml.h"
+#include "anatomy/model_files/musculoskeletal_model.h"
+#include "anatomy/posing/pose_anatomy.h"
+#include "anatomy/posing/posing_table.h"
+#include "skinning/bind/bind.h"
+#include "skinning/bind/painted_weights.h"
+#include "skinning/character/deform_skin.h"
+#include "skinning/crowd/crowd_read.h"
+#include "skinning/files/character_io.h"
+#include "skinning/motion/activation.h"
+#include "skinning/motion/pose_book.h"
+#include "skinning/motion_files/bvh_io.h"
+#include "skinning/retarget/retarget.h"
 #include "tests/skinning/arm.h"
-#include "skinning/bind.h"
-#include "skinning/bvh_io.h"
-#include "skinning/character_io.h"
-#include "skinning/crowd_read.h"
-#include "skinning/deform.h"
-#include "skinning/painted_weights.h"
 #include "tests/skinning/plain_skeleton.h"
-#include "skinning/pose_book.h"
-#include "skinning/retarget.h"
 
 namespace ecorche::test {
 namespace {
@@ -40,19 +40,25 @@ void require(bool holds, const char* what) {
 
 void check(const TriMesh& mesh) {
   require(mesh.V.allFinite(), "a vertex that is not finite was let through");
-  require(mesh.F.size() == 0 || (mesh.F.minCoeff() >= 0 && mesh.F.maxCoeff() < mesh.V.rows()), "a triangle out of range was let through");
+  require(mesh.F.size() == 0 || (mesh.F.minCoeff() >= 0 && mesh.F.maxCoeff() < mesh.V.rows()),
+          "a triangle out of range was let through");
 }
 
 void bvh(std::string_view bytes) {
   const BvhMotion motion = parse_bvh(bytes, "input.bvh");
-  require(motion.samples.size() == static_cast<std::size_t>(motion.frames) * static_cast<std::size_t>(motion.channels), "samples are missing");
-  require(std::all_of(motion.samples.begin(), motion.samples.end(), [](double v) { return std::isfinite(v); }), "a sample that is not finite was let through");
-  for (std::size_t j = 0; j < motion.joints.size(); ++j) require(motion.joints[j].parent < static_cast<int>(j) && is_utf8(motion.joints[j].name), "a joint is none");
+  require(motion.samples.size() == std::size_t(motion.frames) * std::size_t(motion.channels),
+          "samples are missing");
+  require(std::all_of(motion.samples.begin(), motion.samples.end(),
+                      [](double v) { return std::isfinite(v); }),
+          "a sample that is not finite was let through");
+  for (std::size_t j = 0; j < motion.joints.size(); ++j)
+    require(motion.joints[j].parent < int(j) && is_utf8(motion.joints[j].name), "a joint is none");
   if (motion.joints.size() > 200 || motion.frames > 20) return;
   static const Skeleton ours = plain_skeleton();
   RetargetReport report;
   const Motion moved = retarget(motion, ours, {}, report);
-  for (const Pose& pose : moved.frames) require(pose.root.allFinite(), "a pose that is not finite came out");
+  for (const Pose& pose : moved.frames)
+    require(pose.root.allFinite(), "a pose that is not finite came out");
 }
 
 void mesh(std::string_view bytes) {
@@ -74,7 +80,8 @@ void character(std::string_view bytes) {
   Pose pose = rest_pose(anatomy.skeleton);
   pose_anatomy(table, anatomy.skeleton, pose, posed);
   const Binding binding = bind_skin(anatomy, posed, read.body.skin);
-  for (std::size_t j = 1; j < pose.rotations.size(); ++j) pose.rotations[j] = Quat(Eigen::AngleAxisd(0.7, anatomy.skeleton.joints[j].axes.col(0)));
+  for (std::size_t j = 1; j < pose.rotations.size(); ++j)
+    pose.rotations[j] = Quat(Eigen::AngleAxisd(0.7, anatomy.skeleton.joints[j].axes.col(0)));
   pose_anatomy(table, anatomy.skeleton, pose, posed);
   SkinFrame skin;
   deform_skin(binding, posed, skin);
@@ -84,11 +91,13 @@ void character(std::string_view bytes) {
 // Crowds are read by parts from their files.
 void crowd(std::string_view bytes) {
   static const std::filesystem::path folder = [] {
-    const std::filesystem::path place = std::filesystem::temp_directory_path() / fmt::format("ecorche_fuzz_{}", ::getpid());
+    const std::filesystem::path place =
+        std::filesystem::temp_directory_path() / fmt::format("ecorche_fuzz_{}", ::getpid());
     std::filesystem::create_directories(place);
     return place;
   }();
-  const std::filesystem::path file = folder / (bytes.starts_with("glTF") ? "crowd.glb" : "crowd.gltf");
+  const std::filesystem::path file =
+      folder / (bytes.starts_with("glTF") ? "crowd.glb" : "crowd.gltf");
   std::ofstream(file, std::ios::binary) << bytes;
   std::ofstream(folder / "person.bin", std::ios::binary) << std::string(4096, '\1');
   if (!is_crowd(file)) return;
@@ -106,7 +115,8 @@ void table(std::string_view bytes) {
     for (const std::string& column : rows.columns()) {
       require(is_utf8(rows.text(row, column)), "a cell that is not UTF-8 was let through");
       try {
-        require(std::isfinite(rows.number_or(row, column, 0)), "a number that is not finite was let through");
+        require(std::isfinite(rows.number_or(row, column, 0)),
+                "a number that is not finite was let through");
       } catch (const InputError&) {
       }
     }
@@ -115,12 +125,14 @@ void table(std::string_view bytes) {
 void poses(std::string_view bytes) {
   static const Skeleton ours = plain_skeleton();
   for (const NamedPose& pose : pose_book(Table(bytes, "input.csv"), "input.csv", ours))
-    for (const Quat& turn : pose.pose.rotations) require(std::abs(turn.norm() - 1) < 1e-3, "a pose turns by what is no turn");
+    for (const Quat& turn : pose.pose.rotations)
+      require(std::abs(turn.norm() - 1) < 1e-3, "a pose turns by what is no turn");
 }
 
 void weights(std::string_view bytes) {
   static const Arm arm = make_arm();
-  const PaintedWeights painted = painted_weights(Table(bytes, "input.csv"), "input.csv", arm.anatomy, static_cast<int>(arm.skin.V.rows()));
+  const PaintedWeights painted =
+      painted_weights(Table(bytes, "input.csv"), "input.csv", arm.anatomy, int(arm.skin.V.rows()));
   for (const auto& shares : painted.shares) {
     double sum = 0;
     for (const Influence& share : shares) sum += share.weight;
@@ -132,7 +144,8 @@ void activation(std::string_view bytes) {
   static const Anatomy anatomy = make_arm().anatomy;
   for (const char* name : {"input.csv", "input.sto"}) try {
       for (const ActivationCurve& curve : parse_activations(bytes, name, anatomy).curves)
-        for (const double value : curve.values) require(value >= 0 && value <= 1, "an activation beyond 0 .. 1 was let through");
+        for (const double value : curve.values)
+          require(value >= 0 && value <= 1, "an activation beyond 0 .. 1 was let through");
     } catch (const Error&) {
     }
 }
@@ -142,7 +155,8 @@ void osim(std::string_view bytes) { check_model(parse_osim(std::string(bytes), "
 void mjcf(std::string_view bytes) {
   const std::string text(bytes);
   check_model(parse_mjcf_model({[&](const std::string& path) {
-                                 if (path != "input.xml" && path != "again.xml") throw InputError(printable(path) + ": not there");
+                                 if (path != "input.xml" && path != "again.xml")
+                                   throw InputError(printable(path) + ": not there");
                                  return text;
                                }},
                                "input.xml"));
@@ -150,7 +164,9 @@ void mjcf(std::string_view bytes) {
 
 void stl(std::string_view bytes) { check(parse_stl(bytes, "input.stl")); }
 
-void map(std::string_view bytes) { require(!parse_joint_map(bytes, "input.map").empty(), "an empty map was let through"); }
+void map(std::string_view bytes) {
+  require(!parse_joint_map(bytes, "input.map").empty(), "an empty map was let through");
+}
 
 // Our errors are what a reader may answer.
 std::function<void(std::string_view)> refusing(void (*target)(std::string_view)) {
@@ -167,9 +183,19 @@ std::function<void(std::string_view)> refusing(void (*target)(std::string_view))
 
 const std::map<std::string, std::function<void(std::string_view)>>& fuzz_targets() {
   static const std::map<std::string, std::function<void(std::string_view)>> all{
-      {"activation", refusing(activation)}, {"body", refusing(body)},   {"bvh", refusing(bvh)},     {"character", refusing(character)}, {"crowd", refusing(crowd)},
-      {"map", refusing(map)},               {"mesh", refusing(mesh)},   {"mjcf", refusing(mjcf)},   {"osim", refusing(osim)},           {"poses", refusing(poses)},
-      {"stl", refusing(stl)},               {"table", refusing(table)}, {"weights", refusing(weights)}};
+      {"activation", refusing(activation)},
+      {"body", refusing(body)},
+      {"bvh", refusing(bvh)},
+      {"character", refusing(character)},
+      {"crowd", refusing(crowd)},
+      {"map", refusing(map)},
+      {"mesh", refusing(mesh)},
+      {"mjcf", refusing(mjcf)},
+      {"osim", refusing(osim)},
+      {"poses", refusing(poses)},
+      {"stl", refusing(stl)},
+      {"table", refusing(table)},
+      {"weights", refusing(weights)}};
   return all;
 }
 

@@ -1,4 +1,5 @@
-// What is thrown at the readers: each takes any bytes, and may refuse them with one of our errors, but nothing else.
+// What is thrown at the readers: each takes any bytes, and may refuse them with one of our errors,
+// but nothing else.
 #pragma once
 
 #include <functional>
@@ -8,8 +9,8 @@
 
 namespace ecorche::test {
 
-// By name: bvh, mesh, body, character, crowd, table, poses, weights, activation, osim, mjcf, stl, map. Throws for bytes that a reader let through
-// though they are none of what it promises.
+// By name: bvh, mesh, body, character, crowd, table, poses, weights, activation, osim, mjcf, stl,
+// map. Throws for bytes that a reader let through though they are none of what it promises.
 const std::map<std::string, std::function<void(std::string_view bytes)>>& fuzz_targets();
 
 }  // namespace ecorche::test

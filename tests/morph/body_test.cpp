@@ -1,4 +1,4 @@
-#include "morph/body.h"
+#include "morph/shapes/body.h"
 
 #include <gtest/gtest.h>
 
@@ -12,11 +12,14 @@ namespace {
 
 class BodyTest : public BodyFixture {};
 
-double independent_volume(const TriMesh& mesh) {  // by z-columns: sum of signed prisms below each triangle
+double independent_volume(
+    const TriMesh& mesh) {  // by z-columns: sum of signed prisms below each triangle
   double sum = 0;
   for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
-    const Vec3 a = mesh.V.row(mesh.F(f, 0)), b = mesh.V.row(mesh.F(f, 1)), c = mesh.V.row(mesh.F(f, 2));
-    const double area = 0.5 * ((b.x() - a.x()) * (c.y() - a.y()) - (c.x() - a.x()) * (b.y() - a.y()));
+    const Vec3 a = mesh.V.row(mesh.F(f, 0)), b = mesh.V.row(mesh.F(f, 1)),
+               c = mesh.V.row(mesh.F(f, 2));
+    const double area =
+        0.5 * ((b.x() - a.x()) * (c.y() - a.y()) - (c.x() - a.x()) * (b.y() - a.y()));
     sum += area * (a.z() + b.z() + c.z()) / 3;
   }
   return sum;
@@ -51,7 +54,8 @@ TEST_F(BodyTest, HeightsAreMet) {
       const auto up = shaped.body.skin.V.col(1);
       EXPECT_NEAR(up.maxCoeff() - up.minCoeff(), height, 1e-3);
       EXPECT_NEAR(up.minCoeff(), 0, 1e-12);
-      EXPECT_NEAR(kBodyDensity * independent_volume(capped_skin(package(), shaped.points)), shaped.mass, 1e-6);
+      EXPECT_NEAR(kBodyDensity * independent_volume(capped_skin(package(), shaped.points)),
+                  shaped.mass, 1e-6);
     }
   }
 }
@@ -65,9 +69,12 @@ TEST_F(BodyTest, ImpossibleShapesNameTheRange) {
     }
     return "";
   };
-  EXPECT_NE(message({.sex = Sex::male, .height = 2.9}).find("1.382 m .. 2.471 m"), std::string::npos);
+  EXPECT_NE(message({.sex = Sex::male, .height = 2.9}).find("1.382 m .. 2.471 m"),
+            std::string::npos);
   EXPECT_NE(message({.sex = Sex::male, .height = -1.0}).find("height"), std::string::npos);
-  EXPECT_NE(message({.sex = Sex::male, .height = std::numeric_limits<double>::quiet_NaN()}).find("height"), std::string::npos);
+  EXPECT_NE(message({.sex = Sex::male, .height = std::numeric_limits<double>::quiet_NaN()})
+                .find("height"),
+            std::string::npos);
 }
 
 TEST(AgeSlider, MeetsTheAnchors) {

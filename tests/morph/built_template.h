@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "anatomy/errors.h"
-#include "morph/template.h"
+#include "morph/template/template.h"
 
 namespace ecorche {
 

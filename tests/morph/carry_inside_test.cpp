@@ -1,9 +1,9 @@
-#include "morph/carry_inside.h"
+#include "morph/tissue/interior_interpolation.h"
 
 #include <cmath>
 
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 namespace ecorche {
 namespace {
@@ -21,7 +21,8 @@ Points tube() {
 
 Points core() {
   Points out(30, 3);
-  for (int i = 0; i < 30; ++i) out.row(i) << 0.01 * std::cos(i), 0.05 + 0.012 * i, 0.015 * std::sin(3 * i);
+  for (int i = 0; i < 30; ++i)
+    out.row(i) << 0.01 * std::cos(i), 0.05 + 0.012 * i, 0.015 * std::sin(3 * i);
   return out;
 }
 
@@ -32,7 +33,9 @@ TEST(CarryInside, AffineChangesCarryExactly) {
   A.col(1) *= 1.2;
   A(0, 2) += 0.1;
   const Vec3 t(0.3, -0.2, 0.1);
-  const auto change = [&](const Points& P) { return Points((P * A.transpose()).rowwise() + t.transpose()); };
+  const auto change = [&](const Points& P) {
+    return Points((P * A.transpose()).rowwise() + t.transpose());
+  };
   Points moved;
   carry(carrier, change(skin), moved);
   EXPECT_LT((moved - change(inside)).rowwise().norm().maxCoeff(), 1e-6);

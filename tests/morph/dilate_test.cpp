@@ -1,16 +1,16 @@
-#include "morph/dilate.h"
+#include "morph/dilation/dilate_muscles.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "anatomy/carry_muscles.h"
-#include "anatomy/muscle_line.h"
-#include "anatomy/muscle_surface.h"
-#include "morph/containment.h"
-#include "morph/keep_inside.h"
-#include "morph/slice_room.h"
+#include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/muscle_surface.h"
+#include "anatomy/muscles/transform_muscles.h"
+#include "morph/dilation/pull_inside_skin.h"
+#include "morph/dilation/slice_clearance.h"
+#include "morph/fit/containment.h"
 #include "tests/morph/shapes.h"
 
 namespace ecorche {
@@ -18,7 +18,8 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// A straight muscle along y at (x, 0), round, tapering to its ends, on one joint that is also the bone's.
+// A straight muscle along y at (x, 0), round, tapering to its ends, on one joint that is also the
+// bone's.
 Anatomy limb(double x, double radius, const char* layer = "superficial") {
   Anatomy anatomy;
   anatomy.skeleton.joints.push_back({});
@@ -28,7 +29,7 @@ Anatomy limb(double x, double radius, const char* layer = "superficial") {
   muscle.name = "muscle";
   muscle.layer = layer;
   std::vector<PathPoint> path(3);
-  for (int p = 0; p < 3; ++p) path[static_cast<std::size_t>(p)].rest = Vec3(x, -0.15 + 0.15 * p, 0);
+  for (int p = 0; p < 3; ++p) path[p].rest = Vec3(x, -0.15 + 0.15 * p, 0);
   std::vector<Station> stations;
   for (int k = 0; k < 15; ++k) {
     const double s = k / 14.0, r = radius * (0.3 + 0.7 * std::sin(kPi * s));
@@ -42,7 +43,7 @@ Anatomy limb(double x, double radius, const char* layer = "superficial") {
 
 FatLayer even_layer(const TriMesh& skin, double thickness) {
   FatLayer fat;
-  fat.thickness.assign(static_cast<std::size_t>(skin.V.rows()), static_cast<float>(thickness));
+  fat.thickness.assign(std::size_t(skin.V.rows()), float(thickness));
   return fat;
 }
 
@@ -50,7 +51,8 @@ double farthest_from_axis(const Anatomy& anatomy) {
   double most = 0;
   for (const Ellipse& e : rest_slices(anatomy)) {
     for (int k = 0; k < 72; ++k) {
-      const Vec3 p = e.center + e.radii.x() * std::cos(k * kPi / 36) * e.axes.col(0) + e.radii.y() * std::sin(k * kPi / 36) * e.axes.col(1);
+      const Vec3 p = e.center + e.radii.x() * std::cos(k * kPi / 36) * e.axes.col(0) +
+                     e.radii.y() * std::sin(k * kPi / 36) * e.axes.col(1);
       most = std::max(most, std::hypot(p.x(), p.z()));
     }
   }
@@ -74,7 +76,9 @@ TEST(SkinRays, NoneSlipsThroughAClosedSkin) {
   int misses = 0;
   for (int k = 0; k < 20000; ++k) {
     const double a = k * 2.399963, y = 1 - 2 * (k + 0.5) / 20000;
-    misses += rays.first_hit(Vec3(0.03, 0.1, -0.02), Vec3(std::cos(a) * std::sqrt(1 - y * y), y, std::sin(a) * std::sqrt(1 - y * y))).triangle < 0;
+    misses += rays.first_hit(Vec3(0.03, 0.1, -0.02), Vec3(std::cos(a) * std::sqrt(1 - y * y), y,
+                                                          std::sin(a) * std::sqrt(1 - y * y)))
+                  .triangle < 0;
   }
   EXPECT_EQ(misses, 0);
 }
@@ -111,7 +115,8 @@ TEST(Dilate, APaperMuscleAtTheCentreFillsTheSkinLessTheLayer) {
   for (const bool cut : {true, false}) {
     options.cut_rays = cut;
     Anatomy fitted = original;
-    const DilateReport report = dilate_muscles(fitted, original.muscles, original.muscles, rays, even_layer(skin, 0.01), options);
+    const DilateReport report = dilate_muscles(fitted, original.muscles, original.muscles, rays,
+                                               even_layer(skin, 0.01), options);
     EXPECT_NEAR(farthest_from_axis(fitted), 0.05, 2e-4);
     EXPECT_NEAR(report.muscles[0].factor, 0.05 / (0.4 * 0.02), 0.05);
     EXPECT_EQ(report.misses, 0);
@@ -125,7 +130,8 @@ TEST(Dilate, ASuperficialMuscleReachesTheLayerAndStaysUnderTheSkin) {
   const SkinRays rays(skin);
   const Anatomy original = limb(0.03, 0.015);
   Anatomy fitted = original;
-  const DilateReport report = dilate_muscles(fitted, original.muscles, original.muscles, rays, even_layer(skin, 0.006));
+  const DilateReport report =
+      dilate_muscles(fitted, original.muscles, original.muscles, rays, even_layer(skin, 0.006));
   EXPECT_GT(farthest_from_axis(fitted), 0.0525);
   EXPECT_LT(farthest_from_axis(fitted), 0.0572);
   EXPECT_GT(report.volume, report.wanted_volume);
@@ -162,10 +168,12 @@ TEST(Dilate, GrowingAgainChangesNothing) {
     DilateOptions options;
     options.method = method;
     Anatomy once = original;
-    dilate_muscles(once, original.muscles, original.muscles, rays, even_layer(skin, 0.006), options);
+    dilate_muscles(once, original.muscles, original.muscles, rays, even_layer(skin, 0.006),
+                   options);
     EXPECT_GT(std::abs(rest_volume(once.muscles[0]) / rest_volume(original.muscles[0]) - 1), 0.05);
     Anatomy again = once;
-    dilate_muscles(again, original.muscles, original.muscles, rays, even_layer(skin, 0.006), options);
+    dilate_muscles(again, original.muscles, original.muscles, rays, even_layer(skin, 0.006),
+                   options);
     expect_same_sections(once, again);
   }
 }
@@ -178,13 +186,17 @@ TEST(Dilate, AlphaIsTheShareThatThePaperStartsFrom) {
   DilateOptions options;
   options.method = DilateMethod::paper;
   Anatomy usual = original, narrow = original;
-  const DilateReport at_usual = dilate_muscles(usual, original.muscles, original.muscles, rays, even_layer(skin, 0.01), options);
+  const DilateReport at_usual = dilate_muscles(usual, original.muscles, original.muscles, rays,
+                                               even_layer(skin, 0.01), options);
   options.alpha = 0.2;
-  const DilateReport at_narrow = dilate_muscles(narrow, original.muscles, original.muscles, rays, even_layer(skin, 0.01), options);
+  const DilateReport at_narrow = dilate_muscles(narrow, original.muscles, original.muscles, rays,
+                                                even_layer(skin, 0.01), options);
   EXPECT_NEAR(at_narrow.muscles[0].factor / at_usual.muscles[0].factor, 2, 1e-9);
   expect_same_sections(usual, narrow);
   options.alpha = 0;
-  EXPECT_THROW(dilate_muscles(narrow, original.muscles, original.muscles, rays, even_layer(skin, 0.01), options), std::invalid_argument);
+  EXPECT_THROW(dilate_muscles(narrow, original.muscles, original.muscles, rays,
+                              even_layer(skin, 0.01), options),
+               std::invalid_argument);
 }
 
 // Caps reach past the first and last sections, which the rays of the sections do not see.
@@ -212,7 +224,8 @@ TEST(Dilate, GivesTheSameBytesAtAnyNumberOfThreads) {
   Anatomy original = limb(0.03, 0.015);
   for (int m = 0; m < 20; ++m) original.muscles.push_back(limb(0.02 + 0.001 * m, 0.01).muscles[0]);
   const auto slices = [&](int threads) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                    std::size_t(threads));
     Anatomy fitted = original;
     dilate_muscles(fitted, original.muscles, original.muscles, rays, even_layer(skin, 0.006));
     return rest_slices(fitted);
@@ -249,11 +262,15 @@ TEST(Dilate, RefusesWhatDoesNotMatch) {
   const SkinRays rays(skin);
   Anatomy one = limb(0.03, 0.015), other = one;
   other.muscles.clear();
-  EXPECT_THROW(dilate_muscles(one, one.muscles, other.muscles, rays, even_layer(skin, 0.006)), std::invalid_argument);
-  EXPECT_THROW(dilate_muscles(one, one.muscles, Anatomy(one).muscles, rays, FatLayer{}), std::invalid_argument);
+  EXPECT_THROW(dilate_muscles(one, one.muscles, other.muscles, rays, even_layer(skin, 0.006)),
+               std::invalid_argument);
+  EXPECT_THROW(dilate_muscles(one, one.muscles, Anatomy(one).muscles, rays, FatLayer{}),
+               std::invalid_argument);
   DilateOptions options;
   options.rays = 3;
-  EXPECT_THROW(dilate_muscles(one, one.muscles, Anatomy(one).muscles, rays, even_layer(skin, 0.006), options), std::invalid_argument);
+  EXPECT_THROW(dilate_muscles(one, one.muscles, Anatomy(one).muscles, rays, even_layer(skin, 0.006),
+                              options),
+               std::invalid_argument);
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
-#include "morph/example_synthesizer.h"
+#include "morph/shapes/example_synthesizer.h"
 
 #include <cmath>
 
-#include "anatomy/package.h"
+#include "anatomy/files/package_archive.h"
 #include "tests/body_fixture.h"
 
 namespace ecorche {
@@ -11,7 +11,9 @@ namespace {
 // Points spread evenly over a square, as by Halton.
 Eigen::MatrixXd spread(int count) {
   Eigen::MatrixXd X(count, 2);
-  for (int i = 0; i < count; ++i) X.row(i) << std::fmod(0.618034 * (i + 1), 1.0) * 4 - 2, std::fmod(0.754878 * (i + 1), 1.0) * 4 - 2;
+  for (int i = 0; i < count; ++i)
+    X.row(i) << std::fmod(0.618034 * (i + 1), 1.0) * 4 - 2,
+        std::fmod(0.754878 * (i + 1), 1.0) * 4 - 2;
   return X;
 }
 
@@ -28,7 +30,8 @@ TEST(RadialNetwork, LeftOutIsWhatAFitWithoutTheExampleSays) {
     Eigen::VectorXd of_others(X.rows() - 1);
     for (Eigen::Index i = 0, k = 0; i < X.rows(); ++i)
       if (i != out) others.row(k) = X.row(i), of_others[k++] = y[i];
-    EXPECT_NEAR(evaluate(learn_network(others, of_others, linear), X.row(out).transpose()), left_out[out], 1e-6);
+    EXPECT_NEAR(evaluate(learn_network(others, of_others, linear), X.row(out).transpose()),
+                left_out[out], 1e-6);
   }
 }
 
@@ -47,7 +50,8 @@ TEST(RadialNetwork, GaussiansFollowWhatNoPlaneDoes) {
       miss += std::abs(evaluate(network, Eigen::Vector2d(a, b)) - f(a, b));
     }
   EXPECT_LT(miss, 0.4 * plane_miss);
-  EXPECT_EQ(evaluate(network, Eigen::Vector2d(0.3, 0.4)), evaluate(learn_network(X, y), Eigen::Vector2d(0.3, 0.4)));
+  EXPECT_EQ(evaluate(network, Eigen::Vector2d(0.3, 0.4)),
+            evaluate(learn_network(X, y), Eigen::Vector2d(0.3, 0.4)));
 }
 
 class SynthesizerTest : public BodyFixture {};
@@ -61,10 +65,12 @@ TEST_F(SynthesizerTest, ExamplesComeBackAndLeftOutOnesNearly) {
   }
   // The mean of the measures gives a body that has about these.
   std::array<double, 8> mean{};
-  for (std::size_t k = 0; k < mean.size(); ++k) mean[k] = learned.input_mean[static_cast<Eigen::Index>(k)];
+  for (std::size_t k = 0; k < mean.size(); ++k) mean[k] = learned.input_mean[k];
   const Points body = synthesize(learned, mean);
   EXPECT_NEAR(body.col(1).minCoeff(), 0, 1e-12);
-  for (std::size_t k = 0; k < mean.size(); ++k) EXPECT_NEAR(tape.take(tape.table().at(kPaperMeasures[k]), body), mean[k], 0.05) << kPaperMeasures[k];
+  for (std::size_t k = 0; k < mean.size(); ++k)
+    EXPECT_NEAR(tape.take(tape.table().at(kPaperMeasures[k]), body), mean[k], 0.05)
+        << kPaperMeasures[k];
 }
 
 }  // namespace

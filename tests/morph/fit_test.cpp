@@ -1,6 +1,6 @@
-// Laws of fitting: the template in its own body is the template; bones stay inside every skin, as deep as they should be, together
-// at their joints, and even on both sides.
-#include "morph/fit.h"
+// Laws of fitting: the template in its own body is the template; bones stay inside every skin, as
+// deep as they should be, together at their joints, and even on both sides.
+#include "morph/fit/fit_anatomy.h"
 
 #include <gtest/gtest.h>
 
@@ -9,13 +9,13 @@
 #include <random>
 
 #include "anatomy/errors.h"
+#include "anatomy/geometry/mesh_measures.h"
 #include "anatomy/joint_angles.h"
-#include "anatomy/mesh_measures.h"
-#include "anatomy/muscle_line.h"
-#include "morph/standard_bodies.h"
-#include "morph/dilate.h"
-#include "morph/shape_space.h"
-#include "morph/skin_field.h"
+#include "anatomy/muscles/action_line.h"
+#include "anatomy/queries/signed_distance.h"
+#include "morph/dilation/dilate_muscles.h"
+#include "morph/shapes/shape_space.h"
+#include "morph/shapes/standard_bodies.h"
 
 namespace ecorche {
 namespace {
@@ -44,16 +44,19 @@ const Given* given() {
   return loaded.get();
 }
 
-#define NEED_PACKAGES()                                                       \
-  if (!given()) GTEST_SKIP() << "the data packages are not there (make)";     \
-  const Template& own = given()->body_template;                               \
-  const BodyPackage& package = given()->package;                              \
+#define NEED_PACKAGES()                                                   \
+  if (!given()) GTEST_SKIP() << "the data packages are not there (make)"; \
+  const Template& own = given()->body_template;                           \
+  const BodyPackage& package = given()->package;                          \
   (void)package
 
 double largest_move(const Anatomy& a, const Anatomy& b, const Vec3& shift) {
   double worst = 0;
   for (size_t k = 0; k < a.bones.size(); ++k)
-    worst = std::max(worst, ((a.bones[k].mesh.V.rowwise() + shift.transpose()) - b.bones[k].mesh.V).rowwise().norm().maxCoeff());
+    worst = std::max(worst, ((a.bones[k].mesh.V.rowwise() + shift.transpose()) - b.bones[k].mesh.V)
+                                .rowwise()
+                                .norm()
+                                .maxCoeff());
   return worst;
 }
 
@@ -61,14 +64,16 @@ double nearest_vertices(const Anatomy& anatomy, const char* a, const char* b) {
   const Points& A = anatomy.bones[find_bone(anatomy, a)].mesh.V;
   const Points& B = anatomy.bones[find_bone(anatomy, b)].mesh.V;
   double best = std::numeric_limits<double>::infinity();
-  for (Eigen::Index i = 0; i < A.rows(); ++i) best = std::min(best, (B.rowwise() - A.row(i)).rowwise().norm().minCoeff());
+  for (Eigen::Index i = 0; i < A.rows(); ++i)
+    best = std::min(best, (B.rowwise() - A.row(i)).rowwise().norm().minCoeff());
   return best;
 }
 
 int outside(const Anatomy& anatomy, const SkinField& skin) {
   int count = 0;
   for (const Bone& bone : anatomy.bones)
-    for (Eigen::Index i = 0; i < bone.mesh.V.rows(); i += 17) count += skin.winding_number(bone.mesh.V.row(i)) < 0.5;
+    for (Eigen::Index i = 0; i < bone.mesh.V.rows(); i += 17)
+      count += skin.winding_number(bone.mesh.V.row(i)) < 0.5;
   return count;
 }
 
@@ -76,22 +81,26 @@ TEST(Fit, TheTemplateInItsOwnBodyIsTheTemplate) {
   NEED_PACKAGES();
   const Fit fit = fit_anatomy(own, own.body);
   EXPECT_LT(largest_move(own.anatomy, fit.anatomy, Vec3::Zero()), 1e-9);
-  const auto before = rest_positions(own.anatomy.skeleton), after = rest_positions(fit.anatomy.skeleton);
+  const auto before = rest_positions(own.anatomy.skeleton),
+             after = rest_positions(fit.anatomy.skeleton);
   for (size_t j = 0; j < before.size(); ++j) {
     EXPECT_LT((before[j] - after[j]).norm(), 1e-9);
-    EXPECT_LT((own.anatomy.skeleton.joints[j].zero - fit.anatomy.skeleton.joints[j].zero).norm(), 1e-9);
+    EXPECT_LT((own.anatomy.skeleton.joints[j].zero - fit.anatomy.skeleton.joints[j].zero).norm(),
+              1e-9);
   }
 }
 
 // Muscles carried into a body and grown to its skin.
-Anatomy grown(const Template& own, const BodyPackage& package, const Body& body, DilateReport* report = nullptr) {
+Anatomy grown(const Template& own, const BodyPackage& package, const Body& body,
+              DilateReport* report = nullptr) {
   const Fit fit = fit_anatomy(own, body);
   Anatomy anatomy = fit.anatomy;
   DilateOptions options;
   options.even_about = fit.report.even_about;
   const SkinRays rays(capped_skin(package, body.skin.V));
   const FatLayer fat = make_fat_layer(rays, anatomy, body);
-  const DilateReport found = dilate_muscles(anatomy, anatomy.muscles, own.tables->muscles, rays, fat, options);
+  const DilateReport found =
+      dilate_muscles(anatomy, anatomy.muscles, own.tables->muscles, rays, fat, options);
   if (report) *report = found;
   return anatomy;
 }
@@ -100,7 +109,8 @@ Anatomy grown(const Template& own, const BodyPackage& package, const Body& body,
 double largest_change(const std::vector<Ellipse>& a, const std::vector<Ellipse>& b) {
   if (a.size() != b.size()) return std::numeric_limits<double>::infinity();
   double worst = 0;
-  for (size_t k = 0; k < a.size(); ++k) worst = std::max({worst, (a[k].center - b[k].center).norm(), (a[k].radii - b[k].radii).norm()});
+  for (size_t k = 0; k < a.size(); ++k)
+    worst = std::max({worst, (a[k].center - b[k].center).norm(), (a[k].radii - b[k].radii).norm()});
   return worst;
 }
 
@@ -110,7 +120,8 @@ TEST(Fit, TheTemplatesMusclesInItsOwnBodyAreTheTemplates) {
   const Anatomy anatomy = grown(own, package, own.body, &report);
   EXPECT_LT(largest_change(rest_slices(own.anatomy), rest_slices(anatomy)), 1e-9);
   for (size_t m = 0; m < anatomy.muscles.size(); ++m)
-    EXPECT_NEAR(anatomy.muscles[m].volume / own.anatomy.muscles[m].volume, 1, 1e-9) << anatomy.muscles[m].name;
+    EXPECT_NEAR(anatomy.muscles[m].volume / own.anatomy.muscles[m].volume, 1, 1e-9)
+        << anatomy.muscles[m].name;
   EXPECT_EQ(report.misses, 0);
   EXPECT_GT(report.volume, 1.05 * report.wanted_volume);  // they did grow
 }
@@ -128,11 +139,14 @@ TEST(Fit, MovedAndMirroredBodiesGetMovedAndMirroredMuscles) {
   double worst = 0;
   for (const Muscle& muscle : anatomy.muscles) {
     if (muscle.side != Side::left) continue;
-    const Muscle& other = anatomy.muscles[find_muscle(anatomy, muscle.name.substr(0, muscle.name.size() - 1) + "r")];
+    const Muscle& other =
+        anatomy.muscles[find_muscle(anatomy, muscle.name.substr(0, muscle.name.size() - 1) + "r")];
     for (size_t s = 0; s < muscle.strips.size(); ++s) {
       const auto left = rest_slices(muscle.strips[s]), right = rest_slices(other.strips[s]);
       for (size_t k = 0; k < left.size(); ++k)
-        worst = std::max({worst, (left[k].center.cwiseProduct(Vec3(-1, 1, 1)) - right[k].center).norm(), (left[k].radii - right[k].radii).norm()});
+        worst =
+            std::max({worst, (left[k].center.cwiseProduct(Vec3(-1, 1, 1)) - right[k].center).norm(),
+                      (left[k].radii - right[k].radii).norm()});
     }
   }
   EXPECT_LT(worst, 1e-3);
@@ -153,13 +167,16 @@ TEST(Fit, TheFatLayerFollowsTheShareOfFat) {
   EXPECT_NEAR(estimate_fat_share(weighed(Sex::male, 25, 22)), 0.1595, 1e-9);
   EXPECT_NEAR(estimate_fat_share(weighed(Sex::female, 60, 22)), 0.3480, 1e-9);
   EXPECT_NEAR(estimate_fat_share(weighed(Sex::male, 10, 17)), 0.1647, 1e-9);
-  // Lean, but not athletes; as fat as the heavy builds of the table; no thicker under the skin for age alone.
+  // Lean, but not athletes; as fat as the heavy builds of the table; no thicker under the skin for
+  // age alone.
   EXPECT_NEAR(estimate_fatness(weighed(Sex::male, 25, 22)), 0.495, 1e-9);
   EXPECT_NEAR(estimate_fatness(weighed(Sex::female, 25, 19.5)), 0.0475 / 0.12, 1e-9);
   for (const Sex sex : {Sex::male, Sex::female}) {
     EXPECT_NEAR(estimate_fatness(weighed(sex, 40, 34)), 2, 1e-9);
     EXPECT_EQ(estimate_fatness(weighed(sex, 70, 22)), estimate_fatness(weighed(sex, 25, 22)));
-    for (double index = 17; index < 40; index += 1) EXPECT_LT(estimate_fatness(weighed(sex, 30, index)), estimate_fatness(weighed(sex, 30, index + 1)));
+    for (double index = 17; index < 40; index += 1)
+      EXPECT_LT(estimate_fatness(weighed(sex, 30, index)),
+                estimate_fatness(weighed(sex, 30, index + 1)));
   }
 }
 
@@ -167,11 +184,13 @@ TEST(Fit, TheFatLayerFollowsTheShareOfFat) {
 double depth_by_hand(const TriMesh& mesh, const Vec3& from, const Vec3& direction) {
   double least = 1;
   for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
-    const Vec3 a = mesh.V.row(mesh.F(f, 0)), b = mesh.V.row(mesh.F(f, 1)), c = mesh.V.row(mesh.F(f, 2)), out = from - a;
+    const Vec3 a = mesh.V.row(mesh.F(f, 0)), b = mesh.V.row(mesh.F(f, 1)),
+               c = mesh.V.row(mesh.F(f, 2)), out = from - a;
     const Vec3 across = direction.cross(c - a), other = out.cross(b - a);
     const double size = (b - a).dot(across);
     if (std::abs(size) < 1e-14) continue;
-    const double u = out.dot(across) / size, v = direction.dot(other) / size, t = (c - a).dot(other) / size;
+    const double u = out.dot(across) / size, v = direction.dot(other) / size,
+                 t = (c - a).dot(other) / size;
     if (u >= 0 && v >= 0 && u + v <= 1 && t > 0) least = std::min(least, t);
   }
   return least;
@@ -179,28 +198,35 @@ double depth_by_hand(const TriMesh& mesh, const Vec3& from, const Vec3& directio
 
 TEST(Fit, TheFatLayerReachesBareBoneAndNothingElse) {
   NEED_PACKAGES();
-  const std::vector<std::string> bare{"tibia", "fibula", "femur", "patella", "humerus", "ulna", "radius"};
-  const auto is_bare = [&](const std::string& name) { return std::any_of(bare.begin(), bare.end(), [&](const std::string& b) { return name == b + "_l" || name == b + "_r"; }); };
+  const std::vector<std::string> bare{"tibia",   "fibula", "femur", "patella",
+                                      "humerus", "ulna",   "radius"};
+  const auto is_bare = [&](const std::string& name) {
+    return std::any_of(bare.begin(), bare.end(),
+                       [&](const std::string& b) { return name == b + "_l" || name == b + "_r"; });
+  };
   Anatomy without = own.anatomy;
   std::erase_if(without.bones, [&](const Bone& bone) { return is_bare(bone.name); });
   const TriMesh skin = capped_skin(package, own.body.skin.V);
   const SkinRays rays(skin);
-  const FatLayer plain = make_fat_layer(rays, without, own.body), layer = make_fat_layer(rays, own.anatomy, own.body);
+  const FatLayer plain = make_fat_layer(rays, without, own.body),
+                 layer = make_fat_layer(rays, own.anatomy, own.body);
   const auto parts = vertex_parts(package);
   const Points normals = vertex_normals(skin);
-  const auto deeper = [&](size_t i) { return static_cast<double>(layer.thickness[i] - plain.thickness[i]); };
+  const auto deeper = [&](size_t i) { return double(layer.thickness[i] - plain.thickness[i]); };
   int left = 0, right = 0, shins = 0;
   for (size_t i = 0; i < layer.thickness.size(); ++i) {
     EXPECT_GE(deeper(i), 0);
     if (deeper(i) < 1e-3) continue;
-    const Vec3 at = skin.V.row(static_cast<Eigen::Index>(i));
-    bool covered = false;  // a bone straight below, no farther off than the table says, and no nearer than the layer reaches
+    const Vec3 at = skin.V.row(i);
+    // a bone straight below, no farther off than the table says, and no nearer than the layer
+    // reaches
+    bool covered = false;
     for (const Bone& bone : own.anatomy.bones) {
-      const double depth = is_bare(bone.name) ? depth_by_hand(bone.mesh, at, -normals.row(static_cast<Eigen::Index>(i))) : 1;
-      covered = covered || (depth < 0.035 && static_cast<double>(layer.thickness[i]) < depth + 1e-5);
+      const double depth = is_bare(bone.name) ? depth_by_hand(bone.mesh, at, -normals.row(i)) : 1;
+      covered = covered || (depth < 0.035 && double(layer.thickness[i]) < depth + 1e-5);
     }
     EXPECT_TRUE(covered) << i;
-    EXPECT_LT(static_cast<double>(layer.thickness[i]), 0.035);
+    EXPECT_LT(double(layer.thickness[i]), 0.035);
     ASSERT_LT(i, parts.size());
     EXPECT_NE(parts[i].part, BodyPart::trunk);
     EXPECT_NE(parts[i].part, BodyPart::head);
@@ -218,13 +244,16 @@ TEST(Fit, EveryJointRestsInsideItsLimitsInAnatomicalAxes) {
       if (spec.name != name) continue;
       const Skeleton skeleton = fit_anatomy(own, make_body(package, spec)).anatomy.skeleton;
       const auto angles = [&](const char* joint) {
-        return Vec3(joint_angles(skeleton.joints[find_joint(skeleton, joint)], Quat::Identity()) * (180 / 3.14159265358979));
+        return Vec3(joint_angles(skeleton.joints[find_joint(skeleton, joint)], Quat::Identity()) *
+                    (180 / 3.14159265358979));
       };
       for (const Joint& joint : skeleton.joints) {
         EXPECT_TRUE(joint.axes.isUnitary(1e-9) && joint.axes.determinant() > 0) << joint.name;
         EXPECT_LT(limit_excess(joint, Quat::Identity()), 1e-9) << name << ' ' << joint.name;
         if (!joint.name.ends_with("_l")) continue;
-        const Vec3 other = skeleton.joints[find_joint(skeleton, joint.name.substr(0, joint.name.size() - 1) + "r")].zero;
+        const Vec3 other =
+            skeleton.joints[find_joint(skeleton, joint.name.substr(0, joint.name.size() - 1) + "r")]
+                .zero;
         EXPECT_LT((joint.zero - other).norm(), 1e-6) << joint.name;
       }
       // The base mesh stands with its arms held out and its elbows bent forwards.
@@ -254,32 +283,38 @@ TEST(Fit, BonesStayInsideEveryStandardBody) {
     EXPECT_EQ(outside(fit.anatomy, SkinField(capped_skin(package, body.skin.V))), 0) << spec.name;
     EXPECT_LT(nearest_vertices(fit.anatomy, "femur_l", "hip_bone_l"), 6e-3) << spec.name;
     EXPECT_LT(nearest_vertices(fit.anatomy, "humerus_l", "scapula_l"), 8e-3) << spec.name;
-    for (const Bone& bone : fit.anatomy.bones) EXPECT_TRUE(bone.mesh.V.allFinite()) << spec.name << ' ' << bone.name;
+    for (const Bone& bone : fit.anatomy.bones)
+      EXPECT_TRUE(bone.mesh.V.allFinite()) << spec.name << ' ' << bone.name;
     EXPECT_NO_THROW(validate(fit.anatomy)) << spec.name;
   }
 }
 
 TEST(Fit, PalpablePointsAreAsDeepAsTheyShouldBe) {
   NEED_PACKAGES();
-  for (const char* name : {"default_male", "default_female", "short_male", "tall_male", "young_male", "young_female"}) {
+  for (const char* name : {"default_male", "default_female", "short_male", "tall_male",
+                           "young_male", "young_female"}) {
     for (const BodySpec& spec : standard_bodies()) {
       if (spec.name != name) continue;
       int missed = 0;
       const Fit fit = fit_anatomy(own, make_body(package, spec));
-      for (const LandmarkDepth& at : fit.report.landmarks) missed += at.depth < at.low - 4e-3 || at.depth > at.high + 4e-3;
+      for (const LandmarkDepth& at : fit.report.landmarks)
+        missed += at.depth < at.low - 4e-3 || at.depth > at.high + 4e-3;
       EXPECT_GE(fit.report.landmarks.size(), 40u);
       EXPECT_LE(missed, 2) << name;
     }
   }
 }
 
-// Lips of such bodies may cross, and heavy men's chins fold: what is near there is neither outside nor to be crushed.
+// Lips of such bodies may cross, and heavy men's chins fold: what is near there is neither outside
+// nor to be crushed.
 TEST(Fit, PeopleDrawnFromTheShapeSpaceKeepTheirBones) {
   NEED_PACKAGES();
   const TapeMeasure tape(package, read_measure_table(package, data_folder() / "body"));
   const ShapeSpace space = read_shape_space(package, tape, Sex::male);
-  const auto extent = [](const Points& V) { return Vec3((V.colwise().maxCoeff() - V.colwise().minCoeff()).transpose()); };
-  const auto skull = static_cast<size_t>(find_bone(own.anatomy, "skull"));
+  const auto extent = [](const Points& V) {
+    return Vec3((V.colwise().maxCoeff() - V.colwise().minCoeff()).transpose());
+  };
+  const std::size_t skull = find_bone(own.anatomy, "skull");
   for (const std::uint64_t seed : {100, 101, 105}) {
     std::mt19937_64 random(seed);
     std::normal_distribution<double> normal;
@@ -290,8 +325,10 @@ TEST(Fit, PeopleDrawnFromTheShapeSpaceKeepTheirBones) {
     body.skin.V.col(1).array() -= body.skin.V.col(1).minCoeff();
     const Fit fit = fit_anatomy(own, body);
     EXPECT_EQ(fit.report.bones_outside, 0) << seed;
-    for (const LandmarkDepth& l : fit.report.landmarks) EXPECT_LT(std::max(l.low - l.depth, l.depth - l.high), 0.006) << seed << " " << l.name;
-    const Vec3 ratio = extent(fit.anatomy.bones[skull].mesh.V).cwiseQuotient(extent(own.anatomy.bones[skull].mesh.V));
+    for (const LandmarkDepth& l : fit.report.landmarks)
+      EXPECT_LT(std::max(l.low - l.depth, l.depth - l.high), 0.006) << seed << " " << l.name;
+    const Vec3 ratio = extent(fit.anatomy.bones[skull].mesh.V)
+                           .cwiseQuotient(extent(own.anatomy.bones[skull].mesh.V));
     EXPECT_GT(ratio.minCoeff(), 0.85) << seed;
     EXPECT_LT(ratio.maxCoeff(), 1.2) << seed;
   }
@@ -309,8 +346,11 @@ TEST(Fit, UnevenBodiesAreFittedOnBothSides) {
   const Fit fit = fit_anatomy(own, body);
   EXPECT_GT(fit.report.asymmetry, 5e-3);
   EXPECT_EQ(outside(fit.anatomy, SkinField(capped_skin(package, body.skin.V))), 0);
-  const auto at = [&](const char* joint) { return rest_positions(fit.anatomy.skeleton)[find_joint(fit.anatomy.skeleton, joint)]; };
-  const double left = (at("knee_l") - at("ankle_l")).norm(), right = (at("knee_r") - at("ankle_r")).norm();
+  const auto at = [&](const char* joint) {
+    return rest_positions(fit.anatomy.skeleton)[find_joint(fit.anatomy.skeleton, joint)];
+  };
+  const double left = (at("knee_l") - at("ankle_l")).norm(),
+               right = (at("knee_r") - at("ankle_r")).norm();
   EXPECT_NEAR(right / left, 1.03, 0.015);
 }
 

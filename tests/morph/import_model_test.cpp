@@ -1,19 +1,20 @@
-// Other people's models as templates, and ours as models of other programs: what goes out comes back.
-#include "morph/import_model.h"
+// Other people's models as templates, and ours as models of other programs: what goes out comes
+// back.
+#include "morph/template/import_model.h"
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <unistd.h>
+#include <Eigen/Eigenvalues>
 
 #include <cmath>
 #include <filesystem>
 #include <map>
 
-#include "anatomy/carry_muscles.h"
 #include "anatomy/errors.h"
-#include "anatomy/export_model.h"
-#include "anatomy/model_xml.h"
+#include "anatomy/model_files/model_export.h"
+#include "anatomy/model_files/model_xml.h"
+#include "anatomy/muscles/transform_muscles.h"
 #include "tests/morph/built_template.h"
 
 namespace ecorche {
@@ -27,10 +28,13 @@ struct Folder {
   ~Folder() { fs::remove_all(path); }
 };
 
-MuscleModel written_and_read(const ExportModel& model, const fs::path& folder, const std::string& kind) {
+MuscleModel written_and_read(const ExportModel& model, const fs::path& folder,
+                             const std::string& kind) {
   const fs::path file = folder / ("model" + kind);
-  if (kind == ".osim") write_osim(file, model);
-  else write_mjcf(file, model);
+  if (kind == ".osim")
+    write_osim(file, model);
+  else
+    write_mjcf(file, model);
   return read_muscle_model(file);
 }
 
@@ -59,7 +63,9 @@ TEST_P(RoundTrip, KeepsNamesPathsAndForces) {
       ASSERT_EQ(back.points.size(), strip.path.size()) << back.name;
       for (size_t k = 0; k < strip.path.size(); ++k) {
         const ModelPoint& p = back.points[k];
-        worst = std::max(worst, (model.bodies[p.body].X_WB[kDefaultPose] * p.place[kDefaultPose] - strip.path[k].rest).norm());
+        worst = std::max(worst, (model.bodies[p.body].X_WB[kDefaultPose] * p.place[kDefaultPose] -
+                                 strip.path[k].rest)
+                                    .norm());
       }
     }
   EXPECT_LT(worst, 1e-6);
@@ -70,7 +76,8 @@ TEST_P(RoundTrip, ComesBackAsTheSameTemplate) {
   Folder folder;
   ExportModel out = make_export_model(tmpl.anatomy, tmpl.body);
   out.meshes.clear();
-  const Imported in = import_model(written_and_read(out, folder.path, GetParam()), tmpl, find_packages());
+  const Imported in =
+      import_model(written_and_read(out, folder.path, GetParam()), tmpl, find_packages());
   EXPECT_TRUE(in.report.match.same);
   EXPECT_FALSE(in.report.upright);
   ASSERT_EQ(in.anatomy.muscles.size(), tmpl.anatomy.muscles.size());
@@ -81,14 +88,18 @@ TEST_P(RoundTrip, ComesBackAsTheSameTemplate) {
     EXPECT_EQ(a.side, b.side) << a.name;
     ASSERT_EQ(a.strips.size(), b.strips.size()) << a.name;
     for (size_t s = 0; s < a.strips.size(); ++s) {
-      worst = std::max(worst, (a.strips[s].path.front().rest - b.strips[s].path.front().rest).norm());
+      worst =
+          std::max(worst, (a.strips[s].path.front().rest - b.strips[s].path.front().rest).norm());
       worst = std::max(worst, (a.strips[s].path.back().rest - b.strips[s].path.back().rest).norm());
     }
   }
   EXPECT_LT(worst, 1e-6);
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, RoundTrip, ::testing::Values(".osim", ".xml"), [](const auto& format) { return format.param[1] == 'o' ? "OpenSim" : "Mujoco"; });
+INSTANTIATE_TEST_SUITE_P(Formats, RoundTrip, ::testing::Values(".osim", ".xml"),
+                         [](const auto& format) {
+                           return format.param[1] == 'o' ? "OpenSim" : "Mujoco";
+                         });
 
 TEST(Export, MassesAddUpAndInertiasArePossible) {
   NEED_TEMPLATE();
@@ -109,19 +120,22 @@ TEST(Export, AnglesAreAnatomicalAngles) {
   NEED_TEMPLATE();
   const ExportModel model = make_export_model(tmpl.anatomy, tmpl.body);
   const auto turns = [](const Vec3& v) {
-    return (Eigen::AngleAxisd(v.x(), Vec3::UnitX()) * Eigen::AngleAxisd(v.y(), Vec3::UnitY()) * Eigen::AngleAxisd(v.z(), Vec3::UnitZ())).toRotationMatrix();
+    return (Eigen::AngleAxisd(v.x(), Vec3::UnitX()) * Eigen::AngleAxisd(v.y(), Vec3::UnitY()) *
+            Eigen::AngleAxisd(v.z(), Vec3::UnitZ()))
+        .toRotationMatrix();
   };
   for (size_t j = 1; j < tmpl.anatomy.skeleton.joints.size(); ++j) {
     const Joint& joint = tmpl.anatomy.skeleton.joints[j];
     Vec3 angles = joint.zero;
     Mat3 chain = Mat3::Identity();
     for (const ExportAngle& a : model.angles) {
-      if (a.body != static_cast<int>(j)) continue;
+      if (a.body != int(j)) continue;
       const int i = a.name.ends_with("_flexion") ? 0 : a.name.ends_with("_abduction") ? 1 : 2;
       angles[i] += 0.1 * (i + 1);
       chain = chain * Eigen::AngleAxisd(0.1 * (i + 1), a.axis).toRotationMatrix();
     }
-    const Mat3 wanted = joint.axes * turns(angles) * turns(joint.zero).transpose() * joint.axes.transpose();
+    const Mat3 wanted =
+        joint.axes * turns(angles) * turns(joint.zero).transpose() * joint.axes.transpose();
     EXPECT_LT((chain - wanted).norm(), 1e-9) << joint.name;
   }
 }
@@ -129,8 +143,9 @@ TEST(Export, AnglesAreAnatomicalAngles) {
 TEST(Import, TheWholeBodyOfThePackage) {
   NEED_TEMPLATE();
   const PackageArchive archive(find_packages(), "musclemimic-models");
-  const MuscleModel model =
-      parse_mjcf_model({[&](const std::string& path) { return archive.read("musclemimic_models/model/" + path); }}, "body/myofullbody.xml");
+  const MuscleModel model = parse_mjcf_model(
+      {[&](const std::string& path) { return archive.read("musclemimic_models/model/" + path); }},
+      "body/myofullbody.xml");
   ASSERT_EQ(model.muscles.size(), 416u);
   const Imported in = import_model(model, tmpl, find_packages());
   EXPECT_TRUE(in.report.match.same);  // our bones are the package's
@@ -146,15 +161,17 @@ TEST(Import, OpenSimModelsFitTheDefaultBody) {
   NEED_TEMPLATE();
   const fs::path folder = fs::path(ECORCHE_SHARED_DIR) / "testdata/osim";
   if (!fs::exists(folder)) GTEST_SKIP() << "no ../shared";
-  for (const char* file : {"opensim_core/subject_walk_scaled.osim", "opensim_core/ThoracoscapularShoulderModel.osim", "biobuddy/MOBL_ARMS_41.osim",
-                           "biobuddy/Wu_Shoulder_Model_via_points.osim"}) {
+  for (const char* file :
+       {"opensim_core/subject_walk_scaled.osim", "opensim_core/ThoracoscapularShoulderModel.osim",
+        "biobuddy/MOBL_ARMS_41.osim", "biobuddy/Wu_Shoulder_Model_via_points.osim"}) {
     const MuscleModel model = read_muscle_model(folder / file);
     const Imported in = import_model(model, tmpl, find_packages());
     EXPECT_EQ(in.anatomy.muscles.size(), model.muscles.size()) << file;
     EXPECT_LT(in.report.match.center_error, 0.02) << file;
     EXPECT_LT(in.report.attachment_median, 0.015) << file;
     EXPECT_TRUE(in.report.match.unknown.empty()) << file << " " << in.report.match.unknown[0];
-    for (const Muscle& muscle : in.anatomy.muscles) EXPECT_NEAR(rest_volume(muscle), muscle.volume, 1e-3 * muscle.volume) << muscle.name;
+    for (const Muscle& muscle : in.anatomy.muscles)
+      EXPECT_NEAR(rest_volume(muscle), muscle.volume, 1e-3 * muscle.volume) << muscle.name;
   }
 }
 
@@ -168,7 +185,8 @@ TEST(Import, OneSideIsMirroredOnDemand) {
   EXPECT_EQ(in.anatomy.muscles.size(), 100u);
   const int l = find_muscle(in.anatomy, "TRIlong_l"), r = find_muscle(in.anatomy, "TRIlong_r");
   ASSERT_TRUE(l >= 0 && r >= 0);
-  const Vec3 left = in.anatomy.muscles[l].strips[0].path[0].rest, right = in.anatomy.muscles[r].strips[0].path[0].rest;
+  const Vec3 left = in.anatomy.muscles[l].strips[0].path[0].rest,
+             right = in.anatomy.muscles[r].strips[0].path[0].rest;
   EXPECT_LT((left - Vec3(-right.x(), right.y(), right.z())).norm(), 1e-9);
 }
 

@@ -1,4 +1,4 @@
-#include "morph/interior_warp.h"
+#include "morph/tissue/interior_warp.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <filesystem>
 
 #include "anatomy/errors.h"
-#include "anatomy/mesh_measures.h"
-#include "morph/template_tissue.h"
+#include "anatomy/geometry/mesh_measures.h"
+#include "morph/fit/template_tissue.h"
 
 namespace ecorche {
 namespace {
@@ -24,13 +24,17 @@ TriMesh ball(const Vec3& at, double radius, int rings) {
   for (int ring = 1; ring < rings; ++ring) {
     for (int k = 0; k < around; ++k) {
       const double polar = M_PI * ring / rings, turn = 2 * M_PI * k / around;
-      mesh.V.row(vertex(ring, k)) = at + radius * Vec3(std::sin(polar) * std::sin(turn), std::cos(polar), std::sin(polar) * std::cos(turn));
-      if (ring == 1) mesh.F.row(f++) << 0, vertex(1, k), vertex(1, k + 1);
+      mesh.V.row(vertex(ring, k)) =
+          at + radius * Vec3(std::sin(polar) * std::sin(turn), std::cos(polar),
+                             std::sin(polar) * std::cos(turn));
+      if (ring == 1)
+        mesh.F.row(f++) << 0, vertex(1, k), vertex(1, k + 1);
       else {
         mesh.F.row(f++) << vertex(ring - 1, k), vertex(ring, k), vertex(ring, k + 1);
         mesh.F.row(f++) << vertex(ring - 1, k), vertex(ring, k + 1), vertex(ring - 1, k + 1);
       }
-      if (ring == rings - 1) mesh.F.row(f++) << vertex(ring, k), static_cast<int>(mesh.V.rows()) - 1, vertex(ring, k + 1);
+      if (ring == rings - 1)
+        mesh.F.row(f++) << vertex(ring, k), int(mesh.V.rows()) - 1, vertex(ring, k + 1);
     }
   }
   return mesh;
@@ -43,12 +47,16 @@ struct Figure {
 
 Figure mapped(const Figure& figure, const std::function<Vec3(const Vec3&)>& map) {
   Figure out = figure;
-  for (Eigen::Index i = 0; i < out.skin.V.rows(); ++i) out.skin.V.row(i) = map(figure.skin.V.row(i));
-  for (Eigen::Index i = 0; i < out.bones[0].mesh.V.rows(); ++i) out.bones[0].mesh.V.row(i) = map(figure.bones[0].mesh.V.row(i));
+  for (Eigen::Index i = 0; i < out.skin.V.rows(); ++i)
+    out.skin.V.row(i) = map(figure.skin.V.row(i));
+  for (Eigen::Index i = 0; i < out.bones[0].mesh.V.rows(); ++i)
+    out.bones[0].mesh.V.row(i) = map(figure.bones[0].mesh.V.row(i));
   return out;
 }
 
-BodyPair pair_of(const Figure& before, const Figure& after) { return {&before.skin.V, &after.skin.V, &before.bones, &after.bones}; }
+BodyPair pair_of(const Figure& before, const Figure& after) {
+  return {&before.skin.V, &after.skin.V, &before.bones, &after.bones};
+}
 
 Vec3 sheared(const Vec3& p) {
   Mat3 A;
@@ -62,13 +70,15 @@ double furthest_off(const InteriorMap& map, const std::function<Vec3(const Vec3&
   for (double x = -0.05; x <= 0.09; x += 0.017)
     for (double y = 0.93; y <= 1.07; y += 0.019)
       for (double z = -0.05; z <= 0.05; z += 0.021)
-        if (const Vec3 p(x, y, z); (p - Vec3(0.02, 1, 0)).norm() < 0.095) worst = std::max(worst, (map(p) - truth(p)).norm());
+        if (const Vec3 p(x, y, z); (p - Vec3(0.02, 1, 0)).norm() < 0.095)
+          worst = std::max(worst, (map(p) - truth(p)).norm());
   return worst;
 }
 
 bool has_tetgen() {
   const auto folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-  return std::filesystem::exists(folder / "ecorche-tetgen") || std::filesystem::exists(folder.parent_path() / "ecorche-tetgen");
+  return std::filesystem::exists(folder / "ecorche-tetgen") ||
+         std::filesystem::exists(folder.parent_path() / "ecorche-tetgen");
 }
 
 TEST(InteriorWarp, ABodyIntoItselfIsLeftWhereItIs) {
@@ -83,8 +93,12 @@ TEST(InteriorWarp, ALatticeCarriesShiftsExactlyAndShearsNearly) {
   const Figure figure;
   const HarmonicSolver solver(lattice_tissue(figure.skin, figure.bones));
   const auto shift = [](const Vec3& p) { return Vec3(p + Vec3(0.1, -0.3, 0.05)); };
-  EXPECT_LT(furthest_off(solver.map_to(solver.move_nodes(pair_of(figure, mapped(figure, shift)))), shift), 1e-9);
-  EXPECT_LT(furthest_off(solver.map_to(solver.move_nodes(pair_of(figure, mapped(figure, sheared)))), sheared), 2e-3);
+  EXPECT_LT(
+      furthest_off(solver.map_to(solver.move_nodes(pair_of(figure, mapped(figure, shift)))), shift),
+      1e-9);
+  EXPECT_LT(furthest_off(solver.map_to(solver.move_nodes(pair_of(figure, mapped(figure, sheared)))),
+                         sheared),
+            2e-3);
 }
 
 TEST(InteriorWarp, RadialFunctionsCarryShearsExactly) {
@@ -95,7 +109,9 @@ TEST(InteriorWarp, RadialFunctionsCarryShearsExactly) {
 TEST(InteriorWarp, BetweenSkinAndBoneDisplacementsLieBetween) {
   const Figure figure;
   Figure swollen = figure;  // the skin grows, the bone stays
-  for (Eigen::Index i = 0; i < swollen.skin.V.rows(); ++i) swollen.skin.V.row(i) = Vec3(0.02, 1, 0) + 1.2 * (figure.skin.V.row(i).transpose() - Vec3(0.02, 1, 0));
+  for (Eigen::Index i = 0; i < swollen.skin.V.rows(); ++i)
+    swollen.skin.V.row(i) =
+        Vec3(0.02, 1, 0) + 1.2 * (figure.skin.V.row(i).transpose() - Vec3(0.02, 1, 0));
   const HarmonicSolver solver(lattice_tissue(figure.skin, figure.bones));
   const InteriorMap map = solver.map_to(solver.move_nodes(pair_of(figure, swollen)));
   double before = 0;
@@ -121,7 +137,9 @@ TEST(InteriorWarp, TetrahedraFillTheSkinAndCarryShearsExactly) {
   EXPECT_NEAR(volume, mesh_volume(figure.skin), 1e-9);
   EXPECT_NEAR(bone, mesh_volume(figure.bones[0].mesh), 0.3 * mesh_volume(figure.bones[0].mesh));
   const HarmonicSolver solver(mesh);
-  EXPECT_LT(furthest_off(solver.map_to(solver.move_nodes(pair_of(figure, mapped(figure, sheared)))), sheared), 1e-9);
+  EXPECT_LT(furthest_off(solver.map_to(solver.move_nodes(pair_of(figure, mapped(figure, sheared)))),
+                         sheared),
+            1e-9);
 }
 
 TEST(InteriorWarp, WhatTetGenCannotTakeIsSaidAndLeavesUsRunning) {

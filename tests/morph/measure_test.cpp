@@ -1,11 +1,11 @@
-#include "morph/measure.h"
+#include "morph/measures/tape_measure.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "anatomy/errors.h"
-#include "anatomy/package.h"
-#include "morph/body.h"
+#include "anatomy/files/package_archive.h"
+#include "morph/shapes/body.h"
 #include "tests/body_fixture.h"
 #include "tests/morph/tape_check.h"
 
@@ -31,7 +31,8 @@ class MeasureTest : public BodyFixture {
 
 TEST_F(MeasureTest, AgreesWithMeasuringCodeOfItsOwn) {
   const TapeCheck check(package(), tape().table());
-  for (const Points& V : {body(Sex::male, 0.3), body(Sex::male, 0.95), body(Sex::female, 0.2), body(Sex::female, 0.9)}) {
+  for (const Points& V : {body(Sex::male, 0.3), body(Sex::male, 0.95), body(Sex::female, 0.2),
+                          body(Sex::female, 0.9)}) {
     for (int k = 0; k < tape().count(); ++k) {
       const double expected = check.take(tape().measure(k), V);
       // A search that looks at every millimetre misses the best plane by a little.
@@ -48,14 +49,16 @@ TEST_F(MeasureTest, EveryMeasureLiesInsideWhatPeopleMeasure) {
   for (int k = 0; k < tape().count(); ++k) {
     const double value = tape().take(k, V);
     EXPECT_GT(value, 0.03) << tape().measure(k).id;
-    EXPECT_LT(value, tape().measure(k).kind == MeasureKind::mass ? 79 : 2.0) << tape().measure(k).id;
+    EXPECT_LT(value, tape().measure(k).kind == MeasureKind::mass ? 79 : 2.0)
+        << tape().measure(k).id;
   }
 }
 
 TEST_F(MeasureTest, ScaledBodiesHaveScaledMeasures) {
   const Points V = body(Sex::female, 0.6);
   for (int k = 0; k < tape().count(); ++k) {
-    if (tape().measure(k).search != Search::none) continue;  // the reach of a search does not grow with the body
+    if (tape().measure(k).search != Search::none)
+      continue;  // the reach of a search does not grow with the body
     const double factor = tape().measure(k).kind == MeasureKind::mass ? 1.331 : 1.1;
     EXPECT_NEAR(tape().take(k, 1.1 * V), factor * tape().take(k, V), 1e-9) << tape().measure(k).id;
   }
@@ -77,7 +80,8 @@ TEST_F(MeasureTest, DerivativesAreThoseOfDifferences) {
     double slope = 0;
     for (const auto& [vertex, g] : gradient) slope += g.dot(D.row(vertex).transpose());
     constexpr double kStep = 1e-5;
-    const double difference = (tape().take(k, V + kStep * D) - tape().take(k, V - kStep * D)) / (2 * kStep);
+    const double difference =
+        (tape().take(k, V + kStep * D) - tape().take(k, V - kStep * D)) / (2 * kStep);
     EXPECT_NEAR(slope, difference, 0.02 * std::abs(difference) + 0.01) << tape().measure(k).id;
   }
 }
@@ -86,7 +90,9 @@ TEST_F(MeasureTest, TracesAreAsLongAsTheTape) {
   const Points V = body(Sex::female, 0.4);
   for (int k = 0; k < tape().count(); ++k) {
     const Measure& m = tape().measure(k);
-    if (m.kind != MeasureKind::girth && m.kind != MeasureKind::path && m.kind != MeasureKind::distance && m.kind != MeasureKind::height) continue;
+    if (m.kind != MeasureKind::girth && m.kind != MeasureKind::path &&
+        m.kind != MeasureKind::distance && m.kind != MeasureKind::height)
+      continue;
     if (m.arms_off) continue;  // drawn closed where the arm was left out
     TapeTrace trace;
     const double value = tape().take(k, V, nullptr, &trace);
@@ -97,18 +103,23 @@ TEST_F(MeasureTest, TracesAreAsLongAsTheTape) {
   }
 }
 
-// Every measure can be written in every unit, and a bare number only where it can be nothing but metres.
+// Every measure can be written in every unit, and a bare number only where it can be nothing but
+// metres.
 TEST_F(MeasureTest, ReadsEveryMeasureInEveryUnit) {
   for (int k = 0; k < tape().count(); ++k) {
     const Measure& m = tape().measure(k);
     if (m.kind == MeasureKind::mass || m.kind == MeasureKind::ahead) continue;
     const double usual = tape().take(k, package().points);
-    const auto read = [&](double value, const char* unit) { return tape().parse(k, fmt::format("{:.9f}{}", value, unit), m.id); };
+    const auto read = [&](double value, const char* unit) {
+      return tape().parse(k, fmt::format("{:.9f}{}", value, unit), m.id);
+    };
     EXPECT_NEAR(read(100 * usual, "cm"), usual, 1e-6) << m.id;
     EXPECT_NEAR(read(usual / 0.0254, "in"), usual, 1e-6) << m.id;
     EXPECT_NEAR(read(usual, ""), usual, 1e-6) << m.id;
-    for (const double factor : {100.0, 1000.0, 1 / 0.0254}) EXPECT_THROW(read(factor * usual, ""), UsageError) << m.id << " " << factor;
-    for (const char* bad : {"", "cm", "-3cm", "nan", "92furlongs", "1e400", "70kg"}) EXPECT_THROW(tape().parse(k, bad, m.id), UsageError) << m.id << " " << bad;
+    for (const double factor : {100.0, 1000.0, 1 / 0.0254})
+      EXPECT_THROW(read(factor * usual, ""), UsageError) << m.id << " " << factor;
+    for (const char* bad : {"", "cm", "-3cm", "nan", "92furlongs", "1e400", "70kg"})
+      EXPECT_THROW(tape().parse(k, bad, m.id), UsageError) << m.id << " " << bad;
   }
   const int weight = tape().table().at("weight");
   EXPECT_DOUBLE_EQ(tape().parse(weight, "70kg", "weight"), 70);

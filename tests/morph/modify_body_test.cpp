@@ -1,6 +1,6 @@
-#include "morph/modify_body.h"
+#include "morph/shapes/modify_body.h"
 
-#include "anatomy/package.h"
+#include "anatomy/files/package_archive.h"
 #include "tests/body_fixture.h"
 
 namespace ecorche {
@@ -18,11 +18,13 @@ class ModifyTest : public BodyFixture {
   }
   // A person with something of her own that no space knows: a dent in the belly.
   static Points person() {
-    std::vector<Wish> asked{{at("stature"), 1.66}, {at("waist_girth"), 0.80}, {at("hip_girth"), 1.02}};
+    std::vector<Wish> asked{
+        {at("stature"), 1.66}, {at("waist_girth"), 0.80}, {at("hip_girth"), 1.02}};
     Points out = solve_measures(tape(), space(), asked).points;
     const int navel = tape().measure(at("waist_girth")).vertices[0];
     const Vec3 middle = out.row(navel);
-    for (int v = 0; v < package().skin_size; ++v) out(v, 2) -= 0.004 * std::exp(-(out.row(v).transpose() - middle).squaredNorm() / 4e-4);
+    for (int v = 0; v < package().skin_size; ++v)
+      out(v, 2) -= 0.004 * std::exp(-(out.row(v).transpose() - middle).squaredNorm() / 4e-4);
     return out;
   }
   static int at(const char* id) { return tape().table().at(id); }
@@ -31,10 +33,15 @@ class ModifyTest : public BodyFixture {
 TEST_F(ModifyTest, FatPercentageIsTheFormulasOfBothSexes) {
   const Points skin = person();
   const auto inches = [&](const char* id) { return tape().take(at(id), skin) / 0.0254; };
-  EXPECT_NEAR(fat_percentage(tape(), Sex::female, skin),
-              163.205 * std::log10(inches("waist_girth") + inches("hip_girth") - inches("neck_girth")) - 97.684 * std::log10(inches("stature")) - 78.387, 1e-9);
+  EXPECT_NEAR(
+      fat_percentage(tape(), Sex::female, skin),
+      163.205 * std::log10(inches("waist_girth") + inches("hip_girth") - inches("neck_girth")) -
+          97.684 * std::log10(inches("stature")) - 78.387,
+      1e-9);
   EXPECT_NEAR(fat_percentage(tape(), Sex::male, skin),
-              86.010 * std::log10(inches("waist_girth") - inches("neck_girth")) - 70.041 * std::log10(inches("stature")) + 36.76, 1e-9);
+              86.010 * std::log10(inches("waist_girth") - inches("neck_girth")) -
+                  70.041 * std::log10(inches("stature")) + 36.76,
+              1e-9);
 }
 
 TEST_F(ModifyTest, DerivativesAreThoseOfTheFigures) {
@@ -45,16 +52,21 @@ TEST_F(ModifyTest, DerivativesAreThoseOfTheFigures) {
     return sum;
   };
   constexpr double kStep = 1e-3;
-  const Points move = space_points(space(), Eigen::VectorXd::Unit(space().basis.cols(), 1)) - space().mean;
+  const Points move =
+      space_points(space(), Eigen::VectorXd::Unit(space().basis.cols(), 1)) - space().mean;
   for (const Sex sex : {Sex::male, Sex::female}) {
     MeasureGradient fat;
     fat_percentage(tape(), sex, skin, &fat);
-    const double numeric = (fat_percentage(tape(), sex, skin + kStep * move) - fat_percentage(tape(), sex, skin - kStep * move)) / (2 * kStep);
+    const double numeric = (fat_percentage(tape(), sex, skin + kStep * move) -
+                            fat_percentage(tape(), sex, skin - kStep * move)) /
+                           (2 * kStep);
     EXPECT_NEAR(along(fat, move), numeric, 0.02 * std::abs(numeric) + 1e-4);
   }
   MeasureGradient ratio;
   hip_waist_ratio(tape(), skin, &ratio);
-  const double numeric = (hip_waist_ratio(tape(), skin + kStep * move) - hip_waist_ratio(tape(), skin - kStep * move)) / (2 * kStep);
+  const double numeric = (hip_waist_ratio(tape(), skin + kStep * move) -
+                          hip_waist_ratio(tape(), skin - kStep * move)) /
+                         (2 * kStep);
   EXPECT_NEAR(along(ratio, move), numeric, 0.02 * std::abs(numeric) + 1e-5);
 }
 
@@ -77,7 +89,8 @@ TEST_F(ModifyTest, AttributesAreMetAndLengthsStay) {
   EXPECT_TRUE(heavier.met);
   EXPECT_NEAR(fat_percentage(tape(), Sex::female, heavier.points), *change.fat, 0.02);
   EXPECT_NEAR(hip_waist_ratio(tape(), heavier.points), *change.hip_waist, 0.0003);
-  for (const char* id : {"stature", "crotch_height", "arm_length_outseam"}) EXPECT_NEAR(tape().take(at(id), heavier.points), tape().take(at(id), skin), 0.0005) << id;
+  for (const char* id : {"stature", "crotch_height", "arm_length_outseam"})
+    EXPECT_NEAR(tape().take(at(id), heavier.points), tape().take(at(id), skin), 0.0005) << id;
   EXPECT_GT(tape().take(at("weight"), heavier.points), tape().take(at("weight"), skin) + 3);
 }
 
@@ -100,8 +113,10 @@ TEST_F(ModifyTest, ExaggerationOfNothingIsTheMeanWithTheSameLengths) {
   BodyChange more;
   more.exaggeration = 1.5;
   const ChangedBody overdrawn = change_body(package(), tape(), space(), skin, more);
-  const double own = tape().take(at("waist_girth"), skin), mean = tape().take(at("waist_girth"), space().mean);
-  EXPECT_GT(std::abs(tape().take(at("waist_girth"), overdrawn.points) - mean), std::abs(own - mean));
+  const double own = tape().take(at("waist_girth"), skin),
+               mean = tape().take(at("waist_girth"), space().mean);
+  EXPECT_GT(std::abs(tape().take(at("waist_girth"), overdrawn.points) - mean),
+            std::abs(own - mean));
 }
 
 }  // namespace

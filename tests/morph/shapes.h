@@ -14,7 +14,8 @@ inline TriMesh cylinder(double r, double y0, double y1, int around = 96, int rin
   for (int i = 0; i < rings; ++i)
     for (int k = 0; k < around; ++k) {
       const double turn = 2 * std::numbers::pi * k / around;
-      m.V.row(i * around + k) << r * std::cos(turn), y0 + (y1 - y0) * i / (rings - 1), r * std::sin(turn);
+      m.V.row(i * around + k) << r * std::cos(turn), y0 + (y1 - y0) * i / (rings - 1),
+          r * std::sin(turn);
     }
   const int low = around * rings, high = low + 1;
   m.V.row(low) << 0, y0, 0;

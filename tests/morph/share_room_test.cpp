@@ -1,5 +1,6 @@
-// Laws of sharing: muscles that began in one another end beside one another, out of the bone, under the layer, and fill what is between.
-#include "morph/share_room.h"
+// Laws of sharing: muscles that began in one another end beside one another, out of the bone, under
+// the layer, and fill what is between.
+#include "morph/dilation/pack_muscles.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -7,10 +8,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "anatomy/carry_muscles.h"
-#include "anatomy/muscle_line.h"
-#include "anatomy/muscle_surface.h"
-#include "anatomy/solids.h"
+#include "anatomy/geometry/overlap_volumes.h"
+#include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/muscle_surface.h"
+#include "anatomy/muscles/transform_muscles.h"
 #include "tests/morph/shapes.h"
 
 namespace ecorche {
@@ -27,7 +28,7 @@ Anatomy limb(int count) {
     const double angle = 2 * kPi * m / count + 0.1;
     const Vec3 out(std::cos(angle), 0, std::sin(angle));
     std::vector<PathPoint> path(3);
-    for (int p = 0; p < 3; ++p) path[static_cast<std::size_t>(p)].rest = 0.028 * out + Vec3(0, -0.18 + 0.18 * p, 0);
+    for (int p = 0; p < 3; ++p) path[p].rest = 0.028 * out + Vec3(0, -0.18 + 0.18 * p, 0);
     std::vector<Station> stations;
     for (int k = 0; k < 17; ++k) {
       const double s = k / 16.0, r = 0.004 + (m % 2 ? 0.018 : 0.024) * std::sin(kPi * s);
@@ -42,10 +43,11 @@ Anatomy limb(int count) {
   return anatomy;
 }
 
-SharingReport share(Anatomy& anatomy, double skin_radius, double layer, const SharingLimits& limits = {}) {
+SharingReport share(Anatomy& anatomy, double skin_radius, double layer,
+                    const SharingLimits& limits = {}) {
   const TriMesh skin = cylinder(skin_radius, -0.3, 0.3, 96, 60);
   FatLayer fat;
-  fat.thickness.assign(static_cast<std::size_t>(skin.V.rows()), static_cast<float>(layer));
+  fat.thickness.assign(std::size_t(skin.V.rows()), float(layer));
   std::vector<Ellipse> slices = rest_slices(anatomy);
   std::vector<double> wanted;
   for (const Muscle& muscle : anatomy.muscles) wanted.push_back(muscle.volume);
@@ -57,9 +59,10 @@ SolidVolumes measure(const Anatomy& anatomy, Points& points) {
   const MuscleSurface surface = make_muscle_surface(anatomy);
   update_muscle_surface(surface, rest_slices(anatomy), points);
   std::vector<Solid> solids;
-  for (const auto& part : surface.parts) solids.push_back({Solid::Kind::muscle, &points, &surface.F, part.face_begin, part.face_end});
+  for (const auto& part : surface.parts)
+    solids.push_back({Solid::Kind::muscle, &points, &surface.F, part.face_begin, part.face_end});
   const TriMesh& bone = anatomy.bones[0].mesh;
-  solids.push_back({Solid::Kind::bone, &bone.V, &bone.F, 0, static_cast<int>(bone.F.rows())});
+  solids.push_back({Solid::Kind::bone, &bone.V, &bone.F, 0, int(bone.F.rows())});
   return measure_solids(solids, 0.5e-3);
 }
 
@@ -75,7 +78,8 @@ TEST(ShareRoom, NeighboursPartAndLeaveTheBone) {
   EXPECT_LT(after.bone_overlap_share(), 0.003);
 }
 
-// Corners of facets may stand into the layer by a quarter of it, the facets themselves stay nearer to it.
+// Corners of facets may stand into the layer by a quarter of it, the facets themselves stay nearer
+// to it.
 TEST(ShareRoom, BelliesReachTheLayerAndNoFurther) {
   Anatomy anatomy = limb(5);
   share(anatomy, 0.064, 0.004);
@@ -86,13 +90,17 @@ TEST(ShareRoom, BelliesReachTheLayerAndNoFurther) {
   for (Eigen::Index i = 0; i < points.rows(); ++i) {
     const double far = std::hypot(points(i, 0), points(i, 2));
     EXPECT_LT(far, 0.0611);
-    if (std::abs(points(i, 1)) < 0.02) reach[static_cast<std::size_t>(surface.muscle[static_cast<std::size_t>(i)])] = std::max(reach[static_cast<std::size_t>(surface.muscle[static_cast<std::size_t>(i)])], far);
+    if (std::abs(points(i, 1)) < 0.02)
+      reach[surface.muscle[i]] = std::max(reach[surface.muscle[i]], far);
   }
   for (const double far : reach) EXPECT_GT(far, 0.057);
   double sum = 0;
   int facets = 0;
   for (Eigen::Index f = 0; f < surface.F.rows(); ++f) {
-    const Vec3 middle = (points.row(surface.F(f, 0)) + points.row(surface.F(f, 1)) + points.row(surface.F(f, 2))).transpose() / 3;
+    const Vec3 middle =
+        (points.row(surface.F(f, 0)) + points.row(surface.F(f, 1)) + points.row(surface.F(f, 2)))
+            .transpose() /
+        3;
     const double far = std::hypot(middle.x(), middle.z());
     if (far > 0.058) sum += far, ++facets;
   }
@@ -108,16 +116,23 @@ double covered(const Anatomy& anatomy, double radius) {
   int near = 0, all = 0;
   for (int around = 0; around < 60; ++around)
     for (double y = -0.1; y <= 0.1; y += 0.02) {
-      const Vec3 p(radius * std::cos(2 * kPi * around / 60), y, radius * std::sin(2 * kPi * around / 60));
+      const Vec3 p(radius * std::cos(2 * kPi * around / 60), y,
+                   radius * std::sin(2 * kPi * around / 60));
       double least = 1;
       for (Eigen::Index f = 0; f < surface.F.rows(); ++f)
         for (int i = 0; i <= 6; ++i)
           for (int j = 0; i + j <= 6; ++j)
-            least = std::min(least, ((i * points.row(surface.F(f, 0)) + j * points.row(surface.F(f, 1)) + (6 - i - j) * points.row(surface.F(f, 2))).transpose() / 6 - p).norm());
+            least = std::min(least,
+                             ((i * points.row(surface.F(f, 0)) + j * points.row(surface.F(f, 1)) +
+                               (6 - i - j) * points.row(surface.F(f, 2)))
+                                      .transpose() /
+                                  6 -
+                              p)
+                                 .norm());
       ++all;
       near += least < 0.003;
     }
-  return static_cast<double>(near) / all;
+  return double(near) / all;
 }
 
 TEST(ShareRoom, WhereTheLayerLiesBareTheMuscleUnderItComesUp) {
@@ -138,10 +153,12 @@ TEST(ShareRoom, MusclesPartBetweenTheirSections) {
   for (int m = 0; m < 2; ++m) {
     const double side = m ? 1 : -1;
     std::vector<PathPoint> path(2);
-    for (int p = 0; p < 2; ++p) path[static_cast<std::size_t>(p)].rest = Vec3(side * (0.1 - 0.2 * p), 0.2 * p - 0.1, 0.034 + 0.006 * side);
+    for (int p = 0; p < 2; ++p)
+      path[p].rest = Vec3(side * (0.1 - 0.2 * p), 0.2 * p - 0.1, 0.034 + 0.006 * side);
     std::vector<Station> stations;
-    for (const double s : {0.0, 0.4, 0.6, 1.0}) stations.push_back({s, Vec3::Zero(), Vec3::UnitZ(), Vec2(0.012, 0.012)});
-    Muscle& muscle = anatomy.muscles[static_cast<std::size_t>(m)];
+    for (const double s : {0.0, 0.4, 0.6, 1.0})
+      stations.push_back({s, Vec3::Zero(), Vec3::UnitZ(), Vec2(0.012, 0.012)});
+    Muscle& muscle = anatomy.muscles[m];
     muscle.strips = {make_strip(path, stations)};
     muscle.volume = rest_volume(muscle);
   }

@@ -1,20 +1,26 @@
-#include "morph/sizes.h"
+#include "morph/shapes/sizes.h"
 
-#include "anatomy/package.h"
+#include "anatomy/files/package_archive.h"
 #include "tests/body_fixture.h"
 
 namespace ecorche {
 namespace {
 
-// A standing figure of boxes: legs apart, arms apart below `armpit`, a trunk that is narrow at the waist.
+// A standing figure of boxes: legs apart, arms apart below `armpit`, a trunk that is narrow at the
+// waist.
 void add_box(TriMesh& mesh, const Vec3& low, const Vec3& high) {
-  const auto base = static_cast<int>(mesh.V.rows());
+  const int base = mesh.V.rows();
   mesh.V.conservativeResize(base + 8, 3);
-  for (int k = 0; k < 8; ++k) mesh.V.row(base + k) << (k & 1 ? high : low).x(), (k & 2 ? high : low).y(), (k & 4 ? high : low).z();
-  static constexpr int faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  for (int k = 0; k < 8; ++k)
+    mesh.V.row(base + k) << (k & 1 ? high : low).x(), (k & 2 ? high : low).y(),
+        (k & 4 ? high : low).z();
+  static constexpr int faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6},
+                                       {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
+                                       {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   const auto first = mesh.F.rows();
   mesh.F.conservativeResize(first + 12, 3);
-  for (int f = 0; f < 12; ++f) mesh.F.row(first + f) << base + faces[f][0], base + faces[f][1], base + faces[f][2];
+  for (int f = 0; f < 12; ++f)
+    mesh.F.row(first + f) << base + faces[f][0], base + faces[f][1], base + faces[f][2];
 }
 
 TEST(FeaturePoints, OfAFigureOfBoxesAreWhereItsBoxesMeet) {
@@ -63,7 +69,8 @@ TEST_F(SizesTest, EverySizeHasItsMeasuresAndIsNearestToItself) {
       EXPECT_TRUE(body.conflicts.empty()) << size.name;
       for (std::size_t i = 0; i < wishes.size(); ++i) {
         const Measure& m = tape.measure(wishes[i].measure);
-        EXPECT_NEAR(body.achieved[i], wishes[i].value, 0.2 * m.tolerance) << size.name << ' ' << m.id;
+        EXPECT_NEAR(body.achieved[i], wishes[i].value, 0.2 * m.tolerance)
+            << size.name << ' ' << m.id;
       }
       figures.push_back(size_figures(tape, package(), body.points));
       names.push_back(size.name);
@@ -72,7 +79,8 @@ TEST_F(SizesTest, EverySizeHasItsMeasuresAndIsNearestToItself) {
       EXPECT_EQ(size_distance(figures[i], figures[i]), 0);
       // Larger and larger: the distance grows with every letter between.
       for (std::size_t j = i + 1; j + 1 < figures.size(); ++j)
-        EXPECT_LT(size_distance(figures[i], figures[j]), size_distance(figures[i], figures[j + 1])) << names[i] << " " << names[j];
+        EXPECT_LT(size_distance(figures[i], figures[j]), size_distance(figures[i], figures[j + 1]))
+            << names[i] << " " << names[j];
     }
   }
 }

@@ -1,5 +1,6 @@
-// Laws of the signed distance and the winding number, on shapes whose distance is known in closed form.
-#include "morph/skin_field.h"
+// Laws of the signed distance and the winding number, on shapes whose distance is known in closed
+// form.
+#include "anatomy/queries/signed_distance.h"
 
 #include <gtest/gtest.h>
 
@@ -14,9 +15,12 @@ namespace {
 TriMesh box(const Vec3& half) {
   TriMesh mesh;
   mesh.V.resize(8, 3);
-  for (int i = 0; i < 8; ++i) mesh.V.row(i) << (i & 1 ? 1 : -1) * half.x(), (i & 2 ? 1 : -1) * half.y(), (i & 4 ? 1 : -1) * half.z();
+  for (int i = 0; i < 8; ++i)
+    mesh.V.row(i) << (i & 1 ? 1 : -1) * half.x(), (i & 2 ? 1 : -1) * half.y(),
+        (i & 4 ? 1 : -1) * half.z();
   mesh.F.resize(12, 3);
-  mesh.F << 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5;
+  mesh.F << 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6,
+      2, 1, 3, 7, 1, 7, 5;
   return mesh;
 }
 
@@ -35,15 +39,16 @@ TriMesh ball(int levels) {
     for (int i = 0; i < mesh.V.rows(); ++i) points.push_back(mesh.V.row(i));
     std::vector<Eigen::RowVector3i> faces;
     const auto mid = [&](int a, int b) {
-      const auto [it, fresh] = middle.try_emplace({std::min(a, b), std::max(a, b)}, static_cast<int>(points.size()));
+      const auto [it, fresh] =
+          middle.try_emplace({std::min(a, b), std::max(a, b)}, int(points.size()));
       if (fresh) points.push_back((points[a] + points[b]).normalized());
       return it->second;
     };
     for (int f = 0; f < mesh.F.rows(); ++f) {
       const int a = mesh.F(f, 0), b = mesh.F(f, 1), c = mesh.F(f, 2);
       const int ab = mid(a, b), bc = mid(b, c), ca = mid(c, a);
-      for (const auto& t : {Eigen::RowVector3i(a, ab, ca), Eigen::RowVector3i(ab, b, bc), Eigen::RowVector3i(ca, bc, c),
-                            Eigen::RowVector3i(ab, bc, ca)})
+      for (const auto& t : {Eigen::RowVector3i(a, ab, ca), Eigen::RowVector3i(ab, b, bc),
+                            Eigen::RowVector3i(ca, bc, c), Eigen::RowVector3i(ab, bc, ca)})
         faces.push_back(t);
     }
     mesh.V.resize(points.size(), 3);
@@ -76,7 +81,9 @@ TEST(SkinField, GradientIsTheDerivativeOfTheDistance) {
     if (p.norm() < 0.3 || std::abs(at.distance) < 1e-3) continue;
     const double h = 1e-6;
     Vec3 g;
-    for (int k = 0; k < 3; ++k) g[k] = (field.distance(p + h * Vec3::Unit(k)) - field.distance(p - h * Vec3::Unit(k))) / (2 * h);
+    for (int k = 0; k < 3; ++k)
+      g[k] =
+          (field.distance(p + h * Vec3::Unit(k)) - field.distance(p - h * Vec3::Unit(k))) / (2 * h);
     if ((g - at.gradient).norm() > 1e-4) continue;  // on the medial axis between two triangles
     ++checked;
   }
@@ -101,7 +108,7 @@ TEST(SkinField, TheSeedDoesNotChangeTheAnswer) {
   std::uniform_real_distribution<double> u(-1.2, 1.2);
   for (int i = 0; i < 500; ++i) {
     const Vec3 p(u(rng), u(rng), u(rng));
-    const SkinPoint a = field.nearest(p), b = field.nearest(p, i % static_cast<int>(mesh.F.rows()));
+    const SkinPoint a = field.nearest(p), b = field.nearest(p, i % int(mesh.F.rows()));
     EXPECT_EQ(a.triangle, b.triangle);
     EXPECT_EQ(a.distance, b.distance);
   }

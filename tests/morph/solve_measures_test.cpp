@@ -1,4 +1,4 @@
-#include "morph/solve_measures.h"
+#include "morph/shapes/solve_measures.h"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <Eigen/Cholesky>
 
 #include "anatomy/errors.h"
-#include "anatomy/package.h"
-#include "morph/region_functions.h"
-#include "morph/shape_age.h"
-#include "morph/skin_field.h"
+#include "anatomy/files/package_archive.h"
+#include "anatomy/queries/signed_distance.h"
+#include "morph/shapes/region_functions.h"
+#include "morph/shapes/shape_age.h"
 #include "tests/body_fixture.h"
 #include "tests/morph/tape_check.h"
 
@@ -21,7 +21,10 @@ namespace {
 class People {
  public:
   People(const Survey& survey, unsigned seed) : survey_(survey), random_(seed) {
-    factor_ = (survey.correlation + 1e-6 * Eigen::MatrixXd::Identity(survey.mean.size(), survey.mean.size())).llt().matrixL();
+    factor_ = (survey.correlation +
+               1e-6 * Eigen::MatrixXd::Identity(survey.mean.size(), survey.mean.size()))
+                  .llt()
+                  .matrixL();
   }
   Eigen::VectorXd next() {
     Eigen::VectorXd u(survey_.mean.size());
@@ -30,7 +33,7 @@ class People {
   }
   double of(const Eigen::VectorXd& person, int measure) const {
     for (std::size_t r = 0; r < survey_.measures.size(); ++r)
-      if (survey_.measures[r] == measure) return person[static_cast<Eigen::Index>(r)];
+      if (survey_.measures[r] == measure) return person[r];
     throw std::invalid_argument("not in the survey");
   }
 
@@ -41,7 +44,9 @@ class People {
   Eigen::MatrixXd factor_;
 };
 
-const std::vector<std::string> kGiven{"neck_base_girth", "chest_girth", "waist_girth", "hip_girth", "stature", "crotch_height", "arm_length_outseam", "weight"};
+const std::vector<std::string> kGiven{"neck_base_girth",    "chest_girth", "waist_girth",
+                                      "hip_girth",          "stature",     "crotch_height",
+                                      "arm_length_outseam", "weight"};
 
 class SolveTest : public BodyFixture {
  protected:
@@ -50,16 +55,20 @@ class SolveTest : public BodyFixture {
     return once;
   }
   static const ShapeSpace& space(Sex sex) {
-    static const ShapeSpace male = read_shape_space(package(), tape(), Sex::male), female = read_shape_space(package(), tape(), Sex::female);
+    static const ShapeSpace male = read_shape_space(package(), tape(), Sex::male),
+                            female = read_shape_space(package(), tape(), Sex::female);
     return sex == Sex::male ? male : female;
   }
   static const Survey& survey(Sex sex) {
-    static const Survey male = read_survey(tape().table(), Sex::male, data_folder() / "body"), female = read_survey(tape().table(), Sex::female, data_folder() / "body");
+    static const Survey male = read_survey(tape().table(), Sex::male, data_folder() / "body"),
+                        female = read_survey(tape().table(), Sex::female, data_folder() / "body");
     return sex == Sex::male ? male : female;
   }
-  static std::vector<Wish> wishes(const People& people, const Eigen::VectorXd& person, std::span<const std::string> names) {
+  static std::vector<Wish> wishes(const People& people, const Eigen::VectorXd& person,
+                                  std::span<const std::string> names) {
     std::vector<Wish> out;
-    for (const auto& name : names) out.push_back({tape().table().at(name), people.of(person, tape().table().at(name))});
+    for (const auto& name : names)
+      out.push_back({tape().table().at(name), people.of(person, tape().table().at(name))});
     return out;
   }
   static int at(const char* id) { return tape().table().at(id); }
@@ -74,7 +83,8 @@ TEST_F(SolveTest, FeasibleSetsAreMetByMeasuringCodeOfItsOwn) {
     for (int set = 0; set < 20; ++set) {
       const auto asked = wishes(people, people.next(), kGiven);
       const SolvedBody body = solve_measures(tape(), space(sex), asked);
-      ASSERT_TRUE(body.met && body.conflicts.empty()) << (body.conflicts.empty() ? "not reached" : describe(body.conflicts[0], tape(), asked));
+      ASSERT_TRUE(body.met && body.conflicts.empty())
+          << (body.conflicts.empty() ? "not reached" : describe(body.conflicts[0], tape(), asked));
       for (const Wish& wish : asked) {
         const Measure& m = tape().measure(wish.measure);
         const double found = check.take(m, body.points);
@@ -99,24 +109,29 @@ TEST_F(SolveTest, EveryMeasureCanBeGivenAlone) {
   for (int k = 0; k < tape().count(); ++k) {
     MeasureGradient gradient;
     const double mean = tape().take(k, space(Sex::female).mean, &gradient);
-    const std::vector<Wish> asked{{k, mean + 1.5 * space_gradient(space(Sex::female), gradient).norm()}};
+    const std::vector<Wish> asked{
+        {k, mean + 1.5 * space_gradient(space(Sex::female), gradient).norm()}};
     const SolvedBody body = solve_measures(tape(), space(Sex::female), asked);
-    EXPECT_TRUE(body.met) << tape().measure(k).id << " " << body.achieved[0] << " for " << asked[0].value;
+    EXPECT_TRUE(body.met) << tape().measure(k).id << " " << body.achieved[0] << " for "
+                          << asked[0].value;
   }
 }
 
 TEST_F(SolveTest, AllMeasuresAtOnceOfABodyOfTheSpaceAreMet) {
   Eigen::VectorXd z = Eigen::VectorXd::Zero(space(Sex::male).basis.cols());
-  for (Eigen::Index i = 0; i < z.size(); ++i) z[i] = std::sin(7.0 * static_cast<double>(i));
+  for (Eigen::Index i = 0; i < z.size(); ++i) z[i] = std::sin(7.0 * double(i));
   const Points V = space_points(space(Sex::male), z);
   std::vector<Wish> asked;
   for (int k = 0; k < tape().count(); ++k) asked.push_back({k, tape().take(k, V)});
   const SolvedBody body = solve_measures(tape(), space(Sex::male), asked);
   EXPECT_TRUE(body.conflicts.empty());
-  for (std::size_t i = 0; i < asked.size(); ++i) EXPECT_NEAR(body.achieved[i], asked[i].value, tape().measure(asked[i].measure).tolerance) << tape().measure(asked[i].measure).id;
+  for (std::size_t i = 0; i < asked.size(); ++i)
+    EXPECT_NEAR(body.achieved[i], asked[i].value, tape().measure(asked[i].measure).tolerance)
+        << tape().measure(asked[i].measure).id;
 }
 
-// Bodies drawn from the space; the distance is that of the surfaces, once both stand in the same place.
+// Bodies drawn from the space; the distance is that of the surfaces, once both stand in the same
+// place.
 TEST_F(SolveTest, BodiesComeBackFromTheirOwnMeasures) {
   constexpr int kBodies = 8;
   for (const Sex sex : {Sex::male, Sex::female}) {
@@ -135,7 +150,8 @@ TEST_F(SolveTest, BodiesComeBackFromTheirOwnMeasures) {
       back.rowwise() += (own - back).colwise().mean();
       const SkinField surface(TriMesh{own, package().triangles});
       double distance = 0;
-      for (Eigen::Index v = 0; v < back.rows(); ++v) distance += std::abs(surface.distance(back.row(v))) / static_cast<double>(back.rows());
+      for (Eigen::Index v = 0; v < back.rows(); ++v)
+        distance += std::abs(surface.distance(back.row(v))) / double(back.rows());
       EXPECT_LT(distance, 0.002);
       sum += distance / kBodies;
     }
@@ -150,7 +166,8 @@ TEST_F(SolveTest, AgeChangesTheBodyAndNotWhatWasAsked) {
     move_to_age(package(), tape(), 80, old);
     People people(survey(sex), 13);
     const auto asked = wishes(people, people.next(), kGiven);
-    const SolvedBody a = solve_measures(tape(), young, asked), b = solve_measures(tape(), old, asked);
+    const SolvedBody a = solve_measures(tape(), young, asked),
+                     b = solve_measures(tape(), old, asked);
     EXPECT_TRUE(a.met && b.met);
     EXPECT_GT((a.points - b.points).rowwise().norm().mean(), 0.003);
   }
@@ -158,7 +175,10 @@ TEST_F(SolveTest, AgeChangesTheBodyAndNotWhatWasAsked) {
 
 // Shorter legs, all of the leg shorter: nowhere is the skin folded up.
 TEST_F(SolveTest, ShortLegsHaveNoRidge) {
-  const std::vector<Wish> asked{{at("stature"), 1.71}, {at("crotch_height"), 0.68}, {at("chest_girth"), 1.10}, {at("waist_girth"), 1.02}};
+  const std::vector<Wish> asked{{at("stature"), 1.71},
+                                {at("crotch_height"), 0.68},
+                                {at("chest_girth"), 1.10},
+                                {at("waist_girth"), 1.02}};
   SolveOptions any;
   any.allow_unusual = true;
   const SolvedBody body = solve_measures(tape(), space(Sex::male), asked, any);
@@ -170,7 +190,7 @@ TEST_F(SolveTest, ShortLegsHaveNoRidge) {
     for (int e = 0; e < 3; ++e) {
       const int a = package().triangles(f, e), b = package().triangles(f, (e + 1) % 3);
       const double before = (mean.row(a) - mean.row(b)).norm();
-      if (parts[static_cast<std::size_t>(a)].part != BodyPart::thigh || before < 0.004) continue;
+      if (parts[a].part != BodyPart::thigh || before < 0.004) continue;
       least = std::min(least, (body.points.row(a) - body.points.row(b)).norm() / before);
     }
   }
@@ -179,9 +199,10 @@ TEST_F(SolveTest, ShortLegsHaveNoRidge) {
 
 TEST_F(SolveTest, LeftAndRightAreEqual) {
   People people(survey(Sex::female), 3);
-  const SolvedBody body = solve_measures(tape(), space(Sex::female), wishes(people, people.next(), kGiven));
+  const SolvedBody body =
+      solve_measures(tape(), space(Sex::female), wishes(people, people.next(), kGiven));
   for (int v = 0; v < package().skin_size; ++v) {
-    Vec3 other = body.points.row(package().mirror[static_cast<std::size_t>(v)]);
+    Vec3 other = body.points.row(package().mirror[v]);
     other.x() = -other.x();
     ASSERT_LT((body.points.row(v).transpose() - other).norm(), 2e-6) << v;
   }
@@ -195,17 +216,19 @@ TEST_F(SolveTest, ContradictionsAreNamed) {
     std::mt19937 random(5);
     for (int set = 0; set < kSets / 2; ++set) {
       auto asked = wishes(people, people.next(), kGiven);
-      const auto bad = static_cast<std::size_t>(random() % asked.size());
+      const std::size_t bad = random() % asked.size();
       const auto& s = survey(sex);
       for (std::size_t r = 0; r < s.measures.size(); ++r) {
-        const double away = 4 * s.sd[static_cast<Eigen::Index>(r)];
-        if (s.measures[r] == asked[bad].measure) asked[bad].value = s.mean[static_cast<Eigen::Index>(r)] + (asked[bad].value > s.mean[static_cast<Eigen::Index>(r)] ? -away : away);
+        const double away = 4 * s.sd[r];
+        if (s.measures[r] == asked[bad].measure)
+          asked[bad].value = s.mean[r] + (asked[bad].value > s.mean[r] ? -away : away);
       }
       const std::vector<Conflict> conflicts = find_conflicts(space(sex), asked);
       if (conflicts.empty()) continue;
       ++flagged;
       const auto concerned = [bad](const Conflict& c) {
-        return c.blamed == static_cast<int>(bad) || std::find(c.others.begin(), c.others.end(), static_cast<int>(bad)) != c.others.end();
+        return c.blamed == int(bad) ||
+               std::find(c.others.begin(), c.others.end(), int(bad)) != c.others.end();
       };
       right += std::any_of(conflicts.begin(), conflicts.end(), concerned) ? 1 : 0;
       EXPECT_LT(conflicts[0].low, conflicts[0].high);
@@ -220,21 +243,26 @@ TEST_F(SolveTest, PeopleRaiseNoFalseAlarm) {
   constexpr int kSets = 1000;
   for (const Sex sex : {Sex::male, Sex::female}) {
     People people(survey(sex), 29);
-    for (int set = 0; set < kSets / 2; ++set) alarms += find_conflicts(space(sex), wishes(people, people.next(), kGiven)).empty() ? 0 : 1;
+    for (int set = 0; set < kSets / 2; ++set)
+      alarms += find_conflicts(space(sex), wishes(people, people.next(), kGiven)).empty() ? 0 : 1;
   }
   EXPECT_LT(alarms, kSets / 100);
 }
 
 TEST_F(SolveTest, ImpossibleWishesGiveTheNearestBody) {
-  const std::vector<Wish> asked{{at("stature"), 1.70}, {at("crotch_height"), 1.05}, {at("waist_girth"), 0.80}};
+  const std::vector<Wish> asked{
+      {at("stature"), 1.70}, {at("crotch_height"), 1.05}, {at("waist_girth"), 0.80}};
   const SolvedBody body = solve_measures(tape(), space(Sex::female), asked);
   ASSERT_FALSE(body.conflicts.empty());
   EXPECT_FALSE(body.met);
   const Conflict& c = body.conflicts[0];
-  EXPECT_TRUE((c.blamed == 0 && c.others == std::vector<int>{1}) || (c.blamed == 1 && c.others == std::vector<int>{0}));
+  EXPECT_TRUE((c.blamed == 0 && c.others == std::vector<int>{1}) ||
+              (c.blamed == 1 && c.others == std::vector<int>{0}));
   for (std::size_t i = 0; i < asked.size(); ++i) {
-    if (static_cast<int>(i) == c.blamed) EXPECT_NEAR(body.achieved[i], std::clamp(asked[i].value, c.low, c.high), 0.001);
-    else EXPECT_NEAR(body.achieved[i], asked[i].value, 0.001);
+    if (int(i) == c.blamed)
+      EXPECT_NEAR(body.achieved[i], std::clamp(asked[i].value, c.low, c.high), 0.001);
+    else
+      EXPECT_NEAR(body.achieved[i], asked[i].value, 0.001);
   }
 }
 
@@ -243,7 +271,8 @@ TEST_F(SolveTest, EditsEndWhereNewBodiesDo) {
   auto asked = wishes(people, people.next(), kGiven);
   const SolvedBody before = solve_measures(tape(), space(Sex::male), asked);
   asked[2].value += 0.01;
-  const SolvedBody edited = solve_measures(tape(), space(Sex::male), asked, {}, &before.z), anew = solve_measures(tape(), space(Sex::male), asked);
+  const SolvedBody edited = solve_measures(tape(), space(Sex::male), asked, {}, &before.z),
+                   anew = solve_measures(tape(), space(Sex::male), asked);
   EXPECT_TRUE(edited.met);
   EXPECT_LE(edited.rounds, anew.rounds);
   EXPECT_LT((edited.points - anew.points).rowwise().norm().maxCoeff(), 0.002);
@@ -256,8 +285,9 @@ TEST_F(SolveTest, SameWishTwiceIsAMistake) {
 
 // Largest distance from a similarity of the mean body's part, over the part's size.
 double distortion(const Points& from, const Points& to, const std::vector<int>& part) {
-  Eigen::Matrix3Xd a(3, static_cast<Eigen::Index>(part.size())), b(3, a.cols());
-  for (Eigen::Index i = 0; i < a.cols(); ++i) a.col(i) = from.row(part[static_cast<std::size_t>(i)]), b.col(i) = to.row(part[static_cast<std::size_t>(i)]);
+  Eigen::Matrix3Xd a(3, Eigen::Index(part.size())), b(3, a.cols());
+  for (Eigen::Index i = 0; i < a.cols(); ++i)
+    a.col(i) = from.row(part[i]), b.col(i) = to.row(part[i]);
   const Eigen::Matrix4d X = Eigen::umeyama(a, b, true);
   const double size = (b.colwise() - b.rowwise().mean()).colwise().norm().mean();
   return ((X.topRows<3>() * a.colwise().homogeneous()) - b).colwise().norm().mean() / size;
@@ -267,7 +297,7 @@ TEST_F(SolveTest, HandsFeetAndFacesOnlyChangeAsWholes) {
   const auto parts = vertex_parts(package());
   std::vector<int> hand, foot, head;
   for (int v = 0; v < package().skin_size; ++v) {
-    const VertexPart part = parts[static_cast<std::size_t>(v)];
+    const VertexPart part = parts[v];
     if (part.part == BodyPart::hand && part.side == Side::left) hand.push_back(v);
     if (part.part == BodyPart::foot && part.side == Side::left) foot.push_back(v);
     if (part.part == BodyPart::head) head.push_back(v);
@@ -275,7 +305,8 @@ TEST_F(SolveTest, HandsFeetAndFacesOnlyChangeAsWholes) {
   for (const Sex sex : {Sex::male, Sex::female}) {
     People people(survey(sex), 19);
     for (int set = 0; set < 6; ++set) {
-      const SolvedBody body = solve_measures(tape(), space(sex), wishes(people, people.next(), kGiven));
+      const SolvedBody body =
+          solve_measures(tape(), space(sex), wishes(people, people.next(), kGiven));
       EXPECT_LT(distortion(space(sex).mean, body.points, hand), 0.05);
       EXPECT_LT(distortion(space(sex).mean, body.points, foot), 0.05);
       EXPECT_LT(distortion(space(sex).mean, body.points, head), 0.05);

@@ -1,6 +1,7 @@
-// Measuring code of its own for the tests: every triangle is cut, segments are joined by the edges they end on, hulls are wrapped
-// like a gift, searches look at every millimetre, ways over the skin are shortest paths along the segments of a cut. It shares only the
-// table of definitions with what it checks.
+// Measuring code of its own for the tests: every triangle is cut, segments are joined by the edges
+// they end on, hulls are wrapped like a gift, searches look at every millimetre, ways over the skin
+// are shortest paths along the segments of a cut. It shares only the table of definitions with what
+// it checks.
 #pragma once
 
 #include <cmath>
@@ -11,44 +12,56 @@
 
 #include <Eigen/Geometry>
 
-#include "morph/body.h"
-#include "morph/measure.h"
+#include "morph/measures/tape_measure.h"
+#include "morph/shapes/body.h"
 
 namespace ecorche {
 
 class TapeCheck {
  public:
-  TapeCheck(const BodyPackage& package, const MeasureTable& table) : package_(package), table_(table), parts_(vertex_parts(package)) {
+  TapeCheck(const BodyPackage& package, const MeasureTable& table)
+      : package_(package), table_(table), parts_(vertex_parts(package)) {
     for (const Measure& m : table.measures)
       if (m.kind == MeasureKind::path && !m.hull && m.clip_vertex < 0)
-        for (std::size_t i = 0; i + 1 < m.vertices.size(); ++i) ways_.try_emplace({m.vertices[i], m.vertices[i + 1]}, way(m.vertices[i], m.vertices[i + 1]));
+        for (std::size_t i = 0; i + 1 < m.vertices.size(); ++i)
+          ways_.try_emplace({m.vertices[i], m.vertices[i + 1]},
+                            way(m.vertices[i], m.vertices[i + 1]));
   }
 
   double take(const Measure& m, const Points& V) const {
     switch (m.kind) {
-      case MeasureKind::height: return V(m.vertices[0], 1) - V.col(1).head(package_.skin_size).minCoeff();
-      case MeasureKind::ahead: return V(m.vertices[0], 2) - V(m.vertices[1], 2);
-      case MeasureKind::distance: return (V.row(m.vertices[0]) - V.row(m.vertices[1])).norm();
+      case MeasureKind::height:
+        return V(m.vertices[0], 1) - V.col(1).head(package_.skin_size).minCoeff();
+      case MeasureKind::ahead:
+        return V(m.vertices[0], 2) - V(m.vertices[1], 2);
+      case MeasureKind::distance:
+        return (V.row(m.vertices[0]) - V.row(m.vertices[1])).norm();
       case MeasureKind::girth:
       case MeasureKind::breadth:
-      case MeasureKind::depth: return searched(m, V);
+      case MeasureKind::depth:
+        return searched(m, V);
       case MeasureKind::sum: {
         double sum = 0;
-        for (const Term& t : m.terms) sum += t.factor * take(table_.measures[static_cast<std::size_t>(t.measure)], V);
+        for (const Term& t : m.terms) sum += t.factor * take(table_.measures[t.measure], V);
         return sum;
       }
-      case MeasureKind::mass: return kBodyDensity * skin_volume(package_, V);
+      case MeasureKind::mass:
+        return kBodyDensity * skin_volume(package_, V);
       case MeasureKind::path: {
         double sum = 0;
         for (std::size_t i = 0; i + 1 < m.vertices.size(); ++i) {
           const auto found = ways_.find({m.vertices[i], m.vertices[i + 1]});
           if (found == ways_.end()) return std::numeric_limits<double>::quiet_NaN();
-          const auto place = [&V](const WayPoint& p) -> Vec3 { return V.row(p.a) + p.t * (V.row(p.b) - V.row(p.a)); };
-          for (std::size_t k = 0; k + 1 < found->second.size(); ++k) sum += (place(found->second[k + 1]) - place(found->second[k])).norm();
+          const auto place = [&V](const WayPoint& p) -> Vec3 {
+            return V.row(p.a) + p.t * (V.row(p.b) - V.row(p.a));
+          };
+          for (std::size_t k = 0; k + 1 < found->second.size(); ++k)
+            sum += (place(found->second[k + 1]) - place(found->second[k])).norm();
         }
         return sum;
       }
-      default: return std::numeric_limits<double>::quiet_NaN();
+      default:
+        return std::numeric_limits<double>::quiet_NaN();
     }
   }
 
@@ -63,8 +76,8 @@ class TapeCheck {
     double t;
   };
 
-  // On the base mesh, the shortest way between two vertices in any of the planes turned about the line between them by 7.5 degrees; in the
-  // mid-plane where both lie on it.
+  // On the base mesh, the shortest way between two vertices in any of the planes turned about the
+  // line between them by 7.5 degrees; in the mid-plane where both lie on it.
   std::vector<WayPoint> way(int from, int to) const {
     const Points base = package_.points.topRows(package_.skin_size);
     const Vec3 p = base.row(from), q = base.row(to), along = (q - p).normalized();
@@ -72,7 +85,9 @@ class TapeCheck {
     std::vector<WayPoint> best;
     double best_length = std::numeric_limits<double>::infinity();
     for (int turn = 0; turn < (middle ? 1 : 24); ++turn) {
-      const Vec3 normal = middle ? Vec3(Vec3::UnitX()) : Vec3(Eigen::AngleAxisd(M_PI * turn / 24, along) * along.unitOrthogonal());
+      const Vec3 normal =
+          middle ? Vec3(Vec3::UnitX())
+                 : Vec3(Eigen::AngleAxisd(M_PI * turn / 24, along) * along.unitOrthogonal());
       const double length = shortest(cut(base, p, normal), base, from, to, best_length, best);
       best_length = std::min(best_length, length);
     }
@@ -82,7 +97,8 @@ class TapeCheck {
   using Crossing = std::pair<int, int>;
 
   // Dijkstra's way from crossing to crossing; written to `best` when shorter than `limit`.
-  static double shortest(const std::vector<Segment>& segments, const Points& V, int from, int to, double limit, std::vector<WayPoint>& best) {
+  static double shortest(const std::vector<Segment>& segments, const Points& V, int from, int to,
+                         double limit, std::vector<WayPoint>& best) {
     std::map<Crossing, Vec3> place;
     std::map<Crossing, std::vector<Crossing>> next;
     for (const Segment& s : segments) {
@@ -93,7 +109,8 @@ class TapeCheck {
       Crossing found;
       double least = std::numeric_limits<double>::infinity();
       for (const auto& [edge, point] : place)
-        if (const double d = (point - V.row(v).transpose()).norm(); d < least) least = d, found = edge;
+        if (const double d = (point - V.row(v).transpose()).norm(); d < least)
+          least = d, found = edge;
       return std::pair{found, least};
     };
     const auto [first, first_gap] = nearest(from);
@@ -114,7 +131,8 @@ class TapeCheck {
         open.insert({reached, other});
       }
     }
-    if (!length.contains(last) || length[last] + last_gap >= limit) return std::numeric_limits<double>::infinity();
+    if (!length.contains(last) || length[last] + last_gap >= limit)
+      return std::numeric_limits<double>::infinity();
     std::vector<WayPoint> back{{to, to, 0}};
     for (Crossing at = last; at != first; at = before[at]) {
       const Vec3 a = V.row(at.first), b = V.row(at.second);
@@ -136,9 +154,11 @@ class TapeCheck {
       normal = (d - e * e.dot(d)).normalized();
     }
     double best = std::numeric_limits<double>::quiet_NaN();
-    for (double offset = m.search == Search::none ? 0 : -m.reach; offset <= (m.search == Search::none ? 0 : m.reach) + 1e-9; offset += 0.001) {
+    for (double offset = m.search == Search::none ? 0 : -m.reach;
+         offset <= (m.search == Search::none ? 0 : m.reach) + 1e-9; offset += 0.001) {
       const double value = at_plane(m, V, p(0) + offset * normal, normal);
-      if (std::isnan(best) || (m.search == Search::largest ? value > best : value < best)) best = value;
+      if (std::isnan(best) || (m.search == Search::largest ? value > best : value < best))
+        best = value;
     }
     return best;
   }
@@ -146,7 +166,8 @@ class TapeCheck {
   double at_plane(const Measure& m, const Points& V, const Vec3& origin, const Vec3& normal) const {
     const std::vector<Segment> segments = cut(V, origin, normal);
     std::map<std::pair<int, int>, std::vector<std::size_t>> at_edge;
-    for (std::size_t s = 0; s < segments.size(); ++s) at_edge[segments[s].from].push_back(s), at_edge[segments[s].to].push_back(s);
+    for (std::size_t s = 0; s < segments.size(); ++s)
+      at_edge[segments[s].from].push_back(s), at_edge[segments[s].to].push_back(s);
     std::size_t nearest = 0;
     for (std::size_t s = 0; s < segments.size(); ++s)
       if (std::min((segments[s].a - origin).norm(), (segments[s].b - origin).norm()) <
@@ -180,7 +201,7 @@ class TapeCheck {
 
   bool on_arm(const std::pair<int, int>& edge) const {
     const auto arm = [&](int v) {
-      const BodyPart part = parts_[static_cast<std::size_t>(v)].part;
+      const BodyPart part = parts_[v].part;
       return part == BodyPart::upper_arm || part == BodyPart::forearm || part == BodyPart::hand;
     };
     return arm(edge.first) || arm(edge.second);
@@ -188,7 +209,8 @@ class TapeCheck {
 
   std::vector<Segment> cut(const Points& V, const Vec3& origin, const Vec3& normal) const {
     std::vector<Segment> out;
-    const Eigen::VectorXd height = (V.topRows(package_.skin_size).rowwise() - origin.transpose()) * normal;
+    const Eigen::VectorXd height =
+        (V.topRows(package_.skin_size).rowwise() - origin.transpose()) * normal;
     for (Eigen::Index f = 0; f < package_.triangles.rows(); ++f) {
       Segment s;
       int found = 0;
@@ -196,7 +218,8 @@ class TapeCheck {
         int a = package_.triangles(f, e), b = package_.triangles(f, (e + 1) % 3);
         if ((height[a] < 0) == (height[b] < 0)) continue;
         if (a > b) std::swap(a, b);
-        const Vec3 at = (V.row(a) * height[b] - V.row(b) * height[a]).transpose() / (height[b] - height[a]);
+        const Vec3 at =
+            (V.row(a) * height[b] - V.row(b) * height[a]).transpose() / (height[b] - height[a]);
         (found == 0 ? s.from : s.to) = {a, b};
         (found == 0 ? s.a : s.b) = at;
         ++found;
@@ -208,13 +231,16 @@ class TapeCheck {
 
   static double extent(const std::vector<Vec3>& points, const Vec3& axis) {
     double low = 1e9, high = -1e9;
-    for (const Vec3& p : points) low = std::min(low, p.dot(axis)), high = std::max(high, p.dot(axis));
+    for (const Vec3& p : points)
+      low = std::min(low, p.dot(axis)), high = std::max(high, p.dot(axis));
     return high - low;
   }
 
   // From the lowest point, always to the point with the least turn.
   static double wrapped(const std::vector<Vec3>& points, const Vec3& normal) {
-    const Vec3 u = normal.cross(std::abs(normal.x()) < 0.9 ? Vec3::UnitX() : Vec3::UnitZ()).normalized(), v = normal.cross(u);
+    const Vec3 u = normal.cross(std::abs(normal.x()) < 0.9 ? Vec3::UnitX() : Vec3::UnitZ())
+                       .normalized(),
+               v = normal.cross(u);
     std::vector<Vec2> p;
     for (const Vec3& x : points) p.emplace_back(x.dot(u), x.dot(v));
     std::size_t first = 0;
@@ -230,7 +256,8 @@ class TapeCheck {
         if (d.norm() < 1e-9) continue;
         double turn = std::atan2(d.y(), d.x()) - heading;
         while (turn < -1e-9) turn += 2 * M_PI;
-        if (turn < least - 1e-9 || (turn < least + 1e-9 && d.norm() > far)) least = turn, far = d.norm(), next = i, next_heading = heading + turn;
+        if (turn < least - 1e-9 || (turn < least + 1e-9 && d.norm() > far))
+          least = turn, far = d.norm(), next = i, next_heading = heading + turn;
       }
       length += far;
       heading = std::fmod(next_heading, 2 * M_PI);

@@ -1,12 +1,13 @@
-// The template: complete, mirrored, inside its body, and read back from its cache as it was written.
-#include "morph/template.h"
+// The template: complete, mirrored, inside its body, and read back from its cache as it was
+// written.
+#include "morph/template/template.h"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
 #include "anatomy/errors.h"
-#include "morph/skin_field.h"
+#include "anatomy/queries/signed_distance.h"
 #include "tests/morph/built_template.h"
 
 namespace ecorche {
@@ -40,7 +41,8 @@ TEST(Template, NoBoneVertexIsOutsideItsSkin) {
   const SkinField skin(capped_skin(tmpl.tables->topology, tmpl.body.skin.V));
   int outside = 0;
   for (const Bone& bone : tmpl.anatomy.bones)
-    for (int i = 0; i < bone.mesh.V.rows(); ++i) outside += skin.winding_number(bone.mesh.V.row(i)) < 0.5;
+    for (int i = 0; i < bone.mesh.V.rows(); ++i)
+      outside += skin.winding_number(bone.mesh.V.row(i)) < 0.5;
   EXPECT_EQ(outside, 0);
 }
 
@@ -48,7 +50,8 @@ TEST(Template, CentreRegressorGivesTheTemplatesOwnCentres) {
   NEED_TEMPLATE();
   const NamedPoints centres = joint_centres(tmpl.tables->regressor, tmpl.body.skin.V);
   EXPECT_GT(centres.size(), 40u);
-  for (const auto& [name, centre] : centres) EXPECT_LT((centre - tmpl.tables->half.points.at(name)).norm(), 1e-7) << name;
+  for (const auto& [name, centre] : centres)
+    EXPECT_LT((centre - tmpl.tables->half.points.at(name)).norm(), 1e-7) << name;
 }
 
 TEST(Template, CentreRegressorFollowsAffineMaps) {

@@ -1,5 +1,5 @@
 // Lines through a grid of marked boxes, against the distance between line and box.
-#include "morph/touched_cells.h"
+#include "anatomy/queries/occupancy_grid.h"
 
 #include <gtest/gtest.h>
 
@@ -12,9 +12,11 @@ namespace {
 constexpr double kSize = 0.01;
 
 // The line's least distance from the box, by steps much finer than a cell.
-double distance(const Eigen::AlignedBox3d& box, const Vec3& from, const Vec3& direction, double length) {
+double distance(const Eigen::AlignedBox3d& box, const Vec3& from, const Vec3& direction,
+                double length) {
   double least = 1e300;
-  for (int k = 0; k <= 4000; ++k) least = std::min(least, box.exteriorDistance(from + length * k / 4000 * direction));
+  for (int k = 0; k <= 4000; ++k)
+    least = std::min(least, box.exteriorDistance(from + length * k / 4000 * direction));
   return least;
 }
 
@@ -25,10 +27,13 @@ TEST(TouchedCells, NeverMissWhatWasMarkedAndSeldomTellOfMore) {
   int through = 0, said = 0;
   for (int n = 0; n < 2000; ++n) {
     const Vec3 low(place(random), place(random), place(random));
-    const Eigen::AlignedBox3d box(low, (low + Vec3(small(random), small(random), small(random))).cwiseMin(0.3));
+    const Eigen::AlignedBox3d box(
+        low, (low + Vec3(small(random), small(random), small(random))).cwiseMin(0.3));
     cells.clear();
     cells.mark(box);
-    const Vec3 from = low + 0.08 * Vec3(way(random), way(random), way(random)), direction = (low - from + 0.05 * Vec3(way(random), way(random), way(random))).normalized();
+    const Vec3 from = low + 0.08 * Vec3(way(random), way(random), way(random)),
+               direction =
+                   (low - from + 0.05 * Vec3(way(random), way(random), way(random))).normalized();
     const double away = distance(box, from, direction, 0.12);
     const bool touches = cells.touches(from, direction, 0.12);
     EXPECT_TRUE(touches || away > 0) << n;

@@ -1,12 +1,12 @@
 // Tables of activation: formats, names, and files that are wrong.
-#include "skinning/activation.h"
+#include "skinning/motion/activation.h"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 
 #include "anatomy/errors.h"
-#include "skinning/auto_activation.h"
+#include "skinning/dynamics/static_optimization.h"
 
 using namespace ecorche;
 
@@ -16,8 +16,9 @@ namespace fs = std::filesystem;
 
 Anatomy named_muscles() {
   Anatomy anatomy;
-  for (const char* name : {"biceps_brachii_long_l", "biceps_brachii_short_l", "biceps_brachii_long_r", "gastrocnemius_medial_l", "gastrocnemius_medial_r", "soleus_l",
-                           "soleus_r", "orbicularis_oris"}) {
+  for (const char* name : {"biceps_brachii_long_l", "biceps_brachii_short_l",
+                           "biceps_brachii_long_r", "gastrocnemius_medial_l",
+                           "gastrocnemius_medial_r", "soleus_l", "soleus_r", "orbicularis_oris"}) {
     Muscle muscle;
     muscle.name = name;
     anatomy.muscles.push_back(muscle);
@@ -25,10 +26,12 @@ Anatomy named_muscles() {
   return anatomy;
 }
 
-const MuscleAliases kAliases{{"gasmed", "gastrocnemius_medial"}, {"BIClong", "biceps_brachii_long"}};
+const MuscleAliases kAliases{{"gasmed", "gastrocnemius_medial"},
+                             {"BIClong", "biceps_brachii_long"}};
 
 fs::path file_of(const std::string& name, const std::string& text) {
-  const fs::path file = fs::temp_directory_path() / ("ecorche_activation_" + std::to_string(::getpid()) + "_" + name);
+  const fs::path file =
+      fs::temp_directory_path() / ("ecorche_activation_" + std::to_string(::getpid()) + "_" + name);
   std::ofstream(file, std::ios::binary) << text;
   return file;
 }
@@ -86,7 +89,8 @@ TEST(Activation, WideTableIsLinearBetweenItsRowsAndHeldAtItsEnds) {
 }
 
 TEST(Activation, KeyframesHaveTheirOwnTimes) {
-  const std::string text = "time,muscle,value\n2,soleus,1\n0,soleus,0\n1,biceps_brachii_long_l,0.4\n";
+  const std::string text =
+      "time,muscle,value\n2,soleus,1\n0,soleus,0\n1,biceps_brachii_long_l,0.4\n";
   const auto at = values_at("k.csv", text, 1);
   EXPECT_DOUBLE_EQ(at[5], 0.5);
   EXPECT_DOUBLE_EQ(at[6], 0.5);
@@ -101,33 +105,44 @@ TEST(Activation, TheLargestValueCounts) {
 
 TEST(Activation, OpenSimTables) {
   const std::string head = "effort\nversion=1\nnRows=2\nnColumns=3\ninDegrees=no\nendheader\n";
-  EXPECT_DOUBLE_EQ(values_at("o.sto", head + "time\tsoleus_r\tgasmed_l\n0\t0.1\t0.2\n1\t0.3\t0.6\n", 0.5)[3], 0.4);
+  EXPECT_DOUBLE_EQ(
+      values_at("o.sto", head + "time\tsoleus_r\tgasmed_l\n0\t0.1\t0.2\n1\t0.3\t0.6\n", 0.5)[3],
+      0.4);
   // Labels that are no activations are left aside, even in unknown words and beyond 1.
-  const std::string states = head + "time /jointset/knee/angle/value /forceset/soleus_r/activation /forceset/soleus_r/fiber_length\r\n0 77 0.5 -3\r\n";
+  const std::string states = head +
+                             "time /jointset/knee/angle/value /forceset/soleus_r/activation "
+                             "/forceset/soleus_r/fiber_length\r\n0 77 0.5 -3\r\n";
   EXPECT_DOUBLE_EQ(values_at("s.sto", states, 0)[6], 0.5);
 }
 
 TEST(Activation, ComplaintsNameFilePlaceAndWayOut) {
   EXPECT_NE(complaint("x.csv", "time,solaeus_l\n0,0\n").find("soleus_l"), std::string::npos);
-  EXPECT_NE(complaint("x.csv", "time,muscle,value\n0,gasmad_l,0\n").find("gasmed_l"), std::string::npos);
+  EXPECT_NE(complaint("x.csv", "time,muscle,value\n0,gasmad_l,0\n").find("gasmed_l"),
+            std::string::npos);
   EXPECT_NE(complaint("x.csv", "time,soleus\n0,35\n").find("percentages"), std::string::npos);
   EXPECT_NE(complaint("x.csv", "time,soleus\n0,nan\n").find("x.csv"), std::string::npos);
   EXPECT_NE(complaint("x.csv", "time,soleus\n1,0\n1,0\n").find("does not rise"), std::string::npos);
   EXPECT_NE(complaint("x.csv", "seconds,soleus\n1,0\n").find("time"), std::string::npos);
-  EXPECT_NE(complaint("x.csv", "time,muscle,value\n1,soleus,0\n1,soleus,0.5\n").find("second value"), std::string::npos);
+  EXPECT_NE(
+      complaint("x.csv", "time,muscle,value\n1,soleus,0\n1,soleus,0.5\n").find("second value"),
+      std::string::npos);
   EXPECT_NE(complaint("x.csv", "time,soleus\n").find("no rows"), std::string::npos);
   EXPECT_NE(complaint("x.csv", "time\n0\n").find("no column of a muscle"), std::string::npos);
   EXPECT_NE(complaint("x.sto", "time soleus_l\n0 0\n").find("endheader"), std::string::npos);
   EXPECT_NE(complaint("x.sto", "endheader\n").find("labels"), std::string::npos);
-  EXPECT_NE(complaint("x.sto", "endheader\ntime soleus_l soleus_l\n0 0 0\n").find("two columns"), std::string::npos);
-  EXPECT_NE(complaint("x.sto", "endheader\ntime soleus_l\n0 0 0\n").find("more than"), std::string::npos);
-  EXPECT_NE(complaint("x.sto", "endheader\ntime soleus_l\n0\n").find("soleus_l"), std::string::npos);
+  EXPECT_NE(complaint("x.sto", "endheader\ntime soleus_l soleus_l\n0 0 0\n").find("two columns"),
+            std::string::npos);
+  EXPECT_NE(complaint("x.sto", "endheader\ntime soleus_l\n0 0 0\n").find("more than"),
+            std::string::npos);
+  EXPECT_NE(complaint("x.sto", "endheader\ntime soleus_l\n0\n").find("soleus_l"),
+            std::string::npos);
   EXPECT_NE(complaint("x.txt", "time,soleus\n0,0\n").find(".csv"), std::string::npos);
 }
 
 namespace {
 
-// A hand's weight on a bent arm of two hinges: muscles 0 and 1 bend the first, 2 straightens it, 3 bends both.
+// A hand's weight on a bent arm of two hinges: muscles 0 and 1 bend the first, 2 straightens it, 3
+// bends both.
 Eigen::MatrixXd arm_moments() {
   Eigen::MatrixXd A(2, 4);
   A << 30, 20, -40, 10, 0, 0, 0, 15;
@@ -144,7 +159,8 @@ TEST(AutoActivation, GivesTheMomentsByTheLeastSquares) {
   EXPECT_EQ(a[2], 0);
   // Of the two that bend the first hinge only, each gives in proportion to its arm.
   EXPECT_NEAR(a[0] / a[1], 1.5, 1e-6);
-  // No other choice of the same moments has a smaller sum of squares: move along what gives no moment.
+  // No other choice of the same moments has a smaller sum of squares: move along what gives no
+  // moment.
   const Eigen::Vector4d still(20, -30, 0, 0);
   for (double step : {-1e-3, 1e-3}) EXPECT_GT((a + step * still).squaredNorm(), a.squaredNorm());
 }

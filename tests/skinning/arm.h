@@ -1,4 +1,5 @@
-// A jointed arm for tests of the skin: a tube of skin around two capsule bones and, if wanted, a biceps that spans the elbow.
+// A jointed arm for tests of the skin: a tube of skin around two capsule bones and, if wanted, a
+// biceps that spans the elbow.
 #pragma once
 
 #include <cmath>
@@ -9,18 +10,20 @@
 
 namespace ecorche::test {
 
-// A closed surface of revolution about a straight axis from a, along unit w, through (distance along, radius) pairs.
+// A closed surface of revolution about a straight axis from a, along unit w, through (distance
+// along, radius) pairs.
 inline TriMesh lathe(const Vec3& a, const Vec3& w, const std::vector<Vec2>& profile, int sides) {
   const Vec3 u = w.unitOrthogonal(), v = w.cross(u);
-  const int rings = static_cast<int>(profile.size());
+  const int rings = profile.size();
   TriMesh mesh;
   mesh.V.resize(rings * sides + 2, 3);
   mesh.F.resize(2 * rings * sides, 3);
   for (int r = 0; r < rings; ++r)
     for (int s = 0; s < sides; ++s) {
       const double angle = 2 * std::numbers::pi * s / sides;
-      const Vec2 p = profile[static_cast<std::size_t>(r)];
-      mesh.V.row(r * sides + s) = a + w * p.x() + p.y() * (u * std::cos(angle) + v * std::sin(angle));
+      const Vec2 p = profile[r];
+      mesh.V.row(r * sides + s) =
+          a + w * p.x() + p.y() * (u * std::cos(angle) + v * std::sin(angle));
     }
   const int first = rings * sides, last = first + 1;
   mesh.V.row(first) = a + w * profile.front().x();
@@ -53,8 +56,9 @@ inline TriMesh capsule(const Vec3& a, const Vec3& b, double radius, int sides = 
   return lathe(a, (b - a) / length, profile, sides);
 }
 
-// Hangs along -y on the side `sign` (+1 left) of the mid-plane: shoulder at (0.2 sign, 1.4, 0), elbow 0.3 below it, wrist another
-// 0.26. Skin radius 45 mm. The hinge of the elbow is the x axis; a positive turn of -x bends the forearm forward.
+// Hangs along -y on the side `sign` (+1 left) of the mid-plane: shoulder at (0.2 sign, 1.4, 0),
+// elbow 0.3 below it, wrist another 0.26. Skin radius 45 mm. The hinge of the elbow is the x axis;
+// a positive turn of -x bends the forearm forward.
 struct Arm {
   Anatomy anatomy;
   TriMesh skin;
@@ -72,17 +76,21 @@ inline Joint make_joint(const std::string& name, int parent, const Vec3& offset,
 
 inline Arm make_arm(double sign = 1, bool muscle = true, int rings = 60, int sides = 32) {
   const std::string side = sign > 0 ? "_l" : "_r";
-  const Vec3 shoulder(0.2 * sign, 1.4, 0), elbow = shoulder - Vec3(0, 0.3, 0), wrist = elbow - Vec3(0, 0.26, 0);
+  const Vec3 shoulder(0.2 * sign, 1.4, 0), elbow = shoulder - Vec3(0, 0.3, 0),
+                                           wrist = elbow - Vec3(0, 0.26, 0);
   Arm arm;
-  arm.anatomy.skeleton.joints = {make_joint("pelvis", -1, {0, 1, 0}, 0.1), make_joint("thorax", 0, {0, 0.3, 0}, 0.2),
+  arm.anatomy.skeleton.joints = {make_joint("pelvis", -1, {0, 1, 0}, 0.1),
+                                 make_joint("thorax", 0, {0, 0.3, 0}, 0.2),
                                  make_joint("shoulder" + side, 1, shoulder - Vec3(0, 1.3, 0), 3),
-                                 make_joint("elbow" + side, 2, elbow - shoulder, 2.6), make_joint("wrist" + side, 3, wrist - elbow, 2)};
+                                 make_joint("elbow" + side, 2, elbow - shoulder, 2.6),
+                                 make_joint("wrist" + side, 3, wrist - elbow, 2)};
   const Side s = sign > 0 ? Side::left : Side::right;
   arm.anatomy.bones = {{"humerus" + side, s, 2, capsule(shoulder - Vec3(0, 0.02, 0), elbow, 0.012)},
                        {"ulna" + side, s, 3, capsule(elbow - Vec3(0, 0.02, 0), wrist, 0.01)}};
   if (muscle) {
     Strip strip;
-    strip.path = {{shoulder + Vec3(0, -0.03, 0.02), {2, -1}, 1}, {elbow + Vec3(0, 0.06, 0.024), {2, -1}, 1},
+    strip.path = {{shoulder + Vec3(0, -0.03, 0.02), {2, -1}, 1},
+                  {elbow + Vec3(0, 0.06, 0.024), {2, -1}, 1},
                   {elbow + Vec3(0, -0.04, 0.012), {3, -1}, 1}};
     for (int k = 0; k <= 12; ++k) {
       const double t = k / 12.0, r = 0.004 + 0.014 * std::sin(std::numbers::pi * t);
@@ -98,7 +106,7 @@ inline Arm make_arm(double sign = 1, bool muscle = true, int rings = 60, int sid
   }
   std::vector<Vec2> profile;
   for (int k = 0; k <= rings; ++k) {
-    const double t = static_cast<double>(k) / rings, end = std::min(t, 1 - t) * 12;
+    const double t = double(k) / rings, end = std::min(t, 1 - t) * 12;
     profile.emplace_back(-0.03 + 0.62 * t, 0.045 * std::sqrt(std::min(1.0, end + 0.05)));
   }
   arm.skin = lathe(shoulder, Vec3(0, -1, 0), profile, sides);

@@ -1,4 +1,4 @@
-#include "skinning/bake.h"
+#include "skinning/bake/bake.h"
 
 #include <gtest/gtest.h>
 #include <tiny_gltf.h>
@@ -6,11 +6,11 @@
 #include <numbers>
 
 #include "anatomy/errors.h"
-#include "skinning/bake_io.h"
-#include "skinning/bake_polish.h"
-#include "skinning/bake_weights.h"
-#include "skinning/deform.h"
-#include "skinning/short_turns.h"
+#include "skinning/bake/bake_io.h"
+#include "skinning/bake/bake_polish.h"
+#include "skinning/bake/bake_weights.h"
+#include "skinning/character/deform_skin.h"
+#include "skinning/files/quantized_rotations.h"
 #include "tests/skinning/arm.h"
 
 namespace ecorche {
@@ -32,7 +32,8 @@ struct BoundArm {
     for (int f = 0; f < 20; ++f) {
       Pose pose = rest_pose(skeleton);
       pose.root += Vec3(0.01 * f, 0, 0);
-      pose.rotations[static_cast<std::size_t>(find_joint(skeleton, "elbow_l"))] = Quat(Eigen::AngleAxisd(-0.1 * f, Vec3::UnitX()));
+      pose.rotations[find_joint(skeleton, "elbow_l")] =
+          Quat(Eigen::AngleAxisd(-0.1 * f, Vec3::UnitX()));
       bend.motion.frames.push_back(pose);
     }
   }
@@ -53,7 +54,8 @@ struct BoundArm {
 };
 
 TEST(BakeWeights, FindWhatMadeTheData) {
-  // Three joints put a vertex at e1, e2, e3 in turn over four frames; it was made with weights 0.7, 0.3, 0.
+  // Three joints put a vertex at e1, e2, e3 in turn over four frames; it was made with weights 0.7,
+  // 0.3, 0.
   Eigen::MatrixXd G = Eigen::MatrixXd::Zero(3, 3);
   for (int f = 0; f < 4; ++f) {
     Eigen::MatrixXd D = Eigen::MatrixXd::Random(3, 3);
@@ -94,7 +96,9 @@ TEST(Bake, ShapesTakeUpWhatInfluencesLeave) {
   EXPECT_EQ(few.morphs.size(), 3u);
   EXPECT_GT(none.error.max, 1e-4);
   EXPECT_LT(few.error.rms, 0.06 * none.error.rms);
-  EXPECT_LT(all.error.max, 1e-4);  // as many shapes as frames: only the offsets that are too small to keep are missing
+  EXPECT_LT(
+      all.error.max,
+      1e-4);  // as many shapes as frames: only the offsets that are too small to keep are missing
   EXPECT_EQ(none.error.frames, 20);
   EXPECT_LE(none.error.p95, none.error.max);
   EXPECT_LE(none.error.mean, none.error.rms);
@@ -107,9 +111,11 @@ TEST(Bake, HelpersGoWhereJointsAloneLeaveTheSkinWorst) {
   ASSERT_EQ(few.helpers.size(), 5u);
   EXPECT_LT(few.error.rms, 0.25 * none.error.rms);
   EXPECT_LT(few.error.max, 0.25 * none.error.max);
-  for (const BakeHelper& helper : few.helpers) EXPECT_LT(static_cast<std::size_t>(helper.parent), arm.skeleton.joints.size());
+  for (const BakeHelper& helper : few.helpers)
+    EXPECT_LT(std::size_t(helper.parent), arm.skeleton.joints.size());
   for (const auto& frame : few.motions[0].helpers)
-    for (const Transform& X : frame) EXPECT_LT((X.linear() * X.linear().transpose() - Mat3::Identity()).norm(), 1e-9);
+    for (const Transform& X : frame)
+      EXPECT_LT((X.linear() * X.linear().transpose() - Mat3::Identity()).norm(), 1e-9);
 }
 
 double cost(const Points& played, const Points& wanted) {
@@ -132,7 +138,7 @@ TEST(Bake, NoOtherCurveBringsAFrameCloser) {
     arm.exact()(arm.bend.motion.frames[f], frame);
     to_points(frame, wanted);
     forward_kinematics(arm.skeleton, kept_in_shorts(arm.bend.motion.frames[f]), X_WJ);
-    const Eigen::VectorXf best = bend.curves.row(static_cast<Eigen::Index>(f)).transpose();
+    const Eigen::VectorXf best = bend.curves.row(f).transpose();
     play_bake(bake, arm.arm.skin, arm.skeleton, X_WJ, bend.helpers[f], best, played);
     const double least = cost(played, wanted);
     for (Eigen::Index m = 0; m < best.size(); ++m)
@@ -151,7 +157,8 @@ TEST(BakePolish, BringsTheFarthestCloserAndLeavesTheRestAlone) {
   std::vector<Leftover> frames(12);
   for (Leftover& frame : frames) {
     frame.blend = Rows9f::Zero(2, 9);
-    frame.blend.col(0).setOnes(), frame.blend.col(5).setConstant(-1), frame.blend.col(7).setOnes();  // a quarter turn about x
+    frame.blend.col(0).setOnes(), frame.blend.col(5).setConstant(-1),
+        frame.blend.col(7).setOnes();  // a quarter turn about x
     frame.left = 1e-3f * Rows3f::Random(2, 3);
   }
   frames[4].left.row(1) << 0.0f, 0.02f, 0.0f;
@@ -162,7 +169,8 @@ TEST(BakePolish, BringsTheFarthestCloserAndLeavesTheRestAlone) {
   Mat3 turn;
   turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   for (std::size_t f = 0; f < 12; ++f) {
-    const Vec3 left = frames[f].left.row(1).transpose().cast<double>(), moved = turn * (shapes.offsets.bottomRows(3).cast<double>() * curves.col(static_cast<Eigen::Index>(f)));
+    const Vec3 left = frames[f].left.row(1).transpose().cast<double>(),
+               moved = turn * (shapes.offsets.bottomRows(3).cast<double>() * curves.col(f));
     before = std::max(before, left.norm());
     after = std::max(after, (left - moved).norm());
   }
@@ -184,7 +192,7 @@ TEST(Bake, SolvedWeightsAreNoWorseThanTheGiven) {
     play_bake(given, arm.arm.skin, arm.skeleton, X_WJ, {}, Eigen::VectorXf(), played);
     to_points(frame, wanted);
     squares += (played - wanted).squaredNorm();
-    count += static_cast<double>(wanted.rows());
+    count += double(wanted.rows());
   }
   EXPECT_LT(solved, std::sqrt(squares / count));
 }
@@ -220,21 +228,24 @@ class Player {
   const tinygltf::Model& model() const { return model_; }
 
   std::vector<float> floats(int accessor) const {
-    const tinygltf::Accessor& a = model_.accessors[static_cast<std::size_t>(accessor)];
-    const std::size_t width = static_cast<std::size_t>(tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type)));
+    const tinygltf::Accessor& a = model_.accessors[accessor];
+    const std::size_t width = tinygltf::GetNumComponentsInType(std::uint32_t(a.type));
     std::vector<float> out(a.count * width, 0);
     if (a.componentType == TINYGLTF_COMPONENT_TYPE_SHORT) {
       EXPECT_TRUE(a.normalized);
       const auto* shares = reinterpret_cast<const std::int16_t*>(bytes(a.bufferView));
-      for (std::size_t i = 0; i < out.size(); ++i) out[i] = std::max(static_cast<float>(shares[i]) / 32767.0f, -1.0f);
+      for (std::size_t i = 0; i < out.size(); ++i)
+        out[i] = std::max(float(shares[i]) / 32767.0f, -1.0f);
       return out;
     }
     if (a.bufferView >= 0) std::memcpy(out.data(), bytes(a.bufferView), 4 * out.size());
     if (!a.sparse.isSparse) return out;
-    EXPECT_EQ(a.sparse.indices.componentType, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT);  // enough for so small a skin
+    EXPECT_EQ(a.sparse.indices.componentType,
+              TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT);  // enough for so small a skin
     const auto* places = reinterpret_cast<const std::uint16_t*>(bytes(a.sparse.indices.bufferView));
     const auto* values = reinterpret_cast<const float*>(bytes(a.sparse.values.bufferView));
-    for (std::size_t i = 0; i < static_cast<std::size_t>(a.sparse.count); ++i) std::memcpy(&out[width * places[i]], &values[width * i], 4 * width);
+    for (std::size_t i = 0; i < std::size_t(a.sparse.count); ++i)
+      std::memcpy(&out[width * places[i]], &values[width * i], 4 * width);
     return out;
   }
 
@@ -245,46 +256,57 @@ class Player {
     std::vector<Eigen::Affine3d> local;
     for (const tinygltf::Node& node : model_.nodes) {
       Eigen::Affine3d X = Eigen::Affine3d::Identity();
-      if (!node.translation.empty()) X.translation() = Vec3(node.translation[0], node.translation[1], node.translation[2]);
+      if (!node.translation.empty())
+        X.translation() = Vec3(node.translation[0], node.translation[1], node.translation[2]);
       local.push_back(X);
     }
     std::vector<float> weights;
     for (const tinygltf::AnimationChannel& channel : model_.animations[0].channels) {
-      const std::vector<float> v = floats(model_.animations[0].samplers[static_cast<std::size_t>(channel.sampler)].output);
-      Eigen::Affine3d& X = local[static_cast<std::size_t>(channel.target_node)];
-      if (channel.target_path == "translation") X.translation() = Vec3(v[3 * frame], v[3 * frame + 1], v[3 * frame + 2]);
+      const std::vector<float> v = floats(model_.animations[0].samplers[channel.sampler].output);
+      Eigen::Affine3d& X = local[channel.target_node];
+      if (channel.target_path == "translation")
+        X.translation() = Vec3(v[3 * frame], v[3 * frame + 1], v[3 * frame + 2]);
       const std::size_t key = v.size() == 4 ? 0 : 4 * frame;  // a joint that stays has one
-      if (channel.target_path == "rotation") X.linear() = Quat(v[key + 3], v[key], v[key + 1], v[key + 2]).normalized().toRotationMatrix();
+      if (channel.target_path == "rotation")
+        X.linear() =
+            Quat(v[key + 3], v[key], v[key + 1], v[key + 2]).normalized().toRotationMatrix();
       const std::size_t morphs = model_.meshes[0].weights.size();
-      if (channel.target_path == "weights") weights.assign(v.begin() + static_cast<std::ptrdiff_t>(frame * morphs), v.begin() + static_cast<std::ptrdiff_t>((frame + 1) * morphs));
+      if (channel.target_path == "weights")
+        weights.assign(v.begin() + std::ptrdiff_t(frame * morphs),
+                       v.begin() + std::ptrdiff_t((frame + 1) * morphs));
     }
     std::vector<Eigen::Affine3d> world = local;
     for (std::size_t n = 0; n < model_.nodes.size(); ++n)  // parents come first
-      for (int child : model_.nodes[n].children) world[static_cast<std::size_t>(child)] = world[n] * local[static_cast<std::size_t>(child)];
+      for (int child : model_.nodes[n].children) world[child] = world[n] * local[child];
     const std::vector<float> inverse = floats(model_.skins[0].inverseBindMatrices);
     std::vector<Eigen::Affine3d> joints;
     for (std::size_t j = 0; j < model_.skins[0].joints.size(); ++j)
-      joints.push_back(world[static_cast<std::size_t>(model_.skins[0].joints[j])] * Eigen::Affine3d(Eigen::Map<const Eigen::Matrix4f>(&inverse[16 * j]).cast<double>()));
+      joints.push_back(
+          world[model_.skins[0].joints[j]] *
+          Eigen::Affine3d(Eigen::Map<const Eigen::Matrix4f>(&inverse[16 * j]).cast<double>()));
     const tinygltf::Primitive& primitive = model_.meshes[0].primitives[0];
     std::vector<float> p = floats(primitive.attributes.at("POSITION"));
     std::vector<float> n = floats(primitive.attributes.at("NORMAL"));
     for (std::size_t m = 0; m < primitive.targets.size(); ++m) {
-      const std::vector<float> shape = floats(primitive.targets[m].at("POSITION")), turn = floats(primitive.targets[m].at("NORMAL"));
+      const std::vector<float> shape = floats(primitive.targets[m].at("POSITION")),
+                               turn = floats(primitive.targets[m].at("NORMAL"));
       for (std::size_t i = 0; i < p.size(); ++i) {
         p[i] += weights[m] * shape[i];
         n[i] += weights[m] * turn[i];
       }
     }
     const std::vector<float> shares = floats(primitive.attributes.at("WEIGHTS_0"));
-    const auto* names = reinterpret_cast<const std::uint16_t*>(bytes(model_.accessors[static_cast<std::size_t>(primitive.attributes.at("JOINTS_0"))].bufferView));
-    const Points zero = Points::Zero(static_cast<Eigen::Index>(p.size() / 3), 3);
+    const auto* names = reinterpret_cast<const std::uint16_t*>(
+        bytes(model_.accessors[primitive.attributes.at("JOINTS_0")].bufferView));
+    const Points zero = Points::Zero(p.size() / 3, 3);
     Played out{zero, zero};
     for (Eigen::Index i = 0; i < zero.rows(); ++i) {
-      const std::size_t v = 3 * static_cast<std::size_t>(i);
+      const std::size_t v = 3 * std::size_t(i);
       for (Eigen::Index k = 0; k < 4; ++k) {
-        const std::size_t at = static_cast<std::size_t>(4 * i + k);
+        const std::size_t at = 4 * i + k;
         out.places.row(i) += shares[at] * (joints[names[at]] * Vec3(p[v], p[v + 1], p[v + 2]));
-        out.normals.row(i) += shares[at] * (joints[names[at]].linear() * Vec3(n[v], n[v + 1], n[v + 2]));
+        out.normals.row(i) +=
+            shares[at] * (joints[names[at]].linear() * Vec3(n[v], n[v + 1], n[v + 2]));
       }
     }
     return out;
@@ -292,7 +314,7 @@ class Player {
 
  private:
   const unsigned char* bytes(int view) const {
-    const tinygltf::BufferView& v = model_.bufferViews[static_cast<std::size_t>(view)];
+    const tinygltf::BufferView& v = model_.bufferViews[view];
     return model_.buffers[0].data.data() + v.byteOffset;
   }
   tinygltf::Model model_;
@@ -315,13 +337,14 @@ TEST(Bake, TheFilePlaysAsStatedByAReaderOfItsOwn) {
     arm.exact()(arm.bend.motion.frames[f], frame);
     for (Eigen::Index i = 0; i < normals.rows(); ++i) {
       const Vec3 there = Vec3(normals.row(i)).normalized();
-      const Vec3 wanted = Eigen::Map<const Eigen::Vector3f>(&frame.normals[4 * static_cast<std::size_t>(i)]).cast<double>();
-      angles += std::pow(std::acos(std::clamp(there.dot(wanted), -1.0, 1.0)) * 180 / std::numbers::pi, 2);
+      const Vec3 wanted = Eigen::Map<const Eigen::Vector3f>(&frame.normals[4 * i]).cast<double>();
+      angles +=
+          std::pow(std::acos(std::clamp(there.dot(wanted), -1.0, 1.0)) * 180 / std::numbers::pi, 2);
     }
     to_points(frame, exact);
     worst = std::max(worst, (played - exact).rowwise().norm().maxCoeff());
     squares += (played - exact).squaredNorm();
-    count += static_cast<double>(exact.rows());
+    count += double(exact.rows());
   }
   EXPECT_NEAR(worst, bake.error.max, 2e-6);
   EXPECT_NEAR(std::sqrt(squares / count), bake.error.rms, 2e-6);

@@ -1,17 +1,17 @@
-#include "skinning/baseline.h"
+#include "skinning/evaluation/blend_skinning.h"
 
 #include <gtest/gtest.h>
 
-#include "skinning/normals.h"
+#include "anatomy/geometry/vertex_normals.h"
 #include "tests/skinning/arm.h"
 
 namespace ecorche {
 namespace {
 
 BlendSkin two_bone_skin(const TriMesh& mesh) {
-  std::vector<std::vector<BoneWeight>> weights(static_cast<std::size_t>(mesh.V.rows()));
+  std::vector<std::vector<BoneWeight>> weights(mesh.V.rows());
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    const double t = std::clamp((1.1 - mesh.V(static_cast<Eigen::Index>(i), 1)) / 0.1 + 0.5, 0.0, 1.0);
+    const double t = std::clamp((1.1 - mesh.V(i, 1)) / 0.1 + 0.5, 0.0, 1.0);
     weights[i] = {{0, 1 - t}, {1, t}};
   }
   return make_blend_skin(mesh, weights);
@@ -21,7 +21,7 @@ double largest_error(const SkinFrame& frame, const TriMesh& mesh, const Transfor
   double worst = 0;
   for (Eigen::Index i = 0; i < mesh.V.rows(); ++i)
     for (int k = 0; k < 3; ++k)
-      worst = std::max(worst, std::abs(frame.positions[static_cast<std::size_t>(4 * i + k)] - (X * Vec3(mesh.V.row(i)))[k]));
+      worst = std::max(worst, std::abs(frame.positions[4 * i + k] - (X * Vec3(mesh.V.row(i)))[k]));
   return worst;
 }
 
@@ -40,7 +40,7 @@ TEST(Baseline, BothFollowARigidMotion) {
 
 TEST(Baseline, HalfWayVertexIsTheMeanForLinearAndTheHalfTurnForDualQuaternions) {
   TriMesh mesh = test::make_arm().skin;
-  std::vector<std::vector<BoneWeight>> weights(static_cast<std::size_t>(mesh.V.rows()), {{0, 0.5}, {1, 0.5}});
+  std::vector<std::vector<BoneWeight>> weights(mesh.V.rows(), {{0, 0.5}, {1, 0.5}});
   const BlendSkin skin = make_blend_skin(mesh, weights);
   Transform turn = Transform::Identity();
   turn.linear() = Eigen::AngleAxisd(1.6, Vec3::UnitZ()).toRotationMatrix();
@@ -50,7 +50,7 @@ TEST(Baseline, HalfWayVertexIsTheMeanForLinearAndTheHalfTurnForDualQuaternions) 
   SkinFrame frame;
   deform_linear(skin, bones, frame);
   const Vec3 X = mesh.V.row(40), mean = 0.5 * (X + turn * X);
-  for (int k = 0; k < 3; ++k) EXPECT_NEAR(frame.positions[static_cast<std::size_t>(160 + k)], mean[k], 1e-6);
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(frame.positions[160 + k], mean[k], 1e-6);
   deform_dual_quaternion(skin, bones, frame);
   EXPECT_LT(largest_error(frame, mesh, half), 1e-6);
 }
@@ -58,17 +58,18 @@ TEST(Baseline, HalfWayVertexIsTheMeanForLinearAndTheHalfTurnForDualQuaternions) 
 TEST(Baseline, RefusesMissingBones) {
   const BlendSkin skin = two_bone_skin(test::make_arm().skin);
   SkinFrame frame;
-  EXPECT_THROW(deform_linear(skin, std::vector<Transform>(1, Transform::Identity()), frame), std::invalid_argument);
+  EXPECT_THROW(deform_linear(skin, std::vector<Transform>(1, Transform::Identity()), frame),
+               std::invalid_argument);
 }
 
 TEST(Normals, OfATubePointOutwards) {
   const TriMesh mesh = test::capsule(Vec3::Zero(), Vec3(0, 1, 0), 0.3, 48);
-  std::vector<float> p(static_cast<std::size_t>(4 * mesh.V.rows()), 1.0f), n(p.size());
+  std::vector<float> p(4 * mesh.V.rows(), 1.0f), n(p.size());
   for (Eigen::Index i = 0; i < mesh.V.rows(); ++i)
-    for (int k = 0; k < 3; ++k) p[static_cast<std::size_t>(4 * i + k)] = static_cast<float>(mesh.V(i, k));
-  vertex_normals(p, {mesh.F.data(), static_cast<std::size_t>(mesh.F.size())}, n);
+    for (int k = 0; k < 3; ++k) p[4 * i + k] = float(mesh.V(i, k));
+  vertex_normals(p, {mesh.F.data(), std::size_t(mesh.F.size())}, n);
   for (Eigen::Index i = 0; i < mesh.V.rows(); ++i) {
-    const Vec3 normal(n[static_cast<std::size_t>(4 * i)], n[static_cast<std::size_t>(4 * i + 1)], n[static_cast<std::size_t>(4 * i + 2)]);
+    const Vec3 normal(n[4 * i], n[4 * i + 1], n[4 * i + 2]);
     EXPECT_NEAR(normal.norm(), 1, 1e-5);
     if (mesh.V(i, 1) < 0.2 || mesh.V(i, 1) > 0.8) continue;
     EXPECT_GT(normal.dot(Vec3(mesh.V(i, 0), 0, mesh.V(i, 2)).normalized()), 0.99);

@@ -1,19 +1,20 @@
-// Skins of real bodies beside linear blend skinning with the body package's weights, on hard poses and over the long jump.
+// Skins of real bodies beside linear blend skinning with the body package's weights, on hard poses
+// and over the long jump.
 #include <gtest/gtest.h>
 
 #include <numbers>
 
 #include "anatomy/errors.h"
-#include "morph/standard_bodies.h"
-#include "morph/fit.h"
-#include "morph/template.h"
-#include "skinning/bind.h"
-#include "skinning/deform.h"
-#include "skinning/linear_rival.h"
-#include "skinning/pose_book.h"
-#include "skinning/pose_figures.h"
-#include "skinning/quality.h"
-#include "skinning/retarget.h"
+#include "morph/fit/fit_anatomy.h"
+#include "morph/shapes/standard_bodies.h"
+#include "morph/template/template.h"
+#include "skinning/bind/bind.h"
+#include "skinning/character/deform_skin.h"
+#include "skinning/evaluation/package_blend.h"
+#include "skinning/evaluation/pose_figures.h"
+#include "skinning/evaluation/skin_quality.h"
+#include "skinning/motion/pose_book.h"
+#include "skinning/retarget/retarget.h"
 #include "tests/body_fixture.h"
 
 namespace ecorche {
@@ -31,7 +32,7 @@ struct Figure {
   std::vector<LimbSection> sections;
   PosedAnatomy posed;
 
-  size_t joint(const char* name) const { return static_cast<size_t>(find_joint(anatomy.skeleton, name)); }
+  size_t joint(const char* name) const { return std::size_t(find_joint(anatomy.skeleton, name)); }
 
   SkinFrame play(const Pose& pose) {
     pose_anatomy(table, anatomy.skeleton, pose, posed);
@@ -45,7 +46,9 @@ struct Figure {
     deform_rival(rival, anatomy.skeleton, posed.X_WJ, frame);
     return frame;
   }
-  SkinQuality quality(const SkinFrame& frame) const { return measure_skin(skin, binding, sections, posed.X_WJ, frame); }
+  SkinQuality quality(const SkinFrame& frame) const {
+    return measure_skin(skin, binding, sections, posed.X_WJ, frame);
+  }
 };
 
 class BodySkin : public BodyFixture {
@@ -84,27 +87,34 @@ class BodySkin : public BodyFixture {
 Pose bent_pose(const Figure& figure, const char* upper, const char* middle, const char* lower) {
   const std::vector<Vec3> at = rest_positions(figure.anatomy.skeleton);
   const size_t j = figure.joint(middle);
-  const Vec3 a = (at[j] - at[figure.joint(upper)]).normalized(), b = (at[figure.joint(lower)] - at[j]).normalized();
+  const Vec3 a = (at[j] - at[figure.joint(upper)]).normalized(),
+             b = (at[figure.joint(lower)] - at[j]).normalized();
   Pose pose = rest_pose(figure.anatomy.skeleton);
-  pose.rotations[j] = Quat(Eigen::AngleAxisd(120 * kDegree - std::acos(a.dot(b)), figure.anatomy.skeleton.joints[j].axes.col(0)));
+  pose.rotations[j] = Quat(Eigen::AngleAxisd(120 * kDegree - std::acos(a.dot(b)),
+                                             figure.anatomy.skeleton.joints[j].axes.col(0)));
   complete_pose(figure.anatomy.skeleton, pose);
   return pose;
 }
 
 TEST_F(BodySkin, BentElbowsAndKneesKeepTheirVolumeOnEveryBuild) {
-  for (const char* name : {"default_male", "default_female", "thin_male", "heavy_male", "muscular_male", "short_male", "tall_male", "old_male"}) {
+  for (const char* name : {"default_male", "default_female", "thin_male", "heavy_male",
+                           "muscular_male", "short_male", "tall_male", "old_male"}) {
     Figure body = figure(standard_body(name));
     ASSERT_EQ(body.sections.size(), 4u);
     for (const auto& [upper, middle, lower, section] :
-         {std::tuple{"shoulder_l", "elbow_l", "wrist_l", 0u}, std::tuple{"shoulder_r", "elbow_r", "wrist_r", 1u},
-          std::tuple{"hip_l", "knee_l", "ankle_l", 2u}, std::tuple{"hip_r", "knee_r", "ankle_r", 3u}}) {
+         {std::tuple{"shoulder_l", "elbow_l", "wrist_l", 0u},
+          std::tuple{"shoulder_r", "elbow_r", "wrist_r", 1u},
+          std::tuple{"hip_l", "knee_l", "ankle_l", 2u},
+          std::tuple{"hip_r", "knee_r", "ankle_r", 3u}}) {
       const SkinFrame frame = body.play(bent_pose(body, upper, middle, lower));
       const SkinQuality mine = body.quality(frame), blend = body.quality(body.linear());
       EXPECT_EQ(mine.not_finite, 0);
       EXPECT_LE(mine.flipped_share, 0.001) << name << ' ' << middle;
       EXPECT_LE(mine.flipped, blend.flipped) << name << ' ' << middle;
       EXPECT_LT(blend.limb_volume_change[section], 0) << name << ' ' << middle;
-      EXPECT_LE(std::abs(mine.limb_volume_change[section]), -0.5 * blend.limb_volume_change[section]) << name << ' ' << middle;
+      EXPECT_LE(std::abs(mine.limb_volume_change[section]),
+                -0.5 * blend.limb_volume_change[section])
+          << name << ' ' << middle;
     }
   }
 }
@@ -113,7 +123,10 @@ TEST_F(BodySkin, WhatContactPressesAwaySwellsElsewhere) {
   Figure body = figure(standard_body("default_male"));
   for (const char* angles : {"knee 150", "elbow 150", "hip 110; knee 140; trunk 40 0 0"}) {
     const SkinFrame frame = body.play(pose_of_angles(angles, body.anatomy.skeleton, "this test"));
-    EXPECT_LT(std::abs(measure_pose(body.skin, body.binding, body.posed.X_WJ, frame).body_volume_change), 0.005) << angles;
+    EXPECT_LT(
+        std::abs(measure_pose(body.skin, body.binding, body.posed.X_WJ, frame).body_volume_change),
+        0.005)
+        << angles;
   }
 }
 
@@ -121,16 +134,19 @@ TEST_F(BodySkin, NoFoldsOverTheLongJump) {
   Figure body = figure(athlete());
   RetargetReport found;
   const Motion motion =
-      retarget(read_bvh(std::string(ECORCHE_TEST_DIR) + "/../data/motions/long_jump.bvh"), body.anatomy.skeleton, {}, found);
+      retarget(read_bvh(std::string(ECORCHE_TEST_DIR) + "/../data/motions/long_jump.bvh"),
+               body.anatomy.skeleton, {}, found);
   for (size_t f = 0; f < motion.frames.size(); f += 2) {
-    const SkinQuality mine = body.quality(body.play(motion.frames[f])), blend = body.quality(body.linear());
+    const SkinQuality mine = body.quality(body.play(motion.frames[f])),
+                      blend = body.quality(body.linear());
     EXPECT_EQ(mine.not_finite, 0) << f;
     EXPECT_LE(mine.flipped_share, 0.001) << f;
     EXPECT_LE(mine.flipped, blend.flipped) << f;
   }
 }
 
-// Scapula and arm together turn more than half a circle against the chest: no vertex may jump while the sum passes it.
+// Scapula and arm together turn more than half a circle against the chest: no vertex may jump while
+// the sum passes it.
 TEST_F(BodySkin, RaisedArmsMoveTheSkinSteadilyThroughHalfACircle) {
   Figure body = figure(standard_body("default_male"));
   const Skeleton& skeleton = body.anatomy.skeleton;
@@ -139,11 +155,13 @@ TEST_F(BodySkin, RaisedArmsMoveTheSkinSteadilyThroughHalfACircle) {
   Points before, now;
   for (double turn = 120 * kDegree; turn < 170 * kDegree; turn += step) {
     Pose pose = rest_pose(skeleton);
-    pose.rotations[scapula] = Quat(Eigen::AngleAxisd(40 * kDegree, skeleton.joints[shoulder].axes.col(0)));
+    pose.rotations[scapula] =
+        Quat(Eigen::AngleAxisd(40 * kDegree, skeleton.joints[shoulder].axes.col(0)));
     pose.rotations[shoulder] = Quat(Eigen::AngleAxisd(turn, skeleton.joints[shoulder].axes.col(0)));
     to_points(body.play(pose), now);
     if (before.rows() == now.rows()) {
-      EXPECT_LT((now - before).rowwise().norm().maxCoeff(), 1.5 * step) << turn / kDegree;  // an arm is less than 1 m long
+      EXPECT_LT((now - before).rowwise().norm().maxCoeff(), 1.5 * step)
+          << turn / kDegree;  // an arm is less than 1 m long
     }
     before.swap(now);
   }

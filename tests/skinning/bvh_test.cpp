@@ -1,4 +1,5 @@
-// The reader's promises on a corpus of bad files, on generated monsters, and on every real file that is at hand.
+// The reader's promises on a corpus of bad files, on generated monsters, and on every real file
+// that is at hand.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -9,7 +10,7 @@
 #include <sstream>
 
 #include "anatomy/errors.h"
-#include "skinning/bvh_io.h"
+#include "skinning/motion_files/bvh_io.h"
 
 using namespace ecorche;
 namespace fs = std::filesystem;
@@ -42,7 +43,8 @@ std::string read_text(const fs::path& file) {
 
 std::string chain(int depth) {
   std::string text = "HIERARCHY\n";
-  for (int k = 0; k < depth; ++k) text += fmt::format("{} j{}\n{{\nOFFSET 0 1 0\n", k == 0 ? "ROOT" : "JOINT", k);
+  for (int k = 0; k < depth; ++k)
+    text += fmt::format("{} j{}\n{{\nOFFSET 0 1 0\n", k == 0 ? "ROOT" : "JOINT", k);
   text.append(depth, '}');
   return text + "\nMOTION\nFrames: 0\nFrame Time: 0.01\n";
 }
@@ -54,9 +56,11 @@ std::string star(int joints) {
 }
 
 const char* kTwoJoints =
-    "HIERARCHY\nROOT a\n{\nOFFSET 1 2 3\nCHANNELS 6 Zrotation Yrotation Xrotation Xposition Yposition Zposition\nJOINT "
+    "HIERARCHY\nROOT a\n{\nOFFSET 1 2 3\nCHANNELS 6 Zrotation Yrotation Xrotation Xposition "
+    "Yposition Zposition\nJOINT "
     "b\n{\nOFFSET 0 2 0\n"
-    "CHANNELS 4 Yposition Xrotation Zrotation Yrotation\nEnd Site\n{\nOFFSET 0 1 0\n}\n}\n}\nMOTION\nFrames: 1\nFrame Time: "
+    "CHANNELS 4 Yposition Xrotation Zrotation Yrotation\nEnd Site\n{\nOFFSET 0 1 "
+    "0\n}\n}\n}\nMOTION\nFrames: 1\nFrame Time: "
     "0.0333333\n"
     "30 20 10 5 6 7 3 40 50 60\n";
 
@@ -76,11 +80,12 @@ TEST(BvhCorpus, EveryFileHasItsStatedOutcome) {
       words >> joints >> frames >> fps >> warnings;
       try {
         const BvhMotion motion = read_bvh(kCorpus / expected.file);
-        EXPECT_EQ(static_cast<int>(motion.joints.size()), joints);
+        EXPECT_EQ(int(motion.joints.size()), joints);
         EXPECT_EQ(motion.frames, frames);
         EXPECT_NEAR(motion.fps, fps, 1e-7);
-        EXPECT_EQ(static_cast<int>(motion.warnings.size()), warnings) << fmt::format("{}", fmt::join(motion.warnings, "\n"));
-        EXPECT_EQ(motion.samples.size(), static_cast<size_t>(motion.frames) * motion.channels);
+        EXPECT_EQ(int(motion.warnings.size()), warnings)
+            << fmt::format("{}", fmt::join(motion.warnings, "\n"));
+        EXPECT_EQ(motion.samples.size(), std::size_t(motion.frames) * motion.channels);
       } catch (const std::exception& e) {
         ADD_FAILURE() << e.what();
       }
@@ -95,7 +100,9 @@ TEST(BvhCorpus, EveryFileHasItsStatedOutcome) {
       } catch (const InputError& e) {
         const std::string message = e.what();
         EXPECT_NE(message.find(text), std::string::npos) << message;
-        EXPECT_NE(message.find(expected.file + ":" + (line > 0 ? std::to_string(line) + ":" : "")), std::string::npos) << message;
+        EXPECT_NE(message.find(expected.file + ":" + (line > 0 ? std::to_string(line) + ":" : "")),
+                  std::string::npos)
+            << message;
         EXPECT_EQ(e.exit_code(), 3);
       }
     }
@@ -104,17 +111,19 @@ TEST(BvhCorpus, EveryFileHasItsStatedOutcome) {
 
 TEST(BvhCorpus, EveryFileIsListed) {
   size_t files = 0;
-  for (const auto& entry : fs::directory_iterator(kCorpus)) files += entry.path().extension() == ".bvh";
+  for (const auto& entry : fs::directory_iterator(kCorpus))
+    files += entry.path().extension() == ".bvh";
   EXPECT_EQ(files, expectations().size());
 }
 
-// Every prefix of a good file, and the file with every byte changed, is read or refused: nothing else.
+// Every prefix of a good file, and the file with every byte changed, is read or refused: nothing
+// else.
 TEST(BvhCorpus, CutOrChangedAnywhereItIsReadOrRefused) {
   const std::string text = read_text(kCorpus / "plain.bvh");
   auto survive = [](const std::string& bad) {
     try {
       const BvhMotion motion = parse_bvh(bad, "bad.bvh");
-      ASSERT_EQ(motion.samples.size(), static_cast<size_t>(motion.frames) * motion.channels);
+      ASSERT_EQ(motion.samples.size(), std::size_t(motion.frames) * motion.channels);
       std::vector<Transform> X;
       for (int f = -1; f < motion.frames; ++f) bvh_kinematics(motion, f, X);
     } catch (const InputError&) {
@@ -123,7 +132,7 @@ TEST(BvhCorpus, CutOrChangedAnywhereItIsReadOrRefused) {
   for (size_t n = 0; n < text.size(); ++n) survive(text.substr(0, n));
   std::mt19937 random(1);
   for (size_t n = 0; n < text.size(); ++n)
-    for (const char c : {'{', '}', ' ', '\n', '-', '9', 'e', '\xff', static_cast<char>(random())}) {
+    for (const char c : {'{', '}', ' ', '\n', '-', '9', 'e', '\xff', char(random())}) {
       std::string bad = text;
       bad[n] = c;
       survive(bad);
@@ -176,14 +185,15 @@ TEST(Bvh, WritingAndReadingAgainGivesTheSame) {
   EXPECT_EQ(again.joints[1].channels, motion.joints[1].channels);
   EXPECT_EQ(again.joints[1].end_sites.size(), 1u);
   EXPECT_EQ(again.fps, motion.fps);
-  for (size_t k = 0; k < motion.samples.size(); ++k) EXPECT_NEAR(again.samples[k], motion.samples[k], 1e-9);
+  for (size_t k = 0; k < motion.samples.size(); ++k)
+    EXPECT_NEAR(again.samples[k], motion.samples[k], 1e-9);
   EXPECT_EQ(format_bvh(again), format_bvh(motion));
 }
 
 TEST(Bvh, OurOwnMotionsComeBackFromTheFile) {
   Skeleton skeleton;
-  for (const auto& [name, parent] :
-       std::vector<std::pair<std::string, int>>{{"pelvis", -1}, {"hip_l", 0}, {"l5", 0}, {"knee_l", 1}, {"l4", 2}}) {
+  for (const auto& [name, parent] : std::vector<std::pair<std::string, int>>{
+           {"pelvis", -1}, {"hip_l", 0}, {"l5", 0}, {"knee_l", 1}, {"l4", 2}}) {
     Joint joint;
     joint.name = name;
     joint.parent = parent;
@@ -196,7 +206,8 @@ TEST(Bvh, OurOwnMotionsComeBackFromTheFile) {
   for (int f = 0; f < 50; ++f) {
     Pose pose = rest_pose(skeleton);
     pose.root = Vec3(normal(random), normal(random), normal(random));
-    for (Quat& q : pose.rotations) q = Quat(normal(random), normal(random), normal(random), normal(random)).normalized();
+    for (Quat& q : pose.rotations)
+      q = Quat(normal(random), normal(random), normal(random), normal(random)).normalized();
     motion.frames.push_back(pose);
   }
   const BvhMotion bvh = parse_bvh(format_bvh(to_bvh(skeleton, motion)), "own.bvh");

@@ -7,9 +7,9 @@
 #include <limits>
 
 #include "anatomy/errors.h"
-#include "anatomy/muscle_line.h"
-#include "skinning/character_io.h"
-#include "skinning/light_character.h"
+#include "anatomy/muscles/action_line.h"
+#include "skinning/files/character_io.h"
+#include "skinning/files/light_character.h"
 
 using namespace ecorche;
 namespace fs = std::filesystem;
@@ -22,7 +22,8 @@ TriMesh box(const Vec3& low, const Vec3& high) {
   for (int i = 0; i < 8; ++i)
     mesh.V.row(i) << (i & 1 ? high : low).x(), (i & 2 ? high : low).y(), (i & 4 ? high : low).z();
   mesh.F.resize(12, 3);
-  mesh.F << 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5;
+  mesh.F << 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4,
+      6, 1, 3, 5, 3, 7, 5;
   return mesh;
 }
 
@@ -56,7 +57,8 @@ Character arm() {
   path[1].share = 0.7;
   path[2].joints = {1, -1};
   std::vector<Station> stations(5);
-  for (int k = 0; k < 5; ++k) stations[k] = {0.25 * k, Vec3::Zero(), Vec3::UnitZ(), Vec2(0.01 + 0.004 * k, 0.008)};
+  for (int k = 0; k < 5; ++k)
+    stations[k] = {0.25 * k, Vec3::Zero(), Vec3::UnitZ(), Vec2(0.01 + 0.004 * k, 0.008)};
   muscle.strips.push_back(make_strip(path, stations));
   Wrap wrap;
   wrap.kind = Wrap::Kind::cylinder;
@@ -76,7 +78,7 @@ Character arm() {
 
 Binding binding_of(const Character& character) {
   Binding binding;
-  binding.vertex_count = static_cast<int>(character.body.skin.V.rows());
+  binding.vertex_count = character.body.skin.V.rows();
   Anchor anchor;
   anchor.kind = Anchor::Kind::bone;
   anchor.part = 0;
@@ -86,14 +88,15 @@ Binding binding_of(const Character& character) {
   return binding;
 }
 
-// A texture whose seam runs round the box's upper face: its four vertices lie elsewhere on the sides.
+// A texture whose seam runs round the box's upper face: its four vertices lie elsewhere on the
+// sides.
 CharacterLook seamed_look(const Character& character) {
   const Triangles& F = character.body.skin.F;
   CharacterLook look;
   for (int i = 0; i < 8; ++i) look.texture.vertex.push_back(i);
   look.texture.F = F;
   for (const int v : {4, 5, 6, 7}) {  // faces 2 and 3 are the upper one
-    const int copy = static_cast<int>(look.texture.vertex.size());
+    const int copy = look.texture.vertex.size();
     look.texture.vertex.push_back(v);
     for (int f = 2; f < 4; ++f)
       for (int k = 0; k < 3; ++k)
@@ -115,7 +118,9 @@ std::string bytes_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-void write_bytes(const fs::path& file, const std::string& bytes) { std::ofstream(file, std::ios::binary) << bytes; }
+void write_bytes(const fs::path& file, const std::string& bytes) {
+  std::ofstream(file, std::ios::binary) << bytes;
+}
 
 Motion wave(const Skeleton& skeleton) {
   Motion motion;
@@ -180,11 +185,13 @@ TEST(Character, ComesBackAsItWentIn) {
 
 // Files of before seams and tissues read as ever.
 TEST(Character, AnEarlierSchemaIsRead) {
-  const Character in = arm(), out = read_character(fs::path(ECORCHE_TEST_DIR) / "corpus" / "character" / "schema1.glb");
+  const Character in = arm(), out = read_character(fs::path(ECORCHE_TEST_DIR) / "corpus" /
+                                                   "character" / "schema1.glb");
   EXPECT_EQ(out.body.skin.F, in.body.skin.F);
   ASSERT_EQ(out.anatomy.bones.size(), 2u);
   EXPECT_EQ(out.anatomy.bones[1].mesh.F, in.anatomy.bones[1].mesh.F);
-  EXPECT_EQ(out.anatomy.muscles[0].strips[0].slices[3].outline, in.anatomy.muscles[0].strips[0].slices[3].outline);
+  EXPECT_EQ(out.anatomy.muscles[0].strips[0].slices[3].outline,
+            in.anatomy.muscles[0].strips[0].slices[3].outline);
 }
 
 TEST(Character, SeamsOfTheTextureAreSplitAndJoinedAgain) {
@@ -192,13 +199,16 @@ TEST(Character, SeamsOfTheTextureAreSplitAndJoinedAgain) {
   const Character in = arm();
   write_character(folder.path / "a.glb", in, binding_of(in), nullptr, seamed_look(in));
   const std::string text = bytes_of(folder.path / "a.glb");
-  for (const char* wanted : {"TEXCOORD_0", "_SKIN_VERTEX", "COLOR_0", "eye/left", "eye/right", "eye_white"}) EXPECT_NE(text.find(wanted), std::string::npos) << wanted;
+  for (const char* wanted :
+       {"TEXCOORD_0", "_SKIN_VERTEX", "COLOR_0", "eye/left", "eye/right", "eye_white"})
+    EXPECT_NE(text.find(wanted), std::string::npos) << wanted;
   const Body out = read_character(folder.path / "a.glb").body;
   EXPECT_EQ(out.skin.F, in.body.skin.F);
   EXPECT_LT((out.skin.V - in.body.skin.V).cwiseAbs().maxCoeff(), 1e-6);
   CharacterLook other = seamed_look(in);
   other.texture.F.conservativeResize(5, 3);
-  EXPECT_THROW(write_character(folder.path / "b.glb", in, binding_of(in), nullptr, other), std::invalid_argument);
+  EXPECT_THROW(write_character(folder.path / "b.glb", in, binding_of(in), nullptr, other),
+               std::invalid_argument);
 }
 
 TEST(Character, DamagedSeamsAreRefused) {
@@ -208,7 +218,8 @@ TEST(Character, DamagedSeamsAreRefused) {
   const std::string whole = bytes_of(folder.path / "a.glb");
   // The copies' own vertices, 4 5 6 7 after 0 .. 7, as floats.
   std::string names;
-  for (const float v : {0.f, 1.f, 2.f, 3.f, 4.f, 5.f, 6.f, 7.f, 4.f, 5.f, 6.f, 7.f}) names.append(reinterpret_cast<const char*>(&v), 4);
+  for (const float v : {0.f, 1.f, 2.f, 3.f, 4.f, 5.f, 6.f, 7.f, 4.f, 5.f, 6.f, 7.f})
+    names.append(reinterpret_cast<const char*>(&v), 4);
   const size_t at = whole.find(names);
   ASSERT_NE(at, std::string::npos);
   for (const float bad : {-1.f, 8.f, 4.5f, 1e30f, std::numeric_limits<float>::quiet_NaN()}) {
@@ -266,16 +277,19 @@ TEST(Character, DamagedTextIsRefusedOrHarmless) {
   const Character character = arm();
   write_character(folder.path / "a.glb", character, binding_of(character));
   const std::string whole = bytes_of(folder.path / "a.glb");
-  const std::pair<const char*, const char*> damages[] = {
-      {"\"schema\":2", "\"schema\":9"}, {"\"count\":8", "\"count\":9999999"}, {"\"joint\":1", "\"joint\":7"},
-      {"\"axes\":[", "\"axos\":["},     {"\"side\":\"left\"", "\"side\":\"lift\""}, {"\"path\":[[", "\"path\":[[\"x\","}};
+  const std::pair<const char*, const char*> damages[] = {{"\"schema\":2", "\"schema\":9"},
+                                                         {"\"count\":8", "\"count\":9999999"},
+                                                         {"\"joint\":1", "\"joint\":7"},
+                                                         {"\"axes\":[", "\"axos\":["},
+                                                         {"\"side\":\"left\"", "\"side\":\"lift\""},
+                                                         {"\"path\":[[", "\"path\":[[\"x\","}};
   for (const auto& [from, to] : damages) {
     std::string bytes = whole;
     const size_t at = bytes.find(from);
     ASSERT_NE(at, std::string::npos) << from;
     bytes.replace(at, std::string(from).size(), to);
     // Keep the chunk and file lengths true, so that only the value is wrong.
-    const int grown = static_cast<int>(std::string(to).size()) - static_cast<int>(std::string(from).size());
+    const int grown = int(std::string(to).size()) - int(std::string(from).size());
     for (int offset : {8, 12}) {
       std::uint32_t length;
       std::memcpy(&length, bytes.data() + offset, 4);
@@ -302,6 +316,7 @@ TEST(Character, AForeignMotionIsOurMistake) {
   const Character character = arm();
   Motion motion = wave(character.anatomy.skeleton);
   motion.frames[3].rotations.pop_back();
-  EXPECT_THROW(write_character(folder.path / "a.glb", character, binding_of(character), &motion), std::invalid_argument);
+  EXPECT_THROW(write_character(folder.path / "a.glb", character, binding_of(character), &motion),
+               std::invalid_argument);
   EXPECT_FALSE(fs::exists(folder.path / "a.glb"));
 }

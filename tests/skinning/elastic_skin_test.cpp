@@ -7,13 +7,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "anatomy/self_intersections.h"
-#include "skinning/elastic_skin.h"
-#include "skinning/joint_strain.h"
-#include "skinning/limb_volumes.h"
-#include "skinning/membrane.h"
-#include "skinning/normals.h"
-#include "skinning/skin_contact.h"
+#include "anatomy/geometry/self_intersections.h"
+#include "anatomy/geometry/vertex_normals.h"
+#include "skinning/settle/elastic_skin.h"
+#include "skinning/settle/membrane.h"
+#include "skinning/settle/self_contact.h"
+#include "skinning/settle/skin_looseness.h"
+#include "skinning/settle/volume_preservation.h"
 #include "tests/skinning/arm.h"
 
 namespace ecorche {
@@ -24,10 +24,10 @@ TriMesh fine_tube(int rings = 40, int sides = 24) {
   constexpr int kCap = 6;
   std::vector<Vec2> profile;
   for (int k = 1; k <= kCap; ++k) {
-    const double angle = std::numbers::pi / 2 * (1 - static_cast<double>(k) / kCap);
+    const double angle = std::numbers::pi / 2 * (1 - double(k) / kCap);
     profile.emplace_back(-kRadius * std::sin(angle), kRadius * std::cos(angle));
   }
-  for (int k = 1; k < rings; ++k) profile.emplace_back(static_cast<double>(k) / rings, kRadius);
+  for (int k = 1; k < rings; ++k) profile.emplace_back(double(k) / rings, kRadius);
   for (int k = 0; k < kCap; ++k) {
     const double angle = std::numbers::pi / 2 * k / kCap;
     profile.emplace_back(1 + kRadius * std::sin(angle), kRadius * std::cos(angle));
@@ -37,21 +37,21 @@ TriMesh fine_tube(int rings = 40, int sides = 24) {
 
 struct Tube {
   TriMesh mesh = fine_tube();
-  std::vector<double> tissue = std::vector<double>(static_cast<std::size_t>(mesh.V.rows()), 0.04);
-  std::span<const int> triangles() const { return {mesh.F.data(), static_cast<std::size_t>(mesh.F.size())}; }
+  std::vector<double> tissue = std::vector<double>(mesh.V.rows(), 0.04);
+  std::span<const int> triangles() const { return {mesh.F.data(), std::size_t(mesh.F.size())}; }
 };
 
 std::vector<float> floats(const Points& V) {
   std::vector<float> out;
   for (Eigen::Index i = 0; i < V.rows(); ++i)
-    for (int k = 0; k < 4; ++k) out.push_back(k < 3 ? static_cast<float>(V(i, k)) : 1);
+    for (int k = 0; k < 4; ++k) out.push_back(k < 3 ? float(V(i, k)) : 1);
   return out;
 }
 
 Points points(std::span<const float> positions) {
-  Points out(static_cast<Eigen::Index>(positions.size() / 4), 3);
+  Points out(positions.size() / 4, 3);
   for (Eigen::Index i = 0; i < out.rows(); ++i)
-    for (Eigen::Index k = 0; k < 3; ++k) out(i, k) = positions[static_cast<std::size_t>(4 * i + k)];
+    for (Eigen::Index k = 0; k < 3; ++k) out(i, k) = positions[4 * i + k];
   return out;
 }
 
@@ -60,14 +60,18 @@ double worst_edge(const TriMesh& rest, const Points& V) {
   for (Eigen::Index f = 0; f < rest.F.rows(); ++f)
     for (int k = 0; k < 3; ++k) {
       const int a = rest.F(f, k), b = rest.F(f, (k + 1) % 3);
-      worst = std::max(worst, std::abs((V.row(a) - V.row(b)).norm() / (rest.V.row(a) - rest.V.row(b)).norm() - 1));
+      worst = std::max(
+          worst,
+          std::abs((V.row(a) - V.row(b)).norm() / (rest.V.row(a) - rest.V.row(b)).norm() - 1));
     }
   return worst;
 }
 
 double volume(const TriMesh& mesh, const Points& V) {
   double six = 0;
-  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) six += Vec3(V.row(mesh.F(f, 0))).dot(Vec3(V.row(mesh.F(f, 1))).cross(Vec3(V.row(mesh.F(f, 2)))));
+  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f)
+    six +=
+        Vec3(V.row(mesh.F(f, 0))).dot(Vec3(V.row(mesh.F(f, 1))).cross(Vec3(V.row(mesh.F(f, 2)))));
   return six / 6;
 }
 
@@ -76,7 +80,8 @@ Points bent(const Points& V, double angle, double length) {
   Points out = V;
   for (Eigen::Index i = 0; i < V.rows(); ++i) {
     // The centre line is an arc of a circle about the x axis, straight before and after.
-    const double radius = length / angle, along = V(i, 1) - (0.5 - length / 2), t = std::clamp(along / length, 0.0, 1.0) * angle;
+    const double radius = length / angle, along = V(i, 1) - (0.5 - length / 2),
+                 t = std::clamp(along / length, 0.0, 1.0) * angle;
     const Quat turn(Eigen::AngleAxisd(t, Vec3::UnitX()));
     const Vec3 line(0, 0.5 - length / 2 + radius * std::sin(t), radius * (1 - std::cos(t)));
     const double rest = along - std::clamp(along, 0.0, length);
@@ -98,7 +103,8 @@ TEST(Membrane, StaysWhereNothingStretchesIt) {
   EXPECT_LT((points(relaxed(tube, tube.mesh.V)) - tube.mesh.V).cwiseAbs().maxCoeff(), 1e-6);
   const Quat turn(Eigen::AngleAxisd(2.1, Vec3(1, 2, -1).normalized()));
   Points turned = tube.mesh.V;
-  for (Eigen::Index i = 0; i < turned.rows(); ++i) turned.row(i) = (turn * Vec3(turned.row(i))).transpose() + Eigen::RowVector3d(0.3, 1, -2);
+  for (Eigen::Index i = 0; i < turned.rows(); ++i)
+    turned.row(i) = (turn * Vec3(turned.row(i))).transpose() + Eigen::RowVector3d(0.3, 1, -2);
   EXPECT_LT((points(relaxed(tube, turned)) - turned).cwiseAbs().maxCoeff(), 2e-6);
 }
 
@@ -120,7 +126,8 @@ TEST(Membrane, DeepSkinFollowsItsAnchorsAtADistanceFromABend) {
   const Points anchors = bent(tube.mesh.V, 1.2, 0.1), V = points(relaxed(tube, anchors));
   double away = 0;
   for (Eigen::Index i = 0; i < V.rows(); ++i)
-    if (std::abs(tube.mesh.V(i, 1) - 0.5) > 0.25) away = std::max(away, (V.row(i) - anchors.row(i)).norm());
+    if (std::abs(tube.mesh.V(i, 1) - 0.5) > 0.25)
+      away = std::max(away, (V.row(i) - anchors.row(i)).norm());
   EXPECT_LT(away, 4.5e-3);
 }
 
@@ -137,12 +144,15 @@ TEST(LimbVolumes, ComeBackWhenTheSkinWasPressedIn) {
   const Tube tube;
   const test::Arm arm = test::make_arm();
   const std::vector<float> rest = floats(tube.mesh.V);
-  const std::vector<std::array<Influence, 4>> weights(tube.tissue.size(), {Influence{0, 1}, {}, {}, {}});
-  const LimbVolumes volumes = make_limb_volumes(arm.anatomy.skeleton, rest, tube.triangles(), weights, tube.tissue);
+  const std::vector<std::array<Influence, 4>> weights(tube.tissue.size(),
+                                                      {Influence{0, 1}, {}, {}, {}});
+  const LimbVolumes volumes =
+      make_limb_volumes(arm.anatomy.skeleton, rest, tube.triangles(), weights, tube.tissue);
   std::vector<Transform> X_WJ;
   forward_kinematics(arm.anatomy.skeleton, rest_pose(arm.anatomy.skeleton), X_WJ);
   const auto kept = [&](const Points& V) {
-    std::vector<float> positions = floats(V), normals(positions.size()), open(positions.size() / 4, 1.0f);
+    std::vector<float> positions = floats(V), normals(positions.size()),
+                       open(positions.size() / 4, 1.0f);
     vertex_normals(positions, tube.triangles(), normals);
     keep_volumes(volumes, X_WJ, open, normals, positions);
     return points(positions);
@@ -169,11 +179,13 @@ std::vector<std::array<Influence, 4>> arm_weights(const test::Arm& arm, double l
 TEST(JointStrain, GrowsWithLeverAndSteepnessAndEndsWithThePassage) {
   const test::Arm arm = test::make_arm();
   const double elbow = rest_positions(arm.anatomy.skeleton)[3].y(), length = 0.08;
-  const std::vector<double> wide = find_joint_strain(arm.anatomy.skeleton, arm.skin, arm_weights(arm, length)),
-                            narrow = find_joint_strain(arm.anatomy.skeleton, arm.skin, arm_weights(arm, length / 2));
+  const std::vector<double> wide = find_joint_strain(arm.anatomy.skeleton, arm.skin,
+                                                     arm_weights(arm, length)),
+                            narrow = find_joint_strain(arm.anatomy.skeleton, arm.skin,
+                                                       arm_weights(arm, length / 2));
   int about = 0, away = 0;
   for (Eigen::Index i = 0; i < arm.skin.V.rows(); ++i) {
-    const std::size_t v = static_cast<std::size_t>(i);
+    const std::size_t v = i;
     const double along = std::abs(arm.skin.V(i, 1) - elbow);
     if (along < 0.005) {
       ++about;
@@ -191,15 +203,16 @@ TEST(JointStrain, GrowsWithLeverAndSteepnessAndEndsWithThePassage) {
 TEST(JointStrain, ThinSkinOverAJointIsHeldLess) {
   const test::Arm arm = test::make_arm();
   const double elbow = rest_positions(arm.anatomy.skeleton)[3].y();
-  const std::size_t n = static_cast<std::size_t>(arm.skin.V.rows());
+  const std::size_t n = arm.skin.V.rows();
   SkinSurvey survey;
   survey.depth.assign(n, 0.004);
   survey.radius.assign(n, 0.045);
   const std::vector<std::array<Influence, 4>> weights = arm_weights(arm, 0.08);
   const std::shared_ptr<const ElasticSkin> skin =
-      make_elastic_skin(arm.anatomy.skeleton, arm.skin, survey, weights, {}, {arm.skin.F.data(), static_cast<std::size_t>(arm.skin.F.size())});
+      make_elastic_skin(arm.anatomy.skeleton, arm.skin, survey, weights, {},
+                        {arm.skin.F.data(), std::size_t(arm.skin.F.size())});
   for (std::size_t i = 0; i < n; ++i) {
-    const double along = std::abs(arm.skin.V(static_cast<Eigen::Index>(i), 1) - elbow);
+    const double along = std::abs(arm.skin.V(i, 1) - elbow);
     if (along < 0.02) {
       EXPECT_LT(skin->membrane.hold[i], 0.15f);
     } else if (along > 0.12) {
@@ -220,16 +233,19 @@ TEST(LimbVolumes, SmallThingsOnDeepFleshKeepTheirShape) {
     profile.emplace_back(1 + kNub * std::sin(angle), kNub * std::cos(angle));
   }
   const TriMesh mesh = test::lathe(Vec3::Zero(), Vec3::UnitY(), profile, 24);
-  const std::span<const int> triangles(mesh.F.data(), static_cast<std::size_t>(mesh.F.size()));
-  const std::vector<double> tissue(static_cast<std::size_t>(mesh.V.rows()), 0.04);
+  const std::span<const int> triangles(mesh.F.data(), std::size_t(mesh.F.size()));
+  const std::vector<double> tissue(mesh.V.rows(), 0.04);
   const std::vector<std::array<Influence, 4>> weights(tissue.size(), {Influence{0, 1}, {}, {}, {}});
   const test::Arm arm = test::make_arm();
-  const LimbVolumes volumes = make_limb_volumes(arm.anatomy.skeleton, floats(mesh.V), triangles, weights, tissue);
+  const LimbVolumes volumes =
+      make_limb_volumes(arm.anatomy.skeleton, floats(mesh.V), triangles, weights, tissue);
   std::vector<Transform> X_WJ;
   forward_kinematics(arm.anatomy.skeleton, rest_pose(arm.anatomy.skeleton), X_WJ);
   Points shorter = mesh.V;
-  for (Eigen::Index i = 0; i < shorter.rows(); ++i) shorter(i, 1) -= 0.04 * std::clamp(shorter(i, 1), 0.0, 1.0);
-  std::vector<float> positions = floats(shorter), normals(positions.size()), open(tissue.size(), 1.0f);
+  for (Eigen::Index i = 0; i < shorter.rows(); ++i)
+    shorter(i, 1) -= 0.04 * std::clamp(shorter(i, 1), 0.0, 1.0);
+  std::vector<float> positions = floats(shorter), normals(positions.size()),
+                     open(tissue.size(), 1.0f);
   vertex_normals(positions, triangles, normals);
   keep_volumes(volumes, X_WJ, open, normals, positions);
   const Points V = points(positions);
@@ -264,9 +280,9 @@ TEST(LimbVolumes, FoldsDoNotSwell) {
 struct Pair {
   Tube one{fine_tube(100, 64), {}};
   TriMesh mesh{Points(2 * one.mesh.V.rows(), 3), Triangles(2 * one.mesh.F.rows(), 3)};
-  std::vector<double> tissue = std::vector<double>(static_cast<std::size_t>(mesh.V.rows()), 0.04);
+  std::vector<double> tissue = std::vector<double>(mesh.V.rows(), 0.04);
   Pair() {
-    mesh.F << one.mesh.F, (one.mesh.F.array() + static_cast<int>(one.mesh.V.rows())).matrix();
+    mesh.F << one.mesh.F, (one.mesh.F.array() + int(one.mesh.V.rows())).matrix();
     mesh.V = at(0.3);
   }
   Points at(double apart) const {
@@ -274,7 +290,7 @@ struct Pair {
     V << one.mesh.V, (one.mesh.V.rowwise() + Eigen::RowVector3d(apart, 0.013, 0.007)).matrix();
     return V;
   }
-  std::span<const int> triangles() const { return {mesh.F.data(), static_cast<std::size_t>(mesh.F.size())}; }
+  std::span<const int> triangles() const { return {mesh.F.data(), std::size_t(mesh.F.size())}; }
   Points parted(const Points& V, std::vector<float>* its_normals = nullptr) const {
     const Membrane rings = make_membrane(mesh, tissue);
     const SkinContact contact = make_skin_contact(rings, floats(mesh.V), triangles(), tissue);
@@ -295,7 +311,8 @@ TEST(SkinContact, WhatIsApartStaysAndWhatMeetsIsPressedFlat) {
   const int after = count_self_intersections(pair.mesh.F, V);
   EXPECT_LT(after, before / 4);
   double far = 0;  // both give way by about as much
-  for (Eigen::Index i = 0; i < V.rows(); ++i) far = std::max(far, (V.row(i) - through.row(i)).norm());
+  for (Eigen::Index i = 0; i < V.rows(); ++i)
+    far = std::max(far, (V.row(i) - through.row(i)).norm());
   EXPECT_LT(far, 0.015);
   EXPECT_GT(far, 0.008);
 }
@@ -328,10 +345,12 @@ TEST(SkinContact, GivesWayNoFurtherThanTheFleshIsThick) {
 
 TEST(SkinContact, LooksAtEveryVertexThatIsInsideAndAtFewOthers) {
   const Pair pair;
-  const std::vector<float> rest = floats(pair.mesh.V), posed = floats(pair.at(0.17)), give(pair.tissue.size(), 0.04f);
+  const std::vector<float> rest = floats(pair.mesh.V), posed = floats(pair.at(0.17)),
+                           give(pair.tissue.size(), 0.04f);
   std::vector<float> normals(rest.size());
   vertex_normals(rest, pair.triangles(), normals);
-  const ContactPatches patches = cut_patches(make_membrane(pair.mesh, pair.tissue), rest, normals, give);
+  const ContactPatches patches =
+      cut_patches(make_membrane(pair.mesh, pair.tissue), rest, normals, give);
   vertex_normals(posed, pair.triangles(), normals);
   PatchScratch scratch;
   std::vector<char> wanted;
@@ -341,12 +360,14 @@ TEST(SkinContact, LooksAtEveryVertexThatIsInsideAndAtFewOthers) {
   int inside = 0, looked_at = 0;
   for (Eigen::Index i = 0; i < V.rows(); ++i) {
     const bool second = i >= half;
-    const Vec3 p = Vec3(V.row(i)) - (second ? Vec3::Zero() : Vec3(0.17, 0.013, 0.007));  // to the other tube's axis
-    const double along = std::clamp(p.y(), 0.0, 1.0), depth = 0.1 - Vec3(p.x(), p.y() - along, p.z()).norm();
-    looked_at += wanted[static_cast<std::size_t>(i)];
+    const Vec3 p = Vec3(V.row(i)) -
+                   (second ? Vec3::Zero() : Vec3(0.17, 0.013, 0.007));  // to the other tube's axis
+    const double along = std::clamp(p.y(), 0.0, 1.0),
+                 depth = 0.1 - Vec3(p.x(), p.y() - along, p.z()).norm();
+    looked_at += wanted[i];
     if (depth < 2e-4) continue;  // facets lie a little within the round
     ++inside;
-    EXPECT_TRUE(wanted[static_cast<std::size_t>(i)]) << i << " is " << depth << " m inside";
+    EXPECT_TRUE(wanted[i]) << i << " is " << depth << " m inside";
   }
   EXPECT_GT(inside, 50);
   EXPECT_LT(looked_at, 3 * inside);
@@ -358,8 +379,10 @@ TEST(SkinContact, WhatHasMetRisesLess) {
   const test::Arm arm = test::make_arm();
   SkinSurvey survey;
   survey.depth = survey.radius = pair.tissue;
-  const std::vector<std::array<Influence, 4>> weights(pair.tissue.size(), {Influence{0, 1}, {}, {}, {}});
-  const auto skin = make_elastic_skin(arm.anatomy.skeleton, pair.mesh, survey, weights, {}, pair.triangles());
+  const std::vector<std::array<Influence, 4>> weights(pair.tissue.size(),
+                                                      {Influence{0, 1}, {}, {}, {}});
+  const auto skin =
+      make_elastic_skin(arm.anatomy.skeleton, pair.mesh, survey, weights, {}, pair.triangles());
   const auto rising = [&](const Points& V) {
     const std::vector<float> positions = floats(V);
     ElasticScratch scratch;
@@ -377,10 +400,10 @@ TEST(SkinContact, WhatHasMetRisesLess) {
     const Vec3 p = Vec3(through.row(i)) - Vec3(0.17, 0.013, 0.007);
     const double depth = 0.1 - Vec3(p.x(), p.y() - std::clamp(p.y(), 0.0, 1.0), p.z()).norm();
     if (depth > 2e-4) {
-      EXPECT_LT(met[static_cast<std::size_t>(i)], 0.1f) << i;
+      EXPECT_LT(met[i], 0.1f) << i;
       ++held;
     } else if (through(i, 0) < 0) {
-      EXPECT_EQ(met[static_cast<std::size_t>(i)], 0.5f) << i;
+      EXPECT_EQ(met[i], 0.5f) << i;
     }
   }
   EXPECT_GT(held, 20);

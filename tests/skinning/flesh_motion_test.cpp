@@ -1,10 +1,11 @@
-// Laws of secondary motion: the rate of the film does not matter, what stands still stays, and the oscillator is the exact one.
+// Laws of secondary motion: the rate of the film does not matter, what stands still stays, and the
+// oscillator is the exact one.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "skinning/flesh_motion.h"
+#include "skinning/dynamics/soft_tissue.h"
 #include "tests/skinning/arm.h"
 
 namespace ecorche {
@@ -33,15 +34,17 @@ struct Swing {
   }
 };
 
-std::vector<float> seen_at(const Swing& swing, const FleshTables& tables, const Motion& motion, double time, const Activations& efforts = {}) {
+std::vector<float> seen_at(const Swing& swing, const FleshTables& tables, const Motion& motion,
+                           double time, const Activations& efforts = {}) {
   FleshState state;
-  for (int f = 0; f / motion.fps <= time + 1e-9; ++f) move_flesh(tables, swing.arm.anatomy.skeleton, motion, efforts, f / motion.fps, state);
+  for (int f = 0; f / motion.fps <= time + 1e-9; ++f)
+    move_flesh(tables, swing.arm.anatomy.skeleton, motion, efforts, f / motion.fps, state);
   return state.seen;
 }
 
 double largest_gap(const std::vector<float>& a, const std::vector<float>& b) {
   double gap = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) gap = std::max(gap, std::abs(static_cast<double>(a[k]) - b[k]));
+  for (std::size_t k = 0; k < a.size(); ++k) gap = std::max(gap, std::abs(double(a[k]) - b[k]));
   return gap;
 }
 
@@ -51,9 +54,10 @@ TEST(FleshMotion, IsTheSameAtAnyRateOfTheFilm) {
   ASSERT_FALSE(tables.vertices.empty());
   double moved = 0;
   for (const double time : {0.5, 1.25, 2.0, 2.5}) {
-    const std::vector<float> slow = seen_at(swing, tables, swing.motion(24), time), usual = seen_at(swing, tables, swing.motion(60), time),
+    const std::vector<float> slow = seen_at(swing, tables, swing.motion(24), time),
+                             usual = seen_at(swing, tables, swing.motion(60), time),
                              fast = seen_at(swing, tables, swing.motion(240), time);
-    for (const float v : fast) moved = std::max(moved, std::abs(static_cast<double>(v)));
+    for (const float v : fast) moved = std::max(moved, std::abs(double(v)));
     EXPECT_LT(largest_gap(slow, fast), 2e-3) << time;
     EXPECT_LT(largest_gap(usual, fast), 2e-3) << time;
   }
@@ -68,7 +72,8 @@ TEST(FleshMotion, WhatStandsStillStaysAndWhatStopsSettles) {
   for (const float v : seen_at(swing, tables, still, 2)) EXPECT_LT(std::abs(v), 1e-12f);
   const auto size = [&](double time) {
     double most = 0;
-    for (const float v : seen_at(swing, tables, swing.motion(60), time)) most = std::max(most, std::abs(static_cast<double>(v)));
+    for (const float v : seen_at(swing, tables, swing.motion(60), time))
+      most = std::max(most, std::abs(double(v)));
     return most;
   };
   EXPECT_LT(size(3), 0.1 * size(1.9));
@@ -79,7 +84,8 @@ TEST(FleshMotion, StepsAreTheExactOscillator) {
   const Swing swing;
   const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy);
   const FleshTables::Vertex& v = tables.vertices.front();
-  const double h = 1.0 / 480, w = std::sqrt(-v.vu / v.uv), fall = std::log(v.uu * v.vv - v.uv * v.vu) / (2 * h);  // det = e^(-2 z w h)
+  const double h = 1.0 / 480, w = std::sqrt(-v.vu / v.uv),
+               fall = std::log(v.uu * v.vv - v.uv * v.vu) / (2 * h);  // det = e^(-2 z w h)
   double u = 0, speed = 1;
   for (int step = 1; step <= 200; ++step) {
     const double next = v.uu * u + v.uv * speed;
@@ -106,7 +112,8 @@ double size_over(const FleshTables& tables, const std::vector<float>& seen, bool
   for (const FleshTables::Vertex& v : tables.vertices) {
     const bool over = v.muscles[0].second + v.muscles[1].second + v.muscles[2].second > 0.5;
     if (over != muscle) continue;
-    for (std::size_t k = 0; k < 3; ++k) most = std::max(most, std::abs(static_cast<double>(seen[4 * static_cast<std::size_t>(v.place) + k])));
+    for (std::size_t k = 0; k < 3; ++k)
+      most = std::max(most, std::abs(double(seen[4 * v.place + k])));
   }
   return most;
 }
@@ -118,20 +125,24 @@ TEST(FleshMotion, AMuscleThatWorksStiffensAndDampsWhatLiesOverIt) {
   double relaxed = 0, half = 0, full = 0;
   for (double time = 0.5; time < 2; time += 0.1) {
     relaxed = std::max(relaxed, size_over(tables, seen_at(swing, tables, motion, time), true));
-    half = std::max(half, size_over(tables, seen_at(swing, tables, motion, time, effort(0.5)), true));
+    half =
+        std::max(half, size_over(tables, seen_at(swing, tables, motion, time, effort(0.5)), true));
     full = std::max(full, size_over(tables, seen_at(swing, tables, motion, time, effort(1)), true));
   }
   ASSERT_GT(relaxed, 1e-3);
   EXPECT_LT(half, 0.7 * relaxed);
   EXPECT_LT(full, 0.5 * relaxed);
-  // What lies over no muscle does as before, to the bit, and so does all where the muscle has nothing to do.
-  const std::vector<float> none = seen_at(swing, tables, motion, 1.3), idle = seen_at(swing, tables, motion, 1.3, effort(0)), work = seen_at(swing, tables, motion, 1.3, effort(1));
+  // What lies over no muscle does as before, to the bit, and so does all where the muscle has
+  // nothing to do.
+  const std::vector<float> none = seen_at(swing, tables, motion, 1.3),
+                           idle = seen_at(swing, tables, motion, 1.3, effort(0)),
+                           work = seen_at(swing, tables, motion, 1.3, effort(1));
   EXPECT_EQ(none, idle);
   int free = 0;
   for (const FleshTables::Vertex& v : tables.vertices) {
     if (v.muscles[0].second + v.muscles[1].second + v.muscles[2].second > 0) continue;
     ++free;
-    for (std::size_t k = 0; k < 3; ++k) ASSERT_EQ(none[4 * static_cast<std::size_t>(v.place) + k], work[4 * static_cast<std::size_t>(v.place) + k]);
+    for (std::size_t k = 0; k < 3; ++k) ASSERT_EQ(none[4 * v.place + k], work[4 * v.place + k]);
   }
   EXPECT_GT(free, 50);
 }
@@ -141,7 +152,10 @@ TEST(FleshMotion, WithWorkTooTheRateOfTheFilmDoesNotMatter) {
   const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy);
   const Activations efforts{1, {{{0}, {0.0, 0.7, 1.4, 3.0}, {0.0, 1.0, 0.2, 0.8}}}};
   for (const double time : {0.5, 1.25, 2.0, 2.5})
-    EXPECT_LT(largest_gap(seen_at(swing, tables, swing.motion(24), time, efforts), seen_at(swing, tables, swing.motion(240), time, efforts)), 2e-3) << time;
+    EXPECT_LT(largest_gap(seen_at(swing, tables, swing.motion(24), time, efforts),
+                          seen_at(swing, tables, swing.motion(240), time, efforts)),
+              2e-3)
+        << time;
 }
 
 TEST(FleshMotion, JumpingAboutEndsWherePlayingDoes) {
@@ -154,7 +168,7 @@ TEST(FleshMotion, JumpingAboutEndsWherePlayingDoes) {
     seek_flesh(tables, swing.arm.anatomy.skeleton, motion, {}, time, state);
     const std::vector<float> played = seen_at(swing, tables, motion, time);
     EXPECT_LT(largest_gap(state.seen, played), 2e-4) << time;
-    for (const float v : played) most = std::max(most, std::abs(static_cast<double>(v)));
+    for (const float v : played) most = std::max(most, std::abs(double(v)));
   }
   EXPECT_GT(most, 1e-3);
 }
@@ -164,7 +178,8 @@ TEST(FleshMotion, TimeDoesNotGoBack) {
   const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy);
   FleshState state;
   move_flesh(tables, swing.arm.anatomy.skeleton, swing.motion(30), {}, 1, state);
-  EXPECT_THROW(move_flesh(tables, swing.arm.anatomy.skeleton, swing.motion(30), {}, 0.5, state), std::invalid_argument);
+  EXPECT_THROW(move_flesh(tables, swing.arm.anatomy.skeleton, swing.motion(30), {}, 0.5, state),
+               std::invalid_argument);
 }
 
 }  // namespace

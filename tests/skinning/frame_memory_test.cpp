@@ -1,4 +1,5 @@
-// A frame writes into memory that it has had before: nothing is allocated once the first frames have sized it.
+// A frame writes into memory that it has had before: nothing is allocated once the first frames
+// have sized it.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -6,10 +7,10 @@
 #include <new>
 #include <numbers>
 
-#include "anatomy/pose_anatomy.h"
-#include "anatomy/subdivide.h"
-#include "skinning/deform.h"
-#include "skinning/under_skin.h"
+#include "anatomy/geometry/subdivide.h"
+#include "anatomy/posing/pose_anatomy.h"
+#include "skinning/character/deform_skin.h"
+#include "skinning/muscle_collision/muscle_collision.h"
 #include "tests/skinning/arm.h"
 
 namespace {
@@ -18,7 +19,9 @@ std::atomic<long> allocations{0};
 
 void* counted(std::size_t size, std::size_t alignment) {
   ++allocations;
-  void* memory = alignment > alignof(std::max_align_t) ? std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment) : std::malloc(size > 0 ? size : 1);
+  void* memory = alignment > alignof(std::max_align_t)
+                     ? std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment)
+                     : std::malloc(size > 0 ? size : 1);
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
@@ -27,8 +30,12 @@ void* counted(std::size_t size, std::size_t alignment) {
 
 void* operator new(std::size_t size) { return counted(size, 0); }
 void* operator new[](std::size_t size) { return counted(size, 0); }
-void* operator new(std::size_t size, std::align_val_t alignment) { return counted(size, static_cast<std::size_t>(alignment)); }
-void* operator new[](std::size_t size, std::align_val_t alignment) { return counted(size, static_cast<std::size_t>(alignment)); }
+void* operator new(std::size_t size, std::align_val_t alignment) {
+  return counted(size, std::size_t(alignment));
+}
+void* operator new[](std::size_t size, std::align_val_t alignment) {
+  return counted(size, std::size_t(alignment));
+}
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete[](void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
@@ -45,11 +52,13 @@ constexpr double kDegrees = std::numbers::pi / 180;
 
 PosedAnatomy rest_of(const test::Arm& arm) {
   PosedAnatomy rest;
-  pose_anatomy(make_posing_table(arm.anatomy), arm.anatomy.skeleton, rest_pose(arm.anatomy.skeleton), rest);
+  pose_anatomy(make_posing_table(arm.anatomy), arm.anatomy.skeleton,
+               rest_pose(arm.anatomy.skeleton), rest);
   return rest;
 }
 
-// Bends the elbow ever further, up to where forearm and upper arm meet, and counts what the frames after the first few allocate.
+// Bends the elbow ever further, up to where forearm and upper arm meet, and counts what the frames
+// after the first few allocate.
 long allocated(const test::Arm& arm, const Binding& binding) {
   const Skeleton& skeleton = arm.anatomy.skeleton;
   const PosingTable table = make_posing_table(arm.anatomy);
@@ -79,7 +88,7 @@ TEST(FrameMemory, NothingIsAllocatedAFrame) {
 TEST(FrameMemory, NothingIsAllocatedAFrameOfARefinedSkin) {
   const test::Arm arm = test::make_arm();
   const TriMesh& base = arm.skin;
-  const Refinement refinement = refine(base.F, static_cast<int>(base.V.rows()), 2);
+  const Refinement refinement = refine(base.F, int(base.V.rows()), 2);
   const TriMesh fine{refine_points(refinement, base.V), refinement.F};
   EXPECT_EQ(allocated(arm, bind_skin(arm.anatomy, rest_of(arm), base, refinement, fine)), 0);
 }

@@ -1,13 +1,13 @@
-// Laws of limbs that are kept apart: they come out apart, both give way alike, trunk and head stay, nothing leaps, and what does not meet
-// is left alone; feet are as far apart as the file has them.
-#include "skinning/keep_apart.h"
+// Laws of limbs that are kept apart: they come out apart, both give way alike, trunk and head stay,
+// nothing leaps, and what does not meet is left alone; feet are as far apart as the file has them.
+#include "skinning/constraints/self_collision.h"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <numbers>
 
-#include "skinning/limit_motion.h"
+#include "skinning/constraints/motion_limits.h"
 #include "tests/skinning/plain_skeleton.h"
 
 using namespace ecorche;
@@ -18,18 +18,27 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 const fs::path kCaptures = fs::path(ECORCHE_SHARED_DIR) / "testdata" / "motion";
 
-// A skin of rings: tubes of 50 mm about the bones of arms and legs, a head of 90 mm and a trunk 280 mm by 200 mm.
+// A skin of rings: tubes of 50 mm about the bones of arms and legs, a head of 90 mm and a trunk 280
+// mm by 200 mm.
 Points ringed_skin(const Skeleton& skeleton) {
   const std::vector<Vec3> rest = rest_positions(skeleton);
-  const auto at = [&](const std::string& name) { return rest[static_cast<size_t>(find_joint(skeleton, name))]; };
+  const auto at = [&](const std::string& name) { return rest[find_joint(skeleton, name)]; };
   std::vector<Vec3> points;
   const auto tube = [&](const Vec3& from, const Vec3& to, double a, double b) {
-    const Vec3 along = (to - from).normalized(), u = along.cross(Vec3::UnitZ()).normalized(), v = along.cross(u);
+    const Vec3 along = (to - from).normalized(), u = along.cross(Vec3::UnitZ()).normalized(),
+               v = along.cross(u);
     for (double s = 0; s <= (to - from).norm(); s += 0.01)
-      for (int k = 0; k < 24; ++k) points.push_back(from + s * along + a * std::cos(k * std::numbers::pi / 12) * u + b * std::sin(k * std::numbers::pi / 12) * v);
+      for (int k = 0; k < 24; ++k)
+        points.push_back(from + s * along + a * std::cos(k * std::numbers::pi / 12) * u +
+                         b * std::sin(k * std::numbers::pi / 12) * v);
   };
   for (const std::string s : {"_l", "_r"}) {
-    for (const auto& [from, to] : {std::pair{"hip", "knee"}, {"knee", "ankle"}, {"ankle", "mtp3"}, {"shoulder", "elbow"}, {"elbow", "wrist"}, {"wrist", "dip3"}})
+    for (const auto& [from, to] : {std::pair{"hip", "knee"},
+                                   {"knee", "ankle"},
+                                   {"ankle", "mtp3"},
+                                   {"shoulder", "elbow"},
+                                   {"elbow", "wrist"},
+                                   {"wrist", "dip3"}})
       tube(at(from + s), at(to + s), 0.05, 0.05);
   }
   tube(at("pelvis"), at("c7") - Vec3(0, 0.04, 0), 0.14, 0.10);
@@ -37,10 +46,12 @@ Points ringed_skin(const Skeleton& skeleton) {
   for (int i = 1; i < 12; ++i)
     for (int k = 0; k < 24; ++k) {
       const double low = i * std::numbers::pi / 12, round = k * std::numbers::pi / 12;
-      points.push_back(at("head") + Vec3(0, 0.09, 0) + 0.09 * Vec3(std::sin(low) * std::cos(round), std::cos(low), std::sin(low) * std::sin(round)));
+      points.push_back(at("head") + Vec3(0, 0.09, 0) +
+                       0.09 * Vec3(std::sin(low) * std::cos(round), std::cos(low),
+                                   std::sin(low) * std::sin(round)));
     }
-  Points skin(static_cast<Eigen::Index>(points.size()), 3);
-  for (size_t i = 0; i < points.size(); ++i) skin.row(static_cast<Eigen::Index>(i)) = points[i];
+  Points skin(points.size(), 3);
+  for (size_t i = 0; i < points.size(); ++i) skin.row(i) = points[i];
   return skin;
 }
 
@@ -50,7 +61,7 @@ class KeepApart : public testing::Test {
   const BodyRounds rounds_ = measure_rounds(skeleton_, ringed_skin(skeleton_));
   const ApartTables tables_ = make_apart_tables(skeleton_, rounds_);
 
-  size_t joint(const std::string& name) const { return static_cast<size_t>(find_joint(skeleton_, name)); }
+  size_t joint(const std::string& name) const { return std::size_t(find_joint(skeleton_, name)); }
 
   // Legs that pass by each other, so near that they pass through; `high` is how far thighs swing.
   Motion passing(double in, int frames = 120, double fps = 120) const {
@@ -60,7 +71,8 @@ class KeepApart : public testing::Test {
       const double swing = 30 * kDegree * std::cos(2 * std::numbers::pi * f / frames);
       for (const double side : {1.0, -1.0})
         pose.rotations[joint(side > 0 ? "hip_l" : "hip_r")] =
-            Quat(Eigen::AngleAxisd(side * swing, Vec3::UnitX()) * Eigen::AngleAxisd(-side * in, Vec3::UnitZ()));
+            Quat(Eigen::AngleAxisd(side * swing, Vec3::UnitX()) *
+                 Eigen::AngleAxisd(-side * in, Vec3::UnitZ()));
       complete_pose(skeleton_, pose);
       motion.frames.push_back(pose);
     }
@@ -75,7 +87,7 @@ class KeepApart : public testing::Test {
     std::vector<Transform> X;
     for (const Pose& pose : motion.frames) {
       forward_kinematics(skeleton_, pose, X);
-      most = std::max(most, meeting_depths(tables_, X)[static_cast<size_t>(kind)]);
+      most = std::max(most, meeting_depths(tables_, X)[int(kind)]);
     }
     return most;
   }
@@ -87,7 +99,7 @@ TEST_F(KeepApart, BallsAndRoundsAreAsThickAsTheSkin) {
   for (const std::vector<LimbBall>& limb : rounds_.limbs) {
     EXPECT_GE(limb.size(), 6u);
     for (const LimbBall& ball : limb) {
-      EXPECT_NEAR(ball.radius, 0.05, 0.012) << skeleton_.joints[static_cast<size_t>(ball.joint)].name;
+      EXPECT_NEAR(ball.radius, 0.05, 0.012) << skeleton_.joints[ball.joint].name;
       EXPECT_GE(ball.middle + ball.end, 0.59);
     }
   }
@@ -99,7 +111,8 @@ TEST_F(KeepApart, BallsAndRoundsAreAsThickAsTheSkin) {
 }
 
 TEST_F(KeepApart, LegsThatPassThroughEachOtherComeOutApart) {
-  const Motion before = kept(passing(14 * kDegree), nullptr), after = kept(passing(14 * kDegree), &rounds_);
+  const Motion before = kept(passing(14 * kDegree), nullptr),
+               after = kept(passing(14 * kDegree), &rounds_);
   EXPECT_GT(deepest(before, Meeting::leg_leg), 0.03);
   EXPECT_LT(deepest(after, Meeting::leg_leg), 0.004);
 }
@@ -111,28 +124,35 @@ TEST_F(KeepApart, BothLegsGiveWayAlikeAndTheTrunkStays) {
   std::vector<Transform> X;
   forward_kinematics(skeleton_, after.frames[15], X);
   for (const std::string name : {"knee", "ankle"}) {
-    const Vec3 left = X[joint(name + "_l")].translation(), right = X[joint(name + "_r")].translation();
+    const Vec3 left = X[joint(name + "_l")].translation(),
+               right = X[joint(name + "_r")].translation();
     EXPECT_LT((Vec3(-left.x(), left.y(), left.z()) - right).norm(), 1e-4) << name;
   }
   for (const std::string name : {"pelvis", "l3", "thorax", "head", "shoulder_l", "elbow_r"})
-    EXPECT_EQ(after.frames[15].rotations[joint(name)].coeffs(), kept(still, nullptr).frames[15].rotations[joint(name)].coeffs()) << name;
+    EXPECT_EQ(after.frames[15].rotations[joint(name)].coeffs(),
+              kept(still, nullptr).frames[15].rotations[joint(name)].coeffs())
+        << name;
 }
 
 TEST_F(KeepApart, WhatDoesNotMeetIsLeftAlone) {
   const Motion apart = passing(-5 * kDegree);
   const Motion a = kept(apart, nullptr), b = kept(apart, &rounds_);
   for (size_t f = 0; f < a.frames.size(); ++f)
-    for (size_t j = 0; j < skeleton_.joints.size(); ++j) ASSERT_EQ(a.frames[f].rotations[j].coeffs(), b.frames[f].rotations[j].coeffs());
+    for (size_t j = 0; j < skeleton_.joints.size(); ++j)
+      ASSERT_EQ(a.frames[f].rotations[j].coeffs(), b.frames[f].rotations[j].coeffs());
 }
 
 TEST_F(KeepApart, NothingLeaps) {
-  const Motion before = kept(passing(14 * kDegree), nullptr), after = kept(passing(14 * kDegree), &rounds_);
+  const Motion before = kept(passing(14 * kDegree), nullptr),
+               after = kept(passing(14 * kDegree), &rounds_);
   const auto roughest = [&](const Motion& motion) {
     double most = 0;
     std::vector<Vec3> path;
     std::vector<Transform> X;
-    for (const Pose& pose : motion.frames) forward_kinematics(skeleton_, pose, X), path.push_back(X[joint("knee_l")].translation());
-    for (size_t f = 1; f + 1 < path.size(); ++f) most = std::max(most, (path[f - 1] - 2 * path[f] + path[f + 1]).norm());
+    for (const Pose& pose : motion.frames)
+      forward_kinematics(skeleton_, pose, X), path.push_back(X[joint("knee_l")].translation());
+    for (size_t f = 1; f + 1 < path.size(); ++f)
+      most = std::max(most, (path[f - 1] - 2 * path[f] + path[f + 1]).norm());
     return most;
   };
   EXPECT_LT(roughest(after), roughest(before) + 1e-3);
@@ -145,16 +165,19 @@ TEST_F(KeepApart, AHandComesOutOfTheHead) {
     Pose pose = rest_pose(skeleton_);
     // The elbow up to the side, the forearm from there to the head's middle, nearer and nearer.
     const std::vector<Vec3> rest = rest_positions(skeleton_);
-    const Vec3 shoulder = rest[joint("shoulder_l")], elbow = rest[joint("elbow_l")], wrist = rest[joint("wrist_l")];
+    const Vec3 shoulder = rest[joint("shoulder_l")], elbow = rest[joint("elbow_l")],
+               wrist = rest[joint("wrist_l")];
     const Vec3 head = rest[joint("head")] + Vec3(0.14 - 0.001 * f, 0.09, 0);
     const Quat up = Quat::FromTwoVectors(elbow - shoulder, Vec3(1, 0.6, 0.3));
     const Vec3 bent = shoulder + up * (elbow - shoulder);
     pose.rotations[joint("shoulder_l")] = up;
-    pose.rotations[joint("elbow_l")] = Quat::FromTwoVectors(wrist - elbow, up.inverse() * (head - bent));
+    pose.rotations[joint("elbow_l")] =
+        Quat::FromTwoVectors(wrist - elbow, up.inverse() * (head - bent));
     motion.frames.push_back(pose);
   }
   ASSERT_GT(deepest(kept(motion, nullptr), Meeting::arm_head), 0.02);
-  EXPECT_LT(deepest(kept(motion, &rounds_), Meeting::arm_head), 0.5 * deepest(kept(motion, nullptr), Meeting::arm_head));
+  EXPECT_LT(deepest(kept(motion, &rounds_), Meeting::arm_head),
+            0.5 * deepest(kept(motion, nullptr), Meeting::arm_head));
 }
 
 // A walker of the capture data base whose knees passed through each other on our skeleton.
@@ -166,6 +189,7 @@ TEST_F(KeepApart, AWalkersKneesPassBesideEachOther) {
   const Motion before = retarget(read_bvh(file), skeleton_, options, report);
   options.rounds = rounds_;
   const Motion after = retarget(read_bvh(file), skeleton_, options, report);
-  EXPECT_LT(deepest(after, Meeting::leg_leg), std::max(0.008, 0.3 * deepest(before, Meeting::leg_leg)));
+  EXPECT_LT(deepest(after, Meeting::leg_leg),
+            std::max(0.008, 0.3 * deepest(before, Meeting::leg_leg)));
   EXPECT_LT(report.slide_p95, 0.5e-3);
 }

@@ -1,5 +1,5 @@
 // Layers as meshes: what vertex caches hold and the OBJ files they go on.
-#include "skinning/layer_mesh.h"
+#include "skinning/files/layer_mesh.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <random>
 #include <sstream>
 
-#include "anatomy/mesh_io.h"
-#include "anatomy/muscle_line.h"
+#include "anatomy/mesh_files/mesh_io.h"
+#include "anatomy/muscles/action_line.h"
 #include "tests/skinning/arm.h"
 
 namespace ecorche {
@@ -36,7 +36,7 @@ TEST(LayerMesh, BonesRideOnTheirJoints) {
   Eigen::Index row = 0;
   for (const Bone& bone : one.arm.anatomy.bones)
     for (Eigen::Index i = 0; i < bone.mesh.V.rows(); ++i, ++row) {
-      const auto j = static_cast<std::size_t>(bone.joint);
+      const std::size_t j = bone.joint;
       const Vec3 there = one.posed.X_WJ[j] * (bone.mesh.V.row(i).transpose() - rest[j]);
       ASSERT_LT((out.row(row).transpose().cast<double>() - there).norm(), 1e-6) << bone.name;
     }
@@ -60,11 +60,12 @@ TEST(LayerMesh, MusclesAreThoseOfTheSurface) {
 // Every layer's faces name its own vertices, whatever goes before, and a file of them reads back.
 TEST(LayerMesh, FilesCountVerticesOn) {
   const Posed one;
-  const std::vector<LayerMesh> layers{skin_layer(one.arm.skin, {}), muscle_layer(one.arm.anatomy), bone_layer(one.arm.anatomy)};
+  const std::vector<LayerMesh> layers{skin_layer(one.arm.skin, {}), muscle_layer(one.arm.anatomy),
+                                      bone_layer(one.arm.anatomy)};
   std::string text = "mtllib nowhere.mtl\n";
   Eigen::Index vertices = 0, faces = 0;
   for (const LayerMesh& layer : layers) {
-    append_vertices({layer.rest.data(), static_cast<std::size_t>(layer.rest.size())}, 3, text);
+    append_vertices({layer.rest.data(), std::size_t(layer.rest.size())}, 3, text);
     vertices += layer.rest.rows();
     for (const MeshGroup& group : layer.groups) faces += group.F.rows();
   }
@@ -80,8 +81,11 @@ TEST(LayerMesh, FilesCountVerticesOn) {
     ASSERT_EQ(layer_of(mesh.F(f, 0)), layer_of(mesh.F(f, 1))) << f;
     ASSERT_EQ(layer_of(mesh.F(f, 0)), layer_of(mesh.F(f, 2))) << f;
   }
-  for (const char* wanted : {"g skin\n", "g bone/", "g muscle/", "usemtl tendon\n", "usemtl muscle\n"}) EXPECT_NE(text.find(wanted), std::string::npos) << wanted;
-  for (const char* wanted : {"newmtl skin\n", "newmtl bone\n", "newmtl muscle\n", "newmtl tendon\n"})
+  for (const char* wanted :
+       {"g skin\n", "g bone/", "g muscle/", "usemtl tendon\n", "usemtl muscle\n"})
+    EXPECT_NE(text.find(wanted), std::string::npos) << wanted;
+  for (const char* wanted :
+       {"newmtl skin\n", "newmtl bone\n", "newmtl muscle\n", "newmtl tendon\n"})
     EXPECT_NE(layer_materials(layers).find(wanted), std::string::npos) << wanted;
 }
 
@@ -90,7 +94,7 @@ TEST(LayerMesh, SkinsAreTakenAsTheyAre) {
   const LayerMesh layer = skin_layer(one.arm.skin, {});
   SkinFrame frame;
   for (Eigen::Index i = 0; i < one.arm.skin.V.rows(); ++i)
-    for (int k = 0; k < 4; ++k) frame.positions.push_back(static_cast<float>(10 * i + k));
+    for (int k = 0; k < 4; ++k) frame.positions.push_back(float(10 * i + k));
   PointsF out;
   pose_layer(layer, one.posed, frame, out);
   EXPECT_EQ(out(3, 1), 31);

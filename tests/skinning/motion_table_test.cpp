@@ -1,5 +1,5 @@
 // Tables of motions as files.
-#include "skinning/motion_table.h"
+#include "skinning/motion_files/motion_table.h"
 
 #include <gtest/gtest.h>
 
@@ -25,11 +25,14 @@ class Tables : public ::testing::Test {
   fs::path folder_ = fs::path(::testing::TempDir()) / ("tables_" + std::to_string(::getpid()));
 };
 
-const MotionTable kLengths{"lengths of muscles", "m", {"a_l", "a_r"}, {}, 4, {{0.25, 0.5}, {-1e-9, 0.125}}};
+const MotionTable kLengths{"lengths of muscles",         "m", {"a_l", "a_r"}, {}, 4,
+                           {{0.25, 0.5}, {-1e-9, 0.125}}};
 
 TEST_F(Tables, CsvHasUnitsInItsHeadings) {
   write_motion_table(folder_ / "a.csv", kLengths);
-  EXPECT_EQ(written("a.csv"), "time [s],a_l [m],a_r [m]\n0.0000000,0.2500000,0.5000000\n0.2500000,0.0000000,0.1250000\n");
+  EXPECT_EQ(
+      written("a.csv"),
+      "time [s],a_l [m],a_r [m]\n0.0000000,0.2500000,0.5000000\n0.2500000,0.0000000,0.1250000\n");
   MotionTable mixed = kLengths;
   mixed.unit = "deg";
   mixed.units = {"deg", ""};
@@ -39,8 +42,11 @@ TEST_F(Tables, CsvHasUnitsInItsHeadings) {
 
 TEST_F(Tables, OpenSimsSayHowManyAndWhetherDegrees) {
   write_motion_table(folder_ / "a.sto", kLengths);
-  EXPECT_EQ(written("a.sto"), "lengths of muscles\nversion=1\nnRows=2\nnColumns=3\ninDegrees=no\nunits=m\nendheader\ntime\ta_l\ta_r\n"
-                              "0.0000000\t0.2500000\t0.5000000\n0.2500000\t0.0000000\t0.1250000\n");
+  EXPECT_EQ(
+      written("a.sto"),
+      "lengths of "
+      "muscles\nversion=1\nnRows=2\nnColumns=3\ninDegrees=no\nunits=m\nendheader\ntime\ta_l\ta_r\n"
+      "0.0000000\t0.2500000\t0.5000000\n0.2500000\t0.0000000\t0.1250000\n");
   MotionTable angles = kLengths;
   angles.unit = "deg";
   write_motion_table(folder_ / "a.mot", angles);
@@ -56,9 +62,14 @@ TEST_F(Tables, MarkersAreInOpenSimsAxes) {
   write_trc(folder_ / "a.trc", markers);
   const std::string text = written("a.trc");
   EXPECT_TRUE(text.starts_with("PathFileType\t4\t(X/Y/Z)\ta.trc\n"));
-  EXPECT_NE(text.find("50\t50\t2\t2\tm\t50\t1\t2\nFrame#\tTime\there\t\t\tthere\t\t\n\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n\n"), std::string::npos);
+  EXPECT_NE(text.find("50\t50\t2\t2\tm\t50\t1\t2\nFrame#"
+                      "\tTime\there\t\t\tthere\t\t\n\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n\n"),
+            std::string::npos);
   EXPECT_NE(text.find("\n1\t0.0000000\t3.0000000\t2.0000000\t-1.0000000\t"), std::string::npos);
-  EXPECT_NE(text.find("\n2\t0.0200000\t0.0000000\t0.0000000\t0.5000000\t6.0000000\t5.0000000\t-4.0000000\n"), std::string::npos);
+  EXPECT_NE(
+      text.find(
+          "\n2\t0.0200000\t0.0000000\t0.0000000\t0.5000000\t6.0000000\t5.0000000\t-4.0000000\n"),
+      std::string::npos);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // The exact search against a search over everything.
-#include "skinning/nearest_surface.h"
+#include "anatomy/queries/nearest_surface.h"
 
 #include <gtest/gtest.h>
 
@@ -17,24 +17,28 @@ TEST(NearestSurface, EqualsASearchOverAllTriangles) {
   soup.V.resize(900, 3);
   soup.F.resize(300, 3);
   for (Eigen::Index i = 0; i < soup.V.rows(); ++i) {
-    const Vec3 center = i % 3 == 0 ? Vec3(unit(random), unit(random), unit(random)) : Vec3(soup.V.row(i - i % 3));
+    const Vec3 center =
+        i % 3 == 0 ? Vec3(unit(random), unit(random), unit(random)) : Vec3(soup.V.row(i - i % 3));
     soup.V.row(i) = center + 0.1 * Vec3(unit(random), unit(random), unit(random));
-    soup.F.data()[i] = static_cast<int>(i);
+    soup.F.data()[i] = int(i);
   }
   const NearestSurface surface(soup);
   for (int q = 0; q < 400; ++q) {
     const Vec3 p(1.5 * unit(random), 1.5 * unit(random), 1.5 * unit(random));
     double best = 1e9;
     for (Eigen::Index f = 0; f < soup.F.rows(); ++f) {
-      // By brute sampling-free means: the nearest of the plane's foot (if inside) and the three edges.
-      const Vec3 a = soup.V.row(soup.F(f, 0)), b = soup.V.row(soup.F(f, 1)), c = soup.V.row(soup.F(f, 2));
+      // By brute sampling-free means: the nearest of the plane's foot (if inside) and the three
+      // edges.
+      const Vec3 a = soup.V.row(soup.F(f, 0)), b = soup.V.row(soup.F(f, 1)),
+                 c = soup.V.row(soup.F(f, 2));
       const auto edge = [&](const Vec3& u, const Vec3& v) {
         const double t = std::clamp((p - u).dot(v - u) / (v - u).squaredNorm(), 0.0, 1.0);
         return (p - u - t * (v - u)).norm();
       };
       best = std::min({best, edge(a, b), edge(b, c), edge(c, a)});
       const Vec3 n = (b - a).cross(c - a).normalized(), foot = p - n * n.dot(p - a);
-      if ((b - a).cross(foot - a).dot(n) >= 0 && (c - b).cross(foot - b).dot(n) >= 0 && (a - c).cross(foot - c).dot(n) >= 0)
+      if ((b - a).cross(foot - a).dot(n) >= 0 && (c - b).cross(foot - b).dot(n) >= 0 &&
+          (a - c).cross(foot - c).dot(n) >= 0)
         best = std::min(best, std::abs(n.dot(p - a)));
     }
     const SurfacePoint hit = surface.nearest(p);

@@ -1,12 +1,13 @@
-// Laws of weights set by hand: they are what the table says, what is written is read back, and a bad table is refused with its line.
+// Laws of weights set by hand: they are what the table says, what is written is read back, and a
+// bad table is refused with its line.
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 
 #include "anatomy/errors.h"
-#include "skinning/deform.h"
-#include "skinning/painted_weights.h"
+#include "skinning/bind/painted_weights.h"
+#include "skinning/character/deform_skin.h"
 #include "tests/skinning/arm.h"
 
 namespace ecorche {
@@ -38,14 +39,16 @@ struct Bound {
 class PaintedWeightsTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    const std::string name = std::string("ecorche_weights_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv";
+    const std::string name = std::string("ecorche_weights_") +
+                             ::testing::UnitTest::GetInstance()->current_test_info()->name() +
+                             ".csv";
     file_ = fs::temp_directory_path() / name;
   }
   void TearDown() override { fs::remove(file_); }
 
   PaintedWeights read(const std::string& rows) {
     std::ofstream(file_) << "vertex,joint,weight\n" << rows;
-    return read_painted_weights(file_, bound_.arm.anatomy, static_cast<int>(bound_.arm.skin.V.rows()));
+    return read_painted_weights(file_, bound_.arm.anatomy, int(bound_.arm.skin.V.rows()));
   }
   std::string refused(const std::string& rows) {
     try {
@@ -63,8 +66,9 @@ class PaintedWeightsTest : public ::testing::Test {
 TEST_F(PaintedWeightsTest, WhatIsWrittenMovesTheSkinAsBefore) {
   const Binding found = bind_skin(bound_.arm.anatomy, bound_.rest, bound_.arm.skin);
   write_weights(file_, bound_.arm.anatomy.skeleton, found);
-  const PaintedWeights painted = read_painted_weights(file_, bound_.arm.anatomy, found.vertex_count);
-  ASSERT_EQ(static_cast<int>(painted.vertices.size()), found.vertex_count);
+  const PaintedWeights painted =
+      read_painted_weights(file_, bound_.arm.anatomy, found.vertex_count);
+  ASSERT_EQ(int(painted.vertices.size()), found.vertex_count);
   const Binding again = bind_skin(bound_.arm.anatomy, bound_.rest, bound_.arm.skin, painted);
   EXPECT_LT((bound_.skin(found, 1.8) - bound_.skin(again, 1.8)).cwiseAbs().maxCoeff(), 1e-5);
   const auto before = joint_shares(found), after = joint_shares(again);
@@ -73,7 +77,8 @@ TEST_F(PaintedWeightsTest, WhatIsWrittenMovesTheSkinAsBefore) {
     for (const Influence& w : after[i]) sum += w.weight;
     EXPECT_NEAR(sum, 1, 1e-5);
     ASSERT_EQ(before[i].size(), after[i].size());
-    for (std::size_t k = 0; k < before[i].size(); ++k) EXPECT_NEAR(before[i][k].weight, after[i][k].weight, 1e-5);
+    for (std::size_t k = 0; k < before[i].size(); ++k)
+      EXPECT_NEAR(before[i][k].weight, after[i][k].weight, 1e-5);
   }
 }
 
@@ -83,13 +88,16 @@ TEST_F(PaintedWeightsTest, APaintedVertexGoesWithItsJointAlone) {
   for (int i = 0; i < skin.V.rows(); ++i)
     if (skin.V(i, 1) < skin.V(lowest, 1)) lowest = i;
   const PaintedWeights painted = read(std::to_string(lowest) + ",thorax,1\n");
-  const Binding plain = bind_skin(bound_.arm.anatomy, bound_.rest, skin), binding = bind_skin(bound_.arm.anatomy, bound_.rest, skin, painted);
-  const Points before = bound_.skin(plain, 1.5, Settle::no), after = bound_.skin(binding, 1.5, Settle::no);
+  const Binding plain = bind_skin(bound_.arm.anatomy, bound_.rest, skin),
+                binding = bind_skin(bound_.arm.anatomy, bound_.rest, skin, painted);
+  const Points before = bound_.skin(plain, 1.5, Settle::no),
+               after = bound_.skin(binding, 1.5, Settle::no);
   EXPECT_LT((after.row(lowest) - skin.V.row(lowest)).norm(), 1e-6);  // the thorax holds still
   EXPECT_GT((before.row(lowest) - skin.V.row(lowest)).norm(), 0.2);
-  ASSERT_EQ(joint_shares(binding)[static_cast<std::size_t>(lowest)].size(), 1u);
+  ASSERT_EQ(joint_shares(binding)[lowest].size(), 1u);
   int moved = 0;
-  for (Eigen::Index i = 0; i < skin.V.rows(); ++i) moved += (after.row(i) - before.row(i)).norm() > 1e-3;
+  for (Eigen::Index i = 0; i < skin.V.rows(); ++i)
+    moved += (after.row(i) - before.row(i)).norm() > 1e-3;
   EXPECT_EQ(moved, 1);
 }
 
@@ -103,11 +111,13 @@ TEST_F(PaintedWeightsTest, ABonesNameStandsForItsJoint) {
 }
 
 TEST_F(PaintedWeightsTest, RefusesWhatCannotBeMeant) {
-  EXPECT_NE(refused("0,thorax,1\n900000,thorax,1\n").find(".csv:3: there is no vertex 900000"), std::string::npos);
+  EXPECT_NE(refused("0,thorax,1\n900000,thorax,1\n").find(".csv:3: there is no vertex 900000"),
+            std::string::npos);
   EXPECT_NE(refused("-1,thorax,1\n").find("no vertex -1"), std::string::npos);
   EXPECT_NE(refused("1.5,thorax,1\n").find("no vertex 1.5"), std::string::npos);
   EXPECT_NE(refused("0,wing,1\n").find("'wing' is no joint"), std::string::npos);
-  EXPECT_NE(refused("0,thorax,-0.2\n0,shoulder_l,1\n").find("not between 0 and 1"), std::string::npos);
+  EXPECT_NE(refused("0,thorax,-0.2\n0,shoulder_l,1\n").find("not between 0 and 1"),
+            std::string::npos);
   EXPECT_NE(refused("0,thorax,nan\n").find(":2"), std::string::npos);
   EXPECT_NE(refused("0,thorax,0.6\n").find("vertex 0 add up to 0.6"), std::string::npos);
   EXPECT_NE(refused("0,thorax,0.5\n0,thorax,0.5\n").find("twice"), std::string::npos);

@@ -1,4 +1,5 @@
-// Our joint tree at approximate places of the base mesh, for tests that need no package: 1.7 m, A-pose, ground at y = -0.82.
+// Our joint tree at approximate places of the base mesh, for tests that need no package: 1.7 m,
+// A-pose, ground at y = -0.82.
 #pragma once
 
 #include <cmath>
@@ -12,8 +13,9 @@ namespace ecorche {
 struct PlainJoint {
   const char* name;
   const char* parent;
-  double x, y, z;     // rest position, left side
-  const char* hinge;  // "x", "-x", "y", "bend": flexion about the normal of the bend at the joint; "" none
+  double x, y, z;  // rest position, left side
+  const char*
+      hinge;  // "x", "-x", "y", "bend": flexion about the normal of the bend at the joint; "" none
   double flexion[2], abduction[2], rotation[2];  // limits, deg
 };
 
@@ -81,7 +83,8 @@ inline const std::vector<PlainJoint>& plain_joints() {
   return joints;
 }
 
-// Axes: flexion as said, abduction and rotation square to it; limits as listed, zero angles: the bend of elbow and fingers.
+// Axes: flexion as said, abduction and rotation square to it; limits as listed, zero angles: the
+// bend of elbow and fingers.
 inline Skeleton plain_skeleton(double scale = 1) {
   Skeleton skeleton;
   std::vector<Vec3> at;
@@ -114,7 +117,8 @@ inline Skeleton plain_skeleton(double scale = 1) {
     add(plain, paired ? "_l" : "", 1);
     if (paired) add(plain, "_r", -1);
   }
-  // "bend": square to the bones that meet at the joint (or at the one before it, for the last of a finger).
+  // "bend": square to the bones that meet at the joint (or at the one before it, for the last of a
+  // finger).
   for (const PlainJoint& plain : plain_joints())
     for (const std::string side : {"_l", "_r"}) {
       if (std::string(plain.hinge) != "bend") continue;
@@ -123,13 +127,16 @@ inline Skeleton plain_skeleton(double scale = 1) {
       const int j = find_joint(skeleton, name);
       int next = -1;
       for (size_t k = 0; k < skeleton.joints.size(); ++k)
-        if (skeleton.joints[k].parent == j && next < 0) next = static_cast<int>(k);
+        if (skeleton.joints[k].parent == j && next < 0) next = int(k);
       if (name.starts_with("elbow")) next = find_joint(skeleton, "wrist" + side);
       const int before = skeleton.joints[j].parent;
       const Vec3 lower = next >= 0 ? Vec3(at[next] - at[j]) : Vec3(at[j] - at[before]);
-      const Vec3 upper = next >= 0 ? Vec3(at[j] - at[before]) : Vec3(at[before] - at[skeleton.joints[before].parent]);
+      const Vec3 upper = next >= 0 ? Vec3(at[j] - at[before])
+                                   : Vec3(at[before] - at[skeleton.joints[before].parent]);
       Mat3& axes = skeleton.joints[j].axes;
-      const Vec3 before_joint = name.starts_with("elbow") ? Vec3(at[j] - at[find_joint(skeleton, "shoulder" + side)]) : upper;
+      const Vec3 before_joint = name.starts_with("elbow")
+                                    ? Vec3(at[j] - at[find_joint(skeleton, "shoulder" + side)])
+                                    : upper;
       axes.col(0) = before_joint.normalized().cross(lower.normalized());
       skeleton.joints[j].zero[0] = std::asin(std::min(1.0, axes.col(0).norm()));
       axes.col(0).normalize();

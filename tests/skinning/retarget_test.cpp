@@ -1,5 +1,6 @@
-// Laws of retargeting: our own files come back, size does not matter, two conversions of one capture agree, rigs are taken over.
-#include "skinning/retarget.h"
+// Laws of retargeting: our own files come back, size does not matter, two conversions of one
+// capture agree, rigs are taken over.
+#include "skinning/retarget/retarget.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -10,7 +11,7 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/joint_angles.h"
-#include "skinning/leg_reach.h"
+#include "skinning/constraints/leg_ik.h"
 #include "tests/skinning/plain_skeleton.h"
 
 using namespace ecorche;
@@ -28,7 +29,8 @@ Motion wiggle(const Skeleton& skeleton, int frames, double size) {
   std::vector<Vec3> axis(skeleton.joints.size());
   std::vector<double> phase(skeleton.joints.size());
   for (size_t j = 0; j < axis.size(); ++j)
-    axis[j] = Vec3(normal(random), normal(random), normal(random)).normalized(), phase[j] = normal(random);
+    axis[j] = Vec3(normal(random), normal(random), normal(random)).normalized(),
+    phase[j] = normal(random);
   Motion motion{.fps = 60, .frames = {}};
   for (int f = 0; f < frames; ++f) {
     Pose pose = rest_pose(skeleton);
@@ -50,7 +52,8 @@ double largest_angle(const Motion& a, const Motion& b) {
   double largest = 0;
   for (size_t f = 0; f < a.frames.size(); ++f)
     for (size_t j = 0; j < a.frames[f].rotations.size(); ++j)
-      largest = std::max(largest, a.frames[f].rotations[j].angularDistance(b.frames[f].rotations[j]));
+      largest =
+          std::max(largest, a.frames[f].rotations[j].angularDistance(b.frames[f].rotations[j]));
   return largest;
 }
 
@@ -61,7 +64,7 @@ void scale_file(BvhMotion& motion, double factor) {
     for (size_t k = 0; k < joint.channels.size(); ++k)
       if (joint.channels[k] < BvhChannel::x_rotation)
         for (int f = 0; f < motion.frames; ++f)
-          motion.samples[static_cast<size_t>(f) * motion.channels + joint.first_channel + k] *= factor;
+          motion.samples[f * motion.channels + joint.first_channel + k] *= factor;
   }
 }
 
@@ -77,7 +80,8 @@ TEST(Retarget, OurOwnFileComesBack) {
   EXPECT_TRUE(report.same_rest);
   ASSERT_EQ(again.frames.size(), motion.frames.size());
   EXPECT_LT(largest_angle(motion, again), 1e-6);
-  for (size_t f = 0; f < motion.frames.size(); ++f) EXPECT_LT((motion.frames[f].root - again.frames[f].root).norm(), 1e-6);
+  for (size_t f = 0; f < motion.frames.size(); ++f)
+    EXPECT_LT((motion.frames[f].root - again.frames[f].root).norm(), 1e-6);
 }
 
 TEST(Retarget, OurOwnFileInOtherUnitsAndAxesComesBack) {
@@ -102,13 +106,14 @@ TEST(Retarget, TheSizeOfTheSourceDoesNotMatter) {
     scale_file(other, factor);
     const Motion again = retarget(other, skeleton, {}, report);
     EXPECT_LT(largest_angle(motion, again), 1e-6);
-    for (size_t f = 0; f < motion.frames.size(); ++f) EXPECT_LT((motion.frames[f].root - again.frames[f].root).norm(), 1e-6);
+    for (size_t f = 0; f < motion.frames.size(); ++f)
+      EXPECT_LT((motion.frames[f].root - again.frames[f].root).norm(), 1e-6);
   }
 }
 
-// One take, two conversions: 31 joints in CMU units, legs splayed and limbs straight at rest; 43 joints in centimetres, whose
-// rest pose has elbows bent by 17 and knees by 8 deg with the same angles on top. So upper limbs agree, and bends differ by that
-// much throughout.
+// One take, two conversions: 31 joints in CMU units, legs splayed and limbs straight at rest; 43
+// joints in centimetres, whose rest pose has elbows bent by 17 and knees by 8 deg with the same
+// angles on top. So upper limbs agree, and bends differ by that much throughout.
 TEST(Retarget, TwoConversionsOfOneTakeAgree) {
   if (!fs::exists(kCaptures)) GTEST_SKIP() << kCaptures << " is absent";
   const Skeleton skeleton = plain_skeleton();
@@ -130,12 +135,15 @@ TEST(Retarget, TwoConversionsOfOneTakeAgree) {
         // The two lost different numbers of frames at their start; they end alike.
         forward_kinematics(skeleton, first.frames[first.frames.size() - 340 + f], X);
         forward_kinematics(skeleton, second.frames[second.frames.size() - 340 + f], Y);
-        auto angle = [](const Vec3& u, const Vec3& v) { return std::atan2(u.cross(v).norm(), u.dot(v)) / kDegree; };
+        auto angle = [](const Vec3& u, const Vec3& v) {
+          return std::atan2(u.cross(v).norm(), u.dot(v)) / kDegree;
+        };
         auto bone = [](const std::vector<Transform>& Z, int from, int to) {
           return Vec3(Z[to].translation() - Z[from].translation());
         };
         direction += angle(bone(X, i, j), bone(Y, i, j));
-        const double off = angle(bone(Y, i, j), bone(Y, j, k)) - angle(bone(X, i, j), bone(X, j, k));
+        const double off =
+            angle(bone(Y, i, j), bone(Y, j, k)) - angle(bone(X, i, j), bone(X, j, k));
         mean += off, square += off * off;
       }
       mean /= count;
@@ -148,10 +156,11 @@ TEST(Retarget, TwoConversionsOfOneTakeAgree) {
 TEST(Retarget, EveryCaptureKeepsKneesAndElbowsBendingTheRightWay) {
   if (!fs::exists(kCaptures)) GTEST_SKIP() << kCaptures << " is absent";
   const Skeleton skeleton = plain_skeleton();
-  for (const char* file : {"cmu_cgspeed31/02_01_walk.bvh", "cmu_cgspeed31/131_03.bvh", "cmu_daz43/13_13.bvh",
-                           "animated_drawings/rokoko_jesse_dance.bvh", "animated_drawings/fair1_jumping.bvh",
-                           "animated_drawings/fair1_dab.bvh", "bvhtoolbox/walk01.bvh", "bvhtoolbox/test_freebvh.bvh",
-                           "bvhtoolbox/test_mocapbank.bvh", "pybvh_edge_cases/bvh_test3.bvh"}) {
+  for (const char* file :
+       {"cmu_cgspeed31/02_01_walk.bvh", "cmu_cgspeed31/131_03.bvh", "cmu_daz43/13_13.bvh",
+        "animated_drawings/rokoko_jesse_dance.bvh", "animated_drawings/fair1_jumping.bvh",
+        "animated_drawings/fair1_dab.bvh", "bvhtoolbox/walk01.bvh", "bvhtoolbox/test_freebvh.bvh",
+        "bvhtoolbox/test_mocapbank.bvh", "pybvh_edge_cases/bvh_test3.bvh"}) {
     SCOPED_TRACE(file);
     RetargetReport report;
     const Motion motion = retarget(capture(file), skeleton, {}, report);
@@ -183,17 +192,20 @@ TEST(Retarget, ToesTurnedOutTurnTheShinAndKeepTheFootsDirection) {
   turn_shin_with_foot(skeleton, foot, pose);
   const std::vector<Transform> after = frames();
   EXPECT_LT((before[foot.subtalar].linear() - after[foot.subtalar].linear()).norm(), 1e-12);
-  EXPECT_LT((before[foot.subtalar].translation() - after[foot.subtalar].translation()).norm(), 2e-3);
+  EXPECT_LT((before[foot.subtalar].translation() - after[foot.subtalar].translation()).norm(),
+            2e-3);
   EXPECT_LT((before[foot.ankle].translation() - after[foot.ankle].translation()).norm(), 1e-12);
   const Quat& subtalar = pose.rotations[foot.subtalar];
-  EXPECT_LT(std::abs(subtalar.vec().dot(shin)), 0.2 * std::sin(0.06)) << "what was a turn about the shin is still in the foot";
+  EXPECT_LT(std::abs(subtalar.vec().dot(shin)), 0.2 * std::sin(0.06))
+      << "what was a turn about the shin is still in the foot";
   const Joint& knee = skeleton.joints[foot.knee];
   const Vec3 turned = joint_angles(knee, pose.rotations[foot.knee]);
   EXPECT_GE(turned[2], knee.min[2] - 1e-9);
   EXPECT_LE(turned[2], knee.max[2] + 1e-9);
 }
 
-// A file that begins with arms spread for the calibration, which then leap down, wait a frame and settle.
+// A file that begins with arms spread for the calibration, which then leap down, wait a frame and
+// settle.
 TEST(Retarget, AMarkerPoseIsLeftOutWithTheFramesInWhichArmsSettle) {
   const Skeleton skeleton = plain_skeleton();
   Motion motion = wiggle(skeleton, 60, 0.02);
@@ -201,7 +213,7 @@ TEST(Retarget, AMarkerPoseIsLeftOutWithTheFramesInWhichArmsSettle) {
   for (size_t f = 0; f < arms.size(); ++f)
     for (const char* name : {"shoulder_l", "shoulder_r"}) {
       const double side = name[9] == 'l' ? 1 : -1;
-      Quat& turn = motion.frames[f].rotations[static_cast<size_t>(find_joint(skeleton, name))];
+      Quat& turn = motion.frames[f].rotations[find_joint(skeleton, name)];
       turn = Quat(Eigen::AngleAxisd(side * arms[f] * kDegree, Vec3::UnitZ())) * turn;
     }
   RetargetReport report;
@@ -234,11 +246,14 @@ TEST(Retarget, AJointMapGivesForeignNamesTheirMeaning) {
   RetargetReport report;
   const Motion motion = retarget(file, skeleton, as_is(), report);
   std::string map = "# foreign = ours\n";
-  std::map<std::string, std::string> foreign = {{"lShin", "Knie links"}, {"rForeArm", "Unterarm.rechts"}, {"head", "Kopf"}};
-  const std::map<std::string, std::string> meaning = {{"lShin", "knee_l"}, {"rForeArm", "elbow_r"}, {"head", "head"}};
+  std::map<std::string, std::string> foreign = {
+      {"lShin", "Knie links"}, {"rForeArm", "Unterarm.rechts"}, {"head", "Kopf"}};
+  const std::map<std::string, std::string> meaning = {
+      {"lShin", "knee_l"}, {"rForeArm", "elbow_r"}, {"head", "head"}};
   for (BvhJoint& joint : file.joints)
     if (foreign.count(joint.name))
-      map += foreign[joint.name] + " = " + meaning.at(joint.name) + "  # yes\n", joint.name = foreign[joint.name];
+      map += foreign[joint.name] + " = " + meaning.at(joint.name) + "  # yes\n",
+          joint.name = foreign[joint.name];
   const fs::path path = fs::temp_directory_path() / "ecorche_joint_map.txt";
   std::ofstream(path) << map;
   EXPECT_THROW(retarget(file, skeleton, as_is(), report), UnfitError);

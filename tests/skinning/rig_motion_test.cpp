@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <random>
 
-#include "skinning/retarget.h"
+#include "skinning/retarget/retarget.h"
 #include "tests/body_fixture.h"
 #include "tests/skinning/plain_skeleton.h"
 
@@ -14,15 +14,18 @@ namespace {
 
 using RigMotion = BodyFixture;
 
-// A rig as a file of joints with world-aligned rest frames, every joint turning about its own axis, gently or by up to 50 deg.
+// A rig as a file of joints with world-aligned rest frames, every joint turning about its own axis,
+// gently or by up to 50 deg.
 BvhMotion swing(const Rig& rig, bool z_up, double metres_per_unit) {
   BvhMotion file;
   file.name = rig.name + ".bvh";
   file.fps = 30;
   file.frames = 40;
-  auto axes = [&](const Vec3& v) { return Vec3((z_up ? Vec3(v.x(), -v.z(), v.y()) : v) / metres_per_unit); };
+  auto axes = [&](const Vec3& v) {
+    return Vec3((z_up ? Vec3(v.x(), -v.z(), v.y()) : v) / metres_per_unit);
+  };
   std::vector<std::vector<int>> children(rig.names.size() + 1);
-  for (size_t j = 0; j < rig.names.size(); ++j) children[rig.parents[j] + 1].push_back(static_cast<int>(j));
+  for (size_t j = 0; j < rig.names.size(); ++j) children[rig.parents[j] + 1].push_back(int(j));
   std::vector<int> stack(children[0].rbegin(), children[0].rend()), place(rig.names.size());
   while (!stack.empty()) {
     const int j = stack.back();
@@ -31,13 +34,16 @@ BvhMotion swing(const Rig& rig, bool z_up, double metres_per_unit) {
     BvhJoint joint;
     joint.name = rig.names[j];
     joint.parent = rig.parents[j] < 0 ? -1 : place[rig.parents[j]];
-    joint.offset = axes(rig.heads[j] - (rig.parents[j] < 0 ? Vec3(Vec3::Zero()) : rig.heads[rig.parents[j]]));
+    joint.offset =
+        axes(rig.heads[j] - (rig.parents[j] < 0 ? Vec3(Vec3::Zero()) : rig.heads[rig.parents[j]]));
     if (children[j + 1].empty()) joint.end_sites.push_back(axes(rig.tails[j] - rig.heads[j]));
-    if (rig.parents[j] < 0) joint.channels = {BvhChannel::x_position, BvhChannel::y_position, BvhChannel::z_position};
-    joint.channels.insert(joint.channels.end(), {BvhChannel::z_rotation, BvhChannel::x_rotation, BvhChannel::y_rotation});
+    if (rig.parents[j] < 0)
+      joint.channels = {BvhChannel::x_position, BvhChannel::y_position, BvhChannel::z_position};
+    joint.channels.insert(joint.channels.end(),
+                          {BvhChannel::z_rotation, BvhChannel::x_rotation, BvhChannel::y_rotation});
     joint.first_channel = file.channels;
-    file.channels += static_cast<int>(joint.channels.size());
-    place[j] = static_cast<int>(file.joints.size());
+    file.channels += joint.channels.size();
+    place[j] = file.joints.size();
     file.joints.push_back(joint);
   }
   std::mt19937 random(11);
@@ -48,12 +54,14 @@ BvhMotion swing(const Rig& rig, bool z_up, double metres_per_unit) {
     for (size_t j = 0; j < file.joints.size(); ++j) {
       if (file.joints[j].parent < 0)
         for (int k = 0; k < 3; ++k) file.samples.push_back(file.joints[j].offset[k] + 0.01 * f);
-      for (int k = 0; k < 3; ++k) file.samples.push_back(move[j][k] * std::sin(0.2 * f + move[j][3]));
+      for (int k = 0; k < 3; ++k)
+        file.samples.push_back(move[j][k] * std::sin(0.2 * f + move[j][3]));
     }
   return file;
 }
 
-void expect_taken_over(const Rig& rig, bool z_up, double unit, const std::map<std::string, std::string>& pairs) {
+void expect_taken_over(const Rig& rig, bool z_up, double unit,
+                       const std::map<std::string, std::string>& pairs) {
   SCOPED_TRACE(rig.name);
   const Skeleton skeleton = plain_skeleton();
   const BvhMotion file = swing(rig, z_up, unit);
@@ -73,22 +81,28 @@ void expect_taken_over(const Rig& rig, bool z_up, double unit, const std::map<st
     for (const auto& [file_joint, our_joint] : pairs) {
       int j = -1;
       for (size_t k = 0; k < file.joints.size(); ++k)
-        if (file.joints[k].name == file_joint) j = static_cast<int>(k);
+        if (file.joints[k].name == file_joint) j = int(k);
       ASSERT_GE(j, 0) << file_joint;
-      ASSERT_LT((W * theirs[j].linear() * W.transpose() - ours[find_joint(skeleton, our_joint)].linear()).norm(), 1e-6)
+      ASSERT_LT(
+          (W * theirs[j].linear() * W.transpose() - ours[find_joint(skeleton, our_joint)].linear())
+              .norm(),
+          1e-6)
           << file_joint << " -> " << our_joint << " frame " << f;
     }
   }
 }
 
 // The same pairs on both sides, with the rig's way of writing them: "%" stands for the side.
-std::map<std::string, std::string> paired(const std::map<std::string, std::string>& one, const char* left, const char* right) {
+std::map<std::string, std::string> paired(const std::map<std::string, std::string>& one,
+                                          const char* left, const char* right) {
   std::map<std::string, std::string> out;
   for (const auto& [file_joint, our_joint] : one)
     for (const bool is_left : {true, false}) {
       std::string name = file_joint;
-      if (const size_t at = name.find('%'); at != std::string::npos) name.replace(at, 1, is_left ? left : right);
-      out[name] = file_joint.find('%') == std::string::npos ? our_joint : our_joint + (is_left ? "_l" : "_r");
+      if (const size_t at = name.find('%'); at != std::string::npos)
+        name.replace(at, 1, is_left ? left : right);
+      out[name] = file_joint.find('%') == std::string::npos ? our_joint
+                                                            : our_joint + (is_left ? "_l" : "_r");
     }
   return out;
 }
@@ -178,7 +192,7 @@ namespace {
 // The rest pose, and then frames of a swing.
 BvhMotion rest_and_swing(const Rig& rig) {
   BvhMotion file = swing(rig, false, 0.01);
-  for (int c = 0; c < file.channels; ++c) file.samples[static_cast<std::size_t>(c)] = c < 3 ? file.joints[0].offset[c] : 0;
+  for (int c = 0; c < file.channels; ++c) file.samples[c] = c < 3 ? file.joints[0].offset[c] : 0;
   return file;
 }
 
@@ -189,15 +203,20 @@ TEST_F(RigMotion, AnOwnRigAtRestIsTheBodyAtRest) {
   for (const char* name : {"default", "cmu_mb", "mixamo", "game_engine"}) {
     SCOPED_TRACE(name);
     RetargetReport report;
-    const Motion motion = retarget(rest_and_swing(read_rig(package(), name, package().points)), skeleton, {}, report);
+    const Motion motion =
+        retarget(rest_and_swing(read_rig(package(), name, package().points)), skeleton, {}, report);
     const Pose rest = rest_pose(skeleton);
     EXPECT_TRUE(report.own_rig);
-    EXPECT_LT((motion.frames[0].root - rest.root).norm(), 1e-6) << "m; the rig's hips are up to 5 cm beside the body's";
-    for (std::size_t j = 0; j < rest.rotations.size(); ++j) EXPECT_LT(motion.frames[0].rotations[j].angularDistance(rest.rotations[j]), 1e-6) << skeleton.joints[j].name;
+    EXPECT_LT((motion.frames[0].root - rest.root).norm(), 1e-6)
+        << "m; the rig's hips are up to 5 cm beside the body's";
+    for (std::size_t j = 0; j < rest.rotations.size(); ++j)
+      EXPECT_LT(motion.frames[0].rotations[j].angularDistance(rest.rotations[j]), 1e-6)
+          << skeleton.joints[j].name;
   }
 }
 
-// What the rig does to the body's places, reckoned from the file alone: the mean of all of them comes to where the rig has it.
+// What the rig does to the body's places, reckoned from the file alone: the mean of all of them
+// comes to where the rig has it.
 TEST_F(RigMotion, AnOwnRigTakesTheWholeBodyAlong) {
   const Skeleton skeleton = plain_skeleton();
   const Rig rig = read_rig(package(), "default", package().points);
@@ -215,31 +234,41 @@ TEST_F(RigMotion, AnOwnRigTakesTheWholeBodyAlong) {
   double worst = 0;
   for (int f = 0; f < file.frames; ++f) {
     bvh_kinematics(file, f, theirs);
-    forward_kinematics(skeleton, motion.frames[static_cast<std::size_t>(f)], ours);
+    forward_kinematics(skeleton, motion.frames[f], ours);
     Vec3 mean = Vec3::Zero();
-    const std::vector<std::pair<std::string, std::string>> places{{"upperleg02.", "hip_"}, {"lowerleg02.", "knee_"}, {"lowerarm01.", "elbow_"}, {"upperarm02.", "shoulder_"}};
+    const std::vector<std::pair<std::string, std::string>> places{{"upperleg02.", "hip_"},
+                                                                  {"lowerleg02.", "knee_"},
+                                                                  {"lowerarm01.", "elbow_"},
+                                                                  {"upperarm02.", "shoulder_"}};
     for (const auto& [bone, own] : places)
       for (const bool left : {true, false}) {
         const std::size_t b = joint(bone + (left ? "L" : "R"));
-        const auto j = static_cast<std::size_t>(find_joint(skeleton, own + (left ? "l" : "r")));
-        mean += (0.01 * (theirs[b] * (still[b].inverse() * (100 * rest[j]))) - ours[j].translation()) / 8;
+        const std::size_t j = find_joint(skeleton, own + (left ? "l" : "r"));
+        mean +=
+            (0.01 * (theirs[b] * (still[b].inverse() * (100 * rest[j]))) - ours[j].translation()) /
+            8;
       }
     worst = std::max(worst, mean.norm());
   }
   EXPECT_LT(worst, 0.006) << "m; with hips laid on hips it is 0.02 and more";
 }
 
-// The rig's spine lies in the middle of the body and bends between the ribs, too: ours comes to the same place all the same, and by small turns.
+// The rig's spine lies in the middle of the body and bends between the ribs, too: ours comes to the
+// same place all the same, and by small turns.
 TEST_F(RigMotion, ThoraxAndHeadComeToWhereAnOwnRigHasThem) {
   const Skeleton skeleton = plain_skeleton();
   BvhMotion file = rest_and_swing(read_rig(package(), "default", package().points));
   std::fill(file.samples.begin() + file.channels, file.samples.end(), 0.0);
   const auto joint = [&](const std::string& name) {
-    return static_cast<std::size_t>(std::find_if(file.joints.begin(), file.joints.end(), [&](const BvhJoint& j) { return j.name == name; }) - file.joints.begin());
+    return std::size_t(std::find_if(file.joints.begin(), file.joints.end(),
+                                    [&](const BvhJoint& j) { return j.name == name; }) -
+                       file.joints.begin());
   };
   for (int f = 0; f < file.frames; ++f)
-    for (const char* bone : {"spine05", "spine04", "spine03", "spine02", "spine01", "neck01", "neck02", "neck03"})  // Z-X-Y
-      file.samples[static_cast<std::size_t>(f * file.channels + file.joints[joint(bone)].first_channel + 1)] = 8.0 * f / file.frames;
+    for (const char* bone : {"spine05", "spine04", "spine03", "spine02", "spine01", "neck01",
+                             "neck02", "neck03"})  // Z-X-Y
+      file.samples[f * file.channels + file.joints[joint(bone)].first_channel + 1] =
+          8.0 * f / file.frames;
   RetargetReport report;
   const Motion motion = retarget(file, skeleton, {}, report);
   const std::vector<Vec3> rest = rest_positions(skeleton);
@@ -248,15 +277,22 @@ TEST_F(RigMotion, ThoraxAndHeadComeToWhereAnOwnRigHasThem) {
   bvh_kinematics(file, file.frames - 1, theirs);
   const auto place = [&](const char* bone, const char* own) {
     const std::size_t b = joint(bone);
-    return Vec3(0.01 * (theirs[b] * (still[b].inverse() * (100 * rest[static_cast<std::size_t>(find_joint(skeleton, own))]))));
+    return Vec3(0.01 *
+                (theirs[b] * (still[b].inverse() * (100 * rest[find_joint(skeleton, own)]))));
   };
   forward_kinematics(skeleton, motion.frames.back(), ours);
-  const auto at = [&](const char* own) { return Vec3(ours[static_cast<std::size_t>(find_joint(skeleton, own))].translation()); };
-  EXPECT_LT(((at("c7") - at("l5")) - (place("spine01", "c7") - place("root", "l5"))).norm(), 0.008) << "m";
-  EXPECT_LT(((at("head") - at("c7")) - (place("head", "head") - place("spine01", "c7"))).norm(), 0.010) << "m";
+  const auto at = [&](const char* own) {
+    return Vec3(ours[find_joint(skeleton, own)].translation());
+  };
+  EXPECT_LT(((at("c7") - at("l5")) - (place("spine01", "c7") - place("root", "l5"))).norm(), 0.008)
+      << "m";
+  EXPECT_LT(((at("head") - at("c7")) - (place("head", "head") - place("spine01", "c7"))).norm(),
+            0.010)
+      << "m";
   const Pose &pose = motion.frames.back(), before = motion.frames[motion.frames.size() - 2];
-  for (const char* name : {"l5", "l4", "l3", "l2", "l1", "t12", "t11", "c7", "c6", "c5", "c4", "c3", "c2", "c1"}) {
-    const auto j = static_cast<std::size_t>(find_joint(skeleton, name));
+  for (const char* name :
+       {"l5", "l4", "l3", "l2", "l1", "t12", "t11", "c7", "c6", "c5", "c4", "c3", "c2", "c1"}) {
+    const std::size_t j = find_joint(skeleton, name);
     EXPECT_LT(pose.rotations[j].angularDistance(Quat::Identity()), 0.3) << name;
     EXPECT_LT(pose.rotations[j].angularDistance(before.rotations[j]), 0.02) << name;
   }
@@ -266,14 +302,19 @@ TEST_F(RigMotion, PosesOfAnOwnRigComeInAnyOrder) {
   const Skeleton skeleton = plain_skeleton();
   const BvhMotion file = rest_and_swing(read_rig(package(), "mixamo", package().points));
   BvhMotion back = file;
-  const auto row = [&](int f) { return file.samples.begin() + static_cast<std::ptrdiff_t>(f) * file.channels; };
-  for (int f = 0; f < file.frames; ++f) std::copy(row(f), row(f) + file.channels, back.samples.begin() + static_cast<std::ptrdiff_t>(file.frames - 1 - f) * file.channels);
+  const auto row = [&](int f) { return file.samples.begin() + std::ptrdiff_t(f) * file.channels; };
+  for (int f = 0; f < file.frames; ++f)
+    std::copy(row(f), row(f) + file.channels,
+              back.samples.begin() + std::ptrdiff_t(file.frames - 1 - f) * file.channels);
   RetargetReport report;
-  const Motion there = retarget(file, skeleton, {}, report), here = retarget(back, skeleton, {}, report);
+  const Motion there = retarget(file, skeleton, {}, report),
+               here = retarget(back, skeleton, {}, report);
   for (std::size_t f = 0; f < there.frames.size(); ++f) {
     const Pose &a = there.frames[f], &b = here.frames[there.frames.size() - 1 - f];
-    EXPECT_EQ(a.root, b.root) << "no foot is planted, no flight bent: the file is where its author has put it";
-    for (std::size_t j = 0; j < a.rotations.size(); ++j) EXPECT_LT(a.rotations[j].angularDistance(b.rotations[j]), 1e-9);
+    EXPECT_EQ(a.root, b.root)
+        << "no foot is planted, no flight bent: the file is where its author has put it";
+    for (std::size_t j = 0; j < a.rotations.size(); ++j)
+      EXPECT_LT(a.rotations[j].angularDistance(b.rotations[j]), 1e-9);
   }
 }
 

@@ -1,4 +1,5 @@
-// Laws of the linear algebra and of the searches beneath the elastic skin, against other ways to the same answers.
+// Laws of the linear algebra and of the searches beneath the elastic skin, against other ways to
+// the same answers.
 #include <gtest/gtest.h>
 
 #include <oneapi/tbb/global_control.h>
@@ -9,10 +10,10 @@
 
 #include <Eigen/SparseCholesky>
 
-#include "skinning/nearest_surface.h"
-#include "skinning/normals.h"
-#include "skinning/sheet_factor.h"
-#include "skinning/skin_lie.h"
+#include "anatomy/geometry/vertex_normals.h"
+#include "anatomy/queries/nearest_surface.h"
+#include "skinning/muscle_collision/skin_walk.h"
+#include "skinning/settle/sparse_solver.h"
 #include "tests/skinning/arm.h"
 
 namespace ecorche {
@@ -21,7 +22,8 @@ namespace {
 // A sphere with poles of 20 triangles, longer than eight, and bumps.
 TriMesh bumpy_sphere(int sides) {
   std::vector<Vec2> profile;
-  for (int k = 1; k < 16; ++k) profile.emplace_back(-0.1 * std::cos(k * 0.19635), 0.1 * std::sin(k * 0.19635));
+  for (int k = 1; k < 16; ++k)
+    profile.emplace_back(-0.1 * std::cos(k * 0.19635), 0.1 * std::sin(k * 0.19635));
   TriMesh out = test::lathe(Vec3(3, -2, 5), Vec3::UnitY(), profile, sides);
   for (Eigen::Index i = 0; i < out.V.rows(); ++i) {
     const Vec3 p = Vec3(out.V.row(i)) - Vec3(3, -2, 5);
@@ -33,26 +35,30 @@ TriMesh bumpy_sphere(int sides) {
 // A cross of four grids that meet in the middle, as limbs do.
 Eigen::SparseMatrix<double> cross_matrix(int width, int length) {
   std::vector<std::array<int, 2>> cells;
-  const auto inside = [&](int x, int y) { return std::min(std::abs(x), std::abs(y)) <= width && std::max(std::abs(x), std::abs(y)) <= length; };
-  std::vector<std::vector<int>> number(static_cast<std::size_t>(2 * length + 1), std::vector<int>(static_cast<std::size_t>(2 * length + 1), -1));
-  const auto at = [&](int x, int y) -> int& { return number[static_cast<std::size_t>(x + length)][static_cast<std::size_t>(y + length)]; };
+  const auto inside = [&](int x, int y) {
+    return std::min(std::abs(x), std::abs(y)) <= width &&
+           std::max(std::abs(x), std::abs(y)) <= length;
+  };
+  std::vector<std::vector<int>> number(2 * length + 1, std::vector<int>(2 * length + 1, -1));
+  const auto at = [&](int x, int y) -> int& { return number[x + length][y + length]; };
   for (int x = -length; x <= length; ++x)
     for (int y = -length; y <= length; ++y)
       if (inside(x, y)) {
-        at(x, y) = static_cast<int>(cells.size());
+        at(x, y) = cells.size();
         cells.push_back({x, y});
       }
   std::vector<Eigen::Triplet<double>> entries;
   for (const auto& [x, y] : cells) {
     double sum = 0.1 + 0.01 * x;
-    for (const auto& [u, v] : {std::array{x + 1, y}, std::array{x - 1, y}, std::array{x, y + 1}, std::array{x, y - 1}}) {
+    for (const auto& [u, v] :
+         {std::array{x + 1, y}, std::array{x - 1, y}, std::array{x, y + 1}, std::array{x, y - 1}}) {
       if (!inside(u, v)) continue;
       entries.emplace_back(at(x, y), at(u, v), -1);
       sum += 1;
     }
     entries.emplace_back(at(x, y), at(x, y), std::max(sum, 1.0) + 0.5);
   }
-  Eigen::SparseMatrix<double> out(static_cast<Eigen::Index>(cells.size()), static_cast<Eigen::Index>(cells.size()));
+  Eigen::SparseMatrix<double> out(cells.size(), Eigen::Index(cells.size()));
   out.setFromTriplets(entries.begin(), entries.end());
   return out;
 }
@@ -61,7 +67,7 @@ std::vector<float> right_sides(const SheetFactor& factor, const Eigen::MatrixX3d
   std::vector<float> x(4 * work_rows(factor), 7);  // what is beyond the rows does not count
   for (Eigen::Index i = 0; i < b.rows(); ++i)
     for (Eigen::Index k = 0; k < 4; ++k)
-      x[4 * static_cast<std::size_t>(factor.place[static_cast<std::size_t>(i)]) + static_cast<std::size_t>(k)] = k < 3 ? static_cast<float>(b(i, k)) : 0;
+      x[4 * std::size_t(factor.place[i]) + k] = k < 3 ? float(b(i, k)) : 0;
   return x;
 }
 
@@ -72,7 +78,7 @@ TEST(SheetFactor, SolvesAsADenseSolverDoesWithEveryBranch) {
   EXPECT_GT(factor.crown, 0);
   EXPECT_LT(factor.crown, factor.rows / 3);
   for (int branch = 0; branch < SheetFactor::kBranches; ++branch)
-    EXPECT_LT(factor.branch_begin[static_cast<std::size_t>(branch)], factor.branch_begin[static_cast<std::size_t>(branch) + 1]) << branch;
+    EXPECT_LT(factor.branch_begin[branch], factor.branch_begin[branch + 1]) << branch;
   std::mt19937 random(5);
   std::uniform_real_distribution<double> any(-1, 1);
   Eigen::MatrixX3d b(A.rows(), 3);
@@ -82,7 +88,7 @@ TEST(SheetFactor, SolvesAsADenseSolverDoesWithEveryBranch) {
   solve_sheet(factor, x.data());
   for (Eigen::Index i = 0; i < b.rows(); ++i)
     for (Eigen::Index k = 0; k < 3; ++k)
-      ASSERT_NEAR(x[4 * static_cast<std::size_t>(factor.place[static_cast<std::size_t>(i)]) + static_cast<std::size_t>(k)], wanted(i, k), 1e-5) << i;
+      ASSERT_NEAR(x[4 * std::size_t(factor.place[i]) + k], wanted(i, k), 1e-5) << i;
   const oneapi::tbb::global_control one(oneapi::tbb::global_control::max_allowed_parallelism, 1);
   std::vector<float> alone = right_sides(factor, b);
   solve_sheet(factor, alone.data());
@@ -93,14 +99,14 @@ class LiesOnRings : public ::testing::TestWithParam<int> {};
 
 TEST_P(LiesOnRings, AreThoseOfTheNearestPointWhateverTheRingsHold) {
   const TriMesh mesh = bumpy_sphere(GetParam());
-  std::vector<float> positions, normals(4 * static_cast<std::size_t>(mesh.V.rows()));
+  std::vector<float> positions, normals(4 * std::size_t(mesh.V.rows()));
   for (Eigen::Index i = 0; i < mesh.V.rows(); ++i)
-    for (Eigen::Index k = 0; k < 4; ++k) positions.push_back(k < 3 ? static_cast<float>(mesh.V(i, k)) : 1);
-  vertex_normals(positions, std::span(mesh.F.data(), static_cast<std::size_t>(mesh.F.size())), normals);
+    for (Eigen::Index k = 0; k < 4; ++k) positions.push_back(k < 3 ? float(mesh.V(i, k)) : 1);
+  vertex_normals(positions, std::span(mesh.F.data(), std::size_t(mesh.F.size())), normals);
   const SkinRings rings = make_skin_rings(mesh);
   const NearestSurface nearest(mesh);
-  std::vector<Eigen::Index> corners(static_cast<std::size_t>(mesh.V.rows()));
-  for (Eigen::Index k = 0; k < mesh.F.size(); ++k) ++corners[static_cast<std::size_t>(mesh.F.data()[k])];
+  std::vector<Eigen::Index> corners(mesh.V.rows());
+  for (Eigen::Index k = 0; k < mesh.F.size(); ++k) ++corners[mesh.F.data()[k]];
   const Eigen::Index pole = std::max_element(corners.begin(), corners.end()) - corners.begin();
   std::mt19937 random(7);
   std::uniform_int_distribution<Eigen::Index> vertex(0, mesh.V.rows() - 1);
@@ -111,20 +117,21 @@ TEST_P(LiesOnRings, AreThoseOfTheNearestPointWhateverTheRingsHold) {
     Wide3 ways;
     for (std::size_t lane = 0; lane < 8; ++lane) {
       const Eigen::Index start = lane % 2 == 0 ? pole : vertex(random);
-      const Vec3 n(normals[4 * static_cast<std::size_t>(start)], normals[4 * static_cast<std::size_t>(start) + 1], normals[4 * static_cast<std::size_t>(start) + 2]);
+      const Vec3 n(normals[4 * start], normals[4 * start + 1], normals[4 * start + 2]);
       const Vec3 way = height(random) * n + 0.004 * Vec3(any(random), any(random), any(random));
-      from[lane] = static_cast<int>(start);
+      from[lane] = int(start);
       place[lane] = Vec3(mesh.V.row(start)) + way;
-      const int k = static_cast<int>(lane);
+      const int k = lane;
       ways.x[k] = float(way.x()), ways.y[k] = float(way.y()), ways.z[k] = float(way.z());
     }
     const Lies lies = lies_of(rings, {positions, normals}, ways, from);
     for (std::size_t lane = 0; lane < 8; ++lane) {
-      const int k = static_cast<int>(lane);
+      const int k = lane;
       const SurfacePoint hit = nearest.nearest(place[lane]);
       const Vec3 direction(lies.normal.x[k], lies.normal.y[k], lies.normal.z[k]);
       if (lies.height[k] < -kDeepLie) continue;
-      EXPECT_NEAR(lies.height[k], (place[lane] - hit.point).dot(direction), 2e-5) << trial << ": from " << from[lane] << " to " << lies.vertex[lane];
+      EXPECT_NEAR(lies.height[k], (place[lane] - hit.point).dot(direction), 2e-5)
+          << trial << ": from " << from[lane] << " to " << lies.vertex[lane];
       EXPECT_NEAR(direction.norm(), 1, 1e-5);
     }
   }

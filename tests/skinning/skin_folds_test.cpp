@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "skinning/skin_folds.h"
+#include "skinning/evaluation/contact_folds.h"
 
 namespace ecorche {
 namespace {
@@ -20,7 +20,8 @@ TriMesh two_sheets() {
   Eigen::Index f = 0;
   for (int sheet = 0; sheet < 2; ++sheet) {
     for (int j = 0; j < kRow; ++j)
-      for (int i = 0; i < kRow; ++i) out.V.row(sheet * kOne + j * kRow + i) << i * kCell + 0.3 * sheet, 0, -j * kCell;
+      for (int i = 0; i < kRow; ++i)
+        out.V.row(sheet * kOne + j * kRow + i) << i * kCell + 0.3 * sheet, 0, -j * kCell;
     for (int j = 0; j < kCells; ++j)
       for (int i = 0; i < kCells; ++i) {
         const int a = sheet * kOne + j * kRow + i;
@@ -34,38 +35,42 @@ TriMesh two_sheets() {
 // The second sheet turned over and laid over the first, `height` above it.
 Points folded(const TriMesh& rest, double height) {
   Points V = rest.V;
-  for (Eigen::Index i = V.rows() / 2; i < V.rows(); ++i) V.row(i) << kCells * kCell - (rest.V(i, 0) - 0.3), height, rest.V(i, 2);
+  for (Eigen::Index i = V.rows() / 2; i < V.rows(); ++i)
+    V.row(i) << kCells * kCell - (rest.V(i, 0) - 0.3), height, rest.V(i, 2);
   return V;
 }
 
 int count(const TriMesh& rest, const Points& V) {
-  std::vector<int> first(static_cast<std::size_t>(rest.F.rows() / 2));
+  std::vector<int> first(rest.F.rows() / 2);
   std::iota(first.begin(), first.end(), 0);
   const std::vector<char> in = in_contact_folds(rest, V, first);
-  return static_cast<int>(std::count(in.begin(), in.end(), 1));
+  return int(std::count(in.begin(), in.end(), 1));
 }
 
 TEST(ContactFolds, AreWhereOtherSkinLiesInFrontWithinReach) {
   const TriMesh rest = two_sheets();
-  const int all = static_cast<int>(rest.F.rows() / 2);
+  const int all = rest.F.rows() / 2;
   EXPECT_EQ(count(rest, rest.V), 0);
   EXPECT_EQ(count(rest, folded(rest, 0.004)), all);
   EXPECT_EQ(count(rest, folded(rest, 0.006)), 0);
   EXPECT_EQ(count(rest, folded(rest, -0.0005)), all);  // a little way through
-  EXPECT_EQ(count(rest, folded(rest, -0.003)), 0);     // they lie behind each other, as sides of what has collapsed
+  EXPECT_EQ(count(rest, folded(rest, -0.003)),
+            0);  // they lie behind each other, as sides of what has collapsed
 }
 
 TEST(ContactFolds, ReachAsFarAsTheOtherSkin) {
   const TriMesh rest = two_sheets();
   Points V = folded(rest, 0.003);
-  for (Eigen::Index i = V.rows() / 2; i < V.rows(); ++i) V(i, 0) += 4 * kCell;  // over the right half alone, and 4 mm more
+  for (Eigen::Index i = V.rows() / 2; i < V.rows(); ++i)
+    V(i, 0) += 4 * kCell;  // over the right half alone, and 4 mm more
   int wanted = 0;
   for (Eigen::Index f = 0; f < rest.F.rows() / 2; ++f) {
-    const double x = (rest.V(rest.F(f, 0), 0) + rest.V(rest.F(f, 1), 0) + rest.V(rest.F(f, 2), 0)) / 3;
+    const double x =
+        (rest.V(rest.F(f, 0), 0) + rest.V(rest.F(f, 1), 0) + rest.V(rest.F(f, 2), 0)) / 3;
     wanted += std::hypot(std::max(0.0, 4 * kCell - x), 0.003) <= 0.005;
   }
   EXPECT_EQ(count(rest, V), wanted);
-  EXPECT_LT(wanted, static_cast<int>(rest.F.rows() / 2));
+  EXPECT_LT(wanted, int(rest.F.rows() / 2));
 }
 
 TEST(ContactFolds, NeedSkinOfAnotherPlace) {
@@ -80,12 +85,13 @@ TEST(ContactFolds, NeedSkinOfAnotherPlace) {
 TEST(ContactFolds, TakeAFlippedTriangleForPartOfTheSkinAboutIt) {
   const TriMesh rest = two_sheets();
   Points V = folded(rest, 0.004);
-  const int corner = 4 * (kCells + 1) + 4;  // drawn over the far sides of its triangles: some of them are turned over
+  const int corner = 4 * (kCells + 1) +
+                     4;  // drawn over the far sides of its triangles: some of them are turned over
   V.row(corner) += Eigen::RowVector3d(1.4 * kCell, 0, -1.4 * kCell);
   std::vector<int> turned;
   for (Eigen::Index f = 0; f < rest.F.rows() / 2; ++f) {
     const Vec3 a = V.row(rest.F(f, 0)), b = V.row(rest.F(f, 1)), c = V.row(rest.F(f, 2));
-    if ((b - a).cross(c - a).y() < -1e-8) turned.push_back(static_cast<int>(f));
+    if ((b - a).cross(c - a).y() < -1e-8) turned.push_back(int(f));
   }
   ASSERT_GT(turned.size(), 0u);
   EXPECT_EQ(in_contact_folds(rest, V, turned), std::vector<char>(turned.size(), 1));

@@ -1,17 +1,18 @@
 // Laws of the deformers that ours is compared with.
-#include "skinning/skin_methods.h"
+#include "skinning/evaluation/skin_methods.h"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-#include "skinning/bind.h"
+#include "skinning/bind/bind.h"
 #include "tests/skinning/arm.h"
 
 namespace ecorche {
 namespace {
 
-// A tube along -y from 0 to 1 m, radius 5 cm, its weights passing from bone 0 to bone 1 along all of its length.
+// A tube along -y from 0 to 1 m, radius 5 cm, its weights passing from bone 0 to bone 1 along all
+// of its length.
 struct Tube {
   TriMesh mesh;
   BlendSkin skin;
@@ -32,13 +33,14 @@ Tube make_tube() {
 }
 
 Vec3 place(const SkinFrame& frame, Eigen::Index i) {
-  const std::size_t at = static_cast<std::size_t>(4 * i);
+  const std::size_t at = 4 * i;
   return {frame.positions[at], frame.positions[at + 1], frame.positions[at + 2]};
 }
 
 double largest_error(const SkinFrame& frame, const TriMesh& mesh, const Transform& X) {
   double worst = 0;
-  for (Eigen::Index i = 0; i < mesh.V.rows(); ++i) worst = std::max(worst, (place(frame, i) - X * Vec3(mesh.V.row(i))).norm());
+  for (Eigen::Index i = 0; i < mesh.V.rows(); ++i)
+    worst = std::max(worst, (place(frame, i) - X * Vec3(mesh.V.row(i))).norm());
   return worst;
 }
 
@@ -48,7 +50,8 @@ Transform some_motion() {
   return X;
 }
 
-// Least distance from the tube's axis of the vertices in its middle half, its ends turned by `angle` against each other.
+// Least distance from the tube's axis of the vertices in its middle half, its ends turned by
+// `angle` against each other.
 double waist(const Tube& tube, double angle, bool dual) {
   Transform turn = Transform::Identity();
   turn.rotate(Eigen::AngleAxisd(angle, Vec3::UnitY()));
@@ -57,7 +60,8 @@ double waist(const Tube& tube, double angle, bool dual) {
   dual ? deform_dual_quaternion(tube.skin, bones, frame) : deform_linear(tube.skin, bones, frame);
   double least = 1;
   for (Eigen::Index i = 0; i < 41 * 24; ++i)
-    if (std::abs(tube.mesh.V(i, 1) + 0.5) < 0.25) least = std::min(least, std::hypot(place(frame, i).x(), place(frame, i).z()));
+    if (std::abs(tube.mesh.V(i, 1) + 0.5) < 0.25)
+      least = std::min(least, std::hypot(place(frame, i).x(), place(frame, i).z()));
   return least;
 }
 
@@ -71,7 +75,8 @@ TEST(DualQuaternion, ATwistKeepsTheRadiusThatLinearBlendLoses) {
   for (const double degrees : {60.0, 120.0, 175.0}) {
     const double angle = degrees * std::numbers::pi / 180;
     EXPECT_NEAR(waist(tube, angle, true), 0.05, 1e-6) << degrees;
-    EXPECT_NEAR(waist(tube, angle, false), 0.05 * std::cos(angle / 2), 1e-4) << degrees;  // half way, where the mean of both ends lies
+    EXPECT_NEAR(waist(tube, angle, false), 0.05 * std::cos(angle / 2), 1e-4)
+        << degrees;  // half way, where the mean of both ends lies
   }
 }
 
@@ -94,8 +99,10 @@ TEST(DeltaMush, SmoothsAStepButKeepsTheDetail) {
   const Eigen::Index wart = 20 * 24 + 3;  // a vertex pulled out of the surface
   const Vec3 out = Vec3(tube.mesh.V(wart, 0), 0, tube.mesh.V(wart, 2)).normalized();
   tube.mesh.V.row(wart) += 0.004 * out.transpose();
-  std::vector<std::vector<BoneWeight>> weights;  // all of one bone above the middle and all of the other below
-  for (Eigen::Index i = 0; i < tube.mesh.V.rows(); ++i) weights.push_back({{tube.mesh.V(i, 1) > -0.51 ? 0 : 1, 1}});
+  std::vector<std::vector<BoneWeight>>
+      weights;  // all of one bone above the middle and all of the other below
+  for (Eigen::Index i = 0; i < tube.mesh.V.rows(); ++i)
+    weights.push_back({{tube.mesh.V(i, 1) > -0.51 ? 0 : 1, 1}});
   tube.skin = make_blend_skin(tube.mesh, weights);
   SkinFrame frame;
   const std::vector<Transform> still(2, Transform::Identity());
@@ -109,7 +116,8 @@ TEST(DeltaMush, SmoothsAStepButKeepsTheDetail) {
   deform_mush(tables, scratch, frame);
   EXPECT_NEAR(sheared, 0.02, 1e-6);
   EXPECT_LT((place(frame, 21 * 24) - place(frame, 20 * 24)).z(), 0.006);
-  const Vec3 axis = (place(frame, 20 * 24) + place(frame, 20 * 24 + 12)) / 2;  // both sides of the ring
+  // both sides of the ring
+  const Vec3 axis = (place(frame, 20 * 24) + place(frame, 20 * 24 + 12)) / 2;
   EXPECT_NEAR((place(frame, wart) - axis).norm() - 0.05, 0.004, 0.001);
 }
 
@@ -147,16 +155,17 @@ TEST(NearestPartSkin, AVertexOverABoneStaysOnIt) {
   Pose pose = rest_pose(skeleton);
   const int elbow = find_joint(skeleton, "elbow_l");
   ASSERT_GE(elbow, 0);
-  pose.rotations[static_cast<std::size_t>(elbow)] = Quat(Eigen::AngleAxisd(-1, Vec3::UnitX()));
+  pose.rotations[elbow] = Quat(Eigen::AngleAxisd(-1, Vec3::UnitX()));
   pose_anatomy(arm.table, skeleton, pose, arm.posed);
   SkinFrame frame;
   deform_paper(arm.skin, arm.posed, frame);
   int on_bones = 0;
   for (Eigen::Index i = 0; i < arm.arm.skin.V.rows(); ++i) {
-    const Anchor& anchor = arm.binding.anchors[static_cast<std::size_t>(i)];
+    const Anchor& anchor = arm.binding.anchors[i];
     if (anchor.kind != Anchor::Kind::bone) continue;
-    const std::size_t j = static_cast<std::size_t>(arm.arm.anatomy.bones[static_cast<std::size_t>(anchor.part)].joint);
-    const Vec3 expected = arm.posed.X_WJ[j] * (Vec3(arm.arm.skin.V.row(i)) - arm.rest.X_WJ[j].translation());
+    const std::size_t j = arm.arm.anatomy.bones[anchor.part].joint;
+    const Vec3 expected =
+        arm.posed.X_WJ[j] * (Vec3(arm.arm.skin.V.row(i)) - arm.rest.X_WJ[j].translation());
     EXPECT_LT((place(frame, i) - expected).norm(), 1e-6);
     ++on_bones;
   }

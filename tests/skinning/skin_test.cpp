@@ -8,10 +8,10 @@
 #include <random>
 
 #include "anatomy/errors.h"
-#include "anatomy/subdivide.h"
-#include "skinning/bind.h"
-#include "skinning/deform.h"
-#include "skinning/quality.h"
+#include "anatomy/geometry/subdivide.h"
+#include "skinning/bind/bind.h"
+#include "skinning/character/deform_skin.h"
+#include "skinning/evaluation/skin_quality.h"
 #include "tests/skinning/arm.h"
 
 namespace ecorche {
@@ -68,24 +68,26 @@ TEST(Skin, FollowsRigidMotionExactly) {
   to_points(deform(bound, pose), V);
   double worst = 0;
   for (Eigen::Index i = 0; i < V.rows(); ++i)
-    worst = std::max(worst, (turn * (Vec3(bound.arm.skin.V.row(i)) - root) + moved - Vec3(V.row(i))).norm());
+    worst = std::max(
+        worst, (turn * (Vec3(bound.arm.skin.V.row(i)) - root) + moved - Vec3(V.row(i))).norm());
   EXPECT_LT(worst, 1e-6);
 }
 
 TEST(Skin, MirroredInputGivesMirroredSkin) {
-  const Bound left = bind_arm(make_arm(1)), right = bind_arm([] {
-    Arm arm = make_arm(-1);
-    const Arm other = make_arm(1);  // the same vertices in the same order, reflected
-    arm.skin = other.skin;
-    arm.skin.V.col(0) *= -1;
-    arm.skin.F.col(1).swap(arm.skin.F.col(2));
-    for (std::size_t b = 0; b < arm.anatomy.bones.size(); ++b) {
-      arm.anatomy.bones[b].mesh = other.anatomy.bones[b].mesh;
-      arm.anatomy.bones[b].mesh.V.col(0) *= -1;
-      arm.anatomy.bones[b].mesh.F.col(1).swap(arm.anatomy.bones[b].mesh.F.col(2));
-    }
-    return arm;
-  }());
+  const Bound left = bind_arm(make_arm(1)),
+              right = bind_arm([] {
+                Arm arm = make_arm(-1);
+                const Arm other = make_arm(1);  // the same vertices in the same order, reflected
+                arm.skin = other.skin;
+                arm.skin.V.col(0) *= -1;
+                arm.skin.F.col(1).swap(arm.skin.F.col(2));
+                for (std::size_t b = 0; b < arm.anatomy.bones.size(); ++b) {
+                  arm.anatomy.bones[b].mesh = other.anatomy.bones[b].mesh;
+                  arm.anatomy.bones[b].mesh.V.col(0) *= -1;
+                  arm.anatomy.bones[b].mesh.F.col(1).swap(arm.anatomy.bones[b].mesh.F.col(2));
+                }
+                return arm;
+              }());
   Points L, R;
   to_points(deform(left, bent(left.arm.anatomy, 1.8)), L);
   to_points(deform(right, bent(right.arm.anatomy, 1.8)), R);
@@ -105,7 +107,7 @@ TEST(Skin, EndsOfTheArmAreCarriedByTheirBones) {
     const int joint = X.y() > origins[3].y() + 0.18 ? 2 : X.y() < origins[3].y() - 0.18 ? 3 : -1;
     if (joint < 0) continue;
     (joint == 2 ? upper : lower)++;
-    const Vec3 carried = posed.X_WJ[static_cast<std::size_t>(joint)] * (X - origins[static_cast<std::size_t>(joint)]);
+    const Vec3 carried = posed.X_WJ[joint] * (X - origins[joint]);
     EXPECT_LT((carried - Vec3(V.row(i))).norm(), 2e-3);
   }
   EXPECT_GT(upper, 100);
@@ -114,11 +116,13 @@ TEST(Skin, EndsOfTheArmAreCarriedByTheirBones) {
 
 TEST(Skin, BentElbowDoesNotFoldAndKeepsItsVolume) {
   const Bound bound = bind_arm(make_arm(1, false));
-  const std::vector<LimbSection> sections = limb_sections(bound.arm.anatomy.skeleton, bound.arm.skin, bound.binding);
+  const std::vector<LimbSection> sections =
+      limb_sections(bound.arm.anatomy.skeleton, bound.arm.skin, bound.binding);
   ASSERT_EQ(sections.size(), 1u);
   PosedAnatomy posed;
   const SkinFrame frame = deform(bound, bent(bound.arm.anatomy, 2 * std::numbers::pi / 3), posed);
-  const SkinQuality quality = measure_skin(bound.arm.skin, bound.binding, sections, posed.X_WJ, frame);
+  const SkinQuality quality =
+      measure_skin(bound.arm.skin, bound.binding, sections, posed.X_WJ, frame);
   EXPECT_EQ(quality.not_finite, 0);
   EXPECT_LE(quality.flipped_share, 0.001);
   EXPECT_GT(quality.limb_volume_change[0], -0.04);
@@ -131,7 +135,8 @@ TEST(Skin, GoesDownWithTheMuscleAsItGoesUp) {
   const Points rest = bound.arm.skin.V;
   std::array<Points, 2> moved;
   for (std::size_t k = 0; k < 2; ++k) {
-    pose_anatomy(bound.table, bound.arm.anatomy.skeleton, rest_pose(bound.arm.anatomy.skeleton), posed);
+    pose_anatomy(bound.table, bound.arm.anatomy.skeleton, rest_pose(bound.arm.anatomy.skeleton),
+                 posed);
     for (Ellipse& slice : posed.slices) slice.radii *= k == 0 ? 1.1 : 0.9;
     SkinFrame frame;
     deform_skin(bound.binding, posed, frame);
@@ -146,17 +151,18 @@ TEST(Skin, GoesDownWithTheMuscleAsItGoesUp) {
 TEST(Skin, AnchorsAreTheNearestComponents) {
   const Bound bound = bind_arm(make_arm());
   PosedAnatomy rest;
-  pose_anatomy(bound.table, bound.arm.anatomy.skeleton, rest_pose(bound.arm.anatomy.skeleton), rest);
+  pose_anatomy(bound.table, bound.arm.anatomy.skeleton, rest_pose(bound.arm.anatomy.skeleton),
+               rest);
   for (std::size_t i = 0; i < bound.binding.anchors.size(); i += 7) {
     const Anchor& anchor = bound.binding.anchors[i];
-    const Vec3 p = bound.arm.skin.V.row(static_cast<Eigen::Index>(i));
+    const Vec3 p = bound.arm.skin.V.row(i);
     EXPECT_NEAR((p - anchor.point).norm(), anchor.distance, 1e-9);
     for (const Bone& bone : bound.arm.anatomy.bones) {  // no bone vertex may be nearer
       for (Eigen::Index v = 0; v < bone.mesh.V.rows(); ++v)
         EXPECT_GE((p - Vec3(bone.mesh.V.row(v))).norm(), anchor.distance - 1e-9);
     }
     if (anchor.kind == Anchor::Kind::muscle) {
-      EXPECT_LT((anchor.point - rest.slices[static_cast<std::size_t>(anchor.part)].center).norm(), 0.05);
+      EXPECT_LT((anchor.point - rest.slices[anchor.part].center).norm(), 0.05);
     }
   }
 }
@@ -190,26 +196,28 @@ TEST(Skin, SameBytesAtOneAndTwoThreads) {
 
 TEST(Skin, OrderOfVerticesDoesNotMatter) {
   Arm arm = make_arm(1, false), shuffled = arm;  // muscle nodes are chosen in vertex order
-  std::vector<int> order(static_cast<std::size_t>(arm.skin.V.rows()));
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+  std::vector<int> order(arm.skin.V.rows());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = int(i);
   std::shuffle(order.begin(), order.end(), std::mt19937(7));
-  for (std::size_t i = 0; i < order.size(); ++i) shuffled.skin.V.row(order[i]) = arm.skin.V.row(static_cast<Eigen::Index>(i));
-  for (Eigen::Index e = 0; e < arm.skin.F.size(); ++e) shuffled.skin.F.data()[e] = order[static_cast<std::size_t>(arm.skin.F.data()[e])];
+  for (std::size_t i = 0; i < order.size(); ++i) shuffled.skin.V.row(order[i]) = arm.skin.V.row(i);
+  for (Eigen::Index e = 0; e < arm.skin.F.size(); ++e)
+    shuffled.skin.F.data()[e] = order[arm.skin.F.data()[e]];
   const Bound a = bind_arm(arm), b = bind_arm(shuffled);
   Points A, B;
   to_points(deform(a, bent(arm.anatomy, 1.5)), A);
   to_points(deform(b, bent(arm.anatomy, 1.5)), B);
   for (std::size_t i = 0; i < order.size(); ++i)
-    EXPECT_LT((A.row(static_cast<Eigen::Index>(i)) - B.row(order[i])).norm(), 2e-6);
+    EXPECT_LT((A.row(i) - B.row(order[i])).norm(), 2e-6);
 }
 
 TEST(Skin, ARefinedSkinMovesAsItsBaseDoes) {
   const Bound coarse = bind_arm(make_arm());
   const TriMesh& base = coarse.arm.skin;
-  const Refinement refinement = refine(base.F, static_cast<int>(base.V.rows()));
+  const Refinement refinement = refine(base.F, int(base.V.rows()));
   const TriMesh fine{refine_points(refinement, base.V), refinement.F};
   PosedAnatomy posed;
-  pose_anatomy(coarse.table, coarse.arm.anatomy.skeleton, rest_pose(coarse.arm.anatomy.skeleton), posed);
+  pose_anatomy(coarse.table, coarse.arm.anatomy.skeleton, rest_pose(coarse.arm.anatomy.skeleton),
+               posed);
   const Binding binding = bind_skin(coarse.arm.anatomy, posed, base, refinement, fine);
   const Binding alone = bind_skin(coarse.arm.anatomy, posed, fine);
   ASSERT_EQ(binding.anchors.size(), alone.anchors.size());

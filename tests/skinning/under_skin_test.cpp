@@ -1,6 +1,6 @@
-// Laws of muscles beneath the skin: at rest nothing moves; where the skin is drawn in, nothing stays outside and bellies keep their volume;
-// more of it moves everything a little more.
-#include "skinning/skin_over_muscles.h"
+// Laws of muscles beneath the skin: at rest nothing moves; where the skin is drawn in, nothing
+// stays outside and bellies keep their volume; more of it moves everything a little more.
+#include "skinning/muscle_collision/skin_over_muscles.h"
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
@@ -9,12 +9,12 @@
 #include <cmath>
 #include <cstring>
 
-#include "anatomy/muscle_surface.h"
-#include "anatomy/solids.h"
-#include "skinning/bind.h"
-#include "skinning/deform.h"
-#include "skinning/nearest_surface.h"
-#include "skinning/normals.h"
+#include "anatomy/geometry/overlap_volumes.h"
+#include "anatomy/geometry/vertex_normals.h"
+#include "anatomy/muscles/muscle_surface.h"
+#include "anatomy/queries/nearest_surface.h"
+#include "skinning/bind/bind.h"
+#include "skinning/character/deform_skin.h"
 #include "tests/anatomy/strips.h"
 #include "tests/skinning/arm.h"
 
@@ -33,8 +33,10 @@ struct Limb {
     anatomy.skeleton = testing::arm_skeleton();
     Muscle muscle;
     muscle.name = "spindle";
-    muscle.strips.push_back(make_strip({testing::on(0, {0.01, 1.0, 0}), testing::on(0, {0.01, 1.15, 0.002}), testing::on(0, {0.01, 1.3, 0})},
-                                       testing::spindle(15, 0.03, 0.006, 0.1, 0.9, Vec3::UnitX())));
+    muscle.strips.push_back(
+        make_strip({testing::on(0, {0.01, 1.0, 0}), testing::on(0, {0.01, 1.15, 0.002}),
+                    testing::on(0, {0.01, 1.3, 0})},
+                   testing::spindle(15, 0.03, 0.006, 0.1, 0.9, Vec3::UnitX())));
     muscle.strips[0].belly_begin = 0.1;
     muscle.strips[0].belly_end = 0.9;
     anatomy.muscles.push_back(muscle);
@@ -53,15 +55,17 @@ struct Limb {
       Vec3 p = skin.V.row(v);
       const double along = (p.y() - 1.15) / 0.08;
       if (p.x() > 0) p.x() -= depth * std::exp(-along * along) * p.x() / 0.045;
-      for (int k = 0; k < 3; ++k) frame.positions.push_back(static_cast<float>(p[k]));
+      for (int k = 0; k < 3; ++k) frame.positions.push_back(float(p[k]));
       frame.positions.push_back(1);
     }
     frame.normals.resize(frame.positions.size());
-    vertex_normals(frame.positions, std::span(skin.F.data(), static_cast<std::size_t>(skin.F.size())), frame.normals);
+    vertex_normals(frame.positions, std::span(skin.F.data(), std::size_t(skin.F.size())),
+                   frame.normals);
     return frame;
   }
 
-  // How far the drawn muscle comes out, m: by winding numbers and distances, knows nothing of sections.
+  // How far the drawn muscle comes out, m: by winding numbers and distances, knows nothing of
+  // sections.
   double furthest_out(const PosedAnatomy& posed, const SkinFrame& frame) const {
     const MuscleSurface surface = make_muscle_surface(anatomy);
     Points muscles;
@@ -72,15 +76,17 @@ struct Limb {
     const NearestSurface surface_of_skin(shape);
     double most = 0;
     for (std::size_t i = 0; i < winding.size(); ++i)
-      if (winding[i] == 0) most = std::max(most, surface_of_skin.nearest(muscles.row(static_cast<Eigen::Index>(i))).distance);
+      if (winding[i] == 0) most = std::max(most, surface_of_skin.nearest(muscles.row(i)).distance);
     return most;
   }
 };
 
-bool keep_under_skin(const Limb& limb, SkinFrame& frame, PosedAnatomy& posed, UnderSkinMemory& memory) {
+bool keep_under_skin(const Limb& limb, SkinFrame& frame, PosedAnatomy& posed,
+                     UnderSkinMemory& memory) {
   const std::vector<float> open(frame.positions.size() / 4, 1.0f);
   if (!rise_over_muscles(limb.under, posed.slices, open, frame.positions, memory)) return false;
-  vertex_normals(frame.positions, std::span(limb.skin.F.data(), static_cast<std::size_t>(limb.skin.F.size())), frame.normals);
+  vertex_normals(frame.positions, std::span(limb.skin.F.data(), std::size_t(limb.skin.F.size())),
+                 frame.normals);
   give_way_to_skin(limb.under, limb.table, frame.positions, frame.normals, {}, posed, memory);
   return true;
 }
@@ -93,7 +99,9 @@ TEST(UnderSkin, AtRestNothingMoves) {
   UnderSkinMemory memory;
   keep_under_skin(limb, frame, posed, memory);
   EXPECT_EQ(frame.positions, before.positions);
-  EXPECT_EQ(std::memcmp(posed.slices.data(), limb.rest.slices.data(), posed.slices.size() * sizeof(Ellipse)), 0);
+  EXPECT_EQ(std::memcmp(posed.slices.data(), limb.rest.slices.data(),
+                        posed.slices.size() * sizeof(Ellipse)),
+            0);
 }
 
 TEST(UnderSkin, WhatComesOutGoesBackAndKeepsItsVolume) {
@@ -110,7 +118,8 @@ TEST(UnderSkin, WhatComesOutGoesBackAndKeepsItsVolume) {
     EXPECT_LT(limb.furthest_out(posed, frame), 0.15 * before) << depth << " " << before;
     EXPECT_NEAR(strip_volume(posed, range) / strip_volume(limb.rest, range), 1, 1e-9);
     double risen = 0;
-    for (std::size_t k = 0; k < frame.positions.size(); ++k) risen = std::max(risen, std::abs(static_cast<double>(frame.positions[k] - drawn.positions[k])));
+    for (std::size_t k = 0; k < frame.positions.size(); ++k)
+      risen = std::max(risen, std::abs(double(frame.positions[k] - drawn.positions[k])));
     EXPECT_GT(risen, 0);
     EXPECT_LT(risen, depth) << "the skin comes back by no more than it was drawn in";
   }
@@ -129,8 +138,11 @@ TEST(UnderSkin, MovesSteadilyWithTheSkin) {
     if (depth > 0)
       for (std::size_t k = 0; k < now.slices.size(); ++k)
         for (std::size_t i = 0; i < kOutlinePoints; ++i) {
-          const auto length = [&](const PosedAnatomy& p) { return static_cast<double>(p.slices[k].outline[i]) * p.slices[k].radii.mean(); };
-          most = std::max({most, std::abs(length(now) - length(before)), (now.slices[k].center - before.slices[k].center).norm()});
+          const auto length = [&](const PosedAnatomy& p) {
+            return double(p.slices[k].outline[i]) * p.slices[k].radii.mean();
+          };
+          most = std::max({most, std::abs(length(now) - length(before)),
+                           (now.slices[k].center - before.slices[k].center).norm()});
         }
     std::swap(before, now);
   }
@@ -150,14 +162,17 @@ TEST(UnderSkin, SameBytesAtAnyNumberOfThreads) {
     skins[i] = frame.positions;
   }
   EXPECT_EQ(skins[0], skins[1]);
-  EXPECT_EQ(std::memcmp(posed[0].slices.data(), posed[1].slices.data(), posed[0].slices.size() * sizeof(Ellipse)), 0);
+  EXPECT_EQ(std::memcmp(posed[0].slices.data(), posed[1].slices.data(),
+                        posed[0].slices.size() * sizeof(Ellipse)),
+            0);
 }
 
 double volume_of(const Triangles& F, const SkinFrame& frame) {
   Points V;
   to_points(frame, V);
   double six = 0;
-  for (Eigen::Index f = 0; f < F.rows(); ++f) six += V.row(F(f, 0)).dot(V.row(F(f, 1)).cross(V.row(F(f, 2))));
+  for (Eigen::Index f = 0; f < F.rows(); ++f)
+    six += V.row(F(f, 0)).dot(V.row(F(f, 1)).cross(V.row(F(f, 2))));
   return six / 6;
 }
 
@@ -189,13 +204,16 @@ TEST(UnderSkin, TheSkinKeepsItsVolumeAndRisesNotWhereItIsClosed) {
   for (Ellipse& slice : posed.slices) slice.center.z() += 0.015;
   UnderSkinMemory memory;
   std::vector<float> closed = settled.positions;
-  EXPECT_TRUE(rise_over_muscles(under, posed.slices, std::vector<float>(closed.size() / 4, 0.0f), closed, memory)) << "the muscle comes out";
+  EXPECT_TRUE(rise_over_muscles(under, posed.slices, std::vector<float>(closed.size() / 4, 0.0f),
+                                closed, memory))
+      << "the muscle comes out";
   EXPECT_EQ(closed, settled.positions);
   SkinFrame still;  // the lifts of nodes know the moved muscle
   deform_skin(binding, posed, still);
   deform_over_muscles(binding, under, {}, posed, over, memory);
   double risen = 0;
-  for (std::size_t k = 0; k < over.positions.size(); ++k) risen = std::max(risen, std::abs(static_cast<double>(over.positions[k] - still.positions[k])));
+  for (std::size_t k = 0; k < over.positions.size(); ++k)
+    risen = std::max(risen, std::abs(double(over.positions[k] - still.positions[k])));
   EXPECT_GT(risen, 1e-3);
   EXPECT_NEAR(volume_of(arm.skin.F, over) / volume_of(arm.skin.F, still), 1, 5e-4);
 }
@@ -216,14 +234,21 @@ TEST(UnderSkin, MusclesGiveWayOnlyToASkinThatWasMovedOverThem) {
   for (Ellipse& slice : posed.slices) slice.center.z() += 0.015;
   SkinFrame frame;
   UnderSkinMemory memory;
-  EXPECT_THROW(give_way_to_skin(binding, under, table, frame, posed, memory), std::invalid_argument);
+  EXPECT_THROW(give_way_to_skin(binding, under, table, frame, posed, memory),
+               std::invalid_argument);
   deform_skin(binding, posed, frame);
-  EXPECT_THROW(give_way_to_skin(binding, under, table, frame, posed, memory), std::invalid_argument);
+  EXPECT_THROW(give_way_to_skin(binding, under, table, frame, posed, memory),
+               std::invalid_argument);
   const PosedAnatomy before = posed;
   deform_over_muscles(binding, under, {}, posed, frame, memory);
-  EXPECT_EQ(std::memcmp(posed.slices.data(), before.slices.data(), posed.slices.size() * sizeof(Ellipse)), 0) << "the skin alone leaves them";
+  EXPECT_EQ(
+      std::memcmp(posed.slices.data(), before.slices.data(), posed.slices.size() * sizeof(Ellipse)),
+      0)
+      << "the skin alone leaves them";
   give_way_to_skin(binding, under, table, frame, posed, memory);
-  EXPECT_NE(std::memcmp(posed.slices.data(), before.slices.data(), posed.slices.size() * sizeof(Ellipse)), 0);
+  EXPECT_NE(
+      std::memcmp(posed.slices.data(), before.slices.data(), posed.slices.size() * sizeof(Ellipse)),
+      0);
 }
 
 }  // namespace

@@ -4,10 +4,10 @@
 #include <fstream>
 
 #include "anatomy/errors.h"
-#include "anatomy/mesh_io.h"
-#include "skinning/mdd_io.h"
-#include "skinning/obj_sequence.h"
-#include "skinning/pc2_io.h"
+#include "anatomy/mesh_files/mesh_io.h"
+#include "skinning/files/mdd_io.h"
+#include "skinning/files/obj_sequence.h"
+#include "skinning/files/pc2_io.h"
 
 namespace ecorche {
 namespace {
@@ -121,7 +121,9 @@ TEST_F(Pc2, BadFilesAreRefused) {
   EXPECT_THROW(read_pc2(file_), InputError);
 }
 
-TEST_F(Pc2, MissingFolderIsAnOutputError) { EXPECT_THROW(Pc2Writer(folder_ / "none" / "skin.pc2", 1), OutputError); }
+TEST_F(Pc2, MissingFolderIsAnOutputError) {
+  EXPECT_THROW(Pc2Writer(folder_ / "none" / "skin.pc2", 1), OutputError);
+}
 
 TEST_F(Mdd, ComesBackExactly) {
   write_two_frames();
@@ -154,7 +156,9 @@ TEST_F(Mdd, BadFilesAreRefused) {
   const std::string good = bytes();
   expect_refused(read_mdd, {0, 5, 9, 17, 63});
   for (const std::size_t at : {0, 4})
-    for (const std::string& count : {std::string("\xff\xff\xff\xff", 4), std::string("\x7f\xff\xff\xff", 4), std::string("\0\0\0\0", 4)}) {
+    for (const std::string& count :
+         {std::string("\xff\xff\xff\xff", 4), std::string("\x7f\xff\xff\xff", 4),
+          std::string("\0\0\0\0", 4)}) {
       std::string bad = good;
       bad.replace(at, 4, count);
       write(bad);
@@ -175,18 +179,20 @@ TEST_F(ObjSequence, ReadsBackExactly) {
   writer.add_frame(std::vector<float>{0.1f, 0, 0, 1, 1, 0, 1e-7f, 1, 0, 1, 0, 1});
   writer.add_frame(std::vector<float>{0, 0, 3, 1, 0, 3, 0, 1.0f / 3, 3}, 3);
   EXPECT_EQ(writer.name(2), folder_ / "frames" / "002.obj");
-  const TriMesh one = read_mesh(folder_ / "frames" / "001.obj"), two = read_mesh(folder_ / "frames" / "002.obj");
+  const TriMesh one = read_mesh(folder_ / "frames" / "001.obj"),
+                two = read_mesh(folder_ / "frames" / "002.obj");
   EXPECT_EQ(one.F, F);
-  EXPECT_EQ(static_cast<float>(one.V(0, 0)), 0.1f);
-  EXPECT_EQ(static_cast<float>(one.V(1, 2)), 1e-7f);
-  EXPECT_EQ(static_cast<float>(two.V(2, 1)), 1.0f / 3);
+  EXPECT_EQ(float(one.V(0, 0)), 0.1f);
+  EXPECT_EQ(float(one.V(1, 2)), 1e-7f);
+  EXPECT_EQ(float(two.V(2, 1)), 1.0f / 3);
   EXPECT_THROW(writer.add_frame(std::vector<float>{0, 0, 0}), std::invalid_argument);
   EXPECT_FALSE(fs::exists(folder_ / "frames" / "003.obj"));
 }
 
 TEST_F(ObjSequence, NeedsANumberAndMakesItsFolder) {
   const Triangles F(0, 3);
-  for (const char* name : {"a.obj", "%04d.ply", "%04f.obj", "%d%d.obj", "%99999d.obj"}) EXPECT_THROW(ObjSequenceWriter(folder_ / name, F), UsageError) << name;
+  for (const char* name : {"a.obj", "%04d.ply", "%04f.obj", "%d%d.obj", "%99999d.obj"})
+    EXPECT_THROW(ObjSequenceWriter(folder_ / name, F), UsageError) << name;
   ObjSequenceWriter(folder_ / "not" / "yet" / "%d.obj", F);
   EXPECT_TRUE(fs::is_directory(folder_ / "not" / "yet"));
   std::ofstream(folder_ / "file") << "in the way";

@@ -1,5 +1,6 @@
-// Laws of pictures: what is drawn is where it should be, in its colour, under its number, the same each time.
-#include "viewer/renderer.h"
+// Laws of pictures: what is drawn is where it should be, in its colour, under its number, the same
+// each time.
+#include "viewer/gl/renderer.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -11,7 +12,7 @@
 
 #include "anatomy/errors.h"
 #include "viewer/camera.h"
-#include "viewer/gl_probe.h"
+#include "viewer/gl/gl_probe.h"
 
 namespace ecorche {
 namespace {
@@ -21,12 +22,13 @@ DrawMesh sphere(int rings) {
   const int around = 2 * rings;
   for (int i = 0; i <= rings; ++i)
     for (int j = 0; j < around; ++j) {
-      const float t = std::numbers::pi_v<float> * static_cast<float>(i) / static_cast<float>(rings);
-      const float p = 2 * std::numbers::pi_v<float> * static_cast<float>(j) / static_cast<float>(around);
-      mesh.positions.emplace_back(std::sin(t) * std::sin(p), std::cos(t), std::sin(t) * std::cos(p));
+      const float t = std::numbers::pi_v<float> * float(i) / float(rings);
+      const float p = 2 * std::numbers::pi_v<float> * float(j) / float(around);
+      mesh.positions.emplace_back(std::sin(t) * std::sin(p), std::cos(t),
+                                  std::sin(t) * std::cos(p));
     }
   mesh.normals = mesh.positions;
-  auto at = [&](int i, int j) { return static_cast<std::uint32_t>(i * around + j % around); };
+  auto at = [&](int i, int j) { return std::uint32_t(i * around + j % around); };
   for (int i = 0; i < rings; ++i)
     for (int j = 0; j < around; ++j) {
       mesh.triangles.emplace_back(at(i, j), at(i + 1, j), at(i + 1, j + 1));
@@ -35,7 +37,8 @@ DrawMesh sphere(int rings) {
   return mesh;
 }
 
-DrawItem ball(const Vec3f& color, std::uint32_t part, const Vec3f& center = Vec3f::Zero(), float radius = 1) {
+DrawItem ball(const Vec3f& color, std::uint32_t part, const Vec3f& center = Vec3f::Zero(),
+              float radius = 1) {
   DrawItem item;
   item.surface.color = color;
   item.part = part;
@@ -100,7 +103,8 @@ TEST_F(RendererTest, picking_gives_the_part_that_is_in_front) {
 TEST_F(RendererTest, the_picture_is_the_right_way_up) {
   DrawList list = red_ball();
   list.camera = orbit_camera(Vec3f::Zero(), 3, 0, 0);
-  list.items[0] = ball({0.9f, 0.1f, 0.1f}, 1, {0.8f, 1.4f, 0}, 0.3f);  // up and on the body's left: right in a front view
+  list.items[0] = ball({0.9f, 0.1f, 0.1f}, 1, {0.8f, 1.4f, 0},
+                       0.3f);  // up and on the body's left: right in a front view
   renderer()->render(list, 160, 160);
   const std::vector<std::uint32_t> parts = renderer()->parts();
   const auto first = std::find(parts.begin(), parts.end(), 1u) - parts.begin();
@@ -128,7 +132,8 @@ TEST_F(RendererTest, the_order_of_glass_and_flesh_does_not_matter) {
 TEST_F(RendererTest, a_dissolving_surface_goes_in_its_order) {
   DrawList list = red_ball();
   list.camera = orbit_camera(Vec3f::Zero(), 1.5f, 0, 0);
-  for (const Vec3f& p : list.meshes[0].positions) list.meshes[0].dissolve.push_back(0.5f + 0.5f * p.y());
+  for (const Vec3f& p : list.meshes[0].positions)
+    list.meshes[0].dissolve.push_back(0.5f + 0.5f * p.y());
   list.items[0].surface.dissolved = 0.5f;
   renderer()->render(list, 100, 100);
   EXPECT_EQ(renderer()->part_at(50, 30), 7u) << "the upper half stays";
@@ -163,7 +168,7 @@ TEST_F(RendererTest, a_shadow_falls_below) {
   const Image image = renderer()->render(list, 200, 200);
   auto brightness = [&](const Vec3f& p) {
     const Vec4f c = m * Vec4f(p.x(), p.y(), p.z(), 1);
-    return image.pixel(static_cast<int>(100 * (1 + c.x() / c.w())), static_cast<int>(100 * (1 - c.y() / c.w())))[1];
+    return image.pixel(int(100 * (1 + c.x() / c.w())), int(100 * (1 - c.y() / c.w())))[1];
   };
   EXPECT_LT(brightness({0, 0, 0}) + 20, brightness({1.2f, 0, 0}));
 }
@@ -184,7 +189,9 @@ TEST_F(RendererTest, bad_sizes_and_lists_are_refused) {
   EXPECT_THROW(renderer()->render(list, 10, 10), std::invalid_argument);
 }
 
-TEST_F(RendererTest, an_empty_list_is_a_background) { EXPECT_NO_THROW(renderer()->render(DrawList{}, 31, 17)); }
+TEST_F(RendererTest, an_empty_list_is_a_background) {
+  EXPECT_NO_THROW(renderer()->render(DrawList{}, 31, 17));
+}
 
 TEST(RendererContext, each_way_to_a_context_draws_the_same_ball) {
   for (const char* kind : {"egl", "pbuffer", "osmesa"}) {
@@ -212,7 +219,8 @@ TEST(RendererContext, a_driver_that_crashes_or_hangs_is_a_reason_and_not_our_end
 TEST(CameraTest, named_views_and_angles) {
   EXPECT_FLOAT_EQ(view_angles("left").azimuth, std::numbers::pi_v<float> / 2);
   EXPECT_FLOAT_EQ(view_angles("180,-90").elevation, -std::numbers::pi_v<float> / 2);
-  for (const char* bad : {"", "up", "1", "1,", "nan,0", "1,2,3"}) EXPECT_THROW(view_angles(bad), UsageError) << bad;
+  for (const char* bad : {"", "up", "1", "1,", "nan,0", "1,2,3"})
+    EXPECT_THROW(view_angles(bad), UsageError) << bad;
   const Camera camera = orbit_camera({1, 2, 3}, 1, view_angles("left").azimuth, 0);
   EXPECT_GT(camera.eye.x(), 2);  // the body's left is +X
   EXPECT_NEAR(camera.eye.z(), 3, 1e-5);
@@ -221,7 +229,8 @@ TEST(CameraTest, named_views_and_angles) {
 TEST(CameraTest, the_ball_that_was_asked_for_is_in_the_picture_from_every_side) {
   for (const char* view : {"front", "top", "bottom", "-120,33"}) {
     const ViewAngles angles = view_angles(view);
-    const Camera camera = orbit_camera({0.2f, 1, -3}, 0.8f, angles.azimuth, angles.elevation, 0.4f, 0.5f);
+    const Camera camera =
+        orbit_camera({0.2f, 1, -3}, 0.8f, angles.azimuth, angles.elevation, 0.4f, 0.5f);
     const Mat4f m = projection_matrix(camera, 0.5f) * view_matrix(camera);
     for (int k = 0; k < 6; ++k) {
       Vec3f p = camera.target;

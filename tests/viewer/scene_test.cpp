@@ -12,10 +12,10 @@
 
 #include "anatomy/errors.h"
 #include "viewer/camera.h"
-#include "viewer/film.h"
+#include "viewer/film/film.h"
 #include "viewer/follow_camera.h"
 #include "viewer/part_names.h"
-#include "viewer/view_document.h"
+#include "viewer/window/view_document.h"
 
 namespace ecorche {
 namespace {
@@ -23,9 +23,11 @@ namespace {
 TriMesh box(const Vec3& low, const Vec3& high) {
   TriMesh mesh;
   mesh.V.resize(8, 3);
-  for (int k = 0; k < 8; ++k) mesh.V.row(k) << (k & 1 ? high : low).x(), (k & 2 ? high : low).y(), (k & 4 ? high : low).z();
+  for (int k = 0; k < 8; ++k)
+    mesh.V.row(k) << (k & 1 ? high : low).x(), (k & 2 ? high : low).y(), (k & 4 ? high : low).z();
   mesh.F.resize(12, 3);
-  mesh.F << 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5;
+  mesh.F << 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4,
+      6, 1, 3, 5, 3, 7, 5;
   return mesh;
 }
 
@@ -43,7 +45,9 @@ Anatomy arm() {
   m.name = m.label = "flexor";
   m.volume = 1e-4;
   Strip strip;
-  strip.path = {{Vec3(0, 0.95, 0.06), {0, -1}, 1}, {Vec3(0, 0.8, 0.07), {0, -1}, 1}, {Vec3(0, 0.6, 0.04), {1, -1}, 1}};
+  strip.path = {{Vec3(0, 0.95, 0.06), {0, -1}, 1},
+                {Vec3(0, 0.8, 0.07), {0, -1}, 1},
+                {Vec3(0, 0.6, 0.04), {1, -1}, 1}};
   for (int k = 0; k < 8; ++k) strip.slices.push_back({k / 7.0, 0, Vec2::Zero(), Vec2(0.02, 0.015)});
   strip.belly_begin = 0.2;
   strip.belly_end = 0.7;
@@ -106,7 +110,8 @@ TEST(SceneTest, layers_that_are_off_are_not_drawn) {
   EXPECT_EQ(kinds({.skin = 1, .muscles = 0, .bones = 0}), (std::multiset<int>{0}));
   EXPECT_EQ(kinds({.skin = 0, .muscles = 1, .bones = 0}), (std::multiset<int>{1}));
   EXPECT_EQ(kinds({.skin = 0, .muscles = 0, .bones = 1}), (std::multiset<int>{2, 3}));
-  EXPECT_EQ(kinds({.skin = 1, .skin_dissolved = 1, .muscles = 0, .bones = 0}), (std::multiset<int>{}));
+  EXPECT_EQ(kinds({.skin = 1, .skin_dissolved = 1, .muscles = 0, .bones = 0}),
+            (std::multiset<int>{}));
 }
 
 TEST(SceneTest, hidden_parts_are_not_drawn_and_come_back) {
@@ -119,8 +124,9 @@ TEST(SceneTest, hidden_parts_are_not_drawn_and_come_back) {
     update_scene(model, posed_arm(a, 0), nullptr, {}, appearance, 1, scene);
     std::set<std::uint32_t> drawn;
     for (const DrawItem& item : scene.list.items) {
-      const DrawMesh& mesh = scene.list.meshes[static_cast<std::size_t>(item.mesh)];
-      for (const Triangle32& t : mesh.triangles) drawn.insert(mesh.parts.empty() ? item.part : mesh.parts[t[0]]);
+      const DrawMesh& mesh = scene.list.meshes[item.mesh];
+      for (const Triangle32& t : mesh.triangles)
+        drawn.insert(mesh.parts.empty() ? item.part : mesh.parts[t[0]]);
     }
     return drawn;
   };
@@ -141,11 +147,13 @@ TEST(PartNamesTest, names_mean_what_people_mean_by_them) {
   a.bones[1].name = "femur_r", a.bones[1].side = Side::right;
   const Muscle flexor = a.muscles[0];
   a.muscles.clear();
-  for (const char* name : {"biceps_femoris_long_l", "biceps_femoris_long_r", "biceps_femoris_short_l", "rectus_femoris_l"}) {
+  for (const char* name : {"biceps_femoris_long_l", "biceps_femoris_long_r",
+                           "biceps_femoris_short_l", "rectus_femoris_l"}) {
     a.muscles.push_back(flexor);
     a.muscles.back().name = name;
     a.muscles.back().side = std::string_view(name).ends_with("_l") ? Side::left : Side::right;
-    a.muscles.back().group = std::string_view(name).starts_with("rectus") ? "thigh_front" : "thigh_back";
+    a.muscles.back().group =
+        std::string_view(name).starts_with("rectus") ? "thigh_front" : "thigh_back";
     a.muscles.back().layer = "superficial";
   }
   const std::uint32_t bone = kFirstBonePart, muscle = kFirstMusclePart;
@@ -187,7 +195,8 @@ TEST(SceneTest, a_shortened_muscle_is_brighter_and_a_stretched_one_darker) {
     update_scene(model, posed, nullptr, std::vector<float>{activity}, appearance, 1, scene);
     float most = 0;
     for (int i = 0; i < model.surface.vertices(); ++i)
-      if (model.surface.belly[i] > 0.99f) most = std::max(most, scene.list.meshes[1].colors[i].sum());
+      if (model.surface.belly[i] > 0.99f)
+        most = std::max(most, scene.list.meshes[1].colors[i].sum());
     return most;
   };
   EXPECT_GT(belly_light(1, MuscleColors::flesh), belly_light(0, MuscleColors::flesh) + 0.1f);
@@ -213,7 +222,8 @@ TEST(SceneTest, values_of_another_character_are_refused) {
   const SceneModel model = make_scene_model(a, arm_skin);
   Scene scene;
   PosedAnatomy posed = posed_arm(a, 0);
-  EXPECT_THROW(update_scene(model, posed, nullptr, std::vector<float>(7), {}, 1, scene), std::invalid_argument);
+  EXPECT_THROW(update_scene(model, posed, nullptr, std::vector<float>(7), {}, 1, scene),
+               std::invalid_argument);
   SkinFrame skin;
   skin.positions.resize(4);
   EXPECT_THROW(update_scene(model, posed, &skin, {}, {}, 1, scene), std::invalid_argument);
@@ -225,9 +235,12 @@ TEST(SceneTest, values_of_another_character_are_refused) {
 std::vector<std::vector<Vec3f>> running_figure() {
   std::vector<std::vector<Vec3f>> figures;
   for (int f = 0; f < 240; ++f) {
-    const float flight = f > 120 && f < 150 ? 0.8f * std::sin(static_cast<float>(f - 120) / 30 * 3.14159f) : 0;
-    const float foot = flight + 0.05f * std::sin(static_cast<float>(f) * 0.9f), z = 0.25f * static_cast<float>(f);
-    figures.push_back({{0, 0, z}, {0, foot, z - 0.5f}, {0, foot + (flight > 0 ? 2.2f : 1.8f), z}, {0.2f, foot + 1, z + 0.5f}});
+    const float flight = f > 120 && f < 150 ? 0.8f * std::sin(float(f - 120) / 30 * 3.14159f) : 0;
+    const float foot = flight + 0.05f * std::sin(float(f) * 0.9f), z = 0.25f * float(f);
+    figures.push_back({{0, 0, z},
+                       {0, foot, z - 0.5f},
+                       {0, foot + (flight > 0 ? 2.2f : 1.8f), z},
+                       {0.2f, foot + 1, z + 0.5f}});
   }
   return figures;
 }
@@ -239,14 +252,18 @@ TEST(FollowTest, the_camera_keeps_the_whole_athlete_in_sight_and_does_not_shake)
     ASSERT_EQ(cameras.size(), figures.size());
     for (std::size_t f = 0; f < figures.size(); ++f) {
       for (const Vec3f& point : figures[f]) {
-        const Vec4f p = projection_matrix(cameras[f], aspect) * view_matrix(cameras[f]) * point.homogeneous();
-        EXPECT_LT(p.head<2>().cwiseAbs().maxCoeff(), 0.9401f * p.w()) << "beyond the margin in frame " << f;
+        const Vec4f p =
+            projection_matrix(cameras[f], aspect) * view_matrix(cameras[f]) * point.homogeneous();
+        EXPECT_LT(p.head<2>().cwiseAbs().maxCoeff(), 0.9401f * p.w())
+            << "beyond the margin in frame " << f;
       }
       if (f > 1) {
-        EXPECT_LT((cameras[f].eye - 2 * cameras[f - 1].eye + cameras[f - 2].eye).norm(), 0.03f) << f;
+        EXPECT_LT((cameras[f].eye - 2 * cameras[f - 1].eye + cameras[f - 2].eye).norm(), 0.03f)
+            << f;
       }
     }
-    EXPECT_LT(cameras.back().eye.x(), -3) << "ends on the right side: the athlete goes from left to right";
+    EXPECT_LT(cameras.back().eye.x(), -3)
+        << "ends on the right side: the athlete goes from left to right";
   }
   EXPECT_TRUE(follow({}, 30).empty());
 }
@@ -270,7 +287,8 @@ class FilmTest : public testing::Test {
     return [a, model = make_scene_model(a, arm_skin)](int f, Scene& scene) {
       Appearance appearance;
       appearance.looks[0].skin = 0.2f;
-      update_scene(model, posed_arm(a, 0.1 * f), nullptr, {}, appearance, static_cast<std::uint64_t>(f) + 1, scene);
+      update_scene(model, posed_arm(a, 0.1 * f), nullptr, {}, appearance, std::uint64_t(f) + 1,
+                   scene);
       scene.list.camera = orbit_camera({0, 0.7f, 0}, 0.5f, 0.6f, 0.1f);
     };
   }
@@ -288,7 +306,8 @@ TEST_F(FilmTest, pictures_are_numbered_and_differ) {
   EXPECT_EQ(report.frames, 4);
   EXPECT_EQ(report.width, 61);
   std::set<std::string> different;
-  for (const char* name : {"0001.png", "0002.png", "0003.png", "0004.png"}) different.insert(bytes(folder_ / name));
+  for (const char* name : {"0001.png", "0002.png", "0003.png", "0004.png"})
+    different.insert(bytes(folder_ / name));
   EXPECT_EQ(different.size(), 4u);
   EXPECT_FALSE(different.contains(""));
 }
@@ -300,7 +319,9 @@ TEST_F(FilmTest, two_scenes_in_turn_draw_what_one_would) {
   for (int f = 0; f < 6; ++f) {
     source()(f, scene);
     const std::vector<std::uint8_t> alone = encode_png(renderer.render(scene.list, 60, 40));
-    EXPECT_EQ(bytes(folder_ / fmt::format("{}.png", f + 1)), std::string(alone.begin(), alone.end())) << f;
+    EXPECT_EQ(bytes(folder_ / fmt::format("{}.png", f + 1)),
+              std::string(alone.begin(), alone.end()))
+        << f;
   }
 }
 
@@ -340,7 +361,8 @@ TEST_F(FilmTest, what_cannot_be_made_is_refused_and_leaves_nothing) {
 }
 
 TEST_F(FilmTest, the_folder_of_numbered_pictures_is_made) {
-  make_film({.output = folder_ / "new" / "deep" / "%d.png", .width = 32, .height = 20}, 2, source());
+  make_film({.output = folder_ / "new" / "deep" / "%d.png", .width = 32, .height = 20}, 2,
+            source());
   EXPECT_TRUE(std::filesystem::exists(folder_ / "new" / "deep" / "2.png"));
 }
 
@@ -349,7 +371,8 @@ TEST_F(FilmTest, an_error_of_the_source_comes_out_and_no_film_stays) {
     if (f == 3) throw InputError("frame 3 is broken");
     inner(f, scene);
   };
-  EXPECT_THROW(make_film({.output = folder_ / "a.mp4", .width = 64, .height = 40}, 6, failing), InputError);
+  EXPECT_THROW(make_film({.output = folder_ / "a.mp4", .width = 64, .height = 40}, 6, failing),
+               InputError);
   EXPECT_TRUE(empty());
 }
 
@@ -378,7 +401,8 @@ TEST(ViewDocumentTest, the_clock_and_the_mouse) {
 
 // Where a point is seen, in pixels from the upper left.
 Eigen::Vector2f seen_at(const Camera& camera, const Vec3f& p, float width, float height) {
-  const Vec4f clip = projection_matrix(camera, width / height) * view_matrix(camera) * p.homogeneous();
+  const Vec4f clip =
+      projection_matrix(camera, width / height) * view_matrix(camera) * p.homogeneous();
   return {0.5f * (1 + clip.x() / clip.w()) * width, 0.5f * (1 - clip.y() / clip.w()) * height};
 }
 
@@ -388,7 +412,8 @@ TEST(ViewDocumentTest, the_whole_figure_is_in_its_room_tall_or_short_from_every_
   ViewSubject subject{.anatomy = &a, .model = &model};
   const Vec3f root(3, 0.95f, -2);
   for (const float stature : {1.41f, 1.75f, 2.05f})
-    for (const auto& [width, height] : {std::pair{1280.0f, 800.0f}, {700.0f, 900.0f}, {1920.0f, 500.0f}})
+    for (const auto& [width, height] :
+         {std::pair{1280.0f, 800.0f}, {700.0f, 900.0f}, {1920.0f, 500.0f}})
       for (const char* view : {"front", "left", "top", "bottom", "oblique", "140,-30"})
         for (const bool parallel : {false, true}) {
           subject.bounds = {Vec3f(-0.3f * stature, 0, -0.1f), Vec3f(0.3f * stature, stature, 0.2f)};
@@ -401,14 +426,20 @@ TEST(ViewDocumentTest, the_whole_figure_is_in_its_room_tall_or_short_from_every_
           const Camera camera = camera_of(document, root, width, height, room);
           float highest = 0;
           for (int k = 0; k < 8; ++k) {
-            const Vec3f corner = subject.bounds.corner(static_cast<Eigen::AlignedBox3f::CornerType>(k)) + Vec3f(root.x(), 0, root.z());
+            const Vec3f corner =
+                subject.bounds.corner(static_cast<Eigen::AlignedBox3f::CornerType>(k)) +
+                Vec3f(root.x(), 0, root.z());
             const Eigen::Vector2f p = seen_at(camera, corner, width, height);
-            const std::string where = fmt::format("{} m, {} x {}, {}{}: ({}, {})", stature, width, height, view, parallel ? ", parallel" : "", p.x(), p.y());
+            const std::string where =
+                fmt::format("{} m, {} x {}, {}{}: ({}, {})", stature, width, height, view,
+                            parallel ? ", parallel" : "", p.x(), p.y());
             EXPECT_GE(p.x(), room.x) << where;
             EXPECT_LE(p.x(), room.x + room.width) << where;
             EXPECT_GE(p.y(), room.y) << where;
             EXPECT_LE(p.y(), room.y + room.height) << where;
-            highest = std::max({highest, std::abs(p.y() - (room.y + 0.5f * room.height)) / room.height, std::abs(p.x() - (room.x + 0.5f * room.width)) / room.width});
+            highest =
+                std::max({highest, std::abs(p.y() - (room.y + 0.5f * room.height)) / room.height,
+                          std::abs(p.x() - (room.x + 0.5f * room.width)) / room.width});
           }
           EXPECT_GT(highest, 0.4f) << "and it fills it";
         }

@@ -1,5 +1,5 @@
 // A film is whole or not there, whatever the program that encodes it does.
-#include "viewer/video_pipe.h"
+#include "viewer/film/video_pipe.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 #include <string>
 
 #include "anatomy/errors.h"
-#include "viewer/film_check.h"
+#include "viewer/film/film_check.h"
 
 namespace ecorche {
 namespace {
@@ -46,7 +46,7 @@ class VideoPipeTest : public testing::Test {
     Image image = make_image(kWidth, kHeight);
     std::mt19937 noise(1);  // so that the film is large
     for (int f = 0; f < kFrames; ++f) {
-      for (std::uint8_t& value : image.rgba) value = static_cast<std::uint8_t>(noise() >> 24);
+      for (std::uint8_t& value : image.rgba) value = std::uint8_t(noise() >> 24);
       pipe.add(image);
     }
     pipe.finish();
@@ -60,10 +60,13 @@ class VideoPipeTest : public testing::Test {
   fs::path folder_;
 };
 
-bool says(const std::string& text, const std::string& word) { return text.find(word) != std::string::npos; }
+bool says(const std::string& text, const std::string& word) {
+  return text.find(word) != std::string::npos;
+}
 
 TEST_F(VideoPipeTest, a_program_that_fails_gives_its_own_reason) {
-  const std::string why = make(script("cat > /dev/null; echo 'No space left on the moon' >&2; exit 3"));
+  const std::string why =
+      make(script("cat > /dev/null; echo 'No space left on the moon' >&2; exit 3"));
   EXPECT_TRUE(says(why, "exit code 3") && says(why, "No space left on the moon")) << why;
   const std::string early = make(script("echo 'unknown encoder' >&2; exit 8"));
   EXPECT_TRUE(says(early, "exit code 8") && says(early, "unknown encoder")) << early;
@@ -79,7 +82,8 @@ TEST_F(VideoPipeTest, a_program_that_writes_nothing_is_no_success) {
 
 TEST_F(VideoPipeTest, a_program_that_hangs_is_ended_with_all_that_it_started) {
   const auto start = std::chrono::steady_clock::now();
-  const std::string deaf = make(script("sleep 1000 & echo $! > " + (folder_ / "started").string() + "; wait"), 0.3);
+  const std::string deaf =
+      make(script("sleep 1000 & echo $! > " + (folder_ / "started").string() + "; wait"), 0.3);
   EXPECT_TRUE(says(deaf, "has read nothing")) << deaf;
   const std::string endless = make(script("cat > /dev/null; sleep 1000"), 0.3);
   EXPECT_TRUE(says(endless, "has not ended")) << endless;
@@ -106,7 +110,8 @@ TEST_F(VideoPipeTest, a_film_that_lacks_a_picture_or_a_byte_is_not_whole) {
   EXPECT_EQ(film_fault(film(), kFrames), "");
   EXPECT_TRUE(says(film_fault(film(), kFrames + 1), "7 pictures of 8"));
   const auto bytes = fs::file_size(film());
-  for (const auto kept : {bytes - 1, bytes / 2, bytes / 10, std::uintmax_t{40}, std::uintmax_t{5}}) {
+  for (const auto kept :
+       {bytes - 1, bytes / 2, bytes / 10, std::uintmax_t{40}, std::uintmax_t{5}}) {
     const fs::path cut = folder_ / "cut.mp4";
     fs::copy_file(film(), cut, fs::copy_options::overwrite_existing);
     fs::resize_file(cut, kept);
@@ -114,7 +119,9 @@ TEST_F(VideoPipeTest, a_film_that_lacks_a_picture_or_a_byte_is_not_whole) {
   }
   EXPECT_NE(film_fault(folder_ / "none.mp4", kFrames), "");
   // A film of fewer frames than were sent.
-  EXPECT_TRUE(says(make(script("head -c 400000 | ffmpeg \"$@\" 2> /dev/null; cat > /dev/null; exit 0")), "not whole"));
+  EXPECT_TRUE(
+      says(make(script("head -c 400000 | ffmpeg \"$@\" 2> /dev/null; cat > /dev/null; exit 0")),
+           "not whole"));
 }
 
 TEST_F(VideoPipeTest, a_full_disk_is_said) {

@@ -1,5 +1,5 @@
 // The window under a virtual display: it shows, picks and closes by itself.
-#include "viewer/window.h"
+#include "viewer/window/window.h"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -18,9 +18,9 @@
 #include <tuple>
 
 #include "anatomy/errors.h"
-#include "viewer/file_panel.h"
-#include "viewer/panels.h"
-#include "viewer/view_keys.h"
+#include "viewer/window/file_panel.h"
+#include "viewer/window/panels.h"
+#include "viewer/window/view_keys.h"
 
 #ifdef ECORCHE_X11
 #include <X11/Xlib.h>
@@ -39,14 +39,17 @@ Anatomy block() {
   a.skeleton.joints[0].X_PJ.translation() = Vec3(0, 0.9, 0);
   Bone bone{"hip_bone_l", Side::left, 0, {}};
   bone.mesh.V.resize(8, 3);
-  for (int k = 0; k < 8; ++k) bone.mesh.V.row(k) << (k & 1 ? 0.2 : -0.2), 0.9 + (k & 2 ? 0.2 : -0.2), (k & 4 ? 0.2 : -0.2);
+  for (int k = 0; k < 8; ++k)
+    bone.mesh.V.row(k) << (k & 1 ? 0.2 : -0.2), 0.9 + (k & 2 ? 0.2 : -0.2), (k & 4 ? 0.2 : -0.2);
   bone.mesh.F.resize(12, 3);
-  bone.mesh.F << 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5;
+  bone.mesh.F << 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2,
+      4, 6, 1, 3, 5, 3, 7, 5;
   a.bones.push_back(bone);
   return a;
 }
 
-ViewSubject look_at(const Anatomy& a, const SceneModel& model, std::chrono::milliseconds slow = {}) {
+ViewSubject look_at(const Anatomy& a, const SceneModel& model,
+                    std::chrono::milliseconds slow = {}) {
   ViewSubject subject{.anatomy = &a, .model = &model, .frames = 10, .fps = 30};
   subject.pose = [&a, slow](int frame, PosedAnatomy& posed, SkinFrame&) {
     std::this_thread::sleep_for(slow);
@@ -58,7 +61,8 @@ ViewSubject look_at(const Anatomy& a, const SceneModel& model, std::chrono::mill
   return subject;
 }
 
-// Red, green, blue of a PNG file that we wrote, without decoding: the pictures themselves are compared.
+// Red, green, blue of a PNG file that we wrote, without decoding: the pictures themselves are
+// compared.
 std::string bytes_of(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
@@ -84,7 +88,14 @@ TEST_F(WindowTest, shows_picks_and_takes_a_picture) {
   ViewDocument start;
   start.playing = true;
   // The figure's room is to the right of the panels; in a window as small as this, all of it.
-  const ViewDocument end = run_window(look_at(a, model), {.width = 320, .height = 480, .frames = 4, .screenshot = picture, .pick_x = 0.5, .pick_y = 0.42}, start);
+  const ViewDocument end = run_window(look_at(a, model),
+                                      {.width = 320,
+                                       .height = 480,
+                                       .frames = 4,
+                                       .screenshot = picture,
+                                       .pick_x = 0.5,
+                                       .pick_y = 0.42},
+                                      start);
   EXPECT_EQ(part_of(end.selected).kind, Part::Kind::bone);
   EXPECT_NEAR(end.time, 4.0 / 30, 1e-6);
   EXPECT_EQ(bytes_of(picture).substr(0, 8), "\x89PNG\r\n\x1a\n");
@@ -93,9 +104,16 @@ TEST_F(WindowTest, shows_picks_and_takes_a_picture) {
 TEST_F(WindowTest, a_click_leaves_the_panels_where_they_are) {
   const Anatomy a = block();
   const SceneModel model = make_scene_model(a, {});
-  run_window(look_at(a, model), {.width = 640, .height = 480, .frames = 1, .screenshot = folder_ / "clicked.png", .pick_x = 0.99, .pick_y = 0.01});
-  run_window(look_at(a, model), {.width = 640, .height = 480, .frames = 1, .screenshot = folder_ / "left_alone.png"});
-  EXPECT_EQ(bytes_of(folder_ / "clicked.png"), bytes_of(folder_ / "left_alone.png")) << "nothing lies there: nothing is picked, nothing changes";
+  run_window(look_at(a, model), {.width = 640,
+                                 .height = 480,
+                                 .frames = 1,
+                                 .screenshot = folder_ / "clicked.png",
+                                 .pick_x = 0.99,
+                                 .pick_y = 0.01});
+  run_window(look_at(a, model),
+             {.width = 640, .height = 480, .frames = 1, .screenshot = folder_ / "left_alone.png"});
+  EXPECT_EQ(bytes_of(folder_ / "clicked.png"), bytes_of(folder_ / "left_alone.png"))
+      << "nothing lies there: nothing is picked, nothing changes";
 }
 
 #ifdef ECORCHE_X11
@@ -103,7 +121,9 @@ TEST_F(WindowTest, a_click_leaves_the_panels_where_they_are) {
 class Hands {
  public:
   Hands() {
-    XSetErrorHandler([](Display*, XErrorEvent*) { return 0; });  // a window may close between a key's way down and up
+    XSetErrorHandler([](Display*, XErrorEvent*) {
+      return 0;
+    });  // a window may close between a key's way down and up
     for (int tries = 0; tries < 400 && !window_; ++tries) {
       if (display_) window_ = find(DefaultRootWindow(display_));
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -168,13 +188,17 @@ class Hands {
   Window window_ = 0;
 };
 
-// Shows while another thread has its hands on the window, and closes it; it closes by itself should they fail.
+// Shows while another thread has its hands on the window, and closes it; it closes by itself should
+// they fail.
 template <class Act>
 ViewDocument with_hands(ViewSubject subject, const ViewDocument& start, const Act& act) {
   const WindowOptions options{.width = 320, .height = 240, .frames = 3000};
-  subject.update = [](ViewDocument&, bool) { std::this_thread::sleep_for(std::chrono::milliseconds(5)); };
+  subject.update = [](ViewDocument&, bool) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  };
   std::jthread person([&] {
-    std::this_thread::sleep_for(std::chrono::milliseconds(300));  // the window of before goes, ours comes
+    std::this_thread::sleep_for(
+        std::chrono::milliseconds(300));  // the window of before goes, ours comes
     const Hands hands;
     EXPECT_TRUE(hands.ready());
     if (!hands.ready()) return;
@@ -193,13 +217,14 @@ TEST_F(WindowTest, a_short_tap_counts_however_long_a_frame_takes) {
   start.playing = true;  // so that each frame is posed, slowly
   start.panels = false;
   // Layers: skin once, bones twice; a view; pause.
-  const ViewDocument end = with_hands(look_at(a, model, std::chrono::milliseconds(250)), start, [](const Hands& hands) {
-    hands.tap(XK_s);
-    hands.tap(XK_b);
-    hands.tap(XK_b);
-    hands.tap(XK_7, ControlMask);
-    hands.tap(XK_space);
-  });
+  const ViewDocument end =
+      with_hands(look_at(a, model, std::chrono::milliseconds(250)), start, [](const Hands& hands) {
+        hands.tap(XK_s);
+        hands.tap(XK_b);
+        hands.tap(XK_b);
+        hands.tap(XK_7, ControlMask);
+        hands.tap(XK_space);
+      });
   EXPECT_FALSE(end.playing);
   EXPECT_EQ(end.look.skin, 1);
   EXPECT_EQ(end.look.bones, 1);
@@ -211,13 +236,16 @@ TEST_F(WindowTest, clicks_pick_and_keys_hide_isolate_and_show) {
   const SceneModel model = make_scene_model(a, {});
   ViewDocument start;
   start.panels = false;
-  const ViewDocument picked = with_hands(look_at(a, model), start, [](const Hands& hands) { hands.click(160, 120); });
+  const ViewDocument picked =
+      with_hands(look_at(a, model), start, [](const Hands& hands) { hands.click(160, 120); });
   EXPECT_EQ(picked.selected, kFirstBonePart);
   EXPECT_EQ(picked.azimuth, start.azimuth) << "a click does not turn";
-  const ViewDocument hidden = with_hands(look_at(a, model), picked, [](const Hands& hands) { hands.tap(XK_h); });
+  const ViewDocument hidden =
+      with_hands(look_at(a, model), picked, [](const Hands& hands) { hands.tap(XK_h); });
   EXPECT_EQ(hidden.hidden, std::vector<std::uint32_t>{kFirstBonePart});
   EXPECT_EQ(hidden.selected, 0u);
-  const ViewDocument shown = with_hands(look_at(a, model), hidden, [](const Hands& hands) { hands.tap(XK_h, Mod1Mask); });
+  const ViewDocument shown =
+      with_hands(look_at(a, model), hidden, [](const Hands& hands) { hands.tap(XK_h, Mod1Mask); });
   EXPECT_TRUE(shown.hidden.empty());
   EXPECT_TRUE(shown.closing);
 }
@@ -288,9 +316,11 @@ TEST(ViewKeysTest, hiding_isolating_and_showing) {
 }
 
 TEST(FilePanelTest, folders_first_then_what_can_be_opened) {
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() / fmt::format("ecorche_files_{}", ::getpid());
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / fmt::format("ecorche_files_{}", ::getpid());
   std::filesystem::create_directories(folder / "motions");
-  for (const char* name : {"walk.bvh", "anna.glb", "notes.txt", ".hidden.glb"}) std::ofstream(folder / name) << "x";
+  for (const char* name : {"walk.bvh", "anna.glb", "notes.txt", ".hidden.glb"})
+    std::ofstream(folder / name) << "x";
   std::vector<std::string> names;
   for (const FolderEntry& entry : list_folder(folder)) names.push_back(entry.name);
   EXPECT_EQ(names, (std::vector<std::string>{"motions", "anna.glb", "walk.bvh"}));

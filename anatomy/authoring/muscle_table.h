@@ -1,0 +1,155 @@
+// The muscle table: attachments, paths, bellies and architecture of the muscles of one side, as
+// written in data/muscles.
+//
+// Everything hangs on named landmarks of bones (data/landmarks/*.csv). A path point is a landmark
+// and a small offset, so that the table survives a change of bones: whoever moves the landmarks
+// moves the muscles. data/muscles/README.md describes the text format. In memory: metres and
+// radians in the source frame, the frame of the bone package's neutral pose (left is +x, the
+// mid-plane lies at x = kSourceMidPlane); the files give millimetres to the left of the mid-plane,
+// up and forward.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "anatomy/anatomy.h"
+#include "anatomy/bones/bone_package.h"
+
+namespace ecorche {
+
+// A named point on a bone or on a soft carrier of the left side.
+struct SourceLandmark {
+  std::string id;       // "acromion_front"
+  std::string carrier;  // bone without side suffix, or the name of a soft carrier
+  std::string rule;     // how to find it, in words
+  Vec3 position = Vec3::Zero();
+  std::string where;  // "arm.csv:17", for messages
+};
+
+// What carries points that no bone carries. The first joint's share is constant, or falls with
+// height.
+struct SoftCarrier {
+  std::string name;
+  std::array<std::string, 2> joints;  // without side suffix
+  double share = 1;
+  double high = 0,
+         low = 0;  // share 1 at and above `high`, 0 at and below `low`; both 0: constant share
+  std::string where;
+};
+
+struct TableWrap {
+  std::string name;
+  Wrap::Kind kind = Wrap::Kind::sphere;
+  int landmark = 0;
+  Vec3 offset = Vec3::Zero();
+  Vec3 axis = Vec3::UnitZ();  // of a cylinder
+  Vec3 radii = Vec3::Zero();  // as in Wrap
+  std::string where;
+};
+
+struct TablePoint {
+  int landmark = 0;
+  Vec3 offset = Vec3::Zero();
+};
+
+struct TableSection {
+  double s = 0;               // fraction of the length of the polyline through the path points
+  Vec2 radii = Vec2::Zero();  // half width, half thickness
+  // direction of the width axis; the length and the part along the line mean nothing
+  Vec3 width = Vec3::UnitX();
+};
+
+struct TableStrip {
+  struct WrapUse {
+    int wrap = 0;
+    double radius = 0;  // replaces the wrap's radius if positive
+  };
+  std::vector<TablePoint> path;
+  std::vector<TableSection> sections;  // rising s from 0 to 1
+  std::vector<WrapUse> wraps;
+  double belly_begin = 0, belly_end = 1;  // fractions as in TableSection
+  std::string where;
+};
+
+struct TableMuscle {
+  std::string name;  // without side suffix
+  std::string label, group, layer, shape, origin, insertion, action, note;
+  std::vector<std::string> sources;
+  std::vector<std::string>
+      compare;  // paths of the MJCF that take the same way, without side; for comparison only
+  double volume_male = 0, volume_female = 0;  // one side, m^3
+  double fibre_length = 0;                    // m
+  double pennation = 0;                       // rad
+  double tendon_fraction = 0;                 // of the length of muscle and tendon
+  bool sheet = false;
+  std::vector<TableStrip> strips;
+  std::string where;
+};
+
+struct MuscleTable {
+  std::vector<SourceLandmark> landmarks;
+  std::vector<SoftCarrier> carriers;
+  std::vector<TableWrap> wraps;
+  std::vector<TableMuscle> muscles;
+};
+
+int find_landmark(const MuscleTable& table, std::string_view id);  // index or -1
+Vec3 position(const MuscleTable& table, const TablePoint& point);  // source frame, left side
+
+// Reads `data_dir`/landmarks/*.csv and `data_dir`/muscles/*.txt, files in alphabetical order.
+// Throws InputError "thigh.txt:12: sartorius: ..." for anything that is not what the format says:
+// unknown keywords, landmarks, wraps or carriers, numbers that are missing or not finite, values
+// out of range, paths of one point, an origin that is the insertion, names given twice, sections
+// that do not run from 0 to 1.
+MuscleTable read_muscle_table(const std::filesystem::path& data_dir);
+
+// Adds the content of one muscle file to a table; `name` stands for the file in messages.
+// References are to what is in the table already.
+void read_muscle_text(std::string_view text, const std::string& name, MuscleTable& table);
+void read_landmark_text(std::string_view text, const std::string& name, MuscleTable& table);
+
+struct PlaceOptions {
+  Sex sex = Sex::male;
+  int min_slices = 12;  // a strip; longer paths get more
+  int max_slices = 24;
+};
+
+// Left and right muscles on the source skeleton: each left one followed by its mirror image. Strips
+// have their slices spread so that bends and bellies get most, and the muscle's tubes together have
+// the table's volume: bellies are scaled for it, tendons keep their sections; sheets change in
+// thickness only. Throws InputError when a landmark's bone or a carrier's joint is not in the
+// skeleton.
+std::vector<Muscle> place_muscles(const MuscleTable& table, const Anatomy& source,
+                                  const PlaceOptions& options = {});
+
+// How far the ends of the strips lie from the bones that their landmarks name. Ends on soft
+// carriers are left out.
+struct Attachment {
+  int muscle = 0, strip = 0;  // indices into the anatomy's muscles
+  bool origin = true;
+  std::string bone;
+  double distance = 0;  // from the end of the path to the bone's surface, m
+};
+
+// Precondition: anatomy.muscles were placed from this table (in whatever body they are by now).
+std::vector<Attachment> measure_attachments(const MuscleTable& table, const Anatomy& anatomy);
+
+// How far a path of the MJCF runs from our muscle: its points' distances from the nearest of our
+// strips' lines.
+struct PathComparison {
+  int muscle = 0;  // index into the anatomy's muscles
+  std::vector<std::string> paths;
+  int points = 0;
+  double mean = 0, worst = 0;  // m
+};
+
+// For left muscles with paths to compare. Preconditions: anatomy.muscles were placed from this
+// table on the source skeleton; `paths` are read_tendon_paths of it. Names that `paths` does not
+// have are passed over.
+std::vector<PathComparison> compare_paths(const MuscleTable& table, const Anatomy& anatomy,
+                                          const std::vector<TendonPath>& paths);
+
+}  // namespace ecorche

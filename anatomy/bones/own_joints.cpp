@@ -1,0 +1,43 @@
+#include "anatomy/bones/own_joints.h"
+
+#include <fmt/format.h>
+
+#include "anatomy/errors.h"
+#include "anatomy/files/csv_table.h"
+#include "anatomy/files/package_archive.h"
+
+namespace ecorche {
+namespace {
+
+// A row marked as paired stands for both sides; its parent is on the same side where that is
+// paired, too.
+std::string sided(const Table& table, const std::string& name, const char* side) {
+  for (int row = 0; row < table.rows(); ++row)
+    if (table.text(row, "name") == name)
+      return table.text(row, "paired") == "yes" ? name + side : name;
+  return name;
+}
+
+}  // namespace
+
+void require_own_joints(const Skeleton& skeleton, const std::string& file) {
+  const Table table(data_folder() / "joints.csv");
+  for (int row = 0; row < table.rows(); ++row)
+    for (const char* side : {"_l", "_r"}) {
+      const std::string name = sided(table, table.text(row, "name"), side),
+                        parent = sided(table, table.text(row, "parent"), side);
+      const int j = find_joint(skeleton, name);
+      if (j < 0)
+        throw UnfitError(fmt::format(
+            "{}: its skeleton has no joint '{}'; `ecorche fit` makes characters with all of ours",
+            file, name));
+      const int above = skeleton.joints[j].parent;
+      const std::string found = above < 0 ? "" : skeleton.joints[above].name;
+      if (found != parent)
+        throw UnfitError(
+            fmt::format("{}: joint '{}' hangs on '{}'; in our skeleton it does on '{}'", file, name,
+                        found, parent));
+    }
+}
+
+}  // namespace ecorche

@@ -1,0 +1,15 @@
+// The joints that our own skeleton has to have.
+#pragma once
+
+#include <string>
+
+#include "anatomy/skeleton.h"
+
+namespace ecorche {
+
+// Throws UnfitError "FILE: ..." that names the first joint of data/joints.csv which the skeleton
+// lacks or has under another parent. What moves, judges or exports a character asks for joints by
+// these names.
+void require_own_joints(const Skeleton& skeleton, const std::string& file);
+
+}  // namespace ecorche

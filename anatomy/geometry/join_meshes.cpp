@@ -1,0 +1,19 @@
+#include "anatomy/geometry/join_meshes.h"
+
+namespace ecorche {
+
+TriMesh join_meshes(const std::vector<const TriMesh*>& parts) {
+  Eigen::Index vertices = 0, triangles = 0;
+  for (const TriMesh* part : parts) vertices += part->V.rows(), triangles += part->F.rows();
+  TriMesh out{Points(vertices, 3), Triangles(triangles, 3)};
+  vertices = triangles = 0;
+  for (const TriMesh* part : parts) {
+    out.V.middleRows(vertices, part->V.rows()) = part->V;
+    out.F.middleRows(triangles, part->F.rows()) = part->F.array() + int(vertices);
+    vertices += part->V.rows();
+    triangles += part->F.rows();
+  }
+  return out;
+}
+
+}  // namespace ecorche

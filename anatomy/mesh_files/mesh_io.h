@@ -1,0 +1,45 @@
+// Triangle meshes from and to files: OBJ, PLY (ASCII, binary of either byte order), GLB.
+//
+// The format is told by the first bytes, not by the ending. Numbers are taken as they stand: units
+// and axes are the caller's. Nothing that a file names is ever opened (materials, textures, buffers
+// outside). Polygons are cut into triangles.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "anatomy/types.h"
+
+namespace ecorche {
+
+struct MeshPart {
+  // of the glTF node; empty in OBJ and PLY, which give one part in the order of the file's vertices
+  std::string name;
+  TriMesh mesh;
+};
+
+struct MeshFile {
+  std::vector<MeshPart> parts;
+  std::vector<std::string> notes;  // what was mended or passed over, for people
+};
+
+// Throws InputError that names file and line or element (malformed, truncated, not finite, index
+// out of range), UnfitError (no faces, faces of a kind that is not read), LimitError (2^27 vertices
+// or faces, polygons of 10,000 corners).
+MeshFile read_mesh_file(const std::filesystem::path& file);
+
+// As above from memory; `name` is what messages call it.
+MeshFile parse_mesh(std::string_view bytes, const std::string& name);
+
+// All parts as one mesh.
+TriMesh all_parts(const MeshFile& file);
+TriMesh read_mesh(const std::filesystem::path& file);
+
+// Coordinates survive exactly. Throws OutputError; never leaves half a file.
+void write_obj(const std::filesystem::path& file, const TriMesh& mesh);
+void write_ply(const std::filesystem::path& file,
+               const TriMesh& mesh);  // binary little endian, double
+
+}  // namespace ecorche

@@ -1,0 +1,35 @@
+// Muscles into another body: every path point, wrap and width direction goes where the bones that
+// carry it go.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "anatomy/anatomy.h"
+
+namespace ecorche {
+
+// Where a rest point that rides on `joint` lies in the new body's rest pose, world to world. Need
+// not be rigid; must be smooth over a few centimetres (directions are carried by differences over 5
+// mm).
+using CarryMap = std::function<Vec3(const Vec3& point, int joint)>;
+
+// Path points by the map of their joint (blended ones by the blend of both); the reference and each
+// slice's width direction by the map's local turn, wraps by its local turn and mean stretch;
+// offsets by the local stretch. Slices keep s, radii and outline (see scale_radii); rest_length is
+// measured anew. `inner`: where the flesh between goes, if that is not where the bones would carry
+// it: via points, slices and their directions follow it, the two ends, the reference and the wraps
+// follow `map`.
+Strip carry_strip(const Strip& strip, const CarryMap& map, const CarryMap& inner = {});
+
+// All strips of all muscles. Muscle::volume is left as it is: whoever sets the radii knows what it
+// should become.
+std::vector<Muscle> carry_muscles(const std::vector<Muscle>& muscles, const CarryMap& map);
+
+// Multiplies half widths by factors.x and half thicknesses by factors.y, and the offsets alike.
+void scale_radii(Strip& strip, const Vec2& factors);
+
+// Sum of the strips' tube volumes at rest, m^3.
+double rest_volume(const Muscle& muscle);
+
+}  // namespace ecorche

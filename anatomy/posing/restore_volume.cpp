@@ -1,0 +1,170 @@
+#include "anatomy/posing/restore_volume.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "anatomy/posing/posing_batch.h"
+#include "anatomy/posing/section_areas.h"
+#include "anatomy/posing/symmetrize_outlines.h"
+
+namespace ecorche {
+namespace {
+
+constexpr std::size_t kGrain = 8;  // fours of strips
+constexpr double kLeastGrowth = 0.5;
+
+// An Ellipse is stored as it lies in memory: center, width, thickness, tangent, radii, outline.
+static_assert(sizeof(Ellipse) == 14 * sizeof(double) + sizeof(SliceOutline));
+
+// Four places of four quantities each to four lanes.
+inline std::array<Lane, 4> across(const std::array<const double*, kLanes>& from) {
+  Eigen::Matrix4d m;
+  for (int lane = 0; lane < kLanes; ++lane) m.col(lane) = Eigen::Vector4d::Map(from[lane]);
+  m.transposeInPlace();
+  return {m.col(0).array(), m.col(1).array(), m.col(2).array(), m.col(3).array()};
+}
+
+// The row's sections of four strips that begin at these slices.
+void gather(const PosedAnatomy& posed, const std::array<int, kLanes>& first, int row, Scratch& t) {
+  std::array<const double*, kLanes> begin, middle;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const std::size_t slice = first[lane] + row;
+    const Ellipse& e = posed.slices[slice];
+    begin[lane] = e.center.data();
+    middle[lane] = e.axes.data() + 1;
+    const int to = lane;
+    t.thickness[row].z[to] = e.axes(2, 1);
+    t.a[row][to] = e.radii.x();
+    t.b[row][to] = e.radii.y();
+    t.belly[row][to] = double(posed.belly[slice]);
+  }
+  const auto one = across(begin), two = across(middle);
+  t.center[row] = {one[0], one[1], one[2]};
+  t.width[row] = {one[3], two[0], two[1]};
+  t.thickness[row].x = two[2], t.thickness[row].y = two[3];
+}
+
+// The areas of all rows' outlines; of the last, its own.
+void gather_areas(const PosedAnatomy& posed, const std::array<int, kLanes>& first, int rows,
+                  PosingAreas* areas) {
+  const auto set = [&](int row, LaneOutlines& to) {
+    std::array<const SliceOutline*, kLanes> from;
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+      from[lane] = &posed.slices[first[lane] + row].outline;
+    to.set(from);
+  };
+  std::array<LaneOutlines, 2> outlines;  // of even and of odd rows
+  set(0, outlines[0]);
+  for (int k = 0; k + 1 < rows; ++k) {
+    LaneOutlines &here = outlines[k % 2], &next = outlines[(k + 1) % 2];
+    set(k + 1, next);
+    areas[k] = areas_between(here, next);
+    areas[k + 1].own = next.own;
+  }
+}
+
+std::span<Ellipse> sections(const PosingBatch& batch, int first, PosedAnatomy& posed) {
+  return {&posed.slices[first], std::size_t(batch.rows)};
+}
+
+BellyGrowth law_of(const PosingBatch& batch, int lane, int first, double low, double high,
+                   const PosedAnatomy& posed) {
+  return {{&posed.belly[first], std::size_t(batch.rows)},
+          batch.lanes.width_swells[lane] > 0,
+          low,
+          high};
+}
+
+double volume(const PosingBatch& batch, int lane) {
+  return batch.lanes.volume[lane] * std::numbers::pi / 3;
+}
+
+// As a share of the radii.
+double swelling(const BellyGrowth& law, double growth) {
+  return law.tube ? growth : std::sqrt(growth);
+}
+
+void regrow_strips(const PosingTable::Data& data, const GrowingStrips& growing, double most,
+                   PosedAnatomy& out) {
+  PosingBatch four;
+  four.rows = data.batches[growing.strips[0].batch].rows;
+  four.strips = growing.count;
+  std::array<int, kLanes> first{};
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const GrowingStrips::Place& from = growing.strips[lane < std::size_t(growing.count) ? lane : 0];
+    const PosingBatch& batch = data.batches[from.batch];
+    const Eigen::Index to = lane;
+    four.strip[lane] = batch.strip[from.lane];
+    four.lanes.volume[to] = batch.lanes.volume[from.lane];
+    four.lanes.width_swells[to] = batch.lanes.width_swells[from.lane];
+    first[lane] = data.strip[four.strip[lane]].slice;
+  }
+  Scratch t;
+  PosingAreas areas[kMaxStripSlices];
+  for (int k = 0; k < four.rows; ++k) gather(out, first, k, t);
+  gather_areas(out, first, four.rows, areas);
+  const auto tubes = four.lanes.width_swells > 0;
+  const Lane low =
+      tubes.select(Lane::Constant(kLeastGrowth), Lane::Constant(kLeastGrowth * kLeastGrowth));
+  const Lane high = tubes.select(Lane::Constant(most), Lane::Constant(most * most));
+  const LaneGrowth found = find_growth(four, areas, t, low, high);
+  for (int lane = 0; lane < four.strips; ++lane) {
+    const int begin = first[lane];
+    const BellyGrowth law = law_of(four, lane, begin, low[lane], high[lane], out);
+    const std::span<Ellipse> strip = sections(four, begin, out);
+    double grown = found.growth[lane];
+    if (found.found[lane])
+      grow(strip, law, grown);
+    else
+      grown = round_out(strip, law, volume(four, lane));
+    out.swelling[data.strip[four.strip[lane]].strip] *= swelling(law, grown);
+  }
+}
+
+}  // namespace
+
+void round_out_missed(const PosingTable::Data& data, const PosingBatch& batch,
+                      const LaneGrowth& found, PosedAnatomy& out) {
+  for (int lane = 0; lane < batch.strips; ++lane) {
+    if (found.found[lane]) continue;
+    const PosingStrip& strip = data.strip[batch.strip[lane]];
+    const BellyGrowth law = law_of(batch, lane, strip.slice, batch.lanes.grow_min[lane],
+                                   batch.lanes.grow_max[lane], out);
+    out.swelling[strip.strip] =
+        swelling(law, round_out(sections(batch, strip.slice, out), law, volume(batch, lane)));
+  }
+}
+
+void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedAnatomy& out,
+            RegrowMemory& memory, Threads threads, double most) {
+  memory.clear();
+  memory.reserve(2 * data.batches.size());
+  for (std::size_t b = 0; b < data.batches.size(); ++b) {  // by slices
+    const PosingBatch& batch = data.batches[b];
+    for (int lane = 0; lane < batch.strips; ++lane) {
+      const char* begin = changed.data() + data.strip[batch.strip[lane]].slice;
+      if (!std::memchr(begin, 1, std::size_t(batch.rows))) continue;
+      const bool goes_on = !memory.empty() && memory.back().count < kLanes &&
+                           data.batches[memory.back().strips[0].batch].rows == batch.rows;
+      if (!goes_on) memory.emplace_back();
+      GrowingStrips& four = memory.back();
+      four.strips[four.count++] = {int(b), lane};
+    }
+  }
+  each_run(memory.size(), kGrain, threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) regrow_strips(data, memory[i], most, out);
+  });
+}
+
+void part_again(const PosingTable::Data& data, std::span<const ContactSpokes> held, Parting parting,
+                PosedAnatomy& out, PartMemory& memory, Threads threads) {
+  const ContactTable& table = data.contact.again;
+  if (table.empty()) return;
+  give_way_again(table, out.X_WJ[0].translation(), data.outlines, held, parting, out.slices,
+                 memory.contact, threads);
+  regrow(data, memory.contact.changed, out, memory.growing, threads);
+}
+
+}  // namespace ecorche

@@ -1,0 +1,29 @@
+// Characters written for other programs, in full or light. Shared by the verbs that write them.
+#pragma once
+
+#include <filesystem>
+
+#include "anatomy/base_mesh/body_package.h"
+#include "skinning/character/character_model.h"
+
+namespace ecorche {
+
+enum class Detail {
+  full,  // every bone and muscle by name; reads back
+  light  // for looking at only: skinning/files/light_character.h
+};
+
+// --detail
+void add_detail_option(CLI::App& verb, Detail& detail);
+
+// With texture and eyes, where the skin is the body package's; with a motion where there is one. A
+// light file has the base mesh's skin even where the character's is the fine one. Throws
+// OutputError.
+void write_character_file(const std::filesystem::path& file, const Actor& actor, Detail detail,
+                          const BodyPackage& package, const Motion* motion = nullptr);
+
+// The same with the package that is installed; without texture and eyes where there is none.
+void write_character_file(const std::filesystem::path& file, const Actor& actor, Detail detail,
+                          const Motion* motion = nullptr);
+
+}  // namespace ecorche

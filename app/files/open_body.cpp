@@ -1,0 +1,49 @@
+#include "app/files/open_body.h"
+
+#include <fmt/format.h>
+
+#include "anatomy/base_mesh/skin_import.h"
+#include "anatomy/errors.h"
+#include "anatomy/files/input_file.h"
+#include "app/options/option_values.h"
+#include "skinning/character/character_model.h"
+#include "skinning/files/character_io.h"
+
+namespace ecorche {
+
+Body open_body(const std::filesystem::path& file, const BodyPackage& package, const Common& common,
+               Report& report, const std::string& unit) {
+  if (has_body_notes(file)) return read_body(file);
+  BareSkin bare = read_bare_skin(file, package, unit.empty() ? std::nullopt : metres_in(unit));
+  for (const std::string& text : bare.notes) {
+    note(common, text);
+    report.append_text("body.notes", text);
+  }
+  report.set("body.unit", bare.unit);
+  report.set("body.up", bare.up);
+  report.set("body.front", bare.front);
+  return std::move(bare.body);
+}
+
+Body open_base_body(const std::filesystem::path& file, const BodyPackage& package,
+                    const Common& common, Report& report, const std::string& unit) {
+  Body body = open_body(file, package, common, report, unit);
+  if (body.skin.V.rows() == package.skin_size) return body;
+  std::optional<BaseSkin> base = find_base(body.skin);
+  if (!base)
+    throw UnfitError(
+        fmt::format("{}: {} skin vertices, but measures are tied to the base mesh's {}; "
+                    "bring the skin onto the base mesh first",
+                    printable(file.string()), body.skin.V.rows(), package.skin_size));
+  body.skin = std::move(base->mesh);
+  return body;
+}
+
+void add_skin_unit_option(CLI::App& verb, const std::string& name, std::string& unit) {
+  verb.add_option(name, unit,
+                  "Of a bare skin's coordinates: m, dm, cm, mm, in or ft; found out from its "
+                  "height when left out")
+      ->check(one_of({"m", "dm", "cm", "mm", "in", "ft"}));
+}
+
+}  // namespace ecorche

@@ -1,0 +1,17 @@
+// Characters as command lines name them: a file, or one person of a crowd.
+#pragma once
+
+#include <filesystem>
+
+#include "app/report.h"
+#include "app/verb.h"
+#include "skinning/files/character_io.h"
+
+namespace ecorche {
+
+// A character's file; or "crowd.glb#ada", a person of a crowd, whose bones and muscles are fitted
+// into the crowd's skin, as `fit` does it. Throws as read_character, read_body and fit_character;
+// InputError for a crowd without a name, which names its people.
+Character open_character(const std::filesystem::path& file, const Common& common, Report& report);
+
+}  // namespace ecorche

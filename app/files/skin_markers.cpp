@@ -1,0 +1,37 @@
+#include "app/files/skin_markers.h"
+
+#include <fmt/format.h>
+
+#include "anatomy/errors.h"
+#include "morph/measures/measure_table.h"
+#include "skinning/character/character_model.h"
+
+namespace ecorche {
+
+std::vector<SkinMarker> skin_markers(const TriMesh& skin) {
+  const BodyPackage package = read_body_package(find_packages());
+  const std::optional<BaseSkin> base = find_base(skin);
+  if (!base && (skin.V.rows() != package.skin_size || skin.F.rows() != package.triangles.rows() ||
+                skin.F != package.triangles))
+    throw UnfitError(
+        fmt::format("a skin of {} vertices has no landmarks: markers are known on the base mesh "
+                    "and its fine one",
+                    skin.V.rows()));
+  std::vector<SkinMarker> out;
+  const auto add = [&](const std::string& name, int vertex) {
+    out.push_back({name, base ? base->refinement.base_rows[vertex] : vertex});
+  };
+  for (const SkinLandmark& landmark :
+       read_measure_table(package, data_folder() / "body").landmarks) {
+    const int other = package.mirror[landmark.vertex];
+    if (other == landmark.vertex) {
+      add(landmark.id, landmark.vertex);
+    } else {
+      add(landmark.id + "_l", landmark.vertex);
+      add(landmark.id + "_r", other);
+    }
+  }
+  return out;
+}
+
+}  // namespace ecorche

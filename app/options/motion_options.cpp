@@ -1,0 +1,73 @@
+#include "app/options/motion_options.h"
+
+#include "anatomy/errors.h"
+#include "app/options/option_values.h"
+
+namespace ecorche {
+
+void add_skin_option(CLI::App& verb, std::string& method) {
+  verb.add_option(
+          "--skin", method,
+          "How the skin is moved: ecorche; anchors (the same before it settles, faster); or by the "
+          "body package's weights lbs, dqs or deltamush, or paper (the nearest part)")
+      ->capture_default_str();
+}
+
+void add_weights_option(CLI::App& verb, std::filesystem::path& weights) {
+  verb.add_option("--weights", weights,
+                  "Table of weights set by hand (CSV: vertex, joint, weight), in place of what is "
+                  "found by itself; `ecorche weights` writes one");
+}
+
+void add_dynamics_option(CLI::App& verb, bool& dynamics) {
+  verb.add_flag("--dynamics", dynamics,
+                "Let loose flesh lag and settle; less over muscles that work (--activation)");
+}
+
+void require_settling(bool dynamics, const std::string& method) {
+  if (dynamics && method != "ecorche")
+    throw UsageError("--dynamics: only our own skin has flesh that lags; leave --skin out");
+}
+
+void add_motion_options(CLI::App& verb, MotionOptions& options) {
+  verb.add_option("--map", options.map_file,
+                  "Which joint is which, where guessing fails: lines `file joint = our joint`");
+  verb.add_option("--up", options.up,
+                  "Up axis of the file, instead of guessing; for figures that are seldom upright")
+      ->check(one_of({"x", "y", "z"}));
+  verb.add_option("--motion-fps", options.fps,
+                  "Frames a second of the file, instead of what it says")
+      ->check(between(0.1, 10000));
+  verb.add_option("--limits", options.limits,
+                  "What becomes of joints beyond their anatomical limits: kept as they are, "
+                  "brought back (clamp), or auto: brought back unless the file's rest pose is ours")
+      ->check(one_of({"auto", "keep", "clamp"}))
+      ->capture_default_str();
+  verb.add_flag(
+      "--no-apart", options.through,
+      "Let limbs pass through each other, trunk and head where the motion has them do so");
+  CLI::Option* free =
+      verb.add_flag("--no-plant", options.free_feet, "Leave the feet where the file puts them");
+  verb.add_flag("--plant", options.plant_feet,
+                "Plant the feet even of a file whose rig is this body's own, which is otherwise "
+                "taken over as it is")
+      ->excludes(free);
+}
+
+RetargetOptions to_retarget_options(const MotionOptions& options) {
+  RetargetOptions out;
+  if (!options.map_file.empty()) out.joint_map = read_joint_map(options.map_file);
+  if (!options.up.empty()) out.up = options.up[0];
+  if (options.limits != "auto") out.clamp_limits = options.limits == "clamp";
+  out.keep_apart = !options.through;
+  if (options.free_feet || options.plant_feet) out.plant_feet = options.plant_feet;
+  return out;
+}
+
+BvhReadOptions to_read_options(const MotionOptions& options) {
+  BvhReadOptions out;
+  if (options.fps > 0) out.fps = options.fps;
+  return out;
+}
+
+}  // namespace ecorche

@@ -1,0 +1,46 @@
+// A character's motion as a film: layers, camera, ground. Shared by the verbs render and demo.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "app/pages/film_camera.h"
+#include "app/pages/film_range.h"
+#include "app/verb.h"
+#include "skinning/character/character_model.h"
+#include "viewer/film/film.h"
+
+namespace ecorche {
+
+struct ActorFilm {
+  std::filesystem::path output;  // FILM.mp4, DIR/%04d.png, or STILL.png for one moment
+  int width = 1280, height = 720;
+  double fps = 30;
+  std::optional<double> from, to;  // s of the motion; its beginning and end when left out
+  // these frames of the motion instead, one a picture; pictures are numbered as they are
+  std::optional<FrameRange> frames;
+  std::vector<std::uint32_t> hidden;  // parts that are left away, rising
+  bool skin = true, muscles = true, bones = true;
+  // the skin, and the écorché beside it; otherwise one figure with the layers above
+  bool beside = false;
+  // the écorché's skin is whole before, and goes patch by patch from the feet meanwhile
+  std::optional<Span> dissolve;
+  std::optional<Span> slow;  // goes by more slowly
+  double slowness = 2.5;     // by this factor
+  MuscleColors muscle_colors = MuscleColors::flesh;
+  bool legend = true;  // what the muscles' colours mean, where muscles are seen
+  FilmView view;
+  Ground ground;                    // shown as it is
+  std::optional<Vec3f> background;  // a sky when left out
+  bool transparent = false;         // nothing around the figure; pictures only
+  Activations activations;          // of the muscles, over the motion's time
+  bool dynamics = false;            // loose flesh lags and settles
+};
+
+// Throws as make_film and film_cameras, UsageError for a span or frames that the motion lacks.
+FilmReport film_actor(const Actor& actor, const Motion& motion, const ActorFilm& film,
+                      const Common& common);
+
+}  // namespace ecorche

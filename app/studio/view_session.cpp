@@ -1,0 +1,323 @@
+#include "app/studio/view_session.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <utility>
+
+#include "anatomy/base_mesh/eyes.h"
+#include "anatomy/errors.h"
+#include "anatomy/files/atomic_file.h"
+#include "anatomy/files/package_archive.h"
+#include "anatomy/geometry/mesh_measures.h"
+#include "app/files/open_character.h"
+#include "app/files/template_file.h"
+#include "morph/fit/fit_character.h"
+#include "morph/shapes/body_model.h"
+
+namespace ecorche {
+namespace {
+
+namespace fs = std::filesystem;
+
+Vec3f above_ground(const Vec3& root) { return {float(root.x()), 0, float(root.z())}; }
+
+// Of the skin at rest and of what joints reach in any frame, flesh included.
+Eigen::AlignedBox3f bounds_of(const Skeleton& skeleton, const Points& skin, const Motion& motion) {
+  constexpr float kFlesh = 0.08f;  // m around a joint
+  Eigen::AlignedBox3f box;
+  const Vec3f root = above_ground(rest_positions(skeleton).front());
+  for (Eigen::Index i = 0; i < skin.rows(); ++i)
+    box.extend(Vec3f(skin.row(i).transpose().cast<float>() - root));
+  std::vector<Transform> X_WJ;
+  for (const Pose& pose : motion.frames) {
+    forward_kinematics(skeleton, pose, X_WJ);
+    const Vec3f place = above_ground(X_WJ.front().translation());
+    for (const Transform& joint : X_WJ) {
+      const Vec3f p = joint.translation().cast<float>() - place;
+      box.extend(Vec3f(p.x(), p.y() + kFlesh, p.z()));
+      box.extend(Vec3f(p.x(), p.y(), p.z()));
+    }
+  }
+  return box;
+}
+
+std::string file_name(const fs::path& file, const std::string& otherwise) {
+  return file.empty() ? otherwise : file.filename().string();
+}
+
+std::string joined(const std::vector<std::string>& lines) {
+  std::string out;
+  for (const std::string& line : lines) out += (out.empty() ? "missed: " : "\nmissed: ") + line;
+  return out;
+}
+
+// The skin itself, as a frame of it.
+void take_skin(const Character& character, SkinFrame& frame) {
+  const TriMesh& skin = character.body.skin;
+  const Points normals = vertex_normals(skin);
+  frame.positions.resize(4 * std::size_t(skin.V.rows()));
+  frame.normals.resize(frame.positions.size());
+  for (Eigen::Index v = 0; v < skin.V.rows(); ++v)
+    for (int axis = 0; axis < 4; ++axis) {
+      const std::size_t at = 4 * v + axis;
+      frame.positions[at] = axis < 3 ? float(skin.V(v, axis)) : 1;
+      frame.normals[at] = axis < 3 ? float(normals(v, axis)) : 0;
+    }
+}
+
+}  // namespace
+
+ViewSession::ViewSession(const ViewSessionOptions& options, const Common& common, Report& report)
+    : options_(options), common_(common), report_(report) {
+  std::optional<Actor> actor;
+  Character character = open_start(options.character, !options.sliders, actor, report);
+  if (options.sliders) {
+    sliders_ =
+        std::make_shared<BodySliders>(std::move(character), open_template(options.body_template));
+    slid_file_ = options.character;
+    asked_ = sliders_->asked_by(options.measures);
+    show_slid();
+  } else {
+    performance_ = perform(std::make_shared<const Actor>(std::move(*actor)), options.character,
+                           options.motion, report);
+    show_performance();
+  }
+  subject_.pose = [this](int frame, PosedAnatomy& posed, SkinFrame& skin) {
+    pose(frame, posed, skin);
+  };
+  subject_.update = [this](ViewDocument& document, bool wait) { update(document, wait); };
+  subject_.open = [this](const fs::path& file) {
+    begin(fmt::format("opening {} ...", file.filename().string()),
+          [this, file, before = performance_] { return open_file(file, before); });
+  };
+  if (options.sliders)
+    subject_.save = [this](const fs::path& file) {
+      begin(fmt::format("fitting and writing {} ...", file.filename().string()),
+            [this, file, asked = asked_] { return save_file(file, asked); });
+    };
+}
+
+ViewSession::~ViewSession() = default;
+
+ViewDocument ViewSession::document() const {
+  ViewDocument document;
+  document.playing = subject_.frames > 1;
+  if (sliders_) document.asked = asked_, document.achieved = slid_->achieved;
+  return document;
+}
+
+// The template's muscles fill the skin only once they are dilated, in its own body as in any other.
+// `moves`: an actor is made, too.
+Character ViewSession::open_start(const fs::path& file, bool moves, std::optional<Actor>& actor,
+                                  Report& report) const {
+  if (!file.empty()) {
+    Character character = open_character(file, common_, report);
+    if (moves) actor = make_actor(character, report);
+    return character;
+  }
+  const BodyPackage package = read_body_package(find_packages());
+  const Template body_template = open_template(options_.body_template);
+  Body body = body_template.body;
+  if (!options_.sex.empty()) {
+    BodySpec average;
+    average.sex = options_.sex == "female" ? Sex::female : Sex::male;
+    body = make_body(package, average);
+  }
+  FittedCharacter fitted = fit_character(
+      body_template, body, package, {.moves = moves, .bound = moves, .tissues = moves}, report);
+  Character character = fitted.actor.character;
+  if (moves) actor = std::move(fitted.actor);
+  return character;
+}
+
+std::shared_ptr<ViewSession::Performance> ViewSession::perform(std::shared_ptr<const Actor> actor,
+                                                               const fs::path& character,
+                                                               const fs::path& motion,
+                                                               Report& report) const {
+  auto out = std::make_shared<Performance>();
+  out->actor = std::move(actor);
+  out->character = character;
+  out->moved_by = motion;
+  const Character& shown = out->actor->character;
+  if (motion.empty())
+    out->motion.frames.push_back(rest_pose(shown.anatomy.skeleton));
+  else
+    out->motion = open_motion(motion, shown, options_.retarget, common_, report);
+  SceneOptions scene;
+  scene.eyes = find_eyes(shown.body.skin, shown.anatomy.skeleton);
+  scene.key = fresh_scene_key();
+  out->model = make_scene_model(shown.anatomy, shown.body.skin, scene);
+  if (options_.dynamics && !motion.empty())
+    out->flesh = make_flesh_tables(out->actor->binding, shown.anatomy);
+  return out;
+}
+
+// A motion goes to the character that is shown; a character goes on with the motion that is shown.
+ViewSession::Done ViewSession::open_file(const fs::path& file,
+                                         const std::shared_ptr<const Performance>& before) const {
+  Report aside;
+  Done done;
+  if (file.extension() == ".bvh") {
+    if (!before)
+      throw UsageError(
+          "sliders show the body at rest; open a motion in a window without --sliders");
+    done.performance = perform(before->actor, before->character, file, aside);
+    done.message =
+        fmt::format("{}: {} frames, {:g} a second", file.string(),
+                    done.performance->motion.frames.size(), done.performance->motion.fps);
+    return done;
+  }
+  std::optional<Actor> actor;
+  Character character = open_start(file, !options_.sliders, actor, aside);
+  done.message = fmt::format("{}: {} bones, {} muscles", file.string(),
+                             character.anatomy.bones.size(), character.anatomy.muscles.size());
+  if (options_.sliders) {
+    done.sliders =
+        std::make_shared<BodySliders>(std::move(character), open_template(options_.body_template));
+    done.character = file;
+  } else {
+    done.performance =
+        perform(std::make_shared<const Actor>(std::move(*actor)), file, before->moved_by, aside);
+  }
+  return done;
+}
+
+ViewSession::Done ViewSession::save_file(const fs::path& file,
+                                         const std::vector<std::optional<double>>& asked) const {
+  if (file.extension() != ".glb")
+    throw UsageError(fmt::format("{}: a character is written as .glb", file.string()));
+  check_output(file, {slid_file_});
+  Report aside;
+  Done done;
+  std::vector<std::string> missed;
+  for (const MissedTarget& target : sliders_->write(asked, file, aside))
+    missed.push_back(target.what);
+  done.message =
+      fmt::format("written: {}{}{}", file.string(), missed.empty() ? "" : "\n", joined(missed));
+  done.exit_code = missed.empty() ? 0 : 8;
+  return done;
+}
+
+// One job at a time: the next one waits for nobody, it is refused.
+void ViewSession::begin(const std::string& state, std::function<Done()> job) {
+  if (job_.valid()) return;
+  job_state_ = state;
+  job_ = std::async(std::launch::async, [job = std::move(job)]() -> Done {
+    try {
+      return job();
+    } catch (const std::exception& error) {
+      Done failed;
+      failed.message = error.what();
+      return failed;
+    }
+  });
+}
+
+void ViewSession::update(ViewDocument& document, bool wait) {
+  if (wait && job_.valid()) job_.wait();
+  take_job(document);
+  if (sliders_) take_sliders(document, wait);
+  const bool fitting = sliders_ && sliders_->busy();
+  document.busy = job_.valid() || fitting;
+  document.state = job_.valid() ? job_state_ : std::string();
+  if (!sliders_) return;
+  std::string fit = sliders_->problem();
+  if (!fit.empty())
+    fit = "no anatomy fits: " + fit;
+  else if (fitting && slid_->stage == SlidBody::Stage::first)
+    fit = "fitted; muscles that overlap are parting ...";
+  else if (fitting)
+    fit = "bones and muscles go along with the skin; they are being fitted ...";
+  else
+    fit = joined(slid_->missed);
+  document.state += (document.state.empty() || fit.empty() ? "" : "\n") + fit;
+}
+
+void ViewSession::take_job(ViewDocument& document) {
+  if (!job_.valid() || job_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  const Done done = job_.get();
+  document.message = done.message;
+  if (done.exit_code != 0) exit_code_ = done.exit_code;
+  if (done.performance) {
+    performance_ = done.performance;
+    document.playing = performance_->motion.frames.size() > 1;
+    document.time = 0;
+    show_performance();
+  }
+  if (done.sliders) {
+    sliders_ = done.sliders;
+    slid_file_ = done.character;
+    document.asked = sliders_->asked_by({});
+    show_slid();
+  }
+  if (!done.performance && !done.sliders) return;
+  document.selected = 0;
+  document.hidden.clear();
+}
+
+void ViewSession::take_sliders(ViewDocument& document, bool wait) {
+  document.asked.resize(subject_.sliders.size());
+  asked_ = document.asked;
+  sliders_->ask(asked_);
+  if (wait) sliders_->wait();
+  if (sliders_->shown() != slid_) show_slid();
+  document.achieved = slid_->achieved;
+}
+
+void ViewSession::show_performance() {
+  const Performance& p = *performance_;
+  const Character& character = p.actor->character;
+  subject_.anatomy = &character.anatomy;
+  subject_.model = &p.model;
+  subject_.frames = p.motion.frames.size();
+  subject_.fps = p.motion.fps;
+  subject_.bounds = bounds_of(character.anatomy.skeleton, character.body.skin.V, p.motion);
+  subject_.name = file_name(p.character, "template") +
+                  (p.moved_by.empty() ? "" : ", " + p.moved_by.filename().string());
+  ++subject_.revision;
+  flesh_state_ = {};
+}
+
+void ViewSession::show_slid() {
+  slid_ = sliders_->shown();
+  constexpr const char* kTimes[] = {"reshape", "first_fit", "whole_fit"};
+  const std::array<double, 3> times = sliders_->milliseconds();
+  for (std::size_t k = 0; k < times.size(); ++k)
+    if (times[k] > 0) report_.set(fmt::format("timings_ms.{}", kTimes[k]), times[k]);
+  subject_.anatomy = &slid_->character.anatomy;
+  subject_.model = &slid_->model;
+  subject_.bounds = bounds_of(slid_->character.anatomy.skeleton, slid_->character.body.skin.V, {});
+  subject_.sliders = sliders_->sliders();
+  subject_.name =
+      file_name(slid_file_, options_.sex.empty() ? "template" : options_.sex) + ", sliders";
+  ++subject_.revision;
+}
+
+void ViewSession::pose(int frame, PosedAnatomy& posed, SkinFrame& skin) {
+  if (sliders_) {
+    posed = slid_->rest;
+    take_skin(slid_->character, skin);
+    return;
+  }
+  const Performance& p = *performance_;
+  std::swap(played_.posed, posed);
+  std::swap(played_.skin, skin);
+  if (!p.flesh.vertices.empty())
+    seek_flesh(p.flesh, p.actor->character.anatomy.skeleton, p.motion, {}, frame / p.motion.fps,
+               flesh_state_);
+  play(*p.actor, p.motion.frames[frame], played_, {}, flesh_state_.seen);
+  std::swap(played_.posed, posed);
+  std::swap(played_.skin, skin);
+}
+
+int ViewSession::write(const ViewDocument& document, const fs::path& file) {
+  const std::vector<MissedTarget> missed = sliders_->write(document.asked, file, report_);
+  for (const MissedTarget& target : missed) {
+    note(common_, "missed: " + target.what);
+    report_.append_text("missed", target.what);
+  }
+  return missed.empty() ? 0 : 8;
+}
+
+}  // namespace ecorche

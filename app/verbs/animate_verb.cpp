@@ -1,0 +1,191 @@
+// ecorche animate: a motion on a character, as an animated .glb or a vertex cache.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "anatomy/errors.h"
+#include "anatomy/files/atomic_file.h"
+#include "app/files/character_file.h"
+#include "app/files/motion_tables.h"
+#include "app/files/open_character.h"
+#include "app/files/vertex_caches.h"
+#include "app/options/activation_options.h"
+#include "app/options/motion_options.h"
+#include "app/options/option_values.h"
+#include "app/progress.h"
+#include "app/verb.h"
+#include "app/verbs/animate_crowd.h"
+#include "skinning/character/character_model.h"
+#include "skinning/checks/motion_survey.h"
+#include "skinning/crowd/crowd_read.h"
+
+namespace ecorche {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct AnimateOptions {
+  fs::path character, motion, weights;
+  std::vector<fs::path> outputs;
+  std::string activation = "none", skin = "ecorche";
+  bool dynamics = false;
+  Detail detail = Detail::full;
+  CacheOptions cache;
+  std::vector<std::string> tables;
+  double stagger = 0;
+  MotionOptions retarget;
+};
+
+// All outputs in one pass over the motion.
+MotionQuality write_outputs(const AnimateOptions& options, const Actor& actor, const Motion& motion,
+                            const Activations& activations, const Common& common, Report& report) {
+  const StageTimer timer(report, "frames");
+  std::vector<fs::path> cached, characters;
+  std::vector<TableRequest> wanted = table_requests(options.tables);
+  for (const fs::path& file : options.outputs) {
+    if (is_cache(file))
+      cached.push_back(file);
+    else if (is_table(file))
+      wanted.push_back(table_request(file));
+    else
+      characters.push_back(file);
+  }
+  CacheOptions cache = options.cache;
+  cache.detail = options.detail;
+  VertexCaches caches(cached, actor, motion, cache);
+  MotionTables tables(std::move(wanted), actor, motion, activations);
+  MotionRun pass{activations, options.dynamics};
+  Progress progress(common, "frames", int(motion.frames.size()));
+  pass.take = [&](int f, const ActorFrame& frame) {
+    caches.add(frame);
+    tables.add(frame);
+    progress.at(f + 1);
+  };
+  const MotionQuality quality = play_motion(actor, motion, pass);
+  for (const fs::path& file : characters)
+    write_character_file(file, actor, options.detail,
+                         &motion);  // once it is known that nothing is flung away
+  caches.finish();
+  tables.write();
+  return quality;
+}
+
+// What shapes muscles and skin is not seen in joints.
+void check_shaping(const AnimateOptions& options) {
+  const auto shows_joints = [](const fs::path& output) {
+    return output.extension() == ".glb" || output.extension() == ".mot";
+  };
+  if (!options.tables.empty() ||
+      !std::all_of(options.outputs.begin(), options.outputs.end(), shows_joints))
+    return;
+  const char* given = options.activation != "none" ? "--activation"
+                      : options.dynamics           ? "--dynamics"
+                      : options.skin != "ecorche"  ? "--skin"
+                                                   : nullptr;
+  if (given)
+    throw UsageError(
+        fmt::format("{}: {} is moved by its joints, which cannot show it; add a vertex cache ({}), "
+                    "or leave it out",
+                    given, options.outputs[0].string(),
+                    fs::path(options.outputs[0]).replace_extension(".pc2").string()));
+}
+
+void check_outputs(const AnimateOptions& options, const Common& common) {
+  if (options.outputs.empty() && options.tables.empty())
+    throw UsageError("nothing to write: name a file by -o, or a table by --table WHAT=FILE");
+  std::vector<fs::path> files;
+  bool cache = false;
+  for (const fs::path& output : options.outputs) {
+    require_ending(output, {".glb", ".pc2", ".mdd", ".obj", ".mot", ".trc"});
+    const bool sequence = output.extension() == ".obj";
+    if (sequence && output.filename().string().find('%') == std::string::npos)
+      throw UsageError(fmt::format(
+          "{}: an OBJ file holds one frame; name a sequence, like DIR/%04d.obj", output.string()));
+    cache |= is_cache(output);
+    for (const fs::path& file :
+         is_cache(output) ? cache_files(output, options.cache) : std::vector{output})
+      if (!sequence) files.push_back(file);
+  }
+  if (!options.cache.layers.empty() && !cache)
+    throw UsageError("--layers: for vertex caches (.pc2, .mdd, DIR/%04d.obj); none is asked for");
+  for (const TableRequest& table : table_requests(options.tables)) files.push_back(table.file);
+  // "none" and "auto" are no files of activations.
+  check_outputs(common, std::move(files),
+                {options.character, options.motion, options.weights, options.activation,
+                 options.retarget.map_file});
+}
+
+// A crowd's people move by their joints.
+int run_crowd(const AnimateOptions& options, const Common& common, Report& report) {
+  if (options.outputs.size() != 1 || options.outputs[0].extension() != ".glb" ||
+      options.skin != "ecorche" || options.activation != "none" || options.dynamics ||
+      !options.weights.empty() || !options.tables.empty() || !options.cache.layers.empty() ||
+      options.detail != Detail::full)
+    throw UsageError(
+        fmt::format("{}: a crowd moves by its joints, into one .glb, without --skin, --weights, "
+                    "--activation and --dynamics; those are for one "
+                    "person of it, {}#NAME",
+                    options.character.string(), options.character.string()));
+  animate_crowd(options.character, options.motion, options.outputs[0], options.retarget,
+                options.stagger, common, report);
+  return 0;
+}
+
+int run(const AnimateOptions& options, const Common& common, Report& report) {
+  check_outputs(options, common);
+  if (is_crowd(options.character)) return run_crowd(options, common, report);
+  check_shaping(options);
+  if (options.stagger > 0)
+    throw UsageError("--stagger: for crowds, whose people then begin one after the other");
+  require_settling(options.dynamics, options.skin);
+  Actor actor = make_actor(open_character(options.character, common, report), report,
+                           {.weights = options.weights});
+  choose_skin(actor, options.skin);
+  const Motion motion =
+      open_motion(options.motion, actor.character, options.retarget, common, report);
+  const Activations activations = open_activations(options.activation, actor, motion, report);
+  const MotionQuality quality = write_outputs(options, actor, motion, activations, common, report);
+  for (const fs::path& output : options.outputs)
+    for (const fs::path& file :
+         is_cache(output) ? cache_files(output, options.cache) : std::vector{output})
+      if (file.extension() != ".mtl")
+        note(common, fmt::format("{}: {} frames at {:.4g} fps", file.string(), motion.frames.size(),
+                                 motion.fps));
+  report.set("skin_vertices", actor.binding.vertex_count);
+  report.set("skin", options.skin);
+  report_quality(quality, "quality", report);
+  if (!common.report_file.empty()) compare_skins(actor, motion, report);
+  return 0;
+}
+
+}  // namespace
+
+void add_animate_verb(VerbRegistry& registry) {
+  auto options = std::make_shared<AnimateOptions>();
+  CLI::App* verb = add_verb(
+      registry, registry.app, "animate", "Move a character by a motion (BVH) and write it out",
+      "ecorche animate anna-anatomy.glb walk.bvh -o anna-walks.glb -o anna-walks.pc2 --activation "
+      "auto",
+      [options](const Common& common, Report& report) { return run(*options, common, report); });
+  verb->add_option("character", options->character,
+                   "Character written by `ecorche fit`, CROWD.glb#NAME, or a whole crowd")
+      ->required();
+  verb->add_option("motion", options->motion, "Motion (.bvh)")->required();
+  verb->add_option("-o,--output", options->outputs,
+                   "File to write; may be given several times: .glb (joints); every vertex, exact: "
+                   ".pc2, .mdd, DIR/%04d.obj; joint angles: .mot; skin markers: .trc")
+      ->allow_extra_args(false);
+  verb->add_option("--stagger", options->stagger,
+                   "Of a crowd: seconds by which each person begins later than the one before")
+      ->check(between(0.0, 3600.0));
+  add_skin_option(*verb, options->skin);
+  add_weights_option(*verb, options->weights);
+  verb->add_option("--activation", options->activation, kActivationHelp)->capture_default_str();
+  add_detail_option(*verb, options->detail);
+  add_cache_options(*verb, options->cache);
+  add_table_option(*verb, options->tables);
+  add_dynamics_option(*verb, options->dynamics);
+  add_motion_options(*verb, options->retarget);
+}
+
+}  // namespace ecorche

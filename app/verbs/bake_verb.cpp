@@ -1,0 +1,140 @@
+// ecorche bake: a character's motions as skin, morph targets and curves for engines.
+#include <set>
+
+#include <fmt/format.h>
+
+#include "anatomy/errors.h"
+#include "anatomy/files/atomic_file.h"
+#include "anatomy/files/input_file.h"
+#include "app/files/open_character.h"
+#include "app/options/motion_options.h"
+#include "app/options/option_values.h"
+#include "app/progress.h"
+#include "app/verb.h"
+#include "skinning/bake/bake_io.h"
+#include "skinning/character/character_model.h"
+
+namespace ecorche {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BakeVerbOptions {
+  fs::path character, output, weights;
+  std::vector<fs::path> motions;
+  MotionOptions retarget;
+  BakeOptions bake;
+};
+
+constexpr double kAskedRms = 2e-3, kAskedMax = 6e-3;  // m
+
+std::vector<BakedMotion> open_motions(const BakeVerbOptions& options, const Actor& actor,
+                                      const Common& common, Report& report) {
+  std::vector<BakedMotion> out;
+  std::set<std::string> names;
+  for (const fs::path& file : options.motions) {
+    BakedMotion each;
+    each.name = printable(file.stem().string());
+    for (int k = 2; !names.insert(each.name).second; ++k)
+      each.name = fmt::format("{}_{}", printable(file.stem().string()), k);
+    each.motion = open_motion(file, actor.character, options.retarget, common, report);
+    out.push_back(std::move(each));
+  }
+  return out;
+}
+
+void report_error(const BakeError& error, const std::string& prefix, Report& report) {
+  report.set(prefix + ".frames", error.frames);
+  report.set(prefix + ".mean", error.mean);
+  report.set(prefix + ".rms", error.rms);
+  report.set(prefix + ".p95", error.p95);
+  report.set(prefix + ".max", error.max);
+  report.set(prefix + ".normal_rms_deg", error.normal_rms);
+  report.set(prefix + ".normal_p95_deg", error.normal_p95);
+}
+
+std::string in_words(const BakeError& error) {
+  return fmt::format(
+      "mean {:.2f} mm, RMS {:.2f} mm, 95 % below {:.2f} mm, at most {:.2f} mm from the exact skin; "
+      "normals {:.1f} degrees RMS",
+      1e3 * error.mean, 1e3 * error.rms, 1e3 * error.p95, 1e3 * error.max, error.normal_rms);
+}
+
+int run(const BakeVerbOptions& options, const Common& common, Report& report) {
+  require_ending(options.output, {".glb"});
+  std::vector<fs::path> inputs = options.motions;
+  inputs.insert(inputs.end(), {options.character, options.weights, options.retarget.map_file});
+  check_outputs(common, {options.output}, inputs);
+  Actor actor = make_actor(open_character(options.character, common, report), report,
+                           {.weights = options.weights});
+  const Character& character = actor.character;
+  ActorFrame frame;
+  const ExactSkin exact = [&](const Pose& pose, SkinFrame& out) {
+    play_skin(actor, pose, frame);
+    out.positions = frame.skin.positions;
+    out.normals = frame.skin.normals;
+  };
+  Bake bake;
+  {
+    std::vector<BakedMotion> motions = open_motions(options, actor, common, report);
+    const StageTimer timer(report, "bake");
+    Progress progress(common, options.output.filename().string(), 100);
+    bake = bake_skin(
+        character.body.skin, character.anatomy.skeleton, actor.binding.joint_weights, exact,
+        std::move(motions), options.bake,
+        [&progress](const char* stage, double share) { progress.at(int(100 * share), stage); });
+  }
+  write_bake(options.output, character.body.name, character.body.skin, character.anatomy.skeleton,
+             bake);
+  const double bytes = fs::file_size(options.output);
+  const double cache = 12.0 * double(character.body.skin.V.rows()) * bake.error.frames;
+  report.set("skin_vertices", actor.binding.vertex_count);
+  report.set("bake.morphs", int(bake.morphs.size()));
+  report.set("bake.helpers", int(bake.helpers.size()));
+  report.set("bake.influences_only_rms", bake.influences_only_rms);
+  report_error(bake.error, "bake", report);
+  for (const BakedMotion& each : bake.motions)
+    report_error(each.error, "bake.motions." + each.name, report);
+  report.set("bake.bytes", bytes);
+  report.set("bake.cache_bytes", cache);
+  for (const BakedMotion& each : bake.motions)
+    note(common,
+         fmt::format("{}: {} frames, {}", each.name, each.error.frames, in_words(each.error)));
+  note(common, fmt::format("{}: 4 influences, {} helper joints, {} morph targets, {:.1f} MB, a "
+                           "vertex cache would be {:.1f} MB",
+                           options.output.string(), bake.helpers.size(), bake.morphs.size(),
+                           1e-6 * bytes, 1e-6 * cache));
+  note(common, fmt::format("all: {}", in_words(bake.error)));
+  return bake.error.rms <= kAskedRms && bake.error.max <= kAskedMax ? 0 : 8;
+}
+
+}  // namespace
+
+void add_bake_verb(VerbRegistry& registry) {
+  auto options = std::make_shared<BakeVerbOptions>();
+  CLI::App* verb = add_verb(
+      registry, registry.app, "bake",
+      "Make a character's motions ready for engines: 4 influences, morph targets, curves",
+      "ecorche bake anna-anatomy.glb walk.bvh run.bvh -o anna-engine.glb",
+      [options](const Common& common, Report& report) { return run(*options, common, report); });
+  verb->add_option("character", options->character,
+                   "Character written by `ecorche fit`, or CROWD.glb#NAME")
+      ->required();
+  verb->add_option("motions", options->motions, "Motions (.bvh), one animation each")->required();
+  verb->add_option("-o,--output", options->output, "File to write (.glb)")->required();
+  verb->add_option("--morphs", options->bake.morphs, "Corrective morph targets, at most")
+      ->check(between(0, 64))
+      ->capture_default_str();
+  verb->add_option("--helpers", options->bake.helpers,
+                   "Joints added where the character's own leave the skin far off, at most")
+      ->check(between(0, 128))
+      ->capture_default_str();
+  verb->add_option("--samples", options->bake.sample_frames,
+                   "Frames that weights and shapes are solved on; errors are of every frame")
+      ->check(between(2, 2000))
+      ->capture_default_str();
+  add_weights_option(*verb, options->weights);
+  add_motion_options(*verb, options->retarget);
+}
+
+}  // namespace ecorche

@@ -1,0 +1,231 @@
+// ecorche bench: speed as ratios within one run, by the least CPU time of interleaved repetitions.
+#include <fmt/format.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "anatomy/geometry/subdivide.h"
+#include "anatomy/muscles/action_line.h"
+#include "app/bench/bench_measures.h"
+#include "app/bench/bench_timer.h"
+#include "app/options/option_values.h"
+#include "app/verb.h"
+#include "morph/dilation/slice_clearance.h"
+#include "morph/fit/fit_character.h"
+#include "morph/shapes/standard_bodies.h"
+#include "skinning/evaluation/blend_skinning.h"
+
+namespace ecorche {
+namespace {
+
+struct Ratio {
+  std::string name, what;
+  double seconds = 0, reference = 0, asked = 0;
+  double value() const { return seconds / reference; }
+};
+
+// The plain linear blend of the same mesh: four influences, positions and normals.
+BlendSkin blend_of(const Actor& actor) {
+  std::vector<std::vector<BoneWeight>> weights;
+  for (const auto& four : actor.binding.joint_weights) {
+    weights.emplace_back();
+    for (const Influence& influence : four)
+      weights.back().push_back({influence.joint, influence.weight});
+  }
+  return make_blend_skin(actor.character.body.skin, weights);
+}
+
+// poses, spread over the motion: they take about as long as 60 of a tendon model
+constexpr std::size_t kRow = 12;
+
+// One pose after the other, as animators have them: milliseconds of one are those of the row over
+// their number.
+std::function<void()> row_of_poses(const Actor& actor, const Motion& motion, PosedAnatomy& posed,
+                                   int threads = 1) {
+  return [&, threads] {
+    for (std::size_t k = 0; k < kRow; ++k)
+      pose_anatomy(actor.table, actor.character.anatomy.skeleton,
+                   motion.frames[k * motion.frames.size() / kRow], posed, threads);
+  };
+}
+
+// A whole animated frame against the linear blend of the same mesh, over the poses of a motion in
+// turn.
+std::vector<Ratio> bench_frames(const Actor& actor, const Motion& motion, const std::string& size,
+                                double asked, int rounds) {
+  const BlendSkin blend = blend_of(actor);
+  const Skeleton& skeleton = actor.character.anatomy.skeleton;
+  const auto rest = rest_positions(skeleton);
+  ActorFrame frame;
+  SkinFrame linear;
+  std::vector<Transform> X_WJ, bones;
+  size_t at = 0, at_linear = 0, at_muscles = 0;
+  PosedAnatomy posed;
+  Actor still = actor;
+  still.method = SkinMethod::anchors;
+  size_t at_still = 0, at_skin = 0;
+  const std::vector<BenchCase> cases{
+      {"frame", [&] { play(actor, motion.frames[at++ % motion.frames.size()], frame); }},
+      {"linear",
+       [&] {
+         forward_kinematics(skeleton, motion.frames[at_linear++ % motion.frames.size()], X_WJ);
+         bones = X_WJ;
+         for (size_t j = 0; j < bones.size(); ++j) bones[j].translate(-rest[j]);
+         deform_linear(blend, bones, linear);
+       }},
+      {"muscles",
+       [&] {
+         pose_anatomy(actor.table, skeleton, motion.frames[at_muscles++ % motion.frames.size()],
+                      posed);
+       }},
+      {"row", row_of_poses(actor, motion, posed)},
+      {"skin", [&] { play_skin(actor, motion.frames[at_skin++ % motion.frames.size()], frame); }},
+      {"still", [&] { play(still, motion.frames[at_still++ % motion.frames.size()], frame); }}};
+  const auto times = least_cpu_times(cases, rounds);
+  return {
+      {"frame_" + size, "whole frame, settled / linear blend with normals, " + size, times[0],
+       times[1], 0},
+      {"frame_skin_" + size, "the same, muscles not parted beneath the settled skin", times[4],
+       times[1], 0},
+      {"frame_anchors_" + size, "the same without settling (--skin anchors)", times[5], times[1],
+       asked},
+      {"muscles_" + size, "kinematics and all muscles, between other work / linear blend, " + size,
+       times[2], times[1], 0},
+      {"muscles_row_" + size, "the same, pose after pose / linear blend, " + size, times[3] / kRow,
+       times[1], 0}};
+}
+
+// Dilation as `fit` runs it, bones and all, against nothing but one ray in each direction of each
+// slice.
+std::vector<Ratio> bench_dilation(const Template& body_template, const FittedCharacter& fitted,
+                                  const BodyPackage& package, int rounds) {
+  const Body& body = fitted.actor.character.body;
+  const SkinRays rays(capped_skin(package, body.skin.V));
+  const FatLayer fat = make_fat_layer(rays, fitted.undilated, body);
+  const auto slices = rest_slices(fitted.undilated);
+  const std::vector<Vec2> directions = ray_directions(DilateOptions{}.rays);
+  DilateOptions ours, paper, uncut;
+  ours.even_about = fitted.fit.even_about;
+  DilateOptions ellipses = ours;
+  ellipses.share = false;
+  paper.method = uncut.method = DilateMethod::paper;
+  uncut.cut_rays = false;
+  double sum = 0;
+  const auto cast = [&] {
+    for (const Ellipse& slice : slices)
+      for (const Vec2& direction : directions)
+        sum += rays.first_hit(slice.center, slice.axes.leftCols<2>() * direction).distance;
+  };
+  Anatomy anatomy = fitted.undilated;
+  const auto dilate = [&](const DilateOptions& options) {
+    return [&, options] {
+      dilate_muscles(anatomy, fitted.undilated.muscles, body_template.tables->muscles, rays, fat,
+                     options);
+    };
+  };
+  const std::vector<BenchCase> cases{{"rays", cast},
+                                     {"paper", dilate(uncut)},
+                                     {"cut", dilate(paper)},
+                                     {"ours", dilate(ours)},
+                                     {"ellipses", dilate(ellipses)}};
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism,
+                                1);  // CPU time of this thread is all there is
+  const auto times = least_cpu_times(cases, rounds);
+  return {{"dilation_paper", "dilation, paper's factor / its bare rays", times[1], times[0], 1.15},
+          {"dilation_cut", "the same with rays cut at the running minimum / bare rays", times[2],
+           times[0], 0.7},
+          {"dilation", "dilation as in fit, flesh, slices and surface / bare rays", times[3],
+           times[0], 0},
+          {"dilation_ellipses", "the same, neighbours not parted (--method ellipses) / bare rays",
+           times[4], times[0], 0}};
+}
+
+struct BenchVerbOptions {
+  int rounds = 9;
+  bool muscles = false;
+};
+
+int run(const BenchVerbOptions& options, const Common& common, Report& report) {
+  const int rounds = options.rounds;
+  const BodyPackage package = read_body_package(find_packages());
+  const Template body_template = read_template();
+  const FittedCharacter fitted =
+      fit_character(body_template, make_body(package, athlete()), package, {}, report);
+  const Motion motion = open_motion(data_folder() / "motions" / "long_jump.bvh",
+                                    fitted.actor.character, {}, common, report);
+
+  if (options.muscles) {
+    PosedAnatomy posed;
+    const std::vector<BenchCase> row{{"row", row_of_poses(fitted.actor, motion, posed)}};
+    const double ms = 1e3 * least_cpu_times(row, rounds)[0] / kRow;
+    const std::vector<BenchCase> shared{
+        {"row",
+         row_of_poses(fitted.actor, motion, posed, tbb::this_task_arena::max_concurrency())}};
+    const double clock_ms = 1e3 * least_clock_times(shared, rounds)[0] / kRow;
+    report.set("bench.muscles_row_13k.ms", ms);
+    report.set("bench.muscles_row_13k.all_cores_ms", clock_ms);
+    fmt::print(
+        "kinematics and all muscles, pose after pose: {:.3f} ms on one thread, {:.3f} ms by the "
+        "clock on all cores\n",
+        ms, clock_ms);
+    return 0;
+  }
+  note(common, "13k vertices");
+  std::vector<Ratio> ratios = bench_frames(fitted.actor, motion, "13k", 5, rounds);
+  for (const Ratio& ratio : bench_dilation(body_template, fitted, package, std::max(3, rounds / 2)))
+    ratios.push_back(ratio);
+
+  note(common, "120k vertices");
+  Character fine = fitted.actor.character;
+  const BaseSkin base{fine.body.skin, refine_skin(package)};
+  fine.body.skin = {refine_points(base.refinement, fine.body.skin.V), base.refinement.F};
+  Report fine_report;
+  const Actor fine_actor = make_actor(std::move(fine), fine_report, {.base = &base});
+  for (const Ratio& ratio : bench_frames(fine_actor, motion, "120k", 3, rounds))
+    ratios.push_back(ratio);
+
+  fmt::print("{:<66} {:>10} {:>7} {:>7}\n", "", "ms", "ratio", "asked");
+  for (const Ratio& ratio : ratios) {
+    report.set("bench." + ratio.name + ".ms", 1e3 * ratio.seconds);
+    report.set("bench." + ratio.name + ".ratio", ratio.value());
+    fmt::print("{:<66} {:>10.3f} {:>7.2f} {:>7}\n", ratio.what, 1e3 * ratio.seconds, ratio.value(),
+               ratio.asked > 0 ? fmt::format("{:.2f}", ratio.asked) : "");
+  }
+  for (const TimedLine& line : bench_measures(package, fitted.actor.character, rounds)) {
+    report.set("bench." + line.name + ".ms", 1e3 * line.seconds);
+    fmt::print("{:<66} {:>10.3f} {:>7} {:>7}\n", line.what + " (CPU time)", 1e3 * line.seconds, "",
+               fmt::format("{:.0f}", 1e3 * line.asked));
+  }
+  const auto ms = [&](const char* name) {
+    return report.number(std::string("timings_ms.") + name);
+  };
+  const double shared = ms("fit_bones") + ms("fit_muscles") + ms("dilation");
+  const double total = shared + ms("anchoring"),
+               fine_total = shared + fine_report.number("timings_ms.anchoring");
+  report.set("bench.fit_and_anchor_13k_ms", total);
+  report.set("bench.fit_and_anchor_120k_ms", fine_total);
+  fmt::print("{:<66} {:>10.0f} {:>7} {:>7}\n",
+             "bones, muscles, dilation, anchoring, 13k (wall time)", total, "", "1000");
+  fmt::print("{:<66} {:>10.0f} {:>7} {:>7}\n", "the same, 120k", fine_total, "", "1500");
+  return 0;
+}
+
+}  // namespace
+
+void add_bench_verb(VerbRegistry& registry) {
+  auto options = std::make_shared<BenchVerbOptions>();
+  CLI::App* verb = add_verb(
+      registry, registry.app, "bench", "Measure speed, as ratios within one run",
+      "ecorche bench --report bench.json",
+      [options](const Common& common, Report& report) { return run(*options, common, report); });
+  verb->add_flag("--muscles", options->muscles, "Only the posing of all muscles, pose after pose");
+  verb->add_option("--rounds", options->rounds,
+                   "Interleaved repetitions; the least time of each case counts")
+      ->check(between(3, 1000))
+      ->capture_default_str();
+}
+
+}  // namespace ecorche

@@ -1,0 +1,333 @@
+// ecorche body population: a file of measures, or a number of people, as bodies with their anatomy.
+// Stops and goes on where it stopped.
+#include <fmt/format.h>
+#include <oneapi/tbb/parallel_pipeline.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <sstream>
+
+#include "anatomy/errors.h"
+#include "anatomy/files/atomic_file.h"
+#include "anatomy/files/csv_table.h"
+#include "anatomy/files/package_archive.h"
+#include "app/options/option_values.h"
+#include "app/progress.h"
+#include "app/verb.h"
+#include "morph/fit/fit_character.h"
+#include "morph/shapes/population.h"
+#include "morph/shapes/shape_age.h"
+#include "skinning/crowd/crowd_io.h"
+#include "skinning/files/character_io.h"
+
+namespace ecorche {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PopulationOptions {
+  fs::path people, folder, crowd;
+  int count = 0;
+  std::string sex;
+  bool skins = false, allow_unusual = false;
+};
+
+constexpr const char* kHeader =
+    "name,sex,age,stature_m,weight_kg,worst_miss_in_tolerances,anatomy,missed\n";
+
+// Rows of an earlier make have other columns.
+constexpr const char* kRowVersion = "rows 2";
+
+// People that are made side by side, one a core: half of a fit is work for one core alone. More
+// would need more memory.
+constexpr int kMostAtOnce = 4;
+
+// What all people share: packages, tables, spaces, the template. Read once, and then only looked
+// at.
+struct Workshop {
+  BodyPackage package = read_body_package(find_packages());
+  TapeMeasure tape{package, read_measure_table(package, data_folder() / "body")};
+  std::vector<VertexPart> parts = vertex_parts(package);
+  std::optional<ShapeSpace> spaces[2];
+  std::optional<Template> body_template;
+  std::optional<CrowdMould> mould;  // of a crowd
+
+  void prepare(Sex sex) {
+    auto& kept = spaces[sex == Sex::male ? 0 : 1];
+    if (!kept) kept = read_shape_space(package, tape, sex);
+  }
+  const ShapeSpace& space(Sex sex) const { return *spaces[sex == Sex::male ? 0 : 1]; }
+};
+
+// All that a person's files depend on. A row that is edited is made anew.
+std::string row_key(const Person& person, const PopulationOptions& options,
+                    const std::string& versions) {
+  std::string text = fmt::format("{} {} {} {} {}", versions, person.name,
+                                 person.sex == Sex::male ? "male" : "female", options.skins,
+                                 options.allow_unusual);
+  text += options.crowd.empty() ? "" : fmt::format(" crowd {}", kCrowdSchema);
+  text += person.age ? fmt::format(" age {}", *person.age) : "";
+  text += person.draw ? fmt::format(" draw {}", *person.draw) : "";
+  for (const Wish& wish : person.wishes) text += fmt::format(" {}={}", wish.measure, wish.value);
+  return sha256(text);
+}
+
+double worst_miss(const TapeMeasure& tape, const Person& person, const SolvedBody& solved) {
+  double worst = 0;
+  for (std::size_t i = 0; i < person.wishes.size(); ++i)
+    worst = std::max(worst, std::abs(solved.achieved[i] - person.wishes[i].value) /
+                                tape.measure(person.wishes[i].measure).tolerance);
+  return worst;
+}
+
+// Writes the person's file and returns its row of population.csv.
+std::string make_files(const Workshop& shop, const Person& person, const PopulationOptions& options,
+                       const fs::path& file) {
+  SolveOptions solve;
+  solve.allow_unusual = options.allow_unusual;
+  std::optional<ShapeSpace> of_age;
+  if (person.age) {
+    of_age = shop.space(person.sex);
+    move_to_age(shop.package, shop.tape, *person.age, *of_age);
+  }
+  const SolvedBody solved =
+      make_person(shop.tape, of_age ? *of_age : shop.space(person.sex), person, solve);
+  Body body;
+  body.skin = skin_mesh(shop.package, solved.points);
+  body.name = person.name;
+  body.sex = person.sex;
+  body.age = person.age.value_or(kSurveyAge);
+  body.mass = kBodyDensity * skin_volume(shop.package, solved.points);
+  std::string anatomy = "none", names;
+  Report own;
+  if (options.skins && shop.mould) {
+    // Joints and weights are the bones'; muscles need not grow for them.
+    const Actor actor =
+        make_actor({fit_anatomy(*shop.body_template, body).anatomy, body}, own, {.moves = false});
+    write_crowd_person(file, *shop.mould, actor.character, actor.binding.joint_weights);
+  } else if (options.skins) {
+    write_body(file, body);
+  } else {
+    const FittedCharacter fitted =
+        fit_character(*shop.body_template, body, shop.package,
+                      {.moves = false, .tissues = false, .parts = &shop.parts}, own);
+    const std::vector<MissedTarget> missed = missed_targets(fitted);
+    anatomy = missed.empty() ? "met" : fmt::format("{} targets missed", missed.size());
+    for (const MissedTarget& target : missed) names += (names.empty() ? "" : ";") + target.name;
+    if (shop.mould)
+      write_crowd_person(file, *shop.mould, fitted.actor.character,
+                         fitted.actor.binding.joint_weights);
+    else
+      write_character(file, fitted.actor.character, fitted.actor.binding, nullptr,
+                      find_look(shop.package, body.skin, fitted.actor.character.anatomy.skeleton));
+  }
+  return fmt::format("{},{},{},{:.4f},{:.2f},{:.3f},{},{}\n", person.name,
+                     person.sex == Sex::male ? "male" : "female",
+                     person.age ? fmt::format("{}", *person.age) : "",
+                     stature(shop.package, solved.points), body.mass,
+                     worst_miss(shop.tape, person, solved), anatomy, names);
+}
+
+// The row of a person whose files are there and were made from the same; empty otherwise.
+std::string finished_row(const fs::path& note, const fs::path& file, const std::string& key) {
+  std::ifstream in(note);
+  std::string found, row;
+  if (!fs::exists(file) || !std::getline(in, found) || found != key || !std::getline(in, row))
+    return {};
+  return row + "\n";
+}
+
+fs::path person_file(const Workshop& shop, const Person& person, const PopulationOptions& options) {
+  return options.folder / (person.name + (shop.mould ? ".bin" : ".glb"));
+}
+
+// What became of a person.
+struct Outcome {
+  std::string row;      // of population.csv; empty for one who was refused
+  std::string refused;  // why
+  bool kept = false;    // was there already
+};
+
+Outcome make_person_once(const Workshop& shop, const Person& person,
+                         const PopulationOptions& options, const std::string& versions) {
+  const fs::path file = person_file(shop, person, options),
+                 done = options.folder / ".rows" / person.name;
+  const std::string key = row_key(person, options, versions);
+  Outcome out{finished_row(done, file, key), {}, true};
+  if (!out.row.empty()) return out;
+  out.kept = false;
+  try {
+    out.row = make_files(shop, person, options, file);
+    write_file_atomically(done, key + "\n" + out.row);
+  } catch (const UnfitError& e) {
+    out.refused = e.what();
+  }
+  return out;
+}
+
+// Several people at once; `take` gets them one by one, in order.
+void make_people(const Workshop& shop, const std::vector<Person>& people,
+                 const PopulationOptions& options, const std::string& versions,
+                 const std::function<void(const Person&, const Outcome&)>& take) {
+  struct Made {
+    const Person* person;
+    Outcome outcome;
+  };
+  std::size_t next = 0;
+  const auto begin = tbb::make_filter<void, std::size_t>(
+      tbb::filter_mode::serial_in_order, [&](tbb::flow_control& flow) -> std::size_t {
+        if (next == people.size()) flow.stop();
+        return next++;
+      });
+  // A core that waits for its own person's work must not begin with another.
+  const auto make =
+      tbb::make_filter<std::size_t, Made>(tbb::filter_mode::parallel, [&](std::size_t i) {
+        return Made{&people[i], tbb::this_task_arena::isolate([&] {
+                      return make_person_once(shop, people[i], options, versions);
+                    })};
+      });
+  const auto end =
+      tbb::make_filter<Made, void>(tbb::filter_mode::serial_in_order,
+                                   [&](const Made& made) { take(*made.person, made.outcome); });
+  tbb::parallel_pipeline(
+      std::size_t(std::min(tbb::this_task_arena::max_concurrency(), kMostAtOnce)),
+      begin & make & end);
+}
+
+bool misses_targets(const std::string& row) {
+  return !Table(kHeader + row, "population.csv").text(0, "missed").empty();
+}
+
+// A row of population.csv and what was asked, as a crowd's figures.
+CrowdMember crowd_member(const MeasureTable& table, const Person& person, const fs::path& file,
+                         const std::string& row) {
+  CrowdMember out{person.name, file, {}, {}};
+  const Table cells(kHeader + row, "population.csv");
+  for (const char* column : {"sex", "anatomy"})
+    out.notes.emplace_back(column, cells.text(0, column));
+  for (const char* column : {"age", "stature_m", "weight_kg", "worst_miss_in_tolerances"})
+    if (!cells.text(0, column).empty()) out.figures.emplace_back(column, cells.number(0, column));
+  for (const Wish& wish : person.wishes)
+    out.figures.emplace_back("asked_" + table.measures[wish.measure].id, wish.value);
+  return out;
+}
+
+void check_crowd(const PopulationOptions& options) {
+  if (options.crowd.empty()) return;
+  require_ending(options.crowd, {".glb", ".gltf"});
+  // Said now rather than when all people are made.
+  if (options.crowd.extension() == ".gltf" &&
+      fs::weakly_canonical(fs::absolute(options.crowd).parent_path()) !=
+          fs::weakly_canonical(fs::absolute(options.folder)))
+    throw UsageError(fmt::format("{}: a .gltf must lie in the folder of the people's files, {}",
+                                 options.crowd.string(), options.folder.string()));
+}
+
+int run_population(const PopulationOptions& options, const Common& common, Report& report) {
+  if (options.people.empty() == (options.count == 0))
+    throw UsageError("body population: give a file of measures or --count, one of them");
+  check_crowd(options);
+  check_outputs(common, {options.crowd}, {options.people});
+  std::optional<Sex> sex;
+  if (!options.sex.empty()) sex = options.sex == "female" ? Sex::female : Sex::male;
+  Workshop shop;
+  People people;
+  if (options.people.empty())
+    people.people = draw_people(options.count, sex, common.seed);
+  else
+    people = read_people(options.people, sex, shop.tape);
+  for (const BadRow& bad : people.bad) note(common, bad.what);
+  if (people.people.empty())
+    throw InputError(fmt::format("{} ({} rows, none of which can be used)", people.bad.front().what,
+                                 people.bad.size()));
+  if (!options.skins || !options.crowd.empty()) shop.body_template = read_template();
+  const fs::path notes = options.folder / ".rows";
+  make_output_folder(notes);
+  if (!options.crowd.empty()) {
+    shop.mould = make_crowd_mould({shop.body_template->anatomy, shop.body_template->body},
+                                  options.skins ? CrowdLayers::skin_alone : CrowdLayers::all);
+  }
+
+  for (const Person& person : people.people) shop.prepare(person.sex);
+  const std::string versions = fmt::format(
+      "{} {} {} {} {}", ECORCHE_VERSION, kRowVersion, shop.body_template ? template_key() : "",
+      shape_space_key(Sex::male), shape_space_key(Sex::female));
+  std::string table = kHeader;
+  std::vector<CrowdMember> members;
+  int made = 0, kept = 0, refused = 0, missed = 0;
+  const int total = people.people.size();
+  const StageTimer timer(report, "population");
+  Progress progress(common, "people", total);
+  make_people(shop, people.people, options, versions,
+              [&](const Person& person, const Outcome& outcome) {
+                progress.step();
+                if (outcome.row.empty()) {
+                  note(common, fmt::format("{}: {}", person.name, outcome.refused));
+                  report.append_text("population.refused_people", person.name);
+                  ++refused;
+                  return;
+                }
+                ++(outcome.kept ? kept : made);
+                missed += misses_targets(outcome.row);
+                table += outcome.row;
+                if (shop.mould)
+                  members.push_back(crowd_member(shop.tape.table(), person,
+                                                 person_file(shop, person, options), outcome.row));
+              });
+  write_file_atomically(options.folder / "population.csv", table);
+  if (!members.empty()) {
+    std::sort(members.begin(), members.end(),
+              [](const CrowdMember& a, const CrowdMember& b) { return a.name < b.name; });
+    const StageTimer crowd_timer(report, "crowd");
+    write_crowd(options.crowd, *shop.mould, members);
+    report.set("population.crowd_bytes", double(fs::file_size(options.crowd)));
+  }
+  report.set("population.people", made + kept);
+  report.set("population.kept", kept);
+  report.set("population.refused", refused);
+  report.set("population.bad_rows", int(people.bad.size()));
+  report.set("population.anatomy_targets_missed", missed);
+  for (const BadRow& bad : people.bad) report.append_text("population.bad_row", bad.what);
+  note(common,
+       fmt::format("{}: {} people ({} were there), {} refused, {} bad rows, {} with an anatomy "
+                   "target missed",
+                   options.folder.string(), made + kept, kept, refused, people.bad.size(), missed));
+  if (made + kept == 0) throw UnfitError("no row gave a body");
+  return refused > 0 || missed > 0 || !people.bad.empty() ? 8 : 0;
+}
+
+}  // namespace
+
+void add_body_population(VerbRegistry& registry, CLI::App& body) {
+  auto options = std::make_shared<PopulationOptions>();
+  CLI::App* verb =
+      add_verb(registry, body, "population",
+               "Make many people, from a CSV of measures or by chance, with their anatomy",
+               "ecorche body population people.csv -o people",
+               [options](const Common& common, Report& report) {
+                 return run_population(*options, common, report);
+               });
+  verb->add_option("people", options->people,
+                   "CSV with a row a person; columns name, sex, age, size and measures (ecorche "
+                   "body measure --list)");
+  verb->add_option("--count", options->count,
+                   "Instead of a file: so many people by chance, with the survey's means, spreads "
+                   "and correlations (--seed)")
+      ->check(between(1, 1000000));
+  verb->add_option("--sex", options->sex, "Of rows that do not say it; with --count, of all")
+      ->check(one_of({"male", "female"}));
+  verb->add_option("--crowd", options->crowd,
+                   "One file of all people (.glb, or .gltf in the folder, referring to the "
+                   "people's own files): what they have in common is there once");
+  verb->add_flag("--skins", options->skins,
+                 "Skins alone, without bones and muscles; in a crowd with joints that move them");
+  verb->add_flag("--allow-unusual", options->allow_unusual,
+                 "Accept measures that people do not have, as far as the skin can be bent");
+  verb->add_option("-o,--output", options->folder,
+                   "Folder to write; people that are there already from the same row are kept")
+      ->required();
+}
+
+}  // namespace ecorche

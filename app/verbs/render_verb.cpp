@@ -1,0 +1,296 @@
+// ecorche render: a character's motion as a film or as pictures, or one moment of it as a still.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <vector>
+
+#include "anatomy/errors.h"
+#include "anatomy/files/atomic_file.h"
+#include "anatomy/files/package_archive.h"
+#include "app/files/open_character.h"
+#include "app/options/activation_options.h"
+#include "app/options/motion_options.h"
+#include "app/options/option_values.h"
+#include "app/options/picture_size.h"
+#include "app/pages/actor_film.h"
+#include "app/verb.h"
+#include "skinning/motion/limit_poses.h"
+#include "skinning/motion/pose_book.h"
+#include "viewer/camera.h"
+#include "viewer/part_names.h"
+
+namespace ecorche {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RenderVerbOptions {
+  fs::path character, motion, weights, poses;
+  std::string activation = "none", layers = "skin,muscles,bones", size = "1280x720",
+              skin = "ecorche";
+  std::string frames, hide, only, pose, background = "outdoors";
+  std::optional<std::string> camera;
+  std::optional<double> at;
+  std::vector<double> dissolve;
+  bool colour_map = false;
+  MotionOptions retarget;
+  ActorFilm film;
+};
+
+void set_layers(const std::string& text, ActorFilm& film) {
+  film.skin = film.muscles = film.bones = false;
+  std::istringstream names(text);
+  for (std::string name; std::getline(names, name, ',');) {
+    if (name == "skin")
+      film.skin = true;
+    else if (name == "muscles")
+      film.muscles = true;
+    else if (name == "bones")
+      film.bones = true;
+    else
+      throw UsageError(
+          fmt::format("--layers: '{}' is no layer; there are skin, muscles and bones", name));
+  }
+  if (!film.skin && !film.muscles && !film.bones)
+    throw UsageError("--layers: none is named; there are skin, muscles and bones");
+}
+
+void set_size(const std::string& text, ActorFilm& film) {
+  if (!read_picture_size(text, film.width, film.height))
+    throw UsageError(
+        fmt::format("--size: '{}' is no size; write WIDTHxHEIGHT, for example 1280x720", text));
+}
+
+void set_background(const std::string& text, ActorFilm& film) {
+  film.ground.visible = text == "outdoors";
+  film.transparent = text == "transparent";
+  if (film.ground.visible || film.transparent) return;
+  unsigned red = 255, green = 255, blue = 255;
+  char trailing = 0;
+  const bool good =
+      text == "white" || (text.size() == 7 && std::sscanf(text.c_str(), "#%2x%2x%2x%c", &red,
+                                                          &green, &blue, &trailing) == 3);
+  if (!good)
+    throw UsageError(fmt::format(
+        "--background: '{}': expected outdoors, white, transparent, or a colour #RRGGBB", text));
+  film.background = Eigen::Vector3i(int(red), int(green), int(blue)).cast<float>() / 255;
+}
+
+// Parts that are left away: those to hide, or all but those named alone.
+std::vector<std::uint32_t> hidden_parts(const RenderVerbOptions& options, const Anatomy& anatomy) {
+  std::vector<std::uint32_t> hidden = parts_of_list(anatomy, options.hide, "--hide");
+  if (options.only.empty()) return hidden;
+  const std::vector<std::uint32_t> only = parts_of_list(anatomy, options.only, "--only");
+  for (const std::uint32_t part : all_parts(anatomy))
+    if (!std::ranges::binary_search(only, part)) hidden.push_back(part);
+  std::sort(hidden.begin(), hidden.end());
+  hidden.erase(std::unique(hidden.begin(), hidden.end()), hidden.end());
+  return hidden;
+}
+
+// What can be said before anything is read.
+void check_options(const RenderVerbOptions& options) {
+  const ActorFilm& film = options.film;
+  const bool still =
+      film.output.extension() == ".png" && film.output.string().find('%') == std::string::npos;
+  const bool part = film.from || film.to || !options.frames.empty();
+  if (options.motion.empty() && !still)
+    throw UsageError(
+        fmt::format("{}: a film needs a motion (.bvh); one picture at rest or in a --pose is named "
+                    "like STILL.png",
+                    film.output.string()));
+  if (options.motion.empty() && (part || options.at))
+    throw UsageError("--at, --from, --to and --frames mean moments of a motion; name one");
+  if (!options.motion.empty() && !options.pose.empty())
+    throw UsageError("--pose: leave the motion away, or choose its moment with --at");
+  if (!options.motion.empty() && still && !options.at)
+    throw UsageError(
+        fmt::format("{}: which moment of the motion? Say --at SECONDS", film.output.string()));
+  if (options.at && !still)
+    throw UsageError(
+        "--at: one moment is one picture; name it like STILL.png, or give --from and --to");
+  if (options.at && part) throw UsageError("--at excludes --from, --to and --frames");
+  if (film.beside && !film.view.look_at.empty())
+    throw UsageError("--look-at: one figure can be seen closely; leave --beside away");
+  if (film.dynamics && options.motion.empty())
+    throw UsageError("--dynamics: flesh lags in a motion; name one");
+  if (!options.poses.empty() && options.pose.empty())
+    throw UsageError("--poses: name one of its poses with --pose");
+}
+
+struct Posture {
+  Pose pose;
+  std::string view;  // from where it is best seen
+};
+
+// A pose of the pose book, or at the joints' limits.
+Posture find_posture(const RenderVerbOptions& options, const Skeleton& skeleton) {
+  std::vector<std::string> known;
+  const fs::path book =
+      options.poses.empty() ? data_folder() / "poses" / "poses.csv" : options.poses;
+  for (NamedPose& each : read_pose_book(book, skeleton)) {
+    if (each.name == options.pose) return {std::move(each.pose), each.view};
+    known.push_back(each.name);
+  }
+  if (options.poses.empty())
+    for (LimitPose& each : standard_limit_poses(skeleton)) {
+      if (each.name == options.pose) return {std::move(each.pose), "oblique"};
+      known.push_back(each.name);
+    }
+  const std::string near = nearest_name(options.pose, known);
+  throw UsageError(fmt::format(
+      "--pose: no pose is called '{}'{}; look into {}{}", options.pose,
+      near.empty() ? "" : fmt::format(": did you mean '{}'?", near), book.string(),
+      options.poses.empty() ? fmt::format(" and {}", (data_folder() / "poses.csv").string()) : ""));
+}
+
+// One frame: at rest, or in the pose, its lowest point on the ground as at rest.
+Motion still_motion(const Actor& actor, const RenderVerbOptions& options, std::string& view) {
+  const Skeleton& skeleton = actor.character.anatomy.skeleton;
+  Motion motion;
+  motion.frames.push_back(rest_pose(skeleton));
+  view = "oblique";
+  if (options.pose.empty()) return motion;
+  Posture posture = find_posture(options, skeleton);
+  ActorFrame frame;
+  play_skin(actor, posture.pose, frame);
+  Points skin;
+  to_points(frame.skin, skin);
+  posture.pose.root.y() += actor.character.body.skin.V.col(1).minCoeff() - skin.col(1).minCoeff();
+  motion.frames.front() = posture.pose;
+  view = posture.view;
+  return motion;
+}
+
+int run(RenderVerbOptions options, const Common& common, Report& report) {
+  ActorFilm& film = options.film;
+  set_layers(options.layers, film);
+  set_size(options.size, film);
+  set_background(options.background, film);
+  check_options(options);
+  if (options.dissolve.size() == 2) film.dissolve = Span{options.dissolve[0], options.dissolve[1]};
+  if (options.colour_map) film.muscle_colors = MuscleColors::shortening;
+  if (!options.frames.empty()) film.frames = read_frame_range(options.frames, "--frames");
+  if (options.at) film.from = film.to = options.at;
+  const bool numbered = film.output.string().find('%') != std::string::npos;
+  check_outputs(common, numbered ? std::vector<fs::path>() : std::vector{film.output},
+                {options.character, options.motion, options.weights, options.activation,
+                 options.poses, options.retarget.map_file});
+  require_settling(film.dynamics, options.skin);
+  Actor actor = make_actor(open_character(options.character, common, report), report,
+                           {.weights = options.weights});
+  choose_skin(actor, options.skin);
+  film.hidden = hidden_parts(options, actor.character.anatomy);
+  std::string view = "follow";
+  const Motion motion = options.motion.empty() ? still_motion(actor, options, view)
+                                               : open_motion(options.motion, actor.character,
+                                                             options.retarget, common, report);
+  film.view.camera = options.camera.value_or(film.view.look_at.empty() ? view : "follow");
+  film.legend =
+      film.legend && !(options.motion.empty() && options.pose.empty()) && !film.transparent;
+  film.activations = open_activations(options.activation, actor, motion, report);
+  const FilmReport done = film_actor(actor, motion, film, common);
+  report.set("timings_ms.film", 1e3 * done.seconds);
+  report.set("film.frames", done.frames);
+  report.set("film.driver", done.driver);
+  note(common,
+       fmt::format("{}: {} {} of {}x{} in {:.1f} s", film.output.string(), done.frames,
+                   done.frames == 1 ? "frame" : "frames", done.width, done.height, done.seconds));
+  return 0;
+}
+
+void add_view_options(CLI::App& verb, RenderVerbOptions& options) {
+  verb.add_option("--camera", options.camera,
+                  fmt::format("follow; or {}. When left out: follow; of a close-up, from where the "
+                              "part is seen best; of a still, as the pose is seen best",
+                              view_names()));
+  verb.add_option("--look-at", options.film.view.look_at,
+                  "Close-up of a bone, muscle, region of muscles, joint, or landmark of the skin, "
+                  "which stays in the middle");
+  CLI::Option* zoom = verb.add_option("--zoom", options.film.view.zoom, "Times as large")
+                          ->check(between(0.05, 100.0))
+                          ->capture_default_str();
+  verb.add_option("--distance", options.film.view.distance,
+                  "Metres from the eye to what is looked at")
+      ->check(between(0.02, 1000.0))
+      ->excludes(zoom);
+  verb.add_option("--layers", options.layers,
+                  "What is seen: skin, muscles, bones; the skin is glass over other layers")
+      ->capture_default_str();
+  CLI::Option* hide =
+      verb.add_option("--hide", options.hide,
+                      "Parts to leave away: names of bones, muscles, regions (thigh, trunk_back, "
+                      "...), layers (superficial, ...), with commas between them; * stands for any "
+                      "letters, a name without side for both");
+  verb.add_option("--only", options.only, "The only parts to show, named likewise")->excludes(hide);
+  verb.add_option("--background", options.background,
+                  "outdoors; white, a colour #RRGGBB, or, for pictures, transparent")
+      ->capture_default_str();
+}
+
+void add_moment_options(CLI::App& verb, RenderVerbOptions& options) {
+  verb.add_option("--at", options.at, "A still: this moment of the motion, in seconds")
+      ->check(between(0.0, 1e5));
+  verb.add_option("--pose", options.pose,
+                  "A still without motion: a pose of data/poses/poses.csv or data/poses.csv; at "
+                  "rest when left out");
+  verb.add_option("--poses", options.poses,
+                  "Table of poses like data/poses/poses.csv that --pose is looked up in");
+  CLI::Option* from = verb.add_option("--from", options.film.from,
+                                      "Where the film begins, in seconds of the motion")
+                          ->check(between(0.0, 1e5));
+  CLI::Option* to =
+      verb.add_option("--to", options.film.to, "Where it ends")->check(between(0.0, 1e5));
+  verb.add_option("--frames", options.frames,
+                  "Frames of the motion, counted from 1, one a picture: 1-240; x2 behind it takes "
+                  "every second one. Pictures are numbered as the frames are")
+      ->excludes(from)
+      ->excludes(to);
+}
+
+}  // namespace
+
+void add_render_verb(VerbRegistry& registry) {
+  auto options = std::make_shared<RenderVerbOptions>();
+  CLI::App* verb = add_verb(
+      registry, registry.app, "render", "Film a character's motion, or take a picture of it",
+      "ecorche render anna-anatomy.glb walk.bvh -o anna.mp4 --layers muscles,bones --camera left\n"
+      "  ecorche render anna-anatomy.glb walk.bvh -o knee.png --at 1.2 --look-at knee_l --hide "
+      "skin\n"
+      "  ecorche render anna-anatomy.glb -o squat.png --pose squat --background white",
+      [options](const Common& common, Report& report) { return run(*options, common, report); });
+  verb->add_option("character", options->character,
+                   "Character written by `ecorche fit`, or CROWD.glb#NAME")
+      ->required();
+  verb->add_option("motion", options->motion,
+                   "Motion (.bvh); left away for a still at rest or in a --pose");
+  verb->add_option("-o,--output", options->film.output,
+                   "FILM.mp4, numbered pictures DIR/%04d.png, or one picture STILL.png")
+      ->required();
+  add_view_options(*verb, *options);
+  add_moment_options(*verb, *options);
+  add_skin_option(*verb, options->skin);
+  add_weights_option(*verb, options->weights);
+  verb->add_flag("--beside", options->film.beside, "The skin, and the figure without it beside it");
+  verb->add_option(
+          "--dissolve", options->dissolve,
+          "The skin goes, from the feet up, between these two moments of the motion, in seconds")
+      ->expected(2)
+      ->delimiter(',')
+      ->check(between(0.0, 1e5));
+  verb->add_flag(
+      "--colour-map", options->colour_map,
+      "Muscle lengths in yellow (shorter) and blue (longer) that colour-blind eyes tell apart");
+  verb->add_flag("!--no-legend", options->film.legend, "Leave away what the muscles' colours mean");
+  verb->add_option("--size", options->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+  verb->add_option("--fps", options->film.fps, "Frames a second")
+      ->check(between(1.0, 240.0))
+      ->capture_default_str();
+  verb->add_option("--activation", options->activation, kActivationHelp)->capture_default_str();
+  add_dynamics_option(*verb, options->film.dynamics);
+  add_motion_options(*verb, options->retarget);
+}
+
+}  // namespace ecorche

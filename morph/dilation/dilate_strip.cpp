@@ -1,0 +1,150 @@
+#include "morph/dilation/dilate_strip.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ecorche {
+
+namespace {
+
+constexpr double kNearSkin = 4e-3;  // m
+
+// 1 on the belly, fading to 0 within a tenth of the line on the tendons.
+double belly_share(const Strip& strip, double s) {
+  constexpr double kFade = 0.1;
+  return std::clamp(1 - std::max(strip.belly_begin - s, s - strip.belly_end) / kFade, 0.0, 1.0);
+}
+
+// Shifts smoothed along the strip, never beyond the length of the first ones.
+void smooth_shifts(std::vector<Vec2>& shifts) {
+  const std::vector<Vec2> most = shifts;
+  std::vector<Vec2> next = shifts;
+  for (int round = 0; round < 8; ++round) {
+    for (std::size_t k = 0; k < shifts.size(); ++k) {
+      const Vec2 before = shifts[k > 0 ? k - 1 : k],
+                 after = shifts[k + 1 < shifts.size() ? k + 1 : k];
+      next[k] = (before + 2 * shifts[k] + after) / 4;
+      const double length = next[k].norm(), limit = most[k].norm();
+      if (length > limit) next[k] *= limit / length;
+    }
+    shifts.swap(next);
+  }
+}
+
+// A running mean of three along the strip, some times over; the ends stay.
+template <class Value>
+void smooth_along(std::vector<Value>& values, int rounds) {
+  for (int round = 0; round < rounds; ++round) {
+    Value before = values.front();
+    for (std::size_t k = 1; k + 1 < values.size(); ++k) {
+      const Value here = values[k];
+      values[k] = (before + 2 * here + values[k + 1]) / 4;
+      before = here;
+    }
+  }
+}
+
+// From a section to the skin, m; nothing is known where no ray ended on it.
+double room_to_skin(const Section& section, std::span<const HalfPlane> room) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const HalfPlane& plane : room)
+    least = std::min(least, plane.bound + plane.layer - section.support(plane.normal));
+  return room.empty() ? 0 : least;
+}
+
+}  // namespace
+
+void StripCount::add(const StripCount& other) {
+  rays += other.rays;
+  misses += other.misses;
+  pulled_in += other.pulled_in;
+  pressed += other.pressed;
+  grown += other.grown;
+  near_skin = near_skin || other.near_skin;
+}
+
+void stretch_strip(const Strip& strip, std::span<Ellipse> slices, int muscle,
+                   const FleshField& flesh) {
+  std::vector<Vec3> shifts;
+  std::vector<Vec2> scales;
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    const Ellipse& slice = slices[k];
+    const FleshPull pull = flesh.at(slice.center, muscle);
+    // Flesh that grows outwards also spreads sideways, at half the rate; pressed flesh keeps its
+    // width. Tendons do not grow.
+    const double belly = belly_share(strip, strip.slices[k].s);
+    const double stretch = pull.stretch > 1 ? 1 + belly * (pull.stretch - 1) : pull.stretch;
+    const double sideways = stretch > 1 ? 1 + (stretch - 1) / 2 : 1;
+    Vec2 scale;
+    double half = 0;
+    for (int axis = 0; axis < 2; ++axis) {
+      const double along = std::pow(slice.axes.col(axis).dot(pull.outwards), 2);
+      scale[axis] = along * stretch + (1 - along) * sideways;
+      half += along * std::pow(scale[axis] * slice.radii[axis], 2);
+    }
+    const double most = std::max(0.0, pull.free - std::sqrt(half));
+    shifts.push_back((pull.shift > 0 ? std::min(belly * pull.shift, most) : pull.shift) *
+                     pull.outwards);
+    scales.push_back(scale);
+  }
+  smooth_along(shifts, 3);
+  smooth_along(scales, 3);
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    const Vec3 normal = slices[k].axes.col(2);  // sections stay where they are along the line
+    slices[k].center += shifts[k] - normal * normal.dot(shifts[k]);
+    slices[k].radii = slices[k].radii.cwiseProduct(scales[k]);
+  }
+}
+
+StripCount grow_strip(const Strip& strip, std::span<Ellipse> slices, bool grows,
+                      const SkinRays& rays, const FatLayer& fat, const GrowthLimits& limits) {
+  StripCount count;
+  std::vector<std::vector<HalfPlane>> rooms(slices.size());
+  std::vector<Section> sections(slices.size());
+  std::vector<Vec2> shifts(slices.size(), Vec2::Zero());
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    sections[k].radii = slices[k].radii;
+    const RoomCount room =
+        find_room(slices[k], limits.directions, rays, fat, limits.clearance, rooms[k]);
+    count.rays += room.rays;
+    count.misses += room.misses;
+    count.pulled_in += room.outside;
+    count.pressed += worst_excess(sections[k], rooms[k]) > 1e-4;
+    if (grows) {
+      Vec2 shift = growth_to_touch(sections[k], rooms[k]);
+      const Vec2 most =
+          (limits.most - 1) * belly_share(strip, strip.slices[k].s) * sections[k].radii;
+      shift = shift.cwiseMin(most).cwiseMax(-most);
+      count.grown += shift.norm() > 1e-4;
+      shifts[k] = shift;
+    }
+  }
+  smooth_shifts(shifts);
+  std::vector<Vec2> centers(slices.size()), radii(slices.size());
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    Section& section = sections[k];
+    section.center += shifts[k];
+    section.radii += shifts[k].cwiseAbs();
+  }
+  for (int round = 0; round < 3; ++round) {
+    for (std::size_t k = 0; k < slices.size(); ++k) {
+      press_in(sections[k], rooms[k], limits.least);
+      centers[k] = sections[k].center;
+      radii[k] = sections[k].radii;
+    }
+    if (round == 2) break;
+    smooth_along(centers, 2);
+    smooth_along(radii, 2);
+    for (std::size_t k = 0; k < slices.size(); ++k) sections[k] = {centers[k], radii[k]};
+  }
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    slices[k].center += slices[k].axes.leftCols<2>() * sections[k].center;
+    slices[k].radii = sections[k].radii;
+    count.near_skin = count.near_skin || room_to_skin(sections[k], rooms[k]) <
+                                             kNearSkin + slices[k].radii.minCoeff() / 2;
+  }
+  return count;
+}
+
+}  // namespace ecorche

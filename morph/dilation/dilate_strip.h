@@ -1,0 +1,38 @@
+// One strip of a muscle among its room: stretched with the flesh around it, grown until it touches
+// the layer of fat, pressed in where it stands out. Works on the sections themselves; whoever calls
+// writes them back to the strip.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "morph/dilation/slice_clearance.h"
+#include "morph/dilation/tissue_stretch.h"
+
+namespace ecorche {
+
+struct GrowthLimits {
+  std::vector<Vec2> directions = ray_directions(20);
+  double clearance = 0.3e-3;  // added to the layer, m
+  double most = 2.2;          // a half axis grows to at most this multiple
+  double least = 0.35;        // and is pressed to no less than this
+};
+
+struct StripCount {
+  long long rays = 0, misses = 0;
+  int pulled_in = 0, pressed = 0, grown = 0;
+  // some section ends so near to the skin that the surface over it may stand out
+  bool near_skin = false;
+
+  void add(const StripCount& other);
+};
+
+// Moves and stretches the sections with the flesh around them. `slices`: of `strip`, which gives s
+// and the belly.
+void stretch_strip(const Strip& strip, std::span<Ellipse> slices, int muscle,
+                   const FleshField& flesh);
+
+StripCount grow_strip(const Strip& strip, std::span<Ellipse> slices, bool grows,
+                      const SkinRays& rays, const FatLayer& fat, const GrowthLimits& limits);
+
+}  // namespace ecorche

@@ -1,0 +1,555 @@
+#include "morph/dilation/pack_muscles.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/muscle_surface.h"
+#include "anatomy/muscles/slice_outline.h"
+#include "anatomy/queries/occupancy_grid.h"
+#include "anatomy/queries/ray_crossings.h"
+#include "morph/dilation/fill_gaps.h"
+#include "morph/dilation/packed_sections.h"
+#include "morph/dilation/spoke_limits.h"
+
+namespace ecorche {
+
+namespace {
+
+// cosine between a direction and the width of a section, from which on it is along it
+constexpr double kSideways = 0.55;
+constexpr std::size_t kDirections = kOutlinePoints;
+constexpr int kBone = -1;
+constexpr double kGrowRate = 0.8;      // of the room, a round
+constexpr double kMostGrowth = 0.045;  // m, beyond the ellipse
+constexpr double kMostSheath = 0.003;  // m in a round, of tendons: their sheaths
+constexpr double kTendonPower = 5;     // what is a little belly comes up like one
+constexpr double kWanting = 0.5;  // need beyond 1 that makes a muscle grow into all of a deep room
+constexpr double kPush = 0.5;     // of a radius, into a neighbour that has more than its need
+constexpr double kLeastShare = 0.3;  // of the volume that a muscle comes with, to begin with
+constexpr double kThinnest = 2e-4;   // m
+constexpr double kMostPress = 0.8;   // factor of what is pressed between sections, in a round
+constexpr double kDeep = 1e-3;       // m, between a tube's sections, from which on they give way
+constexpr float kMainTerm = 0.2f;    // weight of a section that a vertex between strips follows
+constexpr double kTouchedCell = 0.004, kSightCell = 0.02;  // m
+
+enum class Round { parting, growing, covering_around, covering, settling };
+
+bool covers(Round kind) { return kind == Round::covering || kind == Round::covering_around; }
+
+// Memory for a ray.
+struct Sight {
+  std::vector<Crossing> crossings;
+  std::vector<Stay> stays;
+};
+
+class Sharing {
+ public:
+  Sharing(Anatomy& anatomy, std::span<Ellipse> slices, std::span<const double> wanted,
+          std::span<const int> partners, const SkinRays& skin, const FatLayer& fat,
+          const SharingLimits& limits)
+      : anatomy_(anatomy),
+        given_(slices),
+        wanted_(wanted),
+        limits_(limits),
+        surface_(make_muscle_surface(anatomy)),
+        all_(anatomy, surface_, slices, partners),
+        needs_(wanted.size(), 1.0),
+        underside_(underside(skin.mesh(), fat)) {
+    for (const Muscle& muscle : anatomy.muscles)
+      of_the_jaw_.push_back(muscle.group == "face_jaw"),
+          staying_.push_back(of_the_jaw_.back() || muscle.layer == "deep");
+    const LayerSpokes layer = find_layer_spokes(all_, skin, fat, underside_, limits.skin_gap);
+    spokes_ = layer.spokes;
+    report_.rays += layer.rays;
+    add_bones();
+  }
+
+  void round(Round kind, int smoothing) {
+    look();
+    if (covers(kind)) {
+      asked_ = find_uncovered(all_, surface_, underside_, *flesh_, mesh_.F, solids_,
+                              kind == Round::covering_around);
+      report_.rays += underside_.points.rows();
+    }
+    plan(kind);
+    std::vector<SliceOutline> next(all_.slices.size());
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, all_.strips.size(), 4), [&](const auto& range) {
+          Sight sight;
+          for (std::size_t s = range.begin(); s < range.end(); ++s) {
+            const StripPlace& strip = all_.strips[s];
+            if (all_.is_mirrored(strip)) continue;
+            for (std::size_t k = strip.begin; k < strip.end; ++k) {
+              for (std::size_t i = 0; i < kDirections; ++i)
+                next[k][i] = due_[k * kDirections + i]
+                                 ? float(reach(k, i, strip, kind, sight) /
+                                         double(spokes_[k * kDirections + i].base))
+                                 : all_.slices[k].outline[i];
+              all_.fill(k, next[k]);
+            }
+            for (int pass = 0; pass < smoothing; ++pass)
+              smooth_outlines(std::span(next).subspan(strip.begin, strip.end - strip.begin));
+          }
+        });
+    if (kind == Round::settling) {
+      for (std::size_t ray = 0; ray < due_.size(); ++ray)
+        due_[ray] = due_[ray] && next[ray / kDirections][ray % kDirections] <
+                                     all_.slices[ray / kDirections].outline[ray % kDirections];
+      press_between(next);
+      press_along(next);
+      settled_.gave_way = due_;
+    }
+    for (const StripPlace& strip : all_.strips) {
+      if (all_.is_mirrored(strip)) continue;
+      for (std::size_t k = strip.begin; k < strip.end; ++k) all_.slices[k].outline = next[k];
+    }
+    mirror();
+    if (kind != Round::settling) return;
+    settled_.outlines.clear();
+    for (const Ellipse& slice : all_.slices) settled_.outlines.push_back(slice.outline);
+  }
+
+  void finish() {
+    std::size_t at = 0;
+    for (Muscle& muscle : anatomy_.muscles)
+      for (Strip& strip : muscle.strips)
+        for (Slice& slice : strip.slices) {
+          given_[at].outline = all_.slices[at].outline;
+          slice.outline = all_.slices[at++].outline;
+        }
+  }
+
+  // Every muscle as if it had its volume already; those that reached the layer by more grow back to
+  // it.
+  void begin() {
+    for (std::size_t m = 0; m < wanted_.size(); ++m) {
+      double volume = 0;
+      for (std::size_t s = all_.strip_begin[m]; s < all_.strip_begin[m + 1]; ++s)
+        volume += tube_volume(
+            std::span<const Ellipse>(all_.slices)
+                .subspan(all_.strips[s].begin, all_.strips[s].end - all_.strips[s].begin));
+      const double factor =
+          volume > 0 ? std::sqrt(std::clamp(wanted_[m] / volume, kLeastShare, 1.0)) : 1;
+      for (std::size_t k = all_.muscle_begin[m]; k < all_.muscle_begin[m + 1]; ++k) {
+        // Flat sections get thinner, not narrower.
+        const Vec2& radii = all_.slices[k].radii;
+        const double flat =
+            std::clamp((radii.maxCoeff() / std::max(radii.minCoeff(), 1e-6) - 1) / 2, 0.0, 1.0) *
+            (radii.x() > radii.y() ? 1 : -1);
+        const double own = 1 + all_.belly[k] * (factor - 1);
+        const Vec2 scale(std::pow(own, 1 - flat), std::pow(own, 1 + flat));
+        for (std::size_t i = 0; i < kDirections; ++i)
+          all_.slices[k].outline[i] =
+              float(1 / outline_directions()[i].cwiseQuotient(scale).norm());
+      }
+    }
+  }
+
+  const SharingReport& report() const { return report_; }
+
+ private:
+  // Where a section's rays can come to, and from where others can grow to there.
+  Eigen::AlignedBox3d sight_of(std::size_t k) const {
+    Eigen::AlignedBox3d box(all_.slices[k].center);
+    for (std::size_t i = 0; i < kDirections; ++i) {
+      if (!all_.is_drawn(k, i)) continue;
+      const Spoke& spoke = spokes_[k * kDirections + i];
+      const double base = double(spoke.base),
+                   most = std::max(base, std::min(base + kMostGrowth, double(spoke.over)));
+      box.extend(all_.slices[k].center + (most + limits_.reach) / base * all_.edge(k, i));
+    }
+    return {box.min() - Vec3::Constant(kMostGrowth), box.max() + Vec3::Constant(kMostGrowth)};
+  }
+
+  // All of that: of an even body little more than one half.
+  TouchedCells find_sight() {
+    std::vector<Eigen::AlignedBox3d> boxes;
+    for (const StripPlace& strip : all_.strips)
+      for (std::size_t k = strip.begin; k < strip.end && !all_.is_mirrored(strip); ++k)
+        seen_.extend(boxes.emplace_back(sight_of(k)));
+    TouchedCells cells(seen_, kSightCell);
+    for (const Eigen::AlignedBox3d& box : boxes) cells.mark(box);
+    return cells;
+  }
+
+  // What lies out of sight need not be drawn.
+  void leave_out_unseen() {
+    std::vector<char> seen(surface_.vertices(), 0);
+    for (Eigen::Index f = 0; f < mesh_.F.rows() && solids_[f] != kBone; ++f)
+      for (int i = 0; i < 3; ++i) seen[mesh_.F(f, i)] = 1;
+    std::vector<MuscleSurface::Term> kept;
+    std::vector<int> begin{0};
+    for (std::size_t v = 0; v < seen.size(); ++v) {
+      if (seen[v])
+        kept.insert(kept.end(), surface_.terms.begin() + surface_.term_begin[v],
+                    surface_.terms.begin() + surface_.term_begin[v + 1]);
+      begin.push_back(int(kept.size()));
+    }
+    surface_.terms = std::move(kept);
+    surface_.term_begin = std::move(begin);
+  }
+
+  void add_bones() {
+    Eigen::Index points = surface_.vertices(), faces = surface_.F.rows();
+    for (const Bone& bone : anatomy_.bones)
+      points += bone.mesh.V.rows(), faces += bone.mesh.F.rows();
+    mesh_.V.resize(points, 3);
+    mesh_.F.resize(faces, 3);
+    mesh_.F.topRows(surface_.F.rows()) = surface_.F;
+    points = surface_.vertices(), faces = surface_.F.rows();
+    for (const Bone& bone : anatomy_.bones) {
+      mesh_.V.middleRows(points, bone.mesh.V.rows()) =
+          bone.mesh.V.unaryExpr([](double x) { return rounded(x); });
+      mesh_.F.middleRows(faces, bone.mesh.F.rows()) = (bone.mesh.F.array() + int(points)).matrix();
+      points += bone.mesh.V.rows();
+      faces += bone.mesh.F.rows();
+    }
+    update_muscle_surface(surface_, all_.slices, positions_);
+    mesh_.V.topRows(positions_.rows()) = positions_;
+    std::vector<int> strip_of(all_.slices.size()), labels;
+    for (std::size_t s = 0; s < all_.strips.size(); ++s)
+      std::fill(strip_of.begin() + long(all_.strips[s].begin),
+                strip_of.begin() + long(all_.strips[s].end), int(s));
+    const TouchedCells sight = find_sight();
+    Triangles near(faces, 3);
+    for (Eigen::Index f = 0; f < faces; ++f) {
+      const bool muscle = f < surface_.F.rows();
+      const std::size_t vertex = mesh_.F(f, 0);
+      Eigen::AlignedBox3d box;
+      for (int i = 0; i < 3; ++i) box.extend(mesh_.V.row(mesh_.F(f, i)).transpose());
+      if ((!muscle || is_mirrored(surface_.muscle[vertex])) && !sight.touches(box)) continue;
+      near.row(solids_.size()) = mesh_.F.row(f);
+      solids_.push_back(muscle ? surface_.muscle[vertex] : kBone);
+      labels.push_back(muscle ? all_.strips[strip_of[surface_.slice[vertex]]].label : kBone);
+    }
+    mesh_.F = near.topRows(solids_.size());
+    flesh_.emplace(mesh_.V, mesh_.F, std::move(labels), surface_.vertices());
+    leave_out_unseen();
+  }
+
+  bool is_mirrored(int muscle) const { return all_.partners[muscle] >= 0; }
+
+  // What has moved since the last settling round.
+  void mark_touched() {
+    if (!touched_) touched_.emplace(seen_, kTouchedCell);
+    touched_->clear();
+    const auto moved = [&](int v) {
+      return (positions_.row(v).array() != settled_.positions.row(v).array()).any();
+    };
+    for (Eigen::Index f = 0; f < mesh_.F.rows() && mesh_.F(f, 0) < positions_.rows(); ++f) {
+      if (!moved(mesh_.F(f, 0)) && !moved(mesh_.F(f, 1)) && !moved(mesh_.F(f, 2))) continue;
+      Eigen::AlignedBox3d box;
+      for (int i = 0; i < 3; ++i)
+        box.extend(positions_.row(mesh_.F(f, i)).transpose())
+            .extend(settled_.positions.row(mesh_.F(f, i)).transpose());
+      touched_->mark(box);
+    }
+  }
+
+  // Whether a ray that did not give way in the last settling round may in this one.
+  bool may_give_way(std::size_t k, std::size_t i) const {
+    const float factor = all_.slices[k].outline[i], base = spokes_[k * kDirections + i].base;
+    if (settled_.gave_way[k * kDirections + i] || settled_.outlines[k][i] != factor) return true;
+    return touched_->touches(all_.slices[k].center, all_.edge(k, i) / double(base),
+                             double(base * factor) + limits_.settled_reach);
+  }
+
+  // Which rays are cast. Where nothing gave way in a settling round, nothing will in the next: all
+  // of them only give way. Nor will it in a later one where nothing has moved since.
+  void plan(Round kind) {
+    const bool again = kind == Round::settling && last_ == Round::settling,
+               later = kind == Round::settling && !again && !settled_.gave_way.empty();
+    if (kind == Round::settling && !settled_.gave_way.empty()) mark_touched();
+    if (!again) {
+      due_.assign(all_.slices.size() * kDirections, 0);
+      for (const StripPlace& strip : all_.strips) {
+        if (all_.is_mirrored(strip)) continue;
+        const bool stays = does_stay(strip);
+        for (std::size_t k = strip.begin; k < strip.end; ++k)
+          for (std::size_t i = 0; i < kDirections; ++i)
+            due_[k * kDirections + i] =
+                char(all_.is_drawn(k, i) &&
+                     (!covers(kind) || (asked_[k * kDirections + i] > 0 && !stays)) &&
+                     (!later || may_give_way(k, i)));
+      }
+    }
+    last_ = kind;
+    report_.rays += std::count(due_.begin(), due_.end(), 1);
+  }
+
+  // Where everything is now, and who wants more.
+  void look() {
+    update_muscle_surface(surface_, all_.slices, positions_);
+    mesh_.V.topRows(positions_.rows()) = positions_;
+    flesh_->move(positions_);
+    if (last_ == Round::settling) settled_.positions = positions_;
+    for (const MuscleSurface::Part& part : surface_.parts) {
+      const std::size_t m = part.muscle;
+      if (is_mirrored(part.muscle)) continue;
+      const double volume = part_volume(surface_, part, positions_);
+      needs_[m] = volume > 0 ? std::pow(std::clamp(wanted_[m] / volume, 0.5, 2.0), 2) : 1;
+    }
+    for (std::size_t m = 0; m < needs_.size(); ++m) {
+      if (all_.partners[m] >= 0) needs_[m] = needs_[all_.partners[m]];
+      all_.weights[m] = std::pow(needs_[m], -0.25);
+    }
+  }
+
+  // Everything on the ray but the strip itself. A sheet is one surface, which is left at the end of
+  // its own section. It ends at `far`, or where it enters something beyond `enough`.
+  void cast(const Vec3& from, const Vec3& direction, double far, double enough,
+            const StripPlace& own, Sight& sight) const {
+    flesh_->cross(from, direction, far, enough, own.label, sight.crossings);
+    find_stays(sight.crossings, solids_, far, sight.stays);
+  }
+
+  // Beside them lie the face's own muscles, glands and the cheek's pad of fat, which are not drawn:
+  // they grow for their volume's sake alone, and thicker, not wider.
+  bool is_of_the_jaw(const StripPlace& strip) const { return of_the_jaw_[strip.muscle]; }
+
+  // Where a deep muscle lies next under the layer, others, tendons and vessels run over it: it
+  // grows for its volume's sake alone.
+  bool does_stay(const StripPlace& strip) const { return staying_[strip.muscle]; }
+
+  // The new radius in a direction, m.
+  double reach(std::size_t k, std::size_t i, const StripPlace& strip, Round kind,
+               Sight& sight) const {
+    const bool grows = kind == Round::growing || covers(kind), settling = kind == Round::settling;
+    const Spoke& spoke = spokes_[k * kDirections + i];
+    const double base = double(spoke.base), now = base * double(all_.slices[k].outline[i]);
+    const Vec3 direction = all_.edge(k, i) / base;
+    cast(all_.slices[k].center, direction, now + (settling ? limits_.settled_reach : limits_.reach),
+         settling ? 1e3 : now, strip, sight);
+    double end = std::min(now, double(spoke.most));
+    const double need = needs_[strip.muscle];
+    const double room = spoke.layer;
+    const bool open = room > now + limits_.reach;  // that far off lie organs
+    double deep = 1e3;                             // to the next muscle or bone
+    for (const Stay& stay : sight.stays) {
+      // another strip of the same muscle: they may share room, but not take each other's
+      if (stay.solid == strip.muscle) {
+        if (stay.to > now) deep = std::min(deep, std::max(now, stay.from));
+      } else if (stay.solid == kBone) {
+        if (stay.from > 0)
+          end = std::min(end, stay.from - limits_.bone_gap),
+          deep = std::min(deep, stay.from - limits_.bone_gap);
+        else if (stay.to >= now)
+          end = 0;
+      } else if (stay.from >= now) {
+        const double theirs = needs_[stay.solid];
+        const double push = std::clamp((need - theirs) / (need + theirs), 0.0, 0.5) * kPush * now;
+        deep =
+            std::min(deep, now + (stay.from - now) * need / (need + theirs) + push - limits_.gap);
+      } else {
+        const double parted = all_.part(k, std::size_t(strip.muscle), direction, now, stay);
+        if (parted < now) end = std::min(end, parted - limits_.gap);
+      }
+    }
+    const double least = limits_.least * base;
+    if (!grows || end < now || (kind == Round::growing && all_.belly[k] <= 0))
+      return std::max(end, least);
+    const double most = std::min(limits_.most * base, base + kMostGrowth);
+    if (covers(kind)) {
+      const double asked = asked_[k * kDirections + i];
+      const double tendons = std::pow(1 - all_.belly[k], kTendonPower);
+      return std::max(
+          now, std::min({double(spoke.over), deep, most,
+                         now + (1 - tendons) * asked + tendons * std::min(asked, kMostSheath)}));
+    }
+    if (is_of_the_jaw(strip) && std::abs(outline_directions()[i].x()) > kSideways)
+      return std::max(end, least);
+    // Room that ends at the layer is filled; what is deep stays open to fat and vessels unless
+    // volume is wanting.
+    const bool outwards = !open && room <= deep && !does_stay(strip);
+    const double rate =
+        kGrowRate * all_.belly[k] * (!outwards ? std::clamp((need - 1) / kWanting, 0.0, 1.0) : 1);
+    const double growth = std::min({room, deep, most, now + limits_.reach}) - now;
+    return growth > 0 ? now + rate * growth : std::max(end, least);
+  }
+
+  // Sheets are drawn between their strips, too: where they reach into others there, the strips on
+  // either side give way.
+  void press_between(std::vector<SliceOutline>& next) {
+    std::vector<float> ratios(surface_.vertices(), 1);
+    for (const MuscleSurface::Part& sheet : surface_.parts) {
+      const std::size_t m = sheet.muscle;
+      if (!sheet.sheet || all_.partners[m] >= 0) continue;
+      tbb::parallel_for(
+          tbb::blocked_range<int>(sheet.vertex_begin, sheet.vertex_end, 64),
+          [&](const auto& range) {
+            Sight sight;
+            for (int v = range.begin(); v < range.end(); ++v) {
+              const auto terms =
+                  std::span(surface_.terms)
+                      .subspan(std::size_t(surface_.term_begin[v]),
+                               std::size_t(surface_.term_begin[v + 1] - surface_.term_begin[v]));
+              if (terms.size() < 2 || terms[0].w != 0) continue;
+              Vec3 middle = Vec3::Zero();
+              for (const MuscleSurface::Term& t : terms)
+                middle += double(t.weight) * all_.slices[t.slice].center;
+              const Vec3 out = mesh_.V.row(v).transpose() - middle;
+              const double now = out.norm();
+              if (now < kThinnest || is_settled(v, middle, out / now, now)) continue;
+              cast(middle, out / now, now + limits_.settled_reach, 1e3,
+                   all_.strips[all_.strip_begin[m]], sight);
+              double end = now;
+              for (const Stay& stay : sight.stays)
+                if (stay.from < now && (stay.from > 0 || stay.solid != kBone))
+                  end =
+                      std::min(end, stay.solid == kBone
+                                        ? stay.from - limits_.bone_gap
+                                        : 0.5 * (stay.from + std::min(stay.to, now)) - limits_.gap);
+              ratios[v] = float(std::max(end / now, kMostPress));
+            }
+          });
+    }
+    pressed_.resize(ratios.size());
+    for (std::size_t v = 0; v < ratios.size(); ++v) pressed_[v] = ratios[v] < 1;
+    for (std::size_t v = 0; v < ratios.size(); ++v) {
+      if (ratios[v] >= 1) continue;
+      for (int j = surface_.term_begin[v]; j < surface_.term_begin[v + 1]; ++j) {
+        const MuscleSurface::Term& t = surface_.terms[j];
+        const std::size_t k = t.slice;
+        float& factor = next[k][outline_place(t)];
+        if (t.weight > kMainTerm)
+          factor = std::min(factor, std::max(float(limits_.least),
+                                             ratios[v] * all_.slices[k].outline[outline_place(t)]));
+      }
+    }
+  }
+
+  // Tubes are drawn straight from section to section: where an edge ends deep in another muscle
+  // half-way there, the sections on either side give way by half of it. What begins in the other or
+  // comes out of it again is none of the sides' making.
+  void press_along(std::vector<SliceOutline>& next) {
+    std::vector<float> ratios(due_.size(), 1);
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, all_.strips.size(), 4), [&](const auto& range) {
+          Sight sight;
+          for (std::size_t s = range.begin(); s < range.end(); ++s) {
+            const StripPlace& strip = all_.strips[s];
+            for (std::size_t k = strip.begin;
+                 k + 1 < strip.end && !strip.sheet && !all_.is_mirrored(strip); ++k) {
+              const Vec3 middle = 0.5 * (all_.slices[k].center + all_.slices[k + 1].center);
+              for (std::size_t i = 0; i < kDirections; ++i) {
+                const Vec3 out =
+                    0.5 * (double(all_.slices[k].outline[i]) * all_.edge(k, i) +
+                           double(all_.slices[k + 1].outline[i]) * all_.edge(k + 1, i));
+                const double now = out.norm();
+                if (now < kThinnest || is_settled_along(k, i, middle, out / now, now)) continue;
+                cast(middle, out / now, now + limits_.settled_reach, 1e3, strip, sight);
+                double end = now;
+                for (const Stay& stay : sight.stays)
+                  if (stay.solid != strip.muscle && stay.solid != kBone && stay.from > 0 &&
+                      stay.from < now - kDeep && stay.to >= now)
+                    end = std::min(end, 0.5 * (stay.from + now));
+                ratios[k * kDirections + i] = float(std::max(end / now, kMostPress));
+              }
+            }
+          }
+        });
+    pressed_along_.resize(ratios.size());
+    for (std::size_t ray = 0; ray < ratios.size(); ++ray) {
+      pressed_along_[ray] = ratios[ray] < 1;
+      const std::size_t i = ray % kDirections, here = ray / kDirections;
+      for (std::size_t k = here; k < here + 2 && ratios[ray] < 1; ++k)
+        next[k][i] = std::min(
+            next[k][i], std::max(float(limits_.least), ratios[ray] * all_.slices[k].outline[i]));
+    }
+  }
+
+  // An edge between sections that was not pressed in the last settling round, and about which
+  // nothing has moved since.
+  bool is_settled_along(std::size_t k, std::size_t i, const Vec3& middle, const Vec3& direction,
+                        double now) const {
+    if (pressed_along_.empty() || pressed_along_[k * kDirections + i]) return false;
+    if (settled_.outlines[k][i] != all_.slices[k].outline[i] ||
+        settled_.outlines[k + 1][i] != all_.slices[k + 1].outline[i])
+      return false;
+    return !touched_->touches(middle, direction, now + limits_.settled_reach);
+  }
+
+  // A vertex between strips that was not pressed in the last settling round, and about which
+  // nothing has moved since.
+  bool is_settled(int v, const Vec3& middle, const Vec3& direction, double now) const {
+    if (pressed_.empty() || pressed_[v] || positions_.row(v) != settled_.positions.row(v))
+      return false;
+    return !touched_->touches(middle, direction, now + limits_.settled_reach);
+  }
+
+  void mirror() {
+    for (std::size_t m = 0; m < anatomy_.muscles.size(); ++m) {
+      if (all_.partners[m] < 0) continue;
+      const std::size_t left = all_.muscle_begin[all_.partners[m]], right = all_.muscle_begin[m];
+      for (std::size_t k = 0; k < all_.muscle_begin[m + 1] - right; ++k) {
+        const Ellipse& from = all_.slices[left + k];
+        Ellipse& to = all_.slices[right + k];
+        const auto turned = [&](int axis) {
+          return from.axes.col(axis).cwiseProduct(Vec3(-1, 1, 1)).dot(to.axes.col(axis)) < 0;
+        };
+        to.outline = flipped_outline(from.outline, turned(0), turned(1));
+      }
+    }
+  }
+
+  Anatomy& anatomy_;
+  std::span<Ellipse> given_;
+  std::span<const double> wanted_;
+  SharingLimits limits_;
+  MuscleSurface surface_;
+  SharedSections all_;
+  std::vector<double> needs_;  // #muscles: more than 1 where volume is wanting
+  std::vector<Spoke> spokes_;  // #slices x #directions
+  std::vector<float>
+      asked_;  // #slices x #directions: in a covering round, how far to come up to the layer, m
+  std::vector<char> due_;  // #slices x #directions: rays of this round
+  Round last_ = Round::parting;
+  struct Settled {
+    std::vector<char> gave_way;  // #slices x #directions; empty before the first settling round
+    std::vector<SliceOutline> outlines;  // as it left them,
+    Points positions;                    // and what was drawn then
+  } settled_;
+  std::vector<char> pressed_;        // #vertices of the surface, in the last settling round
+  std::vector<char> pressed_along_;  // #slices x #directions, from each to the next
+  Eigen::AlignedBox3d seen_;         // within sight
+  std::optional<TouchedCells> touched_;
+  std::vector<char> of_the_jaw_;  // #muscles
+  std::vector<char> staying_;     // #muscles: that do not come up to the layer
+  Underside underside_;
+  TriMesh mesh_;                       // muscles, then bones; triangles within sight
+  Points positions_;                   // of the muscles' surface
+  std::vector<int> solids_;            // #triangles: muscle or bone
+  std::optional<CrossingRays> flesh_;  // of mesh_
+  SharingReport report_;
+};
+
+}  // namespace
+
+SharingReport share_room(Anatomy& anatomy, std::span<Ellipse> slices,
+                         std::span<const double> wanted, std::span<const int> partners,
+                         const SkinRays& rays, const FatLayer& fat, const SharingLimits& limits) {
+  if (slices.empty()) return {};
+  Sharing sharing(anatomy, slices, wanted, partners, rays, fat, limits);
+  sharing.begin();
+  for (int round = 0; round < limits.parting; ++round) sharing.round(Round::parting, 1);
+  for (int round = 0; round < limits.growing; ++round) sharing.round(Round::growing, 1);
+  for (int turn = 0; turn < limits.covering; ++turn) {
+    const Round kind = turn == 0 ? Round::covering_around : Round::covering;
+    sharing.round(kind, 0);
+    sharing.round(kind, 0);
+    sharing.round(Round::settling, 0);
+  }
+  for (int round = 0; round < limits.settling; ++round) sharing.round(Round::settling, 0);
+  sharing.finish();
+  return sharing.report();
+}
+
+}  // namespace ecorche

@@ -1,0 +1,195 @@
+#include "morph/dilation/packed_sections.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/slice_outline.h"
+
+namespace ecorche {
+
+namespace {
+
+constexpr std::size_t kDirections = kOutlinePoints;
+// levels of tendons count this much: they keep their room before bellies do
+constexpr double kTendonLevel = 0.4;
+constexpr int kLevelSteps = 6, kHalvings = 5;
+constexpr std::size_t kMostStrips = 16;  // of a muscle, that are looked at
+
+Ellipse rounded_section(Ellipse e) {
+  const auto each = [](double x) { return rounded(x); };
+  e.center = e.center.unaryExpr(each).eval();
+  e.axes = e.axes.unaryExpr(each).eval();
+  e.radii = e.radii.unaryExpr(each).eval();
+  return e;
+}
+
+// Direction of (x, y) in units of 2 pi / kOutlinePoints, in [0, kOutlinePoints), to some 1e-5 of
+// one: asked for hundreds of thousands of times a round. Odd polynomial for the arc tangent up to
+// 1, least largest error.
+double direction_place(double x, double y) {
+  const double a = std::abs(x), b = std::abs(y), most = std::max(a, b);
+  if (most == 0) return 0;
+  const double z = std::min(a, b) / most, z2 = z * z;
+  double angle =
+      z * (0.99997726 +
+           z2 * (-0.33262347 +
+                 z2 * (0.19354346 + z2 * (-0.11643287 + z2 * (0.05265332 - 0.01172120 * z2)))));
+  if (b > a) angle = std::numbers::pi / 2 - angle;
+  if (x < 0) angle = std::numbers::pi - angle;
+  if (y < 0) angle = 2 * std::numbers::pi - angle;
+  const double place = angle * (kOutlinePoints / (2 * std::numbers::pi));
+  return place >= kOutlinePoints ? 0 : place;
+}
+
+}  // namespace
+
+double rounded(double x) { return std::round(x * 1e6) / 1e6; }
+
+std::size_t outline_place(const MuscleSurface::Term& term) {
+  return std::size_t(std::lround(term.place)) % kDirections;
+}
+
+SharedSections::SharedSections(const Anatomy& anatomy, const MuscleSurface& surface,
+                               std::span<const Ellipse> given, std::span<const int> mirrored)
+    : slices(given.begin(), given.end()),
+      partners(mirrored.begin(), mirrored.end()),
+      weights(mirrored.size(), 1.0) {
+  for (Ellipse& e : slices) e = rounded_section(e);
+  std::size_t at = 0;
+  for (std::size_t m = 0; m < anatomy.muscles.size(); ++m) {
+    muscle_begin.push_back(at);
+    strip_begin.push_back(strips.size());
+    const bool sheet = surface.parts[m].sheet;
+    for (const Strip& strip : anatomy.muscles[m].strips) {
+      strips.push_back({int(m), sheet, at, at + strip.slices.size(),
+                        int(sheet ? strip_begin[m] : strips.size())});
+      at += strip.slices.size();
+      for (const Slice& slice : strip.slices) belly.push_back(belly_weight(strip, slice.s));
+    }
+  }
+  muscle_begin.push_back(at);
+  strip_begin.push_back(strips.size());
+  thickness.assign(at, 1);
+  for (const MuscleSurface::Part& part : surface.parts) {
+    const std::size_t m = part.muscle;
+    std::fill(thickness.begin() + long(muscle_begin[m]),
+              thickness.begin() + long(muscle_begin[m + 1]), double(part.thickness));
+  }
+  drawn.assign(slices.size() * kDirections, 0);
+  for (const MuscleSurface::Term& t : surface.terms)
+    if (t.u != 0 || t.v != 0) drawn[t.slice * kDirections + outline_place(t)] = 1;
+}
+
+Vec3 SharedSections::edge(std::size_t k, std::size_t i) const {
+  const Ellipse& e = slices[k];
+  const Vec2& d = outline_directions()[i];
+  return e.radii.x() * d.x() * e.axes.col(0) + thickness[k] * e.radii.y() * d.y() * e.axes.col(1);
+}
+
+void SharedSections::fill(std::size_t k, SliceOutline& outline) const {
+  for (std::size_t i = 0; i < kDirections; ++i) {
+    if (is_drawn(k, i)) continue;
+    std::size_t before = 1, after = 1;
+    while (before < kDirections && !is_drawn(k, (i + kDirections - before) % kDirections)) ++before;
+    while (after < kDirections && !is_drawn(k, (i + after) % kDirections)) ++after;
+    if (before == kDirections) {
+      outline[i] = 1;
+      continue;
+    }
+    const float share = float(before) / float(before + after);
+    outline[i] = (1 - share) * outline[(i + kDirections - before) % kDirections] +
+                 share * outline[(i + after) % kDirections];
+  }
+}
+
+void smooth_outlines(std::span<SliceOutline> outlines) {
+  const std::vector<SliceOutline> old(outlines.begin(), outlines.end());
+  const std::size_t n = old.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    const SliceOutline &before = old[k > 0 ? k - 1 : k], &after = old[k + 1 < n ? k + 1 : k],
+                       &here = old[k];
+    for (std::size_t i = 0; i < kDirections; ++i) {
+      const std::size_t left = (i + kDirections - 1) % kDirections, right = (i + 1) % kDirections;
+      outlines[k][i] = (4 * here[i] + before[i] + after[i] + here[left] + here[right]) / 8;
+    }
+  }
+}
+
+// 0 on the line of a section's centre, 1 on its outline, as far as the section speaks for this
+// place.
+double SharedSections::level(std::size_t k, const Vec3& p) const {
+  const Ellipse& e = slices[k];
+  const Vec3 d = p - e.center;
+  double x = d.dot(e.axes.col(0)) / std::max(e.radii.x(), 1e-6);
+  if (!is_drawn(k, x > 0 ? 0 : kDirections / 2)) x = 0;  // the sheet goes on there
+  const double y = d.dot(e.axes.col(1)) / std::max(thickness[k] * e.radii.y(), 1e-6);
+  return std::sqrt(x * x + y * y) /
+         std::max(outline_factor(e.outline, direction_place(x, y)), 1e-3);
+}
+
+double SharedSections::level_share(std::size_t slice) const {
+  return kTendonLevel + (1 - kTendonLevel) * belly[slice];
+}
+
+// The same between a slice and the next one towards the point.
+double SharedSections::level_near(const StripPlace& strip, std::size_t k, const Vec3& p) const {
+  const Ellipse& e = slices[k];
+  const double along = e.axes.col(2).dot(p - e.center);
+  const std::size_t next = along > 0 ? std::min(k + 1, strip.end - 1) : k > strip.begin ? k - 1 : k;
+  const double here = level_share(k) * level(k, p);
+  if (next == k) return here;
+  const double step = std::abs(e.axes.col(2).dot(slices[next].center - e.center));
+  const double share = std::clamp(std::abs(along) / std::max(step, 1e-6), 0.0, 1.0);
+  return (1 - share) * here + share * level_share(next) * level(next, p);
+}
+
+// The slice of a strip whose centre is nearest.
+std::size_t SharedSections::nearest(const StripPlace& strip, const Vec3& p) const {
+  std::size_t best = strip.begin;
+  double least = 1e300;
+  for (std::size_t k = strip.begin; k < strip.end; ++k) {
+    const double d = (slices[k].center - p).squaredNorm();
+    if (d < least) least = d, best = k;
+  }
+  return best;
+}
+
+double SharedSections::part(std::size_t k, std::size_t own, const Vec3& direction, double radius,
+                            const Stay& stay) const {
+  const double mine = weights[own] * level_share(k) / radius;
+  const double end = std::min(stay.to, radius);
+  const auto at = [&](double t) -> Vec3 { return slices[k].center + t * direction; };
+  const std::size_t m = stay.solid;
+  const Vec3 middle = at(0.5 * (stay.from + end));
+  const std::size_t first = strip_begin[m],
+                    count = std::min(strip_begin[m + 1] - first, kMostStrips);
+  std::array<std::size_t, kMostStrips> near;
+  for (std::size_t s = 0; s < count; ++s) near[s] = nearest(strips[first + s], middle);
+  const auto theirs = [&](double t) {
+    double least = 1e300;
+    for (std::size_t s = 0; s < count; ++s)
+      least = std::min(least, level_near(strips[first + s], near[s], at(t)));
+    return weights[m] * least;
+  };
+  double low = stay.from, high = -1;
+  if (mine * low >= theirs(low)) return low;
+  for (int step = 1; step <= kLevelSteps; ++step) {
+    const double t = stay.from + (end - stay.from) * step / kLevelSteps;
+    if (mine * t >= theirs(t)) {
+      high = t;
+      break;
+    }
+    low = t;
+  }
+  if (high < 0) return radius;
+  for (int step = 0; step < kHalvings; ++step) {
+    const double half = 0.5 * (low + high);
+    (mine * half >= theirs(half) ? high : low) = half;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace ecorche

@@ -1,0 +1,34 @@
+// From the centre of every section in each direction of its outline: how far it is to the layer of
+// fat, and how far an outline may stand into it. Private to share_room.
+#pragma once
+
+#include <vector>
+
+#include "anatomy/queries/ray_caster.h"
+#include "morph/dilation/fill_gaps.h"
+#include "morph/dilation/packed_sections.h"
+#include "morph/fat/fat_layer.h"
+
+namespace ecorche {
+
+// m.
+struct Spoke {
+  float base = 0;      // the drawn ellipse's radius
+  float layer = 1e3f;  // to the layer of fat
+  float over = 1e3f;   // as far as a tip may stand, so that the facets about it lie on the layer
+  float most = 1e3f;   // to where the layer has given as far as it can
+};
+
+struct LayerSpokes {
+  // #slices x #directions; as above where a direction moves no vertex, or belongs to its partner's
+  // mirror image
+  std::vector<Spoke> spokes;
+  long long rays = 0;  // that were cast
+};
+
+// `skin`, `fat`: closed, and the layer beneath it; `underside`: of that. `skin_gap`: m that an
+// ellipse keeps from the skin where it presses into the layer.
+LayerSpokes find_layer_spokes(const SharedSections& all, const SkinRays& skin, const FatLayer& fat,
+                              const Underside& underside, double skin_gap);
+
+}  // namespace ecorche

@@ -1,0 +1,218 @@
+#include "morph/fat/fat_layer.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "anatomy/errors.h"
+#include "anatomy/files/package_archive.h"
+#include "morph/fat/subcutaneous_bone.h"
+
+namespace ecorche {
+
+namespace {
+
+constexpr double kMillimetre = 1e-3;
+// m: a site that faces the other way counts as this much further off
+constexpr double kFaceAway = 0.16;
+
+// Fat's share of the mass of the builds of data/fat.csv.
+constexpr std::array<double, 3> kMaleBuilds{0.11, 0.21, 0.33}, kFemaleBuilds{0.19, 0.31, 0.43};
+constexpr std::array<double, 3> kIndexBuilds{
+    21.5, 25, 34};  // their body mass indices: of the first only in athletes
+constexpr double kGrown = 16, kLeastAge = 7,
+                 kMostAge = 83;  // years: where the regressions were fitted
+// years. What age adds to the fat of the same index lies inside: at the same share skinfolds get
+// thinner with it
+constexpr double kUnknownAge = 25;
+
+double skin_volume_of(const TriMesh& mesh) {
+  double six = 0;
+  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
+    const Vec3 a = mesh.V.row(mesh.F(f, 0)), b = mesh.V.row(mesh.F(f, 1)),
+               c = mesh.V.row(mesh.F(f, 2));
+    six += a.dot(b.cross(c));
+  }
+  return six / 6;
+}
+
+// Value of three builds at a fatness; the ends go on straight.
+double between_builds(double lean, double average, double obese, double fatness) {
+  const double value =
+      fatness < 1 ? lean + (average - lean) * fatness : average + (obese - average) * (fatness - 1);
+  return std::max(value, 0.4 * lean);
+}
+
+class SiteFinder {
+ public:
+  SiteFinder(const Table& table, const Skeleton& skeleton, const SkinRays& rays)
+      : table_(table), skeleton_(skeleton), positions_(rest_positions(skeleton)), rays_(rays) {}
+
+  // The site of one row on one side; false when its ray meets nothing.
+  bool find(int row, Side side, FatSite& site) const {
+    const Joint& frame = skeleton_.joints[joint(row, "frame", side)];
+    const Vec3 from = position(row, "from", side), to = position(row, "to", side);
+    const Vec3 along = (to - from).normalized();
+    const double mirror =
+        side == Side::right && find_joint(skeleton_, table_.text(row, "frame")) >= 0 ? -1 : 1;
+    const Vec3 direction = (table_.number(row, "flex") * frame.axes.col(0).cross(along) +
+                            mirror * table_.number(row, "out") * frame.axes.col(1).cross(along) +
+                            table_.number(row, "along") * along)
+                               .normalized();
+    const Vec3 start = from + table_.number(row, "at") * (to - from);
+    const RayHit hit = rays_.first_hit(start, direction);
+    if (hit.triangle < 0) return false;
+    const TriMesh& skin = rays_.mesh();
+    const Vec3 a = skin.V.row(skin.F(hit.triangle, 0)), b = skin.V.row(skin.F(hit.triangle, 1)),
+               c = skin.V.row(skin.F(hit.triangle, 2));
+    site.name = table_.text(row, "site") + side_suffix(side);
+    site.position = start + hit.distance * direction;
+    site.normal = (b - a).cross(c - a).normalized();
+    return true;
+  }
+
+  bool is_paired(int row) const {
+    for (const char* column : {"frame", "from", "to"}) {
+      if (find_joint(skeleton_, table_.text(row, column)) < 0) return true;
+    }
+    return table_.number(row, "out") != 0;
+  }
+
+ private:
+  int joint(int row, const char* column, Side side) const {
+    const std::string& name = table_.text(row, column);
+    const int index =
+        std::max(find_joint(skeleton_, name), find_joint(skeleton_, name + side_suffix(side)));
+    if (index < 0)
+      throw InputError(
+          fmt::format("{}: column '{}': unknown joint '{}'", table_.where(row), column, name));
+    return index;
+  }
+  Vec3 position(int row, const char* column, Side side) const {
+    return positions_[joint(row, column, side)];
+  }
+
+  const Table& table_;
+  const Skeleton& skeleton_;
+  const std::vector<Vec3> positions_;
+  const SkinRays& rays_;
+};
+
+std::vector<Vec3> vertex_normals(const TriMesh& mesh) {
+  std::vector<Vec3> normals(mesh.V.rows(), Vec3::Zero());
+  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
+    const Vec3 a = mesh.V.row(mesh.F(f, 0)), b = mesh.V.row(mesh.F(f, 1)),
+               c = mesh.V.row(mesh.F(f, 2));
+    for (int k = 0; k < 3; ++k) normals[mesh.F(f, k)] += (b - a).cross(c - a);
+  }
+  for (Vec3& n : normals) n.normalize();
+  return normals;
+}
+
+// Shepard's weights, 1 / distance^4, so that the mean is flat around each site.
+float mean_of_sites(const std::vector<FatSite>& sites, const Vec3& point, const Vec3& normal) {
+  double sum = 0, weights = 0;
+  for (const FatSite& site : sites) {
+    const double away = kFaceAway * (1 - normal.dot(site.normal)) / 2;
+    const double squared = (point - site.position).squaredNorm() + away * away + 1e-6;
+    const double weight = 1 / (squared * squared);
+    sum += weight * site.thickness;
+    weights += weight;
+  }
+  return float(weights > 0 ? sum / weights : 0);
+}
+
+double mass_index(const Body& body) {
+  const double height = body.skin.V.col(1).maxCoeff() - body.skin.V.col(1).minCoeff();
+  constexpr double kDensity = 1010;  // kg/m^3, with the air in the lungs
+  const double mass = body.mass > 0 ? body.mass : kDensity * skin_volume_of(body.skin);
+  return mass / (height * height);
+}
+
+// Where a figure lies among those of the three builds: 0, 1, 2.
+double between(const std::array<double, 3>& builds, double x) {
+  return x < builds[1] ? (x - builds[0]) / (builds[1] - builds[0])
+                       : 1 + (x - builds[1]) / (builds[2] - builds[1]);
+}
+
+// Deurenberg's regressions.
+double fat_share(const Body& body, double age) {
+  const double index = mass_index(body), male = body.sex == Sex::male;
+  const double percent = age < kGrown ? 1.51 * index - 0.70 * age - 3.6 * male + 1.4
+                                      : 1.20 * index + 0.23 * age - 10.8 * male - 5.4;
+  return std::clamp(0.01 * percent, 0.02, 0.6);
+}
+
+double age_of(const Body& body) {
+  return std::clamp(body.age > 0 ? body.age : kUnknownAge, kLeastAge, kMostAge);
+}
+
+}  // namespace
+
+FatTable::FatTable() : table_(data_folder() / "fat.csv") {}
+
+double FatTable::thickness(int row, const FatOptions& options) const {
+  const char* sex = options.sex == Sex::male ? "male" : "female";
+  const auto fat = [&](const char* build) {
+    return table_.number(row, fmt::format("fat_{}_{}", sex, build));
+  };
+  return kMillimetre * between_builds(fat("lean"), fat("average"), fat("obese"), options.fatness);
+}
+
+double FatTable::thickness(const std::string& site, const FatOptions& options) const {
+  for (int row = 0; row < table_.rows(); ++row)
+    if (table_.text(row, "site") == site) return thickness(row, options);
+  throw InputError(fmt::format("fat.csv: no site '{}'", site));
+}
+
+double estimate_fat_share(const Body& body) { return fat_share(body, age_of(body)); }
+
+double estimate_fatness(const Body& body) {
+  const std::array<double, 3>& builds = body.sex == Sex::male ? kMaleBuilds : kFemaleBuilds;
+  const double share = fat_share(body, std::min(age_of(body), kUnknownAge));
+  const double index = mass_index(body);
+  return std::clamp(std::max(between(builds, share), between(kIndexBuilds, index)), -1.0, 3.0);
+}
+
+FatLayer make_fat_layer(const SkinRays& rays, const Skeleton& skeleton, const FatOptions& options) {
+  const FatTable fat;
+  const Table& table = fat.table();
+  const SiteFinder finder(table, skeleton, rays);
+  const char* sex = options.sex == Sex::male ? "male" : "female";
+  FatLayer layer;
+  for (int row = 0; row < table.rows(); ++row) {
+    const double thickness =
+        fat.thickness(row, options) + kMillimetre * table.number(row, fmt::format("skin_{}", sex));
+    const std::vector<Side> sides =
+        finder.is_paired(row) ? std::vector{Side::left, Side::right} : std::vector{Side::middle};
+    for (const Side side : sides) {
+      FatSite site;
+      site.thickness = thickness;
+      if (finder.find(row, side, site)) layer.sites.push_back(site);
+    }
+  }
+  const TriMesh& skin = rays.mesh();
+  const std::vector<Vec3> normals = vertex_normals(skin);
+  layer.thickness.resize(normals.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, normals.size(), 512),
+                    [&](const auto& range) {
+                      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                        layer.thickness[i] = mean_of_sites(layer.sites, skin.V.row(i), normals[i]);
+                      }
+                    });
+  return layer;
+}
+
+FatLayer make_fat_layer(const SkinRays& rays, const Anatomy& anatomy, const Body& body) {
+  FatLayer layer =
+      make_fat_layer(rays, anatomy.skeleton, FatOptions{body.sex, estimate_fatness(body)});
+  reach_bare_bone(layer, rays, anatomy);
+  return layer;
+}
+
+}  // namespace ecorche

@@ -1,0 +1,73 @@
+// The layer of fat and skin between the muscles and the surface, by site of the body.
+//
+// data/fat.csv gives thicknesses at some fifty named sites for three builds of each sex. The sites
+// are found on a skin with the help of the joints inside it, and every skin vertex takes a smooth
+// mean of the sites that are near and face the same way.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "anatomy/anatomy.h"
+#include "anatomy/files/csv_table.h"
+#include "anatomy/queries/ray_caster.h"
+
+namespace ecorche {
+
+struct FatOptions {
+  Sex sex = Sex::male;
+  // 0 lean (athletic), 1 average, 2 obese: the builds of the table; in between and beyond by
+  // straight lines, never less than 0.4 of lean.
+  double fatness = 1;
+};
+
+// data/fat.csv: thicknesses of fat by site, sex and fatness, without the skin.
+class FatTable {
+ public:
+  FatTable();  // throws InputError when the file cannot be read
+  // m. Throws InputError for a site that the table does not have.
+  double thickness(const std::string& site, const FatOptions& options) const;
+  double thickness(int row, const FatOptions& options) const;
+  const Table& table() const { return table_; }
+
+ private:
+  Table table_;
+};
+
+struct FatSite {
+  std::string name;              // "triceps_l"
+  Vec3 position = Vec3::Zero();  // on the skin
+  Vec3 normal = Vec3::UnitY();   // outwards
+  double thickness = 0;          // fat and skin, m
+};
+
+struct FatLayer {
+  std::vector<float> thickness;  // fat and skin, m; one a vertex of the skin it was made for
+  std::vector<FatSite> sites;
+
+  // At a ray's end.
+  float at(const Triangles& F, const RayHit& hit) const {
+    const auto face = F.row(hit.triangle);
+    return (1 - hit.u - hit.v) * thickness[face[0]] + hit.u * thickness[face[1]] +
+           hit.v * thickness[face[2]];
+  }
+};
+
+// Fat's share of a body's mass from its body mass index, age and sex (Deurenberg, Weststrate and
+// Seidell 1991, 10.1079/BJN19910073; to within some 4 % of the mass, too much in the very
+// muscular); mass from its volume where it is not known, 25 years where the age is not.
+double estimate_fat_share(const Body& body);
+// The larger of two: the fatness whose body mass index is the body's (21.5, 25, 34), and the one
+// whose share of fat (11, 21, 33 % of men, 19, 31, 43 % of women) is what the body has, or had, at
+// 25 years; what later years add lies inside: of the same share of fat the old have thinner
+// skinfolds (Durnin and Womersley 1974).
+double estimate_fatness(const Body& body);
+
+// `rays` are of the skin; `skeleton` lies inside it at rest. Sites whose ray meets nothing are left
+// out. Throws InputError when data/fat.csv cannot be read or names a joint that the skeleton lacks.
+FatLayer make_fat_layer(const SkinRays& rays, const Skeleton& skeleton, const FatOptions& options);
+// The same with the body's sex and estimated fatness; and where bones of `anatomy` lie bare of
+// muscle, the layer reaches down to them (subcutaneous_bone.h).
+FatLayer make_fat_layer(const SkinRays& rays, const Anatomy& anatomy, const Body& body);
+
+}  // namespace ecorche

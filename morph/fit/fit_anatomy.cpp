@@ -1,0 +1,272 @@
+#include "morph/fit/fit_anatomy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+#include <tbb/parallel_for.h>
+
+#include "anatomy/errors.h"
+#include "anatomy/muscles/muscle_force.h"
+#include "anatomy/queries/signed_distance.h"
+#include "morph/fat/fat_layer.h"
+#include "morph/fat/muscle_mass.h"
+#include "morph/fit/template_tissue.h"
+#include "morph/placement/fitted_skeleton.h"
+#include "morph/shapes/body.h"
+#include "morph/tissue/interior_warp.h"
+
+namespace ecorche {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// m: skins more even than this are fitted on one side and mirrored
+constexpr double kSymmetric = 1e-3;
+constexpr double kShortest = 0.4, kTallest = 3;  // m
+
+double since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+void check_skin(const BodyPackage& topology, const Points& skin) {
+  if (skin.rows() < topology.skin_size)
+    throw UnfitError(fmt::format("the skin has {} vertices; bodies here have the base mesh's {}",
+                                 skin.rows(), topology.skin_size));
+  if (!skin.allFinite()) throw UnfitError("the skin has vertices that are not finite numbers");
+}
+
+// The plane of symmetry x = c of a skin, and how far it is from being symmetric.
+struct Symmetry {
+  double plane = 0, largest = 0;
+};
+Symmetry symmetry_of(const Points& skin, const std::vector<int>& mirror) {
+  Symmetry out;
+  for (size_t i = 0; i < mirror.size(); ++i) out.plane += (skin(i, 0) + skin(mirror[i], 0)) / 2;
+  out.plane /= double(mirror.size());
+  for (size_t i = 0; i < mirror.size(); ++i) {
+    const Vec3 other(2 * out.plane - skin(mirror[i], 0), skin(mirror[i], 1), skin(mirror[i], 2));
+    out.largest = std::max(out.largest, (skin.row(i).transpose() - other).norm());
+  }
+  return out;
+}
+
+// The skin seen in a mirror, in the same vertex order.
+Points mirrored_skin(const Points& skin, const std::vector<int>& mirror, double plane) {
+  Points out(mirror.size(), 3);
+  for (size_t i = 0; i < mirror.size(); ++i)
+    out.row(i) << 2 * plane - skin(mirror[i], 0), skin(mirror[i], 1), skin(mirror[i], 2);
+  return out;
+}
+
+// The two sides agree on what the middle shares: the mean of their maps.
+void share_middle(const FitRules& rules, Placement& left, Placement& right) {
+  for (size_t g = 0; g < rules.groups.size(); ++g) {
+    if (rules.groups[g].paired) continue;
+    BoneMap& a = left.maps[g];
+    BoneMap& b = right.maps[g];
+    const Quat turn = Quat(a.target_frame).slerp(0.5, Quat(b.target_frame));
+    a.target_frame = turn.toRotationMatrix();
+    a.target_origin = (a.target_origin + b.target_origin) / 2;
+    for (size_t w = 0; w < a.shape.size(); ++w) a.shape[w] = (a.shape[w] + b.shape[w]) / 2;
+    b = a;
+  }
+}
+
+struct BothSides {
+  SidedPlacement placement;
+  PlaceReport left, right;
+};
+
+// The tissue over palpable points, as data/palpable.csv says, for a body's sex, fatness and
+// stature.
+struct Bracket {
+  double low = 0, high = 0;  // m
+};
+std::vector<Bracket> brackets_of(const FitTables& tables, const Body& body, double stature) {
+  const FatTable fat;
+  const FatOptions own{body.sex, estimate_fatness(body)}, lean{Sex::male, 0};
+  const double size = stature / tables.stature;
+  std::vector<Bracket> out;
+  for (const LandmarkRule& rule : tables.rules.landmarks) {
+    const double more = fat.thickness(rule.fat_site, own) - fat.thickness(rule.fat_site, lean);
+    out.push_back({rule.low * std::min(size, 1.0) + std::min(more, 0.0),
+                   rule.high * std::max(size, 1.0) + std::max(more, 0.0)});
+  }
+  return out;
+}
+
+PlaceInput input_for(const FitTables& tables, const Points& skin, double stature,
+                     const std::vector<Bracket>& brackets) {
+  PlaceInput input = fit_input(tables, skin, stature);
+  for (size_t k = 0; k < input.landmarks.size(); ++k) {
+    input.landmarks[k].shallowest = brackets[k].low - kDepthSlack;
+    input.landmarks[k].deepest = brackets[k].high + kDepthSlack;
+  }
+  return input;
+}
+
+BothSides place_both(const FitTables& tables, const Points& skin, const SkinField& field,
+                     double stature, const Symmetry& symmetry,
+                     const std::vector<Bracket>& brackets) {
+  BothSides out;
+  SidedPlacement& p = out.placement;
+  p.source_plane = tables.half.mid_plane;
+  p.target_plane = symmetry.plane;
+  p.left = place_bones(input_for(tables, skin, stature, brackets), tables.rules, field, &out.left);
+  if (symmetry.largest < kSymmetric) {
+    p.right = p.left;
+    out.right = out.left;
+    return out;
+  }
+  const Points other = mirrored_skin(skin, tables.topology.mirror, symmetry.plane);
+  const SkinField other_field(capped_skin(tables.topology, other));
+  p.right = place_bones(input_for(tables, other, stature, brackets), tables.rules, other_field);
+  share_middle(tables.rules, p.left, p.right);
+  const auto again = [&](const Points& side, const SkinField& side_field, Placement& placement,
+                         PlaceReport& report) {
+    PlaceInput input = input_for(tables, side, stature, brackets);
+    const Placement start = placement;
+    input.start = &start;
+    input.middle_fixed = true;
+    placement = place_bones(input, tables.rules, side_field, &report);
+  };
+  again(skin, field, p.left, out.left);
+  again(other, other_field, p.right, out.right);
+  return out;
+}
+
+void measure_bones(const FitTables& tables, const BothSides& sides, const Anatomy& anatomy,
+                   const SkinField& field, const std::vector<Bracket>& brackets,
+                   FitReport& report) {
+  for (const Bone& bone : anatomy.bones) report.bone_vertices += bone.mesh.V.rows();
+  for (size_t b = 0; b < tables.half.bones.size(); ++b)
+    report.bones_outside +=
+        sides.left.outside[b] + (tables.half.bones[b].paired ? sides.right.outside[b] : 0);
+  report.iterations = sides.left.iterations;
+  report.bones_furthest = std::max(sides.left.furthest, sides.right.furthest);
+  for (size_t k = 0; k < tables.landmarks.size(); ++k) {
+    const LandmarkRule& rule = tables.rules.landmarks[k];
+    if (!rule.checked) continue;
+    const BonePoint& point = tables.landmarks[k].point;
+    report.landmarks.push_back(
+        {rule.name, -field.distance(sides.placement.left.maps[point.group](point.position)),
+         brackets[k].low, brackets[k].high});
+  }
+}
+
+// The warp of the flesh from the template's body into this one.
+InteriorMap warp_interior(const Template& body_template, const Points& skin,
+                          const std::vector<Bone>& bones, Interior interior, Fit& fit) {
+  InteriorReport& report = fit.report.interior;
+  const FitTables& tables = *body_template.tables;
+  const Points own_skin = body_template.body.skin.V.topRows(tables.topology.skin_size);
+  const Anatomy& own = tables.own ? *tables.own : body_template.anatomy;
+  const BodyPair pair{&own_skin, &skin, &own.bones, &bones};
+  auto start = Clock::now();
+  if (interior == Interior::rbf) {
+    InteriorMap map = rbf_map(pair);
+    report.warp_ms = since(start);
+    return map;
+  }
+  const HarmonicSolver solver(template_tissue(body_template, interior));
+  report.prepare_ms = since(start);
+  start = Clock::now();
+  Points nodes = solver.move_nodes(pair);
+  const TissueMesh& mesh = solver.mesh();
+  report.nodes = mesh.V.rows();
+  report.tetrahedra = mesh.T.rows();
+  const std::vector<double> before = tissue_volumes(mesh, mesh.V),
+                            after = tissue_volumes(mesh, nodes);
+  for (size_t t = 0; t < before.size(); ++t) {
+    report.inverted += after[t] <= 0;
+    if (mesh.in_bone[t]) continue;
+    report.soft_before += before[t];
+    report.soft_after += after[t];
+  }
+  InteriorMap map = solver.map_to(nodes);
+  report.warp_ms = since(start);
+  fit.tissue = mesh;
+  fit.tissue.V = std::move(nodes);
+  return map;
+}
+
+// `wanted`: muscle that the body has for the template's.
+void carry_all(const std::vector<Muscle>& muscles, const SkeletonCarrier& carrier,
+               const InteriorMap& flesh, double wanted, std::vector<Muscle>& out) {
+  const CarryMap map = [&](const Vec3& x, int joint) { return carrier.by_joint(joint, x); };
+  const CarryMap inner =
+      flesh ? CarryMap([&](const Vec3& x, int) { return flesh(x); }) : CarryMap();
+  out = muscles;
+  tbb::parallel_for(size_t{0}, muscles.size(), [&](size_t m) {
+    for (Strip& strip : out[m].strips) strip = carry_strip(strip, map, inner);
+    const double before = rest_volume(muscles[m]), now = rest_volume(out[m]);
+    if (now <= 0) return;
+    for (Strip& strip : out[m].strips)
+      scale_radii(strip, Vec2::Constant(std::sqrt(wanted * before / now)));
+    out[m].volume = wanted * muscles[m].volume;
+    // Of the volume that a person of this size has; what then fills the skin between the muscles is
+    // no muscle that pulls.
+    if (out[m].max_force <= 0)
+      out[m].max_force = isometric_force(out[m].volume, out[m].fibre_length);
+  });
+}
+
+// Bones that are not the built-in ones go with the joint that carries them.
+std::vector<Bone> carry_bones(const std::vector<Bone>& bones, const SkeletonCarrier& carrier) {
+  std::vector<Bone> out = bones;
+  for (Bone& bone : out)
+    for (Eigen::Index i = 0; i < bone.mesh.V.rows(); ++i)
+      bone.mesh.V.row(i) = carrier.by_joint(bone.joint, bone.mesh.V.row(i));
+  return out;
+}
+
+}  // namespace
+
+Fit fit_anatomy(const Template& body_template, const Body& body, const FitOptions& options) {
+  if (!body_template.tables)
+    throw std::invalid_argument(
+        "fit_anatomy: the template has no tables; take it from read_template");
+  const FitTables& tables = *body_template.tables;
+  check_skin(tables.topology, body.skin.V);
+  const Points skin = body.skin.V.topRows(tables.topology.skin_size);
+  Fit fit;
+  fit.report.stature = skin.col(1).maxCoeff() - skin.col(1).minCoeff();
+  if (fit.report.stature < kShortest || fit.report.stature > kTallest)
+    throw UnfitError(
+        fmt::format("the skin is {:.3g} m tall; is it in metres, upright?", fit.report.stature));
+
+  auto start = Clock::now();
+  const Symmetry symmetry = symmetry_of(skin, tables.topology.mirror);
+  fit.report.asymmetry = symmetry.largest;
+  if (symmetry.largest < kSymmetric) fit.report.even_about = symmetry.plane;
+  const SkinField field(capped_skin(tables.topology, skin));
+  const std::vector<Bracket> brackets = brackets_of(tables, body, fit.report.stature);
+  const BothSides sides = place_both(tables, skin, field, fit.report.stature, symmetry, brackets);
+  const SkeletonCarrier carrier(tables.own ? *tables.own : body_template.anatomy, tables.rules,
+                                sides.placement);
+  fit.anatomy = carrier.skeleton();
+  fit.report.bones_ms = since(start);
+  InteriorMap flesh;
+  if (options.interior != Interior::bones)
+    flesh = warp_interior(body_template, skin, fit.anatomy.bones, options.interior, fit);
+  if (tables.own) fit.anatomy.bones = carry_bones(body_template.anatomy.bones, carrier);
+
+  start = Clock::now();
+  const Body& own = body_template.body;
+  const double mass =
+      body.mass > 0 ? body.mass : kBodyDensity * inner_volume(tables.topology, skin);
+  fit.report.muscle_mass = muscle_mass(body.sex, body.age, fit.report.stature, mass);
+  const double in_template =
+      muscle_mass(own.sex, own.age, tables.stature, kBodyDensity * tables.volume);
+  carry_all(tables.muscles, carrier, flesh, fit.report.muscle_mass / in_template,
+            fit.anatomy.muscles);
+  fit.report.muscles_ms = since(start);
+  measure_bones(tables, sides, fit.anatomy, field, brackets, fit.report);
+  return fit;
+}
+
+}  // namespace ecorche

@@ -1,0 +1,91 @@
+// Measuring a body as a tape, a stick and a calliper do, and how each measure changes when the skin
+// moves.
+//
+// Girths are the loop of a plane's cut that lies nearest to a landmark (its convex hull where the
+// tape bridges hollows); paths run over the skin along chains of points on edges, found once on the
+// base mesh. Landmarks, chains and loops are tied to the package's topology, so every body made
+// from it is measured at the same places. Paired measures are taken on the left side. Definitions
+// after ISO 7250-1:2017, ISO 8559-1:2017 and the ANSUR II measurer's handbook, as
+// data/body/measures.csv states them.
+#pragma once
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "morph/measures/measure_table.h"
+
+namespace ecorche {
+
+// d(measure) = sum over entries of g . d(vertex). Vertices may occur more than once.
+using MeasureGradient = std::vector<std::pair<int, Vec3>>;
+
+// Where the tape lies, to be drawn: polylines, world.
+using TapeTrace = std::vector<std::vector<Vec3>>;
+
+class TapeMeasure {
+ public:
+  // Throws InputError for damaged tables, UnfitError when a chain of a path cannot be found.
+  TapeMeasure(const BodyPackage& package, MeasureTable table);
+
+  const MeasureTable& table() const { return table_; }
+  int count() const { return int(table_.measures.size()); }
+  const Measure& measure(int k) const { return table_.measures[k]; }
+
+  // A measure as people write it: "92cm", "0.92 m", "36.2in", "3ft1", "70kg"; without a unit metres
+  // (kilograms for the mass), where nothing else can be meant (anatomy/files/quantity.h). `what`
+  // names it in messages. Throws UsageError.
+  double parse(int k, std::string_view text, const std::string& what) const;
+
+  // Value of measure k in metres (kilograms for the mass); NaN where the plane misses the skin.
+  // `gradient` and `trace` are overwritten when given. Precondition: V has at least #skin rows in
+  // the base mesh's order.
+  double take(int k, const Points& V, MeasureGradient* gradient = nullptr,
+              TapeTrace* trace = nullptr) const;
+
+  // All of them, in order.
+  std::vector<double> take_all(const Points& V) const;
+
+ private:
+  struct EdgePoint {
+    int a = 0, b = 0;
+    double t = 0;  // point = (1 - t) a + t b
+  };
+  struct Plane;
+  struct Crossing;
+
+  void build_neighbours();
+  void build_parts(const BodyPackage& package);
+  std::vector<EdgePoint> chain(const Points& V, int from, int to) const;
+  static void shorter_way(const std::vector<Crossing>& loop, const Points& V, int from, int to,
+                          std::vector<EdgePoint>& best, double& best_length);
+  void build_chains(const Points& base);
+
+  Plane make_plane(const Measure& m, const Points& V) const;
+  void plane_gradient(const Measure& m, const Points& V, const Plane& plane, const Vec3& by_origin,
+                      const Vec3& by_normal, MeasureGradient& out) const;
+  void cut(const std::vector<int>& starts, const Points& V, const Vec3& origin, const Vec3& normal,
+           const Vec3& near, std::vector<Crossing>& loop) const;
+  double section(int k, const Points& V, double offset, std::vector<Crossing>& loop,
+                 std::vector<Vec3>* by_crossing) const;
+  double best_offset(int k, const Points& V) const;
+  double take_section(int k, const Points& V, MeasureGradient* gradient, TapeTrace* trace) const;
+  double take_path(int k, const Points& V, MeasureGradient* gradient, TapeTrace* trace) const;
+  double take_height(const Measure& m, const Points& V, MeasureGradient* gradient,
+                     TapeTrace* trace) const;
+  double take_mass(const Points& V, MeasureGradient* gradient) const;
+
+  MeasureTable table_;
+  Points base_;          // #skin x 3: the base mesh, for what is usual
+  Triangles triangles_;  // the skin
+  std::vector<std::array<int, 3>>
+      neighbours_;  // across edge e (corner e to e + 1) of each triangle; -1 at a border
+  std::vector<std::vector<int>> starts_;  // a measure: triangles on which its loop may be found
+  std::vector<std::vector<EdgePoint>> chains_;  // a measure: of paths
+  std::vector<bool> arm_;                       // #skin: on arm or hand
+  std::vector<int> soles_;                      // vertices of the feet
+  Triangles capped_;  // the closed skin, for the volume; one centre a cavity follows the vertices
+  std::vector<std::vector<int>> caps_;  // rims of the cavities
+};
+
+}  // namespace ecorche

@@ -1,0 +1,22 @@
+// Which bones move which vertex: four influences of joints, and of helper joints where those leave
+// the skin worst. Private to the room.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "skinning/bake/bake_helpers.h"
+#include "skinning/bake/bake_samples.h"
+
+namespace ecorche {
+
+struct BakeRig {
+  std::vector<std::array<Influence, 4>> influences;  // #V; joints, and then helpers, by index
+  std::vector<BakeHelper> helpers;
+  std::vector<HelperPatch> patches;  // of the helpers
+};
+
+// Solved on `samples`, whose bones get the helpers.
+BakeRig solve_rig(const BakeScene& scene, std::vector<BakeFrame>& samples);
+
+}  // namespace ecorche

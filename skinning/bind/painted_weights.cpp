@@ -1,0 +1,131 @@
+#include "skinning/bind/painted_weights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "anatomy/errors.h"
+#include "anatomy/files/atomic_file.h"
+#include "anatomy/files/input_file.h"
+#include "skinning/bind/blend_tables.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kSumSlack = 0.01;
+constexpr std::size_t kMostJoints = 8;
+
+int find_part(const Anatomy& anatomy, const std::string& name) {
+  if (const int joint = find_joint(anatomy.skeleton, name); joint >= 0) return joint;
+  for (const Bone& bone : anatomy.bones)
+    if (bone.name == name) return bone.joint;
+  return -1;
+}
+
+struct Painted {
+  std::map<int, double> shares;  // by joint
+  std::vector<std::string> names;
+  double sum = 0;
+  int row = 0;  // the last one that names the vertex
+};
+
+void add_row(const Table& table, int row, const Anatomy& anatomy, int vertex_count,
+             std::map<int, Painted>& out) {
+  const double number = table.number(row, "vertex");
+  if (number != std::floor(number) || number < 0 || number >= vertex_count)
+    throw InputError(fmt::format("{}: there is no vertex {}; the skin has the vertices 0 to {}",
+                                 table.where(row), table.text(row, "vertex"), vertex_count - 1));
+  const std::string& name = table.text(row, "joint");
+  const int joint = find_part(anatomy, name);
+  if (joint < 0)
+    throw InputError(
+        fmt::format("{}: '{}' is no joint and no bone of this character; `ecorche weights` writes "
+                    "a table with its joints",
+                    table.where(row), name));
+  const double weight = table.number(row, "weight");
+  if (weight < 0 || weight > 1)
+    throw InputError(fmt::format("{}: the weight {} is not between 0 and 1", table.where(row),
+                                 table.text(row, "weight")));
+  Painted& painted = out[number];
+  if (std::find(painted.names.begin(), painted.names.end(), name) != painted.names.end())
+    throw InputError(fmt::format("{}: vertex {} has '{}' twice; leave one of them",
+                                 table.where(row), int(number), name));
+  painted.names.push_back(name);
+  painted.sum += weight;
+  painted.row = row;
+  if (weight > 0) painted.shares[joint] += weight;
+}
+
+}  // namespace
+
+PaintedWeights read_painted_weights(const std::filesystem::path& file, const Anatomy& anatomy,
+                                    int vertex_count) {
+  return painted_weights(Table(file), printable(file.string()), anatomy, vertex_count);
+}
+
+PaintedWeights painted_weights(const Table& table, const std::string& name, const Anatomy& anatomy,
+                               int vertex_count) {
+  std::map<int, Painted> found;
+  for (int row = 0; row < table.rows(); ++row) add_row(table, row, anatomy, vertex_count, found);
+  if (found.empty())
+    throw InputError(
+        fmt::format("{}: holds no weights; columns are vertex, joint and weight", name));
+  PaintedWeights out;
+  for (const auto& [vertex, painted] : found) {
+    if (std::abs(painted.sum - 1) > kSumSlack)
+      throw InputError(
+          fmt::format("{}: the weights of vertex {} add up to {:.4g}; give it all of its joints, "
+                      "so that they make 1",
+                      table.where(painted.row), vertex, painted.sum));
+    if (painted.shares.size() > kMostJoints)
+      throw InputError(fmt::format("{}: vertex {} has {} joints; {} is the most",
+                                   table.where(painted.row), vertex, painted.shares.size(),
+                                   kMostJoints));
+    out.vertices.push_back(vertex);
+    out.shares.emplace_back();
+    for (const auto& [joint, weight] : painted.shares)
+      out.shares.back().push_back({joint, weight / painted.sum});
+  }
+  return out;
+}
+
+std::vector<std::vector<Influence>> joint_shares(const Binding& binding) {
+  const SkinTables& tables = binding.tables->base ? *binding.tables->base : *binding.tables;
+  const int first_pair = tables.joint_count + int(tables.twists.size());
+  std::vector<std::vector<Influence>> out(tables.vertex_count);
+  for (const VertexRun& run : tables.runs)
+    for (int e = run.begin; e < run.end; ++e) {
+      const int sorted = tables.place[e];
+      std::map<int, double> shares;
+      for (int k = 0; k < run.carriers; ++k) {
+        const std::size_t entry =
+            run.carrier_entry + std::size_t((e - run.begin) * run.carriers + k);
+        const int carrier = tables.carrier[entry];
+        if (carrier >= first_pair) continue;
+        const int joint = carrier < tables.joint_count
+                              ? carrier
+                              : tables.twists[carrier - tables.joint_count].joint;
+        shares[joint] += double(tables.carrier_weight[entry]);
+      }
+      std::vector<Influence>& row = out[tables.order.empty() ? sorted : tables.order[sorted]];
+      for (const auto& [joint, weight] : shares) row.push_back({joint, weight});
+      std::stable_sort(row.begin(), row.end(),
+                       [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
+    }
+  return out;
+}
+
+void write_weights(const std::filesystem::path& file, const Skeleton& skeleton,
+                   const Binding& binding) {
+  std::string out = "vertex,joint,weight\n";
+  const std::vector<std::vector<Influence>> rows = joint_shares(binding);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (const Influence& w : rows[i])
+      fmt::format_to(std::back_inserter(out), "{},{},{:.7f}\n", i, skeleton.joints[w.joint].name,
+                     w.weight);
+  write_file_atomically(file, out);
+}
+
+}  // namespace ecorche

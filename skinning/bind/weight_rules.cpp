@@ -1,0 +1,200 @@
+#include "skinning/bind/weight_rules.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+
+#include "anatomy/compute/smooth_step.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kLeastRange = 0.6;    // rad, joints that move less are blended linearly
+constexpr double kLeastPair = 0.01;    // 2 w_a w_b below it is not worth a carrier
+constexpr double kHingeSlack = 0.2;    // rad, of abduction
+constexpr std::size_t kMostPairs = 4;  // a vertex
+constexpr double kReachQuantile = 0.5, kReachSlack = 1.35;
+
+double* find_share(ShareRow& row, int joint) {
+  for (Influence& w : row)
+    if (w.joint == joint) return &w.weight;
+  return nullptr;
+}
+
+void move_share(ShareRow& row, int from, int to, double share) {
+  double* source = find_share(row, from);
+  if (source == nullptr || share <= 0) return;
+  const double moved = *source * share;
+  *source -= moved;
+  if (double* target = find_share(row, to))
+    *target += moved;
+  else
+    row.push_back({to, moved});
+}
+
+// Position along the segment from joint a to joint b, 0 at a and 1 at b.
+double along(const Vec3& p, const Vec3& a, const Vec3& b) {
+  return (p - a).dot(b - a) / (b - a).squaredNorm();
+}
+
+double range_of_motion(const Joint& joint) { return (joint.max - joint.min).maxCoeff(); }
+
+// Joints that turn between a and b: up from both to their common ancestor, which itself is not
+// among them.
+std::vector<int> joints_between(const Skeleton& skeleton, int a, int b) {
+  std::vector<int> up_a, up_b;
+  for (int j = a; j >= 0; j = skeleton.joints[j].parent) up_a.push_back(j);
+  for (int j = b; j >= 0; j = skeleton.joints[j].parent) up_b.push_back(j);
+  while (!up_a.empty() && !up_b.empty() && up_a.back() == up_b.back())
+    up_a.pop_back(), up_b.pop_back();
+  up_a.insert(up_a.end(), up_b.begin(), up_b.end());
+  return up_a;
+}
+
+// The joint with the widest range between two carriers is where they hinge. False: they hardly turn
+// against each other.
+bool find_center(const Skeleton& skeleton, const std::vector<Vec3>& origins, int a, int b,
+                 Vec3& center, int& hinge) {
+  double widest = 0;
+  for (int j : joints_between(skeleton, a, b))
+    widest = std::max(widest, range_of_motion(skeleton.joints[j]));
+  if (widest < kLeastRange) return false;
+  int count = 0;
+  center.setZero();
+  for (int j : joints_between(skeleton, a, b))
+    if (range_of_motion(skeleton.joints[j]) > 0.95 * widest) {
+      center += origins[j];
+      hinge = j;
+      ++count;
+    }
+  center /= count;
+  return true;
+}
+
+// Whether it bends about one axis alone.
+bool is_hinge(const Joint& joint) { return (joint.max - joint.min).y() < kHingeSlack; }
+
+// A pair's reach is the distance from its hinge at which most of the flesh about it lies; beyond it
+// shares fade with its square.
+void fade_with_distance(const Skeleton& skeleton, const TriMesh& skin,
+                        const std::vector<PairCarrier>& pairs, std::vector<ShareRow>& found) {
+  const auto distance = [&](std::size_t i, int pair) {
+    return (Vec3(skin.V.row(i)) - pairs[pair].center).norm();
+  };
+  std::vector<std::vector<double>> around(pairs.size());
+  for (std::size_t i = 0; i < found.size(); ++i)
+    for (const Influence& w : found[i])
+      if (w.weight > 0.2) around[w.joint].push_back(distance(i, w.joint));
+  std::vector<double> reach(pairs.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const int hinge = pairs[k].hinge;
+    if (around[k].empty() || (hinge >= 0 && is_hinge(skeleton.joints[hinge]))) continue;
+    const auto rank =
+        around[k].begin() + std::ptrdiff_t(kReachQuantile * double(around[k].size() - 1));
+    std::nth_element(around[k].begin(), rank, around[k].end());
+    reach[k] = kReachSlack * *rank;
+  }
+  for (std::size_t i = 0; i < found.size(); ++i)
+    for (Influence& w : found[i]) {
+      const double ratio = reach[w.joint] / std::max(distance(i, w.joint), 1e-6);
+      w.weight *= std::min(1.0, ratio * ratio);
+    }
+}
+
+}  // namespace
+
+void spread_twist(const Skeleton& skeleton, const TriMesh& skin, std::span<const int> painted,
+                  std::vector<ShareRow>& rows, std::vector<TwistCarrier>& twists) {
+  const std::vector<Vec3> origins = rest_positions(skeleton);
+  const auto origin = [&](int j) { return origins[j]; };
+  std::vector<char> kept(rows.size(), 0);
+  for (const int v : painted) kept[v] = 1;
+  for (const std::string side : {"_l", "_r"}) {
+    for (const auto& [upper, lower] : {std::pair{"shoulder", "elbow"}, std::pair{"hip", "knee"}}) {
+      const int j = find_joint(skeleton, upper + side), end = find_joint(skeleton, lower + side);
+      if (j < 0 || end < 0 || skeleton.joints[j].parent < 0) continue;
+      const int carrier = skeleton.joints.size() + twists.size();
+      twists.push_back({j, skeleton.joints[j].parent, (origin(end) - origin(j)).normalized()});
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        const double t = along(skin.V.row(i), origin(j), origin(end));
+        move_share(rows[i], j, carrier, 1 - std::clamp(t, 0.0, 1.0));
+      }
+    }
+    const int elbow = find_joint(skeleton, "elbow" + side),
+              forearm = find_joint(skeleton, "forearm" + side);
+    const int wrist = find_joint(skeleton, "wrist" + side);
+    if (elbow < 0 || forearm < 0 || wrist < 0) continue;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const double t = along(skin.V.row(i), origin(elbow), origin(wrist));
+      if (kept[i]) continue;
+      move_share(rows[i], elbow, forearm, 1);
+      move_share(rows[i], forearm, elbow, 1 - std::clamp((t - 0.1) / 0.85, 0.0, 1.0));
+    }
+  }
+  for (ShareRow& row : rows)
+    std::erase_if(row, [](const Influence& w) { return w.weight <= 1e-6; });
+}
+
+void let_scapula_glide(const Skeleton& skeleton, const TriMesh& skin, std::vector<ShareRow>& rows) {
+  const int thorax = find_joint(skeleton, "thorax");
+  const std::vector<Vec3> origins = rest_positions(skeleton);
+  for (const std::string side : {"_l", "_r"}) {
+    const int scapula = find_joint(skeleton, "scapula" + side),
+              shoulder = find_joint(skeleton, "shoulder" + side);
+    const int elbow = find_joint(skeleton, "elbow" + side);
+    if (thorax < 0 || scapula < 0 || shoulder < 0 || elbow < 0) continue;
+    const Vec3 center = origins[shoulder];
+    const double arm = (origins[elbow] - center).norm();
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const double away = (Vec3(skin.V.row(i)) - center).norm() / arm;
+      move_share(rows[i], scapula, thorax, 0.6 * smooth_step(0.25, 0.6, away));
+    }
+  }
+}
+
+std::vector<PairCarrier> add_pairs(const Skeleton& skeleton, const TriMesh& skin,
+                                   const std::vector<TwistCarrier>& twists,
+                                   std::vector<ShareRow>& rows) {
+  const int joints = int(skeleton.joints.size()), carriers = joints + int(twists.size());
+  const std::vector<Vec3> origins = rest_positions(skeleton);
+  const auto joint_of = [&](int carrier) {
+    return carrier < joints ? carrier : twists[carrier - joints].joint;
+  };
+  std::map<std::pair<int, int>, int> index;  // -1: blended linearly
+  std::vector<PairCarrier> pairs;
+  std::vector<ShareRow> found(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    ShareRow& row = rows[i];
+    std::sort(row.begin(), row.end(),
+              [](const Influence& a, const Influence& b) { return a.joint < b.joint; });
+    for (std::size_t x = 0; x < row.size(); ++x)
+      for (std::size_t y = x + 1; y < row.size(); ++y) {
+        const double product = 2 * row[x].weight * row[y].weight;
+        if (product < kLeastPair) continue;
+        const std::pair<int, int> key{row[x].joint, row[y].joint};
+        auto it = index.find(key);
+        if (it == index.end()) {
+          PairCarrier pair{key.first, key.second, Vec3::Zero()};
+          const int a = joint_of(key.first), b = joint_of(key.second);
+          if (a == b) pair.center = origins[a];
+          const bool hinged =
+              a == b || find_center(skeleton, origins, a, b, pair.center, pair.hinge);
+          it = index.emplace(key, hinged ? int(pairs.size()) : -1).first;
+          if (hinged) pairs.push_back(pair);
+        }
+        if (it->second >= 0) found[i].push_back({it->second, product});
+      }
+  }
+  fade_with_distance(skeleton, skin, pairs, found);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::stable_sort(found[i].begin(), found[i].end(),
+                     [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
+    if (found[i].size() > kMostPairs) found[i].resize(kMostPairs);
+    for (const Influence& w : found[i]) rows[i].push_back({carriers + w.joint, w.weight});
+  }
+  return pairs;
+}
+
+}  // namespace ecorche

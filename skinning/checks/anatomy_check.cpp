@@ -1,0 +1,395 @@
+#include "skinning/checks/anatomy_check.h"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <span>
+
+#include "anatomy/geometry/join_meshes.h"
+#include "anatomy/geometry/mesh_measures.h"
+#include "anatomy/geometry/overlap_volumes.h"
+#include "anatomy/muscles/muscle_surface.h"
+#include "anatomy/muscles/slice_outline.h"
+#include "anatomy/posing/joint_sweep.h"
+#include "anatomy/queries/nearest_surface.h"
+#include "app/progress.h"
+#include "morph/fat/fat_layer.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kNear = 0.005;        // m, between the fat layer and what lies beneath
+constexpr double kLooseEnd = 0.010;    // m
+constexpr double kJump = 0.001;        // m
+constexpr double kLeastShared = 1e-9;  // m^3, of a neighbour that is named
+constexpr double kSticksOut = 0.020;   // m
+
+// Everything of a character that does not change from pose to pose.
+struct Subject {
+  const Actor& actor;
+  const BodyPackage& package;
+  MuscleSurface surface;
+  std::vector<SliceRange> ranges;
+  std::vector<double> rest_volumes;  // #strips
+  std::vector<double> rest_reaches;  // #slices, see reaches_of()
+  std::vector<Vec3> joints;
+  bool packaged = false;  // the skin has the package's topology
+
+  const Anatomy& anatomy() const { return actor.character.anatomy; }
+};
+
+// One pose's meshes, and the memory they are made in.
+struct Shape {
+  ActorFrame frame;
+  Points muscles;
+  std::vector<Points> bones;
+  Points skin_points;
+  TriMesh skin;  // closed as far as is known how
+};
+
+void shape_pose(const Subject& subject, const Pose& pose, Shape& shape) {
+  const Anatomy& anatomy = subject.anatomy();
+  play(subject.actor, pose, shape.frame);
+  update_muscle_surface(subject.surface, shape.frame.posed, shape.muscles);
+  shape.bones.resize(anatomy.bones.size());
+  for (std::size_t i = 0; i < anatomy.bones.size(); ++i) {
+    const Bone& bone = anatomy.bones[i];
+    const std::size_t j = bone.joint;
+    const Transform X = shape.frame.posed.X_WJ[j] * Eigen::Translation3d(-subject.joints[j]);
+    shape.bones[i] = (bone.mesh.V * X.linear().transpose()).rowwise() + X.translation().transpose();
+  }
+  to_points(shape.frame.skin, shape.skin_points);
+  if (subject.packaged)
+    shape.skin = capped_skin(subject.package, shape.skin_points);
+  else
+    shape.skin = {shape.skin_points, subject.actor.character.body.skin.F};
+}
+
+// Muscles in order, then bones.
+SolidVolumes measure_shape(const Subject& subject, const Shape& shape, double spacing) {
+  std::vector<Solid> solids;
+  for (const MuscleSurface::Part& part : subject.surface.parts)
+    solids.push_back(
+        {Solid::Kind::muscle, &shape.muscles, &subject.surface.F, part.face_begin, part.face_end});
+  for (std::size_t i = 0; i < shape.bones.size(); ++i) {
+    const Triangles& F = subject.anatomy().bones[i].mesh.F;
+    solids.push_back({Solid::Kind::bone, &shape.bones[i], &F, 0, int(F.rows())});
+  }
+  return measure_solids(solids, spacing);
+}
+
+int count_outside(const TriMesh& skin, const Points& points) {
+  const std::vector<int> winding = winding_numbers(skin, points);
+  return int(std::count(winding.begin(), winding.end(), 0));
+}
+
+int bone_points_outside(const Shape& shape) {
+  int outside = 0;
+  for (const Points& bone : shape.bones) outside += count_outside(shape.skin, bone);
+  return outside;
+}
+
+void check_rest(const Subject& subject, const Shape& shape, const CheckOptions& options,
+                AnatomyCheck& check) {
+  const std::vector<int> winding = winding_numbers(shape.skin, shape.muscles);
+  const NearestSurface skin(shape.skin);
+  check.muscle_points = winding.size();
+  for (std::size_t i = 0; i < winding.size(); ++i) {
+    MuscleCheck& muscle = check.muscles[subject.surface.muscle[i]];
+    ++muscle.points;
+    if (winding[i] != 0) continue;
+    ++muscle.points_outside;
+    ++check.muscle_points_outside;
+    check.furthest_outside =
+        std::max(check.furthest_outside, skin.nearest(shape.muscles.row(i)).distance);
+  }
+  for (const Points& bone : shape.bones) check.bone_points += bone.rows();
+  check.bone_points_outside = bone_points_outside(shape);
+
+  const SolidVolumes volumes = measure_shape(subject, shape, options.rest_spacing);
+  check.overlap_share = volumes.muscle_overlap_share();
+  check.bone_share = volumes.bone_overlap_share();
+  check.open_columns = volumes.open_columns;
+  const int muscles = check.muscles.size();
+  for (int m = 0; m < muscles; ++m) {
+    MuscleCheck& muscle = check.muscles[m];
+    muscle.volume = volumes.volume[m];
+    if (!(muscle.volume > 0)) continue;
+    muscle.overlap = volumes.in_muscle[m] / muscle.volume;
+    muscle.in_bone = volumes.in_bone[m] / muscle.volume;
+    if (muscle.in_bone > check.pierced_share)
+      check.pierced_share = muscle.in_bone,
+      check.pierced_muscle = subject.anatomy().muscles[m].name;
+  }
+  for (const SharedVolume& pair : volumes.pairs) {  // largest first
+    if (pair.b >= muscles || pair.volume < kLeastShared) continue;
+    for (const auto& [one, other] : {std::pair(pair.a, pair.b), std::pair(pair.b, pair.a)}) {
+      MuscleCheck& muscle = check.muscles[one];
+      if (muscle.neighbour < 0) muscle.neighbour = other, muscle.neighbour_volume = pair.volume;
+    }
+  }
+}
+
+// All muscles and bones as one soup.
+TriMesh flesh_of(const Subject& subject, const Shape& shape) {
+  Eigen::Index points = shape.muscles.rows(), faces = subject.surface.F.rows();
+  for (std::size_t i = 0; i < shape.bones.size(); ++i)
+    points += shape.bones[i].rows(), faces += subject.anatomy().bones[i].mesh.F.rows();
+  TriMesh flesh{Points(points, 3), Triangles(faces, 3)};
+  flesh.V.topRows(shape.muscles.rows()) = shape.muscles;
+  flesh.F.topRows(subject.surface.F.rows()) = subject.surface.F;
+  Eigen::Index point = shape.muscles.rows(), face = subject.surface.F.rows();
+  for (std::size_t i = 0; i < shape.bones.size(); ++i) {
+    const Triangles& F = subject.anatomy().bones[i].mesh.F;
+    flesh.V.middleRows(point, shape.bones[i].rows()) = shape.bones[i];
+    flesh.F.middleRows(face, F.rows()) = (F.array() + int(point)).matrix();
+    point += shape.bones[i].rows();
+    face += F.rows();
+  }
+  return flesh;
+}
+
+bool is_filled_part(BodyPart part) {
+  return part == BodyPart::trunk || part == BodyPart::upper_arm || part == BodyPart::forearm ||
+         part == BodyPart::thigh || part == BodyPart::shank;
+}
+
+// Area at each vertex, a third of its triangles.
+std::vector<double> vertex_areas(const TriMesh& mesh) {
+  std::vector<double> areas(mesh.V.rows(), 0.0);
+  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
+    const Vec3 a = mesh.V.row(mesh.F(f, 0)), b = mesh.V.row(mesh.F(f, 1)),
+               c = mesh.V.row(mesh.F(f, 2));
+    for (int i = 0; i < 3; ++i) areas[mesh.F(f, i)] += (b - a).cross(c - a).norm() / 6;
+  }
+  return areas;
+}
+
+void check_voids(const Subject& subject, const Shape& shape, AnatomyCheck& check) {
+  check.filled_share = std::numeric_limits<double>::quiet_NaN();
+  if (!subject.packaged) return;
+  const SkinRays rays(shape.skin);
+  const FatLayer fat = make_fat_layer(rays, subject.anatomy(), subject.actor.character.body);
+  const Points normals = vertex_normals(shape.skin);
+  const std::vector<double> areas = vertex_areas(shape.skin);
+  const auto parts = vertex_parts(subject.package);
+  std::vector<int> vertices;
+  for (int i = 0; i < int(parts.size()); ++i)
+    if (areas[i] > 0 && is_filled_part(parts[i].part)) vertices.push_back(i);
+  Points under(vertices.size(), 3);
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    const int i = vertices[k];
+    under.row(k) = shape.skin.V.row(i) - double(fat.thickness[i]) * normals.row(i);
+  }
+  const TriMesh flesh = flesh_of(subject, shape);
+  const std::vector<int> winding = winding_numbers(flesh, under);
+  const NearestSurface nearest(flesh);
+  std::vector<std::pair<double, double>> gaps(vertices.size());  // gap, area
+  tbb::parallel_for(std::size_t{0}, vertices.size(), [&](std::size_t k) {
+    const double gap = winding[k] != 0 ? 0 : nearest.nearest(under.row(k)).distance;
+    gaps[k] = {gap, areas[vertices[k]]};
+  });
+  std::sort(gaps.begin(), gaps.end());
+  double area = 0, near = 0, sum = 0;
+  for (const auto& [gap, a] : gaps) area += a, near += gap <= kNear ? a : 0;
+  for (const auto& [gap, a] : gaps) {
+    if (sum < 0.5 * area) check.gap_median = gap;
+    if (sum < 0.95 * area) check.gap_p95 = gap;
+    sum += a;
+  }
+  check.filled_share = near / area;
+}
+
+void check_ends(const Subject& subject, AnatomyCheck& check) {
+  const Anatomy& anatomy = subject.anatomy();
+  std::map<int, std::unique_ptr<NearestSurface>> bones;  // by joint
+  const auto distance = [&](const PathPoint& end) {
+    const int joint = end.joints[0];
+    if (joint < 0 || end.joints[1] >= 0) return -1.0;
+    auto& surface = bones[joint];
+    if (!surface) {
+      std::vector<const TriMesh*> carried;
+      for (const Bone& bone : anatomy.bones)
+        if (bone.joint == joint) carried.push_back(&bone.mesh);
+      const TriMesh all = join_meshes(carried);
+      if (all.F.rows() == 0) return -1.0;
+      surface = std::make_unique<NearestSurface>(all);
+    }
+    return surface->nearest(end.rest).distance;
+  };
+  std::vector<double> distances;
+  for (std::size_t m = 0; m < anatomy.muscles.size(); ++m) {
+    const Muscle& muscle = anatomy.muscles[m];
+    for (const Strip& strip : muscle.strips)
+      for (const auto& [end, bone] : {std::pair(&strip.path.front(), &muscle.origin_bone),
+                                      std::pair(&strip.path.back(), &muscle.insertion_bone)}) {
+        const double d = bone->empty() ? -1 : distance(*end);
+        if (d < 0) continue;
+        distances.push_back(d);
+        check.loose_ends += d > kLooseEnd;
+        check.muscles[m].end_distance = std::max(check.muscles[m].end_distance, d);
+      }
+  }
+  check.ends = distances.size();
+  if (distances.empty()) return;
+  std::sort(distances.begin(), distances.end());
+  check.end_distance_median = distances[distances.size() / 2];
+  check.end_distance_max = distances.back();
+}
+
+// How far each section's outline goes from its centre, m.
+std::vector<double> reaches_of(std::span<const Ellipse> sections) {
+  std::vector<double> out;
+  for (const Ellipse& section : sections) {
+    double& reach = out.emplace_back(0.0);
+    for (std::size_t i = 0; i < kOutlinePoints; ++i)
+      reach = std::max(reach, double(section.outline[i]) *
+                                  outline_directions()[i].cwiseProduct(section.radii).norm());
+  }
+  return out;
+}
+
+// By how much a section goes farther than at rest and than those before and after it, m: a spike if
+// it is much.
+double sticking_out(std::span<const double> reaches, const SliceRange& strip, int k,
+                    double at_rest) {
+  double others = at_rest;
+  if (k > strip.begin) others = std::max(others, reaches[k - 1]);
+  if (k + 1 < strip.end) others = std::max(others, reaches[k + 1]);
+  return reaches[k] - others;
+}
+
+// What one pose has to say about each muscle.
+struct PosedMuscles {
+  std::vector<double> outside, overlap, in_bone, drift;  // shares
+  std::vector<double> spike;                             // m
+};
+
+PoseCheck check_pose(const Subject& subject, const LimitPose& pose, double spacing,
+                     PosedMuscles& muscles) {
+  Shape shape;
+  shape_pose(subject, pose.pose, shape);
+  PoseCheck out;
+  out.name = pose.name;
+  const std::size_t count = subject.anatomy().muscles.size();
+  for (std::vector<double>* list :
+       {&muscles.outside, &muscles.overlap, &muscles.in_bone, &muscles.drift, &muscles.spike})
+    list->assign(count, 0.0);
+  const std::vector<int> winding = winding_numbers(shape.skin, shape.muscles);
+  std::vector<int> points(count, 0);
+  for (std::size_t i = 0; i < winding.size(); ++i) {
+    const std::size_t m = subject.surface.muscle[i];
+    ++points[m];
+    if (winding[i] == 0) ++out.muscle_points_outside, ++muscles.outside[m];
+  }
+  out.bone_points_outside = bone_points_outside(shape);
+  const SolidVolumes volumes = measure_shape(subject, shape, spacing);
+  out.overlap_share = volumes.muscle_overlap_share();
+  out.bone_share = volumes.bone_overlap_share();
+  for (std::size_t m = 0; m < count; ++m) {
+    if (points[m] > 0) muscles.outside[m] /= points[m];
+    if (!(volumes.volume[m] > 0)) continue;
+    muscles.overlap[m] = volumes.in_muscle[m] / volumes.volume[m];
+    muscles.in_bone[m] = volumes.in_bone[m] / volumes.volume[m];
+  }
+  const std::vector<double> reaches = reaches_of(shape.frame.posed.slices);
+  for (std::size_t i = 0; i < subject.ranges.size(); ++i) {
+    double& drift = muscles.drift[subject.ranges[i].muscle];
+    drift = std::max(
+        drift,
+        std::abs(strip_volume(shape.frame.posed, subject.ranges[i]) / subject.rest_volumes[i] - 1));
+    double& spike = muscles.spike[subject.ranges[i].muscle];
+    for (int k = subject.ranges[i].begin; k < subject.ranges[i].end; ++k) {
+      const double by = sticking_out(reaches, subject.ranges[i], k, subject.rest_reaches[k]);
+      spike = std::max(spike, by);
+      out.spikes += by > kSticksOut;
+    }
+  }
+  return out;
+}
+
+void check_poses(const Subject& subject, const std::vector<LimitPose>& poses,
+                 const CheckOptions& options, const Common& common, AnatomyCheck& check) {
+  check.poses.resize(poses.size());
+  std::vector<PosedMuscles> muscles(poses.size());
+  Progress progress(common, "poses", int(poses.size()));
+  tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t p) {
+    check.poses[p] = check_pose(subject, poses[p], options.pose_spacing, muscles[p]);
+    progress.step();
+  });
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    const PoseCheck& pose = check.poses[p];
+    const double outside = double(pose.muscle_points_outside) / std::max(check.muscle_points, 1);
+    check.posed_outside_share += outside / double(poses.size());
+    check.posed_outside_worst = std::max(check.posed_outside_worst, outside);
+    check.posed_bone_points_outside =
+        std::max(check.posed_bone_points_outside, pose.bone_points_outside);
+    check.posed_overlap_mean += pose.overlap_share / double(poses.size());
+    check.posed_overlap_worst = std::max(check.posed_overlap_worst, pose.overlap_share);
+    check.posed_spikes += double(pose.spikes) / double(poses.size());
+    for (std::size_t m = 0; m < check.muscles.size(); ++m) {
+      MuscleCheck& muscle = check.muscles[m];
+      if (muscles[p].outside[m] > muscle.posed_outside)
+        muscle.posed_outside = muscles[p].outside[m], muscle.outside_pose = int(p);
+      if (muscles[p].overlap[m] > muscle.posed_overlap)
+        muscle.posed_overlap = muscles[p].overlap[m], muscle.overlap_pose = int(p);
+      muscle.posed_in_bone = std::max(muscle.posed_in_bone, muscles[p].in_bone[m]);
+      muscle.drift = std::max(muscle.drift, muscles[p].drift[m]);
+      if (muscles[p].spike[m] > muscle.spike)
+        muscle.spike = muscles[p].spike[m], muscle.spike_pose = int(p);
+    }
+  }
+}
+
+void check_sweeps(const Subject& subject, double step, AnatomyCheck& check) {
+  const Skeleton& skeleton = subject.anatomy().skeleton;
+  const auto worst =
+      measure_sweeps(subject.actor.table, skeleton, subject.ranges, joint_sweeps(skeleton, step));
+  for (std::size_t i = 0; i < worst.size(); ++i) {
+    MuscleCheck& muscle = check.muscles[subject.ranges[i].muscle];
+    muscle.drift = std::max(muscle.drift, worst[i].drift.size);
+    if (!(worst[i].length.size > muscle.jump)) continue;
+    muscle.jump = worst[i].length.size;
+    muscle.jump_joint = worst[i].length.joint;
+    muscle.jump_axis = worst[i].length.axis;
+    muscle.jump_angle = worst[i].length.angle;
+  }
+}
+
+}  // namespace
+
+AnatomyCheck check_anatomy(const Actor& actor, const BodyPackage& package,
+                           const std::vector<LimitPose>& poses, const CheckOptions& options,
+                           const Common& common) {
+  const Anatomy& anatomy = actor.character.anatomy;
+  Subject subject{actor, package, make_muscle_surface(anatomy),     slice_ranges(anatomy),
+                  {},    {},      rest_positions(anatomy.skeleton), false};
+  subject.packaged = actor.character.body.skin.V.rows() == package.skin_size;
+  AnatomyCheck check;
+  check.muscles.resize(anatomy.muscles.size());
+  Shape rest;
+  shape_pose(subject, rest_pose(anatomy.skeleton), rest);
+  for (const SliceRange& range : subject.ranges)
+    subject.rest_volumes.push_back(strip_volume(rest.frame.posed, range));
+  subject.rest_reaches = reaches_of(rest.frame.posed.slices);
+  check_rest(subject, rest, options, check);
+  check_voids(subject, rest, check);
+  check_ends(subject, check);
+  check_poses(subject, poses, options, common, check);
+  check.swept = options.sweep_step > 0;
+  if (check.swept) check_sweeps(subject, options.sweep_step, check);
+  for (const MuscleCheck& muscle : check.muscles) {
+    check.drift_max = std::max(check.drift_max, muscle.drift);
+    check.jump_max = std::max(check.jump_max, muscle.jump);
+    check.posed_spike_max = std::max(check.posed_spike_max, muscle.spike);
+    check.paths_that_jump += muscle.jump > kJump;
+  }
+  return check;
+}
+
+}  // namespace ecorche

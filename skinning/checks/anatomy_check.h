@@ -1,0 +1,94 @@
+// What a character's anatomy is worth: containment, overlap and voids at rest, the same and more at
+// the joints' limits, muscle by muscle.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/verb.h"
+#include "skinning/character/character_model.h"
+#include "skinning/motion/limit_poses.h"
+
+namespace ecorche {
+
+struct CheckOptions {
+  double rest_spacing = 0.0015;  // m, between the lines that volumes are measured along
+  double pose_spacing = 0.0025;
+  double sweep_step = 0.017453292519943295;  // rad; not above 0: no sweeps
+};
+
+// Of one muscle. Shares are of its volume, or of the points of its surface.
+struct MuscleCheck {
+  double volume = 0;                   // of its surface, m^3
+  int points = 0, points_outside = 0;  // at rest
+  double overlap = 0, in_bone = 0;     // shares at rest
+  int neighbour = -1;                  // the muscle it shares most with, -1 none
+  double neighbour_volume = 0;         // m^3
+  double posed_outside = 0, posed_overlap = 0, posed_in_bone = 0;  // shares, each in its worst pose
+  int outside_pose = -1, overlap_pose = -1;
+  double drift = 0;  // of its strips' volume, largest over poses and sweeps
+  double jump = 0;  // m, a path's length from one degree to the next but one against going steadily
+  int jump_joint = -1, jump_axis = 0;
+  double jump_angle = 0;  // rad
+  // m, by which a section goes farther than at rest and than its neighbours along the muscle, in
+  // its worst pose
+  double spike = 0;
+  int spike_pose = -1;
+  // m, of its ends on bones, the farthest from the bones of the joint that carries it
+  double end_distance = 0;
+};
+
+struct PoseCheck {
+  std::string name;
+  int muscle_points_outside = 0;
+  int bone_points_outside = 0;
+  double overlap_share = 0, bone_share = 0;
+  int spikes = 0;  // sections that stick out by more than 20 mm
+};
+
+struct AnatomyCheck {
+  int bone_points = 0, bone_points_outside = 0;
+  int muscle_points = 0, muscle_points_outside = 0;
+  double furthest_outside = 0;  // m, of muscles at rest
+  // sum of the muscles' volumes over their union, less one part: what is counted twice
+  double overlap_share = 0;
+  double bone_share = 0;  // of the muscles' volume in bones
+  // the largest share of one muscle's volume that lies in bones, and whose
+  double pierced_share = 0;
+  std::string pierced_muscle;
+  // of the area under the fat layer of limbs and trunk within 5 mm of muscle or bone; NaN: not
+  // known
+  double filled_share = 0;
+  double gap_median = 0, gap_p95 = 0;  // m, from there to muscle or bone
+  std::vector<PoseCheck> poses;
+  double posed_outside_share = 0;  // of muscle points, mean over the poses
+  double posed_outside_worst = 0;
+  int posed_bone_points_outside = 0;  // of the worst pose
+  double posed_overlap_mean = 0, posed_overlap_worst = 0;
+  double posed_spikes = 0,
+         posed_spike_max = 0;  // sections that stick out by more than 20 mm, mean over the poses; m
+  bool swept = false;          // joints were swept; otherwise nothing is known of jumps
+  double drift_max = 0, jump_max = 0;
+  int paths_that_jump = 0;  // muscles by more than 1 mm
+  double end_distance_median = 0, end_distance_max = 0;
+  int ends = 0, loose_ends = 0;      // farther than 10 mm
+  long long open_columns = 0;        // places where a mesh is not closed and so was not measured
+  std::vector<MuscleCheck> muscles;  // #muscles
+};
+
+// `package`: closes the skin's mouth and eyes and knows its parts, where the skin has its topology.
+// Precondition: a bound actor. The same figures at any number of threads.
+AnatomyCheck check_anatomy(const Actor& actor, const BodyPackage& package,
+                           const std::vector<LimitPose>& poses, const CheckOptions& options,
+                           const Common& common);
+
+// What is asked of a figure, and whether it is met.
+struct Target {
+  std::string what, asked, measured;
+  bool met = false;
+};
+std::vector<Target> check_targets(const AnatomyCheck& check);
+
+void report_anatomy_check(const AnatomyCheck& check, Report& report);  // under `check`
+
+}  // namespace ecorche

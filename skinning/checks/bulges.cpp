@@ -1,0 +1,238 @@
+#include "skinning/checks/bulges.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+
+#include "anatomy/joint_angles.h"
+#include "anatomy/muscles/slice_outline.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kFlexed = 1.7453292519943295;  // rad
+
+// What was measured in people: change of thickness at full effort with the joint held, as a share
+// of the relaxed thickness.
+struct PublishedBulge {
+  const char* muscle;
+  double low, high;
+  const char* what;
+};
+constexpr PublishedBulge kPublished[] = {
+    {"gastrocnemius_lateral_l", 0.25, 0.55, "+5 to +7 mm, +36 to +47 % (Maganaris 1998)"},
+    {"gastrocnemius_medial_l", -0.1, 0.1, "0, not significant (Maganaris 1998)"},
+    {"soleus_l", 0.25, 0.55, "+6 to +7 mm, +38 to +47 % (Maganaris 1998)"},
+    {"tibialis_anterior_l", -0.1, 0.1,
+     "unchanged (Maganaris 1999, recalled); belly shortens and its section grows (Raiteri 2016)"},
+    {"masseter_superficial_l", 0.2, 0.65,
+     "men +5.4 mm, +56 % (Kiliaridis 1991); +3.4 mm, +30 % (Park 2018)"},
+};
+
+// Least width of a section's outline over all directions.
+double calliper_thickness(const Ellipse& section) {
+  constexpr int kDirections = 90;
+  double least = std::numeric_limits<double>::infinity();
+  for (int d = 0; d < kDirections; ++d) {
+    const double angle = d * 3.141592653589793 / kDirections;
+    const Vec2 direction(std::cos(angle), std::sin(angle));
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (std::size_t k = 0; k < outline_directions().size(); ++k) {
+      const double along =
+          section.outline[k] * section.radii.cwiseProduct(outline_directions()[k]).dot(direction);
+      low = std::min(low, along), high = std::max(high, along);
+    }
+    least = std::min(least, high - low);
+  }
+  return least;
+}
+
+int root_of(std::vector<int>& parent, int i) {
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+// Perimeter of the convex hull (Andrew's monotone chain).
+double hull_perimeter(std::vector<Vec2> points) {
+  std::sort(points.begin(), points.end(), [](const Vec2& a, const Vec2& b) {
+    return a.x() != b.x() ? a.x() < b.x() : a.y() < b.y();
+  });
+  if (points.size() < 3) return 0;
+  std::vector<Vec2> hull;
+  const auto add = [&](const Vec2& p, std::size_t least) {
+    while (hull.size() > least) {
+      const Vec2 a = hull.back() - hull[hull.size() - 2], b = p - hull.back();
+      if (a.x() * b.y() - a.y() * b.x() > 0) break;
+      hull.pop_back();
+    }
+    hull.push_back(p);
+  };
+  for (const Vec2& p : points) add(p, 1);
+  const std::size_t lower = hull.size();
+  for (std::size_t i = points.size() - 1; i-- > 0;) add(points[i], lower);
+  double length = 0;
+  for (std::size_t i = 0; i + 1 < hull.size(); ++i) length += (hull[i + 1] - hull[i]).norm();
+  return length;
+}
+
+double arm_girth(const Actor& actor, const ActorFrame& frame, double from, double to) {
+  const Skeleton& skeleton = actor.character.anatomy.skeleton;
+  const Vec3 shoulder = frame.posed.X_WJ[find_joint(skeleton, "shoulder_l")].translation();
+  const Vec3 elbow = frame.posed.X_WJ[find_joint(skeleton, "elbow_l")].translation();
+  TriMesh skin;
+  to_points(frame.skin, skin.V);
+  skin.F = actor.character.body.skin.F;
+  double girth = 0;
+  for (double share = from; share <= to + 1e-9; share += 0.025)
+    girth = std::max(girth, tape_girth(skin, shoulder + share * (elbow - shoulder),
+                                       (elbow - shoulder).normalized()));
+  return girth;
+}
+
+void measure_arm(const Actor& actor, Bulges& bulges) {
+  const Anatomy& anatomy = actor.character.anatomy;
+  const Skeleton& skeleton = anatomy.skeleton;
+  bulges.arm_relaxed = bulges.arm_flexed = bulges.arm_tensed =
+      std::numeric_limits<double>::quiet_NaN();
+  const int elbow = find_joint(skeleton, "elbow_l"), forearm = find_joint(skeleton, "forearm_l");
+  if (elbow < 0 || forearm < 0 || find_joint(skeleton, "shoulder_l") < 0) return;
+  ActorFrame frame;
+  Pose pose = rest_pose(skeleton);
+  play_skin(actor, pose, frame);
+  bulges.arm_relaxed = arm_girth(actor, frame, 0.5, 0.5);
+  const auto turn = [&](int j, int axis, double angle) {
+    const Joint& joint = skeleton.joints[j];
+    Vec3 angles = joint_angles(joint, Quat::Identity());
+    angles[axis] = angle;
+    pose.rotations[j] = joint_rotation(joint, angles);
+  };
+  turn(elbow, 0, kFlexed);
+  turn(forearm, 2, skeleton.joints[forearm].max.z());
+  play_skin(actor, pose, frame);
+  bulges.arm_flexed = arm_girth(actor, frame, 0.4, 0.65);
+  std::vector<double> effort;
+  for (const Muscle& muscle : anatomy.muscles) effort.push_back(muscle.group == "arm" ? 1.0 : 0.0);
+  play_skin(actor, pose, frame, effort);
+  bulges.arm_tensed = arm_girth(actor, frame, 0.4, 0.65);
+}
+
+}  // namespace
+
+double tape_girth(const TriMesh& skin, const Vec3& point, const Vec3& normal) {
+  const auto height = [&](int i) { return (skin.V.row(i).transpose() - point).dot(normal); };
+  std::map<std::pair<int, int>, int> index;  // of cut edges
+  std::vector<Vec3> points;
+  std::vector<int> parent;
+  const auto cut = [&](int a, int b) {
+    const auto [at, fresh] = index.try_emplace(std::minmax(a, b), int(points.size()));
+    if (fresh) {
+      const double ha = height(a), hb = height(b);
+      points.push_back(skin.V.row(a).transpose() +
+                       ha / (ha - hb) * (skin.V.row(b) - skin.V.row(a)).transpose());
+      parent.push_back(at->second);
+    }
+    return at->second;
+  };
+  for (Eigen::Index f = 0; f < skin.F.rows(); ++f) {
+    std::array<int, 2> ends{};
+    int found = 0;
+    for (int i = 0; i < 3; ++i) {
+      const int a = skin.F(f, i), b = skin.F(f, (i + 1) % 3);
+      if ((height(a) < 0) != (height(b) < 0) && found < 2) ends[found++] = cut(a, b);
+    }
+    if (found == 2) parent[root_of(parent, ends[0])] = root_of(parent, ends[1]);
+  }
+  if (points.empty()) return 0;
+  std::map<int, std::pair<Vec3, int>> pieces;  // sum of points, count
+  for (int i = 0; i < int(points.size()); ++i) {
+    auto& [sum, count] = pieces.try_emplace(root_of(parent, i), Vec3::Zero(), 0).first->second;
+    sum += points[i];
+    ++count;
+  }
+  int nearest = -1;
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& [piece, of] : pieces) {
+    const double distance = (of.first / of.second - point).norm();
+    if (distance < least) least = distance, nearest = piece;
+  }
+  const Vec3 u = normal.unitOrthogonal(), v = normal.cross(u);
+  std::vector<Vec2> outline;
+  for (int i = 0; i < int(points.size()); ++i)
+    if (root_of(parent, i) == nearest) outline.emplace_back(points[i].dot(u), points[i].dot(v));
+  return hull_perimeter(std::move(outline));
+}
+
+Bulges measure_bulges(const Actor& actor) {
+  Bulges bulges;
+  measure_arm(actor, bulges);
+  const Anatomy& anatomy = actor.character.anatomy;
+  const auto ranges = slice_ranges(anatomy);
+  const Pose pose = rest_pose(anatomy.skeleton);
+  PosedAnatomy relaxed, tense;
+  pose_anatomy(actor.table, anatomy.skeleton, pose, relaxed);
+  pose_anatomy(actor.table, anatomy.skeleton, pose, tense, 1,
+               std::vector<double>(anatomy.muscles.size(), 1.0));
+  for (const PublishedBulge& published : kPublished) {
+    const int m = find_muscle(anatomy, published.muscle);
+    const auto range = std::find_if(ranges.begin(), ranges.end(),
+                                    [m](const SliceRange& r) { return r.muscle == m; });
+    if (m < 0 || range == ranges.end()) continue;
+    const auto thickness = [&](const PosedAnatomy& posed, int k) {
+      return calliper_thickness(posed.slices[k]);
+    };
+    int thickest = range->begin;
+    for (int k = range->begin; k < range->end; ++k)
+      if (thickness(relaxed, k) > thickness(relaxed, thickest)) thickest = k;
+    bulges.muscles.push_back({published.muscle, thickness(relaxed, thickest),
+                              thickness(tense, thickest), published.low, published.high,
+                              published.what});
+  }
+  return bulges;
+}
+
+std::vector<Target> bulge_targets(const Bulges& bulges) {
+  std::vector<Target> out;
+  for (const Thickening& m : bulges.muscles) {
+    const double change = m.tense / m.relaxed - 1;
+    out.push_back({fmt::format("thickening of {} at full effort", m.muscle),
+                   fmt::format("{:+.0f} .. {:+.0f} %", 100 * m.low, 100 * m.high),
+                   fmt::format("{:+.0f} %", 100 * change), change >= m.low && change <= m.high});
+  }
+  return out;
+}
+
+std::string bulge_table(const Bulges& bulges) {
+  std::string out = fmt::format("\n{:<28} {:>12} {:>12} {:>16}  {}\n", "bulge", "relaxed", "tense",
+                                "change", "measured in people");
+  if (std::isfinite(bulges.arm_relaxed)) {
+    out += fmt::format("{:<28} {:>9.1f} cm {:>9.1f} cm {:>+13.1f} cm  {}\n",
+                       "upper arm girth, flexed", 100 * bulges.arm_relaxed, 100 * bulges.arm_tensed,
+                       100 * (bulges.arm_tensed - bulges.arm_relaxed),
+                       "trained men +2 to +4 cm; untrained men +1.5 to +2.5; women +0.8 to +1.5");
+    out += fmt::format("{:<28} {:>9.1f} cm {:>9.1f} cm {:>+13.1f} cm\n", "  of it without effort",
+                       100 * bulges.arm_relaxed, 100 * bulges.arm_flexed,
+                       100 * (bulges.arm_flexed - bulges.arm_relaxed));
+  }
+  for (const Thickening& m : bulges.muscles)
+    out += fmt::format("{:<28} {:>9.1f} mm {:>9.1f} mm {:>+8.1f} mm {:>+3.0f} %  {}\n", m.muscle,
+                       1e3 * m.relaxed, 1e3 * m.tense, 1e3 * (m.tense - m.relaxed),
+                       100 * (m.tense / m.relaxed - 1), m.published);
+  return out;
+}
+
+void report_bulges(const Bulges& bulges, Report& report) {
+  report.set("check.bulge.arm_relaxed", bulges.arm_relaxed);
+  report.set("check.bulge.arm_flexed", bulges.arm_flexed);
+  report.set("check.bulge.arm_tensed", bulges.arm_tensed);
+  for (const Thickening& m : bulges.muscles) {
+    report.set("check.bulge." + m.muscle + ".relaxed", m.relaxed);
+    report.set("check.bulge." + m.muscle + ".tense", m.tense);
+  }
+}
+
+}  // namespace ecorche

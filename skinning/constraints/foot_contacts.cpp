@@ -1,0 +1,130 @@
+#include "skinning/constraints/foot_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "anatomy/joint_angles.h"
+#include "skinning/motion/require_joint.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kLowHeight = 0.025, kHighHeight = 0.040;  // m
+constexpr double kSlow = 0.35, kFast = 0.60;               // m/s
+constexpr double kShortest = 0.060, kGap = 0.060;          // s
+constexpr double kSamePlace = 0.03;                        // m
+
+}  // namespace
+
+double guess_sole_height(const Skeleton& skeleton) {
+  const std::vector<Vec3> at = rest_positions(skeleton);
+  double lowest = std::numeric_limits<double>::infinity();
+  for (size_t j = 0; j < at.size(); ++j) lowest = std::min(lowest, at[j].y());
+  const double ankle = at[joint_of(skeleton, "ankle_l")].y();
+  return lowest -
+         0.25 * (ankle -
+                 lowest);  // toe joints lie about a fifth of the ankle's height over the ground
+}
+
+FootShape foot_shape(const Skeleton& skeleton, Side side, double sole_height) {
+  const std::string s = side_suffix(side);
+  const std::vector<Vec3> at = rest_positions(skeleton);
+  FootShape foot;
+  foot.hip = joint_of(skeleton, "hip" + s);
+  foot.knee = joint_of(skeleton, "knee" + s);
+  foot.ankle = joint_of(skeleton, "ankle" + s);
+  foot.subtalar = joint_of(skeleton, "subtalar" + s);
+  Vec3 ball = Vec3::Zero();
+  for (int k = 0; k < 5; ++k) {
+    foot.mtp[k] = joint_of(skeleton, "mtp" + std::to_string(k + 1) + s);
+    ball += 0.2 * at[foot.mtp[k]];
+  }
+  const Vec3 toes =
+      0.5 * (at[joint_of(skeleton, "toe_dip2" + s)] + at[joint_of(skeleton, "toe_dip3" + s)]);
+  auto level = [&](const Vec3& p) { return Vec3(p.x(), sole_height, p.z()); };
+  foot.ball = level(ball);
+  const Vec3 ankle = level(at[foot.ankle]);
+  // Behind the ankle the heel is 0.4 as long as the way to the ball; the toes end 0.15 of it before
+  // their last joints.
+  foot.heel = ankle - 0.40 * (foot.ball - ankle);
+  foot.tip = level(toes) + 0.15 * (foot.ball - ankle);
+  const Joint& toe = skeleton.joints[foot.mtp[1]];
+  foot.toes_up = at[foot.mtp[1]] + joint_rotation(toe, Vec3(toe.min[0] + limit_ease(toe, 0),
+                                                            toe.zero[1], toe.zero[2])) *
+                                       (foot.tip - at[foot.mtp[1]]);
+  return foot;
+}
+
+FootPoints foot_points(const Skeleton& skeleton, const FootShape& foot,
+                       const std::vector<Transform>& X) {
+  Vec3 subtalar = Vec3::Zero(), toe = Vec3::Zero();
+  for (int j = foot.subtalar; j >= 0; j = skeleton.joints[j].parent)
+    subtalar += skeleton.joints[j].X_PJ.translation();
+  toe = subtalar + skeleton.joints[foot.mtp[1]].X_PJ.translation();
+  return {X[foot.subtalar] * (foot.heel - subtalar), X[foot.subtalar] * (foot.ball - subtalar),
+          X[foot.mtp[1]] * (foot.tip - toe)};
+}
+
+std::vector<double> floor_heights(const std::array<FootPaths, 2>& paths, const Motion& motion) {
+  constexpr double kStep = 0.06, kStanding = 0.5, kStill = 0.5, kSteady = 0.10;  // m, m, m/s, s
+  const int n = motion.frames.size();
+  const std::array<const std::vector<Vec3>*, 4> tracks = {&paths[0].heel, &paths[0].ball,
+                                                          &paths[1].heel, &paths[1].ball};
+  auto lowest = [&](int f) {
+    return *std::min_element(tracks.begin(), tracks.end(),
+                             [&](auto* a, auto* b) { return (*a)[f].y() < (*b)[f].y(); });
+  };
+  // Low, but not the lowest of all, which may be a glitch.
+  std::vector<double> low;
+  for (int f = 0; f < n; ++f) low.push_back((*lowest(f))[f].y());
+  std::vector<double> sorted = low;
+  std::nth_element(sorted.begin(), sorted.begin() + n / 20, sorted.end());
+  std::vector<double> floor(n, sorted[n / 20]);
+  for (int begin = 1; begin < n; ++begin) {
+    int end = begin;
+    auto still = [&](int f) {
+      const std::vector<Vec3>& point = *lowest(f);
+      return (point[f] - point[f - 1]).norm() * motion.fps < kStill &&
+             motion.frames[f].root.y() - low[f] > kStanding;
+    };
+    while (end < n && still(end)) ++end;
+    if (end - begin >= kSteady * motion.fps && low[(begin + end) / 2] - floor[begin] > kStep)
+      std::fill(floor.begin() + begin, floor.begin() + end, low[(begin + end) / 2]);
+    begin = end;
+  }
+  return floor;
+}
+
+std::vector<Interval> standing_intervals(const std::vector<Vec3>& path,
+                                         const std::vector<double>& floor, double fps) {
+  const int n = path.size();
+  // The slower of the ways to the neighbouring frames: the first and last frame on the ground count
+  // as standing.
+  auto speed = [&](int f) {
+    const double before = f > 0 ? (path[f] - path[f - 1]).norm() : HUGE_VAL,
+                 after = f + 1 < n ? (path[f + 1] - path[f]).norm() : HUGE_VAL;
+    return n > 1 ? std::min(before, after) * fps : 0.0;
+  };
+  std::vector<Interval> out;
+  for (int f = 0; f < n; ++f) {
+    Interval run{f, f};
+    bool sure = false;
+    for (; run.end < n; ++run.end) {
+      const double height = path[run.end].y() - floor[run.end], v = speed(run.end);
+      if (height > kHighHeight || v > kFast) break;
+      sure |= height < kLowHeight && v < kSlow;
+    }
+    f = run.end;
+    if (!sure) continue;
+    if (!out.empty() && run.begin - out.back().end < kGap * fps &&
+        (path[run.begin] - path[out.back().end - 1]).norm() < kSamePlace)
+      out.back().end = run.end;
+    else
+      out.push_back(run);
+  }
+  std::erase_if(out, [&](const Interval& i) { return i.end - i.begin < kShortest * fps; });
+  return out;
+}
+
+}  // namespace ecorche

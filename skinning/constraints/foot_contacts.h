@@ -1,0 +1,54 @@
+// When and where feet stand.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "anatomy/skeleton.h"
+
+namespace ecorche {
+
+// A foot as a rigid sole from heel to ball and a toe part, in the rest pose's world coordinates.
+struct FootShape {
+  int hip = -1, knee = -1, ankle = -1, subtalar = -1;
+  std::array<int, 5> mtp{};
+  Vec3 heel = Vec3::Zero(), ball = Vec3::Zero(),
+       tip = Vec3::Zero();      // on the ground under the standing foot
+  Vec3 toes_up = Vec3::Zero();  // where the tip is when the toes are bent upwards as far as they go
+};
+
+// sole_height: world y of the soles at rest. Precondition: the skeleton has our joints.
+FootShape foot_shape(const Skeleton& skeleton, Side side, double sole_height);
+
+// A guess from the toe joints, for a skeleton without its skin.
+double guess_sole_height(const Skeleton& skeleton);
+
+// The points of a posed foot.
+struct FootPoints {
+  Vec3 heel, ball, tip;
+};
+FootPoints foot_points(const Skeleton& skeleton, const FootShape& foot,
+                       const std::vector<Transform>& X_WJ);
+
+// Where heel and ball of one foot would be if the legs were those of the file, a path a frame:
+// contacts are found on these, since there the feet really stood.
+struct FootPaths {
+  std::vector<Vec3> heel, ball;
+};
+
+// Height of the floor under the feet, a frame: that of most of the motion, except where the lower
+// foot is still for 0.1 s somewhere else with the hips well over it (on a step, or in a capture
+// whose floor drifts).
+std::vector<double> floor_heights(const std::array<FootPaths, 2>& paths, const Motion& motion);
+
+struct Interval {
+  int begin = 0, end = 0;  // frames [begin, end)
+};
+
+// Runs of frames in which a point stands: lower than 40 mm over the floor and slower than 0.6 m/s
+// throughout, somewhere lower than 35 mm and slower than 0.35 m/s, at least 60 ms long; gaps
+// shorter than 60 ms at one place are closed.
+std::vector<Interval> standing_intervals(const std::vector<Vec3>& path,
+                                         const std::vector<double>& floor, double fps);
+
+}  // namespace ecorche

@@ -1,0 +1,318 @@
+#include "skinning/constraints/joint_limits.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include <Eigen/Cholesky>
+
+#include "anatomy/compute/smooth_step.h"
+#include "anatomy/joint_angles.h"
+#include "skinning/constraints/foot_contacts.h"
+#include "skinning/motion/require_joint.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr int kMost = 12;  // angles of a limb's four joints
+
+// Least squares: what counts as much as what.
+constexpr double kStray = 10 * kDegree;  // of an angle from where it was; ...
+// ... of those that twist a leg, at knee and subtalar joint: a heel rises rather
+constexpr double kTwist = 6 * kDegree;
+constexpr double kMiddle = 5e-3;       // m; knee or elbow off its place
+constexpr double kNear = 3 * kDegree;  // into the last part of a range, ...
+constexpr double kLast = 5 * kDegree;  // ... which begins so far from its end, or a tenth of it
+constexpr double kStands = 0.1e-3;     // m; a point that stands off its place, ...
+constexpr double kRises = 5e-3;        // ... a heel above it, a ball whose heel stands alone, ...
+constexpr double kRisen = 4e-3;  // ... which is held sideways half as well when it is so high, ...
+constexpr double kTurns = 4 * kDegree;  // ... the foot's turn, ...
+constexpr double kSinks = 0.2e-3;       // ... and either under the ground
+// an angle with less room than this takes no part: it stays as at rest
+constexpr double kHinge = 10 * kDegree;
+
+using Angles = Eigen::Matrix<double, kMost, 1>;
+
+// One limb in one frame.
+class LimbSolver {
+ public:
+  LimbSolver(const Skeleton& skeleton, const LimbChain& chain, const Transform& base,
+             const Transform& wanted, const Vec3& middle, const LimbHold& hold,
+             const FootStand& stand, const Pose& start)
+      : skeleton_(skeleton),
+        chain_(chain),
+        base_(base),
+        wanted_(wanted),
+        middle_(middle),
+        hold_(hold),
+        stand_(stand) {
+    for (int k = 0; k < 4; ++k) {
+      const Joint& joint = skeleton.joints[chain.joints[k]];
+      const Vec3 angles = joint_angles(joint, start.rotations[chain.joints[k]]);
+      for (int a = 0; a < 3; ++a) {
+        const int i = 3 * k + a;
+        const double room = joint.max[a] - joint.min[a], ease = std::min(kLast, room / 10);
+        low_[i] = joint.min[a], high_[i] = joint.max[a], ease_[i] = ease;
+        stray_[i] = chain.leg && k > 0 && a == 2 ? kTwist : kStray;
+        free_[i] = room >= kHinge;
+        const bool rests = chain.leg && k == 1 && !free_[i];  // the knee's own valgus
+        x_[i] = rests ? joint.zero[a] : std::clamp(angles[a], low_[i], high_[i]);
+      }
+    }
+    start_ = x_;
+  }
+
+  void solve(Pose& pose) {
+    constexpr int kSteps = 40;
+    double damping = 1e-3, now = cost(x_);
+    for (int step = 0; step < kSteps && now > 1e-12; ++step) {
+      linearize();
+      bool better = false;
+      while (!better && damping < 1e9) {
+        const Angles next = (x_ + descent(damping)).cwiseMax(low_).cwiseMin(high_);
+        const double then = cost(next);
+        better = then < now;
+        damping = std::max(1e-9, better ? damping * 0.2 : damping * 5);
+        if (!better) continue;
+        const bool done = now - then < 1e-9 * now;
+        x_ = next, now = then;
+        if (done) step = kSteps;
+      }
+      if (!better) break;
+    }
+    for (int k = 0; k < 4; ++k) pose.rotations[joint_at(k)] = turn(x_, k).normalized();
+  }
+
+ private:
+  static constexpr int kRows = 21;
+  using Residual = Eigen::Matrix<double, kRows, 1>;
+
+  int joint_at(int k) const { return chain_.joints[k]; }
+  const Joint& joint(int k) const { return skeleton_.joints[joint_at(k)]; }
+  Quat turn(const Angles& x, int k) const { return joint_rotation(joint(k), x.segment<3>(3 * k)); }
+
+  // Of the end: its point and the tips of three arrows; of knee or elbow; of a foot also the points
+  // that stand, and how deep they sink.
+  Residual end_off(const Angles& x) const {
+    Transform X = base_;
+    Residual out = Residual::Zero();
+    for (int k = 0; k < 4; ++k) {
+      X.translate(joint(k).X_PJ.translation());
+      if (k == 1) out.segment<3>(12) = (X.translation() - middle_) / kMiddle;
+      X.rotate(turn(x, k));
+    }
+    out.head<3>() = (X * chain_.point - wanted_ * chain_.point) / hold_.place;
+    for (int a = 0; a < 3; ++a)
+      out.segment<3>(3 + 3 * a) =
+          (X.linear().col(a) - wanted_.linear().col(a)) / (std::numbers::sqrt2 * hold_.turn);
+    if (!chain_.leg || !hold_.ground) return out;
+    const Vec3 ball = X * chain_.point, heel = X * chain_.heel;
+    if (stand_.ball || stand_.heel) out.segment<9>(3) *= hold_.turn / kTurns;
+    const Vec3 place = wanted_ * chain_.point, heel_place = wanted_ * chain_.heel;
+    if (stand_.ball) {
+      out.head<3>() = (ball - place) / kStands;
+    } else if (stand_.heel) {
+      // The ball gives way before the heel does, but what the ankle lacks is not made up for by
+      // turning the toes out: rather the heel rises.
+      out.head<3>() = (heel - heel_place) / kStands;
+      out[1] *= kStands / kRises;
+      out.segment<3>(15) = (ball - place) / kRises;
+    }
+    if (stand_.ball && stand_.heel) {
+      // The heel may rise where the ankle bends no further: it turns about the ball, and sideways
+      // the less it is held the higher it is.
+      const Vec3 across = Vec3::UnitY().cross(place - heel_place).normalized();
+      const double high = std::max(0.0, heel.y() - heel_place.y()) / kRisen;
+      out[15] = (heel - heel_place).dot(across) / (kStands * (1 + high * high));
+      out[16] = (heel.y() - heel_place.y()) / kRises;
+    }
+    out[18] = std::min(0.0, heel.y()) / kSinks;
+    out[19] = std::min(0.0, ball.y()) / kSinks;
+    out[20] = std::min(0.0, (X * chain_.toes_up).y()) / kSinks;
+    return out;
+  }
+
+  double beyond(double x, int i) const {
+    return std::max(0.0, x - (high_[i] - ease_[i])) - std::max(0.0, low_[i] + ease_[i] - x);
+  }
+
+  double cost(const Angles& x) const {
+    double sum = end_off(x).squaredNorm();
+    for (int i = 0; i < kMost; ++i)
+      sum += free_[i] ? std::pow((x[i] - start_[i]) / stray_[i], 2) +
+                            std::pow(beyond(x[i], i) / kNear, 2)
+                      : 0;
+    return sum;
+  }
+
+  void linearize() {
+    constexpr double kStep = 1e-6;
+    const Residual here = end_off(x_);
+    Eigen::Matrix<double, kRows, kMost> J = Eigen::Matrix<double, kRows, kMost>::Zero();
+    for (int i = 0; i < kMost; ++i) {
+      if (!free_[i]) continue;
+      Angles there = x_;
+      there[i] += kStep;
+      J.col(i) = (end_off(there) - here) / kStep;
+    }
+    hessian_ = J.transpose() * J;
+    slope_ = J.transpose() * here;
+    for (int i = 0; i < kMost; ++i) {
+      if (!free_[i]) continue;
+      const double off = beyond(x_[i], i);
+      hessian_(i, i) += 1 / (stray_[i] * stray_[i]) + (off != 0 ? 1 / (kNear * kNear) : 0);
+      slope_[i] += (x_[i] - start_[i]) / (stray_[i] * stray_[i]) + off / (kNear * kNear);
+    }
+  }
+
+  // Angles that stand at a limit and are pushed against it stay there.
+  Angles descent(double damping) const {
+    Eigen::Matrix<double, kMost, kMost> H = hessian_;
+    Angles g = slope_;
+    for (int i = 0; i < kMost; ++i) {
+      const bool held = (x_[i] >= high_[i] && g[i] < 0) || (x_[i] <= low_[i] && g[i] > 0);
+      if (free_[i] && !held) {
+        H(i, i) += damping * (1 + H(i, i));
+        continue;
+      }
+      H.row(i).setZero(), H.col(i).setZero();
+      H(i, i) = 1, g[i] = 0;
+    }
+    return -H.ldlt().solve(g);
+  }
+
+  const Skeleton& skeleton_;
+  const LimbChain& chain_;
+  const Transform base_, wanted_;
+  const Vec3 middle_;
+  const LimbHold hold_;
+  const FootStand stand_;
+  std::array<bool, kMost> free_{};
+  Angles x_, start_, low_, high_, ease_, stray_;
+  Eigen::Matrix<double, kMost, kMost> hessian_;
+  Angles slope_;
+};
+
+// What toes do about a foot that has been turned back by `turn`: they stay where they were, unless
+// that is far off.
+Quat toe_help(const Mat3& turn) {
+  constexpr double kNearby = 20 * kDegree, kAway = 60 * kDegree;
+  const Quat whole(turn);
+  return whole.slerp(smooth_step(kNearby, kAway, whole.angularDistance(Quat::Identity())),
+                     Quat::Identity());
+}
+
+// Toes whose tip would be in the ground bend upwards, as far as their joints go.
+void raise_toes(const Skeleton& skeleton, const FootShape& foot, Pose& pose,
+                std::vector<Transform>& X) {
+  constexpr double kEnough = 1e-4;  // m
+  double low = -HUGE_VAL;
+  for (int round = 0; round < 4; ++round) {
+    const FootPoints at = foot_points(skeleton, foot, X);
+    if (at.tip.y() > -kEnough || at.tip.y() < low + kEnough) return;
+    low = at.tip.y();
+    const Vec3 lever = at.tip - X[foot.mtp[1]].translation();
+    const double angle = -at.tip.y() / std::max(0.02, std::hypot(lever.x(), lever.z()));
+    const Mat3 up =
+        Eigen::AngleAxisd(angle, lever.cross(Vec3::UnitY()).normalized()).toRotationMatrix();
+    for (const int toe : foot.mtp) {
+      const std::size_t mtp = toe;
+      const Mat3 parent = X[foot.subtalar].linear();
+      pose.rotations[mtp] = clamped(
+          skeleton.joints[mtp], Quat(Mat3(parent.transpose() * up * X[mtp].linear())).normalized());
+      X[mtp].linear() = parent * pose.rotations[mtp].toRotationMatrix();
+    }
+  }
+}
+
+Transform child_frame(const Skeleton& skeleton, const std::vector<Transform>& X, const Pose& pose,
+                      std::size_t j) {
+  Transform out = X[skeleton.joints[j].parent];
+  out.translate(skeleton.joints[j].X_PJ.translation());
+  out.rotate(pose.rotations[j]);
+  return out;
+}
+
+}  // namespace
+
+LimitTables make_limit_tables(const Skeleton& skeleton, double sole_height) {
+  LimitTables tables;
+  const std::vector<Vec3> rest = rest_positions(skeleton);
+  tables.thorax = joint_of(skeleton, "thorax");
+  tables.kept.assign(skeleton.joints.size(), 0);
+  for (std::size_t j = 0; j < skeleton.joints.size(); ++j) {
+    const std::string& name = skeleton.joints[j].name;
+    const bool trunk = name.find('_') == std::string::npos && name != "jaw";
+    if (trunk || name.starts_with("clavicle") || name.starts_with("scapula")) tables.kept[j] = 1;
+    if (name.starts_with("mtp")) tables.kept[j] = 3;
+  }
+  for (int side = 0; side < 2; ++side) {
+    const std::string s = side_suffix(side == 0 ? Side::left : Side::right);
+    const FootShape foot = foot_shape(skeleton, side == 0 ? Side::left : Side::right, sole_height);
+    LimbChain& leg = tables.limbs[side];
+    const Vec3 subtalar = rest[foot.subtalar];
+    leg = {{foot.hip, foot.knee, foot.ankle, foot.subtalar},
+           foot.ball - subtalar,
+           foot.heel - subtalar,
+           foot.toes_up - subtalar,
+           true};
+    tables.feet[side] = foot;
+    LimbChain& arm = tables.limbs[2 + side];
+    arm.joints = {joint_of(skeleton, "shoulder" + s), joint_of(skeleton, "elbow" + s),
+                  joint_of(skeleton, "forearm" + s), joint_of(skeleton, "wrist" + s)};
+    for (const LimbChain* limb : {&leg, &arm})
+      for (const int j : limb->joints) tables.kept[j] = 2;
+  }
+  return tables;
+}
+
+void keep_limits(const Skeleton& skeleton, const LimitTables& tables, const LimbHold& hold,
+                 const std::array<FootStand, 2>& stands, const LimbShifts& shifts, Pose& pose,
+                 LimitScratch& scratch) {
+  forward_kinematics(skeleton, pose, scratch.before);
+  const std::vector<Transform>& was = scratch.before;
+  std::vector<Transform>& is = scratch.after;
+  is = was;
+  const std::size_t thorax = tables.thorax;
+  for (std::size_t j = 1; j < skeleton.joints.size(); ++j) {
+    const Joint& joint = skeleton.joints[j];
+    const std::size_t parent = joint.parent;
+    if (tables.kept[j] == 3)
+      pose.rotations[j] =
+          (toe_help(is[parent].linear().transpose() * was[parent].linear()) * pose.rotations[j])
+              .normalized();
+    if (tables.kept[j] == 1)
+      pose.rotations[j] =
+          Quat(Mat3(is[parent].linear().transpose() * was[j].linear())).normalized();
+    if (tables.kept[j] != 2) pose.rotations[j] = clamped(joint, pose.rotations[j]);
+    for (std::size_t l = 0; l < tables.limbs.size(); ++l) {
+      const LimbChain& limb = tables.limbs[l];
+      if (limb.joints[0] != int(j)) continue;
+      const FootStand stand = limb.leg ? stands[l] : FootStand{};
+      const std::size_t end = limb.joints[3];
+      const Transform carried =
+          limb.leg ? Transform::Identity() : is[thorax] * was[thorax].inverse();
+      pose.rotations[j] = clamped(
+          joint, Quat(Mat3(is[parent].linear().transpose() * carried.linear() * was[j].linear()))
+                     .normalized());
+      for (std::size_t k = 1; k < 4; ++k) {
+        Quat& turn = pose.rotations[limb.joints[k]];
+        turn = clamped(skeleton.joints[limb.joints[k]], turn);
+      }
+      const Vec3 middle = carried * was[limb.joints[1]].translation() + shifts[l].middle;
+      Transform wanted = carried * was[end];
+      wanted.pretranslate(shifts[l].end);
+      LimbSolver(skeleton, limb, is[parent], wanted, middle, hold, stand, pose).solve(pose);
+    }
+    is[j] = child_frame(skeleton, is, pose, j);
+  }
+  if (hold.ground)
+    for (const FootShape& foot : tables.feet) raise_toes(skeleton, foot, pose, is);
+  complete_pose(skeleton, pose);
+  forward_kinematics(skeleton, pose, is);
+}
+
+}  // namespace ecorche

@@ -1,0 +1,390 @@
+#include "skinning/constraints/plant_feet.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "anatomy/compute/smooth_step.h"
+#include "skinning/constraints/leg_ik.h"
+#include "skinning/constraints/temporal_smoothing.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kFade = 0.10;      // s around a stance
+constexpr double kHandOver = 0.05;  // s in which heel and ball pass the foot to each other
+constexpr double kStep = 0.06;      // m: a contact higher than this stands on something
+constexpr double kMostDrop = 0.10;  // m that the pelvis may come down
+constexpr double kSinking = 0.06;   // s in which it does
+// of its length to which a planted leg stretches: 6 deg of knee
+constexpr double kStraight = 0.9985;
+// rad (35 deg): a foot pitched further, or than its toes bend, rolls over the tip of its toes
+constexpr double kToeExtension = 0.61;
+constexpr double kMostBent = 0.75;  // rad the toes bend upwards
+
+template <typename Get>
+double median(int begin, int end, Get get) {
+  std::vector<double> values;
+  for (int f = begin; f < end; ++f) values.push_back(get(f));
+  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+  return values[values.size() / 2];
+}
+
+struct Anchor {
+  Interval when;
+  Vec3 place = Vec3::Zero();
+};
+
+// All that one foot does over the whole motion.
+struct FootPlan {
+  FootShape shape;
+  double most_pitch = kToeExtension;
+  std::vector<FootPoints> before;  // points of the unplanted foot
+  std::vector<Anchor> heels, balls;
+  std::vector<Interval> flat;     // both stand
+  std::vector<Interval> stances;  // either stands
+  std::vector<double>
+      heel_share;  // a frame of a stance: how much the heel holds the foot, the ball the rest
+  std::vector<Vec3> heel_place, ball_place;
+  std::vector<Quat> turn;  // what planting does to the foot: turned by this in the world, ...
+  std::vector<Vec3> move;  // ... then moved
+};
+
+bool inside(const Interval& i, int f) { return i.begin <= f && f < i.end; }
+
+const Anchor* anchor_at(const std::vector<Anchor>& anchors, int f) {
+  for (const Anchor& a : anchors)
+    if (inside(a.when, f)) return &a;
+  return nullptr;
+}
+
+// Carries values that are known inside of intervals over the gaps: each edge's value fades out
+// within `fade` frames, or half the gap.
+template <typename Value, typename Blend>
+void fade_out(const std::vector<Interval>& known, std::vector<Value>& values, double fade,
+              const Value& nothing, Blend blend) {
+  for (int f = 0; f < int(values.size()); ++f) {
+    const Interval *before = nullptr, *after = nullptr;
+    bool is_known = false;
+    for (const Interval& i : known) {
+      if (i.end <= f && (before == nullptr || i.end > before->end)) before = &i;
+      if (i.begin > f && (after == nullptr || i.begin < after->begin)) after = &i;
+      is_known |= inside(i, f);
+    }
+    if (is_known) continue;
+    const double gap =
+        before != nullptr && after != nullptr ? after->begin - before->end + 1 : HUGE_VAL;
+    const double reach = std::min(fade, 0.5 * gap);
+    values[f] = nothing;
+    if (before != nullptr)
+      values[f] =
+          blend(values[f], values[before->end - 1], 1 - smooth_step((f - before->end + 1) / reach));
+    if (after != nullptr)
+      values[f] =
+          blend(values[f], values[after->begin], 1 - smooth_step((after->begin - f) / reach));
+  }
+}
+
+FootPoints turned(FootPoints points, const Mat3& turn, const Vec3& pivot) {
+  for (Vec3* p : {&points.heel, &points.ball, &points.tip}) *p = pivot + turn * (*p - pivot);
+  return points;
+}
+
+class Planter {
+ public:
+  Planter(const Skeleton& skeleton, double sole_height, Motion& motion)
+      : skeleton_(skeleton), motion_(motion), frames_(int(motion.frames.size())) {
+    for (int side = 0; side < 2; ++side) {
+      feet_[side].shape = foot_shape(skeleton, side == 0 ? Side::left : Side::right, sole_height);
+      const FootShape& shape = feet_[side].shape;
+      const Vec3 forward = (shape.ball - shape.heel).normalized(), up = shape.toes_up - shape.ball;
+      feet_[side].most_pitch = std::clamp(std::atan2(up.y(), up.dot(forward)), 0.0, kToeExtension);
+    }
+  }
+
+  void run(const std::array<FootPaths, 2>& paths, RetargetReport& report) {
+    const std::vector<double> floor = floor_heights(paths, motion_);
+    for (int side = 0; side < 2; ++side) {
+      for (const Interval& i : standing_intervals(paths[side].heel, floor, motion_.fps))
+        feet_[side].heels.push_back({i, Vec3::Zero()});
+      for (const Interval& i : standing_intervals(paths[side].ball, floor, motion_.fps))
+        feet_[side].balls.push_back({i, Vec3::Zero()});
+    }
+    for (FootPlan& foot : feet_) split_heels(foot);
+    read_feet();
+    stand_on_ground();
+    for (FootPlan& foot : feet_) place_anchors(foot), weigh(foot), plan(foot);
+    const std::vector<double> sunk = lower_pelvis();
+    for (int f = 0; f < frames_; ++f) plant_frame(f, sunk[f]);
+    for (int side = 0; side < 2; ++side)
+      for (const auto* anchors : {&feet_[side].heels, &feet_[side].balls})
+        for (const Anchor& anchor : *anchors)
+          report.contacts.push_back({side == 0 ? Side::left : Side::right,
+                                     anchors == &feet_[side].heels, anchor.when.begin,
+                                     anchor.when.end, 0});
+  }
+
+ private:
+  // A heel that stands through two stands of its ball has been shifted with it.
+  static void split_heels(FootPlan& foot) {
+    std::vector<Anchor> parts;
+    for (Anchor heel : foot.heels) {
+      for (size_t k = 0; k + 1 < foot.balls.size(); ++k) {
+        const Interval gap{foot.balls[k].when.end, foot.balls[k + 1].when.begin};
+        if (!inside(heel.when, gap.begin - 1) || !inside(heel.when, gap.end)) continue;
+        parts.push_back({{heel.when.begin, gap.begin}, Vec3::Zero()});
+        heel.when.begin = gap.end;
+      }
+      parts.push_back(heel);
+    }
+    foot.heels = parts;
+  }
+
+  void read_feet() {
+    for (const Pose& pose : motion_.frames) {
+      forward_kinematics(skeleton_, pose, X_);
+      for (FootPlan& foot : feet_) foot.before.push_back(foot_points(skeleton_, foot.shape, X_));
+    }
+  }
+
+  // Moves the whole motion up or down so that the contacts lie at 0.
+  void stand_on_ground() {
+    std::vector<double> heights;
+    for (const FootPlan& foot : feet_) {
+      for (const Anchor& a : foot.heels)
+        heights.push_back(
+            median(a.when.begin, a.when.end, [&](int f) { return foot.before[f].heel.y(); }));
+      for (const Anchor& a : foot.balls)
+        heights.push_back(
+            median(a.when.begin, a.when.end, [&](int f) { return foot.before[f].ball.y(); }));
+    }
+    if (heights.empty())
+      for (int f = 0; f < frames_; ++f)
+        heights.push_back(std::min(feet_[0].before[f].ball.y(), feet_[1].before[f].ball.y()));
+    std::nth_element(heights.begin(), heights.begin() + heights.size() / 2, heights.end());
+    const Vec3 shift(0, -heights[heights.size() / 2], 0);
+    for (Pose& pose : motion_.frames) pose.root += shift;
+    for (FootPlan& foot : feet_)
+      for (FootPoints& p : foot.before) p.heel += shift, p.ball += shift, p.tip += shift;
+  }
+
+  void place_anchors(FootPlan& foot) const {
+    auto place = [&](Anchor& anchor, auto point) {
+      for (int k = 0; k < 3; ++k)
+        anchor.place[k] = median(anchor.when.begin, anchor.when.end,
+                                 [&](int f) { return point(foot.before[f])[k]; });
+      if (std::abs(anchor.place.y()) < kStep) anchor.place.y() = 0;
+    };
+    for (Anchor& a : foot.heels) place(a, [](const FootPoints& p) { return p.heel; });
+    for (Anchor& a : foot.balls) place(a, [](const FootPoints& p) { return p.ball; });
+    // A foot that stands flat has both its points a foot's length apart: the heel gives way.
+    const double length = (foot.shape.ball - foot.shape.heel).norm();
+    for (Anchor& heel : foot.heels)
+      for (const Anchor& ball : foot.balls) {
+        const Interval both{std::max(heel.when.begin, ball.when.begin),
+                            std::min(heel.when.end, ball.when.end)};
+        if (both.end - both.begin < 2) continue;
+        foot.flat.push_back(both);
+        Vec3 along = Vec3::Zero();
+        for (int f = both.begin; f < both.end; ++f)
+          along += (foot.before[f].ball - foot.before[f].heel).normalized();
+        along.y() = ball.place.y() - heel.place.y();
+        heel.place = ball.place - length * along.normalized();
+      }
+  }
+
+  // Where the foot stands, and how heel and ball hand it over to each other while both do.
+  void weigh(FootPlan& foot) const {
+    const double hand_over = kHandOver * motion_.fps + 1;
+    foot.heel_share.assign(frames_, 0);
+    foot.heel_place.assign(frames_, Vec3::Zero());
+    foot.ball_place.assign(frames_, Vec3::Zero());
+    for (int f = 0; f < frames_; ++f) {
+      const Anchor *heel = anchor_at(foot.heels, f), *ball = anchor_at(foot.balls, f);
+      if (heel == nullptr && ball == nullptr) continue;
+      if (foot.stances.empty() || foot.stances.back().end != f) foot.stances.push_back({f, f});
+      foot.stances.back().end = f + 1;
+      if (heel != nullptr) foot.heel_place[f] = heel->place;
+      if (ball != nullptr) foot.ball_place[f] = ball->place;
+      auto share = [&](const Anchor* mine, const std::vector<Anchor>& other) {
+        if (mine == nullptr) return 0.0;
+        double in = 1;
+        if (anchor_at(other, mine->when.begin - 1) != nullptr)
+          in = std::min(in, smooth_step((f - mine->when.begin + 1) / hand_over));
+        if (anchor_at(other, mine->when.end) != nullptr)
+          in = std::min(in, smooth_step((mine->when.end - f) / hand_over));
+        return in;
+      };
+      const double h = share(heel, foot.balls), b = share(ball, foot.heels);
+      foot.heel_share[f] = heel == nullptr ? 0 : ball == nullptr ? 1 : h / std::max(1e-9, h + b);
+    }
+  }
+
+  // Turn and move of every frame: in stances what the places ask for, between them what is left of
+  // it.
+  void plan(FootPlan& foot) {
+    const Vec3 own = foot.shape.ball - foot.shape.heel;
+    const double fade = kFade * motion_.fps + 1;
+    std::vector<Mat3> rotation;
+    std::vector<Vec3> pivot;
+    for (const Pose& pose : motion_.frames) {
+      forward_kinematics(skeleton_, pose, X_);
+      rotation.push_back(X_[foot.shape.subtalar].linear());
+      pivot.push_back(X_[foot.shape.subtalar].translation());
+    }
+    foot.turn.assign(frames_, Quat::Identity());
+    for (const Interval& i : foot.flat)
+      for (int f = i.begin; f < i.end; ++f) {
+        const Vec3 along = foot.ball_place[f] - foot.heel_place[f];
+        const double heading = std::atan2(along.x(), along.z()) - std::atan2(own.x(), own.z());
+        foot.turn[f] = Quat(Mat3(Eigen::AngleAxisd(heading, Vec3::UnitY()).toRotationMatrix() *
+                                 rotation[f].transpose()));
+      }
+    fade_out(foot.flat, foot.turn, fade, Quat(Quat::Identity()),
+             [](const Quat& rest, const Quat& edge, double share) {
+               return (Quat::Identity().slerp(share, edge) * rest).normalized();
+             });
+    foot.move.assign(frames_, Vec3::Zero());
+    for (const Interval& i : foot.stances)
+      for (int f = i.begin; f < i.end; ++f) {
+        const FootPoints now = turned(foot.before[f], foot.turn[f].toRotationMatrix(), pivot[f]);
+        const double h = foot.heel_share[f];
+        if (h > 0) foot.move[f] += h * (foot.heel_place[f] - now.heel);
+        if (h < 1) foot.move[f] += (1 - h) * (ball_goal(foot, f, now) - now.ball);
+      }
+    fade_out(
+        foot.stances, foot.move, fade, Vec3(Vec3::Zero()),
+        [](const Vec3& rest, const Vec3& edge, double share) { return Vec3(rest + share * edge); });
+  }
+
+  // Where the ball belongs: on its place, or, when the heel is high, turned up around the tip of
+  // the toes.
+  static Vec3 ball_goal(const FootPlan& foot, int f, const FootPoints& now) {
+    const Vec3 along = now.ball - now.heel;
+    const double excess =
+        std::asin(std::clamp(-along.normalized().y(), -1.0, 1.0)) - foot.most_pitch;
+    if (excess <= 0) return foot.ball_place[f];
+    const double toes = (foot.shape.tip - foot.shape.ball).norm();
+    const Vec3 forward = Vec3(along.x(), 0, along.z()).normalized();
+    return foot.ball_place[f] +
+           toes * ((1 - std::cos(excess)) * forward + std::sin(excess) * Vec3::UnitY());
+  }
+
+  // Brings the pelvis down so that the planted legs reach, smoothly. Returns by how much, a frame.
+  std::vector<double> lower_pelvis() {
+    std::vector<double> sunk(frames_, 0.0);
+    for (int f = 0; f < frames_; ++f) {
+      forward_kinematics(skeleton_, motion_.frames[f], X_);
+      for (const FootPlan& foot : feet_) {
+        if (anchor_at(foot.heels, f) == nullptr && anchor_at(foot.balls, f) == nullptr) continue;
+        const Vec3 hip = X_[foot.shape.hip].translation();
+        const Vec3 above = X_[foot.shape.ankle].translation(),
+                   pivot = X_[foot.shape.subtalar].translation();
+        const Vec3 ankle = pivot + foot.turn[f] * (above - pivot) + foot.move[f];
+        const double reach = kStraight * straight_leg(skeleton_, foot.shape, X_);
+        const double level = std::hypot(ankle.x() - hip.x(), ankle.z() - hip.z());
+        if (level >= reach) continue;
+        sunk[f] = std::max(
+            sunk[f],
+            std::min(kMostDrop, hip.y() - ankle.y() - std::sqrt(reach * reach - level * level)));
+      }
+    }
+    widened_bell(std::max(1, int(std::lround(kSinking * motion_.fps))), sunk, std::greater<>());
+    for (int f = 0; f < frames_; ++f) motion_.frames[f].root.y() -= sunk[f];
+    return sunk;
+  }
+
+  // `sunk`: by how much the pelvis has come down, which the feet do not follow.
+  void plant_frame(int f, double sunk) {
+    Pose& pose = motion_.frames[f];
+    forward_kinematics(skeleton_, pose, X_);
+    for (FootPlan& foot : feet_) {
+      const FootShape& shape = foot.shape;
+      const Mat3 turn = foot.turn[f].toRotationMatrix();
+      Mat3 R = turn * X_[shape.subtalar].linear();
+      FootPoints goal =
+          turned(foot_points(skeleton_, shape, X_), turn, X_[shape.subtalar].translation());
+      const Vec3 move = foot.move[f] + Vec3(0, sunk, 0);
+      for (Vec3* p : {&goal.heel, &goal.ball, &goal.tip}) *p += move;
+      raise(foot, f, goal, R);
+      for (int lift = 0; lift < 3; ++lift) {
+        put_foot(shape, goal, R, pose);
+        const double low = bend_toes(shape, pose);
+        if (low > -1e-4) break;
+        goal.heel.y() -= low, goal.ball.y() -= low;
+      }
+    }
+  }
+
+  // Leg and foot so that the foot has rotation R and its sole lies at `goal`. The joint below the
+  // ankle rides on the talus, whose turn is part of the answer: a few rounds.
+  void put_foot(const FootShape& shape, const FootPoints& goal, const Mat3& R, Pose& pose) {
+    const FootPoints now = foot_points(skeleton_, shape, X_);
+    if ((now.heel - goal.heel).norm() < 1e-9 && (now.ball - goal.ball).norm() < 1e-9) return;
+    const Vec3 middle = 0.5 * (goal.heel + goal.ball);
+    Vec3 ankle = X_[shape.ankle].translation() + middle - 0.5 * (now.heel + now.ball);
+    for (int round = 0; round < 5; ++round) {
+      reach_with_leg(skeleton_, shape, ankle, R, pose, X_);
+      const FootPoints got = foot_points(skeleton_, shape, X_);
+      ankle += middle - 0.5 * (got.heel + got.ball);
+    }
+  }
+
+  // Soles do not sink: a planted foot turns about the point that stands, a free one is lifted.
+  static void raise(const FootPlan& foot, int f, FootPoints& goal, Mat3& R) {
+    const double low = std::min(goal.heel.y(), goal.ball.y());
+    if (low >= 0) return;
+    const bool on_heel = anchor_at(foot.heels, f) != nullptr && goal.ball.y() < goal.heel.y();
+    const bool on_ball = anchor_at(foot.balls, f) != nullptr && goal.heel.y() < goal.ball.y();
+    if (on_heel || on_ball) {
+      const Vec3 along = (goal.ball - goal.heel).normalized(),
+                 across = Vec3::UnitY().cross(along).normalized();
+      const Mat3 back =
+          Eigen::AngleAxisd(std::asin(std::clamp(along.y(), -1.0, 1.0)), across).toRotationMatrix();
+      R = back * R;
+      goal = turned(goal, back, on_heel ? goal.heel : goal.ball);
+    } else {
+      for (Vec3* p : {&goal.heel, &goal.ball, &goal.tip}) p->y() -= low;
+    }
+  }
+
+  // Toes that would stand in the ground bend upwards, as far as toes do. Returns how deep their tip
+  // still is (negative).
+  double bend_toes(const FootShape& shape, Pose& pose) {
+    double low = 0;
+    for (int round = 0; round < 4; ++round) {
+      const FootPoints now = foot_points(skeleton_, shape, X_);
+      low = std::min(0.0, now.tip.y());
+      if (low > -1e-4) break;
+      const Vec3 lever = now.tip - X_[shape.mtp[1]].translation();
+      const double bent = pose.rotations[shape.mtp[1]].angularDistance(Quat::Identity());
+      const double angle =
+          std::min(-low / std::max(0.02, std::hypot(lever.x(), lever.z())), kMostBent - bent);
+      if (angle <= 0) break;
+      const Mat3 up =
+          Eigen::AngleAxisd(angle, lever.cross(Vec3::UnitY()).normalized()).toRotationMatrix();
+      for (int mtp : shape.mtp) {
+        X_[mtp].linear() = up * X_[mtp].linear();
+        pose.rotations[mtp] =
+            Quat(Mat3(X_[shape.subtalar].linear().transpose() * X_[mtp].linear())).normalized();
+      }
+    }
+    return low;
+  }
+
+  const Skeleton& skeleton_;
+  Motion& motion_;
+  int frames_;
+  std::array<FootPlan, 2> feet_;
+  std::vector<Transform> X_;
+};
+
+}  // namespace
+
+void plant_feet(const Skeleton& skeleton, double sole_height, const std::array<FootPaths, 2>& paths,
+                Motion& motion, RetargetReport& report) {
+  if (motion.frames.empty()) return;
+  Planter(skeleton, sole_height, motion).run(paths, report);
+}
+
+}  // namespace ecorche

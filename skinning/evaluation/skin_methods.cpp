@@ -1,0 +1,81 @@
+#include "skinning/evaluation/skin_methods.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "anatomy/errors.h"
+
+namespace ecorche {
+
+std::string_view short_name(SkinMethod method) {
+  switch (method) {
+    case SkinMethod::linear_blend:
+      return "lbs";
+    case SkinMethod::dual_quaternion:
+      return "dqs";
+    case SkinMethod::delta_mush:
+      return "deltamush";
+    case SkinMethod::paper:
+      return "paper";
+    case SkinMethod::anchors:
+      return "anchors";
+    case SkinMethod::ecorche:
+      break;
+  }
+  return "ecorche";
+}
+
+std::string_view long_name(SkinMethod method) {
+  switch (method) {
+    case SkinMethod::linear_blend:
+      return "linear blend";
+    case SkinMethod::dual_quaternion:
+      return "dual quaternion";
+    case SkinMethod::delta_mush:
+      return "delta mush";
+    case SkinMethod::paper:
+      return "nearest part";
+    case SkinMethod::anchors:
+      return "ecorche, not settled";
+    case SkinMethod::ecorche:
+      break;
+  }
+  return "ecorche";
+}
+
+std::optional<SkinMethod> skin_method(std::string_view name) {
+  for (const SkinMethod method : kSkinMethods)
+    if (short_name(method) == name) return method;
+  return std::nullopt;
+}
+
+RivalSkins make_rival_skins(const BodyPackage& package, const Anatomy& anatomy,
+                            const PosedAnatomy& rest, const TriMesh& skin, const Binding& binding) {
+  if (skin.V.rows() != package.skin_size)
+    throw UnfitError(
+        fmt::format("the body package's weights are for {} vertices, this skin has {}; only --skin "
+                    "ecorche can move it",
+                    package.skin_size, skin.V.rows()));
+  RivalSkins out;
+  out.blend = make_linear_rival(package, anatomy.skeleton, skin);
+  SkinFrame blended;
+  deform_rival(out.blend, anatomy.skeleton, rest.X_WJ, blended);
+  out.mush = make_mush(skin, blended.positions);
+  out.paper = make_paper_skin(anatomy, rest, skin, binding);
+  return out;
+}
+
+void deform_by(const RivalSkins& skins, SkinMethod method, const Skeleton& skeleton,
+               const PosedAnatomy& posed, RivalScratch& scratch, SkinFrame& out) {
+  if (is_ours(method))
+    throw std::invalid_argument("deform_by: deform_skin() is for our own method");
+  if (method == SkinMethod::paper) return deform_paper(skins.paper, posed, out);
+  pose_rig(skins.blend.rig, skins.blend.links, skeleton, posed.X_WJ, scratch.bones);
+  if (method == SkinMethod::dual_quaternion)
+    return deform_dual_quaternion(skins.blend.skin, scratch.bones, out);
+  deform_linear(skins.blend.skin, scratch.bones, out);
+  if (method == SkinMethod::delta_mush) deform_mush(skins.mush, scratch.mush, out);
+}
+
+}  // namespace ecorche

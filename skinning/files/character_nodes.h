@@ -1,0 +1,27 @@
+// Private to the writers of characters: the parts that full and light files share.
+#pragma once
+
+#include <filesystem>
+
+#include "anatomy/files/atomic_file.h"
+#include "skinning/files/character_io.h"
+#include "skinning/files/glb_builder.h"
+#include "skinning/files/gltf_values.h"
+
+namespace ecorche::gltf {
+
+// Throws std::invalid_argument where the parts are not of one character, UnfitError for anatomy
+// that no reader would take (a body in which it crumpled), LimitError.
+void check_parts(const Character& character, const Binding& binding, const Motion* motion,
+                 const CharacterLook& look);
+
+// The mesh node `skin`, split along the seams of its texture. The caller may add attributes to the
+// mesh's one primitive.
+void add_skin(GlbBuilder& glb, const TriMesh& skin,
+              std::span<const std::array<Influence, 4>> shares, const SkinTexture& texture);
+
+// Names the scene after the body, puts `ecorche` with the schema and the body into its extras, and
+// writes the file.
+void finish(GlbBuilder& glb, const Body& body, Object ecorche, AtomicFile& out);
+
+}  // namespace ecorche::gltf

@@ -1,0 +1,193 @@
+#include "skinning/files/light_character.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "anatomy/bones/cartilage.h"
+#include "anatomy/geometry/simplify.h"
+#include "anatomy/muscles/action_line.h"
+#include "skinning/files/character_nodes.h"
+#include "skinning/files/layer_mesh.h"
+#include "skinning/files/slice_influences.h"
+#include "skinning/files/tissue_meshes.h"
+
+namespace ecorche {
+namespace {
+
+using gltf::GlbBuilder;
+using tinygltf::Value;
+
+constexpr int kLeastTriangles = 60;  // of a part, where it has them
+
+// Parts joined into one mesh.
+struct Joined {
+  std::vector<Vec3> V, normals;
+  std::vector<int> F;
+  std::vector<char> second;  // #F, of the second of two tissues
+  std::vector<std::array<Influence, 4>> shares;
+  std::vector<float> part;
+  std::vector<gltf::Tint> first_tints, second_tints;
+  gltf::Array names;
+
+  void add(const TriMesh& mesh, const Points& mesh_normals) {
+    const int begin = V.size();
+    for (Eigen::Index i = 0; i < mesh.V.rows(); ++i) {
+      V.emplace_back(mesh.V.row(i));
+      normals.emplace_back(mesh_normals.row(i));
+      part.push_back(float(names.size()));
+    }
+    for (const int corner : mesh.F.reshaped<Eigen::RowMajor>()) F.push_back(begin + corner);
+  }
+  Points all_normals() const {
+    return Eigen::Map<const Points>(normals.data()->data(), Eigen::Index(normals.size()), 3);
+  }
+  TriMesh mesh() const {
+    return {Eigen::Map<const Points>(V.data()->data(), Eigen::Index(V.size()), 3),
+            Eigen::Map<const Triangles>(F.data(), Eigen::Index(F.size() / 3), 3)};
+  }
+};
+
+// How many triangles each part may keep: the same share of all, but few are not made fewer. Falls
+// short of `most` rather than over.
+std::vector<int> budgets(const std::vector<int>& sizes, int most) {
+  double low = 0, high = 1;
+  const auto budget = [](int size, double share) {
+    return std::min(size, std::max(kLeastTriangles, int(share * size)));
+  };
+  const auto total = [&](double share) {
+    long long sum = 0;
+    for (const int size : sizes) sum += budget(size, share);
+    return sum;
+  };
+  for (int round = 0; round < 40; ++round) {
+    const double middle = 0.5 * (low + high);
+    (total(middle) <= most ? low : high) = middle;
+  }
+  std::vector<int> out;
+  for (const int size : sizes) out.push_back(budget(size, total(1) <= most ? 1 : low));
+  return out;
+}
+
+// Rows of the whole mesh's normals, for the light one to be shaded like it.
+Points shading(const TriMesh& whole, const std::vector<int>& nearest) {
+  const Points normals = GlbBuilder::unit_normals(whole);
+  Points out(nearest.size(), 3);
+  for (std::size_t i = 0; i < nearest.size(); ++i) out.row(i) = normals.row(nearest[i]);
+  return out;
+}
+
+// A mesh node of the joined parts, skinned.
+void add_joined(GlbBuilder& glb, const std::string& name, const Joined& joined,
+                const TissueLook& first, const TissueLook& second, float brighter) {
+  if (joined.V.empty()) return;
+  const int one = glb.material(first, brighter), other = glb.material(second);
+  auto primitives =
+      gltf::two_tissues(glb, joined.mesh(), joined.all_normals(), joined.second, one, other);
+  tinygltf::Primitive& front = primitives.front();
+  glb.add_influences(front, joined.shares);
+  front.attributes["_PART"] = glb.add_scalars(joined.part, false, TINYGLTF_TARGET_ARRAY_BUFFER);
+  for (tinygltf::Primitive& primitive : primitives) {
+    primitive.attributes = front.attributes;
+    if (!joined.first_tints.empty())
+      primitive.attributes["COLOR_0"] =
+          glb.add_tints(primitive.material == one ? joined.first_tints : joined.second_tints);
+  }
+  tinygltf::Node node;
+  node.name = name;
+  node.mesh = glb.add_mesh(name, std::move(primitives));
+  node.skin = 0;
+  node.extras = Value(gltf::Object{{"parts", Value(joined.names)}});
+  glb.add_node(std::move(node));
+}
+
+void add_bones(GlbBuilder& glb, const Anatomy& anatomy) {
+  const auto rules = read_cartilage_rules();
+  std::vector<int> sizes;
+  for (const Bone& bone : anatomy.bones) sizes.push_back(int(bone.mesh.F.rows()));
+  const std::vector<int> most = budgets(sizes, kLightBones);
+  Joined joined;
+  for (std::size_t b = 0; b < anatomy.bones.size(); ++b) {
+    const Bone& bone = anatomy.bones[b];
+    const std::vector<char> cartilage = cartilage_faces(rules, bone);
+    // Two tissues keep all their faces, so that the border stays where it is; there are few.
+    const bool mixed = std::count(cartilage.begin(), cartilage.end(), 1) > 0;
+    const TriMesh light = mixed ? bone.mesh : simplify(bone.mesh, most[b]);
+    joined.add(light, shading(bone.mesh, nearest_rows(light.V, bone.mesh.V)));
+    if (mixed) joined.second.insert(joined.second.end(), cartilage.begin(), cartilage.end());
+    joined.second.resize(joined.F.size() / 3, 0);
+    joined.shares.resize(joined.V.size(), {Influence{bone.joint, 1}});
+    joined.names.push_back(gltf::text(bone.name));
+  }
+  add_joined(glb, "bones", joined, kBoneLook, kCartilageLook, 1);
+}
+
+void add_muscles(GlbBuilder& glb, const Anatomy& anatomy) {
+  const auto influences = slice_influences(anatomy);
+  const auto [surface, positions] = gltf::lofted_muscles(anatomy);
+  std::vector<int> sizes;
+  for (const MuscleSurface::Part& part : surface.parts)
+    sizes.push_back(part.face_end - part.face_begin);
+  const std::vector<int> most = budgets(sizes, kLightMuscles);
+  Joined joined;
+  for (std::size_t p = 0; p < surface.parts.size(); ++p) {
+    const MuscleSurface::Part& part = surface.parts[p];
+    const TriMesh whole = part_mesh(surface, part, positions), light = simplify(whole, most[p]);
+    const std::vector<int> nearest = nearest_rows(light.V, whole.V);
+    std::vector<float> belly;
+    for (const int i : nearest) {
+      const std::size_t v = part.vertex_begin + i;
+      belly.push_back(surface.belly[v]);
+      joined.shares.push_back(influences[surface.slice[v]]);
+    }
+    const gltf::MuscleTints tints = gltf::muscle_tints(part.muscle, belly, light.F);
+    joined.add(light, shading(whole, nearest));
+    joined.second.insert(joined.second.end(), tints.tendon.begin(), tints.tendon.end());
+    joined.first_tints.insert(joined.first_tints.end(), tints.belly.begin(), tints.belly.end());
+    joined.second_tints.insert(joined.second_tints.end(), tints.fading.begin(), tints.fading.end());
+    joined.names.push_back(gltf::text(anatomy.muscles[part.muscle].name));
+  }
+  add_joined(glb, "muscles", joined, kMuscleLook, kTendonLook, kHighestTone);
+}
+
+// Both eyes as one mesh, a primitive a tissue.
+void add_eyes(GlbBuilder& glb, const std::vector<Eyeball>& eyes) {
+  if (eyes.empty()) return;
+  std::vector<std::vector<EyePart>> globes;
+  for (const Eyeball& eye : eyes) globes.push_back(eye_parts(eye));
+  std::vector<tinygltf::Primitive> primitives;
+  for (std::size_t tissue = 0; tissue < globes[0].size(); ++tissue) {
+    Joined joined;
+    for (std::size_t e = 0; e < eyes.size(); ++e) {
+      joined.add(globes[e][tissue].mesh, globes[e][tissue].normals);
+      joined.shares.resize(joined.V.size(), {Influence{eyes[e].joint, 1}});
+    }
+    const TriMesh mesh = joined.mesh();
+    primitives.push_back(glb.surface(mesh.V, joined.all_normals(), glb.add_indices(mesh.F),
+                                     glb.material(globes[0][tissue].look)));
+    glb.add_influences(primitives.back(), joined.shares);
+  }
+  tinygltf::Node node;
+  node.name = "eyes";
+  node.mesh = glb.add_mesh("eyes", std::move(primitives));
+  node.skin = 0;
+  glb.add_node(std::move(node));
+}
+
+}  // namespace
+
+void write_light_character(const std::filesystem::path& file, const Character& character,
+                           const Binding& binding, const Motion* motion,
+                           const CharacterLook& look) {
+  gltf::check_parts(character, binding, motion, look);
+  AtomicFile out(file);
+  GlbBuilder glb;
+  gltf::add_joints(glb, character.anatomy.skeleton);
+  gltf::add_skin(glb, character.body.skin, binding.joint_weights, look.texture);
+  add_bones(glb, character.anatomy);
+  add_muscles(glb, character.anatomy);
+  add_eyes(glb, look.eyes);
+  if (motion) gltf::add_motion(glb, character.anatomy.skeleton, *motion, "motion");
+  gltf::finish(glb, character.body, {{"detail", gltf::text("light")}}, out);
+}
+
+}  // namespace ecorche

@@ -1,0 +1,58 @@
+// How hard each muscle works over time: curves in [0, 1], from tables by muscle name.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "anatomy/anatomy.h"
+
+namespace ecorche {
+
+// Linear between its times, constant before the first and after the last.
+struct ActivationCurve {
+  std::vector<int> muscles;    // indices of the muscles that it drives
+  std::vector<double> times;   // s from the motion's first frame, rising
+  std::vector<double> values;  // #times, in [0, 1]
+};
+
+// Where several curves drive a muscle, the largest value counts; a muscle without curve is relaxed.
+struct Activations {
+  int muscles = 0;  // of the anatomy; 0: everything is relaxed
+  std::vector<ActivationCurve> curves;
+};
+
+// One value a muscle. `out` is resized once and then reused; empty for no activations.
+void activation_at(const Activations& activations, double seconds, std::vector<double>& out);
+
+// Indices of the muscles that a name means, rising; empty where it means none. A name without side
+// means both sides, `*` stands for any letters and `?` for one, a path
+// (`/forceset/soleus_r/activation`, `soleus_r.activation`) for its muscle. `aliases` are other
+// people's names and ours, both without side: (gasmed, gastrocnemius_medial); an alias with side
+// keeps it (`gasmed_r`, `r_gasmed`). Letter case does not count.
+using MuscleAliases = std::vector<std::pair<std::string, std::string>>;
+std::vector<int> muscles_meant(const Anatomy& anatomy, std::string_view name,
+                               const MuscleAliases& aliases = {});
+
+// The three names of muscles or aliases nearest to a name that means none, for messages (by edit
+// distance, "a, b or c").
+std::string nearest_names(const Anatomy& anatomy, std::string_view name,
+                          const MuscleAliases& aliases = {});
+
+// By its extension:
+//   .csv           a column `time` and a column a muscle; or keyframes: columns time, muscle, value
+//   (rows in any order) .sto, .mot     OpenSim tables: a head that ends with `endheader`, then a
+//   line of labels, `time` first. Where any label ends in
+//                  `/activation` or `.activation`, the others are left aside.
+// Times are seconds; they must rise (keyframes: no two of a muscle alike). Throws InputError:
+// unreadable, malformed, not finite, a value outside [0, 1], an unknown name (with the nearest
+// ones), LimitError above 64 MB.
+Activations read_activations(const std::filesystem::path& file, const Anatomy& anatomy,
+                             const MuscleAliases& aliases = {});
+Activations parse_activations(std::string_view text, const std::string& name,
+                              const Anatomy& anatomy, const MuscleAliases& aliases = {});
+
+}  // namespace ecorche

@@ -1,0 +1,153 @@
+#include "skinning/muscle_collision/outline_probes.h"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "anatomy/geometry/vertex_normals.h"
+#include "anatomy/muscles/slice_outline.h"
+#include "anatomy/queries/nearest_surface.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kNear = 0.025;     // m below the skin at rest: deeper points are not looked at
+constexpr float kMargin = 1.2e-3f;  // m
+// m; times how deep it lies: further off, another part of the skin may be nearer
+constexpr float kAside = 0.01f, kAsideDepths = 1.5f;
+
+Float4 from_point(const Vec3& p, Float4 point) {
+  Float4 out{};
+  for (int k = 0; k < 3; ++k) out[k] = float(p[k] - double(point[k]));
+  return out;
+}
+
+Wide3 same(Float4 v) { return {all_eight(v[0]), all_eight(v[1]), all_eight(v[2])}; }
+
+// Relative to the vertices.
+Wide3 points_of(const SectionProbes& probes, const Ellipse& section, const Wide3& spokes,
+                const PosedSkin& skin) {
+  const Float4 origin = load4(&skin.positions[4 * probes.vertex[0]]);
+  return same(from_point(section.center, origin)) + spokes -
+         (xyz(gather_eight(skin.positions.data(), probes.vertex.data())) - same(origin));
+}
+
+// Lanes that are not looked along have the first one's vertex that is.
+void fill_up(SectionProbes& probes) {
+  for (std::size_t lane = 0; lane < 8; ++lane)
+    if ((probes.lanes >> lane & 1) == 0)
+      probes.vertex[lane] = probes.vertex[std::countr_zero(probes.lanes)];
+}
+
+std::vector<float> rows_of(const Points& points) {
+  std::vector<float> out;
+  for (Eigen::Index v = 0; v < points.rows(); ++v)
+    for (int k = 0; k < 4; ++k) out.push_back(k < 3 ? float(points(v, k)) : 1);
+  return out;
+}
+
+}  // namespace
+
+// In single precision.
+Wide3 probe_spokes(const Ellipse& e, float thickness) {
+  static const auto directions = [] {
+    std::array<Float8, 2> out{};
+    for (int lane = 0; lane < 8; ++lane)
+      for (std::size_t k = 0; k < 2; ++k) out[k][lane] = float(outline_directions()[2 * lane][k]);
+    return out;
+  }();
+  const Float8 factor = __builtin_shufflevector(
+      load8(e.outline.data()), load8(e.outline.data() + 8), 0, 2, 4, 6, 8, 10, 12, 14);
+  const Float8 wide = factor * directions[0], thick = factor * directions[1];
+  const auto along = [&](int k) {
+    return float(e.radii.x() * e.axes(k, 0)) * wide +
+           thickness * float(e.radii.y() * e.axes(k, 1)) * thick;
+  };
+  return {along(0), along(1), along(2)};
+}
+
+std::vector<SectionProbes> place_probes(std::span<const Ellipse> rest,
+                                        std::span<const float> thickness, const TriMesh& skin,
+                                        const SkinRings& rings) {
+  const std::vector<float> positions = rows_of(skin.V);
+  std::vector<float> normals(positions.size());
+  vertex_normals(positions, std::span(skin.F.data(), std::size_t(skin.F.size())), normals);
+  const PosedSkin still{positions, normals};
+  const NearestSurface nearest(skin);
+  std::vector<SectionProbes> out(rest.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rest.size(), 32), [&](const auto& range) {
+    for (std::size_t k = range.begin(); k < range.end(); ++k) {
+      SectionProbes& probes = out[k];
+      probes.section = int(k);
+      const Wide3 spokes = probe_spokes(rest[k], thickness[k]);
+      for (std::size_t lane = 0; lane < 8; ++lane) {
+        const int at = lane;
+        const Vec3 p = rest[k].center + Vec3(spokes.x[at], spokes.y[at], spokes.z[at]);
+        const SurfacePoint hit = nearest.nearest(p);
+        if (hit.distance > kNear) continue;
+        const auto far = [&](int corner) {
+          return (skin.V.row(skin.F(hit.triangle, corner)).transpose() - p).squaredNorm();
+        };
+        int corner = 0;
+        for (int c = 1; c < 3; ++c)
+          if (far(c) < far(corner)) corner = c;
+        const int vertex = skin.F(hit.triangle, corner);
+        probes.lanes |= 1u << lane;
+        probes.vertex[lane] = vertex;
+      }
+      if (probes.lanes == 0) continue;
+      fill_up(probes);
+      const Lies lies =
+          lies_of(rings, still, points_of(probes, rest[k], spokes, still), probes.vertex);
+      for (int lane = 0; lane < 8; ++lane)
+        probes.margin[lane] = std::min(kMargin, -lies.height[lane] - 1e-5f);
+    }
+  });
+  std::erase_if(out, [](const SectionProbes& probes) { return probes.lanes == 0; });
+  return out;
+}
+
+void ShallowProbes::add(int owner, const SectionProbes& probes, const Ellipse& section,
+                        float thickness, const PosedSkin& skin) {
+  const Wide3 points = points_of(probes, section, probe_spokes(section, thickness), skin);
+  const Float8 height = dot(points, xyz(gather_eight(skin.normals.data(), probes.vertex.data())));
+  const Float8 aside = most(all_eight(kAside), -kAsideDepths * height);
+  const Int8 deep = (height < -kDeepLie) & (dot(points, points) - height * height < aside * aside);
+  for (unsigned lanes = ~lanes_that(deep) & probes.lanes; lanes != 0; lanes &= lanes - 1) {
+    const int lane = std::countr_zero(lanes);
+    x_[count_] = points.x[lane];
+    y_[count_] = points.y[lane];
+    z_[count_] = points.z[lane];
+    ProbeLie& lie = lies_[count_++];
+    lie.owner = owner;
+    lie.lane = lane;
+    lie.vertex = probes.vertex[lie.lane];
+  }
+}
+
+std::span<const ProbeLie> ShallowProbes::lie(const SkinRings& rings, const PosedSkin& skin) {
+  for (std::size_t begin = 0; begin < count_; begin += 8) {
+    const std::size_t end = std::min(begin + 8, count_);
+    std::array<int, 8> from;
+    for (std::size_t lane = 0; lane < 8; ++lane) {
+      const std::size_t k = std::min(begin + lane, end - 1);  // the last one fills up
+      from[lane] = lies_[k].vertex;
+      x_[begin + lane] = x_[k];
+      y_[begin + lane] = y_[k];
+      z_[begin + lane] = z_[k];
+    }
+    const Lies lies =
+        lies_of(rings, skin, {load8(&x_[begin]), load8(&y_[begin]), load8(&z_[begin])}, from);
+    for (std::size_t k = begin; k < end; ++k) {
+      const int lane = k - begin;
+      lies_[k].vertex = lies.vertex[k - begin];
+      lies_[k].height = lies.height[lane];
+      lies_[k].normal = Float4{lies.normal.x[lane], lies.normal.y[lane], lies.normal.z[lane], 0};
+    }
+  }
+  return {lies_.data(), count_};
+}
+
+}  // namespace ecorche

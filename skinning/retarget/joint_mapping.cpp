@@ -1,0 +1,270 @@
+#include "skinning/retarget/joint_mapping.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <set>
+
+#include "anatomy/errors.h"
+#include "anatomy/files/input_file.h"
+#include "skinning/retarget/joint_names.h"
+
+namespace ecorche {
+namespace {
+
+// per file joint: "elbow_l", "hip?_l", "toes_r", "head" or ""
+using Parts = std::vector<std::string>;
+
+std::vector<int> path_up(const BvhMotion& source, int joint) {  // the joint itself first
+  std::vector<int> path;
+  for (; joint >= 0; joint = source.joints[joint].parent) path.push_back(joint);
+  return path;
+}
+
+int common_ancestor(const BvhMotion& source, int a, int b) {
+  const std::vector<int> above = path_up(source, a);
+  for (int j : path_up(source, b))
+    if (std::find(above.begin(), above.end(), j) != above.end()) return j;
+  return -1;
+}
+
+// Joints from `joint`'s parent up to, but without, `stop`.
+std::vector<int> between(const BvhMotion& source, int joint, int stop) {
+  std::vector<int> path;
+  for (int j = source.joints[joint].parent; j >= 0 && j != stop; j = source.joints[j].parent)
+    path.push_back(j);
+  return path;
+}
+
+int first_with(const Parts& parts, const std::string& part) {
+  const auto found = std::find(parts.begin(), parts.end(), part);
+  return found == parts.end() ? -1 : int(found - parts.begin());
+}
+
+class Matcher {
+ public:
+  Matcher(const BvhMotion& source, SourceRig& rig)
+      : source_(source), rig_(rig), parts_(source.joints.size()) {}
+
+  void name_parts(const std::map<std::string, std::string>& joint_map, const Skeleton& ours) {
+    how_.assign(parts_.size(), "name");
+    std::set<std::string> unused;
+    for (const auto& [file_joint, our_joint] : joint_map) unused.insert(file_joint);
+    for (size_t j = 0; j < parts_.size(); ++j) {
+      const std::string& name = source_.joints[j].name;
+      if (const auto mapped = joint_map.find(name); mapped != joint_map.end()) {
+        if (!mapped->second.empty() && find_joint(ours, mapped->second) < 0 &&
+            !mapped->second.starts_with("toes_"))
+          throw UnfitError(fmt::format(
+              "joint map: '{} = {}': we have no joint '{}'; `ecorche list joints` names ours",
+              printable(name), printable(mapped->second), printable(mapped->second)));
+        parts_[j] = mapped->second;
+        how_[j] = "map";
+        unused.erase(name);
+      } else if (rig_.ours) {
+        parts_[j] = find_joint(ours, name) >= 0 ? name : "";
+      } else {
+        const NamedPart named = named_part(name);
+        if (!named.part.empty()) parts_[j] = named.part + side_suffix(named.side);
+      }
+    }
+    for (const std::string& name : unused)
+      rig_.warnings.push_back(
+          fmt::format("joint map: the file has no joint '{}'", printable(name)));
+  }
+
+  // Joints that only the tree can tell, once the names have given elbows, knees and head.
+  void complete() {
+    if (rig_.ours) {
+      for (size_t j = 0; j < parts_.size(); ++j)
+        if (!parts_[j].empty()) set(parts_[j], int(j), int(j));
+      return;
+    }
+    for (const char* part : {"knee", "ankle", "elbow", "wrist"})
+      for (const char* side : {"_l", "_r"}) runs(std::string(part) + side);
+    if (int head = first_with(parts_, "head"); head >= 0) set("head", head, head);
+    if (int jaw = first_with(parts_, "jaw"); jaw >= 0) set("jaw", jaw, jaw);
+    trunk();
+    for (const std::string side : {"_l", "_r"}) {
+      if (rig_.pivot.count("elbow" + side) &&
+          rig_.turner["elbow" + side] != rig_.pivot["elbow" + side]) {
+        // Two forearm bones: the first is the ulna, the second has turned with the hand.
+        set("forearm" + side, rig_.turner["elbow" + side], rig_.turner["elbow" + side]);
+        rig_.turner["elbow" + side] = rig_.pivot["elbow" + side];
+      }
+      limb_root("hip", "knee", side, "pelvis");
+      limb_root("shoulder", "elbow", side, "thorax");
+      girdle(side);
+      digits(side);
+    }
+  }
+
+  void write_matches() {
+    std::map<int, std::string> names;
+    for (const auto& [ours, joint] : rig_.pivot) names[joint] = ours;
+    for (const auto& [ours, joint] : rig_.turner)
+      names[joint] = names.count(joint) && names[joint] != ours ? names[joint] + ", " + ours : ours;
+    for (int j : rig_.spine) names.try_emplace(j, "spine");
+    for (int j : rig_.neck) names.try_emplace(j, "neck");
+    for (size_t j = 0; j < parts_.size(); ++j) {
+      const auto found = names.find(int(j));
+      const bool used = found != names.end();
+      const bool named = !parts_[j].empty() && parts_[j].find('?') == std::string::npos;
+      rig_.matches.push_back({source_.joints[j].name, used ? found->second : "",
+                              !used   ? ""
+                              : named ? how_[j]
+                                      : "tree"});
+    }
+  }
+
+  std::vector<std::string> missing() const {
+    std::vector<std::string> out;
+    for (const char* part : {"pelvis", "thorax", "head"})
+      if (!rig_.pivot.count(part)) out.push_back(part);
+    for (const char* part : {"shoulder", "elbow", "hip", "knee", "ankle"})
+      for (const char* side : {"_l", "_r"})
+        if (!rig_.pivot.count(std::string(part) + side)) out.push_back(std::string(part) + side);
+    return out;
+  }
+
+ private:
+  void set(const std::string& ours, int pivot, int turner) {
+    rig_.pivot[ours] = pivot;
+    rig_.turner[ours] = turner;
+  }
+
+  int get(const std::string& ours) const {
+    const auto found = rig_.pivot.find(ours);
+    return found == rig_.pivot.end() ? -1 : found->second;
+  }
+
+  // A part that the file splits into a run of joints (lowerarm01, lowerarm02): the first is the
+  // pivot, the last turns.
+  void runs(const std::string& part) {
+    const int first = first_with(parts_, part);
+    if (first < 0) return;
+    int last = first;
+    for (size_t j = first + 1; j < parts_.size(); ++j)
+      if (parts_[j] == part && source_.joints[j].parent == last) last = int(j);
+    set(part, first, last);
+  }
+
+  void trunk() {
+    if (get("knee_l") >= 0 && get("knee_r") >= 0) {
+      const int pelvis = common_ancestor(source_, get("knee_l"), get("knee_r"));
+      if (pelvis >= 0) set("pelvis", pelvis, pelvis);
+    }
+    if (get("elbow_l") >= 0 && get("elbow_r") >= 0) {
+      const int chest = common_ancestor(source_, get("elbow_l"), get("elbow_r"));
+      if (chest >= 0) set("thorax", chest, chest);
+    }
+    if (get("pelvis") < 0 || get("thorax") < 0) return;
+    const int below = common_ancestor(source_, get("pelvis"), get("thorax"));
+    if (get("thorax") != below) rig_.spine = between(source_, get("thorax"), below);
+    std::reverse(rig_.spine.begin(), rig_.spine.end());
+    if (get("head") < 0) return;
+    rig_.neck = between(source_, get("head"), common_ancestor(source_, get("thorax"), get("head")));
+    std::reverse(rig_.neck.begin(), rig_.neck.end());
+  }
+
+  // The thigh over the knee, the upper arm over the elbow.
+  void limb_root(const std::string& root, const std::string& middle, const std::string& side,
+                 const std::string& stop) {
+    const int joint = get(middle + side), end = get(stop);
+    if (joint < 0 || end < 0) return;
+    const std::vector<int> path = between(source_, joint, end);
+    int first = -1, last = -1;
+    for (int j : path)
+      if (parts_[j] == root + side) {
+        first = j;
+        if (last < 0) last = j;
+      }
+    for (size_t k = 0; first < 0 && k < path.size(); ++k)
+      if (parts_[path[k]] == root + "?" + side) first = last = path[k];
+    if (first < 0 && !path.empty()) first = last = path.front();
+    if (first >= 0) set(root + side, first, last);
+  }
+
+  void girdle(const std::string& side) {
+    const int shoulder = get("shoulder" + side), chest = get("thorax");
+    if (shoulder < 0 || chest < 0) return;
+    std::vector<int> path;  // from the chest outwards
+    for (int j : between(source_, shoulder, chest))
+      if (parts_[j] == "clavicle" + side || parts_[j] == "scapula" + side ||
+          parts_[j] == "shoulder?" + side)
+        path.insert(path.begin(), j);
+    if (!path.empty()) set("clavicle" + side, path[0], path[0]);
+    if (path.size() > 1) set("scapula" + side, path.back(), path.back());
+  }
+
+  void digits(const std::string& side) {
+    for (size_t j = 0; j < parts_.size(); ++j) {
+      std::string part = parts_[j];
+      if (!part.ends_with(side)) continue;
+      part.resize(part.size() - side.size());
+      const bool finger = part.starts_with("cmc") || part.starts_with("mcp") ||
+                          part.starts_with("ip") || part.starts_with("pip") ||
+                          part.starts_with("dip") || part == "fingers";
+      const bool toe = part.starts_with("mtp") || part.starts_with("toe");
+      const int limb = get((finger ? "wrist" : "ankle") + side);
+      if ((finger || toe) && limb >= 0 && common_ancestor(source_, limb, int(j)) == limb &&
+          get(parts_[j]) < 0)
+        set(parts_[j], int(j), int(j));
+    }
+    // One finger alone stands for all four.
+    if (get("mcp2" + side) >= 0 && get("mcp3" + side) < 0 && get("pip2" + side) < 0) {
+      set("fingers" + side, get("mcp2" + side), get("mcp2" + side));
+      rig_.pivot.erase("mcp2" + side);
+      rig_.turner.erase("mcp2" + side);
+    }
+  }
+
+  const BvhMotion& source_;
+  SourceRig& rig_;
+  Parts parts_;
+  std::vector<std::string> how_;
+};
+
+bool has_our_names(const BvhMotion& source, const Skeleton& ours) {
+  std::set<std::string> names;
+  for (const BvhJoint& joint : source.joints) names.insert(joint.name);
+  size_t found = 0;
+  for (const Joint& joint : ours.joints) found += names.count(joint.name);
+  return 10 * found >= 9 * ours.joints.size();
+}
+
+}  // namespace
+
+bool bone_end(const BvhMotion& source, int joint, Vec3& offset) {
+  offset.setZero();
+  if (!source.joints[joint].end_sites.empty()) {
+    offset = source.joints[joint].end_sites[0];
+  } else {
+    int children = 0;
+    for (const BvhJoint& other : source.joints)
+      if (other.parent == joint) offset += other.offset, ++children;
+    if (children > 0) offset /= children;
+  }
+  return offset.norm() > 0;
+}
+
+SourceRig match_joints(const BvhMotion& source, const Skeleton& ours,
+                       const std::map<std::string, std::string>& joint_map) {
+  SourceRig rig;
+  rig.ours = has_our_names(source, ours);
+  Matcher matcher(source, rig);
+  matcher.name_parts(joint_map, ours);
+  matcher.complete();
+  matcher.write_matches();
+  if (const auto missing = matcher.missing(); !missing.empty()) {
+    RetargetReport table;
+    table.matches = rig.matches;
+    throw UnfitError(fmt::format(
+        "{}: no joint found for {}; name them in a joint map (file joint = our joint)\n{}{}{}",
+        source.name, fmt::join(missing, ", "), fmt::join(rig.warnings, "\n"),
+        rig.warnings.empty() ? "" : "\n", format_matches(table)));
+  }
+  return rig;
+}
+
+}  // namespace ecorche

@@ -1,0 +1,182 @@
+#include "skinning/retarget/matching_rig.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <Eigen/Cholesky>
+
+#include "skinning/motion/require_joint.h"
+
+namespace ecorche {
+namespace {
+
+constexpr std::array<double, 7> kUnits{1, 0.1, 0.01, 0.001, 0.0254, 0.3048, 0.9144};  // m
+// of a unit: rigs and bodies measure their limbs between other points
+constexpr double kScaleOff = 0.012;
+constexpr double kBeside = 0.03, kHipBeside = 0.06;  // m
+constexpr double kStiff = 0.15;  // of a chain's length: along itself it cannot give
+constexpr int kRounds = 3;
+// m: a rig so near is where the body is, and its joints' offsets are its own
+constexpr double kSamePlace = 0.025;
+
+// A part of the body between two joints: its share of the skin, and whose rotation of the file it
+// has.
+struct Part {
+  const char* part;
+  const char* from;
+  const char* to;
+  double share;
+};
+// Shares of the surface of an adult (Lund & Browder 1944), the trunk's between its ends.
+constexpr std::array<Part, 9> kParts{{{"pelvis", "l5", "hip", 0.09},
+                                      {"thorax", "clavicle", "c7", 0.11},
+                                      {"head", "head", "jaw", 0.08},
+                                      {"shoulder", "shoulder", "elbow", 0.04},
+                                      {"elbow", "elbow", "wrist", 0.03},
+                                      {"wrist", "wrist", "mcp3", 0.025},
+                                      {"hip", "hip", "knee", 0.095},
+                                      {"knee", "knee", "ankle", 0.07},
+                                      {"ankle", "ankle", "mtp3", 0.035}}};
+
+// A name with its side, or without one for a joint of the trunk.
+std::string sided(const Skeleton& skeleton, const std::string& stem, const char* side) {
+  return find_joint(skeleton, stem) >= 0 ? stem : stem + side;
+}
+
+struct Fitting {
+  double metres = 1;
+  Vec3 shift = Vec3::Zero();  // ours - the file's, m
+  bool fits = false;
+};
+
+// The limbs' joints of the file laid on ours without turning them.
+Fitting lay_on(const std::vector<Transform>& X, const SourceRig& rig, const Mat3& W,
+               const Skeleton& ours, const std::vector<Vec3>& rest) {
+  struct Pair {
+    Vec3 theirs, own;
+    double beside;
+  };
+  std::vector<Pair> pairs;
+  for (const char* stem : {"hip", "knee", "ankle", "shoulder", "elbow", "wrist"})
+    for (const char* side : {"_l", "_r"}) {
+      const auto at = rig.pivot.find(std::string(stem) + side);
+      if (at == rig.pivot.end()) return {};
+      pairs.push_back({W * X[at->second].translation(),
+                       rest[joint_of(ours, std::string(stem) + side)],
+                       std::string(stem) == "hip" ? kHipBeside : kBeside});
+    }
+  Vec3 theirs = Vec3::Zero(), own = Vec3::Zero();
+  for (const Pair& p : pairs)
+    theirs += p.theirs / double(pairs.size()), own += p.own / double(pairs.size());
+  double both = 0, square = 0;
+  for (const Pair& p : pairs)
+    both += (p.theirs - theirs).dot(p.own - own), square += (p.theirs - theirs).squaredNorm();
+  const double scale = both / std::max(square, std::numeric_limits<double>::min());
+  const auto unit = std::find_if(kUnits.begin(), kUnits.end(), [&](double metres) {
+    return std::abs(scale / metres - 1) < kScaleOff;
+  });
+  if (unit == kUnits.end()) return {};
+  Fitting out{*unit, own - *unit * theirs, true};
+  for (const Pair& p : pairs)
+    out.fits = out.fits && (*unit * p.theirs + out.shift - p.own).norm() < p.beside;
+  if (out.shift.norm() < kSamePlace) out.shift.setZero();
+  return out;
+}
+
+}  // namespace
+
+std::optional<OwnRig> find_own_rig(const BvhMotion& source, const SourceRig& rig,
+                                   const RestAlignment& alignment, const Skeleton& ours) {
+  if (!alignment.same_rest) return std::nullopt;
+  std::vector<Transform> X;
+  bvh_kinematics(source, -1, X);
+  const std::vector<Vec3> rest = rest_positions(ours);
+  const Fitting fitting = lay_on(X, rig, alignment.W, ours, rest);
+  if (!fitting.fits) return std::nullopt;
+  OwnRig out{fitting.metres, alignment.W, {}, {}};
+  // Precondition: the file turns the part.
+  const auto place = [&](const std::string& part, const std::string& name, double share) {
+    const int joint = joint_of(ours, name), carrier = rig.turner.at(part);
+    const Vec3 in_file = alignment.W.transpose() * (rest[joint] - fitting.shift) / fitting.metres;
+    return CarriedPlace{joint, joint_of(ours, part), carrier, X[carrier].inverse() * in_file,
+                        share};
+  };
+  for (const Part& part : kParts)
+    for (const char* side : {"_l", "_r"}) {
+      const std::string name = sided(ours, part.part, side);
+      if (!rig.turner.contains(name)) continue;
+      for (const char* end : {part.from, part.to})
+        out.places.push_back(place(name, sided(ours, end, side), 0.5 * part.share));
+    }
+  for (const auto& [below, first, above] :
+       {std::array{"pelvis", "l5", "thorax"}, std::array{"thorax", "c7", "head"}}) {
+    if (!rig.turner.contains(below) || !rig.turner.contains(above)) continue;
+    CarriedChain chain{{}, place(below, first, 0), place(above, above, 0)};
+    for (int j = ours.joints[chain.end.joint].parent; j != chain.begin.part;
+         j = ours.joints[j].parent)
+      chain.joints.push_back(j);
+    std::reverse(chain.joints.begin(), chain.joints.end());
+    const bool told = std::any_of(chain.joints.begin(), chain.joints.end(),
+                                  [&](int j) { return rig.turner.contains(ours.joints[j].name); });
+    if (!told) out.chains.push_back(chain);
+  }
+  return out;
+}
+
+Vec3 carried(const OwnRig& rig, const std::vector<Transform>& X, const CarriedPlace& place) {
+  return rig.metres * (rig.W * (X[place.carrier] * place.there));
+}
+
+void bend_to_rig(const OwnRig& rig, const CarriedChain& chain, const std::vector<Transform>& X,
+                 const std::vector<Vec3>& rest, std::vector<Mat3>& R) {
+  const Vec3 wanted = carried(rig, X, chain.end) - carried(rig, X, chain.begin);
+  const std::size_t count = chain.joints.size();
+  for (int round = 0; round < kRounds; ++round) {
+    // All are turned about one axis square to the chain, t = u x m for its direction u, the middle
+    // most: c_k t moves the end by c_k t x v_k.
+    std::vector<Vec3> steps(count);
+    Vec3 chord = Vec3::Zero();
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t joint = chain.joints[k],
+                        next = k + 1 < count ? chain.joints[k + 1] : chain.end.joint;
+      steps[k] = R[joint] * (rest[next] - rest[joint]);
+      chord += steps[k];
+    }
+    const Vec3 u = chord.normalized(), off = wanted - chord;
+    const auto weight = [&](std::size_t k) {
+      const double s = (double(k) + 0.5) / double(count);
+      return 4 * s * (1 - s);
+    };
+    Mat3 moves = Mat3::Zero();
+    for (std::size_t k = 0; k < count; ++k)
+      moves += weight(k) * (u.dot(steps[k]) * Mat3::Identity() - u * steps[k].transpose());
+    const double stiff = kStiff * chord.norm();
+    const Vec3 m = (moves.transpose() * moves + stiff * stiff * Mat3::Identity())
+                       .ldlt()
+                       .solve(moves.transpose() * off);
+    for (std::size_t k = 0; k < count; ++k) {
+      const Vec3 turn = weight(k) * u.cross(m);
+      const double angle = turn.norm();
+      Mat3& own = R[chain.joints[k]];
+      if (angle > 0) own = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() * own;
+    }
+  }
+}
+
+Vec3 shift_to_rig(const OwnRig& rig, const std::vector<Transform>& X, const std::vector<Vec3>& rest,
+                  const std::vector<Transform>& X_WJ) {
+  Vec3 sum = Vec3::Zero();
+  double shares = 0;
+  for (const CarriedPlace& place : rig.places) {
+    const std::size_t part = place.part;
+    const Vec3 here = X_WJ[part] * (rest[place.joint] - rest[part]);
+    sum += place.share * (carried(rig, X, place) - here);
+    shares += place.share;
+  }
+  return sum / shares;
+}
+
+}  // namespace ecorche

@@ -1,0 +1,323 @@
+#include "skinning/retarget/pose_transfer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "anatomy/compute/smooth_step.h"
+#include "anatomy/joint_angles.h"
+#include "skinning/motion/shoulder_rhythm.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr std::array<const char*, 2> kSides = {"_l", "_r"};
+constexpr std::array<const char*, 8> kSpine = {"l5", "l4",  "l3",  "l2",
+                                               "l1", "t12", "t11", "thorax"};
+constexpr std::array<const char*, 8> kNeck = {"c7", "c6", "c5", "c4", "c3", "c2", "c1", "head"};
+
+Side side_of(const std::string& name) {
+  return name.ends_with("_l") ? Side::left : name.ends_with("_r") ? Side::right : Side::middle;
+}
+
+// The part of q that turns about `axis`.
+Quat twist_of(const Quat& q, const Vec3& axis) {
+  const Quat twist(q.w(), axis.x() * q.vec().dot(axis), axis.y() * q.vec().dot(axis),
+                   axis.z() * q.vec().dot(axis));
+  return twist.norm() > 1e-12 ? twist.normalized() : Quat::Identity();
+}
+
+// The identity up to `from`, then ever slower towards `to`.
+double soft_limit(double x, double from, double to) {
+  return x < from ? x : to - (to - from) * std::exp(-(x - from) / (to - from));
+}
+
+// Fingers of a hand that the file says nothing about: how far a loose hand is bent, from the
+// anatomical zero.
+double relaxed_flexion(const std::string& stem) {
+  if (stem.starts_with("mcp") && stem != "mcp1") return 25 * kDegree;
+  if (stem.starts_with("pip")) return 35 * kDegree;
+  if (stem.starts_with("dip")) return 15 * kDegree;
+  if (stem == "mcp1" || stem == "ip1") return 12 * kDegree;
+  return 0;
+}
+
+// The turn without what the joint cannot do at all: a hinge only bends, a knuckle does not roll.
+Quat possible_turn(const Joint& joint, const Quat& turn) {
+  Vec3 angles = joint_angles(joint, turn);
+  for (int a : {1, 2})
+    if (joint.max[a] - joint.min[a] < 5 * kDegree)
+      angles[a] = std::clamp(angles[a], joint.min[a], joint.max[a]);
+  return joint_rotation(joint, angles);
+}
+
+}  // namespace
+
+PoseTransfer::PoseTransfer(const BvhMotion& source, const SourceRig& rig,
+                           const RestAlignment& alignment, const OwnRig* own,
+                           const Skeleton& our_skeleton, bool shoulder_rhythm)
+    : source_(source),
+      rig_(rig),
+      alignment_(alignment),
+      own_(own),
+      skeleton_(our_skeleton),
+      rhythm_(shoulder_rhythm),
+      rest_(rest_positions(our_skeleton)) {
+  double leg = 0;
+  for (const std::string s : kSides)
+    leg += 0.5 * ((rest_[ours("knee" + s)] - rest_[ours("hip" + s)]).norm() +
+                  (rest_[ours("ankle" + s)] - rest_[ours("knee" + s)]).norm());
+  scale_ = own ? own->metres : leg / alignment.leg;
+  plans_.resize(skeleton_.joints.size());
+  R_.resize(skeleton_.joints.size());
+  for (size_t j = 0; j < plans_.size(); ++j)
+    if (has(skeleton_.joints[j].name)) plans_[j] = Plan{Rule::direct, skeleton_.joints[j].name};
+  plan_trunk();
+  plan_limbs();
+}
+
+int PoseTransfer::ours(const std::string& name) const {
+  const int j = find_joint(skeleton_, name);
+  if (j < 0) throw std::invalid_argument("retarget: our skeleton has no joint '" + name + "'");
+  return j;
+}
+
+// Where along the way from one end to the other each of the file's joints has turned: a bone's
+// rotation counts at its middle.
+std::vector<PoseTransfer::Knot> PoseTransfer::knots(const std::string& from,
+                                                    const std::vector<int>& chain,
+                                                    const std::string& to, bool from_base) const {
+  const int end = rig_.pivot.at(to);
+  std::vector<int> stops = chain;
+  stops.push_back(end);
+  std::vector<double> along = {from_base ? 0 : source_.joints[stops[0]].offset.norm()};
+  for (size_t k = 1; k < stops.size(); ++k)
+    along.push_back(along.back() + source_.joints[stops[k]].offset.norm());
+  const double total = along.back();
+  std::vector<Knot> out = {{0, from, -1}};
+  for (size_t k = 0; k + 1 < stops.size(); ++k)
+    out.push_back({total > 0 ? 0.5 * (along[k] + along[k + 1]) / total : (k + 1.0) / stops.size(),
+                   "", stops[k]});
+  out.push_back({1, to, -1});
+  return out;
+}
+
+void PoseTransfer::plan_trunk() {
+  spine_knots_ = knots("pelvis", rig_.spine, "thorax", false);
+  neck_knots_ = knots("thorax", rig_.neck, "head", true);
+  // Each joint takes a share by how far it can move: bending mostly the loins and the neck's
+  // middle, axial turning mostly thorax, c1.
+  auto plan = [&](const auto& chain, Rule rule) {
+    Vec3 total = Vec3::Zero(), so_far = Vec3::Zero();
+    auto range = [&](const char* name) {
+      return Vec3(skeleton_.joints[ours(name)].max - skeleton_.joints[ours(name)].min);
+    };
+    for (const char* name : chain) total += range(name);
+    for (const char* name : chain) {
+      so_far += range(name);
+      if (Plan& p = plans_[ours(name)]; p.rule == Rule::follow) {
+        p.rule = rule;
+        p.bending = so_far[0] / total[0];
+        p.turning = so_far[2] / total[2];
+      }
+    }
+  };
+  plan(kSpine, Rule::spine);
+  plan(kNeck, Rule::neck);
+}
+
+void PoseTransfer::plan_limbs() {
+  for (const std::string s : kSides) {
+    auto take = [&](const char* stem, Rule rule) {
+      if (Plan& p = plans_[ours(stem + s)]; p.rule == Rule::follow) p.rule = rule;
+    };
+    if (Plan& p = plans_[ours("clavicle" + s)]; p.rule == Rule::direct && !alignment_.same_rest)
+      p.rule = Rule::collar;
+    if (rhythm_) take("clavicle", Rule::clavicle), take("scapula", Rule::scapula);
+    if (!has("forearm" + s))
+      plans_[ours("elbow" + s)].rule = Rule::elbow,
+                            plans_[ours("forearm" + s)].rule = Rule::forearm;
+    if (!has("subtalar" + s))
+      plans_[ours("ankle" + s)].rule = Rule::ankle,
+                            plans_[ours("subtalar" + s)].rule = Rule::subtalar;
+  }
+  for (size_t j = 0; j < plans_.size(); ++j) {
+    Plan& p = plans_[j];
+    const std::string& name = skeleton_.joints[j].name;
+    const Side side = side_of(name);
+    if (p.rule != Rule::follow || side == Side::middle) continue;
+    const std::string stem = name.substr(0, name.size() - 2);
+    if (stem.starts_with("mtp") && has("toes" + std::string(side_suffix(side)))) {
+      p = Plan{Rule::direct, "toes" + std::string(side_suffix(side))};
+    } else if (const double flexion = own_ ? 0 : relaxed_flexion(stem); flexion > 0) {
+      p.rule = Rule::finger;
+      p.relaxed = Quat(Eigen::AngleAxisd(flexion - skeleton_.joints[j].zero[0],
+                                         skeleton_.joints[j].axes.col(0)));
+    }
+  }
+}
+
+Mat3 PoseTransfer::as_in_file(const std::vector<Transform>& X, const std::string& joint) const {
+  return alignment_.W * X[rig_.turner.at(joint)].linear() * alignment_.from_source.at(joint);
+}
+
+// World rotation at s of the way; a spine or neck joint of the file has the rest alignment of the
+// trunk.
+Quat PoseTransfer::along(const std::vector<Transform>& X, const std::vector<Knot>& knots,
+                         double s) const {
+  auto rotation = [&](const Knot& knot) {
+    if (!knot.part.empty()) return Quat(as_in_file(X, knot.part));
+    return Quat(Mat3(alignment_.W * X[knot.joint].linear() * alignment_.trunk.at(knot.joint)));
+  };
+  size_t k = 1;
+  while (k + 1 < knots.size() && knots[k].s < s) ++k;
+  const double span = knots[k].s - knots[k - 1].s;
+  const double t = span > 1e-9 ? std::clamp((s - knots[k - 1].s) / span, 0.0, 1.0) : 1;
+  return rotation(knots[k - 1]).slerp(t, rotation(knots[k]));
+}
+
+Mat3 PoseTransfer::spread(const std::vector<Transform>& X, const std::vector<Knot>& knots,
+                          const Plan& plan) const {
+  const Quat base = along(X, knots, 0);
+  const Quat bent = base.conjugate() * along(X, knots, plan.bending),
+             turned = base.conjugate() * along(X, knots, plan.turning);
+  const Quat swing = bent * twist_of(bent, Vec3::UnitY()).conjugate();
+  return (base * swing * twist_of(turned, Vec3::UnitY())).toRotationMatrix();
+}
+
+// Elbow and knee bend about one axis: where they are bent, upper arm and thigh are turned about
+// their length so that the hinge lies square to both bones. Straight limbs keep the file's turn.
+void PoseTransfer::limb_rotations(const std::vector<Transform>& X) {
+  for (const std::string s : kSides)
+    for (const auto& [upper, middle, lower] :
+         {std::array<const char*, 3>{"shoulder", "elbow", "wrist"}, {"hip", "knee", "ankle"}}) {
+      Mat3 R = as_in_file(X, upper + s);
+      const Mat3 L = as_in_file(X, middle + s);
+      const Vec3 rest_upper = rest_[ours(middle + s)] - rest_[ours(upper + s)],
+                 rest_lower = rest_[ours(lower + s)] - rest_[ours(middle + s)];
+      const Vec3 a = (R * rest_upper).normalized(), b = (L * rest_lower).normalized();
+      const Vec3 hinge = R * skeleton_.joints[ours(middle + s)].axes.col(0), wanted = a.cross(b);
+      const Vec3 h = hinge - a.dot(hinge) * a;
+      if (!alignment_.same_rest && h.norm() > 0.5) {
+        const double angle = std::atan2(a.dot(h.cross(wanted)), h.dot(wanted));
+        // A turn of more than 60 deg means a limb bent the wrong way: left to the report.
+        const double share =
+            smooth_step(std::sin(4 * kDegree), std::sin(20 * kDegree), wanted.norm()) *
+            (1 - smooth_step(50 * kDegree, 70 * kDegree, std::abs(angle)));
+        R = Eigen::AngleAxisd(share * angle, a).toRotationMatrix() * R;
+      }
+      limb_[upper + s] = R;
+    }
+}
+
+Mat3 PoseTransfer::turn_joint(const std::vector<Transform>& X, int j) const {
+  const Plan& plan = plans_[j];
+  const Joint& joint = skeleton_.joints[j];
+  const Mat3 parent = joint.parent < 0 ? Mat3(Mat3::Identity()) : R_[joint.parent];
+  const Side side = side_of(joint.name);
+  const std::string s = side_suffix(side);
+  auto girdle = [&] {
+    const Mat3& thorax = R_[ours("thorax")];
+    const Vec3 arm = rest_[ours("elbow" + s)] - rest_[ours("shoulder" + s)];
+    return girdle_rhythm(side, arm, thorax.transpose() * limb_.at("shoulder" + s) * arm);
+  };
+  switch (plan.rule) {
+    case Rule::collar: {
+      // A collar bone of the file may do the whole shoulder's work: its own long axis is followed
+      // as far as a real one goes.
+      const Quat turn(Mat3(parent.transpose() * as_in_file(X, plan.part)));
+      const Vec3 along_bone = (rest_[ours("scapula" + s)] - rest_[j]).normalized();
+      const Eigen::AngleAxisd swing(Quat::FromTwoVectors(along_bone, turn * along_bone));
+      return parent *
+             Eigen::AngleAxisd(soft_limit(swing.angle(), 15 * kDegree, 30 * kDegree), swing.axis())
+                 .toRotationMatrix();
+    }
+    case Rule::direct: {
+      const auto limb = limb_.find(plan.part);
+      return limb != limb_.end() ? limb->second : as_in_file(X, plan.part);
+    }
+    case Rule::spine:
+      return spread(X, spine_knots_, plan);
+    case Rule::neck:
+      return spread(X, neck_knots_, plan);
+    case Rule::clavicle:
+      return parent * girdle().clavicle.toRotationMatrix();
+    case Rule::scapula: {
+      // The file's collar bone may have shrugged by itself: the blade turns on it as it would on
+      // its own.
+      const Girdle g = girdle();
+      return parent * (g.clavicle.conjugate() * g.scapula).toRotationMatrix();
+    }
+    case Rule::elbow: {
+      // The ulna only bends; what the file's forearm turns about its length is the radius' share.
+      const Vec3 along = (rest_[ours("wrist" + s)] - rest_[j]).normalized();
+      return parent *
+             Quat::FromTwoVectors(along, parent.transpose() * as_in_file(X, "elbow" + s) * along)
+                 .toRotationMatrix();
+    }
+    case Rule::forearm: {
+      if (alignment_.same_rest) return as_in_file(X, "elbow" + s);
+      const Vec3 along = (rest_[ours("wrist" + s)] - rest_[j]).normalized();
+      const Mat3 hand = as_in_file(X, (has("wrist" + s) ? "wrist" : "elbow") + s);
+      return parent * twist_of(Quat(Mat3(parent.transpose() * hand)), along).toRotationMatrix();
+    }
+    case Rule::ankle: {
+      // The talus takes the turn about the ankle's own axis, the joint below it the rest.
+      const Quat foot(Mat3(parent.transpose() * as_in_file(X, "ankle" + s)));
+      return parent * twist_of(foot, joint.axes.col(0)).toRotationMatrix();
+    }
+    case Rule::subtalar:
+      return as_in_file(X, "ankle" + s);
+    case Rule::finger:
+      return parent * plan.relaxed.toRotationMatrix();
+    case Rule::follow:
+      return parent;
+  }
+  return parent;
+}
+
+void PoseTransfer::transfer(const std::vector<Transform>& X, Pose& pose) {
+  limb_rotations(X);
+  pose.rotations.resize(skeleton_.joints.size());
+  for (size_t j = 0; j < skeleton_.joints.size(); ++j) {
+    R_[j] = turn_joint(X, int(j));
+    const int parent = skeleton_.joints[j].parent;
+    // The foot stays as the file has it: soles are seen to stand.
+    if (parent >= 0 && !alignment_.same_rest && plans_[j].rule != Rule::subtalar &&
+        plans_[j].rule != Rule::ankle)
+      R_[j] = R_[parent] *
+              possible_turn(skeleton_.joints[j], Quat(Mat3(R_[parent].transpose() * R_[j])))
+                  .toRotationMatrix();
+  }
+  if (own_)
+    for (const CarriedChain& chain : own_->chains) bend_to_rig(*own_, chain, X, rest_, R_);
+  for (size_t j = 0; j < skeleton_.joints.size(); ++j) {
+    const int parent = skeleton_.joints[j].parent;
+    pose.rotations[j] =
+        Quat(parent < 0 ? R_[j] : Mat3(R_[parent].transpose() * R_[j])).normalized();
+  }
+  const Vec3 hips =
+      0.5 * (X[rig_.pivot.at("hip_l")].translation() + X[rig_.pivot.at("hip_r")].translation());
+  const Vec3 offset = 0.5 * (rest_[ours("hip_l")] + rest_[ours("hip_r")]) - rest_[0];
+  pose.root = scale_ * (alignment_.W * hips) - R_[0] * offset;
+  if (!rig_.ours) complete_pose(skeleton_, pose);
+  if (!own_) return;
+  forward_kinematics(skeleton_, pose, X_WJ_);
+  pose.root += shift_to_rig(*own_, X, rest_, X_WJ_);
+}
+
+Vec3 PoseTransfer::place_in_file(const std::vector<Transform>& X, const char* part,
+                                 Side side) const {
+  if (own_) {
+    const int joint = ours(std::string(part) + side_suffix(side));
+    for (const CarriedPlace& place : own_->places)
+      if (place.joint == joint && place.part == joint) return carried(*own_, X, place);
+  }
+  return scale_ *
+         (alignment_.W * X[rig_.pivot.at(std::string(part) + side_suffix(side))].translation());
+}
+
+}  // namespace ecorche

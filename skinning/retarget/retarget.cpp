@@ -1,0 +1,305 @@
+#include "skinning/retarget/retarget.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "anatomy/errors.h"
+#include "anatomy/files/input_file.h"
+#include "anatomy/files/text_scanner.h"
+#include "anatomy/joint_angles.h"
+#include "skinning/constraints/ballistic_flight.h"
+#include "skinning/constraints/leg_ik.h"
+#include "skinning/constraints/motion_limits.h"
+#include "skinning/constraints/plant_feet.h"
+#include "skinning/motion/require_joint.h"
+#include "skinning/retarget/joint_mapping.h"
+#include "skinning/retarget/matching_rig.h"
+#include "skinning/retarget/pose_transfer.h"
+#include "skinning/retarget/rest_alignment.h"
+
+namespace ecorche {
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180;
+constexpr double kLimitTolerance = 0.5 * kDegree;
+constexpr LimbHold kPlanted{0.5e-3, 1 * kDegree, true};
+
+// Some files begin with a T-pose for the calibration, or glide out of one in a few frames. How many
+// frames at the start belong to it: those that move five times as fast as the movement that follows
+// and together turn some joint by more than 30 deg, and those after them in which the joints that
+// were turned so far settle, likewise five times as fast as they move later.
+int marker_frames(const std::vector<Pose>& frames) {
+  constexpr size_t kAtMost = 6, kSettled = 6, kLookAhead = 30;
+  if (frames.size() < 2 * kAtMost + 1) return 0;
+  const size_t steps = std::min(frames.size() - 1, kAtMost + kLookAhead);
+  const auto step = [&](size_t f, size_t j) {
+    return frames[f].rotations[j].angularDistance(frames[f + 1].rotations[j]);
+  };
+  const auto usual = [&](size_t from, const auto& speed) {
+    std::vector<double> later;
+    for (size_t f = from; f < steps; ++f) later.push_back(speed(f));
+    std::nth_element(later.begin(), later.begin() + std::ptrdiff_t(later.size() / 2), later.end());
+    return later[later.size() / 2];
+  };
+  const auto fastest = [&](size_t f) {
+    double most = 0;
+    for (size_t j = 0; j < frames[f].rotations.size(); ++j) most = std::max(most, step(f, j));
+    return most;
+  };
+  const double fast = 5 * usual(kAtMost, fastest);
+  size_t count = 0;
+  double total = 0;
+  while (count < kAtMost && fastest(count) > fast) total += fastest(count++);
+  if (count == kAtMost || total <= 30 * kDegree) return 0;
+  size_t settled = count;
+  for (size_t j = 0; j < frames[0].rotations.size(); ++j) {
+    double turned = 0;
+    for (size_t f = 0; f < count; ++f) turned += step(f, j);
+    if (turned <= 30 * kDegree) continue;
+    const size_t last = std::min(count + kSettled, steps);
+    const double slow =
+        std::max(0.5 * kDegree, 5 * usual(last - 1, [&](size_t f) { return step(f, j); }));
+    for (size_t f = settled; f < last; ++f)
+      if (step(f, j) > slow) settled = f + 1;
+  }
+  return int(settled);
+}
+
+// q and -q are the same turn: the one nearer to the frame before.
+void unwrap(std::vector<Pose>& frames) {
+  for (size_t f = 1; f < frames.size(); ++f)
+    for (size_t j = 0; j < frames[f].rotations.size(); ++j)
+      if (frames[f].rotations[j].dot(frames[f - 1].rotations[j]) < 0)
+        frames[f].rotations[j].coeffs() *= -1;
+}
+
+// Feet as far apart as the file's, whose hips may be wider or narrower than ours.
+// `hips`: ours from the root at rest, left and right.
+LimbShifts stance_shifts(const PoseTransfer& transfer, const std::vector<Transform>& X,
+                         const std::array<Vec3, 2>& hips, const Pose& pose) {
+  constexpr double kMost = 0.04;  // m
+  LimbShifts out;
+  for (size_t s = 0; s < 2; ++s) {
+    const Side side = s == 0 ? Side::left : Side::right;
+    const Vec3 across = pose.rotations[0] * Vec3::UnitX(),
+               here = pose.root + pose.rotations[0] * hips[s];
+    const double wider =
+        std::clamp((transfer.hip_in_file(X, side) - here).dot(across), -kMost, kMost);
+    out[s] = {0.5 * wider * across, wider * across};
+  }
+  return out;
+}
+
+// Heel and ball of the file's own leg, our foot put at its ankle.
+void add_foot(const PoseTransfer& transfer, const std::vector<Transform>& X, const Skeleton& ours,
+              Side side, double sole, FootPaths& foot) {
+  const FootShape shape = foot_shape(ours, side, sole);
+  const std::string s = side_suffix(side);
+  const Vec3 ankle = transfer.ankle_in_file(X, side), rest = rest_positions(ours)[shape.ankle];
+  const Mat3 R = transfer.as_in_file(X, "ankle" + s);
+  foot.heel.push_back(ankle + R * (shape.heel - rest));
+  foot.ball.push_back(ankle + R * (shape.ball - rest));
+}
+
+std::vector<LimitBreak> limit_breaks(const Skeleton& skeleton, const Motion& motion) {
+  std::vector<LimitBreak> out;
+  for (size_t j = 1; j < skeleton.joints.size(); ++j) {
+    if (skeleton.joints[j].name.starts_with("patella")) continue;  // it follows the knee
+    LimitBreak broken{skeleton.joints[j].name};
+    for (size_t f = 0; f < motion.frames.size(); ++f) {
+      const double excess = limit_excess(skeleton.joints[j], motion.frames[f].rotations[j]);
+      if (excess <= kLimitTolerance) continue;
+      ++broken.frames;
+      if (excess > broken.worst) broken.worst = excess, broken.worst_frame = int(f);
+    }
+    if (broken.frames > 0) out.push_back(broken);
+  }
+  return out;
+}
+
+// No recording goes so far; and further out single precision does not know millimetres.
+void check_nearness(const std::string& name, const Motion& motion, double metres_per_unit) {
+  constexpr double kFarthest = 10e3;  // m
+  for (size_t f = 0; f < motion.frames.size(); ++f) {
+    const Vec3& root = motion.frames[f].root;
+    const bool turned =
+        std::all_of(motion.frames[f].rotations.begin(), motion.frames[f].rotations.end(),
+                    [](const Quat& q) { return q.coeffs().allFinite(); });
+    if (turned && root.cwiseAbs().maxCoeff() <= kFarthest) continue;
+    throw UnfitError(
+        fmt::format("{}: frame {}: the figure is at {:.3g}, {:.3g}, {:.3g} m, further than {:.0f} "
+                    "km from the origin (a unit of the file is taken as {:.3g} m); "
+                    "correct that frame, or move the motion to the origin",
+                    name, f, root.x(), root.y(), root.z(), kFarthest / 1000, metres_per_unit));
+  }
+}
+
+// Leaps that no body makes are a fault of the recording, and are said; they are not mended.
+void warn_of_leaps(const std::string& name, const Motion& motion,
+                   std::vector<std::string>& warnings) {
+  constexpr double kFastest = 30, kShortest = 0.5;  // m/s, m
+  int leaps = 0;
+  size_t worst_frame = 0;
+  double worst = 0;
+  for (size_t f = 1; f < motion.frames.size(); ++f) {
+    const double way = (motion.frames[f].root - motion.frames[f - 1].root).norm();
+    if (way < kShortest || way * motion.fps < kFastest) continue;
+    ++leaps;
+    if (way > worst) worst = way, worst_frame = f;
+  }
+  if (leaps > 0)
+    warnings.push_back(
+        fmt::format("{}: the figure leaps {} times from one frame to the next, the furthest by "
+                    "{:.3g} m into frame {}",
+                    name, leaps, worst, worst_frame));
+}
+
+// Slight excesses are in most recordings; a knee turned backwards is in few.
+void warn_of_limited(const std::string& name, const std::vector<LimitBreak>& limited,
+                     std::vector<std::string>& warnings) {
+  constexpr double kFar = 15 * kDegree;
+  const LimitBreak* worst = nullptr;
+  int joints = 0;
+  for (const LimitBreak& one : limited) {
+    if (one.worst < kFar) continue;
+    ++joints;
+    if (!worst || one.worst > worst->worst) worst = &one;
+  }
+  if (worst)
+    warnings.push_back(fmt::format(
+        "{}: {} joints go beyond their limits by more than 15 deg and are brought back; the worst, "
+        "{}, by {:.0f} deg in frame {} ({} frames); "
+        "--limits keep leaves them",
+        name, joints, worst->joint, worst->worst / kDegree, worst->worst_frame, worst->frames));
+}
+
+}  // namespace
+
+Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOptions& options,
+                RetargetReport& report) {
+  report = RetargetReport{};
+  report.warnings = source.warnings;
+  const SourceRig rig = match_joints(source, ours, options.joint_map);
+  const RestAlignment alignment = align_rest(source, rig, ours, options.up);
+  report.matches = rig.matches;
+  report.warnings.insert(report.warnings.end(), rig.warnings.begin(), rig.warnings.end());
+  report.warnings.insert(report.warnings.end(), alignment.warnings.begin(),
+                         alignment.warnings.end());
+  report.up = alignment.up;
+  report.facing = alignment.facing;
+  report.reference_frame = alignment.reference_frame;
+  report.same_rest = alignment.same_rest;
+  report.source_leg = alignment.leg;
+  std::tie(report.unit, report.metres_per_unit) = guess_unit(alignment.leg);
+
+  const std::optional<OwnRig> own = find_own_rig(source, rig, alignment, ours);
+  report.own_rig = own.has_value();
+  PoseTransfer transfer(source, rig, alignment, own ? &*own : nullptr, ours,
+                        options.shoulder_rhythm);
+  report.scale = transfer.scale();
+  if (source.frames == 0)
+    report.warnings.push_back(
+        fmt::format("{}: it holds no frames; its rest pose is taken as one", source.name));
+  Motion motion{source.fps, std::vector<Pose>(std::max(source.frames, 1))};
+  const double sole = options.sole_height.value_or(guess_sole_height(ours));
+  std::array<FootPaths, 2> feet;
+  std::vector<LimbShifts> shifts;
+  const std::vector<Vec3> rest = rest_positions(ours);
+  const std::array<Vec3, 2> hips{rest[joint_of(ours, "hip_l")] - rest[0],
+                                 rest[joint_of(ours, "hip_r")] - rest[0]};
+  std::vector<Transform> X;
+  for (size_t f = 0; f < motion.frames.size(); ++f) {
+    bvh_kinematics(source, source.frames == 0 ? -1 : int(f), X);
+    transfer.transfer(X, motion.frames[f]);
+    shifts.push_back(stance_shifts(transfer, X, hips, motion.frames[f]));
+    for (int side = 0; side < 2; ++side)
+      add_foot(transfer, X, ours, side == 0 ? Side::left : Side::right, sole, feet[side]);
+  }
+  check_nearness(source.name, motion, report.metres_per_unit);
+  warn_of_leaps(source.name, motion, report.warnings);
+  report.dropped_frames = marker_frames(motion.frames);
+  if (report.dropped_frames > 0) {
+    const int n = report.dropped_frames;
+    motion.frames.erase(motion.frames.begin(), motion.frames.begin() + n);
+    shifts.erase(shifts.begin(), shifts.begin() + n);
+    for (FootPaths& foot : feet)
+      foot.heel.erase(foot.heel.begin(), foot.heel.begin() + n),
+          foot.ball.erase(foot.ball.begin(), foot.ball.begin() + n);
+    report.warnings.push_back(fmt::format("{}: a marker pose at the start is left out ({} frames)",
+                                          source.name, report.dropped_frames));
+  }
+  const bool keep = options.clamp_limits.value_or(!alignment.same_rest),
+             plant = options.plant_feet.value_or(!own), fall = options.keep_flights.value_or(!own);
+  if (!alignment.same_rest)
+    for (const Side side : {Side::left, Side::right}) {
+      const FootShape foot = foot_shape(ours, side, sole);
+      for (Pose& pose : motion.frames) turn_shin_with_foot(ours, foot, pose);
+    }
+  MotionLimiter limiter(ours, sole,
+                        options.keep_apart && options.rounds ? &*options.rounds : nullptr);
+  if (keep) {
+    report.limited = limit_breaks(ours, motion);
+    warn_of_limited(source.name, report.limited, report.warnings);
+    limiter.run({}, {}, shifts, motion);
+    report.parted = limiter.parted();
+  }
+  if (plant) plant_feet(ours, sole, feet, motion, report);
+  if (keep && plant) limiter.run(kPlanted, report.contacts, {}, motion);
+  if (!keep && plant)
+    for (Pose& pose : motion.frames) complete_pose(ours, pose);  // knees have moved
+  if (keep) report.ends_moved = limiter.moves();
+  if (fall) keep_flights(ours, sole, motion, report);
+  measure_feet(ours, sole, motion, report);
+  unwrap(motion.frames);
+  report.limit_breaks = limit_breaks(ours, motion);
+  if (!report.parted.empty()) {
+    const std::vector<MeetingBreak> left = limiter.meetings(motion);
+    for (size_t k = 0; k < left.size(); ++k) report.parted[k].left = left[k].worst;
+    std::erase_if(report.parted, [](const MeetingBreak& one) { return one.frames == 0; });
+  }
+  return motion;
+}
+
+std::string format_matches(const RetargetReport& report) {
+  size_t width = 4;
+  for (const JointMatch& match : report.matches) width = std::max(width, match.source.size());
+  std::string out = fmt::format("{:{}}  {:24}  how\n", "file", width, "ours");
+  for (const JointMatch& match : report.matches)
+    out += fmt::format("{:{}}  {:24}  {}\n", match.source, width,
+                       match.ours.empty() ? "-" : match.ours, match.how);
+  return out;
+}
+
+std::map<std::string, std::string> read_joint_map(const std::filesystem::path& file) {
+  return parse_joint_map(read_input_file(file, limits::kTableBytes), printable(file.string()));
+}
+
+std::map<std::string, std::string> parse_joint_map(std::string_view text, const std::string& name) {
+  std::map<std::string, std::string> out;
+  const auto trimmed = [](std::string_view words) {
+    const size_t begin = words.find_first_not_of(" \t\r"), end = words.find_last_not_of(" \t\r");
+    return begin == std::string_view::npos ? std::string()
+                                           : std::string(words.substr(begin, end - begin + 1));
+  };
+  TextScan scan(text, name);
+  while (scan.next_line()) {
+    const std::string line = trimmed(scan.line().substr(0, scan.line().find('#')));
+    if (line.empty()) continue;
+    const size_t equals = line.rfind('=');
+    if (equals == std::string::npos)
+      scan.fail(
+          fmt::format("'{}': expected 'file joint = our joint'", printable(line.substr(0, 80))));
+    const std::string joint = trimmed(line.substr(0, equals));
+    if (joint.empty() || out.count(joint))
+      scan.fail(fmt::format("'{}': empty or given twice", printable(joint.substr(0, 80))));
+    out[joint] = trimmed(line.substr(equals + 1));
+  }
+  if (out.empty())
+    throw InputError(
+        fmt::format("{}: names no joint; expected lines 'file joint = our joint'", name));
+  return out;
+}
+
+}  // namespace ecorche

@@ -1,0 +1,236 @@
+#include "skinning/settle/self_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "anatomy/compute/simd_lanes.h"
+#include "anatomy/geometry/vertex_normals.h"
+#include "anatomy/queries/ray_bundle.h"
+
+namespace ecorche {
+
+namespace {
+
+constexpr float kSight = 0.5f, kNear = 2e-4f;  // m
+constexpr float kGap = 2e-3f;                  // m, that is left between parts
+constexpr double kGive = 1;                    // of the tissue
+// of what a vertex may be pushed: deeper inside, the other side of a thin part would be met
+constexpr float kReach = 1;
+constexpr double kLeastGive = 1e-3;  // m
+constexpr int kBlock = 512;
+constexpr std::size_t kManyLooks = 4, kPatches = 16;  // a patch; a task
+
+struct Surface {
+  const FittedTree& tree;
+  std::span<const float> boxes, positions;
+};
+
+// The look behind a vertex: from a little before it inwards, as far as it may be pushed.
+struct LookBehind {
+  Float4 from, normal;
+  float gap = 0, reach = 0;
+};
+
+LookBehind look_behind(const Surface& surface, const SkinContact& contact,
+                       std::span<const float> normals, std::size_t vertex) {
+  const Float4 normal = load4(&normals[4 * vertex]);
+  return {load4(&surface.positions[4 * vertex]) + contact.gap[vertex] * normal, normal,
+          contact.gap[vertex], kReach * contact.give[vertex]};
+}
+
+// Half of the way out, and of the gap. A point before the vertex that is inside another part sees
+// the back of the surface that it came through a little way behind it, at `depth`, and some back
+// ahead of it; the look behind comes first, as it is short and mostly settles the matter.
+Float4 find_push(const Surface& surface, const LookBehind& look, float depth) {
+  if (depth <= 0 || back_seen(surface.tree, surface.boxes, surface.positions, look.from,
+                              look.normal, 0, kSight) <= 0)
+    return Float4{};
+  const float fade = std::clamp(2 - 2 * (depth - look.gap) / look.reach, 0.0f, 1.0f);
+  return (-0.5f * fade * depth) * look.normal;
+}
+
+template <class Do>
+void each_vertex(int count, const Do& act) {
+  tbb::parallel_for(0, (count + kBlock - 1) / kBlock, [&](int block) {
+    for (int i = block * kBlock; i < std::min(count, (block + 1) * kBlock); ++i) act(i);
+  });
+}
+
+// The pushes of a patch's vertices that are looked at. Where these are many, what lies behind them
+// is gathered first.
+void find_pushes(const Surface& surface, const SkinContact& contact, std::span<const float> normals,
+                 std::span<const int> patch, ContactScratch& s) {
+  std::size_t count = 0;
+  Float4 low = all(1e30f), high = all(-1e30f);
+  for (const int i : patch) {
+    const std::size_t at = i;
+    if (!s.wanted[at]) continue;
+    const LookBehind look = look_behind(surface, contact, normals, at);
+    const Float4 end = look.from - (look.gap + look.reach) * look.normal;
+    low = least(low, least(look.from, end));
+    high = most(high, most(look.from, end));
+    ++count;
+  }
+  RayBundle bundle;
+  const bool gathered = count >= kManyLooks && gather_leaves(surface.tree, surface.boxes,
+                                                             surface.positions, low, high, bundle);
+  for (const int i : patch) {
+    const std::size_t at = i;
+    if (!s.wanted[at]) continue;
+    const LookBehind look = look_behind(surface, contact, normals, at);
+    const float far = look.gap + look.reach;
+    const float depth = gathered ? next_back(bundle, look.from, -look.normal, look.gap, far)
+                                 : next_back(surface.tree, surface.boxes, surface.positions,
+                                             look.from, -look.normal, look.gap, far);
+    store4(&s.pushes[4 * at], find_push(surface, look, depth));
+  }
+}
+
+// The pushes of those that are looked at; s.pushed: who gets one, and nobody else.
+void find_pushes(const Surface& surface, const SkinContact& contact, std::span<const float> normals,
+                 ContactScratch& s) {
+  std::fill(s.pushes.begin(), s.pushes.end(), 0.0f);
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, contact.patches.reach.size(), kPatches),
+      [&](const auto& range) {
+        for (std::size_t p = range.begin(); p < range.end(); ++p) {
+          const std::span<const int> patch = own_of(contact.patches.groups, p);
+          if (std::any_of(patch.begin(), patch.end(), [&](int i) { return s.wanted[i] != 0; }))
+            find_pushes(surface, contact, normals, patch, s);
+        }
+      });
+  s.pushed.clear();
+  for (std::size_t i = 0; i < s.wanted.size(); ++i) {
+    if (!s.wanted[i]) continue;
+    const Float4 push = load4(&s.pushes[4 * i]);
+    s.wanted[i] = sum4(push * push)[0] > 0;
+    if (s.wanted[i]) s.pushed.push_back(int(i));
+  }
+}
+
+// Vertices about those that are pushed follow by a share.
+void spread_pushes(const Membrane& rings, std::span<const float> give, ContactScratch& s) {
+  constexpr float kShare = 0.6f;
+  constexpr int kRounds = 2;
+  std::size_t begin = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    for (const std::size_t end = s.pushed.size(); begin < end; ++begin)
+      for (int k = rings.first[s.pushed[begin]]; k < rings.first[s.pushed[begin] + 1]; ++k) {
+        const std::size_t j = rings.neighbour[k];
+        if (s.wanted[j] || give[j] <= 0) continue;
+        s.wanted[j] = 1;
+        s.pushed.push_back(int(j));
+      }
+    each_vertex(int(s.pushed.size()), [&](int p) {
+      const std::size_t i = s.pushed[p];
+      Float4 push = load4(&s.pushes[4 * i]), sum{};
+      for (int k = rings.first[i]; k < rings.first[i + 1]; ++k)
+        sum += load4(&s.pushes[4 * rings.neighbour[k]]);
+      sum *= kShare / float(rings.first[i + 1] - rings.first[i]);
+      store4(&s.spread[4 * i], sum4(sum * sum)[0] > sum4(push * push)[0] ? sum : push);
+    });
+    each_vertex(int(s.pushed.size()), [&](int p) {
+      const std::size_t at = 4 * std::size_t(s.pushed[p]);
+      store4(&s.pushes[at], load4(&s.spread[at]));
+    });
+  }
+}
+
+// Normals of those that have been pushed and of their neighbours.
+void renew_normals(const Membrane& rings, const SkinContact& contact,
+                   std::span<const float> positions, std::span<float> normals, ContactScratch& s) {
+  s.turning.clear();
+  const auto add = [&](int i) {
+    char& turned = s.turned[i];
+    if (!turned) s.turning.push_back(i);
+    turned = 1;
+  };
+  for (const int i : s.pushed) {
+    add(i);
+    for (int k = rings.first[i]; k < rings.first[i + 1]; ++k) add(rings.neighbour[k]);
+  }
+  each_vertex(int(s.turning.size()), [&](int t) {
+    const std::size_t i = s.turning[t];
+    const auto place = [&](int corner) { return load4(&positions[4 * contact.about[corner]]); };
+    Float4 sum{};
+    for (int k = contact.about_first[i]; k < contact.about_first[i + 1]; k += 3) {
+      const Float4 a = place(k);
+      sum += cross(place(k + 1) - a, place(k + 2) - a);
+    }
+    store4(&normals[4 * i], sum * (1.0f / std::sqrt(sum4(sum * sum)[0] + 1e-30f)));
+    s.turned[i] = 0;
+  });
+}
+
+void find_triangles(std::span<const int> triangles, std::size_t vertices, SkinContact& out) {
+  out.about_first.assign(vertices + 1, 0);
+  for (const int v : triangles) out.about_first[v + 1] += 3;
+  std::partial_sum(out.about_first.begin(), out.about_first.end(), out.about_first.begin());
+  out.about.resize(3 * triangles.size());
+  std::vector<int> next(out.about_first.begin(), out.about_first.end() - 1);
+  for (std::size_t f = 0; f < triangles.size(); f += 3)
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t c = 0; c < 3; ++c) out.about[next[triangles[f + k]]++] = triangles[f + c];
+}
+
+}  // namespace
+
+SkinContact make_skin_contact(const Membrane& rings, std::span<const float> positions,
+                              std::span<const int> triangles, std::span<const double> tissue) {
+  SkinContact out;
+  out.tree = make_fitted_tree(positions, triangles);
+  std::vector<float> boxes;
+  fit_boxes(out.tree, positions, boxes);
+  std::vector<float> normals(positions.size());
+  vertex_normals(positions, triangles, normals);
+  for (std::size_t i = 0; i < tissue.size(); ++i) {
+    const Float4 p = load4(&positions[4 * i]), n = load4(&normals[4 * i]);
+    const bool inside = back_seen(out.tree, boxes, positions, p, n, kNear, kSight) > 0;
+    const float before = front_seen(out.tree, boxes, positions, p, n, kNear, 2 * kGap);
+    out.give.push_back(inside ? 0 : float(kGive * tissue[i] + kLeastGive));
+    out.gap.push_back(before > 0 ? before / 2 : kGap);
+  }
+  find_triangles(triangles, tissue.size(), out);
+  out.patches = cut_patches(rings, positions, normals, out.give);
+  return out;
+}
+
+bool part_skin(const Membrane& rings, const SkinContact& contact, std::span<const int> triangles,
+               int rounds, std::span<float> positions, std::vector<float>& normals,
+               ContactScratch& s) {
+  const std::size_t n = positions.size() / 4;
+  const std::vector<float>& give = contact.give;
+  for (std::vector<float>* each : {&s.pushes, &s.spread, &normals}) each->resize(4 * n);
+  s.wanted.resize(n);
+  s.pushed.reserve(n);
+  s.turned.resize(n, 0);
+  s.turning.reserve(n);
+  vertex_normals(positions, triangles, normals, s.half);
+  if (!find_meetings(contact.patches, {give, kGap, positions, normals}, s.patches, s.wanted))
+    return false;
+  s.before.assign(positions.begin(), positions.end());
+  bool moved = false;
+  for (int round = 0; round < rounds; ++round) {
+    fit_boxes(contact.tree, positions, s.boxes);
+    find_pushes({contact.tree, s.boxes, positions}, contact, normals, s);
+    spread_pushes(rings, give, s);
+    each_vertex(int(s.pushed.size()), [&](int p) {
+      const std::size_t i = s.pushed[p];
+      const Float4 start = load4(&s.before[4 * i]);
+      Float4 way = load4(&positions[4 * i]) + load4(&s.pushes[4 * i]) - start;
+      const float length = std::sqrt(sum4(way * way)[0]);
+      if (length > give[i]) way *= give[i] / length;
+      store4(&positions[4 * i], start + way);
+    });
+    if (s.pushed.empty()) break;
+    renew_normals(rings, contact, positions, normals, s);
+    moved = true;
+  }
+  return moved;
+}
+
+}  // namespace ecorche

@@ -1,0 +1,470 @@
+#include "viewer/gl/renderer.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include "anatomy/errors.h"
+#include "viewer/gl/gl_api.h"
+#include "viewer/gl/gl_context.h"
+#include "viewer/gl/gl_program.h"
+#include "viewer/gl/gl_targets.h"
+#include "viewer/gl/gpu_mesh.h"
+#include "viewer/gl/picture_frame.h"
+#include "viewer/gl/shaders.h"
+
+namespace ecorche {
+namespace {
+
+constexpr int largest_side = 16384;
+constexpr double largest_sample_count = 1 << 26;
+
+Vec3f linear(const Vec3f& srgb) {
+  return srgb.unaryExpr(
+      [](float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); });
+}
+
+bool is_opaque(const DrawItem& item) { return item.surface.opacity >= 1; }
+bool dissolves(const DrawItem& item) { return item.surface.dissolved > 0; }
+bool is_hidden(const DrawItem& item) {
+  return (item.surface.opacity <= 0 && item.surface.edge_opacity <= 0) ||
+         item.surface.dissolved >= 1;
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+  Impl(RenderOptions wanted, std::unique_ptr<GlContext> own, GetProc get_proc)
+      : options(wanted), context(std::move(own)), gl(load_gl(get_proc)) {
+    GLint largest = 0;
+    gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+    driver_side = std::min(int(largest), largest_side);
+    const auto text = [this](GLenum name) {
+      const GLubyte* said = gl.GetString(name);
+      return said ? reinterpret_cast<const char*>(said) : "unknown";
+    };
+    driver = fmt::format("{}, {}, OpenGL {}", context ? context->kind() : "window",
+                         text(GL_RENDERER), text(GL_VERSION));
+    gl.GenVertexArrays(1, &empty_array);
+    gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  }
+  ~Impl() {
+    if (context) context->make_current();
+    gl.DeleteVertexArrays(1, &empty_array);
+  }
+
+  void draw(const DrawList& list, int width, int height, GLuint framebuffer);
+  void set_frame(const GlProgram& program, const DrawList& list) const;
+  void draw_shadows(const DrawList& list);
+  void draw_background(const DrawList& list);
+  void draw_opaque(const DrawList& list);
+  void draw_occlusion(const DrawList& list);
+  void draw_translucent(const DrawList& list);
+  void draw_resolved(GLuint framebuffer);
+  const GlProgram& surface_program(const DrawList& list, const DrawItem& item) const;
+  void set_surface(const GlProgram& program, const DrawItem& item) const;
+  void draw_item(const GlProgram& program, const DrawList& list, const DrawItem& item) const;
+  void bind_texture(int unit, GLuint texture) const {
+    gl.ActiveTexture(GL_TEXTURE0 + unit);
+    gl.BindTexture(GL_TEXTURE_2D, texture);
+  }
+  void draw_screen() const {
+    gl.BindVertexArray(empty_array);
+    gl.DrawArrays(GL_TRIANGLES, 0, 3);
+  }
+  void limit_to(const PixelWindow& w, int scale) const {
+    gl.Enable(GL_SCISSOR_TEST);
+    gl.Scissor(w.x * scale, w.y * scale, w.width * scale, w.height * scale);
+  }
+
+  RenderOptions options;
+  std::unique_ptr<GlContext> context;  // outlives what was made in it
+  GlApi gl;
+  std::string driver;
+  int driver_side = 0;
+  GLuint empty_array = 0;
+  PictureFrame frame;
+  int samples = 1;
+  int width = 0, height = 0;
+  GpuMeshes meshes{gl};
+  GlTarget shadow{gl, {}, true};
+  GlTarget ground{gl, {GL_RGBA16F}, true};  // one sample a pixel: it filters itself
+  GlTarget scene{gl, {GL_RGBA16F, GL_R32UI, GL_RGBA8}, true};  // colour times opacity, part, normal
+  GlTarget raw_open{gl, {GL_R8}, false}, open{gl, {GL_R8}, false};
+  GlTarget result{gl, {GL_RGBA8}, false};
+  static constexpr const char* dissolve_define = "#define DISSOLVES\n";
+  static constexpr const char* fibre_define = "#define HAS_FIBRES\n";
+  GlProgram plain_program{gl, "surface", "", shader_prelude, surface_vertex, surface_fragment};
+  GlProgram fibre_program{
+      gl, "surface with fibres", fibre_define, shader_prelude, surface_vertex, surface_fragment};
+  GlProgram dissolve_program{gl,
+                             "surface that dissolves",
+                             dissolve_define,
+                             shader_prelude,
+                             surface_vertex,
+                             surface_fragment};
+  GlProgram shadow_program{gl, "shadow", "", shader_prelude, shadow_vertex, shadow_fragment};
+  GlProgram shadow_dissolve_program{
+      gl, "shadow that dissolves", dissolve_define, shader_prelude, shadow_vertex, shadow_fragment};
+  GlProgram background_program{
+      gl, "background", "", shader_prelude, screen_vertex, background_fragment};
+  GlProgram background_sunny_program{gl,
+                                     "background without shadow",
+                                     "#define SUNNY\n",
+                                     shader_prelude,
+                                     screen_vertex,
+                                     background_fragment};
+  GlProgram background_empty_program{gl,
+                                     "background without ground",
+                                     "#define EMPTY\n",
+                                     shader_prelude,
+                                     screen_vertex,
+                                     background_fragment};
+  GlProgram occlusion_program{
+      gl, "occlusion", "", shader_prelude, screen_vertex, occlusion_fragment};
+  GlProgram blur_program{
+      gl, "occlusion blur", "", shader_prelude, screen_vertex, occlusion_blur_fragment};
+  GlProgram resolve_program{
+      gl, "resolve", "#define FIGURE\n", shader_prelude, screen_vertex, resolve_fragment};
+  GlProgram resolve_ground_program{
+      gl, "resolve ground", "", shader_prelude, screen_vertex, resolve_fragment};
+  std::optional<GlProgram> resolve_transparent_program;  // few pictures need it
+};
+
+void Renderer::Impl::set_frame(const GlProgram& program, const DrawList& list) const {
+  const Lighting& light = list.lighting;
+  program.use();
+  program.set("u_view_projection", frame.view_projection);
+  program.set("u_unproject", frame.unproject);
+  program.set("u_eye", list.camera.eye);
+  program.set("u_forward", Vec3f((list.camera.target - list.camera.eye).normalized()));
+  program.set("u_parallel", list.camera.ortho_height > 0 ? 1.0f : 0.0f);
+  program.set("u_key_direction", frame.key);
+  program.set("u_key_color", Vec3f(linear(light.key_color) * light.key_strength));
+  program.set("u_sky_color", Vec3f(linear(light.sky_color) * light.ambient_strength));
+  program.set("u_floor_color", Vec3f(linear(light.floor_color) * light.ambient_strength));
+  program.set("u_rim_direction", frame.rim);
+  program.set("u_rim_color", Vec3f(linear(light.rim_color) * light.rim_strength));
+  Mat4f half = Mat4f::Identity() * 0.5f;
+  half.col(3) = Vec4f(0.5f, 0.5f, 0.5f, 1);
+  program.set("u_shadow", Mat4f(half * frame.shadow_view_projection));
+  program.set("u_shadow_strength", options.shadow_size > 0 ? light.shadow_strength : 0.0f);
+  program.set("u_shadow_texel", options.shadow_size > 0 ? 1.0f / float(options.shadow_size) : 0.0f);
+  program.set("u_shadow_world", frame.shadow_texel_world);
+  program.set("u_shadow_map", 0);
+}
+
+const GlProgram& Renderer::Impl::surface_program(const DrawList& list, const DrawItem& item) const {
+  if (dissolves(item)) return dissolve_program;
+  return item.surface.striation > 0 && !list.meshes[item.mesh].fibres.empty() ? fibre_program
+                                                                              : plain_program;
+}
+
+void Renderer::Impl::set_surface(const GlProgram& program, const DrawItem& item) const {
+  const Surface& s = item.surface;
+  program.use();
+  program.set("u_normal", Eigen::Matrix3f(item.X_WM.topLeftCorner<3, 3>().inverse().transpose()));
+  program.set("u_opacity", s.opacity);
+  program.set("u_edge_opacity", s.edge_opacity);
+  program.set("u_roughness", s.roughness);
+  program.set("u_specular", s.specular);
+  program.set("u_scatter", s.scatter);
+  program.set("u_striation", s.striation);
+}
+
+void Renderer::Impl::draw_item(const GlProgram& program, const DrawList& list,
+                               const DrawItem& item) const {
+  program.use();
+  if (item.closed) {
+    gl.Enable(GL_CULL_FACE);
+  } else {
+    gl.Disable(GL_CULL_FACE);
+  }
+  program.set("u_model", item.X_WM);
+  program.set("u_dissolved", item.surface.dissolved);
+  meshes.draw(list, item);
+}
+
+void Renderer::Impl::draw_shadows(const DrawList& list) {
+  if (options.shadow_size <= 0 || list.lighting.shadow_strength <= 0) return;
+  const int size = std::min(options.shadow_size, driver_side);
+  const bool fresh = shadow.width() != size;
+  shadow.resize(size, size);
+  if (fresh) {
+    bind_texture(0, shadow.depth());
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  }
+  shadow.bind(0);
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthMask(GL_TRUE);
+  gl.DepthFunc(GL_LESS);
+  gl.Clear(GL_DEPTH_BUFFER_BIT);
+  gl.Enable(GL_POLYGON_OFFSET_FILL);
+  gl.PolygonOffset(1.5f, 2.0f);
+  for (const GlProgram* program : {&shadow_program, &shadow_dissolve_program}) {
+    program->use();
+    program->set("u_view_projection", frame.shadow_view_projection);
+  }
+  for (const DrawItem& item : list.items)
+    if (item.casts_shadow && item.surface.opacity >= 0.5f && !is_hidden(item))
+      draw_item(dissolves(item) ? shadow_dissolve_program : shadow_program, list, item);
+  gl.Disable(GL_POLYGON_OFFSET_FILL);
+}
+
+// Shadows are looked up only where one can fall: there, and in the four strips around.
+void Renderer::Impl::draw_background(const DrawList& list) {
+  const Ground& g = list.ground;
+  ground.resize(width, height);
+  ground.bind();
+  bind_texture(0, shadow.depth());
+  gl.Disable(GL_CULL_FACE);
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthFunc(GL_ALWAYS);
+  gl.DepthMask(GL_TRUE);
+  if (options.transparent) {
+    const float nothing[4] = {0, 0, 0, 0}, far_away = 1;
+    gl.ClearBufferfv(GL_COLOR, 0, nothing);
+    gl.ClearBufferfv(GL_DEPTH, 0, &far_away);
+    gl.DepthFunc(GL_LESS);
+    return;
+  }
+  auto draw_in = [&](const GlProgram& p, const PixelWindow& w) {
+    if (w.width <= 0 || w.height <= 0) return;
+    limit_to(w, 1);
+    set_frame(p, list);
+    p.set("u_top", list.background_top);
+    p.set("u_bottom", list.background_bottom);
+    p.set("u_ground_height", g.height);
+    p.set("u_ground_color", g.color);
+    p.set("u_grid", g.grid);
+    p.set("u_board", g.board);
+    p.set("u_fade_distance", 30.0f);
+    p.set("u_track", Vec4f(g.track_center, g.track_half_width, g.track_begin, g.track_end));
+    p.set("u_lane", 2 * g.track_half_width / float(std::max(g.lanes, 1)));
+    p.set("u_pit", Vec3f(g.pit_half_width, g.pit_begin, g.pit_end));
+    draw_screen();
+  };
+  const PixelWindow w = g.visible ? frame.shadow : PixelWindow{};
+  draw_in(background_program, w);
+  const GlProgram& rest = g.visible ? background_sunny_program : background_empty_program;
+  draw_in(rest, {0, 0, width, w.y});
+  draw_in(rest, {0, w.y + w.height, width, height - w.y - w.height});
+  draw_in(rest, {0, w.y, w.x, w.height});
+  draw_in(rest, {w.x + w.width, w.y, width - w.x - w.width, w.height});
+  gl.DepthFunc(GL_LESS);
+  gl.Disable(GL_SCISSOR_TEST);
+}
+
+void Renderer::Impl::draw_opaque(const DrawList& list) {
+  scene.resize(width * samples, height * samples);
+  scene.bind();
+  bind_texture(0, shadow.depth());
+  const float nothing[4] = {0, 0, 0, 0}, far_away = 1;
+  const GLuint no_part[4] = {0, 0, 0, 0};
+  gl.DepthMask(GL_TRUE);
+  gl.ClearBufferfv(GL_COLOR, 0, nothing);
+  gl.ClearBufferuiv(GL_COLOR, 1, no_part);
+  gl.ClearBufferfv(GL_COLOR, 2, nothing);
+  gl.ClearBufferfv(GL_DEPTH, 0, &far_away);
+  limit_to(frame.figure, samples);
+  for (const GlProgram* program : {&plain_program, &fibre_program, &dissolve_program})
+    set_frame(*program, list);
+  for (const DrawItem& item : list.items) {
+    if (!is_opaque(item) || is_hidden(item)) continue;
+    const GlProgram& program = surface_program(list, item);
+    set_surface(program, item);
+    draw_item(program, list, item);
+  }
+}
+
+// One sample a pixel. Glass skin comes after it: the shade is of what lies beneath.
+void Renderer::Impl::draw_occlusion(const DrawList& list) {
+  raw_open.resize(width, height);
+  open.resize(width, height);
+  gl.Disable(GL_CULL_FACE);
+  gl.Disable(GL_DEPTH_TEST);
+  gl.Disable(GL_SCISSOR_TEST);
+  const float bright[4] = {1, 1, 1, 1};
+  open.bind();
+  gl.ClearBufferfv(GL_COLOR, 0, bright);
+  if (options.ambient_occlusion && frame.shaded.width > 0) {
+    bind_texture(1, scene.depth());
+    bind_texture(2, scene.texture(2));
+    bind_texture(3, ground.depth());
+    raw_open.bind();
+    gl.Disable(GL_SCISSOR_TEST);
+    gl.ClearBufferfv(GL_COLOR, 0, bright);
+    limit_to(frame.shaded, 1);
+    set_frame(occlusion_program, list);
+    occlusion_program.set("u_depth", 1);
+    occlusion_program.set("u_normals", 2);
+    occlusion_program.set("u_ground_depth", 3);
+    occlusion_program.set("u_samples", samples);
+    occlusion_program.set("u_pixel", Eigen::Vector2f(1.0f / float(width), 1.0f / float(height)));
+    occlusion_program.set("u_radius", frame.occlusion_reach);
+    occlusion_program.set("u_ball", Vec4f(frame.ball.center.x(), frame.ball.center.y(),
+                                          frame.ball.center.z(), frame.ball.radius));
+    draw_screen();
+    open.bind();
+    bind_texture(2, raw_open.texture(0));
+    blur_program.use();
+    blur_program.set("u_depth", 1);
+    blur_program.set("u_open", 2);
+    blur_program.set("u_ground_depth", 3);
+    blur_program.set("u_samples", samples);
+    draw_screen();
+  }
+  gl.Enable(GL_DEPTH_TEST);
+}
+
+// First the depth of the nearest layer, then that layer alone is blended: no sorting, no inner
+// walls.
+void Renderer::Impl::draw_translucent(const DrawList& list) {
+  scene.bind(1);
+  limit_to(frame.figure, samples);
+  bind_texture(0, shadow.depth());
+  for (const DrawItem& item : list.items) {
+    if (is_opaque(item) || is_hidden(item)) continue;
+    const GlProgram& program = surface_program(list, item);
+    set_surface(program, item);
+    gl.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    draw_item(dissolves(item) ? program : plain_program, list, item);
+    gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    gl.DepthFunc(GL_EQUAL);
+    gl.Enable(GL_BLEND);
+    gl.BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    draw_item(program, list, item);
+    gl.Disable(GL_BLEND);
+    gl.DepthFunc(GL_LESS);
+  }
+}
+
+void Renderer::Impl::draw_resolved(GLuint framebuffer) {
+  gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  gl.Viewport(0, 0, width, height);
+  gl.Disable(GL_CULL_FACE);
+  gl.Disable(GL_DEPTH_TEST);
+  gl.Disable(GL_SCISSOR_TEST);
+  bind_texture(1, scene.texture(0));
+  bind_texture(2, scene.texture(1));
+  bind_texture(3, open.texture(0));
+  bind_texture(4, ground.texture(0));
+  if (options.transparent && !resolve_transparent_program)
+    resolve_transparent_program.emplace(gl, "resolve without background",
+                                        "#define FIGURE\n#define TRANSPARENT\n", shader_prelude,
+                                        screen_vertex, resolve_fragment);
+  const GlProgram* over = options.transparent ? &*resolve_transparent_program : &resolve_program;
+  for (const GlProgram* program : {options.transparent ? over : &resolve_ground_program, over}) {
+    program->use();
+    program->set("u_color", 1);
+    program->set("u_parts", 2);
+    program->set("u_open", 3);
+    program->set("u_ground", 4);
+    program->set("u_samples", samples);
+    program->set("u_outline", options.outline);
+    draw_screen();
+    limit_to(frame.figure, 1);
+  }
+  gl.Disable(GL_SCISSOR_TEST);
+}
+
+void Renderer::Impl::draw(const DrawList& list, int out_width, int out_height, GLuint framebuffer) {
+  if (out_width < 1 || out_height < 1)
+    throw UsageError(
+        fmt::format("picture size {}x{}: must be at least 1x1", out_width, out_height));
+  if (std::max(out_width, out_height) > driver_side)
+    throw LimitError(fmt::format("picture size {}x{}: the graphics driver draws at most {} a side",
+                                 out_width, out_height, driver_side));
+  for (const DrawItem& item : list.items)
+    if (item.mesh < 0 || item.mesh >= int(list.meshes.size()))
+      throw std::invalid_argument(fmt::format("draw list: item of part {}: mesh {} of {}",
+                                              item.part, item.mesh, list.meshes.size()));
+  width = out_width;
+  height = out_height;
+  samples = std::clamp(options.supersample, 1, 4);
+  while (samples > 1 && (std::max(width, height) * samples > driver_side ||
+                         double(width) * height * samples * samples > largest_sample_count))
+    --samples;
+  gl.Disable(GL_BLEND);
+  gl.Disable(GL_CULL_FACE);
+  gl.Disable(GL_SCISSOR_TEST);
+  meshes.begin(list);
+  frame = make_picture_frame(list, meshes, width, height, options.shadow_size);
+  draw_shadows(list);
+  draw_background(list);
+  draw_opaque(list);
+  draw_occlusion(list);
+  draw_translucent(list);
+  draw_resolved(framebuffer);
+}
+
+Renderer::Renderer(RenderOptions options) {
+  std::unique_ptr<GlContext> context = make_headless_context();
+  const GetProc get_proc = context->get_proc();
+  impl_ = std::make_unique<Impl>(options, std::move(context), get_proc);
+}
+
+Renderer::Renderer(RenderOptions options, GetProc get_proc)
+    : impl_(std::make_unique<Impl>(options, nullptr, get_proc)) {}
+
+Renderer::~Renderer() = default;
+
+RenderOptions& Renderer::options() { return impl_->options; }
+const std::string& Renderer::driver() const { return impl_->driver; }
+
+Image Renderer::render(const DrawList& list, int width, int height) {
+  Impl& r = *impl_;
+  if (r.context) r.context->make_current();
+  if (width >= 1 && height >= 1 && std::max(width, height) <= r.driver_side)
+    r.result.resize(width, height);
+  r.draw(list, width, height, r.result.framebuffer());
+  Image upside_down = make_image(width, height), image = make_image(width, height);
+  image.transparent = r.options.transparent;
+  r.gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
+  r.gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, upside_down.rgba.data());
+  for (int y = 0; y < height; ++y)
+    std::copy_n(upside_down.pixel(0, height - 1 - y), 4 * width, image.pixel(0, y));
+  return image;
+}
+
+void Renderer::render_to(const DrawList& list, int width, int height, unsigned framebuffer) {
+  impl_->draw(list, width, height, framebuffer);
+}
+
+std::uint32_t Renderer::part_at(int x, int y) {
+  Impl& r = *impl_;
+  if (x < 0 || y < 0 || x >= r.width || y >= r.height) return 0;
+  if (r.context) r.context->make_current();
+  std::uint32_t part = 0;
+  GLint drawn_into = 0;
+  r.gl.GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &drawn_into);
+  r.gl.BindFramebuffer(GL_FRAMEBUFFER, r.scene.framebuffer());
+  r.gl.ReadBuffer(GL_COLOR_ATTACHMENT1);
+  r.gl.ReadPixels(x * r.samples, (r.height - 1 - y) * r.samples, 1, 1, GL_RED_INTEGER,
+                  GL_UNSIGNED_INT, &part);
+  r.gl.BindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(drawn_into));
+  return part;
+}
+
+std::vector<std::uint32_t> Renderer::parts() {
+  Impl& r = *impl_;
+  if (r.context) r.context->make_current();
+  const int w = r.width * r.samples, h = r.height * r.samples;
+  std::vector<std::uint32_t> all(std::size_t(w) * h), out(std::size_t(r.width) * r.height);
+  r.gl.BindFramebuffer(GL_FRAMEBUFFER, r.scene.framebuffer());
+  r.gl.ReadBuffer(GL_COLOR_ATTACHMENT1);
+  r.gl.ReadPixels(0, 0, w, h, GL_RED_INTEGER, GL_UNSIGNED_INT, all.data());
+  for (int y = 0; y < r.height; ++y)
+    for (int x = 0; x < r.width; ++x)
+      out[y * r.width + x] = all[((r.height - 1 - y) * r.samples) * w + x * r.samples];
+  return out;
+}
+
+}  // namespace ecorche

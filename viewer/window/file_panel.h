@@ -1,0 +1,20 @@
+// Asks for a file: a line to write in, and the folder's files to choose from.
+#pragma once
+
+#include "viewer/window/view_document.h"
+
+namespace ecorche {
+
+// What may be opened from a folder: characters, crowds, motions. Folders first, then files, by
+// name; hidden ones left away.
+struct FolderEntry {
+  std::string name;
+  bool folder = false;
+};
+std::vector<FolderEntry> list_folder(const std::filesystem::path& folder);
+
+// Shows while the document asks for a file; then has the subject open it or save to it. Between
+// ImGui::NewFrame and ImGui::Render.
+void draw_file_panel(const ViewSubject& subject, ViewDocument& document);
+
+}  // namespace ecorche

@@ -1,0 +1,309 @@
+#include "viewer/window/panels.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "viewer/part_names.h"
+#include "viewer/window/file_panel.h"
+#include "viewer/window/measure_panel.h"
+#include "viewer/window/view_keys.h"
+
+namespace ecorche {
+namespace {
+
+constexpr float kEdge = 0.8f, kLeftColumn = 17.5f, kSelected = 19;  // of a letter's height
+
+const ImVec4 quiet(0.66f, 0.66f, 0.68f, 1);
+constexpr ImGuiWindowFlags kFixed =
+    ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings;
+
+float em() { return ImGui::GetFontSize(); }
+
+void key_button(const char* word, ViewAction action, const ViewSubject& subject,
+                const PosedAnatomy& posed, ViewDocument& document) {
+  if (ImGui::Button(word)) act(action, subject, posed, document);
+}
+
+void draw_colours(ViewDocument& document) {
+  bool lengths = document.muscle_colors == MuscleColors::shortening;
+  if (ImGui::Checkbox("colour-blind colours", &lengths))
+    document.muscle_colors = lengths ? MuscleColors::shortening : MuscleColors::flesh;
+  for (const auto& [word, activity] :
+       {std::pair{"longer", -1.0f}, {"at rest", 0.0f}, {"shorter", 1.0f}}) {
+    const Vec3f c = muscle_color(document.muscle_colors, activity);
+    ImGui::ColorButton(word, ImVec4(c.x(), c.y(), c.z(), 1), ImGuiColorEditFlags_NoTooltip,
+                       {0.9f * em(), 0.9f * em()});
+    ImGui::SameLine();
+    ImGui::TextUnformatted(word);
+    if (activity < 1) ImGui::SameLine();
+  }
+}
+
+// A slider with its value beside it, where the grab does not cover it.
+void layer_slider(const char* name, float& value) {
+  ImGui::SetNextItemWidth(8 * em());
+  ImGui::SliderFloat(fmt::format("##{}", name).c_str(), &value, 0, 1, "");
+  ImGui::SameLine();
+  ImGui::Text("%3.0f %%  %s", 100 * value, name);
+}
+
+void draw_views(const ViewSubject& subject, const PosedAnatomy& posed, ViewDocument& document) {
+  using A = ViewAction;
+  key_button("front", A::front, subject, posed, document);
+  ImGui::SameLine();
+  key_button("back", A::back, subject, posed, document);
+  ImGui::SameLine();
+  key_button("left", A::left, subject, posed, document);
+  ImGui::SameLine();
+  key_button("right", A::right, subject, posed, document);
+  key_button("top", A::top, subject, posed, document);
+  ImGui::SameLine();
+  key_button("bottom", A::bottom, subject, posed, document);
+  ImGui::SameLine();
+  key_button("oblique", A::oblique, subject, posed, document);
+  ImGui::SameLine();
+  key_button("all", A::frame_all, subject, posed, document);
+}
+
+float draw_layers(const ViewSubject& subject, const PosedAnatomy& posed, ViewDocument& document) {
+  ImGui::SetNextWindowPos({kEdge * em(), kEdge * em()}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({kLeftColumn * em(), 0}, ImGuiCond_Always);
+  if (ImGui::Begin("View", nullptr, kFixed)) {
+    layer_slider("skin", document.look.skin);
+    layer_slider("dissolve", document.look.skin_dissolved);
+    layer_slider("muscles", document.look.muscles);
+    layer_slider("bones", document.look.bones);
+    draw_colours(document);
+    ImGui::Checkbox("ground", &document.ground);
+    ImGui::SameLine();
+    ImGui::Checkbox("follow", &document.follow);
+    ImGui::SameLine();
+    ImGui::Checkbox("parallel", &document.parallel);
+    draw_views(subject, posed, document);
+    if (subject.open) key_button("open...", ViewAction::open, subject, posed, document);
+    if (subject.open) ImGui::SameLine();
+    key_button("picture", ViewAction::picture, subject, posed, document);
+    ImGui::SameLine();
+    key_button("keys", ViewAction::help, subject, posed, document);
+    ImGui::TextColored(quiet, "drag: turn, shift+drag: move\nwheel: nearer, click: pick, F1: keys");
+  }
+  const float bottom = ImGui::GetWindowPos().y + ImGui::GetWindowHeight();
+  ImGui::End();
+  return bottom;
+}
+
+void draw_fact(const char* name, const std::string& value) {
+  if (value.empty()) return;
+  ImGui::TextColored(quiet, "%s", name);
+  ImGui::TextWrapped("%s", value.c_str());
+}
+
+void draw_selection(const ViewSubject& subject, const PosedAnatomy& posed, float top,
+                    ViewDocument& document) {
+  if (part_of(document.selected).kind == Part::Kind::none) return;
+  const PartInfo info = describe(subject, posed, document.selected);
+  ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x - (kSelected + kEdge) * em(), top},
+                          ImGuiCond_Always);
+  ImGui::SetNextWindowSize({kSelected * em(), 0}, ImGuiCond_Always);
+  if (ImGui::Begin("Selected", nullptr, kFixed)) {
+    ImGui::TextWrapped("%s", info.label.c_str());
+    if (info.name != info.label) ImGui::TextColored(quiet, "%s", info.name.c_str());
+    draw_fact("rides on", info.joint);
+    draw_fact("origin", info.origin);
+    draw_fact("insertion", info.insertion);
+    if (info.rest_length > 0)
+      draw_fact("length", fmt::format("{:.1f} cm ({:+.0f} % of rest)", 100 * info.length,
+                                      100 * (info.length / info.rest_length - 1)));
+    if (info.volume > 0) draw_fact("volume", fmt::format("{:.0f} ml", 1e6 * info.volume));
+    key_button("hide", ViewAction::hide, subject, posed, document);
+    ImGui::SameLine();
+    key_button("only this", ViewAction::isolate, subject, posed, document);
+    ImGui::SameLine();
+    key_button("closely", ViewAction::frame_selected, subject, posed, document);
+    ImGui::SameLine();
+    key_button("let go", ViewAction::let_go, subject, posed, document);
+  }
+  ImGui::End();
+}
+
+// A tick: it is seen. A click: it is selected.
+void part_entry(const ViewSubject& subject, std::uint32_t part, const ImGuiTextFilter& filter,
+                ViewDocument& document) {
+  const std::string label = part_label(*subject.anatomy, part);
+  if (!filter.PassFilter(label.c_str()) &&
+      !filter.PassFilter(part_name(*subject.anatomy, part).c_str()))
+    return;
+  ImGui::PushID(int(part));
+  bool seen = !is_hidden(document, part);
+  if (ImGui::Checkbox("##seen", &seen)) set_hidden(part, !seen, document);
+  ImGui::SameLine();
+  if (ImGui::Selectable(label.c_str(), document.selected == part)) document.selected = part;
+  if (ImGui::IsItemHovered() &&
+      ImGui::CalcTextSize(label.c_str()).x > ImGui::GetContentRegionAvail().x)
+    ImGui::SetTooltip("%s", label.c_str());
+  ImGui::PopID();
+}
+
+void draw_parts(const ViewSubject& subject, const PosedAnatomy& posed, float top, float bottom,
+                ViewDocument& document) {
+  ImGui::SetNextWindowPos({kEdge * em(), top}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({kLeftColumn * em(), std::max(bottom - top, 8 * em())},
+                           ImGuiCond_Always);
+  ImGui::SetNextWindowCollapsed(true, ImGuiCond_FirstUseEver);
+  const std::string title = document.hidden.empty()
+                                ? "Parts###parts"
+                                : fmt::format("Parts ({} hidden)###parts", document.hidden.size());
+  if (ImGui::Begin(title.c_str(), nullptr, kFixed)) {
+    static ImGuiTextFilter filter;
+    filter.Draw("find", 9 * em());
+    ImGui::SameLine();
+    key_button("all", ViewAction::show_all, subject, posed, document);
+    ImGui::BeginChild("list");
+    for (const std::uint32_t part : all_parts(*subject.anatomy))
+      part_entry(subject, part, filter, document);
+    ImGui::EndChild();
+  }
+  ImGui::End();
+}
+
+// Its height; 0 where nothing moves.
+float draw_timeline(const ViewSubject& subject, const PosedAnatomy& posed, ViewDocument& document) {
+  if (subject.frames < 2) return 0;
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const float height = ImGui::GetFrameHeight() + 2 * ImGui::GetStyle().WindowPadding.y;
+  ImGui::SetNextWindowPos({kEdge * em(), size.y - height - kEdge * em()}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({std::max(size.x - 2 * kEdge * em(), 8 * em()), height},
+                           ImGuiCond_Always);
+  if (ImGui::Begin("time", nullptr,
+                   kFixed | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar)) {
+    for (const auto& [word, action] : {std::pair{"|<", ViewAction::first_frame},
+                                       {"<", ViewAction::previous_frame},
+                                       {"play", ViewAction::play},
+                                       {">", ViewAction::next_frame},
+                                       {">|", ViewAction::last_frame}}) {
+      const bool plays = action == ViewAction::play;
+      if (ImGui::Button(plays && document.playing ? "pause###play"
+                        : plays                   ? "play###play"
+                                                  : word,
+                        {plays ? 4 * em() : 0, 0}))
+        act(action, subject, posed, document);
+      ImGui::SameLine();
+    }
+    ImGui::SetNextItemWidth(5 * em());
+    float speed = document.speed;
+    if (ImGui::SliderFloat("##speed", &speed, 0.1f, 2, "")) document.speed = speed;
+    ImGui::SameLine();
+    ImGui::Text("x %.1f", document.speed);
+    const int frame = frame_of(subject, document);
+    int number = frame + 1;
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(4 * em());
+    if (ImGui::InputInt("##number", &number, 0, 0, ImGuiInputTextFlags_EnterReturnsTrue))
+      go_to(subject, number - 1, document);
+    ImGui::SameLine();
+    const std::string time = fmt::format("/ {}   {:.2f} / {:.2f} s", subject.frames,
+                                         frame / subject.fps, (subject.frames - 1) / subject.fps);
+    ImGui::TextUnformatted(time.c_str());
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(-1);
+    if (ImGui::SliderInt("##frame", &number, 1, subject.frames, ""))
+      go_to(subject, number - 1, document);
+  }
+  ImGui::End();
+  return height + kEdge * em();
+}
+
+// What the subject is at, and what was done last.
+void draw_state(const ViewDocument& document, float left, float bottom) {
+  if (document.state.empty() && document.message.empty()) return;
+  ImGui::SetNextWindowPos({left, bottom}, ImGuiCond_Always, {0, 1});
+  ImGui::SetNextWindowSizeConstraints(
+      {0, 0}, {std::max(ImGui::GetIO().DisplaySize.x - left - kEdge * em(), 8 * em()), 12 * em()});
+  constexpr ImGuiWindowFlags flags = kFixed | ImGuiWindowFlags_NoTitleBar |
+                                     ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs;
+  if (ImGui::Begin("state", nullptr, flags)) {
+    ImGui::PushTextWrapPos(30 * em());
+    if (!document.state.empty()) ImGui::TextUnformatted(document.state.c_str());
+    if (!document.message.empty()) ImGui::TextUnformatted(document.message.c_str());
+    ImGui::PopTextWrapPos();
+  }
+  ImGui::End();
+}
+
+void draw_help(ViewDocument& document) {
+  if (!document.help) return;
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({0.5f * size.x, 0.5f * size.y}, ImGuiCond_Appearing, {0.5f, 0.5f});
+  ImGui::SetNextWindowSize({28 * em(), std::min(0.9f * size.y, 50 * em())}, ImGuiCond_Appearing);
+  if (ImGui::Begin("Keys", &document.help,
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse)) {
+    if (ImGui::BeginTable("keys", 2)) {
+      ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthFixed, 10 * em());
+      for (const ViewKey& key : view_keys()) {
+        ImGui::TableNextColumn();
+        ImGui::TextUnformatted(key.name.data(), key.name.data() + key.name.size());
+        ImGui::TableNextColumn();
+        ImGui::TextUnformatted(key.effect.data(), key.effect.data() + key.effect.size());
+      }
+      ImGui::EndTable();
+    }
+  }
+  ImGui::End();
+}
+
+}  // namespace
+
+PartInfo describe(const ViewSubject& subject, const PosedAnatomy& posed, std::uint32_t number) {
+  const Part part = part_of(number);
+  const Anatomy& a = *subject.anatomy;
+  PartInfo info;
+  info.name = part_name(a, number);
+  info.label = part_label(a, number);
+  if (info.name.empty()) return info;
+  if (part.kind == Part::Kind::bone) info.joint = a.skeleton.joints[a.bones[part.index].joint].name;
+  if (part.kind == Part::Kind::muscle) {
+    const Muscle& muscle = a.muscles[part.index];
+    info.origin = muscle.origin;
+    info.insertion = muscle.insertion;
+    info.group = muscle.group;
+    info.layer = muscle.layer;
+    info.volume = muscle.volume;
+    int strips = 0;
+    for (std::size_t k = 0; k < subject.model->strips.size() && k < posed.lengths.size(); ++k) {
+      if (subject.model->strips[k].muscle != part.index) continue;
+      info.length += posed.lengths[k];
+      info.rest_length += subject.model->rest_lengths[k];
+      ++strips;
+    }
+    if (strips > 0) info.length /= strips, info.rest_length /= strips;
+  }
+  return info;
+}
+
+ViewRoom draw_panels(const ViewSubject& subject, const PosedAnatomy& posed,
+                     ViewDocument& document) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ViewRoom room{0, 0, size.x, size.y};
+  draw_help(document);
+  draw_file_panel(subject, document);
+  if (!document.panels) return room;
+  const float edge = kEdge * em(), timeline = draw_timeline(subject, posed, document),
+              bottom = size.y - timeline - edge;
+  const float layers = draw_layers(subject, posed, document) + 0.3f * em();
+  draw_parts(subject, posed, layers, bottom, document);
+  const MeasurePanel measures = draw_measure_panel(subject, edge, bottom, document);
+  draw_selection(subject, posed, measures.width > 0 ? measures.bottom + 0.3f * em() : edge,
+                 document);
+  const float left = kLeftColumn * em() + 2 * edge,
+              right = measures.width > 0 ? measures.width + 2 * edge : 0;
+  draw_state(document, left, bottom);
+  // In a small window the figure is as large as it can be, and the panels lie over it.
+  if (size.x - left - right > 0.35f * size.x) room.x = left, room.width = size.x - left - right;
+  room.height = std::max(size.y - timeline, 0.35f * size.y);
+  return room;
+}
+
+}  // namespace ecorche

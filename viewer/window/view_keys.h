@@ -1,0 +1,68 @@
+// What the window's keys do. docs/viewer.md has the same table.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "anatomy/posing/pose_anatomy.h"
+#include "viewer/window/view_document.h"
+
+namespace ecorche {
+
+enum class ViewAction {
+  play,
+  next_frame,
+  previous_frame,
+  first_frame,
+  last_frame,
+  frame_all,
+  frame_selected,
+  front,
+  back,
+  left,
+  right,
+  top,
+  bottom,
+  oblique,
+  opposite,
+  parallel,
+  turn_left,
+  turn_right,
+  turn_up,
+  turn_down,
+  hide,
+  isolate,
+  show_all,
+  let_go,
+  skin,
+  muscles,
+  bones,
+  open,
+  save,
+  picture,
+  panels,
+  help,
+  quit
+};
+
+struct ViewKey {
+  ViewAction action = ViewAction::play;
+  std::string_view name;    // "Ctrl + Numpad 1"
+  std::string_view effect;  // what it does, for people
+  int key = 0;              // GLFW's number
+  bool ctrl = false, shift = false, alt = false;
+};
+
+// In the order in which help shows them.
+std::span<const ViewKey> view_keys();
+
+// What a pressed key asks for.
+std::optional<ViewAction> action_of(int key, bool ctrl, bool shift, bool alt);
+
+// Does it. `posed`: what is shown.
+void act(ViewAction action, const ViewSubject& subject, const PosedAnatomy& posed,
+         ViewDocument& document);
+
+}  // namespace ecorche

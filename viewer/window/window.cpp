@@ -1,0 +1,358 @@
+#include "viewer/window/window.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "anatomy/errors.h"
+#include "viewer/gl/gl_api.h"
+#include "viewer/gl/renderer.h"
+#include "viewer/image.h"
+#include "viewer/window/panels.h"
+#include "viewer/window/view_keys.h"
+#include "viewer/window/window_input.h"
+
+namespace ecorche {
+namespace {
+
+constexpr const char* font_file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+constexpr float letters = 15;            // pixels
+constexpr double settle_seconds = 0.25;  // after the last change the picture is drawn again, finely
+constexpr double idle_seconds = 0.5, busy_seconds = 0.05;
+
+void* window_proc(const char* name) { return reinterpret_cast<void*>(glfwGetProcAddress(name)); }
+
+std::string last_glfw_error() {
+  const char* text = nullptr;
+  glfwGetError(&text);
+  return text ? text : "no reason given";
+}
+
+// Letters as large as the screen's settings ask for, where the system does not enlarge the window
+// itself.
+float letter_scale(GLFWwindow* window) {
+  float scale = 1, ignored = 1;
+  glfwGetWindowContentScale(window, &scale, &ignored);
+  int pixels = 0, units = 0, unused = 0;
+  glfwGetFramebufferSize(window, &pixels, &unused);
+  glfwGetWindowSize(window, &units, &unused);
+  return pixels == units ? std::clamp(scale, 1.0f, 4.0f) : 1.0f;
+}
+
+// GLFW, its window, who listens to it, and ImGui, in this order and back.
+class Screen {
+ public:
+  Screen(int width, int height) {
+    if (width < 1 || height < 1)
+      throw UsageError(fmt::format("window size {}x{}: must be at least 1x1", width, height));
+    if (!glfwInit())
+      throw OutputError(
+          fmt::format("no display to open a window on ({}); set DISPLAY, use 'xvfb-run ecorche "
+                      "view ...' (package xvfb), "
+                      "or make pictures without a window with 'ecorche render'",
+                      last_glfw_error()));
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    window_ = glfwCreateWindow(width, height, "Ecorche", nullptr, nullptr);
+    if (!window_) {
+      const std::string reason = last_glfw_error();
+      glfwTerminate();
+      throw OutputError(fmt::format(
+          "no window with OpenGL 3.3 ({}); install libgl1-mesa-dri, or use 'ecorche render'",
+          reason));
+    }
+    glfwMakeContextCurrent(window_);
+    glfwSwapInterval(1);
+    input_ = std::make_unique<WindowInput>(window_);
+    ImGui::CreateContext();
+    ImGuiIO& io = ImGui::GetIO();
+    io.IniFilename = nullptr;
+    const float scale = letter_scale(window_);
+    if (std::filesystem::exists(font_file))
+      io.Fonts->AddFontFromFileTTF(font_file, std::round(scale * letters));
+    ImGui::StyleColorsDark();
+    ImGui::GetStyle().WindowRounding = 6;
+    ImGui::GetStyle().FrameRounding = 4;
+    ImGui::GetStyle().ScaleAllSizes(scale);
+    ImGui_ImplGlfw_InitForOpenGL(window_, true);
+    ImGui_ImplOpenGL3_Init("#version 330 core");
+  }
+  ~Screen() {
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+    glfwDestroyWindow(window_);
+    glfwTerminate();
+  }
+  Screen(const Screen&) = delete;
+  Screen& operator=(const Screen&) = delete;
+  GLFWwindow* window() const { return window_; }
+  WindowInput& input() const { return *input_; }
+
+ private:
+  GLFWwindow* window_ = nullptr;
+  std::unique_ptr<WindowInput> input_;
+};
+
+// Poses and draws; keeps the posed values between frames as a cache of the document's time.
+class View {
+ public:
+  explicit View(const ViewSubject& subject)
+      : subject_(subject), renderer_(RenderOptions{}, window_proc) {}
+
+  const PosedAnatomy& pose(const ViewDocument& document) {
+    const int frame = frame_of(subject_, document);
+    if (frame == frame_ && subject_.revision == known_) return posed_;
+    subject_.pose(frame, posed_, skin_);
+    muscle_shortening(*subject_.model, posed_, activity_);
+    frame_ = frame;
+    known_ = subject_.revision;
+    return posed_;
+  }
+
+  void draw(const ViewDocument& document, const ViewRoom& room, int width, int height,
+            float pixels_per_unit, bool fine) {
+    renderer_.options().supersample = fine ? 2 : 1;
+    renderer_.options().ambient_occlusion = fine;
+    renderer_.options().shadow_size = fine ? 2048 : 1024;
+    const PosedAnatomy& posed = pose(document);
+    update_scene(*subject_.model, posed, skin_.positions.empty() ? nullptr : &skin_, activity_,
+                 appearance_of(document), ++revision_, scene_);
+    DrawList& list = scene_.list;
+    list.ground.visible = document.ground;
+    const Vec3f root = posed.X_WJ.front().translation().cast<float>();
+    list.camera = camera_of(document, root, float(width) / pixels_per_unit,
+                            float(height) / pixels_per_unit, room);
+    renderer_.render_to(list, width, height, 0);
+  }
+
+  std::uint32_t part_at(float x, float y) { return renderer_.part_at(int(x), int(y)); }
+
+ private:
+  const ViewSubject& subject_;
+  Renderer renderer_;
+  Scene scene_;
+  PosedAnatomy posed_;
+  SkinFrame skin_;
+  std::vector<float> activity_;
+  std::uint64_t revision_ = 0, known_ = 0;
+  int frame_ = -1;
+};
+
+Image read_window(int width, int height) {
+  const GlApi gl = load_gl(window_proc);
+  Image upside_down = make_image(width, height), image = make_image(width, height);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
+  gl.ReadBuffer(GL_BACK);
+  gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, upside_down.rgba.data());
+  for (int y = 0; y < height; ++y)
+    std::copy_n(upside_down.pixel(0, height - 1 - y), 4 * std::size_t(width), image.pixel(0, y));
+  return image;
+}
+
+// Into the folder that the program was started in, under a name that is free.
+void take_picture(int width, int height, ViewDocument& document) {
+  document.wants_picture = false;
+  constexpr int most = 9999;
+  for (int number = 1; number <= most; ++number) {
+    const std::filesystem::path file = fmt::format("ecorche-{:04}.png", number);
+    std::error_code ignored;
+    if (std::filesystem::exists(file, ignored)) continue;
+    try {
+      write_png(file, read_window(width, height));
+      document.message = fmt::format("picture: {}", std::filesystem::absolute(file).string());
+    } catch (const OutputError& error) {
+      document.message = error.what();
+    }
+    return;
+  }
+  document.message =
+      "no name is free for a picture: ecorche-0001.png to ecorche-9999.png are there";
+}
+
+struct Point {
+  float x = 0, y = 0;
+};
+
+// A press that does not travel is a click.
+struct Mouse {
+  bool down = false;
+  float travelled = 0;
+  Point at;
+  int button = 0;
+};
+
+// Turns, moves, and hands back where a click fell. Presses on a panel are the panel's.
+std::optional<Point> read_mouse(const WindowEvent& event, float height, Mouse& mouse,
+                                ViewDocument& document) {
+  using Kind = WindowEvent::Kind;
+  constexpr float click = 4;  // pixels
+  const ImGuiIO& io = ImGui::GetIO();
+  const Point from = mouse.at;
+  if (event.kind == Kind::scroll && !io.WantCaptureMouse) zoom(event.y, document);
+  if (event.kind == Kind::scroll || event.kind == Kind::drop) return std::nullopt;
+  mouse.at = {event.x, event.y};
+  if (event.kind == Kind::press && !io.WantCaptureMouse) mouse = {true, 0, mouse.at, event.key};
+  if (event.kind == Kind::release && mouse.down && event.key == mouse.button) {
+    mouse.down = false;
+    if (mouse.travelled < click && mouse.button == GLFW_MOUSE_BUTTON_LEFT) return mouse.at;
+  }
+  if (event.kind != Kind::move || !mouse.down) return std::nullopt;
+  const float dx = event.x - from.x, dy = event.y - from.y;
+  mouse.travelled += std::abs(dx) + std::abs(dy);
+  if (mouse.travelled < click) return std::nullopt;
+  if (io.KeyShift || mouse.button == GLFW_MOUSE_BUTTON_RIGHT)
+    pan(dx, dy, height, document);
+  else
+    orbit(dx, dy, document);
+  return std::nullopt;
+}
+
+void read_key(const WindowEvent& event, const ViewSubject& subject, const PosedAnatomy& posed,
+              ViewDocument& document) {
+  if (ImGui::GetIO().WantTextInput) return;
+  if (event.key == GLFW_KEY_ESCAPE &&
+      (document.help || document.asking != ViewDocument::Asking::nothing)) {
+    document.help = false;
+    document.asking = ViewDocument::Asking::nothing;
+    return;
+  }
+  const auto action = action_of(event.key, event.ctrl, event.shift, event.alt);
+  if (action) act(*action, subject, posed, document);
+}
+
+bool same_view(const ViewDocument& a, const ViewDocument& b) {
+  return a.look.skin == b.look.skin && a.look.skin_dissolved == b.look.skin_dissolved &&
+         a.look.muscles == b.look.muscles && a.look.bones == b.look.bones &&
+         a.muscle_colors == b.muscle_colors && a.ground == b.ground && a.follow == b.follow &&
+         a.selected == b.selected && a.hidden == b.hidden && a.time == b.time &&
+         a.center == b.center && a.radius == b.radius && a.azimuth == b.azimuth &&
+         a.elevation == b.elevation && a.parallel == b.parallel;
+}
+
+bool same_room(const ViewRoom& a, const ViewRoom& b) {
+  return a.x == b.x && a.y == b.y && a.width == b.width && a.height == b.height;
+}
+
+// The loop's memory from one frame to the next.
+struct Session {
+  const ViewSubject& subject;
+  const WindowOptions& options;
+  Screen& screen;
+  View view;
+  ViewDocument document, shown;
+  Mouse mouse{};
+  ViewRoom room{};
+  std::uint64_t framed_revision = ~std::uint64_t{0};
+  double changed = glfwGetTime(), clock = changed;
+
+  bool is_last(int frame) const { return options.frames > 0 && frame + 1 == options.frames; }
+  bool is_settled() const { return glfwGetTime() - changed > settle_seconds; }
+  void wait_for_events() const;
+  std::optional<Point> take_input(const PosedAnatomy& posed, float height);
+  void frame_view(const ViewRoom& now, bool jumped);
+  void show(int frame, int width, int height, Point unit);
+};
+
+void Session::wait_for_events() const {
+  if (document.playing || options.frames > 0 || !is_settled())
+    glfwPollEvents();
+  else
+    glfwWaitEventsTimeout(document.busy ? busy_seconds : idle_seconds);
+}
+
+// Keys first change the document, the mouse after them; the last click counts.
+std::optional<Point> Session::take_input(const PosedAnatomy& posed, float height) {
+  std::optional<Point> clicked;
+  for (const WindowEvent& event : screen.input().take()) {
+    if (event.kind == WindowEvent::Kind::key)
+      read_key(event, subject, posed, document);
+    else if (event.kind == WindowEvent::Kind::drop && subject.open && !event.files.empty())
+      subject.open(event.files.front());
+    else if (const auto at = read_mouse(event, height, mouse, document))
+      clicked = at;
+  }
+  return clicked;
+}
+
+// The figure stays in its room when either changes, or the eye leaps to another side of it.
+void Session::frame_view(const ViewRoom& now, bool jumped) {
+  const bool again = jumped || !shown.framed || shown.parallel != document.parallel ||
+                     framed_revision != subject.revision || !same_room(room, now);
+  if (document.framed && again) frame_figure(subject, now, document);
+  framed_revision = subject.revision;
+  room = now;
+}
+
+void Session::show(int frame, int width, int height, Point unit) {
+  ImGui_ImplOpenGL3_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+  const PosedAnatomy& posed = view.pose(document);
+  const float azimuth = document.azimuth, elevation = document.elevation;
+  const ViewRoom now = draw_panels(subject, posed, document);
+  const float turned = document.azimuth, tilted = document.elevation;
+  const auto clicked = take_input(posed, now.height);
+  const bool dragged = mouse.down && mouse.travelled > 0;
+  frame_view(now, azimuth != turned || elevation != tilted ||
+                      (!dragged && (document.azimuth != turned || document.elevation != tilted)));
+  if (!same_view(document, shown)) changed = glfwGetTime();
+  shown = document;
+  view.draw(document, room, width, height, unit.x,
+            is_last(frame) || document.wants_picture || is_settled());
+  if (clicked) document.selected = view.part_at(clicked->x * unit.x, clicked->y * unit.y);
+  if (frame == 0 && options.pick_x >= 0 && options.pick_y >= 0)
+    document.selected = view.part_at(float(options.pick_x * width), float(options.pick_y * height));
+  if (document.wants_picture) take_picture(width, height, document);
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  if (is_last(frame) && !options.screenshot.empty())
+    write_png(options.screenshot, read_window(width, height));
+  glfwSwapBuffers(screen.window());
+}
+
+}  // namespace
+
+ViewDocument run_window(const ViewSubject& subject, const WindowOptions& options,
+                        const ViewDocument& start) {
+  Screen screen(options.width, options.height);
+  Session session{.subject = subject,
+                  .options = options,
+                  .screen = screen,
+                  .view = View(subject),
+                  .document = start,
+                  .shown = start};
+  session.document.closing = false;  // what another window ended with may be shown again
+  std::string title;
+  for (int frame = 0; !session.document.closing && !glfwWindowShouldClose(screen.window()) &&
+                      (options.frames <= 0 || frame < options.frames);
+       ++frame) {
+    session.wait_for_events();
+    int width = 0, height = 0, window_width = 1, window_height = 1;
+    glfwGetFramebufferSize(screen.window(), &width, &height);
+    glfwGetWindowSize(screen.window(), &window_width, &window_height);
+    if (subject.update) subject.update(session.document, session.is_last(frame));
+    const double now = glfwGetTime();
+    advance(subject, options.frames > 0 ? 1.0 / 30 : now - session.clock, session.document);
+    session.clock = now;
+    if (width < 1 || height < 1) continue;  // minimised
+    if (title != subject.name)
+      glfwSetWindowTitle(screen.window(), ("Ecorche: " + subject.name).c_str());
+    title = subject.name;
+    session.show(frame, width, height,
+                 {float(width) / float(window_width), float(height) / float(window_height)});
+  }
+  return session.document;
+}
+
+}  // namespace ecorche
