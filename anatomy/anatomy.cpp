@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 void require(bool ok, const std::string& message) {
@@ -85,4 +85,4 @@ int slice_count(const Anatomy& anatomy) {
   return count;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -6,14 +6,14 @@
 #pragma once
 
 #include <array>
-#include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "anatomy/skeleton.h"
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct Bone {
   std::string name;  // "femur_l"
@@ -114,15 +114,6 @@ struct Body {
   double mass = 0;  // kg; 0 where unknown
 };
 
-struct FitTables;  // morph/template/template.h: what fitting needs to know beside the anatomy
-
-// An anatomy and the body it was authored in.
-struct Template {
-  Anatomy anatomy;
-  Body body;
-  std::shared_ptr<const FitTables> tables;  // set by read_template and build_template
-};
-
 // A slice posed in the world.
 struct Ellipse {
   Vec3 center = Vec3::Zero();
@@ -139,4 +130,4 @@ int find_bone(const Anatomy& anatomy, std::string_view name);    // index or -1
 int find_muscle(const Anatomy& anatomy, std::string_view name);  // index or -1
 int slice_count(const Anatomy& anatomy);                         // all strips of all muscles
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

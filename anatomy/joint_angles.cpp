@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 bool swings(const Joint& joint) { return joint.max[1] > std::numbers::pi / 2 && joint.parent >= 0; }
@@ -107,4 +107,4 @@ Quat clamped(const Joint& joint, const Quat& rotation) {
   return joint_rotation(joint, angles);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -3,7 +3,7 @@
 
 #include "anatomy/skeleton.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Flexion, abduction, axial rotation (rad) from the anatomical zero, for a local rotation that is
 // counted from the rest pose. Where abduction stays below a right angle: intrinsic turns about the
@@ -34,4 +34,4 @@ double limit_ease(const Joint& joint, int angle);
 // leap from limit to limit.
 Quat clamped(const Joint& joint, const Quat& rotation);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -8,7 +8,7 @@
 
 #include <cstddef>
 
-namespace ecorche::limits {
+namespace ecorche::inline v1::limits {
 
 // bytes of a mesh, body or character
 inline constexpr std::size_t kFileBytes = std::size_t{2} << 30;
@@ -74,4 +74,4 @@ inline constexpr int kModelFiles = 256;
 // bodies, wrap objects and path points of a model, each
 inline constexpr int kModelParts = 20000;
 
-}  // namespace ecorche::limits
+}  // namespace ecorche::inline v1::limits

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 int find_joint(const Skeleton& skeleton, std::string_view name) {
   for (size_t j = 0; j < skeleton.joints.size(); ++j)
@@ -61,4 +61,4 @@ void complete_pose(const Skeleton& skeleton, Pose& pose) {
   }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

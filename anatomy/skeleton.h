@@ -11,13 +11,13 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct Joint {
   std::string name;  // "hip_l"; data/joints.csv lists them all
   int parent = -1;   // index of the parent; parents precede children; -1 for the root
-  Transform X_PJ =
-      Transform::Identity();  // rest frame in the parent's rest frame (translation only)
+  // rest frame in the parent's rest frame (translation only)
+  Transform X_PJ = Transform::Identity();
   // columns: axes of positive flexion, abduction and axial rotation, world at rest; a right-handed
   // orthonormal frame on both sides (senses: data/joints.csv)
   Mat3 axes = Mat3::Identity();
@@ -66,4 +66,4 @@ inline constexpr double kPatellaShare = 0.62;
 // from outside.
 void complete_pose(const Skeleton& skeleton, Pose& pose);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -8,7 +8,12 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-namespace ecorche {
+#include <numbers>
+
+namespace ecorche::inline v1 {
+
+inline constexpr double kDegree = std::numbers::pi / 180;            // rad
+inline constexpr double kDegreesPerRadian = 180 / std::numbers::pi;  // for output
 
 using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;
@@ -33,4 +38,4 @@ inline const char* side_suffix(Side side) {
   return side == Side::left ? "_l" : side == Side::right ? "_r" : "";
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

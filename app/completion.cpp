@@ -1,6 +1,7 @@
 #include "app/completion.h"
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <functional>
 #include <vector>
@@ -44,7 +45,7 @@ std::vector<std::string> choices_of(const CLI::Option& option) {
   return out;
 }
 
-// What `ecorche list` names for an option's value.
+// The list of `ecorche list` that holds the values of an option; empty if none does.
 std::string list_for(const std::string& option) {
   if (option == "--measure") return "measures";
   if (option == "--joint") return "joints";
@@ -63,7 +64,7 @@ bool is_positional(const CLI::Option& option) {
   return option.get_snames().empty() && option.get_lnames().empty();
 }
 
-// Text in single quotes of a shell.
+// Quotes text for a shell.
 std::string quoted(std::string text) {
   for (std::size_t at = 0; (at = text.find('\'', at)) != std::string::npos; at += 4)
     text.replace(at, 1, "'\\''");
@@ -88,7 +89,7 @@ std::string positional_words(const CLI::App& verb) {
   return {};
 }
 
-// One case of the bash function: what may follow in a verb.
+// One case of the bash function: completions within a verb.
 std::string bash_case(const CLI::App& verb, const std::string& path) {
   std::vector<std::string> options, below;
   std::string values;
@@ -150,7 +151,7 @@ std::string zsh_case(const CLI::App& verb, const std::string& path) {
          quoted(first.empty() ? "*:file:_files" : fmt::format("*:value:({})", first)) + " ;;\n";
 }
 
-// Letters that mean something to troff.
+// Escapes letters that have a meaning in troff.
 std::string troff(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -237,8 +238,9 @@ std::string bash_completion(const CLI::App& app) {
     cases += bash_case(verb, path);
     if (!path.empty()) paths += (paths.empty() ? "" : "|") + quoted(path);
   });
-  return R"(# Completion of ecorche for bash: source it, or save it as bash-completion's completions/ecorche.
-_ecorche_words() {
+  return "# Completion of ecorche for bash: "
+         "source it, or save it as bash-completion's completions/ecorche.\n"
+         R"(_ecorche_words() {
   case "$verb" in
 )" + cases +
          R"(  esac

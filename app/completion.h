@@ -1,9 +1,11 @@
-// Shell completion and the manual page, written from the command line's own definition so that they
-// cannot differ from it.
+// Shell completion and the manual page, generated from the definition of the command line.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
+
+namespace CLI {
+class App;
+}
 
 namespace ecorche {
 

@@ -1,11 +1,11 @@
-// How far long work is, and how long it will still take.
+// Progress of long computations, with the remaining time.
 #pragma once
 
 #include <chrono>
 #include <mutex>
 #include <string>
 
-#include "app/verb.h"
+#include "app/common_options.h"
 
 namespace ecorche {
 
@@ -19,10 +19,10 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  // From any thread. Numbers rise; one that came late is passed over. `stage`: what is being done,
-  // where there are several things.
+  // Thread-safe. A number below an earlier one is ignored. `stage`: name of the current stage, if
+  // there are several.
   void at(int done, const char* stage = "");
-  // One more is done.
+  // Counts one more as done.
   void step();
 
  private:
@@ -38,8 +38,7 @@ class Progress {
   bool open_ = false;  // a bar without its line end
 };
 
-// "about 12 s left", "about 3 min left"; empty where too little is known: less than a second has
-// passed.
+// "about 12 s left", "about 3 min left"; empty during the first second.
 std::string time_left(double seconds_passed, double share_done);
 
 }  // namespace ecorche

@@ -61,7 +61,7 @@ double Report::number(std::string_view name) const {
   return node->is_number() ? node->get<double>() : std::numeric_limits<double>::quiet_NaN();
 }
 
-// Names and paths may hold any bytes; what is not UTF-8 is replaced, not thrown over.
+// Names and paths may hold any bytes; bytes that are not UTF-8 are replaced.
 std::string Report::to_json() const {
   return impl_->root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -8,6 +8,7 @@
 
 #include "anatomy/base_mesh/body_package.h"
 #include "anatomy/errors.h"
+#include "tests/test_assets.h"
 
 namespace ecorche {
 
@@ -16,7 +17,7 @@ class BodyFixture : public ::testing::Test {
   static void SetUpTestSuite() {
     if (package_ != nullptr) return;
     try {
-      package_ = std::make_unique<BodyPackage>(read_body_package(find_packages()));
+      package_ = std::make_unique<BodyPackage>(read_body_package(test_assets()));
     } catch (const InputError& e) {
       reason_ = e.what();
     }

@@ -6,10 +6,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <glm/ext/matrix_clip_space.hpp>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/geometric.hpp>
 #include <numbers>
 #include <stdexcept>
 
 #include "anatomy/errors.h"
+#include "viewer/glm_values.h"
 
 namespace ecorche {
 namespace {
@@ -26,27 +30,18 @@ constexpr NamedView named_views[] = {{"front", 0, 0},    {"back", 180, 0}, {"lef
 }  // namespace
 
 Mat4f look_along(const Vec3f& eye, const Vec3f& forward, const Vec3f& up) {
-  const Vec3f f = forward.normalized();
+  const glm::vec3 ahead = unit(forward), side = glm::cross(ahead, to_glm(up));
+  glm::vec3 upward = to_glm(up);
   // Looking straight up or down, any horizontal direction serves as up.
-  Vec3f side = f.cross(up);
-  if (side.squaredNorm() < 1e-8f)
-    side = f.cross(std::abs(f.z()) < 0.9f ? Vec3f(0, 0, -1) : Vec3f(1, 0, 0));
-  const Vec3f s = side.normalized();
-  const Vec3f u = s.cross(f);
-  Mat4f m = Mat4f::Identity();
-  m.row(0) << s.transpose(), -s.dot(eye);
-  m.row(1) << u.transpose(), -u.dot(eye);
-  m.row(2) << -f.transpose(), f.dot(eye);
-  return m;
+  if (glm::dot(side, side) < 1e-8f)
+    upward = std::abs(ahead.z) < 0.9f ? glm::vec3(0, 0, -1) : glm::vec3(1, 0, 0);
+  const glm::mat4 turned = glm::lookAtRH(glm::vec3(0), ahead, upward);
+  return to_eigen(glm::translate(turned, -to_glm(eye)));
 }
 
 Mat4f orthographic(float half_width, float half_height, float near_plane, float far_plane) {
-  Mat4f m = Mat4f::Identity();
-  m(0, 0) = 1 / half_width;
-  m(1, 1) = 1 / half_height;
-  m(2, 2) = -2 / (far_plane - near_plane);
-  m(2, 3) = -(far_plane + near_plane) / (far_plane - near_plane);
-  return m;
+  return to_eigen(
+      glm::orthoRH_NO(-half_width, half_width, -half_height, half_height, near_plane, far_plane));
 }
 
 Mat4f view_matrix(const Camera& camera) {
@@ -55,20 +50,12 @@ Mat4f view_matrix(const Camera& camera) {
 
 Mat4f projection_matrix(const Camera& camera, float aspect) {
   const float n = camera.near_plane, f = camera.far_plane;
-  if (camera.ortho_height > 0) {
-    Mat4f m = orthographic(0.5f * camera.ortho_height * aspect, 0.5f * camera.ortho_height, n, f);
-    m.block<2, 1>(0, 3) += camera.shift;
-    return m;
-  }
-  const float t = 1 / std::tan(0.5f * camera.fov_y);
-  Mat4f m = Mat4f::Zero();
-  m(0, 0) = t / aspect;
-  m(1, 1) = t;
-  m.block<2, 1>(0, 2) = -camera.shift;
-  m(2, 2) = -(f + n) / (f - n);
-  m(2, 3) = -2 * f * n / (f - n);
-  m(3, 2) = -1;
-  return m;
+  const glm::mat4 centered = camera.ortho_height > 0
+                                 ? to_glm(orthographic(0.5f * camera.ortho_height * aspect,
+                                                       0.5f * camera.ortho_height, n, f))
+                                 : glm::perspectiveRH_NO(camera.fov_y, aspect, n, f);
+  const glm::vec3 shift(camera.shift.x(), camera.shift.y(), 0);
+  return to_eigen(glm::translate(glm::mat4(1), shift) * centered);
 }
 
 float narrow_angle(float fov_y, float aspect) {

@@ -1,5 +1,5 @@
-// What is to be seen, as plain numbers: meshes, where they stand, light, ground and the eye. No
-// graphics API in it.
+// Draw list: meshes, their transforms, light, ground and camera as plain values, without a graphics
+// API.
 //
 // World metres, +Y up; colours are sRGB in [0, 1] (as on the screen) and are turned into linear
 // light by the renderer.
@@ -20,34 +20,34 @@ using Triangle32 = Eigen::Matrix<std::uint32_t, 3, 1>;
 // Geometry. Arrays other than positions, normals and triangles may be empty; those present have #V
 // entries.
 struct DrawMesh {
-  // names the mesh from one list to the next, so that it is sent to the GPU once; 0: send every
-  // time
+  // identifies the mesh from one list to the next, so that it is uploaded once; 0: upload it for
+  // every picture
   std::uint64_t key = 0;
-  // another one: positions, normals and colours have changed; the rest stays for a key
+  // a new value: positions, normals and colours have changed; the rest is constant for a key
   std::uint64_t revision = 0;
-  std::uint64_t shape = 0;  // another one: triangles and all the rest have changed, too
+  std::uint64_t shape = 0;  // a new value: triangles and all other arrays have changed, too
   std::vector<Vec3f> positions;
   std::vector<Vec3f> normals;    // unit
   std::vector<Vec3f> colors;     // empty: the item's colour
   std::vector<float> occlusion;  // baked ambient occlusion: 1 open .. 0 closed
-  std::vector<float> dissolve;   // order of going in [0, 1]: 0 goes first (see Surface::dissolved)
+  std::vector<float> dissolve;   // order of dissolving in [0, 1], 0 first (see Surface::dissolved)
   std::vector<Vec4f>
       fibres;  // cos and sin of the angle around the belly, fibres around it, metres along it
   std::vector<std::uint32_t> parts;   // for picking and outlines; empty: the item's
   std::vector<Triangle32> triangles;  // counter-clockwise seen from outside
 };
 
-// How a surface answers to light.
+// Material of a surface.
 struct Surface {
   Vec3f color{0.8f, 0.8f, 0.8f};
-  // below 1: its nearest layer is blended over what lies behind it, whatever the drawing order
+  // below 1: the nearest layer is blended over everything behind it, in any drawing order
   float opacity = 1;
   // added to the opacity where the surface is seen at a grazing angle (glass skin)
   float edge_opacity = 0;
-  float dissolved = 0;     // share of the surface that is gone; needs DrawMesh::dissolve
+  float dissolved = 0;     // share of the surface that has dissolved; needs DrawMesh::dissolve
   float roughness = 0.6f;  // of the highlight, 0 mirror .. 1 matt
   float specular = 0.04f;  // reflectance at right angles
-  float scatter = 0;       // light that bleeds around into the shade (skin, flesh), 0 .. 1
+  float scatter = 0;       // subsurface scattering into the shade (skin, flesh), 0 .. 1
   float striation = 0;     // depth of fibre lines; needs DrawMesh::fibres
 };
 
@@ -68,17 +68,17 @@ struct Camera {
   float ortho_height = 0;  // metres seen from top to bottom; above 0: parallel projection
   float near_plane = 0.05f;
   float far_plane = 200;
-  // of the picture, in halves of its width and height, to the right and up: the target is then seen
-  // there
+  // offset of the target from the picture's centre, to the right and up, in halves of its width and
+  // height
   Eigen::Vector2f shift{0, 0};
 };
 
 struct Lighting {
-  Vec3f key_direction{-0.45f, -0.8f, -0.55f};  // the way the light travels, world
+  Vec3f key_direction{-0.45f, -0.8f, -0.55f};  // direction in which the light travels, world
   Vec3f key_color{1.0f, 0.95f, 0.88f};
   float key_strength = 1.35f;
   Vec3f sky_color{0.80f, 0.88f, 1.0f};
-  Vec3f floor_color{0.72f, 0.60f, 0.52f};  // light that comes back from below
+  Vec3f floor_color{0.72f, 0.60f, 0.52f};  // ambient light from below
   float ambient_strength = 0.42f;
   Vec3f rim_color{0.85f, 0.92f, 1.0f};  // from behind the subject, seen from the camera
   float rim_strength = 0.9f;
@@ -87,7 +87,8 @@ struct Lighting {
   bool follows_camera = false;
 };
 
-// A runway along +Z that ends in a pit of sand. Empty intervals (end <= begin) leave the part away.
+// A runway along +Z that ends in a pit of sand. Track and pit are left out if their interval is
+// empty (end <= begin).
 struct Ground {
   bool visible = false;
   float height = 0;  // y of the plane
@@ -110,8 +111,8 @@ struct DrawList {
   Ground ground;
   Vec3f background_top{0.86f, 0.88f, 0.91f};
   Vec3f background_bottom{0.97f, 0.97f, 0.96f};
-  // The ball that shadows and ambient occlusion are worked out for; radius 0: around all items that
-  // cast shadow.
+  // Ball that has shadows and ambient occlusion; radius 0: the ball around all items that cast
+  // shadows.
   Vec3f focus{0, 0, 0};
   float focus_radius = 0;
 };

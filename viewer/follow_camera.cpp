@@ -13,7 +13,7 @@ namespace {
 float ease(double t) { return float(smooth_step(t)); }
 
 // Gaussian weights for shifts of 0 .. reach; they sum to 1 over -reach .. reach.
-std::vector<float> bell(double sigma_frames) {
+std::vector<float> gaussian_weights(double sigma_frames) {
   const int reach = std::ceil(3 * sigma_frames);
   std::vector<float> weights(reach + 1, 1);
   float sum = 1;
@@ -25,22 +25,21 @@ std::vector<float> bell(double sigma_frames) {
   return weights;
 }
 
-// Beyond the ends the first and last motion goes on, so that the camera does not lag there.
-std::vector<Vec3f> smooth_way(const std::vector<Vec3f>& way, const std::vector<float>& weights) {
-  const int n = int(way.size()), reach = int(weights.size()) - 1;
+// The path is reflected about its first and last points, so that the camera does not lag there.
+std::vector<Vec3f> smooth_path(const std::vector<Vec3f>& path, const std::vector<float>& weights) {
+  const int n = int(path.size()), reach = int(weights.size()) - 1;
   auto at = [&](int f) -> Vec3f {
-    if (f < 0) return 2 * way[0] - way[std::min(-f, n - 1)];
-    if (f >= n) return 2 * way[n - 1] - way[std::max(2 * (n - 1) - f, 0)];
-    return way[f];
+    if (f < 0) return 2 * path[0] - path[std::min(-f, n - 1)];
+    if (f >= n) return 2 * path[n - 1] - path[std::max(2 * (n - 1) - f, 0)];
+    return path[f];
   };
-  std::vector<Vec3f> out(way.size(), Vec3f::Zero());
+  std::vector<Vec3f> out(path.size(), Vec3f::Zero());
   for (int f = 0; f < n; ++f)
     for (int k = -reach; k <= reach; ++k) out[f] += weights[std::abs(k)] * at(f + k);
   return out;
 }
 
-// Nowhere below `values`: the mean of the largest values around, over no wider a window than they
-// were taken from.
+// Smooth upper bound of `values`: the weighted mean of a running maximum over the same window.
 std::vector<float> smooth_above(const std::vector<float>& values,
                                 const std::vector<float>& weights) {
   const int n = int(values.size()), reach = int(weights.size()) - 1;
@@ -67,20 +66,20 @@ std::vector<Camera> follow(std::span<const std::vector<Vec3f>> figures, double f
   const int n = figures.size();
   std::vector<Camera> cameras(n);
   if (n == 0) return cameras;
-  const std::vector<float> weights = bell(std::max(1e-3, options.smoothing * fps));
-  std::vector<Vec3f> way;
-  for (const auto& points : figures) way.push_back(middle(points));
-  way = smooth_way(way, weights);
+  const std::vector<float> weights = gaussian_weights(std::max(1e-3, options.smoothing * fps));
+  std::vector<Vec3f> path;
+  for (const auto& points : figures) path.push_back(middle(points));
+  path = smooth_path(path, weights);
 
   std::vector<Vec3f> directions;
   std::vector<float> distances;
   for (int f = 0; f < n; ++f) {
-    // The lead grows with speed, and is gone when the figure stands.
+    // The lead grows with speed up to 1 m/s, and is 0 when the figure stands.
     const int before = std::max(f - 1, 0), after = std::min(f + 1, n - 1);
-    Vec3f speed = (way[after] - way[before]) * float(fps) / float(std::max(1, after - before));
+    Vec3f speed = (path[after] - path[before]) * float(fps) / float(std::max(1, after - before));
     speed.y() = 0;
     Camera& camera = cameras[f];
-    camera.target = way[f] + float(options.lead) * speed / std::max(1.0f, speed.norm());
+    camera.target = path[f] + float(options.lead) * speed / std::max(1.0f, speed.norm());
     const double share = n > 1 ? double(f) / (n - 1) : 0;
     const float turn =
         ease((share - options.turn_begin) / std::max(1e-9, options.turn_end - options.turn_begin));

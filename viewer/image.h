@@ -1,6 +1,7 @@
 // Pictures in memory and on disk.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <vector>
@@ -11,7 +12,7 @@ struct Image {
   int width = 0, height = 0;
   std::vector<std::uint8_t>
       rgba;                  // top row first, 4 bytes a pixel, sRGB; not multiplied by the opacity
-  bool transparent = false;  // the fourth byte means something
+  bool transparent = false;  // the fourth byte is the opacity; otherwise it is ignored
 
   std::uint8_t* pixel(int x, int y) { return rgba.data() + 4 * (std::size_t(y) * width + x); }
   const std::uint8_t* pixel(int x, int y) const {
@@ -25,7 +26,7 @@ Image make_image(int width, int height, std::uint8_t grey = 255);
 // naming the file.
 void write_png(const std::filesystem::path& file, const Image& image);
 
-// The bytes of such a file.
+// Bytes of that PNG file.
 std::vector<std::uint8_t> encode_png(const Image& image);
 
 }  // namespace ecorche

@@ -1,4 +1,4 @@
-// Letters, lines and fields drawn over finished pictures, antialiased.
+// Antialiased text, lines and rectangles drawn over finished pictures.
 #pragma once
 
 #include <string_view>
@@ -17,16 +17,15 @@ struct TextStyle {
   Align align = Align::left;
 };
 
-// UTF-8, one line, its baseline at y (pixels from the top). Letters beyond the picture are cut off.
-// Without the font file (Debian's fonts-dejavu-core) nothing is drawn and widths are 0: pictures
-// without words are still pictures.
+// Draws one line of UTF-8 text with its baseline at y (pixels from the top), clipped to the
+// picture. Without the font file (Debian's fonts-dejavu-core) nothing is drawn and widths are 0.
 void draw_text(Image& image, std::string_view text, float x, float y, const TextStyle& style = {});
 float text_width(std::string_view text, float size);
 
 void draw_line(Image& image, float x0, float y0, float x1, float y1, float width,
                const Vec3f& color, float opacity = 1);
 
-// [x, x + width] x [y, y + height].
+// Fills the rectangle [x, x + width] x [y, y + height].
 void fill_field(Image& image, float x, float y, float width, float height, const Vec3f& color,
                 float opacity = 1);
 

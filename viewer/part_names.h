@@ -1,4 +1,4 @@
-// Parts of a character by what people call them.
+// Names of a character's parts, as in files, for people, and as patterns on command lines.
 #pragma once
 
 #include <cstdint>
@@ -17,17 +17,17 @@ std::string part_label(const Anatomy& anatomy, std::uint32_t part);
 // Skin, eyes, then muscles, then bones in the anatomy's order.
 std::vector<std::uint32_t> all_parts(const Anatomy& anatomy);
 
-// The parts that a name means, rising: a bone or muscle ("femur_l", without its side both), all
-// that begin so ("biceps", "rectus_femoris"), a region of muscles ("thigh", "forearm_r"), a layer
-// ("deep"), "muscles", "bones", "skin", "eyes". A star stands for any letters, a question mark for
-// one; blanks for underscores; large letters are small ones. Empty where nothing is called so.
+// Parts that a name stands for, ascending: a bone or muscle ("femur_l"; without a side, both), all
+// names with that beginning ("biceps", "rectus_femoris"), a region of muscles ("thigh",
+// "forearm_r"), a layer ("deep"), "muscles", "bones", "skin", "eyes". `*` stands for any letters,
+// `?` for one, blanks for underscores; case is ignored. Empty if no part has the name.
 std::vector<std::uint32_t> parts_named(const Anatomy& anatomy, std::string_view name);
-// The same for names with commas between them, together, rising. Throws UsageError that begins with
-// `where` and names the nearest for a name that means nothing.
+// The union for names separated by commas, ascending. Throws UsageError for a name that no part
+// has; its message begins with `where` and suggests the most similar name.
 std::vector<std::uint32_t> parts_of_list(const Anatomy& anatomy, const std::string& names,
                                          const std::string& where);
 
-// What is called most alike, of `names`; empty where nothing is near.
+// The most similar of `names`; empty if none is similar.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& names);
 
 }  // namespace ecorche

@@ -23,7 +23,7 @@ const Vec3f map_short(0.90f, 0.62f, 0.00f);
 const Vec3f map_rest(0.88f, 0.87f, 0.85f);
 const Vec3f map_long(0.00f, 0.45f, 0.70f);
 
-// Smooth random values in space: the patches in which a skin goes.
+// Smooth noise in space: patches in which the skin dissolves.
 float patchiness(const Vec3f& p) {
   const Eigen::Vector3i cell = p.array().floor().cast<int>();
   const Vec3f f = p - cell.cast<float>();
@@ -70,7 +70,7 @@ DrawMesh make_mesh(const TriMesh& source, std::uint64_t key) {
   return mesh;
 }
 
-// From the feet upwards, in patches.
+// Sets the order in which vertices dissolve: from the feet upwards, in patches.
 void set_dissolve_order(DrawMesh& skin) {
   if (skin.positions.empty()) return;
   float low = skin.positions[0].y(), high = low;
@@ -171,14 +171,14 @@ Surface skin_surface(const Appearance& appearance, const Look& look) {
           .scatter = 0.6f};
 }
 
-Mat4f moved_by(const Vec3f& offset) {
+Mat4f translation_by(const Vec3f& offset) {
   Mat4f m = Mat4f::Identity();
   m.topRightCorner<3, 1>() = offset;
   return m;
 }
 
-// The list's meshes, in the model's order: skin, muscles, bones, eyes. A list from elsewhere is
-// filled anew.
+// Copies the model's meshes into the list in the order skin, muscles, bones, eyes, unless they are
+// already there.
 void take_meshes(const SceneModel& model, Scene& scene) {
   DrawList& list = scene.list;
   const std::size_t wanted = 2 + model.bones.size() + model.eyes.size();
@@ -202,15 +202,16 @@ bool is_hidden(const Appearance& appearance, std::uint32_t part) {
   return std::binary_search(appearance.hidden.begin(), appearance.hidden.end(), part);
 }
 
-// The same for the same parts, in every scene and in every run.
+// Hash of the hidden parts; independent of scene and run.
 std::uint64_t shape_without(std::span<const std::uint32_t> parts) {
   std::uint64_t hash = 0xcbf29ce484222325u;  // Fowler, Noll and Vo's, 1a
   for (const std::uint32_t part : parts) hash = (hash ^ part) * 0x100000001b3u;
   return parts.empty() ? 0 : hash;
 }
 
-// Hidden muscles' triangles go: they are neither seen nor picked, nor do they cast shadows.
-void leave_away_muscles(const SceneModel& model, const Appearance& appearance, Scene& scene) {
+// Removes the triangles of hidden muscles, which are then neither seen nor picked and cast no
+// shadows.
+void remove_hidden_muscles(const SceneModel& model, const Appearance& appearance, Scene& scene) {
   const auto first =
       std::lower_bound(appearance.hidden.begin(), appearance.hidden.end(), kFirstMusclePart);
   const std::span<const std::uint32_t> hidden(first, appearance.hidden.end());
@@ -234,7 +235,7 @@ Mat4f joint_motion(const SceneModel& model, const PosedAnatomy& posed, int joint
 
 void add_look(const SceneModel& model, const PosedAnatomy& posed, const Appearance& appearance,
               const Look& look, DrawList& list) {
-  const Mat4f offset = moved_by(look.offset);
+  const Mat4f offset = translation_by(look.offset);
   if (look.bones > 0) {
     for (std::size_t b = 0; b < model.bones.size(); ++b) {
       const std::uint32_t part = kFirstBonePart + std::uint32_t(b);
@@ -250,7 +251,7 @@ void add_look(const SceneModel& model, const PosedAnatomy& posed, const Appearan
           look.muscles < 0.5f || model.bone_shadows[b] || !appearance.hidden.empty();
     }
   }
-  // Eyes go with whatever hides what is behind them; bare bones have none.
+  // Eyes are drawn with opaque muscles or opaque skin, but not with bare bones.
   const bool faced = look.muscles >= 1 || (look.skin >= 1 && look.skin_dissolved < 1);
   if (faced && !is_hidden(appearance, kEyesPart)) {
     for (std::size_t e = 0; e < model.eyes.size(); ++e) {
@@ -283,7 +284,7 @@ void add_look(const SceneModel& model, const PosedAnatomy& posed, const Appearan
   }
 }
 
-// The ball around what is seen of this frame.
+// Ball around the visible parts of this frame.
 void set_focus(const PosedAnatomy& posed, const Appearance& appearance, DrawList& list) {
   Vec3f low = Vec3f::Constant(1e30f), high = -low;
   for (const Transform& joint : posed.X_WJ)
@@ -393,7 +394,7 @@ void update_scene(const SceneModel& model, const PosedAnatomy& posed, const Skin
     throw std::invalid_argument(fmt::format("update_scene: {} activities for {} muscles",
                                             activity.size(), model.muscle_count));
   take_meshes(model, scene);
-  leave_away_muscles(model, appearance, scene);
+  remove_hidden_muscles(model, appearance, scene);
   DrawMesh& muscles = scene.list.meshes[1];
   if (model.muscle_count > 0) {
     update_muscle_surface(model.surface, posed, scene.muscle_positions, &scene.muscle_normals);

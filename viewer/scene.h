@@ -1,7 +1,7 @@
-// Values -> draw list: which layers are seen, in which colours. Draws nothing and owns nothing.
+// Draw list of a character: visible layers, their colours and opacities.
 //
-// What stays the same from frame to frame is made once a character (SceneModel); update_scene
-// writes one frame of it.
+// SceneModel holds everything that is constant over the frames and is made once per character;
+// update_scene() writes one frame.
 #pragma once
 
 #include <cstdint>
@@ -36,10 +36,10 @@ struct SceneOptions {
   MuscleSurfaceOptions surface;
   double fascicle = 0.0035;   // m, width of the fibre lines on muscles
   std::vector<Eyeball> eyes;  // seen with the skin as well as without it
-  std::uint64_t key = 1;  // a character's number; another one while two are drawn with one renderer
+  std::uint64_t key = 1;      // unique per character while several are drawn with one renderer
 };
 
-// Another number each time.
+// A number that was not returned before.
 std::uint64_t fresh_scene_key();
 
 struct SceneModel {
@@ -49,7 +49,7 @@ struct SceneModel {
   std::vector<DrawMesh> eyes;    // world, at rest
   std::vector<int> eye_joints;   // #eyes
   std::vector<int> bone_joints;  // #bones
-  // #bones, 1: casts a shadow of its own though muscles are there (the others lie within them)
+  // #bones, 1: casts a shadow also where muscles are drawn (muscles enclose the other bones)
   std::vector<char> bone_shadows;
   std::vector<Vec3> joint_rest;  // #joints, world
   std::vector<SliceRange> strips;
@@ -57,24 +57,25 @@ struct SceneModel {
   int muscle_count = 0;
 };
 
-// Bones and muscles of `anatomy`; a `skin` without vertices leaves that layer away.
+// Model of `anatomy`; without a skin layer if `skin` has no vertices.
 SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin,
                             const SceneOptions& options = {});
 
 enum class MuscleColors {
-  flesh,      // towards orange while it shortens, towards violet while it is stretched
+  flesh,      // towards orange when shortened, towards violet when stretched
   shortening  // yellow shortened, light grey at rest, blue stretched; safe for colour-blind eyes
 };
 
 // The colour of a belly in sRGB. activity: as of muscle_shortening, -1 .. 1.
 Vec3f muscle_color(MuscleColors colors, float activity);
 
-// One appearance of the character; several stand side by side by their offsets.
+// One figure of the character; several stand side by side by their offsets.
 struct Look {
   Vec3f offset = Vec3f::Zero();  // m
   float skin = 1;                // opacities 0..1
-  float skin_edge = 0;           // further opacity where the skin turns away (glass skin)
-  float skin_dissolved = 0;  // share of the skin that is gone, 0..1, patch by patch from the feet
+  float skin_edge = 0;           // additional opacity at grazing angles (glass skin)
+  // share of the skin that has dissolved, 0..1, patch by patch from the feet
+  float skin_dissolved = 0;
   float muscles = 1;
   float bones = 1;
 };
@@ -84,19 +85,19 @@ struct Appearance {
   MuscleColors muscle_colors = MuscleColors::flesh;
   Vec3f skin_color = kSkinLook.color;
   Vec3f bone_color = kBoneLook.color;
-  std::uint32_t selected = 0;           // part that is shown in another colour
-  std::vector<std::uint32_t> hidden{};  // parts that are left away, rising
+  std::uint32_t selected = 0;           // part in the colour of the selection
+  std::vector<std::uint32_t> hidden{};  // parts that are not drawn, ascending
 };
 
-// One frame: the draw list and the memory it is made in.
+// One frame: the draw list and its workspace.
 struct Scene {
   DrawList list;
   PointsF muscle_positions, muscle_normals;
-  std::vector<std::uint32_t> muscles_left_away;  // parts that the muscles' triangles in `list` lack
+  std::vector<std::uint32_t> muscles_left_away;  // muscle parts without triangles in `list`
 };
 
-// How far each muscle is from its rest length: +1 shortened by 20 % or more, -1 stretched by as
-// much. #muscles
+// Change of each muscle's length from rest: +1 shortened by 20 % or more, -1 stretched by 20 % or
+// more. #muscles
 void muscle_shortening(const SceneModel& model, const PosedAnatomy& posed, std::vector<float>& out);
 
 // Sets meshes, items and focus of `scene.list`; camera, light and ground stay as they are. Give the

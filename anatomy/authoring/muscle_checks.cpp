@@ -1,3 +1,5 @@
+#include "anatomy/authoring/muscle_checks.h"
+
 // What the placed muscles are measured by: distances of their ends from bones, and of their lines
 // from others' paths.
 #include <algorithm>
@@ -7,11 +9,10 @@
 
 #include <fmt/format.h>
 
-#include "anatomy/authoring/muscle_table.h"
 #include "anatomy/geometry/mesh_measures.h"
 #include "anatomy/muscles/action_line.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr int kLineSamples = 60;  // of a strip's line, for distances to it
@@ -97,4 +98,4 @@ std::vector<PathComparison> compare_paths(const MuscleTable& table, const Anatom
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,17 +1,18 @@
+#include "anatomy/authoring/muscle_ends.h"
+
 // Where a muscle's mesh begins and ends, when nobody has marked it.
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
 #include <exception>
 #include <optional>
 
-#include "anatomy/authoring/resample_mesh.h"
+#include "anatomy/compute/eigenvectors.h"
 #include "anatomy/errors.h"
 #include "anatomy/geometry/edge_paths.h"
 #include "anatomy/geometry/mesh_measures.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using Ends = std::pair<Vec3, Vec3>;
@@ -69,11 +70,11 @@ double misfit(const Resampled& found, double area) {
 Resampled resample_muscle(const TriMesh& mesh, const ResampleOptions& options) {
   const TriMesh whole = welded(mesh);
   const Points centred = whole.V.rowwise() - whole.V.colwise().mean();
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(Mat3(centred.transpose() * centred));
+  const SymmetricEigen<3> axes = symmetric_eigen<3>(centred.transpose() * centred);
   const Ends furthest = furthest_ends(mesh);
   std::vector<Ends> tried{stretched(whole, furthest), furthest};
   for (const int k : {2, 1}) {
-    tried.push_back(along_axis(whole, axes.eigenvectors().col(k)));
+    tried.push_back(along_axis(whole, axes.vectors.col(k)));
     tried.push_back(stretched(whole, tried.back()));
   }
   const double area = mesh_area(whole),
@@ -123,4 +124,4 @@ std::pair<Vec3, Vec3> furthest_ends(const TriMesh& mesh) {
   return {whole.V.row(high ? a : b), whole.V.row(high ? b : a)};
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,3 +1,5 @@
+#include "anatomy/authoring/muscle_placement.h"
+
 // Muscles of both sides from the table, on the source skeleton.
 #include <algorithm>
 #include <cmath>
@@ -5,13 +7,12 @@
 
 #include <fmt/format.h>
 
-#include "anatomy/authoring/muscle_table.h"
 #include "anatomy/bones/bone_package.h"
 #include "anatomy/errors.h"
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/transform_muscles.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr int kProbe = 240;  // samples of a strip when its slices are spread
@@ -30,7 +31,7 @@ class Carriers {
   PathPoint carry(const std::string& carrier, const Vec3& rest, const std::string& where) const {
     PathPoint point;
     point.rest = side_ == Side::right ? mirror_point(rest) : rest;
-    for (const SoftCarrier& soft : table_.carriers) {
+    for (const JointBlend& soft : table_.carriers) {
       if (soft.name != carrier) continue;
       point.joints = {joint(soft.joints[0], soft.where), joint(soft.joints[1], soft.where)};
       point.share = soft.high > 0
@@ -305,4 +306,4 @@ std::vector<Muscle> place_muscles(const MuscleTable& table, const Anatomy& sourc
   return muscles;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

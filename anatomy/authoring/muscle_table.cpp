@@ -14,7 +14,7 @@
 #include "anatomy/files/csv_table.h"
 #include "anatomy/files/text_scanner.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kMillimetre = 1e-3;
@@ -137,10 +137,10 @@ class MuscleReader {
 
   void read_carrier() {
     end_muscle();
-    SoftCarrier carrier;
+    JointBlend carrier;
     carrier.where = where();
     carrier.name = name_word("the carrier's name");
-    for (const SoftCarrier& other : table_.carriers)
+    for (const JointBlend& other : table_.carriers)
       if (other.name == carrier.name)
         fail(fmt::format("carrier '{}' is given twice", carrier.name));
     expect("between");
@@ -432,4 +432,4 @@ MuscleTable read_muscle_table(const std::filesystem::path& data_dir) {
   return table;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

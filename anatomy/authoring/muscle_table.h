@@ -16,22 +16,21 @@
 #include <vector>
 
 #include "anatomy/anatomy.h"
-#include "anatomy/bones/bone_package.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-// A named point on a bone or on a soft carrier of the left side.
+// A named point on a bone or on a joint blend of the left side.
 struct SourceLandmark {
   std::string id;       // "acromion_front"
-  std::string carrier;  // bone without side suffix, or the name of a soft carrier
+  std::string carrier;  // bone without side suffix, or the name of a joint blend
   std::string rule;     // how to find it, in words
   Vec3 position = Vec3::Zero();
   std::string where;  // "arm.csv:17", for messages
 };
 
-// What carries points that no bone carries. The first joint's share is constant, or falls with
-// height.
-struct SoftCarrier {
+// A blend of two joints that carries points which no bone carries (keyword `carrier` of
+// data/muscles). The first joint's weight is constant, or falls with height.
+struct JointBlend {
   std::string name;
   std::array<std::string, 2> joints;  // without side suffix
   double share = 1;
@@ -91,7 +90,7 @@ struct TableMuscle {
 
 struct MuscleTable {
   std::vector<SourceLandmark> landmarks;
-  std::vector<SoftCarrier> carriers;
+  std::vector<JointBlend> carriers;
   std::vector<TableWrap> wraps;
   std::vector<TableMuscle> muscles;
 };
@@ -111,45 +110,4 @@ MuscleTable read_muscle_table(const std::filesystem::path& data_dir);
 void read_muscle_text(std::string_view text, const std::string& name, MuscleTable& table);
 void read_landmark_text(std::string_view text, const std::string& name, MuscleTable& table);
 
-struct PlaceOptions {
-  Sex sex = Sex::male;
-  int min_slices = 12;  // a strip; longer paths get more
-  int max_slices = 24;
-};
-
-// Left and right muscles on the source skeleton: each left one followed by its mirror image. Strips
-// have their slices spread so that bends and bellies get most, and the muscle's tubes together have
-// the table's volume: bellies are scaled for it, tendons keep their sections; sheets change in
-// thickness only. Throws InputError when a landmark's bone or a carrier's joint is not in the
-// skeleton.
-std::vector<Muscle> place_muscles(const MuscleTable& table, const Anatomy& source,
-                                  const PlaceOptions& options = {});
-
-// How far the ends of the strips lie from the bones that their landmarks name. Ends on soft
-// carriers are left out.
-struct Attachment {
-  int muscle = 0, strip = 0;  // indices into the anatomy's muscles
-  bool origin = true;
-  std::string bone;
-  double distance = 0;  // from the end of the path to the bone's surface, m
-};
-
-// Precondition: anatomy.muscles were placed from this table (in whatever body they are by now).
-std::vector<Attachment> measure_attachments(const MuscleTable& table, const Anatomy& anatomy);
-
-// How far a path of the MJCF runs from our muscle: its points' distances from the nearest of our
-// strips' lines.
-struct PathComparison {
-  int muscle = 0;  // index into the anatomy's muscles
-  std::vector<std::string> paths;
-  int points = 0;
-  double mean = 0, worst = 0;  // m
-};
-
-// For left muscles with paths to compare. Preconditions: anatomy.muscles were placed from this
-// table on the source skeleton; `paths` are read_tendon_paths of it. Names that `paths` does not
-// have are passed over.
-std::vector<PathComparison> compare_paths(const MuscleTable& table, const Anatomy& anatomy,
-                                          const std::vector<TendonPath>& paths);
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -15,7 +15,7 @@
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/slice_outline.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
@@ -271,4 +271,4 @@ Strip make_strip(const Resampled& resampled, int origin_joint, int insertion_joi
   return strip;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

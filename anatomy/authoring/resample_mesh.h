@@ -15,7 +15,7 @@
 #include "anatomy/geometry/mesh_sections.h"
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct ResampleOptions {
   int control_points = 3;  // of the action line, between origin and insertion: 0 .. 12
@@ -58,18 +58,8 @@ struct Resampled {
 Resampled resample_muscle(const TriMesh& mesh, const Vec3& origin, const Vec3& insertion,
                           const ResampleOptions& options = {});
 
-// The same where nobody has marked the ends: those points that lie furthest apart along the surface
-// are tried, and the extremes along the mesh's two longest axes, each also moved out along the
-// muscle's middle until no surface lies beyond. The first that comes back within 0.2 % of the
-// mesh's size is kept, else the closest.
-Resampled resample_muscle(const TriMesh& mesh, const ResampleOptions& options = {});
-
-// The two points of a mesh that lie furthest apart along its surface: likely ends of a muscle that
-// nobody has marked.
-std::pair<Vec3, Vec3> furthest_ends(const TriMesh& mesh);
-
 // As a strip of an anatomy, carried by one joint at each end: the path runs along the action line,
 // slices keep their ellipses.
 Strip make_strip(const Resampled& resampled, int origin_joint, int insertion_joint);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

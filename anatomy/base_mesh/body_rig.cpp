@@ -1,3 +1,5 @@
+#include "anatomy/base_mesh/body_rig.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -6,10 +8,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "anatomy/base_mesh/body_package.h"
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using nlohmann::json;
@@ -197,4 +198,4 @@ std::vector<VertexPart> vertex_parts(const BodyPackage& package) {
   return parts;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -8,7 +8,7 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 struct Rim {
@@ -86,9 +86,10 @@ std::vector<Eyeball> find_eyes(const BodyPackage& package, const TriMesh& skin,
   return eyes;
 }
 
-std::vector<Eyeball> find_eyes(const TriMesh& skin, const Skeleton& skeleton) {
+std::vector<Eyeball> find_eyes(const Assets& assets, const TriMesh& skin,
+                               const Skeleton& skeleton) {
   try {
-    return find_eyes(read_body_package(find_packages()), skin, skeleton);
+    return find_eyes(read_body_package(assets), skin, skeleton);
   } catch (const InputError&) {
     return {};
   }
@@ -99,4 +100,4 @@ std::vector<EyePart> eye_parts(const Eyeball& eye) {
           band(eye, kEyeWhiteLook, {28, 40, 60, 80, 105, 130, 155, 180})};
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -7,7 +7,7 @@
 #include "anatomy/base_mesh/body_package.h"
 #include "anatomy/base_mesh/tissue_look.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Drawn as white, iris and pupil; looks along the joint's +Z at rest.
 struct Eyeball {
@@ -23,7 +23,7 @@ std::vector<Eyeball> find_eyes(const BodyPackage& package, const TriMesh& skin,
 
 // The same with the package that is installed; empty where there is none, for a character can be
 // looked at without it.
-std::vector<Eyeball> find_eyes(const TriMesh& skin, const Skeleton& skeleton);
+std::vector<Eyeball> find_eyes(const Assets& assets, const TriMesh& skin, const Skeleton& skeleton);
 
 // A band of the globe that has one colour.
 struct EyePart {
@@ -35,4 +35,4 @@ struct EyePart {
 // Pupil, iris and white, which together close the globe.
 std::vector<EyePart> eye_parts(const Eyeball& eye);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,11 +1,12 @@
+#include "anatomy/base_mesh/shape_targets.h"
+
 #include <map>
 #include <mutex>
 
-#include "anatomy/base_mesh/body_package.h"
 #include "anatomy/files/gzip.h"
 #include "anatomy/files/text_scanner.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 ShapeTarget parse_target(std::string_view text, const std::string& name, int point_count) {
@@ -54,4 +55,4 @@ const ShapeTarget* ShapeTargets::find(const std::string& name) const {
   return (state_->read[name] = std::move(target)).get();
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

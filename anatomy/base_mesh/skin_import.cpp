@@ -1,6 +1,5 @@
 #include "anatomy/base_mesh/skin_import.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,10 +12,12 @@
 
 #include <fmt/format.h>
 
+#include "anatomy/base_mesh/body_rig.h"
+#include "anatomy/compute/eigenvectors.h"
 #include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using Edge = std::pair<int, int>;
@@ -135,8 +136,8 @@ const char* axis_name(const Vec3& axis) {
 Mat3 file_to_world(const Points& skin, const BodyPackage& package, BareSkin& out) {
   const Points from = centred(skin), to = centred(package.points.topRows(package.skin_size));
   const Mat3 moments = to.transpose() * from;
-  const Eigen::JacobiSVD<Mat3> svd(moments, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Mat3 fitted = svd.matrixU() * svd.matrixV().transpose();
+  const Svd3 parts = svd(moments);
+  const Mat3 fitted = parts.U * parts.V.transpose();
   out.mirrored = fitted.determinant() < 0;
   Mat3 nearest = Mat3::Identity();
   double best = -4;
@@ -221,9 +222,8 @@ double roughness(const TriMesh& mesh) {
 }
 
 void check_smooth(const TriMesh& skin, const std::string& name) {
-  constexpr double kMost = 40,
-                   kDegrees = 180 / std::numbers::pi;  // smooth bodies have 9 to 11 degrees
-  const double angle = roughness(skin) * kDegrees;
+  constexpr double kMost = 40;  // smooth bodies have 9 to 11 degrees
+  const double angle = roughness(skin) * kDegreesPerRadian;
   if (angle > kMost) {
     throw UnfitError(
         fmt::format("{}: a crumpled surface: its triangles meet at {:.0f} degrees on average (a "
@@ -337,4 +337,4 @@ BareSkin read_bare_skin(const std::filesystem::path& file, const BodyPackage& pa
   return bare_skin(read_mesh_file(file), printable(file.string()), package, unit);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

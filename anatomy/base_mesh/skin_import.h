@@ -11,7 +11,7 @@
 #include "anatomy/base_mesh/body_package.h"
 #include "anatomy/mesh_files/mesh_io.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct BareSkin {
   // metres, +Y up, facing +Z, soles on y = 0, mid-plane at x = 0; sex, age and mass are not known
@@ -41,4 +41,4 @@ BareSkin read_bare_skin(const std::filesystem::path& file, const BodyPackage& pa
 BareSkin bare_skin(const MeshFile& file, const std::string& name, const BodyPackage& package,
                    std::optional<double> unit = {});
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -8,7 +8,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/text_scanner.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 const char* const kMeshPath = "mpfb2/3dobjs/base.obj";
@@ -177,4 +177,4 @@ Points textured_rows(const SkinTexture& texture, const Points& skin) {
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -11,7 +11,7 @@
 #include "anatomy/geometry/subdivide.h"
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 using TexturePoints = Eigen::Matrix<float, Eigen::Dynamic, 2,
                                     Eigen::RowMajor>;  // right and up, (0, 0) at the lower left
@@ -36,4 +36,4 @@ SkinTexture skin_texture(const SkinTexture& base, const Refinement& refinement);
 // Rows of the skin's vertices as the textured ones need them.
 Points textured_rows(const SkinTexture& texture, const Points& skin);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

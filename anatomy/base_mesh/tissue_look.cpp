@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 std::uint32_t scrambled(std::uint32_t x) {
   x = (x ^ (x >> 16)) * 0x7feb352du;
@@ -42,4 +42,4 @@ Rgb linear_light(const Rgb& color) {
       [](float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); });
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

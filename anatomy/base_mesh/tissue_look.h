@@ -8,7 +8,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 using Rgb = Eigen::Vector3f;  // sRGB in [0, 1], as on the screen
 
@@ -48,4 +48,4 @@ Rgb linear_light(const Rgb& color);
 std::uint32_t scrambled(std::uint32_t x);
 float scattered(std::uint32_t x);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

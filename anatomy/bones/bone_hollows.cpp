@@ -5,12 +5,12 @@
 
 #include <fmt/format.h>
 
-#include "anatomy/bones/bone_package.h"
+#include "anatomy/bones/mirror.h"
 #include "anatomy/compute/smooth_step.h"
 #include "anatomy/errors.h"
 #include "anatomy/geometry/mesh_measures.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 // Deeper than this behind the rim's plane lies another face of the bone, m.
@@ -100,4 +100,4 @@ void press_hollows(const Table& table, std::vector<Bone>& bones) {
   }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

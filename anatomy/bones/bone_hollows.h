@@ -7,7 +7,7 @@
 #include "anatomy/anatomy.h"
 #include "anatomy/files/csv_table.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Moves vertices of `bones` that lie within a hollow's rim, seen along the rim's mean normal, and
 // face the way it does. Bones are in the source skeleton's frame (bone_package.h), m; a hollow of
@@ -15,4 +15,4 @@ namespace ecorche {
 // Throws InputError for a bone that is not there or a rim of fewer than three points.
 void press_hollows(const Table& table, std::vector<Bone>& bones);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

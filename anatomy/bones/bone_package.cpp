@@ -14,18 +14,7 @@
 #include "anatomy/mesh_files/stl_io.h"
 #include "anatomy/model_files/mjcf_meshes.h"
 
-namespace ecorche {
-
-Vec3 mirror_point(const Vec3& point, double mid_plane) {
-  return {2 * mid_plane - point.x(), point.y(), point.z()};
-}
-
-std::string mirror_name(const std::string& name) {
-  const std::string stem = name.substr(0, name.size() < 2 ? 0 : name.size() - 2);
-  if (name.ends_with("_l")) return stem + "_r";
-  if (name.ends_with("_r")) return stem + "_l";
-  return name;
-}
+namespace ecorche::inline v1 {
 
 namespace {
 
@@ -62,7 +51,7 @@ TriMesh placed(TriMesh mesh, const Vec3& scale, const Transform& X_WG) {
   return mesh;
 }
 
-TriMesh mirrored(TriMesh mesh) {
+TriMesh mirrored_bone_package(TriMesh mesh) {
   mesh.V.col(0) = 2 * kSourceMidPlane - mesh.V.col(0).array();
   mesh.F.col(1).swap(mesh.F.col(2));
   return mesh;
@@ -70,10 +59,10 @@ TriMesh mirrored(TriMesh mesh) {
 
 }  // namespace
 
-Anatomy read_source_skeleton(const Packages& packages) {
-  const PackageArchive archive(packages, kPackage);
+Anatomy read_source_skeleton(const Assets& assets) {
+  const PackageArchive archive(assets.packages, kPackage);
   const Mjcf mjcf = read_model(archive);
-  const Table table(data_folder() / "bones.csv");
+  const Table table(assets.tables / "bones.csv");
   Meshes meshes(archive);
   std::vector<Bone> bones;
   for (int row = 0; row < table.rows(); ++row) {
@@ -90,10 +79,10 @@ Anatomy read_source_skeleton(const Packages& packages) {
                mesh.scale, geom->second.X_WG);
     bones.push_back(std::move(bone));
   }
-  press_hollows(Table(data_folder() / "hollows.csv"), bones);
+  press_hollows(Table(assets.tables / "hollows.csv"), bones);
 
   Anatomy anatomy;
-  anatomy.skeleton = place_joints(Table(data_folder() / "joints.csv"), mjcf, bones);
+  anatomy.skeleton = place_joints(Table(assets.tables / "joints.csv"), mjcf, bones);
   for (int row = 0; row < table.rows(); ++row) {
     Bone& bone = bones[row];
     const auto carrier = [&](Side side) {
@@ -107,17 +96,17 @@ Anatomy read_source_skeleton(const Packages& packages) {
     bone.joint = carrier(bone.side);
     anatomy.bones.push_back(bone);
     if (bone.side != Side::left) continue;
-    anatomy.bones.push_back(
-        {mirror_name(bone.name), Side::right, carrier(Side::right), mirrored(bone.mesh)});
+    anatomy.bones.push_back({mirror_name(bone.name), Side::right, carrier(Side::right),
+                             mirrored_bone_package(bone.mesh)});
   }
   validate(anatomy);
   return anatomy;
 }
 
-std::vector<TendonPath> read_tendon_paths(const Packages& packages, const Anatomy& skeleton) {
-  const PackageArchive archive(packages, kPackage);
+std::vector<TendonPath> read_tendon_paths(const Assets& assets, const Anatomy& skeleton) {
+  const PackageArchive archive(assets.packages, kPackage);
   const Mjcf mjcf = read_model(archive);
-  const Table table(data_folder() / "bones.csv");
+  const Table table(assets.tables / "bones.csv");
   std::map<std::string, std::vector<const Bone*>> carried;  // by MJCF body
   for (int row = 0; row < table.rows(); ++row) {
     const auto geom = mjcf.geoms.find(table.text(row, "geom"));
@@ -162,4 +151,4 @@ std::vector<TendonPath> read_tendon_paths(const Packages& packages, const Anatom
   return paths;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

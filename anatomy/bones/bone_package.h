@@ -15,22 +15,15 @@
 #include <vector>
 
 #include "anatomy/anatomy.h"
-#include "anatomy/files/package_archive.h"
+#include "anatomy/bones/mirror.h"
+#include "anatomy/files/assets.h"
 
-namespace ecorche {
-
-// The source skeleton's plane of symmetry, m.
-inline constexpr double kSourceMidPlane = -0.0251;
-
-// The other side of a point, and of a bone, joint or muscle name ("femur_l" -> "femur_r"; unpaired
-// names are their own mirror).
-Vec3 mirror_point(const Vec3& point, double mid_plane = kSourceMidPlane);
-std::string mirror_name(const std::string& name);
+namespace ecorche::inline v1 {
 
 // Skeleton and bones; no muscles. Bones follow data/bones.csv: unpaired and left ones in its order,
 // each left one followed by its right one. Throws InputError when the package or a table is
 // missing, altered or inconsistent.
-Anatomy read_source_skeleton(const Packages& packages);
+Anatomy read_source_skeleton(const Assets& assets);
 
 // A line of the MJCF's model: where others have put a muscle. For comparison only.
 struct TendonPath {
@@ -42,6 +35,6 @@ struct TendonPath {
 
 // Left side and mid-line tendons of leg and trunk (the arm's stem from a model with other terms and
 // are not read). `skeleton` is what read_source_skeleton returned.
-std::vector<TendonPath> read_tendon_paths(const Packages& packages, const Anatomy& skeleton);
+std::vector<TendonPath> read_tendon_paths(const Assets& assets, const Anatomy& skeleton);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

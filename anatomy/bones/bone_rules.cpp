@@ -10,7 +10,7 @@
 #include "anatomy/geometry/join_meshes.h"
 #include "anatomy/mesh_files/stl_io.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 namespace {
 
@@ -99,4 +99,4 @@ TriMesh select_bone(const std::vector<TriMesh>& components, const std::string& r
   return join_meshes(left);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

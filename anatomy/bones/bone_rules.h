@@ -6,7 +6,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // The components that the rule leaves, joined into one mesh. Grammar: head of data/bones.csv.
 // Components are in metres, in the frame of their file. Throws InputError "where: ..." for a rule
@@ -14,4 +14,4 @@ namespace ecorche {
 TriMesh select_bone(const std::vector<TriMesh>& components, const std::string& rule,
                     const std::string& where);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -3,12 +3,11 @@
 #include <cmath>
 
 #include "anatomy/files/csv_table.h"
-#include "anatomy/files/package_archive.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-std::vector<CartilageRule> read_cartilage_rules() {
-  const Table table(data_folder() / "cartilage.csv");
+std::vector<CartilageRule> read_cartilage_rules(const std::filesystem::path& tables) {
+  const Table table(tables / "cartilage.csv");
   std::vector<CartilageRule> rules;
   for (int row = 0; row < table.rows(); ++row)
     rules.push_back({table.text(row, "bone"), int(table.number(row, "faces")),
@@ -36,4 +35,4 @@ std::vector<char> cartilage_faces(const std::vector<CartilageRule>& rules, const
   return cartilage;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -7,20 +7,17 @@
 
 #include <fmt/format.h>
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 
-#include "anatomy/bones/bone_package.h"
+#include "anatomy/bones/mirror.h"
+#include "anatomy/compute/linear_systems.h"
 #include "anatomy/errors.h"
 #include "anatomy/mesh_files/stl_io.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 Vec3 world_from_mjcf(const Vec3& v) { return {v.x(), v.z(), -v.y()}; }
 
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180;
-
 class JointPlacer {
  public:
   JointPlacer(const Table& table, const Mjcf& mjcf, const std::vector<Bone>& bones)
@@ -65,8 +62,7 @@ class JointPlacer {
     return all;
   }
 
-  // --- centres
-  // -----------------------------------------------------------------------------------------------------------------
+  // --- centres -------------------------------------------------------------------------
   Vec3 center(const std::string& rule) const {
     if (rule.starts_with("mid ")) {
       Vec3 c = center(rule.substr(4));
@@ -163,7 +159,7 @@ class JointPlacer {
     }
     add(1e-3 * axis * axis.transpose(),
         1e-3 * axis * axis.dot(start));  // nothing else holds it along the axis
-    return A.colPivHouseholderQr().solve(b);
+    return solve_least_squares(A, b);
   }
 
   // Where the couplings of a body's joints to the knee carry a point of the neutral pose, at a knee
@@ -186,8 +182,7 @@ class JointPlacer {
     return origin + shift + arm;
   }
 
-  // --- axes
-  // --------------------------------------------------------------------------------------------------------------------
+  // --- axes ----------------------------------------------------------------------------
   Vec3 direction(const std::string& word) const {
     if (word == "left") return Vec3::UnitX();
     if (word == "right") return -Vec3::UnitX();
@@ -256,8 +251,7 @@ class JointPlacer {
     return motion > 0 ? 1 : -1;
   }
 
-  // --- joints
-  // ------------------------------------------------------------------------------------------------------------------
+  // --- joints --------------------------------------------------------------------------
   void append(Skeleton& skeleton) const {
     const std::string& name = table_.text(row_, "name");
     Joint joint;
@@ -308,4 +302,4 @@ Skeleton place_joints(const Table& table, const Mjcf& mjcf, const std::vector<Bo
   return JointPlacer(table, mjcf, bones).place();
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -7,7 +7,7 @@
 #include "anatomy/files/csv_table.h"
 #include "anatomy/model_files/mjcf_meshes.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Model axes of the MJCF to world axes: (x, y, z) -> (x, z, -y).
 Vec3 world_from_mjcf(const Vec3& v);
@@ -18,4 +18,4 @@ Vec3 world_from_mjcf(const Vec3& v);
 // should tell the sense of.
 Skeleton place_joints(const Table& table, const Mjcf& mjcf, const std::vector<Bone>& bones);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

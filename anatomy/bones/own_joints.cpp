@@ -4,9 +4,8 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/files/csv_table.h"
-#include "anatomy/files/package_archive.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 // A row marked as paired stands for both sides; its parent is on the same side where that is
@@ -20,8 +19,9 @@ std::string sided(const Table& table, const std::string& name, const char* side)
 
 }  // namespace
 
-void require_own_joints(const Skeleton& skeleton, const std::string& file) {
-  const Table table(data_folder() / "joints.csv");
+void require_own_joints(const std::filesystem::path& tables, const Skeleton& skeleton,
+                        const std::string& file) {
+  const Table table(tables / "joints.csv");
   for (int row = 0; row < table.rows(); ++row)
     for (const char* side : {"_l", "_r"}) {
       const std::string name = sided(table, table.text(row, "name"), side),
@@ -40,4 +40,4 @@ void require_own_joints(const Skeleton& skeleton, const std::string& file) {
     }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,4 +1,4 @@
-// Work in runs, on this thread or on all.
+// Loops over ranges, on this thread or on all.
 #pragma once
 
 #include <tbb/blocked_range.h>
@@ -7,19 +7,20 @@
 
 #include <cstddef>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 enum class Threads { one, all };
 
-// act(first, last) for runs that together are 0 .. count; several threads take runs of about `run`.
+// act(first, last) for ranges that together are 0 .. count; several threads take ranges of about
+// `grain`.
 template <class Act>
-void each_run(std::size_t count, std::size_t run, Threads threads, const Act& act) {
+void parallel_for_ranges(std::size_t count, std::size_t grain, Threads threads, const Act& act) {
   if (threads == Threads::one) return act(std::size_t{0}, count);
   // Isolated: while it waits, this thread must not begin other work in the same memory.
   tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, run),
-                      [&](const auto& some) { act(some.begin(), some.end()); });
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
+                      [&](const auto& range) { act(range.begin(), range.end()); });
   });
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

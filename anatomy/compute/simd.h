@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 typedef float Float4 __attribute__((vector_size(16)));
 typedef int Int4 __attribute__((vector_size(16)));
@@ -70,4 +70,4 @@ inline Float4 sum4(Float4 v) {
   return v + __builtin_shuffle(v, Int4{1, 0, 3, 2});
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

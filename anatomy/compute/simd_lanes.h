@@ -6,16 +6,16 @@
 #include "anatomy/compute/simd.h"
 #include "anatomy/compute/vector3.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 template <class Floats>
 struct Lanes4Of {
   Floats x, y, z, w;
 };
 
-using Lanes3 = Triple<Float4>;
+using Lanes3 = Vec3xN<Float4>;
 using Lanes4 = Lanes4Of<Float4>;
-using Wide3 = Triple<Float8>;
+using Wide3 = Vec3xN<Float8>;
 using Wide4 = Lanes4Of<Float8>;
 
 // Four rows of four floats become four columns, and back: it is its own inverse.
@@ -28,12 +28,6 @@ inline Lanes4 transposed(Float4 a, Float4 b, Float4 c, Float4 d) {
           __builtin_shuffle(ab_low, cd_low, Int4{2, 3, 6, 7}),
           __builtin_shuffle(ab_high, cd_high, Int4{0, 1, 4, 5}),
           __builtin_shuffle(ab_high, cd_high, Int4{2, 3, 6, 7})};
-}
-
-// The four rows with these numbers.
-inline Lanes4 gather_rows(const float* rows, const int* number) {
-  return transposed(load4(rows + 4 * number[0]), load4(rows + 4 * number[1]),
-                    load4(rows + 4 * number[2]), load4(rows + 4 * number[3]));
 }
 
 // The same of both halves.
@@ -91,7 +85,7 @@ inline Float8 root(Float8 v) {
 }
 
 template <class F>
-Triple<F> xyz(const Lanes4Of<F>& v) {
+Vec3xN<F> xyz(const Lanes4Of<F>& v) {
   return {v.x, v.y, v.z};
 }
 
@@ -150,4 +144,4 @@ inline Wide4 quaternion(const Wide33& R) {
   return normalized(q);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 inline double smooth_step(double from, double to, double x) {
   const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
@@ -11,4 +11,4 @@ inline double smooth_step(double from, double to, double x) {
 }
 inline double smooth_step(double x) { return smooth_step(0, 1, x); }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -3,31 +3,31 @@
 
 #include <type_traits>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 template <class T>
-struct Triple {
+struct Vec3xN {
   T x, y, z;
 };
 template <class T>
-Triple<T> operator+(const Triple<T>& a, const Triple<T>& b) {
+Vec3xN<T> operator+(const Vec3xN<T>& a, const Vec3xN<T>& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
 template <class T>
-Triple<T> operator-(const Triple<T>& a, const Triple<T>& b) {
+Vec3xN<T> operator-(const Vec3xN<T>& a, const Vec3xN<T>& b) {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
 template <class T>
-Triple<T> operator*(const std::type_identity_t<T>& s, const Triple<T>& a) {
+Vec3xN<T> operator*(const std::type_identity_t<T>& s, const Vec3xN<T>& a) {
   return {s * a.x, s * a.y, s * a.z};
 }
 template <class T>
-T dot(const Triple<T>& a, const Triple<T>& b) {
+T dot(const Vec3xN<T>& a, const Vec3xN<T>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 template <class T>
-Triple<T> cross(const Triple<T>& a, const Triple<T>& b) {
+Vec3xN<T> cross(const Vec3xN<T>& a, const Vec3xN<T>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

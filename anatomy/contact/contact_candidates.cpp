@@ -1,3 +1,5 @@
+#include "anatomy/contact/contact_candidates.h"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -7,25 +9,28 @@
 #include <numeric>
 #include <string>
 
-#include "anatomy/contact/muscle_contact.h"
+#include "anatomy/contact/section_contact.h"
+#include "anatomy/contact/section_shape.h"
 #include "anatomy/joint_angles.h"
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/muscle_surface.h"
+#include "anatomy/posing/pose_anatomy.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr int kLimitPoses = 12;
-constexpr double kHalfWay = 0.6;  // of the way to a limit
-constexpr std::array<double, 2> kCrossing = {
-    0.45,
-    0.8};  // of the way: where limbs brought inward lie in one another, too, at other sections
+constexpr double kHalfWay = 0.6;  // share of the way to a limit
+// Shares of the way to adduction's limit at which limbs brought inward lie in one another, too, at
+// other sections.
+constexpr std::array<double, 2> kCrossing = {0.45, 0.8};
 constexpr int kPoses = kLimitPoses + int(kCrossing.size());
-constexpr double kHinge = 2.5;  // its flexion has so many times the range of its other angles
-// of all muscles' volume, in some pose: what a pose looks at, before the skin has pressed anything,
-constexpr double kMuchShared = 1e-4;
-constexpr double kLeastShared = 5e-6;  // and what is worth a look at all
-// pairs that are looked at together: what is known of them stays in the nearest memory
+constexpr double kHinge = 2.5;  // a hinge: range of its flexion over those of its other angles
+// Overlap of two sections in some pose, over the volume of all muscles, from which a pair is a
+// candidate: for the first pass of a pose, and for any. Less: slower frames; more: overlap stays.
+constexpr double kMajorOverlap = 1e-4;
+constexpr double kLeastOverlap = 5e-6;
+// Pairs that are evaluated together: what is known of them stays in the nearest cache.
 constexpr int kBlock = 128;
 constexpr float kRounding = 1e-5f;  // of a factor, in single precision
 
@@ -43,10 +48,10 @@ struct Box {
   }
 };
 
-// A sheet's strips have sides on which they are drawn on into the next one: no vertex follows the
-// outline there.
-void lay_out(const Anatomy& anatomy, const std::vector<SliceRange>& ranges,
-             ContactTable& table) {  // all sections, as members
+// All sections, as members. On the sides on which a sheet's strips are drawn on into the next one
+// no vertex follows the outline.
+void add_members(const Anatomy& anatomy, const std::vector<SliceRange>& ranges,
+                 ContactCandidates& table) {
   const MuscleSurface surface = make_muscle_surface(anatomy, {kOutlinePoints, true});
   std::vector<char> drawn(slice_count(anatomy), 0);
   for (const MuscleSurface::Term& t : surface.terms) {
@@ -61,14 +66,14 @@ void lay_out(const Anatomy& anatomy, const std::vector<SliceRange>& ranges,
       table.members.push_back(
           {k, part.sheet ? part.thickness : 1, k == range.begin, k + 1 == range.end});
       table.shapes.push_back(
-          contact_shape(slices[k - range.begin].outline, part.sheet ? 3 & ~drawn[k] : 0));
+          section_shape(slices[k - range.begin].outline, part.sheet ? 3 & ~drawn[k] : 0));
     }
   }
 }
 
-// Of joints that turn every way one angle goes so far up or down, of hinges their flexion to an
-// end.
-struct Turn {
+// A pose of all joints: one angle of ball joints goes `share` of the way to its upper or lower
+// limit, hinges are bent or straight.
+struct LimitAngles {
   int angle = 0;
   bool up = false, bent = false;
   double share = 1;
@@ -77,41 +82,42 @@ struct Turn {
 // One angle after the other, with hinges bent and, farther from the limits, straight: bodies bend
 // like that, and muscles meet most at the ends of ranges. Legs that come together pass through one
 // another before they are there.
-Turn turn_of(int index) {
+LimitAngles limit_pose_of(int index) {
   if (index >= kLimitPoses) return {1, false, false, kCrossing[index - kLimitPoses]};
   const bool bent = index % 2 == 1;
   return {index / 4, index / 2 % 2 == 0, bent, bent ? 1 : kHalfWay};
 }
 
 // All joints at once.
-Pose limit_pose(const Skeleton& skeleton, const Turn& turn) {
+Pose limit_pose(const Skeleton& skeleton, const LimitAngles& limits) {
   Pose pose = rest_pose(skeleton);
   for (std::size_t j = 1; j < skeleton.joints.size(); ++j) {
     const Joint& joint = skeleton.joints[j];
     const Vec3 range = joint.max - joint.min;
     const bool hinge = range[0] > kHinge * std::max(range[1], range[2]);
-    const int axis = hinge ? 0 : turn.angle;
+    const int axis = hinge ? 0 : limits.angle;
     Vec3 angles = joint_angles(joint, Quat::Identity());
     double& angle = angles[axis];
-    const double limit = (hinge ? turn.bent : turn.up) ? std::max(angle, joint.max[axis])
-                                                       : std::min(angle, joint.min[axis]);
-    angle += (hinge ? 1 : turn.share) * (limit - angle);
+    const double limit = (hinge ? limits.bent : limits.up) ? std::max(angle, joint.max[axis])
+                                                           : std::min(angle, joint.min[axis]);
+    angle += (hinge ? 1 : limits.share) * (limit - angle);
     pose.rotations[j] = joint_rotation(joint, angles);
   }
   complete_pose(skeleton, pose);
   return pose;
 }
 
-// Volume that one section shares with another beyond what it shares at rest, m^3.
-float shared_volume(const ContactTable& table, const ContactMemory& posed,
-                    const ContactMemory& rest, int own, int other) {
-  ContactSpokes press, near, still;
-  if (!press_of(posed, own, other, other, press, near) ||
-      !(*std::max_element(press.begin(), press.end()) > 0))
+// Overlap of one section with another beyond their overlap at rest, m^3.
+float overlap_volume(const ContactCandidates& table, const SectionContactWorkspace& posed,
+                     const SectionContactWorkspace& rest, int own, int other) {
+  RadialSamples penetration, blocked, rest_penetration;
+  if (!find_penetration(posed, own, other, other, penetration, blocked) ||
+      !(*std::max_element(penetration.begin(), penetration.end()) > 0))
     return 0;
-  if (!press_of(rest, own, other, other, still, near)) still.fill(0);
-  for (std::size_t i = 0; i < press.size(); ++i) press[i] -= still[i];
-  return given_volume(posed.sections[own], table.shapes[own], press);
+  if (!find_penetration(rest, own, other, other, rest_penetration, blocked))
+    rest_penetration.fill(0);
+  for (std::size_t i = 0; i < penetration.size(); ++i) penetration[i] -= rest_penetration[i];
+  return penetration_volume(posed.sections[own], table.shapes[own], penetration);
 }
 
 struct Places {
@@ -122,25 +128,26 @@ struct Places {
 // own << 32 | other, ascending.
 using Pairs = std::vector<std::uint64_t>;
 
-// m^3
-struct Shared {
-  float much = 0, least = 0;
+// Overlap from which a pair counts, m^3.
+struct OverlapLimits {
+  float major = 0, least = 0;
 };
 
 struct FoundPairs {
-  Pairs much, all;
+  Pairs major, all;
 };
 
-// Pairs of sections that share so much.
-FoundPairs pairs_of(const ContactTable& table, const Places& places, const ContactMemory& posed,
-                    const ContactMemory& rest, const Shared& asked) {
+// Pairs of sections that overlap by so much.
+FoundPairs find_pairs(const ContactCandidates& table, const Places& places,
+                      const SectionContactWorkspace& posed, const SectionContactWorkspace& rest,
+                      const OverlapLimits& limits) {
   const std::size_t n = places.strips.size();
-  std::vector<Box> near(n), wide(n);  // about outlines, about what they speak for
+  std::vector<Box> near(n), wide(n);  // about outlines, about the regions that they block
   for (std::size_t s = 0; s < n; ++s)
     for (int k = places.strips[s].begin; k < places.strips[s].end; ++k) {
       const std::size_t i = k;
-      near[s].add(posed.sections[i], -posed.own_balls[i][3]);
-      wide[s].add(posed.sections[i], posed.balls[i][3]);
+      near[s].add(posed.sections[i], -posed.own_spheres[i][3]);
+      wide[s].add(posed.sections[i], posed.spheres[i][3]);
     }
   FoundPairs out;
   for (std::size_t s = 0; s < n; ++s)
@@ -149,14 +156,14 @@ FoundPairs pairs_of(const ContactTable& table, const Places& places, const Conta
       for (int a = places.strips[s].begin; a < places.strips[s].end; ++a) {
         const ContactSection& own = posed.sections[a];
         Box box;
-        box.add(own, -posed.own_balls[a][3]);
+        box.add(own, -posed.own_spheres[a][3]);
         if (!box.meets(wide[t])) continue;
         for (int b = places.strips[t].begin; b < places.strips[t].end; ++b) {
-          const float shared = shared_volume(table, posed, rest, a, b);
-          if (!(shared > asked.least)) continue;
+          const float overlap = overlap_volume(table, posed, rest, a, b);
+          if (!(overlap > limits.least)) continue;
           const std::uint64_t pair = std::uint64_t(a) << 32 | std::uint64_t(b);
           out.all.push_back(pair);
-          if (shared > asked.much) out.much.push_back(pair);
+          if (overlap > limits.major) out.major.push_back(pair);
         }
       }
     }
@@ -182,8 +189,8 @@ std::vector<int> mirrored_sections(const Anatomy& anatomy, const std::vector<Sli
   return out;
 }
 
-void group(const Pairs& pairs, const Places& places, const ContactMemory& rest,
-           ContactTable& table) {
+void add_groups(const Pairs& pairs, const Places& places, const SectionContactWorkspace& rest,
+                ContactCandidates& table) {
   std::vector<int> strip(rest.sections.size());
   for (std::size_t s = 0; s < places.strips.size(); ++s)
     std::fill(strip.begin() + places.strips[s].begin, strip.begin() + places.strips[s].end, int(s));
@@ -198,47 +205,48 @@ void group(const Pairs& pairs, const Places& places, const ContactMemory& rest,
     }
     table.groups.push_back({own, other, other, {}});
   }
-  ContactSpokes near;
+  RadialSamples blocked;
   for (ContactGroup& of : table.groups) {
-    if (!press_of(rest, of.own, of.first, of.last, of.at_rest, near)) of.at_rest.fill(0);
+    if (!find_penetration(rest, of.own, of.first, of.last, of.at_rest, blocked)) of.at_rest.fill(0);
     for (float& p : of.at_rest) p += kRounding;
   }
 }
 
-// What a section touches at rest and is in no group with stays beside it in every pose, for all
-// that is known.
-void hold(const Places& places, const ContactMemory& rest, ContactTable& table) {
+// Sections that touch at rest and are in no group together are taken to stay beside one another in
+// every pose: they block each other's growth.
+void block_growth(const Places& places, const SectionContactWorkspace& rest,
+                  ContactCandidates& table) {
   const std::size_t n = places.strips.size();
   std::vector<Box> wide(n);
   for (std::size_t t = 0; t < n; ++t)
     for (int k = places.strips[t].begin; k < places.strips[t].end; ++k)
-      wide[t].add(rest.sections[k], rest.balls[k][3]);
-  table.held.assign(table.members.size(), {});
+      wide[t].add(rest.sections[k], rest.spheres[k][3]);
+  table.blocked.assign(table.members.size(), {});
   tbb::parallel_for(std::size_t{0}, n, [&](std::size_t s) {
-    ContactSpokes press, near;
+    RadialSamples penetration, blocked;
     for (int a = places.strips[s].begin; a < places.strips[s].end; ++a) {
       Box box;
-      box.add(rest.sections[a], -rest.own_balls[a][3]);
+      box.add(rest.sections[a], -rest.own_spheres[a][3]);
       const auto first = std::partition_point(table.groups.begin(), table.groups.end(),
                                               [&](const ContactGroup& g) { return g.own < a; });
       for (std::size_t t = 0; t < n; ++t) {
         if (places.strips[s].muscle == places.strips[t].muscle || !box.meets(wide[t])) continue;
-        bool looked_at = false;
+        bool candidate = false;
         for (auto g = first; g != table.groups.end() && g->own == a; ++g)
-          looked_at =
-              looked_at || (g->first < places.strips[t].end && g->last >= places.strips[t].begin);
-        if (looked_at ||
-            !press_of(rest, a, places.strips[t].begin, places.strips[t].end - 1, press, near))
+          candidate =
+              candidate || (g->first < places.strips[t].end && g->last >= places.strips[t].begin);
+        if (candidate || !find_penetration(rest, a, places.strips[t].begin,
+                                           places.strips[t].end - 1, penetration, blocked))
           continue;
-        ContactSpokes& held = table.held[a];
-        for (std::size_t i = 0; i < held.size(); ++i) held[i] = std::max(held[i], near[i]);
+        RadialSamples& at_a = table.blocked[a];
+        for (std::size_t i = 0; i < at_a.size(); ++i) at_a[i] = std::max(at_a[i], blocked[i]);
       }
     }
   });
 }
 
-// Members that are in no group go.
-void leave_out_idle(ContactTable& table) {
+// Removes members that are in no group.
+void remove_idle(ContactCandidates& table) {
   std::vector<int> place(table.members.size(), -1);
   for (const ContactGroup& group : table.groups) {
     place[group.own] = 0;
@@ -249,20 +257,20 @@ void leave_out_idle(ContactTable& table) {
     if (place[i] < 0) continue;
     table.members[count] = table.members[i];
     table.shapes[count] = table.shapes[i];
-    table.held[count] = table.held[i];
+    table.blocked[count] = table.blocked[i];
     place[i] = count++;
   }
   table.members.resize(count);
   table.shapes.resize(count);
-  table.held.resize(count);
+  table.blocked.resize(count);
   table.members.shrink_to_fit();
   table.shapes.shrink_to_fit();
   for (ContactGroup& group : table.groups)
     for (int* member : {&group.own, &group.first, &group.last}) *member = place[*member];
 }
 
-// Pairs, where members' begin, and their blocks.
-void list_pairs(ContactTable& table) {
+// Sets the pairs, where those of a member begin, and their blocks.
+void list_pairs(ContactCandidates& table) {
   table.first_pairs.assign(table.members.size() + 1, 0);
   for (std::size_t g = 0; g < table.groups.size(); ++g) {
     const ContactGroup& group = table.groups[g];
@@ -275,7 +283,7 @@ void list_pairs(ContactTable& table) {
   for (std::size_t i = 1; i < table.first_pairs.size(); ++i)
     // of members without
     table.first_pairs[i] = std::max(table.first_pairs[i], table.first_pairs[i - 1]);
-  table.others.insert(table.others.end(), kContactPoints, 0);
+  table.others.insert(table.others.end(), kContactDirections, 0);
   table.blocks.push_back(0);
   for (std::size_t i = 1; i < table.first_pairs.size(); ++i) {
     const int count = table.first_pairs[i] - table.first_pairs[table.blocks.back()];
@@ -285,8 +293,8 @@ void list_pairs(ContactTable& table) {
   }
 }
 
-// Of all poses, and their mirror images.
-Pairs gathered(std::span<const FoundPairs> found, Pairs FoundPairs::*kind, const Places& places) {
+// Pairs of all poses, and their mirror images.
+Pairs gather(std::span<const FoundPairs> found, Pairs FoundPairs::*kind, const Places& places) {
   Pairs pairs;
   for (const FoundPairs& some : found) {
     for (const std::uint64_t pair : some.*kind) {
@@ -302,43 +310,43 @@ Pairs gathered(std::span<const FoundPairs> found, Pairs FoundPairs::*kind, const
 
 }  // namespace
 
-ContactTables make_contact_tables(const Anatomy& anatomy, const PosingTable& still) {
-  ContactTable all;
+ContactTable make_contact_table(const Anatomy& anatomy, const PosingTable& posing) {
+  ContactCandidates all;
   const std::vector<SliceRange> ranges = slice_ranges(anatomy);
-  lay_out(anatomy, ranges, all);
-  const Places places{ranges, mirrored_sections(anatomy, ranges, still.slices())};
+  add_members(anatomy, ranges, all);
+  const Places places{ranges, mirrored_sections(anatomy, ranges, posing.slices())};
   const Skeleton& skeleton = anatomy.skeleton;
   PosedAnatomy standing;
-  pose_anatomy(still, skeleton, rest_pose(skeleton), standing);
-  ContactMemory rest;
-  look_at_sections(all, standing.slices, standing.X_WJ[0].translation(), rest);
+  pose_anatomy(posing, skeleton, rest_pose(skeleton), standing);
+  SectionContactWorkspace rest;
+  place_sections(all, standing.slices, standing.X_WJ[0].translation(), rest);
 
   double whole = 0;
   for (const SliceRange& range : ranges) whole += strip_volume(standing, range);
-  const Shared asked{float(kMuchShared * whole), float(kLeastShared * whole)};
+  const OverlapLimits limits{float(kMajorOverlap * whole), float(kLeastOverlap * whole)};
   std::vector<FoundPairs> found(kPoses);
   tbb::parallel_for(0, kPoses, [&](int i) {
     PosedAnatomy posed;
-    ContactMemory memory;
-    pose_anatomy(still, skeleton, limit_pose(skeleton, turn_of(i)), posed);
-    look_at_sections(all, posed.slices, posed.X_WJ[0].translation(), memory);
+    SectionContactWorkspace sections;
+    pose_anatomy(posing, skeleton, limit_pose(skeleton, limit_pose_of(i)), posed);
+    place_sections(all, posed.slices, posed.X_WJ[0].translation(), sections);
     FoundPairs& pairs = found[i];
-    pairs = pairs_of(all, places, memory, rest, asked);
+    pairs = find_pairs(all, places, sections, rest, limits);
     if (i >= kLimitPoses)
-      // what shares little at the limits costs every pose more than it gives: parting again is
-      // enough
-      pairs.much.clear();
+      // a later pass is enough: what hardly overlaps at the limits would cost every pose more than
+      // it gives
+      pairs.major.clear();
   });
   const auto table_of = [&](Pairs FoundPairs::*kind) {
-    ContactTable table = all;
-    group(gathered(found, kind, places), places, rest, table);
-    hold(places, rest, table);
-    leave_out_idle(table);
+    ContactCandidates table = all;
+    add_groups(gather(found, kind, places), places, rest, table);
+    block_growth(places, rest, table);
+    remove_idle(table);
     list_pairs(table);
-    table.whole = float(whole);
+    table.total_volume = float(whole);
     return table;
   };
-  return {table_of(&FoundPairs::much), table_of(&FoundPairs::all)};
+  return {table_of(&FoundPairs::major), table_of(&FoundPairs::all)};
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

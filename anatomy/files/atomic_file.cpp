@@ -13,7 +13,7 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -234,4 +234,4 @@ WrittenFiles abandon_writing() {
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // A file that appears under its name only when commit() succeeds; otherwise the temporary is
 // removed and an older file stays. A symbolic link stays a link: what it leads to is replaced.
@@ -65,4 +65,4 @@ struct WrittenFiles {
 // while the program ends.
 WrittenFiles abandon_writing();
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

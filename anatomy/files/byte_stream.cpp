@@ -2,7 +2,7 @@
 
 #include "anatomy/files/package_archive.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 std::string sealed(std::string bytes) {
   bytes += sha256(bytes);
@@ -17,4 +17,4 @@ std::string_view unsealed(std::string_view bytes) {
   return content;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -10,7 +10,7 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 template <class T>
 requires std::is_trivially_copyable_v<T>
@@ -32,4 +32,4 @@ void take_bytes(std::string_view& in, T* values, std::size_t count) {
 std::string sealed(std::string bytes);
 std::string_view unsealed(std::string_view bytes);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -7,7 +7,7 @@
 #include "anatomy/files/atomic_file.h"
 #include "anatomy/files/input_file.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 namespace fs = std::filesystem;
 
@@ -53,4 +53,4 @@ void write_cached(const std::string& name, std::string_view bytes) {
   }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // The folder; empty where the environment names none.
 std::filesystem::path cache_folder();
@@ -21,4 +21,4 @@ std::filesystem::path cache_folder();
 std::optional<std::string> read_cached(const std::string& name);
 void write_cached(const std::string& name, std::string_view bytes);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -12,7 +12,7 @@
 
 extern char** environ;
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 struct Children {
@@ -84,4 +84,4 @@ void kill_child_processes() {
   for (const pid_t pid : children().running) ::kill(-pid, SIGKILL);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Remembers a child between its start and its end.
 class ChildProcess {
@@ -34,4 +34,4 @@ ChildProcess start_program(const std::vector<std::string>& words, int in, int ou
 // to end.
 void kill_child_processes();
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -8,7 +8,7 @@
 #include "anatomy/files/input_file.h"
 #include "anatomy/files/text_scanner.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 Table::Table(const std::filesystem::path& file) : name_(printable(file.filename().string())) {
   parse(read_input_file(file, limits::kTableBytes));
@@ -128,4 +128,4 @@ double Table::number_or(int row, std::string_view column, double if_empty) const
 
 std::string Table::where(int row) const { return fmt::format("{}:{}", name_, lines_.at(row)); }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

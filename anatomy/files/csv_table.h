@@ -2,6 +2,7 @@
 // byte order mark, any line ends), lines that start with # are remarks for people.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -9,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 class Table {
  public:
@@ -55,4 +56,4 @@ class Table {
   std::vector<int> lines_;                         // line of the file each row starts on
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -9,7 +9,7 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 std::string gunzip(std::string_view bytes, const std::string& name, std::size_t limit) {
   z_stream stream{};
@@ -36,4 +36,4 @@ std::string gunzip(std::string_view bytes, const std::string& name, std::size_t 
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

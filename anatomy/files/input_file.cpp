@@ -14,7 +14,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/similar_names.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -155,4 +155,4 @@ fs::path file_beside(const fs::path& folder, const std::string& name, const std:
   return file;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -8,7 +8,7 @@
 
 #include "anatomy/limits.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Throws InputError "FILE: reason" with the system's own words for what is missing, forbidden, a
 // folder or a ring of links, and for what is empty or no regular file (a pipe is never waited on);
@@ -29,4 +29,4 @@ std::filesystem::path file_beside(const std::filesystem::path& folder, const std
 std::string printable(std::string_view text);
 bool is_utf8(std::string_view text);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

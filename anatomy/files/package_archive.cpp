@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <cstdlib>
 #include <fstream>
 #include <mutex>
 #include <sstream>
@@ -15,18 +14,13 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace fs = std::filesystem;
 
 namespace {
 
 constexpr std::uint64_t kLargestPackage = 1ull << 30;
 constexpr std::uint64_t kLargestEntry = 512ull << 20;
-
-std::string environment(const char* name) {
-  const char* value = std::getenv(name);
-  return value ? value : "";
-}
 
 std::string read_bytes(const fs::path& file) {
   std::error_code failure;
@@ -47,8 +41,7 @@ bool is_sha256(std::string_view text) {
   return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
-PinnedPackage find_pin(std::string_view name) {
-  const fs::path list = data_folder() / "packages.txt";
+PinnedPackage find_pin(const fs::path& list, std::string_view name) {
   for (const PinnedPackage& pin : read_pins(list)) {
     if (pin.name == name) return pin;
   }
@@ -58,26 +51,6 @@ PinnedPackage find_pin(std::string_view name) {
 }
 
 }  // namespace
-
-fs::path data_folder() {
-  const std::string set = environment("ECORCHE_DATA");
-  return set.empty() ? fs::path(ECORCHE_DATA_DIR) : fs::path(set);
-}
-
-Packages find_packages() {
-  if (const std::string set = environment("ECORCHE_PACKAGES"); !set.empty()) return {set};
-  std::vector<fs::path> places{fs::path(ECORCHE_DATA_DIR).parent_path() / "build" / "packages"};
-  if (const std::string xdg = environment("XDG_DATA_HOME"); !xdg.empty()) {
-    places.push_back(fs::path(xdg) / "ecorche" / "packages");
-  } else if (const std::string home = environment("HOME"); !home.empty()) {
-    places.push_back(fs::path(home) / ".local/share/ecorche/packages");
-  }
-  std::error_code ignored;
-  for (const fs::path& place : places) {
-    if (fs::is_directory(place, ignored)) return {place};
-  }
-  return {places.front()};
-}
 
 std::vector<PinnedPackage> read_pins(const fs::path& requirements) {
   std::ifstream in(requirements);
@@ -135,7 +108,7 @@ struct PackageArchive::Impl {
 };
 
 PackageArchive::PackageArchive(const Packages& packages, std::string_view name) {
-  const PinnedPackage pin = find_pin(name);
+  const PinnedPackage pin = find_pin(packages.pins, name);
   *this = PackageArchive(packages.folder / wheel_name(pin), pin);
 }
 
@@ -143,11 +116,11 @@ PackageArchive::PackageArchive(const fs::path& file, const PinnedPackage& pin)
     : impl_(std::make_unique<Impl>()) {
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored)) {
-    throw InputError(
-        fmt::format("{}: the data package {} {} is missing (sha256 {}); run `make setup`, or set "
-                    "ECORCHE_PACKAGES "
-                    "to the folder that holds it",
-                    file.string(), pin.name, pin.version, pin.sha256));
+    throw InputError(fmt::format(
+        "{}: the data package {} {} is missing (sha256 {}); run `make setup` (where ecorche "
+        "is installed, `setup.sh --packages` in its share/ecorche/data), or set "
+        "ECORCHE_PACKAGES to the folder that holds it",
+        file.string(), pin.name, pin.version, pin.sha256));
   }
   impl_->file = file.filename().string();
   impl_->hash = pin.sha256;
@@ -224,4 +197,4 @@ std::string PackageArchive::read(const std::string& entry) const {
   return bytes;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -11,20 +11,12 @@
 #include <string_view>
 #include <vector>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct Packages {
   std::filesystem::path folder;  // where the wheels lie
+  std::filesystem::path pins;    // data/packages.txt
 };
-
-// The folder named by the environment variable ECORCHE_PACKAGES; else the first of build/packages
-// in the source tree and $XDG_DATA_HOME/ecorche/packages (default ~/.local/share) that exists; else
-// the first of these, so that errors can name it.
-Packages find_packages();
-
-// The folder of our own tables: the environment variable ECORCHE_DATA, else data/ in the source
-// tree.
-std::filesystem::path data_folder();
 
 // What data/packages.txt pins.
 struct PinnedPackage {
@@ -73,4 +65,4 @@ class PackageArchive {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -12,7 +12,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 struct UnitName {
@@ -143,4 +143,4 @@ double parse_mass(std::string_view text, const std::string& what, double low, do
   return parsed->value;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct LengthRange {
   double low = 0, high = 0;  // m
@@ -23,4 +23,4 @@ double parse_length(std::string_view text, const std::string& what, const Length
 // parse_length.
 double parse_mass(std::string_view text, const std::string& what, double low, double high);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

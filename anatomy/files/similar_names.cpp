@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 std::string lower_case(std::string_view text) {
@@ -65,4 +65,4 @@ std::string did_you_mean(std::string_view name, std::span<const std::string> nam
   return list.empty() ? "" : "; did you mean " + list + "?";
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

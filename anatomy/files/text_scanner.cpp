@@ -7,7 +7,7 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
@@ -120,4 +120,4 @@ void TextScan::fail(const std::string& message) const {
   throw InputError(fmt::format("{}:{}: {}", name_, number_, message));
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // The text without its byte order mark. Throws InputError that names UTF-16, with or without a
 // mark.
@@ -54,4 +54,4 @@ class TextScan {
 bool parse_number(std::string_view word, double& value);
 bool parse_whole(std::string_view word, long long& value);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,10 +1,11 @@
 #include "anatomy/geometry/bezier.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
-namespace ecorche {
+#include "anatomy/compute/cholesky.h"
+
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr int kPieces = 400;  // of a curve, for lengths
@@ -62,7 +63,7 @@ Bezier solve_controls(std::span<const Vec3> points, std::span<const double> t, i
   const double stiffness = 3e-4 * double(n);
   const Eigen::MatrixXd normal = A.transpose() * A + stiffness * bend.transpose() * bend;
   const Eigen::MatrixXd X =
-      normal.ldlt().solve(A.transpose() * rhs + stiffness * bend.transpose() * bend_rhs);
+      solve_ldlt_columns(normal, A.transpose() * rhs + stiffness * bend.transpose() * bend_rhs);
   Bezier curve{{points.front()}};
   for (int k = 0; k < inner; ++k) curve.controls.push_back(X.row(k).transpose());
   curve.controls.push_back(points.back());
@@ -135,4 +136,4 @@ double bezier_length(const Bezier& curve) {
   return sum;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -6,7 +6,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct Bezier {
   std::vector<Vec3> controls;  // two or more; the first and last are the curve's ends
@@ -26,4 +26,4 @@ std::vector<double> bezier_parameters(const Bezier& curve, std::span<const doubl
 
 double bezier_length(const Bezier& curve);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -6,7 +6,7 @@
 #include <map>
 #include <queue>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 TriMesh welded(const TriMesh& mesh) {
   std::map<std::array<double, 3>, int> known;
@@ -92,4 +92,4 @@ std::vector<Vec3> middle_line(const TriMesh& mesh, const Vec3& a, const Vec3& b,
   return line;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -6,7 +6,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // A mesh whose equal vertices are one: files often cut surfaces open along seams.
 TriMesh welded(const TriMesh& mesh);
@@ -22,4 +22,4 @@ int nearest_vertex(const TriMesh& mesh, const Vec3& point);
 // surface are left out.
 std::vector<Vec3> middle_line(const TriMesh& mesh, const Vec3& a, const Vec3& b, int count);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

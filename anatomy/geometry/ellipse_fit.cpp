@@ -1,10 +1,12 @@
 #include "anatomy/geometry/ellipse_fit.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
-namespace ecorche {
+#include "anatomy/compute/cholesky.h"
+#include "anatomy/compute/eigenvectors.h"
+
+namespace ecorche::inline v1 {
 namespace {
 
 using Conic = Eigen::Matrix<double, 6, 1>;  // a x^2 + b x y + c y^2 + d x + e y + f = 0
@@ -15,15 +17,15 @@ std::optional<Ellipse2> ellipse_of(const Conic& q) {
   if (!(A.determinant() > 0)) return std::nullopt;
   const Vec2 center = -0.5 * A.inverse() * Vec2(q[3], q[4]);
   const double level = center.dot(A * center) - q[5];  // (x - center)' A (x - center) = level
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(A);
-  const Vec2 squares = level * axes.eigenvalues().cwiseInverse();
+  const SymmetricEigen<2> axes = symmetric_eigen(A);
+  const Vec2 squares = level * axes.values.cwiseInverse();
   if (!(squares.minCoeff() > 0) || !squares.allFinite()) return std::nullopt;
   Eigen::Index longer = 0;
   squares.maxCoeff(&longer);
   Ellipse2 out;
   out.center = center;
   out.radii = Vec2(std::sqrt(squares[longer]), std::sqrt(squares[1 - longer]));
-  out.angle = std::atan2(axes.eigenvectors()(1, longer), axes.eigenvectors()(0, longer));
+  out.angle = std::atan2(axes.vectors(1, longer), axes.vectors(0, longer));
   return out;
 }
 
@@ -39,8 +41,7 @@ std::optional<Ellipse2> fit_ellipse(std::span<const Vec2> points) {
   if (!(size > 1e-12 * (1 + middle.norm()))) return std::nullopt;
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
   for (const Vec2& p : points) spread += (p - middle) * (p - middle).transpose();
-  const Vec2 spreads =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
+  const Vec2 spreads = symmetric_eigenvalues(spread);
   if (spreads[0] < 1e-10 * spreads[1]) return std::nullopt;  // a line
 
   // Quadratic and linear terms apart, of points brought to unit size: that is what keeps the normal
@@ -53,21 +54,21 @@ std::optional<Ellipse2> fit_ellipse(std::span<const Vec2> points) {
   }
   const Mat3 S1 = quadratic.transpose() * quadratic, S2 = quadratic.transpose() * linear,
              S3 = linear.transpose() * linear;
-  const Mat3 T = -S3.ldlt().solve(S2.transpose());
+  const Mat3 T = -solve_ldlt_columns3(S3, S2.transpose());
   const Mat3 M = S1 + S2 * T;
   Mat3 reduced;  // C^-1 M with the constraint 4 a c - b^2 = 1
   reduced.row(0) = M.row(2) / 2;
   reduced.row(1) = -M.row(1);
   reduced.row(2) = M.row(0) / 2;
-  const Eigen::EigenSolver<Mat3> solver(reduced);
-  if (solver.info() != Eigen::Success) return std::nullopt;
+  const GeneralEigen3 solutions = general_eigen(reduced);
+  if (!solutions.converged) return std::nullopt;
   std::optional<Ellipse2> best;
   double best_value = 0;
   for (int k = 0; k < 3; ++k) {
-    const auto vector = solver.eigenvectors().col(k).eval();
+    const auto vector = solutions.vectors.col(k).eval();
     const Vec3 a(vector[0].real(), vector[1].real(), vector[2].real());
     if (!(4 * a[0] * a[2] - a[1] * a[1] > 0)) continue;
-    const double value = std::abs(solver.eigenvalues()[k].real());
+    const double value = std::abs(solutions.values[k].real());
     Conic conic;
     conic.head<3>() = a;
     conic.tail<3>() = T * a;
@@ -81,4 +82,4 @@ std::optional<Ellipse2> fit_ellipse(std::span<const Vec2> points) {
   return best;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

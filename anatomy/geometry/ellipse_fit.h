@@ -6,7 +6,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct Ellipse2 {
   Vec2 center = Vec2::Zero();
@@ -18,4 +18,4 @@ struct Ellipse2 {
 // Flusser 1998). Nothing for fewer than five points, or points of a line or a single point.
 std::optional<Ellipse2> fit_ellipse(std::span<const Vec2> points);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,6 +1,6 @@
 #include "anatomy/geometry/join_meshes.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 TriMesh join_meshes(const std::vector<const TriMesh*>& parts) {
   Eigen::Index vertices = 0, triangles = 0;
@@ -16,4 +16,4 @@ TriMesh join_meshes(const std::vector<const TriMesh*>& parts) {
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

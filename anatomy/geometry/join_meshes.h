@@ -5,9 +5,9 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Vertices and triangles one part after the other, nothing welded.
 TriMesh join_meshes(const std::vector<const TriMesh*>& parts);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 struct Corners {
@@ -92,4 +92,4 @@ bool is_closed(const Triangles& F) {
   });
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

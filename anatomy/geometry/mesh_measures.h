@@ -3,7 +3,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // By the divergence theorem; positive for closed meshes with outward normals, m^3.
 double mesh_volume(const TriMesh& mesh);
@@ -19,4 +19,4 @@ double distance_to_mesh(const Vec3& p, const TriMesh& mesh);
 // Whether every edge has exactly two triangles, which run along it in opposite directions.
 bool is_closed(const Triangles& F);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

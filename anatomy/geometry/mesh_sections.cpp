@@ -12,7 +12,7 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -143,4 +143,4 @@ SurfaceDistance surface_distance(const TriMesh& from, const MeshSections& to) {
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -8,7 +8,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Triangles of a mesh that a plane cuts, gathered into pieces that hang together or lie closer than
 // a gap.
@@ -42,4 +42,4 @@ struct SurfaceDistance {
 };
 SurfaceDistance surface_distance(const TriMesh& from, const MeshSections& to);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

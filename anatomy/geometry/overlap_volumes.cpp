@@ -10,7 +10,7 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 // Which side of the edge a -> b the point is on, the same bits whichever way the edge is given: > 0
@@ -292,4 +292,4 @@ std::vector<int> winding_numbers(const TriMesh& mesh, const Points& points) {
   return winding;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -12,7 +12,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct Solid {
   enum class Kind { skin, bone, muscle };
@@ -58,4 +58,4 @@ SolidVolumes measure_solids(std::span<const Solid> solids, double spacing);
 // #points
 std::vector<int> winding_numbers(const TriMesh& mesh, const Points& points);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

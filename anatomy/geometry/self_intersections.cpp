@@ -11,7 +11,7 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 int count_self_intersections(const Triangles& F, const Points& V) {
   using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -34,4 +34,4 @@ int count_self_intersections(const Triangles& F, const Points& V) {
   return int(triangles.size());
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -12,7 +12,7 @@
 #include <array>
 #include <vector>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using Kernel = CGAL::Simple_cartesian<double>;
@@ -88,4 +88,4 @@ std::vector<int> nearest_rows(const Points& from, const Points& to) {
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -8,7 +8,7 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using Matrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
@@ -132,14 +132,8 @@ Refinement refine(const Triangles& F, int vertex_count, int rounds) {
   return out;
 }
 
-Refinement refine_skin(const BodyPackage& package) {
-  const Refinement fine = refine(package.triangles, package.skin_size, 1);
-  return reordered(fine,
-                   spatial_order(refine_points(fine, package.points.topRows(package.skin_size))));
-}
-
 Points refine_points(const Refinement& refinement, const Points& base) {
   return refinement.map * base;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -5,10 +5,9 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
-#include "anatomy/base_mesh/body_package.h"
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // fine = map * base for the positions of any shape of the base mesh. Rows of `map` sum to 1.
 struct Refinement {
@@ -25,23 +24,7 @@ struct Refinement {
 // Precondition: rounds >= 0; F indexes vertex_count vertices.
 Refinement refine(const Triangles& F, int vertex_count, int rounds = 1);
 
-// The fine skin of the body package, 120,404 vertices, its vertices and triangles in spatial order
-// of the undeformed shape.
-Refinement refine_skin(const BodyPackage& package);
-
 // Positions of the fine vertices. Precondition: base has #base rows.
 Points refine_points(const Refinement& refinement, const Points& base);
 
-// The fine skin with the package's cavities removed and closed by fans; vertices follow the fine
-// ones, as in capped_skin.
-TriMesh capped_skin(const BodyPackage& package, const Refinement& refinement, const Points& fine);
-
-// Order along a Morton curve through the points' box: out[new] = old. Neighbours in space become
-// neighbours in memory.
-std::vector<int> spatial_order(const Points& V);
-
-// Vertices renumbered by order[new] = old, triangles sorted by where they lie.
-Refinement reordered(const Refinement& refinement, const std::vector<int>& order);
-TriMesh reordered(const TriMesh& mesh, const std::vector<int>& order);
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -10,7 +10,7 @@
 
 #include "anatomy/compute/simd.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr std::size_t kBlock = 4096;  // vertices a task
@@ -65,4 +65,4 @@ void vertex_normals(std::span<const float> positions, std::span<const int> trian
                     });
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -6,7 +6,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // positions, normals: 4 floats a vertex. triangles: 3 indices each. Vertices of no triangle get a
 // zero normal.
@@ -18,4 +18,4 @@ void vertex_normals(std::span<const float> positions, std::span<const int> trian
 void vertex_normals(std::span<const float> positions, std::span<const int> triangles,
                     std::span<float> normals, std::vector<float>& half);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,3 +1,5 @@
+#include "anatomy/mesh_files/glb_reader.h"
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -6,10 +8,11 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
+#include "anatomy/limits.h"
 #include "anatomy/mesh_files/gltf_file.h"
-#include "anatomy/mesh_files/mesh_formats.h"
+#include "anatomy/mesh_files/polygons.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using Json = GltfFile::Json;
@@ -158,4 +161,4 @@ void parse_glb(std::string_view bytes, const std::string& name, MeshFile& out) {
   GltfMeshes(GltfFile(bytes, name)).read(out);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

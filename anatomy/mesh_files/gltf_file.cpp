@@ -9,7 +9,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 std::uint32_t word_at(std::string_view bytes, std::size_t at) {
@@ -317,4 +317,4 @@ void GltfFile::check_views() const {
   }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

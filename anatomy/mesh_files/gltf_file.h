@@ -17,7 +17,7 @@
 #include "anatomy/limits.h"
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Where the parts of a .glb lie. Throws InputError "name: reason".
 struct GlbParts {
@@ -90,8 +90,7 @@ class GltfFile {
   mutable std::size_t handed_out_ = 0;
 };
 
-// --- implementation of the template
-// ------------------------------------------------------------------------------------------------
+// --- implementation of the template ----------------------------------------------------
 
 namespace gltf_detail {
 void check_text(std::string_view text, const std::string& name, std::size_t limit);
@@ -110,4 +109,4 @@ Json parse_gltf_json(std::string_view text, const std::string& name, std::size_t
   }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -11,9 +11,11 @@
 #include "anatomy/files/input_file.h"
 #include "anatomy/files/text_scanner.h"
 #include "anatomy/geometry/join_meshes.h"
-#include "anatomy/mesh_files/mesh_formats.h"
+#include "anatomy/mesh_files/glb_reader.h"
+#include "anatomy/mesh_files/obj_reader.h"
+#include "anatomy/mesh_files/ply_reader.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 enum class Format { obj, ply, glb };
@@ -95,4 +97,4 @@ void write_ply(const std::filesystem::path& file, const TriMesh& mesh) {
   write_file_atomically(file, bytes);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,6 +1,6 @@
 // Triangle meshes from and to files: OBJ, PLY (ASCII, binary of either byte order), GLB.
 //
-// The format is told by the first bytes, not by the ending. Numbers are taken as they stand: units
+// The first bytes tell the format, not the file's ending. Numbers are taken as they stand: units
 // and axes are the caller's. Nothing that a file names is ever opened (materials, textures, buffers
 // outside). Polygons are cut into triangles.
 #pragma once
@@ -8,22 +8,11 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
-#include <vector>
 
+#include "anatomy/mesh_files/mesh_file.h"
 #include "anatomy/types.h"
 
-namespace ecorche {
-
-struct MeshPart {
-  // of the glTF node; empty in OBJ and PLY, which give one part in the order of the file's vertices
-  std::string name;
-  TriMesh mesh;
-};
-
-struct MeshFile {
-  std::vector<MeshPart> parts;
-  std::vector<std::string> notes;  // what was mended or passed over, for people
-};
+namespace ecorche::inline v1 {
 
 // Throws InputError that names file and line or element (malformed, truncated, not finite, index
 // out of range), UnfitError (no faces, faces of a kind that is not read), LimitError (2^27 vertices
@@ -42,4 +31,4 @@ void write_obj(const std::filesystem::path& file, const TriMesh& mesh);
 void write_ply(const std::filesystem::path& file,
                const TriMesh& mesh);  // binary little endian, double
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,12 +1,15 @@
+#include "anatomy/mesh_files/obj_reader.h"
+
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/text_scanner.h"
-#include "anatomy/mesh_files/mesh_formats.h"
+#include "anatomy/limits.h"
+#include "anatomy/mesh_files/polygons.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 // The vertex of a corner "7", "7/1", "7//3", "7/1/3" or counted from the end "-1"; 0-based.
@@ -81,4 +84,4 @@ void parse_obj(std::string_view text, const std::string& name, MeshFile& out) {
   out.parts.push_back({"", triangulate(polygons, name, out.notes)});
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,3 +1,5 @@
+#include "anatomy/mesh_files/ply_reader.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -10,9 +12,10 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
 #include "anatomy/files/text_scanner.h"
-#include "anatomy/mesh_files/mesh_formats.h"
+#include "anatomy/limits.h"
+#include "anatomy/mesh_files/polygons.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 enum class Scalar { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
@@ -280,4 +283,4 @@ void parse_ply(std::string_view bytes, const std::string& name, MeshFile& out) {
   out.parts.push_back({"", triangulate(polygons, name, out.notes)});
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

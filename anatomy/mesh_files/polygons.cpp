@@ -1,12 +1,14 @@
+#include "anatomy/mesh_files/polygons.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "anatomy/errors.h"
-#include "anatomy/mesh_files/mesh_formats.h"
+#include "anatomy/limits.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 Vec3 newell_normal(const Points& V, const std::vector<int>& polygon) {
@@ -193,4 +195,4 @@ TriMesh triangulate(const Polygons& polygons, const std::string& name,
   return mesh;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

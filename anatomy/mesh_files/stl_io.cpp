@@ -13,7 +13,7 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 namespace {
 
@@ -208,4 +208,4 @@ Vec3 surface_centroid(const TriMesh& mesh) {
   return weight > 0 ? Vec3(sum / weight) : Vec3(mesh.V.colwise().mean());
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

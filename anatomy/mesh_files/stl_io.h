@@ -7,7 +7,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // A binary or ASCII STL file: equal corners become one vertex, triangles that collapse are dropped.
 // Units as in the file. Throws InputError that names `name`: truncated, more triangles than bytes,
@@ -26,4 +26,4 @@ double surface_area(const TriMesh& mesh);
 // Centroid of the surface; the mean of the vertices where the surface has no area.
 Vec3 surface_centroid(const TriMesh& mesh);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

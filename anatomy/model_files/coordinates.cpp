@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kFixedSpan = 0.0785;  // rad: angles with less to go are fixed
@@ -60,4 +60,4 @@ Quat turn_rotation(const Joint& joint, const Vec3& angles) {
       Mat3(joint.axes * turned(angles) * turned(joint.zero).transpose() * joint.axes.transpose()));
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

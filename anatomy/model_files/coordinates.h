@@ -12,7 +12,7 @@
 
 #include "anatomy/skeleton.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct Coordinate {
   std::string name;  // "knee_l_flexion"
@@ -41,4 +41,4 @@ Vec3 turn_angles(const Joint& joint, const Quat& rotation, const Vec3& near);
 // The local rotation that has these angles.
 Quat turn_rotation(const Joint& joint, const Vec3& angles);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -8,7 +8,7 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kLeastBall = 0.008, kMostBall = 0.03;  // m, radii
@@ -95,4 +95,4 @@ void add_markers(const Anatomy& anatomy, const std::vector<std::string>& names,
   }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

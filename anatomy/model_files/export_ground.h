@@ -6,7 +6,7 @@
 
 #include "anatomy/model_files/model_export.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Sets model.ground and model.contacts: the floor at the lowest point of the skin; under each foot
 // balls below heel, heads of the first and fifth metatarsal, base of the fifth, and toes. A ball
@@ -17,4 +17,4 @@ void add_ground(const Anatomy& anatomy, const Body& body, ExportModel& model);
 void add_markers(const Anatomy& anatomy, const std::vector<std::string>& names,
                  const Points& places, ExportModel& model);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kLeastRadius = 0.002;  // m
@@ -69,4 +69,4 @@ std::optional<Wrap> osculating_sphere(const Wrap& ellipsoid, const PlacedWrap& p
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

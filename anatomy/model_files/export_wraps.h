@@ -8,7 +8,7 @@
 
 #include "anatomy/model_files/model_export.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct PlacedWrap {
   std::size_t gap = 1;  // between the path's points gap - 1 and gap
@@ -29,4 +29,4 @@ std::optional<Wrap> osculating_sphere(const Wrap& ellipsoid, const PlacedWrap& p
 // Of each body, world at rest.
 std::vector<Vec3> origins_of(const ExportModel& model);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -11,7 +11,7 @@
 #include "anatomy/files/input_file.h"
 #include "anatomy/limits.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 namespace {
 
@@ -90,8 +90,7 @@ class Reader {
     }
   }
 
-  // --- numbers
-  // -----------------------------------------------------------------------------------------------------------------
+  // --- numbers -------------------------------------------------------------------------
   static std::vector<double> numbers(const std::string& file, pugi::xml_node node,
                                      const char* name) {
     const char* at = node.attribute(name).value();
@@ -149,8 +148,7 @@ class Reader {
     return X;
   }
 
-  // --- what is declared outside the tree
-  // -----------------------------------------------------------------------------------------
+  // --- what is declared outside the tree -----------------------------------------------
   void declarations(pugi::xml_node node, const std::string& file) {
     const std::string_view kind = node.name();
     if (kind == "compiler") {
@@ -193,8 +191,7 @@ class Reader {
     model_.couplings.push_back(std::move(c));
   }
 
-  // --- the tree
-  // ------------------------------------------------------------------------------------------------------------------
+  // --- the tree ------------------------------------------------------------------------
   void bodies(pugi::xml_node parent, const std::string& file, const Place& place, int depth) {
     if (depth > limits::kModelDepth)
       throw LimitError(
@@ -255,4 +252,4 @@ class Reader {
 
 Mjcf read_mjcf(const MjcfFiles& files, const std::string& path) { return Reader(files).read(path); }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

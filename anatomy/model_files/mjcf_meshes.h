@@ -15,7 +15,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct MjcfMesh {
   std::string file;  // as written, relative to the model's mesh folder
@@ -68,4 +68,4 @@ using MjcfFiles = std::function<std::string(const std::string& path)>;
 // names file, element and value.
 Mjcf read_mjcf(const MjcfFiles& files, const std::string& path);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,3 +1,5 @@
+#include "anatomy/model_files/mjcf_reader.h"
+
 // MuJoCo model files (MJCF) as musculoskeletal models: bodies, spatial tendons and the muscles that
 // pull on them.
 #include <algorithm>
@@ -11,15 +13,11 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
 #include "anatomy/model_files/mjcf_tree.h"
-#include "anatomy/model_files/musculoskeletal_model.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using pugi::xml_node;
-
-constexpr double kDegree = 3.14159265358979323846 / 180;
-
 // Our axes (left, up, forward) from MuJoCo's (forward, left, up).
 Mat3 ours_from_mjcf() {
   Mat3 C;
@@ -37,11 +35,11 @@ struct Site {
   Vec3 place = Vec3::Zero();
 };
 
-class Reader {
+class MjcfReaderReader {
  public:
-  Reader(const ModelFiles& files, const std::string& path) : tree_(files, path) {}
+  MjcfReaderReader(const ModelFiles& files, const std::string& path) : tree_(files, path) {}
 
-  MuscleModel read() {
+  MusculoskeletalModel read() {
     model_.file = tree_.name();
     model_.format = "MJCF";
     model_.faces_forward = false;
@@ -97,8 +95,7 @@ class Reader {
     return body.attribute("childclass") ? body.attribute("childclass").value() : outer;
   }
 
-  // --- joints
-  // --------------------------------------------------------------------------------------------------------------------
+  // --- joints --------------------------------------------------------------------------
   void find_joints(xml_node node, const std::string& childclass, int depth) {
     if (depth > limits::kModelDepth)
       throw LimitError(
@@ -152,8 +149,7 @@ class Reader {
         }
   }
 
-  // --- bodies
-  // --------------------------------------------------------------------------------------------------------------------
+  // --- bodies --------------------------------------------------------------------------
   void children(xml_node node, int index, const PerPose<Transform>& X_WB,
                 const std::string& childclass, int depth) {
     for (xml_node child : node.children()) {
@@ -297,8 +293,7 @@ class Reader {
     model_.bodies[body].meshes.push_back(std::move(mesh));
   }
 
-  // --- muscles
-  // -------------------------------------------------------------------------------------------------------------------
+  // --- muscles -------------------------------------------------------------------------
   // Objects are taken a side at a time: the same geom may be passed on different sides by different
   // tendons, but it is one object.
   int wrap_index(xml_node use, const std::string& name) {
@@ -415,7 +410,7 @@ class Reader {
   }
 
   MjcfTree tree_;
-  MuscleModel model_;
+  MusculoskeletalModel model_;
   std::map<std::string, xml_node> meshes_, tendons_;
   std::map<std::string, Hinge> joints_;
   PerPose<std::map<std::string, double>> values_;
@@ -428,8 +423,8 @@ class Reader {
 
 }  // namespace
 
-MuscleModel parse_mjcf_model(const ModelFiles& files, const std::string& path) {
-  return Reader(files, path).read();
+MusculoskeletalModel parse_mjcf_model(const ModelFiles& files, const std::string& path) {
+  return MjcfReaderReader(files, path).read();
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

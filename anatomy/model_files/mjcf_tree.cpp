@@ -8,11 +8,8 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180;
-
 Vec3 axis_of(char c) {
   const int i = (c | 0x20) - 'x';
   return i >= 0 && i < 3 ? Vec3(Vec3::Unit(i)) : Vec3::Zero();
@@ -160,4 +157,4 @@ Transform MjcfTree::placement(pugi::xml_node node, const std::string& childclass
   return X;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

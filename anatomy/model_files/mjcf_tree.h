@@ -3,12 +3,13 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include <pugixml.hpp>
 
 #include "anatomy/model_files/model_xml.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 class MjcfTree {
  public:
@@ -46,4 +47,4 @@ class MjcfTree {
   int included_ = 0;
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

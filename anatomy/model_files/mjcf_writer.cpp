@@ -1,3 +1,5 @@
+#include "anatomy/model_files/mjcf_writer.h"
+
 // Export models as MuJoCo's MJCF files.
 #include <fmt/format.h>
 
@@ -7,7 +9,7 @@
 #include "anatomy/model_files/export_wraps.h"
 #include "anatomy/model_files/model_text.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 // Axes of the file from ours (left, up, forward).
@@ -183,4 +185,4 @@ ExportLosses write_mjcf(const std::filesystem::path& file, const ExportModel& mo
   return writer.losses();
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -7,11 +7,10 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/files/csv_table.h"
-#include "anatomy/files/package_archive.h"
 #include "anatomy/model_files/coordinates.h"
 #include "anatomy/muscles/action_line.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kUnknownMass = 70;         // kg
@@ -20,8 +19,9 @@ constexpr double kSmallRadius = 0.02;       // m, of the ball that such a body i
 constexpr double kMostFibre = 0.95;         // of the path: fibres at rest leave room for a tendon
 constexpr double kLeastTendon = 0.02;       // of the path
 
-void add_masses(const Anatomy& anatomy, const Body& body, ExportModel& out) {
-  const Table table(data_folder() / "segments.csv");
+void add_masses(const Anatomy& anatomy, const Body& body, const std::filesystem::path& tables,
+                ExportModel& out) {
+  const Table table(tables / "segments.csv");
   const auto rest = rest_positions(anatomy.skeleton);
   const double stature =
       body.skin.V.rows() > 0 ? body.skin.V.col(1).maxCoeff() - body.skin.V.col(1).minCoeff() : 1.75;
@@ -128,7 +128,8 @@ std::string file_name(const std::string& name) {
 
 }  // namespace
 
-ExportModel make_export_model(const Anatomy& anatomy, const Body& body) {
+ExportModel make_export_model(const Anatomy& anatomy, const Body& body,
+                              const std::filesystem::path& tables) {
   validate(anatomy);
   ExportModel out;
   out.name = body.name.empty() ? "body" : body.name;
@@ -141,7 +142,7 @@ ExportModel make_export_model(const Anatomy& anatomy, const Body& body) {
     b.place = joint.X_PJ.translation();
     out.bodies.push_back(std::move(b));
   }
-  add_masses(anatomy, body, out);
+  add_masses(anatomy, body, tables, out);
   add_angles(anatomy.skeleton, out);
   const auto angle = [&](const std::string& name) {
     for (size_t a = 0; a < out.angles.size(); ++a)
@@ -176,4 +177,4 @@ ExportModel make_export_model(const Anatomy& anatomy, const Body& body) {
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -14,12 +14,13 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "anatomy/anatomy.h"
 #include "anatomy/muscles/muscle_force.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct ExportBody {
   std::string name;
@@ -86,7 +87,9 @@ struct ExportModel {
 // Masses from data/segments.csv for the body's sex, stature (skin) and mass (70 kg where unknown);
 // joints without a segment of their own get 1/5000 of the mass each. Throws InputError for a
 // missing table, std::invalid_argument for an anatomy that is not valid.
-ExportModel make_export_model(const Anatomy& anatomy, const Body& body);
+// `tables`: Assets::tables.
+ExportModel make_export_model(const Anatomy& anatomy, const Body& body,
+                              const std::filesystem::path& tables);
 
 // What a format has no word for.
 struct ExportLosses {
@@ -95,9 +98,4 @@ struct ExportLosses {
   int wraps_left_out = 0;  // MJCF takes one object between two points
 };
 
-// Writes MODEL and, beside it, the folder `<stem>_meshes` with the bones as OBJ (none when
-// `model.meshes` is empty). Throws OutputError.
-ExportLosses write_osim(const std::filesystem::path& file, const ExportModel& model);
-ExportLosses write_mjcf(const std::filesystem::path& file, const ExportModel& model);
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

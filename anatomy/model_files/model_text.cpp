@@ -6,7 +6,7 @@
 #include "anatomy/files/atomic_file.h"
 #include "anatomy/mesh_files/mesh_io.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 namespace fs = std::filesystem;
 
@@ -40,4 +40,4 @@ std::string write_model_meshes(const fs::path& file, const ExportModel& model, c
   return folder;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -7,7 +7,7 @@
 
 #include "anatomy/model_files/model_export.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 std::string text(double v);
 std::string text(const Vec3& v);  // "x y z"
@@ -19,4 +19,4 @@ std::string escaped(const std::string& raw);
 std::string write_model_meshes(const std::filesystem::path& file, const ExportModel& model,
                                const Mat3& axes);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -9,7 +9,7 @@
 #include "anatomy/files/input_file.h"
 #include "anatomy/files/text_scanner.h"
 
-namespace ecorche::model_xml {
+namespace ecorche::inline v1::model_xml {
 namespace {
 
 // How deep elements nest, told by counting tags: the parser recurses, so that this must be known
@@ -95,4 +95,4 @@ Mat3 body_xyz(const Vec3& a) {
       .toRotationMatrix();
 }
 
-}  // namespace ecorche::model_xml
+}  // namespace ecorche::inline v1::model_xml

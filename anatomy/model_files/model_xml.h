@@ -2,6 +2,7 @@
 // the model's folder.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -12,7 +13,7 @@
 #include "anatomy/limits.h"
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct ModelFiles {
   std::function<std::string(const std::string& path)>
@@ -40,4 +41,4 @@ std::string inside(const std::string& from, const std::string& path, const std::
 Mat3 body_xyz(const Vec3& angles);
 
 }  // namespace model_xml
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

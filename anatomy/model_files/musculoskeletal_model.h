@@ -13,7 +13,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // The poses that a model is read in: every free angle at zero (or the limit nearest to it), and the
 // file's own default. Coordinates that a constraint couples to others follow them in both.
@@ -71,7 +71,7 @@ struct ModelMuscle {
   double pennation = 0;     // at the optimal length, rad
 };
 
-struct MuscleModel {
+struct MusculoskeletalModel {
   std::string name;               // of the model, as in the file
   std::string file;               // for messages
   std::string format;             // "OpenSim 40000", "MJCF"
@@ -82,26 +82,8 @@ struct MuscleModel {
   std::vector<std::string> notes;  // what was left out or taken to be something simpler, for people
 };
 
-// Tells the format by the file's first element. `folder` holds everything that the model names;
-// empty: the folder of the file. Nothing outside it is opened. Throws InputError that names file,
-// part and value (malformed XML, unknown or missing parts, numbers that are not finite, cycles),
-// LimitError (64 levels, 256 included files, 20,000 bodies, points or wraps), UnfitError for a
-// model without bodies or muscles.
-MuscleModel read_muscle_model(const std::filesystem::path& file,
-                              const std::filesystem::path& folder = {});
-
-// The same from text; `files` reads other files of the model by their path relative to its folder.
-// For tests and packages.
-struct ModelFiles;
-MuscleModel parse_osim(const std::string& text, const std::string& name);
-MuscleModel parse_mjcf_model(const ModelFiles& files, const std::string& path);
-
 // Throws InputError that names the first part which lies further than 100 m from the origin or its
 // body, or has a length or force that no muscle has. Both parsers ask it of what they hand back.
-void check_model(const MuscleModel& model);
+void check_model(const MusculoskeletalModel& model);
 
-// Mesh of a body: OBJ, PLY, STL or ASCII VTP inside the folder; model scale applied, body frame.
-// Empty when the file does not exist.
-TriMesh read_model_mesh(const std::filesystem::path& folder, const ModelMesh& mesh);
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -11,7 +11,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/model_files/model_xml.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr std::array kNames{"Constant",
@@ -89,7 +89,7 @@ double spline(const Samples& s, double x) {
          (x - inside) * (b + t * (6 * c[i] + 3 * t * d));
 }
 
-double polyline(const Samples& s, double x) {
+double polyline_osim_functions(const Samples& s, double x) {
   if (s.x.size() == 1) return s.y[0];
   const size_t i = interval(s, x);
   return s.y[i] + (s.y[i + 1] - s.y[i]) / (s.x[i + 1] - s.x[i]) * (x - s.x[i]);
@@ -122,7 +122,7 @@ double evaluate(pugi::xml_node node, double x, const std::string& where, int dep
     if (!inner) throw InputError(where + ": MultiplierFunction without a function");
     return value("scale", 1) * evaluate(inner, x, where, depth + 1);
   }
-  if (kind == "PiecewiseLinearFunction") return polyline(samples(node, where), x);
+  if (kind == "PiecewiseLinearFunction") return polyline_osim_functions(samples(node, where), x);
   if (kind == "PiecewiseConstantFunction") {
     const Samples s = samples(node, where);
     return s.y[std::max<long>(0, std::upper_bound(s.x.begin(), s.x.end(), x) - s.x.begin() - 1)];
@@ -159,4 +159,4 @@ pugi::xml_node find_osim_function(pugi::xml_node property) {
   return {};
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -5,7 +5,7 @@
 
 #include <pugixml.hpp>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Value of the function element (Constant, LinearFunction, PolynomialFunction, MultiplierFunction,
 // PiecewiseLinearFunction, PiecewiseConstantFunction, SimmSpline, NaturalCubicSpline, GCVSpline,
@@ -18,4 +18,4 @@ double osim_function(pugi::xml_node function, double x, const std::string& where
 // when there is none.
 pugi::xml_node find_osim_function(pugi::xml_node property);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

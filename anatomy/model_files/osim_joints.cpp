@@ -11,7 +11,7 @@
 #include "anatomy/model_files/model_xml.h"
 #include "anatomy/model_files/osim_functions.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kHalfTurn = 3.14159265358979323846;
@@ -228,4 +228,4 @@ Transform osim_joint_transform(const OsimJoint& joint, const OsimCoordinates& co
   return X;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

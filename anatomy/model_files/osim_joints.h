@@ -11,7 +11,7 @@
 
 #include "anatomy/model_files/musculoskeletal_model.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct OsimCoordinate {
   double initial = 0, low = 0, high = 0;
@@ -52,4 +52,4 @@ class OsimCoordinates {
 Transform osim_joint_transform(const OsimJoint& joint, const OsimCoordinates& coordinates, int pose,
                                std::vector<std::string>& notes);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

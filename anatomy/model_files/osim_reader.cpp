@@ -1,3 +1,5 @@
+#include "anatomy/model_files/osim_reader.h"
+
 // OpenSim model files: 4.x (sockets, joint set) and 3.x (joints inside bodies).
 #include <algorithm>
 #include <map>
@@ -10,11 +12,10 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
 #include "anatomy/model_files/model_xml.h"
-#include "anatomy/model_files/musculoskeletal_model.h"
 #include "anatomy/model_files/osim_functions.h"
 #include "anatomy/model_files/osim_joints.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using pugi::xml_node;
@@ -49,11 +50,11 @@ struct Frame {  // fixed in a body
   Transform X_BF = Transform::Identity();
 };
 
-class Reader {
+class OsimReaderReader {
  public:
-  explicit Reader(std::string name) { model_.file = std::move(name); }
+  explicit OsimReaderReader(std::string name) { model_.file = std::move(name); }
 
-  MuscleModel read(const std::string& text) {
+  MusculoskeletalModel read(const std::string& text) {
     model_xml::load(document_, text, model_.file);
     const xml_node root = document_.child("OpenSimDocument");
     const xml_node model = root.child("Model");
@@ -99,8 +100,7 @@ class Reader {
     return X;
   }
 
-  // --- joints and frames
-  // ---------------------------------------------------------------------------------------------------------
+  // --- joints and frames ---------------------------------------------------------------
   void find_joints(xml_node model) {
     frames_["ground"] = {"ground", Transform::Identity()};
     std::vector<std::pair<xml_node, std::string>> joints;  // with the child's name in 3.x files
@@ -234,8 +234,7 @@ class Reader {
     return found->second;
   }
 
-  // --- what hangs on bodies
-  // ------------------------------------------------------------------------------------------------------
+  // --- what hangs on bodies ------------------------------------------------------------
   void parts_of_body(xml_node node) {
     const auto found = body_index_.find(node.attribute("name").value());
     if (found == body_index_.end()) {
@@ -325,8 +324,7 @@ class Reader {
     model_.wraps.push_back(std::move(wrap));
   }
 
-  // --- muscles
-  // -------------------------------------------------------------------------------------------------------------------
+  // --- muscles -------------------------------------------------------------------------
   static xml_node path_of(xml_node force) {
     for (xml_node child : force.children()) {
       if (std::string_view(child.name()) == "GeometryPath") return child;
@@ -463,7 +461,7 @@ class Reader {
   }
 
   pugi::xml_document document_;
-  MuscleModel model_;
+  MusculoskeletalModel model_;
   OsimCoordinates coordinates_;
   std::map<std::string, Frame> frames_;      // bodies and offset frames by name
   std::map<std::string, OsimJoint> joints_;  // by the body that they move
@@ -474,8 +472,8 @@ class Reader {
 
 }  // namespace
 
-MuscleModel parse_osim(const std::string& text, const std::string& name) {
-  return Reader(name).read(text);
+MusculoskeletalModel parse_osim(const std::string& text, const std::string& name) {
+  return OsimReaderReader(name).read(text);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,3 +1,5 @@
+#include "anatomy/model_files/osim_writer.h"
+
 // Export models as OpenSim 4 files.
 #include <cmath>
 #include <numbers>
@@ -9,7 +11,7 @@
 #include "anatomy/model_files/export_wraps.h"
 #include "anatomy/model_files/model_text.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 // Axes of the file from ours (left, up, forward).
@@ -288,4 +290,4 @@ ExportLosses write_osim(const std::filesystem::path& file, const ExportModel& mo
   return {};
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

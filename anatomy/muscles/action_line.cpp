@@ -8,7 +8,7 @@
 #include "anatomy/compute/smooth_step.h"
 #include "anatomy/muscles/slice_outline.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr int kPieces = 96;     // per segment, for arc length
@@ -380,4 +380,4 @@ double tube_volume(std::span<const Ellipse> ellipses) {
   return volume;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -21,7 +21,7 @@
 
 #include "anatomy/anatomy.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // A point of the smooth line: sum of weight[i] * path[first + i]; weights sum to 1. Unused weights
 // are 0.
@@ -91,4 +91,4 @@ double belly_weight(const Strip& strip, double s);
 // centre, axes and outlines, however the line bends or twists.
 double tube_volume(std::span<const Ellipse> ellipses);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,7 +1,7 @@
 // The largest isometric force of a muscle from its size.
 #pragma once
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Pa, per area of all fibres; as in the common gait models
 inline constexpr double kMuscleStress = 0.6e6;
@@ -11,4 +11,4 @@ inline double isometric_force(double volume, double fibre_length) {
   return fibre_length > 0 ? kMuscleStress * volume / fibre_length : 0;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -9,7 +9,7 @@
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/slice_outline.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -457,4 +457,4 @@ TriMesh part_mesh(const MuscleSurface& surface, const MuscleSurface::Part& part,
   return mesh;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "anatomy/posing/pose_anatomy.h"
+#include "anatomy/posed_anatomy.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 using PointsF = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;  // #V x 3
 
@@ -66,4 +66,4 @@ double part_volume(const MuscleSurface& surface, const MuscleSurface::Part& part
 TriMesh part_mesh(const MuscleSurface& surface, const MuscleSurface::Part& part,
                   const Points& positions);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

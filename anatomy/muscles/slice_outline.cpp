@@ -4,7 +4,7 @@
 #include <cstring>
 #include <numbers>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr std::size_t kCount = kOutlinePoints;
@@ -123,4 +123,4 @@ PieceAreas piece_areas(const SliceOutline& first, const SliceOutline& second) {
           sum(b0)};
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

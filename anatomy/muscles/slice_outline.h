@@ -5,9 +5,11 @@
 // same share of its true one whatever its shape.
 #pragma once
 
+#include <array>
+
 #include "anatomy/anatomy.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // The factor at an angle in units of 2 pi / kOutlinePoints, 0 <= place < kOutlinePoints: linear
 // between.
@@ -38,12 +40,12 @@ struct AreasOf {
   // A11.
   T ab, ba, aa, bb;
 
-  // What a piece between sections that are not their own image about their centre holds more than
-  // centre line times area, as they turn and swell about it: pi / 3 times
+  // Volume of a piece beyond centre line times area, which sections that are not centrally
+  // symmetric add as they turn and swell along it: pi / 3 times
   //   a1 a1 . (a0 x b0) + b1 b1 . (a0 x b0) - a0 a0 . (a1 x b1) - b0 b0 . (a1 x b1),
   // the factor (more_a1 ..) first, the vector after it. From the volume's integral over rings, 1/3
   // the triple product of a section, its change along the piece and its change around, which
-  // vanishes for what is even about its centre.
+  // vanishes for centrally symmetric sections.
   T more_a1, more_b1, more_a0, more_b0;
 };
 
@@ -51,4 +53,4 @@ struct AreasOf {
 using PieceAreas = AreasOf<double>;
 PieceAreas piece_areas(const SliceOutline& first, const SliceOutline& second);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr int kLinks = 32, kRounds = 400;
@@ -96,4 +96,4 @@ std::vector<Vec3> taut_points(const Vec3& a_world, const Vec3& b_world, const Wr
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -6,7 +6,7 @@
 
 #include "anatomy/anatomy.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Points of contact of the shortest string from a to b outside `wrap`, in order: none when the
 // straight line is free or an end lies inside, one for a touch, three for an arc. `side` (object
@@ -16,4 +16,4 @@ namespace ecorche {
 std::vector<Vec3> taut_points(const Vec3& a, const Vec3& b, const Wrap& wrap, const Vec3& side,
                               double clear = 1e-3);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

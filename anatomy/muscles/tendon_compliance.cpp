@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kMostStrain = 0.049;  // of the tendon under the largest isometric force
@@ -38,7 +38,7 @@ struct Balance {
   }
 };
 
-// From a length at which the fibre pulls harder down to the first balance: where an effort that
+// From a length at which the fibre pulls harder down to the first balance: where an activation that
 // sets in slowly comes to rest.
 double shorten(const Balance& balance, double from) {
   constexpr double kStep = 0.04, kClose = 1e-7;
@@ -102,7 +102,7 @@ double isometric_shortening(const MuscleTendon& muscle, double path, double acti
   return lengths.fibre * (relaxed - shorten(balance, relaxed));
 }
 
-TendonGive::TendonGive(const MuscleTendon& muscle) {
+TendonCompliance::TendonCompliance(const MuscleTendon& muscle) {
   if (!has_fibres(muscle)) return;
   const Lengths lengths(muscle);
   first_ = lengths.tendon + kShortest * lengths.fibre;
@@ -112,13 +112,13 @@ TendonGive::TendonGive(const MuscleTendon& muscle) {
                     (first_ + i / per_step_) / lengths.fibre, 0};
     const double relaxed = shorten(balance, balance.path - balance.tendon);
     double at = relaxed;
-    for (int j = 1; j < kEfforts;
-         ++j) {  // more effort shortens on from where less has come to rest
-      balance.activation = double(j * j) / ((kEfforts - 1) * (kEfforts - 1));
+    for (int j = 1; j < kActivations;
+         ++j) {  // more activation shortens further from the balance of less
+      balance.activation = double(j * j) / ((kActivations - 1) * (kActivations - 1));
       at = shorten(balance, at);
-      shortening_[unsigned(i * kEfforts + j)] = float(lengths.fibre * (relaxed - at));
+      shortening_[unsigned(i * kActivations + j)] = float(lengths.fibre * (relaxed - at));
     }
   }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

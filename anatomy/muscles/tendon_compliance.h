@@ -1,5 +1,5 @@
-// How far a muscle's belly shortens though its joints hold still, because its tendon gives under
-// load.
+// Isometric shortening of a muscle's belly: its active fibres stretch the tendon while the joints
+// hold still.
 //
 // Fibre and tendon in quasi-static balance along the path (Thelen 2003, 10.1115/1.1531112; Millard
 // et al. 2013, 10.1115/1.4023390), forces over the largest isometric one, l the fibre's length over
@@ -14,7 +14,7 @@
 
 #include <array>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct MuscleTendon {
   double fibre = 0;      // optimal length, m
@@ -26,26 +26,26 @@ struct MuscleTendon {
 // `path` long. Relaxed, tendons are slack or carry the passive fibre. Never negative.
 double isometric_shortening(const MuscleTendon& muscle, double path, double activation);
 
-// The same as a table over path length and the root of the activation, linear between: made once,
-// read every frame.
-class TendonGive {
+// isometric_shortening() as a table over path length and the root of the activation, linear
+// between: made once, read every frame.
+class TendonCompliance {
  public:
-  static constexpr int kLengths = 17, kEfforts = 9;
+  static constexpr int kLengths = 17, kActivations = 9;
 
-  TendonGive() = default;  // gives nothing
+  TendonCompliance() = default;  // a tendon that does not stretch
   // Nothing for fibre or path not above 0, or a pennation near a right angle. Fibres longer than 95
   // % of their path are taken as that long.
-  explicit TendonGive(const MuscleTendon& muscle);
+  explicit TendonCompliance(const MuscleTendon& muscle);
 
   // `root` = sqrt(activation), in [0, 1]; lengths outside the table take its ends.
   double at(double path, double root) const {
     const double x = bound((path - first_) * per_step_, kLengths - 1),
-                 y = bound(root * (kEfforts - 1), kEfforts - 1);
+                 y = bound(root * (kActivations - 1), kActivations - 1);
     const int i = int(x) < kLengths - 1 ? int(x) : kLengths - 2;
-    const int j = int(y) < kEfforts - 1 ? int(y) : kEfforts - 2;
+    const int j = int(y) < kActivations - 1 ? int(y) : kActivations - 2;
     const double u = x - i, v = y - j;
-    const float* low = &shortening_[unsigned(i * kEfforts + j)];
-    const float* high = low + kEfforts;
+    const float* low = &shortening_[unsigned(i * kActivations + j)];
+    const float* high = low + kActivations;
     return (1 - u) * ((1 - v) * double(low[0]) + v * double(low[1])) +
            u * ((1 - v) * double(high[0]) + v * double(high[1]));
   }
@@ -54,7 +54,7 @@ class TendonGive {
   static double bound(double x, int most) { return x > 0 ? (x < most ? x : most) : 0; }
 
   double first_ = 0, per_step_ = 0;
-  std::array<float, kLengths * kEfforts> shortening_{};  // m
+  std::array<float, kLengths * kActivations> shortening_{};  // m
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,14 +1,13 @@
 #include "anatomy/muscles/transform_muscles.h"
 
-#include <Eigen/SVD>
-
 #include <algorithm>
 #include <cmath>
 
+#include "anatomy/compute/eigenvectors.h"
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/slice_outline.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kStep = 0.005;  // m, for directions by differences
@@ -36,8 +35,8 @@ Wrap carry_wrap(const Wrap& wrap, const CarryMap& map) {
   carrier.joints[0] = wrap.joint;
   Wrap moved = wrap;
   const Mat3 D = derivative(wrap.X_WO.translation(), carrier, map);
-  const Eigen::JacobiSVD<Mat3> svd(D, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Mat3 turn = svd.matrixU() * svd.matrixV().transpose();
+  const Svd3 parts = svd(D);
+  const Mat3 turn = parts.U * parts.V.transpose();
   moved.X_WO.translation() = map(wrap.X_WO.translation(), wrap.joint);
   moved.X_WO.linear() = turn * wrap.X_WO.linear();
   if (moved.X_WO.linear().determinant() < 0)
@@ -119,4 +118,4 @@ double rest_volume(const Muscle& muscle) {
   return volume;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

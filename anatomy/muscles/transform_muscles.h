@@ -7,7 +7,7 @@
 
 #include "anatomy/anatomy.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Where a rest point that rides on `joint` lies in the new body's rest pose, world to world. Need
 // not be rigid; must be smooth over a few centimetres (directions are carried by differences over 5
@@ -32,4 +32,4 @@ void scale_radii(Strip& strip, const Vec2& factors);
 // Sum of the strips' tube volumes at rest, m^3.
 double rest_volume(const Muscle& muscle);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

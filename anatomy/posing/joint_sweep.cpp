@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 void keep_larger(SweepJump& worst, double size, const JointSweep& sweep, double angle) {
@@ -81,20 +81,19 @@ Eigen::MatrixXd swept_lengths(const PosingTable& table, const Skeleton& skeleton
   return lengths;
 }
 
-std::vector<StripSweep> measure_sweeps(const PosingTable& table, const Skeleton& skeleton,
+std::vector<StripSweep> measure_sweeps(const PoseMuscles& pose_muscles, const Skeleton& skeleton,
                                        const std::vector<SliceRange>& ranges,
-                                       const std::vector<JointSweep>& sweeps, int threads) {
+                                       const std::vector<JointSweep>& sweeps) {
   std::vector<StripSweep> worst(ranges.size());
   PosedAnatomy rest;
-  pose_anatomy(table, skeleton, rest_pose(skeleton), rest, threads);
+  pose_muscles(rest_pose(skeleton), rest);
   std::vector<double> volume;
   for (const SliceRange& range : ranges) volume.push_back(strip_volume(rest, range));
   std::array<PosedAnatomy, 3> posed;
   for (const JointSweep& sweep : sweeps) {
     for (size_t i = 0; i < sweep.angles.size(); ++i) {
       PosedAnatomy& now = posed[i % 3];
-      pose_anatomy(table, skeleton, swept_pose(skeleton, sweep.joint, sweep.axis, sweep.angles[i]),
-                   now, threads);
+      pose_muscles(swept_pose(skeleton, sweep.joint, sweep.axis, sweep.angles[i]), now);
       const std::array<const PosedAnatomy*, 3> three{&posed[(i + 1) % 3], &posed[(i + 2) % 3],
                                                      &now};
       for (size_t strip = 0; strip < ranges.size(); ++strip) {
@@ -112,4 +111,14 @@ std::vector<StripSweep> measure_sweeps(const PosingTable& table, const Skeleton&
   return worst;
 }
 
-}  // namespace ecorche
+std::vector<StripSweep> measure_sweeps(const PosingTable& table, const Skeleton& skeleton,
+                                       const std::vector<SliceRange>& ranges,
+                                       const std::vector<JointSweep>& sweeps, int threads) {
+  return measure_sweeps(
+      [&](const Pose& pose, PosedAnatomy& posed) {
+        pose_anatomy(table, skeleton, pose, posed, threads);
+      },
+      skeleton, ranges, sweeps);
+}
+
+}  // namespace ecorche::inline v1

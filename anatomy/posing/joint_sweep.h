@@ -1,12 +1,13 @@
-// One joint turned through its range, one axis at a time: how muscle paths and sections go along,
-// and whether anything jumps.
+// One joint rotated through its range, one axis at a time: muscle paths and sections along the way,
+// and their jumps.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "anatomy/posing/pose_anatomy.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Angles are anatomical (see Joint): rad from the anatomical zero, rising from the axis' lower
 // limit to its upper one. The joint's other angles and all other joints stay as at rest; what
@@ -29,8 +30,8 @@ Pose swept_pose(const Skeleton& skeleton, int joint, int axis, double angle);
 Eigen::MatrixXd swept_lengths(const PosingTable& table, const Skeleton& skeleton,
                               const JointSweep& sweep);
 
-// Where something of a strip changes most from one angle to the next but one, beyond going
-// steadily: |x0 - 2 x1 + x2|.
+// Largest second difference |x0 - 2 x1 + x2| of a quantity over three successive angles: how far it
+// is from a steady change.
 struct SweepJump {
   double size = 0;  // m (length, centre, rim); share of the volume (drift)
   int joint = -1, axis = 0;
@@ -45,9 +46,17 @@ struct StripSweep {
   SweepJump drift;   // of the strip's volume from rest
 };
 
-// One entry a strip. `threads` as in pose_anatomy.
+// Poses the muscles by themselves, or with stages that follow.
+using PoseMuscles = std::function<void(const Pose& pose, PosedAnatomy& posed)>;
+
+// One entry a strip.
+std::vector<StripSweep> measure_sweeps(const PoseMuscles& pose_muscles, const Skeleton& skeleton,
+                                       const std::vector<SliceRange>& ranges,
+                                       const std::vector<JointSweep>& sweeps);
+
+// The same by pose_anatomy(); `threads` as there.
 std::vector<StripSweep> measure_sweeps(const PosingTable& table, const Skeleton& skeleton,
                                        const std::vector<SliceRange>& ranges,
                                        const std::vector<JointSweep>& sweeps, int threads = 1);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -9,41 +9,42 @@
 #include <stdexcept>
 
 #include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/belly_length.h"
 #include "anatomy/posing/activation_bulge.h"
 #include "anatomy/posing/posing_batch.h"
-#include "anatomy/posing/posing_table.h"
+#include "anatomy/posing/posing_data.h"
 #include "anatomy/posing/restore_volume.h"
 #include "anatomy/posing/wrapping.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kTwistLimit = 100 * std::numbers::pi / 180;
-// below this the second thread's wake-up costs more than it saves
+// below this a second thread's wake-up costs more than it saves
 constexpr int kSlicesForThreads = 3000;
 
-inline Lane homogeneous(const Transform& X, const Vec3& p) {
+inline Double4 homogeneous(const Transform& X, const Vec3& p) {
   return X.matrix().col(0).array() * p.x() + X.matrix().col(1).array() * p.y() +
          X.matrix().col(2).array() * p.z() + X.matrix().col(3).array();
 }
 
-inline Lane posed_point(const PosingPoint& p, const std::vector<Transform>& X_WJ) {
-  const Lane first = homogeneous(X_WJ[p.first], p.in_first);
+inline Double4 posed_point(const PosingPoint& p, const std::vector<Transform>& X_WJ) {
+  const Double4 first = homogeneous(X_WJ[p.first], p.in_first);
   if (p.second < 0) return first;
   return p.share * first + (1 - p.share) * homogeneous(X_WJ[p.second], p.in_second);
 }
 
-inline Lane turn(const Transform& X, const Vec3& v) {
+inline Double4 turn(const Transform& X, const Vec3& v) {
   return X.matrix().col(0).array() * v.x() + X.matrix().col(1).array() * v.y() +
          X.matrix().col(2).array() * v.z();
 }
-inline Lane turned(const PosingPoint& p, const std::vector<Transform>& X_WJ, const Vec3& v) {
-  const Lane first = turn(X_WJ[p.first], v);
+inline Double4 turned(const PosingPoint& p, const std::vector<Transform>& X_WJ, const Vec3& v) {
+  const Double4 first = turn(X_WJ[p.first], v);
   if (p.second < 0) return first;
   return p.share * first + (1 - p.share) * turn(X_WJ[p.second], v);
 }
 
-inline Lane3 across(const Lane& p0, const Lane& p1, const Lane& p2, const Lane& p3) {
+inline Vec3x4 across(const Double4& p0, const Double4& p1, const Double4& p2, const Double4& p3) {
   Eigen::Matrix4d m;
   m.col(0) = p0.matrix();
   m.col(1) = p1.matrix();
@@ -53,60 +54,59 @@ inline Lane3 across(const Lane& p0, const Lane& p1, const Lane& p2, const Lane& 
   return {m.col(0).array(), m.col(1).array(), m.col(2).array()};
 }
 
-// A direction that rode on a bone beside the tangent `from` there, turned on by the least turn to
-// the line's tangent `to`.
-inline Lane3 follow(const Lane3& from, const Lane3& to, const Lane3& direction) {
-  const Lane3 axis = cross(from, to), once = cross(axis, direction);
-  const Lane3 d = direction + once + (1 / (1 + dot(from, to) + 1e-9)) * cross(axis, once);
+// `direction`, fixed to a bone where the line has the tangent `from`, rotated by the least rotation
+// that brings `from` to the line's tangent `to`.
+inline Vec3x4 follow(const Vec3x4& from, const Vec3x4& to, const Vec3x4& direction) {
+  const Vec3x4 axis = cross(from, to), once = cross(axis, direction);
+  const Vec3x4 d = direction + once + (1 / (1 + dot(from, to) + 1e-9)) * cross(axis, once);
   return unit(d - dot(d, to) * to);
 }
 
-// Points that a closing joint has brought past each other go back to where they meet, so that the
-// line does not turn back.
+// Moves points that a closing joint has brought past each other back to where they meet, so that
+// the line does not turn back.
 inline void keep_order(std::span<const PosingLink> links, const PosingPoint* points,
-                       const std::vector<Transform>& X_WJ, Lane* path) {
+                       const std::vector<Transform>& X_WJ, Double4* path) {
   for (const PosingLink& link : links) {
     const int i = link.point;
-    Lane along =
+    Double4 along =
         turned(points[i], X_WJ, link.direction) + turned(points[i + 1], X_WJ, link.direction);
     const double ahead = ((path[i + 1] - path[i]) * along).sum(), square = (along * along).sum();
-    if (ahead > 0 && ahead * ahead >= link.keep * link.keep * square)
-      continue;  // as nearly all are, in nearly all poses
+    if (ahead > 0 && ahead * ahead >= link.keep * link.keep * square) continue;  // nearly always
     const double size = std::sqrt(square);
-    const double sure = std::clamp((size - 0.1) / 0.8, 0.0,
-                                   1.0);  // no telling what is ahead when the bones face each other
+    // Where the bones face each other, "ahead" has no meaning: the move fades out before.
+    const double sure = std::clamp((size - 0.1) / 0.8, 0.0, 1.0);
     if (sure <= 0) continue;
     along /= size;
     // Nothing from `keep` on, a parabola down to none of it, then what is missing.
     const double missing = link.keep - ahead / size;
     if (missing <= 0) continue;
-    const double wish =
+    const double wanted =
         missing < link.keep ? missing * missing / (2 * link.keep) : missing - 0.5 * link.keep;
-    const double back =
-        sure * sure * (3 - 2 * sure) * wish / std::sqrt(1 + wish * wish / (link.room * link.room));
-    path[i] -= (link.give_first * back) * along;
-    path[i + 1] += (link.give_second * back) * along;
+    const double back = sure * sure * (3 - 2 * sure) * wanted /
+                        std::sqrt(1 + wanted * wanted / (link.room * link.room));
+    path[i] -= (link.part_first * back) * along;
+    path[i + 1] += (link.part_second * back) * along;
   }
 }
 
 // Slice points of the line: spline, then wraps; and across the lanes.
-void lay_line(const PosingTable::Data& data, const PosingBatch& batch,
-              const std::vector<Transform>& X_WJ, Scratch& t) {
+void lay_line(const PosingData& data, const PosingBatch& batch, const std::vector<Transform>& X_WJ,
+              BatchWorkspace& t) {
   for (int lane = 0; lane < kLanes; ++lane) {
     if (lane >= batch.strips) {
       std::copy_n(t.points[batch.strips - 1], batch.rows, t.points[lane]);
       continue;
     }
     const PosingStrip& strip = data.strip[batch.strip[lane]];
-    Lane path[kMaxPathPoints];
+    Double4 path[kMaxPathPoints];
     for (int i = 0; i < strip.points; ++i)
       path[i] = posed_point(data.points[strip.point + i], X_WJ);
     keep_order({data.links.data() + strip.link, std::size_t(strip.links)},
                &data.points[strip.point], X_WJ, path);
     const int node = batch.node + lane * batch.rows;
     for (int k = 0; k < batch.rows; ++k) {
-      const Lane* p = path + data.firsts[node + k];
-      const Lane& w = data.weights[node + k];
+      const Double4* p = path + data.firsts[node + k];
+      const Double4& w = data.weights[node + k];
       t.points[lane][k] = w[0] * p[0] + w[1] * p[1] + w[2] * p[2] + w[3] * p[3];
     }
     for (int w = 0; w < strip.wraps; ++w) {
@@ -120,26 +120,26 @@ void lay_line(const PosingTable::Data& data, const PosingBatch& batch,
 }
 
 // Chords and unit tangents (the parabola through three neighbours, as in line_tangents).
-void find_tangents(int rows, Scratch& t) {
+void find_tangents(int rows, BatchWorkspace& t) {
   t.chord[0].setZero();
-  Lane3 before = t.line[1] - t.line[0];
-  Lane h0 = dot(before, before).max(1e-18);
+  Vec3x4 before = t.line[1] - t.line[0];
+  Double4 h0 = dot(before, before).max(1e-18);
   t.chord[1] = h0.sqrt();
   if (rows == 2) {
     t.tangent[0] = t.tangent[1] = unit(before);
     return;
   }
   for (int k = 1; k + 1 < rows; ++k) {
-    const Lane3 after = t.line[k + 1] - t.line[k];
-    const Lane h1 = dot(after, after).max(1e-18);
+    const Vec3x4 after = t.line[k + 1] - t.line[k];
+    const Double4 h1 = dot(after, after).max(1e-18);
     t.tangent[k] = unit(h1 * before + h0 * after);
     t.chord[k + 1] = t.chord[k] + h1.sqrt();
     if (k == 1) {
-      const Lane l0 = h0.sqrt(), l1 = h1.sqrt();
+      const Double4 l0 = h0.sqrt(), l1 = h1.sqrt();
       t.tangent[0] = unit(((2 * l0 + l1) * l1) * before - h0 * after);
     }
     if (k + 2 == rows) {
-      const Lane l0 = h0.sqrt(), l1 = h1.sqrt();
+      const Double4 l0 = h0.sqrt(), l1 = h1.sqrt();
       t.tangent[rows - 1] = unit(((2 * l1 + l0) * l0) * after - h1 * before);
     }
     before = after;
@@ -149,9 +149,9 @@ void find_tangents(int rows, Scratch& t) {
 
 // Rotation-minimising frames by double reflection from the reference that the first path point
 // carries.
-void carry_frames(const PosingTable::Data& data, const PosingBatch& batch,
-                  const std::vector<Transform>& X_WJ, Scratch& t) {
-  Lane reference[kLanes], tangent[kLanes];
+void carry_frames(const PosingData& data, const PosingBatch& batch,
+                  const std::vector<Transform>& X_WJ, BatchWorkspace& t) {
+  Double4 reference[kLanes], tangent[kLanes];
   for (int lane = 0; lane < kLanes; ++lane) {
     const PosingStrip& strip = data.strip[batch.strip[lane]];
     const PosingPoint& origin = data.points[strip.point];
@@ -161,19 +161,19 @@ void carry_frames(const PosingTable::Data& data, const PosingBatch& batch,
   t.r[0] = follow(unit(across(tangent[0], tangent[1], tangent[2], tangent[3])), t.tangent[0],
                   across(reference[0], reference[1], reference[2], reference[3]));
   for (int k = 0; k + 1 < batch.rows; ++k) {
-    const Lane3 v1 = t.line[k + 1] - t.line[k];
-    const Lane c1 = 2 / dot(v1, v1).max(1e-300);
-    const Lane3 r = t.r[k] - (c1 * dot(v1, t.r[k])) * v1;
-    const Lane3 v2 = t.tangent[k + 1] - (t.tangent[k] - (c1 * dot(v1, t.tangent[k])) * v1);
+    const Vec3x4 v1 = t.line[k + 1] - t.line[k];
+    const Double4 c1 = 2 / dot(v1, v1).max(1e-300);
+    const Vec3x4 r = t.r[k] - (c1 * dot(v1, t.r[k])) * v1;
+    const Vec3x4 v2 = t.tangent[k + 1] - (t.tangent[k] - (c1 * dot(v1, t.tangent[k])) * v1);
     t.r[k + 1] = r - (2 * dot(v2, r) / dot(v2, v2).max(1e-300)) * v2;
   }
 }
 
 // Angle of the vector (x, y), to 2e-8 (Abramowitz and Stegun 4.4.49), exact near 0.
-Lane angle_of(const Lane& y, const Lane& x) {
-  const Lane ay = y.abs(), ax = x.abs();
-  const Lane z = ay.min(ax) / ay.max(ax).max(1e-300), q = z * z;
-  const Lane a =
+Double4 angle_of(const Double4& y, const Double4& x) {
+  const Double4 ay = y.abs(), ax = x.abs();
+  const Double4 z = ay.min(ax) / ay.max(ax).max(1e-300), q = z * z;
+  const Double4 a =
       z *
       (1 +
        q * (-0.3333314528 +
@@ -182,50 +182,50 @@ Lane angle_of(const Lane& y, const Lane& x) {
                       q * (0.1065626393 +
                            q * (-0.0752896400 +
                                 q * (0.0429096138 + q * (-0.0161657367 + q * 0.0028662257))))))));
-  const Lane first = (ay > ax).select(0.5 * std::numbers::pi - a, a);
-  const Lane half = (x < 0).select(std::numbers::pi - first, first);
+  const Double4 first = (ay > ax).select(0.5 * std::numbers::pi - a, a);
+  const Double4 half = (x < 0).select(std::numbers::pi - first, first);
   return (y < 0).select(-half, half);
 }
 
 // Beyond the limit the twist is taken back along a cubic, to zero at 180 deg, so that the pose in
 // which the branch changes is passed without a jump.
-Lane bearable_twist(const Lane& angle) {
-  const Lane size = angle.abs();
+Double4 limited_twist(const Double4& angle) {
+  const Double4 size = angle.abs();
   constexpr double span = std::numbers::pi - kTwistLimit;
-  const Lane u = ((size - kTwistLimit) / span).max(0.0).min(1.0), v = 1 - u;
-  const Lane back = v * v * ((1 + 2 * u) * kTwistLimit + u * span) + 2 * span * u * u * v;
-  const Lane folded = (angle < 0).select(-back, back);
+  const Double4 u = ((size - kTwistLimit) / span).max(0.0).min(1.0), v = 1 - u;
+  const Double4 back = v * v * ((1 + 2 * u) * kTwistLimit + u * span) + 2 * span * u * u * v;
+  const Double4 folded = (angle < 0).select(-back, back);
   return (size <= kTwistLimit).select(angle, folded);
 }
 
 // Turn of the insertion's reference against the transported frame.
-Lane find_twist(const PosingTable::Data& data, const PosingBatch& batch,
-                const std::vector<Transform>& X_WJ, const Scratch& t, PosedAnatomy& out) {
-  Lane reference[kLanes], tangent[kLanes];
+Double4 find_twist(const PosingData& data, const PosingBatch& batch,
+                   const std::vector<Transform>& X_WJ, const BatchWorkspace& t, PosedAnatomy& out) {
+  Double4 reference[kLanes], tangent[kLanes];
   for (int lane = 0; lane < kLanes; ++lane) {
     const PosingStrip& strip = data.strip[batch.strip[lane]];
     const PosingPoint& insertion = data.points[strip.point + strip.points - 1];
     reference[lane] = turned(insertion, X_WJ, strip.end_reference);
     tangent[lane] = turned(insertion, X_WJ, strip.end_tangent);
   }
-  const Lane3 &to = t.tangent[batch.rows - 1], &r = t.r[batch.rows - 1];
-  const Lane3 wish = follow(unit(across(tangent[0], tangent[1], tangent[2], tangent[3])), to,
-                            across(reference[0], reference[1], reference[2], reference[3]));
-  const Lane angle = angle_of(dot(wish, cross(to, r)), dot(wish, r));
+  const Vec3x4 &to = t.tangent[batch.rows - 1], &r = t.r[batch.rows - 1];
+  const Vec3x4 wanted = follow(unit(across(tangent[0], tangent[1], tangent[2], tangent[3])), to,
+                               across(reference[0], reference[1], reference[2], reference[3]));
+  const Double4 angle = angle_of(dot(wanted, cross(to, r)), dot(wanted, r));
   for (int lane = 0; lane < batch.strips; ++lane)
     out.twists[data.strip[batch.strip[lane]].strip] = angle[lane];
-  return bearable_twist(angle);
+  return limited_twist(angle);
 }
 
 // cos and sin of |x| <= 2.2 to 1e-11, by series at half the angle.
-inline void cos_sin(const Lane& x, Lane& c, Lane& s) {
-  const Lane h = 0.5 * x, q = h * h;
-  const Lane sh =
+inline void cos_sin(const Double4& x, Double4& c, Double4& s) {
+  const Double4 h = 0.5 * x, q = h * h;
+  const Double4 sh =
       h * (1 + q * (-1.0 / 6 +
                     q * (1.0 / 120 +
                          q * (-1.0 / 5040 + q * (1.0 / 362880 + q * (-1.0 / 39916800 +
                                                                      q * (1 / 6227020800.0)))))));
-  const Lane ch =
+  const Double4 ch =
       1 +
       q * (-0.5 + q * (1.0 / 24 +
                        q * (-1.0 / 720 + q * (1.0 / 40320 + q * (-1.0 / 3628800 +
@@ -235,8 +235,8 @@ inline void cos_sin(const Lane& x, Lane& c, Lane& s) {
   s = 2 * sh * ch;
 }
 
-inline Lane gather_profile(const PosingTable::Data& data, const PosingBatch& batch,
-                           const Lane& bins, Lane& a, Lane& b) {
+inline Double4 gather_profile(const PosingData& data, const PosingBatch& batch, const Double4& bins,
+                              Double4& a, Double4& b) {
   Eigen::Matrix4f m;
   for (int lane = 0; lane < kLanes; ++lane)
     m.col(lane) = data.profiles[batch.profile + lane](bins[lane]).matrix();
@@ -247,60 +247,61 @@ inline Lane gather_profile(const PosingTable::Data& data, const PosingBatch& bat
 }
 
 // Axes, radii and centres of every slice, before swelling.
-void lay_slices(const PosingTable::Data& data, const PosingBatch& batch, const Lane& twist,
-                const Effort& effort, Scratch& t) {
+void lay_slices(const PosingData& data, const PosingBatch& batch, const Double4& twist,
+                const BatchActivation& activation, BatchWorkspace& t) {
   const PosingLanes& c = batch.lanes;
-  // The belly's stretch; tendons give a tenth of it.
-  const Lane whole = t.chord[batch.rows - 1];
-  const Lane stretch = ((whole - c.rest_chords) / c.give).max(-0.9);
-  Lane belly = 1 + stretch, tendon = 1 + 0.1 * stretch;
-  if (effort.any) give_way(data, batch, effort, whole, belly, tendon);
-  const Lane belly_begin = c.tendon_begin * tendon;
-  const Lane belly_length = (c.tendon_end - c.tendon_begin) * belly;
-  const Lane per_belly = belly.inverse(), per_tendon = tendon.inverse();
-  const Lane zero = Lane::Zero();
+  // Strain of the belly; tendons take kTendonStretchRatio of it.
+  const Double4 whole = t.chord[batch.rows - 1];
+  const Double4 stretch = ((whole - c.rest_chords) / c.stretch_length).max(-0.9);
+  Double4 belly = 1 + stretch, tendon = 1 + kTendonStretchRatio * stretch;
+  if (activation.any) stretch_tendon(data, batch, activation, whole, belly, tendon);
+  const Double4 belly_begin = c.tendon_begin * tendon;
+  const Double4 belly_length = (c.tendon_end - c.tendon_begin) * belly;
+  const Double4 per_belly = belly.inverse(), per_tendon = tendon.inverse();
+  const Double4 zero = Double4::Zero();
   for (int k = 0; k < batch.rows; ++k) {
     const PosingRow& row = data.rows[batch.row + k];
-    Lane cos_twist, sin_twist;
-    const Lane share = row.twist.cast<double>();
+    Double4 cos_twist, sin_twist;
+    const Double4 share = row.twist.cast<double>();
     cos_sin(twist * share, cos_twist, sin_twist);
-    const Lane cs = row.cos_roll * cos_twist - row.sin_roll * sin_twist;
-    const Lane sn = row.sin_roll * cos_twist + row.cos_roll * sin_twist;
-    const Lane3 side = cross(t.tangent[k], t.r[k]);
+    const Double4 cs = row.cos_roll * cos_twist - row.sin_roll * sin_twist;
+    const Double4 sn = row.sin_roll * cos_twist + row.cos_roll * sin_twist;
+    const Vec3x4 side = cross(t.tangent[k], t.r[k]);
     t.width[k] = cs * t.r[k] + sn * side;
     t.thickness[k] = cs * side - sn * t.r[k];
     const int before = std::max(k - 1, 0), after = std::min(k + 1, batch.rows - 1);
-    const Lane3 bend =
+    const Vec3x4 bend =
         (1 / (t.chord[after] - t.chord[before]).max(1e-9)) * (t.tangent[after] - t.tangent[before]);
-    const Lane across_width = dot(bend, t.width[k]), across_thickness = dot(bend, t.thickness[k]);
+    const Double4 across_width = dot(bend, t.width[k]),
+                  across_thickness = dot(bend, t.thickness[k]);
     // Sections off the line come no nearer to the bend's centre than folds allow, so that their
     // middles keep their order.
     const FoldFactor fo =
         fold_factor((across_width * row.offset_x + across_thickness * row.offset_y).max(zero),
                     row.free_offset.cast<double>());
-    // Which part of the rest line's substance is here now.
-    const Lane at = t.chord[k];
-    const Lane past = (at - belly_begin).max(zero);
-    const Lane rest_at = at.min(belly_begin) * per_tendon + past.min(belly_length) * per_belly +
-                         (past - belly_length).max(zero) * per_tendon;
-    const Lane bins = (rest_at.max(zero) * c.bins).min(double(kProfileBins));
-    Lane a, b;
+    // Place along the rest line of the substance that lies here now.
+    const Double4 at = t.chord[k];
+    const Double4 past = (at - belly_begin).max(zero);
+    const Double4 rest_at = at.min(belly_begin) * per_tendon + past.min(belly_length) * per_belly +
+                            (past - belly_length).max(zero) * per_tendon;
+    const Double4 bins = (rest_at.max(zero) * c.bins).min(double(kProfileBins));
+    Double4 a, b;
     t.belly[k] = gather_profile(data, batch, bins, a, b);
     a = (a + row.width).max(zero);
     b = (b + row.thickness).max(zero);
-    if (effort.any) {
-      const Lane place =
+    if (activation.any) {
+      const Double4 place =
           (2 * rest_at - c.tendon_begin - c.tendon_end) / (c.tendon_end - c.tendon_begin);
-      tense(effort.root, c.width_swells, t.belly[k], place, a, b);
+      bulge(activation.root, c.width_swells, t.belly[k], place, a, b);
     }
 
-    const Lane free_width = row.free_width.cast<double>(),
-               free_thickness = row.free_thickness.cast<double>();
+    const Double4 free_width = row.free_width.cast<double>(),
+                  free_thickness = row.free_thickness.cast<double>();
     const FoldFactor fa = fold_factor(across_width * a, free_width);
     const FoldFactor fb = fold_factor(across_thickness * b, free_thickness);
-    const Lane folds = fa.under * fb.under,
-               per_all = 1 / (folds * fo.under);  // one division for all three
-    const Lane off = fo.over * folds * per_all, per_folds = fo.under * per_all;
+    const Double4 folds = fa.under * fb.under,
+                  per_all = 1 / (folds * fo.under);  // one division for all three
+    const Double4 off = fo.over * folds * per_all, per_folds = fo.under * per_all;
     t.a[k] = a * (fa.over * fb.under * per_folds);
     t.b[k] = b * (fb.over * fa.under * per_folds);
     t.center[k] =
@@ -309,7 +310,7 @@ void lay_slices(const PosingTable::Data& data, const PosingBatch& batch, const L
 }
 
 // Four lanes of four quantities to four places.
-inline void scatter(const Lane& a, const Lane& b, const Lane& c, const Lane& d,
+inline void scatter(const Double4& a, const Double4& b, const Double4& c, const Double4& d,
                     const std::array<double*, kLanes>& to) {
   Eigen::Matrix4d m;
   m.col(0) = a.matrix();
@@ -323,13 +324,13 @@ inline void scatter(const Lane& a, const Lane& b, const Lane& c, const Lane& d,
 // An Ellipse is stored as it lies in memory: center, width, thickness, tangent, radii, outline.
 static_assert(sizeof(Ellipse) == 14 * sizeof(double) + sizeof(SliceOutline));
 
-void store(const PosingTable::Data& data, const PosingBatch& batch, const Lane& growth,
-           const Scratch& t, PosedAnatomy& out) {
+void store(const PosingData& data, const PosingBatch& batch, const Double4& scale,
+           const BatchWorkspace& t, PosedAnatomy& out) {
   std::array<int, kLanes> first;
   for (int lane = 0; lane < kLanes; ++lane) first[lane] = data.strip[batch.strip[lane]].slice;
   for (int k = 0; k < batch.rows; ++k) {
-    const Lane g = 1 + t.belly[k] * (growth - 1);
-    const Lane a = t.a[k] * (1 + batch.lanes.width_swells * (g - 1)), b = t.b[k] * g;
+    const Double4 g = 1 + t.belly[k] * (scale - 1);
+    const Double4 a = t.a[k] * (1 + batch.lanes.width_swells * (g - 1)), b = t.b[k] * g;
     std::array<double*, kLanes> center, width, thickness;
     for (int lane = 0; lane < kLanes; ++lane) {  // idle lanes write their strip's values once more
       const int slice = first[lane] + k;
@@ -345,20 +346,19 @@ void store(const PosingTable::Data& data, const PosingBatch& batch, const Lane& 
     scatter(t.width[k].y, t.width[k].z, t.thickness[k].x, t.thickness[k].y, width);
     scatter(t.thickness[k].z, t.tangent[k].x, t.tangent[k].y, t.tangent[k].z, thickness);
   }
-  const Lane lengths = t.chord[batch.rows - 1] * batch.lanes.length_factor;
+  const Double4 lengths = t.chord[batch.rows - 1] * batch.lanes.length_factor;
   for (int lane = 0; lane < batch.strips; ++lane) {
     const int strip = data.strip[batch.strip[lane]].strip;
     out.lengths[strip] = lengths[lane];
-    out.swelling[strip] =
-        batch.lanes.width_swells[lane] > 0 ? growth[lane] : std::sqrt(growth[lane]);
+    out.swelling[strip] = batch.lanes.width_swells[lane] > 0 ? scale[lane] : std::sqrt(scale[lane]);
   }
 }
 
 // What store() fills next is fetched before it is needed: the slices of a body are larger than the
 // nearer memories. Always inline: as a function by itself it has no effect that the compiler knows
 // of, and is left out.
-[[gnu::always_inline]] inline void fetch_slices(const PosingTable::Data& data,
-                                                const PosingBatch& batch, const PosedAnatomy& out) {
+[[gnu::always_inline]] inline void fetch_slices(const PosingData& data, const PosingBatch& batch,
+                                                const PosedAnatomy& out) {
   constexpr std::size_t kLine = 64;
   for (int lane = 0; lane < batch.strips; ++lane) {
     const std::size_t first = data.strip[batch.strip[lane]].slice, count = batch.rows;
@@ -371,19 +371,19 @@ void store(const PosingTable::Data& data, const PosingBatch& batch, const Lane& 
   }
 }
 
-void pose_batch(const PosingTable::Data& data, const PosingBatch& batch,
+void pose_batch(const PosingData& data, const PosingBatch& batch,
                 std::span<const double> activation, PosedAnatomy& out) {
-  Scratch t;
+  BatchWorkspace t;
   lay_line(data, batch, out.X_WJ, t);
   find_tangents(batch.rows, t);
   carry_frames(data, batch, out.X_WJ, t);
   fetch_slices(data, batch, out);
-  const Lane twist = find_twist(data, batch, out.X_WJ, t, out);
-  lay_slices(data, batch, twist, find_effort(data, batch, activation), t);
-  const LaneGrowth found =
-      find_growth(batch, &data.areas[batch.row], t, batch.lanes.grow_min, batch.lanes.grow_max);
-  store(data, batch, found.growth, t, out);
-  round_out_missed(data, batch, found, out);
+  const Double4 twist = find_twist(data, batch, out.X_WJ, t, out);
+  lay_slices(data, batch, twist, batch_activation(data, batch, activation), t);
+  const VolumeScale found = find_volume_scale(batch, &data.areas[batch.row], t,
+                                              batch.lanes.scale_min, batch.lanes.scale_max);
+  store(data, batch, found.scale, t, out);
+  restore_missed_volumes(data, batch, found, out);
 }
 
 }  // namespace
@@ -391,7 +391,7 @@ void pose_batch(const PosingTable::Data& data, const PosingBatch& batch,
 void pose_anatomy(const PosingTable& table, const Skeleton& skeleton, const Pose& pose,
                   PosedAnatomy& out, int threads, std::span<const double> activation) {
   if (!table.data) throw std::invalid_argument("pose_anatomy: empty table");
-  const PosingTable::Data& data = *table.data;
+  const PosingData& data = *table.data;
   if (int(skeleton.joints.size()) != data.joints)
     throw std::invalid_argument("pose_anatomy: " + std::to_string(skeleton.joints.size()) +
                                 " joints, the table has " + std::to_string(data.joints));
@@ -418,19 +418,9 @@ void pose_anatomy(const PosingTable& table, const Skeleton& skeleton, const Pose
   } else {
     for (const PosingBatch& batch : data.batches) pose_batch(data, batch, activation, out);
   }
-  if (!data.contact.first.empty()) {
-    thread_local PartMemory memory;  // large, and of no pose's own: nothing in it outlives the call
-    const Threads sharing = threads > 1 ? Threads::all : Threads::one;
-    give_way_to_neighbours(data.contact.first, out.X_WJ[0].translation(), out.slices,
-                           memory.contact, sharing);
-    regrow(data, memory.contact.changed, out, memory.growing, sharing, kMostGrowthOnce);
-  }
-  out.clamped = out.overtwisted = 0;
-  for (int i = 0; i < data.strips; ++i) {
-    out.clamped +=
-        out.swelling[i] < kLeastSwelling + 1e-9 || out.swelling[i] > kMostSwelling - 1e-9;
-    out.overtwisted += std::abs(out.twists[i]) > kTwistLimit;
-  }
+  out.clamped = clamped_strips(out);
+  out.overtwisted = 0;
+  for (int i = 0; i < data.strips; ++i) out.overtwisted += std::abs(out.twists[i]) > kTwistLimit;
 }
 
 double strip_volume(const PosedAnatomy& posed, const SliceRange& range) {
@@ -444,4 +434,4 @@ double muscle_volume(const PosedAnatomy& posed, std::span<const SliceRange> rang
   return volume;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -10,44 +10,23 @@
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/belly_length.h"
 #include "anatomy/muscles/slice_outline.h"
+#include "anatomy/posed_anatomy.h"
+#include "anatomy/posing/posing_data.h"
+#include "anatomy/posing/rest_strip.h"
+#include "anatomy/posing/wrapping.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kTendonTwist = 3;  // turn of tendon over turn of belly, per metre
-// share of their distance at rest that path points of two bones keep
+// Twist of tendon over twist of belly, per metre of line. Less: bellies twist more; more: tendons.
+constexpr double kTendonTwist = 3;
+// Fraction of their rest distance at which path points of two bones are kept apart.
 constexpr double kKeptGap = 0.3;
-constexpr double kShortEnd = 0.04;  // m; first and last pieces of paths that may be passed
-// curvature times a section's distance from the line, on its inner side, that folds nothing
+// Length of a path's first or last piece up to which its point of another bone may be passed, m.
+constexpr double kShortEnd = 0.04;
+// Curvature times a section's distance from the line, on the inner side of a bend, up to which the
+// offset is not reduced.
 constexpr double kFreeOffset = 0.3;
-constexpr double kWrapMargin = 0.0015;  // m: half of the way over which a push begins,
-// or this share of a large object's radius, whose surface a line meets along its length at once
-constexpr double kWrapShare = 0.03;
-// slope at which a push rises from a still slice, farther off than
-constexpr double kSteepest = 0.7;
-constexpr double kGentle = 0.015;  // m
-constexpr double kWrapReach = 4;   // object radii: slices farther off hold still
-
-struct RestStrip {
-  std::vector<Vec3> line;  // slice points without offset
-  std::vector<Vec3> tangents;
-  std::vector<double> chord;  // cumulative
-  std::vector<Ellipse> slices;
-};
-
-RestStrip rest_strip(const Strip& strip) {
-  RestStrip rest;
-  std::vector<double> s;
-  for (const Slice& slice : strip.slices) s.push_back(slice.s);
-  rest.line = line_points(strip.path, s);
-  rest.tangents = line_tangents(rest.line);
-  rest.slices = rest_slices(strip);
-  rest.chord.push_back(0);
-  for (size_t k = 1; k < rest.line.size(); ++k)
-    rest.chord.push_back(rest.chord.back() + (rest.line[k] - rest.line[k - 1]).norm());
-  return rest;
-}
-
 PosingPoint posing_point(const PathPoint& p, const std::vector<Vec3>& joints) {
   PosingPoint point;
   point.first = p.joints[0];
@@ -60,8 +39,8 @@ PosingPoint posing_point(const PathPoint& p, const std::vector<Vec3>& joints) {
   return point;
 }
 
-// Links wherever the line goes over from one carrier to the next, and on either side, for points
-// that are pushed on.
+// Adds links where the line passes from one bone to the next, and on either side, for points that
+// are pushed on.
 void add_links(std::span<const PathPoint> path, std::vector<PosingLink>& links) {
   const int n = path.size();
   const auto crosses = [&](int i) {
@@ -87,7 +66,7 @@ void add_links(std::span<const PathPoint> path, std::vector<PosingLink>& links) 
     if (!crosses(i)) continue;
     const bool end =
         i == 0 ||
-        i + 2 == n;  // then the via point alone gives way, and only a short piece is ever passed
+        i + 2 == n;  // then the via point alone is moved, and only a short piece may be passed
     if (end && (path[i + 1].rest - path[i].rest).norm() > kShortEnd) continue;
     add(i, 0.5, 0.5);
     if (end) continue;
@@ -114,69 +93,7 @@ PosingProfile profile(const Strip& strip, const RestStrip& rest) {
   return table;
 }
 
-// One wrap against the rest line: its side, its reach, and how deep the line may be in it. False if
-// the line is not beside it.
-bool fit_wrap(const Wrap& wrap, const RestStrip& rest, const Vec3& joint, PosingWrap& out,
-              std::vector<WrapSlice>& slices, double& depth) {
-  const int n = rest.line.size();
-  out.joint = wrap.joint;
-  out.cylinder = wrap.kind == Wrap::Kind::cylinder;
-  out.center = wrap.X_WO.translation() - joint;
-  if (!(wrap.radii.minCoeff() > 1e-4)) return false;
-  const Mat3 to_unit = wrap.radii.cwiseInverse().asDiagonal() * wrap.X_WO.linear().transpose();
-  for (int i = 0; i < 3; ++i) out.to_unit[i] << to_unit.col(i).array(), 0;
-  out.from_unit = wrap.X_WO.linear() * Mat3(wrap.radii.asDiagonal());
-  const auto seen = [&](int k) {
-    Vec3 x = to_unit * (rest.line[k] - wrap.X_WO.translation());
-    if (out.cylinder) x.z() = 0;
-    return x;
-  };
-  int nearest = -1;
-  double least = 1e300;
-  for (int k = 1; k + 1 < n; ++k) {
-    const double beyond =
-        out.cylinder ? std::abs((to_unit * (rest.line[k] - wrap.X_WO.translation())).z()) : 0;
-    const double d = seen(k).norm();
-    if (beyond < 1.5 && d < least) least = d, nearest = k;
-  }
-  if (nearest < 0 || least > kWrapReach || least < 0.2) return false;
-  out.side = seen(nearest).normalized();
-  const double mean_radius = out.cylinder ? wrap.radii.x() : std::cbrt(wrap.radii.prod());
-  out.soft = std::max(kWrapMargin / mean_radius, kWrapShare);
-  const auto below = [&](int k) {
-    const Vec3 x = seen(k);
-    const double u = x.dot(out.side);
-    return wedge_height(std::max(0.0, x.squaredNorm() - u * u)) - u;
-  };
-  // Beside the object the line bends round so far that only slices nearer than this one may be
-  // pushed.
-  const auto beside = [&](int k) {
-    const Vec3 x = seen(k);
-    const double u = x.dot(out.side);
-    return x.squaredNorm() - u * u > kWedgeSine * kWedgeSine && below(k) > -out.soft;
-  };
-  out.begin = out.end = nearest;
-  while (out.begin > 0 && !beside(out.begin - 1) && seen(out.begin).norm() < kWrapReach)
-    --out.begin;
-  while (out.end + 1 < n && !beside(out.end + 1) && seen(out.end).norm() < kWrapReach) ++out.end;
-  out.begin = std::min(out.begin, nearest - 1);
-  out.end = std::max(out.end, nearest + 1);
-  out.begin_at = seen(out.begin).normalized();
-  out.end_at = seen(out.end).normalized();
-  out.slice = slices.size();
-  depth = 0;
-  for (int k = out.begin; k <= out.end; ++k) {
-    const double from_still =
-        std::min(rest.chord[k] - rest.chord[out.begin], rest.chord[out.end] - rest.chord[k]);
-    slices.push_back(
-        {std::nextafter(float(std::max(0.0, below(k) + out.soft)), 1e9f),
-         float(kSteepest * from_still * from_still / (from_still + kGentle) / mean_radius)});
-    if (k > out.begin && k < out.end) depth = std::max(depth, below(k) * mean_radius);
-  }
-  return true;
-}
-
-void add_lane(PosingTable::Data& data, PosingBatch& batch, int lane, const Strip& strip, bool sheet,
+void add_lane(PosingData& data, PosingBatch& batch, int lane, const Strip& strip, bool sheet,
               const RestStrip& rest) {
   const int n = batch.rows;
   PosingLanes& lanes = batch.lanes;
@@ -189,12 +106,12 @@ void add_lane(PosingTable::Data& data, PosingBatch& batch, int lane, const Strip
   lanes.tendon_begin[lane] = has_belly ? begin : 0;
   lanes.tendon_end[lane] = has_belly ? end : whole;
   const double belly = lanes.tendon_end[lane] - lanes.tendon_begin[lane];
-  lanes.give[lane] = belly + kTendonGive * (whole - belly);
+  lanes.stretch_length[lane] = belly + kTendonStretchRatio * (whole - belly);
   lanes.bins[lane] = kProfileBins / whole;
   lanes.volume[lane] = tube_volume(rest.slices) * 3 / std::numbers::pi;
   lanes.width_swells[lane] = sheet ? 0 : 1;
-  lanes.grow_min[lane] = sheet ? kLeastSwelling * kLeastSwelling : kLeastSwelling;
-  lanes.grow_max[lane] = sheet ? kMostSwelling * kMostSwelling : kMostSwelling;
+  lanes.scale_min[lane] = sheet ? kLeastSwelling * kLeastSwelling : kLeastSwelling;
+  lanes.scale_max[lane] = sheet ? kMostSwelling * kMostSwelling : kMostSwelling;
 
   PosingProfile& table = data.profiles[batch.profile + lane] = profile(strip, rest);
   double turn = 0;
@@ -235,9 +152,8 @@ void add_lane(PosingTable::Data& data, PosingBatch& batch, int lane, const Strip
 }
 
 // A strip's own data: points, nodes (of its lane), wraps, end frames.
-void add_strip(PosingTable::Data& data, const Muscle& muscle, const Strip& strip,
-               const RestStrip& rest, const std::vector<Vec3>& joints, const SliceRange& range,
-               int index) {
+void add_strip(PosingData& data, const Muscle& muscle, const Strip& strip, const RestStrip& rest,
+               const std::vector<Vec3>& joints, const SliceRange& range, int index) {
   PosingStrip out;
   out.strip = index;
   out.muscle = range.muscle;
@@ -268,7 +184,8 @@ void add_strip(PosingTable::Data& data, const Muscle& muscle, const Strip& strip
   out.begin_tangent = rest.tangents.front();
   out.end_reference = unrolled(int(rest.slices.size()) - 1);
   out.end_tangent = rest.tangents.back();
-  out.give = TendonGive({muscle.fibre_length, muscle.pennation, line_length(strip.path)});
+  out.compliance =
+      TendonCompliance({muscle.fibre_length, muscle.pennation, line_length(strip.path)});
   data.strip.push_back(out);
 }
 
@@ -295,21 +212,9 @@ void check(const Anatomy& anatomy) {
 int PosingTable::strips() const { return data ? data->strips : 0; }
 int PosingTable::slices() const { return data ? data->slices : 0; }
 
-std::vector<SliceRange> slice_ranges(const Anatomy& anatomy) {
-  std::vector<SliceRange> ranges;
-  int at = 0;
-  for (size_t m = 0; m < anatomy.muscles.size(); ++m)
-    for (size_t i = 0; i < anatomy.muscles[m].strips.size(); ++i) {
-      const int count = anatomy.muscles[m].strips[i].slices.size();
-      ranges.push_back({int(m), int(i), at, at + count});
-      at += count;
-    }
-  return ranges;
-}
-
-PosingTable make_posing_table(const Anatomy& anatomy, MuscleContact contact) {
+PosingTable make_posing_table(const Anatomy& anatomy) {
   check(anatomy);
-  const auto data = std::make_shared<PosingTable::Data>();
+  const auto data = std::make_shared<PosingData>();
   const std::vector<SliceRange> ranges = slice_ranges(anatomy);
   const std::vector<Vec3> joints = rest_positions(anatomy.skeleton);
   data->joints = joints.size();
@@ -350,7 +255,7 @@ PosingTable make_posing_table(const Anatomy& anatomy, MuscleContact contact) {
       for (const Slice& slice : strip.slices) s.push_back(slice.s);
       for (const LineNode& node : line_nodes(strip.path, s)) {
         data->weights.push_back(
-            Lane(node.weight[0], node.weight[1], node.weight[2], node.weight[3]));
+            Double4(node.weight[0], node.weight[1], node.weight[2], node.weight[3]));
         data->firsts.push_back(std::uint8_t(node.first));
       }
       add_lane(*data, batch, lane, strip, muscle.sheet, rest);
@@ -358,8 +263,6 @@ PosingTable make_posing_table(const Anatomy& anatomy, MuscleContact contact) {
     data->batches.push_back(batch);
     at += batch.strips;
   }
-  if (contact == MuscleContact::yes)
-    data->contact = make_contact_tables(anatomy, PosingTable{data});
   return PosingTable{data};
 }
 
@@ -367,4 +270,4 @@ std::vector<WrapNote> wrap_notes(const PosingTable& table) {
   return table.data ? table.data->notes : std::vector<WrapNote>{};
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

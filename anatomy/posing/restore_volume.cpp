@@ -6,20 +6,21 @@
 #include <numbers>
 
 #include "anatomy/posing/posing_batch.h"
+#include "anatomy/posing/posing_data.h"
 #include "anatomy/posing/section_areas.h"
 #include "anatomy/posing/symmetrize_outlines.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr std::size_t kGrain = 8;  // fours of strips
-constexpr double kLeastGrowth = 0.5;
+constexpr std::size_t kGrain = 8;    // groups of strips of a task
+constexpr double kLeastScale = 0.5;  // radial
 
-// An Ellipse is stored as it lies in memory: center, width, thickness, tangent, radii, outline.
+// An Ellipse is stored as it lies in workspace: center, width, thickness, tangent, radii, outline.
 static_assert(sizeof(Ellipse) == 14 * sizeof(double) + sizeof(SliceOutline));
 
 // Four places of four quantities each to four lanes.
-inline std::array<Lane, 4> across(const std::array<const double*, kLanes>& from) {
+inline std::array<Double4, 4> across_restore_volume(const std::array<const double*, kLanes>& from) {
   Eigen::Matrix4d m;
   for (int lane = 0; lane < kLanes; ++lane) m.col(lane) = Eigen::Vector4d::Map(from[lane]);
   m.transposeInPlace();
@@ -27,7 +28,8 @@ inline std::array<Lane, 4> across(const std::array<const double*, kLanes>& from)
 }
 
 // The row's sections of four strips that begin at these slices.
-void gather(const PosedAnatomy& posed, const std::array<int, kLanes>& first, int row, Scratch& t) {
+void gather(const PosedAnatomy& posed, const std::array<int, kLanes>& first, int row,
+            BatchWorkspace& t) {
   std::array<const double*, kLanes> begin, middle;
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
     const std::size_t slice = first[lane] + row;
@@ -40,7 +42,7 @@ void gather(const PosedAnatomy& posed, const std::array<int, kLanes>& first, int
     t.b[row][to] = e.radii.y();
     t.belly[row][to] = double(posed.belly[slice]);
   }
-  const auto one = across(begin), two = across(middle);
+  const auto one = across_restore_volume(begin), two = across_restore_volume(middle);
   t.center[row] = {one[0], one[1], one[2]};
   t.width[row] = {one[3], two[0], two[1]};
   t.thickness[row].x = two[2], t.thickness[row].y = two[3];
@@ -69,8 +71,8 @@ std::span<Ellipse> sections(const PosingBatch& batch, int first, PosedAnatomy& p
   return {&posed.slices[first], std::size_t(batch.rows)};
 }
 
-BellyGrowth law_of(const PosingBatch& batch, int lane, int first, double low, double high,
-                   const PosedAnatomy& posed) {
+BellyScaling law_of(const PosingBatch& batch, int lane, int first, double low, double high,
+                    const PosedAnatomy& posed) {
   return {{&posed.belly[first], std::size_t(batch.rows)},
           batch.lanes.width_swells[lane] > 0,
           low,
@@ -81,19 +83,19 @@ double volume(const PosingBatch& batch, int lane) {
   return batch.lanes.volume[lane] * std::numbers::pi / 3;
 }
 
-// As a share of the radii.
-double swelling(const BellyGrowth& law, double growth) {
-  return law.tube ? growth : std::sqrt(growth);
+// As a factor of the radii.
+double swelling(const BellyScaling& law, double scale) {
+  return law.tube ? scale : std::sqrt(scale);
 }
 
-void regrow_strips(const PosingTable::Data& data, const GrowingStrips& growing, double most,
-                   PosedAnatomy& out) {
+void restore_strips(const PosingData& data, const StripGroup& group, double most,
+                    PosedAnatomy& out) {
   PosingBatch four;
-  four.rows = data.batches[growing.strips[0].batch].rows;
-  four.strips = growing.count;
+  four.rows = data.batches[group.strips[0].batch].rows;
+  four.strips = group.count;
   std::array<int, kLanes> first{};
   for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    const GrowingStrips::Place& from = growing.strips[lane < std::size_t(growing.count) ? lane : 0];
+    const StripGroup::Place& from = group.strips[lane < std::size_t(group.count) ? lane : 0];
     const PosingBatch& batch = data.batches[from.batch];
     const Eigen::Index to = lane;
     four.strip[lane] = batch.strip[from.lane];
@@ -101,70 +103,69 @@ void regrow_strips(const PosingTable::Data& data, const GrowingStrips& growing, 
     four.lanes.width_swells[to] = batch.lanes.width_swells[from.lane];
     first[lane] = data.strip[four.strip[lane]].slice;
   }
-  Scratch t;
+  BatchWorkspace t;
   PosingAreas areas[kMaxStripSlices];
   for (int k = 0; k < four.rows; ++k) gather(out, first, k, t);
   gather_areas(out, first, four.rows, areas);
   const auto tubes = four.lanes.width_swells > 0;
-  const Lane low =
-      tubes.select(Lane::Constant(kLeastGrowth), Lane::Constant(kLeastGrowth * kLeastGrowth));
-  const Lane high = tubes.select(Lane::Constant(most), Lane::Constant(most * most));
-  const LaneGrowth found = find_growth(four, areas, t, low, high);
+  const Double4 low =
+      tubes.select(Double4::Constant(kLeastScale), Double4::Constant(kLeastScale * kLeastScale));
+  const Double4 high = tubes.select(Double4::Constant(most), Double4::Constant(most * most));
+  const VolumeScale found = find_volume_scale(four, areas, t, low, high);
   for (int lane = 0; lane < four.strips; ++lane) {
     const int begin = first[lane];
-    const BellyGrowth law = law_of(four, lane, begin, low[lane], high[lane], out);
+    const BellyScaling law = law_of(four, lane, begin, low[lane], high[lane], out);
     const std::span<Ellipse> strip = sections(four, begin, out);
-    double grown = found.growth[lane];
+    double scale = found.scale[lane];
     if (found.found[lane])
-      grow(strip, law, grown);
+      scale_belly(strip, law, scale);
     else
-      grown = round_out(strip, law, volume(four, lane));
-    out.swelling[data.strip[four.strip[lane]].strip] *= swelling(law, grown);
+      scale = symmetrize_outlines(strip, law, volume(four, lane));
+    out.swelling[data.strip[four.strip[lane]].strip] *= swelling(law, scale);
   }
 }
 
 }  // namespace
 
-void round_out_missed(const PosingTable::Data& data, const PosingBatch& batch,
-                      const LaneGrowth& found, PosedAnatomy& out) {
+void restore_missed_volumes(const PosingData& data, const PosingBatch& batch,
+                            const VolumeScale& found, PosedAnatomy& out) {
   for (int lane = 0; lane < batch.strips; ++lane) {
     if (found.found[lane]) continue;
     const PosingStrip& strip = data.strip[batch.strip[lane]];
-    const BellyGrowth law = law_of(batch, lane, strip.slice, batch.lanes.grow_min[lane],
-                                   batch.lanes.grow_max[lane], out);
-    out.swelling[strip.strip] =
-        swelling(law, round_out(sections(batch, strip.slice, out), law, volume(batch, lane)));
+    const BellyScaling law = law_of(batch, lane, strip.slice, batch.lanes.scale_min[lane],
+                                    batch.lanes.scale_max[lane], out);
+    out.swelling[strip.strip] = swelling(
+        law, symmetrize_outlines(sections(batch, strip.slice, out), law, volume(batch, lane)));
   }
 }
 
-void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedAnatomy& out,
-            RegrowMemory& memory, Threads threads, double most) {
-  memory.clear();
-  memory.reserve(2 * data.batches.size());
+void restore_volumes(const PosingTable& table, std::span<const char> changed, PosedAnatomy& out,
+                     VolumeWorkspace& workspace, Threads threads, double most) {
+  const PosingData& data = *table.data;
+  workspace.clear();
+  workspace.reserve(2 * data.batches.size());
   for (std::size_t b = 0; b < data.batches.size(); ++b) {  // by slices
     const PosingBatch& batch = data.batches[b];
     for (int lane = 0; lane < batch.strips; ++lane) {
       const char* begin = changed.data() + data.strip[batch.strip[lane]].slice;
       if (!std::memchr(begin, 1, std::size_t(batch.rows))) continue;
-      const bool goes_on = !memory.empty() && memory.back().count < kLanes &&
-                           data.batches[memory.back().strips[0].batch].rows == batch.rows;
-      if (!goes_on) memory.emplace_back();
-      GrowingStrips& four = memory.back();
-      four.strips[four.count++] = {int(b), lane};
+      const bool goes_on = !workspace.empty() && workspace.back().count < kLanes &&
+                           data.batches[workspace.back().strips[0].batch].rows == batch.rows;
+      if (!goes_on) workspace.emplace_back();
+      StripGroup& group = workspace.back();
+      group.strips[group.count++] = {int(b), lane};
     }
   }
-  each_run(memory.size(), kGrain, threads, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i) regrow_strips(data, memory[i], most, out);
+  parallel_for_ranges(workspace.size(), kGrain, threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) restore_strips(data, workspace[i], most, out);
   });
 }
 
-void part_again(const PosingTable::Data& data, std::span<const ContactSpokes> held, Parting parting,
-                PosedAnatomy& out, PartMemory& memory, Threads threads) {
-  const ContactTable& table = data.contact.again;
-  if (table.empty()) return;
-  give_way_again(table, out.X_WJ[0].translation(), data.outlines, held, parting, out.slices,
-                 memory.contact, threads);
-  regrow(data, memory.contact.changed, out, memory.growing, threads);
+int clamped_strips(const PosedAnatomy& posed) {
+  int count = 0;
+  for (const double swelling : posed.swelling)
+    count += swelling < kLeastSwelling + 1e-9 || swelling > kMostSwelling - 1e-9;
+  return count;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

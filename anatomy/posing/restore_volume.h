@@ -1,49 +1,45 @@
-// Bellies at their rest volumes again after sections or their outlines have been moved. For
-// pose_anatomy and what comes after it.
+// Restores the rest volume of bellies after another stage has moved sections or changed outlines.
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
+#include "anatomy/compute/parallel_ranges.h"
+#include "anatomy/posed_anatomy.h"
 #include "anatomy/posing/posing_batch.h"
 #include "anatomy/posing/posing_table.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // One to four strips of equally many slices, by batch and lane.
-struct GrowingStrips {
+struct StripGroup {
   struct Place {
     int batch = 0, lane = 0;
   };
   std::array<Place, kLanes> strips;
   int count = 0;
 };
-using RegrowMemory = std::vector<GrowingStrips>;
+// Memory of restore_volumes(). Its content has no meaning between calls.
+using VolumeWorkspace = std::vector<StripGroup>;
 
-// How much a belly's radii may grow (sheets: the root of their thickness) after its outlines. Where
-// sections lean or are pressed on all sides it would have to grow far more for the same volume, be
-// pressed the more for it, and so on: it grows rounder instead. A pose does so once, so that there
-// is no going on.
-constexpr double kMostGrowthOnce = 2, kMostGrowthAgain = 1.1;
+// Largest radial scale used to restore a belly's volume (sheets: its square root in thickness): in
+// the first pass of a pose, and in later ones. When sections are tilted or compressed from all
+// sides, more scaling causes new contact, which needs still more scaling; beyond this bound the
+// outlines are made rounder instead (symmetrize_outlines.h).
+constexpr double kMostFirstScale = 2, kMostLaterScale = 1.1;
 
-// Strips of which a section has `changed` (#sections) swell or shrink until they have their rest
-// volumes. The same bytes at any number of threads.
-void regrow(const PosingTable::Data& data, std::span<const char> changed, PosedAnatomy& out,
-            RegrowMemory& memory, Threads threads, double most = kMostGrowthAgain);
+// Scales the strips of which a section has `changed` (#sections) to their rest volumes. The same
+// bytes at any number of threads. Precondition: the table is not empty.
+void restore_volumes(const PosingTable& table, std::span<const char> changed, PosedAnatomy& out,
+                     VolumeWorkspace& workspace, Threads threads, double most = kMostLaterScale);
 
-// Muscles whose sections have been moved or pressed since they were posed part once more, and have
-// their rest volumes again. `held` (#sections): what else than muscles keeps their outlines from
-// growing, 0 .. 1. `parting`: deep only after all in the same memory, and of the same pose.
-struct PartMemory {
-  ContactMemory contact;
-  RegrowMemory growing;
-};
-void part_again(const PosingTable::Data& data, std::span<const ContactSpokes> held, Parting parting,
-                PosedAnatomy& out, PartMemory& memory, Threads threads);
+// Strips of a batch for which no scale was found, and which are stored unscaled: their outlines
+// become more symmetric.
+void restore_missed_volumes(const PosingData& data, const PosingBatch& batch,
+                            const VolumeScale& found, PosedAnatomy& out);
 
-// Strips of a batch for which no growth was found, stored as they are without: their outlines
-// become more even (round_out).
-void round_out_missed(const PosingTable::Data& data, const PosingBatch& batch,
-                      const LaneGrowth& found, PosedAnatomy& out);
+// Number of strips whose swelling is at its limits, see PosedAnatomy::clamped.
+int clamped_strips(const PosedAnatomy& posed);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 // By direction: its coordinates, and their products with those of the next, each over what its sum
@@ -39,9 +39,9 @@ void LaneOutlines::set(const std::array<const SliceOutline*, kLanes>& outlines) 
     four.transposeInPlace();
     for (int k = 0; k < 4; ++k) at[i + k] = four.col(k).array();
   }
-  Lane before = at.back() * at.front(), all = Lane::Zero();
+  Double4 before = at.back() * at.front(), all = Double4::Zero();
   for (std::size_t i = 0; i < at.size(); ++i) {
-    const Lane after = at[i] * at[(i + 1) % at.size()];
+    const Double4 after = at[i] * at[(i + 1) % at.size()];
     fan[i] = before + after;
     all += after;
     before = after;
@@ -51,18 +51,18 @@ void LaneOutlines::set(const std::array<const SliceOutline*, kLanes>& outlines) 
 
 PosingAreas areas_between(const LaneOutlines& first, const LaneOutlines& second) {
   const Turns& t = turns();
-  const Lane zero = Lane::Zero();
-  Lane mean = zero, turned = zero;  // half of the sum and of the difference of ab and ba
-  Lane aa = zero, bb = zero, a1 = zero, b1 = zero, a0 = zero, b0 = zero;
+  const Double4 zero = Double4::Zero();
+  Double4 mean = zero, turned = zero;  // half of the sum and of the difference of ab and ba
+  Double4 aa = zero, bb = zero, a1 = zero, b1 = zero, a0 = zero, b0 = zero;
   for (std::size_t i = 0; i < kOutlinePoints; ++i) {
     const std::size_t next = (i + 1) % kOutlinePoints;
-    const Lane fg = first.at[i] * second.at[next], gf = second.at[i] * first.at[next],
-               less = fg - gf;
+    const Double4 fg = first.at[i] * second.at[next], gf = second.at[i] * first.at[next],
+                  less = fg - gf;
     mean += fg + gf;
     turned += t.both[i] * less;
     aa += t.xx[i] * less;
     bb += t.yy[i] * less;
-    const Lane of_first = first.fan[i] * second.at[i], of_second = second.fan[i] * first.at[i];
+    const Double4 of_first = first.fan[i] * second.at[i], of_second = second.fan[i] * first.at[i];
     a1 += t.x[i] * of_first;
     b1 += t.y[i] * of_first;
     a0 += t.x[i] * of_second;
@@ -72,4 +72,4 @@ PosingAreas areas_between(const LaneOutlines& first, const LaneOutlines& second)
   return {first.own, mean + turned, mean - turned, aa, bb, a1, b1, a0, b0};
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,27 +1,28 @@
-// Bellies whose outlines leave no growth that gives them their volume: sections that lean far
-// towards the inside of a bend hold the less the more they swell. Private to posing.
+// Bellies that no scale brings to their volume because of their outlines: sections that lean far to
+// the inside of a bend lose volume as they are scaled up. Their outlines are made centrally
+// symmetric as far as needed. Private to posing.
 #pragma once
 
 #include <span>
 
 #include "anatomy/anatomy.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-// How one strip grows: sections by 1 + belly (growth - 1), in thickness alone unless it is a tube.
-struct BellyGrowth {
+// Scaling of one strip: sections by 1 + belly (scale - 1), in thickness alone unless it is a tube.
+struct BellyScaling {
   std::span<const float> belly;  // #sections
   bool tube = true;
-  double low = 0, high = 0;  // of the growth
+  double low = 0, high = 0;  // of the scale
 };
 
-void grow(std::span<Ellipse> strip, const BellyGrowth& law, double growth);
+void scale_belly(std::span<Ellipse> strip, const BellyScaling& law, double scale);
 
-// Sections grow so that they hold `volume` (tube_volume, m^3). Their outlines become as even about
-// their centres (half a turn maps them onto themselves) as it takes, and no more. Returns the
-// growth. Where even outlines do not help, the belly goes to the end of its range and all sections,
-// tendons too, take up what is left. Continuous in the sections. A strip without belly stays as it
-// is: 1. Precondition: two to kMaxStripSlices sections.
-double round_out(std::span<Ellipse> strip, const BellyGrowth& law, double volume);
+// Scales sections so that they hold `volume` (tube_volume, m^3). Their outlines become as symmetric
+// about their centres (a rotation by 180 deg maps them onto themselves) as that takes, and no more.
+// Returns the scale. Where symmetric outlines do not help, the belly goes to the end of its range
+// and all sections, tendons too, take up the rest. Continuous in the sections. A strip without
+// belly stays as it is: 1. Precondition: two to kMaxStripSlices sections.
+double symmetrize_outlines(std::span<Ellipse> strip, const BellyScaling& law, double volume);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

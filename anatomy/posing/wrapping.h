@@ -1,23 +1,70 @@
-// Pushing posed slice points out of a wrap object. Private to pose_anatomy.
+// Wrap objects: how a strip's rest line lies beside one (fit_wrap, when a table is made), and how
+// posed slice points are pushed out of it (push_out, each frame). Private to posing.
 #pragma once
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
-#include "anatomy/posing/posing_table.h"
+#include "anatomy/posed_anatomy.h"
+#include "anatomy/posing/rest_strip.h"
+#include "anatomy/posing/strip_lanes.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-constexpr int kNormSquarings = 4;  // of the norm by which displacements add up: its power is 2^4
+// All lengths in units of the object: it is the unit ball, or the unit cylinder about z.
+struct PosingWrap {
+  int joint = 0;
+  bool cylinder = false;
+  int begin = 0, end = 0;      // slices that hold still at either side; those between are pushed
+  Vec3 center = Vec3::Zero();  // in the joint's frame
+  std::array<Double4, 3> to_unit{};  // columns, joint directions -> object units, and zeros
+  Mat3 from_unit = Mat3::Identity();
+  Vec3 side = Vec3::UnitX();  // where the line passes at rest, unit
+  Vec3 begin_at = Vec3::UnitX(),
+       end_at = Vec3::UnitX();  // unit directions of the still slices at rest
+  double soft = 0.1;            // margin over which the push sets in
+  int slice = 0;                // first of end - begin + 1 WrapSlice
+};
+
+struct WrapSlice {
+  float depth = 0;  // below the wedge that is allowed, because the rest line lies there
+  float room = 0;   // push that is steep enough, seen from the still slices
+};
+
+// Height of the rounded wedge that stands for a wrap: over the unit ball's cap up to kWedgeSine
+// from the side axis, then straight down. Points lower than it, seen from the side the line passes
+// on, are inside or behind the object.
+constexpr double kWedgeSine = 0.7660444431189780;   // sin 50 deg
+constexpr double kWedgeSlope = 1.1917535925942100;  // tan 50 deg
+constexpr double kWedgeTop = 1.5557238268604120;    // 1 / cos 50 deg
+inline double wedge_height(double across_squared) {
+  if (across_squared < kWedgeSine * kWedgeSine) return std::sqrt(1 - across_squared);
+  return kWedgeTop - kWedgeSlope * std::sqrt(across_squared);
+}
+inline Double4 wedge_height(const Double4& across_squared) {
+  const Double4 cap = (1 - across_squared).max(0.0).sqrt(),
+                sides = kWedgeTop - kWedgeSlope * across_squared.sqrt();
+  return (across_squared < kWedgeSine * kWedgeSine).select(cap, sides);
+}
+
+// One wrap against the rest line: its side, its reach, and how deep the line may be in it. Appends
+// to `slices`, sets `depth` (m). False if the line does not lie beside it. `joint`: the wrap's, at
+// rest.
+bool fit_wrap(const Wrap& wrap, const RestStrip& rest, const Vec3& joint, PosingWrap& out,
+              std::vector<WrapSlice>& slices, double& depth);
+
+constexpr int kNormSquarings = 4;  // displacements add up by a norm of power 2^4
 constexpr double kBeside = 1.1 * 1.1,
                  // squared distances from the side axis, object units: the wedge fades between
     kFarBeside = 1.7 * 1.7;
 
-// Turns `v` by half of what the unit direction `from` turned to become `x`. That has no meaning
-// when they face each other or x lies at the object's centre: the turn fades before, so that it is
-// continuous.
+// Rotates `v` by half of the rotation that brings the unit direction `from` to `x`. That rotation
+// has no meaning where they face each other or x lies at the object's centre: it fades out before,
+// so that the result is continuous.
 inline Vec3 half_turn(const Vec3& from, const Vec3& x, const Vec3& v) {
   const double size = std::sqrt(x.squaredNorm() + 1e-12);
   const Vec3 to = (1 / size) * x;
@@ -32,10 +79,10 @@ inline Vec3 half_turn(const Vec3& from, const Vec3& x, const Vec3& v) {
 
 // How far the slices from `first` on, as many as there are lanes, must move along `side`, object
 // units. None for those from wrap.end on.
-inline Lane push_needed(const PosingWrap& wrap, const WrapSlice* slices, const Lane* columns,
-                        const Vec3& side, int first, const Lane* points) {
+inline Double4 push_needed(const PosingWrap& wrap, const WrapSlice* slices, const Double4* columns,
+                           const Vec3& side, int first, const Double4* points) {
   Eigen::Matrix4d m;
-  Lane depth, room, counts;
+  Double4 depth, room, counts;
   for (int lane = 0; lane < kLanes; ++lane) {
     const int k = std::min(first + lane, wrap.end);
     m.col(lane) = points[k].matrix();
@@ -44,31 +91,31 @@ inline Lane push_needed(const PosingWrap& wrap, const WrapSlice* slices, const L
     counts[lane] = first + lane < wrap.end ? 1 : 0;
   }
   m.transposeInPlace();
-  const Lane px = m.col(0).array(), py = m.col(1).array(), pz = m.col(2).array(),
-             zero = Lane::Zero();
-  const auto seen = [&](int r) -> Lane {
+  const Double4 px = m.col(0).array(), py = m.col(1).array(), pz = m.col(2).array(),
+                zero = Double4::Zero();
+  const auto seen = [&](int r) -> Double4 {
     return columns[0][r] * px + columns[1][r] * py + columns[2][r] * pz + columns[3][r];
   };
-  const Lane x = seen(0), y = seen(1);
-  Lane z = seen(2);
+  const Double4 x = seen(0), y = seen(1);
+  Double4 z = seen(2);
   if (wrap.cylinder) {
     counts *= (2 - z.abs())
                   .max(0.0)
                   .min(1.0);  // past the cylinder's end the push dies away over half its length
     z = zero;
   }
-  const Lane u = side.x() * x + side.y() * y + side.z() * z;
-  const Lane across = (x * x + y * y + z * z - u * u).max(zero);
-  const Lane below = wedge_height(across) - u - depth;
+  const Double4 u = side.x() * x + side.y() * y + side.z() * z;
+  const Double4 across = (x * x + y * y + z * z - u * u).max(zero);
+  const Double4 below = wedge_height(across) - u - depth;
   // Zero below -soft, a parabola up to +soft, then the depth itself.
-  const Lane within = (below + wrap.soft).max(0.0);
-  const Lane soft = (below < wrap.soft).select(within * within * (0.25 / wrap.soft), below);
-  // What has passed the object altogether, out at its far side, is let go.
-  const Lane gone = (0.5 * (u + 3)).max(0.0).min(1.0);
-  const Lane half = 0.5 * room, over = (soft - half).max(0.0);
+  const Double4 within = (below + wrap.soft).max(0.0);
+  const Double4 soft = (below < wrap.soft).select(within * within * (0.25 / wrap.soft), below);
+  // Points that have passed the object altogether, out at its far side, are released.
+  const Double4 gone = (0.5 * (u + 3)).max(0.0).min(1.0);
+  const Double4 half = 0.5 * room, over = (soft - half).max(0.0);
   // Slices farther out than the object is broad are not behind it: the line has come round it, or
   // turns back beside it. Where it has slipped behind, the slices in its middle take them along.
-  const Lane beside = ((kFarBeside - across) * (1 / (kFarBeside - kBeside))).max(0.0).min(1.0);
+  const Double4 beside = ((kFarBeside - across) * (1 / (kFarBeside - kBeside))).max(0.0).min(1.0);
   counts *= beside * beside * (3 - 2 * beside);
   return counts * gone * gone * (3 - 2 * gone) *
          (soft.min(half) + over * room / (room + 2 * over).max(1e-300));
@@ -82,15 +129,15 @@ inline Lane push_needed(const PosingWrap& wrap, const WrapSlice* slices, const L
 // string: a straight decay to the still slices. They add up by a high norm instead of the largest
 // alone, so that one slice takes over from the next without a kink.
 inline void push_out(const PosingWrap& wrap, const WrapSlice* slices, const Transform& X_WJ,
-                     Lane* points) {
+                     Double4* points) {
   const auto& X = X_WJ.matrix();
-  const Lane center = X.col(0).array() * wrap.center.x() + X.col(1).array() * wrap.center.y() +
-                      X.col(2).array() * wrap.center.z() + X.col(3).array();
-  Lane columns[4];
+  const Double4 center = X.col(0).array() * wrap.center.x() + X.col(1).array() * wrap.center.y() +
+                         X.col(2).array() * wrap.center.z() + X.col(3).array();
+  Double4 columns[4];
   for (int i = 0; i < 3; ++i)
     columns[i] = wrap.to_unit[0] * X(i, 0) + wrap.to_unit[1] * X(i, 1) + wrap.to_unit[2] * X(i, 2);
   columns[3] = -(columns[0] * center[0] + columns[1] * center[1] + columns[2] * center[2]);
-  const auto seen = [&](int k) -> Lane {
+  const auto seen = [&](int k) -> Double4 {
     return columns[0] * points[k][0] + columns[1] * points[k][1] + columns[2] * points[k][2] +
            columns[3];
   };
@@ -105,8 +152,8 @@ inline void push_out(const PosingWrap& wrap, const WrapSlice* slices, const Tran
   double need[kMaxStripSlices + kLanes];
   bool any = false;
   for (int k = wrap.begin + 1; k < wrap.end; k += kLanes) {
-    const Lane push = push_needed(wrap, slices, columns, side, k, points);
-    Eigen::Map<Lane, Eigen::Unaligned>(need + k) = push;
+    const Double4 push = push_needed(wrap, slices, columns, side, k, points);
+    Eigen::Map<Double4, Eigen::Unaligned>(need + k) = push;
     any = any || (push > 0).any();
   }
   if (!any) return;
@@ -137,4 +184,4 @@ inline void push_out(const PosingWrap& wrap, const WrapSlice* slices, const Tran
   }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -5,7 +5,7 @@
 
 #include "anatomy/compute/simd_lanes.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct Ray {
   Wide3 origin, direction, inverse;  // the same in every lane
@@ -40,4 +40,4 @@ inline Float8 entries(const float* box, const Ray& ray, float far, unsigned& ent
   return in;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

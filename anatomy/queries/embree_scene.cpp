@@ -2,7 +2,7 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr const char* kFull =
@@ -62,4 +62,4 @@ RTCRayHit ray_from(const Vec3& origin, const Vec3& direction, double from, doubl
   return ray;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -5,7 +5,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // All throw LimitError when memory or threads run out.
 RTCDevice open_ray_device();
@@ -16,4 +16,4 @@ void check_ray_device(RTCDevice device);
 
 RTCRayHit ray_from(const Vec3& origin, const Vec3& direction, double from, double to);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

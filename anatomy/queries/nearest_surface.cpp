@@ -8,7 +8,7 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct NearestSurface::Scene {
   RTCDevice device = nullptr;
@@ -152,4 +152,4 @@ std::optional<double> NearestSurface::cast(const Vec3& origin, const Vec3& direc
   return ray.ray.tfar;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

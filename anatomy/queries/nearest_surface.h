@@ -9,7 +9,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct SurfacePoint {
   int triangle = -1;
@@ -43,4 +43,4 @@ class NearestSurface {
   std::unique_ptr<Scene> scene_;
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 TouchedCells::TouchedCells(const Eigen::AlignedBox3d& space, double size)
     : corner_(space.min() - Vec3::Constant(size)),
@@ -43,4 +43,4 @@ bool TouchedCells::touches(const Vec3& from, const Vec3& direction, double lengt
   return false;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -5,7 +5,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 class TouchedCells {
  public:
@@ -31,4 +31,4 @@ class TouchedCells {
   std::vector<char> marked_;
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

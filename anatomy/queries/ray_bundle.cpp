@@ -5,7 +5,7 @@
 
 #include "anatomy/queries/bvh_ray.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr std::size_t kMostWaiting = 64;
@@ -35,7 +35,7 @@ float first_back(const RayBundle::Leaf& leaf, const Ray& ray, float far) {
 
 }  // namespace
 
-bool gather_leaves(const FittedTree& tree, std::span<const float> boxes,
+bool gather_leaves(const RefittedBvh& tree, std::span<const float> boxes,
                    std::span<const float> positions, Float4 low, Float4 high, RayBundle& out) {
   out.count = 0;
   if (tree.children.empty()) return true;
@@ -85,4 +85,4 @@ float next_back(const RayBundle& bundle, Float4 from, Float4 direction, float ow
   return found ? first : 0;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -9,7 +9,7 @@
 #include "anatomy/compute/simd_lanes.h"
 #include "anatomy/queries/refitted_bvh.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct RayBundle {
   static constexpr std::size_t kMost = 128;  // leaves
@@ -23,10 +23,10 @@ struct RayBundle {
 };
 
 // The leaves that reach into a box. False where they are too many: the bundle is of no use then.
-bool gather_leaves(const FittedTree& tree, std::span<const float> boxes,
+bool gather_leaves(const RefittedBvh& tree, std::span<const float> boxes,
                    std::span<const float> positions, Float4 low, Float4 high, RayBundle& out);
 
 // next_back() of the tree, for a ray within that box.
 float next_back(const RayBundle& bundle, Float4 from, Float4 direction, float own, float far);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -6,7 +6,7 @@
 
 #include "anatomy/queries/embree_scene.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct SkinRays::Impl {
   TriMesh mesh;
@@ -67,4 +67,4 @@ RayHit SkinRays::first_hit(const Vec3& origin, const Vec3& direction, double to,
   return hit;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

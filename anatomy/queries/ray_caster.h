@@ -10,7 +10,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct RayHit {
   int triangle = -1;   // -1: nothing was met
@@ -46,4 +46,4 @@ class SkinRays {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -9,14 +9,14 @@
 
 #include "anatomy/queries/embree_scene.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr float kSame = 1e-6f;               // m
 constexpr unsigned kMoving = 0, kStill = 1;  // geometries
 
 // What one query hands to the filter.
-struct Query {
+struct RayCrossingsQuery {
   RTCIntersectContext context;  // first: Embree hands its address back
   const int* labels = nullptr;
   unsigned still = 0;  // the first triangle of those that stay
@@ -27,7 +27,7 @@ struct Query {
 
 // Takes down every triangle that is met and lets the ray go on, but for the one that ends it.
 void take_down(const RTCFilterFunctionNArguments* arguments) {
-  auto& query = *reinterpret_cast<Query*>(arguments->context);
+  auto& query = *reinterpret_cast<RayCrossingsQuery*>(arguments->context);
   const auto* ray = reinterpret_cast<const RTCRay*>(arguments->ray);
   const auto* hit = reinterpret_cast<const RTCHit*>(arguments->hit);
   arguments->valid[0] = 0;
@@ -41,29 +41,30 @@ void take_down(const RTCFilterFunctionNArguments* arguments) {
 
 }  // namespace
 
-void find_stays(std::span<const Crossing> crossings, std::span<const int> solids, double far,
-                std::vector<Stay>& stays) {
-  stays.clear();
+void find_intervals(std::span<const Crossing> crossings, std::span<const int> solids, double far,
+                    std::vector<RayInterval>& intervals) {
+  intervals.clear();
   for (const Crossing& crossing : crossings) {
     const int solid = solids[crossing.triangle];
     const double distance = crossing.distance;
-    const auto open = std::find_if(stays.begin(), stays.end(),
-                                   [&](const Stay& s) { return s.solid == solid && s.depth > 0; });
+    const auto open = std::find_if(intervals.begin(), intervals.end(), [&](const RayInterval& s) {
+      return s.solid == solid && s.depth > 0;
+    });
     if (crossing.entering) {
-      if (open != stays.end())
+      if (open != intervals.end())
         ++open->depth;
       else
-        stays.push_back({solid, distance, far, 1});
-    } else if (open != stays.end()) {
+        intervals.push_back({solid, distance, far, 1});
+    } else if (open != intervals.end()) {
       if (--open->depth == 0) open->to = distance;
     } else {  // it was inside from the beginning
-      const auto begun = std::find_if(stays.begin(), stays.end(), [&](const Stay& s) {
-        return s.solid == solid && s.from == 0;
-      });
-      if (begun != stays.end())
+      const auto begun =
+          std::find_if(intervals.begin(), intervals.end(),
+                       [&](const RayInterval& s) { return s.solid == solid && s.from == 0; });
+      if (begun != intervals.end())
         begun->to = distance;
       else
-        stays.push_back({solid, 0, distance, 0});
+        intervals.push_back({solid, 0, distance, 0});
     }
   }
 }
@@ -149,7 +150,7 @@ void CrossingRays::cross(const Vec3& origin, const Vec3& direction, double far, 
                          int skip, std::vector<Crossing>& out) const {
   out.clear();
   RTCRayHit ray = ray_from(origin, direction, 0, far);
-  Query query;
+  RayCrossingsQuery query;
   rtcInitIntersectContext(&query.context);
   query.labels = impl_->labels.data();
   query.still = impl_->still;
@@ -173,4 +174,4 @@ void CrossingRays::cross(const Vec3& origin, const Vec3& direction, double far, 
   out.resize(kept);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,9 +1,8 @@
-// Rays that list every triangle they cross, in one pass through the hierarchy: who begins and ends
-// where along a straight line.
+// Rays that list every triangle they cross, in one pass through the hierarchy, and the intervals of
+// a ray inside each solid.
 //
-// For many closed surfaces that lie in one another and change their shape but not their topology:
-// the hierarchy is built once and then only fitted to the new points, and not at all for those that
-// stay where they are.
+// For many nested or overlapping closed surfaces that change their shape but not their topology:
+// the hierarchy is built once and then refitted to the points that have moved.
 #pragma once
 
 #include <memory>
@@ -12,7 +11,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct Crossing {
   float distance = 0;  // along the unit direction, m
@@ -20,18 +19,18 @@ struct Crossing {
   bool entering = false;  // against the triangle's normal
 };
 
-// What a ray passes of one solid: once, from where it enters first to where it leaves last of what
-// it entered then.
-struct Stay {
+// Interval of a ray inside a solid: from where it first enters to where it has left all shells that
+// it entered since.
+struct RayInterval {
   int solid = 0;
   double from = 0, to = 0;  // along the ray, m; from 0: it begins inside
-  int depth = 0;            // how many of the solid's shells it is still in at its end
+  int depth = 0;            // number of the solid's shells that it is still inside at its end
 };
 
-// `solids`: #F, which solid a triangle bounds. In the order of entering, those that it begins in as
-// they are found out; what is not left ends at `far`.
-void find_stays(std::span<const Crossing> crossings, std::span<const int> solids, double far,
-                std::vector<Stay>& stays);
+// `solids`: #F, the solid that each triangle bounds. In the order of entering; a solid that the ray
+// begins in is inserted where the ray leaves it. Intervals without an exit end at `far`.
+void find_intervals(std::span<const Crossing> crossings, std::span<const int> solids, double far,
+                    std::vector<RayInterval>& intervals);
 
 // Queries are const and may run in several threads.
 class CrossingRays {
@@ -48,8 +47,8 @@ class CrossingRays {
   // The moving points elsewhere. Precondition: as many finite ones. No query may run meanwhile.
   void move(const Points& V);
 
-  // What the ray crosses up to `far`, m, nearest first, less the surfaces labelled `skip`; it ends
-  // where it enters something beyond `enough`. Crossings of one surface in one sense within a
+  // Crossings up to `far`, m, nearest first, without surfaces labelled `skip`; the list ends where
+  // the ray enters a surface beyond `enough`. Crossings of one surface in one sense within a
   // micrometre count once: they share an edge. The same list whatever the hierarchy. Precondition:
   // direction of length one.
   void cross(const Vec3& origin, const Vec3& direction, double far, double enough, int skip,
@@ -60,4 +59,4 @@ class CrossingRays {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

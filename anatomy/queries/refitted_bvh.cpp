@@ -11,13 +11,13 @@
 
 #include "anatomy/queries/bvh_ray.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr int kLeaf = 8;          // triangles; fewer are filled up with the last one
 constexpr std::size_t kWays = 8;  // of a node
 // seven a level, and medians halve thrice a level: far deeper than any mesh needs
-constexpr std::size_t kMostWaiting = 64;
+constexpr std::size_t kMostWaitingRefittedBvh = 64;
 
 Float4 row(std::span<const float> rows, int i) { return load4(&rows[4 * i]); }
 
@@ -25,7 +25,7 @@ struct Builder {
   std::span<const int> triangles;
   std::vector<Float4> middles;
   std::vector<int> order;
-  FittedTree& tree;
+  RefittedBvh& tree;
 
   Float4 middle(int k) const { return middles[order[k]]; }
 
@@ -103,7 +103,7 @@ bool crosses(std::span<const float> positions, const int* corners, const Ray& ra
 }
 
 // A node's boxes, after its children's.
-void fit_node(const FittedTree& tree, std::span<const float> positions, std::size_t n,
+void fit_node(const RefittedBvh& tree, std::span<const float> positions, std::size_t n,
               std::vector<float>& boxes) {
   std::array<Float4, kWays> low, high;
   for (std::size_t k = 0; k < kWays; ++k) {
@@ -140,7 +140,7 @@ void fit_node(const FittedTree& tree, std::span<const float> positions, std::siz
 }
 
 // A node's children that are nodes, each once, in the order of nodes.
-std::span<const int> subtrees(const FittedTree& tree, std::size_t node,
+std::span<const int> subtrees(const RefittedBvh& tree, std::size_t node,
                               std::array<int, kWays>& out) {
   std::size_t count = 0;
   for (const int child : tree.children[node])
@@ -153,7 +153,7 @@ struct Sight {
   bool behind = false;
 };
 
-Sight seen(const FittedTree& tree, std::span<const float> boxes, std::span<const float> positions,
+Sight seen(const RefittedBvh& tree, std::span<const float> boxes, std::span<const float> positions,
            const Ray& ray, float far) {
   if (tree.children.empty()) return {};
   const float near = ray.near;
@@ -161,7 +161,7 @@ Sight seen(const FittedTree& tree, std::span<const float> boxes, std::span<const
     int child;
     float entry;
   };
-  std::array<Waiting, kMostWaiting> stack;
+  std::array<Waiting, kMostWaitingRefittedBvh> stack;
   std::size_t waiting = 1;
   stack[0] = {0, near};
   bool found = false, behind = false;
@@ -190,8 +190,8 @@ Sight seen(const FittedTree& tree, std::span<const float> boxes, std::span<const
 
 }  // namespace
 
-FittedTree make_fitted_tree(std::span<const float> positions, std::span<const int> triangles) {
-  FittedTree out;
+RefittedBvh make_refitted_bvh(std::span<const float> positions, std::span<const int> triangles) {
+  RefittedBvh out;
   Builder builder{triangles, {}, std::vector<int>(triangles.size() / 3), out};
   std::iota(builder.order.begin(), builder.order.end(), 0);
   for (std::size_t f = 0; f < triangles.size(); f += 3)
@@ -202,7 +202,7 @@ FittedTree make_fitted_tree(std::span<const float> positions, std::span<const in
   return out;
 }
 
-void fit_boxes(const FittedTree& tree, std::span<const float> positions,
+void fit_boxes(const RefittedBvh& tree, std::span<const float> positions,
                std::vector<float>& boxes) {
   boxes.resize(kTreeBox * tree.children.size());
   if (tree.children.empty()) return;
@@ -232,21 +232,21 @@ void fit_boxes(const FittedTree& tree, std::span<const float> positions,
     if (upper[part]) fit_node(tree, positions, begins[part], boxes);
 }
 
-float back_seen(const FittedTree& tree, std::span<const float> boxes,
+float back_seen(const RefittedBvh& tree, std::span<const float> boxes,
                 std::span<const float> positions, Float4 from, Float4 direction, float near,
                 float far) {
   const Sight sight = seen(tree, boxes, positions, make_ray(from, direction, near), far);
   return sight.behind ? sight.distance : 0;
 }
 
-float front_seen(const FittedTree& tree, std::span<const float> boxes,
+float front_seen(const RefittedBvh& tree, std::span<const float> boxes,
                  std::span<const float> positions, Float4 from, Float4 direction, float near,
                  float far) {
   const Sight sight = seen(tree, boxes, positions, make_ray(from, direction, near), far);
   return sight.behind ? 0 : sight.distance;
 }
 
-float next_back(const FittedTree& tree, std::span<const float> boxes,
+float next_back(const RefittedBvh& tree, std::span<const float> boxes,
                 std::span<const float> positions, Float4 from, Float4 direction, float own,
                 float far) {
   Ray ray = make_ray(from, direction, 0);
@@ -254,4 +254,4 @@ float next_back(const FittedTree& tree, std::span<const float> boxes,
   return seen(tree, boxes, positions, ray, far).distance;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

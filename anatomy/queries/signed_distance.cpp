@@ -8,7 +8,7 @@
 #include <tuple>
 #include <utility>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr int kLeafSize = 4;
@@ -245,4 +245,4 @@ double SkinField::winding_number(const Vec3& p) const {
   return sum / (4 * std::numbers::pi);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

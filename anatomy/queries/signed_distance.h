@@ -11,7 +11,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct SkinPoint {
   double distance = 0;            // metres, negative inside
@@ -63,4 +63,4 @@ class SkinField {
   std::vector<Vec3> edge_normals_;  // 3 a triangle: opposite of corner 0, 1, 2
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

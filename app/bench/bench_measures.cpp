@@ -2,10 +2,11 @@
 
 #include <oneapi/tbb/global_control.h>
 
-#include "anatomy/files/package_archive.h"
+#include "anatomy/base_mesh/refined_skin.h"
 #include "anatomy/geometry/subdivide.h"
 #include "anatomy/muscles/action_line.h"
 #include "app/bench/bench_timer.h"
+#include "morph/shapes/shape_space_cache.h"
 #include "morph/shapes/solve_measures.h"
 #include "morph/tissue/interior_interpolation.h"
 
@@ -40,21 +41,22 @@ constexpr const char* kRegions[] = {"stature",
                                     "forearm_girth",
                                     "wrist_girth"};
 
-// Measures of a body a little apart from the mean, so that none of them is there from the start.
+// Targets a little away from the mean body, so that the solver does not start at a solution.
 template <class Names>
-std::vector<Wish> wishes_of(const TapeMeasure& tape, const ShapeSpace& space, const Names& names) {
+std::vector<MeasureTarget> targets_of(const TapeMeasure& tape, const ShapeSpace& space,
+                                      const Names& names) {
   Eigen::VectorXd z = Eigen::VectorXd::Zero(space.basis.cols());
   for (Eigen::Index i = 0; i < std::min<Eigen::Index>(12, z.size()); ++i)
     z[i] = i % 2 == 0 ? 0.7 : -0.5;
   const Points body = space_points(space, z);
-  std::vector<Wish> out;
+  std::vector<MeasureTarget> out;
   for (const char* name : names)
     out.push_back({tape.table().at(name), tape.take(tape.table().at(name), body)});
   return out;
 }
 
-// What is carried when a measure is edited: vertices of all bones, and the middle and two ends of
-// each slice.
+// Points that move with an edited skin: vertices of all bones, and centre and two ends of each
+// slice.
 Points inner_points(const Anatomy& anatomy) {
   const std::vector<Ellipse> slices = rest_slices(anatomy);
   Eigen::Index count = 3 * Eigen::Index(slices.size()), row = 0;
@@ -75,24 +77,25 @@ Points inner_points(const Anatomy& anatomy) {
 
 std::vector<TimedLine> bench_measures(const BodyPackage& package, const Character& character,
                                       int rounds) {
-  const TapeMeasure tape(package, read_measure_table(package, data_folder() / "body"));
+  const TapeMeasure tape(package, read_measure_table(package, package.tables / "body"));
   const ShapeSpace space = read_shape_space(package, tape, Sex::female);
   const Refinement refinement = refine_skin(package);
   const int waist = tape.table().at("waist_girth");
-  std::vector<Wish> eight = wishes_of(tape, space, kEight),
-                    regions = wishes_of(tape, space, kRegions);
+  std::vector<MeasureTarget> eight = targets_of(tape, space, kEight),
+                             regions = targets_of(tape, space, kRegions);
   const SolvedBody body = solve_measures(tape, space, eight),
                    body_24 = solve_measures(tape, space, regions);
   double change = 0.005;  // to and fro
-  const auto edited = [&](std::vector<Wish> wishes) {
+  const auto edited = [&](std::vector<MeasureTarget> targets) {
     change = -change;
-    for (Wish& wish : wishes)
-      if (wish.measure == waist) wish.value += change;
-    return wishes;
+    for (MeasureTarget& target : targets)
+      if (target.measure == waist) target.value += change;
+    return targets;
   };
   SolvedBody out;
   Points fine, moved;
-  const Carrier carrier = make_carrier(character.body.skin.V, inner_points(character.anatomy));
+  const SkinInterpolation carrier =
+      make_skin_interpolation(character.body.skin.V, inner_points(character.anatomy));
   const std::vector<BenchCase> cases{
       {"new", [&] { out = solve_measures(tape, space, eight); }},
       {"edit", [&] { out = solve_measures(tape, space, edited(eight), {}, &body.z); }},

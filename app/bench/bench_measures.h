@@ -1,11 +1,11 @@
-// Times of bodies from measures, for `ecorche bench`.
+// Times of solving bodies from measurements, for `ecorche bench`.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "anatomy/base_mesh/body_package.h"
-#include "skinning/files/character_io.h"
+#include "anatomy/character.h"
 
 namespace ecorche {
 

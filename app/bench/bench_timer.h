@@ -1,4 +1,4 @@
-// Times that can be compared: the smallest CPU time of interleaved repetitions, so that a busy
+// Comparable times: the least CPU time of interleaved repetitions, so that other load on the
 // machine changes ratios little.
 #pragma once
 
@@ -19,7 +19,7 @@ struct BenchCase {
 // they fill one.
 std::vector<double> least_cpu_times(std::span<const BenchCase> cases, int rounds);
 
-// The same by the clock, for what several threads share: other work on the machine counts.
+// The same in wall time, for multithreaded cases; includes other load on the machine.
 std::vector<double> least_clock_times(std::span<const BenchCase> cases, int rounds);
 
 }  // namespace ecorche

@@ -1,8 +1,12 @@
 #include "app/files/character_file.h"
 
+#include <CLI/CLI.hpp>
+
 #include <map>
+#include <optional>
 
 #include "anatomy/errors.h"
+#include "skinning/files/character_write.h"
 #include "skinning/files/light_character.h"
 
 namespace ecorche {
@@ -28,21 +32,21 @@ void write(const std::filesystem::path& file, const Character& character, const 
                           : write_character(file, character, binding, motion, look);
 }
 
-void write_with(const std::filesystem::path& file, const Actor& actor, Detail detail,
-                const BodyPackage* package, const Motion* motion) {
-  const auto look_of = [&](const Character& character) {
-    const Skeleton& skeleton = character.anatomy.skeleton;
-    return package ? find_look(*package, character.body.skin, skeleton)
-                   : find_look(character.body.skin, skeleton);
+void write_with(const Assets& assets, const std::filesystem::path& file, const Character& character,
+                const Binding& binding, Detail detail, const BodyPackage* package,
+                const Motion* motion) {
+  const auto look_of = [&](const Character& shown) {
+    const Skeleton& skeleton = shown.anatomy.skeleton;
+    return package ? find_look(*package, shown.body.skin, skeleton)
+                   : find_look(assets, shown.body.skin, skeleton);
   };
   const std::optional<BaseSkin> base =
-      detail == Detail::light ? find_base(actor.character.body.skin) : std::nullopt;
-  if (!base)
-    return write(file, actor.character, actor.binding, detail, motion, look_of(actor.character));
-  Character character = actor.character;
-  Binding binding = actor.binding;
-  make_coarse(*base, character, binding);
-  write(file, character, binding, detail, motion, look_of(character));
+      detail == Detail::light ? find_base(assets, character.body.skin) : std::nullopt;
+  if (!base) return write(file, character, binding, detail, motion, look_of(character));
+  Character coarse = character;
+  Binding coarse_binding = binding;
+  make_coarse(*base, coarse, coarse_binding);
+  write(file, coarse, coarse_binding, detail, motion, look_of(coarse));
 }
 
 }  // namespace
@@ -56,14 +60,16 @@ void add_detail_option(CLI::App& verb, Detail& detail) {
       ->default_str("full");
 }
 
-void write_character_file(const std::filesystem::path& file, const Actor& actor, Detail detail,
+void write_character_file(const Assets& assets, const std::filesystem::path& file,
+                          const Character& character, const Binding& binding, Detail detail,
                           const BodyPackage& package, const Motion* motion) {
-  write_with(file, actor, detail, &package, motion);
+  write_with(assets, file, character, binding, detail, &package, motion);
 }
 
-void write_character_file(const std::filesystem::path& file, const Actor& actor, Detail detail,
+void write_character_file(const Assets& assets, const std::filesystem::path& file,
+                          const Character& character, const Binding& binding, Detail detail,
                           const Motion* motion) {
-  write_with(file, actor, detail, nullptr, motion);
+  write_with(assets, file, character, binding, detail, nullptr, motion);
 }
 
 }  // namespace ecorche

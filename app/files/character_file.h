@@ -3,8 +3,16 @@
 
 #include <filesystem>
 
+#include "anatomy/base_mesh/base_skin.h"
 #include "anatomy/base_mesh/body_package.h"
-#include "skinning/character/character_model.h"
+#include "anatomy/character.h"
+#include "anatomy/files/assets.h"
+#include "anatomy/skeleton.h"
+#include "skinning/binding.h"
+
+namespace CLI {
+class App;
+}
 
 namespace ecorche {
 
@@ -19,11 +27,13 @@ void add_detail_option(CLI::App& verb, Detail& detail);
 // With texture and eyes, where the skin is the body package's; with a motion where there is one. A
 // light file has the base mesh's skin even where the character's is the fine one. Throws
 // OutputError.
-void write_character_file(const std::filesystem::path& file, const Actor& actor, Detail detail,
+void write_character_file(const Assets& assets, const std::filesystem::path& file,
+                          const Character& character, const Binding& binding, Detail detail,
                           const BodyPackage& package, const Motion* motion = nullptr);
 
 // The same with the package that is installed; without texture and eyes where there is none.
-void write_character_file(const std::filesystem::path& file, const Actor& actor, Detail detail,
+void write_character_file(const Assets& assets, const std::filesystem::path& file,
+                          const Character& character, const Binding& binding, Detail detail,
                           const Motion* motion = nullptr);
 
 }  // namespace ecorche

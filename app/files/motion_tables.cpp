@@ -3,23 +3,22 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "anatomy/errors.h"
-#include "anatomy/files/package_archive.h"
 #include "anatomy/model_files/coordinates.h"
 #include "anatomy/muscles/belly_length.h"
 #include "app/files/skin_markers.h"
+#include "skinning/motion/activation.h"
 
 namespace ecorche {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kArmStep = 0.2 / kDegrees;  // to either side, for moment arms
-constexpr double kLeastArm = 1e-4;           // m; strips that never have one do not cross the joint
+constexpr double kArmStep = 0.2 / kDegreesPerRadian;  // to either side, for moment arms
+constexpr double kLeastArm = 1e-4;  // m; strips that never have one do not cross the joint
 const std::string kArms = "moment-arms:";
 
 using Rows = std::vector<std::vector<double>>;
@@ -125,13 +124,13 @@ TableRequest table_request(const std::filesystem::path& output) {
   return {output.extension() == ".mot" ? "angles" : "markers", output};
 }
 
-MotionTables::MotionTables(std::vector<TableRequest> requests, const Actor& actor,
-                           const Motion& motion, const Activations& activations)
+MotionTables::MotionTables(const Assets& assets, std::vector<TableRequest> requests,
+                           const Actor& actor, const Motion& motion, const Activations& activations)
     : requests_(std::move(requests)), actor_(actor), motion_(motion), activations_(activations) {
   const auto coordinates = model_coordinates(actor.character.anatomy.skeleton);
   for (const TableRequest& request : requests_) {
     if (request.what == "markers" && marker_vertices_.empty()) {
-      for (const SkinMarker& marker : skin_markers(actor.character.body.skin)) {
+      for (const SkinMarker& marker : skin_markers(assets, actor.character.body.skin)) {
         markers_.names.push_back(marker.name);
         marker_vertices_.push_back(marker.vertex);
       }
@@ -149,7 +148,7 @@ MotionTables::MotionTables(std::vector<TableRequest> requests, const Actor& acto
   }
 }
 
-void MotionTables::add(const ActorFrame& frame) {
+void MotionTables::add(const CharacterState& frame) {
   if (marker_vertices_.empty()) return;
   Points& places = markers_.frames.emplace_back(marker_vertices_.size(), 3);
   for (std::size_t i = 0; i < marker_vertices_.size(); ++i)
@@ -179,7 +178,7 @@ MotionTable MotionTables::table_of(const std::string& what) const {
     out.rows = rates(out.rows, motion_.fps);
     return out;
   }
-  const std::vector<BellyShare> shares = belly_shares(anatomy);
+  const std::vector<BellyRestLength> shares = belly_rest_lengths(anatomy);
   const std::vector<std::size_t> muscles = strip_muscles(anatomy);
   std::vector<double> efforts;
   for (std::size_t f = 0; f < out.rows.size(); ++f) {
@@ -214,11 +213,12 @@ MotionTable MotionTables::angles() const {
     root = root_angles(pose.rotations[0], root);
     const Vec3 moved = pose.root - rest;
     std::vector<double>& row = out.rows.emplace_back();
-    for (const double angle : root) row.push_back(kDegrees * angle);
+    for (const double angle : root) row.push_back(kDegreesPerRadian * angle);
     row.insert(row.end(), {moved.z(), moved.y(), -moved.x()});
     for (std::size_t j = 1; j < last.size(); ++j)
       last[j] = turn_angles(skeleton.joints[j], pose.rotations[j], last[j]);
-    for (const Coordinate& one : coordinates) row.push_back(kDegrees * last[one.joint][one.axis]);
+    for (const Coordinate& one : coordinates)
+      row.push_back(kDegreesPerRadian * last[one.joint][one.axis]);
   }
   return out;
 }

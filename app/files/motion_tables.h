@@ -6,8 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "skinning/character/character_model.h"
+#include "anatomy/files/assets.h"
+#include "app/files/actor.h"
+#include "skinning/motion/activation.h"
 #include "skinning/motion_files/motion_table.h"
+
+namespace CLI {
+class App;
+}
 
 namespace ecorche {
 
@@ -32,10 +38,10 @@ class MotionTables {
  public:
   // Throws UsageError for a coordinate that the skeleton has not, UnfitError for markers on a skin
   // without landmarks.
-  MotionTables(std::vector<TableRequest> requests, const Actor& actor, const Motion& motion,
-               const Activations& activations);
+  MotionTables(const Assets& assets, std::vector<TableRequest> requests, const Actor& actor,
+               const Motion& motion, const Activations& activations);
 
-  void add(const ActorFrame& frame);
+  void add(const CharacterState& frame);
   // Works out what is not read off the frames, and writes all files. Throws OutputError.
   void write();
 

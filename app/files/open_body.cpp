@@ -1,18 +1,22 @@
 #include "app/files/open_body.h"
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
+#include "anatomy/base_mesh/base_skin.h"
 #include "anatomy/base_mesh/skin_import.h"
 #include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
 #include "app/options/option_values.h"
-#include "skinning/character/character_model.h"
-#include "skinning/files/character_io.h"
+#include "skinning/crowd/crowd_read.h"
+#include "skinning/files/character_read.h"
 
 namespace ecorche {
 
 Body open_body(const std::filesystem::path& file, const BodyPackage& package, const Common& common,
                Report& report, const std::string& unit) {
+  if (const std::optional<CrowdAddress> one = crowd_address(file))
+    return read_crowd_person(open_crowd(one->file), one->person).body;
   if (has_body_notes(file)) return read_body(file);
   BareSkin bare = read_bare_skin(file, package, unit.empty() ? std::nullopt : metres_in(unit));
   for (const std::string& text : bare.notes) {
@@ -29,7 +33,7 @@ Body open_base_body(const std::filesystem::path& file, const BodyPackage& packag
                     const Common& common, Report& report, const std::string& unit) {
   Body body = open_body(file, package, common, report, unit);
   if (body.skin.V.rows() == package.skin_size) return body;
-  std::optional<BaseSkin> base = find_base(body.skin);
+  std::optional<BaseSkin> base = find_base(common.assets, body.skin);
   if (!base)
     throw UnfitError(
         fmt::format("{}: {} skin vertices, but measures are tied to the base mesh's {}; "

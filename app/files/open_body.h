@@ -1,14 +1,17 @@
 // Bodies as command lines name them: ours, or skins from elsewhere on the base mesh.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 
 #include "anatomy/anatomy.h"
 #include "anatomy/base_mesh/body_package.h"
+#include "app/common_options.h"
 #include "app/report.h"
-#include "app/verb.h"
+
+namespace CLI {
+class App;
+}
 
 namespace ecorche {
 

@@ -4,25 +4,27 @@
 
 #include "anatomy/bones/own_joints.h"
 #include "anatomy/files/input_file.h"
-#include "anatomy/files/package_archive.h"
-#include "morph/fit/fit_character.h"
+#include "app/files/fitted_actor.h"
+#include "morph/template/template_cache.h"
 #include "skinning/crowd/crowd_read.h"
+#include "skinning/files/character_read.h"
 
 namespace ecorche {
 
 Character open_character(const std::filesystem::path& file, const Common& common, Report& report) {
-  if (!crowd_address(file)) {
+  const std::optional<CrowdAddress> one = crowd_address(file);
+  if (!one) {
     Character character = read_character(file);
-    require_own_joints(character.anatomy.skeleton, printable(file.string()));
+    require_own_joints(common.assets.tables, character.anatomy.skeleton, printable(file.string()));
     return character;
   }
   note(common,
        fmt::format("{}: fitting bones and muscles; `ecorche fit '{}' -o FILE.glb` keeps them",
                    file.string(), file.string()));
-  const BodyPackage package = read_body_package(find_packages());
-  return fit_character(read_template(), read_body(file), package,
-                       {.moves = false, .bound = false, .tissues = false}, report)
-      .actor.character;
+  const BodyPackage package = read_body_package(common.assets);
+  const CrowdPerson person = read_crowd_person(open_crowd(one->file), one->person);
+  return fit_unbound(read_template(common.assets), person.body, package, {.tissues = false},
+                     report);
 }
 
 }  // namespace ecorche

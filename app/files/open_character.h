@@ -3,15 +3,15 @@
 
 #include <filesystem>
 
+#include "anatomy/character.h"
+#include "app/common_options.h"
 #include "app/report.h"
-#include "app/verb.h"
-#include "skinning/files/character_io.h"
 
 namespace ecorche {
 
 // A character's file; or "crowd.glb#ada", a person of a crowd, whose bones and muscles are fitted
-// into the crowd's skin, as `fit` does it. Throws as read_character, read_body and fit_character;
-// InputError for a crowd without a name, which names its people.
+// into the crowd's skin, as `fit` does it. Throws as read_character, read_crowd_person and
+// fit_unbound; InputError for a crowd without a name, which names its people.
 Character open_character(const std::filesystem::path& file, const Common& common, Report& report);
 
 }  // namespace ecorche

@@ -2,15 +2,15 @@
 
 #include <fmt/format.h>
 
+#include "anatomy/base_mesh/base_skin.h"
 #include "anatomy/errors.h"
 #include "morph/measures/measure_table.h"
-#include "skinning/character/character_model.h"
 
 namespace ecorche {
 
-std::vector<SkinMarker> skin_markers(const TriMesh& skin) {
-  const BodyPackage package = read_body_package(find_packages());
-  const std::optional<BaseSkin> base = find_base(skin);
+std::vector<SkinMarker> skin_markers(const Assets& assets, const TriMesh& skin) {
+  const BodyPackage package = read_body_package(assets);
+  const std::optional<BaseSkin> base = find_base(assets, skin);
   if (!base && (skin.V.rows() != package.skin_size || skin.F.rows() != package.triangles.rows() ||
                 skin.F != package.triangles))
     throw UnfitError(
@@ -22,7 +22,7 @@ std::vector<SkinMarker> skin_markers(const TriMesh& skin) {
     out.push_back({name, base ? base->refinement.base_rows[vertex] : vertex});
   };
   for (const SkinLandmark& landmark :
-       read_measure_table(package, data_folder() / "body").landmarks) {
+       read_measure_table(package, package.tables / "body").landmarks) {
     const int other = package.mirror[landmark.vertex];
     if (other == landmark.vertex) {
       add(landmark.id, landmark.vertex);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "anatomy/files/assets.h"
 #include "anatomy/types.h"
 
 namespace ecorche {
@@ -16,6 +17,6 @@ struct SkinMarker {
 
 // Throws UnfitError for a skin that is not the body package's base mesh or its fine one, InputError
 // without the package.
-std::vector<SkinMarker> skin_markers(const TriMesh& skin);
+std::vector<SkinMarker> skin_markers(const Assets& assets, const TriMesh& skin);
 
 }  // namespace ecorche

@@ -2,14 +2,18 @@
 
 #include <fmt/format.h>
 
+#include "anatomy/character.h"
 #include "anatomy/errors.h"
-#include "skinning/files/character_io.h"
+#include "morph/template/template_cache.h"
+#include "skinning/crowd/crowd_read.h"
+#include "skinning/files/character_read.h"
 
 namespace ecorche {
 
-Template open_template(const std::filesystem::path& file) {
-  Template built_in = read_template();
+Template open_template(const Assets& assets, const std::filesystem::path& file) {
+  Template built_in = read_template(assets);
   if (file.empty()) return built_in;
+  refuse_crowd(file);
   Character character = read_character(file);
   const auto &own = character.anatomy.skeleton.joints, &known = built_in.anatomy.skeleton.joints;
   for (size_t j = 0; j < std::max(own.size(), known.size()); ++j) {
@@ -26,14 +30,10 @@ Template open_template(const std::filesystem::path& file) {
                       "instead of a template?",
                       file.string(), own[j].name));
   }
-  auto tables = std::make_shared<FitTables>(*built_in.tables);
-  tables->muscles = character.anatomy.muscles;  // fitting grows them to the skin
-  tables->own = std::make_shared<const Anatomy>(std::move(built_in.anatomy));
-  Template out;
-  out.anatomy = std::move(character.anatomy);
-  out.anatomy.skeleton = tables->own->skeleton;  // the file has it in single precision
-  out.body = std::move(built_in.body);
-  out.tables = std::move(tables);
+  Template out{std::move(character.anatomy), std::move(built_in.body), std::move(built_in.tables)};
+  out.anatomy.skeleton = built_in.anatomy.skeleton;  // the file has it in single precision
+  out.tables.muscles = out.anatomy.muscles;          // fitting grows them to the skin
+  out.tables.built_in = std::move(built_in.anatomy);
   return out;
 }
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "anatomy/files/assets.h"
 #include "morph/template/template.h"
 
 namespace ecorche {
@@ -11,6 +12,6 @@ namespace ecorche {
 // and muscles on the built-in skeleton, with the built-in tables for fitting. Throws InputError (no
 // character), UnfitError (another skeleton than the built-in one, so that fitting does not know its
 // joints).
-Template open_template(const std::filesystem::path& file);
+Template open_template(const Assets& assets, const std::filesystem::path& file);
 
 }  // namespace ecorche

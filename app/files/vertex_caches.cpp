@@ -1,6 +1,7 @@
 #include "app/files/vertex_caches.h"
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <map>
@@ -44,19 +45,21 @@ fs::path sequence_materials(const fs::path& pattern) {
   return pattern.parent_path() / "materials.mtl";
 }
 
-LayerMesh make_layer(const std::string& name, const Actor& actor, const SkinTexture& texture) {
+LayerMesh make_layer(const Assets& assets, const std::string& name, const Actor& actor,
+                     const SkinTexture& texture) {
   const Anatomy& anatomy = actor.character.anatomy;
   return name == "skin"    ? skin_layer(actor.character.body.skin, texture)
-         : name == "bones" ? bone_layer(anatomy)
+         : name == "bones" ? bone_layer(anatomy, read_cartilage_rules(assets.tables))
                            : muscle_layer(anatomy);
 }
 
 // The skin's vertex of each vertex that the .glb's skin has.
-std::vector<int> glb_rows(const Actor& actor, Detail detail) {
+std::vector<int> glb_rows(const Assets& assets, const Actor& actor, Detail detail) {
   const TriMesh& skin = actor.character.body.skin;
-  const std::optional<BaseSkin> base = detail == Detail::light ? find_base(skin) : std::nullopt;
+  const std::optional<BaseSkin> base =
+      detail == Detail::light ? find_base(assets, skin) : std::nullopt;
   std::vector<int> rows =
-      find_look(base ? base->mesh : skin, actor.character.anatomy.skeleton).texture.vertex;
+      find_look(assets, base ? base->mesh : skin, actor.character.anatomy.skeleton).texture.vertex;
   if (rows.empty())
     throw UnfitError(
         "--cache-for glb: the skin is not the body package's, so that its .glb has the skin's own "
@@ -115,16 +118,17 @@ std::vector<fs::path> cache_files(const fs::path& output, const CacheOptions& op
   return out;
 }
 
-VertexCaches::VertexCaches(const std::vector<fs::path>& outputs, const Actor& actor,
-                           const Motion& motion, const CacheOptions& options) {
+VertexCaches::VertexCaches(const Assets& assets, const std::vector<fs::path>& outputs,
+                           const Actor& actor, const Motion& motion, const CacheOptions& options) {
   if (outputs.empty()) return;
   const std::vector<std::string> names = layer_names(options.layers);
-  if (options.mesh == CacheMesh::glb) rows_ = glb_rows(actor, options.detail);
+  if (options.mesh == CacheMesh::glb) rows_ = glb_rows(assets, actor, options.detail);
   SkinTexture texture;
   if (std::find(names.begin(), names.end(), "skin") != names.end())
-    texture = find_look(actor.character.body.skin, actor.character.anatomy.skeleton).texture;
-  if (names.empty()) layers_.push_back(make_layer("skin", actor, {}));
-  for (const std::string& name : names) layers_.push_back(make_layer(name, actor, texture));
+    texture =
+        find_look(assets, actor.character.body.skin, actor.character.anatomy.skeleton).texture;
+  if (names.empty()) layers_.push_back(make_layer(assets, "skin", actor, {}));
+  for (const std::string& name : names) layers_.push_back(make_layer(assets, name, actor, texture));
   posed_.resize(layers_.size());
   for (const fs::path& file : outputs) {
     if (file.extension() == ".obj" && !names.empty()) {
@@ -177,7 +181,7 @@ void VertexCaches::open_layers(const fs::path& pattern) {
                     [writer](std::span<const float> p) { writer->add_frame(p, 3); }, [] {}});
 }
 
-void VertexCaches::add(const ActorFrame& frame) {
+void VertexCaches::add(const CharacterState& frame) {
   for (std::size_t i = 0; i < layers_.size(); ++i)
     pose_layer(layers_[i], frame.posed, frame.skin, posed_[i]);
   for (const Sink& sink : sinks_) {

@@ -2,14 +2,21 @@
 // layers.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "anatomy/files/assets.h"
+#include "app/files/actor.h"
 #include "app/files/character_file.h"
-#include "skinning/character/character_model.h"
 #include "skinning/files/layer_mesh.h"
+
+namespace CLI {
+class App;
+}
 
 namespace ecorche {
 
@@ -40,10 +47,10 @@ class VertexCaches {
  public:
   // Throws UsageError, OutputError; UnfitError for CacheMesh::glb on a skin whose .glb has no
   // texture to split it.
-  VertexCaches(const std::vector<std::filesystem::path>& outputs, const Actor& actor,
-               const Motion& motion, const CacheOptions& options);
+  VertexCaches(const Assets& assets, const std::vector<std::filesystem::path>& outputs,
+               const Actor& actor, const Motion& motion, const CacheOptions& options);
 
-  void add(const ActorFrame& frame);
+  void add(const CharacterState& frame);
   void finish();
 
  private:

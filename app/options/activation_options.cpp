@@ -1,37 +1,47 @@
 #include "app/options/activation_options.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "anatomy/authoring/muscle_table.h"
-#include "anatomy/files/package_archive.h"
 #include "skinning/dynamics/static_optimization.h"
+#include "skinning/motion/activation_read.h"
 
 namespace ecorche {
 namespace {
 
-MuscleAliases other_names() {
+MuscleAliases other_names(const Assets& assets) {
   MuscleAliases aliases;
-  for (const TableMuscle& muscle : read_muscle_table(data_folder()).muscles)
+  for (const TableMuscle& muscle : read_muscle_table(assets.tables).muscles)
     for (const std::string& theirs : muscle.compare) aliases.emplace_back(theirs, muscle.name);
   return aliases;
 }
 
 }  // namespace
 
-Activations open_activations(const std::string& source, const Actor& actor, const Motion& motion,
-                             Report& report) {
+void add_activation_option(CLI::App& verb, std::string& source) {
+  verb.add_option("--activation", source,
+                  "How hard muscles work: none; auto (read off the motion); or a table: CSV with "
+                  "columns time,muscle,value or time and a column a muscle, "
+                  "or an OpenSim .sto/.mot")
+      ->capture_default_str();
+}
+
+Activations open_activations(const Assets& assets, const std::string& source,
+                             const CharacterModel& model, const Motion& motion, Report& report) {
   if (source == "none") return {};
-  const Anatomy& anatomy = actor.character.anatomy;
+  const Anatomy& anatomy = model.character.anatomy;
   Activations activations;
   if (source == "auto") {
     const StageTimer timer(report, "activation");
     AutoActivationReport found;
-    activations = auto_activations(actor.table, anatomy, actor.character.body, motion, found);
+    activations =
+        auto_activations(model.muscles.posing, anatomy, model.character.body, motion, found);
     report.set("activation.samples", found.samples);
     report.set("activation.reserve_share", found.reserve_share);
     report.set("activation.ground_force_peak", found.ground_force_peak);
   } else {
-    activations = read_activations(source, anatomy, other_names());
+    activations = read_activations(source, anatomy, other_names(assets));
   }
   std::vector<char> driven(anatomy.muscles.size(), 0);
   double largest = 0;

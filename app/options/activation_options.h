@@ -1,22 +1,26 @@
-// How hard the muscles work, as told on the command line.
+// Muscle activations, as given on the command line.
 #pragma once
 
 #include <string>
 
+#include "anatomy/files/assets.h"
+#include "app/report.h"
 #include "skinning/character/character_model.h"
 #include "skinning/motion/activation.h"
 
+namespace CLI {
+class App;
+}
+
 namespace ecorche {
 
-inline constexpr const char* kActivationHelp =
-    "How hard muscles work: none; auto (read off the motion); or a table: CSV with columns "
-    "time,muscle,value or time and a column a muscle, "
-    "or an OpenSim .sto/.mot";
+// --activation: for open_activations().
+void add_activation_option(CLI::App& verb, std::string& source);
 
-// "none": nothing. "auto": auto_activations of the motion. Anything else: a file, see
-// read_activations; other people's names are those that the muscle table compares its muscles with.
-// What was found goes to the report under `activation`. Throws InputError.
-Activations open_activations(const std::string& source, const Actor& actor, const Motion& motion,
-                             Report& report);
+// "none": no activations. "auto": auto_activations of the motion. Otherwise a file
+// (read_activations), whose muscles may have the names that the muscle table lists for
+// comparison. Figures go to the report under `activation`. Throws InputError.
+Activations open_activations(const Assets& assets, const std::string& source,
+                             const CharacterModel& model, const Motion& motion, Report& report);
 
 }  // namespace ecorche

@@ -1,7 +1,10 @@
 #include "app/options/motion_options.h"
 
+#include <CLI/CLI.hpp>
+
 #include "anatomy/errors.h"
 #include "app/options/option_values.h"
+#include "skinning/retarget/joint_map_file.h"
 
 namespace ecorche {
 
@@ -59,13 +62,13 @@ RetargetOptions to_retarget_options(const MotionOptions& options) {
   if (!options.map_file.empty()) out.joint_map = read_joint_map(options.map_file);
   if (!options.up.empty()) out.up = options.up[0];
   if (options.limits != "auto") out.clamp_limits = options.limits == "clamp";
-  out.keep_apart = !options.through;
+  out.avoid_self_collision = !options.through;
   if (options.free_feet || options.plant_feet) out.plant_feet = options.plant_feet;
   return out;
 }
 
-BvhReadOptions to_read_options(const MotionOptions& options) {
-  BvhReadOptions out;
+MotionReadOptions to_read_options(const MotionOptions& options) {
+  MotionReadOptions out;
   if (options.fps > 0) out.fps = options.fps;
   return out;
 }

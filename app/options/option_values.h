@@ -1,11 +1,16 @@
 // Values of options: numbers that are finite and in range, lengths with units, names out of a list.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
 #include "anatomy/files/quantity.h"
+
+namespace CLI {
+class App;
+class Option;
+class Validator;
+}  // namespace CLI
 
 namespace ecorche {
 
@@ -13,7 +18,7 @@ namespace ecorche {
 // CLI::Range lets pass.
 CLI::Validator between(double low, double high);
 
-// One of the names; another one is refused with the most similar ones.
+// One of the names; the message about another one suggests the most similar names.
 CLI::Validator one_of(std::vector<std::string> names);
 
 // --name LENGTH with a unit (anatomy/files/quantity.h). `metres` is set; `usual` as in

@@ -1,4 +1,4 @@
-// WIDTHxHEIGHT, as options of several verbs give it.
+// Sizes of pictures as text, WIDTHxHEIGHT.
 #pragma once
 
 #include <cstdio>
@@ -6,7 +6,7 @@
 
 namespace ecorche {
 
-// In pixels. False where the text is no such size.
+// Sets width and height, pixels. False if the text is no such size.
 inline bool read_picture_size(const std::string& text, int& width, int& height) {
   char trailing = 0;
   return std::sscanf(text.c_str(), "%dx%d%c", &width, &height, &trailing) == 2;

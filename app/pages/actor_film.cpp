@@ -20,14 +20,14 @@ constexpr double kRampSeconds = 0.15;  // from full speed to slow motion, of the
 constexpr float kLane = 1.5f;          // m between figures side by side
 constexpr float kLowestSide = 240;     // pixels; smaller pictures have no room for words
 
-// How much of full slow motion there is at a moment of the motion.
+// Share of full slow motion at a moment of the motion, 0 .. 1.
 double slow_share(const ActorFilm& film, double seconds) {
   if (!film.slow) return 0;
   return smooth_step((seconds - film.slow->begin) / kRampSeconds + 1) *
          smooth_step((film.slow->end - seconds) / kRampSeconds + 1);
 }
 
-// The moments of the motion that the film's frames show.
+// Moments of the motion at the film's frames.
 std::vector<double> shown_moments(const Motion& motion, const ActorFilm& film) {
   if (film.frames) return moments_of(*film.frames, motion);
   const Span span = span_within(film.from, film.to, motion);
@@ -42,7 +42,7 @@ std::vector<double> shown_moments(const Motion& motion, const ActorFilm& film) {
   return moments;
 }
 
-// Skin before the dissolve, écorché after it; nothing that is hidden is drawn.
+// Looks for the skin before the dissolve and the écorché after it; hidden layers are left out.
 void dissolve(const Span& when, double seconds, Look& look) {
   const Look bare = look;
   look.skin = 1;
@@ -111,9 +111,9 @@ FilmReport film_actor(const Actor& actor, const Motion& motion, const ActorFilm&
   const Appearance whole = appearance_of(film);
   const float aspect = float(film.width) / float(film.height);
   const auto cameras =
-      film_cameras(actor, motion, moments, whole.looks, film.view, film.fps, aspect);
+      film_cameras(common.assets, actor, motion, moments, whole.looks, film.view, film.fps, aspect);
   SceneOptions scene_options;
-  scene_options.eyes = find_eyes(body.skin, actor.character.anatomy.skeleton);
+  scene_options.eyes = find_eyes(common.assets, body.skin, actor.character.anatomy.skeleton);
   const SceneModel model = make_scene_model(actor.character.anatomy, body.skin, scene_options);
 
   FilmOptions options;
@@ -125,21 +125,20 @@ FilmReport film_actor(const Actor& actor, const Motion& motion, const ActorFilm&
   if (film.frames)
     options.first_number = film.frames->first, options.number_step = film.frames->step;
   options.finish = [&](int f, Image& picture) { write_words(film, moments[f], picture); };
-  ActorFrame frame;
+  ActorState frame(actor);
   std::vector<float> activity;
   std::vector<double> efforts;
   Appearance appearance;
-  const FleshTables flesh =
-      film.dynamics ? make_flesh_tables(actor.binding, actor.character.anatomy) : FleshTables{};
-  FleshState state;
+  const SoftTissueTables flesh = film.dynamics ? make_soft_tissue(actor) : SoftTissueTables{};
+  SoftTissueState state;
   Pose pose;
   const FrameSource source = [&](int f, Scene& scene) {
     activation_at(film.activations, moments[f], efforts);
     if (!flesh.vertices.empty())
-      seek_flesh(flesh, actor.character.anatomy.skeleton, motion, film.activations, moments[f],
-                 state);
+      seek_soft_tissue(flesh, actor.character.anatomy.skeleton, motion, film.activations,
+                       moments[f], state);
     pose_at(motion, moments[f], pose);
-    play(actor, pose, frame, efforts, state.seen);
+    evaluate(actor, pose, {efforts, state.offsets}, frame);
     muscle_shortening(model, frame.posed, activity);
     scene.list.camera = cameras[f];
     light(film, scene.list);

@@ -6,10 +6,11 @@
 #include <optional>
 #include <vector>
 
+#include "app/common_options.h"
+#include "app/files/actor.h"
 #include "app/pages/film_camera.h"
 #include "app/pages/film_range.h"
-#include "app/verb.h"
-#include "skinning/character/character_model.h"
+#include "skinning/motion/activation.h"
 #include "viewer/film/film.h"
 
 namespace ecorche {
@@ -19,13 +20,13 @@ struct ActorFilm {
   int width = 1280, height = 720;
   double fps = 30;
   std::optional<double> from, to;  // s of the motion; its beginning and end when left out
-  // these frames of the motion instead, one a picture; pictures are numbered as they are
+  // frames of the motion in place of from, to and fps: one a picture, which has its number
   std::optional<FrameRange> frames;
   std::vector<std::uint32_t> hidden;  // parts that are left away, rising
   bool skin = true, muscles = true, bones = true;
   // the skin, and the écorché beside it; otherwise one figure with the layers above
   bool beside = false;
-  // the écorché's skin is whole before, and goes patch by patch from the feet meanwhile
+  // span in which the skin over the écorché dissolves, patch by patch from the feet
   std::optional<Span> dissolve;
   std::optional<Span> slow;  // goes by more slowly
   double slowness = 2.5;     // by this factor

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "app/files/actor.h"
 #include "app/pages/html_page.h"
 #include "viewer/camera.h"
 #include "viewer/gl/renderer.h"
@@ -13,9 +14,7 @@
 
 namespace ecorche {
 namespace {
-
-constexpr double kDegrees = 57.29577951308232;
-// share of a muscle's volume that is drawn in the strongest colour
+// overlap, as a share of a muscle's volume, that has the strongest colour
 constexpr double kFullColor = 0.10;
 constexpr int kWorst = 20;
 
@@ -30,10 +29,10 @@ std::string pose_name(const AnatomyCheck& check, int pose) {
 std::string jump_place(const MuscleCheck& muscle, const Anatomy& anatomy) {
   if (muscle.jump_joint < 0) return "";
   return fmt::format("{} {} {:.0f} deg", anatomy.skeleton.joints[muscle.jump_joint].name,
-                     axis_name(muscle.jump_axis), kDegrees * muscle.jump_angle);
+                     axis_name(muscle.jump_axis), kDegreesPerRadian * muscle.jump_angle);
 }
 
-// Muscles with the largest figure first; those without one are left away.
+// Muscles in descending order of the figure, without those that have none.
 template <typename Figure>
 std::vector<int> worst_muscles(const AnatomyCheck& check, Figure figure) {
   std::vector<int> order(check.muscles.size());
@@ -66,7 +65,7 @@ class Photographer {
   std::vector<std::uint8_t> take(const Pose& pose, std::span<const float> faults, float skin,
                                  const std::string& view) {
     constexpr int kWidth = 480, kHeight = 640;
-    play(actor_, pose, frame_);
+    evaluate(actor_, pose, {}, frame_);
     Appearance appearance;
     appearance.muscle_colors = MuscleColors::shortening;
     appearance.looks[0].skin = skin;
@@ -89,7 +88,7 @@ class Photographer {
   Renderer renderer_;
   SceneModel model_;
   Scene scene_;
-  ActorFrame frame_;
+  ActorState frame_{actor_};
   std::uint64_t revision_ = 0;
 };
 

@@ -1,10 +1,13 @@
-// What a check found, for people: a table on the screen, a CSV by muscle, a page with pictures.
+// Results of a check: a table for the terminal, a CSV file by muscle, a page with pictures.
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "app/files/actor.h"
 #include "skinning/checks/anatomy_check.h"
 #include "skinning/checks/bulges.h"
+#include "skinning/checks/check_targets.h"
 
 namespace ecorche {
 
@@ -15,8 +18,8 @@ struct CheckPageOptions {
   std::string title;
   bool pictures = true;
 };
-// Pictures: muscles coloured by what they share with others at rest, and the worst poses. Throws
-// OutputError where nothing can be drawn.
+// Pictures: muscles coloured by their overlap with others at rest, and the worst poses. Throws
+// OutputError if nothing can be drawn.
 std::string check_page(const AnatomyCheck& check, const std::vector<Target>& targets,
                        const Bulges& bulges, const Actor& actor,
                        const std::vector<LimitPose>& poses, const CheckPageOptions& options);

@@ -46,7 +46,7 @@ void add_timings(HtmlPage& page, const Report& report) {
                   report.number("skin_vertices"), report.number("threads")));
 }
 
-// A figure with what was asked of it; `most` is NaN where nothing was.
+// A figure and its target; `most` is NaN if it has none.
 struct Asked {
   const char *what, *name, *unit;
   double scale, most;

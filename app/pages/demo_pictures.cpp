@@ -5,9 +5,8 @@
 
 namespace ecorche {
 
-Picture picture_of_fit(const Template& body_template, const Body& body,
-                       const FittedCharacter& fitted, const BodyPackage& package,
-                       const std::string& caption) {
+Picture picture_of_fit(const Template& body_template, const Body& body, const FittedActor& fitted,
+                       const BodyPackage& package, const std::string& caption) {
   const Anatomy& anatomy = fitted.actor.character.anatomy;
   Look skin, bones_in_glass, all_in_glass, flayed;
   skin.muscles = skin.bones = 0;
@@ -29,7 +28,7 @@ Picture picture_of_fit(const Template& body_template, const Body& body,
           caption};
 }
 
-Picture picture_of_muscles(const FittedCharacter& fitted, const BodyPackage& package) {
+Picture picture_of_muscles(const FittedActor& fitted, const BodyPackage& package) {
   const Character& character = fitted.actor.character;
   Renderer renderer;
   return {encode_png(plate_of_muscles(

@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "anatomy/errors.h"
-#include "anatomy/files/package_archive.h"
 #include "morph/measures/measure_table.h"
 #include "skinning/motion/sample_motion.h"
 #include "viewer/camera.h"
@@ -23,8 +22,8 @@ constexpr float kMargin = 1.25f;     // of a part's ball
 constexpr float kFieldOfView = 0.35f;
 constexpr float kFree = 0.08f;  // of half the picture, at each edge
 
-// What a close-up looks at: points of its parts in every frame, and what the ball around them must
-// hold at least.
+// Target of a close-up: points of its parts in every frame, and the least radius of the ball
+// around them.
 struct Target {
   std::vector<int> bones, muscles, joints, vertices;
   float least = 0;  // m
@@ -36,13 +35,13 @@ bool is_named(const std::string& known, const std::string& asked) {
 
 // The base mesh's vertices of a landmark of data/body/landmarks.csv, on the side asked for, or on
 // both.
-std::vector<int> landmark_vertices(const Actor& actor, const std::string& name,
-                                   std::vector<std::string>& known) {
-  const BodyPackage package = read_body_package(find_packages());
+std::vector<int> landmark_vertices(const Assets& assets, const Actor& actor,
+                                   const std::string& name, std::vector<std::string>& known) {
+  const BodyPackage package = read_body_package(assets);
   if (actor.character.body.skin.V.rows() != package.skin_size) return {};
   std::vector<int> vertices;
   for (const SkinLandmark& landmark :
-       read_measure_table(package, data_folder() / "body").landmarks) {
+       read_measure_table(package, package.tables / "body").landmarks) {
     known.push_back(landmark.id);
     const int other = package.mirror[landmark.vertex];
     if (name == landmark.id || name == landmark.id + "_l") vertices.push_back(landmark.vertex);
@@ -52,7 +51,7 @@ std::vector<int> landmark_vertices(const Actor& actor, const std::string& name,
   return vertices;
 }
 
-Target find_target(const Actor& actor, const std::string& name) {
+Target find_target(const Assets& assets, const Actor& actor, const std::string& name) {
   const Anatomy& anatomy = actor.character.anatomy;
   Target target;
   const std::vector<std::uint32_t> parts = parts_named(anatomy, name);
@@ -70,7 +69,7 @@ Target find_target(const Actor& actor, const std::string& name) {
       if (part.kind == Part::Kind::muscle) target.muscles.push_back(part.index);
     }
   if (target.joints.empty() && target.bones.empty() && target.muscles.empty())
-    target.vertices = landmark_vertices(actor, name, known);
+    target.vertices = landmark_vertices(assets, actor, name, known);
   if (target.bones.empty() && target.muscles.empty()) target.least = kJointBall;
   if (!target.joints.empty() || !target.vertices.empty() || target.least == 0) return target;
   for (const std::uint32_t part : all_parts(anatomy)) known.push_back(part_name(anatomy, part));
@@ -81,11 +80,11 @@ Target find_target(const Actor& actor, const std::string& name) {
                   name, near.empty() ? "" : fmt::format(": did you mean '{}'?", near)));
 }
 
-// One frame's points of a target. `ranges`: of the anatomy's strips. The skin is needed for
-// landmarks alone.
+// Points of a target in one frame. `ranges`: of the anatomy's strips. Only landmarks need the
+// skin.
 void add_points(const Anatomy& anatomy, const std::vector<Vec3>& origins,
                 const std::vector<SliceRange>& ranges, const Target& target,
-                const ActorFrame& frame, std::vector<Vec3f>& out) {
+                const CharacterState& frame, std::vector<Vec3f>& out) {
   out.clear();
   for (const int j : target.joints) out.push_back(frame.posed.X_WJ[j].translation().cast<float>());
   for (const int b : target.bones) {
@@ -108,7 +107,7 @@ void add_points(const Anatomy& anatomy, const std::vector<Vec3>& origins,
   for (const int v : target.vertices) out.emplace_back(&frame.skin.positions[4 * v]);
 }
 
-// From the target to where the skin is nearest: what lies behind the body is looked at from behind.
+// View from the side on which the skin is nearest to the target: its back from behind.
 ViewAngles best_seen_from(const Points& skin, const std::vector<Vec3f>& points) {
   Vec3 outward = Vec3::Zero();
   constexpr std::size_t kLooked = 64;  // points
@@ -121,7 +120,7 @@ ViewAngles best_seen_from(const Points& skin, const std::vector<Vec3f>& points) 
   }
   constexpr float kSteepest = 0.45f;  // rad
   const double level = std::hypot(outward.x(), outward.z());
-  // Both sides of the body cancel out: what is left is before or behind.
+  // The two sides of the body cancel out, so that the view is from the front or from behind.
   if (level < 1e-3) return {};
   return {float(std::atan2(outward.x(), outward.z())),
           std::clamp(float(std::atan2(outward.y(), level)), -kSteepest, kSteepest)};
@@ -139,11 +138,11 @@ Tracked track(const Actor& actor, const Motion& motion, std::span<const double> 
   const std::vector<Vec3> origins = rest_positions(anatomy.skeleton);
   const std::vector<SliceRange> ranges = slice_ranges(anatomy);
   Tracked tracked;
-  ActorFrame frame;
+  ActorState frame(actor);
   std::vector<Vec3f> points;
   const auto look = [&](const Pose& pose) {
-    pose_anatomy(actor.table, anatomy.skeleton, pose, frame.posed);
-    if (!target.vertices.empty()) move_skin(actor, SkinMethod::anchors, frame);
+    pose_muscles(actor.muscles, anatomy.skeleton, pose, frame.posed, frame.contact);
+    if (!target.vertices.empty()) evaluate_posed_skin(actor, SkinMethod::anchors, frame);
     add_points(anatomy, origins, ranges, target, frame, points);
   };
   look(rest_pose(anatomy.skeleton));
@@ -160,21 +159,21 @@ Tracked track(const Actor& actor, const Motion& motion, std::span<const double> 
   return tracked;
 }
 
-// Some of the skin of every figure in every frame, and the ground beneath it: what the camera has
-// to keep in sight. The skin need not settle for that.
+// Points that the camera has to keep in view: a sample of the skin of every figure in every
+// frame, and the ground beneath. The skin is not settled for this.
 std::vector<std::vector<Vec3f>> figures_of(const Actor& actor, const Motion& motion,
                                            std::span<const double> moments,
                                            std::span<const Look> looks) {
   constexpr int stride = 29;
   std::vector<std::vector<Vec3f>> figures;
-  ActorFrame frame;
+  ActorState frame(actor);
   const SkinMethod method =
       actor.method == SkinMethod::ecorche ? SkinMethod::anchors : actor.method;
   Pose pose;
   for (const double at : moments) {
     pose_at(motion, at, pose);
-    pose_anatomy(actor.table, actor.character.anatomy.skeleton, pose, frame.posed);
-    move_skin(actor, method, frame);
+    pose_muscles(actor.muscles, actor.character.anatomy.skeleton, pose, frame.posed, frame.contact);
+    evaluate_posed_skin(actor, method, frame);
     std::vector<Vec3f>& points = figures.emplace_back();
     const Vec3f root = frame.posed.X_WJ.front().translation().cast<float>();
     for (const Look& look : looks) {
@@ -204,7 +203,7 @@ std::vector<Camera> whole_figure(const Actor& actor, const Motion& motion,
   const std::vector<std::vector<Vec3f>> figures = figures_of(actor, motion, moments, looks);
   std::vector<Camera> cameras = follow(figures, fps, side);
   if (follows) return cameras;
-  // From one distance, at which the figure fills the picture where it reaches farthest.
+  // One distance for all frames, at which the figure fills the picture in its widest frame.
   const ViewAngles angles = view_angles(view.camera);
   const Vec3f away = away_from(angles);
   float distance = 0;
@@ -223,15 +222,15 @@ std::vector<Camera> whole_figure(const Actor& actor, const Motion& motion,
   return cameras;
 }
 
-std::vector<Camera> close_ups(const Actor& actor, const Motion& motion,
+std::vector<Camera> close_ups(const Assets& assets, const Actor& actor, const Motion& motion,
                               std::span<const double> moments, const FilmView& view, float aspect) {
-  const Tracked tracked = track(actor, motion, moments, find_target(actor, view.look_at));
+  const Tracked tracked = track(actor, motion, moments, find_target(assets, actor, view.look_at));
   const ViewAngles angles = view.camera == "follow" ? tracked.angles : view_angles(view.camera);
   std::vector<Camera> cameras;
   for (const Vec3f& center : tracked.centers) {
     Camera& camera = cameras.emplace_back(orbit_camera(
         center, kMargin * tracked.radius, angles.azimuth, angles.elevation, kFieldOfView, aspect));
-    // What stands between is seen, and not cut open.
+    // The near plane is close to the eye, so that it does not cut parts in front of the target.
     camera.near_plane = 0.02f;
     camera.far_plane = 200;
   }
@@ -240,7 +239,7 @@ std::vector<Camera> close_ups(const Actor& actor, const Motion& motion,
 
 }  // namespace
 
-std::vector<Camera> film_cameras(const Actor& actor, const Motion& motion,
+std::vector<Camera> film_cameras(const Assets& assets, const Actor& actor, const Motion& motion,
                                  std::span<const double> moments, std::span<const Look> looks,
                                  const FilmView& view, double fps, float aspect) {
   if (!(view.zoom > 0) || !std::isfinite(view.zoom))
@@ -250,7 +249,7 @@ std::vector<Camera> film_cameras(const Actor& actor, const Motion& motion,
   if (view.camera != "follow") view_angles(view.camera);  // before what takes long
   std::vector<Camera> cameras = view.look_at.empty()
                                     ? whole_figure(actor, motion, moments, looks, view, fps, aspect)
-                                    : close_ups(actor, motion, moments, view, aspect);
+                                    : close_ups(assets, actor, motion, moments, view, aspect);
   for (Camera& camera : cameras) {
     camera.fov_y = 2 * std::atan(std::tan(0.5f * camera.fov_y) / float(view.zoom));
     if (!view.distance) continue;

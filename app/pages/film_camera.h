@@ -1,5 +1,5 @@
-// Where the eye of a film is in each of its frames: it follows the figure, stands in a named place
-// beside it, or looks at one part closely.
+// Cameras of a film's frames: following the figure, in a named view beside it, or close to one
+// part.
 #pragma once
 
 #include <optional>
@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "skinning/character/character_model.h"
+#include "anatomy/files/assets.h"
+#include "app/files/actor.h"
 #include "viewer/draw_list.h"
 #include "viewer/scene.h"
 
@@ -26,7 +27,7 @@ struct FilmView {
 // A camera a moment (s of the motion, `fps` of them a second in the film). `looks`: the figures
 // side by side. aspect: width / height. Throws UsageError for a view or a name that is not known
 // (the nearest is named) and for numbers that are not above 0.
-std::vector<Camera> film_cameras(const Actor& actor, const Motion& motion,
+std::vector<Camera> film_cameras(const Assets& assets, const Actor& actor, const Motion& motion,
                                  std::span<const double> moments, std::span<const Look> looks,
                                  const FilmView& view, double fps, float aspect);
 

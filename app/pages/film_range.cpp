@@ -9,8 +9,7 @@
 namespace ecorche {
 namespace {
 
-// The whole number at the front of `text`, which then begins behind it; none where there is none
-// above 0.
+// Takes a positive whole number off the front of `text`; nothing if there is none.
 std::optional<int> take_number(std::string_view& text) {
   int number = 0;
   const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), number);

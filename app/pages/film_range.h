@@ -1,4 +1,4 @@
-// Which moments of a motion a film shows.
+// Range of a motion that a film shows.
 #pragma once
 
 #include <optional>
@@ -29,8 +29,8 @@ FrameRange read_frame_range(const std::string& text, const std::string& where);
 // the motion has none of it.
 std::vector<double> moments_of(const FrameRange& range, const Motion& motion);
 
-// Where a film of the motion begins and ends. Throws UsageError for a span that is turned round or
-// lies outside the motion.
+// Begin and end of a film of the motion. Throws UsageError for a span that is reversed or outside
+// the motion.
 Span span_within(const std::optional<double>& from, const std::optional<double>& to,
                  const Motion& motion);
 

@@ -11,6 +11,19 @@
 namespace ecorche {
 namespace {
 
+// The page's style sheet; a rule that needs several lines here is one line of the page.
+constexpr const char* kStyle =
+    "body { font: 16px/1.5 Georgia, serif; max-width: 1100px; margin: 2em auto; padding: 0 1em; "
+    "color: #222; background: #faf8f4 }\n"
+    "h1, h2 { font-weight: normal } h2 { margin-top: 2em; border-bottom: 1px solid #ccc }\n"
+    "table { border-collapse: collapse; font: 14px/1.4 sans-serif; margin: 1em 0 } "
+    "th, td { text-align: left; padding: .25em .9em .25em 0; border-bottom: 1px solid #ddd }\n"
+    "figure { margin: 1.2em 0 } "
+    "img, svg { max-width: 100%; background: #fff; border: 1px solid #ddd } "
+    "figcaption { font: italic 14px Georgia, serif; color: #555 }\n"
+    "svg text { font: 11px sans-serif } .grid { stroke: #e4e4e4 } "
+    ".mark { stroke: #999; stroke-dasharray: 4 3 } .curve { fill: none; stroke-width: 1.6 }\n";
+
 std::string escape(std::string_view text) {
   std::string out;
   out.reserve(text.size());
@@ -64,7 +77,7 @@ struct Range {
   }
 };
 
-// 1, 2 or 5 times a power of ten, so that about `count` ticks fit.
+// Distance of ticks: 1, 2 or 5 times a power of ten, for about `count` ticks.
 double tick_step(const Range& range, int count) {
   const double raw = std::max(range.high - range.low, 1e-12) / count;
   const double power = std::pow(10, std::floor(std::log10(raw)));
@@ -118,7 +131,7 @@ std::string axes_svg(const Plot& plot, const Frame& frame) {
         "text-anchor='end'>{5:.4g}</text>",
         kLeft, kWidth - kRight, frame.py(v), kLeft - 6, frame.py(v) + 4,
         std::abs(v) < 1e-9 * sy ? 0 : v);
-  // Words of marks stand over the plot, in rows where they would run into each other.
+  // Labels of marks are above the plot, in several rows where they would overlap.
   constexpr double kLetter = 6.5, kRow = 12;  // px
   double end = -1e9;
   int row = 0;
@@ -196,16 +209,7 @@ void HtmlPage::add_plot(const Plot& plot) {
 std::string HtmlPage::to_string() const {
   return "<!doctype html>\n<html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" "
          "content=\"width=device-width\">\n<title>" +
-         escape(title_) +
-         R"(</title>
-<style>
-body { font: 16px/1.5 Georgia, serif; max-width: 1100px; margin: 2em auto; padding: 0 1em; color: #222; background: #faf8f4 }
-h1, h2 { font-weight: normal } h2 { margin-top: 2em; border-bottom: 1px solid #ccc }
-table { border-collapse: collapse; font: 14px/1.4 sans-serif; margin: 1em 0 } th, td { text-align: left; padding: .25em .9em .25em 0; border-bottom: 1px solid #ddd }
-figure { margin: 1.2em 0 } img, svg { max-width: 100%; background: #fff; border: 1px solid #ddd } figcaption { font: italic 14px Georgia, serif; color: #555 }
-svg text { font: 11px sans-serif } .grid { stroke: #e4e4e4 } .mark { stroke: #999; stroke-dasharray: 4 3 } .curve { fill: none; stroke-width: 1.6 }
-</style>
-<h1>)" + escape(title_) +
+         escape(title_) + "</title>\n<style>\n" + kStyle + "</style>\n<h1>" + escape(title_) +
          "</h1>\n" + body_ + "</html>\n";
 }
 

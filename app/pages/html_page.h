@@ -1,5 +1,5 @@
-// A self-contained HTML page: text, tables, pictures (PNG, embedded) and line plots (SVG).
-// Everything given is escaped.
+// A self-contained HTML page: text, tables, pictures (PNG, embedded) and line plots (SVG). All
+// text is escaped.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// Words on pictures: what colours mean, how large things are.
+// Legends on pictures: colours of muscles, and scale bars.
 #pragma once
 
 #include "viewer/image.h"

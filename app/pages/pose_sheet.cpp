@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kTitle = 34, kLabel = 22;  // pixels
 
-// Just all of the points, as a camera without perspective sees them.
+// Parallel camera that just has all points in view.
 Camera camera_on(const SkinFrame& skin, const std::string& view, float aspect) {
   const ViewAngles angles = view_angles(view);
   const Vec3f forward(-std::sin(angles.azimuth) * std::cos(angles.elevation),
@@ -46,10 +46,10 @@ Image sheet_of_poses(Renderer& renderer, const Actor& actor, const SceneModel& m
     look.muscles = look.bones = 0;
   else
     look.skin = 0;
-  ActorFrame frame;
+  ActorState frame(actor);
   Scene scene;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    play(actor, poses[i].pose, frame);
+    evaluate(actor, poses[i].pose, {}, frame);
     update_scene(model, frame.posed, &frame.skin, {}, appearance, i + 1, scene);
     scene.list.lighting.follows_camera = true;
     scene.list.lighting.key_direction = Vec3f(0.45f, -0.6f, -0.75f);

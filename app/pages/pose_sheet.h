@@ -1,10 +1,10 @@
-// The pose book on one sheet.
+// All poses of the pose book on one picture.
 #pragma once
 
 #include <span>
 #include <string>
 
-#include "skinning/character/character_model.h"
+#include "app/files/actor.h"
 #include "skinning/motion/pose_book.h"
 #include "viewer/gl/renderer.h"
 #include "viewer/scene.h"

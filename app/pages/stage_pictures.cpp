@@ -16,8 +16,8 @@
 namespace ecorche {
 namespace {
 
-constexpr float kLetters = 15;  // pixels
-constexpr int kTitle = 30;      // pixels above and below a row of pictures
+constexpr float kLetters = 15;           // pixels
+constexpr int kTitleStagePictures = 30;  // pixels above and below a row of pictures
 
 void paste(const Image& part, int x, int y, Image& whole) {
   for (int row = 0; row < part.height; ++row)
@@ -40,7 +40,7 @@ SceneModel model_of(const Anatomy& anatomy, const TriMesh& skin, std::span<const
   return make_scene_model(anatomy, skin, options);
 }
 
-// The renderer's tone curve leaves this white on the sheet.
+// The background is white after the renderer's tone curve.
 void light_studio(DrawList& list) {
   list.lighting.follows_camera = true;
   list.lighting.key_direction = Vec3f(0.45f, -0.6f, -0.75f);
@@ -67,7 +67,7 @@ Extent extent_of(const Points& V) {
           float(std::max(high.x() - low.x(), high.z() - low.z()))};
 }
 
-// Without what stands in parentheses: there is little room.
+// The label without its parentheses, since there is little room.
 std::string short_label(const std::string& label) {
   const size_t open = label.find(" ("), close = label.find(')', open);
   return open == std::string::npos || close == std::string::npos
@@ -75,7 +75,7 @@ std::string short_label(const std::string& label) {
              : label.substr(0, open) + label.substr(close + 1);
 }
 
-// A muscle as it is seen in one picture.
+// The visible area of a muscle in one picture.
 struct Seen {
   std::string label;
   int pixels = 0;
@@ -119,7 +119,7 @@ std::vector<Seen> largest_muscles(const std::vector<std::uint32_t>& parts, const
   return chosen;
 }
 
-// Names in a column at x, no two closer than a line, joined to their muscles.
+// Draws names in a column at x, at least one line apart, with lines to their muscles.
 void write_names(const std::vector<Seen>& muscles, float x, bool at_right, int offset_x, int height,
                  Image& whole) {
   constexpr float leading = 1.5f * kLetters;
@@ -147,8 +147,8 @@ Image sheet_of_stages(Renderer& renderer, const TriMesh& skin, std::span<const E
   const Extent extent = extent_of(skin.V);
   const float high =
       1.04f * std::max(extent.height, extent.width * float(cell_height) / float(cell_width));
-  Image whole =
-      make_image(cell_width * int(stages.size()), kTitle + cell_height * int(views.size()));
+  Image whole = make_image(cell_width * int(stages.size()),
+                           kTitleStagePictures + cell_height * int(views.size()));
   for (size_t i = 0; i < stages.size(); ++i) {
     const SceneModel model = model_of(*stages[i].anatomy, skin, eyes);
     Appearance appearance;
@@ -159,14 +159,14 @@ Image sheet_of_stages(Renderer& renderer, const TriMesh& skin, std::span<const E
     const int x = int(i) * cell_width;
     for (size_t v = 0; v < views.size(); ++v) {
       scene.list.camera = flat_camera(extent.center, views[v], high);
-      paste(renderer.render(scene.list, cell_width, cell_height), x, kTitle + int(v) * cell_height,
-            whole);
+      paste(renderer.render(scene.list, cell_width, cell_height), x,
+            kTitleStagePictures + int(v) * cell_height, whole);
     }
     draw_text(whole, stages[i].title, float(x) + 0.5f * float(cell_width), 21,
               {.size = kLetters, .align = Align::center});
   }
   for (size_t v = 0; v < views.size(); ++v)
-    draw_text(whole, views[v], 8, float(kTitle + 16 + int(v) * cell_height),
+    draw_text(whole, views[v], 8, float(kTitleStagePictures + 16 + int(v) * cell_height),
               {.size = kLetters, .opacity = 0.7f});
   draw_scale_bar(whole, 10, float(whole.height) - 12, kLetters, float(cell_height) / high, 0.2f);
   return whole;
@@ -214,17 +214,17 @@ Image sheet_of_moments(Renderer& renderer, const Actor& actor, std::span<const E
   const SceneModel model = model_of(actor.character.anatomy, actor.character.body.skin, eyes);
   const int rows = (options.skin ? 1 : 0) + (options.flayed ? 1 : 0), w = options.cell_width,
             h = options.cell_height;
-  const int head = (options.flayed ? 2 : 1) * kTitle;
-  Image whole = make_image(w * int(seconds.size()), head + rows * h + kTitle);
+  const int head = (options.flayed ? 2 : 1) * kTitleStagePictures;
+  Image whole = make_image(w * int(seconds.size()), head + rows * h + kTitleStagePictures);
   const float high = 1.42f * extent_of(actor.character.body.skin.V).height;
-  ActorFrame frame;
+  ActorState frame(actor);
   Pose pose;
   Scene scene;
   std::vector<float> activity;
   std::uint64_t revision = 0;
   for (size_t i = 0; i < seconds.size(); ++i) {
     pose_at(motion, seconds[i], pose);
-    play(actor, pose, frame);
+    evaluate(actor, pose, {}, frame);
     muscle_shortening(model, frame.posed, activity);
     Eigen::AlignedBox3f box;
     for (size_t k = 0; k + 3 < frame.skin.positions.size(); k += 4)
@@ -245,7 +245,8 @@ Image sheet_of_moments(Renderer& renderer, const Actor& actor, std::span<const E
               float(whole.height) - 9, {.size = kLetters, .align = Align::center});
   }
   if (options.flayed) draw_muscle_legend(whole, 10, 8, kLetters, MuscleColors::flesh);
-  draw_scale_bar(whole, float(whole.width) - 120, kTitle, kLetters, float(h) / high, 0.5f);
+  draw_scale_bar(whole, float(whole.width) - 120, kTitleStagePictures, kLetters, float(h) / high,
+                 0.5f);
   return whole;
 }
 

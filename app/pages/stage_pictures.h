@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "skinning/character/character_model.h"
+#include "app/files/actor.h"
 #include "viewer/gl/renderer.h"
 #include "viewer/scene.h"
 
@@ -24,7 +24,8 @@ Image sheet_of_stages(Renderer& renderer, const TriMesh& skin, std::span<const E
                       std::span<const Stage> stages, std::span<const std::string> views,
                       int cell_width, int cell_height);
 
-// The muscles that are seen largest from before and behind, named at both sides of each figure.
+// The muscles with the largest visible areas from the front and from behind, named at both sides
+// of each figure.
 Image plate_of_muscles(Renderer& renderer, const Anatomy& anatomy, const TriMesh& skin,
                        std::span<const Eyeball> eyes, int height);
 

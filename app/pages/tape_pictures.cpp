@@ -5,13 +5,14 @@
 
 #include "anatomy/geometry/mesh_measures.h"
 #include "viewer/camera.h"
+#include "viewer/draw_mesh.h"
 #include "viewer/lettering.h"
 
 namespace ecorche {
 namespace {
 
-constexpr float kLetters = 13, kLeading = 17;  // pixels
-constexpr float kTitle = 28;                   // pixels above the figures
+constexpr float kLettersTapePictures = 13, kLeading = 17;  // pixels
+constexpr float kTitleTapePictures = 28;                   // pixels above the figures
 
 struct Panel {
   const char* title;
@@ -32,18 +33,6 @@ const Panel kPanels[] = {
     {"heights", "left",
      [](MeasureKind kind) { return kind == MeasureKind::height || kind == MeasureKind::ahead; },
      Vec3f(0.10f, 0.40f, 0.70f)}};
-
-DrawMesh skin_mesh_of(const TriMesh& skin) {
-  DrawMesh out;
-  const Points normals = vertex_normals(skin);
-  for (Eigen::Index v = 0; v < skin.V.rows(); ++v) {
-    out.positions.push_back(skin.V.row(v).transpose().cast<float>());
-    out.normals.push_back(normals.row(v).transpose().cast<float>());
-  }
-  for (Eigen::Index f = 0; f < skin.F.rows(); ++f)
-    out.triangles.push_back(skin.F.row(f).transpose().cast<std::uint32_t>());
-  return out;
-}
 
 // A line as a thin tube of six sides.
 void add_tube(const std::vector<Vec3>& line, double radius, DrawMesh& out) {
@@ -69,7 +58,7 @@ void add_tube(const std::vector<Vec3>& line, double radius, DrawMesh& out) {
   }
 }
 
-// A tape's name, joined to the point of it that lies furthest to its side of the picture.
+// Draws the name of a tape with a line to its outermost point on that side of the picture.
 struct Name {
   std::string text;
   float x = 0, y = 0;
@@ -88,7 +77,7 @@ void write_column(std::vector<Name> names, float x, Align align, float low, floa
   for (std::size_t i = 0; i < names.size(); ++i) {
     draw_line(whole, x + gap, lines[i] - 4, names[i].x, names[i].y, 1, Vec3f(0.4f, 0.4f, 0.4f),
               0.7f);
-    draw_text(whole, names[i].text, x, lines[i], {.size = kLetters, .align = align});
+    draw_text(whole, names[i].text, x, lines[i], {.size = kLettersTapePictures, .align = align});
   }
 }
 
@@ -136,8 +125,9 @@ Image picture(Renderer& renderer, const TapeMeasure& tape, const TriMesh& skin,
   tapes.surface.color = panel.color;
   list.items = {skin_item, tapes};
   Image out = renderer.render(list, width, height);
-  write_column(sides[0], 6, Align::left, kTitle + kLeading, float(height) - 8, out);
-  write_column(sides[1], float(width) - 6, Align::right, kTitle + kLeading, float(height) - 8, out);
+  write_column(sides[0], 6, Align::left, kTitleTapePictures + kLeading, float(height) - 8, out);
+  write_column(sides[1], float(width) - 6, Align::right, kTitleTapePictures + kLeading,
+               float(height) - 8, out);
   draw_text(out, panel.title, 0.5f * float(width), 20, {.size = 16, .align = Align::center});
   return out;
 }
@@ -146,7 +136,7 @@ Image picture(Renderer& renderer, const TapeMeasure& tape, const TriMesh& skin,
 
 Image sheet_of_tapes(Renderer& renderer, const TapeMeasure& tape, const TriMesh& skin,
                      int cell_width, int cell_height) {
-  const DrawMesh body = skin_mesh_of(skin);
+  const DrawMesh body = make_draw_mesh(skin);
   Image whole = make_image(cell_width * int(std::size(kPanels)), cell_height);
   for (std::size_t i = 0; i < std::size(kPanels); ++i) {
     const Image part = picture(renderer, tape, skin, body, kPanels[i], cell_width, cell_height);

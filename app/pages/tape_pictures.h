@@ -1,4 +1,4 @@
-// A sheet that shows where every tape, calliper and stick lies on a body.
+// A picture of all measurements on a body: tapes, callipers and sticks.
 #pragma once
 
 #include "morph/measures/tape_measure.h"
@@ -7,8 +7,8 @@
 
 namespace ecorche {
 
-// Girths from before, lengths and breadths from behind, heights from the side; each named beside
-// the figure. `skin` in the base mesh's topology.
+// Girths from the front, lengths and breadths from behind, heights from the side; each named
+// beside the figure. `skin`: in the base mesh's topology.
 Image sheet_of_tapes(Renderer& renderer, const TapeMeasure& tape, const TriMesh& skin,
                      int cell_width, int cell_height);
 

@@ -11,13 +11,19 @@
 #include <stop_token>
 #include <thread>
 
+#include "anatomy/base_mesh/body_rig.h"
 #include "anatomy/base_mesh/eyes.h"
 #include "anatomy/errors.h"
-#include "anatomy/files/package_archive.h"
 #include "anatomy/muscles/action_line.h"
+#include "app/files/actor.h"
 #include "app/files/character_file.h"
+#include "app/files/fitted_actor.h"
+#include "morph/dilation/dilate_muscles.h"
+#include "morph/fat/fat_layer.h"
+#include "morph/fit/fit_character.h"
 #include "morph/shapes/body.h"
 #include "morph/shapes/modify_body.h"
+#include "morph/shapes/shape_space_cache.h"
 #include "skinning/character/live_character.h"
 
 namespace ecorche {
@@ -38,7 +44,7 @@ constexpr const char* kShown[] = {"stature",
                                   "upper_arm_girth_relaxed",
                                   "forearm_girth",
                                   "weight"};
-// A slider that stands so long is let go, and the next stage begins.
+// A slider that has not moved for this time counts as released, and the next stage begins.
 constexpr std::array<std::chrono::milliseconds, 3> kRest{
     std::chrono::milliseconds(0), std::chrono::milliseconds(60), std::chrono::milliseconds(200)};
 
@@ -74,7 +80,7 @@ PosedAnatomy at_rest(const Anatomy& anatomy, const SceneModel& model) {
 }  // namespace
 
 struct BodySliders::Impl {
-  Impl(Character character, Template body_template);
+  Impl(const Assets& opened, Character character, Template body_template);
   ~Impl();
 
   Points solve(const Asked& asked) const;
@@ -89,19 +95,20 @@ struct BodySliders::Impl {
   void publish(long long of, std::shared_ptr<SlidBody> made);
   void give_up(long long of, const std::string& why);
   bool is_due(Stage stage) const;
-  long long& done(Stage stage) { return stages_done[int(stage)]; }
+  long long& done(Stage stage) { return stages_done[std::size_t(stage)]; }
 
   Character start;
   Template body_template;
-  BodyPackage package = read_body_package(find_packages());
-  TapeMeasure tape{package, read_measure_table(package, data_folder() / "body")};
+  Assets assets;
+  BodyPackage package = read_body_package(assets);
+  TapeMeasure tape{package, read_measure_table(package, package.tables / "body")};
   std::vector<VertexPart> parts = vertex_parts(package);
   ShapeSpace space;
   std::vector<int> shown_measures;
 
   std::unique_ptr<LiveAnatomy> live;  // of the thread that carries
 
-  // What was asked last has the highest number; each stage may lag behind it, and behind the stage
+  // The last targets have the highest number. Each stage may lag behind it and behind the stage
   // before.
   mutable std::mutex mutex;
   mutable std::condition_variable_any changed;
@@ -116,8 +123,8 @@ struct BodySliders::Impl {
   std::array<std::jthread, 3> workers;  // last: they use all of the above
 };
 
-BodySliders::Impl::Impl(Character character, Template tmpl)
-    : start(std::move(character)), body_template(std::move(tmpl)) {
+BodySliders::Impl::Impl(const Assets& opened, Character character, Template tmpl)
+    : start(std::move(character)), body_template(std::move(tmpl)), assets(opened) {
   if (start.body.skin.V.rows() != package.skin_size)
     throw UnfitError(fmt::format(
         "{} skin vertices: sliders need a skin of the base mesh's {}; leave --skin fine away",
@@ -129,7 +136,7 @@ BodySliders::Impl::Impl(Character character, Template tmpl)
   own->stage = Stage::whole;
   body = original = own;
   for (const Stage stage : {Stage::carried, Stage::first, Stage::whole})
-    workers[int(stage)] =
+    workers[std::size_t(stage)] =
         std::jthread([this, stage](const std::stop_token& stop) { work(stage, stop); });
 }
 
@@ -147,8 +154,8 @@ Points BodySliders::Impl::solve(const Asked& values) const {
   if (values.size() > shown_measures.size() + 1)
     change.hip_waist = values[shown_measures.size() + 1];
   // Fat and girths change at a given height; with a length, the others follow it.
-  change.keep_lengths = std::ranges::none_of(change.measures, [&](const Wish& wish) {
-    const MeasureKind kind = tape.measure(wish.measure).kind;
+  change.keep_lengths = std::ranges::none_of(change.measures, [&](const MeasureTarget& target) {
+    const MeasureKind kind = tape.measure(target.measure).kind;
     return kind != MeasureKind::girth && kind != MeasureKind::mass;
   });
   return change_body(package, tape, space, own, change).points;
@@ -187,43 +194,41 @@ std::shared_ptr<SlidBody> BodySliders::Impl::go_along(const Points& skin) {
   return show(live->character());
 }
 
-// As fit_character, less what takes longest: that neighbours part.
+// fit_character without its slowest step, the separation of neighbouring muscles.
 std::shared_ptr<SlidBody> BodySliders::Impl::fit_first(const Points& skin) const {
   const Body fitted_body = body_of(skin);
   Fit fit = fit_anatomy(body_template, fitted_body);
   const std::vector<Muscle> carried = fit.anatomy.muscles;
   const SkinRays rays(capped_skin(package, skin));
-  const FatLayer fat = make_fat_layer(rays, fit.anatomy, fitted_body);
+  const FatLayer fat = make_fat_layer(body_template.tables.fat, rays, fit.anatomy, fitted_body);
   DilateOptions options;
   options.share = false;
   options.even_about = fit.report.even_about;
-  dilate_muscles(fit.anatomy, carried, body_template.tables->muscles, rays, fat, options);
+  dilate_muscles(fit.anatomy, carried, body_template.tables.muscles, rays, fat, options);
   const std::shared_ptr<SlidBody> out = show({std::move(fit.anatomy), fitted_body});
   out->stage = Stage::first;
   return out;
 }
 
 std::shared_ptr<SlidBody> BodySliders::Impl::fit_whole(const Points& skin) const {
-  Report aside;
+  const Body fitted_body = body_of(skin);
   FittedCharacter fitted =
-      fit_character(body_template, body_of(skin), package,
-                    {.moves = false, .bound = false, .tissues = false, .parts = &parts}, aside);
+      fit_character(body_template, fitted_body, package, {.tissues = false, .parts = &parts});
   std::vector<std::string> missed;
-  for (const MissedTarget& target : missed_targets(fitted)) missed.push_back(target.what);
-  std::shared_ptr<SlidBody> out = show(std::move(fitted.actor.character));
+  for (const MissedTarget& target : missed_targets(fitted.report)) missed.push_back(target.what);
+  std::shared_ptr<SlidBody> out = show({std::move(fitted.anatomy), fitted_body});
   out->stage = Stage::whole;
   out->missed = std::move(missed);
   return out;
 }
 
-// Under the lock.
+// Precondition: the lock is held.
 bool BodySliders::Impl::is_due(Stage stage) const {
-  const int k = int(stage);
+  const std::size_t k = std::size_t(stage);
   return stages_done[k] != number && (k == 0 || stages_done[k - 1] == number);
 }
 
-// What has been overtaken is not shown any more, but for skins that follow a slider that is on its
-// way.
+// Superseded results are not shown, except skins while a slider moves.
 void BodySliders::Impl::publish(long long of, std::shared_ptr<SlidBody> made) {
   const std::lock_guard lock(mutex);
   if (of != number && (made->stage != Stage::carried || of < shown_number)) return;
@@ -248,7 +253,7 @@ std::shared_ptr<SlidBody> BodySliders::Impl::make(Stage stage, const Asked& valu
                                          : stage == Stage::first ? fit_first(skin)
                                                                  : fit_whole(skin);
   const std::lock_guard lock(mutex);
-  times[int(stage)] =
+  times[std::size_t(stage)] =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return made;
 }
@@ -262,7 +267,7 @@ void BodySliders::Impl::work(Stage stage, const std::stop_token& stop) {
       std::unique_lock lock(mutex);
       if (!changed.wait(lock, stop, [&] { return is_due(stage); })) return;
       of = number;
-      const auto rested = asked_at + kRest[int(stage)];
+      const auto rested = asked_at + kRest[std::size_t(stage)];
       if (changed.wait_until(lock, stop, rested, [&] { return number != of; }) ||
           stop.stop_requested())
         continue;
@@ -285,8 +290,8 @@ void BodySliders::Impl::work(Stage stage, const std::stop_token& stop) {
   }
 }
 
-BodySliders::BodySliders(Character start, Template body_template)
-    : impl_(std::make_unique<Impl>(std::move(start), std::move(body_template))) {}
+BodySliders::BodySliders(const Assets& assets, Character start, Template body_template)
+    : impl_(std::make_unique<Impl>(assets, std::move(start), std::move(body_template))) {}
 
 BodySliders::~BodySliders() = default;
 
@@ -311,11 +316,11 @@ std::vector<std::optional<double>> BodySliders::asked_by(
   const Impl& s = *impl_;
   Asked out(sliders().size());
   for (const std::string& text : measures) {
-    const Wish wish = parse_wish(text, s.tape);
-    const auto at = std::ranges::find(s.shown_measures, wish.measure);
+    const MeasureTarget target = parse_target(text, s.tape);
+    const auto at = std::ranges::find(s.shown_measures, target.measure);
     if (at == s.shown_measures.end())
       throw UsageError(fmt::format("--measure {}: no slider shows it", text));
-    out[at - s.shown_measures.begin()] = wish.value;
+    out[at - s.shown_measures.begin()] = target.value;
   }
   return out;
 }
@@ -364,14 +369,15 @@ std::vector<MissedTarget> BodySliders::write(const Asked& asked, const std::file
                                              Report& report) const {
   const Impl& s = *impl_;
   if (is_nothing(asked)) {
-    const Actor actor = make_actor(s.start, report, {.moves = false});
-    write_character_file(file, actor, Detail::full, s.package);
+    const BoundCharacter bound = bind_character(s.assets, s.start, report);
+    write_character_file(s.assets, file, bound.character, bound.binding, Detail::full, s.package);
     return {};
   }
-  const FittedCharacter fitted = fit_character(s.body_template, solve(asked), s.package,
-                                               {.moves = false, .parts = &s.parts}, report);
-  write_character_file(file, fitted.actor, Detail::full, s.package);
-  return missed_targets(fitted);
+  const FittedForFile fitted = fit_for_file(s.assets, s.body_template, solve(asked), s.package,
+                                            {.fitting = {.parts = &s.parts}}, report);
+  write_character_file(s.assets, file, fitted.bound.character, fitted.bound.binding, Detail::full,
+                       s.package);
+  return missed_targets(fitted.report);
 }
 
 }  // namespace ecorche

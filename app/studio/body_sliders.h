@@ -1,6 +1,7 @@
-// A character whose measures are moved by sliders. Each body that is asked for is solved, and bones
-// and muscles go along with its skin at once; then it is fitted as `ecorche fit` does it, in the
-// background: a first fit some tenths of a second after the slider stands, the whole one after it.
+// A character whose measurements are set by sliders. For each set of targets the body is solved
+// and bones and muscles are warped with its skin at once. A fit follows in the background: a
+// preliminary one some tenths of a second after the slider has stopped, then the one of `ecorche
+// fit`.
 #pragma once
 
 #include <array>
@@ -10,8 +11,12 @@
 #include <string>
 #include <vector>
 
-#include "morph/fit/fit_character.h"
+#include "anatomy/character.h"
+#include "anatomy/files/assets.h"
+#include "app/report.h"
+#include "morph/fit/fit_quality.h"
 #include "morph/shapes/solve_measures.h"
+#include "morph/template/template.h"
 #include "viewer/window/view_document.h"
 
 namespace ecorche {
@@ -34,39 +39,40 @@ struct SlidBody {
 
 class BodySliders {
  public:
-  // `body_template`: what the character was fitted with. Throws UnfitError for a skin that is not
-  // the base mesh, or an anatomy that is not the template's; InputError without the packages.
-  BodySliders(Character start, Template body_template);
+  // `body_template`: the template that the character was fitted with. Throws UnfitError for a
+  // skin that is not the base mesh, or an anatomy that is not the template's; InputError without
+  // the packages.
+  BodySliders(const Assets& assets, Character start, Template body_template);
   ~BodySliders();
   BodySliders(const BodySliders&) = delete;
   BodySliders& operator=(const BodySliders&) = delete;
 
   std::vector<Slider> sliders() const;
 
-  // What sliders begin with, from texts as of --measure. Throws UsageError for a measure that has
-  // no slider.
+  // Initial targets of the sliders, from texts like those of --measure. Throws UsageError for a
+  // measure without a slider.
   std::vector<std::optional<double>> asked_by(const std::vector<std::string>& measures) const;
 
-  // The most probable body with the asked values, what is the character's own kept; nothing asked:
-  // the character's own.
+  // The most probable body with the target values that keeps the character's other traits;
+  // without targets, the character's own body.
   Body solve(const std::vector<std::optional<double>>& asked) const;
 
-  // Begins to make that body; nothing asked: shows the character itself.
+  // Starts to make that body; without targets, shows the character itself.
   void ask(const std::vector<std::optional<double>>& asked);
 
-  // The newest body that is ready; another pointer when there is a newer one. Never null.
+  // The newest finished body; a new pointer for each. Never null.
   std::shared_ptr<const SlidBody> shown() const;
   bool busy() const;
-  // What each stage took of the last body that went through it, ms; 0: none has.
+  // Time of each stage for the last body that passed it, ms; 0: none has.
   std::array<double, 3> milliseconds() const;
-  // Why there is no body as asked last; empty where there is, or may yet be.
+  // Reason why the last targets have no body; empty if they have one or it is still being made.
   std::string problem() const;
-  // Until the whole fit of what was asked last is ready, or its problem known.
+  // Waits until the complete fit of the last targets is finished or has failed.
   void wait() const;
 
-  // The body asked for, fitted, bound and written as `ecorche fit` does it; the character itself,
-  // bound anew, where nothing is asked. What it misses of the accuracy targets. Throws UnfitError
-  // where no anatomy fits, OutputError.
+  // Fits, binds and writes the body with these targets as `ecorche fit` does; without targets,
+  // binds and writes the character itself. Returns the accuracy targets that it misses. Throws
+  // UnfitError if no anatomy fits, OutputError.
   std::vector<MissedTarget> write(const std::vector<std::optional<double>>& asked,
                                   const std::filesystem::path& file, Report& report) const;
 

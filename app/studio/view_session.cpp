@@ -8,11 +8,11 @@
 #include "anatomy/base_mesh/eyes.h"
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
-#include "anatomy/files/package_archive.h"
 #include "anatomy/geometry/mesh_measures.h"
+#include "app/files/fitted_actor.h"
 #include "app/files/open_character.h"
+#include "app/files/open_motion.h"
 #include "app/files/template_file.h"
-#include "morph/fit/fit_character.h"
 #include "morph/shapes/body_model.h"
 
 namespace ecorche {
@@ -22,9 +22,10 @@ namespace fs = std::filesystem;
 
 Vec3f above_ground(const Vec3& root) { return {float(root.x()), 0, float(root.z())}; }
 
-// Of the skin at rest and of what joints reach in any frame, flesh included.
+// Box around the skin at rest and the joints in all frames, with a margin of flesh above them,
+// relative to the root's horizontal position.
 Eigen::AlignedBox3f bounds_of(const Skeleton& skeleton, const Points& skin, const Motion& motion) {
-  constexpr float kFlesh = 0.08f;  // m around a joint
+  constexpr float kFlesh = 0.08f;  // m above a joint
   Eigen::AlignedBox3f box;
   const Vec3f root = above_ground(rest_positions(skeleton).front());
   for (Eigen::Index i = 0; i < skin.rows(); ++i)
@@ -52,7 +53,7 @@ std::string joined(const std::vector<std::string>& lines) {
   return out;
 }
 
-// The skin itself, as a frame of it.
+// The skin at rest as a frame.
 void take_skin(const Character& character, SkinFrame& frame) {
   const TriMesh& skin = character.body.skin;
   const Points normals = vertex_normals(skin);
@@ -73,8 +74,8 @@ ViewSession::ViewSession(const ViewSessionOptions& options, const Common& common
   std::optional<Actor> actor;
   Character character = open_start(options.character, !options.sliders, actor, report);
   if (options.sliders) {
-    sliders_ =
-        std::make_shared<BodySliders>(std::move(character), open_template(options.body_template));
+    sliders_ = std::make_shared<BodySliders>(common.assets, std::move(character),
+                                             open_template(common.assets, options.body_template));
     slid_file_ = options.character;
     asked_ = sliders_->asked_by(options.measures);
     show_slid();
@@ -107,28 +108,26 @@ ViewDocument ViewSession::document() const {
   return document;
 }
 
-// The template's muscles fill the skin only once they are dilated, in its own body as in any other.
-// `moves`: an actor is made, too.
+// Opens the first character. The template's muscles are dilated, since they do not fill the skin
+// before. `moves`: makes an actor, too.
 Character ViewSession::open_start(const fs::path& file, bool moves, std::optional<Actor>& actor,
                                   Report& report) const {
   if (!file.empty()) {
     Character character = open_character(file, common_, report);
-    if (moves) actor = make_actor(character, report);
+    if (moves) actor = make_actor(common_.assets, character, report);
     return character;
   }
-  const BodyPackage package = read_body_package(find_packages());
-  const Template body_template = open_template(options_.body_template);
+  const BodyPackage package = read_body_package(common_.assets);
+  const Template body_template = open_template(common_.assets, options_.body_template);
   Body body = body_template.body;
   if (!options_.sex.empty()) {
     BodySpec average;
     average.sex = options_.sex == "female" ? Sex::female : Sex::male;
     body = make_body(package, average);
   }
-  FittedCharacter fitted = fit_character(
-      body_template, body, package, {.moves = moves, .bound = moves, .tissues = moves}, report);
-  Character character = fitted.actor.character;
-  if (moves) actor = std::move(fitted.actor);
-  return character;
+  if (!moves) return fit_unbound(body_template, body, package, {.tissues = false}, report);
+  actor = fit_actor(common_.assets, body_template, body, package, {}, report).actor;
+  return actor->character;
 }
 
 std::shared_ptr<ViewSession::Performance> ViewSession::perform(std::shared_ptr<const Actor> actor,
@@ -145,15 +144,14 @@ std::shared_ptr<ViewSession::Performance> ViewSession::perform(std::shared_ptr<c
   else
     out->motion = open_motion(motion, shown, options_.retarget, common_, report);
   SceneOptions scene;
-  scene.eyes = find_eyes(shown.body.skin, shown.anatomy.skeleton);
+  scene.eyes = find_eyes(common_.assets, shown.body.skin, shown.anatomy.skeleton);
   scene.key = fresh_scene_key();
   out->model = make_scene_model(shown.anatomy, shown.body.skin, scene);
-  if (options_.dynamics && !motion.empty())
-    out->flesh = make_flesh_tables(out->actor->binding, shown.anatomy);
+  if (options_.dynamics && !motion.empty()) out->flesh = make_soft_tissue(*out->actor);
   return out;
 }
 
-// A motion goes to the character that is shown; a character goes on with the motion that is shown.
+// An opened motion moves the displayed character; an opened character takes the displayed motion.
 ViewSession::Done ViewSession::open_file(const fs::path& file,
                                          const std::shared_ptr<const Performance>& before) const {
   Report aside;
@@ -174,7 +172,8 @@ ViewSession::Done ViewSession::open_file(const fs::path& file,
                              character.anatomy.bones.size(), character.anatomy.muscles.size());
   if (options_.sliders) {
     done.sliders =
-        std::make_shared<BodySliders>(std::move(character), open_template(options_.body_template));
+        std::make_shared<BodySliders>(common_.assets, std::move(character),
+                                      open_template(common_.assets, options_.body_template));
     done.character = file;
   } else {
     done.performance =
@@ -199,7 +198,7 @@ ViewSession::Done ViewSession::save_file(const fs::path& file,
   return done;
 }
 
-// One job at a time: the next one waits for nobody, it is refused.
+// One job at a time: a second one is refused, not queued.
 void ViewSession::begin(const std::string& state, std::function<Done()> job) {
   if (job_.valid()) return;
   job_state_ = state;
@@ -276,7 +275,8 @@ void ViewSession::show_performance() {
   subject_.name = file_name(p.character, "template") +
                   (p.moved_by.empty() ? "" : ", " + p.moved_by.filename().string());
   ++subject_.revision;
-  flesh_state_ = {};
+  soft_tissue_ = {};
+  played_.emplace(*p.actor);
 }
 
 void ViewSession::show_slid() {
@@ -301,14 +301,14 @@ void ViewSession::pose(int frame, PosedAnatomy& posed, SkinFrame& skin) {
     return;
   }
   const Performance& p = *performance_;
-  std::swap(played_.posed, posed);
-  std::swap(played_.skin, skin);
+  std::swap(played_->posed, posed);
+  std::swap(played_->skin, skin);
   if (!p.flesh.vertices.empty())
-    seek_flesh(p.flesh, p.actor->character.anatomy.skeleton, p.motion, {}, frame / p.motion.fps,
-               flesh_state_);
-  play(*p.actor, p.motion.frames[frame], played_, {}, flesh_state_.seen);
-  std::swap(played_.posed, posed);
-  std::swap(played_.skin, skin);
+    seek_soft_tissue(p.flesh, p.actor->character.anatomy.skeleton, p.motion, {},
+                     frame / p.motion.fps, soft_tissue_);
+  evaluate(*p.actor, p.motion.frames[frame], {{}, soft_tissue_.offsets}, *played_);
+  std::swap(played_->posed, posed);
+  std::swap(played_->skin, skin);
 }
 
 int ViewSession::write(const ViewDocument& document, const fs::path& file) {

@@ -1,17 +1,20 @@
-// What the window shows: a character with a motion, or with sliders for its measures; others can be
-// opened while it is shown.
+// The subject of the window: a character with a motion, or with sliders for its measurements.
+// Other files can be opened while it is displayed.
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <future>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/common_options.h"
+#include "app/files/actor.h"
+#include "app/options/motion_options.h"
+#include "app/report.h"
 #include "app/studio/body_sliders.h"
-#include "app/verb.h"
-#include "skinning/character/character_model.h"
 #include "skinning/dynamics/soft_tissue.h"
 #include "viewer/window/view_document.h"
 
@@ -37,25 +40,25 @@ class ViewSession {
   ViewSession& operator=(const ViewSession&) = delete;
 
   const ViewSubject& subject() const { return subject_; }
-  // What the window begins with.
+  // Initial document of the window.
   ViewDocument document() const;
 
-  // Writes what the sliders made, as asked last; notes what it misses. 0, or 8 where an accuracy
-  // target is missed. Throws as BodySliders::write.
+  // Writes the character of the sliders' last targets and notes missed accuracy targets. Returns
+  // 0, or 8 if one is missed. Throws as BodySliders::write.
   int write(const ViewDocument& document, const std::filesystem::path& file);
   // 8 if something was written in the window that misses a target, else 0.
   int exit_code() const { return exit_code_; }
 
  private:
-  // A character and what it does.
+  // A character and its motion.
   struct Performance {
     std::shared_ptr<const Actor> actor;
     Motion motion;
     SceneModel model;
-    FleshTables flesh;
+    SoftTissueTables flesh;
     std::filesystem::path character, moved_by;
   };
-  // What a job in the background hands back.
+  // Result of a job in the background.
   struct Done {
     std::shared_ptr<Performance> performance;
     std::shared_ptr<BodySliders> sliders;
@@ -90,8 +93,8 @@ class ViewSession {
   std::shared_ptr<const SlidBody> slid_;
   std::filesystem::path slid_file_;
   std::vector<std::optional<double>> asked_;
-  ActorFrame played_;
-  FleshState flesh_state_;
+  std::optional<ActorState> played_;  // of the performance
+  SoftTissueState soft_tissue_;
   std::string job_state_;
   int exit_code_ = 0;
   std::future<Done> job_;  // last: it uses the above

@@ -8,25 +8,27 @@
 #include "anatomy/bones/own_joints.h"
 #include "anatomy/files/input_file.h"
 #include "app/progress.h"
+#include "skinning/crowd/crowd_motion.h"
 #include "skinning/crowd/crowd_read.h"
-#include "skinning/motion_files/bvh_io.h"
+#include "skinning/motion_files/read_motion.h"
 
 namespace ecorche {
 
 void animate_crowd(const std::filesystem::path& crowd, const std::filesystem::path& motion,
                    const std::filesystem::path& output, const MotionOptions& options,
                    double stagger, const Common& common, Report& report) {
-  const BvhMotion source = read_bvh(motion, to_read_options(options));
+  const MotionClip source = read_motion(motion, to_read_options(options));
   const Crowd people = open_crowd(crowd);
   int frames = 0;
   Progress progress(common, "people", int(people.people.size()));
   double slide = 0, penetration = 0, fps = 0;
   std::set<std::string> warnings;  // the same for most people
   const auto move = [&](const CrowdPerson& person) {
-    require_own_joints(person.skeleton, printable(crowd.string()));
+    require_own_joints(common.assets.tables, person.skeleton, printable(crowd.string()));
     RetargetOptions own = to_retarget_options(options);
     if (!own.sole_height) own.sole_height = person.body.skin.V.col(1).minCoeff();
-    if (own.keep_apart) own.rounds = measure_rounds(person.skeleton, person.body.skin.V);
+    if (own.avoid_self_collision)
+      own.proxies = measure_proxies(person.skeleton, person.body.skin.V);
     RetargetReport found;
     Motion out = retarget(source, person.skeleton, own, found);
     slide = std::max(slide, found.slide_p95),

@@ -1,23 +1,27 @@
-// ecorche animate: a motion on a character, as an animated .glb or a vertex cache.
+#include "app/verbs/animate_verb.h"
+
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
+#include "app/files/actor.h"
 #include "app/files/character_file.h"
+#include "app/files/motion_figures.h"
 #include "app/files/motion_tables.h"
 #include "app/files/open_character.h"
+#include "app/files/open_motion.h"
 #include "app/files/vertex_caches.h"
 #include "app/options/activation_options.h"
 #include "app/options/motion_options.h"
 #include "app/options/option_values.h"
 #include "app/progress.h"
-#include "app/verb.h"
 #include "app/verbs/animate_crowd.h"
-#include "skinning/character/character_model.h"
 #include "skinning/checks/motion_survey.h"
 #include "skinning/crowd/crowd_read.h"
+#include "skinning/motion/activation.h"
 
 namespace ecorche {
 namespace {
@@ -52,18 +56,18 @@ MotionQuality write_outputs(const AnimateOptions& options, const Actor& actor, c
   }
   CacheOptions cache = options.cache;
   cache.detail = options.detail;
-  VertexCaches caches(cached, actor, motion, cache);
-  MotionTables tables(std::move(wanted), actor, motion, activations);
+  VertexCaches caches(common.assets, cached, actor, motion, cache);
+  MotionTables tables(common.assets, std::move(wanted), actor, motion, activations);
   MotionRun pass{activations, options.dynamics};
   Progress progress(common, "frames", int(motion.frames.size()));
-  pass.take = [&](int f, const ActorFrame& frame) {
+  pass.take = [&](int f, const CharacterState& frame) {
     caches.add(frame);
     tables.add(frame);
     progress.at(f + 1);
   };
   const MotionQuality quality = play_motion(actor, motion, pass);
   for (const fs::path& file : characters)
-    write_character_file(file, actor, options.detail,
+    write_character_file(common.assets, file, actor.character, actor.binding, options.detail,
                          &motion);  // once it is known that nothing is flung away
   caches.finish();
   tables.write();
@@ -109,13 +113,13 @@ void check_outputs(const AnimateOptions& options, const Common& common) {
   if (!options.cache.layers.empty() && !cache)
     throw UsageError("--layers: for vertex caches (.pc2, .mdd, DIR/%04d.obj); none is asked for");
   for (const TableRequest& table : table_requests(options.tables)) files.push_back(table.file);
-  // "none" and "auto" are no files of activations.
+  // "none" and "auto" are not files.
   check_outputs(common, std::move(files),
                 {options.character, options.motion, options.weights, options.activation,
                  options.retarget.map_file});
 }
 
-// A crowd's people move by their joints.
+// People of a crowd are animated by their joints alone.
 int run_crowd(const AnimateOptions& options, const Common& common, Report& report) {
   if (options.outputs.size() != 1 || options.outputs[0].extension() != ".glb" ||
       options.skin != "ecorche" || options.activation != "none" || options.dynamics ||
@@ -131,19 +135,20 @@ int run_crowd(const AnimateOptions& options, const Common& common, Report& repor
   return 0;
 }
 
-int run(const AnimateOptions& options, const Common& common, Report& report) {
+int run_animate(const AnimateOptions& options, const Common& common, Report& report) {
   check_outputs(options, common);
   if (is_crowd(options.character)) return run_crowd(options, common, report);
   check_shaping(options);
   if (options.stagger > 0)
     throw UsageError("--stagger: for crowds, whose people then begin one after the other");
   require_settling(options.dynamics, options.skin);
-  Actor actor = make_actor(open_character(options.character, common, report), report,
+  Actor actor = make_actor(common.assets, open_character(options.character, common, report), report,
                            {.weights = options.weights});
-  choose_skin(actor, options.skin);
+  choose_skin(common.assets, actor, options.skin);
   const Motion motion =
       open_motion(options.motion, actor.character, options.retarget, common, report);
-  const Activations activations = open_activations(options.activation, actor, motion, report);
+  const Activations activations =
+      open_activations(common.assets, options.activation, actor, motion, report);
   const MotionQuality quality = write_outputs(options, actor, motion, activations, common, report);
   for (const fs::path& output : options.outputs)
     for (const fs::path& file :
@@ -154,7 +159,7 @@ int run(const AnimateOptions& options, const Common& common, Report& report) {
   report.set("skin_vertices", actor.binding.vertex_count);
   report.set("skin", options.skin);
   report_quality(quality, "quality", report);
-  if (!common.report_file.empty()) compare_skins(actor, motion, report);
+  if (!common.report_file.empty()) compare_skins(common.assets, actor, motion, report);
   return 0;
 }
 
@@ -166,7 +171,9 @@ void add_animate_verb(VerbRegistry& registry) {
       registry, registry.app, "animate", "Move a character by a motion (BVH) and write it out",
       "ecorche animate anna-anatomy.glb walk.bvh -o anna-walks.glb -o anna-walks.pc2 --activation "
       "auto",
-      [options](const Common& common, Report& report) { return run(*options, common, report); });
+      [options](const Common& common, Report& report) {
+        return run_animate(*options, common, report);
+      });
   verb->add_option("character", options->character,
                    "Character written by `ecorche fit`, CROWD.glb#NAME, or a whole crowd")
       ->required();
@@ -180,7 +187,7 @@ void add_animate_verb(VerbRegistry& registry) {
       ->check(between(0.0, 3600.0));
   add_skin_option(*verb, options->skin);
   add_weights_option(*verb, options->weights);
-  verb->add_option("--activation", options->activation, kActivationHelp)->capture_default_str();
+  add_activation_option(*verb, options->activation);
   add_detail_option(*verb, options->detail);
   add_cache_options(*verb, options->cache);
   add_table_option(*verb, options->tables);

@@ -1,4 +1,6 @@
-// ecorche bake: a character's motions as skin, morph targets and curves for engines.
+#include "app/verbs/bake_verb.h"
+
+#include <CLI/CLI.hpp>
 #include <set>
 
 #include <fmt/format.h>
@@ -6,13 +8,15 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
 #include "anatomy/files/input_file.h"
+#include "app/files/actor.h"
 #include "app/files/open_character.h"
+#include "app/files/open_motion.h"
 #include "app/options/motion_options.h"
 #include "app/options/option_values.h"
+#include "app/options/subject_options.h"
 #include "app/progress.h"
-#include "app/verb.h"
+#include "skinning/bake/bake.h"
 #include "skinning/bake/bake_io.h"
-#include "skinning/character/character_model.h"
 
 namespace ecorche {
 namespace {
@@ -60,19 +64,17 @@ std::string in_words(const BakeError& error) {
       1e3 * error.mean, 1e3 * error.rms, 1e3 * error.p95, 1e3 * error.max, error.normal_rms);
 }
 
-int run(const BakeVerbOptions& options, const Common& common, Report& report) {
+int run_bake(const BakeVerbOptions& options, const Common& common, Report& report) {
   require_ending(options.output, {".glb"});
   std::vector<fs::path> inputs = options.motions;
   inputs.insert(inputs.end(), {options.character, options.weights, options.retarget.map_file});
   check_outputs(common, {options.output}, inputs);
-  Actor actor = make_actor(open_character(options.character, common, report), report,
+  Actor actor = make_actor(common.assets, open_character(options.character, common, report), report,
                            {.weights = options.weights});
   const Character& character = actor.character;
-  ActorFrame frame;
+  ActorState frame(actor);
   const ExactSkin exact = [&](const Pose& pose, SkinFrame& out) {
-    play_skin(actor, pose, frame);
-    out.positions = frame.skin.positions;
-    out.normals = frame.skin.normals;
+    out = evaluate_skin(actor, pose, {}, frame);
   };
   Bake bake;
   {
@@ -112,14 +114,14 @@ int run(const BakeVerbOptions& options, const Common& common, Report& report) {
 
 void add_bake_verb(VerbRegistry& registry) {
   auto options = std::make_shared<BakeVerbOptions>();
-  CLI::App* verb = add_verb(
-      registry, registry.app, "bake",
-      "Make a character's motions ready for engines: 4 influences, morph targets, curves",
-      "ecorche bake anna-anatomy.glb walk.bvh run.bvh -o anna-engine.glb",
-      [options](const Common& common, Report& report) { return run(*options, common, report); });
-  verb->add_option("character", options->character,
-                   "Character written by `ecorche fit`, or CROWD.glb#NAME")
-      ->required();
+  CLI::App* verb =
+      add_verb(registry, registry.app, "bake",
+               "Make a character's motions ready for engines: 4 influences, morph targets, curves",
+               "ecorche bake anna-anatomy.glb walk.bvh run.bvh -o anna-engine.glb",
+               [options](const Common& common, Report& report) {
+                 return run_bake(*options, common, report);
+               });
+  add_character_option(*verb, options->character);
   verb->add_option("motions", options->motions, "Motions (.bvh), one animation each")->required();
   verb->add_option("-o,--output", options->output, "File to write (.glb)")->required();
   verb->add_option("--morphs", options->bake.morphs, "Corrective morph targets, at most")

@@ -1,21 +1,26 @@
-// ecorche bench: speed as ratios within one run, by the least CPU time of interleaved repetitions.
+#include "app/verbs/bench_verb.h"
+
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 
+#include "anatomy/base_mesh/refined_skin.h"
 #include "anatomy/geometry/subdivide.h"
 #include "anatomy/muscles/action_line.h"
 #include "app/bench/bench_measures.h"
 #include "app/bench/bench_timer.h"
+#include "app/files/actor.h"
+#include "app/files/fitted_actor.h"
+#include "app/files/open_motion.h"
 #include "app/options/option_values.h"
-#include "app/verb.h"
 #include "morph/dilation/slice_clearance.h"
-#include "morph/fit/fit_character.h"
 #include "morph/shapes/standard_bodies.h"
+#include "morph/template/template_cache.h"
 #include "skinning/evaluation/blend_skinning.h"
 
 namespace ecorche {
@@ -41,34 +46,34 @@ BlendSkin blend_of(const Actor& actor) {
 // poses, spread over the motion: they take about as long as 60 of a tendon model
 constexpr std::size_t kRow = 12;
 
-// One pose after the other, as animators have them: milliseconds of one are those of the row over
-// their number.
+// Sequential poses, as in an animation. Milliseconds of one pose: those of the row over their
+// number.
 std::function<void()> row_of_poses(const Actor& actor, const Motion& motion, PosedAnatomy& posed,
-                                   int threads = 1) {
+                                   ContactWorkspace& contact, int threads = 1) {
   return [&, threads] {
     for (std::size_t k = 0; k < kRow; ++k)
-      pose_anatomy(actor.table, actor.character.anatomy.skeleton,
-                   motion.frames[k * motion.frames.size() / kRow], posed, threads);
+      pose_muscles(actor.muscles, actor.character.anatomy.skeleton,
+                   motion.frames[k * motion.frames.size() / kRow], posed, contact, threads);
   };
 }
 
-// A whole animated frame against the linear blend of the same mesh, over the poses of a motion in
-// turn.
+// A complete frame beside linear blend skinning of the same mesh, over the poses of a motion.
 std::vector<Ratio> bench_frames(const Actor& actor, const Motion& motion, const std::string& size,
                                 double asked, int rounds) {
   const BlendSkin blend = blend_of(actor);
   const Skeleton& skeleton = actor.character.anatomy.skeleton;
   const auto rest = rest_positions(skeleton);
-  ActorFrame frame;
+  ActorState frame(actor);
   SkinFrame linear;
   std::vector<Transform> X_WJ, bones;
   size_t at = 0, at_linear = 0, at_muscles = 0;
   PosedAnatomy posed;
+  ContactWorkspace contact;
   Actor still = actor;
   still.method = SkinMethod::anchors;
   size_t at_still = 0, at_skin = 0;
   const std::vector<BenchCase> cases{
-      {"frame", [&] { play(actor, motion.frames[at++ % motion.frames.size()], frame); }},
+      {"frame", [&] { evaluate(actor, motion.frames[at++ % motion.frames.size()], {}, frame); }},
       {"linear",
        [&] {
          forward_kinematics(skeleton, motion.frames[at_linear++ % motion.frames.size()], X_WJ);
@@ -78,12 +83,14 @@ std::vector<Ratio> bench_frames(const Actor& actor, const Motion& motion, const 
        }},
       {"muscles",
        [&] {
-         pose_anatomy(actor.table, skeleton, motion.frames[at_muscles++ % motion.frames.size()],
-                      posed);
+         pose_muscles(actor.muscles, skeleton, motion.frames[at_muscles++ % motion.frames.size()],
+                      posed, contact);
        }},
-      {"row", row_of_poses(actor, motion, posed)},
-      {"skin", [&] { play_skin(actor, motion.frames[at_skin++ % motion.frames.size()], frame); }},
-      {"still", [&] { play(still, motion.frames[at_still++ % motion.frames.size()], frame); }}};
+      {"row", row_of_poses(actor, motion, posed, contact)},
+      {"skin",
+       [&] { evaluate_skin(actor, motion.frames[at_skin++ % motion.frames.size()], {}, frame); }},
+      {"still",
+       [&] { evaluate(still, motion.frames[at_still++ % motion.frames.size()], {}, frame); }}};
   const auto times = least_cpu_times(cases, rounds);
   return {
       {"frame_" + size, "whole frame, settled / linear blend with normals, " + size, times[0],
@@ -98,17 +105,17 @@ std::vector<Ratio> bench_frames(const Actor& actor, const Motion& motion, const 
        times[1], 0}};
 }
 
-// Dilation as `fit` runs it, bones and all, against nothing but one ray in each direction of each
-// slice.
-std::vector<Ratio> bench_dilation(const Template& body_template, const FittedCharacter& fitted,
+// Dilation as `fit` runs it, with bones, beside its lower bound: one ray in each direction of
+// each slice.
+std::vector<Ratio> bench_dilation(const Template& body_template, const FittedActor& fitted,
                                   const BodyPackage& package, int rounds) {
   const Body& body = fitted.actor.character.body;
   const SkinRays rays(capped_skin(package, body.skin.V));
-  const FatLayer fat = make_fat_layer(rays, fitted.undilated, body);
+  const FatLayer fat = make_fat_layer(body_template.tables.fat, rays, fitted.undilated, body);
   const auto slices = rest_slices(fitted.undilated);
   const std::vector<Vec2> directions = ray_directions(DilateOptions{}.rays);
   DilateOptions ours, paper, uncut;
-  ours.even_about = fitted.fit.even_about;
+  ours.even_about = fitted.report.fit.even_about;
   DilateOptions ellipses = ours;
   ellipses.share = false;
   paper.method = uncut.method = DilateMethod::paper;
@@ -122,7 +129,7 @@ std::vector<Ratio> bench_dilation(const Template& body_template, const FittedCha
   Anatomy anatomy = fitted.undilated;
   const auto dilate = [&](const DilateOptions& options) {
     return [&, options] {
-      dilate_muscles(anatomy, fitted.undilated.muscles, body_template.tables->muscles, rays, fat,
+      dilate_muscles(anatomy, fitted.undilated.muscles, body_template.tables.muscles, rays, fat,
                      options);
     };
   };
@@ -148,22 +155,23 @@ struct BenchVerbOptions {
   bool muscles = false;
 };
 
-int run(const BenchVerbOptions& options, const Common& common, Report& report) {
+int run_bench(const BenchVerbOptions& options, const Common& common, Report& report) {
   const int rounds = options.rounds;
-  const BodyPackage package = read_body_package(find_packages());
-  const Template body_template = read_template();
-  const FittedCharacter fitted =
-      fit_character(body_template, make_body(package, athlete()), package, {}, report);
-  const Motion motion = open_motion(data_folder() / "motions" / "long_jump.bvh",
+  const BodyPackage package = read_body_package(common.assets);
+  const Template body_template = read_template(common.assets);
+  const FittedActor fitted =
+      fit_actor(common.assets, body_template, make_body(package, athlete()), package, {}, report);
+  const Motion motion = open_motion(common.assets.tables / "motions" / "long_jump.bvh",
                                     fitted.actor.character, {}, common, report);
 
   if (options.muscles) {
     PosedAnatomy posed;
-    const std::vector<BenchCase> row{{"row", row_of_poses(fitted.actor, motion, posed)}};
+    ContactWorkspace contact;
+    const std::vector<BenchCase> row{{"row", row_of_poses(fitted.actor, motion, posed, contact)}};
     const double ms = 1e3 * least_cpu_times(row, rounds)[0] / kRow;
     const std::vector<BenchCase> shared{
-        {"row",
-         row_of_poses(fitted.actor, motion, posed, tbb::this_task_arena::max_concurrency())}};
+        {"row", row_of_poses(fitted.actor, motion, posed, contact,
+                             tbb::this_task_arena::max_concurrency())}};
     const double clock_ms = 1e3 * least_clock_times(shared, rounds)[0] / kRow;
     report.set("bench.muscles_row_13k.ms", ms);
     report.set("bench.muscles_row_13k.all_cores_ms", clock_ms);
@@ -183,7 +191,7 @@ int run(const BenchVerbOptions& options, const Common& common, Report& report) {
   const BaseSkin base{fine.body.skin, refine_skin(package)};
   fine.body.skin = {refine_points(base.refinement, fine.body.skin.V), base.refinement.F};
   Report fine_report;
-  const Actor fine_actor = make_actor(std::move(fine), fine_report, {.base = &base});
+  const Actor fine_actor = make_actor(common.assets, std::move(fine), fine_report, {.base = &base});
   for (const Ratio& ratio : bench_frames(fine_actor, motion, "120k", 3, rounds))
     ratios.push_back(ratio);
 
@@ -219,8 +227,9 @@ void add_bench_verb(VerbRegistry& registry) {
   auto options = std::make_shared<BenchVerbOptions>();
   CLI::App* verb = add_verb(
       registry, registry.app, "bench", "Measure speed, as ratios within one run",
-      "ecorche bench --report bench.json",
-      [options](const Common& common, Report& report) { return run(*options, common, report); });
+      "ecorche bench --report bench.json", [options](const Common& common, Report& report) {
+        return run_bench(*options, common, report);
+      });
   verb->add_flag("--muscles", options->muscles, "Only the posing of all muscles, pose after pose");
   verb->add_option("--rounds", options->rounds,
                    "Interleaved repetitions; the least time of each case counts")

@@ -1,19 +1,26 @@
-// ecorche check: is this anatomy sound? Figures beside what is asked of them, muscle by muscle,
-// with pictures.
+#include "app/verbs/check_verb.h"
+
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cstdio>
+#include <memory>
+#include <optional>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
-#include "anatomy/files/package_archive.h"
 #include "anatomy/files/similar_names.h"
+#include "app/files/actor.h"
 #include "app/files/open_character.h"
+#include "app/pages/check_figures.h"
 #include "app/pages/check_page.h"
+#include "app/progress.h"
 #include "morph/template/template.h"
+#include "morph/template/template_cache.h"
 #include "skinning/checks/bodies_check.h"
 #include "skinning/checks/bulges.h"
+#include "skinning/checks/check_targets.h"
 
 namespace ecorche {
 namespace {
@@ -27,9 +34,20 @@ struct CheckVerbOptions {
   bool no_pictures = false, no_sweeps = false;
 };
 
+// A bar that begins with the first step.
+CheckProgress progress_of(const Common& common, const char* what) {
+  auto bar = std::make_shared<std::optional<Progress>>();
+  return [&common, what, bar](int done, int total) {
+    if (done == 0)
+      bar->emplace(common, what, total);
+    else
+      (*bar)->step();
+  };
+}
+
 Character open_subject(const std::string& name, const Common& common, Report& report) {
   if (name != "template") return open_character(name, common, report);
-  Template shown = read_template();
+  Template shown = read_template(common.assets);
   return {std::move(shown.anatomy), std::move(shown.body)};
 }
 
@@ -39,7 +57,7 @@ std::vector<std::string> names_of(const std::vector<BodySpec>& bodies) {
   return out;
 }
 
-// A row a body; posed only where a table of poses was given.
+// One row per body; posed only if a table of poses was given.
 int run_bodies(const CheckVerbOptions& options, const Common& common, Report& report) {
   std::vector<BodySpec> bodies = checked_bodies();
   for (const std::string& name : options.bodies)
@@ -55,9 +73,10 @@ int run_bodies(const CheckVerbOptions& options, const Common& common, Report& re
     });
   std::vector<LimitPose> poses;
   if (!options.poses.empty() && options.poses != "none")
-    poses =
-        read_limit_poses(options.poses, read_template().anatomy.skeleton, UnknownJoints::refuse);
-  const std::vector<BodyCheck> checks = check_bodies(bodies, poses, common);
+    poses = read_limit_poses(options.poses, read_template(common.assets).anatomy.skeleton,
+                             UnknownJoints::refuse);
+  const std::vector<BodyCheck> checks =
+      check_bodies(common.assets, bodies, poses, progress_of(common, "bodies"));
   std::fputs(bodies_table(checks).c_str(), stdout);
   const auto met = std::count_if(checks.begin(), checks.end(), is_met);
   report.set("check.bodies", int(checks.size()));
@@ -71,7 +90,7 @@ int run_bodies(const CheckVerbOptions& options, const Common& common, Report& re
   return all ? 0 : 8;
 }
 
-// Options that would do nothing are refused.
+// Refuses options that would have no effect.
 void check_options(const CheckVerbOptions& options, const Common& common) {
   const bool bodies = options.character == "bodies";
   if (!bodies && !options.bodies.empty())
@@ -86,15 +105,16 @@ void check_options(const CheckVerbOptions& options, const Common& common) {
   if (!options.folder.empty()) make_output_folder(options.folder);
 }
 
-int run(const CheckVerbOptions& options, const Common& common, Report& report) {
+int run_check(const CheckVerbOptions& options, const Common& common, Report& report) {
   check_options(options, common);
   if (options.character == "bodies") return run_bodies(options, common, report);
-  const Actor actor = make_actor(open_subject(options.character, common, report), report);
-  const BodyPackage package = read_body_package(find_packages());
+  const Actor actor =
+      make_actor(common.assets, open_subject(options.character, common, report), report);
+  const BodyPackage package = read_body_package(common.assets);
   const Skeleton& skeleton = actor.character.anatomy.skeleton;
   std::vector<LimitPose> poses;
   if (options.poses.empty())
-    poses = standard_limit_poses(skeleton);
+    poses = standard_limit_poses(common.assets.tables, skeleton);
   else if (options.poses != "none")
     poses = read_limit_poses(options.poses, skeleton, UnknownJoints::refuse);
   CheckOptions how;
@@ -102,7 +122,7 @@ int run(const CheckVerbOptions& options, const Common& common, Report& report) {
   AnatomyCheck check;
   {
     const StageTimer timer(report, "check");
-    check = check_anatomy(actor, package, poses, how, common);
+    check = check_anatomy(actor, package, poses, how, progress_of(common, "poses"));
   }
   report_anatomy_check(check, report);
   const Bulges bulges = measure_bulges(actor);
@@ -138,7 +158,9 @@ void add_check_verb(VerbRegistry& registry) {
       "joints' limits",
       "ecorche check anna-anatomy.glb -o anna-check\n  ecorche check template --poses my-poses.csv "
       "-o out/template-check",
-      [options](const Common& common, Report& report) { return run(*options, common, report); });
+      [options](const Common& common, Report& report) {
+        return run_check(*options, common, report);
+      });
   verb->add_option("character", options->character,
                    "Character written by `ecorche fit`, `template`: the template in its own body, "
                    "or `bodies`: fitted into twenty bodies, a row each, at rest")

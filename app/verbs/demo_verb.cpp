@@ -1,21 +1,26 @@
-// ecorche demo: an athlete's long jump, from the template to the film.
+#include "app/verbs/demo_verb.h"
+
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <chrono>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
-#include "anatomy/files/package_archive.h"
+#include "app/files/fitted_actor.h"
+#include "app/files/motion_figures.h"
+#include "app/files/open_motion.h"
 #include "app/options/activation_options.h"
 #include "app/pages/actor_film.h"
 #include "app/pages/demo_page.h"
 #include "app/pages/demo_pictures.h"
-#include "app/verb.h"
-#include "morph/fit/fit_character.h"
 #include "morph/shapes/standard_bodies.h"
+#include "morph/template/template_cache.h"
 #include "skinning/checks/motion_survey.h"
+#include "skinning/files/character_write.h"
 #include "skinning/files/pc2_io.h"
+#include "skinning/motion/activation.h"
 
 namespace ecorche {
 namespace {
@@ -62,7 +67,7 @@ std::vector<std::pair<double, std::string>> flight_events(const Motion& motion) 
           {double(down) / motion.fps, "landing"}};
 }
 
-// Muscles of the take-off leg that a coach would ask for: lengths and thicknesses over their rest.
+// Selected muscles of the take-off leg: lengths and thicknesses relative to rest.
 class MuscleCurves {
  public:
   MuscleCurves(const Actor& actor, std::vector<MuscleCurve>& curves) : curves_(curves) {
@@ -76,7 +81,8 @@ class MuscleCurves {
     const Anatomy& anatomy = actor.character.anatomy;
     const auto ranges = slice_ranges(anatomy);
     PosedAnatomy rest;
-    pose_anatomy(actor.table, anatomy.skeleton, rest_pose(anatomy.skeleton), rest);
+    ContactWorkspace contact;
+    pose_muscles(actor.muscles, anatomy.skeleton, rest_pose(anatomy.skeleton), rest, contact);
     for (const auto& [name, label] : wanted) {
       const int m = find_muscle(anatomy, name);
       const auto range = std::find_if(ranges.begin(), ranges.end(),
@@ -112,18 +118,19 @@ class MuscleCurves {
 };
 
 // The same stages in a body of another build, as in the paper's figure 5.
-Picture second_body(const Template& body_template, const BodyPackage& package) {
+Picture second_body(const Assets& assets, const Template& body_template,
+                    const BodyPackage& package) {
   BodySpec woman;
   woman.sex = Sex::female;
   const Body body = make_body(package, woman);
   Report aside;
-  const FittedCharacter fitted = fit_character(body_template, body, package, {}, aside);
+  const FittedActor fitted = fit_actor(assets, body_template, body, package, {}, aside);
   return picture_of_fit(body_template, body, fitted, package,
                         "The same template in a woman of average build (figure 5)");
 }
 
 void add_pictures(const Template& body_template, const BodyPackage& package,
-                  const FittedCharacter& fitted, const Motion& jump, const Common& common,
+                  const FittedActor& fitted, const Motion& jump, const Common& common,
                   DemoRecord& record) {
   const Character& character = fitted.actor.character;
   record.fit_pictures.push_back(
@@ -133,29 +140,30 @@ void add_pictures(const Template& body_template, const BodyPackage& package,
                      "transformed; its bones transformed; its muscles transformed and shrunk; its "
                      "muscles dilated up to the "
                      "layer of fat and skin"));
-  record.fit_pictures.push_back(second_body(body_template, package));
+  record.fit_pictures.push_back(second_body(common.assets, body_template, package));
   record.fit_pictures.push_back(picture_of_muscles(fitted, package));
   record.motion_pictures.push_back(picture_of_jump(fitted.actor, package, jump, record));
   Report aside;
   const Motion walk =
-      open_motion(data_folder() / "motions" / "walk.bvh", character, {}, common, aside);
+      open_motion(common.assets.tables / "motions" / "walk.bvh", character, {}, common, aside);
   record.motion_pictures.push_back(picture_of_walk(fitted.actor, package, walk));
 }
 
-// One after the other, every eighth.
+// Mean time of a frame, over every eighth one, evaluated one after the other.
 double mean_frame_ms(const Actor& actor, const Motion& motion) {
-  ActorFrame frame;
-  play(actor, motion.frames[0], frame);
+  ActorState frame(actor);
+  evaluate(actor, motion.frames[0], {}, frame);
   const auto start = std::chrono::steady_clock::now();
   int played = 0;
   for (size_t f = 0; f < motion.frames.size(); f += 8, ++played)
-    play(actor, motion.frames[f], frame);
+    evaluate(actor, motion.frames[f], {}, frame);
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
              .count() /
          played;
 }
 
-// The vertex cache, the muscles' curves and the figures, in one pass over the motion.
+// Writes the vertex cache and collects the muscles' curves and the figures in one pass over the
+// motion.
 MotionQuality play_jump(const fs::path& cache, const Actor& actor, const Motion& motion,
                         const Activations& activations, const BodyPackage& package,
                         DemoRecord& record, Report& report) {
@@ -164,7 +172,7 @@ MotionQuality play_jump(const fs::path& cache, const Actor& actor, const Motion&
   MuscleCurves curves(actor, record.curves);
   MotionRun pass{activations};
   pass.package = &package;
-  pass.take = [&](int f, const ActorFrame& frame) {
+  pass.take = [&](int f, const CharacterState& frame) {
     writer.add_frame(frame.skin.positions);
     curves.add(frame.posed);
     record.seconds.push_back(f / motion.fps);
@@ -174,33 +182,34 @@ MotionQuality play_jump(const fs::path& cache, const Actor& actor, const Motion&
   return quality;
 }
 
-Template timed_template(Report& report) {
+Template timed_template(const Assets& assets, Report& report) {
   const StageTimer timer(report, "template");
-  return read_template();
+  return read_template(assets);
 }
 
-int run(const DemoOptions& options, const Common& common, Report& report) {
+int run_demo(const DemoOptions& options, const Common& common, Report& report) {
   make_output_folder(options.folder);
   note(common, "template");
-  const Template body_template = timed_template(report);
-  const BodyPackage package = read_body_package(find_packages());
+  const Template body_template = timed_template(common.assets, report);
+  const BodyPackage package = read_body_package(common.assets);
 
   note(common, "fit");
   const Body body = make_body(package, athlete());
-  const FittedCharacter fitted = fit_character(body_template, body, package, {}, report);
+  const FittedActor fitted = fit_actor(common.assets, body_template, body, package, {}, report);
   const Actor& actor = fitted.actor;
   const Anatomy& anatomy = actor.character.anatomy;
   report.set("bones", int(anatomy.bones.size()));
   report.set("muscles", int(anatomy.muscles.size()));
-  report.set("strips", actor.table.strips());
-  report.set("slices", actor.table.slices());
+  report.set("strips", actor.muscles.posing.strips());
+  report.set("slices", actor.muscles.posing.slices());
   report.set("skin_vertices", actor.binding.vertex_count);
 
   note(common, "motion");
-  const Motion motion =
-      open_motion(data_folder() / "motions" / "long_jump.bvh", actor.character, {}, common, report);
+  const Motion motion = open_motion(common.assets.tables / "motions" / "long_jump.bvh",
+                                    actor.character, {}, common, report);
   report.set("frame_ms", mean_frame_ms(actor, motion));
-  const Activations activations = open_activations(options.activation, actor, motion, report);
+  const Activations activations =
+      open_activations(common.assets, options.activation, actor, motion, report);
 
   note(common, "files");
   write_character(options.folder / "athlete.glb", actor.character, actor.binding, &motion,
@@ -226,7 +235,8 @@ int run(const DemoOptions& options, const Common& common, Report& report) {
 
   note(common, "pictures");
   add_pictures(body_template, package, fitted, motion, common, record);
-  for (const MissedTarget& target : missed_targets(fitted)) record.missed.push_back(target.what);
+  for (const MissedTarget& target : missed_targets(fitted.report))
+    record.missed.push_back(target.what);
   const auto in_motion = missed_targets(quality);
   record.missed.insert(record.missed.end(), in_motion.begin(), in_motion.end());
   const auto& missed = record.missed;
@@ -246,14 +256,15 @@ int run(const DemoOptions& options, const Common& common, Report& report) {
 
 void add_demo_verb(VerbRegistry& registry) {
   auto options = std::make_shared<DemoOptions>();
-  CLI::App* verb = add_verb(
-      registry, registry.app, "demo",
-      "An athlete's long jump, end to end: film, character, vertex cache, report",
-      "ecorche demo -o out/long-jump",
-      [options](const Common& common, Report& report) { return run(*options, common, report); });
+  CLI::App* verb =
+      add_verb(registry, registry.app, "demo",
+               "An athlete's long jump, end to end: film, character, vertex cache, report",
+               "ecorche demo -o out/long-jump", [options](const Common& common, Report& report) {
+                 return run_demo(*options, common, report);
+               });
   verb->add_option("-o,--output", options->folder, "Folder to write to; made where it is missing")
       ->capture_default_str();
-  verb->add_option("--activation", options->activation, kActivationHelp)->capture_default_str();
+  add_activation_option(*verb, options->activation);
 }
 
 }  // namespace ecorche

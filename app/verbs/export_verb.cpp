@@ -1,12 +1,15 @@
-// ecorche export: a character as a musculoskeletal model for OpenSim or MuJoCo.
+#include "app/verbs/export_verb.h"
+
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "anatomy/errors.h"
 #include "anatomy/model_files/export_ground.h"
+#include "anatomy/model_files/mjcf_writer.h"
 #include "anatomy/model_files/model_export.h"
+#include "anatomy/model_files/osim_writer.h"
 #include "app/files/open_character.h"
 #include "app/files/skin_markers.h"
-#include "app/verb.h"
 
 namespace ecorche {
 namespace {
@@ -20,11 +23,11 @@ struct Options {
 };
 
 // The skin's landmarks, where it has them.
-void mark(const Character& character, ExportModel& model, Report& report) {
+void mark(const Assets& assets, const Character& character, ExportModel& model, Report& report) {
   std::vector<std::string> names;
   Points places;
   try {
-    const std::vector<SkinMarker> markers = skin_markers(character.body.skin);
+    const std::vector<SkinMarker> markers = skin_markers(assets, character.body.skin);
     places.resize(markers.size(), 3);
     for (const SkinMarker& marker : markers) {
       places.row(names.size()) = character.body.skin.V.row(marker.vertex);
@@ -37,14 +40,14 @@ void mark(const Character& character, ExportModel& model, Report& report) {
   report.set("export.markers", int(names.size()));
 }
 
-int run(const Options& options, const Common& common, Report& report) {
+int run_export(const Options& options, const Common& common, Report& report) {
   for (const fs::path& output : options.outputs) require_ending(output, {".osim", ".xml"});
   check_outputs(common, options.outputs, {options.character});
   const Character character = open_character(options.character, common, report);
-  ExportModel model = make_export_model(character.anatomy, character.body);
+  ExportModel model = make_export_model(character.anatomy, character.body, common.assets.tables);
   if (options.no_meshes) model.meshes.clear();
   if (options.ground) add_ground(character.anatomy, character.body, model);
-  mark(character, model, report);
+  mark(common.assets, character, model, report);
   double mass = 0;
   for (const ExportBody& body : model.bodies) mass += body.mass;
   report.set("bones", int(character.anatomy.bones.size()));
@@ -84,11 +87,12 @@ int run(const Options& options, const Common& common, Report& report) {
 
 void add_export_verb(VerbRegistry& registry) {
   auto options = std::make_shared<Options>();
-  CLI::App* verb = add_verb(
-      registry, registry.app, "export",
-      "Write a character as a musculoskeletal model for OpenSim or MuJoCo",
-      "ecorche export anna-anatomy.glb -o anna.osim -o anna.xml",
-      [options](const Common& common, Report& report) { return run(*options, common, report); });
+  CLI::App* verb = add_verb(registry, registry.app, "export",
+                            "Write a character as a musculoskeletal model for OpenSim or MuJoCo",
+                            "ecorche export anna-anatomy.glb -o anna.osim -o anna.xml",
+                            [options](const Common& common, Report& report) {
+                              return run_export(*options, common, report);
+                            });
   verb->add_option("character", options->character,
                    "Character written by `ecorche fit`, CROWD.glb#NAME, or a template of `ecorche "
                    "template import`")

@@ -1,16 +1,17 @@
-// ecorche body measure: what a tape, a stick and a calliper read on a body.
+#include "app/verbs/measure_verb.h"
+
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <nlohmann/json.hpp>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
-#include "anatomy/files/package_archive.h"
 #include "app/files/open_body.h"
 #include "app/options/option_values.h"
+#include "app/options/subject_options.h"
 #include "app/pages/html_page.h"
 #include "app/pages/tape_pictures.h"
-#include "app/verb.h"
 #include "morph/measures/tape_measure.h"
 
 namespace ecorche {
@@ -57,8 +58,8 @@ std::vector<std::vector<std::string>> table_rows(const TapeMeasure& tape,
   return rows;
 }
 
-void print(const TapeMeasure& tape, const std::vector<double>& values,
-           const MeasureOptions& options) {
+void print_measure(const TapeMeasure& tape, const std::vector<double>& values,
+                   const MeasureOptions& options) {
   const Unit unit = unit_of(options.unit);
   if (options.json) {
     nlohmann::ordered_json out;
@@ -83,8 +84,8 @@ void print(const TapeMeasure& tape, const std::vector<double>& values,
 }
 
 int run_measure(const MeasureOptions& options, const Common& common, Report& report) {
-  const BodyPackage package = read_body_package(find_packages());
-  const TapeMeasure tape(package, read_measure_table(package, data_folder() / "body"));
+  const BodyPackage package = read_body_package(common.assets);
+  const TapeMeasure tape(package, read_measure_table(package, package.tables / "body"));
   if (options.list) {
     for (int k = 0; k < tape.count(); ++k)
       fmt::print("{:28} {}\n", tape.measure(k).id, tape.measure(k).name);
@@ -117,7 +118,7 @@ int run_measure(const MeasureOptions& options, const Common& common, Report& rep
     note(common, fmt::format("{}: {} measures", options.html.string(), tape.count()));
     return 0;
   }
-  print(tape, values, options);
+  print_measure(tape, values, options);
   return 0;
 }
 
@@ -130,8 +131,7 @@ void add_body_measure(VerbRegistry& registry, CLI::App& body) {
       "ecorche body measure anna.glb --unit in", [options](const Common& common, Report& report) {
         return run_measure(*options, common, report);
       });
-  verb->add_option("body", options->body,
-                   "Body or character (.glb), or a bare skin on the base mesh (.obj, .ply, .glb)");
+  add_body_option(*verb, options->body);
   verb->add_flag("--list", options->list, "Name the measures and stop");
   CLI::Option* json = verb->add_flag("--json", options->json, "As JSON: metres and kilograms");
   CLI::Option* csv =

@@ -1,16 +1,17 @@
-// ecorche body modify: the same person with more or less fat, other girths, more muscle, older, or
-// overdrawn.
+#include "app/verbs/modify_verb.h"
+
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
-#include "anatomy/files/package_archive.h"
 #include "app/files/open_body.h"
 #include "app/options/option_values.h"
-#include "app/verb.h"
+#include "app/options/subject_options.h"
 #include "morph/shapes/modify_body.h"
 #include "morph/shapes/shape_age.h"
-#include "skinning/files/character_io.h"
+#include "morph/shapes/shape_space_cache.h"
+#include "skinning/files/character_write.h"
 
 namespace ecorche {
 namespace {
@@ -26,8 +27,8 @@ struct ModifyOptions {
 int run_modify(const ModifyOptions& options, const Common& common, Report& report) {
   require_ending(options.output, {".glb"});
   check_outputs(common, {options.output}, {options.body});
-  const BodyPackage package = read_body_package(find_packages());
-  const TapeMeasure tape(package, read_measure_table(package, data_folder() / "body"));
+  const BodyPackage package = read_body_package(common.assets);
+  const TapeMeasure tape(package, read_measure_table(package, package.tables / "body"));
   Body body = open_base_body(options.body, package, common, report, options.unit);
   if (!options.sex.empty()) body.sex = options.sex == "female" ? Sex::female : Sex::male;
   const ShapeSpace space = read_shape_space(package, tape, body.sex);
@@ -39,7 +40,7 @@ int run_modify(const ModifyOptions& options, const Common& common, Report& repor
   const double own_age = body.age > 0 ? body.age : kSurveyAge;
   change.age = std::pair{own_age, options.age.value_or(own_age)};
   for (const std::string& text : options.measures)
-    change.measures.push_back(parse_wish(text, tape));
+    change.measures.push_back(parse_target(text, tape));
   const auto figures = [&](const char* when, const Points& skin) {
     const double fat = fat_percentage(tape, body.sex, skin), ratio = hip_waist_ratio(tape, skin);
     report.set(fmt::format("{}.fat_percent", when), fat);
@@ -79,9 +80,7 @@ void add_body_modify(VerbRegistry& registry, CLI::App& body) {
                             [options](const Common& common, Report& report) {
                               return run_modify(*options, common, report);
                             });
-  verb->add_option("body", options->body,
-                   "Body or character (.glb), or a bare skin on the base mesh (.obj, .ply, .glb)")
-      ->required();
+  add_body_option(*verb, options->body)->required();
   verb->add_option("--fat", options->fat, "Share of fat, per cent, by girths and height")
       ->check(between(2.0, 60.0));
   verb->add_option("--hip-waist", options->hip_waist, "Hip girth over waist girth")
@@ -97,10 +96,9 @@ void add_body_modify(VerbRegistry& registry, CLI::App& body) {
   verb->add_option("--exaggerate", options->exaggeration,
                    "More (above 1) or less (below 1) of what sets the body apart from the average")
       ->check(between(0.0, 3.0));
-  verb->add_option("--sex", options->sex, "Of a body that does not say it")
-      ->check(one_of({"male", "female"}));
+  add_sex_option(*verb, options->sex, "Of a body that does not say it");
   add_skin_unit_option(*verb, "--skin-unit", options->unit);
-  verb->add_option("-o,--output", options->output, "Body file to write (.glb)")->required();
+  add_body_output_option(*verb, options->output);
 }
 
 }  // namespace ecorche

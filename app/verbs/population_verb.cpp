@@ -1,26 +1,35 @@
-// ecorche body population: a file of measures, or a number of people, as bodies with their anatomy.
-// Stops and goes on where it stopped.
+#include "app/verbs/population_verb.h"
+
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_pipeline.h>
 #include <oneapi/tbb/task_arena.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <fstream>
 #include <functional>
 #include <sstream>
 
+#include "anatomy/base_mesh/body_rig.h"
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
 #include "anatomy/files/csv_table.h"
 #include "anatomy/files/package_archive.h"
+#include "app/files/actor.h"
+#include "app/files/fitted_actor.h"
 #include "app/options/option_values.h"
+#include "app/options/subject_options.h"
 #include "app/progress.h"
-#include "app/verb.h"
-#include "morph/fit/fit_character.h"
 #include "morph/shapes/population.h"
 #include "morph/shapes/shape_age.h"
-#include "skinning/crowd/crowd_io.h"
-#include "skinning/files/character_io.h"
+#include "morph/shapes/shape_space_cache.h"
+#include "morph/shapes/sizes.h"
+#include "morph/template/template_cache.h"
+#include "population_code.h"  // generated: kPopulationCode
+#include "skinning/crowd/crowd_file.h"
+#include "skinning/crowd/crowd_person.h"
+#include "skinning/crowd/crowd_prototype.h"
+#include "skinning/files/character_write.h"
 
 namespace ecorche {
 namespace {
@@ -37,22 +46,21 @@ struct PopulationOptions {
 constexpr const char* kHeader =
     "name,sex,age,stature_m,weight_kg,worst_miss_in_tolerances,anatomy,missed\n";
 
-// Rows of an earlier make have other columns.
-constexpr const char* kRowVersion = "rows 2";
-
-// People that are made side by side, one a core: half of a fit is work for one core alone. More
-// would need more memory.
+// Number of people made in parallel, one a core: half of a fit is serial. More of them would
+// need more memory.
 constexpr int kMostAtOnce = 4;
 
-// What all people share: packages, tables, spaces, the template. Read once, and then only looked
-// at.
+// Read-only data of all people: packages, tables, shape spaces, the template.
 struct Workshop {
-  BodyPackage package = read_body_package(find_packages());
-  TapeMeasure tape{package, read_measure_table(package, data_folder() / "body")};
+  explicit Workshop(const Assets& opened) : assets(opened) {}
+
+  Assets assets;
+  BodyPackage package = read_body_package(assets);
+  TapeMeasure tape{package, read_measure_table(package, package.tables / "body")};
   std::vector<VertexPart> parts = vertex_parts(package);
   std::optional<ShapeSpace> spaces[2];
   std::optional<Template> body_template;
-  std::optional<CrowdMould> mould;  // of a crowd
+  std::optional<CrowdPrototype> prototype;  // of a crowd
 
   void prepare(Sex sex) {
     auto& kept = spaces[sex == Sex::male ? 0 : 1];
@@ -61,7 +69,8 @@ struct Workshop {
   const ShapeSpace& space(Sex sex) const { return *spaces[sex == Sex::male ? 0 : 1]; }
 };
 
-// All that a person's files depend on. A row that is edited is made anew.
+// Key of everything that a person's files depend on. An edited row has another key and is fitted
+// again.
 std::string row_key(const Person& person, const PopulationOptions& options,
                     const std::string& versions) {
   std::string text = fmt::format("{} {} {} {} {}", versions, person.name,
@@ -70,15 +79,16 @@ std::string row_key(const Person& person, const PopulationOptions& options,
   text += options.crowd.empty() ? "" : fmt::format(" crowd {}", kCrowdSchema);
   text += person.age ? fmt::format(" age {}", *person.age) : "";
   text += person.draw ? fmt::format(" draw {}", *person.draw) : "";
-  for (const Wish& wish : person.wishes) text += fmt::format(" {}={}", wish.measure, wish.value);
+  for (const MeasureTarget& target : person.targets)
+    text += fmt::format(" {}={}", target.measure, target.value);
   return sha256(text);
 }
 
 double worst_miss(const TapeMeasure& tape, const Person& person, const SolvedBody& solved) {
   double worst = 0;
-  for (std::size_t i = 0; i < person.wishes.size(); ++i)
-    worst = std::max(worst, std::abs(solved.achieved[i] - person.wishes[i].value) /
-                                tape.measure(person.wishes[i].measure).tolerance);
+  for (std::size_t i = 0; i < person.targets.size(); ++i)
+    worst = std::max(worst, std::abs(solved.achieved[i] - person.targets[i].value) /
+                                tape.measure(person.targets[i].measure).tolerance);
   return worst;
 }
 
@@ -102,26 +112,26 @@ std::string make_files(const Workshop& shop, const Person& person, const Populat
   body.mass = kBodyDensity * skin_volume(shop.package, solved.points);
   std::string anatomy = "none", names;
   Report own;
-  if (options.skins && shop.mould) {
-    // Joints and weights are the bones'; muscles need not grow for them.
-    const Actor actor =
-        make_actor({fit_anatomy(*shop.body_template, body).anatomy, body}, own, {.moves = false});
-    write_crowd_person(file, *shop.mould, actor.character, actor.binding.joint_weights);
+  if (options.skins && shop.prototype) {
+    // Joints and weights depend on the bones alone; muscles are not dilated.
+    const BoundCharacter bound =
+        bind_character(shop.assets, {fit_anatomy(*shop.body_template, body).anatomy, body}, own);
+    write_crowd_person(file, *shop.prototype, bound.character, bound.binding.joint_weights);
   } else if (options.skins) {
     write_body(file, body);
   } else {
-    const FittedCharacter fitted =
-        fit_character(*shop.body_template, body, shop.package,
-                      {.moves = false, .tissues = false, .parts = &shop.parts}, own);
-    const std::vector<MissedTarget> missed = missed_targets(fitted);
+    const FittedForFile fitted =
+        fit_for_file(shop.assets, *shop.body_template, body, shop.package,
+                     {.fitting = {.tissues = false, .parts = &shop.parts}}, own);
+    const std::vector<MissedTarget> missed = missed_targets(fitted.report);
     anatomy = missed.empty() ? "met" : fmt::format("{} targets missed", missed.size());
     for (const MissedTarget& target : missed) names += (names.empty() ? "" : ";") + target.name;
-    if (shop.mould)
-      write_crowd_person(file, *shop.mould, fitted.actor.character,
-                         fitted.actor.binding.joint_weights);
+    if (shop.prototype)
+      write_crowd_person(file, *shop.prototype, fitted.bound.character,
+                         fitted.bound.binding.joint_weights);
     else
-      write_character(file, fitted.actor.character, fitted.actor.binding, nullptr,
-                      find_look(shop.package, body.skin, fitted.actor.character.anatomy.skeleton));
+      write_character(file, fitted.bound.character, fitted.bound.binding, nullptr,
+                      find_look(shop.package, body.skin, fitted.bound.character.anatomy.skeleton));
   }
   return fmt::format("{},{},{},{:.4f},{:.2f},{:.3f},{},{}\n", person.name,
                      person.sex == Sex::male ? "male" : "female",
@@ -130,7 +140,7 @@ std::string make_files(const Workshop& shop, const Person& person, const Populat
                      worst_miss(shop.tape, person, solved), anatomy, names);
 }
 
-// The row of a person whose files are there and were made from the same; empty otherwise.
+// The person's row of population.csv if the files exist and have the same key; otherwise empty.
 std::string finished_row(const fs::path& note, const fs::path& file, const std::string& key) {
   std::ifstream in(note);
   std::string found, row;
@@ -140,10 +150,10 @@ std::string finished_row(const fs::path& note, const fs::path& file, const std::
 }
 
 fs::path person_file(const Workshop& shop, const Person& person, const PopulationOptions& options) {
-  return options.folder / (person.name + (shop.mould ? ".bin" : ".glb"));
+  return options.folder / (person.name + (shop.prototype ? ".bin" : ".glb"));
 }
 
-// What became of a person.
+// Result of one person.
 struct Outcome {
   std::string row;      // of population.csv; empty for one who was refused
   std::string refused;  // why
@@ -167,7 +177,7 @@ Outcome make_person_once(const Workshop& shop, const Person& person,
   return out;
 }
 
-// Several people at once; `take` gets them one by one, in order.
+// Makes several people in parallel; `take` receives them one by one, in order.
 void make_people(const Workshop& shop, const std::vector<Person>& people,
                  const PopulationOptions& options, const std::string& versions,
                  const std::function<void(const Person&, const Outcome&)>& take) {
@@ -181,7 +191,7 @@ void make_people(const Workshop& shop, const std::vector<Person>& people,
         if (next == people.size()) flow.stop();
         return next++;
       });
-  // A core that waits for its own person's work must not begin with another.
+  // A thread that waits within one person's fit must not start another person.
   const auto make =
       tbb::make_filter<std::size_t, Made>(tbb::filter_mode::parallel, [&](std::size_t i) {
         return Made{&people[i], tbb::this_task_arena::isolate([&] {
@@ -200,7 +210,7 @@ bool misses_targets(const std::string& row) {
   return !Table(kHeader + row, "population.csv").text(0, "missed").empty();
 }
 
-// A row of population.csv and what was asked, as a crowd's figures.
+// Figures of one person in a crowd: the row of population.csv and the targets.
 CrowdMember crowd_member(const MeasureTable& table, const Person& person, const fs::path& file,
                          const std::string& row) {
   CrowdMember out{person.name, file, {}, {}};
@@ -209,15 +219,15 @@ CrowdMember crowd_member(const MeasureTable& table, const Person& person, const 
     out.notes.emplace_back(column, cells.text(0, column));
   for (const char* column : {"age", "stature_m", "weight_kg", "worst_miss_in_tolerances"})
     if (!cells.text(0, column).empty()) out.figures.emplace_back(column, cells.number(0, column));
-  for (const Wish& wish : person.wishes)
-    out.figures.emplace_back("asked_" + table.measures[wish.measure].id, wish.value);
+  for (const MeasureTarget& target : person.targets)
+    out.figures.emplace_back("asked_" + table.measures[target.measure].id, target.value);
   return out;
 }
 
 void check_crowd(const PopulationOptions& options) {
   if (options.crowd.empty()) return;
   require_ending(options.crowd, {".glb", ".gltf"});
-  // Said now rather than when all people are made.
+  // Reported before the people are fitted.
   if (options.crowd.extension() == ".gltf" &&
       fs::weakly_canonical(fs::absolute(options.crowd).parent_path()) !=
           fs::weakly_canonical(fs::absolute(options.folder)))
@@ -232,28 +242,31 @@ int run_population(const PopulationOptions& options, const Common& common, Repor
   check_outputs(common, {options.crowd}, {options.people});
   std::optional<Sex> sex;
   if (!options.sex.empty()) sex = options.sex == "female" ? Sex::female : Sex::male;
-  Workshop shop;
+  Workshop shop(common.assets);
   People people;
   if (options.people.empty())
     people.people = draw_people(options.count, sex, common.seed);
   else
-    people = read_people(options.people, sex, shop.tape);
+    people = read_people(options.people, sex, shop.tape, read_sizes(common.assets.tables / "body"));
   for (const BadRow& bad : people.bad) note(common, bad.what);
   if (people.people.empty())
     throw InputError(fmt::format("{} ({} rows, none of which can be used)", people.bad.front().what,
                                  people.bad.size()));
-  if (!options.skins || !options.crowd.empty()) shop.body_template = read_template();
+  if (!options.skins || !options.crowd.empty()) shop.body_template = read_template(common.assets);
   const fs::path notes = options.folder / ".rows";
   make_output_folder(notes);
   if (!options.crowd.empty()) {
-    shop.mould = make_crowd_mould({shop.body_template->anatomy, shop.body_template->body},
-                                  options.skins ? CrowdLayers::skin_alone : CrowdLayers::all);
+    shop.prototype =
+        make_crowd_prototype({shop.body_template->anatomy, shop.body_template->body},
+                             options.skins ? CrowdLayers::skin_alone : CrowdLayers::all);
   }
 
   for (const Person& person : people.people) shop.prepare(person.sex);
-  const std::string versions = fmt::format(
-      "{} {} {} {} {}", ECORCHE_VERSION, kRowVersion, shop.body_template ? template_key() : "",
-      shape_space_key(Sex::male), shape_space_key(Sex::female));
+  const std::string versions =
+      fmt::format("{} {} {} {} {}", ECORCHE_VERSION, kPopulationCode,
+                  shop.body_template ? template_key(common.assets.tables) : "",
+                  shape_space_key(common.assets.tables, Sex::male),
+                  shape_space_key(common.assets.tables, Sex::female));
   std::string table = kHeader;
   std::vector<CrowdMember> members;
   int made = 0, kept = 0, refused = 0, missed = 0;
@@ -272,7 +285,7 @@ int run_population(const PopulationOptions& options, const Common& common, Repor
                 ++(outcome.kept ? kept : made);
                 missed += misses_targets(outcome.row);
                 table += outcome.row;
-                if (shop.mould)
+                if (shop.prototype)
                   members.push_back(crowd_member(shop.tape.table(), person,
                                                  person_file(shop, person, options), outcome.row));
               });
@@ -281,7 +294,7 @@ int run_population(const PopulationOptions& options, const Common& common, Repor
     std::sort(members.begin(), members.end(),
               [](const CrowdMember& a, const CrowdMember& b) { return a.name < b.name; });
     const StageTimer crowd_timer(report, "crowd");
-    write_crowd(options.crowd, *shop.mould, members);
+    write_crowd(options.crowd, *shop.prototype, members);
     report.set("population.crowd_bytes", double(fs::file_size(options.crowd)));
   }
   report.set("population.people", made + kept);
@@ -316,15 +329,13 @@ void add_body_population(VerbRegistry& registry, CLI::App& body) {
                    "Instead of a file: so many people by chance, with the survey's means, spreads "
                    "and correlations (--seed)")
       ->check(between(1, 1000000));
-  verb->add_option("--sex", options->sex, "Of rows that do not say it; with --count, of all")
-      ->check(one_of({"male", "female"}));
+  add_sex_option(*verb, options->sex, "Of rows that do not say it; with --count, of all");
   verb->add_option("--crowd", options->crowd,
                    "One file of all people (.glb, or .gltf in the folder, referring to the "
                    "people's own files): what they have in common is there once");
   verb->add_flag("--skins", options->skins,
                  "Skins alone, without bones and muscles; in a crowd with joints that move them");
-  verb->add_flag("--allow-unusual", options->allow_unusual,
-                 "Accept measures that people do not have, as far as the skin can be bent");
+  add_unusual_option(*verb, options->allow_unusual);
   verb->add_option("-o,--output", options->folder,
                    "Folder to write; people that are there already from the same row are kept")
       ->required();

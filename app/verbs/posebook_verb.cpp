@@ -1,6 +1,7 @@
-// ecorche posebook: hard poses by every way to move a skin, as sheets to look at and figures to
-// compare.
+#include "app/verbs/posebook_verb.h"
+
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -11,11 +12,11 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
 #include "anatomy/geometry/self_intersections.h"
+#include "app/files/actor.h"
 #include "app/files/open_character.h"
 #include "app/options/picture_size.h"
 #include "app/pages/pose_sheet.h"
 #include "app/progress.h"
-#include "app/verb.h"
 #include "skinning/evaluation/pose_figures.h"
 
 namespace ecorche {
@@ -25,7 +26,7 @@ namespace fs = std::filesystem;
 
 struct PoseBookOptions {
   std::vector<fs::path> characters;
-  fs::path folder, poses = data_folder() / "poses" / "poses.csv";
+  fs::path folder, poses;  // without poses: our own
   std::string methods = "lbs,dqs,deltamush,paper,ecorche";
   std::string cell = "230x270";
   bool pictures = true;
@@ -61,12 +62,12 @@ void add_figures(const Actor& actor, const std::vector<VolumePose>& volumes,
   const TriMesh& rest = actor.character.body.skin;
   const std::vector<LimbSection> limbs =
       whole_limbs(actor.character.anatomy.skeleton, rest, actor.binding);
-  ActorFrame frame;
+  ActorState frame(actor);
   for (const VolumePose& each : volumes) {
-    play_skin(actor, each.pose, frame);
+    evaluate_skin(actor, each.pose, {}, frame);
     double change =
         each.sections.empty()
-            ? measure_pose(rest, actor.binding, frame.posed.X_WJ, frame.skin).body_volume_change
+            ? measure_pose(rest, *actor.skin.blend, frame.posed.X_WJ, frame.skin).body_volume_change
             : 0;
     for (const LimbSection& limb : limbs)
       if (std::find(each.sections.begin(), each.sections.end(), limb.name) != each.sections.end())
@@ -76,8 +77,8 @@ void add_figures(const Actor& actor, const std::vector<VolumePose>& volumes,
   Points V;
   Progress progress(common, std::string(long_name(actor.method)), int(book.size()));
   for (std::size_t i = 0; i < book.size(); ++i) {
-    play_skin(actor, book[i].pose, frame);
-    out.poses.push_back(measure_pose(rest, actor.binding, frame.posed.X_WJ, frame.skin));
+    evaluate_skin(actor, book[i].pose, {}, frame);
+    out.poses.push_back(measure_pose(rest, *actor.skin.blend, frame.posed.X_WJ, frame.skin));
     to_points(frame.skin, V);
     out.self_intersections.push_back(count_self_intersections(rest.F, V));
     progress.step();
@@ -112,9 +113,9 @@ struct Row {
   std::optional<double> asked;  // at most
 };
 
-// What our own skin is asked to do: volumes within 1 % in every pose, a quarter of the triangles in
-// each other that the better one of linear blend and delta mush has, two thirds of linear blend's
-// change of edges, and no triangle flipped outside folds where skin lies against skin.
+// Targets of our own method: volumes within 1 % in every pose, a quarter of the intersecting
+// triangles that the better one of linear blend and delta mush has, two thirds of linear blend's
+// change of edge lengths, and no flipped triangle outside contact folds.
 void set_asked(const std::vector<MethodFigures>& all, std::vector<Row>& rows) {
   for (Row& row : rows) {
     const auto of = [&](SkinMethod method) {
@@ -219,11 +220,12 @@ void write_sheets(const PoseBookOptions& options, PoseSheetOptions sheet, Actor&
                   const Common& common) {
   Renderer renderer;
   SceneOptions scene;
-  scene.eyes = find_eyes(actor.character.body.skin, actor.character.anatomy.skeleton);
+  scene.eyes =
+      find_eyes(common.assets, actor.character.body.skin, actor.character.anatomy.skeleton);
   const SceneModel model =
       make_scene_model(actor.character.anatomy, actor.character.body.skin, scene);
   for (const SkinMethod method : methods) {
-    choose_skin(actor, std::string(short_name(method)));
+    choose_skin(common.assets, actor, std::string(short_name(method)));
     const fs::path file = options.folder / fmt::format("{}.png", short_name(method));
     sheet.skin = true;
     write_png(file,
@@ -237,7 +239,7 @@ void write_sheets(const PoseBookOptions& options, PoseSheetOptions sheet, Actor&
   }
 }
 
-// What our own skin misses of what it is asked, in words.
+// Missed targets of our own method, as text.
 std::vector<std::string> missed_targets(const std::vector<Row>& rows,
                                         const std::vector<MethodFigures>& all) {
   std::vector<std::string> out;
@@ -249,7 +251,7 @@ std::vector<std::string> missed_targets(const std::vector<Row>& rows,
   return out;
 }
 
-int run(const PoseBookOptions& options, const Common& common, Report& report) {
+int run_posebook(const PoseBookOptions& options, const Common& common, Report& report) {
   if (!options.pictures && options.cell != PoseBookOptions{}.cell)
     throw UsageError("--cell: there are no sheets with --no-pictures; leave one of them out");
   const std::vector<SkinMethod> methods = read_methods(options.methods);
@@ -262,9 +264,11 @@ int run(const PoseBookOptions& options, const Common& common, Report& report) {
   std::vector<NamedPose> book;
   int at_rest = 0;
   for (const fs::path& file : options.characters) {
-    Actor actor = make_actor(open_character(file, common, report), report);
+    Actor actor = make_actor(common.assets, open_character(file, common, report), report);
     const Skeleton& skeleton = actor.character.anatomy.skeleton;
-    book = read_pose_book(options.poses, skeleton);
+    book = read_pose_book(
+        options.poses.empty() ? common.assets.tables / "poses" / "poses.csv" : options.poses,
+        skeleton);
     volumes = volume_poses(skeleton);
     names.push_back(file.stem().string());
     at_rest = std::max(at_rest, count_self_intersections(actor.character.body.skin.F,
@@ -272,7 +276,7 @@ int run(const PoseBookOptions& options, const Common& common, Report& report) {
     {
       const StageTimer timer(report, "figures");
       for (std::size_t m = 0; m < methods.size(); ++m) {
-        choose_skin(actor, std::string(short_name(methods[m])));
+        choose_skin(common.assets, actor, std::string(short_name(methods[m])));
         all[m].method = methods[m];
         add_figures(actor, volumes, book, common, all[m]);
       }
@@ -305,11 +309,13 @@ int run(const PoseBookOptions& options, const Common& common, Report& report) {
 
 void add_posebook_verb(VerbRegistry& registry) {
   auto options = std::make_shared<PoseBookOptions>();
-  CLI::App* verb = add_verb(
-      registry, registry.app, "posebook",
-      "Hard poses by every way to move a skin: a sheet each, and a table of figures",
-      "ecorche posebook anna-anatomy.glb ben-anatomy.glb -o poses",
-      [options](const Common& common, Report& report) { return run(*options, common, report); });
+  CLI::App* verb =
+      add_verb(registry, registry.app, "posebook",
+               "Hard poses by every way to move a skin: a sheet each, and a table of figures",
+               "ecorche posebook anna-anatomy.glb ben-anatomy.glb -o poses",
+               [options](const Common& common, Report& report) {
+                 return run_posebook(*options, common, report);
+               });
   verb->add_option(
           "characters", options->characters,
           "Characters written by `ecorche fit`; the sheets show the first, the figures are of all")

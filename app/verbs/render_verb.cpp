@@ -1,5 +1,7 @@
-// ecorche render: a character's motion as a film or as pictures, or one moment of it as a still.
+#include "app/verbs/render_verb.h"
+
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -8,14 +10,15 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
-#include "anatomy/files/package_archive.h"
+#include "app/files/actor.h"
 #include "app/files/open_character.h"
+#include "app/files/open_motion.h"
 #include "app/options/activation_options.h"
 #include "app/options/motion_options.h"
 #include "app/options/option_values.h"
 #include "app/options/picture_size.h"
+#include "app/options/subject_options.h"
 #include "app/pages/actor_film.h"
-#include "app/verb.h"
 #include "skinning/motion/limit_poses.h"
 #include "skinning/motion/pose_book.h"
 #include "viewer/camera.h"
@@ -78,7 +81,7 @@ void set_background(const std::string& text, ActorFilm& film) {
   film.background = Eigen::Vector3i(int(red), int(green), int(blue)).cast<float>() / 255;
 }
 
-// Parts that are left away: those to hide, or all but those named alone.
+// Parts that are not drawn: those of --hide, or all but those of --only.
 std::vector<std::uint32_t> hidden_parts(const RenderVerbOptions& options, const Anatomy& anatomy) {
   std::vector<std::uint32_t> hidden = parts_of_list(anatomy, options.hide, "--hide");
   if (options.only.empty()) return hidden;
@@ -90,8 +93,8 @@ std::vector<std::uint32_t> hidden_parts(const RenderVerbOptions& options, const 
   return hidden;
 }
 
-// What can be said before anything is read.
-void check_options(const RenderVerbOptions& options) {
+// Checks options before any file is read.
+void check_options_render(const RenderVerbOptions& options) {
   const ActorFilm& film = options.film;
   const bool still =
       film.output.extension() == ".png" && film.output.string().find('%') == std::string::npos;
@@ -125,17 +128,17 @@ struct Posture {
   std::string view;  // from where it is best seen
 };
 
-// A pose of the pose book, or at the joints' limits.
-Posture find_posture(const RenderVerbOptions& options, const Skeleton& skeleton) {
+// A pose of the pose book, or one at the joint limits.
+Posture find_posture(const fs::path& tables, const RenderVerbOptions& options,
+                     const Skeleton& skeleton) {
   std::vector<std::string> known;
-  const fs::path book =
-      options.poses.empty() ? data_folder() / "poses" / "poses.csv" : options.poses;
+  const fs::path book = options.poses.empty() ? tables / "poses" / "poses.csv" : options.poses;
   for (NamedPose& each : read_pose_book(book, skeleton)) {
     if (each.name == options.pose) return {std::move(each.pose), each.view};
     known.push_back(each.name);
   }
   if (options.poses.empty())
-    for (LimitPose& each : standard_limit_poses(skeleton)) {
+    for (LimitPose& each : standard_limit_poses(tables, skeleton)) {
       if (each.name == options.pose) return {std::move(each.pose), "oblique"};
       known.push_back(each.name);
     }
@@ -143,19 +146,20 @@ Posture find_posture(const RenderVerbOptions& options, const Skeleton& skeleton)
   throw UsageError(fmt::format(
       "--pose: no pose is called '{}'{}; look into {}{}", options.pose,
       near.empty() ? "" : fmt::format(": did you mean '{}'?", near), book.string(),
-      options.poses.empty() ? fmt::format(" and {}", (data_folder() / "poses.csv").string()) : ""));
+      options.poses.empty() ? fmt::format(" and {}", (tables / "poses.csv").string()) : ""));
 }
 
 // One frame: at rest, or in the pose, its lowest point on the ground as at rest.
-Motion still_motion(const Actor& actor, const RenderVerbOptions& options, std::string& view) {
+Motion still_motion(const fs::path& tables, const Actor& actor, const RenderVerbOptions& options,
+                    std::string& view) {
   const Skeleton& skeleton = actor.character.anatomy.skeleton;
   Motion motion;
   motion.frames.push_back(rest_pose(skeleton));
   view = "oblique";
   if (options.pose.empty()) return motion;
-  Posture posture = find_posture(options, skeleton);
-  ActorFrame frame;
-  play_skin(actor, posture.pose, frame);
+  Posture posture = find_posture(tables, options, skeleton);
+  ActorState frame(actor);
+  evaluate_skin(actor, posture.pose, {}, frame);
   Points skin;
   to_points(frame.skin, skin);
   posture.pose.root.y() += actor.character.body.skin.V.col(1).minCoeff() - skin.col(1).minCoeff();
@@ -164,12 +168,12 @@ Motion still_motion(const Actor& actor, const RenderVerbOptions& options, std::s
   return motion;
 }
 
-int run(RenderVerbOptions options, const Common& common, Report& report) {
+int run_render(RenderVerbOptions options, const Common& common, Report& report) {
   ActorFilm& film = options.film;
   set_layers(options.layers, film);
   set_size(options.size, film);
   set_background(options.background, film);
-  check_options(options);
+  check_options_render(options);
   if (options.dissolve.size() == 2) film.dissolve = Span{options.dissolve[0], options.dissolve[1]};
   if (options.colour_map) film.muscle_colors = MuscleColors::shortening;
   if (!options.frames.empty()) film.frames = read_frame_range(options.frames, "--frames");
@@ -179,18 +183,19 @@ int run(RenderVerbOptions options, const Common& common, Report& report) {
                 {options.character, options.motion, options.weights, options.activation,
                  options.poses, options.retarget.map_file});
   require_settling(film.dynamics, options.skin);
-  Actor actor = make_actor(open_character(options.character, common, report), report,
+  Actor actor = make_actor(common.assets, open_character(options.character, common, report), report,
                            {.weights = options.weights});
-  choose_skin(actor, options.skin);
+  choose_skin(common.assets, actor, options.skin);
   film.hidden = hidden_parts(options, actor.character.anatomy);
   std::string view = "follow";
-  const Motion motion = options.motion.empty() ? still_motion(actor, options, view)
-                                               : open_motion(options.motion, actor.character,
-                                                             options.retarget, common, report);
+  const Motion motion =
+      options.motion.empty()
+          ? still_motion(common.assets.tables, actor, options, view)
+          : open_motion(options.motion, actor.character, options.retarget, common, report);
   film.view.camera = options.camera.value_or(film.view.look_at.empty() ? view : "follow");
   film.legend =
       film.legend && !(options.motion.empty() && options.pose.empty()) && !film.transparent;
-  film.activations = open_activations(options.activation, actor, motion, report);
+  film.activations = open_activations(common.assets, options.activation, actor, motion, report);
   const FilmReport done = film_actor(actor, motion, film, common);
   report.set("timings_ms.film", 1e3 * done.seconds);
   report.set("film.frames", done.frames);
@@ -260,10 +265,10 @@ void add_render_verb(VerbRegistry& registry) {
       "  ecorche render anna-anatomy.glb walk.bvh -o knee.png --at 1.2 --look-at knee_l --hide "
       "skin\n"
       "  ecorche render anna-anatomy.glb -o squat.png --pose squat --background white",
-      [options](const Common& common, Report& report) { return run(*options, common, report); });
-  verb->add_option("character", options->character,
-                   "Character written by `ecorche fit`, or CROWD.glb#NAME")
-      ->required();
+      [options](const Common& common, Report& report) {
+        return run_render(*options, common, report);
+      });
+  add_character_option(*verb, options->character);
   verb->add_option("motion", options->motion,
                    "Motion (.bvh); left away for a still at rest or in a --pose");
   verb->add_option("-o,--output", options->film.output,
@@ -288,7 +293,7 @@ void add_render_verb(VerbRegistry& registry) {
   verb->add_option("--fps", options->film.fps, "Frames a second")
       ->check(between(1.0, 240.0))
       ->capture_default_str();
-  verb->add_option("--activation", options->activation, kActivationHelp)->capture_default_str();
+  add_activation_option(*verb, options->activation);
   add_dynamics_option(*verb, options->film.dynamics);
   add_motion_options(*verb, options->retarget);
 }

@@ -1,9 +1,10 @@
-// ecorche completion, ecorche man: the command line told to the shell and to man.
+#include "app/verbs/shell_verbs.h"
+
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include "app/completion.h"
 #include "app/options/option_values.h"
-#include "app/verb.h"
 
 namespace ecorche {
 

@@ -1,14 +1,15 @@
-// ecorche body size: the feature points of a body, the standard size nearest to it, and how that
-// size is altered to fit.
+#include "app/verbs/size_verb.h"
+
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <cmath>
 
 #include "anatomy/errors.h"
-#include "anatomy/files/package_archive.h"
 #include "app/files/open_body.h"
 #include "app/options/option_values.h"
-#include "app/verb.h"
+#include "app/options/subject_options.h"
+#include "morph/shapes/shape_space_cache.h"
 #include "morph/shapes/sizes.h"
 
 namespace ecorche {
@@ -17,8 +18,8 @@ namespace {
 int run_size(const std::filesystem::path& file, const std::string& sex, const std::string& unit,
              const Common& common, Report& report) {
   check_outputs(common, {}, {file});
-  const BodyPackage package = read_body_package(find_packages());
-  const TapeMeasure tape(package, read_measure_table(package, data_folder() / "body"));
+  const BodyPackage package = read_body_package(common.assets);
+  const TapeMeasure tape(package, read_measure_table(package, package.tables / "body"));
   Body body = open_base_body(file, package, common, report, unit);
   if (!sex.empty()) body.sex = sex == "female" ? Sex::female : Sex::male;
   const std::vector<SizeFigure> own = size_figures(tape, package, body.skin.V);
@@ -27,9 +28,9 @@ int run_size(const std::filesystem::path& file, const std::string& sex, const st
   std::vector<SizeFigure> nearest;
   std::string name;
   double least = 0;
-  for (const StandardSize& size : read_sizes(data_folder() / "body")) {
+  for (const StandardSize& size : read_sizes(common.assets.tables / "body")) {
     if (size.sex != body.sex) continue;
-    const SolvedBody standard = solve_measures(tape, space, size_wishes(size, tape.table()));
+    const SolvedBody standard = solve_measures(tape, space, size_targets(size, tape.table()));
     const std::vector<SizeFigure> figures = size_figures(tape, package, standard.points);
     const double distance = size_distance(own, figures);
     report.set("size.distance." + size.name, std::sqrt(distance));
@@ -69,11 +70,8 @@ void add_body_size(VerbRegistry& registry, CLI::App& body) {
                "ecorche body size anna.glb", [options](const Common& common, Report& report) {
                  return run_size(options->body, options->sex, options->unit, common, report);
                });
-  verb->add_option("body", options->body,
-                   "Body or character (.glb), or a bare skin on the base mesh (.obj, .ply, .glb)")
-      ->required();
-  verb->add_option("--sex", options->sex, "Sizes for male or female; the body's own when left out")
-      ->check(one_of({"male", "female"}));
+  add_body_option(*verb, options->body)->required();
+  add_sex_option(*verb, options->sex, "Sizes for male or female; the body's own when left out");
   add_skin_unit_option(*verb, "--skin-unit", options->unit);
 }
 

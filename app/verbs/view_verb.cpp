@@ -1,5 +1,7 @@
-// ecorche view: the window. Without a character it shows the template in its own body.
+#include "app/verbs/view_verb.h"
+
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <vector>
@@ -8,8 +10,8 @@
 #include "anatomy/files/atomic_file.h"
 #include "app/options/motion_options.h"
 #include "app/options/option_values.h"
+#include "app/options/subject_options.h"
 #include "app/studio/view_session.h"
-#include "app/verb.h"
 #include "viewer/camera.h"
 #include "viewer/part_names.h"
 #include "viewer/window/window.h"
@@ -25,7 +27,7 @@ struct ViewVerbOptions {
   std::string camera, hide, only;
 };
 
-void check_options(const ViewVerbOptions& options, const Common& common) {
+void check_options_view(const ViewVerbOptions& options, const Common& common) {
   const ViewSessionOptions& session = options.session;
   if (session.sliders && !session.motion.empty())
     throw UsageError("view: --sliders show the body at rest; leave the motion away");
@@ -41,7 +43,7 @@ void check_options(const ViewVerbOptions& options, const Common& common) {
     throw UsageError("view: --measure is where a slider begins; say --sliders");
 }
 
-// What is seen first.
+// Initial state of the window.
 ViewDocument first_view(const ViewVerbOptions& options, const ViewSession& session) {
   ViewDocument document = session.document();
   const Anatomy& anatomy = *session.subject().anatomy;
@@ -58,8 +60,8 @@ ViewDocument first_view(const ViewVerbOptions& options, const ViewSession& sessi
   return document;
 }
 
-int run(ViewVerbOptions options, const Common& common, Report& report) {
-  check_options(options, common);
+int run_view(ViewVerbOptions options, const Common& common, Report& report) {
+  check_options_view(options, common);
   if (options.pick.size() == 2)
     options.window.pick_x = options.pick[0], options.window.pick_y = options.pick[1];
   ViewSession session(options.session, common, report);
@@ -80,7 +82,9 @@ void add_view_verb(VerbRegistry& registry) {
       "shows the keys",
       "ecorche view anna-anatomy.glb walk.bvh\n  ecorche view anna-anatomy.glb --sliders -o "
       "anna-heavier.glb",
-      [options](const Common& common, Report& report) { return run(*options, common, report); });
+      [options](const Common& common, Report& report) {
+        return run_view(*options, common, report);
+      });
   ViewSessionOptions& session = options->session;
   verb->add_option(
       "character", session.character,
@@ -96,9 +100,8 @@ void add_view_verb(VerbRegistry& registry) {
   verb->add_option("--template", session.body_template,
                    "Template of `ecorche template import` that --sliders fit with; the built-in "
                    "one when left out");
-  verb->add_option("--sex", session.sex,
-                   "Without a character: an average man or woman instead of the template")
-      ->check(one_of({"male", "female"}));
+  add_sex_option(*verb, session.sex,
+                 "Without a character: an average man or woman instead of the template");
   verb->add_option("--measure", session.measures,
                    "NAME=VALUE that a slider begins with; may be repeated");
   verb->add_option("--camera", options->camera,

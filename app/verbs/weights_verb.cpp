@@ -1,6 +1,7 @@
-// ecorche weights: how much each joint moves each vertex of a skin, as a table to change and as
-// pictures to look at.
+#include "app/verbs/weights_verb.h"
+
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <sstream>
@@ -8,13 +9,14 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
 #include "anatomy/geometry/mesh_measures.h"
+#include "app/files/actor.h"
 #include "app/files/open_character.h"
 #include "app/options/motion_options.h"
-#include "app/verb.h"
+#include "app/options/subject_options.h"
 #include "skinning/bind/painted_weights.h"
-#include "skinning/character/character_model.h"
 #include "skinning/motion/no_such_joint.h"
 #include "viewer/camera.h"
+#include "viewer/draw_mesh.h"
 #include "viewer/gl/renderer.h"
 #include "viewer/lettering.h"
 #include "viewer/scene.h"
@@ -39,26 +41,14 @@ std::vector<int> read_joints(const std::string& text, const Skeleton& skeleton) 
   return out;
 }
 
-// From pale to red, without a step.
+// Colour ramp from pale to red over 0 .. 1.
 Vec3f colour_of(float weight) {
   const Vec3f pale(0.86f, 0.86f, 0.84f), yellow(0.99f, 0.85f, 0.45f), red(0.72f, 0.08f, 0.10f);
   return weight < 0.5f ? Vec3f(pale + 2 * weight * (yellow - pale))
                        : Vec3f(yellow + (2 * weight - 1) * (red - yellow));
 }
 
-DrawMesh mesh_of(const TriMesh& skin) {
-  DrawMesh out;
-  const Points normals = vertex_normals(skin);
-  for (Eigen::Index i = 0; i < skin.V.rows(); ++i) {
-    out.positions.push_back(Vec3(skin.V.row(i)).cast<float>());
-    out.normals.push_back(Vec3(normals.row(i)).cast<float>());
-  }
-  for (Eigen::Index f = 0; f < skin.F.rows(); ++f)
-    out.triangles.push_back(Eigen::Vector3i(skin.F.row(f)).cast<std::uint32_t>());
-  return out;
-}
-
-// A joint a row, the body from three sides.
+// One row per joint, with three views of the body.
 Image picture_of(const TriMesh& skin, const Skeleton& skeleton,
                  const std::vector<std::vector<Influence>>& rows, const std::vector<int>& joints) {
   constexpr int kWidth = 420, kHeight = 620, kTitle = 34;
@@ -66,7 +56,7 @@ Image picture_of(const TriMesh& skin, const Skeleton& skeleton,
   Renderer renderer;
   Image whole = make_image(3 * kWidth, int(joints.size()) * (kHeight + kTitle));
   DrawList list;
-  list.meshes.push_back(mesh_of(skin));
+  list.meshes.push_back(make_draw_mesh(skin));
   list.items.push_back(
       {.mesh = 0, .surface = {.roughness = 0.8f}, .casts_shadow = false, .closed = true});
   list.lighting.follows_camera = true;
@@ -103,7 +93,7 @@ Image picture_of(const TriMesh& skin, const Skeleton& skeleton,
   return whole;
 }
 
-int run(const WeightsVerbOptions& options, const Common& common, Report& report) {
+int run_weights(const WeightsVerbOptions& options, const Common& common, Report& report) {
   if (options.table.empty() && options.picture.empty())
     throw UsageError(
         "weights: nothing to do; give -o FILE.csv, or --joint NAME and --picture FILE.png");
@@ -111,18 +101,18 @@ int run(const WeightsVerbOptions& options, const Common& common, Report& report)
     throw UsageError("weights: --joint and --picture belong together");
   check_outputs(common, {options.table, options.picture}, {options.character, options.weights});
   Character character = open_character(options.character, common, report);
-  const std::optional<BaseSkin> base = find_base(character.body.skin);
-  const Actor actor =
-      make_actor(std::move(character), report, {base ? &*base : nullptr, options.weights});
+  const std::optional<BaseSkin> base = find_base(common.assets, character.body.skin);
+  const Actor actor = make_actor(common.assets, std::move(character), report,
+                                 {base ? &*base : nullptr, options.weights});
   const Skeleton& skeleton = actor.character.anatomy.skeleton;
   const std::vector<int> joints = read_joints(options.joints, skeleton);
-  const std::vector<std::vector<Influence>> rows = joint_shares(actor.binding);
+  const std::vector<std::vector<Influence>> rows = joint_weights_of(*actor.skin.base_blend);
   size_t entries = 0;
   for (const std::vector<Influence>& row : rows) entries += row.size();
   report.set("weights.vertices", int(rows.size()));
   report.set("weights.entries", int(entries));
   if (!options.table.empty()) {
-    write_weights(options.table, skeleton, actor.binding);
+    write_weights(options.table, skeleton, *actor.skin.base_blend);
     note(common, fmt::format("{}: {} weights of {} vertices", options.table.string(), entries,
                              rows.size()));
   }
@@ -143,10 +133,10 @@ void add_weights_verb(VerbRegistry& registry) {
       "How much each joint moves each vertex of the skin, as a table and as pictures",
       "ecorche weights anna-anatomy.glb -o weights.csv --joint scapula_l,shoulder_l --picture "
       "weights.png",
-      [options](const Common& common, Report& report) { return run(*options, common, report); });
-  verb->add_option("character", options->character,
-                   "Character written by `ecorche fit`, or CROWD.glb#NAME")
-      ->required();
+      [options](const Common& common, Report& report) {
+        return run_weights(*options, common, report);
+      });
+  add_character_option(*verb, options->character);
   verb->add_option(
       "-o,--output", options->table,
       "Table to write (.csv): vertex, joint, weight; change it and give it back with --weights");

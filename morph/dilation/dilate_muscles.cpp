@@ -18,7 +18,7 @@
 #include "morph/dilation/slim_muscles.h"
 #include "morph/dilation/tissue_stretch.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 namespace {
 
@@ -76,8 +76,7 @@ double volume_of(std::vector<Strip>& strips, std::span<Ellipse> slices) {
   return volume;
 }
 
-// --- paper
-// ---------------------------------------------------------------------------------------------------------------------
+// --- paper -----------------------------------------------------------------------------
 
 // The factor of one muscle: the least (|O S| - layer) / |O E| of all rays. With the cut, a ray ends
 // where even the thickest layer could not let it lower the factor; what it misses beyond cannot
@@ -135,8 +134,7 @@ void dilate_paper(std::vector<Muscle>& muscles, const std::vector<Muscle>& origi
   });
 }
 
-// --- ecorche
-// -------------------------------------------------------------------------------------------------------------------
+// --- ecorche ---------------------------------------------------------------------------
 
 // For each muscle of the right side its partner on the left, -1 for all others and where nothing is
 // to be mirrored.
@@ -170,7 +168,7 @@ void dilate_ecorche(Anatomy& anatomy, Sections& sections, const SkinRays& rays, 
   std::vector<Muscle>& muscles = anatomy.muscles;
   const std::vector<int> partners = left_partners(anatomy, options);
   const double plane = options.even_about.value_or(0);
-  FleshField flesh(anatomy, rays, fat);
+  TissueStretch flesh(anatomy, rays, fat);
   for (int round = 0; round < options.rounds; ++round) {
     flesh.look_at(sections.slices);
     for_muscles(muscles.size(), [&](std::size_t m) {
@@ -198,11 +196,11 @@ void dilate_ecorche(Anatomy& anatomy, Sections& sections, const SkinRays& rays, 
   std::vector<char> suspects(muscles.size());
   for (std::size_t m = 0; m < muscles.size(); ++m)
     suspects[m] = counts[partners[m] < 0 ? m : std::size_t(partners[m])].near_skin;
-  const InsideReport inside = keep_inside(muscles, sections.slices, suspects, rays);
+  const InsideReport inside = pull_inside_skin(muscles, sections.slices, suspects, rays);
   std::vector<double> wanted;
   for (const MuscleDilation& muscle : report.muscles) wanted.push_back(muscle.wanted);
   if (options.share)
-    report.rays += share_room(anatomy, sections.slices, wanted, partners, rays, fat).rays;
+    report.rays += pack_muscles(anatomy, sections.slices, wanted, partners, rays, fat).rays;
   if (options.most_volume)
     slim_muscles(muscles, sections.slices, wanted, partners, *options.most_volume);
   report.rays += flesh.rays() + inside.rays;
@@ -293,10 +291,10 @@ DilateReport dilate_muscles(Anatomy& anatomy, const std::vector<Muscle>& carried
   report.pressed = all.pressed;
   report.grown = all.grown;
   for (const MuscleDilation& m : report.muscles) {
-    report.wanted_volume += m.wanted;
+    report.target_volume += m.wanted;
     report.volume += m.volume;
   }
   return report;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

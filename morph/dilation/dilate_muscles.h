@@ -22,7 +22,7 @@
 #include "anatomy/queries/ray_caster.h"
 #include "morph/fat/fat_layer.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 enum class DilateMethod { ecorche, paper };
 
@@ -66,7 +66,7 @@ struct DilateReport {
   int surface_left = 0;     // and after it
   // muscles that came out inside out or elsewhere; they keep the sections they were carried with
   int collapsed = 0;
-  double wanted_volume = 0;  // all muscles, m^3
+  double target_volume = 0;  // all muscles, m^3
   double volume = 0;
   std::vector<MuscleDilation> muscles;  // #muscles
 };
@@ -81,4 +81,4 @@ DilateReport dilate_muscles(Anatomy& anatomy, const std::vector<Muscle>& carried
                             const std::vector<Muscle>& original, const SkinRays& rays,
                             const FatLayer& fat, const DilateOptions& options = {});
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

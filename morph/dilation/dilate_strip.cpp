@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 namespace {
 
@@ -65,12 +65,12 @@ void StripCount::add(const StripCount& other) {
 }
 
 void stretch_strip(const Strip& strip, std::span<Ellipse> slices, int muscle,
-                   const FleshField& flesh) {
+                   const TissueStretch& flesh) {
   std::vector<Vec3> shifts;
   std::vector<Vec2> scales;
   for (std::size_t k = 0; k < slices.size(); ++k) {
     const Ellipse& slice = slices[k];
-    const FleshPull pull = flesh.at(slice.center, muscle);
+    const TissuePull pull = flesh.at(slice.center, muscle);
     // Flesh that grows outwards also spreads sideways, at half the rate; pressed flesh keeps its
     // width. Tendons do not grow.
     const double belly = belly_share(strip, strip.slices[k].s);
@@ -147,4 +147,4 @@ StripCount grow_strip(const Strip& strip, std::span<Ellipse> slices, bool grows,
   return count;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -9,7 +9,7 @@
 #include "morph/dilation/slice_clearance.h"
 #include "morph/dilation/tissue_stretch.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct GrowthLimits {
   std::vector<Vec2> directions = ray_directions(20);
@@ -30,9 +30,9 @@ struct StripCount {
 // Moves and stretches the sections with the flesh around them. `slices`: of `strip`, which gives s
 // and the belly.
 void stretch_strip(const Strip& strip, std::span<Ellipse> slices, int muscle,
-                   const FleshField& flesh);
+                   const TissueStretch& flesh);
 
 StripCount grow_strip(const Strip& strip, std::span<Ellipse> slices, bool grows,
                       const SkinRays& rays, const FatLayer& fat, const GrowthLimits& limits);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

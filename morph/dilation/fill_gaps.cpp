@@ -11,13 +11,14 @@
 
 #include "anatomy/geometry/mesh_measures.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 namespace {
 
 constexpr std::size_t kDirections = kOutlinePoints;
-constexpr double kDeepest = 0.02;     // m: what lies farther under the layer does not come up to it
-constexpr float kSunken = 10e-3f;     // m: a gap that what lies around may close, too
+// m: muscles farther under the layer do not grow up to it. Larger: deep muscles grow into grooves.
+constexpr double kDeepest = 0.02;
+constexpr float kSunken = 10e-3f;     // m: deeper gaps may be closed by neighbouring muscles, too
 constexpr int kAround = 6;            // directions in which it is looked for,
 constexpr double kLean = 0.85;        // sine of their angle with straight in
 constexpr float kLeastGap = 0.5e-3f;  // m
@@ -43,7 +44,7 @@ Find look(const CrossingRays& flesh, const Vec3& from, const Vec3& direction,
 }
 
 // About all sections that can be asked: mirror images cannot.
-Eigen::AlignedBox3d askable(const SharedSections& sections) {
+Eigen::AlignedBox3d askable(const PackedSections& sections) {
   Eigen::AlignedBox3d box;
   for (const StripPlace& strip : sections.strips)
     for (std::size_t k = strip.begin; k < strip.end && !sections.is_mirrored(strip); ++k)
@@ -54,7 +55,7 @@ Eigen::AlignedBox3d askable(const SharedSections& sections) {
 }
 
 // Half of the neighbours' mean and more, so that a section does not come up as a single point.
-void spread(const SharedSections& sections, std::vector<float>& asked) {
+void spread(const PackedSections& sections, std::vector<float>& asked) {
   const std::vector<float> old = asked;
   for (const StripPlace& strip : sections.strips)
     for (std::size_t k = strip.begin; k < strip.end; ++k) {
@@ -77,9 +78,9 @@ Underside underside(const TriMesh& skin, const FatLayer& fat) {
   return out;
 }
 
-std::vector<float> find_uncovered(const SharedSections& sections, const MuscleSurface& surface,
-                                  const Underside& underside, const CrossingRays& flesh,
-                                  const Triangles& F, std::span<const int> solids, bool around) {
+std::vector<float> find_gaps(const PackedSections& sections, const MuscleSurface& surface,
+                             const Underside& underside, const CrossingRays& flesh,
+                             const Triangles& F, std::span<const int> solids, bool around) {
   const Eigen::AlignedBox3d near = askable(sections);
   std::vector<std::array<Find, 1 + kAround>> finds(underside.points.rows());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, finds.size(), 64), [&](const auto& range) {
@@ -121,4 +122,4 @@ std::vector<float> find_uncovered(const SharedSections& sections, const MuscleSu
   return asked;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

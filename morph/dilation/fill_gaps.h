@@ -1,4 +1,5 @@
-// What of the fat layer has no muscle under it, and which sections would have to grow to get there.
+// Gaps under the fat layer: where no muscle lies against it, and which sections have to grow to
+// fill them.
 #pragma once
 
 #include <span>
@@ -8,7 +9,7 @@
 #include "morph/dilation/packed_sections.h"
 #include "morph/fat/fat_layer.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // The layer's underside: one point a vertex of the skin, and the skin's unit normal there.
 struct Underside {
@@ -16,14 +17,14 @@ struct Underside {
 };
 Underside underside(const TriMesh& skin, const FatLayer& fat);
 
-// From each point of the underside a ray goes straight in. What muscle it meets first is asked to
-// come up to it: the spokes of the sections at the triangle's corners, in proportion as they lean,
-// and half as far those next to them. Returns, for each slice and direction, by how much it is
-// asked to grow, m. `around`: where nothing lies within a centimetre straight in, what lies beside
-// it is asked, too (six rays that lean by 58 degrees). `flesh`: rays against `F`, #F triangles of
-// which the first are the surface's own; `solids`: #F, muscles, negative for bones.
-std::vector<float> find_uncovered(const SharedSections& sections, const MuscleSurface& surface,
-                                  const Underside& underside, const CrossingRays& flesh,
-                                  const Triangles& F, std::span<const int> solids, bool around);
+// From each point of the underside a ray goes straight in. The muscle that it meets first has to
+// grow up to it: the radial directions of the sections at the triangle's corners, in proportion to
+// their inclination, and those next to them by half as much. Returns, for each slice and direction,
+// by how much it has to grow, m. `around`: where nothing lies within a centimetre straight in, six
+// rays inclined by 58 degrees look for what lies beside it. `flesh`: rays against `F`, #F triangles
+// of which the first are the surface's own; `solids`: #F, muscles, negative for bones.
+std::vector<float> find_gaps(const PackedSections& sections, const MuscleSurface& surface,
+                             const Underside& underside, const CrossingRays& flesh,
+                             const Triangles& F, std::span<const int> solids, bool around);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

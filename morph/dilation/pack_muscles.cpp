@@ -19,42 +19,55 @@
 #include "morph/dilation/packed_sections.h"
 #include "morph/dilation/spoke_limits.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 namespace {
 
-// cosine between a direction and the width of a section, from which on it is along it
-constexpr double kSideways = 0.55;
-constexpr std::size_t kDirections = kOutlinePoints;
+constexpr std::size_t kDirectionsPackMuscles = kOutlinePoints;
 constexpr int kBone = -1;
-constexpr double kGrowRate = 0.8;      // of the room, a round
+
+// Cosine between a direction and the width of a section: from here on the direction counts as
+// sideways (the jaw's muscles do not grow that way).
+constexpr double kSideways = 0.55;
+// Growth. Larger rates and limits fill gaps in fewer rounds, and let neighbours overshoot one
+// another; smaller ones leave gaps.
+constexpr double kGrowRate = 0.8;      // fraction of the free room taken in a round
 constexpr double kMostGrowth = 0.045;  // m, beyond the ellipse
 constexpr double kMostSheath = 0.003;  // m in a round, of tendons: their sheaths
-constexpr double kTendonPower = 5;     // what is a little belly comes up like one
-constexpr double kWanting = 0.5;  // need beyond 1 that makes a muscle grow into all of a deep room
-constexpr double kPush = 0.5;     // of a radius, into a neighbour that has more than its need
-constexpr double kLeastShare = 0.3;  // of the volume that a muscle comes with, to begin with
-constexpr double kThinnest = 2e-4;   // m
-constexpr double kMostPress = 0.8;   // factor of what is pressed between sections, in a round
-constexpr double kDeep = 1e-3;       // m, between a tube's sections, from which on they give way
-constexpr float kMainTerm = 0.2f;    // weight of a section that a vertex between strips follows
-constexpr double kTouchedCell = 0.004, kSightCell = 0.02;  // m
+constexpr double kTendonPower = 5;     // larger: what is a little belly grows like a whole one
+// Need is the target volume over the present one. A muscle grows into all of a deep room where its
+// need is above 1 by this; larger: deep muscles stay thin.
+constexpr double kWanting = 0.5;
+// Radii by which a needy muscle moves the border into a neighbour with less need; larger: volumes
+// agree better with their targets, sections are more uneven.
+constexpr double kPush = 0.5;
+// Needs are counted as if a muscle had at least this fraction of the volume that it came with.
+constexpr double kLeastShare = 0.3;
+constexpr double kThinnest = 2e-4;  // m: thinner sections are not pressed
+// Least factor by which a section is pressed for what lies between sections, in a round; smaller:
+// fewer rounds, and dents.
+constexpr double kMostPress = 0.8;
+// m: overlap between a tube's sections from which on they are pressed; larger: overlap remains.
+constexpr double kDeep = 1e-3;
+// weight of a section that a vertex between strips follows
+constexpr float kMainTermPackMuscles = 0.2f;
+constexpr double kTouchedCell = 0.004, kRayCell = 0.02;  // m, of search grids; speed only
 
 enum class Round { parting, growing, covering_around, covering, settling };
 
 bool covers(Round kind) { return kind == Round::covering || kind == Round::covering_around; }
 
-// Memory for a ray.
-struct Sight {
+// Workspace of a ray, reused from one to the next.
+struct RayBuffer {
   std::vector<Crossing> crossings;
-  std::vector<Stay> stays;
+  std::vector<RayInterval> intervals;
 };
 
-class Sharing {
+class MusclePacking {
  public:
-  Sharing(Anatomy& anatomy, std::span<Ellipse> slices, std::span<const double> wanted,
-          std::span<const int> partners, const SkinRays& skin, const FatLayer& fat,
-          const SharingLimits& limits)
+  MusclePacking(Anatomy& anatomy, std::span<Ellipse> slices, std::span<const double> wanted,
+                std::span<const int> partners, const SkinRays& skin, const FatLayer& fat,
+                const PackingLimits& limits)
       : anatomy_(anatomy),
         given_(slices),
         wanted_(wanted),
@@ -66,7 +79,7 @@ class Sharing {
     for (const Muscle& muscle : anatomy.muscles)
       of_the_jaw_.push_back(muscle.group == "face_jaw"),
           staying_.push_back(of_the_jaw_.back() || muscle.layer == "deep");
-    const LayerSpokes layer = find_layer_spokes(all_, skin, fat, underside_, limits.skin_gap);
+    const RadialLimits layer = find_radial_limits(all_, skin, fat, underside_, limits.skin_gap);
     spokes_ = layer.spokes;
     report_.rays += layer.rays;
     add_bones();
@@ -75,23 +88,23 @@ class Sharing {
   void round(Round kind, int smoothing) {
     look();
     if (covers(kind)) {
-      asked_ = find_uncovered(all_, surface_, underside_, *flesh_, mesh_.F, solids_,
-                              kind == Round::covering_around);
+      asked_ = find_gaps(all_, surface_, underside_, *flesh_, mesh_.F, solids_,
+                         kind == Round::covering_around);
       report_.rays += underside_.points.rows();
     }
     plan(kind);
     std::vector<SliceOutline> next(all_.slices.size());
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, all_.strips.size(), 4), [&](const auto& range) {
-          Sight sight;
+          RayBuffer buffer;
           for (std::size_t s = range.begin(); s < range.end(); ++s) {
             const StripPlace& strip = all_.strips[s];
             if (all_.is_mirrored(strip)) continue;
             for (std::size_t k = strip.begin; k < strip.end; ++k) {
-              for (std::size_t i = 0; i < kDirections; ++i)
-                next[k][i] = due_[k * kDirections + i]
-                                 ? float(reach(k, i, strip, kind, sight) /
-                                         double(spokes_[k * kDirections + i].base))
+              for (std::size_t i = 0; i < kDirectionsPackMuscles; ++i)
+                next[k][i] = due_[k * kDirectionsPackMuscles + i]
+                                 ? float(reach(k, i, strip, kind, buffer) /
+                                         double(spokes_[k * kDirectionsPackMuscles + i].base))
                                  : all_.slices[k].outline[i];
               all_.fill(k, next[k]);
             }
@@ -101,8 +114,10 @@ class Sharing {
         });
     if (kind == Round::settling) {
       for (std::size_t ray = 0; ray < due_.size(); ++ray)
-        due_[ray] = due_[ray] && next[ray / kDirections][ray % kDirections] <
-                                     all_.slices[ray / kDirections].outline[ray % kDirections];
+        due_[ray] =
+            due_[ray] &&
+            next[ray / kDirectionsPackMuscles][ray % kDirectionsPackMuscles] <
+                all_.slices[ray / kDirectionsPackMuscles].outline[ray % kDirectionsPackMuscles];
       press_between(next);
       press_along(next);
       settled_.gave_way = due_;
@@ -146,22 +161,22 @@ class Sharing {
             (radii.x() > radii.y() ? 1 : -1);
         const double own = 1 + all_.belly[k] * (factor - 1);
         const Vec2 scale(std::pow(own, 1 - flat), std::pow(own, 1 + flat));
-        for (std::size_t i = 0; i < kDirections; ++i)
+        for (std::size_t i = 0; i < kDirectionsPackMuscles; ++i)
           all_.slices[k].outline[i] =
               float(1 / outline_directions()[i].cwiseQuotient(scale).norm());
       }
     }
   }
 
-  const SharingReport& report() const { return report_; }
+  const PackingReport& report() const { return report_; }
 
  private:
   // Where a section's rays can come to, and from where others can grow to there.
   Eigen::AlignedBox3d sight_of(std::size_t k) const {
     Eigen::AlignedBox3d box(all_.slices[k].center);
-    for (std::size_t i = 0; i < kDirections; ++i) {
+    for (std::size_t i = 0; i < kDirectionsPackMuscles; ++i) {
       if (!all_.is_drawn(k, i)) continue;
-      const Spoke& spoke = spokes_[k * kDirections + i];
+      const RadialLimit& spoke = spokes_[k * kDirectionsPackMuscles + i];
       const double base = double(spoke.base),
                    most = std::max(base, std::min(base + kMostGrowth, double(spoke.over)));
       box.extend(all_.slices[k].center + (most + limits_.reach) / base * all_.edge(k, i));
@@ -175,7 +190,7 @@ class Sharing {
     for (const StripPlace& strip : all_.strips)
       for (std::size_t k = strip.begin; k < strip.end && !all_.is_mirrored(strip); ++k)
         seen_.extend(boxes.emplace_back(sight_of(k)));
-    TouchedCells cells(seen_, kSightCell);
+    TouchedCells cells(seen_, kRayCell);
     for (const Eigen::AlignedBox3d& box : boxes) cells.mark(box);
     return cells;
   }
@@ -218,14 +233,14 @@ class Sharing {
     for (std::size_t s = 0; s < all_.strips.size(); ++s)
       std::fill(strip_of.begin() + long(all_.strips[s].begin),
                 strip_of.begin() + long(all_.strips[s].end), int(s));
-    const TouchedCells sight = find_sight();
+    const TouchedCells buffer = find_sight();
     Triangles near(faces, 3);
     for (Eigen::Index f = 0; f < faces; ++f) {
       const bool muscle = f < surface_.F.rows();
       const std::size_t vertex = mesh_.F(f, 0);
       Eigen::AlignedBox3d box;
       for (int i = 0; i < 3; ++i) box.extend(mesh_.V.row(mesh_.F(f, i)).transpose());
-      if ((!muscle || is_mirrored(surface_.muscle[vertex])) && !sight.touches(box)) continue;
+      if ((!muscle || is_mirrored(surface_.muscle[vertex])) && !buffer.touches(box)) continue;
       near.row(solids_.size()) = mesh_.F.row(f);
       solids_.push_back(muscle ? surface_.muscle[vertex] : kBone);
       labels.push_back(muscle ? all_.strips[strip_of[surface_.slice[vertex]]].label : kBone);
@@ -256,8 +271,10 @@ class Sharing {
 
   // Whether a ray that did not give way in the last settling round may in this one.
   bool may_give_way(std::size_t k, std::size_t i) const {
-    const float factor = all_.slices[k].outline[i], base = spokes_[k * kDirections + i].base;
-    if (settled_.gave_way[k * kDirections + i] || settled_.outlines[k][i] != factor) return true;
+    const float factor = all_.slices[k].outline[i],
+                base = spokes_[k * kDirectionsPackMuscles + i].base;
+    if (settled_.gave_way[k * kDirectionsPackMuscles + i] || settled_.outlines[k][i] != factor)
+      return true;
     return touched_->touches(all_.slices[k].center, all_.edge(k, i) / double(base),
                              double(base * factor) + limits_.settled_reach);
   }
@@ -269,16 +286,16 @@ class Sharing {
                later = kind == Round::settling && !again && !settled_.gave_way.empty();
     if (kind == Round::settling && !settled_.gave_way.empty()) mark_touched();
     if (!again) {
-      due_.assign(all_.slices.size() * kDirections, 0);
+      due_.assign(all_.slices.size() * kDirectionsPackMuscles, 0);
       for (const StripPlace& strip : all_.strips) {
         if (all_.is_mirrored(strip)) continue;
-        const bool stays = does_stay(strip);
+        const bool intervals = does_stay(strip);
         for (std::size_t k = strip.begin; k < strip.end; ++k)
-          for (std::size_t i = 0; i < kDirections; ++i)
-            due_[k * kDirections + i] =
-                char(all_.is_drawn(k, i) &&
-                     (!covers(kind) || (asked_[k * kDirections + i] > 0 && !stays)) &&
-                     (!later || may_give_way(k, i)));
+          for (std::size_t i = 0; i < kDirectionsPackMuscles; ++i)
+            due_[k * kDirectionsPackMuscles + i] = char(
+                all_.is_drawn(k, i) &&
+                (!covers(kind) || (asked_[k * kDirectionsPackMuscles + i] > 0 && !intervals)) &&
+                (!later || may_give_way(k, i)));
       }
     }
     last_ = kind;
@@ -306,9 +323,9 @@ class Sharing {
   // Everything on the ray but the strip itself. A sheet is one surface, which is left at the end of
   // its own section. It ends at `far`, or where it enters something beyond `enough`.
   void cast(const Vec3& from, const Vec3& direction, double far, double enough,
-            const StripPlace& own, Sight& sight) const {
-    flesh_->cross(from, direction, far, enough, own.label, sight.crossings);
-    find_stays(sight.crossings, solids_, far, sight.stays);
+            const StripPlace& own, RayBuffer& buffer) const {
+    flesh_->cross(from, direction, far, enough, own.label, buffer.crossings);
+    find_intervals(buffer.crossings, solids_, far, buffer.intervals);
   }
 
   // Beside them lie the face's own muscles, glands and the cheek's pad of fat, which are not drawn:
@@ -321,35 +338,35 @@ class Sharing {
 
   // The new radius in a direction, m.
   double reach(std::size_t k, std::size_t i, const StripPlace& strip, Round kind,
-               Sight& sight) const {
+               RayBuffer& buffer) const {
     const bool grows = kind == Round::growing || covers(kind), settling = kind == Round::settling;
-    const Spoke& spoke = spokes_[k * kDirections + i];
+    const RadialLimit& spoke = spokes_[k * kDirectionsPackMuscles + i];
     const double base = double(spoke.base), now = base * double(all_.slices[k].outline[i]);
     const Vec3 direction = all_.edge(k, i) / base;
     cast(all_.slices[k].center, direction, now + (settling ? limits_.settled_reach : limits_.reach),
-         settling ? 1e3 : now, strip, sight);
+         settling ? 1e3 : now, strip, buffer);
     double end = std::min(now, double(spoke.most));
     const double need = needs_[strip.muscle];
     const double room = spoke.layer;
     const bool open = room > now + limits_.reach;  // that far off lie organs
     double deep = 1e3;                             // to the next muscle or bone
-    for (const Stay& stay : sight.stays) {
+    for (const RayInterval& interval : buffer.intervals) {
       // another strip of the same muscle: they may share room, but not take each other's
-      if (stay.solid == strip.muscle) {
-        if (stay.to > now) deep = std::min(deep, std::max(now, stay.from));
-      } else if (stay.solid == kBone) {
-        if (stay.from > 0)
-          end = std::min(end, stay.from - limits_.bone_gap),
-          deep = std::min(deep, stay.from - limits_.bone_gap);
-        else if (stay.to >= now)
+      if (interval.solid == strip.muscle) {
+        if (interval.to > now) deep = std::min(deep, std::max(now, interval.from));
+      } else if (interval.solid == kBone) {
+        if (interval.from > 0)
+          end = std::min(end, interval.from - limits_.bone_gap),
+          deep = std::min(deep, interval.from - limits_.bone_gap);
+        else if (interval.to >= now)
           end = 0;
-      } else if (stay.from >= now) {
-        const double theirs = needs_[stay.solid];
+      } else if (interval.from >= now) {
+        const double theirs = needs_[interval.solid];
         const double push = std::clamp((need - theirs) / (need + theirs), 0.0, 0.5) * kPush * now;
-        deep =
-            std::min(deep, now + (stay.from - now) * need / (need + theirs) + push - limits_.gap);
+        deep = std::min(deep,
+                        now + (interval.from - now) * need / (need + theirs) + push - limits_.gap);
       } else {
-        const double parted = all_.part(k, std::size_t(strip.muscle), direction, now, stay);
+        const double parted = all_.part(k, std::size_t(strip.muscle), direction, now, interval);
         if (parted < now) end = std::min(end, parted - limits_.gap);
       }
     }
@@ -358,7 +375,7 @@ class Sharing {
       return std::max(end, least);
     const double most = std::min(limits_.most * base, base + kMostGrowth);
     if (covers(kind)) {
-      const double asked = asked_[k * kDirections + i];
+      const double asked = asked_[k * kDirectionsPackMuscles + i];
       const double tendons = std::pow(1 - all_.belly[k], kTendonPower);
       return std::max(
           now, std::min({double(spoke.over), deep, most,
@@ -385,7 +402,7 @@ class Sharing {
       tbb::parallel_for(
           tbb::blocked_range<int>(sheet.vertex_begin, sheet.vertex_end, 64),
           [&](const auto& range) {
-            Sight sight;
+            RayBuffer buffer;
             for (int v = range.begin(); v < range.end(); ++v) {
               const auto terms =
                   std::span(surface_.terms)
@@ -399,14 +416,14 @@ class Sharing {
               const double now = out.norm();
               if (now < kThinnest || is_settled(v, middle, out / now, now)) continue;
               cast(middle, out / now, now + limits_.settled_reach, 1e3,
-                   all_.strips[all_.strip_begin[m]], sight);
+                   all_.strips[all_.strip_begin[m]], buffer);
               double end = now;
-              for (const Stay& stay : sight.stays)
-                if (stay.from < now && (stay.from > 0 || stay.solid != kBone))
-                  end =
-                      std::min(end, stay.solid == kBone
-                                        ? stay.from - limits_.bone_gap
-                                        : 0.5 * (stay.from + std::min(stay.to, now)) - limits_.gap);
+              for (const RayInterval& interval : buffer.intervals)
+                if (interval.from < now && (interval.from > 0 || interval.solid != kBone))
+                  end = std::min(
+                      end, interval.solid == kBone
+                               ? interval.from - limits_.bone_gap
+                               : 0.5 * (interval.from + std::min(interval.to, now)) - limits_.gap);
               ratios[v] = float(std::max(end / now, kMostPress));
             }
           });
@@ -419,7 +436,7 @@ class Sharing {
         const MuscleSurface::Term& t = surface_.terms[j];
         const std::size_t k = t.slice;
         float& factor = next[k][outline_place(t)];
-        if (t.weight > kMainTerm)
+        if (t.weight > kMainTermPackMuscles)
           factor = std::min(factor, std::max(float(limits_.least),
                                              ratios[v] * all_.slices[k].outline[outline_place(t)]));
       }
@@ -433,25 +450,25 @@ class Sharing {
     std::vector<float> ratios(due_.size(), 1);
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, all_.strips.size(), 4), [&](const auto& range) {
-          Sight sight;
+          RayBuffer buffer;
           for (std::size_t s = range.begin(); s < range.end(); ++s) {
             const StripPlace& strip = all_.strips[s];
             for (std::size_t k = strip.begin;
                  k + 1 < strip.end && !strip.sheet && !all_.is_mirrored(strip); ++k) {
               const Vec3 middle = 0.5 * (all_.slices[k].center + all_.slices[k + 1].center);
-              for (std::size_t i = 0; i < kDirections; ++i) {
+              for (std::size_t i = 0; i < kDirectionsPackMuscles; ++i) {
                 const Vec3 out =
                     0.5 * (double(all_.slices[k].outline[i]) * all_.edge(k, i) +
                            double(all_.slices[k + 1].outline[i]) * all_.edge(k + 1, i));
                 const double now = out.norm();
                 if (now < kThinnest || is_settled_along(k, i, middle, out / now, now)) continue;
-                cast(middle, out / now, now + limits_.settled_reach, 1e3, strip, sight);
+                cast(middle, out / now, now + limits_.settled_reach, 1e3, strip, buffer);
                 double end = now;
-                for (const Stay& stay : sight.stays)
-                  if (stay.solid != strip.muscle && stay.solid != kBone && stay.from > 0 &&
-                      stay.from < now - kDeep && stay.to >= now)
-                    end = std::min(end, 0.5 * (stay.from + now));
-                ratios[k * kDirections + i] = float(std::max(end / now, kMostPress));
+                for (const RayInterval& interval : buffer.intervals)
+                  if (interval.solid != strip.muscle && interval.solid != kBone &&
+                      interval.from > 0 && interval.from < now - kDeep && interval.to >= now)
+                    end = std::min(end, 0.5 * (interval.from + now));
+                ratios[k * kDirectionsPackMuscles + i] = float(std::max(end / now, kMostPress));
               }
             }
           }
@@ -459,7 +476,7 @@ class Sharing {
     pressed_along_.resize(ratios.size());
     for (std::size_t ray = 0; ray < ratios.size(); ++ray) {
       pressed_along_[ray] = ratios[ray] < 1;
-      const std::size_t i = ray % kDirections, here = ray / kDirections;
+      const std::size_t i = ray % kDirectionsPackMuscles, here = ray / kDirectionsPackMuscles;
       for (std::size_t k = here; k < here + 2 && ratios[ray] < 1; ++k)
         next[k][i] = std::min(
             next[k][i], std::max(float(limits_.least), ratios[ray] * all_.slices[k].outline[i]));
@@ -470,7 +487,7 @@ class Sharing {
   // nothing has moved since.
   bool is_settled_along(std::size_t k, std::size_t i, const Vec3& middle, const Vec3& direction,
                         double now) const {
-    if (pressed_along_.empty() || pressed_along_[k * kDirections + i]) return false;
+    if (pressed_along_.empty() || pressed_along_[k * kDirectionsPackMuscles + i]) return false;
     if (settled_.outlines[k][i] != all_.slices[k].outline[i] ||
         settled_.outlines[k + 1][i] != all_.slices[k + 1].outline[i])
       return false;
@@ -503,11 +520,11 @@ class Sharing {
   Anatomy& anatomy_;
   std::span<Ellipse> given_;
   std::span<const double> wanted_;
-  SharingLimits limits_;
+  PackingLimits limits_;
   MuscleSurface surface_;
-  SharedSections all_;
-  std::vector<double> needs_;  // #muscles: more than 1 where volume is wanting
-  std::vector<Spoke> spokes_;  // #slices x #directions
+  PackedSections all_;
+  std::vector<double> needs_;        // #muscles: more than 1 where volume is wanting
+  std::vector<RadialLimit> spokes_;  // #slices x #directions
   std::vector<float>
       asked_;  // #slices x #directions: in a covering round, how far to come up to the layer, m
   std::vector<char> due_;  // #slices x #directions: rays of this round
@@ -528,16 +545,16 @@ class Sharing {
   Points positions_;                   // of the muscles' surface
   std::vector<int> solids_;            // #triangles: muscle or bone
   std::optional<CrossingRays> flesh_;  // of mesh_
-  SharingReport report_;
+  PackingReport report_;
 };
 
 }  // namespace
 
-SharingReport share_room(Anatomy& anatomy, std::span<Ellipse> slices,
-                         std::span<const double> wanted, std::span<const int> partners,
-                         const SkinRays& rays, const FatLayer& fat, const SharingLimits& limits) {
+PackingReport pack_muscles(Anatomy& anatomy, std::span<Ellipse> slices,
+                           std::span<const double> wanted, std::span<const int> partners,
+                           const SkinRays& rays, const FatLayer& fat, const PackingLimits& limits) {
   if (slices.empty()) return {};
-  Sharing sharing(anatomy, slices, wanted, partners, rays, fat, limits);
+  MusclePacking sharing(anatomy, slices, wanted, partners, rays, fat, limits);
   sharing.begin();
   for (int round = 0; round < limits.parting; ++round) sharing.round(Round::parting, 1);
   for (int round = 0; round < limits.growing; ++round) sharing.round(Round::growing, 1);
@@ -552,4 +569,4 @@ SharingReport share_room(Anatomy& anatomy, std::span<Ellipse> slices,
   return sharing.report();
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

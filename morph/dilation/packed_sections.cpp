@@ -8,11 +8,11 @@
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/slice_outline.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 namespace {
 
-constexpr std::size_t kDirections = kOutlinePoints;
+constexpr std::size_t kDirectionsPackedSections = kOutlinePoints;
 // levels of tendons count this much: they keep their room before bellies do
 constexpr double kTendonLevel = 0.4;
 constexpr int kLevelSteps = 6, kHalvings = 5;
@@ -49,10 +49,10 @@ double direction_place(double x, double y) {
 double rounded(double x) { return std::round(x * 1e6) / 1e6; }
 
 std::size_t outline_place(const MuscleSurface::Term& term) {
-  return std::size_t(std::lround(term.place)) % kDirections;
+  return std::size_t(std::lround(term.place)) % kDirectionsPackedSections;
 }
 
-SharedSections::SharedSections(const Anatomy& anatomy, const MuscleSurface& surface,
+PackedSections::PackedSections(const Anatomy& anatomy, const MuscleSurface& surface,
                                std::span<const Ellipse> given, std::span<const int> mirrored)
     : slices(given.begin(), given.end()),
       partners(mirrored.begin(), mirrored.end()),
@@ -78,30 +78,35 @@ SharedSections::SharedSections(const Anatomy& anatomy, const MuscleSurface& surf
     std::fill(thickness.begin() + long(muscle_begin[m]),
               thickness.begin() + long(muscle_begin[m + 1]), double(part.thickness));
   }
-  drawn.assign(slices.size() * kDirections, 0);
+  drawn.assign(slices.size() * kDirectionsPackedSections, 0);
   for (const MuscleSurface::Term& t : surface.terms)
-    if (t.u != 0 || t.v != 0) drawn[t.slice * kDirections + outline_place(t)] = 1;
+    if (t.u != 0 || t.v != 0) drawn[t.slice * kDirectionsPackedSections + outline_place(t)] = 1;
 }
 
-Vec3 SharedSections::edge(std::size_t k, std::size_t i) const {
+Vec3 PackedSections::edge(std::size_t k, std::size_t i) const {
   const Ellipse& e = slices[k];
   const Vec2& d = outline_directions()[i];
   return e.radii.x() * d.x() * e.axes.col(0) + thickness[k] * e.radii.y() * d.y() * e.axes.col(1);
 }
 
-void SharedSections::fill(std::size_t k, SliceOutline& outline) const {
-  for (std::size_t i = 0; i < kDirections; ++i) {
+void PackedSections::fill(std::size_t k, SliceOutline& outline) const {
+  for (std::size_t i = 0; i < kDirectionsPackedSections; ++i) {
     if (is_drawn(k, i)) continue;
     std::size_t before = 1, after = 1;
-    while (before < kDirections && !is_drawn(k, (i + kDirections - before) % kDirections)) ++before;
-    while (after < kDirections && !is_drawn(k, (i + after) % kDirections)) ++after;
-    if (before == kDirections) {
+    while (before < kDirectionsPackedSections &&
+           !is_drawn(k, (i + kDirectionsPackedSections - before) % kDirectionsPackedSections))
+      ++before;
+    while (after < kDirectionsPackedSections &&
+           !is_drawn(k, (i + after) % kDirectionsPackedSections))
+      ++after;
+    if (before == kDirectionsPackedSections) {
       outline[i] = 1;
       continue;
     }
     const float share = float(before) / float(before + after);
-    outline[i] = (1 - share) * outline[(i + kDirections - before) % kDirections] +
-                 share * outline[(i + after) % kDirections];
+    outline[i] = (1 - share) *
+                     outline[(i + kDirectionsPackedSections - before) % kDirectionsPackedSections] +
+                 share * outline[(i + after) % kDirectionsPackedSections];
   }
 }
 
@@ -111,8 +116,9 @@ void smooth_outlines(std::span<SliceOutline> outlines) {
   for (std::size_t k = 0; k < n; ++k) {
     const SliceOutline &before = old[k > 0 ? k - 1 : k], &after = old[k + 1 < n ? k + 1 : k],
                        &here = old[k];
-    for (std::size_t i = 0; i < kDirections; ++i) {
-      const std::size_t left = (i + kDirections - 1) % kDirections, right = (i + 1) % kDirections;
+    for (std::size_t i = 0; i < kDirectionsPackedSections; ++i) {
+      const std::size_t left = (i + kDirectionsPackedSections - 1) % kDirectionsPackedSections,
+                        right = (i + 1) % kDirectionsPackedSections;
       outlines[k][i] = (4 * here[i] + before[i] + after[i] + here[left] + here[right]) / 8;
     }
   }
@@ -120,22 +126,22 @@ void smooth_outlines(std::span<SliceOutline> outlines) {
 
 // 0 on the line of a section's centre, 1 on its outline, as far as the section speaks for this
 // place.
-double SharedSections::level(std::size_t k, const Vec3& p) const {
+double PackedSections::level(std::size_t k, const Vec3& p) const {
   const Ellipse& e = slices[k];
   const Vec3 d = p - e.center;
   double x = d.dot(e.axes.col(0)) / std::max(e.radii.x(), 1e-6);
-  if (!is_drawn(k, x > 0 ? 0 : kDirections / 2)) x = 0;  // the sheet goes on there
+  if (!is_drawn(k, x > 0 ? 0 : kDirectionsPackedSections / 2)) x = 0;  // the sheet goes on there
   const double y = d.dot(e.axes.col(1)) / std::max(thickness[k] * e.radii.y(), 1e-6);
   return std::sqrt(x * x + y * y) /
          std::max(outline_factor(e.outline, direction_place(x, y)), 1e-3);
 }
 
-double SharedSections::level_share(std::size_t slice) const {
+double PackedSections::level_share(std::size_t slice) const {
   return kTendonLevel + (1 - kTendonLevel) * belly[slice];
 }
 
 // The same between a slice and the next one towards the point.
-double SharedSections::level_near(const StripPlace& strip, std::size_t k, const Vec3& p) const {
+double PackedSections::level_near(const StripPlace& strip, std::size_t k, const Vec3& p) const {
   const Ellipse& e = slices[k];
   const double along = e.axes.col(2).dot(p - e.center);
   const std::size_t next = along > 0 ? std::min(k + 1, strip.end - 1) : k > strip.begin ? k - 1 : k;
@@ -147,7 +153,7 @@ double SharedSections::level_near(const StripPlace& strip, std::size_t k, const 
 }
 
 // The slice of a strip whose centre is nearest.
-std::size_t SharedSections::nearest(const StripPlace& strip, const Vec3& p) const {
+std::size_t PackedSections::nearest(const StripPlace& strip, const Vec3& p) const {
   std::size_t best = strip.begin;
   double least = 1e300;
   for (std::size_t k = strip.begin; k < strip.end; ++k) {
@@ -157,13 +163,13 @@ std::size_t SharedSections::nearest(const StripPlace& strip, const Vec3& p) cons
   return best;
 }
 
-double SharedSections::part(std::size_t k, std::size_t own, const Vec3& direction, double radius,
-                            const Stay& stay) const {
+double PackedSections::part(std::size_t k, std::size_t own, const Vec3& direction, double radius,
+                            const RayInterval& interval) const {
   const double mine = weights[own] * level_share(k) / radius;
-  const double end = std::min(stay.to, radius);
+  const double end = std::min(interval.to, radius);
   const auto at = [&](double t) -> Vec3 { return slices[k].center + t * direction; };
-  const std::size_t m = stay.solid;
-  const Vec3 middle = at(0.5 * (stay.from + end));
+  const std::size_t m = interval.solid;
+  const Vec3 middle = at(0.5 * (interval.from + end));
   const std::size_t first = strip_begin[m],
                     count = std::min(strip_begin[m + 1] - first, kMostStrips);
   std::array<std::size_t, kMostStrips> near;
@@ -174,10 +180,10 @@ double SharedSections::part(std::size_t k, std::size_t own, const Vec3& directio
       least = std::min(least, level_near(strips[first + s], near[s], at(t)));
     return weights[m] * least;
   };
-  double low = stay.from, high = -1;
+  double low = interval.from, high = -1;
   if (mine * low >= theirs(low)) return low;
   for (int step = 1; step <= kLevelSteps; ++step) {
-    const double t = stay.from + (end - stay.from) * step / kLevelSteps;
+    const double t = interval.from + (end - interval.from) * step / kLevelSteps;
     if (mine * t >= theirs(t)) {
       high = t;
       break;
@@ -192,4 +198,4 @@ double SharedSections::part(std::size_t k, std::size_t own, const Vec3& directio
   return 0.5 * (low + high);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

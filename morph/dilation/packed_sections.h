@@ -1,6 +1,5 @@
-// The sections of all muscles of a body as those see them that share its room (pack_muscles.h):
-// which directions are drawn, which strip is whose, and where two muscles are as deep in the one as
-// in the other.
+// The sections of all muscles of a body while they are packed (pack_muscles.h): which directions
+// are drawn, which strip a section belongs to, and where two muscles have the same level.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +10,7 @@
 #include "anatomy/muscles/muscle_surface.h"
 #include "anatomy/queries/ray_crossings.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct StripPlace {
   int muscle = 0;
@@ -24,7 +23,7 @@ struct StripPlace {
 // v are 0.
 std::size_t outline_place(const MuscleSurface::Term& term);
 
-struct SharedSections {
+struct PackedSections {
   std::vector<Ellipse> slices;  // to the micrometre
   std::vector<StripPlace> strips;
   std::vector<std::size_t> muscle_begin;  // #muscles + 1, slices
@@ -36,7 +35,7 @@ struct SharedSections {
   std::vector<double> weights;  // #muscles, of their levels
 
   // All of a tube's directions are drawn, of a sheet's strips the sides and the outer edges.
-  SharedSections(const Anatomy& anatomy, const MuscleSurface& surface,
+  PackedSections(const Anatomy& anatomy, const MuscleSurface& surface,
                  std::span<const Ellipse> given, std::span<const int> mirrored);
 
   bool is_drawn(std::size_t k, std::size_t i) const { return drawn[k * kOutlinePoints + i] != 0; }
@@ -46,11 +45,11 @@ struct SharedSections {
   // From a section's centre to its drawn ellipse.
   Vec3 edge(std::size_t k, std::size_t i) const;
 
-  // Where a muscle that stays on the ray from the centre of slice k of `own` has to be parted from
-  // the section whose surface is at `radius`: where levels are equal, 0 on the line of centres, 1
-  // on the surface.
+  // Where a muscle that lies on the ray from the centre of slice k of `own`, in `interval`, has to
+  // be separated from the section whose surface is at `radius`: where levels are equal, 0 on the
+  // line of centres, 1 on the surface.
   double part(std::size_t k, std::size_t own, const Vec3& direction, double radius,
-              const Stay& stay) const;
+              const RayInterval& interval) const;
 
  private:
   double level(std::size_t k, const Vec3& p) const;
@@ -62,8 +61,8 @@ struct SharedSections {
 // A strip's outlines, each half its own and half its neighbours' along and round the strip.
 void smooth_outlines(std::span<SliceOutline> outlines);
 
-// To a micrometre: who meets whom is yes or no, and must not turn on the last digits of two ways to
-// the same place.
+// To a micrometre: whether two muscles meet must not depend on the last digits of a position that
+// is computed in two ways.
 double rounded(double x);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -11,11 +11,11 @@
 #include "anatomy/muscles/muscle_surface.h"
 #include "morph/dilation/slice_clearance.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 namespace {
 
-constexpr double kMargin = 0.4e-3;     // m below the skin, for what was outside
+constexpr double kMargin = 0.4e-3;     // m below the skin, target of points that were outside
 constexpr double kCentreDepth = 2e-3;  // m below the skin, for centres that were outside
 constexpr double kLeast = 0.2;         // of a half axis, that a round leaves
 constexpr int kRounds = 12;
@@ -115,7 +115,7 @@ struct Suspect {
   std::span<Ellipse> slices;
 };
 
-InsideReport keep_inside(Muscle& muscle, std::span<Ellipse> slices, const SkinRays& rays) {
+InsideReport pull_inside_skin(Muscle& muscle, std::span<Ellipse> slices, const SkinRays& rays) {
   InsideReport report;
   Anatomy alone;
   alone.muscles.push_back(muscle);
@@ -149,8 +149,8 @@ InsideReport keep_inside(Muscle& muscle, std::span<Ellipse> slices, const SkinRa
 
 }  // namespace
 
-InsideReport keep_inside(std::vector<Muscle>& muscles, std::span<Ellipse> slices,
-                         std::span<const char> suspects, const SkinRays& rays) {
+InsideReport pull_inside_skin(std::vector<Muscle>& muscles, std::span<Ellipse> slices,
+                              std::span<const char> suspects, const SkinRays& rays) {
   std::vector<Suspect> looked_at;
   std::size_t first = 0;
   for (std::size_t m = 0; m < muscles.size(); ++m) {
@@ -178,7 +178,7 @@ InsideReport keep_inside(std::vector<Muscle>& muscles, std::span<Ellipse> slices
         at += strip.slices.size();
       }
     }
-    reports[k] = keep_inside(muscle, suspect.slices, rays);
+    reports[k] = pull_inside_skin(muscle, suspect.slices, rays);
     reports[k].rays += static_cast<long long>(suspect.slices.size());
   });
   InsideReport all;
@@ -190,4 +190,4 @@ InsideReport keep_inside(std::vector<Muscle>& muscles, std::span<Ellipse> slices
   return all;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

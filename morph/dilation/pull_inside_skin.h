@@ -13,7 +13,7 @@
 #include "anatomy/anatomy.h"
 #include "anatomy/queries/ray_caster.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct InsideReport {
   long long rays = 0;
@@ -23,7 +23,7 @@ struct InsideReport {
 
 // `slices`: the sections of all muscles in order, which the strips hold already; both are changed.
 // `suspects`: #muscles, those that come near the skin; the others are not looked at.
-InsideReport keep_inside(std::vector<Muscle>& muscles, std::span<Ellipse> slices,
-                         std::span<const char> suspects, const SkinRays& rays);
+InsideReport pull_inside_skin(std::vector<Muscle>& muscles, std::span<Ellipse> slices,
+                              std::span<const char> suspects, const SkinRays& rays);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

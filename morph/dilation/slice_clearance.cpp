@@ -4,12 +4,14 @@
 #include <cmath>
 #include <limits>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
-constexpr double kGive = 0.5;  // of the layer, which is soft
+// Fraction of the layer's thickness that a section may press into it. Larger: less fat over
+// muscles; smaller: more sections are flattened.
+constexpr double kGive = 0.5;
 
 // The half plane that a ray's end stands for. A tangent plane that the ray meets at a shallow
 // angle, or that lies almost in the slice's plane, says little about the section; then the ray's
@@ -158,4 +160,4 @@ Vec2 growth_to_touch(const Section& section, std::span<const HalfPlane> room) {
   return growth;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

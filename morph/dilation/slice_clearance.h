@@ -8,7 +8,7 @@
 #include "anatomy/queries/ray_caster.h"
 #include "morph/fat/fat_layer.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // normal . p <= bound for the points p of the slice's plane, in (width, thickness) coordinates
 // about the slice's centre, m.
@@ -53,4 +53,4 @@ void press_in(Section& section, std::span<const HalfPlane> room, double least);
 // when it does not fit as it is.
 Vec2 growth_to_touch(const Section& section, std::span<const HalfPlane> room);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -8,11 +8,14 @@
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/slice_outline.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kTowardsSkin = 0.6;  // of the way from a section's centre to its outer side
-constexpr double kLeast = 0.7;        // of a half axis
+// Fraction of the way from a section's centre to its outer side: the point that it shrinks about.
+// Larger: more of the gap lies on the inner side; smaller: superficial muscles leave the layer.
+constexpr double kTowardsSkin = 0.6;
+// Least factor of a half axis. Larger: the total volume is not reached; smaller: thin bellies.
+constexpr double kLeastSlimMuscles = 0.7;
 constexpr double kMostEffort = 6;
 
 // Where the outline of a section ends in the direction of its thickness, which points to the skin.
@@ -63,7 +66,7 @@ class Slimmer {
       constexpr double kFurther = 0.8;
       const double share =
           std::pow(beyond, std::min(effort, 1.0)) * std::pow(kFurther, std::max(effort - 1, 0.0));
-      set(m, std::max(kLeast, std::sqrt(share)));
+      set(m, std::max(kLeastSlimMuscles, std::sqrt(share)));
     });
     return sum();
   }
@@ -137,4 +140,4 @@ double slim_muscles(std::vector<Muscle>& muscles, std::span<Ellipse> slices,
   return now;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

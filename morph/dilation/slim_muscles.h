@@ -1,5 +1,5 @@
-// Muscles that hold less than the room they have: what is left is fat between them and inside their
-// sheaths.
+// Muscles that have less volume than the room they fill; the rest is fat between them and inside
+// their sheaths.
 //
 // Muscles are grown until they fill the room under the layer of fat (pack_muscles.h), however much
 // of it is muscle in that person. Where that is more than they should hold together, bellies are
@@ -13,13 +13,13 @@
 
 #include "anatomy/anatomy.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // `slices`: the sections of all muscles in order, as the strips hold them; both are changed.
 // `wanted`: #muscles, volumes in proportion to which the total is shared out. `partners`: as for
-// share_room. `total`: of all muscles, m^3. Nothing is changed where they hold no more. Returns
+// pack_muscles. `total`: of all muscles, m^3. Nothing is changed where they hold no more. Returns
 // what they hold then, m^3.
 double slim_muscles(std::vector<Muscle>& muscles, std::span<Ellipse> slices,
                     std::span<const double> wanted, std::span<const int> partners, double total);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 // of the layer, that points of an outline may stand into it: facets are chords and lie lower
@@ -13,7 +13,7 @@ constexpr float kTip = 0.25f;
 constexpr double kSteepest = 0.25;  // least cosine that the layer's slope is taken to have
 
 // Directions that move a vertex, of what is not its partner's mirror image.
-std::vector<char> used_directions(const SharedSections& all) {
+std::vector<char> used_directions(const PackedSections& all) {
   std::vector<char> used(all.slices.size() * kOutlinePoints, 0);
   for (const StripPlace& strip : all.strips)
     for (std::size_t k = strip.begin; k < strip.end && !all.is_mirrored(strip); ++k)
@@ -24,10 +24,10 @@ std::vector<char> used_directions(const SharedSections& all) {
 
 }  // namespace
 
-LayerSpokes find_layer_spokes(const SharedSections& all, const SkinRays& skin, const FatLayer& fat,
-                              const Underside& underside, double skin_gap) {
+RadialLimits find_radial_limits(const PackedSections& all, const SkinRays& skin,
+                                const FatLayer& fat, const Underside& underside, double skin_gap) {
   const SkinRays layer_rays(TriMesh{underside.points, skin.mesh().F});
-  LayerSpokes out;
+  RadialLimits out;
   out.spokes.resize(all.slices.size() * kOutlinePoints);
   const std::vector<char> used = used_directions(all);
   tbb::parallel_for(
@@ -36,7 +36,7 @@ LayerSpokes find_layer_spokes(const SharedSections& all, const SkinRays& skin, c
           for (std::size_t i = 0; i < kOutlinePoints; ++i) {
             if (!used[k * kOutlinePoints + i]) continue;
             const Vec3 to_edge = all.edge(k, i);
-            Spoke& spoke = out.spokes[k * kOutlinePoints + i];
+            RadialLimit& spoke = out.spokes[k * kOutlinePoints + i];
             spoke.base = std::max(float(to_edge.norm()), 1e-6f);
             const Vec3 direction = to_edge / double(spoke.base);
             const RayHit hit = skin.first_hit(all.slices[k].center, direction);
@@ -61,4 +61,4 @@ LayerSpokes find_layer_spokes(const SharedSections& all, const SkinRays& skin, c
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,5 +1,5 @@
-// From the centre of every section in each direction of its outline: how far it is to the layer of
-// fat, and how far an outline may stand into it. Private to share_room.
+// Radial limits of every section in each direction of its outline: the distance to the layer of
+// fat, and how far an outline may press into it. Private to pack_muscles.
 #pragma once
 
 #include <vector>
@@ -9,26 +9,26 @@
 #include "morph/dilation/packed_sections.h"
 #include "morph/fat/fat_layer.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // m.
-struct Spoke {
+struct RadialLimit {
   float base = 0;      // the drawn ellipse's radius
   float layer = 1e3f;  // to the layer of fat
   float over = 1e3f;   // as far as a tip may stand, so that the facets about it lie on the layer
   float most = 1e3f;   // to where the layer has given as far as it can
 };
 
-struct LayerSpokes {
+struct RadialLimits {
   // #slices x #directions; as above where a direction moves no vertex, or belongs to its partner's
   // mirror image
-  std::vector<Spoke> spokes;
+  std::vector<RadialLimit> spokes;
   long long rays = 0;  // that were cast
 };
 
 // `skin`, `fat`: closed, and the layer beneath it; `underside`: of that. `skin_gap`: m that an
 // ellipse keeps from the skin where it presses into the layer.
-LayerSpokes find_layer_spokes(const SharedSections& all, const SkinRays& skin, const FatLayer& fat,
-                              const Underside& underside, double skin_gap);
+RadialLimits find_radial_limits(const PackedSections& all, const SkinRays& skin,
+                                const FatLayer& fat, const Underside& underside, double skin_gap);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -11,19 +11,26 @@
 
 #include "anatomy/geometry/join_meshes.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 namespace {
 
-constexpr double kSpacing = 0.012;  // m: one sample a cube of this size
-constexpr double kCell = 0.04;      // m: of the search grid
-constexpr double kReach = 0.022;    // m: of the smooth mean
-constexpr double kDeepest = 0.16;   // m: where no bone lies nearer, flesh is stretched from here
-constexpr double kAbove = 0.04;  // m: rays start above the skin, for muscles that stand out of it
-// of the bone's depth: where the bone is near, the layer is thinner
+// m: one sample of the skin in a cube of this size. Larger: coarser; smaller: more rays.
+constexpr double kSpacing = 0.012;
+constexpr double kCell = 0.04;  // m: of the search grid; speed only
+// m: of the smooth mean over samples. Larger: muscles miss the layer where it is uneven; smaller:
+// neighbours are stretched unevenly.
+constexpr double kReach = 0.022;
+// m below the skin: where no bone lies nearer, tissue is stretched from here.
+constexpr double kDeepestTissueStretch = 0.16;
+constexpr double kAbove = 0.04;  // m: rays start above the skin, for muscles that protrude
+// Least room for muscle as a fraction of the bone's depth: where the bone is near, the layer is
+// taken as thinner. Larger: muscles protrude into the layer; smaller: they vanish over near bone.
 constexpr double kLeastRoom = 0.6;
+// Bounds of the stretch. Wider: sections next to noise of the samples are distorted; narrower:
+// muscles do not reach the layer of very lean or very fat bodies.
 constexpr double kLeastStretch = 0.4, kMostStretch = 1.9;
-constexpr double kMostShift = 0.05;  // m
+constexpr double kMostShift = 0.05;  // m, bound of the shift; as above
 constexpr int kTubeSides = 10;
 
 // One vertex of the skin a cube of kSpacing: the one nearest to its middle. Cubes lie about the
@@ -139,7 +146,7 @@ TriMesh large_bones(const Anatomy& anatomy, std::vector<int>& joints) {
 
 }  // namespace
 
-FleshField::FleshField(const Anatomy& anatomy, const SkinRays& rays, const FatLayer& fat) {
+TissueStretch::TissueStretch(const Anatomy& anatomy, const SkinRays& rays, const FatLayer& fat) {
   const TriMesh& skin = rays.mesh();
   std::vector<Vec3> normals(skin.V.rows(), Vec3::Zero());
   for (Eigen::Index f = 0; f < skin.F.rows(); ++f) {
@@ -166,8 +173,9 @@ FleshField::FleshField(const Anatomy& anatomy, const SkinRays& rays, const FatLa
       sample.position = skin.V.row(chosen[s]);
       sample.normal = normals[chosen[s]].normalized();
       // The flesh of one side of a limb ends half way to the other side.
-      const RayHit through = rays.first_hit(sample.position, -sample.normal, 2 * kDeepest, 1e-3);
-      const double deepest = through.triangle >= 0 ? through.distance / 2 : kDeepest;
+      const RayHit through =
+          rays.first_hit(sample.position, -sample.normal, 2 * kDeepestTissueStretch, 1e-3);
+      const double deepest = through.triangle >= 0 ? through.distance / 2 : kDeepestTissueStretch;
       const RayHit bone = bone_rays.first_hit(sample.position, -sample.normal, deepest);
       sample.bone = bone.triangle >= 0 ? bone.distance : deepest;
       if (bone.triangle >= 0) {
@@ -183,7 +191,7 @@ FleshField::FleshField(const Anatomy& anatomy, const SkinRays& rays, const FatLa
   sort_into_cells();
 }
 
-void FleshField::sort_into_cells() {
+void TissueStretch::sort_into_cells() {
   Vec3 low = samples_.front().position, high = low;
   for (const Sample& sample : samples_) {
     low = low.cwiseMin(sample.position);
@@ -202,7 +210,7 @@ void FleshField::sort_into_cells() {
   for (std::size_t k = 1; k < cell_begin_.size(); ++k) cell_begin_[k] += cell_begin_[k - 1];
 }
 
-void FleshField::look_at(std::span<const Ellipse> slices) {
+void TissueStretch::look_at(std::span<const Ellipse> slices) {
   if (samples_.empty() || slices.size() < 2) return;
   const SkinRays muscle_rays(muscle_tubes(slices, strip_begin_), RayBuild::quick);
   tbb::parallel_for(
@@ -220,8 +228,8 @@ void FleshField::look_at(std::span<const Ellipse> slices) {
   rays_ += static_cast<long long>(samples_.size());
 }
 
-void FleshField::collect(const Vec3& point, double radius, const std::vector<char>& concerns,
-                         std::vector<Near>& found) const {
+void TissueStretch::collect(const Vec3& point, double radius, const std::vector<char>& concerns,
+                            std::vector<Near>& found) const {
   found.clear();
   const auto cell = [&](const Vec3& p) -> Eigen::Array3i {
     return ((p - corner_).array() / kCell).floor().cast<int>();
@@ -242,7 +250,7 @@ void FleshField::collect(const Vec3& point, double radius, const std::vector<cha
   }
 }
 
-FleshPull FleshField::at(const Vec3& point, int muscle) const {
+TissuePull TissueStretch::at(const Vec3& point, int muscle) const {
   if (samples_.empty()) return {};
   std::vector<Near> near;
   near.reserve(128);
@@ -268,7 +276,7 @@ FleshPull FleshField::at(const Vec3& point, int muscle) const {
     gap += w * s->weight * (s->room - s->height);
     height += w * s->weight * s->height;
   }
-  FleshPull pull;
+  TissuePull pull;
   if (weights <= 0 || used < 0.05 * weights || outwards.norm() < 1e-9) return pull;
   pull.outwards = outwards.normalized();
   pull.free = (depth - layer) / weights;
@@ -279,4 +287,4 @@ FleshPull FleshField::at(const Vec3& point, int muscle) const {
   return pull;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

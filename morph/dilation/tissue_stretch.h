@@ -15,20 +15,20 @@
 #include "anatomy/queries/ray_caster.h"
 #include "morph/fat/fat_layer.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-struct FleshPull {
+struct TissuePull {
   Vec3 outwards = Vec3::UnitY();  // unit
   double stretch = 1;             // of lengths along `outwards`
   double shift = 0;               // of this point along `outwards`, m
   double free = 0;                // from this point to the layer, m
 };
 
-class FleshField {
+class TissueStretch {
  public:
   // `anatomy`: bones, and which joints the muscles ride on, inside the skin of `rays`. Bones do not
   // change between the calls.
-  FleshField(const Anatomy& anatomy, const SkinRays& rays, const FatLayer& fat);
+  TissueStretch(const Anatomy& anatomy, const SkinRays& rays, const FatLayer& fat);
 
   // Finds out how far the muscles reach. `slices`: all sections of the anatomy's muscles in order,
   // wherever they are by now.
@@ -36,7 +36,7 @@ class FleshField {
 
   // For a point of a muscle: samples over bones that the muscle has nothing to do with (the other
   // thigh, the arm beside the trunk) do not count. Precondition: look_at was called.
-  FleshPull at(const Vec3& point, int muscle) const;
+  TissuePull at(const Vec3& point, int muscle) const;
 
   long long rays() const { return rays_; }
 
@@ -67,4 +67,4 @@ class FleshField {
   long long rays_ = 0;
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

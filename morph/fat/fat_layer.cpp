@@ -10,10 +10,9 @@
 #include <fmt/format.h>
 
 #include "anatomy/errors.h"
-#include "anatomy/files/package_archive.h"
 #include "morph/fat/subcutaneous_bone.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 namespace {
 
@@ -103,7 +102,7 @@ class SiteFinder {
   const SkinRays& rays_;
 };
 
-std::vector<Vec3> vertex_normals(const TriMesh& mesh) {
+std::vector<Vec3> area_normals(const TriMesh& mesh) {
   std::vector<Vec3> normals(mesh.V.rows(), Vec3::Zero());
   for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
     const Vec3 a = mesh.V.row(mesh.F(f, 0)), b = mesh.V.row(mesh.F(f, 1)),
@@ -154,7 +153,10 @@ double age_of(const Body& body) {
 
 }  // namespace
 
-FatTable::FatTable() : table_(data_folder() / "fat.csv") {}
+FatTable::FatTable(const std::filesystem::path& tables) : table_(tables / "fat.csv") {}
+
+FatTables::FatTables(const std::filesystem::path& tables)
+    : sites(tables), subcutaneous_bone(tables / "bare.csv") {}
 
 double FatTable::thickness(int row, const FatOptions& options) const {
   const char* sex = options.sex == Sex::male ? "male" : "female";
@@ -179,8 +181,8 @@ double estimate_fatness(const Body& body) {
   return std::clamp(std::max(between(builds, share), between(kIndexBuilds, index)), -1.0, 3.0);
 }
 
-FatLayer make_fat_layer(const SkinRays& rays, const Skeleton& skeleton, const FatOptions& options) {
-  const FatTable fat;
+FatLayer make_fat_layer(const FatTable& fat, const SkinRays& rays, const Skeleton& skeleton,
+                        const FatOptions& options) {
   const Table& table = fat.table();
   const SiteFinder finder(table, skeleton, rays);
   const char* sex = options.sex == Sex::male ? "male" : "female";
@@ -197,7 +199,7 @@ FatLayer make_fat_layer(const SkinRays& rays, const Skeleton& skeleton, const Fa
     }
   }
   const TriMesh& skin = rays.mesh();
-  const std::vector<Vec3> normals = vertex_normals(skin);
+  const std::vector<Vec3> normals = area_normals(skin);
   layer.thickness.resize(normals.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, normals.size(), 512),
                     [&](const auto& range) {
@@ -208,11 +210,12 @@ FatLayer make_fat_layer(const SkinRays& rays, const Skeleton& skeleton, const Fa
   return layer;
 }
 
-FatLayer make_fat_layer(const SkinRays& rays, const Anatomy& anatomy, const Body& body) {
-  FatLayer layer =
-      make_fat_layer(rays, anatomy.skeleton, FatOptions{body.sex, estimate_fatness(body)});
-  reach_bare_bone(layer, rays, anatomy);
+FatLayer make_fat_layer(const FatTables& tables, const SkinRays& rays, const Anatomy& anatomy,
+                        const Body& body) {
+  FatLayer layer = make_fat_layer(tables.sites, rays, anatomy.skeleton,
+                                  FatOptions{body.sex, estimate_fatness(body)});
+  reach_subcutaneous_bone(tables.subcutaneous_bone, rays, anatomy, layer.thickness);
   return layer;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

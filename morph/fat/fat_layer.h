@@ -5,14 +5,16 @@
 // mean of the sites that are near and face the same way.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "anatomy/anatomy.h"
+#include "anatomy/files/assets.h"
 #include "anatomy/files/csv_table.h"
 #include "anatomy/queries/ray_caster.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct FatOptions {
   Sex sex = Sex::male;
@@ -24,7 +26,8 @@ struct FatOptions {
 // data/fat.csv: thicknesses of fat by site, sex and fatness, without the skin.
 class FatTable {
  public:
-  FatTable();  // throws InputError when the file cannot be read
+  // `tables`: Assets::tables. Throws InputError when the file cannot be read.
+  explicit FatTable(const std::filesystem::path& tables);
   // m. Throws InputError for a site that the table does not have.
   double thickness(const std::string& site, const FatOptions& options) const;
   double thickness(int row, const FatOptions& options) const;
@@ -32,6 +35,15 @@ class FatTable {
 
  private:
   Table table_;
+};
+
+// What a fat layer is made by: data/fat.csv and data/bare.csv.
+struct FatTables {
+  FatTable sites;
+  Table subcutaneous_bone;
+
+  // Throws InputError when one of the files cannot be read.
+  explicit FatTables(const std::filesystem::path& tables);
 };
 
 struct FatSite {
@@ -64,10 +76,12 @@ double estimate_fat_share(const Body& body);
 double estimate_fatness(const Body& body);
 
 // `rays` are of the skin; `skeleton` lies inside it at rest. Sites whose ray meets nothing are left
-// out. Throws InputError when data/fat.csv cannot be read or names a joint that the skeleton lacks.
-FatLayer make_fat_layer(const SkinRays& rays, const Skeleton& skeleton, const FatOptions& options);
-// The same with the body's sex and estimated fatness; and where bones of `anatomy` lie bare of
-// muscle, the layer reaches down to them (subcutaneous_bone.h).
-FatLayer make_fat_layer(const SkinRays& rays, const Anatomy& anatomy, const Body& body);
+// out. Throws InputError when the table names a joint that the skeleton lacks.
+FatLayer make_fat_layer(const FatTable& fat, const SkinRays& rays, const Skeleton& skeleton,
+                        const FatOptions& options);
+// The same with the body's sex and estimated fatness; over subcutaneous bone of `anatomy` the layer
+// reaches down to the bone (subcutaneous_bone.h).
+FatLayer make_fat_layer(const FatTables& tables, const SkinRays& rays, const Anatomy& anatomy,
+                        const Body& body);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -4,12 +4,12 @@
 #include <array>
 #include <cmath>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kUnknownAge = 30, kGrown = 18, kOldest = 90;  // years
-constexpr double kObese = 30;                                  // kg/m^2
-constexpr double kBeyond = 0.125;                              // of a kilogram beyond kObese
+constexpr double kUnknownAgeMuscleMass = 30, kGrownMuscleMass = 18, kOldest = 90;  // years
+constexpr double kObese = 30;                                                      // kg/m^2
+constexpr double kBeyond = 0.125;  // of a kilogram beyond kObese
 
 double of_adult(Sex sex, double age, double stature, double mass) {
   const double male = sex == Sex::male ? 1 : 0;
@@ -39,9 +39,9 @@ constexpr double kBoyStature = 1.754, kBoyMass = 76.5, kGirlStature = 1.624,
 double of_child(Sex sex, double age, double stature, double mass) {
   const bool male = sex == Sex::male;
   const auto& rows = male ? kBoys : kGirls;
-  Childhood before = rows[0],
-            after{kGrown, male ? kBoyStature : kGirlStature, male ? kBoyMass : kGirlMass, 0};
-  after.share = of_adult(sex, kGrown, after.stature, after.mass) / after.mass;
+  Childhood before = rows[0], after{kGrownMuscleMass, male ? kBoyStature : kGirlStature,
+                                    male ? kBoyMass : kGirlMass, 0};
+  after.share = of_adult(sex, kGrownMuscleMass, after.stature, after.mass) / after.mass;
   for (const Childhood& row : rows) {
     if (row.age <= age)
       before = row;
@@ -59,8 +59,9 @@ double of_child(Sex sex, double age, double stature, double mass) {
 }  // namespace
 
 double muscle_mass(Sex sex, double age, double stature, double mass) {
-  const double years = std::min(age > 0 ? age : kUnknownAge, kOldest);
-  return years < kGrown ? of_child(sex, years, stature, mass) : of_adult(sex, years, stature, mass);
+  const double years = std::min(age > 0 ? age : kUnknownAgeMuscleMass, kOldest);
+  return years < kGrownMuscleMass ? of_child(sex, years, stature, mass)
+                                  : of_adult(sex, years, stature, mass);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -10,7 +10,7 @@
 
 #include "anatomy/anatomy.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // kg/m^3 (Ward and Lieber 2005, 10.1016/j.jbiomech.2004.10.017).
 inline constexpr double kMuscleDensity = 1056;
@@ -19,4 +19,4 @@ inline constexpr double kMuscleMassError = 2.8;  // kg, one standard error of an
 // kg. Ages of 0 are taken as 30 years. Preconditions: stature (m) and mass (kg) above 0.
 double muscle_mass(Sex sex, double age, double stature, double mass);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -5,24 +5,23 @@
 
 #include <algorithm>
 #include <limits>
-#include <vector>
 
 #include "anatomy/compute/smooth_step.h"
-#include "anatomy/files/csv_table.h"
-#include "anatomy/files/package_archive.h"
 #include "anatomy/geometry/join_meshes.h"
 #include "anatomy/geometry/mesh_measures.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 namespace {
 
-constexpr double kMillimetre = 1e-3;
-constexpr double kFade = 0.8;      // of the reach: from there on it fades
+constexpr double kMillimetreSubcutaneousBone = 1e-3;
+// Fraction of a row's reach from a joint; beyond it the effect fades out. Nearer to 1, the layer
+// has a step at the reach; nearer to 0, little of the face is reached.
+constexpr double kFade = 0.8;
 constexpr double kStature = 1.75;  // m, of the body that the table's lengths are of
 
 // One row: its bones on all sides as one soup, and the joints it is near to.
-struct BareFace {
+struct SubcutaneousFace {
   TriMesh bones;
   std::vector<Vec3> joints;  // empty: everywhere
   double reach = 0, deepest = 0, gone = 0, aslant = 0, parallel = 0;
@@ -32,8 +31,8 @@ bool is_of(const std::string& name, const std::string& plain) {
   return name == plain || name == plain + "_l" || name == plain + "_r";
 }
 
-BareFace read_face(const Table& table, int row, const Anatomy& anatomy, double unit) {
-  BareFace face;
+SubcutaneousFace read_face(const Table& table, int row, const Anatomy& anatomy, double unit) {
+  SubcutaneousFace face;
   std::vector<const TriMesh*> bones;
   for (const Bone& bone : anatomy.bones)
     if (is_of(bone.name, table.text(row, "bone"))) bones.push_back(&bone.mesh);
@@ -53,7 +52,7 @@ BareFace read_face(const Table& table, int row, const Anatomy& anatomy, double u
   return face;
 }
 
-double nearest_joint(const BareFace& face, const Vec3& point) {
+double nearest_joint(const SubcutaneousFace& face, const Vec3& point) {
   double nearest = face.joints.empty() ? 0 : std::numeric_limits<double>::infinity();
   for (const Vec3& joint : face.joints) nearest = std::min(nearest, (joint - point).norm());
   return nearest;
@@ -61,15 +60,15 @@ double nearest_joint(const BareFace& face, const Vec3& point) {
 
 }  // namespace
 
-void reach_bare_bone(FatLayer& layer, const SkinRays& rays, const Anatomy& anatomy) {
-  const Table table(data_folder() / "bare.csv");
+void reach_subcutaneous_bone(const Table& table, const SkinRays& rays, const Anatomy& anatomy,
+                             std::vector<float>& thickness) {
   const TriMesh& skin = rays.mesh();
   const Points normals = vertex_normals(skin);
-  const std::vector<float> plain = layer.thickness;
-  const double unit =
-      kMillimetre * (skin.V.col(1).maxCoeff() - skin.V.col(1).minCoeff()) / kStature;
+  const std::vector<float> plain = thickness;
+  const double unit = kMillimetreSubcutaneousBone *
+                      (skin.V.col(1).maxCoeff() - skin.V.col(1).minCoeff()) / kStature;
   for (int row = 0; row < table.rows(); ++row) {
-    const BareFace face = read_face(table, row, anatomy, unit);
+    const SubcutaneousFace face = read_face(table, row, anatomy, unit);
     if (face.bones.F.rows() == 0) continue;
     const SkinRays bone_rays(face.bones, RayBuild::quick);
     tbb::parallel_for(
@@ -89,10 +88,10 @@ void reach_bare_bone(FatLayer& layer, const SkinRays& rays, const Anatomy& anato
               share *= 1 - smooth_step(kFade * face.reach, face.reach,
                                        nearest_joint(face, from + depth * inwards));
             if (depth > now)
-              layer.thickness[i] = std::max(layer.thickness[i], float(now + share * (depth - now)));
+              thickness[i] = std::max(thickness[i], float(now + share * (depth - now)));
           }
         });
   }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,18 +1,22 @@
-// Where bones lie bare of muscle, the layer of skin and fat reaches down to them.
+// Subcutaneous bone: where no muscle lies between bone and skin (shin, elbow, ...), the layer of
+// skin and fat reaches down to the bone.
 //
 // data/bare.csv names the bones, near which joint, how deep under the skin, and how nearly parallel
 // to it.
 #pragma once
 
+#include <vector>
+
 #include "anatomy/anatomy.h"
+#include "anatomy/files/csv_table.h"
 #include "anatomy/queries/ray_caster.h"
-#include "morph/fat/fat_layer.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-// Deepens `layer`, which is of the skin of `rays`, to the bare faces of the bones of `anatomy`;
-// nowhere makes it thinner. Bones and joints that the anatomy lacks are left out. Throws InputError
-// when data/bare.csv cannot be read.
-void reach_bare_bone(FatLayer& layer, const SkinRays& rays, const Anatomy& anatomy);
+// Increases `thickness` (m, one a vertex of the skin of `rays`) down to the subcutaneous faces of
+// the bones of `anatomy`; decreases it nowhere. Bones and joints that the anatomy lacks are left
+// out. `table`: data/bare.csv. Throws InputError for a malformed one.
+void reach_subcutaneous_bone(const Table& table, const SkinRays& rays, const Anatomy& anatomy,
+                             std::vector<float>& thickness);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -13,7 +13,7 @@
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/slice_outline.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 namespace {
 
@@ -84,4 +84,4 @@ Containment check_containment(const Anatomy& anatomy, const TriMesh& closed_skin
   return result;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -9,7 +9,7 @@
 
 #include "anatomy/anatomy.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct Containment {
   int bone_points = 0, bone_points_outside = 0;
@@ -23,4 +23,4 @@ struct Containment {
 // std::invalid_argument for a skin that is not closed.
 Containment check_containment(const Anatomy& anatomy, const TriMesh& closed_skin, int around = 16);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -19,7 +19,7 @@
 #include "morph/shapes/body.h"
 #include "morph/tissue/interior_warp.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -87,7 +87,7 @@ struct Bracket {
   double low = 0, high = 0;  // m
 };
 std::vector<Bracket> brackets_of(const FitTables& tables, const Body& body, double stature) {
-  const FatTable fat;
+  const FatTable& fat = tables.fat.sites;
   const FatOptions own{body.sex, estimate_fatness(body)}, lean{Sex::male, 0};
   const double size = stature / tables.stature;
   std::vector<Bracket> out;
@@ -162,9 +162,9 @@ void measure_bones(const FitTables& tables, const BothSides& sides, const Anatom
 InteriorMap warp_interior(const Template& body_template, const Points& skin,
                           const std::vector<Bone>& bones, Interior interior, Fit& fit) {
   InteriorReport& report = fit.report.interior;
-  const FitTables& tables = *body_template.tables;
+  const FitTables& tables = body_template.tables;
   const Points own_skin = body_template.body.skin.V.topRows(tables.topology.skin_size);
-  const Anatomy& own = tables.own ? *tables.own : body_template.anatomy;
+  const Anatomy& own = table_anatomy(body_template);
   const BodyPair pair{&own_skin, &skin, &own.bones, &bones};
   auto start = Clock::now();
   if (interior == Interior::rbf) {
@@ -195,9 +195,9 @@ InteriorMap warp_interior(const Template& body_template, const Points& skin,
 }
 
 // `wanted`: muscle that the body has for the template's.
-void carry_all(const std::vector<Muscle>& muscles, const SkeletonCarrier& carrier,
+void carry_all(const std::vector<Muscle>& muscles, const SkeletonWarp& warp,
                const InteriorMap& flesh, double wanted, std::vector<Muscle>& out) {
-  const CarryMap map = [&](const Vec3& x, int joint) { return carrier.by_joint(joint, x); };
+  const CarryMap map = [&](const Vec3& x, int joint) { return warp.by_joint(joint, x); };
   const CarryMap inner =
       flesh ? CarryMap([&](const Vec3& x, int) { return flesh(x); }) : CarryMap();
   out = muscles;
@@ -216,21 +216,18 @@ void carry_all(const std::vector<Muscle>& muscles, const SkeletonCarrier& carrie
 }
 
 // Bones that are not the built-in ones go with the joint that carries them.
-std::vector<Bone> carry_bones(const std::vector<Bone>& bones, const SkeletonCarrier& carrier) {
+std::vector<Bone> carry_bones(const std::vector<Bone>& bones, const SkeletonWarp& warp) {
   std::vector<Bone> out = bones;
   for (Bone& bone : out)
     for (Eigen::Index i = 0; i < bone.mesh.V.rows(); ++i)
-      bone.mesh.V.row(i) = carrier.by_joint(bone.joint, bone.mesh.V.row(i));
+      bone.mesh.V.row(i) = warp.by_joint(bone.joint, bone.mesh.V.row(i));
   return out;
 }
 
 }  // namespace
 
 Fit fit_anatomy(const Template& body_template, const Body& body, const FitOptions& options) {
-  if (!body_template.tables)
-    throw std::invalid_argument(
-        "fit_anatomy: the template has no tables; take it from read_template");
-  const FitTables& tables = *body_template.tables;
+  const FitTables& tables = body_template.tables;
   check_skin(tables.topology, body.skin.V);
   const Points skin = body.skin.V.topRows(tables.topology.skin_size);
   Fit fit;
@@ -246,14 +243,13 @@ Fit fit_anatomy(const Template& body_template, const Body& body, const FitOption
   const SkinField field(capped_skin(tables.topology, skin));
   const std::vector<Bracket> brackets = brackets_of(tables, body, fit.report.stature);
   const BothSides sides = place_both(tables, skin, field, fit.report.stature, symmetry, brackets);
-  const SkeletonCarrier carrier(tables.own ? *tables.own : body_template.anatomy, tables.rules,
-                                sides.placement);
-  fit.anatomy = carrier.skeleton();
+  const SkeletonWarp warp(table_anatomy(body_template), tables.rules, sides.placement);
+  fit.anatomy = warp.skeleton();
   fit.report.bones_ms = since(start);
   InteriorMap flesh;
   if (options.interior != Interior::bones)
     flesh = warp_interior(body_template, skin, fit.anatomy.bones, options.interior, fit);
-  if (tables.own) fit.anatomy.bones = carry_bones(body_template.anatomy.bones, carrier);
+  if (tables.built_in) fit.anatomy.bones = carry_bones(body_template.anatomy.bones, warp);
 
   start = Clock::now();
   const Body& own = body_template.body;
@@ -262,11 +258,10 @@ Fit fit_anatomy(const Template& body_template, const Body& body, const FitOption
   fit.report.muscle_mass = muscle_mass(body.sex, body.age, fit.report.stature, mass);
   const double in_template =
       muscle_mass(own.sex, own.age, tables.stature, kBodyDensity * tables.volume);
-  carry_all(tables.muscles, carrier, flesh, fit.report.muscle_mass / in_template,
-            fit.anatomy.muscles);
+  carry_all(tables.muscles, warp, flesh, fit.report.muscle_mass / in_template, fit.anatomy.muscles);
   fit.report.muscles_ms = since(start);
   measure_bones(tables, sides, fit.anatomy, field, brackets, fit.report);
   return fit;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -16,16 +16,10 @@
 
 #include "anatomy/anatomy.h"
 #include "morph/template/template.h"
+#include "morph/tissue/interior_warp.h"
 #include "morph/tissue/tissue_mesh.h"
 
-namespace ecorche {
-
-// What carries the flesh between bones and skin when a template is fitted into a body:
-//   bones    the bones that it rides on, and nothing else
-//   tetgen   a harmonic warp in tetrahedra that keep the skin's vertices
-//   lattice  the same in a lattice of cubes
-//   rbf      radial functions through samples of skin and bones
-enum class Interior { bones, tetgen, lattice, rbf };
+namespace ecorche::inline v1 {
 
 struct FitOptions {
   Interior interior = Interior::bones;
@@ -78,4 +72,4 @@ struct Fit {
 // read_template or build_template.
 Fit fit_anatomy(const Template& body_template, const Body& body, const FitOptions& options = {});
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

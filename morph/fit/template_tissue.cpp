@@ -7,11 +7,10 @@
 #include "anatomy/files/byte_stream.h"
 #include "anatomy/files/cache.h"
 #include "anatomy/files/package_archive.h"
+#include "tissue_code.h"  // generated: kTissueCode
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
-
-constexpr const char* kVersion = "tissue 1";  // to be changed with the code that makes the mesh
 
 // An anchor as numbers.
 struct PackedAnchor {
@@ -76,11 +75,11 @@ TissueMesh read_tissue_bytes(std::string_view bytes) {
 TissueMesh template_tissue(const Template& body_template, Interior interior) {
   if (interior != Interior::tetgen && interior != Interior::lattice)
     throw std::invalid_argument("template_tissue: this interior has no mesh");
-  const FitTables& tables = *body_template.tables;
-  const Anatomy& anatomy = tables.own ? *tables.own : body_template.anatomy;
+  const FitTables& tables = body_template.tables;
+  const Anatomy& anatomy = table_anatomy(body_template);
   const Points skin = body_template.body.skin.V.topRows(tables.topology.skin_size);
   std::string made_of =
-      std::string(kVersion) + (interior == Interior::tetgen ? " tetgen" : " lattice");
+      std::string(kTissueCode) + (interior == Interior::tetgen ? " tetgen" : " lattice");
   put_bytes(made_of, skin.data(), std::size_t(skin.size()));
   for (const Bone& bone : anatomy.bones)
     put_bytes(made_of, bone.mesh.V.data(), std::size_t(bone.mesh.V.size()));
@@ -100,4 +99,4 @@ TissueMesh template_tissue(const Template& body_template, Interior interior) {
   return mesh;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -4,10 +4,11 @@
 #include <string>
 #include <string_view>
 
-#include "morph/fit/fit_anatomy.h"
+#include "morph/template/template.h"
+#include "morph/tissue/interior_warp.h"
 #include "morph/tissue/tissue_mesh.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Of the built-in body and bones. `interior`: tetgen or lattice. Throws as tetgen_tissue and
 // lattice_tissue do.
@@ -18,4 +19,4 @@ TissueMesh template_tissue(const Template& body_template, Interior interior);
 std::string write_tissue_bytes(const TissueMesh& mesh);
 TissueMesh read_tissue_bytes(std::string_view bytes);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

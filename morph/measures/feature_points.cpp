@@ -8,7 +8,7 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 // One piece of a horizontal section.
@@ -168,4 +168,4 @@ BodyFeatures find_features(const TriMesh& skin, double step) {
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

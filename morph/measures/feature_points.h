@@ -9,7 +9,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct FeatureGirth {
   double height = 0;  // above the floor, m
@@ -28,4 +28,4 @@ struct BodyFeatures {
 // the trunk, legs closed, not standing).
 BodyFeatures find_features(const TriMesh& skin, double step = 0.002);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

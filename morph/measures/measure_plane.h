@@ -1,21 +1,29 @@
-// The cut of a measure's plane with the skin; shared by the files that measure.
+// The plane in which a girth, breadth or depth is measured, and what a tape does in a plane.
 #pragma once
 
-#include "morph/measures/tape_measure.h"
+#include <utility>
+#include <vector>
 
-namespace ecorche {
+#include "anatomy/types.h"
+#include "morph/measures/measure_table.h"
 
-struct TapeMeasure::Plane {
+namespace ecorche::inline v1 {
+
+// d(measure) = sum over entries of g . d(vertex). Vertices may occur more than once.
+using MeasureGradient = std::vector<std::pair<int, Vec3>>;
+
+struct MeasurePlane {
   Vec3 origin = Vec3::Zero(), normal = Vec3::UnitY();
   double length = 0;  // of the vector that was scaled to the normal; 0 where the normal is constant
 };
 
-// A point of a cut: (1 - t) a + t b on an edge.
-struct TapeMeasure::Crossing {
-  int a = 0, b = 0;
-  double t = 0;
-  Vec3 point = Vec3::Zero();
-};
+// Through the measure's landmarks on the skin V.
+MeasurePlane make_plane(const Measure& m, const Points& V);
+
+// Adds the derivative by the landmarks: the chain rule from the derivatives by the plane's origin
+// and normal.
+void add_plane_gradient(const Measure& m, const Points& V, const MeasurePlane& plane,
+                        const Vec3& by_origin, const Vec3& by_normal, MeasureGradient& out);
 
 // Indices of the corners of the convex hull of points in a plane across `normal`, counter-clockwise
 // about it.
@@ -25,4 +33,4 @@ std::vector<int> plane_hull(const std::vector<Vec3>& points, const Vec3& normal)
 // both ends stay.
 std::vector<int> bridged_chain(const std::vector<Vec3>& points);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

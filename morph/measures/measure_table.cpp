@@ -12,7 +12,7 @@
 #include "anatomy/files/input_file.h"
 #include "anatomy/files/similar_names.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 template <class Value>
@@ -185,4 +185,4 @@ MeasureTable read_measure_table(const BodyPackage& package, const std::filesyste
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -10,7 +10,7 @@
 
 #include "anatomy/base_mesh/body_package.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 enum class MeasureKind { height, ahead, distance, path, girth, breadth, depth, sum, mass };
 enum class PlaneKind { horizontal, across, midline, foot, hand };
@@ -68,4 +68,4 @@ struct MeasureTable {
 // table says on the package's base mesh (another mesh would give wrong measures without a word).
 MeasureTable read_measure_table(const BodyPackage& package, const std::filesystem::path& folder);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

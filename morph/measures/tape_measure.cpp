@@ -6,12 +6,13 @@
 
 #include <fmt/format.h>
 
+#include "anatomy/base_mesh/body_rig.h"
 #include "anatomy/errors.h"
 #include "anatomy/files/quantity.h"
+#include "morph/measures/body_volume.h"
 #include "morph/measures/measure_plane.h"
-#include "morph/shapes/body.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 bool is_section(const Measure& m) {
@@ -22,9 +23,8 @@ bool is_section(const Measure& m) {
 }  // namespace
 
 TapeMeasure::TapeMeasure(const BodyPackage& package, MeasureTable table)
-    : table_(std::move(table)), triangles_(package.triangles) {
+    : table_(std::move(table)), mesh_(make_section_mesh(package.triangles)) {
   base_ = package.points.topRows(package.skin_size);
-  build_neighbours();
   build_parts(package);
   build_chains(package.points);
   capped_ = capped_skin(package, package.points).F;
@@ -42,25 +42,14 @@ double TapeMeasure::parse(int k, std::string_view text, const std::string& what)
                       {usual / 2, (round ? 2 : 1.35) * usual});
 }
 
-void TapeMeasure::build_neighbours() {
-  std::map<std::pair<int, int>, std::pair<int, int>> owner;  // directed edge -> triangle, edge
-  neighbours_.assign(std::size_t(triangles_.rows()), {-1, -1, -1});
-  for (int f = 0; f < triangles_.rows(); ++f)
-    for (int e = 0; e < 3; ++e) owner[{triangles_(f, e), triangles_(f, (e + 1) % 3)}] = {f, e};
-  for (const auto& [edge, from] : owner) {
-    const auto other = owner.find({edge.second, edge.first});
-    if (other != owner.end()) neighbours_[from.first][from.second] = other->second.first;
-  }
-}
-
 // A loop is looked for on the part of the body that carries its first landmark, the joint next to
 // it included.
 void TapeMeasure::build_parts(const BodyPackage& package) {
   const std::vector<VertexPart> parts = vertex_parts(package);
   const auto part = [&parts](int vertex) { return parts[vertex]; };
   for (int v = 0; v < package.skin_size; ++v) {
-    arm_.push_back(part(v).part == BodyPart::upper_arm || part(v).part == BodyPart::forearm ||
-                   part(v).part == BodyPart::hand);
+    mesh_.arm.push_back(part(v).part == BodyPart::upper_arm || part(v).part == BodyPart::forearm ||
+                        part(v).part == BodyPart::hand);
     if (part(v).part == BodyPart::foot) soles_.push_back(v);
   }
   starts_.resize(table_.measures.size());
@@ -68,11 +57,11 @@ void TapeMeasure::build_parts(const BodyPackage& package) {
     const Measure& m = table_.measures[k];
     if (!is_section(m)) continue;
     const Vec3 origin = package.points.row(m.vertices[0]);
-    for (int f = 0; f < triangles_.rows(); ++f) {
+    for (int f = 0; f < mesh_.triangles.rows(); ++f) {
       bool close = false;
       for (int e = 0; e < 3; ++e)
-        close = close ||
-                (package.points.row(triangles_(f, e)).transpose() - origin).norm() < 0.03 + m.reach;
+        close = close || (package.points.row(mesh_.triangles(f, e)).transpose() - origin).norm() <
+                             0.03 + m.reach;
       if (close) starts_[k].push_back(f);
     }
   }
@@ -86,17 +75,17 @@ std::vector<TapeMeasure::EdgePoint> TapeMeasure::chain(const Points& V, int from
   const Vec3 along = (point(to) - point(from)).normalized();
   const bool middle = std::abs(point(from).x()) < 1e-9 && std::abs(point(to).x()) < 1e-9;
   std::vector<int> around;
-  for (int f = 0; f < triangles_.rows(); ++f)
-    if ((triangles_.row(f).array() == from).any()) around.push_back(f);
+  for (int f = 0; f < mesh_.triangles.rows(); ++f)
+    if ((mesh_.triangles.row(f).array() == from).any()) around.push_back(f);
   std::vector<EdgePoint> best;
   double best_length = 1e9;
-  std::vector<Crossing> loop;
+  std::vector<SkinCrossing> loop;
   constexpr int kTurns = 24;
   for (int turn = 0; turn < (middle ? 1 : kTurns); ++turn) {
     const Vec3 normal =
         middle ? Vec3(Vec3::UnitX())
                : Eigen::AngleAxisd(M_PI * turn / kTurns, along) * along.unitOrthogonal();
-    cut(around, V, point(from), normal, point(from), loop);
+    cut_loop(mesh_, around, V, point(from), normal, point(from), loop);
     shorter_way(loop, V, from, to, best, best_length);
   }
   if (best.empty())
@@ -107,10 +96,10 @@ std::vector<TapeMeasure::EdgePoint> TapeMeasure::chain(const Points& V, int from
   return best;
 }
 
-void TapeMeasure::shorter_way(const std::vector<Crossing>& loop, const Points& V, int from, int to,
-                              std::vector<EdgePoint>& best, double& best_length) {
+void TapeMeasure::shorter_way(const std::vector<SkinCrossing>& loop, const Points& V, int from,
+                              int to, std::vector<EdgePoint>& best, double& best_length) {
   const auto nearest = [&loop, &V](int v) {
-    const auto farther = [p = Vec3(V.row(v))](const Crossing& a, const Crossing& b) {
+    const auto farther = [p = Vec3(V.row(v))](const SkinCrossing& a, const SkinCrossing& b) {
       return (a.point - p).squaredNorm() < (b.point - p).squaredNorm();
     };
     return std::size_t(std::min_element(loop.begin(), loop.end(), farther) - loop.begin());
@@ -158,7 +147,7 @@ double TapeMeasure::take(int k, const Points& V, MeasureGradient* gradient,
     case MeasureKind::girth:
     case MeasureKind::breadth:
     case MeasureKind::depth:
-      return take_section(k, V, gradient, trace);
+      return take_section(mesh_, m, starts_[k], V, gradient, trace);
     case MeasureKind::distance: {
       const Vec3 a = V.row(m.vertices[0]), b = V.row(m.vertices[1]);
       const double length = (b - a).norm();
@@ -307,4 +296,4 @@ double TapeMeasure::take_path(int k, const Points& V, MeasureGradient* gradient,
   return length;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

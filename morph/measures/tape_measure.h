@@ -9,19 +9,14 @@
 // data/body/measures.csv states them.
 #pragma once
 
-#include <array>
-#include <utility>
+#include <string>
+#include <string_view>
 #include <vector>
 
+#include "morph/measures/measure_section.h"
 #include "morph/measures/measure_table.h"
 
-namespace ecorche {
-
-// d(measure) = sum over entries of g . d(vertex). Vertices may occur more than once.
-using MeasureGradient = std::vector<std::pair<int, Vec3>>;
-
-// Where the tape lies, to be drawn: polylines, world.
-using TapeTrace = std::vector<std::vector<Vec3>>;
+namespace ecorche::inline v1 {
 
 class TapeMeasure {
  public:
@@ -51,41 +46,26 @@ class TapeMeasure {
     int a = 0, b = 0;
     double t = 0;  // point = (1 - t) a + t b
   };
-  struct Plane;
-  struct Crossing;
 
-  void build_neighbours();
   void build_parts(const BodyPackage& package);
   std::vector<EdgePoint> chain(const Points& V, int from, int to) const;
-  static void shorter_way(const std::vector<Crossing>& loop, const Points& V, int from, int to,
+  static void shorter_way(const std::vector<SkinCrossing>& loop, const Points& V, int from, int to,
                           std::vector<EdgePoint>& best, double& best_length);
   void build_chains(const Points& base);
 
-  Plane make_plane(const Measure& m, const Points& V) const;
-  void plane_gradient(const Measure& m, const Points& V, const Plane& plane, const Vec3& by_origin,
-                      const Vec3& by_normal, MeasureGradient& out) const;
-  void cut(const std::vector<int>& starts, const Points& V, const Vec3& origin, const Vec3& normal,
-           const Vec3& near, std::vector<Crossing>& loop) const;
-  double section(int k, const Points& V, double offset, std::vector<Crossing>& loop,
-                 std::vector<Vec3>* by_crossing) const;
-  double best_offset(int k, const Points& V) const;
-  double take_section(int k, const Points& V, MeasureGradient* gradient, TapeTrace* trace) const;
   double take_path(int k, const Points& V, MeasureGradient* gradient, TapeTrace* trace) const;
   double take_height(const Measure& m, const Points& V, MeasureGradient* gradient,
                      TapeTrace* trace) const;
   double take_mass(const Points& V, MeasureGradient* gradient) const;
 
   MeasureTable table_;
-  Points base_;          // #skin x 3: the base mesh, for what is usual
-  Triangles triangles_;  // the skin
-  std::vector<std::array<int, 3>>
-      neighbours_;  // across edge e (corner e to e + 1) of each triangle; -1 at a border
+  Points base_;  // #skin x 3: the base mesh, for what is usual
+  SectionMesh mesh_;
   std::vector<std::vector<int>> starts_;  // a measure: triangles on which its loop may be found
   std::vector<std::vector<EdgePoint>> chains_;  // a measure: of paths
-  std::vector<bool> arm_;                       // #skin: on arm or hand
   std::vector<int> soles_;                      // vertices of the feet
   Triangles capped_;  // the closed skin, for the volume; one centre a cavity follows the vertices
   std::vector<std::vector<int>> caps_;  // rims of the cavities
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -8,7 +8,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/csv_table.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kMillimetre = 1e-3;
@@ -139,4 +139,4 @@ FitRules read_fit_rules(const std::filesystem::path& folder) {
   return rules;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

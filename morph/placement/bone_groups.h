@@ -9,12 +9,13 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "anatomy/types.h"
 #include "morph/placement/bone_warp.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct GroupRule {  // data/bone_groups.csv
   std::string name;
@@ -69,4 +70,4 @@ FitRules read_fit_rules(const std::filesystem::path& folder);
 // "femur_l" -> {"femur", left}; "skull" -> {"skull", middle}.
 std::pair<std::string, Side> split_side(const std::string& name);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -7,7 +7,7 @@
 
 #include <tbb/parallel_for.h>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kGroupDamping = 1e-2;  // of steps that single groups take
@@ -279,4 +279,4 @@ SolveSummary solve_bones(BoneProblem& problem, const SkinField& skin, int max_it
   return summary;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

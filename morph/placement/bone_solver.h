@@ -17,7 +17,7 @@
 #include "anatomy/queries/signed_distance.h"
 #include "morph/placement/bone_warp.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct BoneGroup {
   BoneMap map;
@@ -98,4 +98,4 @@ SolveSummary solve_bones(BoneProblem& problem, const SkinField& skin, int max_it
 // shape entries.
 double deviation(const BoneMap& map, const BoneMap& expected, BoneMap::Way way);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

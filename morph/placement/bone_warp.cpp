@@ -5,7 +5,7 @@
 
 #include "anatomy/compute/smooth_step.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kEnd = 0.16;  // of the length: the joint's end, scaled evenly
@@ -75,14 +75,4 @@ Vec3 derivative(const BoneMap& map, BoneMap::Way way, const Vec3& x) {
   return (high(x) - low(x)) / (2 * kStep);
 }
 
-Affine linearise(const BoneMap& map, const Vec3& x) {
-  constexpr double kStep = 1e-5;
-  Affine out = Affine::Identity();
-  for (int k = 0; k < 3; ++k)
-    out.linear().col(k) =
-        (map(x + kStep * Vec3::Unit(k)) - map(x - kStep * Vec3::Unit(k))) / (2 * kStep);
-  out.translation() = map(x) - out.linear() * x;
-  return out;
-}
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -10,7 +10,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct BoneMap {
   // The ways in which a map can be corrected. Shift and turn act in the world (metres, radians) and
@@ -59,7 +59,4 @@ struct BoneMap {
 // The map's derivative along `way` at x, by central differences of its closed form.
 Vec3 derivative(const BoneMap& map, BoneMap::Way way, const Vec3& x);
 
-// The affine map nearest to `map` about a point: value and Jacobian there.
-Affine linearise(const BoneMap& map, const Vec3& x);
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

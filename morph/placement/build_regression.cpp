@@ -1,15 +1,17 @@
 #include "morph/placement/build_regression.h"
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-namespace ecorche {
+#include "anatomy/compute/cholesky.h"
+
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kRidge = 2e-3;  // a feature's variance below which it says nothing
+// Ridge: features of less variance have little weight. Larger: bones follow the build less;
+// smaller: they follow noise of the examples.
+constexpr double kRidge = 2e-3;
 
 }  // namespace
 
@@ -56,7 +58,7 @@ BuildPrior learn_build(const std::vector<double>& own, const FitRules& rules,
     prior.low.push_back(std::min(0.0, X.col(k).minCoeff()));
     prior.high.push_back(std::max(0.0, X.col(k).maxCoeff()));
   }
-  prior.weights = H.ldlt().solve(X.transpose() * Y).transpose();
+  prior.weights = solve_ldlt_columns(H, X.transpose() * Y).transpose();
   return prior;
 }
 
@@ -71,4 +73,4 @@ void apply_build(const BuildPrior& prior, const std::vector<double>& features, i
   }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

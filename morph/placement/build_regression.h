@@ -10,7 +10,7 @@
 #include "morph/placement/bone_solver.h"
 #include "morph/placement/half_skeleton.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct BuildPrior {
   std::vector<double> own;        // features of the template's body
@@ -37,4 +37,4 @@ BuildPrior learn_build(const std::vector<double>& own, const FitRules& rules,
 void apply_build(const BuildPrior& prior, const std::vector<double>& features, int group,
                  BoneMap& map);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

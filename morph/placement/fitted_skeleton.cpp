@@ -8,7 +8,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/joint_angles.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 Vec3 mirrored(const Vec3& x, double plane) { return {2 * plane - x.x(), x.y(), x.z()}; }
@@ -30,8 +30,7 @@ Vec3 rest_angles(const Joint& joint, const Mat3& turn) {
 
 }  // namespace
 
-SkeletonCarrier::SkeletonCarrier(const Anatomy& source, const FitRules& rules,
-                                 SidedPlacement placement)
+SkeletonWarp::SkeletonWarp(const Anatomy& source, const FitRules& rules, SidedPlacement placement)
     : source_(source),
       rules_(rules),
       placement_(std::move(placement)),
@@ -43,7 +42,7 @@ SkeletonCarrier::SkeletonCarrier(const Anatomy& source, const FitRules& rules,
     if (group == rules.group_of_bone.end())
       throw UnfitError(fmt::format("bone '{}' is in no group of bone_groups.csv", bone.name));
     bone_groups_.push_back(group->second);
-    JointCarrier& joint = joints_[bone.joint];
+    JointWarp& joint = joints_[bone.joint];
     auto at = std::find(joint.groups.begin(), joint.groups.end(), group->second);
     if (at == joint.groups.end()) {
       at = joint.groups.insert(at, group->second);
@@ -63,7 +62,7 @@ SkeletonCarrier::SkeletonCarrier(const Anatomy& source, const FitRules& rules,
   }
 }
 
-Vec3 SkeletonCarrier::by_group(int group, Side side, const Vec3& x) const {
+Vec3 SkeletonWarp::by_group(int group, Side side, const Vec3& x) const {
   if (side ==
       Side::middle) {  // paired bones of a middle group (pelvis, ribs) lie on both sides of it
     side = x.x() >= placement_.source_plane ? Side::left : Side::right;
@@ -73,27 +72,27 @@ Vec3 SkeletonCarrier::by_group(int group, Side side, const Vec3& x) const {
                   placement_.target_plane);
 }
 
-Vec3 SkeletonCarrier::by_bone(int bone, const Vec3& x) const {
+Vec3 SkeletonWarp::by_bone(int bone, const Vec3& x) const {
   return by_group(bone_groups_[bone], source_.bones[bone].side, x);
 }
 
-Vec3 SkeletonCarrier::by_joint(int joint, const Vec3& x) const {
-  const JointCarrier& carrier = joints_[joint];
-  if (carrier.groups.size() == 1) return by_group(carrier.groups[0], carrier.side, x);
+Vec3 SkeletonWarp::by_joint(int joint, const Vec3& x) const {
+  const JointWarp& warp = joints_[joint];
+  if (warp.groups.size() == 1) return by_group(warp.groups[0], warp.side, x);
   constexpr double kNear2 = 4e-6;  // m^2: within 2 mm of a bone only that bone counts
   Vec3 sum = Vec3::Zero();
   double total = 0;
-  for (size_t k = 0; k < carrier.groups.size(); ++k) {
+  for (size_t k = 0; k < warp.groups.size(); ++k) {
     const double d2 =
-        (carrier.samples[k].rowwise() - x.transpose()).rowwise().squaredNorm().minCoeff() + kNear2;
+        (warp.samples[k].rowwise() - x.transpose()).rowwise().squaredNorm().minCoeff() + kNear2;
     const double weight = 1 / (d2 * d2);
-    sum += weight * by_group(carrier.groups[k], carrier.side, x);
+    sum += weight * by_group(warp.groups[k], warp.side, x);
     total += weight;
   }
   return sum / total;
 }
 
-Anatomy SkeletonCarrier::skeleton() const {
+Anatomy SkeletonWarp::skeleton() const {
   Anatomy out;
   out.skeleton = source_.skeleton;
   const std::vector<Vec3> rest = rest_positions(source_.skeleton);
@@ -128,4 +127,4 @@ Anatomy SkeletonCarrier::skeleton() const {
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

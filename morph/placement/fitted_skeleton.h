@@ -9,7 +9,7 @@
 #include "anatomy/muscles/transform_muscles.h"
 #include "morph/placement/place_bones.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Maps of both sides, in left-hand coordinates: a right point is mirrored, mapped and mirrored
 // back.
@@ -19,10 +19,10 @@ struct SidedPlacement {
   double target_plane = 0;
 };
 
-class SkeletonCarrier {
+class SkeletonWarp {
  public:
   // Keeps references to `source` and `rules`.
-  SkeletonCarrier(const Anatomy& source, const FitRules& rules, SidedPlacement placement);
+  SkeletonWarp(const Anatomy& source, const FitRules& rules, SidedPlacement placement);
 
   Vec3 by_group(int group, Side side, const Vec3& x) const;
   Vec3 by_bone(int bone, const Vec3& x) const;
@@ -35,7 +35,7 @@ class SkeletonCarrier {
   Anatomy skeleton() const;
 
  private:
-  struct JointCarrier {
+  struct JointWarp {
     std::vector<int> groups;
     Side side = Side::middle;
     std::vector<Points> samples;  // of each group's bones on this joint, when there are several
@@ -44,8 +44,8 @@ class SkeletonCarrier {
   const Anatomy& source_;
   const FitRules& rules_;
   SidedPlacement placement_;
-  std::vector<JointCarrier> joints_;
+  std::vector<JointWarp> joints_;
   std::vector<int> bone_groups_;
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -8,7 +8,7 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 const Vec3& need(const NamedPoints& points, const std::string& name) {
@@ -274,4 +274,4 @@ BoneMap expected_map(const GroupRule& rule, const NamedPoints& source,
   return map;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -9,7 +9,7 @@
 #include "anatomy/base_mesh/body_package.h"
 #include "morph/placement/bone_groups.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 using NamedPoints = std::map<std::string, Vec3, std::less<>>;
 
@@ -72,4 +72,4 @@ BoneMap expected_map(const GroupRule& rule, const NamedPoints& source,
                      const NamedPoints& source_hinges, const NamedPoints& target,
                      const NamedPoints& target_hinges, double width);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

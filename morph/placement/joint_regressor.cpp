@@ -1,18 +1,20 @@
 #include "morph/placement/joint_regressor.h"
 
-#include <Eigen/Dense>
-
 #include <algorithm>
 #include <numeric>
 #include <stdexcept>
 
-namespace ecorche {
+#include "anatomy/compute/linear_systems.h"
+
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr int kRing = 120;             // vertices of a centre, at most
-constexpr int kNearest = 24;           // the nearest so many say how far away the skin is,
-constexpr double kReach = 1.8;         // and the ring reaches so many times as far
-constexpr double kSmallness = 1.5e-3;  // m: a weight's cost against a metre of error
+constexpr int kRing = 120;      // vertices of a centre, at most
+constexpr int kNearest = 24;    // the nearest so many say how far away the skin is,
+constexpr double kReach = 1.8;  // and the ring reaches so many times as far
+// m: cost of a weight against a metre of error. Larger: centres are learned worse; smaller: they
+// follow noise of the skin.
+constexpr double kSmallness = 1.5e-3;
 
 // Vertices around a centre, evenly thinned; for a point of the middle, together with their mirror
 // images.
@@ -78,7 +80,7 @@ CentreRegressor learn_centres(const std::vector<CentreExample>& examples,
     rhs << g, d;
     // The middle's three equations include x = 0, which symmetric rings meet of themselves: the
     // system may be singular there.
-    Eigen::VectorXd w = K.completeOrthogonalDecomposition().solve(rhs).head(n);
+    Eigen::VectorXd w = solve_least_norm(K, rhs).head(n);
     if (middle) {
       Eigen::VectorXd even = w;
       for (int k = 0; k < n; ++k) {
@@ -106,16 +108,4 @@ NamedPoints joint_centres(const CentreRegressor& regressor, const Points& skin) 
   return out;
 }
 
-NamedPoints mirrored_joint_centres(const CentreRegressor& regressor, const Points& skin,
-                                   const std::vector<int>& mirror, double plane) {
-  NamedPoints out;
-  for (const auto& row : regressor.rows) {
-    Vec3 sum = Vec3::Zero();
-    for (size_t k = 0; k < row.vertices.size(); ++k)
-      sum += row.weights[k] * skin.row(mirror[row.vertices[k]]).transpose();
-    out[row.name] = {2 * plane - sum.x(), sum.y(), sum.z()};
-  }
-  return out;
-}
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

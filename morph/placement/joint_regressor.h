@@ -11,7 +11,7 @@
 #include "anatomy/types.h"
 #include "morph/placement/half_skeleton.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct CentreRegressor {
   struct Row {
@@ -34,11 +34,7 @@ struct CentreExample {
 CentreRegressor learn_centres(const std::vector<CentreExample>& examples,
                               const std::vector<int>& mirror);
 
-// Centres of the left side and the middle. `vertex_of`: maps the regressor's vertices to the
-// skin's, or empty; with the mirror table the centres are those of the right side, mirrored onto
-// the left.
+// Centres of the left side and the middle.
 NamedPoints joint_centres(const CentreRegressor& regressor, const Points& skin);
-NamedPoints mirrored_joint_centres(const CentreRegressor& regressor, const Points& skin,
-                                   const std::vector<int>& mirror, double plane);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

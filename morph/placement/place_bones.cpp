@@ -9,12 +9,14 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr int kSamplesPerBone = 60;
-constexpr int kPushRounds = 6;
-constexpr int kGlideRounds = 3;
+constexpr int kSamplesPerBone = 60;  // surface points that keep their depth; fewer: bones pierce
+constexpr int kPushRounds = 6;       // at most, of moving inside what is outside the skin
+constexpr int kGlideRounds = 3;      // of pairing shoulder blade and ribs anew, when authored
+// Factor of the inside points' tolerances in the first solution. Larger: it says less about the
+// skin; 1: bones far from their goal are crushed instead of moved.
 constexpr double kGentle = 8;
 constexpr double kPushMargin = 0.4e-3;  // m below the skin that every bone vertex reaches
 
@@ -337,4 +339,4 @@ HalfSkeleton moved(const HalfSkeleton& half, const FitRules& rules, const Placem
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -10,7 +10,7 @@
 #include "morph/placement/build_regression.h"
 #include "morph/placement/half_skeleton.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct Placement {
   std::vector<BoneMap> maps;      // one a group
@@ -79,4 +79,4 @@ std::vector<GapPair> glide_pairs_at_rest(const HalfSkeleton& half, const FitRule
 std::vector<SurfaceSample> sample_margins(const HalfSkeleton& half, const FitRules& rules,
                                           const PlaceInput& input, const SkinField& skin);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

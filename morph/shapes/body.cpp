@@ -9,7 +9,7 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 // A named state of one slider and how much of it there is.
@@ -190,22 +190,6 @@ double age_slider(double years) {
   return std::clamp(slider, 0.0, 1.0);
 }
 
-double stature(const BodyPackage& package, const Points& points) {
-  const auto up = points.col(1).head(package.skin_size);
-  return up.maxCoeff() - up.minCoeff();
-}
-
-double skin_volume(const BodyPackage& package, const Points& points) {
-  const TriMesh capped = capped_skin(package, points);
-  double six_volumes = 0;
-  for (Eigen::Index f = 0; f < capped.F.rows(); ++f) {
-    const Vec3 a = capped.V.row(capped.F(f, 0)), b = capped.V.row(capped.F(f, 1)),
-               c = capped.V.row(capped.F(f, 2));
-    six_volumes += a.dot(b.cross(c));
-  }
-  return six_volumes / 6;
-}
-
 ShapedBody shape_body(const BodyPackage& package, const ShapeSpec& spec) {
   check_spec(spec);
   ShapedBody out;
@@ -225,4 +209,4 @@ ShapedBody shape_body(const BodyPackage& package, const ShapeSpec& spec) {
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -8,8 +8,9 @@
 
 #include "anatomy/anatomy.h"
 #include "anatomy/base_mesh/body_package.h"
+#include "morph/measures/body_volume.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // The package's shape sliders, each in [0, 1]; one half is the average. The recipe is that of
 // MakeHuman and its Blender add-on.
@@ -33,15 +34,6 @@ Points shape_points(const BodyPackage& package, const Macros& macros);
 // nearer end.
 double age_slider(double years);
 
-// Height of the skin above its lowest point, m.
-double stature(const BodyPackage& package, const Points& points);
-
-// Volume inside the skin with mouth and eye cavities closed off, m^3.
-double skin_volume(const BodyPackage& package, const Points& points);
-
-// Mass for the volume inside a skin: tissue of 1055 kg/m^3 less the air of half-filled lungs.
-inline constexpr double kBodyDensity = 1010;  // kg/m^3
-
 // A body of the package's own average build: what the template stands in and its regressors are
 // trained on. People are made by body_model.h.
 struct ShapeSpec {
@@ -64,4 +56,4 @@ struct ShapedBody {
 // shapes cannot.
 ShapedBody shape_body(const BodyPackage& package, const ShapeSpec& spec);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -3,7 +3,7 @@
 //
 // What is left out is what is most probable for the rest: nothing asked gives the mean of the
 // survey's adults, an age alone the mean of people of that age. Stature and mass are measures like
-// any other, so that one wish makes one body, however it is spelt.
+// any other, so that one target makes one body, however it is spelt.
 #pragma once
 
 #include <mutex>
@@ -11,19 +11,20 @@
 #include <string>
 #include <vector>
 
+#include "anatomy/files/assets.h"
 #include "morph/shapes/body.h"
 #include "morph/shapes/solve_measures.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct BodySpec {
   Sex sex = Sex::male;
   std::optional<double> age{};     // years, 1 .. 90; none: adults as the survey has them
   std::optional<double> height{};  // m
   std::optional<double> mass{};    // kg
-  // Share of people of the same wishes who are less muscular, 0 .. 1 (muscularity.h).
+  // Share of people of the same targets who are less muscular, 0 .. 1 (muscularity.h).
   std::optional<double> muscle{};
-  std::vector<Wish> measures{};
+  std::vector<MeasureTarget> measures{};
   std::string name{};
 };
 
@@ -31,7 +32,7 @@ struct BodySpec {
 class BodyModel {
  public:
   // Throws InputError for missing or damaged packages and tables.
-  BodyModel();
+  explicit BodyModel(const Assets& assets);
   explicit BodyModel(BodyPackage package);
 
   const BodyPackage& package() const { return package_; }
@@ -51,14 +52,14 @@ class BodyModel {
 // A body and how well it has what was asked.
 struct MadeBody {
   Body body;
-  std::vector<Wish> wishes;  // stature and mass first
+  std::vector<MeasureTarget> targets;  // stature and mass first
   SolvedBody solved;
-  double worst_miss = 0;  // of a wish, in the measure's tolerances
+  double worst_miss = 0;  // of a target, in the measure's tolerances
   bool met = false;
   std::vector<std::string> why;  // not: a conflict or a miss each, with what is possible
 };
 
-// With wishes that contradict each other, the nearest body. Throws UnfitError for ages and muscle
+// With targets that contradict each other, the nearest body. Throws UnfitError for ages and muscle
 // out of range and for skins bent out of human shape, UsageError when a measure is asked for twice.
 MadeBody most_probable_body(const BodyModel& model, const BodySpec& spec,
                             const SolveOptions& options = {});
@@ -69,4 +70,4 @@ Body make_body(const BodyModel& model, const BodySpec& spec);
 // For one body alone: reads the model's tables and a shape space.
 Body make_body(const BodyPackage& package, const BodySpec& spec);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -2,12 +2,12 @@
 
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "anatomy/compute/eigenvectors.h"
 #include "morph/shapes/shape_examples.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kVariance = 0.99;  // share that the components kept carry
@@ -53,13 +53,14 @@ ComponentSynthesizer learn_components(const Eigen::MatrixXd& columns,
   ComponentSynthesizer out;
   out.mean = columns.rowwise().mean();
   const Eigen::MatrixXd apart = columns.colwise() - out.mean;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> gram(apart.transpose() * apart);
-  const Eigen::VectorXd variance = gram.eigenvalues().reverse().cwiseMax(0);
+  const SymmetricEigen<Eigen::Dynamic> gram =
+      symmetric_eigen<Eigen::Dynamic>(apart.transpose() * apart);
+  const Eigen::VectorXd variance = gram.values.reverse().cwiseMax(0);
   const double total = variance.sum();
   Eigen::Index used = 0;
   for (double sum = 0; used < variance.size() && sum < kVariance * total; ++used)
     sum += variance[used];
-  const Eigen::MatrixXd vectors = gram.eigenvectors().rowwise().reverse().leftCols(used);
+  const Eigen::MatrixXd vectors = gram.vectors.rowwise().reverse().leftCols(used);
   out.basis = apart * vectors * variance.head(used).cwiseSqrt().cwiseInverse().asDiagonal();
   const Eigen::MatrixXd scores = apart.transpose() * out.basis;
   out.left_out.resize(columns.cols(), used);
@@ -120,10 +121,10 @@ ExampleSynthesizer learn_synthesizer(const BodyPackage& package, const TapeMeasu
   }
   out.input_mean = measures.colwise().mean();
   const Eigen::MatrixXd apart = measures.rowwise() - out.input_mean.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(apart.transpose() * apart /
-                                                            double(count - 1));
-  out.input_scale = axes.eigenvalues().cwiseMax(1e-8).cwiseSqrt().cwiseInverse().asDiagonal() *
-                    axes.eigenvectors().transpose();
+  const SymmetricEigen<Eigen::Dynamic> axes =
+      symmetric_eigen<Eigen::Dynamic>(apart.transpose() * apart / double(count - 1));
+  out.input_scale =
+      axes.values.cwiseMax(1e-8).cwiseSqrt().cwiseInverse().asDiagonal() * axes.vectors.transpose();
   const Eigen::MatrixXd inputs = apart * out.input_scale.transpose();
   out.joint = learn_components(joints, inputs);
   out.displacement = learn_components(displacements, inputs);
@@ -159,4 +160,4 @@ std::vector<LeftOut> cross_validate(const BodyPackage& package, const TapeMeasur
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -11,11 +11,12 @@
 #include <string>
 #include <vector>
 
+#include "anatomy/base_mesh/body_rig.h"
 #include "morph/measures/tape_measure.h"
 #include "morph/shapes/body.h"
 #include "morph/shapes/rbf_network.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // The paper's, as ids of data/body/measures.csv: neck, bust, underbust, waist and hip girth,
 // height, crotch and arm length.
@@ -56,4 +57,4 @@ struct LeftOut {
 std::vector<LeftOut> cross_validate(const BodyPackage& package, const TapeMeasure& tape, Sex sex,
                                     const ExampleSynthesizer& synthesizer);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

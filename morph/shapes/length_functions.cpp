@@ -4,11 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "anatomy/base_mesh/body_rig.h"
 #include "anatomy/errors.h"
 #include "anatomy/files/csv_table.h"
 #include "morph/shapes/region_functions.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 int landmark_vertex(const MeasureTable& table, const Table& rows, int row, const char* column) {
@@ -57,4 +58,4 @@ Eigen::MatrixXd length_functions(const BodyPackage& package, const MeasureTable&
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -9,11 +9,11 @@
 
 #include "morph/measures/measure_table.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // The functions of data/body/lengths.csv on a skin (#skin x 3 rows of V), one usual deviation a
 // column: 3 #skin x #functions. Throws InputError.
 Eigen::MatrixXd length_functions(const BodyPackage& package, const MeasureTable& table,
                                  const Points& V, const std::filesystem::path& folder);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

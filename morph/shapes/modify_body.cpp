@@ -5,13 +5,13 @@
 #include <set>
 
 #include <fmt/format.h>
-#include <Eigen/Cholesky>
 
+#include "anatomy/compute/cholesky.h"
 #include "anatomy/errors.h"
 #include "morph/shapes/muscularity.h"
 #include "morph/shapes/shape_age.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kInch = 0.0254;
@@ -37,16 +37,18 @@ bool keeps_lengths(const BodyChange& change) {
 bool keeps_mass(const TapeMeasure& tape, const BodyChange& change) {
   const int weight = tape.table().at("weight");
   return change.muscle != 0 && !change.fat &&
-         std::ranges::none_of(change.measures,
-                              [weight](const Wish& wish) { return wish.measure == weight; });
+         std::ranges::none_of(change.measures, [weight](const MeasureTarget& target) {
+           return target.measure == weight;
+         });
 }
 
-// What is asked and what stays, as wishes.
-std::vector<Wish> facts(const TapeMeasure& tape, const Points& skin, const BodyChange& change) {
-  std::vector<Wish> out = change.measures;
+// What is asked and what stays, as targets.
+std::vector<MeasureTarget> facts(const TapeMeasure& tape, const Points& skin,
+                                 const BodyChange& change) {
+  std::vector<MeasureTarget> out = change.measures;
   const auto keep = [&](const char* id) {
     const int k = tape.table().at(id);
-    if (std::ranges::none_of(out, [k](const Wish& wish) { return wish.measure == k; }))
+    if (std::ranges::none_of(out, [k](const MeasureTarget& target) { return target.measure == k; }))
       out.push_back({k, tape.take(k, skin)});
   };
   if (keeps_lengths(change))
@@ -65,10 +67,11 @@ std::vector<Aim> aims(const TapeMeasure& tape, const ShapeSpace& space, const Po
     out.push_back({[&tape, k](const Points& V, MeasureGradient* g) { return tape.take(k, V, g); },
                    wanted, tolerance});
   };
-  for (const Wish& wish : change.measures)
-    if (!seen.insert(wish.measure).second)
-      throw UsageError(fmt::format("measure {} is asked for twice", tape.measure(wish.measure).id));
-  for (const Wish& wish : facts(tape, skin, change)) add(wish.measure, wish.value);
+  for (const MeasureTarget& target : change.measures)
+    if (!seen.insert(target.measure).second)
+      throw UsageError(
+          fmt::format("measure {} is asked for twice", tape.measure(target.measure).id));
+  for (const MeasureTarget& target : facts(tape, skin, change)) add(target.measure, target.value);
   if (change.fat)
     out.push_back(
         {[&](const Points& V, MeasureGradient* g) { return fat_percentage(tape, space.sex, V, g); },
@@ -110,12 +113,12 @@ double hip_waist_ratio(const TapeMeasure& tape, const Points& skin, MeasureGradi
 
 void check_change(const TapeMeasure& tape, const ShapeSpace& space, const Points& skin,
                   const BodyChange& change) {
-  const std::vector<Wish> wishes = facts(tape, skin, change);
+  const std::vector<MeasureTarget> targets = facts(tape, skin, change);
   const auto asked = [&](int i) { return std::size_t(i) < change.measures.size(); };
   std::string why;
-  for (const Conflict& conflict : find_conflicts(space, wishes))
+  for (const Conflict& conflict : find_conflicts(space, targets))
     if (asked(conflict.blamed) || std::ranges::any_of(conflict.others, asked))
-      why += "\n  " + describe(conflict, tape, wishes);
+      why += "\n  " + describe(conflict, tape, targets);
   if (!why.empty()) throw UnfitError("no body has these measures:" + why);
 }
 
@@ -138,7 +141,7 @@ ChangedBody change_body(const BodyPackage& package, const TapeMeasure& tape,
   start =
       space.mean + change.exaggeration * space.spread[0] / before.spread[0] * (start - before.mean);
   if (change.muscle != 0) {
-    const std::vector<Wish> given = facts(tape, start, change);
+    const std::vector<MeasureTarget> given = facts(tape, start, change);
     wanted.push_back(muscle_aim(tape, space, given, start, kMostMuscular * change.muscle));
   }
 
@@ -160,11 +163,11 @@ ChangedBody change_body(const BodyPackage& package, const TapeMeasure& tape,
     if (out.met || out.rounds == kRounds) break;
     Eigen::MatrixXd A = J * J.transpose();
     A.diagonal().array() += 1e-11 * A.trace() / double(n);
-    step = J.transpose() * A.ldlt().solve(miss + J * step);
+    step = J.transpose() * solve_ldlt<Eigen::Dynamic>(A, miss + J * step);
     out.points = start + (space_points(space, step) - space.mean);
   }
   out.points.col(1).array() -= out.points.col(1).minCoeff();
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

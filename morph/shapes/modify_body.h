@@ -9,10 +9,12 @@
 
 #include <optional>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "morph/shapes/solve_measures.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Share of the mass that is fat, per cent, from girths and height: 86.010 log10(abdomen - neck)
 // - 70.041 log10(height) + 36.76 for men, 163.205 log10(abdomen + hip - neck) - 97.684
@@ -28,7 +30,7 @@ double hip_waist_ratio(const TapeMeasure& tape, const Points& skin,
 struct BodyChange {
   std::optional<double> fat;        // per cent, of fat_percentage
   std::optional<double> hip_waist;  // of hip_waist_ratio
-  std::vector<Wish> measures;
+  std::vector<MeasureTarget> measures;
   // stature, crotch height and arm length stay where they are not asked for (but for who grows)
   bool keep_lengths = true;
   // -1 .. 1: how far towards the least or most muscular of people (muscularity.h); the mass stays
@@ -56,4 +58,4 @@ void check_change(const TapeMeasure& tape, const ShapeSpace& space, const Points
 ChangedBody change_body(const BodyPackage& package, const TapeMeasure& tape,
                         const ShapeSpace& adults, const Points& skin, const BodyChange& change);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

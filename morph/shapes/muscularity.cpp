@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <Eigen/Cholesky>
 
+#include "anatomy/compute/cholesky.h"
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 struct GirthTerm {
@@ -24,27 +24,27 @@ constexpr GirthTerm kTerms[] = {{"upper_arm_girth_relaxed", 80},
                                 {"waist_girth", -90}};
 
 // Its terms in girths that are not wished for.
-std::vector<Term> free_terms(const MeasureTable& table, std::span<const Wish> wishes) {
+std::vector<Term> free_terms(const MeasureTable& table, std::span<const MeasureTarget> targets) {
   std::vector<Term> out;
   for (const GirthTerm& term : kTerms) {
     const int k = table.at(term.measure);
-    const auto same = [k](const Wish& wish) { return wish.measure == k; };
-    if (std::ranges::none_of(wishes, same)) out.push_back({k, term.by});
+    const auto same = [k](const MeasureTarget& target) { return target.measure == k; };
+    if (std::ranges::none_of(targets, same)) out.push_back({k, term.by});
   }
   return out;
 }
 
-// Of a sum of measures among people with the wishes, by the law.
+// Of a sum of measures among people with the targets, by the law.
 double spread_of(const ShapeSpace& space, const std::vector<Term>& terms,
-                 std::span<const Wish> wishes) {
+                 std::span<const MeasureTarget> targets) {
   const Eigen::MatrixXd& law = space.law_covariance;
   Eigen::VectorXd by = Eigen::VectorXd::Zero(law.rows());
   for (const Term& term : terms) by[term.measure] = term.factor;
   const Eigen::VectorXd with = law * by;
-  const std::vector<int> measures = measures_of(wishes);
+  const std::vector<int> measures = measures_of(targets);
   const Eigen::MatrixXd C = law(measures, measures);
   const Eigen::VectorXd known = with(measures);
-  const double said = wishes.empty() ? 0 : known.dot(C.llt().solve(known));
+  const double said = targets.empty() ? 0 : known.dot(solve_llt(C, known));
   return std::sqrt(std::max(0.0, by.dot(with) - said));
 }
 
@@ -75,9 +75,9 @@ double muscle_deviations(double share) {
   return share == 0.5 ? 0 : 0.5 * (low + high);
 }
 
-Aim muscle_aim(const TapeMeasure& tape, const ShapeSpace& space, std::span<const Wish> wishes,
-               const Points& skin, double deviations) {
-  const std::vector<Term> terms = free_terms(tape.table(), wishes);
+Aim muscle_aim(const TapeMeasure& tape, const ShapeSpace& space,
+               std::span<const MeasureTarget> targets, const Points& skin, double deviations) {
+  const std::vector<Term> terms = free_terms(tape.table(), targets);
   if (terms.empty())
     throw UnfitError(
         "muscle: the girths asked for say how muscular the body is; leave one of them or the "
@@ -86,9 +86,9 @@ Aim muscle_aim(const TapeMeasure& tape, const ShapeSpace& space, std::span<const
   out.value = [&tape, terms](const Points& V, MeasureGradient* gradient) {
     return value_of(tape, terms, V, gradient);
   };
-  out.wanted = value_of(tape, terms, skin, nullptr) + deviations * spread_of(space, terms, wishes);
+  out.wanted = value_of(tape, terms, skin, nullptr) + deviations * spread_of(space, terms, targets);
   out.tolerance = 0.02;
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

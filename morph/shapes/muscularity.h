@@ -11,19 +11,19 @@
 
 #include "morph/shapes/solve_measures.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // The most and the least muscular that are made lie this many standard deviations from what the
-// other wishes let expect: one person in 160.
+// other targets let expect: one person in 160.
 inline constexpr double kMostMuscular = 2.5;
 
-// Standard deviations for a share of people, 0 .. 1: one half is what the other wishes let expect.
+// Standard deviations for a share of people, 0 .. 1: one half is what the other targets let expect.
 // The ends are kMostMuscular. Throws UnfitError outside.
 double muscle_deviations(double share);
 
-// That a body is more muscular than `skin` by so many standard deviations of people with `wishes`;
+// That a body is more muscular than `skin` by so many standard deviations of people with `targets`;
 // girths that are wished for say nothing more. Throws UnfitError when they leave nothing to say.
-Aim muscle_aim(const TapeMeasure& tape, const ShapeSpace& space, std::span<const Wish> wishes,
-               const Points& skin, double deviations);
+Aim muscle_aim(const TapeMeasure& tape, const ShapeSpace& space,
+               std::span<const MeasureTarget> targets, const Points& skin, double deviations);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

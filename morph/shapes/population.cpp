@@ -9,11 +9,9 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/csv_table.h"
 #include "anatomy/files/input_file.h"
-#include "anatomy/files/package_archive.h"
 #include "anatomy/files/text_scanner.h"
-#include "morph/shapes/sizes.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr const char* kOwnColumns[] = {"name", "sex", "age", "size"};
@@ -71,23 +69,22 @@ Person read_person(const Table& row, const std::vector<std::string>& columns, in
   for (const std::string& column : columns) {
     if (is_own(column) || row.text(0, column).empty()) continue;
     const int k = table.at(column);
-    out.wishes.push_back({k, tape.parse(k, row.text(0, column), column)});
+    out.targets.push_back({k, tape.parse(k, row.text(0, column), column)});
   }
   if (text("size").empty()) return out;
-  for (const Wish& wish : size_wishes(find_size(sizes, out.sex, text("size")), table))
-    if (std::none_of(out.wishes.begin(), out.wishes.end(),
-                     [&](const Wish& own) { return own.measure == wish.measure; }))
-      out.wishes.push_back(wish);
+  for (const MeasureTarget& target : size_targets(find_size(sizes, out.sex, text("size")), table))
+    if (std::none_of(out.targets.begin(), out.targets.end(),
+                     [&](const MeasureTarget& own) { return own.measure == target.measure; }))
+      out.targets.push_back(target);
   return out;
 }
 
 }  // namespace
 
 People read_people(const std::filesystem::path& file, std::optional<Sex> sex,
-                   const TapeMeasure& tape) {
+                   const TapeMeasure& tape, const std::vector<StandardSize>& sizes) {
   const std::string name = printable(file.string()),
                     bytes = read_input_file(file, limits::kTableBytes);
-  const std::vector<StandardSize> sizes = read_sizes(data_folder() / "body");
   People out;
   std::string header;
   std::vector<std::string> columns;
@@ -156,12 +153,12 @@ SolvedBody make_person(const TapeMeasure& tape, const ShapeSpace& space, const P
     out.met = true;
     return out;
   }
-  SolvedBody out = solve_measures(tape, space, person.wishes, options);
+  SolvedBody out = solve_measures(tape, space, person.targets, options);
   if (out.conflicts.empty()) return out;
   std::string why;
   for (const Conflict& conflict : out.conflicts)
-    why += (why.empty() ? "" : "; ") + describe(conflict, tape, person.wishes);
+    why += (why.empty() ? "" : "; ") + describe(conflict, tape, person.targets);
   throw UnfitError("no body has these measures: " + why);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -8,17 +8,18 @@
 #include <string>
 #include <vector>
 
+#include "morph/shapes/sizes.h"
 #include "morph/shapes/solve_measures.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct Person {
   std::string name;  // of the file without its ending: letters, digits, . _ -
   Sex sex = Sex::male;
   std::optional<double> age;  // years
-  std::vector<Wish> wishes;
+  std::vector<MeasureTarget> targets;
   std::optional<std::uint64_t>
-      draw;  // instead of wishes: a body drawn from the space with this seed
+      draw;  // instead of targets: a body drawn from the space with this seed
 };
 
 // A row that cannot be meant.
@@ -37,7 +38,7 @@ struct People {
 // empty ones are not asked for. Lines that start with # are remarks. Bad rows are set aside. Throws
 // InputError for a file that cannot be read, UsageError for a column that is not known.
 People read_people(const std::filesystem::path& file, std::optional<Sex> sex,
-                   const TapeMeasure& tape);
+                   const TapeMeasure& tape, const std::vector<StandardSize>& sizes);
 
 // `count` people drawn from the law of the space, by turns female and male when `sex` is left out.
 // Person i depends on `seed` and i alone.
@@ -47,4 +48,4 @@ std::vector<Person> draw_people(int count, std::optional<Sex> sex, std::uint64_t
 SolvedBody make_person(const TapeMeasure& tape, const ShapeSpace& space, const Person& person,
                        const SolveOptions& options);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

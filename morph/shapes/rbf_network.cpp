@@ -5,9 +5,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include <Eigen/Cholesky>
+#include "anatomy/compute/cholesky.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 struct Solved {
@@ -18,10 +18,10 @@ struct Solved {
 Solved solve(const Eigen::MatrixXd& A, const Eigen::VectorXd& y, double ridge) {
   Eigen::MatrixXd N = A.transpose() * A;
   N.diagonal().array() += ridge * double(A.rows());
-  const Eigen::LLT<Eigen::MatrixXd> factor(N);
+  const CholeskyFactor factor(N);
   Solved out;
   out.weights = factor.solve(A.transpose() * y);
-  const Eigen::MatrixXd H = factor.solve(A.transpose());
+  const Eigen::MatrixXd H = factor.solve_columns(A.transpose());
   const Eigen::VectorXd fitted = A * out.weights;
   out.left_out.resize(y.size());
   for (Eigen::Index i = 0; i < y.size(); ++i) {
@@ -96,4 +96,4 @@ double evaluate(const RadialNetwork& network, const Eigen::VectorXd& x) {
   return sum;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

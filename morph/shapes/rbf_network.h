@@ -11,7 +11,7 @@
 
 #include <Eigen/Core>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct RadialNetwork {
   Eigen::MatrixXd centres;  // #Gaussians x #inputs
@@ -34,4 +34,4 @@ RadialNetwork learn_network(const Eigen::MatrixXd& X, const Eigen::VectorXd& y,
 
 double evaluate(const RadialNetwork& network, const Eigen::VectorXd& x);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

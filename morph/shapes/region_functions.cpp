@@ -7,10 +7,11 @@
 
 #include <fmt/format.h>
 
+#include "anatomy/base_mesh/body_rig.h"
 #include "anatomy/errors.h"
 #include "anatomy/files/csv_table.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 enum class Window { all, front, back, sides, bust, seat };
@@ -203,4 +204,4 @@ std::vector<RegionFunction> region_functions(const BodyPackage& package, const T
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -16,7 +16,7 @@
 
 #include "morph/measures/tape_measure.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // A clamped B-spline of degree min(3, #controls - 1) with weights, at u in [0, 1]. Precondition:
 // two or more controls, as many weights.
@@ -35,4 +35,4 @@ struct RegionFunction {
 std::vector<RegionFunction> region_functions(const BodyPackage& package, const TapeMeasure& tape,
                                              const Points& V, const std::filesystem::path& folder);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

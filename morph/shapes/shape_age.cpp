@@ -10,7 +10,7 @@
 #include "morph/shapes/shape_examples.h"
 #include "morph/shapes/solve_measures.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kYoungest = 1, kOldest = 90;  // years
@@ -60,17 +60,17 @@ constexpr const char* kBoneLengths[] = {"acromion_radiale_length", "radiale_styl
 
 // The mean of the space, brought to what people of the age have. `bones`: lengths that they keep.
 Points with_growth(const TapeMeasure& tape, const ShapeSpace& space, const Growth& growth,
-                   const std::vector<Wish>& bones) {
+                   const std::vector<MeasureTarget>& bones) {
   const MeasureTable& table = tape.table();
-  std::vector<Wish> wishes{{table.at("stature"), growth.stature},
-                           {table.at("weight"), growth.mass},
-                           {table.at("head_girth"), growth.head_girth}};
-  if (growth.neck_girth) wishes.push_back({table.at("neck_girth"), *growth.neck_girth});
-  if (growth.crotch_height) wishes.push_back({table.at("crotch_height"), *growth.crotch_height});
-  wishes.insert(wishes.end(), bones.begin(), bones.end());
+  std::vector<MeasureTarget> targets{{table.at("stature"), growth.stature},
+                                     {table.at("weight"), growth.mass},
+                                     {table.at("head_girth"), growth.head_girth}};
+  if (growth.neck_girth) targets.push_back({table.at("neck_girth"), *growth.neck_girth});
+  if (growth.crotch_height) targets.push_back({table.at("crotch_height"), *growth.crotch_height});
+  targets.insert(targets.end(), bones.begin(), bones.end());
   SolveOptions any;
   any.allow_unusual = true;
-  return solve_measures(tape, space, wishes, any).points;
+  return solve_measures(tape, space, targets, any).points;
 }
 
 Growth growth_row(const Table& table, int row) {
@@ -84,8 +84,8 @@ Growth growth_row(const Table& table, int row) {
 
 }  // namespace
 
-Growth growth_at(Sex sex, double years) {
-  const Table table(data_folder() / "body" / "growth.csv");
+Growth growth_at(const std::filesystem::path& tables, Sex sex, double years) {
+  const Table table(tables / "body" / "growth.csv");
   const char* name = sex == Sex::male ? "male" : "female";
   Growth before, after;
   double from = -1, to = -1;
@@ -117,10 +117,11 @@ void move_to_age(const BodyPackage& package, const TapeMeasure& tape, double yea
   if (!(years >= kYoungest && years <= kOldest))
     throw UnfitError(
         fmt::format("age {} years: from {} to {} is possible", years, kYoungest, kOldest));
-  const Growth now = growth_at(space.sex, years), grown = growth_at(space.sex, kSurveyAge);
+  const Growth now = growth_at(package.tables, space.sex, years),
+               grown = growth_at(package.tables, space.sex, kSurveyAge);
   const double size = now.stature / grown.stature;
   const std::vector<double> before = tape.take_all(space.mean);
-  std::vector<Wish> bones;
+  std::vector<MeasureTarget> bones;
   for (const char* id : kBoneLengths)
     if (const int k = tape.table().at(id); years > kGrownAge)
       bones.push_back({k, std::sqrt(size) * tape.take(k, space.mean)});
@@ -147,4 +148,4 @@ void move_to_age(const BodyPackage& package, const TapeMeasure& tape, double yea
   space.law_mean = measured() + apart;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -7,11 +7,13 @@
 // to 90 without a step; without an age the space is that of the survey's adults.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 
+#include "anatomy/files/assets.h"
 #include "morph/shapes/shape_space.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // The mean age of the survey's people, years.
 inline constexpr double kSurveyAge = 30;
@@ -25,12 +27,13 @@ struct Growth {
 };
 
 // From data/body/growth.csv, in proportion between its rows. Throws InputError.
-Growth growth_at(Sex sex, double years);
+// `tables`: Assets::tables.
+Growth growth_at(const std::filesystem::path& tables, Sex sex, double years);
 
 // The space of people of that age (1 to 90 years) instead of the survey's adults: mean, basis and
-// law. `space` is one of read_shape_space. Throws InputError for a damaged table, UnfitError for an
-// age outside.
+// law. `space` is one of build_shape_space. Throws InputError for a damaged table, UnfitError for
+// an age outside.
 void move_to_age(const BodyPackage& package, const TapeMeasure& tape, double years,
                  ShapeSpace& space);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -8,7 +8,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/csv_table.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 // Evenly spread numbers in 0 .. 1: the i-th of Halton's sequence in a prime base (Halton 1960).
@@ -21,7 +21,7 @@ double halton(int i, int base) {
   return value;
 }
 
-constexpr double kYoungest = 18, kOldest = 90;  // years
+constexpr double kYoungestShapeExamples = 18, kOldestShapeExamples = 90;  // years
 
 }  // namespace
 
@@ -30,8 +30,9 @@ Macros example_macros(Sex sex, int i) {
   const auto u = [i](std::size_t axis) { return halton(i + 1, bases[axis]); };
   Macros m;
   m.male = sex == Sex::male ? 1 : 0;
-  m.age = age_slider(kYoungest +
-                     (kOldest - kYoungest) * u(0) * u(0));  // more young than old, as in the survey
+  m.age =
+      age_slider(kYoungestShapeExamples + (kOldestShapeExamples - kYoungestShapeExamples) * u(0) *
+                                              u(0));  // more young than old, as in the survey
   m.weight = u(1);
   m.muscle = u(2);
   m.height = u(3);
@@ -99,4 +100,4 @@ void make_symmetric(const BodyPackage& package, Eigen::MatrixXd& columns) {
   }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

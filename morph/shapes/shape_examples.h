@@ -6,7 +6,7 @@
 
 #include "morph/shapes/body.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Sliders of the i-th example of a sex, i >= 0.
 Macros example_macros(Sex sex, int i);
@@ -23,4 +23,4 @@ Eigen::MatrixXd local_shapes(const BodyPackage& package, Sex sex,
 // Makes each column equal on both sides.
 void make_symmetric(const BodyPackage& package, Eigen::MatrixXd& columns);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -3,16 +3,16 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
+#include "anatomy/compute/cholesky.h"
+#include "anatomy/compute/eigenvectors.h"
 #include "anatomy/errors.h"
 #include "anatomy/files/csv_table.h"
 #include "morph/shapes/length_functions.h"
 #include "morph/shapes/region_functions.h"
 #include "morph/shapes/shape_examples.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 // Of the examples' variance, nearly all of which is stature: what is left out is 0.3 mm a
@@ -26,16 +26,17 @@ Eigen::MatrixXd example_directions(const Eigen::MatrixXd& examples, const Eigen:
                                    double rest, int& for_99) {
   const Eigen::MatrixXd apart =
       (examples.colwise() - mean) / std::sqrt(double(examples.cols() - 1));
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> gram(apart.transpose() * apart);
-  const double total = gram.eigenvalues().sum();
+  const SymmetricEigen<Eigen::Dynamic> gram =
+      symmetric_eigen<Eigen::Dynamic>(apart.transpose() * apart);
+  const double total = gram.values.sum();
   double left = total;
   int used = 0;
   for_99 = 0;
   while (used < examples.cols() && left > rest * total) {
-    left -= gram.eigenvalues()[examples.cols() - 1 - used++];
+    left -= gram.values[examples.cols() - 1 - used++];
     if (for_99 == 0 && left <= 0.01 * total) for_99 = used;
   }
-  return apart * gram.eigenvectors().rightCols(used).rowwise().reverse();
+  return apart * gram.vectors.rightCols(used).rowwise().reverse();
 }
 
 // What the prior says of the survey's measures: their values at coefficients w and their
@@ -79,19 +80,19 @@ void follow_survey(const TapeMeasure& tape, const Survey& survey, const ShapeSpa
     measure_rows(tape, survey, prior, mean, value, J);
     J.rightCols(regions).setZero();  // the mean body is made of whole shapes alone
     const Eigen::MatrixXd A = J * J.transpose() + Eigen::MatrixXd(slack2.asDiagonal());
-    mean = J.transpose() * A.ldlt().solve(survey.mean - value + J * mean);
+    mean = J.transpose() * solve_ldlt<Eigen::Dynamic>(A, survey.mean - value + J * mean);
   }
   measure_rows(tape, survey, prior, mean, value, J);
   const Eigen::MatrixXd A = J * J.transpose() + Eigen::MatrixXd(noise2.asDiagonal());
-  const Eigen::MatrixXd gain = A.ldlt().solve(J).transpose();
+  const Eigen::MatrixXd gain = solve_ldlt_columns(A, J).transpose();
   const Eigen::MatrixXd law = survey.sd.asDiagonal() * survey.correlation * survey.sd.asDiagonal();
   const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(K, K) - gain * J;
   const Eigen::MatrixXd covariance =
       left * left.transpose() +
       gain * (law + Eigen::MatrixXd(noise2.asDiagonal())) * gain.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 *
-                                                             (covariance + covariance.transpose()));
-  factor = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+  const SymmetricEigen<Eigen::Dynamic> eigen =
+      symmetric_eigen<Eigen::Dynamic>(0.5 * (covariance + covariance.transpose()));
+  factor = eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal();
 }
 
 // The direction in which people of one stature get heavier, as far as civilians differ more than
@@ -136,11 +137,10 @@ void complete_law(const TapeMeasure& tape, const Survey& survey, ShapeSpace& spa
   // Two sources side by side need not make a covariance; the nearest one after scaling is.
   const Eigen::VectorXd sd = space.law_covariance.diagonal().cwiseSqrt(),
                         inverse = sd.cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+  const SymmetricEigen<Eigen::Dynamic> eigen = symmetric_eigen<Eigen::Dynamic>(
       inverse.asDiagonal() * space.law_covariance * inverse.asDiagonal());
-  const Eigen::MatrixXd correlation = eigen.eigenvectors() *
-                                      eigen.eigenvalues().cwiseMax(0).asDiagonal() *
-                                      eigen.eigenvectors().transpose();
+  const Eigen::MatrixXd correlation =
+      eigen.vectors * eigen.values.cwiseMax(0).asDiagonal() * eigen.vectors.transpose();
   space.law_covariance = sd.asDiagonal() * correlation * sd.asDiagonal();
   widen_law(tape, space);
   space.law_covariance.diagonal() += noise.cwiseAbs2();
@@ -149,10 +149,10 @@ void complete_law(const TapeMeasure& tape, const Survey& survey, ShapeSpace& spa
 // Turns the coefficients so that the basis is orthogonal and falls in size.
 void order_basis(ShapeSpace& space) {
   const Eigen::MatrixXd B = space.basis.cast<double>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> gram(B.transpose() * B);
-  const Eigen::MatrixXd turn = gram.eigenvectors().rowwise().reverse();
+  const SymmetricEigen<Eigen::Dynamic> gram = symmetric_eigen<Eigen::Dynamic>(B.transpose() * B);
+  const Eigen::MatrixXd turn = gram.vectors.rowwise().reverse();
   space.basis = (B * turn).cast<float>();
-  const Eigen::VectorXd variance = gram.eigenvalues().reverse().cwiseMax(0);
+  const Eigen::VectorXd variance = gram.values.reverse().cwiseMax(0);
   space.spread = (3.0 * variance / double(B.rows())).cwiseSqrt();
   double sum = 0;
   space.components = 0;
@@ -192,7 +192,7 @@ Survey read_survey(const MeasureTable& table, Sex sex, const std::filesystem::pa
 
 ShapeSpace build_shape_space(const BodyPackage& package, const TapeMeasure& tape, Sex sex,
                              const ShapeSpaceOptions& options) {
-  const std::filesystem::path folder = data_folder() / "body";
+  const std::filesystem::path folder = package.tables / "body";
   const Eigen::Index n = package.skin_size;
   ShapeSpace space;
   space.sex = sex;
@@ -244,13 +244,4 @@ Eigen::VectorXd space_gradient(const ShapeSpace& space, const MeasureGradient& g
   return out.cast<double>();
 }
 
-Eigen::VectorXd space_coefficients(const ShapeSpace& space, const Points& V, double noise) {
-  const Points apart = V.topRows(space.mean.rows()) - space.mean;
-  const Eigen::VectorXf d =
-      Eigen::Map<const Eigen::VectorXd>(apart.data(), apart.size()).cast<float>();
-  Eigen::MatrixXd A = (space.basis.transpose() * space.basis).cast<double>();
-  A.diagonal().array() += noise * noise;
-  return A.ldlt().solve((space.basis.transpose() * d).cast<double>());
-}
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

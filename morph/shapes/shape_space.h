@@ -19,7 +19,7 @@
 #include "morph/measures/tape_measure.h"
 #include "morph/shapes/body.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 using ShapeBasis = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -61,21 +61,10 @@ struct ShapeSpace {
 ShapeSpace build_shape_space(const BodyPackage& package, const TapeMeasure& tape, Sex sex,
                              const ShapeSpaceOptions& options = {});
 
-// Hash of everything that a space is built from.
-std::string shape_space_key(Sex sex);
-
-// The same from the cache ($XDG_CACHE_HOME/ecorche, else ~/.cache/ecorche), building and storing it
-// when there is none.
-ShapeSpace read_shape_space(const BodyPackage& package, const TapeMeasure& tape, Sex sex);
-
 // The skin of coefficients, not yet put on the floor. #skin x 3
 Points space_points(const ShapeSpace& space, const Eigen::VectorXd& z);
 
 // d(measure) / d(z) from d(measure) / d(vertices).
 Eigen::VectorXd space_gradient(const ShapeSpace& space, const MeasureGradient& gradient);
 
-// Coefficients of the body of the space that is nearest to a skin (least squares with the prior,
-// `noise` m a coordinate).
-Eigen::VectorXd space_coefficients(const ShapeSpace& space, const Points& V, double noise = 0.002);
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,22 +1,25 @@
-// A shape space as bytes (numbers as they lie in memory: the cache stays on the machine that wrote
-// it) with a hash at the end.
+#include "morph/shapes/shape_space_cache.h"
+
 #include <algorithm>
+#include <cstdint>
+#include <iterator>
+#include <optional>
+#include <string_view>
+#include <vector>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/byte_stream.h"
 #include "anatomy/files/cache.h"
 #include "anatomy/files/input_file.h"
 #include "anatomy/files/package_archive.h"
-#include "morph/shapes/shape_space.h"
+#include "shape_space_code.h"  // generated: kShapeSpaceCode
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr char kVersion[] =
-    "ecorche shape space 6";  // counts up with every change of how a space is built
-
+// Numbers as they lie in memory (the cache stays on the machine that wrote it), a hash at the end.
 std::string space_bytes(const ShapeSpace& space) {
   const std::int64_t sizes[] = {
       space.sex == Sex::male ? 1 : 0, space.mean.rows(),    space.basis.cols(), space.components,
@@ -59,13 +62,11 @@ ShapeSpace space_from(std::string_view bytes, Eigen::Index skin) {
 
 }  // namespace
 
-// Our tables and the pin of the body package.
-std::string shape_space_key(Sex sex) {
-  std::string all = std::string(kVersion) + (sex == Sex::male ? " male" : " female") +
-                    read_input_file(data_folder() / "packages.txt");
+std::string shape_space_key(const fs::path& tables, Sex sex) {
+  std::string all = std::string(kShapeSpaceCode) + (sex == Sex::male ? " male" : " female") +
+                    read_input_file(tables / "packages.txt");
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(data_folder() / "body"))
-    files.push_back(entry.path());
+  for (const auto& entry : fs::directory_iterator(tables / "body")) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   for (const auto& file : files)
     all += '\n' + file.filename().string() + '\n' + read_input_file(file);
@@ -73,7 +74,7 @@ std::string shape_space_key(Sex sex) {
 }
 
 ShapeSpace read_shape_space(const BodyPackage& package, const TapeMeasure& tape, Sex sex) {
-  const std::string name = shape_space_key(sex) + ".space";
+  const std::string name = shape_space_key(package.tables, sex) + ".space";
   if (const std::optional<std::string> bytes = read_cached(name)) {
     try {
       return space_from(*bytes, package.skin_size);
@@ -86,4 +87,4 @@ ShapeSpace read_shape_space(const BodyPackage& package, const TapeMeasure& tape,
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -8,7 +8,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/csv_table.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 std::vector<StandardSize> read_sizes(const std::filesystem::path& folder) {
   const Table rows(folder / "sizes.csv");
@@ -47,7 +47,7 @@ const StandardSize& find_size(const std::vector<StandardSize>& sizes, Sex sex,
   throw UsageError(fmt::format("--size {}: choose one of {}", name, names));
 }
 
-std::vector<Wish> size_wishes(const StandardSize& size, const MeasureTable& table) {
+std::vector<MeasureTarget> size_targets(const StandardSize& size, const MeasureTable& table) {
   const auto middle = [](const std::array<double, 2>& range) {
     return 0.5 * (range[0] + range[1]);
   };
@@ -82,4 +82,4 @@ double size_distance(const std::vector<SizeFigure>& body, const std::vector<Size
   return sum;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

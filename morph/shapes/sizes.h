@@ -9,7 +9,7 @@
 #include "morph/measures/feature_points.h"
 #include "morph/shapes/solve_measures.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // A letter of a size table: ranges, m.
 struct StandardSize {
@@ -26,8 +26,8 @@ std::vector<StandardSize> read_sizes(const std::filesystem::path& folder);
 const StandardSize& find_size(const std::vector<StandardSize>& sizes, Sex sex,
                               const std::string& name);
 
-// The middle of its ranges, as wishes.
-std::vector<Wish> size_wishes(const StandardSize& size, const MeasureTable& table);
+// The middle of its ranges, as targets.
+std::vector<MeasureTarget> size_targets(const StandardSize& size, const MeasureTable& table);
 
 // The eight figures a body is judged by: three lengths, five girths; bust, waist and hip at the
 // feature points.
@@ -42,4 +42,4 @@ std::vector<SizeFigure> size_figures(const TapeMeasure& tape, const BodyPackage&
 // Weighted sum of squared differences, m^2.
 double size_distance(const std::vector<SizeFigure>& body, const std::vector<SizeFigure>& size);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -5,27 +5,27 @@
 #include <set>
 
 #include <fmt/format.h>
-#include <Eigen/Cholesky>
 
+#include "anatomy/compute/cholesky.h"
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
-bool is_mass(const TapeMeasure& tape, const Wish& wish) {
-  return tape.measure(wish.measure).kind == MeasureKind::mass;
+bool is_mass(const TapeMeasure& tape, const MeasureTarget& target) {
+  return tape.measure(target.measure).kind == MeasureKind::mass;
 }
 
-// What a set of wishes says of one of them.
+// What a set of targets says of one of them.
 struct Residual {
   double away = 0;              // standard deviations, signed
   double expected = 0, sd = 0;  // of the measure, the others given
 };
 
-Residual residual(const ShapeSpace& space, const Eigen::MatrixXd& law, std::span<const Wish> wishes,
-                  int of, const std::vector<int>& others) {
-  const auto wish = [&](int i) -> const Wish& { return wishes[i]; };
-  const int k = wish(of).measure;
+Residual residual(const ShapeSpace& space, const Eigen::MatrixXd& law,
+                  std::span<const MeasureTarget> targets, int of, const std::vector<int>& others) {
+  const auto target = [&](int i) -> const MeasureTarget& { return targets[i]; };
+  const int k = target(of).measure;
   const Eigen::Index n = others.size();
   Residual out{0, space.law_mean[k], 0};
   double variance = law(k, k);
@@ -33,31 +33,31 @@ Residual residual(const ShapeSpace& space, const Eigen::MatrixXd& law, std::span
     Eigen::MatrixXd C(n, n);
     Eigen::VectorXd with(n), apart(n);
     for (Eigen::Index i = 0; i < n; ++i) {
-      const Wish& a = wish(others[i]);
+      const MeasureTarget& a = target(others[i]);
       with[i] = law(a.measure, k);
       apart[i] = a.value - space.law_mean[a.measure];
-      for (Eigen::Index j = 0; j < n; ++j) C(i, j) = law(a.measure, wish(others[j]).measure);
+      for (Eigen::Index j = 0; j < n; ++j) C(i, j) = law(a.measure, target(others[j]).measure);
     }
-    const Eigen::VectorXd gain = C.llt().solve(with);
+    const Eigen::VectorXd gain = solve_llt(C, with);
     out.expected += gain.dot(apart);
     variance -= gain.dot(with);
   }
   out.sd = std::sqrt(std::max(variance, 1e-12));
-  out.away = (wish(of).value - out.expected) / out.sd;
+  out.away = (target(of).value - out.expected) / out.sd;
   return out;
 }
 
-// The survey's law, or for wishes of somebody heavier than its people that of civilians. One wish
-// alone does not say who is heavy.
-Eigen::MatrixXd law_of(const ShapeSpace& space, std::span<const Wish> wishes) {
-  if (wishes.size() < 2) return space.law_covariance;
+// The survey's law, or for targets of somebody heavier than its people that of civilians. One
+// target alone does not say who is heavy.
+Eigen::MatrixXd law_of(const ShapeSpace& space, std::span<const MeasureTarget> targets) {
+  if (targets.size() < 2) return space.law_covariance;
   const Eigen::MatrixXd wide = space.law_covariance + space.heavier * space.heavier.transpose();
-  const std::vector<int> measures = measures_of(wishes);
+  const std::vector<int> measures = measures_of(targets);
   Eigen::VectorXd apart = -space.law_mean(measures);
-  for (std::size_t i = 0; i < wishes.size(); ++i) apart[i] += wishes[i].value;
+  for (std::size_t i = 0; i < targets.size(); ++i) apart[i] += targets[i].value;
   const Eigen::MatrixXd C = wide(measures, measures);
   const Eigen::VectorXd with = space.heavier(measures);
-  return with.dot(C.llt().solve(apart)) > 0 ? wide : space.law_covariance;
+  return with.dot(solve_llt(C, apart)) > 0 ? wide : space.law_covariance;
 }
 
 std::vector<int> without(std::vector<int> set, int member) {
@@ -67,18 +67,18 @@ std::vector<int> without(std::vector<int> set, int member) {
 
 class Solver {
  public:
-  Solver(const TapeMeasure& tape, const ShapeSpace& space, std::span<const Wish> wishes,
+  Solver(const TapeMeasure& tape, const ShapeSpace& space, std::span<const MeasureTarget> targets,
          const SolveOptions& options)
       : tape_(tape),
         space_(space),
-        wishes_(wishes),
+        wishes_(targets),
         options_(options),
-        wanted_(wishes.size() + options.also.size()),
+        wanted_(targets.size() + options.also.size()),
         tolerance_(wanted_.size()) {
     for (Eigen::Index i = 0; i < wanted_.size(); ++i) {
-      wanted_[i] = is_wish(i) ? wish(i).value : also(i).wanted;
-      if (is_wish(i))
-        tolerance_[i] = is_mass(tape, wish(i)) ? 100 * options.tolerance : options.tolerance;
+      wanted_[i] = is_target(i) ? target(i).value : also(i).wanted;
+      if (is_target(i))
+        tolerance_[i] = is_mass(tape, target(i)) ? 100 * options.tolerance : options.tolerance;
       else
         tolerance_[i] = also(i).tolerance;
     }
@@ -111,17 +111,17 @@ class Solver {
   // Moves of the coefficients that change nothing one would see, once the measures are met.
   static constexpr double kSettled = 0.05;
 
-  bool is_wish(Eigen::Index i) const { return std::size_t(i) < wishes_.size(); }
-  const Wish& wish(Eigen::Index i) const { return wishes_[i]; }
+  bool is_target(Eigen::Index i) const { return std::size_t(i) < wishes_.size(); }
+  const MeasureTarget& target(Eigen::Index i) const { return wishes_[i]; }
   const Aim& also(Eigen::Index i) const { return options_.also[i - wishes_.size()]; }
 
   double value(Eigen::Index i, const Points& V, MeasureGradient* gradient) const {
-    if (is_wish(i)) return tape_.take(wish(i).measure, V, gradient);
+    if (is_target(i)) return tape_.take(target(i).measure, V, gradient);
     if (gradient != nullptr) gradient->clear();
     return also(i).value(V, gradient);
   }
 
-  // Worst miss of a wish, in tolerances.
+  // Worst miss of a target, in tolerances.
   double miss(const Points& V) const {
     double worst = 0;
     for (Eigen::Index i = 0; i < wanted_.size(); ++i) {
@@ -146,19 +146,19 @@ class Solver {
     J = unit.asDiagonal() * J;
     Eigen::MatrixXd A = J * J.transpose();
     A.diagonal().array() += 1e-11 * A.trace() / double(std::max<Eigen::Index>(1, A.rows()));
-    return J.transpose() * A.ldlt().solve(unit.cwiseProduct(wanted_ - now) + J * z);
+    return J.transpose() * solve_ldlt<Eigen::Dynamic>(A, unit.cwiseProduct(wanted_ - now) + J * z);
   }
 
   const TapeMeasure& tape_;
   const ShapeSpace& space_;
-  std::span<const Wish> wishes_;
+  std::span<const MeasureTarget> wishes_;
   const SolveOptions& options_;
   Eigen::VectorXd wanted_, tolerance_;
 };
 
 }  // namespace
 
-Wish parse_wish(const std::string& text, const TapeMeasure& tape) {
+MeasureTarget parse_target(const std::string& text, const TapeMeasure& tape) {
   const auto equals = text.find('=');
   if (equals == std::string::npos)
     throw UsageError(
@@ -167,9 +167,9 @@ Wish parse_wish(const std::string& text, const TapeMeasure& tape) {
   return {k, tape.parse(k, std::string_view(text).substr(equals + 1), tape.measure(k).id)};
 }
 
-std::vector<int> measures_of(std::span<const Wish> wishes) {
+std::vector<int> measures_of(std::span<const MeasureTarget> targets) {
   std::vector<int> out;
-  for (const Wish& wish : wishes) out.push_back(wish.measure);
+  for (const MeasureTarget& target : targets) out.push_back(target.measure);
   return out;
 }
 
@@ -181,13 +181,14 @@ double conflict_limit(int count) {
   return 3.45 + 0.017 * count + 3.53 * std::exp(-1.6 * (count - 1));
 }
 
-std::vector<Conflict> find_conflicts(const ShapeSpace& space, std::span<const Wish> wishes) {
+std::vector<Conflict> find_conflicts(const ShapeSpace& space,
+                                     std::span<const MeasureTarget> targets) {
   std::vector<Conflict> out;
-  const Eigen::MatrixXd law = law_of(space, wishes);
-  std::vector<int> open(wishes.size());
-  for (std::size_t i = 0; i < wishes.size(); ++i) open[i] = int(i);
+  const Eigen::MatrixXd law = law_of(space, targets);
+  std::vector<int> open(targets.size());
+  for (std::size_t i = 0; i < targets.size(); ++i) open[i] = int(i);
   const auto refused = [&](int i, const std::vector<int>& others) {
-    return std::abs(residual(space, law, wishes, i, others).away) /
+    return std::abs(residual(space, law, targets, i, others).away) /
            conflict_limit(int(others.size()) + 1);
   };
   while (!open.empty()) {
@@ -199,7 +200,7 @@ std::vector<Conflict> find_conflicts(const ShapeSpace& space, std::span<const Wi
     }
     if (conflict.blamed < 0) break;
     std::erase(open, conflict.blamed);
-    const Residual r = residual(space, law, wishes, conflict.blamed, open);
+    const Residual r = residual(space, law, targets, conflict.blamed, open);
     const double room = conflict_limit(int(open.size()) + 1) * r.sd;
     conflict.away = r.away;
     conflict.low = r.expected - room;
@@ -221,18 +222,19 @@ std::vector<Conflict> find_conflicts(const ShapeSpace& space, std::span<const Wi
 }
 
 SolvedBody solve_measures(const TapeMeasure& tape, const ShapeSpace& space,
-                          std::span<const Wish> wishes, const SolveOptions& options,
+                          std::span<const MeasureTarget> targets, const SolveOptions& options,
                           const Eigen::VectorXd* start) {
   std::set<int> seen;
-  for (const Wish& wish : wishes)
-    if (!seen.insert(wish.measure).second)
-      throw UsageError(fmt::format("measure {} is asked for twice", tape.measure(wish.measure).id));
+  for (const MeasureTarget& target : targets)
+    if (!seen.insert(target.measure).second)
+      throw UsageError(
+          fmt::format("measure {} is asked for twice", tape.measure(target.measure).id));
   SolvedBody out;
-  std::vector<Wish> possible(wishes.begin(), wishes.end());
-  if (!options.allow_unusual) out.conflicts = find_conflicts(space, wishes);
+  std::vector<MeasureTarget> possible(targets.begin(), targets.end());
+  if (!options.allow_unusual) out.conflicts = find_conflicts(space, targets);
   for (const Conflict& conflict : out.conflicts) {
-    Wish& wish = possible[conflict.blamed];
-    wish.value = std::clamp(wish.value, conflict.low, conflict.high);
+    MeasureTarget& target = possible[conflict.blamed];
+    target.value = std::clamp(target.value, conflict.low, conflict.high);
   }
   out.z = start != nullptr ? *start : Eigen::VectorXd::Zero(space.basis.cols());
   Solver(tape, space, possible, options).solve(out);
@@ -243,19 +245,21 @@ SolvedBody solve_measures(const TapeMeasure& tape, const ShapeSpace& space,
     } catch (const UnfitError& error) {  // the first reason is what was asked
       if (out.conflicts.empty()) throw;
       throw UnfitError(fmt::format("no body has these measures:\n  {}\n{}",
-                                   describe(out.conflicts.front(), tape, wishes), error.what()));
+                                   describe(out.conflicts.front(), tape, targets), error.what()));
     }
-  for (const Wish& wish : wishes) out.achieved.push_back(tape.take(wish.measure, out.points));
+  for (const MeasureTarget& target : targets)
+    out.achieved.push_back(tape.take(target.measure, out.points));
   return out;
 }
 
-double deviation(const ShapeSpace& space, std::span<const Wish> wishes, const Wish& measured) {
-  std::vector<Wish> all(wishes.begin(), wishes.end());
+double deviation(const ShapeSpace& space, std::span<const MeasureTarget> targets,
+                 const MeasureTarget& measured) {
+  std::vector<MeasureTarget> all(targets.begin(), targets.end());
   std::vector<int> others;
-  for (std::size_t i = 0; i < wishes.size(); ++i)
-    if (wishes[i].measure != measured.measure) others.push_back(int(i));
+  for (std::size_t i = 0; i < targets.size(); ++i)
+    if (targets[i].measure != measured.measure) others.push_back(int(i));
   all.push_back(measured);
-  return residual(space, law_of(space, wishes), all, int(wishes.size()), others).away;
+  return residual(space, law_of(space, targets), all, int(targets.size()), others).away;
 }
 
 void check_human(const TapeMeasure& tape, const ShapeSpace& space, const Points& skin) {
@@ -275,11 +279,11 @@ void check_human(const TapeMeasure& tape, const ShapeSpace& space, const Points&
 }
 
 std::string describe(const Conflict& conflict, const TapeMeasure& tape,
-                     std::span<const Wish> wishes) {
+                     std::span<const MeasureTarget> targets) {
   const auto text = [&](int i) {
-    const Wish& wish = wishes[i];
-    return fmt::format("{} {:.3f} {}", tape.measure(wish.measure).id, wish.value,
-                       is_mass(tape, wish) ? "kg" : "m");
+    const MeasureTarget& target = targets[i];
+    return fmt::format("{} {:.3f} {}", tape.measure(target.measure).id, target.value,
+                       is_mass(tape, target) ? "kg" : "m");
   };
   std::string others;
   for (std::size_t i = 0; i < conflict.others.size(); ++i)
@@ -290,8 +294,8 @@ std::string describe(const Conflict& conflict, const TapeMeasure& tape,
   return fmt::format("{} {}; from {:.3f} to {:.3f} {} is possible{}", text(conflict.blamed),
                      others.empty() ? "lies outside what people measure" : "contradicts " + others,
                      std::max(0.0, conflict.low), conflict.high,
-                     is_mass(tape, wishes[conflict.blamed]) ? "kg" : "m",
-                     wishes.size() > 1 ? " with the other measures asked" : "");
+                     is_mass(tape, targets[conflict.blamed]) ? "kg" : "m",
+                     targets.size() > 1 ? " with the other measures asked" : "");
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

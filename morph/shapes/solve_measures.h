@@ -20,31 +20,32 @@
 
 #include "morph/shapes/shape_space.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-struct Wish {
+struct MeasureTarget {
   int measure = 0;   // number in the tape's table
   double value = 0;  // m; kg for the mass
 };
 
 // "waist_girth=74cm" as people write it. Throws UsageError.
-Wish parse_wish(const std::string& text, const TapeMeasure& tape);
+MeasureTarget parse_target(const std::string& text, const TapeMeasure& tape);
 
 // Their numbers, to pick rows and columns of a law by.
-std::vector<int> measures_of(std::span<const Wish> wishes);
+std::vector<int> measures_of(std::span<const MeasureTarget> targets);
 
 // Why a request cannot be met.
 struct Conflict {
-  int blamed = -1;  // number of the wish that fits the others least
+  int blamed = -1;  // number of the target that fits the others least
   std::vector<int>
-      others;  // the fewest wishes that contradict it; none: it lies outside what people measure
+      others;  // the fewest targets that contradict it; none: it lies outside what people measure
   double away = 0;           // standard deviations from what the others let expect
-  double low = 0, high = 0;  // what it may be, the other wishes kept
+  double low = 0, high = 0;  // what it may be, the other targets kept
 };
 
-// Conflicts of a request, the worst first; each time the blamed wish is set aside and the rest
+// Conflicts of a request, the worst first; each time the blamed target is set aside and the rest
 // looked at again. Empty: none.
-std::vector<Conflict> find_conflicts(const ShapeSpace& space, std::span<const Wish> wishes);
+std::vector<Conflict> find_conflicts(const ShapeSpace& space,
+                                     std::span<const MeasureTarget> targets);
 
 // Standard deviations that one of `count` measures of a person may lie from what the others let
 // expect. Alone it may lie further out: there are giants, but not with the waist of a child.
@@ -61,29 +62,30 @@ struct SolveOptions {
   double tolerance = 0.0002;  // m; a hundredfold in kg for the mass
   int rounds = 15;
   bool allow_unusual = false;  // do not look for conflicts: whatever the skin can be bent to
-  std::vector<Aim> also;       // met with the wishes, never called a conflict
+  std::vector<Aim> also;       // met with the targets, never called a conflict
 };
 
 struct SolvedBody {
   Points points;                 // #skin x 3, soles on y = 0
   Eigen::VectorXd z;             // its coefficients
-  std::vector<double> achieved;  // of each wish, on the points
+  std::vector<double> achieved;  // of each target, on the points
   int rounds = 0;
-  bool met = false;  // every wish and aim to the tolerance
+  bool met = false;  // every target and aim to the tolerance
   std::vector<Conflict> conflicts;
 };
 
-// With conflicts, the body has every wish but the blamed ones, which are brought to the nearest
+// With conflicts, the body has every target but the blamed ones, which are brought to the nearest
 // value that the others allow. `start`: coefficients of a body that is being edited, to be quicker;
 // the result is the same to the tolerance. Throws UsageError when a measure is asked for twice,
 // UnfitError when the skin has been bent out of human shape.
 SolvedBody solve_measures(const TapeMeasure& tape, const ShapeSpace& space,
-                          std::span<const Wish> wishes, const SolveOptions& options = {},
+                          std::span<const MeasureTarget> targets, const SolveOptions& options = {},
                           const Eigen::VectorXd* start = nullptr);
 
-// How many standard deviations a measure of a body lies from what the wishes let expect, under the
+// How many standard deviations a measure of a body lies from what the targets let expect, under the
 // law that find_conflicts goes by.
-double deviation(const ShapeSpace& space, std::span<const Wish> wishes, const Wish& measured);
+double deviation(const ShapeSpace& space, std::span<const MeasureTarget> targets,
+                 const MeasureTarget& measured);
 
 // Throws UnfitError that names the measure when a skin is no longer a body: a girth gone to nothing
 // or many times what people have.
@@ -92,6 +94,6 @@ void check_human(const TapeMeasure& tape, const ShapeSpace& space, const Points&
 // "waist_girth 0.550 m contradicts hip_girth 1.200 m; from 0.610 to 1.020 m is possible with the
 // other measures asked".
 std::string describe(const Conflict& conflict, const TapeMeasure& tape,
-                     std::span<const Wish> wishes);
+                     std::span<const MeasureTarget> targets);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

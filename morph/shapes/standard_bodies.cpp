@@ -1,6 +1,6 @@
 #include "morph/shapes/standard_bodies.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 std::vector<BodySpec> standard_bodies() {
   constexpr Sex male = Sex::male, female = Sex::female;
@@ -32,4 +32,4 @@ BodySpec athlete() {
       .sex = Sex::male, .age = 25, .height = 1.85, .mass = 78, .muscle = 0.95, .name = "athlete"};
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -5,7 +5,7 @@
 
 #include "morph/shapes/body_model.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // The bodies that fits are judged on: average man and woman, thin, heavy, muscular, short, tall,
 // old, young. Unique names.
@@ -14,4 +14,4 @@ std::vector<BodySpec> standard_bodies();
 // The long jumper: lean, muscular, 1.85 m.
 BodySpec athlete();
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

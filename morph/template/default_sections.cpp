@@ -6,7 +6,7 @@
 
 #include "anatomy/muscles/action_line.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 // Pa at full isometric force (Ker et al. 1988: most limb tendons 10 to 30)
@@ -28,7 +28,7 @@ double outline(double u) {
 
 }  // namespace
 
-void dress_strip(Strip& strip, const StripForces& f, const Vec3& deep) {
+void add_default_sections(Strip& strip, const StripForces& f, const Vec3& deep) {
   const double length = line_length(strip.path);
   const double aponeurosis = kAponeurosis * std::min(1.0, f.pennation / kPennate) * f.tendon_slack;
   const double belly =
@@ -80,4 +80,4 @@ void dress_strip(Strip& strip, const StripForces& f, const Vec3& deep) {
   strip = best;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

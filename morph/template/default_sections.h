@@ -1,9 +1,9 @@
-// Slices for a muscle of which only the line and the forces are known.
+// Default sections for a muscle of which only the line and the forces are known.
 #pragma once
 
 #include "anatomy/anatomy.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct StripForces {
   double volume = 0;        // m^3
@@ -16,6 +16,6 @@ struct StripForces {
 // Gives a strip with a path its belly, tendons and slices, so that its tube has the volume. `deep`:
 // from the belly's middle toward the bone that it lies on (thickness axis); zero where there is
 // none.
-void dress_strip(Strip& strip, const StripForces& forces, const Vec3& deep);
+void add_default_sections(Strip& strip, const StripForces& forces, const Vec3& deep);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -12,14 +12,17 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
 #include "anatomy/geometry/mesh_measures.h"
+#include "anatomy/model_files/model_reader.h"
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/taut_path.h"
 #include "anatomy/muscles/transform_muscles.h"
 #include "anatomy/posing/pose_anatomy.h"
 #include "anatomy/queries/signed_distance.h"
+#include "morph/placement/fitted_skeleton.h"
+#include "morph/template/build_template.h"
 #include "morph/template/default_sections.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kThroughHole = 0.8;  // of a torus's hole: how far from its middle a line may pass
@@ -66,17 +69,17 @@ std::pair<std::string, int> strip_number(const std::string& name) {
 
 class Importer {
  public:
-  Importer(const MuscleModel& model, const Template& base, const ImportOptions& options)
+  Importer(const MusculoskeletalModel& model, const Template& base, const ImportOptions& options)
       : model_(model), base_(base), options_(options) {}
 
-  Imported import(const Packages& packages) {
-    const FitRules& rules = base_.tables->rules;
-    const std::vector<BodyRule> bodies = read_body_rules(data_folder() / "model_bodies.csv");
+  Imported import(const Assets& assets) {
+    const FitRules& rules = base_.tables.rules;
+    const std::vector<BodyRule> bodies = read_body_rules(assets.tables / "model_bodies.csv");
     ImportReport& report = out_.report;
     report.notes = model_.notes;
     report.match = match_model(model_, base_.anatomy.skeleton, bodies);
     report.upright = false;
-    const Anatomy source = read_source_skeleton(packages);
+    const Anatomy source = read_source_skeleton(assets);
     ModelMatch upright = match_model(model_, source.skeleton, bodies);
     target_ = &base_.anatomy;
     const CarryMap stay = [](const Vec3& x, int) { return x; };
@@ -85,8 +88,8 @@ class Importer {
       report.match = std::move(upright);
       report.upright = true;
       target_ = &source;
-      const SkeletonCarrier carrier(source, rules, place_source(packages, source, rules));
-      build([&](const Vec3& x, int joint) { return carrier.by_joint(joint, x); });
+      const SkeletonWarp warp(source, rules, place_source(assets, source, rules));
+      build([&](const Vec3& x, int joint) { return warp.by_joint(joint, x); });
     } else {
       build(stay);
     }
@@ -102,7 +105,7 @@ class Importer {
   void build(const CarryMap& to_template) {
     out_.anatomy.skeleton = base_.anatomy.skeleton;
     take_bones(to_template);
-    const TriMesh closed = capped_skin(base_.tables->topology, base_.body.skin.V);
+    const TriMesh closed = capped_skin(base_.tables.topology, base_.body.skin.V);
     const SkinField skin(closed);
     std::map<std::string, int> index;
     for (const ModelMuscle& muscle : model_.muscles) {
@@ -118,8 +121,7 @@ class Importer {
     validate(out_.anatomy);
   }
 
-  // --- bones
-  // -------------------------------------------------------------------------------------------------------------------------
+  // --- bones ---------------------------------------------------------------------------
   void take_bones(const CarryMap& to_template) {
     std::set<int> replaced;
     std::vector<Bone> own;
@@ -172,8 +174,7 @@ class Importer {
     return best;
   }
 
-  // --- paths
-  // -------------------------------------------------------------------------------------------------------------------------
+  // --- paths ---------------------------------------------------------------------------
   struct Station {
     PathPoint point;
     int number = 0;  // in the model's path; points that are put in between take the one before
@@ -327,8 +328,7 @@ class Importer {
     stations.erase(stations.begin() + long(least));
   }
 
-  // --- muscles
-  // -------------------------------------------------------------------------------------------------------------------------
+  // --- muscles -------------------------------------------------------------------------
   double dress(const ModelMuscle& muscle, Strip& strip) {
     const double length = line_length(strip.path);
     StripForces f{0, muscle.fibre_length, muscle.tendon_slack, muscle.pennation, muscle.max_force};
@@ -339,7 +339,7 @@ class Importer {
       ++out_.report.forces_unknown;
     }
     const std::vector<Vec3> middle = line_points(strip.path, std::array{0.5});
-    dress_strip(strip, f, toward_bone(strip, middle[0]));
+    add_default_sections(strip, f, toward_bone(strip, middle[0]));
     return f.volume;
   }
 
@@ -492,7 +492,7 @@ class Importer {
     r.attachment_median = distances[distances.size() / 2];
   }
 
-  const MuscleModel& model_;
+  const MusculoskeletalModel& model_;
   const Template& base_;
   const ImportOptions& options_;
   const Anatomy* target_ = nullptr;
@@ -501,14 +501,11 @@ class Importer {
 
 }  // namespace
 
-Imported import_model(const MuscleModel& model, const Template& base, const Packages& packages,
+Imported import_model(const MusculoskeletalModel& model, const Template& base, const Assets& assets,
                       const ImportOptions& options) {
-  if (!base.tables)
-    throw std::invalid_argument(
-        "import_model: the template has no tables; take it from read_template");
   if (!(options.stress > 0))
     throw std::invalid_argument("import_model: the stress must be positive");
-  return Importer(model, base, options).import(packages);
+  return Importer(model, base, options).import(assets);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

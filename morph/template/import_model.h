@@ -17,11 +17,11 @@
 #include <string>
 #include <vector>
 
-#include "morph/placement/fitted_skeleton.h"
+#include "anatomy/files/assets.h"
 #include "morph/template/match_model.h"
 #include "morph/template/template.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct ImportOptions {
   // Pa: isometric force per physiological cross-section that the model's forces were made with
@@ -55,7 +55,7 @@ struct Imported {
 
 // Precondition: `base` is the default template. Throws UnfitError (match_model; no muscle left),
 // InputError (meshes).
-Imported import_model(const MuscleModel& model, const Template& base, const Packages& packages,
+Imported import_model(const MusculoskeletalModel& model, const Template& base, const Assets& assets,
                       const ImportOptions& options = {});
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

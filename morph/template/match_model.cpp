@@ -1,7 +1,5 @@
 #include "morph/template/match_model.h"
 
-#include <Eigen/SVD>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,11 +8,12 @@
 
 #include <fmt/format.h>
 
+#include "anatomy/compute/eigenvectors.h"
 #include "anatomy/errors.h"
 #include "anatomy/files/csv_table.h"
 #include "anatomy/files/input_file.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 // weight of leaving a body as it stands, of one direction between joint centres
@@ -57,7 +56,8 @@ struct Candidate {
 
 class Matcher {
  public:
-  Matcher(const MuscleModel& model, const Skeleton& skeleton, const std::vector<BodyRule>& rules)
+  Matcher(const MusculoskeletalModel& model, const Skeleton& skeleton,
+          const std::vector<BodyRule>& rules)
       : model_(model), skeleton_(skeleton), rest_(rest_positions(skeleton)) {
     int known = 0;
     for (const ModelBody& body : model.bodies) {
@@ -218,10 +218,10 @@ class Matcher {
           H += std::min(1.0, std::min(a.norm(), b.norm()) / kSpread) * b.normalized() *
                a.normalized().transpose();
       }
-      const Eigen::JacobiSVD<Mat3> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
+      const Svd3 parts = svd(H);
       Mat3 D = Mat3::Identity();
-      D(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-      s.turn = svd.matrixU() * D * svd.matrixV().transpose();
+      D(2, 2) = (parts.U * parts.V.transpose()).determinant() < 0 ? -1 : 1;
+      s.turn = parts.U * D * parts.V.transpose();
       if (around.size() >= 2 && std::sqrt(model) > kSpread)
         s.scale = std::clamp(std::sqrt(target / model), kLeastScale, kMostScale);
     }
@@ -361,7 +361,7 @@ class Matcher {
                         body.joints.end());
   }
 
-  const MuscleModel& model_;
+  const MusculoskeletalModel& model_;
   const Skeleton& skeleton_;
   std::vector<Vec3> rest_;
   std::vector<Named> names_;
@@ -405,9 +405,9 @@ std::vector<BodyRule> read_body_rules(const std::filesystem::path& file) {
   return rules;
 }
 
-ModelMatch match_model(const MuscleModel& model, const Skeleton& skeleton,
+ModelMatch match_model(const MusculoskeletalModel& model, const Skeleton& skeleton,
                        const std::vector<BodyRule>& rules) {
   return Matcher(model, skeleton, rules).match();
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

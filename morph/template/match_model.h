@@ -13,12 +13,13 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "anatomy/anatomy.h"
 #include "anatomy/model_files/musculoskeletal_model.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct BodyRule {  // a row of data/model_bodies.csv
   std::string body;
@@ -55,7 +56,7 @@ struct ModelMatch {
 };
 
 // Throws UnfitError that lists the model's bodies when fewer than two are known.
-ModelMatch match_model(const MuscleModel& model, const Skeleton& skeleton,
+ModelMatch match_model(const MusculoskeletalModel& model, const Skeleton& skeleton,
                        const std::vector<BodyRule>& rules);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -2,7 +2,7 @@
 
 #include "anatomy/queries/signed_distance.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 NamedPoints known_centres(const FitRules& rules, const NamedPoints& all) {
@@ -137,4 +137,4 @@ void train(const BodyPackage& package, const HalfSkeleton& source, const ShapedB
                   rules, placed.builds);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

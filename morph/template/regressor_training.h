@@ -5,7 +5,7 @@
 #include "morph/shapes/body.h"
 #include "morph/template/template.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // What places the bone package's skeleton in a body of average build of the body package.
 PlaceInput source_input(const BodyPackage& package, const HalfSkeleton& source,
@@ -19,4 +19,4 @@ PlaceInput source_input(const BodyPackage& package, const HalfSkeleton& source,
 void train(const BodyPackage& package, const HalfSkeleton& source, const ShapedBody& own,
            FitTables& tables);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

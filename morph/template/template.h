@@ -2,21 +2,22 @@
 // place them in any other.
 #pragma once
 
-#include <filesystem>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "anatomy/anatomy.h"
 #include "anatomy/base_mesh/body_package.h"
-#include "anatomy/files/package_archive.h"
-#include "morph/placement/fitted_skeleton.h"
+#include "morph/fat/fat_layer.h"
 #include "morph/placement/half_skeleton.h"
 #include "morph/placement/joint_regressor.h"
 #include "morph/placement/place_bones.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // What fitting needs to know beside the anatomy.
 struct FitTables {
+  FatTables fat;
   FitRules rules;
   std::vector<Muscle>
       muscles;  // the template's before they grew to its skin: what is carried into other bodies
@@ -31,23 +32,21 @@ struct FitTables {
   double stature = 0;  // of the template's body, m
   double volume = 0;   // inside its skin, m^3
   // The built-in anatomy that the tables were made for, when the template's is another one
-  // (imported); null: the template's own.
-  std::shared_ptr<const Anatomy> own;
+  // (imported).
+  std::optional<Anatomy> built_in;
+
+  explicit FitTables(FatTables fat_tables) : fat(std::move(fat_tables)) {}
 };
 
-// Builds it from the packages and our tables; some seconds to a minute. Throws InputError for
-// missing or altered inputs.
-Template build_template(const Packages& packages);
+// An anatomy and the body it was authored in.
+struct Template {
+  Anatomy anatomy;
+  Body body;
+  FitTables tables;
+};
 
-// The same from the cache, building and storing it when there is none: $XDG_CACHE_HOME/ecorche,
-// else ~/.cache/ecorche, else no cache. The file's name is the hash of all it was built from, so
-// that it is never stale; a damaged one is built anew.
-Template read_template();
-Template read_template(const Packages& packages);
-
-// How build_template places the bone package's skeleton (read_source_skeleton) in the default body;
-// some seconds.
-SidedPlacement place_source(const Packages& packages, const Anatomy& source, const FitRules& rules);
+// The anatomy that the tables were made for: the built-in one.
+const Anatomy& table_anatomy(const Template& body_template);
 
 // Volume inside a skin, cavities closed off, m^3.
 double inner_volume(const BodyPackage& topology, const Points& skin);
@@ -55,13 +54,4 @@ double inner_volume(const BodyPackage& topology, const Points& skin);
 // What places the template's bones in another skin. The tables must outlive it.
 PlaceInput fit_input(const FitTables& tables, const Points& skin, double stature);
 
-// As bytes, for the cache. read_template_bytes throws InputError for anything but what
-// write_template_bytes gave.
-std::string write_template_bytes(const Template& body_template);
-Template read_template_bytes(std::string_view bytes);
-
-// Hash of everything that a template is built from: pinned packages, our tables, the version of the
-// building code.
-std::string template_key();
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

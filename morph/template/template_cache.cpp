@@ -1,13 +1,28 @@
-// The template as bytes: fields in order, numbers as they lie in memory (the cache stays on the
-// machine that wrote it), a hash of everything behind.
+#include "morph/template/template_cache.h"
+
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <optional>
 #include <type_traits>
+#include <utility>
+#include <vector>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/byte_stream.h"
-#include "morph/template/template.h"
+#include "anatomy/files/cache.h"
+#include "anatomy/files/package_archive.h"
+#include "morph/template/build_template.h"
+#include "template_code.h"  // generated: kTemplateCode
 
-namespace ecorche {
+// The bytes are the fields in order, numbers as they lie in memory (the cache stays on the machine
+// that wrote it), a hash of everything at the end.
+namespace ecorche::inline v1 {
 namespace {
 
 class Writer {
@@ -217,8 +232,13 @@ void field(A& a, FitTables& x) {
 }
 
 template <class A>
-void whole(A& a, Template& x, FitTables& tables) {
-  fields(a, x.anatomy.skeleton.joints, x.anatomy.bones, x.anatomy.muscles, x.body, tables);
+void whole(A& a, Template& x) {
+  fields(a, x.anatomy.skeleton.joints, x.anatomy.bones, x.anatomy.muscles, x.body, x.tables);
+}
+
+std::string file_bytes(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
 }  // namespace
@@ -227,19 +247,47 @@ std::string write_template_bytes(const Template& body_template) {
   Writer writer;
   // one description of the format serves both ways, and reading changes what it is handed
   Template copy = body_template;
-  FitTables tables = *body_template.tables;
-  whole(writer, copy, tables);
+  whole(writer, copy);
   return sealed(std::move(writer.out));
 }
 
-Template read_template_bytes(std::string_view bytes) {
+Template read_template_bytes(std::string_view bytes, FatTables fat) {
   Reader reader(unsealed(bytes));
-  Template out;
-  auto tables = std::make_shared<FitTables>();
-  whole(reader, out, *tables);
+  Template out{{}, {}, FitTables(std::move(fat))};
+  whole(reader, out);
   if (!reader.in.empty()) throw InputError("template cache: bytes left over");
-  out.tables = std::move(tables);
   return out;
 }
 
-}  // namespace ecorche
+std::string template_key(const std::filesystem::path& tables) {
+  std::string all = kTemplateCode;
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(tables)) {
+    const auto extension = entry.path().extension();
+    if (entry.is_regular_file() && (extension == ".csv" || extension == ".txt"))
+      files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  for (const auto& file : files) {
+    const std::string bytes = file_bytes(file);
+    all += '\n' + file.lexically_relative(tables).generic_string() + ' ' +
+           std::to_string(bytes.size()) + '\n' + bytes;
+  }
+  return sha256(all);
+}
+
+Template read_template(const Assets& assets) {
+  const std::string name = template_key(assets.tables) + ".template";
+  if (const std::optional<std::string> bytes = read_cached(name)) {
+    try {
+      return read_template_bytes(*bytes, FatTables(assets.tables));
+    } catch (const InputError&) {
+      // damaged: built anew and overwritten below
+    }
+  }
+  Template out = build_template(assets);
+  write_cached(name, write_template_bytes(out));
+  return out;
+}
+
+}  // namespace ecorche::inline v1

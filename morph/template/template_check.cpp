@@ -3,14 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "anatomy/authoring/muscle_checks.h"
 #include "anatomy/authoring/muscle_table.h"
-#include "anatomy/files/package_archive.h"
 #include "anatomy/geometry/mesh_measures.h"
 #include "anatomy/muscles/transform_muscles.h"
-#include "morph/template/template.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kEndLimit = 0.010;     // m
@@ -36,9 +36,9 @@ void sum_up_ends(std::vector<double> distances, TemplateCheck& check) {
             [](const LooseEnd& l, const LooseEnd& r) { return l.distance > r.distance; });
 }
 
-void check_ends(const Anatomy& anatomy, TemplateCheck& check) {
+void check_ends(const MuscleTable& table, const Anatomy& anatomy, TemplateCheck& check) {
   std::vector<double> distances;
-  for (const Attachment& end : measure_attachments(read_muscle_table(data_folder()), anatomy)) {
+  for (const Attachment& end : measure_attachments(table, anatomy)) {
     distances.push_back(end.distance);
     if (end.distance > kEndLimit)
       check.loose_ends.push_back({anatomy.muscles[end.muscle].name, end.bone, end.distance});
@@ -102,15 +102,15 @@ bool TemplateCheck::passed() const {
          volume_error_max <= kVolumeLimit && unpaired.empty();
 }
 
-TemplateCheck check_template(const Template& tmpl) {
+TemplateCheck check_template(const Template& tmpl, const std::filesystem::path& tables) {
   TemplateCheck check;
   check.bones = tmpl.anatomy.bones.size();
   check.muscles = tmpl.anatomy.muscles.size();
-  check.imported = tmpl.tables && tmpl.tables->own;
+  check.imported = tmpl.tables.built_in.has_value();
   if (check.imported)
     check_imported_ends(tmpl.anatomy, check);
   else
-    check_ends(tmpl.anatomy, check);
+    check_ends(read_muscle_table(tables), tmpl.anatomy, check);
   check_mirror(tmpl.anatomy, check);
   for (const Muscle& muscle : tmpl.anatomy.muscles) {
     const double error = std::abs(rest_volume(muscle) / muscle.volume - 1);
@@ -158,15 +158,4 @@ std::string format_check(const TemplateCheck& check) {
   return out;
 }
 
-void report_check(const TemplateCheck& check, Report& report) {
-  report.set("template.muscle_ends", check.ends);
-  report.set("template.end_distance_median", check.end_distance_median);
-  report.set("template.end_distance_max", check.end_distance_max);
-  report.set("template.loose_ends", int(check.loose_ends.size()));
-  report.set("template.mirror_bones_max", check.mirror_bones_max);
-  report.set("template.mirror_muscles_max", check.mirror_muscles_max);
-  report.set("template.volume_error_max", check.volume_error_max);
-  report.set_flag("template.passed", check.passed());
-}
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,13 +1,14 @@
 // The template's promises: counts, muscle ends on their bones, mirror symmetry, volumes.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
-#include "anatomy/anatomy.h"
-#include "app/report.h"
+#include "anatomy/files/assets.h"
+#include "morph/template/template.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct LooseEnd {
   std::string muscle, bone;
@@ -31,8 +32,9 @@ struct TemplateCheck {
   bool passed() const;
 };
 
-TemplateCheck check_template(const Template& tmpl);
-std::string format_check(const TemplateCheck& check);           // a table for people
-void report_check(const TemplateCheck& check, Report& report);  // under `template`
+// `tables`: Assets::tables; the built-in template is compared with the table of muscles there.
+// Throws as read_muscle_table does.
+TemplateCheck check_template(const Template& tmpl, const std::filesystem::path& tables);
+std::string format_check(const TemplateCheck& check);  // a table for people
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -12,7 +12,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
-namespace ecorche {
+#include "anatomy/compute/cholesky.h"
+
+namespace ecorche::inline v1 {
 namespace {
 
 // One vertex a cell of a grid, the first of each.
@@ -80,11 +82,11 @@ void hang(const Points& samples, const Blocks& blocks, const Vec3& p, int* ancho
           float* weights) {
   constexpr double kNearest = 2.5e-5;  // m^2: nearer anchors count alike
   constexpr double kRidge = 0.05;
-  std::vector<std::pair<double, int>> near = blocks.nearest(p, Carrier::kAnchors);
+  std::vector<std::pair<double, int>> near = blocks.nearest(p, SkinInterpolation::kAnchors);
   std::ranges::sort(
       near, {},
       &std::pair<double, int>::second);  // so that sums do not depend on how they were found
-  std::array<double, Carrier::kAnchors> w{};
+  std::array<double, SkinInterpolation::kAnchors> w{};
   Vec3 middle = Vec3::Zero();
   double sum = 0;
   for (std::size_t k = 0; k < w.size(); ++k) {
@@ -99,7 +101,7 @@ void hang(const Points& samples, const Blocks& blocks, const Vec3& p, int* ancho
     spread += w[k] * d * d.transpose();
   }
   spread.diagonal().array() += kRidge * spread.trace();
-  const Vec3 towards = spread.ldlt().solve(p - middle);
+  const Vec3 towards = solve_ldlt<3>(spread, p - middle);
   for (std::size_t k = 0; k < w.size(); ++k) {
     anchors[k] = near[k].second;
     weights[k] =
@@ -115,28 +117,28 @@ Points rows_of(const Points& all, const std::vector<int>& rows) {
 
 }  // namespace
 
-Carrier make_carrier(const Points& skin, const Points& inside) {
-  Carrier out;
+SkinInterpolation make_skin_interpolation(const Points& skin, const Points& inside) {
+  SkinInterpolation out;
   out.samples = thinned(skin);
-  if (int(out.samples.size()) < Carrier::kAnchors)
+  if (int(out.samples.size()) < SkinInterpolation::kAnchors)
     throw std::invalid_argument("make_carrier: too few skin points");
   out.sampled = rows_of(skin, out.samples);
   out.inside = inside;
   Eigen::MatrixX4d ones(out.sampled.rows(), 4);
   ones << out.sampled, Eigen::VectorXd::Ones(out.sampled.rows());
   out.affine = (ones.transpose() * ones).ldlt().solve(ones.transpose());
-  const auto size = std::size_t(inside.rows()) * Carrier::kAnchors;
+  const auto size = std::size_t(inside.rows()) * SkinInterpolation::kAnchors;
   out.anchors.resize(size);
   out.weights.resize(size);
   const Blocks blocks(out.sampled);
   tbb::parallel_for(Eigen::Index{0}, inside.rows(), [&](Eigen::Index i) {
-    const auto at = std::size_t(i) * Carrier::kAnchors;
+    const auto at = std::size_t(i) * SkinInterpolation::kAnchors;
     hang(out.sampled, blocks, inside.row(i), &out.anchors[at], &out.weights[at]);
   });
   return out;
 }
 
-void carry(const Carrier& carrier, const Points& changed_skin, Points& out) {
+void carry(const SkinInterpolation& carrier, const Points& changed_skin, Points& out) {
   const Points samples = rows_of(changed_skin, carrier.samples);
   const Eigen::Matrix<double, 4, 3> map = carrier.affine * samples;
   const Mat3 linear = map.topRows<3>().transpose();
@@ -149,8 +151,8 @@ void carry(const Carrier& carrier, const Points& changed_skin, Points& out) {
                     [&](const tbb::blocked_range<Eigen::Index>& range) {
                       for (Eigen::Index i = range.begin(); i < range.end(); ++i) {
                         Vec3 p = linear * carrier.inside.row(i).transpose() + shift;
-                        const auto at = std::size_t(i) * Carrier::kAnchors;
-                        for (std::size_t k = 0; k < Carrier::kAnchors; ++k)
+                        const auto at = std::size_t(i) * SkinInterpolation::kAnchors;
+                        for (std::size_t k = 0; k < SkinInterpolation::kAnchors; ++k)
                           p += double(carrier.weights[at + k]) *
                                left.row(carrier.anchors[at + k]).transpose();
                         out.row(i) = p.transpose();
@@ -158,4 +160,4 @@ void carry(const Carrier& carrier, const Points& changed_skin, Points& out) {
                     });
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

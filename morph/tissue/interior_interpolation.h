@@ -1,12 +1,12 @@
-// What lies inside a skin goes along when the skin changes: bones and muscles follow a slider at
+// Interpolation of inner points from a skin that changes: bones and muscles follow a slider at
 // once, before they are fitted anew.
 //
-// The affine map that fits the skin's change best carries the inside exactly. What is left of the
-// change goes in by moving least squares (Schaefer, McPhail and Warren 2006): each inner point is a
+// The affine map that fits the skin's change best moves the inside exactly. The remaining change is
+// interpolated by moving least squares (Schaefer, McPhail and Warren 2006): each inner point is a
 // fixed combination of skin points around it, with weights that fall with the fourth power of the
-// distance. Where these lie nearly in a plane, as over the back or the belly, they say little about
-// the way inwards; there the point goes along without turning (a ridge of 5 % of their spread),
-// because what is guessed from a plane's noise throws deep points out of the body.
+// distance. Where these points lie nearly in a plane, as over the back or the belly, they determine
+// the inward direction badly; there the point moves without rotation (a ridge of 5 % of their
+// spread), because otherwise noise in the plane moves deep points out of the body.
 #pragma once
 
 #include <vector>
@@ -15,9 +15,9 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-struct Carrier {
+struct SkinInterpolation {
   static constexpr int kAnchors = 48;  // skin points an inner point hangs on
   Points inside;                       // as they were
   std::vector<int> samples;            // skin vertices that count, some 20 mm apart
@@ -29,9 +29,9 @@ struct Carrier {
 };
 
 // Throws std::invalid_argument for a skin of fewer than kAnchors such points.
-Carrier make_carrier(const Points& skin, const Points& inside);
+SkinInterpolation make_skin_interpolation(const Points& skin, const Points& inside);
 
 // Where the inner points are in the changed skin. `out` is resized once and then reused.
-void carry(const Carrier& carrier, const Points& changed_skin, Points& out);
+void carry(const SkinInterpolation& carrier, const Points& changed_skin, Points& out);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

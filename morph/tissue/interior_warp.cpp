@@ -5,15 +5,15 @@
 #include <limits>
 #include <stdexcept>
 
-#include <Eigen/LU>
 #include <Eigen/SparseCholesky>
 
 #include <fmt/format.h>
 
+#include "anatomy/compute/linear_systems.h"
 #include "anatomy/errors.h"
 #include "morph/placement/half_skeleton.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using Vec4 = Eigen::Vector4d;
@@ -244,7 +244,7 @@ InteriorMap rbf_map(const BodyPair& pair, const RbfOptions& options) {
     system.col(i).tail<4>() = system.row(i).tail<4>().transpose();
     wanted.row(i) = (to[i] - p).transpose();
   }
-  Eigen::MatrixXd weights = system.partialPivLu().solve(wanted);
+  Eigen::MatrixXd weights = solve_lu_columns(system, wanted);
   if (!weights.allFinite())
     throw UnfitError("interior warp: samples of skin and bones lie in one place");
   return [from = std::move(from), weights = std::move(weights)](const Vec3& p) -> Vec3 {
@@ -258,4 +258,4 @@ InteriorMap rbf_map(const BodyPair& pair, const RbfOptions& options) {
   };
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

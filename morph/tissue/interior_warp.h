@@ -14,7 +14,14 @@
 
 #include "morph/tissue/tissue_mesh.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
+
+// What carries the flesh between bones and skin when a template is fitted into a body:
+//   bones    the bones that it rides on, and nothing else
+//   tetgen   a harmonic warp in tetrahedra that keep the skin's vertices
+//   lattice  the same in a lattice of cubes
+//   rbf      radial functions through samples of skin and bones
+enum class Interior { bones, tetgen, lattice, rbf };
 
 // Two bodies in correspondence: skins with the same vertices, bones with the same meshes in the
 // same order.
@@ -53,4 +60,4 @@ struct RbfOptions {
 // Throws UnfitError when the samples do not determine it.
 InteriorMap rbf_map(const BodyPair& pair, const RbfOptions& options = {});
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

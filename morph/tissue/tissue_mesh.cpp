@@ -25,7 +25,7 @@
 #include "anatomy/queries/signed_distance.h"
 #include "morph/placement/half_skeleton.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -102,8 +102,7 @@ void mark_bones(const std::vector<Bone>& bones, TissueMesh& mesh) {
   }
 }
 
-// --- TetGen, in its own program
-// ----------------------------------------------------------------------------------------------
+// --- TetGen, in its own program --------------------------------------------------------
 
 fs::path tetgen_program() {
   if (const char* named = std::getenv("ECORCHE_TETGEN"); named && *named) return named;
@@ -354,4 +353,4 @@ std::vector<double> tissue_volumes(const TissueMesh& mesh, const Points& moved) 
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

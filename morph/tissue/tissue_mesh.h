@@ -12,7 +12,7 @@
 
 #include "anatomy/anatomy.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // #T x 4, positive volume
 using Tetrahedra = Eigen::Matrix<int, Eigen::Dynamic, 4, Eigen::RowMajor>;
@@ -58,4 +58,4 @@ std::vector<double> tissue_volumes(const TissueMesh& mesh, const Points& moved);
 // have `anchor` 0 free, 1 skin, 2 bone. Throws OutputError.
 void write_tissue_vtk(const std::filesystem::path& file, const TissueMesh& mesh);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

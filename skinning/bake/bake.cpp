@@ -18,14 +18,15 @@
 #include "skinning/bake/bake_solve.h"
 #include "skinning/files/quantized_rotations.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using Eigen::Index;
 
+// Alternations of curves and shapes on the first and on the extended samples, and polishes after.
 constexpr int kShapeRounds = 6, kMoreRounds = 4, kPolishes = 2;
-// frames that are looked at one by one and then solved at once
-constexpr std::size_t kTogether = 16;
+// frames that are evaluated one by one and then solved in parallel
+constexpr std::size_t kBatch = 16;
 
 Points shaped(const Points& rest, const std::vector<Points>& shapes,
               const Eigen::VectorXf& curves) {
@@ -41,52 +42,52 @@ class Baker {
       : scene_{skin, skeleton, start, options}, exact_(exact), progress_(progress), bake_(bake) {}
 
   void run() {
-    take_samples();
-    tell(kSampled, "joints and weights");
+    evaluate_samples();
+    report_progress(kSampled, "joints and weights");
     rig_ = solve_rig(scene_, samples_);
-    hung_ = hung_on_helpers(rig_.influences, scene_.joints(), rig_.helpers.size());
+    skinned_ = vertices_of_helpers(rig_.influences, scene_.joints(), rig_.helpers.size());
     bake_.influences = rig_.influences;
     bake_.helpers = rig_.helpers;
     Shapes shapes;
     if (scene_.options.morphs > 0) {
-      tell(kRigged, "shapes");
-      shapes = fit_shapes(leftovers(), scene_.options.morphs, kShapeRounds);
-      // Helpers make room for what shapes do better. The samples may have missed the frames that
-      // are hardest: those count too from now on.
-      settle_samples(shapes, true);
-      tell(kShaped, "hardest frames");
+      report_progress(kRigged, "shapes");
+      shapes = fit_shapes(residuals(), scene_.options.morphs, kShapeRounds);
+      // Helpers are solved again beside the shapes. The samples may have missed the frames with the
+      // largest errors: those are added.
+      solve_samples(shapes, true);
+      report_progress(kShaped, "hardest frames");
       add_hardest(shapes);
-      tell(kSearched, "shapes");
-      shapes = fit_shapes(leftovers(), scene_.options.morphs, kMoreRounds, shapes);
+      report_progress(kSearched, "shapes");
+      shapes = fit_shapes(residuals(), scene_.options.morphs, kMoreRounds, shapes);
       for (int round = 0; round < kPolishes; ++round) {
-        const Eigen::MatrixXd curves = settle_samples(shapes, false);
-        polish_shapes(leftovers(), curves, shapes);
-        tell(kSearched + (kPolished - kSearched) * (round + 1) / kPolishes, "shapes");
+        const Eigen::MatrixXd curves = solve_samples(shapes, false);
+        polish_shapes(residuals(), curves, shapes);
+        report_progress(kSearched + (kPolished - kSearched) * (round + 1) / kPolishes, "shapes");
       }
     }
-    tell(kPolished, "normals");
-    leave_out_little(shapes);
+    report_progress(kPolished, "normals");
+    drop_small_offsets(shapes);
     bake_.morph_normals =
-        fit_normals(scene_, rig_.influences, samples_, settle_samples(shapes, true));
+        fit_normals(scene_, rig_.influences, samples_, solve_samples(shapes, true));
     samples_.clear();
-    tell(kNormals, "every frame");
-    follow(shapes);
-    tell(1, "every frame");
+    report_progress(kNormals, "every frame");
+    solve_all_frames(shapes);
+    report_progress(1, "every frame");
   }
 
  private:
-  // Shares of the whole work at the ends of the stages, as measured on the long jump.
+  // Finished fractions of the whole at the ends of the stages, as measured on the long jump.
   static constexpr double kSampled = 0.1, kRigged = 0.3, kShaped = 0.5, kSearched = 0.6,
                           kPolished = 0.7, kNormals = 0.75;
 
-  void tell(double share, const char* stage) const {
+  void report_progress(double share, const char* stage) const {
     if (progress_) progress_(stage, share);
   }
 
-  // The bones are as the file has them, so that helpers and shapes make up for what it rounds off.
-  void look(const Pose& pose, BakeFrame& frame) {
+  // The bones are quantised as in the file, so that helpers and shapes correct the rounding.
+  void evaluate(const Pose& pose, BakeFrame& frame) {
     exact_(pose, skin_frame_);
-    forward_kinematics(scene_.skeleton, kept_in_shorts(pose), X_WJ_);
+    forward_kinematics(scene_.skeleton, quantized(pose), X_WJ_);
     frame.bones = rest_to_pose(scene_.origins, X_WJ_);
     frame.bones.resize(scene_.joints() + rig_.helpers.size(), Transform::Identity());
     const Index n = skin_frame_.normals.size() / 4;
@@ -96,7 +97,7 @@ class Baker {
     frame.normals = Eigen::Map<const Rows4f>(skin_frame_.normals.data(), n, 4).leftCols<3>();
   }
 
-  void take_samples() {
+  void evaluate_samples() {
     std::size_t total = 0;
     for (const BakedMotion& each : bake_.motions) total += each.motion.frames.size();
     if (total == 0) throw UnfitError("there is nothing to bake: the motions hold no frames");
@@ -107,65 +108,65 @@ class Baker {
       for (const Pose& pose : each.motion.frames) {
         if (double(at++) < next) continue;
         next += stride;
-        tell(kSampled * double(at) / double(total), "samples");
+        report_progress(kSampled * double(at) / double(total), "samples");
         sampled_.insert(&pose);
-        look(pose, samples_.emplace_back());
+        evaluate(pose, samples_.emplace_back());
       }
   }
 
-  // Looks at the poses, calls use(slot, frame), with the helpers posed, for several at once, and
-  // then done(slot, index, frame) for each in turn.
+  // Evaluates the poses, calls use(slot, frame), with the helpers posed, for several in parallel,
+  // and then done(slot, index, frame) for each in order.
   template <class Use, class Done>
   void for_frames(std::span<const Pose* const> poses, Use use, Done done) {
-    std::vector<BakeFrame> frames(std::min(kTogether, poses.size()));
-    for (std::size_t first = 0; first < poses.size(); first += kTogether) {
-      const std::size_t count = std::min(kTogether, poses.size() - first);
-      for (std::size_t k = 0; k < count; ++k) look(*poses[first + k], frames[k]);
+    std::vector<BakeFrame> frames(std::min(kBatch, poses.size()));
+    for (std::size_t first = 0; first < poses.size(); first += kBatch) {
+      const std::size_t count = std::min(kBatch, poses.size() - first);
+      for (std::size_t k = 0; k < count; ++k) evaluate(*poses[first + k], frames[k]);
       tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
-        pose_helpers(scene_.skin.V, rig_.patches, hung_, rig_.influences, frames[k]);
+        pose_helpers(scene_.skin.V, rig_.patches, skinned_, rig_.influences, frames[k]);
         use(k, frames[k]);
       });
       for (std::size_t k = 0; k < count; ++k) done(k, first + k, frames[k]);
     }
   }
 
-  Settler settler(const Shapes& shapes) const {
+  FrameSolver solver(const Shapes& shapes) const {
     std::vector<Vec3> places;
     for (const BakeHelper& helper : rig_.helpers) places.push_back(helper.rest);
-    return Settler(scene_.skin.V, shapes.offsets, rig_.influences, std::move(places));
+    return FrameSolver(scene_.skin.V, shapes.offsets, rig_.influences, std::move(places));
   }
 
-  // Returns the curves. `even`: for the sum of squares alone. #shapes x #samples
-  Eigen::MatrixXd settle_samples(const Shapes& shapes, bool even) {
-    const Settler settler = this->settler(shapes);
+  // Returns the curves, #shapes x #samples. `least_squares`: for the sum of squares alone.
+  Eigen::MatrixXd solve_samples(const Shapes& shapes, bool least_squares) {
+    const FrameSolver solver = this->solver(shapes);
     Eigen::MatrixXd out(shapes.offsets.cols(), Index(samples_.size()));
     tbb::parallel_for(std::size_t{0}, samples_.size(), [&](std::size_t f) {
       Eigen::VectorXf curves;
-      if (even)
-        settler.settle_evenly(samples_[f], curves);
+      if (least_squares)
+        solver.solve_least_squares(samples_[f], curves);
       else
-        settler.settle(samples_[f], curves);
+        solver.solve(samples_[f], curves);
       out.col(Index(f)) = curves.cast<double>();
     });
     return out;
   }
 
-  std::vector<Leftover> leftovers() const {
-    std::vector<Leftover> out(samples_.size());
+  std::vector<FrameResidual> residuals() const {
+    std::vector<FrameResidual> out(samples_.size());
     tbb::parallel_for(std::size_t{0}, samples_.size(),
-                      [&](std::size_t f) { out[f] = leftover(samples_[f]); });
+                      [&](std::size_t f) { out[f] = residual(samples_[f]); });
     return out;
   }
 
-  Leftover leftover(const BakeFrame& frame) const {
-    Leftover out;
+  FrameResidual residual(const BakeFrame& frame) const {
+    FrameResidual out;
     out.blend.resize(scene_.skin.V.rows(), 9);
-    out.left.resize(scene_.skin.V.rows(), 3);
+    out.residual.resize(scene_.skin.V.rows(), 3);
     for (Index i = 0; i < scene_.skin.V.rows(); ++i) {
       const Eigen::Affine3d A = blended(rig_.influences[i], frame.bones);
       const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> linear = A.linear();
       out.blend.row(i) = Eigen::Map<const Eigen::Matrix<double, 1, 9>>(linear.data()).cast<float>();
-      out.left.row(i) =
+      out.residual.row(i) =
           (frame.exact.row(i).transpose().cast<double>() - A * scene_.place(std::size_t(i)))
               .transpose()
               .cast<float>();
@@ -174,30 +175,30 @@ class Baker {
   }
 
   void add_hardest(const Shapes& shapes) {
-    const Settler settler = this->settler(shapes);
+    const FrameSolver solver = this->solver(shapes);
     const std::size_t wanted = samples_.size() / 5;
     std::vector<const Pose*> poses;
     for (const BakedMotion& each : bake_.motions)
       for (const Pose& pose : each.motion.frames)
         if (sampled_.count(&pose) == 0) poses.push_back(&pose);
     std::multimap<double, BakeFrame> hardest;
-    std::array<double, kTogether> most;
-    const auto settle = [&](std::size_t slot, BakeFrame& frame) {
+    std::array<double, kBatch> most;
+    const auto solve = [&](std::size_t slot, BakeFrame& frame) {
       Eigen::VectorXf curves;
-      settler.settle_evenly(frame, curves);
-      most[slot] = settler.distances(frame, curves).maxCoeff();
+      solver.solve_least_squares(frame, curves);
+      most[slot] = solver.distances(frame, curves).maxCoeff();
     };
-    for_frames(poses, settle, [&](std::size_t slot, std::size_t index, const BakeFrame& frame) {
+    for_frames(poses, solve, [&](std::size_t slot, std::size_t index, const BakeFrame& frame) {
       hardest.emplace(most[slot], frame);
       if (hardest.size() > wanted) hardest.erase(hardest.begin());
-      tell(kShaped + (kSearched - kShaped) * double(index) / double(poses.size()),
-           "hardest frames");
+      report_progress(kShaped + (kSearched - kShaped) * double(index) / double(poses.size()),
+                      "hardest frames");
     });
     for (auto& [distance, frame] : hardest) samples_.push_back(std::move(frame));
   }
 
-  // What a shape hardly moves is left out of it, before curves are found for good.
-  void leave_out_little(Shapes& shapes) const {
+  // Sets small offsets to zero, before the curves are solved for the last time.
+  void drop_small_offsets(Shapes& shapes) const {
     for (Index m = 0; m < shapes.offsets.cols(); ++m)
       for (Index i = 0; i < scene_.skin.V.rows(); ++i)
         if (auto offset = shapes.offsets.col(m).segment<3>(3 * i);
@@ -205,38 +206,38 @@ class Baker {
           offset.setZero();
   }
 
-  // Curves and helpers of every frame, and the errors that they leave. Shapes and curves are scaled
-  // so that no curve leaves -1 .. 1.
-  void follow(const Shapes& shapes) {
+  // Curves, helpers and errors of every frame. Shapes and curves are scaled so that curves keep
+  // within -1 .. 1.
+  void solve_all_frames(const Shapes& shapes) {
     for (Index m = 0; m < shapes.offsets.cols(); ++m)
       bake_.morphs.push_back(
           Eigen::Map<const Rows3f>(shapes.offsets.col(m).data(), scene_.skin.V.rows(), 3)
               .cast<double>());
-    const Settler settler = this->settler(shapes);
+    const FrameSolver solver = this->solver(shapes);
     BakeErrors all;
     double squares = 0;
     std::size_t total = 0, done = 0;
     for (const BakedMotion& each : bake_.motions) total += each.motion.frames.size();
-    std::array<Measured, kTogether> measured;
+    std::array<Measured, kBatch> measured;
     for (BakedMotion& each : bake_.motions) {
       BakeErrors here;
       std::vector<const Pose*> poses;
       for (const Pose& pose : each.motion.frames) poses.push_back(&pose);
       each.curves.resize(Index(poses.size()), shapes.offsets.cols());
-      const auto settle = [&](std::size_t slot, BakeFrame& frame) {
+      const auto solve = [&](std::size_t slot, BakeFrame& frame) {
         Measured& out = measured[slot];
         out.alone =
-            settler.distances(frame, Eigen::VectorXf::Zero(shapes.offsets.cols())).squaredNorm();
-        settler.settle(frame, out.curves);
-        out.helpers = keep_helpers(frame);
+            solver.distances(frame, Eigen::VectorXf::Zero(shapes.offsets.cols())).squaredNorm();
+        solver.solve(frame, out.curves);
+        out.helpers = quantize_helpers(frame);
         measure(frame, out);
       };
-      for_frames(poses, settle, [&](std::size_t slot, std::size_t f, const BakeFrame&) {
+      for_frames(poses, solve, [&](std::size_t slot, std::size_t f, const BakeFrame&) {
         const Measured& out = measured[slot];
         each.curves.row(Index(f)) = out.curves.transpose();
         each.helpers.push_back(out.helpers);
         squares += out.alone;
-        tell(kNormals + (1 - kNormals) * double(++done) / double(total), "every frame");
+        report_progress(kNormals + (1 - kNormals) * double(++done) / double(total), "every frame");
         here.add(out.distances, out.angles);
         all.add(out.distances, out.angles);
       });
@@ -246,11 +247,11 @@ class Baker {
     bake_.error = all.summary(bake_.error.frames);
     bake_.influences_only_rms =
         std::sqrt(squares / (double(bake_.error.frames) * double(scene_.skin.V.rows())));
-    scale();
+    normalize_curves();
   }
 
-  // The helpers' world frames, turns as the file has them; the bones follow.
-  std::vector<Transform> keep_helpers(BakeFrame& frame) const {
+  // The helpers' world frames with quantised rotations; the bones get the same.
+  std::vector<Transform> quantize_helpers(BakeFrame& frame) const {
     std::vector<Transform> out;
     for (std::size_t h = 0; h < rig_.helpers.size(); ++h) {
       const BakeHelper& helper = rig_.helpers[h];
@@ -258,7 +259,7 @@ class Baker {
       Transform& bone = frame.bones[scene_.joints() + h];
       Transform X_WH = bone * Eigen::Translation3d(helper.rest);
       X_WH.linear() =
-          (parent * kept_in_shorts(parent.conjugate() * Quat(X_WH.linear()))).toRotationMatrix();
+          (parent * quantized(parent.conjugate() * Quat(X_WH.linear()))).toRotationMatrix();
       bone = X_WH * Eigen::Translation3d(-helper.rest);
       out.push_back(X_WH);
     }
@@ -287,7 +288,7 @@ class Baker {
     }
   }
 
-  void scale() {
+  void normalize_curves() {
     for (std::size_t m = 0; m < bake_.morphs.size(); ++m) {
       float reach = 1e-9f;
       for (const BakedMotion& each : bake_.motions)
@@ -305,7 +306,7 @@ class Baker {
   const BakeProgress& progress_;
   Bake& bake_;
   BakeRig rig_;
-  std::vector<std::vector<int>> hung_;  // by helper
+  std::vector<std::vector<int>> skinned_;  // by helper
   std::vector<BakeFrame> samples_;
   std::set<const Pose*> sampled_;
   std::vector<Transform> X_WJ_;
@@ -338,4 +339,4 @@ Bake bake_skin(const TriMesh& skin, const Skeleton& skeleton,
   return bake;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,5 +1,5 @@
-// How errors count where the largest matter most: sum of e^2 / 2 + s^2 / p (e / s)^p. Private to
-// the room.
+// Cost of errors that penalises the largest: sum of e^2 / 2 + s^2 / p (e / s)^p. Private to the
+// room.
 #pragma once
 
 #include <algorithm>
@@ -9,13 +9,13 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 inline constexpr double kCostPower = 12;  // p
-// s, m: larger errors count by their power, smaller by their square
+// s, m: larger errors are dominated by the power term, smaller by the square
 inline constexpr double kCostScale = 3e-3;
 
-// (e / s)^(p - 2): the power's share in how much an error counts beside the square's 1.
+// (e / s)^(p - 2): ratio of the gradients of the power term and the square.
 inline double steepness(double error) {
   const double x = error * error / (kCostScale * kCostScale), x2 = x * x;
   return x2 * x2 * x;
@@ -31,19 +31,19 @@ inline double cost_of(const Eigen::VectorXd& errors) {
   return sum;
 }
 
-// Newton's second derivative of a vertex' cost by its place is root' root, its first root' rest.
+// Derivatives of a vertex's cost by its position: the second is root' root, the first root' rest.
 struct CostRoot {
   Mat3 root;
   Vec3 rest;
 };
 
-// `off`: from where the vertex should be to where it is, m. `even`: by the squares alone.
-inline CostRoot cost_root(const Vec3& off, bool even) {
-  const double e = std::max(off.norm(), 1e-12), steep = even ? 0 : steepness(e);
+// `off`: error of the vertex, m. `least_squares`: the square term alone.
+inline CostRoot cost_root(const Vec3& off, bool least_squares) {
+  const double e = std::max(off.norm(), 1e-12), steep = least_squares ? 0 : steepness(e);
   const Vec3 u = off / e;
   const double across = std::sqrt(1 + steep), along = std::sqrt(1 + (kCostPower - 1) * steep);
   return {across * Mat3::Identity() + (along - across) * u * u.transpose(),
           (1 + steep) / along * off};
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

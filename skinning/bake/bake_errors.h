@@ -3,11 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
-#include "skinning/bake/bake.h"
+#include "skinning/bake/baked_rig.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Errors in ten thousand bins, so that percentiles of any number of frames need no memory.
 class Errors {
@@ -49,4 +50,4 @@ struct BakeErrors {
   }
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

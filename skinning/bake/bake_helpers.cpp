@@ -3,17 +3,19 @@
 #include <cmath>
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 
-namespace ecorche {
+#include "anatomy/compute/eigenvectors.h"
+
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kRadius = 0.06, kApart = 0.10;  // m
-// a vertex that hangs on a helper by less says nothing about it
-constexpr double kLeastWeight = 0.02;
-// how much the patch counts beside the vertices that hang on the helper
+constexpr double kRadius = 0.06;       // m, of a patch
+constexpr double kApart = 0.10;        // m, least distance of two helpers
+constexpr double kLeastWeight = 0.02;  // vertices with a smaller weight do not place the helper
+// Weight of the patch beside the helper's own vertices; it keeps the fit regular where those are
+// few.
 constexpr double kPatch = 0.02;
-constexpr int kRounds = 3;
+constexpr int kRounds = 3;  // of alternation between the helpers
 
 // Sums for the rigid map that brings points x closest to y (Kabsch
 // 1976, 10.1107/S0567739476001873).
@@ -27,12 +29,11 @@ class RigidFit {
   bool empty() const { return weight_ <= 0; }
   Transform map() const {
     const Vec3 x = x_ / weight_, y = y_ / weight_;
-    const Eigen::JacobiSVD<Mat3> svd(xy_ - weight_ * y * x.transpose(),
-                                     Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Svd3 parts = svd(xy_ - weight_ * y * x.transpose());
     Vec3 sign(1, 1, 1);
-    if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) sign[2] = -1;
+    if ((parts.U * parts.V.transpose()).determinant() < 0) sign[2] = -1;
     Transform out = Transform::Identity();
-    out.linear() = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+    out.linear() = parts.U * sign.asDiagonal() * parts.V.transpose();
     out.translation() = y - out.linear() * x;
     return out;
   }
@@ -70,8 +71,8 @@ std::vector<HelperPatch> choose_helpers(const Points& V, const Eigen::VectorXd& 
   return out;
 }
 
-std::vector<std::vector<int>> hung_on_helpers(Influences influences, std::size_t joints,
-                                              std::size_t helpers) {
+std::vector<std::vector<int>> vertices_of_helpers(Influences influences, std::size_t joints,
+                                                  std::size_t helpers) {
   std::vector<std::vector<int>> out(helpers);
   for (std::size_t i = 0; i < influences.size(); ++i)
     for (const Influence& influence : influences[i])
@@ -81,7 +82,8 @@ std::vector<std::vector<int>> hung_on_helpers(Influences influences, std::size_t
 }
 
 void pose_helpers(const Points& V, std::span<const HelperPatch> patches,
-                  std::span<const std::vector<int>> hung, Influences influences, BakeFrame& frame) {
+                  std::span<const std::vector<int>> skinned, Influences influences,
+                  BakeFrame& frame) {
   const std::size_t joints = frame.bones.size() - patches.size();
   for (std::size_t h = 0; h < patches.size(); ++h) {
     RigidFit fit;
@@ -91,7 +93,7 @@ void pose_helpers(const Points& V, std::span<const HelperPatch> patches,
   for (int round = 0; round < kRounds; ++round)
     for (std::size_t h = 0; h < patches.size(); ++h) {
       RigidFit fit;
-      for (const int i : hung[h]) {
+      for (const int i : skinned[h]) {
         const Vec3 x = V.row(i);
         Vec3 rest = frame.exact.row(i).transpose().cast<double>();
         double share = 0;
@@ -110,4 +112,4 @@ void pose_helpers(const Points& V, std::span<const HelperPatch> patches,
     }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

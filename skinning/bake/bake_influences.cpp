@@ -5,18 +5,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "anatomy/geometry/vertex_rings.h"
 #include "skinning/bake/bake_weights.h"
-#include "skinning/bind/skin_depth.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using Eigen::Index;
 
-constexpr std::size_t kMostCandidates = 12;
-constexpr int kBatch = 16;              // helpers that are added before weights are solved again
-constexpr double kHelperReach = 0.25;   // m about a helper in which skin may hang on it, ...
-constexpr double kHelperSpread = 0.10;  // ... and in which it is likely to
+constexpr std::size_t kMostCandidates = 12;  // bones that weights of a vertex are solved for
+constexpr int kBatchBakeInfluences = 16;     // helpers added before weights are solved again
+constexpr double kHelperReach = 0.25;   // m; vertices farther from a helper get no weight for it
+constexpr double kHelperSpread = 0.10;  // m; falloff by which helpers are ranked as candidates
 
 class RigSolver {
  public:
@@ -32,8 +32,8 @@ class RigSolver {
   }
 
  private:
-  // Bones that a vertex may hang on: joints that it and its neighbours hang on already, those next
-  // to them in the tree, and helpers nearby.
+  // Candidate bones of a vertex: joints with a given weight for it or its neighbours, those next to
+  // them in the tree, and helpers nearby.
   std::vector<int> candidates(std::size_t vertex) const {
     std::vector<double> share(scene_.joints(), 0);
     const auto add = [&](std::size_t i, double scale) {
@@ -102,15 +102,15 @@ class RigSolver {
   }
 
   void place_helpers() {
-    const std::vector<std::vector<int>> hung =
-        hung_on_helpers(rig_.influences, scene_.joints(), rig_.helpers.size());
+    const std::vector<std::vector<int>> skinned =
+        vertices_of_helpers(rig_.influences, scene_.joints(), rig_.helpers.size());
     tbb::parallel_for(std::size_t{0}, samples_.size(), [&](std::size_t f) {
       samples_[f].bones.resize(scene_.joints() + rig_.helpers.size(), Transform::Identity());
-      pose_helpers(scene_.skin.V, rig_.patches, hung, rig_.influences, samples_[f]);
+      pose_helpers(scene_.skin.V, rig_.patches, skinned, rig_.influences, samples_[f]);
     });
   }
 
-  // The skin that may hang on helpers from `first` on.
+  // Mask of the vertices within reach of a helper from `first` on.
   std::vector<char> reached(std::size_t first) const {
     std::vector<char> out(scene_.start.size(), 0);
     for (std::size_t i = 0; i < out.size(); ++i)
@@ -119,8 +119,8 @@ class RigSolver {
     return out;
   }
 
-  // How far vertices are off, large errors above all, evened out with their neighbours. #V, m.
-  // Returns the largest error too.
+  // Errors by vertex (fourth-power mean over the samples), smoothed over neighbours, #V, m; and the
+  // largest error.
   std::pair<Eigen::VectorXd, double> errors_of_influences() const {
     Eigen::VectorXd sum(scene_.skin.V.rows()), most(scene_.skin.V.rows());
     tbb::parallel_for(Index{0}, sum.size(), [&](Index i) {
@@ -149,10 +149,10 @@ class RigSolver {
       const std::size_t first = rig_.helpers.size();
       const int room = options.helpers - int(first);
       for (HelperPatch& patch : choose_helpers(scene_.skin.V, errors, 0.05 * options.helper_error,
-                                               std::min(kBatch, room))) {
-        const auto& hangs = scene_.start[patch.center];
+                                               std::min(kBatchBakeInfluences, room))) {
+        const auto& weights = scene_.start[patch.center];
         const auto heaviest = std::max_element(
-            hangs.begin(), hangs.end(),
+            weights.begin(), weights.end(),
             [](const Influence& a, const Influence& b) { return a.weight < b.weight; });
         rig_.helpers.push_back({heaviest->joint, scene_.skin.V.row(patch.center)});
         rig_.patches.push_back(std::move(patch));
@@ -179,4 +179,4 @@ BakeRig solve_rig(const BakeScene& scene, std::vector<BakeFrame>& samples) {
   return RigSolver(scene, samples).run();
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

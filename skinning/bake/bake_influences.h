@@ -1,5 +1,5 @@
-// Which bones move which vertex: four influences of joints, and of helper joints where those leave
-// the skin worst. Private to the room.
+// Joint influences: four of joints, and of helper joints where those leave the largest errors.
+// Private to the room.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 #include "skinning/bake/bake_helpers.h"
 #include "skinning/bake/bake_samples.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct BakeRig {
   std::vector<std::array<Influence, 4>> influences;  // #V; joints, and then helpers, by index
@@ -16,7 +16,7 @@ struct BakeRig {
   std::vector<HelperPatch> patches;  // of the helpers
 };
 
-// Solved on `samples`, whose bones get the helpers.
+// Solves for influences and helpers on `samples`, whose bones get the helpers.
 BakeRig solve_rig(const BakeScene& scene, std::vector<BakeFrame>& samples);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

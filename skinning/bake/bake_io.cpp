@@ -12,7 +12,7 @@
 #include "skinning/files/gltf_values.h"
 #include "skinning/files/quantized_rotations.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using gltf::Array;
@@ -20,16 +20,16 @@ using gltf::number;
 using gltf::Object;
 using tinygltf::Value;
 
-// `Place`: what counts the vertices.
-template <class Place>
+// `Index`: type of the stored vertex indices.
+template <class Index>
 int add_sparse(gltf::GlbBuilder& glb, const Points& shape, int component) {
-  std::vector<Place> places;
+  std::vector<Index> places;
   std::vector<float> offsets;
   Eigen::Array3d low = Eigen::Array3d::Zero(),
                  high = Eigen::Array3d::Zero();  // what is not stored is zero
   for (Eigen::Index i = 0; i < shape.rows(); ++i) {
     if (shape.row(i).isZero(0)) continue;
-    places.push_back(static_cast<Place>(i));
+    places.push_back(static_cast<Index>(i));
     for (int k = 0; k < 3; ++k) {
       offsets.push_back(float(shape(i, k)));
       low[k] = std::min(low[k], double(offsets.back()));
@@ -102,14 +102,14 @@ Skeleton with_helpers(const Skeleton& skeleton, const Bake& bake) {
   return out;
 }
 
-// The motion with the helpers' turns; `places`: by helper and frame, from its parent.
+// The motion with the helpers' rotations; `places`: positions by helper and frame, from the parent.
 Motion with_helpers(const Skeleton& skeleton, const Bake& bake, const BakedMotion& each,
                     std::vector<std::vector<float>>& places) {
   Motion out = each.motion;
   places.assign(bake.helpers.size(), {});
   std::vector<Transform> X_WJ;
   for (std::size_t f = 0; f < out.frames.size(); ++f) {
-    forward_kinematics(skeleton, kept_in_shorts(each.motion.frames[f]), X_WJ);
+    forward_kinematics(skeleton, quantized(each.motion.frames[f]), X_WJ);
     for (std::size_t h = 0; h < bake.helpers.size(); ++h) {
       const Transform X = X_WJ[bake.helpers[h].parent].inverse() * each.helpers[f][h];
       out.frames[f].rotations.emplace_back(X.linear());
@@ -126,7 +126,7 @@ void add_curves(gltf::GlbBuilder& glb, const BakedMotion& each, int node, int ti
       weights.push_back(
           std::int16_t(std::lround(32767 * std::clamp(each.curves(f, m), -1.0f, 1.0f))));
   gltf::add_channel(glb.model().animations.back(), node, "weights", times,
-                    glb.add_shares(weights, TINYGLTF_TYPE_SCALAR, 1));
+                    glb.add_normalized_shorts(weights, TINYGLTF_TYPE_SCALAR, 1));
 }
 
 }  // namespace
@@ -165,7 +165,7 @@ void write_bake(const std::filesystem::path& file, const std::string& name, cons
   for (const BakedMotion& each : bake.motions) {
     std::vector<std::vector<float>> places;
     const int times = gltf::add_motion(glb, bones, with_helpers(skeleton, bake, each, places),
-                                       each.name, gltf::TurnKeys::shorts);
+                                       each.name, gltf::RotationKeys::shorts);
     for (std::size_t h = 0; h < places.size(); ++h)
       gltf::add_channel(
           glb.model().animations.back(), int(skeleton.joints.size() + h), "translation", times,
@@ -179,4 +179,4 @@ void write_bake(const std::filesystem::path& file, const std::string& name, cons
   out.commit();
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

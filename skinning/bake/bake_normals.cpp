@@ -5,20 +5,21 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 
-namespace ecorche {
+#include "anatomy/compute/cholesky.h"
+#include "anatomy/compute/eigenvectors.h"
+
+namespace ecorche::inline v1 {
 namespace {
 
 using Eigen::Index;
 
-// The inverse, or that of the nearest rotation where the blend has fallen flat.
+// The inverse, or that of the nearest rotation where the blend is nearly singular.
 Mat3 back_to_rest(const Mat3& A) {
   if (A.determinant() > 0.2) return A.inverse();
-  const Eigen::JacobiSVD<Mat3> svd(A, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  return svd.matrixV() * svd.matrixU().transpose();
+  const Svd3 parts = svd(A);
+  return parts.V * parts.U.transpose();
 }
 
 }  // namespace
@@ -26,13 +27,13 @@ Mat3 back_to_rest(const Mat3& A) {
 std::vector<Points> fit_normals(const BakeScene& scene, Influences influences,
                                 const std::vector<BakeFrame>& samples,
                                 const Eigen::MatrixXd& curves) {
-  constexpr double kRidge = 1e-4;  // of a change against what it mends, a frame
+  constexpr double kRidge = 1e-4;  // regularisation of a change, a frame
   const Index count = curves.cols();
   std::vector<Points> out(curves.rows(), Points::Zero(scene.skin.V.rows(), 3));
   if (out.empty()) return out;
   Eigen::MatrixXd gram = curves * curves.transpose();
   gram.diagonal().array() += kRidge * double(count);
-  const Eigen::MatrixXd projector = gram.ldlt().solve(curves);  // #shapes x #samples
+  const Eigen::MatrixXd projector = solve_ldlt_columns(gram, curves);  // #shapes x #samples
   tbb::parallel_for(Index{0}, scene.skin.V.rows(), [&](Index i) {
     Eigen::MatrixXd off(count, 3);
     for (Index f = 0; f < count; ++f) {
@@ -56,4 +57,4 @@ double angle_off(const std::array<Influence, 4>& influences, std::span<const Tra
   return std::atan2(played.cross(exact).norm(), played.dot(exact)) * 180 / std::numbers::pi;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

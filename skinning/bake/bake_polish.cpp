@@ -2,30 +2,29 @@
 
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Cholesky>
-
+#include "anatomy/compute/cholesky.h"
 #include "skinning/bake/bake_cost.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using Eigen::Index;
 
-constexpr double kFine = 3.5e-3;  // m: a vertex that is never farther off stays as it is
-constexpr int kRounds = 4, kHalvings = 4;
-constexpr double kRidge = 1e-3;  // of a change of the offsets against what it mends, a frame
+constexpr double kFine = 3.5e-3;  // m; a vertex with smaller errors in all frames is left as it is
+constexpr int kRoundsBakePolish = 4, kHalvings = 4;
+constexpr double kRidge = 1e-3;  // regularisation of a change of the offsets, a frame
 
 // One vertex in all frames.
 class Polisher {
  public:
-  Polisher(const std::vector<Leftover>& frames, const Eigen::MatrixXd& curves,
+  Polisher(const std::vector<FrameResidual>& frames, const Eigen::MatrixXd& curves,
            const Eigen::MatrixXd& products, Index vertex)
       : curves_(curves), products_(products), blends_(frames.size()), left_(3, curves.cols()) {
     for (std::size_t f = 0; f < frames.size(); ++f) {
       blends_[f] = Eigen::Map<const Eigen::Matrix<float, 3, 3, Eigen::RowMajor>>(
                        frames[f].blend.row(vertex).data())
                        .cast<double>();
-      left_.col(Index(f)) = frames[f].left.row(vertex).transpose().cast<double>();
+      left_.col(Index(f)) = frames[f].residual.row(vertex).transpose().cast<double>();
     }
   }
 
@@ -44,7 +43,7 @@ class Polisher {
     Eigen::MatrixXd off = this->off(offsets);
     if (off.colwise().norm().maxCoeff() < kFine) return;
     double now = cost_of(off.colwise().norm().transpose());
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kRoundsBakePolish; ++round) {
       const Eigen::MatrixXd by = step(off);
       bool better = false;
       double length = 1;
@@ -79,7 +78,7 @@ class Polisher {
         H.block<3, 3>(3 * a, 3 * b) = Eigen::Map<const Mat3>(blocks.col(pair).data());
     H.diagonal().array() += kRidge * double(count);
     const Eigen::VectorXd g = -right.reshaped();
-    const Eigen::VectorXd by = H.llt().solve(g);  // the lower half
+    const Eigen::VectorXd by = solve_llt(H, g);
     return by.reshaped(3, n);
   }
 
@@ -90,7 +89,7 @@ class Polisher {
 
 }  // namespace
 
-void polish_shapes(const std::vector<Leftover>& frames, const Eigen::MatrixXd& curves,
+void polish_shapes(const std::vector<FrameResidual>& frames, const Eigen::MatrixXd& curves,
                    Shapes& shapes) {
   const Index n = curves.rows();
   if (n == 0) return;
@@ -98,7 +97,7 @@ void polish_shapes(const std::vector<Leftover>& frames, const Eigen::MatrixXd& c
   for (Index a = 0, pair = 0; a < n; ++a)
     for (Index b = 0; b <= a; ++b, ++pair)
       products.col(pair) = curves.row(a).cwiseProduct(curves.row(b)).transpose();
-  tbb::parallel_for(Index{0}, frames[0].left.rows(), [&](Index i) {
+  tbb::parallel_for(Index{0}, frames[0].residual.rows(), [&](Index i) {
     const Polisher vertex(frames, curves, products, i);
     Eigen::MatrixXd offsets(3, n);
     for (Index m = 0; m < n; ++m)
@@ -109,4 +108,4 @@ void polish_shapes(const std::vector<Leftover>& frames, const Eigen::MatrixXd& c
   });
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

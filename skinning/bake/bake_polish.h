@@ -1,15 +1,15 @@
-// Shapes once more, for the vertices that stay farthest off. Private to the room.
+// Refines the shapes for the vertices with the largest errors. Private to the room.
 #pragma once
 
 #include <vector>
 
 #include "skinning/bake/bake_shapes.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-// Moves the offsets of vertices that are far off in any frame so that their largest errors fall
-// (bake_cost.h), the curves held. `curves`: #shapes x #frames.
-void polish_shapes(const std::vector<Leftover>& frames, const Eigen::MatrixXd& curves,
+// Changes the offsets of vertices with a large error in any frame so that their largest errors fall
+// (bake_cost.h), with the curves fixed. `curves`: #shapes x #frames.
+void polish_shapes(const std::vector<FrameResidual>& frames, const Eigen::MatrixXd& curves,
                    Shapes& shapes);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

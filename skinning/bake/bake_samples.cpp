@@ -1,6 +1,6 @@
 #include "skinning/bake/bake_samples.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 std::vector<Transform> rest_to_pose(const std::vector<Vec3>& origins,
                                     std::span<const Transform> X_WJ) {
@@ -9,4 +9,4 @@ std::vector<Transform> rest_to_pose(const std::vector<Vec3>& origins,
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

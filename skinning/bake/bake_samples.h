@@ -1,16 +1,17 @@
-// What the parts of a bake share. Private to the room.
+// Sample frames of a bake, shared by its parts. Private to the room.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
 #include "anatomy/geometry/mesh_measures.h"
 #include "anatomy/skeleton.h"
-#include "skinning/bake/bake.h"
-#include "skinning/bind/bind.h"
+#include "skinning/bake/baked_rig.h"
+#include "skinning/binding.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 using Rows3f = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Rows9f = Eigen::Matrix<float, Eigen::Dynamic, 9, Eigen::RowMajor>;
@@ -22,7 +23,7 @@ struct BakeFrame {
   Rows3f exact, normals;         // #V x 3
 };
 
-// What stays as it is for all frames.
+// The inputs that are common to all frames.
 struct BakeScene {
   const TriMesh& skin;
   const Skeleton& skeleton;
@@ -47,4 +48,4 @@ inline Eigen::Affine3d blended(const std::array<Influence, 4>& influences,
   return Eigen::Affine3d(sum);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

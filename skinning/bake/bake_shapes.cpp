@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include "anatomy/compute/cholesky.h"
+#include "anatomy/compute/eigenvectors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using Mat3f = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
@@ -16,20 +16,21 @@ using Eigen::Index;
 using Eigen::MatrixXf;
 using Eigen::VectorXf;
 
-constexpr float kLeastWeight = 0.3f, kMostWeight = 8;  // of a vertex in a frame against the median
-constexpr float kNearly = 1e-3f;      // m: closer is close enough to get no more weight
-constexpr float kNothing = 2e-5f;     // m: a vertex that is never farther off needs no shape
-constexpr double kShapeRidge = 1e-3;  // of a shape's offsets against what they mend, a frame
+constexpr float kLeastWeightBakeShapes = 0.3f,
+                kMostWeight = 8;      // of a vertex in a frame, to the median
+constexpr float kNearly = 1e-3f;      // m; weights do not rise for smaller errors
+constexpr float kNothing = 2e-5f;     // m; a vertex with smaller errors in all frames has no shape
+constexpr double kShapeRidge = 1e-3;  // regularisation of a shape's offsets, a frame
 
-Mat3f blend_of(const Leftover& frame, Index i) {
+Mat3f blend_of(const FrameResidual& frame, Index i) {
   return Eigen::Map<const Mat3f>(frame.blend.row(i).data());
 }
 
 // Each shape in the world of one frame. 3 #V x #shapes
-MatrixXf carried(const Shapes& shapes, const Leftover& frame) {
+MatrixXf posed_shapes(const Shapes& shapes, const FrameResidual& frame) {
   MatrixXf out(shapes.offsets.rows(), shapes.offsets.cols());
   for (Index m = 0; m < out.cols(); ++m)
-    for (Index i = 0; i < frame.left.rows(); ++i)
+    for (Index i = 0; i < frame.residual.rows(); ++i)
       out.col(m).segment<3>(3 * i) = blend_of(frame, i) * shapes.offsets.col(m).segment<3>(3 * i);
   return out;
 }
@@ -45,7 +46,8 @@ VectorXf solve_curves(const MatrixXf& shapes, const VectorXf& left, const Vector
   }
   Eigen::MatrixXd gram = (scaled.transpose() * scaled).cast<double>();
   gram.diagonal().array() += 1e-6 * gram.trace() / double(gram.rows()) + 1e-18;
-  return gram.ldlt().solve((scaled.transpose() * wanted).cast<double>()).cast<float>();
+  return solve_ldlt<Eigen::Dynamic>(gram, (scaled.transpose() * wanted).cast<double>())
+      .cast<float>();
 }
 
 VectorXf lengths(const VectorXf& rows) {
@@ -60,22 +62,21 @@ float quantile(std::vector<float> values, double share) {
   return values[at];
 }
 
-Shapes principal_shapes(const std::vector<Leftover>& frames, int most) {
-  const Index n = Index(frames.size()), rows = 3 * frames[0].left.rows();
+Shapes principal_shapes(const std::vector<FrameResidual>& frames, int most) {
+  const Index n = Index(frames.size()), rows = 3 * frames[0].residual.rows();
   MatrixXf turned(rows, n);
   for (Index f = 0; f < n; ++f)
     for (Index i = 0; i < rows / 3; ++i)
       turned.col(f).segment<3>(3 * i) =
-          blend_of(frames[f], i).transpose() * frames[f].left.row(i).transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
-      (turned.transpose() * turned).cast<double>());
-  const double smallest = 1e-9 * std::max(solver.eigenvalues()[n - 1], 1e-15);
+          blend_of(frames[f], i).transpose() * frames[f].residual.row(i).transpose();
+  const SymmetricEigen<Eigen::Dynamic> gram =
+      symmetric_eigen<Eigen::Dynamic>((turned.transpose() * turned).cast<double>());
+  const double smallest = 1e-9 * std::max(gram.values[n - 1], 1e-15);
   Index count = 0;
-  while (count < std::min<Index>(most, n) && solver.eigenvalues()[n - 1 - count] > smallest)
-    ++count;
+  while (count < std::min<Index>(most, n) && gram.values[n - 1 - count] > smallest) ++count;
   MatrixXf directions(n, count);
   for (Index m = 0; m < count; ++m) {
-    const Eigen::VectorXd v = solver.eigenvectors().col(n - 1 - m);
+    const Eigen::VectorXd v = gram.vectors.col(n - 1 - m);
     // the offsets where the curve, v, is largest
     directions.col(m) = (v * v.cwiseAbs().maxCoeff()).cast<float>();
   }
@@ -84,16 +85,16 @@ Shapes principal_shapes(const std::vector<Leftover>& frames, int most) {
 
 class Fitter {
  public:
-  Fitter(const std::vector<Leftover>& frames, Shapes shapes)
+  Fitter(const std::vector<FrameResidual>& frames, Shapes shapes)
       : frames_(frames),
         count_(Index(frames.size())),
-        vertices_(frames[0].left.rows()),
+        vertices_(frames[0].residual.rows()),
         shapes_(std::move(shapes)),
         curves_(shapes_.offsets.cols(), count_),
         weights_(MatrixXf::Ones(vertices_, count_)),
         errors_(vertices_, count_) {
     VectorXf most = VectorXf::Zero(vertices_);
-    for (const Leftover& frame : frames) most = most.cwiseMax(frame.left.rowwise().norm());
+    for (const FrameResidual& frame : frames) most = most.cwiseMax(frame.residual.rowwise().norm());
     for (Index i = 0; i < vertices_; ++i) moves_.push_back(most[i] > kNothing);
   }
 
@@ -114,9 +115,9 @@ class Fitter {
  private:
   void find_curves() {
     tbb::parallel_for(Index{0}, count_, [&](Index f) {
-      const Leftover& frame = frames_[f];
-      const MatrixXf here = carried(shapes_, frame);
-      const VectorXf left = flat(frame.left);
+      const FrameResidual& frame = frames_[f];
+      const MatrixXf here = posed_shapes(shapes_, frame);
+      const VectorXf left = flat(frame.residual);
       curves_.col(f) = solve_curves(here, left, weights_.col(f));
       errors_.col(f) = lengths(left - here * curves_.col(f));
     });
@@ -133,11 +134,11 @@ class Fitter {
     weights_.array() *= (errors_.array() / level).max(0.5f).min(2.0f).sqrt();
     weights_ /=
         quantile(std::vector<float>(weights_.data(), weights_.data() + weights_.size()), 0.5);
-    weights_ = weights_.cwiseMax(kLeastWeight).cwiseMin(kMostWeight);
+    weights_ = weights_.cwiseMax(kLeastWeightBakeShapes).cwiseMin(kMostWeight);
   }
 
-  // A vertex' offsets in all shapes at once: the curves' products, weighted by how the frames carry
-  // offsets, make its normal equations.
+  // The offsets of a vertex in all shapes at once, by its normal equations: products of the curves,
+  // weighted by the frames' maps of offsets.
   void find_shapes() {
     const Index n = curves_.rows(), pairs = n * (n + 1) / 2;
     MatrixXf products(count_, pairs);
@@ -148,11 +149,11 @@ class Fitter {
       if (!moves_[i]) return shapes_.offsets.middleRows<3>(3 * i).setZero(), void();
       MatrixXf squares(9, count_), turned(count_, 3);
       for (Index f = 0; f < count_; ++f) {
-        const Leftover& frame = frames_[f];
+        const FrameResidual& frame = frames_[f];
         const Mat3f A = weights_(i, f) * blend_of(frame, i), AA = A.transpose() * A;
         squares.col(f) = Eigen::Map<const Eigen::Matrix<float, 9, 1>>(AA.data());
         turned.row(f) =
-            weights_(i, f) * (A.transpose() * frame.left.row(i).transpose()).transpose();
+            weights_(i, f) * (A.transpose() * frame.residual.row(i).transpose()).transpose();
       }
       const MatrixXf blocks = squares * products,
                      right = curves_ * turned;  // 9 x #pairs, #shapes x 3
@@ -165,14 +166,13 @@ class Fitter {
         g.segment<3>(3 * a) = right.row(a).transpose().cast<double>();
       }
       H.diagonal().array() += kShapeRidge * double(count_);
-      const Eigen::LLT<Eigen::MatrixXd> solver(H);  // the lower half
-      const Eigen::VectorXd offsets = solver.solve(g);
+      const Eigen::VectorXd offsets = solve_llt(H, g);
       for (Index m = 0; m < n; ++m)
         shapes_.offsets.col(m).segment<3>(3 * i) = offsets.segment<3>(3 * m).cast<float>();
     });
   }
 
-  const std::vector<Leftover>& frames_;
+  const std::vector<FrameResidual>& frames_;
   const Index count_, vertices_;
   Shapes shapes_;
   MatrixXf curves_, weights_, errors_;  // #shapes, #V, #V x #frames
@@ -181,10 +181,11 @@ class Fitter {
 
 }  // namespace
 
-Shapes fit_shapes(const std::vector<Leftover>& frames, int most, int rounds, const Shapes& start) {
+Shapes fit_shapes(const std::vector<FrameResidual>& frames, int most, int rounds,
+                  const Shapes& start) {
   Shapes begin = start.offsets.cols() > 0 ? start : principal_shapes(frames, most);
   if (begin.offsets.cols() == 0) return begin;
   return Fitter(frames, std::move(begin)).run(rounds);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

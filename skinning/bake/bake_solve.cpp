@@ -3,34 +3,38 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
+#include "anatomy/compute/cholesky.h"
+#include "anatomy/compute/linear_systems.h"
 #include "skinning/bake/bake_cost.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using Eigen::Index;
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr int kRounds = 8, kHalvings = 4;
-constexpr double kEnough = 0.05;  // a round that takes a smaller part off the cost is the last
-// What keeps curves and helpers that move next to nothing where they are; sums over vertices of
-// squared moves, m: by a curve of 1, a turn of 1, and the share of a move.
+constexpr int kRoundsBakeSolve = 8,
+              kHalvingsBakeSolve = 4;  // Newton steps, and halvings of a step, at most
+constexpr double kEnough = 0.05;  // a step that reduces the cost by a smaller fraction is the last
+// Ridge of the curves, and of the rotation and translation of helpers: sums over vertices of
+// squared displacements, m^2, by a curve of 1, a rotation of 1 rad, and a fraction of the
+// translation.
 constexpr double kCurveRidge = 1e-6, kTurnRidge = 1e-3, kMoveRidge = 1e-1;
 
 }  // namespace
 
-// Newton's equations, the lower triangle; curves first, then turn and move of each helper.
-struct Settler::System {
+// Newton's equations, the lower triangle; curves first, then rotation and translation of each
+// helper.
+struct FrameSolver::System {
   Eigen::MatrixXd H;
   Eigen::VectorXd g;
-  std::vector<Vec3>
-      rows;  // of shapes: the vertex' move by each curve, times the root of its weights
+  // of shapes: displacement of the vertex by each curve, times the root of its weights
+  std::vector<Vec3> rows;
 };
 
-Settler::Settler(const Points& rest, const Eigen::MatrixXf& shapes,
-                 std::span<const std::array<Influence, 4>> influences, std::vector<Vec3> helpers)
+FrameSolver::FrameSolver(const Points& rest, const Eigen::MatrixXf& shapes,
+                         std::span<const std::array<Influence, 4>> influences,
+                         std::vector<Vec3> helpers)
     : rest_(rest),
       influences_(influences),
       helpers_(std::move(helpers)),
@@ -43,13 +47,14 @@ Settler::Settler(const Points& rest, const Eigen::MatrixXf& shapes,
         offsets_[i].push_back({m, offset});
 }
 
-Vec3 Settler::shaped(std::size_t vertex, const Eigen::VectorXf& curves) const {
+Vec3 FrameSolver::shaped(std::size_t vertex, const Eigen::VectorXf& curves) const {
   Vec3 x = rest_.row(Index(vertex));
   for (const Offset& each : offsets_[vertex]) x += double(curves[each.shape]) * each.offset;
   return x;
 }
 
-Eigen::VectorXd Settler::distances(const BakeFrame& frame, const Eigen::VectorXf& curves) const {
+Eigen::VectorXd FrameSolver::distances(const BakeFrame& frame,
+                                       const Eigen::VectorXf& curves) const {
   Eigen::VectorXd out(rest_.rows());
   for (Index i = 0; i < out.size(); ++i)
     out[i] = (blended(influences_[i], frame.bones) * shaped(std::size_t(i), curves) -
@@ -58,13 +63,14 @@ Eigen::VectorXd Settler::distances(const BakeFrame& frame, const Eigen::VectorXf
   return out;
 }
 
-void Settler::add_vertex(std::size_t vertex, const BakeFrame& frame, const Eigen::VectorXf& curves,
-                         bool even, System& system) const {
+void FrameSolver::add_vertex(std::size_t vertex, const BakeFrame& frame,
+                             const Eigen::VectorXf& curves, bool least_squares,
+                             System& system) const {
   const std::size_t joints = frame.bones.size() - helpers_.size();
   const Vec3 x = shaped(vertex, curves);
   const Eigen::Affine3d A = blended(influences_[vertex], frame.bones);
   const Vec3 off = A * x - frame.exact.row(Index(vertex)).transpose().cast<double>();
-  const auto [R, r] = cost_root(off, even);
+  const auto [R, r] = cost_root(off, least_squares);
   const Mat3 RA = R * A.linear();
   const auto& offsets = offsets_[vertex];
   system.rows.resize(offsets.size());
@@ -98,8 +104,8 @@ void Settler::add_vertex(std::size_t vertex, const BakeFrame& frame, const Eigen
   }
 }
 
-void Settler::step(const Eigen::VectorXd& by, double length, std::vector<Transform>& bones,
-                   Eigen::VectorXf& curves) const {
+void FrameSolver::step(const Eigen::VectorXd& by, double length, std::vector<Transform>& bones,
+                       Eigen::VectorXf& curves) const {
   curves += (length * by.head(morphs_)).cast<float>();
   const std::size_t joints = bones.size() - helpers_.size();
   for (std::size_t h = 0; h < helpers_.size(); ++h) {
@@ -114,35 +120,35 @@ void Settler::step(const Eigen::VectorXd& by, double length, std::vector<Transfo
   }
 }
 
-Eigen::VectorXd Settler::solve(const BakeFrame& frame, const Eigen::VectorXf& curves, bool even,
-                               System& system) const {
+Eigen::VectorXd FrameSolver::newton_step(const BakeFrame& frame, const Eigen::VectorXf& curves,
+                                         bool least_squares, System& system) const {
   const Index n = morphs_ + 6 * Index(helpers_.size());
   system.H.setZero(n, n);
   system.g.setZero(n);
-  for (std::size_t i = 0; i < influences_.size(); ++i) add_vertex(i, frame, curves, even, system);
+  for (std::size_t i = 0; i < influences_.size(); ++i)
+    add_vertex(i, frame, curves, least_squares, system);
   system.H.diagonal().head(morphs_).array() += kCurveRidge;
   for (Index at = morphs_; at < n; at += 6) {
     system.H.diagonal().segment<3>(at).array() += kTurnRidge;
     system.H.diagonal().segment<3>(at + 3).array() += kMoveRidge;
   }
-  Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(system.H);
-  return factor.solve(-system.g);
+  return solve_llt_in_place(system.H, -system.g);
 }
 
-void Settler::settle_evenly(BakeFrame& frame, Eigen::VectorXf& curves) const {
+void FrameSolver::solve_least_squares(BakeFrame& frame, Eigen::VectorXf& curves) const {
   System system;
   curves = Eigen::VectorXf::Zero(morphs_);
-  step(solve(frame, curves, true, system), 1, frame.bones, curves);
+  step(newton_step(frame, curves, true, system), 1, frame.bones, curves);
 }
 
-void Settler::settle(BakeFrame& frame, Eigen::VectorXf& curves) const {
-  settle_evenly(frame, curves);
+void FrameSolver::solve(BakeFrame& frame, Eigen::VectorXf& curves) const {
+  solve_least_squares(frame, curves);
   System system;
   double now = cost_of(distances(frame, curves));
-  for (int round = 0; round < kRounds; ++round) {
-    const Eigen::VectorXd by = solve(frame, curves, false, system);
+  for (int round = 0; round < kRoundsBakeSolve; ++round) {
+    const Eigen::VectorXd by = newton_step(frame, curves, false, system);
     double then = now, length = 1;
-    for (int halving = 0; halving < kHalvings; ++halving, length /= 2) {
+    for (int halving = 0; halving < kHalvingsBakeSolve; ++halving, length /= 2) {
       const std::vector<Transform> bones = frame.bones;
       Eigen::VectorXf moved = curves;
       step(by, length, frame.bones, moved);
@@ -158,4 +164,4 @@ void Settler::settle(BakeFrame& frame, Eigen::VectorXf& curves) const {
   }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -2,30 +2,31 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
 #include "skinning/bake/bake_samples.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-// What every frame is solved with: influences and shapes that no longer change.
-class Settler {
+// Solves frames with fixed influences and shapes.
+class FrameSolver {
  public:
   // `shapes`: 3 #V x #shapes, rest pose, m. `helpers`: rest places of the last bones of every
   // frame. `rest` and `influences` must outlive it.
-  Settler(const Points& rest, const Eigen::MatrixXf& shapes,
-          std::span<const std::array<Influence, 4>> influences, std::vector<Vec3> helpers);
+  FrameSolver(const Points& rest, const Eigen::MatrixXf& shapes,
+              std::span<const std::array<Influence, 4>> influences, std::vector<Vec3> helpers);
 
-  // Moves the helpers of `frame`, from where they are, and sets the curves, from zero, so that the
-  // largest errors fall and then the rest: Newton's steps on the cost of bake_cost.h. Curves and
-  // helpers that hardly help hardly move. A function of the frame alone.
-  void settle(BakeFrame& frame, Eigen::VectorXf& curves) const;
+  // Moves the helpers of `frame`, from their given frames, and sets the curves, from zero, by
+  // damped Newton steps on the cost of bake_cost.h. A ridge holds curves and helpers with little
+  // effect. Depends on the one frame alone.
+  void solve(BakeFrame& frame, Eigen::VectorXf& curves) const;
 
-  // The same by the sum of squares alone, in one step: settle()'s first, a tenth of the work.
-  void settle_evenly(BakeFrame& frame, Eigen::VectorXf& curves) const;
+  // The same for the sum of squares, in one step: the first of solve(), a tenth of the work.
+  void solve_least_squares(BakeFrame& frame, Eigen::VectorXf& curves) const;
 
-  // How far each vertex is off. #V, m
+  // Error of each vertex. #V, m
   Eigen::VectorXd distances(const BakeFrame& frame, const Eigen::VectorXf& curves) const;
 
  private:
@@ -36,9 +37,9 @@ class Settler {
   struct System;
   Vec3 shaped(std::size_t vertex, const Eigen::VectorXf& curves) const;
   void add_vertex(std::size_t vertex, const BakeFrame& frame, const Eigen::VectorXf& curves,
-                  bool even, System& system) const;
-  Eigen::VectorXd solve(const BakeFrame& frame, const Eigen::VectorXf& curves, bool even,
-                        System& system) const;
+                  bool least_squares, System& system) const;
+  Eigen::VectorXd newton_step(const BakeFrame& frame, const Eigen::VectorXf& curves,
+                              bool least_squares, System& system) const;
   void step(const Eigen::VectorXd& by, double length, std::vector<Transform>& bones,
             Eigen::VectorXf& curves) const;
 
@@ -49,4 +50,4 @@ class Settler {
   std::vector<std::vector<Offset>> offsets_;  // by vertex
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include <Eigen/LU>
+#include "anatomy/compute/linear_systems.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kNone = 1e-9;
@@ -22,7 +22,7 @@ Eigen::VectorXd on_plane(const Eigen::MatrixXd& H, const Eigen::VectorXd& g,
     right[i] = g[active[i]];
   }
   right[n] = scale;
-  return K.partialPivLu().solve(right).head(n);
+  return solve_lu(K, right).head(n);
 }
 
 double cost(const Eigen::MatrixXd& H, const Eigen::VectorXd& g, const Eigen::VectorXd& w) {
@@ -92,4 +92,4 @@ Eigen::VectorXd simplex_weights(const Eigen::MatrixXd& G, const Eigen::VectorXd&
   return w / w.sum();
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

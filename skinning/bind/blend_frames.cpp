@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr std::size_t kPairs = 128;  // a task
@@ -50,66 +50,62 @@ SwingTwist split(const Quat& local, const Vec3& axis) {
 
 }  // namespace
 
-int carrier_count(const SkinTables& tables) {
-  return tables.joint_count + int(tables.twists.size() + tables.pairs.size());
-}
-
-void chain_turns(const SkinTables& tables, std::span<const Transform> X_WJ,
-                 std::vector<Quat>& turns) {
-  const std::size_t joints = tables.joint_count;
-  turns.resize(joints + tables.twists.size());
+void chain_rotations(const FrameTables& tables, std::span<const Transform> X_WJ,
+                     std::vector<Quat>& rotations) {
+  const std::size_t joints = tables.joint_count();
+  rotations.resize(joints + tables.twists.size());
   for (std::size_t j = 0; j < joints; ++j) {
     const int parent = tables.parents[j];
     const Mat3 R = X_WJ[j].linear();
     if (parent < 0) {
-      turns[j] = Quat(R);
+      rotations[j] = Quat(R);
       continue;
     }
     const std::size_t p = parent;
     const SwingTwist local =
         split(Quat(Mat3(X_WJ[p].linear().transpose() * R)), tables.long_axes[j]);
-    turns[j] = turns[p] * (local.swing * local.twist);
+    rotations[j] = rotations[p] * (local.swing * local.twist);
   }
   for (std::size_t k = 0; k < tables.twists.size(); ++k) {
-    const TwistCarrier& twist = tables.twists[k];
+    const TwistFrame& twist = tables.twists[k];
     const std::size_t p = twist.parent;
     const Mat3 local = X_WJ[p].linear().transpose() * X_WJ[twist.joint].linear();
-    turns[joints + k] = turns[p] * split(Quat(local), twist.axis).swing;
+    rotations[joints + k] = rotations[p] * split(Quat(local), twist.axis).swing;
   }
 }
 
-void pose_carriers(const SkinTables& tables, std::span<const Transform> X_WJ,
-                   std::vector<Transform>& frames, std::vector<Quat>& turns,
-                   std::vector<float>& out) {
-  const std::size_t joints = tables.joint_count;
-  frames.resize(joints + tables.twists.size());
-  out.resize(16 * std::size_t(carrier_count(tables)));
-  chain_turns(tables, X_WJ, turns);
+void pose_blend_frames(const FrameTables& tables, std::span<const Transform> X_WJ,
+                       FrameWorkspace& frames) {
+  const std::size_t joints = tables.joint_count();
+  frames.joints.resize(joints + tables.twists.size());
+  frames.maps.resize(16 * std::size_t(tables.frame_count()));
+  chain_rotations(tables, X_WJ, frames.rotations);
   const Vec3 rest_root = tables.origins[0], root = X_WJ[0].translation();
   for (std::size_t j = 0; j < joints; ++j) {
     const Mat3 R = X_WJ[j].linear();
-    frames[j].linear() = R;
-    frames[j].translation() = X_WJ[j].translation() - root - R * (tables.origins[j] - rest_root);
-  }
-  for (std::size_t k = 0; k < tables.twists.size(); ++k) {
-    const TwistCarrier& twist = tables.twists[k];
-    const std::size_t j = twist.joint;
-    const Mat3 R = turns[joints + k].toRotationMatrix();
-    frames[joints + k].linear() = R;
-    frames[joints + k].translation() =
+    frames.joints[j].linear() = R;
+    frames.joints[j].translation() =
         X_WJ[j].translation() - root - R * (tables.origins[j] - rest_root);
   }
-  for (std::size_t c = 0; c < frames.size(); ++c)
-    write_columns(frames[c].linear(), frames[c].translation(), &out[16 * c]);
+  for (std::size_t k = 0; k < tables.twists.size(); ++k) {
+    const TwistFrame& twist = tables.twists[k];
+    const std::size_t j = twist.joint;
+    const Mat3 R = frames.rotations[joints + k].toRotationMatrix();
+    frames.joints[joints + k].linear() = R;
+    frames.joints[joints + k].translation() =
+        X_WJ[j].translation() - root - R * (tables.origins[j] - rest_root);
+  }
+  for (std::size_t c = 0; c < frames.joints.size(); ++c)
+    write_columns(frames.joints[c].linear(), frames.joints[c].translation(), &frames.maps[16 * c]);
   const auto pose_pair = [&](std::size_t k) {
-    const PairCarrier& pair = tables.pairs[k];
-    const Transform& A = frames[pair.a];
-    const Transform& B = frames[pair.b];
+    const FramePair& pair = tables.pairs[k];
+    const Transform& A = frames.joints[pair.a];
+    const Transform& B = frames.joints[pair.b];
     const Vec3 center = pair.center - rest_root;
-    const Mat3 H = half_way(turns[pair.a], turns[pair.b]);
+    const Mat3 H = half_way(frames.rotations[pair.a], frames.rotations[pair.b]);
     const Vec3 t = 0.5 * (A * center + B * center) - H * center;
     write_columns(2 * H - (A.linear() + B.linear()), 2 * t - (A.translation() + B.translation()),
-                  &out[16 * (frames.size() + k)]);
+                  &frames.maps[16 * (frames.joints.size() + k)]);
   };
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tables.pairs.size(), kPairs),
                     [&](const auto& range) {
@@ -117,4 +113,4 @@ void pose_carriers(const SkinTables& tables, std::span<const Transform> X_WJ,
                     });
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

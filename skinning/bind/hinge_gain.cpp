@@ -6,12 +6,12 @@
 
 #include "skinning/bind/blend_frames.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kBend = 2 * std::numbers::pi / 3;
+constexpr double kBend = 2 * std::numbers::pi / 3;  // rad, at which volumes are compared
 constexpr double kMostGain = 2;
-// of the section's volume: to make up all of it would round knee and elbow off
+// Fraction of the section's volume that a bend may lose. Smaller: knee and elbow are rounded off.
 constexpr double kLossLeft = 0.015;
 
 double segment_angle(const std::vector<Transform>& X, int upper, int middle, int lower) {
@@ -38,18 +38,18 @@ std::vector<Transform> bent_frames(const Skeleton& skeleton, int middle, int low
   return forward <= backward ? X : other;
 }
 
-// Vertices of a section in a pose, with the pairs' shares times `gain`.
-void place_section(const LimbSection& section, const TriMesh& skin, const SkinTables& tables,
-                   const std::vector<ShareRow>& rows, const std::vector<float>& carriers,
-                   double gain, Points& V) {
-  const int first_pair = tables.joint_count + int(tables.twists.size());
+// Vertices of a section in a pose, with the pairs' weights times `gain`.
+void place_section(const LimbSection& section, const TriMesh& skin, const FrameTables& tables,
+                   const std::vector<WeightRow>& rows, const std::vector<float>& maps, double gain,
+                   Points& V) {
+  const int first_pair = tables.first_pair();
   for (int f : section.triangles)
     for (int k = 0; k < 3; ++k) {
       const int i = skin.F(f, k);
       Eigen::Matrix4f map = Eigen::Matrix4f::Zero();
       for (const Influence& w : rows[i])
         map += float(w.joint >= first_pair ? gain * w.weight : w.weight) *
-               Eigen::Map<const Eigen::Matrix4f>(&carriers[16 * w.joint]);
+               Eigen::Map<const Eigen::Matrix4f>(&maps[16 * w.joint]);
       const Vec3 X = Vec3(skin.V.row(i)) - tables.origins[0];
       V.row(i) =
           (map.topLeftCorner<3, 3>().cast<double>() * X + map.topRightCorner<3, 1>().cast<double>())
@@ -61,12 +61,10 @@ void place_section(const LimbSection& section, const TriMesh& skin, const SkinTa
 
 std::map<int, double> find_hinge_gains(const Skeleton& skeleton, const TriMesh& skin,
                                        const std::vector<LimbSection>& sections,
-                                       const SkinTables& tables,
-                                       const std::vector<ShareRow>& rows) {
+                                       const FrameTables& tables,
+                                       const std::vector<WeightRow>& rows) {
   std::map<int, double> gains;
-  std::vector<Transform> frames;
-  std::vector<Quat> turns;
-  std::vector<float> carriers;
+  FrameWorkspace frames;
   Points V(skin.V.rows(), 3);
   for (const LimbSection& section : sections) {
     const int middle = find_joint(skeleton, section.name);
@@ -74,11 +72,11 @@ std::map<int, double> find_hinge_gains(const Skeleton& skeleton, const TriMesh& 
     const int lower = find_joint(
         skeleton, (arm ? "wrist" : "ankle") + section.name.substr(section.name.size() - 2));
     if (middle < 0 || lower < 0 || section.triangles.empty()) continue;
-    pose_carriers(tables, bent_frames(skeleton, middle, lower), frames, turns, carriers);
+    pose_blend_frames(tables, bent_frames(skeleton, middle, lower), frames);
     const double rest = section_volume(section, skin.F, skin.V);
-    place_section(section, skin, tables, rows, carriers, 1, V);
+    place_section(section, skin, tables, rows, frames.maps, 1, V);
     const double once = section_volume(section, skin.F, V);
-    place_section(section, skin, tables, rows, carriers, 2, V);
+    place_section(section, skin, tables, rows, frames.maps, 2, V);
     const double twice = section_volume(section, skin.F, V);
     const double gain = twice > once ? 1 + ((1 - kLossLeft) * rest - once) / (twice - once) : 1;
     gains[middle] = std::clamp(gain, 1.0, kMostGain);
@@ -89,10 +87,10 @@ std::map<int, double> find_hinge_gains(const Skeleton& skeleton, const TriMesh& 
   return gains;
 }
 
-void apply_hinge_gains(const SkinTables& tables, const std::map<int, double>& gains,
-                       std::vector<ShareRow>& rows) {
-  const int first_pair = tables.joint_count + int(tables.twists.size());
-  for (ShareRow& row : rows)
+void apply_hinge_gains(const FrameTables& tables, const std::map<int, double>& gains,
+                       std::vector<WeightRow>& rows) {
+  const int first_pair = tables.first_pair();
+  for (WeightRow& row : rows)
     for (Influence& w : row) {
       if (w.joint < first_pair) continue;
       const auto gain = gains.find(tables.pairs[w.joint - first_pair].hinge);
@@ -100,4 +98,4 @@ void apply_hinge_gains(const SkinTables& tables, const std::map<int, double>& ga
     }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -11,13 +11,14 @@
 #include <span>
 
 #include "anatomy/errors.h"
+#include "anatomy/geometry/vertex_rings.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-constexpr double kLeastCotan = 0.02;  // negative cotangents would make shares overshoot
+constexpr double kLeastCotan = 0.02;  // negative cotangents would make weights overshoot
 
 double cotan(const Vec3& a, const Vec3& b) { return a.dot(b) / std::max(a.cross(b).norm(), 1e-12); }
 
@@ -148,18 +149,18 @@ Eigen::VectorXd limb_length_limit(const Skeleton& skeleton, const TriMesh& skin)
 
 }  // namespace
 
-std::vector<ShareRow> diffuse_shares(const Skeleton& skeleton, const TriMesh& skin,
-                                     const SkinSurvey& survey, double blend_width) {
+std::vector<WeightRow> diffuse_joint_weights(const Skeleton& skeleton, const TriMesh& skin,
+                                             const SkinDepth& depth, double blend_width) {
   const std::size_t n = std::size_t(skin.V.rows()), joints = skeleton.joints.size();
   const std::vector<int> group = limb_groups(skeleton);
   std::vector<std::vector<int>> members(joints), limbs(5);
-  const std::vector<int> labels = complete_labels(skin, survey.joint);
+  const std::vector<int> labels = complete_labels(skin, depth.joint);
   Eigen::VectorXd length(skin.V.rows());
   for (std::size_t i = 0; i < n; ++i) {
     const int j = labels[i];
     // The inside of a bent limb stays unfolded while l > radius * angle / 4.
     length[i] = blend_width *
-                (0.4 * survey.radius[i] + 0.25 * std::min(survey.depth[i], 2 * survey.radius[i]));
+                (0.4 * depth.radius[i] + 0.25 * std::min(depth.depth[i], 2 * depth.radius[i]));
     if (j < 0) continue;
     members[j].push_back(int(i));
     limbs[group[j]].push_back(int(i));
@@ -179,33 +180,34 @@ std::vector<ShareRow> diffuse_shares(const Skeleton& skeleton, const TriMesh& sk
                        });
   std::vector<const std::vector<int>*> wanted;
   for (int j : used) wanted.push_back(&members[j]);
-  std::vector<std::vector<Lanes>> shares((used.size() + kLanes - 1) / kLanes);
-  std::vector<Lanes> limb_shares;
-  tbb::parallel_for(std::size_t{0}, shares.size() + 1, [&](std::size_t batch) {
-    if (batch < shares.size()) {
+  std::vector<std::vector<Lanes>> weights((used.size() + kLanes - 1) / kLanes);
+  std::vector<Lanes> limb_weights;
+  tbb::parallel_for(std::size_t{0}, weights.size() + 1, [&](std::size_t batch) {
+    if (batch < weights.size()) {
       const std::size_t first = batch * kLanes;
-      shares[batch] = wide->spread(
+      weights[batch] = wide->spread(
           std::span(wanted).subspan(first, std::min<std::size_t>(kLanes, wanted.size() - first)));
       return;
     }
     std::vector<const std::vector<int>*> groups;
     for (const std::vector<int>& limb : limbs) groups.push_back(&limb);
-    limb_shares = narrow->spread(groups);
+    limb_weights = narrow->spread(groups);
   });
 
-  std::vector<ShareRow> rows(n);
+  std::vector<WeightRow> rows(n);
   for (std::size_t i = 0; i < n; ++i) {
-    const auto share = [&](std::size_t u) {
-      return std::max(0.0, shares[u / kLanes][i][u % kLanes]);
+    const auto weight = [&](std::size_t u) {
+      return std::max(0.0, weights[u / kLanes][i][u % kLanes]);
     };
     const auto group_of = [&](std::size_t u) { return group[used[u]]; };
     std::array<double, 5>
         within{};  // sum of a group's joints, so that they share what the group has
-    for (std::size_t u = 0; u < used.size(); ++u) within[group_of(u)] += share(u);
+    for (std::size_t u = 0; u < used.size(); ++u) within[group_of(u)] += weight(u);
     double sum = 0;
     for (std::size_t u = 0; u < used.size(); ++u) {
       const double all = within[group_of(u)];
-      const double w = std::max(0.0, limb_shares[i][group_of(u)]) * share(u) / std::max(all, 1e-12);
+      const double w =
+          std::max(0.0, limb_weights[i][group_of(u)]) * weight(u) / std::max(all, 1e-12);
       if (w < 1e-4) continue;
       rows[i].push_back({used[u], w});
       sum += w;
@@ -218,25 +220,4 @@ std::vector<ShareRow> diffuse_shares(const Skeleton& skeleton, const TriMesh& sk
   return rows;
 }
 
-void thin_shares(std::vector<ShareRow>& rows, double least, int most) {
-  for (ShareRow& row : rows) {
-    double largest = 0, whole = 0;
-    for (const Influence& w : row) {
-      largest = std::max(largest, w.weight);
-      whole += w.weight;
-    }
-    double cut = std::min(least, 0.5 * largest);
-    if (int(row.size()) > most) {
-      std::vector<double> sorted;
-      for (const Influence& w : row) sorted.push_back(w.weight);
-      std::nth_element(sorted.begin(), sorted.begin() + most, sorted.end(), std::greater<>());
-      cut = std::max(cut, sorted[most]);
-    }
-    double sum = 0;
-    for (Influence& w : row) sum += w.weight = std::max(0.0, w.weight - cut);
-    std::erase_if(row, [](const Influence& w) { return w.weight <= 0; });
-    for (Influence& w : row) w.weight *= whole / sum;
-  }
-}
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,24 +1,23 @@
-// Chooses the points of a skin that keep their height over the muscles, and spreads them over the
-// vertices. Private to the room.
+// Points of a skin that keep their height over the muscles, and their weights for the vertices.
+// Private to the room.
 #pragma once
 
 #include <vector>
 
 #include "anatomy/anatomy.h"
 #include "anatomy/posing/pose_anatomy.h"
-#include "skinning/bind/blend_tables.h"
-#include "skinning/bind/joint_weights.h"
 #include "skinning/bind/skin_depth.h"
+#include "skinning/bind/skin_weights.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-// Nodes no nearer than `spacing` to each other along the skin, in vertex order; with the rings of
-// neighbours for smoothing. node_rows: for each vertex the nodes it takes its lift from, weights
-// summing to at most 1 (nodes without muscle count as zero). rows: the vertices' carriers. Fills
-// tables.nodes.
-std::vector<ShareRow> place_nodes(const Anatomy& anatomy, const PosedAnatomy& rest,
-                                  const TriMesh& skin, const SkinSurvey& survey,
-                                  const std::vector<ShareRow>& rows, double spacing,
-                                  SkinTables& tables);
+// Places handles no nearer than `spacing` (m) to each other along the skin, in vertex order, with
+// the rings of neighbours for smoothing, into tables.handles. Returns for each vertex the handles
+// that offset it, weights summing to at most 1 (handles over no muscle count as zero). rows: blend
+// frames of the vertices.
+std::vector<WeightRow> place_muscle_handles(const Anatomy& anatomy, const PosedAnatomy& rest,
+                                            const TriMesh& skin, const SkinDepth& depth,
+                                            const std::vector<WeightRow>& rows, double spacing,
+                                            HandleTables& tables);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,4 +1,4 @@
-// Nodes on the skin that keep their height over the muscles beneath. Private to the room.
+// Offsets of the skin's handles by the muscles beneath them. Private to the room.
 #pragma once
 
 #include <vector>
@@ -6,18 +6,23 @@
 #include "anatomy/posing/pose_anatomy.h"
 #include "skinning/bind/blend_tables.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-// Sets each node's rest height: how far its rest point lies under the smooth tube, which lifts are
-// then measured from.
-void level_nodes(const PosedAnatomy& rest, SkinTables& tables);
+// Offsets of the handles in one pose, and the memory they are made in. Sized on first use.
+struct HandleWorkspace {
+  std::vector<float> offsets;   // #handles x 4, world, m, the last 0
+  std::vector<float> smoothed;  // the same; working memory
+};
 
-// Lift of every node, world, 4 floats each (w = 0): along the node's posed normal, by the change of
-// height of the muscle surface beneath it against the blended skin. Muscles glide along their line
-// underneath; the slice that has come to lie beneath the node counts, so only the section's size
-// and place lift. `working` is working memory.
-void lift_nodes(const SkinTables& tables, const PosedAnatomy& posed,
-                const std::vector<float>& carriers, std::vector<float>& lifts,
-                std::vector<float>& working);
+// Sets each handle's rest height: the depth of its rest point below the smooth tube, from which
+// offsets are measured.
+void level_handles(const PosedAnatomy& rest, HandleTables& tables);
 
-}  // namespace ecorche
+// Offset of every handle along its posed normal, by the change of height of the muscle surface
+// beneath it against the blended skin. Muscles slide along their line underneath; the slice that
+// has come to lie beneath the handle counts, so that only the section's size and place offset the
+// skin. `maps`: of FrameWorkspace.
+void offset_handles(const BlendTables& tables, const PosedAnatomy& posed,
+                    const std::vector<float>& maps, HandleWorkspace& out);
+
+}  // namespace ecorche::inline v1

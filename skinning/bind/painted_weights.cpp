@@ -9,13 +9,12 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
 #include "anatomy/files/input_file.h"
-#include "skinning/bind/blend_tables.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kSumSlack = 0.01;
-constexpr std::size_t kMostJoints = 8;
+constexpr std::size_t kMostPaintedJoints = 8;
 
 int find_part(const Anatomy& anatomy, const std::string& name) {
   if (const int joint = find_joint(anatomy.skeleton, name); joint >= 0) return joint;
@@ -25,7 +24,7 @@ int find_part(const Anatomy& anatomy, const std::string& name) {
 }
 
 struct Painted {
-  std::map<int, double> shares;  // by joint
+  std::map<int, double> weights;  // by joint
   std::vector<std::string> names;
   double sum = 0;
   int row = 0;  // the last one that names the vertex
@@ -55,7 +54,7 @@ void add_row(const Table& table, int row, const Anatomy& anatomy, int vertex_cou
   painted.names.push_back(name);
   painted.sum += weight;
   painted.row = row;
-  if (weight > 0) painted.shares[joint] += weight;
+  if (weight > 0) painted.weights[joint] += weight;
 }
 
 }  // namespace
@@ -79,38 +78,37 @@ PaintedWeights painted_weights(const Table& table, const std::string& name, cons
           fmt::format("{}: the weights of vertex {} add up to {:.4g}; give it all of its joints, "
                       "so that they make 1",
                       table.where(painted.row), vertex, painted.sum));
-    if (painted.shares.size() > kMostJoints)
+    if (painted.weights.size() > kMostPaintedJoints)
       throw InputError(fmt::format("{}: vertex {} has {} joints; {} is the most",
-                                   table.where(painted.row), vertex, painted.shares.size(),
-                                   kMostJoints));
+                                   table.where(painted.row), vertex, painted.weights.size(),
+                                   kMostPaintedJoints));
     out.vertices.push_back(vertex);
-    out.shares.emplace_back();
-    for (const auto& [joint, weight] : painted.shares)
-      out.shares.back().push_back({joint, weight / painted.sum});
+    out.weights.emplace_back();
+    for (const auto& [joint, weight] : painted.weights)
+      out.weights.back().push_back({joint, weight / painted.sum});
   }
   return out;
 }
 
-std::vector<std::vector<Influence>> joint_shares(const Binding& binding) {
-  const SkinTables& tables = binding.tables->base ? *binding.tables->base : *binding.tables;
-  const int first_pair = tables.joint_count + int(tables.twists.size());
-  std::vector<std::vector<Influence>> out(tables.vertex_count);
-  for (const VertexRun& run : tables.runs)
+std::vector<std::vector<Influence>> joint_weights_of(const BlendTables& tables) {
+  const BlendMesh& mesh = tables.mesh;
+  const FrameTables& frames = tables.frames;
+  std::vector<std::vector<Influence>> out(mesh.vertex_count);
+  for (const VertexRun& run : mesh.runs)
     for (int e = run.begin; e < run.end; ++e) {
-      const int sorted = tables.place[e];
-      std::map<int, double> shares;
-      for (int k = 0; k < run.carriers; ++k) {
-        const std::size_t entry =
-            run.carrier_entry + std::size_t((e - run.begin) * run.carriers + k);
-        const int carrier = tables.carrier[entry];
-        if (carrier >= first_pair) continue;
-        const int joint = carrier < tables.joint_count
-                              ? carrier
-                              : tables.twists[carrier - tables.joint_count].joint;
-        shares[joint] += double(tables.carrier_weight[entry]);
+      const int sorted = mesh.sorted_index[e];
+      std::map<int, double> weights;
+      for (int k = 0; k < run.frames; ++k) {
+        const std::size_t entry = run.frame_entry + std::size_t((e - run.begin) * run.frames + k);
+        const int frame = mesh.frame[entry];
+        if (frame >= frames.first_pair()) continue;
+        const int joint = frame < frames.joint_count()
+                              ? frame
+                              : frames.twists[frame - frames.joint_count()].joint;
+        weights[joint] += double(mesh.frame_weight[entry]);
       }
-      std::vector<Influence>& row = out[tables.order.empty() ? sorted : tables.order[sorted]];
-      for (const auto& [joint, weight] : shares) row.push_back({joint, weight});
+      std::vector<Influence>& row = out[mesh.order.empty() ? sorted : mesh.order[sorted]];
+      for (const auto& [joint, weight] : weights) row.push_back({joint, weight});
       std::stable_sort(row.begin(), row.end(),
                        [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
     }
@@ -118,9 +116,9 @@ std::vector<std::vector<Influence>> joint_shares(const Binding& binding) {
 }
 
 void write_weights(const std::filesystem::path& file, const Skeleton& skeleton,
-                   const Binding& binding) {
+                   const BlendTables& tables) {
   std::string out = "vertex,joint,weight\n";
-  const std::vector<std::vector<Influence>> rows = joint_shares(binding);
+  const std::vector<std::vector<Influence>> rows = joint_weights_of(tables);
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (const Influence& w : rows[i])
       fmt::format_to(std::back_inserter(out), "{},{},{:.7f}\n", i, skeleton.joints[w.joint].name,
@@ -128,4 +126,4 @@ void write_weights(const std::filesystem::path& file, const Skeleton& skeleton,
   write_file_atomically(file, out);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,18 +1,21 @@
-// Weights set by hand: a table says for some vertices how much of them each joint moves, and takes
-// the place of what the binding finds.
+// Weights set by hand: a table that says for some vertices how much of them each joint moves, in
+// place of the weights that binding finds.
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
+#include "anatomy/anatomy.h"
 #include "anatomy/files/csv_table.h"
-#include "skinning/bind/bind.h"
+#include "skinning/bind/blend_tables.h"
+#include "skinning/binding.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct PaintedWeights {
   std::vector<int> vertices;  // of the skin that is bound; of a refined skin's base mesh
-  std::vector<std::vector<Influence>> shares;  // rising joint, positive, sum 1
+  std::vector<std::vector<Influence>> weights;  // rising joint, positive, sum 1
 };
 
 // A table with the columns vertex (from 0, in the skin's own order), joint (a joint's name, or a
@@ -25,20 +28,11 @@ PaintedWeights read_painted_weights(const std::filesystem::path& file, const Ana
 PaintedWeights painted_weights(const Table& table, const std::string& name, const Anatomy& anatomy,
                                int vertex_count);
 
-// bind_skin() with painted vertices. What follows from the shares (gradual twist of upper arm and
-// thigh, half-way rotations, muscles, the elastic skin) is found as ever; the forearm's own spread
-// between ulna and radius is left as it is painted.
-Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin,
-                  const PaintedWeights& painted, const BindOptions& options = {});
-Binding bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& base,
-                  const Refinement& refinement, const TriMesh& fine, const PaintedWeights& painted,
-                  const BindOptions& options = {});
-
-// Every joint's share of every vertex, largest first: of a refined skin, its base mesh's. #V
-std::vector<std::vector<Influence>> joint_shares(const Binding& binding);
+// Every joint's weight for every vertex, largest first. #V
+std::vector<std::vector<Influence>> joint_weights_of(const BlendTables& tables);
 
 // The table that read_painted_weights() reads. Throws OutputError.
 void write_weights(const std::filesystem::path& file, const Skeleton& skeleton,
-                   const Binding& binding);
+                   const BlendTables& tables);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

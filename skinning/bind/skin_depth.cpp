@@ -8,9 +8,10 @@
 #include <numbers>
 
 #include "anatomy/geometry/join_meshes.h"
+#include "anatomy/geometry/vertex_rings.h"
 #include "anatomy/queries/nearest_surface.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kInset = 1e-3;  // m, below the skin: where lines of sight start
@@ -32,8 +33,8 @@ std::vector<Vec3> rest_normals(const TriMesh& skin) {
 
 // Averages with the neighbours, so that a ray through a fold or between fingers does not stand
 // alone.
-void smooth(const std::vector<std::vector<int>>& neighbours, int rounds,
-            std::vector<double>& values) {
+void smooth_skin_depth(const std::vector<std::vector<int>>& neighbours, int rounds,
+                       std::vector<double>& values) {
   std::vector<double> next(values.size());
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -56,7 +57,7 @@ struct Nearest {
 // Calls visit(vertex, Nearest) for every vertex of the skin, in parallel. Neighbours in memory are
 // mostly neighbours in space, so the answer for one is a good guess at the next.
 template <typename Visit>
-void for_each_nearest(const Surroundings& inside, const TriMesh& skin, Visit visit) {
+void for_each_nearest(const AnatomySurfaces& surfaces, const TriMesh& skin, Visit visit) {
   constexpr std::size_t kBlock = 256;
   const std::size_t n = skin.V.rows();
   tbb::parallel_for(std::size_t{0}, (n + kBlock - 1) / kBlock, [&](std::size_t block) {
@@ -64,12 +65,12 @@ void for_each_nearest(const Surroundings& inside, const TriMesh& skin, Visit vis
     for (std::size_t i = block * kBlock; i < std::min(n, (block + 1) * kBlock); ++i) {
       const Vec3 p = skin.V.row(i);
       Nearest nearest;
-      bone = inside.bone_surface->nearest(p, bone.triangle);
-      nearest.bone = {Anchor::Kind::bone, inside.bones.part[bone.triangle], bone.distance,
+      bone = surfaces.bone_surface->nearest(p, bone.triangle);
+      nearest.bone = {Anchor::Kind::bone, surfaces.bones.part[bone.triangle], bone.distance,
                       bone.point};
-      if (inside.muscle_surface) {
-        muscle = inside.muscle_surface->nearest(p, muscle.triangle);
-        nearest.muscle = {Anchor::Kind::muscle, inside.muscles.part[muscle.triangle],
+      if (surfaces.muscle_surface) {
+        muscle = surfaces.muscle_surface->nearest(p, muscle.triangle);
+        nearest.muscle = {Anchor::Kind::muscle, surfaces.muscles.part[muscle.triangle],
                           muscle.distance, muscle.point};
       }
       visit(i, nearest);
@@ -78,20 +79,6 @@ void for_each_nearest(const Surroundings& inside, const TriMesh& skin, Visit vis
 }
 
 }  // namespace
-
-std::vector<std::vector<int>> vertex_neighbours(const TriMesh& mesh) {
-  std::vector<std::vector<int>> out(mesh.V.rows());
-  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f)
-    for (int k = 0; k < 3; ++k) {
-      out[mesh.F(f, k)].push_back(mesh.F(f, (k + 1) % 3));
-      out[mesh.F(f, k)].push_back(mesh.F(f, (k + 2) % 3));
-    }
-  for (std::vector<int>& row : out) {
-    std::sort(row.begin(), row.end());
-    row.erase(std::unique(row.begin(), row.end()), row.end());
-  }
-  return out;
-}
 
 PartMesh bone_mesh(const Anatomy& anatomy) {
   PartMesh out;
@@ -133,7 +120,7 @@ PartMesh muscle_mesh(const Anatomy& anatomy, const PosedAnatomy& rest, int sides
   return out;
 }
 
-Surroundings::Surroundings(const Anatomy& anatomy, const PosedAnatomy& rest)
+AnatomySurfaces::AnatomySurfaces(const Anatomy& anatomy, const PosedAnatomy& rest)
     : bones(bone_mesh(anatomy)), muscles(muscle_mesh(anatomy, rest)) {
   for (const Bone& bone : anatomy.bones) bone_joint.push_back(bone.joint);
   const auto surface = [](const TriMesh& mesh) { return std::make_unique<NearestSurface>(mesh); };
@@ -143,9 +130,9 @@ Surroundings::Surroundings(const Anatomy& anatomy, const PosedAnatomy& rest)
                        });
 }
 
-SkinSurvey survey_skin(const Surroundings& inside_body, const TriMesh& skin) {
+SkinDepth measure_skin_depth(const AnatomySurfaces& surfaces, const TriMesh& skin) {
   const std::size_t n = skin.V.rows();
-  SkinSurvey out;
+  SkinDepth out;
   out.anchors.resize(n);
   out.muscles.resize(n);
   out.joint.assign(n, -1);
@@ -153,28 +140,28 @@ SkinSurvey survey_skin(const Surroundings& inside_body, const TriMesh& skin) {
   out.radius.assign(n, 0);
   out.normal = rest_normals(skin);
   const NearestSurface skin_surface(skin);
-  for_each_nearest(inside_body, skin, [&](std::size_t i, const Nearest& nearest) {
+  for_each_nearest(surfaces, skin, [&](std::size_t i, const Nearest& nearest) {
     const Vec3 inside = Vec3(skin.V.row(i)) - kInset * out.normal[i];
     out.anchors[i] = nearest.component();
     out.muscles[i] = nearest.muscle;
     out.depth[i] = nearest.bone.distance;
     if (nearest.bone.distance < kAlwaysInReach || !skin_surface.blocked(inside, nearest.bone.point))
-      out.joint[i] = inside_body.bone_joint[nearest.bone.part];
+      out.joint[i] = surfaces.bone_joint[nearest.bone.part];
     const std::optional<double> through = skin_surface.cast(inside, -out.normal[i]);
     out.radius[i] = std::clamp(0.5 * through.value_or(2 * kMaxRadius), kMinRadius, kMaxRadius);
   });
   const std::vector<std::vector<int>> neighbours = vertex_neighbours(skin);
-  smooth(neighbours, 12, out.radius);
-  smooth(neighbours, 4, out.depth);
+  smooth_skin_depth(neighbours, 12, out.radius);
+  smooth_skin_depth(neighbours, 4, out.depth);
   return out;
 }
 
-std::vector<Anchor> find_anchors(const Surroundings& inside, const TriMesh& skin) {
+std::vector<Anchor> find_anchors(const AnatomySurfaces& surfaces, const TriMesh& skin) {
   std::vector<Anchor> anchors(skin.V.rows());
-  for_each_nearest(inside, skin, [&](std::size_t i, const Nearest& nearest) {
+  for_each_nearest(surfaces, skin, [&](std::size_t i, const Nearest& nearest) {
     anchors[i] = nearest.component();
   });
   return anchors;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,4 +1,4 @@
-// What lies beneath each vertex of a skin at rest. Private to the room.
+// The components of the anatomy beneath each vertex of a skin at rest. Private to the library.
 #pragma once
 
 #include <memory>
@@ -7,15 +7,15 @@
 #include "anatomy/anatomy.h"
 #include "anatomy/posing/pose_anatomy.h"
 #include "anatomy/queries/nearest_surface.h"
-#include "skinning/bind/bind.h"
+#include "skinning/binding.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-struct SkinSurvey {
+struct SkinDepth {
   std::vector<Anchor> anchors;  // #V nearest component, exact
   std::vector<Anchor> muscles;  // #V nearest muscle, exact; kind none without muscles
-  std::vector<int>
-      joint;  // #V of the nearest bone, if it can be reached without leaving the body; else -1
+  // #V joint of the nearest bone, if a straight line inside the body leads to it; else -1
+  std::vector<int> joint;
   std::vector<double> depth;   // #V to that bone, m
   std::vector<double> radius;  // #V half the thickness of the body beneath, smoothed, m
   std::vector<Vec3> normal;    // #V rest
@@ -29,22 +29,20 @@ struct PartMesh {
 PartMesh bone_mesh(const Anatomy& anatomy);
 PartMesh muscle_mesh(const Anatomy& anatomy, const PosedAnatomy& rest, int sides = 12);
 
-std::vector<std::vector<int>> vertex_neighbours(const TriMesh& mesh);
-
-// The anatomy at rest, ready to be searched.
-struct Surroundings {
+// Bones and muscles at rest, ready to be searched.
+struct AnatomySurfaces {
   // Precondition: at least one bone with triangles.
-  Surroundings(const Anatomy& anatomy, const PosedAnatomy& rest);
+  AnatomySurfaces(const Anatomy& anatomy, const PosedAnatomy& rest);
 
   PartMesh bones, muscles;
   std::vector<int> bone_joint;  // #bones
-  std::unique_ptr<NearestSurface> bone_surface,
-      muscle_surface;  // the second is null without muscles
+  std::unique_ptr<NearestSurface> bone_surface;
+  std::unique_ptr<NearestSurface> muscle_surface;  // null without muscles
 };
 
-SkinSurvey survey_skin(const Surroundings& inside, const TriMesh& skin);
+SkinDepth measure_skin_depth(const AnatomySurfaces& surfaces, const TriMesh& skin);
 
 // The nearest components alone, exact. #V
-std::vector<Anchor> find_anchors(const Surroundings& inside, const TriMesh& skin);
+std::vector<Anchor> find_anchors(const AnatomySurfaces& surfaces, const TriMesh& skin);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

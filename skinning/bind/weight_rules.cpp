@@ -8,27 +8,26 @@
 
 #include "anatomy/compute/smooth_step.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kLeastRange = 0.6;    // rad, joints that move less are blended linearly
-constexpr double kLeastPair = 0.01;    // 2 w_a w_b below it is not worth a carrier
-constexpr double kHingeSlack = 0.2;    // rad, of abduction
-constexpr std::size_t kMostPairs = 4;  // a vertex
+constexpr double kLeastRange = 0.6;  // rad, joints that move less are blended linearly
+constexpr double kLeastPair = 0.01;  // 2 w_a w_b below it is not worth a frame
+constexpr double kHingeSlack = 0.2;  // rad, of abduction
 constexpr double kReachQuantile = 0.5, kReachSlack = 1.35;
 
-double* find_share(ShareRow& row, int joint) {
+double* find_weight(WeightRow& row, int joint) {
   for (Influence& w : row)
     if (w.joint == joint) return &w.weight;
   return nullptr;
 }
 
-void move_share(ShareRow& row, int from, int to, double share) {
-  double* source = find_share(row, from);
-  if (source == nullptr || share <= 0) return;
-  const double moved = *source * share;
+void move_weight(WeightRow& row, int from, int to, double fraction) {
+  double* source = find_weight(row, from);
+  if (source == nullptr || fraction <= 0) return;
+  const double moved = *source * fraction;
   *source -= moved;
-  if (double* target = find_share(row, to))
+  if (double* target = find_weight(row, to))
     *target += moved;
   else
     row.push_back({to, moved});
@@ -53,7 +52,7 @@ std::vector<int> joints_between(const Skeleton& skeleton, int a, int b) {
   return up_a;
 }
 
-// The joint with the widest range between two carriers is where they hinge. False: they hardly turn
+// The joint with the widest range between two frames is where they hinge. False: they hardly turn
 // against each other.
 bool find_center(const Skeleton& skeleton, const std::vector<Vec3>& origins, int a, int b,
                  Vec3& center, int& hinge) {
@@ -77,9 +76,9 @@ bool find_center(const Skeleton& skeleton, const std::vector<Vec3>& origins, int
 bool is_hinge(const Joint& joint) { return (joint.max - joint.min).y() < kHingeSlack; }
 
 // A pair's reach is the distance from its hinge at which most of the flesh about it lies; beyond it
-// shares fade with its square.
+// weights fade with its square.
 void fade_with_distance(const Skeleton& skeleton, const TriMesh& skin,
-                        const std::vector<PairCarrier>& pairs, std::vector<ShareRow>& found) {
+                        const std::vector<FramePair>& pairs, std::vector<WeightRow>& found) {
   const auto distance = [&](std::size_t i, int pair) {
     return (Vec3(skin.V.row(i)) - pairs[pair].center).norm();
   };
@@ -106,7 +105,7 @@ void fade_with_distance(const Skeleton& skeleton, const TriMesh& skin,
 }  // namespace
 
 void spread_twist(const Skeleton& skeleton, const TriMesh& skin, std::span<const int> painted,
-                  std::vector<ShareRow>& rows, std::vector<TwistCarrier>& twists) {
+                  std::vector<WeightRow>& rows, std::vector<TwistFrame>& twists) {
   const std::vector<Vec3> origins = rest_positions(skeleton);
   const auto origin = [&](int j) { return origins[j]; };
   std::vector<char> kept(rows.size(), 0);
@@ -115,11 +114,11 @@ void spread_twist(const Skeleton& skeleton, const TriMesh& skin, std::span<const
     for (const auto& [upper, lower] : {std::pair{"shoulder", "elbow"}, std::pair{"hip", "knee"}}) {
       const int j = find_joint(skeleton, upper + side), end = find_joint(skeleton, lower + side);
       if (j < 0 || end < 0 || skeleton.joints[j].parent < 0) continue;
-      const int carrier = skeleton.joints.size() + twists.size();
+      const int frame = skeleton.joints.size() + twists.size();
       twists.push_back({j, skeleton.joints[j].parent, (origin(end) - origin(j)).normalized()});
       for (std::size_t i = 0; i < rows.size(); ++i) {
         const double t = along(skin.V.row(i), origin(j), origin(end));
-        move_share(rows[i], j, carrier, 1 - std::clamp(t, 0.0, 1.0));
+        move_weight(rows[i], j, frame, 1 - std::clamp(t, 0.0, 1.0));
       }
     }
     const int elbow = find_joint(skeleton, "elbow" + side),
@@ -129,15 +128,16 @@ void spread_twist(const Skeleton& skeleton, const TriMesh& skin, std::span<const
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const double t = along(skin.V.row(i), origin(elbow), origin(wrist));
       if (kept[i]) continue;
-      move_share(rows[i], elbow, forearm, 1);
-      move_share(rows[i], forearm, elbow, 1 - std::clamp((t - 0.1) / 0.85, 0.0, 1.0));
+      move_weight(rows[i], elbow, forearm, 1);
+      move_weight(rows[i], forearm, elbow, 1 - std::clamp((t - 0.1) / 0.85, 0.0, 1.0));
     }
   }
-  for (ShareRow& row : rows)
+  for (WeightRow& row : rows)
     std::erase_if(row, [](const Influence& w) { return w.weight <= 1e-6; });
 }
 
-void let_scapula_glide(const Skeleton& skeleton, const TriMesh& skin, std::vector<ShareRow>& rows) {
+void let_scapula_glide(const Skeleton& skeleton, const TriMesh& skin,
+                       std::vector<WeightRow>& rows) {
   const int thorax = find_joint(skeleton, "thorax");
   const std::vector<Vec3> origins = rest_positions(skeleton);
   for (const std::string side : {"_l", "_r"}) {
@@ -149,24 +149,24 @@ void let_scapula_glide(const Skeleton& skeleton, const TriMesh& skin, std::vecto
     const double arm = (origins[elbow] - center).norm();
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const double away = (Vec3(skin.V.row(i)) - center).norm() / arm;
-      move_share(rows[i], scapula, thorax, 0.6 * smooth_step(0.25, 0.6, away));
+      move_weight(rows[i], scapula, thorax, 0.6 * smooth_step(0.25, 0.6, away));
     }
   }
 }
 
-std::vector<PairCarrier> add_pairs(const Skeleton& skeleton, const TriMesh& skin,
-                                   const std::vector<TwistCarrier>& twists,
-                                   std::vector<ShareRow>& rows) {
-  const int joints = int(skeleton.joints.size()), carriers = joints + int(twists.size());
+std::vector<FramePair> add_frame_pairs(const Skeleton& skeleton, const TriMesh& skin,
+                                       const std::vector<TwistFrame>& twists,
+                                       std::vector<WeightRow>& rows) {
+  const int joints = int(skeleton.joints.size()), first_pair = joints + int(twists.size());
   const std::vector<Vec3> origins = rest_positions(skeleton);
-  const auto joint_of = [&](int carrier) {
-    return carrier < joints ? carrier : twists[carrier - joints].joint;
+  const auto joint_of = [&](int frame) {
+    return frame < joints ? frame : twists[frame - joints].joint;
   };
   std::map<std::pair<int, int>, int> index;  // -1: blended linearly
-  std::vector<PairCarrier> pairs;
-  std::vector<ShareRow> found(rows.size());
+  std::vector<FramePair> pairs;
+  std::vector<WeightRow> found(rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    ShareRow& row = rows[i];
+    WeightRow& row = rows[i];
     std::sort(row.begin(), row.end(),
               [](const Influence& a, const Influence& b) { return a.joint < b.joint; });
     for (std::size_t x = 0; x < row.size(); ++x)
@@ -176,7 +176,7 @@ std::vector<PairCarrier> add_pairs(const Skeleton& skeleton, const TriMesh& skin
         const std::pair<int, int> key{row[x].joint, row[y].joint};
         auto it = index.find(key);
         if (it == index.end()) {
-          PairCarrier pair{key.first, key.second, Vec3::Zero()};
+          FramePair pair{key.first, key.second, Vec3::Zero()};
           const int a = joint_of(key.first), b = joint_of(key.second);
           if (a == b) pair.center = origins[a];
           const bool hinged =
@@ -191,10 +191,10 @@ std::vector<PairCarrier> add_pairs(const Skeleton& skeleton, const TriMesh& skin
   for (std::size_t i = 0; i < rows.size(); ++i) {
     std::stable_sort(found[i].begin(), found[i].end(),
                      [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
-    if (found[i].size() > kMostPairs) found[i].resize(kMostPairs);
-    for (const Influence& w : found[i]) rows[i].push_back({carriers + w.joint, w.weight});
+    if (int(found[i].size()) > kMostPairs) found[i].resize(kMostPairs);
+    for (const Influence& w : found[i]) rows[i].push_back({first_pair + w.joint, w.weight});
   }
   return pairs;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -3,9 +3,10 @@
 #include <oneapi/tbb/parallel_pipeline.h>
 #include <oneapi/tbb/task_arena.h>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-void each_frame(int count, const FrameStep& begin, const FrameStep& make, const FrameStep& end) {
+void for_each_frame(int count, const FrameStep& begin, const FrameStep& make,
+                    const FrameStep& end) {
   namespace tbb = oneapi::tbb;
   int next = 0;
   const auto first = [&](tbb::flow_control& flow) {
@@ -29,4 +30,4 @@ void each_frame(int count, const FrameStep& begin, const FrameStep& make, const 
                              tbb::make_filter<int, void>(tbb::filter_mode::serial_in_order, last));
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -2,14 +2,14 @@
 
 #include <tbb/parallel_for.h>
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <span>
 
+#include "anatomy/compute/eigenvectors.h"
 #include "anatomy/muscles/action_line.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kStep = 0.005;  // m, for directions
@@ -35,8 +35,8 @@ Mat3 directions_at(const Points& moved, Eigen::Index row) {
 
 // The nearest right-handed frame.
 Mat3 nearest_frame(const Mat3& directions) {
-  const Eigen::JacobiSVD<Mat3> svd(directions, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Mat3 out = svd.matrixU() * svd.matrixV().transpose();
+  const Svd3 parts = svd(directions);
+  Mat3 out = parts.U * parts.V.transpose();
   if (out.determinant() < 0) out.col(2) *= -1;
   return out;
 }
@@ -113,7 +113,7 @@ LiveAnatomy::LiveAnatomy(const Character& character) : start_(character), charac
     rows.add_frame(joints[j], kStep * anatomy.skeleton.joints[j].axes);
   Points inside(rows.points.size(), 3);
   for (std::size_t i = 0; i < rows.points.size(); ++i) inside.row(i) = rows.points[i];
-  carrier_ = make_carrier(character.body.skin.V, inside);
+  carrier_ = make_skin_interpolation(character.body.skin.V, inside);
 }
 
 void LiveAnatomy::follow(const Points& skin) {
@@ -175,4 +175,4 @@ void LiveAnatomy::follow_skeleton(Eigen::Index row) {
   }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,11 +1,12 @@
-// A character whose skin is edited: bones, joints and muscles go along at once, without being
-// fitted anew.
+// An anatomy that follows an edited skin at once, without being fitted anew: for live editing.
 #pragma once
 
-#include "morph/tissue/interior_interpolation.h"
-#include "skinning/files/character_io.h"
+#include <vector>
 
-namespace ecorche {
+#include "anatomy/character.h"
+#include "morph/tissue/interior_interpolation.h"
+
+namespace ecorche::inline v1 {
 
 // Fixed combinations of skin vertices, made once a character.
 class LiveAnatomy {
@@ -30,9 +31,9 @@ class LiveAnatomy {
   const Character& start_;
   Character character_;
   std::vector<Ellipse> slices_;
-  Carrier carrier_;
+  SkinInterpolation carrier_;
   Eigen::Index slice_row_ = 0, path_row_ = 0, joint_row_ = 0;  // bones begin at 0
   Points moved_;
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

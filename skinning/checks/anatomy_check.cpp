@@ -10,6 +10,7 @@
 #include <memory>
 #include <span>
 
+#include "anatomy/base_mesh/body_rig.h"
 #include "anatomy/geometry/join_meshes.h"
 #include "anatomy/geometry/mesh_measures.h"
 #include "anatomy/geometry/overlap_volumes.h"
@@ -17,10 +18,10 @@
 #include "anatomy/muscles/slice_outline.h"
 #include "anatomy/posing/joint_sweep.h"
 #include "anatomy/queries/nearest_surface.h"
-#include "app/progress.h"
 #include "morph/fat/fat_layer.h"
+#include "skinning/character/evaluate.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kNear = 0.005;        // m, between the fat layer and what lies beneath
@@ -31,7 +32,7 @@ constexpr double kSticksOut = 0.020;   // m
 
 // Everything of a character that does not change from pose to pose.
 struct Subject {
-  const Actor& actor;
+  const CharacterModel& model;
   const BodyPackage& package;
   MuscleSurface surface;
   std::vector<SliceRange> ranges;
@@ -40,12 +41,14 @@ struct Subject {
   std::vector<Vec3> joints;
   bool packaged = false;  // the skin has the package's topology
 
-  const Anatomy& anatomy() const { return actor.character.anatomy; }
+  const Anatomy& anatomy() const { return model.character.anatomy; }
 };
 
 // One pose's meshes, and the memory they are made in.
 struct Shape {
-  ActorFrame frame;
+  explicit Shape(const CharacterModel& model) : frame(model) {}
+
+  CharacterState frame;
   Points muscles;
   std::vector<Points> bones;
   Points skin_points;
@@ -54,7 +57,7 @@ struct Shape {
 
 void shape_pose(const Subject& subject, const Pose& pose, Shape& shape) {
   const Anatomy& anatomy = subject.anatomy();
-  play(subject.actor, pose, shape.frame);
+  evaluate(subject.model, pose, {}, shape.frame);
   update_muscle_surface(subject.surface, shape.frame.posed, shape.muscles);
   shape.bones.resize(anatomy.bones.size());
   for (std::size_t i = 0; i < anatomy.bones.size(); ++i) {
@@ -67,7 +70,7 @@ void shape_pose(const Subject& subject, const Pose& pose, Shape& shape) {
   if (subject.packaged)
     shape.skin = capped_skin(subject.package, shape.skin_points);
   else
-    shape.skin = {shape.skin_points, subject.actor.character.body.skin.F};
+    shape.skin = {shape.skin_points, subject.model.character.body.skin.F};
 }
 
 // Muscles in order, then bones.
@@ -174,7 +177,8 @@ void check_voids(const Subject& subject, const Shape& shape, AnatomyCheck& check
   check.filled_share = std::numeric_limits<double>::quiet_NaN();
   if (!subject.packaged) return;
   const SkinRays rays(shape.skin);
-  const FatLayer fat = make_fat_layer(rays, subject.anatomy(), subject.actor.character.body);
+  const FatLayer fat = make_fat_layer(FatTables(subject.package.tables), rays, subject.anatomy(),
+                                      subject.model.character.body);
   const Points normals = vertex_normals(shape.skin);
   const std::vector<double> areas = vertex_areas(shape.skin);
   const auto parts = vertex_parts(subject.package);
@@ -272,7 +276,7 @@ struct PosedMuscles {
 
 PoseCheck check_pose(const Subject& subject, const LimitPose& pose, double spacing,
                      PosedMuscles& muscles) {
-  Shape shape;
+  Shape shape(subject.model);
   shape_pose(subject, pose.pose, shape);
   PoseCheck out;
   out.name = pose.name;
@@ -314,13 +318,15 @@ PoseCheck check_pose(const Subject& subject, const LimitPose& pose, double spaci
 }
 
 void check_poses(const Subject& subject, const std::vector<LimitPose>& poses,
-                 const CheckOptions& options, const Common& common, AnatomyCheck& check) {
+                 const CheckOptions& options, const CheckProgress& progress, AnatomyCheck& check) {
   check.poses.resize(poses.size());
   std::vector<PosedMuscles> muscles(poses.size());
-  Progress progress(common, "poses", int(poses.size()));
+  const int total = poses.size();
+  std::atomic<int> done = 0;
+  if (progress) progress(0, total);
   tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t p) {
     check.poses[p] = check_pose(subject, poses[p], options.pose_spacing, muscles[p]);
-    progress.step();
+    if (progress) progress(++done, total);
   });
   for (std::size_t p = 0; p < poses.size(); ++p) {
     const PoseCheck& pose = check.poses[p];
@@ -348,8 +354,12 @@ void check_poses(const Subject& subject, const std::vector<LimitPose>& poses,
 
 void check_sweeps(const Subject& subject, double step, AnatomyCheck& check) {
   const Skeleton& skeleton = subject.anatomy().skeleton;
-  const auto worst =
-      measure_sweeps(subject.actor.table, skeleton, subject.ranges, joint_sweeps(skeleton, step));
+  ContactWorkspace contact;
+  const auto worst = measure_sweeps(
+      [&](const Pose& pose, PosedAnatomy& posed) {
+        pose_muscles(subject.model.muscles, skeleton, pose, posed, contact);
+      },
+      skeleton, subject.ranges, joint_sweeps(skeleton, step));
   for (std::size_t i = 0; i < worst.size(); ++i) {
     MuscleCheck& muscle = check.muscles[subject.ranges[i].muscle];
     muscle.drift = std::max(muscle.drift, worst[i].drift.size);
@@ -363,16 +373,16 @@ void check_sweeps(const Subject& subject, double step, AnatomyCheck& check) {
 
 }  // namespace
 
-AnatomyCheck check_anatomy(const Actor& actor, const BodyPackage& package,
+AnatomyCheck check_anatomy(const CharacterModel& model, const BodyPackage& package,
                            const std::vector<LimitPose>& poses, const CheckOptions& options,
-                           const Common& common) {
-  const Anatomy& anatomy = actor.character.anatomy;
-  Subject subject{actor, package, make_muscle_surface(anatomy),     slice_ranges(anatomy),
+                           const CheckProgress& progress) {
+  const Anatomy& anatomy = model.character.anatomy;
+  Subject subject{model, package, make_muscle_surface(anatomy),     slice_ranges(anatomy),
                   {},    {},      rest_positions(anatomy.skeleton), false};
-  subject.packaged = actor.character.body.skin.V.rows() == package.skin_size;
+  subject.packaged = model.character.body.skin.V.rows() == package.skin_size;
   AnatomyCheck check;
   check.muscles.resize(anatomy.muscles.size());
-  Shape rest;
+  Shape rest(model);
   shape_pose(subject, rest_pose(anatomy.skeleton), rest);
   for (const SliceRange& range : subject.ranges)
     subject.rest_volumes.push_back(strip_volume(rest.frame.posed, range));
@@ -380,7 +390,7 @@ AnatomyCheck check_anatomy(const Actor& actor, const BodyPackage& package,
   check_rest(subject, rest, options, check);
   check_voids(subject, rest, check);
   check_ends(subject, check);
-  check_poses(subject, poses, options, common, check);
+  check_poses(subject, poses, options, progress, check);
   check.swept = options.sweep_step > 0;
   if (check.swept) check_sweeps(subject, options.sweep_step, check);
   for (const MuscleCheck& muscle : check.muscles) {
@@ -392,4 +402,4 @@ AnatomyCheck check_anatomy(const Actor& actor, const BodyPackage& package,
   return check;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

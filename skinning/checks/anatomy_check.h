@@ -1,15 +1,20 @@
-// What a character's anatomy is worth: containment, overlap and voids at rest, the same and more at
+// Quality of a character's anatomy: containment, overlap and voids at rest, the same and more at
 // the joints' limits, muscle by muscle.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
-#include "app/verb.h"
+#include "anatomy/base_mesh/body_package.h"
 #include "skinning/character/character_model.h"
 #include "skinning/motion/limit_poses.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
+
+// Told before the first of `total` steps (done = 0), and once after each (done > 0), from any
+// thread; may be empty.
+using CheckProgress = std::function<void(int done, int total)>;
 
 struct CheckOptions {
   double rest_spacing = 0.0015;  // m, between the lines that volumes are measured along
@@ -50,7 +55,7 @@ struct AnatomyCheck {
   int bone_points = 0, bone_points_outside = 0;
   int muscle_points = 0, muscle_points_outside = 0;
   double furthest_outside = 0;  // m, of muscles at rest
-  // sum of the muscles' volumes over their union, less one part: what is counted twice
+  // sum of the muscles' volumes over their union, less 1
   double overlap_share = 0;
   double bone_share = 0;  // of the muscles' volume in bones
   // the largest share of one muscle's volume that lies in bones, and whose
@@ -77,18 +82,9 @@ struct AnatomyCheck {
 };
 
 // `package`: closes the skin's mouth and eyes and knows its parts, where the skin has its topology.
-// Precondition: a bound actor. The same figures at any number of threads.
-AnatomyCheck check_anatomy(const Actor& actor, const BodyPackage& package,
+// The same figures at any number of threads.
+AnatomyCheck check_anatomy(const CharacterModel& model, const BodyPackage& package,
                            const std::vector<LimitPose>& poses, const CheckOptions& options,
-                           const Common& common);
+                           const CheckProgress& progress = {});
 
-// What is asked of a figure, and whether it is met.
-struct Target {
-  std::string what, asked, measured;
-  bool met = false;
-};
-std::vector<Target> check_targets(const AnatomyCheck& check);
-
-void report_anatomy_check(const AnatomyCheck& check, Report& report);  // under `check`
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

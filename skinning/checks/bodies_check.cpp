@@ -4,10 +4,13 @@
 
 #include <algorithm>
 
-#include "app/progress.h"
-#include "morph/template/template.h"
+#include "morph/fat/muscle_mass.h"
+#include "morph/fit/fit_character.h"
+#include "morph/template/template_cache.h"
+#include "skinning/character/character_model.h"
+#include "skinning/checks/check_targets.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 double outside_share(const AnatomyCheck& check) {
@@ -29,32 +32,31 @@ std::vector<BodySpec> checked_bodies() {
   return bodies;
 }
 
-std::vector<BodyCheck> check_bodies(const std::vector<BodySpec>& bodies,
-                                    const std::vector<LimitPose>& poses, const Common& common) {
-  const BodyModel model;
+std::vector<BodyCheck> check_bodies(const Assets& assets, const std::vector<BodySpec>& bodies,
+                                    const std::vector<LimitPose>& poses,
+                                    const CheckProgress& progress) {
+  const BodyModel model(assets);
   const BodyPackage& package = model.package();
-  const Template body_template = read_template();
+  const Template body_template = read_template(assets);
   std::vector<Body> all;  // before any is fitted: one that cannot be had is told at once
   for (const BodySpec& spec : bodies) all.push_back(make_body(model, spec));
   std::vector<BodyCheck> checks;
-  Progress progress(common, "bodies", int(bodies.size()));
-  Common silent = common;  // the bodies' own bars would break this one
-  silent.progress = "never";
+  if (progress) progress(0, int(bodies.size()));
   for (const Body& made : all) {
-    Report report;
-    const FittedCharacter fitted = fit_character(body_template, made, package, {}, report);
+    FittedCharacter fitted = fit_character(body_template, made, package);
+    const CharacterModel compiled = compile_character({std::move(fitted.anatomy), made});
     CheckOptions options;
     options.sweep_step = 0;
     BodyCheck body;
     body.name = bodies[checks.size()].name;
     body.mass = made.mass;
     body.stature = made.skin.V.col(1).maxCoeff() - made.skin.V.col(1).minCoeff();
-    body.tissues = fitted.tissues;
-    body.wanted_volume = fitted.dilation.wanted_volume;
-    body.dilation_ms = report.number("timings_ms.dilation");
-    body.check = check_anatomy(fitted.actor, package, poses, options, silent);
+    body.tissues = fitted.report.tissues;
+    body.target_volume = fitted.report.dilation.target_volume;
+    body.dilation_ms = fitted.report.dilation_ms;
+    body.check = check_anatomy(compiled, package, poses, options);
     checks.push_back(std::move(body));
-    progress.step();
+    if (progress) progress(int(checks.size()), int(bodies.size()));
   }
   return checks;
 }
@@ -73,7 +75,7 @@ std::string bodies_table(const std::vector<BodyCheck>& checks) {
         "{:<16}{:>7.1f}{:>7.1f}{:>7}{:>8.3f} %{:>7.2f} %{:>6.2f} %{:>6.1f} %{:>9.1f}{:>9.1f}\n",
         body.name, 100 * body.stature, body.mass, c.bone_points_outside, 100 * outside_share(c),
         100 * c.overlap_share, 100 * c.bone_share, 100 * c.filled_share,
-        kMuscleDensity * body.tissues.muscles, kMuscleDensity * body.wanted_volume);
+        kMuscleDensity * body.tissues.muscles, kMuscleDensity * body.target_volume);
   }
   if (!posed) return out;
   out += fmt::format("\n{:<16}{:>16}{:>18}\n", "posed", "outside, mean", "overlap, worst");
@@ -96,7 +98,7 @@ std::string bodies_csv(const std::vector<BodyCheck>& checks) {
         "{:.0f},",
         body.name, body.stature, body.mass, c.bone_points_outside, outside_share(c),
         c.overlap_share, c.bone_share, c.filled_share, c.gap_p95, 1e3 * t.muscles,
-        1e3 * body.wanted_volume, 1e3 * t.bones, 1e3 * t.layer, 1e3 * t.rest, body.dilation_ms);
+        1e3 * body.target_volume, 1e3 * t.bones, 1e3 * t.layer, 1e3 * t.rest, body.dilation_ms);
     out += c.poses.empty()
                ? ",\n"
                : fmt::format("{:.6f},{:.5f}\n", c.posed_outside_share, c.posed_overlap_worst);
@@ -110,4 +112,4 @@ bool is_met(const BodyCheck& body) {
                      [](const Target& target) { return target.met; });
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

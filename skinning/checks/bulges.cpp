@@ -11,13 +11,14 @@
 
 #include "anatomy/joint_angles.h"
 #include "anatomy/muscles/slice_outline.h"
+#include "skinning/character/evaluate.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kFlexed = 1.7453292519943295;  // rad
 
-// What was measured in people: change of thickness at full effort with the joint held, as a share
+// Published measurements: change of thickness at full effort with the joint held, as a share
 // of the relaxed thickness.
 struct PublishedBulge {
   const char* muscle;
@@ -80,13 +81,13 @@ double hull_perimeter(std::vector<Vec2> points) {
   return length;
 }
 
-double arm_girth(const Actor& actor, const ActorFrame& frame, double from, double to) {
-  const Skeleton& skeleton = actor.character.anatomy.skeleton;
+double arm_girth(const CharacterModel& model, const CharacterState& frame, double from, double to) {
+  const Skeleton& skeleton = model.character.anatomy.skeleton;
   const Vec3 shoulder = frame.posed.X_WJ[find_joint(skeleton, "shoulder_l")].translation();
   const Vec3 elbow = frame.posed.X_WJ[find_joint(skeleton, "elbow_l")].translation();
   TriMesh skin;
   to_points(frame.skin, skin.V);
-  skin.F = actor.character.body.skin.F;
+  skin.F = model.character.body.skin.F;
   double girth = 0;
   for (double share = from; share <= to + 1e-9; share += 0.025)
     girth = std::max(girth, tape_girth(skin, shoulder + share * (elbow - shoulder),
@@ -94,17 +95,17 @@ double arm_girth(const Actor& actor, const ActorFrame& frame, double from, doubl
   return girth;
 }
 
-void measure_arm(const Actor& actor, Bulges& bulges) {
-  const Anatomy& anatomy = actor.character.anatomy;
+void measure_arm(const CharacterModel& model, Bulges& bulges) {
+  const Anatomy& anatomy = model.character.anatomy;
   const Skeleton& skeleton = anatomy.skeleton;
   bulges.arm_relaxed = bulges.arm_flexed = bulges.arm_tensed =
       std::numeric_limits<double>::quiet_NaN();
   const int elbow = find_joint(skeleton, "elbow_l"), forearm = find_joint(skeleton, "forearm_l");
   if (elbow < 0 || forearm < 0 || find_joint(skeleton, "shoulder_l") < 0) return;
-  ActorFrame frame;
+  CharacterState frame(model);
   Pose pose = rest_pose(skeleton);
-  play_skin(actor, pose, frame);
-  bulges.arm_relaxed = arm_girth(actor, frame, 0.5, 0.5);
+  evaluate_skin(model, pose, {}, frame);
+  bulges.arm_relaxed = arm_girth(model, frame, 0.5, 0.5);
   const auto turn = [&](int j, int axis, double angle) {
     const Joint& joint = skeleton.joints[j];
     Vec3 angles = joint_angles(joint, Quat::Identity());
@@ -113,12 +114,12 @@ void measure_arm(const Actor& actor, Bulges& bulges) {
   };
   turn(elbow, 0, kFlexed);
   turn(forearm, 2, skeleton.joints[forearm].max.z());
-  play_skin(actor, pose, frame);
-  bulges.arm_flexed = arm_girth(actor, frame, 0.4, 0.65);
+  evaluate_skin(model, pose, {}, frame);
+  bulges.arm_flexed = arm_girth(model, frame, 0.4, 0.65);
   std::vector<double> effort;
   for (const Muscle& muscle : anatomy.muscles) effort.push_back(muscle.group == "arm" ? 1.0 : 0.0);
-  play_skin(actor, pose, frame, effort);
-  bulges.arm_tensed = arm_girth(actor, frame, 0.4, 0.65);
+  evaluate_skin(model, pose, {effort}, frame);
+  bulges.arm_tensed = arm_girth(model, frame, 0.4, 0.65);
 }
 
 }  // namespace
@@ -167,15 +168,16 @@ double tape_girth(const TriMesh& skin, const Vec3& point, const Vec3& normal) {
   return hull_perimeter(std::move(outline));
 }
 
-Bulges measure_bulges(const Actor& actor) {
+Bulges measure_bulges(const CharacterModel& model) {
   Bulges bulges;
-  measure_arm(actor, bulges);
-  const Anatomy& anatomy = actor.character.anatomy;
+  measure_arm(model, bulges);
+  const Anatomy& anatomy = model.character.anatomy;
   const auto ranges = slice_ranges(anatomy);
   const Pose pose = rest_pose(anatomy.skeleton);
   PosedAnatomy relaxed, tense;
-  pose_anatomy(actor.table, anatomy.skeleton, pose, relaxed);
-  pose_anatomy(actor.table, anatomy.skeleton, pose, tense, 1,
+  ContactWorkspace contact;
+  pose_muscles(model.muscles, anatomy.skeleton, pose, relaxed, contact);
+  pose_muscles(model.muscles, anatomy.skeleton, pose, tense, contact, 1,
                std::vector<double>(anatomy.muscles.size(), 1.0));
   for (const PublishedBulge& published : kPublished) {
     const int m = find_muscle(anatomy, published.muscle);
@@ -225,14 +227,4 @@ std::string bulge_table(const Bulges& bulges) {
   return out;
 }
 
-void report_bulges(const Bulges& bulges, Report& report) {
-  report.set("check.bulge.arm_relaxed", bulges.arm_relaxed);
-  report.set("check.bulge.arm_flexed", bulges.arm_flexed);
-  report.set("check.bulge.arm_tensed", bulges.arm_tensed);
-  for (const Thickening& m : bulges.muscles) {
-    report.set("check.bulge." + m.muscle + ".relaxed", m.relaxed);
-    report.set("check.bulge." + m.muscle + ".tense", m.tense);
-  }
-}
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

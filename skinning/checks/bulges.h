@@ -1,4 +1,4 @@
-// How much a character's muscles bulge, in the measures that others have published.
+// Bulging of a character's muscles, in measures with published values.
 #pragma once
 
 #include <string>
@@ -6,29 +6,29 @@
 
 #include "skinning/character/character_model.h"
 #include "skinning/checks/anatomy_check.h"
+#include "skinning/checks/check_targets.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct Thickening {
   std::string muscle;
   // m: the least width of a section, whatever its direction, as between two callipers; of the
-  // section that is thickest at rest, and of the same at full effort, joints held.
+  // section that is thickest at rest, and of the same at full activation, joints held.
   double relaxed = 0, tense = 0;
-  // what is asked of the change, a share of `relaxed`: the range of what was measured in people,
-  // widened by its error
+  // bounds of the change, a share of `relaxed`: the range measured in people, widened by its error
   double low = 0, high = 0;
-  std::string published;  // what was measured in people
+  std::string published;  // measured in people, as text
 };
 
 struct Bulges {
   // Left upper arm, m: relaxed half-way from shoulder to elbow in the rest pose; flexed by 100
   // degrees, palm up, all muscles of the arm tense: the largest from 40 to 65 % of the way. As a
   // tape lies, over hollows. NaN where the skeleton has no such arm.
-  double arm_relaxed = 0, arm_flexed = 0, arm_tensed = 0;  // flexed: the same without effort
+  double arm_relaxed = 0, arm_flexed = 0, arm_tensed = 0;  // flexed: the same without activation
   std::vector<Thickening> muscles;
 };
 
-Bulges measure_bulges(const Actor& actor);
+Bulges measure_bulges(const CharacterModel& model);
 
 // Length of a tape round the piece of the skin that a plane cuts nearest to a point: the section's
 // convex hull. 0 where the plane misses.
@@ -38,6 +38,5 @@ double tape_girth(const TriMesh& skin, const Vec3& point, const Vec3& normal);
 std::vector<Target> bulge_targets(const Bulges& bulges);
 
 std::string bulge_table(const Bulges& bulges);
-void report_bulges(const Bulges& bulges, Report& report);  // under `check.bulge`
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,5 +1,5 @@
-// A motion played on a character, and what it does to muscles and skin: measured frame by frame,
-// summed up, judged. Shared by the verbs animate and demo.
+// A motion played on a character: quality of muscles and skin, measured frame by frame, summed up,
+// judged.
 #pragma once
 
 #include <functional>
@@ -7,9 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "skinning/character/character_model.h"
+#include "anatomy/base_mesh/body_package.h"
+#include "anatomy/files/assets.h"
+#include "skinning/character/evaluate.h"
+#include "skinning/motion/activation.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Over all frames of a motion.
 struct MotionQuality {
@@ -31,26 +34,22 @@ struct MotionQuality {
 
 struct MotionRun {
   const Activations& activations;
-  bool dynamics = false;  // loose flesh lags
-  // for linear blend skinning beside ours, where the skin is its own
+  bool dynamics = false;  // soft tissue lags
+  // for linear blend skinning beside ours, where the skin is the package's own
   const BodyPackage* package = nullptr;
-  std::function<void(int frame, const ActorFrame& played)>
-      take{};  // every frame, in order; may be empty
+  // every frame, in order; may be empty
+  std::function<void(int frame, const CharacterState& played)> take{};
+  // Evaluates a frame in place of evaluate(), for baselines; may be empty. Called by several
+  // threads at once, with different slots (see frame_pipeline.h).
+  std::function<void(const Pose&, const FrameInputs&, int slot, CharacterState&)> evaluate{};
 };
 
-// Plays a motion, several frames at once, and measures every frame that it hands over.
-MotionQuality play_motion(const Actor& actor, const Motion& motion, const MotionRun& run);
-
-// The same poses by every way to move a skin that there is: flipped triangles and stretch, worst
-// frame, under `skins.<method>`. Without the body package or with a skin of another topology only
-// our own is measured.
-void compare_skins(const Actor& actor, const Motion& motion, Report& report);
+// Plays a motion, several frames at once, and measures every frame that it hands over. Throws
+// UnfitError for a frame whose skin is far from its body.
+MotionQuality play_motion(const CharacterModel& model, const Motion& motion, const MotionRun& run);
 
 // Accuracy targets that a motion misses, with the figures; empty when it meets them all. Exit code
 // 8 rests on it.
 std::vector<std::string> missed_targets(const MotionQuality& quality);
 
-// Under `prefix`: stable names, see docs/report.md.
-void report_quality(const MotionQuality& quality, const std::string& prefix, Report& report);
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -6,14 +6,15 @@
 #include "skinning/constraints/foot_contacts.h"
 #include "skinning/motion/center_of_mass.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kGravity = 9.81;
-constexpr double kTouching = 0.020;            // m over the ground
-constexpr double kShortest = 0.08;             // s
-constexpr double kWeak = 5.0, kStrong = 15.0;  // m/s^2: what still passes for a fall
-// m off a parabola, and a twentieth of its height: other limbs weigh otherwise than the source's
+constexpr double kTouching = 0.020;            // m; a lower foot is on the ground
+constexpr double kShortest = 0.08;             // s; shorter flights are left as they are
+constexpr double kWeak = 5.0, kStrong = 15.0;  // m/s^2; fitted gravity that is taken for a fall
+// m; largest distance from the fitted parabola, beside 5 % of its height: the mass distribution
+// differs from that of the source.
 constexpr double kRough = 0.02;
 
 // Least-squares fall over frames [begin, end): gravity and the largest distance from the parabola.
@@ -32,8 +33,9 @@ std::pair<double, double> fitted_fall(const std::vector<Vec3>& path, int begin, 
 
 }  // namespace
 
-void keep_flights(const Skeleton& skeleton, double sole_height, Motion& motion,
-                  RetargetReport& report) {
+std::vector<Flight> make_flights_ballistic(const Skeleton& skeleton, double sole_height,
+                                           Motion& motion) {
+  std::vector<Flight> flights;
   const int frames = motion.frames.size();
   const CenterOfMass center(skeleton);
   const FootShape left = foot_shape(skeleton, Side::left, sole_height),
@@ -72,8 +74,9 @@ void keep_flights(const Skeleton& skeleton, double sole_height, Motion& motion,
     for (int f = begin; f < end; ++f) sinks |= lowest[f] + fall(f).y() < 0;
     if (sinks) continue;  // something else than the feet held the body, or the feet did after all
     for (int f = begin; f < end; ++f) motion.frames[f].root += fall(f);
-    report.flights.push_back({begin, end, gravity});
+    flights.push_back({begin, end, gravity});
   }
+  return flights;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,17 +1,17 @@
-// In the air only gravity acts.
+// Free flight: in the air only gravity acts on the centre of mass.
 #pragma once
 
 #include <vector>
 
 #include "anatomy/skeleton.h"
-#include "skinning/retarget/retarget.h"
+#include "skinning/constraints/motion_report.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Finds the spans in which neither foot touches y = 0 and the centre of mass falls roughly freely,
-// and moves the root so that it does so exactly: 9.81 m/s^2 down, steady speed, from the frame
-// before to the frame after. Takes as long as before.
-void keep_flights(const Skeleton& skeleton, double sole_height, Motion& motion,
-                  RetargetReport& report);
+// and moves the root so that it follows a parabola exactly: 9.81 m/s^2 down, constant horizontal
+// velocity, from the frame before to the frame after. The duration is kept. Returns the spans.
+std::vector<Flight> make_flights_ballistic(const Skeleton& skeleton, double sole_height,
+                                           Motion& motion);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -9,13 +9,13 @@
 
 #include "skinning/motion/require_joint.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kRing = 0.015;  // m of a limb's length that one ring of skin takes, to either side
-constexpr std::size_t kFewest = 6;  // vertices that make a ring
+constexpr double kRing = 0.015;  // m; half length of the ring of skin that one sphere is fitted to
+constexpr std::size_t kFewest = 6;  // vertices that a proxy is fitted to, at least
 
-// What a skin vertex is nearest to.
+// A bone as a segment; each skin vertex belongs to the nearest.
 struct Axis {
   Vec3 from, to;
 };
@@ -26,12 +26,12 @@ double squared_distance(const Axis& axis, const Vec3& p) {
   return (p - axis.from - t * along).squaredNorm();
 }
 
-class Rounder {
+class ProxyFitter {
  public:
-  Rounder(const Skeleton& skeleton, const Points& skin)
+  ProxyFitter(const Skeleton& skeleton, const Points& skin)
       : skeleton_(skeleton), skin_(skin), rest_(rest_positions(skeleton)) {}
 
-  BodyRounds run() {
+  CollisionProxies run() {
     const Vec3 head = at("head");
     const Vec3 crown(head.x(), skin_.rows() > 0 ? skin_.col(1).maxCoeff() : head.y() + 0.2,
                      head.z());
@@ -47,11 +47,11 @@ class Rounder {
       fore[s] = axis(at("elbow" + side_), at("wrist" + side_));
       hand[s] = axis(at("wrist" + side_), at("dip3" + side_));
     }
-    belong();
-    BodyRounds out;
+    assign_vertices();
+    CollisionProxies out;
     for (std::size_t s = 0; s < 2; ++s) {
       side_ = side_suffix(s == 0 ? Side::left : Side::right);
-      std::vector<LimbBall>&leg = out.limbs[s], &arm = out.limbs[2 + s];
+      std::vector<LimbSphere>&leg = out.limbs[s], &arm = out.limbs[2 + s];
       for (const double t : {0.6, 0.8, 1.0}) ring(thigh[s], t, "hip", t, 0, leg);
       for (const double t : {0.2, 0.4, 0.6, 0.8}) ring(shank[s], t, "knee", 1 - t, t, leg);
       for (const double t : {0.0, 0.5, 1.0}) ring(foot[s], t, "subtalar", 0, 1, leg);
@@ -77,7 +77,7 @@ class Rounder {
     return int(axes_.size()) - 1;
   }
 
-  void belong() {
+  void assign_vertices() {
     parts_.resize(axes_.size());
     for (Eigen::Index i = 0; i < skin_.rows(); ++i) {
       double least = std::numeric_limits<double>::infinity();
@@ -90,9 +90,9 @@ class Rounder {
     }
   }
 
-  // The ring of skin at share `t` of an axis.
+  // A sphere from the ring of skin at fraction `t` of an axis.
   void ring(int part, double t, const std::string& joint, double middle, double end,
-            std::vector<LimbBall>& out) const {
+            std::vector<LimbSphere>& out) const {
     const Axis& axis = axes_[part];
     const Vec3 way = axis.to - axis.from, along = way.normalized(), here = axis.from + t * way;
     std::vector<Vec3> points;
@@ -100,8 +100,7 @@ class Rounder {
       if (std::abs((p - here).dot(along)) < kRing)
         points.push_back(p - (p - here).dot(along) * along);
     if (points.size() < kFewest) return;
-    // The middle of the ring's extent and not of its vertices, which are dense where there is much
-    // to see.
+    // The middle of the ring's extent, not of its vertices, whose density varies.
     const Vec3 across = along.unitOrthogonal(), third = along.cross(across);
     Vec3 centre = here;
     double radius = 0;
@@ -116,26 +115,27 @@ class Rounder {
     out.push_back({j, centre - rest_[j], radius, middle, end});
   }
 
-  // Trunk between two heights: an ellipsoid half as high again.
+  // The trunk between two heights: an ellipsoid 1.5 times as high.
   void slab(std::initializer_list<int> parts, double low, double high, const std::string& joint,
-            BodyRounds& out) const {
+            CollisionProxies& out) const {
     std::vector<Vec3> points;
     for (const int part : parts)
       for (const Vec3& p : parts_[part])
         if (p.y() > low && p.y() < high) points.push_back(p);
-    round(points, joint, {std::sqrt(2), 0, std::sqrt(2)}, 0.75 * (high - low), out);
+    fit_ellipsoid(points, joint, {std::sqrt(2), 0, std::sqrt(2)}, 0.75 * (high - low), out);
   }
-  void whole(std::initializer_list<int> parts, const std::string& joint, BodyRounds& out) const {
+  void whole(std::initializer_list<int> parts, const std::string& joint,
+             CollisionProxies& out) const {
     std::vector<Vec3> points;
     for (const int part : parts)
       points.insert(points.end(), parts_[part].begin(), parts_[part].end());
-    round(points, joint, Vec3::Constant(std::sqrt(3)), 0, out);
+    fit_ellipsoid(points, joint, Vec3::Constant(std::sqrt(3)), 0, out);
   }
 
-  // Half axes from the spread of the surface: a ring's is 1 / sqrt 2 of its radius, a ball's 1 /
-  // sqrt 3.
-  void round(const std::vector<Vec3>& points, const std::string& joint, const Vec3& spread,
-             double height, BodyRounds& out) const {
+  // Half axes from the standard deviation of the surface: that of a ring is 1 / sqrt 2 of its
+  // radius, that of a sphere 1 / sqrt 3.
+  void fit_ellipsoid(const std::vector<Vec3>& points, const std::string& joint, const Vec3& spread,
+                     double height, CollisionProxies& out) const {
     if (points.size() < kFewest) return;
     const double count = points.size();
     Vec3 low = points[0], high = points[0], sum = Vec3::Zero();
@@ -158,8 +158,8 @@ class Rounder {
 
 }  // namespace
 
-BodyRounds measure_rounds(const Skeleton& skeleton, const Points& skin) {
-  return Rounder(skeleton, skin).run();
+CollisionProxies measure_proxies(const Skeleton& skeleton, const Points& skin) {
+  return ProxyFitter(skeleton, skin).run();
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

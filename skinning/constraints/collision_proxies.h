@@ -1,7 +1,5 @@
-// The body as a few round bodies, to tell in a glance where limbs are in one another.
-//
-// Balls along arms and legs, as thick as the skin is round the bone there; ellipsoids for head and
-// trunk, each riding on one joint.
+// Collision proxies of a body: spheres along arms and legs, as thick as the skin around the bone,
+// and ellipsoids for head and trunk. Each moves with one joint.
 #pragma once
 
 #include <array>
@@ -9,30 +7,30 @@
 
 #include "anatomy/skeleton.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-struct LimbBall {
-  int joint = -1;              // that carries it
+struct LimbSphere {
+  int joint = -1;              // that it moves with
   Vec3 centre = Vec3::Zero();  // in the joint's frame, m
   double radius = 0;           // m
-  double middle = 0,
-         end = 0;  // by how much of a shift of knee or elbow, and of foot or hand, it is shifted
+  // Fractions of a shift of knee or elbow, and of foot or hand, that displace the sphere, 0 .. 1.
+  double middle = 0, end = 0;
 };
 
-struct TrunkRound {
-  int joint = -1;
+struct TrunkEllipsoid {
+  int joint = -1;              // that it moves with
   Vec3 centre = Vec3::Zero();  // in the joint's frame, m
   Vec3 half = Vec3::Zero();    // half axes, along the joint's, m
 };
 
-struct BodyRounds {
-  std::array<std::vector<LimbBall>, 4> limbs;  // legs, arms; left, right: as LimitTables has them
-  std::vector<TrunkRound> trunk;               // pelvis to chest, neck, head
+struct CollisionProxies {
+  std::array<std::vector<LimbSphere>, 4> limbs;  // legs, arms; left, right: as LimitTables has them
+  std::vector<TrunkEllipsoid> trunk;             // pelvis to chest, neck, head
 };
 
-// From the skin at rest, #V x 3. A vertex belongs to the bone whose axis is nearest to it. Balls
-// around which there is no skin (an arm that a scan lacks) are left out. Precondition
+// Fits the proxies to the skin at rest, #V x 3. A vertex belongs to the bone whose axis is nearest.
+// Spheres without skin around them (an arm that a scan lacks) are left out. Precondition
 // (std::invalid_argument): the skeleton has our joints.
-BodyRounds measure_rounds(const Skeleton& skeleton, const Points& skin);
+CollisionProxies measure_proxies(const Skeleton& skeleton, const Points& skin);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

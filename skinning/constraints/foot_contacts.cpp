@@ -7,13 +7,15 @@
 #include "anatomy/joint_angles.h"
 #include "skinning/motion/require_joint.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kLowHeight = 0.025, kHighHeight = 0.040;  // m
+// Contact detection with hysteresis: a contact continues below the larger thresholds and has a
+// frame below the smaller ones. Larger: swinging feet are planted; smaller: contacts are missed.
+constexpr double kLowHeight = 0.025, kHighHeight = 0.040;  // m over the floor
 constexpr double kSlow = 0.35, kFast = 0.60;               // m/s
-constexpr double kShortest = 0.060, kGap = 0.060;          // s
-constexpr double kSamePlace = 0.03;                        // m
+constexpr double kShortestFootContacts = 0.060;            // s; shorter contacts are dropped
+constexpr double kGap = 0.060, kSamePlace = 0.03;          // s, m; smaller gaps are closed
 
 }  // namespace
 
@@ -123,8 +125,9 @@ std::vector<Interval> standing_intervals(const std::vector<Vec3>& path,
     else
       out.push_back(run);
   }
-  std::erase_if(out, [&](const Interval& i) { return i.end - i.begin < kShortest * fps; });
+  std::erase_if(out,
+                [&](const Interval& i) { return i.end - i.begin < kShortestFootContacts * fps; });
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

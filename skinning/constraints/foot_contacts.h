@@ -1,4 +1,4 @@
-// When and where feet stand.
+// Foot contacts: when and where feet stand.
 #pragma once
 
 #include <array>
@@ -6,7 +6,7 @@
 
 #include "anatomy/skeleton.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // A foot as a rigid sole from heel to ball and a toe part, in the rest pose's world coordinates.
 struct FootShape {
@@ -14,7 +14,7 @@ struct FootShape {
   std::array<int, 5> mtp{};
   Vec3 heel = Vec3::Zero(), ball = Vec3::Zero(),
        tip = Vec3::Zero();      // on the ground under the standing foot
-  Vec3 toes_up = Vec3::Zero();  // where the tip is when the toes are bent upwards as far as they go
+  Vec3 toes_up = Vec3::Zero();  // the tip at full extension of the toes
 };
 
 // sole_height: world y of the soles at rest. Precondition: the skeleton has our joints.
@@ -30,8 +30,8 @@ struct FootPoints {
 FootPoints foot_points(const Skeleton& skeleton, const FootShape& foot,
                        const std::vector<Transform>& X_WJ);
 
-// Where heel and ball of one foot would be if the legs were those of the file, a path a frame:
-// contacts are found on these, since there the feet really stood.
+// Positions of heel and ball of one foot on the file's own legs, by frame. Contacts are detected on
+// these, since there the feet really stood.
 struct FootPaths {
   std::vector<Vec3> heel, ball;
 };
@@ -47,8 +47,8 @@ struct Interval {
 
 // Runs of frames in which a point stands: lower than 40 mm over the floor and slower than 0.6 m/s
 // throughout, somewhere lower than 35 mm and slower than 0.35 m/s, at least 60 ms long; gaps
-// shorter than 60 ms at one place are closed.
+// shorter than 60 ms at one position are closed.
 std::vector<Interval> standing_intervals(const std::vector<Vec3>& path,
                                          const std::vector<double>& floor, double fps);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

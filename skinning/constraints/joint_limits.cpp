@@ -6,32 +6,32 @@
 #include <stdexcept>
 #include <string>
 
-#include <Eigen/Cholesky>
-
+#include "anatomy/compute/cholesky.h"
 #include "anatomy/compute/smooth_step.h"
 #include "anatomy/joint_angles.h"
 #include "skinning/constraints/foot_contacts.h"
 #include "skinning/motion/require_joint.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kMost = 12;  // angles of a limb's four joints
 
-// Least squares: what counts as much as what.
-constexpr double kStray = 10 * kDegree;  // of an angle from where it was; ...
-// ... of those that twist a leg, at knee and subtalar joint: a heel rises rather
+// Scales of the least-squares terms: a residual of this size costs 1. A smaller scale is a stiffer
+// term.
+constexpr double kStray = 10 * kDegree;  // an angle's distance from the given pose
+// the same for the axial rotations of knee and subtalar joint: a heel rises before a leg twists
 constexpr double kTwist = 6 * kDegree;
-constexpr double kMiddle = 5e-3;       // m; knee or elbow off its place
-constexpr double kNear = 3 * kDegree;  // into the last part of a range, ...
-constexpr double kLast = 5 * kDegree;  // ... which begins so far from its end, or a tenth of it
-constexpr double kStands = 0.1e-3;     // m; a point that stands off its place, ...
-constexpr double kRises = 5e-3;        // ... a heel above it, a ball whose heel stands alone, ...
-constexpr double kRisen = 4e-3;  // ... which is held sideways half as well when it is so high, ...
-constexpr double kTurns = 4 * kDegree;  // ... the foot's turn, ...
-constexpr double kSinks = 0.2e-3;       // ... and either under the ground
-// an angle with less room than this takes no part: it stays as at rest
+constexpr double kMiddle = 5e-3;       // m; position of knee or elbow
+constexpr double kNear = 3 * kDegree;  // an angle inside the margin at the end of its range
+constexpr double kStands = 0.1e-3;     // m; position of a standing point
+// m; position of the ball of a foot whose heel stands alone, height of a heel whose ball stands
+constexpr double kRises = 5e-3;
+constexpr double kTurns = 4 * kDegree;  // rotation of a standing foot
+constexpr double kSinks = 0.2e-3;       // m; heel, ball or toes below the ground
+// The other parameters.
+constexpr double kLast = 5 * kDegree;  // width of the margin, or a tenth of the range
+constexpr double kRisen = 4e-3;        // m; a heel so high is held sideways half as stiffly
+// an angle with a smaller range is not solved for and stays as at rest
 constexpr double kHinge = 10 * kDegree;
 
 using Angles = Eigen::Matrix<double, kMost, 1>;
@@ -40,14 +40,14 @@ using Angles = Eigen::Matrix<double, kMost, 1>;
 class LimbSolver {
  public:
   LimbSolver(const Skeleton& skeleton, const LimbChain& chain, const Transform& base,
-             const Transform& wanted, const Vec3& middle, const LimbHold& hold,
+             const Transform& wanted, const Vec3& middle, const LimbTolerance& tolerance,
              const FootStand& stand, const Pose& start)
       : skeleton_(skeleton),
         chain_(chain),
         base_(base),
         wanted_(wanted),
         middle_(middle),
-        hold_(hold),
+        tolerance_(tolerance),
         stand_(stand) {
     for (int k = 0; k < 4; ++k) {
       const Joint& joint = skeleton.joints[chain.joints[k]];
@@ -83,7 +83,7 @@ class LimbSolver {
       }
       if (!better) break;
     }
-    for (int k = 0; k < 4; ++k) pose.rotations[joint_at(k)] = turn(x_, k).normalized();
+    for (int k = 0; k < 4; ++k) pose.rotations[joint_at(k)] = rotation(x_, k).normalized();
   }
 
  private:
@@ -92,42 +92,44 @@ class LimbSolver {
 
   int joint_at(int k) const { return chain_.joints[k]; }
   const Joint& joint(int k) const { return skeleton_.joints[joint_at(k)]; }
-  Quat turn(const Angles& x, int k) const { return joint_rotation(joint(k), x.segment<3>(3 * k)); }
+  Quat rotation(const Angles& x, int k) const {
+    return joint_rotation(joint(k), x.segment<3>(3 * k));
+  }
 
-  // Of the end: its point and the tips of three arrows; of knee or elbow; of a foot also the points
-  // that stand, and how deep they sink.
-  Residual end_off(const Angles& x) const {
+  // Scaled residuals. Rows 0-2: the end's point; 3-11: its axes; 12-14: knee or elbow; 15-17: heel
+  // and ball of a standing foot; 18-20: depth of heel, ball and toes below the ground.
+  Residual residuals(const Angles& x) const {
     Transform X = base_;
     Residual out = Residual::Zero();
     for (int k = 0; k < 4; ++k) {
       X.translate(joint(k).X_PJ.translation());
       if (k == 1) out.segment<3>(12) = (X.translation() - middle_) / kMiddle;
-      X.rotate(turn(x, k));
+      X.rotate(rotation(x, k));
     }
-    out.head<3>() = (X * chain_.point - wanted_ * chain_.point) / hold_.place;
+    out.head<3>() = (X * chain_.point - wanted_ * chain_.point) / tolerance_.position;
     for (int a = 0; a < 3; ++a)
-      out.segment<3>(3 + 3 * a) =
-          (X.linear().col(a) - wanted_.linear().col(a)) / (std::numbers::sqrt2 * hold_.turn);
-    if (!chain_.leg || !hold_.ground) return out;
+      out.segment<3>(3 + 3 * a) = (X.linear().col(a) - wanted_.linear().col(a)) /
+                                  (std::numbers::sqrt2 * tolerance_.rotation);
+    if (!chain_.leg || !tolerance_.on_ground) return out;
     const Vec3 ball = X * chain_.point, heel = X * chain_.heel;
-    if (stand_.ball || stand_.heel) out.segment<9>(3) *= hold_.turn / kTurns;
-    const Vec3 place = wanted_ * chain_.point, heel_place = wanted_ * chain_.heel;
+    if (stand_.ball || stand_.heel) out.segment<9>(3) *= tolerance_.rotation / kTurns;
+    const Vec3 ball_wanted = wanted_ * chain_.point, heel_wanted = wanted_ * chain_.heel;
     if (stand_.ball) {
-      out.head<3>() = (ball - place) / kStands;
+      out.head<3>() = (ball - ball_wanted) / kStands;
     } else if (stand_.heel) {
-      // The ball gives way before the heel does, but what the ankle lacks is not made up for by
-      // turning the toes out: rather the heel rises.
-      out.head<3>() = (heel - heel_place) / kStands;
+      // The ball yields before the heel, but a lack of ankle flexion must not turn the toes out:
+      // the heel rises instead.
+      out.head<3>() = (heel - heel_wanted) / kStands;
       out[1] *= kStands / kRises;
-      out.segment<3>(15) = (ball - place) / kRises;
+      out.segment<3>(15) = (ball - ball_wanted) / kRises;
     }
     if (stand_.ball && stand_.heel) {
-      // The heel may rise where the ankle bends no further: it turns about the ball, and sideways
-      // the less it is held the higher it is.
-      const Vec3 across = Vec3::UnitY().cross(place - heel_place).normalized();
-      const double high = std::max(0.0, heel.y() - heel_place.y()) / kRisen;
-      out[15] = (heel - heel_place).dot(across) / (kStands * (1 + high * high));
-      out[16] = (heel.y() - heel_place.y()) / kRises;
+      // The heel may rise where the ankle bends no further. It rotates about the ball, and is held
+      // sideways less stiffly the higher it is.
+      const Vec3 across = Vec3::UnitY().cross(ball_wanted - heel_wanted).normalized();
+      const double high = std::max(0.0, heel.y() - heel_wanted.y()) / kRisen;
+      out[15] = (heel - heel_wanted).dot(across) / (kStands * (1 + high * high));
+      out[16] = (heel.y() - heel_wanted.y()) / kRises;
     }
     out[18] = std::min(0.0, heel.y()) / kSinks;
     out[19] = std::min(0.0, ball.y()) / kSinks;
@@ -140,7 +142,7 @@ class LimbSolver {
   }
 
   double cost(const Angles& x) const {
-    double sum = end_off(x).squaredNorm();
+    double sum = residuals(x).squaredNorm();
     for (int i = 0; i < kMost; ++i)
       sum += free_[i] ? std::pow((x[i] - start_[i]) / stray_[i], 2) +
                             std::pow(beyond(x[i], i) / kNear, 2)
@@ -150,13 +152,13 @@ class LimbSolver {
 
   void linearize() {
     constexpr double kStep = 1e-6;
-    const Residual here = end_off(x_);
+    const Residual here = residuals(x_);
     Eigen::Matrix<double, kRows, kMost> J = Eigen::Matrix<double, kRows, kMost>::Zero();
     for (int i = 0; i < kMost; ++i) {
       if (!free_[i]) continue;
       Angles there = x_;
       there[i] += kStep;
-      J.col(i) = (end_off(there) - here) / kStep;
+      J.col(i) = (residuals(there) - here) / kStep;
     }
     hessian_ = J.transpose() * J;
     slope_ = J.transpose() * here;
@@ -168,7 +170,8 @@ class LimbSolver {
     }
   }
 
-  // Angles that stand at a limit and are pushed against it stay there.
+  // A damped Newton step. Angles at a limit that the gradient pushes outwards are held (active
+  // set).
   Angles descent(double damping) const {
     Eigen::Matrix<double, kMost, kMost> H = hessian_;
     Angles g = slope_;
@@ -181,14 +184,14 @@ class LimbSolver {
       H.row(i).setZero(), H.col(i).setZero();
       H(i, i) = 1, g[i] = 0;
     }
-    return -H.ldlt().solve(g);
+    return -solve_ldlt(H, g);
   }
 
   const Skeleton& skeleton_;
   const LimbChain& chain_;
   const Transform base_, wanted_;
   const Vec3 middle_;
-  const LimbHold hold_;
+  const LimbTolerance tolerance_;
   const FootStand stand_;
   std::array<bool, kMost> free_{};
   Angles x_, start_, low_, high_, ease_, stray_;
@@ -196,8 +199,8 @@ class LimbSolver {
   Angles slope_;
 };
 
-// What toes do about a foot that has been turned back by `turn`: they stay where they were, unless
-// that is far off.
+// Counter-rotation of the toes of a foot that the limits have rotated by `turn`: all of it for
+// small angles, so that the toes keep their world rotation, and none for large ones.
 Quat toe_help(const Mat3& turn) {
   constexpr double kNearby = 20 * kDegree, kAway = 60 * kDegree;
   const Quat whole(turn);
@@ -205,7 +208,7 @@ Quat toe_help(const Mat3& turn) {
                      Quat::Identity());
 }
 
-// Toes whose tip would be in the ground bend upwards, as far as their joints go.
+// Extends toes whose tip is below the ground, within their limits.
 void raise_toes(const Skeleton& skeleton, const FootShape& foot, Pose& pose,
                 std::vector<Transform>& X) {
   constexpr double kEnough = 1e-4;  // m
@@ -269,12 +272,12 @@ LimitTables make_limit_tables(const Skeleton& skeleton, double sole_height) {
   return tables;
 }
 
-void keep_limits(const Skeleton& skeleton, const LimitTables& tables, const LimbHold& hold,
-                 const std::array<FootStand, 2>& stands, const LimbShifts& shifts, Pose& pose,
-                 LimitScratch& scratch) {
-  forward_kinematics(skeleton, pose, scratch.before);
-  const std::vector<Transform>& was = scratch.before;
-  std::vector<Transform>& is = scratch.after;
+void enforce_limits(const Skeleton& skeleton, const LimitTables& tables,
+                    const LimbTolerance& tolerance, const std::array<FootStand, 2>& stands,
+                    const LimbShifts& shifts, Pose& pose, LimitWorkspace& workspace) {
+  forward_kinematics(skeleton, pose, workspace.before);
+  const std::vector<Transform>& was = workspace.before;
+  std::vector<Transform>& is = workspace.after;
   is = was;
   const std::size_t thorax = tables.thorax;
   for (std::size_t j = 1; j < skeleton.joints.size(); ++j) {
@@ -305,14 +308,14 @@ void keep_limits(const Skeleton& skeleton, const LimitTables& tables, const Limb
       const Vec3 middle = carried * was[limb.joints[1]].translation() + shifts[l].middle;
       Transform wanted = carried * was[end];
       wanted.pretranslate(shifts[l].end);
-      LimbSolver(skeleton, limb, is[parent], wanted, middle, hold, stand, pose).solve(pose);
+      LimbSolver(skeleton, limb, is[parent], wanted, middle, tolerance, stand, pose).solve(pose);
     }
     is[j] = child_frame(skeleton, is, pose, j);
   }
-  if (hold.ground)
+  if (tolerance.on_ground)
     for (const FootShape& foot : tables.feet) raise_toes(skeleton, foot, pose, is);
   complete_pose(skeleton, pose);
   forward_kinematics(skeleton, pose, is);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

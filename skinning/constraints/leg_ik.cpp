@@ -6,7 +6,7 @@
 
 #include "anatomy/joint_angles.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 Quat twist_about(const Quat& q, const Vec3& axis) {
@@ -97,4 +97,4 @@ void turn_shin_with_foot(const Skeleton& skeleton, const FootShape& foot, Pose& 
   pose.rotations[foot.subtalar] = (pose.rotations[foot.ankle].conjugate() * whole).normalized();
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

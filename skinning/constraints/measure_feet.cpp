@@ -1,29 +1,35 @@
+#include "skinning/constraints/measure_feet.h"
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 
-#include "skinning/constraints/plant_feet.h"
+#include "skinning/constraints/foot_contacts.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
+namespace {
 
 constexpr double kNearGround = 0.010;  // m: below it a point of a contact counts as planted
 
-void measure_feet(const Skeleton& skeleton, double sole_height, const Motion& motion,
-                  RetargetReport& report) {
+}  // namespace
+
+FootMeasures measure_feet(const Skeleton& skeleton, double sole_height, const Motion& motion,
+                          std::vector<Contact>& contacts) {
   const std::array<FootShape, 2> shapes = {foot_shape(skeleton, Side::left, sole_height),
                                            foot_shape(skeleton, Side::right, sole_height)};
   std::array<std::vector<FootPoints>, 2> points;
   std::vector<Transform> X;
-  report.penetration = 0;
+  FootMeasures out;
   for (const Pose& pose : motion.frames) {
     forward_kinematics(skeleton, pose, X);
     for (int side = 0; side < 2; ++side) {
       points[side].push_back(foot_points(skeleton, shapes[side], X));
       const FootPoints& p = points[side].back();
-      report.penetration = std::max({report.penetration, -p.heel.y(), -p.ball.y(), -p.tip.y()});
+      out.penetration = std::max({out.penetration, -p.heel.y(), -p.ball.y(), -p.tip.y()});
     }
   }
   std::vector<double> slides;
-  for (Contact& contact : report.contacts) {
+  for (Contact& contact : contacts) {
     const auto& track = points[contact.side == Side::left ? 0 : 1];
     std::vector<Vec3> near;
     for (int f = contact.begin; f < contact.end; ++f) {
@@ -37,8 +43,9 @@ void measure_feet(const Skeleton& skeleton, double sole_height, const Motion& mo
     if (!near.empty()) slides.push_back(contact.slide);
   }
   std::sort(slides.begin(), slides.end());
-  report.slide_p95 =
+  out.slide_p95 =
       slides.empty() ? 0 : slides[std::min(slides.size() - 1, std::size_t(0.95 * slides.size()))];
+  return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 LimbShifts sum(LimbShifts a, const LimbShifts& b) {
@@ -18,19 +18,20 @@ bool moves_any(const LimbShifts& shifts) {
 
 }  // namespace
 
-MotionLimiter::MotionLimiter(const Skeleton& skeleton, double sole_height, const BodyRounds* rounds)
+MotionLimiter::MotionLimiter(const Skeleton& skeleton, double sole_height,
+                             const CollisionProxies* proxies)
     : skeleton_(skeleton), tables_(make_limit_tables(skeleton, sole_height)) {
-  if (rounds != nullptr) apart_ = make_apart_tables(skeleton, *rounds);
+  if (proxies != nullptr) collision_ = make_collision_tables(skeleton, *proxies);
   ends_.push_back({find_joint(skeleton, "head"), Vec3::Zero(), {.end = "head"}});
   for (const LimbChain& limb : tables_.limbs)
     ends_.push_back({limb.joints[3], limb.point, {.end = skeleton.joints[limb.joints[3]].name}});
 }
 
-void MotionLimiter::run(const LimbHold& hold, const std::vector<Contact>& contacts,
+void MotionLimiter::run(const LimbTolerance& tolerance, const std::vector<Contact>& contacts,
                         const std::vector<LimbShifts>& shifts, Motion& motion) {
   std::vector<Pose> given = motion.frames;
-  std::vector<LimbShifts> placed = shifts.empty() ? std::vector<LimbShifts>(given.size()) : shifts;
-  hold_ = hold;
+  std::vector<LimbShifts> wanted = shifts.empty() ? std::vector<LimbShifts>(given.size()) : shifts;
+  tolerance_ = tolerance;
   stands_.assign(given.size(), {});
   for (const Contact& contact : contacts)
     for (int f = contact.begin; f < contact.end; ++f) {
@@ -38,37 +39,39 @@ void MotionLimiter::run(const LimbHold& hold, const std::vector<Contact>& contac
       (contact.heel ? foot.heel : foot.ball) = true;
     }
   for (std::size_t f = 0; f < given.size(); ++f) {
-    keep_limits(skeleton_, tables_, hold_, stands_[f], placed[f], motion.frames[f], scratch_);
+    enforce_limits(skeleton_, tables_, tolerance_, stands_[f], wanted[f], motion.frames[f],
+                   workspace_);
     for (std::size_t e = 0; e < ends_.size(); ++e) {
       End& end = ends_[e];
       const std::size_t j = end.joint;
-      const Vec3 shift = e > 0 ? placed[f][e - 1].end : Vec3(Vec3::Zero());
+      const Vec3 shift = e > 0 ? wanted[f][e - 1].end : Vec3(Vec3::Zero());
       const double moved =
-          (scratch_.before[j] * end.point + shift - scratch_.after[j] * end.point).norm();
+          (workspace_.before[j] * end.point + shift - workspace_.after[j] * end.point).norm();
       end.move.mean += moved / double(given.size());
       if (moved > end.move.most) end.move.most = moved, end.move.worst_frame = int(f);
     }
   }
-  if (hold.ground) raise_pelvis(given, placed, motion);
-  if (!apart_) return;
-  if (parted_.empty()) parted_ = meetings(motion);
-  part(given, placed, motion);
+  if (tolerance.on_ground) raise_pelvis(given, wanted, motion);
+  if (!collision_) return;
+  if (initial_penetrations_.empty()) initial_penetrations_ = penetrations(motion);
+  separate(given, wanted, motion);
 }
 
 void MotionLimiter::limit(std::size_t frame, const Pose& given, const LimbShifts& shifts,
                           Pose& pose) {
   pose = given;
-  keep_limits(skeleton_, tables_, hold_, stands_[frame], shifts, pose, scratch_);
+  enforce_limits(skeleton_, tables_, tolerance_, stands_[frame], shifts, pose, workspace_);
 }
 
 void MotionLimiter::raise_pelvis(std::vector<Pose>& given, std::vector<LimbShifts>& shifts,
                                  Motion& motion) {
-  constexpr int kTurns = 6;
-  constexpr double kNear = 0.015, kShare = 0.5,
-                   kMost = 0.1;  // m off its place that a knee may be; how much of the rest; m
+  constexpr int kPasses = 6;
+  constexpr double kKneeTolerance = 0.015;  // m; a knee may be off its position by so much
+  constexpr double kStep = 0.5;             // part of the excess that one pass raises the pelvis
+  constexpr double kMaxRaise = 0.1;         // m, all passes together
   std::vector<Transform> before, after;
   std::vector<double> raised(given.size(), 0.0);
-  for (int turn = 0; turn < kTurns; ++turn) {
+  for (int pass = 0; pass < kPasses; ++pass) {
     std::vector<LimbShifts> more(given.size());
     for (std::size_t f = 0; f < given.size(); ++f) {
       forward_kinematics(skeleton_, given[f], before);
@@ -81,7 +84,7 @@ void MotionLimiter::raise_pelvis(std::vector<Pose>& given, std::vector<LimbShift
             off,
             (before[knee].translation() + shifts[f][l].middle - after[knee].translation()).norm());
       }
-      const Vec3 up(0, std::clamp(kShare * (off - kNear), 0.0, kMost - raised[f]), 0);
+      const Vec3 up(0, std::clamp(kStep * (off - kKneeTolerance), 0.0, kMaxRaise - raised[f]), 0);
       more[f][0] = more[f][1] = {-0.5 * up, -up};  // as the legs see it, whose feet stay
     }
     if (std::none_of(more.begin(), more.end(), moves_any)) return;
@@ -96,16 +99,16 @@ void MotionLimiter::raise_pelvis(std::vector<Pose>& given, std::vector<LimbShift
   }
 }
 
-void MotionLimiter::part(const std::vector<Pose>& given, const std::vector<LimbShifts>& shifts,
-                         Motion& motion) {
-  constexpr int kTurns = 4;
+void MotionLimiter::separate(const std::vector<Pose>& given, const std::vector<LimbShifts>& shifts,
+                             Motion& motion) {
+  constexpr int kPasses = 4;
   std::vector<LimbShifts> found(given.size()), more(given.size());
   std::vector<Transform> X;
-  for (int turn = 0; turn < kTurns; ++turn) {
+  for (int pass = 0; pass < kPasses; ++pass) {
     for (std::size_t f = 0; f < given.size(); ++f) {
       forward_kinematics(skeleton_, motion.frames[f], X);
-      more[f] = part_limbs(*apart_, X);
-      if (hold_.ground) more[f][0].end.setZero(), more[f][1].end.setZero();
+      more[f] = separate_limbs(*collision_, X);
+      if (tolerance_.on_ground) more[f][0].end.setZero(), more[f][1].end.setZero();
     }
     if (std::none_of(more.begin(), more.end(), moves_any)) return;
     smooth_shifts(motion.fps, more);
@@ -117,27 +120,27 @@ void MotionLimiter::part(const std::vector<Pose>& given, const std::vector<LimbS
   }
 }
 
-std::vector<EndMove> MotionLimiter::moves() const {
+std::vector<EndMove> MotionLimiter::end_moves() const {
   std::vector<EndMove> out;
   for (const End& end : ends_) out.push_back(end.move);
   return out;
 }
 
-std::vector<MeetingBreak> MotionLimiter::meetings(const Motion& motion) const {
-  constexpr double kTold = 2e-3;  // m
-  std::vector<MeetingBreak> out;
-  if (!apart_) return out;
-  for (const char* name : kMeetingNames) out.push_back({.what = name});
+std::vector<Penetration> MotionLimiter::penetrations(const Motion& motion) const {
+  constexpr double kReported = 2e-3;  // m; a shallower frame is not counted
+  std::vector<Penetration> out;
+  if (!collision_) return out;
+  for (const char* name : kCollisionNames) out.push_back({.what = name});
   std::vector<Transform> X;
   for (std::size_t f = 0; f < motion.frames.size(); ++f) {
     forward_kinematics(skeleton_, motion.frames[f], X);
-    const MeetingDepths depths = meeting_depths(*apart_, X);
+    const PenetrationDepths depths = penetration_depths(*collision_, X);
     for (std::size_t k = 0; k < depths.size(); ++k) {
-      out[k].frames += depths[k] > kTold;
+      out[k].frames += depths[k] > kReported;
       if (depths[k] > out[k].worst) out[k].worst = depths[k], out[k].worst_frame = int(f);
     }
   }
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

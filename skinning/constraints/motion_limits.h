@@ -1,39 +1,40 @@
-// A whole motion within its limits: joints (skinning/constraints/joint_limits.h), and limbs that do
-// not pass through the body (skinning/constraints/self_collision.h).
+// Constraints over a whole motion: joint limits (joint_limits.h) and self-collision
+// (self_collision.h).
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <vector>
 
 #include "anatomy/skeleton.h"
 #include "skinning/constraints/joint_limits.h"
+#include "skinning/constraints/motion_report.h"
 #include "skinning/constraints/self_collision.h"
-#include "skinning/retarget/retarget.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 class MotionLimiter {
  public:
-  // The skeleton is kept by reference. Without `rounds` limbs are not kept apart.
-  MotionLimiter(const Skeleton& skeleton, double sole_height, const BodyRounds* rounds);
+  // The skeleton is kept by reference. `proxies` null: self-collision is left as it is.
+  MotionLimiter(const Skeleton& skeleton, double sole_height, const CollisionProxies* proxies);
 
-  // Every frame is brought within limits with its limbs shifted (`shifts`: a frame each, or none),
-  // then limbs that meet are parted: what parts them is found on the motion as it is, smoothed over
-  // time, and topped up with it in place, in turns. `contacts`: of the feet that stand. Feet on the
-  // ground (hold.ground) are planted already and stay: only knees give way then, and where hip and
-  // ankle together bend no further, so that a knee would have to leave its place, the pelvis comes
-  // up.
-  void run(const LimbHold& hold, const std::vector<Contact>& contacts,
+  // Enforces the limits in every frame, with its limbs shifted (`shifts`: one a frame, or none).
+  // Then resolves self-collision: shifts are found on the motion as it is, smoothed over time, and
+  // found again with them in place, in alternation. `contacts`: of the standing feet. With
+  // tolerance.on_ground the feet are planted already and stay: only knees are shifted, and where
+  // hip and ankle together reach their limits, so that a knee would have to leave its position, the
+  // pelvis is raised.
+  void run(const LimbTolerance& tolerance, const std::vector<Contact>& contacts,
            const std::vector<LimbShifts>& shifts, Motion& motion);
 
-  // By how much keeping limits moved the ends of limbs, over all runs; parting them is not counted.
-  std::vector<EndMove> moves() const;
+  // Displacement of the ends of limbs by the limits, over all runs; without self-collision.
+  std::vector<EndMove> end_moves() const;
 
-  // How deep parts lay in one another in the first run before they were parted, and how deep they
-  // lie in any motion: an entry for each of kMeetingNames; none without rounds.
-  const std::vector<MeetingBreak>& parted() const { return parted_; }
-  std::vector<MeetingBreak> meetings(const Motion& motion) const;
+  // Self-collision in the first run before it was resolved, and in any motion: an entry for each of
+  // kCollisionNames; none without proxies.
+  const std::vector<Penetration>& initial_penetrations() const { return initial_penetrations_; }
+  std::vector<Penetration> penetrations(const Motion& motion) const;
 
  private:
   struct End {
@@ -43,16 +44,17 @@ class MotionLimiter {
   };
   void limit(std::size_t frame, const Pose& given, const LimbShifts& shifts, Pose& pose);
   void raise_pelvis(std::vector<Pose>& given, std::vector<LimbShifts>& shifts, Motion& motion);
-  void part(const std::vector<Pose>& given, const std::vector<LimbShifts>& shifts, Motion& motion);
+  void separate(const std::vector<Pose>& given, const std::vector<LimbShifts>& shifts,
+                Motion& motion);
 
   const Skeleton& skeleton_;
   LimitTables tables_;
-  std::optional<ApartTables> apart_;
-  LimitScratch scratch_;
-  LimbHold hold_;
+  std::optional<CollisionTables> collision_;
+  LimitWorkspace workspace_;
+  LimbTolerance tolerance_;
   std::vector<std::array<FootStand, 2>> stands_;  // a frame
   std::vector<End> ends_;
-  std::vector<MeetingBreak> parted_;
+  std::vector<Penetration> initial_penetrations_;
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

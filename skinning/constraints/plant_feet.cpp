@@ -8,19 +8,20 @@
 #include "skinning/constraints/leg_ik.h"
 #include "skinning/constraints/temporal_smoothing.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kFade = 0.10;      // s around a stance
-constexpr double kHandOver = 0.05;  // s in which heel and ball pass the foot to each other
-constexpr double kStep = 0.06;      // m: a contact higher than this stands on something
-constexpr double kMostDrop = 0.10;  // m that the pelvis may come down
-constexpr double kSinking = 0.06;   // s in which it does
-// of its length to which a planted leg stretches: 6 deg of knee
+constexpr double kFade = 0.10;      // s; corrections fade around a stance. Shorter: feet snap
+constexpr double kHandOver = 0.05;  // s; transition of the fixed point between heel and ball
+constexpr double kStep = 0.06;      // m; a higher contact stands on an object and is not lowered
+constexpr double kMostDrop = 0.10;  // m; the pelvis is lowered by at most so much
+constexpr double kSinking = 0.06;   // s; width of the pelvis' temporal smoothing
+// Fraction of its length to which a planted leg extends: 6 deg of knee flexion.
 constexpr double kStraight = 0.9985;
-// rad (35 deg): a foot pitched further, or than its toes bend, rolls over the tip of its toes
+// rad (35 deg); a foot with more pitch, or more than its toes extend, rolls over the tip of its
+// toes
 constexpr double kToeExtension = 0.61;
-constexpr double kMostBent = 0.75;  // rad the toes bend upwards
+constexpr double kMostBent = 0.75;  // rad; largest extension of the toes
 
 template <typename Get>
 double median(int begin, int end, Get get) {
@@ -32,10 +33,10 @@ double median(int begin, int end, Get get) {
 
 struct Anchor {
   Interval when;
-  Vec3 place = Vec3::Zero();
+  Vec3 position = Vec3::Zero();
 };
 
-// All that one foot does over the whole motion.
+// Contacts and corrections of one foot over the whole motion.
 struct FootPlan {
   FootShape shape;
   double most_pitch = kToeExtension;
@@ -43,11 +44,11 @@ struct FootPlan {
   std::vector<Anchor> heels, balls;
   std::vector<Interval> flat;     // both stand
   std::vector<Interval> stances;  // either stands
-  std::vector<double>
-      heel_share;  // a frame of a stance: how much the heel holds the foot, the ball the rest
-  std::vector<Vec3> heel_place, ball_place;
-  std::vector<Quat> turn;  // what planting does to the foot: turned by this in the world, ...
-  std::vector<Vec3> move;  // ... then moved
+  // by frame of a stance: weight of the heel's anchor; the ball's has the rest
+  std::vector<double> heel_weight;
+  std::vector<Vec3> heel_position, ball_position;
+  std::vector<Quat> rotation;  // correction of the foot: rotated by this in the world, ...
+  std::vector<Vec3> shift;     // ... then shifted
 };
 
 bool inside(const Interval& i, int f) { return i.begin <= f && f < i.end; }
@@ -58,7 +59,7 @@ const Anchor* anchor_at(const std::vector<Anchor>& anchors, int f) {
   return nullptr;
 }
 
-// Carries values that are known inside of intervals over the gaps: each edge's value fades out
+// Extends values that are known inside of intervals into the gaps: each edge's value fades out
 // within `fade` frames, or half the gap.
 template <typename Value, typename Blend>
 void fade_out(const std::vector<Interval>& known, std::vector<Value>& values, double fade,
@@ -85,7 +86,7 @@ void fade_out(const std::vector<Interval>& known, std::vector<Value>& values, do
   }
 }
 
-FootPoints turned(FootPoints points, const Mat3& turn, const Vec3& pivot) {
+FootPoints rotated_about(FootPoints points, const Mat3& turn, const Vec3& pivot) {
   for (Vec3* p : {&points.heel, &points.ball, &points.tip}) *p = pivot + turn * (*p - pivot);
   return points;
 }
@@ -102,7 +103,7 @@ class Planter {
     }
   }
 
-  void run(const std::array<FootPaths, 2>& paths, RetargetReport& report) {
+  std::vector<Contact> run(const std::array<FootPaths, 2>& paths) {
     const std::vector<double> floor = floor_heights(paths, motion_);
     for (int side = 0; side < 2; ++side) {
       for (const Interval& i : standing_intervals(paths[side].heel, floor, motion_.fps))
@@ -113,19 +114,21 @@ class Planter {
     for (FootPlan& foot : feet_) split_heels(foot);
     read_feet();
     stand_on_ground();
-    for (FootPlan& foot : feet_) place_anchors(foot), weigh(foot), plan(foot);
+    for (FootPlan& foot : feet_)
+      position_anchors(foot), blend_anchors(foot), plan_corrections(foot);
     const std::vector<double> sunk = lower_pelvis();
     for (int f = 0; f < frames_; ++f) plant_frame(f, sunk[f]);
+    std::vector<Contact> contacts;
     for (int side = 0; side < 2; ++side)
       for (const auto* anchors : {&feet_[side].heels, &feet_[side].balls})
         for (const Anchor& anchor : *anchors)
-          report.contacts.push_back({side == 0 ? Side::left : Side::right,
-                                     anchors == &feet_[side].heels, anchor.when.begin,
-                                     anchor.when.end, 0});
+          contacts.push_back({side == 0 ? Side::left : Side::right, anchors == &feet_[side].heels,
+                              anchor.when.begin, anchor.when.end, 0});
+    return contacts;
   }
 
  private:
-  // A heel that stands through two stands of its ball has been shifted with it.
+  // A heel contact that spans two contacts of its ball is split between them: the foot was shifted.
   static void split_heels(FootPlan& foot) {
     std::vector<Anchor> parts;
     for (Anchor heel : foot.heels) {
@@ -168,16 +171,16 @@ class Planter {
       for (FootPoints& p : foot.before) p.heel += shift, p.ball += shift, p.tip += shift;
   }
 
-  void place_anchors(FootPlan& foot) const {
+  void position_anchors(FootPlan& foot) const {
     auto place = [&](Anchor& anchor, auto point) {
       for (int k = 0; k < 3; ++k)
-        anchor.place[k] = median(anchor.when.begin, anchor.when.end,
-                                 [&](int f) { return point(foot.before[f])[k]; });
-      if (std::abs(anchor.place.y()) < kStep) anchor.place.y() = 0;
+        anchor.position[k] = median(anchor.when.begin, anchor.when.end,
+                                    [&](int f) { return point(foot.before[f])[k]; });
+      if (std::abs(anchor.position.y()) < kStep) anchor.position.y() = 0;
     };
     for (Anchor& a : foot.heels) place(a, [](const FootPoints& p) { return p.heel; });
     for (Anchor& a : foot.balls) place(a, [](const FootPoints& p) { return p.ball; });
-    // A foot that stands flat has both its points a foot's length apart: the heel gives way.
+    // On a flat foot both points are a foot's length apart; the heel's anchor is adjusted.
     const double length = (foot.shape.ball - foot.shape.heel).norm();
     for (Anchor& heel : foot.heels)
       for (const Anchor& ball : foot.balls) {
@@ -188,24 +191,24 @@ class Planter {
         Vec3 along = Vec3::Zero();
         for (int f = both.begin; f < both.end; ++f)
           along += (foot.before[f].ball - foot.before[f].heel).normalized();
-        along.y() = ball.place.y() - heel.place.y();
-        heel.place = ball.place - length * along.normalized();
+        along.y() = ball.position.y() - heel.position.y();
+        heel.position = ball.position - length * along.normalized();
       }
   }
 
-  // Where the foot stands, and how heel and ball hand it over to each other while both do.
-  void weigh(FootPlan& foot) const {
+  // Stances, and the blend between the anchors of heel and ball while both stand.
+  void blend_anchors(FootPlan& foot) const {
     const double hand_over = kHandOver * motion_.fps + 1;
-    foot.heel_share.assign(frames_, 0);
-    foot.heel_place.assign(frames_, Vec3::Zero());
-    foot.ball_place.assign(frames_, Vec3::Zero());
+    foot.heel_weight.assign(frames_, 0);
+    foot.heel_position.assign(frames_, Vec3::Zero());
+    foot.ball_position.assign(frames_, Vec3::Zero());
     for (int f = 0; f < frames_; ++f) {
       const Anchor *heel = anchor_at(foot.heels, f), *ball = anchor_at(foot.balls, f);
       if (heel == nullptr && ball == nullptr) continue;
       if (foot.stances.empty() || foot.stances.back().end != f) foot.stances.push_back({f, f});
       foot.stances.back().end = f + 1;
-      if (heel != nullptr) foot.heel_place[f] = heel->place;
-      if (ball != nullptr) foot.ball_place[f] = ball->place;
+      if (heel != nullptr) foot.heel_position[f] = heel->position;
+      if (ball != nullptr) foot.ball_position[f] = ball->position;
       auto share = [&](const Anchor* mine, const std::vector<Anchor>& other) {
         if (mine == nullptr) return 0.0;
         double in = 1;
@@ -216,13 +219,12 @@ class Planter {
         return in;
       };
       const double h = share(heel, foot.balls), b = share(ball, foot.heels);
-      foot.heel_share[f] = heel == nullptr ? 0 : ball == nullptr ? 1 : h / std::max(1e-9, h + b);
+      foot.heel_weight[f] = heel == nullptr ? 0 : ball == nullptr ? 1 : h / std::max(1e-9, h + b);
     }
   }
 
-  // Turn and move of every frame: in stances what the places ask for, between them what is left of
-  // it.
-  void plan(FootPlan& foot) {
+  // Rotation and shift of every frame: in stances from the anchors, between them fading.
+  void plan_corrections(FootPlan& foot) {
     const Vec3 own = foot.shape.ball - foot.shape.heel;
     const double fade = kFade * motion_.fps + 1;
     std::vector<Mat3> rotation;
@@ -232,45 +234,45 @@ class Planter {
       rotation.push_back(X_[foot.shape.subtalar].linear());
       pivot.push_back(X_[foot.shape.subtalar].translation());
     }
-    foot.turn.assign(frames_, Quat::Identity());
+    foot.rotation.assign(frames_, Quat::Identity());
     for (const Interval& i : foot.flat)
       for (int f = i.begin; f < i.end; ++f) {
-        const Vec3 along = foot.ball_place[f] - foot.heel_place[f];
+        const Vec3 along = foot.ball_position[f] - foot.heel_position[f];
         const double heading = std::atan2(along.x(), along.z()) - std::atan2(own.x(), own.z());
-        foot.turn[f] = Quat(Mat3(Eigen::AngleAxisd(heading, Vec3::UnitY()).toRotationMatrix() *
-                                 rotation[f].transpose()));
+        foot.rotation[f] = Quat(Mat3(Eigen::AngleAxisd(heading, Vec3::UnitY()).toRotationMatrix() *
+                                     rotation[f].transpose()));
       }
-    fade_out(foot.flat, foot.turn, fade, Quat(Quat::Identity()),
+    fade_out(foot.flat, foot.rotation, fade, Quat(Quat::Identity()),
              [](const Quat& rest, const Quat& edge, double share) {
                return (Quat::Identity().slerp(share, edge) * rest).normalized();
              });
-    foot.move.assign(frames_, Vec3::Zero());
+    foot.shift.assign(frames_, Vec3::Zero());
     for (const Interval& i : foot.stances)
       for (int f = i.begin; f < i.end; ++f) {
-        const FootPoints now = turned(foot.before[f], foot.turn[f].toRotationMatrix(), pivot[f]);
-        const double h = foot.heel_share[f];
-        if (h > 0) foot.move[f] += h * (foot.heel_place[f] - now.heel);
-        if (h < 1) foot.move[f] += (1 - h) * (ball_goal(foot, f, now) - now.ball);
+        const FootPoints now =
+            rotated_about(foot.before[f], foot.rotation[f].toRotationMatrix(), pivot[f]);
+        const double h = foot.heel_weight[f];
+        if (h > 0) foot.shift[f] += h * (foot.heel_position[f] - now.heel);
+        if (h < 1) foot.shift[f] += (1 - h) * (ball_goal(foot, f, now) - now.ball);
       }
     fade_out(
-        foot.stances, foot.move, fade, Vec3(Vec3::Zero()),
+        foot.stances, foot.shift, fade, Vec3(Vec3::Zero()),
         [](const Vec3& rest, const Vec3& edge, double share) { return Vec3(rest + share * edge); });
   }
 
-  // Where the ball belongs: on its place, or, when the heel is high, turned up around the tip of
-  // the toes.
+  // Target of the ball: its anchor, or, with a high heel, rotated up about the tip of the toes.
   static Vec3 ball_goal(const FootPlan& foot, int f, const FootPoints& now) {
     const Vec3 along = now.ball - now.heel;
     const double excess =
         std::asin(std::clamp(-along.normalized().y(), -1.0, 1.0)) - foot.most_pitch;
-    if (excess <= 0) return foot.ball_place[f];
+    if (excess <= 0) return foot.ball_position[f];
     const double toes = (foot.shape.tip - foot.shape.ball).norm();
     const Vec3 forward = Vec3(along.x(), 0, along.z()).normalized();
-    return foot.ball_place[f] +
+    return foot.ball_position[f] +
            toes * ((1 - std::cos(excess)) * forward + std::sin(excess) * Vec3::UnitY());
   }
 
-  // Brings the pelvis down so that the planted legs reach, smoothly. Returns by how much, a frame.
+  // Lowers the pelvis, smoothly, so that the planted legs reach. Returns the amount by frame, m.
   std::vector<double> lower_pelvis() {
     std::vector<double> sunk(frames_, 0.0);
     for (int f = 0; f < frames_; ++f) {
@@ -280,7 +282,7 @@ class Planter {
         const Vec3 hip = X_[foot.shape.hip].translation();
         const Vec3 above = X_[foot.shape.ankle].translation(),
                    pivot = X_[foot.shape.subtalar].translation();
-        const Vec3 ankle = pivot + foot.turn[f] * (above - pivot) + foot.move[f];
+        const Vec3 ankle = pivot + foot.rotation[f] * (above - pivot) + foot.shift[f];
         const double reach = kStraight * straight_leg(skeleton_, foot.shape, X_);
         const double level = std::hypot(ankle.x() - hip.x(), ankle.z() - hip.z());
         if (level >= reach) continue;
@@ -289,24 +291,24 @@ class Planter {
             std::min(kMostDrop, hip.y() - ankle.y() - std::sqrt(reach * reach - level * level)));
       }
     }
-    widened_bell(std::max(1, int(std::lround(kSinking * motion_.fps))), sunk, std::greater<>());
+    smooth_maximum(std::max(1, int(std::lround(kSinking * motion_.fps))), sunk, std::greater<>());
     for (int f = 0; f < frames_; ++f) motion_.frames[f].root.y() -= sunk[f];
     return sunk;
   }
 
-  // `sunk`: by how much the pelvis has come down, which the feet do not follow.
+  // `sunk`: amount by which the pelvis was lowered, which the feet do not follow, m.
   void plant_frame(int f, double sunk) {
     Pose& pose = motion_.frames[f];
     forward_kinematics(skeleton_, pose, X_);
     for (FootPlan& foot : feet_) {
       const FootShape& shape = foot.shape;
-      const Mat3 turn = foot.turn[f].toRotationMatrix();
+      const Mat3 turn = foot.rotation[f].toRotationMatrix();
       Mat3 R = turn * X_[shape.subtalar].linear();
       FootPoints goal =
-          turned(foot_points(skeleton_, shape, X_), turn, X_[shape.subtalar].translation());
-      const Vec3 move = foot.move[f] + Vec3(0, sunk, 0);
+          rotated_about(foot_points(skeleton_, shape, X_), turn, X_[shape.subtalar].translation());
+      const Vec3 move = foot.shift[f] + Vec3(0, sunk, 0);
       for (Vec3* p : {&goal.heel, &goal.ball, &goal.tip}) *p += move;
-      raise(foot, f, goal, R);
+      keep_above_ground(foot, f, goal, R);
       for (int lift = 0; lift < 3; ++lift) {
         put_foot(shape, goal, R, pose);
         const double low = bend_toes(shape, pose);
@@ -316,8 +318,8 @@ class Planter {
     }
   }
 
-  // Leg and foot so that the foot has rotation R and its sole lies at `goal`. The joint below the
-  // ankle rides on the talus, whose turn is part of the answer: a few rounds.
+  // Solves leg and foot so that the foot has rotation R and its sole lies at `goal`. Iterates,
+  // since the subtalar joint moves with the talus, whose rotation is part of the solution.
   void put_foot(const FootShape& shape, const FootPoints& goal, const Mat3& R, Pose& pose) {
     const FootPoints now = foot_points(skeleton_, shape, X_);
     if ((now.heel - goal.heel).norm() < 1e-9 && (now.ball - goal.ball).norm() < 1e-9) return;
@@ -330,8 +332,9 @@ class Planter {
     }
   }
 
-  // Soles do not sink: a planted foot turns about the point that stands, a free one is lifted.
-  static void raise(const FootPlan& foot, int f, FootPoints& goal, Mat3& R) {
+  // Keeps soles above the ground: a planted foot rotates about its standing point, a free one is
+  // lifted.
+  static void keep_above_ground(const FootPlan& foot, int f, FootPoints& goal, Mat3& R) {
     const double low = std::min(goal.heel.y(), goal.ball.y());
     if (low >= 0) return;
     const bool on_heel = anchor_at(foot.heels, f) != nullptr && goal.ball.y() < goal.heel.y();
@@ -342,14 +345,14 @@ class Planter {
       const Mat3 back =
           Eigen::AngleAxisd(std::asin(std::clamp(along.y(), -1.0, 1.0)), across).toRotationMatrix();
       R = back * R;
-      goal = turned(goal, back, on_heel ? goal.heel : goal.ball);
+      goal = rotated_about(goal, back, on_heel ? goal.heel : goal.ball);
     } else {
       for (Vec3* p : {&goal.heel, &goal.ball, &goal.tip}) p->y() -= low;
     }
   }
 
-  // Toes that would stand in the ground bend upwards, as far as toes do. Returns how deep their tip
-  // still is (negative).
+  // Extends toes whose tip is below the ground, within their range. Returns the remaining depth of
+  // the tip (negative), m.
   double bend_toes(const FootShape& shape, Pose& pose) {
     double low = 0;
     for (int round = 0; round < 4; ++round) {
@@ -381,10 +384,10 @@ class Planter {
 
 }  // namespace
 
-void plant_feet(const Skeleton& skeleton, double sole_height, const std::array<FootPaths, 2>& paths,
-                Motion& motion, RetargetReport& report) {
-  if (motion.frames.empty()) return;
-  Planter(skeleton, sole_height, motion).run(paths, report);
+std::vector<Contact> plant_feet(const Skeleton& skeleton, double sole_height,
+                                const std::array<FootPaths, 2>& paths, Motion& motion) {
+  if (motion.frames.empty()) return {};
+  return Planter(skeleton, sole_height, motion).run(paths);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,4 +1,4 @@
-// Planted feet stand still on the ground.
+// Foot planting: feet in contact stand still on the ground.
 #pragma once
 
 #include <array>
@@ -6,20 +6,16 @@
 
 #include "anatomy/skeleton.h"
 #include "skinning/constraints/foot_contacts.h"
-#include "skinning/retarget/retarget.h"
+#include "skinning/constraints/motion_report.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Shifts the motion so that its feet stand on y = 0, then holds each planted heel and ball at its
-// place, levels flat feet, lets the toes bend where the heel rises, and keeps soles out of the
-// ground; fades over 0.1 s around each contact. The pelvis is lowered, smoothly, where a planted
-// leg would be too short. paths[0] is the left foot. Fills contacts, slide_p95, penetration of the
-// report.
-void plant_feet(const Skeleton& skeleton, double sole_height, const std::array<FootPaths, 2>& paths,
-                Motion& motion, RetargetReport& report);
+// position, levels flat feet, bends the toes where the heel rises, and keeps soles out of the
+// ground. Corrections fade over 0.1 s around each contact. The pelvis is lowered, smoothly, where a
+// planted leg would be too short. paths[0] is the left foot. Returns the contacts, not yet measured
+// (measure_feet.h).
+std::vector<Contact> plant_feet(const Skeleton& skeleton, double sole_height,
+                                const std::array<FootPaths, 2>& paths, Motion& motion);
 
-// Measures the contacts of report.contacts and the soles' depth on a motion as it is.
-void measure_feet(const Skeleton& skeleton, double sole_height, const Motion& motion,
-                  RetargetReport& report);
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -2,29 +2,36 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "skinning/constraints/temporal_smoothing.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kGive = 0.08;       // of both radii: how deep flesh that meets is pressed in
-constexpr double kTrunkGive = 0.15;  // likewise of an arm in the trunk, whose ellipsoids are rough
-constexpr double kBell = 0.05;       // s
-constexpr int kRounds = 12;
+// Tolerated penetration of soft tissue, as a fraction of both radii. More leaves visible overlap,
+// less holds limbs off that would touch.
+constexpr double kTissueYield = 0.08;
+constexpr double kTrunkYield = 0.15;  // the same for an arm in the trunk, a rough set of ellipsoids
+constexpr double kSmoothing = 0.05;   // s to either side of a shift
+constexpr int kPasses = 12;           // of position based corrections, at most
+// Over-relaxation: the mean over all pairs of a limb is less than its deepest pair needs.
+constexpr double kOverRelaxation = 1.5;
 
-struct Place {
+// A proxy in the world.
+struct Ellipsoid {
   Vec3 centre = Vec3::Zero();
   Mat3 axes = Mat3::Identity();
   Vec3 half = Vec3::Zero();
 };
 
-Vec3 ball_centre(const LimbBall& ball, const std::vector<Transform>& X, const LimbShift& shift) {
-  return X[ball.joint] * ball.centre + ball.middle * shift.middle + ball.end * shift.end;
+Vec3 sphere_centre(const LimbSphere& sphere, const std::vector<Transform>& X,
+                   const LimbShift& shift) {
+  return X[sphere.joint] * sphere.centre + sphere.middle * shift.middle + sphere.end * shift.end;
 }
 
-// How deep a ball lies in another or in an ellipsoid, and which way is out.
-double depth_of(const Vec3& centre, double radius, const Place& other, Vec3& out) {
+// Penetration of a sphere in another proxy, m, and the direction of separation.
+double depth_of(const Vec3& centre, double radius, const Ellipsoid& other, Vec3& out) {
   const Vec3 half = other.half.array() + radius,
              p = other.axes.transpose() * (centre - other.centre);
   const Vec3 q = p.cwiseQuotient(half);
@@ -32,104 +39,106 @@ double depth_of(const Vec3& centre, double radius, const Place& other, Vec3& out
   if (inside >= 1) return 0;
   const Vec3 slope = q.cwiseQuotient(half);  // of inside^2 / 2
   const double steep = slope.norm();
-  if (inside < 1e-6 || steep < 1e-9) return 0;  // on the centre: no way is out
+  if (inside < 1e-6 || steep < 1e-9) return 0;  // at the centre no direction is given
   out = other.axes * (slope / steep);
   return std::min((1 - inside) * inside / steep, half.minCoeff());
 }
 
-struct Parter {
-  const ApartTables& tables;
+// The proxies of one pose.
+struct PosedProxies {
+  const CollisionTables& tables;
   const std::vector<Transform>& X;
 
-  const LimbBall& ball(int limb, int b) const { return tables.rounds.limbs[limb][b]; }
+  const LimbSphere& sphere(int limb, int s) const { return tables.proxies.limbs[limb][s]; }
 
-  double depth(const RoundPair& pair, const LimbShifts& shifts, Vec3& out) const {
-    const LimbBall& mine = ball(pair.limb, pair.ball);
-    const Vec3 centre = ball_centre(mine, X, shifts[pair.limb]);
-    Place other;
+  double depth(const ProxyPair& pair, const LimbShifts& shifts, Vec3& out) const {
+    const LimbSphere& mine = sphere(pair.limb, pair.sphere);
+    const Vec3 centre = sphere_centre(mine, X, shifts[pair.limb]);
+    Ellipsoid other;
     if (pair.other_limb >= 0) {
-      const LimbBall& theirs = ball(pair.other_limb, pair.other);
-      other.centre = ball_centre(theirs, X, shifts[pair.other_limb]);
+      const LimbSphere& theirs = sphere(pair.other_limb, pair.other);
+      other.centre = sphere_centre(theirs, X, shifts[pair.other_limb]);
       other.half.setConstant(theirs.radius);
     } else {
-      const TrunkRound& round = tables.rounds.trunk[pair.other];
-      const Transform& frame = X[round.joint];
-      other = {frame * round.centre, frame.linear(), round.half};
+      const TrunkEllipsoid& ellipsoid = tables.proxies.trunk[pair.other];
+      const Transform& frame = X[ellipsoid.joint];
+      other = {frame * ellipsoid.centre, frame.linear(), ellipsoid.half};
     }
     return depth_of(centre, mine.radius, other, out);
   }
 };
 
-void add(const LimbBall& ball, const Vec3& move, double squares, LimbShift& shift) {
-  shift.middle += ball.middle / squares * move;
-  shift.end += ball.end / squares * move;
+void add(const LimbSphere& sphere, const Vec3& move, double squares, LimbShift& shift) {
+  shift.middle += sphere.middle / squares * move;
+  shift.end += sphere.end / squares * move;
 }
 
 }  // namespace
 
-ApartTables make_apart_tables(const Skeleton& skeleton, BodyRounds rounds) {
-  ApartTables tables{std::move(rounds), {}};
-  const auto& limbs = tables.rounds.limbs;
-  const auto& trunk = tables.rounds.trunk;
+CollisionTables make_collision_tables(const Skeleton& skeleton, CollisionProxies fitted) {
+  CollisionTables tables{std::move(fitted), {}};
+  const auto& limbs = tables.proxies.limbs;
+  const auto& trunk = tables.proxies.trunk;
   std::vector<Transform> X;
   forward_kinematics(skeleton, rest_pose(skeleton), X);
-  const auto pair = [&](int limb, int other_limb, Meeting kind) {
+  const auto pair = [&](int limb, int other_limb, CollisionKind kind) {
     for (int b = 0; b < int(limbs[limb].size()); ++b) {
       const std::size_t others = other_limb >= 0 ? limbs[other_limb].size() : trunk.size();
       for (int o = 0; o < int(others); ++o)
         tables.pairs.push_back({limb, b, other_limb, o, 0, kind});
     }
   };
-  pair(0, 1, Meeting::leg_leg);
-  pair(2, 3, Meeting::arm_arm);
+  pair(0, 1, CollisionKind::leg_leg);
+  pair(2, 3, CollisionKind::arm_arm);
   for (const int arm : {2, 3}) {
-    pair(arm, 0, Meeting::arm_leg), pair(arm, 1, Meeting::arm_leg);
-    pair(arm, -1, Meeting::arm_trunk);
+    pair(arm, 0, CollisionKind::arm_leg), pair(arm, 1, CollisionKind::arm_leg);
+    pair(arm, -1, CollisionKind::arm_trunk);
   }
   const int head = find_joint(skeleton, "head");
-  const Parter parter{tables, X};
-  for (RoundPair& one : tables.pairs) {
-    double give = kGive, size = parter.ball(one.limb, one.ball).radius;
+  const PosedProxies proxies{tables, X};
+  for (ProxyPair& one : tables.pairs) {
+    double yield = kTissueYield, size = proxies.sphere(one.limb, one.sphere).radius;
     if (one.other_limb >= 0) {
-      size += parter.ball(one.other_limb, one.other).radius;
+      size += proxies.sphere(one.other_limb, one.other).radius;
     } else {
-      const TrunkRound& round = trunk[one.other];
-      if (round.joint == head) one.kind = Meeting::arm_head;
-      if (round.joint != head) give = kTrunkGive;
-      size += round.half.minCoeff();
+      const TrunkEllipsoid& ellipsoid = trunk[one.other];
+      if (ellipsoid.joint == head) one.kind = CollisionKind::arm_head;
+      if (ellipsoid.joint != head) yield = kTrunkYield;
+      size += ellipsoid.half.minCoeff();
     }
     Vec3 out;
-    one.allowed = std::max(give * size, parter.depth(one, {}, out));
+    one.allowed = std::max(yield * size, proxies.depth(one, {}, out));
   }
   return tables;
 }
 
-MeetingDepths meeting_depths(const ApartTables& tables, const std::vector<Transform>& X) {
-  const Parter parter{tables, X};
-  MeetingDepths depths{};
+PenetrationDepths penetration_depths(const CollisionTables& tables,
+                                     const std::vector<Transform>& X) {
+  const PosedProxies proxies{tables, X};
+  PenetrationDepths depths{};
   Vec3 out;
-  for (const RoundPair& pair : tables.pairs) {
+  for (const ProxyPair& pair : tables.pairs) {
     double& deepest = depths[int(pair.kind)];
-    deepest = std::max(deepest, parter.depth(pair, {}, out) - pair.allowed);
+    deepest = std::max(deepest, proxies.depth(pair, {}, out) - pair.allowed);
   }
   return depths;
 }
 
-LimbShifts part_limbs(const ApartTables& tables, const std::vector<Transform>& X) {
-  const Parter parter{tables, X};
+LimbShifts separate_limbs(const CollisionTables& tables, const std::vector<Transform>& X) {
+  const PosedProxies proxies{tables, X};
   LimbShifts own;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int pass = 0; pass < kPasses; ++pass) {
     // All pairs at once, so that left and right are treated alike.
     LimbShifts step;
     std::array<int, 4> counts{};
-    for (const RoundPair& pair : tables.pairs) {
+    for (const ProxyPair& pair : tables.pairs) {
       Vec3 out;
-      const double deep = parter.depth(pair, own, out) - pair.allowed;
+      const double deep = proxies.depth(pair, own, out) - pair.allowed;
       if (deep <= 0) continue;
-      const LimbBall& mine = parter.ball(pair.limb, pair.ball);
+      const LimbSphere& mine = proxies.sphere(pair.limb, pair.sphere);
       double squares = mine.middle * mine.middle + mine.end * mine.end;
-      const LimbBall* theirs =
-          pair.other_limb >= 0 ? &parter.ball(pair.other_limb, pair.other) : nullptr;
+      const LimbSphere* theirs =
+          pair.other_limb >= 0 ? &proxies.sphere(pair.other_limb, pair.other) : nullptr;
       if (theirs) squares += theirs->middle * theirs->middle + theirs->end * theirs->end;
       add(mine, deep * out, squares, step[pair.limb]);
       ++counts[pair.limb];
@@ -140,9 +149,8 @@ LimbShifts part_limbs(const ApartTables& tables, const std::vector<Transform>& X
     if (counts == std::array<int, 4>{}) break;
     for (std::size_t l = 0; l < 4; ++l) {
       if (counts[l] == 0) continue;
-      constexpr double kMore = 1.5;  // a mean over all pairs falls short of what the deepest needs
-      own[l].middle += kMore / counts[l] * step[l].middle;
-      own[l].end += kMore / counts[l] * step[l].end;
+      own[l].middle += kOverRelaxation / counts[l] * step[l].middle;
+      own[l].end += kOverRelaxation / counts[l] * step[l].end;
     }
   }
   return own;
@@ -154,11 +162,11 @@ void smooth_shifts(double fps, std::vector<LimbShifts>& shifts) {
   for (std::size_t l = 0; l < 4; ++l) {
     for (std::size_t f = 0; f < shifts.size(); ++f)
       limb[f] << shifts[f][l].middle, shifts[f][l].end;
-    widened_bell(int(std::lround(kBell * fps)), limb,
-                 [](const Both& a, const Both& b) { return a.squaredNorm() > b.squaredNorm(); });
+    smooth_maximum(int(std::lround(kSmoothing * fps)), limb,
+                   [](const Both& a, const Both& b) { return a.squaredNorm() > b.squaredNorm(); });
     for (std::size_t f = 0; f < shifts.size(); ++f)
       shifts[f][l] = {limb[f].head<3>(), limb[f].tail<3>()};
   }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

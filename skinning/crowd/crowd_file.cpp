@@ -1,4 +1,5 @@
-// The glTF around the people of a crowd: what they share, and a scene that shows them in rows.
+#include "skinning/crowd/crowd_file.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +17,7 @@
 #include "skinning/crowd/crowd_layout.h"
 #include "skinning/files/glb_builder.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -61,9 +62,10 @@ struct SharedAccessors {
 
 // Triangles and influences of all layers: bytes of the first buffer and the accessors over them.
 // The skin's influences are each person's own.
-std::vector<SharedAccessors> share(const CrowdMould& mould, Scene& scene, std::string& bytes) {
+std::vector<SharedAccessors> share(const CrowdPrototype& prototype, Scene& scene,
+                                   std::string& bytes) {
   std::vector<SharedAccessors> out;
-  for (const CrowdMould::Layer& layer : mould.layers) {
+  for (const CrowdPrototype::Layer& layer : prototype.layers) {
     SharedAccessors& own = out.emplace_back();
     const std::size_t n = layer.vertices, corners = layer.F.size();
     if (n <= 65535) {
@@ -76,7 +78,7 @@ std::vector<SharedAccessors> share(const CrowdMould& mould, Scene& scene, std::s
       own.indices = scene.add(0, at, corners, 4, 0, kIndices, kUnsignedInt, "SCALAR", false);
     }
     if (layer.influences.empty()) continue;
-    const CrowdShares shares = crowd_shares(layer.influences);
+    const QuantizedWeights shares = quantize_weights(layer.influences);
     own.joints = scene.add(0, append(bytes, shares.joints), n, kJointBytes, 0, kVertices,
                            kUnsignedByte, "VEC4", false);
     own.weights = scene.add(0, append(bytes, shares.weights), n, kWeightBytes, 0, kVertices,
@@ -153,11 +155,11 @@ struct Document {
   double reach = 0;                 // the largest of all
 };
 
-void add_person(const CrowdMould& mould, const CrowdLayout& layout,
+void add_person(const CrowdPrototype& prototype, const CrowdLayout& layout,
                 const std::vector<SharedAccessors>& shared, const CrowdMember& member, int buffer,
                 std::size_t begin, Document& out) {
   const std::string bytes = read_person(member, layout.size);
-  const std::size_t joints = mould.skeleton.joints.size(), root = out.nodes.size(),
+  const std::size_t joints = prototype.skeleton.joints.size(), root = out.nodes.size(),
                     first = root + 2;
   float unit;
   std::memcpy(&unit, bytes.data() + layout.unit, sizeof unit);
@@ -177,7 +179,7 @@ void add_person(const CrowdMould& mould, const CrowdLayout& layout,
             {"skeleton", first},
             {"joints", Json::array()}};
   for (std::size_t j = 0; j < joints; ++j) {
-    const Joint& joint = mould.skeleton.joints[j];
+    const Joint& joint = prototype.skeleton.joints[j];
     const Vec3 from = joint.parent < 0 ? Vec3(Vec3::Zero()) : places[joint.parent];
     out.nodes.push_back({{"name", joint.name}, {"translation", rounded(places[j] - from)}});
     if (joint.parent >= 0) out.nodes[first + joint.parent]["children"].push_back(first + j);
@@ -195,13 +197,13 @@ void add_person(const CrowdMould& mould, const CrowdLayout& layout,
     const int normals = out.scene.add(buffer, begin + layer.normals, layer.vertices, kNormalBytes,
                                       kNormalBytes, kVertices, kByte, "VEC3", true);
     SharedAccessors by = shared[l];
-    if (mould.layers[l].influences.empty()) {
+    if (prototype.layers[l].influences.empty()) {
       by.joints = out.scene.add(buffer, begin + layout.joints, layer.vertices, kJointBytes, 0,
                                 kVertices, kUnsignedByte, "VEC4", false);
       by.weights = out.scene.add(buffer, begin + layout.weights, layer.vertices, kWeightBytes, 0,
                                  kVertices, kUnsignedShort, "VEC4", true);
     }
-    const std::string name = member.name + "/" + mould.layers[l].name;
+    const std::string name = member.name + "/" + prototype.layers[l].name;
     out.meshes.push_back({{"name", name},
                           {"primitives", Json::array({{{"attributes",
                                                         {{"POSITION", positions},
@@ -235,22 +237,22 @@ Json material(const TissueLook& look) {
             {"roughnessFactor", look.roughness}}}};
 }
 
-Json parts_of(const CrowdMould::Layer& layer) {
+Json parts_of(const CrowdPrototype::Layer& layer) {
   Json out = Json::array();
-  for (const CrowdMould::Part& part : layer.parts)
+  for (const CrowdPrototype::Part& part : layer.parts)
     out.push_back(Json::array({part.name, part.vertex_begin, part.vertex_end}));
   return out;
 }
 
-Json to_json(const CrowdMould& mould, Document&& document, Json buffers) {
+Json to_json(const CrowdPrototype& prototype, Document&& document, Json buffers) {
   Json out;
   out["asset"] = {{"version", "2.0"}, {"generator", fmt::format("ecorche {}", ECORCHE_VERSION)}};
   out["extensionsUsed"] = out["extensionsRequired"] = Json::array({"KHR_mesh_quantization"});
   out["scene"] = 0;
   Json crowd{{"schema", kCrowdSchema},
              {"people", document.people.size()},
-             {"joint_frames", crowd_layout(mould).frames}};
-  for (const CrowdMould::Layer& layer : mould.layers)
+             {"joint_frames", crowd_layout(prototype).frames}};
+  for (const CrowdPrototype::Layer& layer : prototype.layers)
     if (!layer.parts.empty()) crowd[layer.name] = parts_of(layer);
   out["scenes"] = Json::array(
       {{{"name", "crowd"}, {"nodes", std::move(document.roots)}, {"extras", {{"crowd", crowd}}}}});
@@ -258,7 +260,7 @@ Json to_json(const CrowdMould& mould, Document&& document, Json buffers) {
   out["meshes"] = std::move(document.meshes);
   out["skins"] = std::move(document.skins);
   out["materials"] = Json::array({material(kSkinLook)});
-  if (mould.layers.size() > 1) {
+  if (prototype.layers.size() > 1) {
     out["materials"].push_back(material(kBoneLook));
     out["materials"].push_back(material(kMuscleLook));
   }
@@ -296,7 +298,7 @@ void write_glb(const fs::path& file, const CrowdLayout& layout,
 
 }  // namespace
 
-void write_crowd(const fs::path& file, const CrowdMould& mould,
+void write_crowd(const fs::path& file, const CrowdPrototype& prototype,
                  const std::vector<CrowdMember>& members) {
   const bool one_file = file.extension() == ".glb";
   if (!one_file && file.extension() != ".gltf")
@@ -305,10 +307,10 @@ void write_crowd(const fs::path& file, const CrowdMould& mould,
   for (const CrowdMember& member : members)
     if (!names.insert(member.name).second)
       throw UsageError(fmt::format("{}: two people are named '{}'", file.string(), member.name));
-  const CrowdLayout layout = crowd_layout(mould);
+  const CrowdLayout layout = crowd_layout(prototype);
   Document document;
   std::string shared;
-  const std::vector<SharedAccessors> accessors = share(mould, document.scene, shared);
+  const std::vector<SharedAccessors> accessors = share(prototype, document.scene, shared);
   constexpr double kRoom = 4.2e9;  // of a .glb, whose length is a 32-bit number; text and all
   if (one_file && double(members.size()) * (double(layout.size) + 2e4) > kRoom)
     throw LimitError(fmt::format(
@@ -320,7 +322,7 @@ void write_crowd(const fs::path& file, const CrowdMould& mould,
   if (!one_file)
     buffers.push_back({{"uri", shared_file.filename().string()}, {"byteLength", shared.size()}});
   for (std::size_t i = 0; i < members.size(); ++i) {
-    add_person(mould, layout, accessors, members[i], one_file ? 0 : int(i) + 1,
+    add_person(prototype, layout, accessors, members[i], one_file ? 0 : int(i) + 1,
                one_file ? shared.size() + i * layout.size : 0, document);
     if (one_file) continue;
     if (!fs::equivalent(fs::absolute(members[i].file).parent_path(),
@@ -331,10 +333,10 @@ void write_crowd(const fs::path& file, const CrowdMould& mould,
   }
   place_people(document);
   if (one_file) buffers.push_back({{"byteLength", shared.size() + members.size() * layout.size}});
-  std::string text = to_json(mould, std::move(document), std::move(buffers)).dump();
+  std::string text = to_json(prototype, std::move(document), std::move(buffers)).dump();
   if (one_file) return write_glb(file, layout, members, std::move(text), shared);
   write_file_atomically(shared_file, shared);
   write_file_atomically(file, text);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,8 +1,8 @@
-// Private to the files that write and read crowds: where things lie in a person's file.
+// Layout of a person's file. Private to the room.
 //
 // Inverse bind matrices (float, column by column); the person's unit in metres and joint frames
 // (one float; 18 a joint: axes column by column, zero, min, max); the skin's joints (four bytes a
-// vertex) and weights (four 16-bit shares); then layer by layer positions (three 16-bit whole
+// vertex) and weights (four 16-bit integers); then layer by layer positions (three 16-bit whole
 // numbers and a pad, 8 bytes a vertex) and normals (three 8-bit whole numbers and a pad, 4 bytes).
 // Little-endian, no header: it is a glTF buffer as it is, in which glTF knows nothing of the joint
 // frames.
@@ -13,12 +13,17 @@
 // from these matrices know no scale in it.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <vector>
 
-#include "skinning/crowd/crowd_io.h"
+#include "anatomy/types.h"
+#include "skinning/binding.h"
+#include "skinning/crowd/crowd_prototype.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct CrowdLayout {
   struct Layer {
@@ -34,28 +39,14 @@ inline constexpr std::size_t kMatrixBytes = 64, kFrameFloats = 18, kJointBytes =
 // The body's middle, world.
 inline const Vec3 kCrowdMiddle(0, 1, 0);
 
-inline CrowdLayout crowd_layout(const CrowdMould& mould) {
-  CrowdLayout out;
-  const std::size_t joints = mould.skeleton.joints.size(), skin = mould.layers[0].vertices;
-  out.unit = kMatrixBytes * joints;
-  out.frames = out.unit + sizeof(float);
-  out.joints = out.frames + kFrameFloats * sizeof(float) * joints;
-  out.weights = out.joints + kJointBytes * skin;
-  out.size = out.weights + kWeightBytes * skin;
-  for (const CrowdMould::Layer& layer : mould.layers) {
-    const std::size_t positions = out.size, normals = positions + kPositionBytes * layer.vertices;
-    out.layers.push_back({layer.vertices, positions, normals});
-    out.size = normals + kNormalBytes * layer.vertices;
-  }
-  return out;
-}
+CrowdLayout crowd_layout(const CrowdPrototype& prototype);
 
-// Influences as glTF keeps them: 16-bit shares that sum to 65535 exactly; what rounding leaves over
-// goes to the largest.
-struct CrowdShares {
+// Skin weights as glTF stores them: 16-bit integers that sum to 65535 exactly; the remainder of the
+// rounding goes to the largest.
+struct QuantizedWeights {
   std::vector<std::uint8_t> joints;    // 4 a vertex
   std::vector<std::uint16_t> weights;  // as many
 };
-CrowdShares crowd_shares(std::span<const std::array<Influence, 4>> influences);
+QuantizedWeights quantize_weights(std::span<const std::array<Influence, 4>> influences);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,4 +1,5 @@
-// A motion for all people of a crowd: the same meshes and skeletons, and one animation over them.
+#include "skinning/crowd/crowd_motion.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,17 +11,16 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
 #include "skinning/crowd/crowd_layout.h"
-#include "skinning/crowd/crowd_read.h"
 #include "skinning/crowd/crowd_text.h"
 #include "skinning/files/quantized_rotations.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int kShort = 5122, kFloat = 5126;
+constexpr int kShortCrowdMotion = 5122, kFloatCrowdMotion = 5126;
 
 // An animation under way: keys and the accessors over them, behind the bytes that are there
 // already.
@@ -47,7 +47,7 @@ struct Keys {
   }
 
   std::size_t add_times(const std::vector<float>& seconds) {
-    const std::size_t out = add(seconds, 1, kFloat, "SCALAR", false);
+    const std::size_t out = add(seconds, 1, kFloatCrowdMotion, "SCALAR", false);
     document["accessors"][out]["min"] = Json::array({seconds.front()});
     document["accessors"][out]["max"] = Json::array({seconds.back()});
     return out;
@@ -82,17 +82,19 @@ void add_motion(const Motion& motion, const Json& joints, double unit, std::size
   for (const Pose& pose : motion.frames)
     for (Eigen::Index k = 0; k < 3; ++k)
       roots.push_back(float((pose.root[k] - kCrowdMiddle[k]) / unit));
-  keys.add_channel(joints[0], "translation", times, keys.add(roots, 3, kFloat, "VEC3", false));
+  keys.add_channel(joints[0], "translation", times,
+                   keys.add(roots, 3, kFloatCrowdMotion, "VEC3", false));
   for (std::size_t j = 0; j < joints.size(); ++j) {
-    const std::vector<Quat> turns = steady_turns(motion, j);
+    const std::vector<Quat> turns = continuous_rotations(motion, j);
     std::vector<std::int16_t> values;
     bool turned = false;
     for (const Quat& turn : turns)
-      for (const std::int16_t part : to_shorts(turn)) values.push_back(part);
+      for (const std::int16_t part : quantize(turn)) values.push_back(part);
     for (std::size_t i = 0; i < values.size() && !turned; ++i)
       turned = values[i] != (i % 4 == 3 ? 32767 : 0);
     if (turned)
-      keys.add_channel(joints[j], "rotation", times, keys.add(values, 4, kShort, "VEC4", true));
+      keys.add_channel(joints[j], "rotation", times,
+                       keys.add(values, 4, kShortCrowdMotion, "VEC4", true));
   }
 }
 
@@ -188,4 +190,4 @@ void write_crowd_motion(const fs::path& file, const Crowd& crowd, const CrowdMot
   throw InputError(fmt::format("{}: a damaged crowd: {}", crowd.text->file.string(), e.what()));
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

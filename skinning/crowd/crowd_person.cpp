@@ -1,4 +1,5 @@
-// The mould and a person's own bytes. The file around them is in crowd_file.cpp.
+#include "skinning/crowd/crowd_person.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,35 +8,15 @@
 #include <cstring>
 #include <span>
 #include <stdexcept>
+#include <vector>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
-#include "anatomy/geometry/join_meshes.h"
-#include "anatomy/muscles/action_line.h"
-#include "anatomy/muscles/muscle_surface.h"
 #include "skinning/crowd/crowd_layout.h"
 #include "skinning/files/glb_builder.h"
-#include "skinning/files/slice_influences.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
-
-MuscleSurface crowd_surface(const Anatomy& anatomy) {
-  MuscleSurfaceOptions options;
-  options.points_per_slice = 8;  // people of a crowd are seen from afar
-  return make_muscle_surface(anatomy, options);
-}
-
-// As many as the crowd has layers: skin, bones, muscles.
-std::vector<TriMesh> layer_meshes(const Character& character, CrowdLayers layers) {
-  if (layers == CrowdLayers::skin_alone) return {character.body.skin};
-  std::vector<const TriMesh*> bones;
-  for (const Bone& bone : character.anatomy.bones) bones.push_back(&bone.mesh);
-  const MuscleSurface surface = crowd_surface(character.anatomy);
-  std::vector<TriMesh> out{character.body.skin, join_meshes(bones), TriMesh{Points(), surface.F}};
-  update_muscle_surface(surface, rest_slices(character.anatomy), out[2].V);
-  return out;
-}
 
 bool same_joints(const Skeleton& a, const Skeleton& b) {
   return std::equal(
@@ -83,75 +64,21 @@ void put_mesh(std::span<char> bytes, std::size_t positions, std::size_t normals,
   }
 }
 
-void add_bones(const Anatomy& anatomy, CrowdMould::Layer& layer) {
-  for (const Bone& bone : anatomy.bones) {
-    const auto begin = int(layer.influences.size()), end = begin + int(bone.mesh.V.rows());
-    layer.parts.push_back({bone.name, begin, end});
-    layer.influences.resize(end, {Influence{bone.joint, 1}});
-  }
-}
-
-void add_muscles(const Anatomy& anatomy, CrowdMould::Layer& layer) {
-  const MuscleSurface surface = crowd_surface(anatomy);
-  const std::vector<std::array<Influence, 4>> by_slice = slice_influences(anatomy);
-  for (int slice : surface.slice) layer.influences.push_back(by_slice[slice]);
-  for (const MuscleSurface::Part& part : surface.parts)
-    layer.parts.push_back({anatomy.muscles[part.muscle].name, part.vertex_begin, part.vertex_end});
-}
-
 }  // namespace
 
-CrowdShares crowd_shares(std::span<const std::array<Influence, 4>> influences) {
-  CrowdShares out;
-  for (const std::array<Influence, 4>& four : influences) {
-    double sum = 0;
-    for (const Influence& influence : four) sum += influence.weight;
-    int left = 65535;
-    std::array<int, 4> share{};
-    std::size_t largest = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      share[k] = int(std::lround(65535 * four[k].weight / sum));
-      left -= share[k];
-      if (share[k] > share[largest]) largest = k;
-    }
-    share[largest] += left;
-    for (std::size_t k = 0; k < 4; ++k) {
-      out.joints.push_back(
-          std::uint8_t(share[k] > 0 ? four[k].joint : 0));  // an unused slot must name joint 0
-      out.weights.push_back(std::uint16_t(share[k]));
-    }
-  }
-  return out;
-}
-
-CrowdMould make_crowd_mould(const Character& character, CrowdLayers layers) {
-  if (character.anatomy.skeleton.joints.size() > 256)
-    throw LimitError("a crowd's people have at most 256 joints");
-  CrowdMould out;
-  out.skeleton = character.anatomy.skeleton;
-  static constexpr const char* kNames[] = {"skin", "bones", "muscles"};
-  for (TriMesh& mesh : layer_meshes(character, layers)) {
-    const std::size_t vertices = mesh.V.rows();
-    out.layers.push_back({kNames[out.layers.size()], std::move(mesh.F), vertices, {}, {}});
-  }
-  if (layers == CrowdLayers::skin_alone) return out;
-  add_bones(character.anatomy, out.layers[1]);
-  add_muscles(character.anatomy, out.layers[2]);
-  return out;
-}
-
-void write_crowd_person(const std::filesystem::path& file, const CrowdMould& mould,
+void write_crowd_person(const std::filesystem::path& file, const CrowdPrototype& prototype,
                         const Character& character,
                         std::span<const std::array<Influence, 4>> weights) {
   AtomicFile out(file);
-  const CrowdLayout layout = crowd_layout(mould);
-  const std::vector<TriMesh> meshes = layer_meshes(
-      character, mould.layers.size() == 1 ? CrowdLayers::skin_alone : CrowdLayers::all);
-  bool same = same_joints(mould.skeleton, character.anatomy.skeleton);
+  const CrowdLayout layout = crowd_layout(prototype);
+  const std::vector<TriMesh> meshes = crowd_meshes(
+      character, prototype.layers.size() == 1 ? CrowdLayers::skin_alone : CrowdLayers::all);
+  bool same = same_joints(prototype.skeleton, character.anatomy.skeleton);
   double reach = 1;  // m; who has no more is kept in metres
   for (std::size_t l = 0; l < meshes.size(); ++l) {
     same = same && std::size_t(meshes[l].V.rows()) == layout.layers[l].vertices &&
-           meshes[l].F.rows() == mould.layers[l].F.rows() && meshes[l].F == mould.layers[l].F;
+           meshes[l].F.rows() == prototype.layers[l].F.rows() &&
+           meshes[l].F == prototype.layers[l].F;
     reach =
         std::max(reach, (meshes[l].V.rowwise() - kCrowdMiddle.transpose()).cwiseAbs().maxCoeff());
   }
@@ -166,7 +93,7 @@ void write_crowd_person(const std::filesystem::path& file, const CrowdMould& mou
   put_inverse_binds(bytes, character.anatomy.skeleton, double(unit));
   put(bytes, layout.unit, &unit, sizeof unit);
   put_joint_frames(bytes, layout.frames, character.anatomy.skeleton);
-  const CrowdShares shares = crowd_shares(weights);
+  const QuantizedWeights shares = quantize_weights(weights);
   put(bytes, layout.joints, shares.joints.data(), shares.joints.size());
   put(bytes, layout.weights, shares.weights.data(), 2 * shares.weights.size());
   for (std::size_t l = 0; l < meshes.size(); ++l)
@@ -176,4 +103,4 @@ void write_crowd_person(const std::filesystem::path& file, const CrowdMould& mou
   out.commit();
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

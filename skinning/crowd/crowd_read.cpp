@@ -13,7 +13,7 @@
 #include "skinning/crowd/crowd_text.h"
 #include "skinning/files/character_check.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -49,10 +49,6 @@ Text read_text(const fs::path& file) {
   out.binary = begin + length + sizeof chunk;
   out.binary_size = std::min<std::uintmax_t>(chunk[0], size - out.binary);
   return out;
-}
-
-[[noreturn]] void fail(const CrowdText& text, const std::string& what) {
-  throw InputError(fmt::format("{}: {}", printable(text.file.string()), printable(what)));
 }
 
 // The element that an object's member counts.
@@ -252,33 +248,6 @@ TriMesh read_skin(const CrowdText& text, const Json& node, double unit) {
 
 }  // namespace
 
-std::size_t whole_number(const CrowdText& text, const Json& object, const char* key,
-                         std::size_t otherwise) {
-  if (!object.contains(key)) return otherwise;
-  if (!object.at(key).is_number_unsigned())
-    fail(text, fmt::format("'{}' is not a whole number", key));
-  return object.at(key).get<std::size_t>();
-}
-
-std::size_t whole_number(const CrowdText& text, const Json& object, const char* key) {
-  if (!object.contains(key)) fail(text, fmt::format("'{}' is missing", key));
-  return whole_number(text, object, key, 0);
-}
-
-std::string read_buffer(const CrowdText& text, std::size_t buffer, std::size_t offset,
-                        std::size_t size) {
-  if (buffer >= text.buffers.size()) fail(text, fmt::format("there is no buffer {}", buffer));
-  const CrowdText::Buffer& from = text.buffers[buffer];
-  if (offset > from.size || size > from.size - offset)
-    fail(text, fmt::format("{} bytes at {} reach beyond {}", size, offset, from.file.string()));
-  std::string out(size, '\0');
-  std::ifstream in(from.file, std::ios::binary);
-  in.seekg(std::streamoff(from.begin + offset));
-  if (!in.read(out.data(), std::streamsize(size)))
-    fail(text, fmt::format("{} could not be read", from.file.string()));
-  return out;
-}
-
 bool is_crowd(const fs::path& file) try {
   return read_text(file).words.find(kMark) != std::string::npos;
 } catch (const InputError&) {  // whoever reads it says why
@@ -298,6 +267,14 @@ std::optional<CrowdAddress> crowd_address(const fs::path& file) {
   if (mark == std::string::npos || fs::exists(file, error) || !is_crowd(whole.substr(0, mark)))
     return std::nullopt;
   return CrowdAddress{whole.substr(0, mark), whole.substr(mark + 1)};
+}
+
+void refuse_crowd(const fs::path& file) {
+  if (const std::optional<CrowdAddress> one = crowd_address(file))
+    throw InputError(
+        fmt::format("{}: a crowd has its people's muscles only as meshes; `ecorche fit '{}' -o "
+                    "{}.glb` makes a character of this one",
+                    file.string(), file.string(), one->person));
 }
 
 Crowd open_crowd(const fs::path& file) try {
@@ -358,4 +335,4 @@ CrowdPerson read_crowd_person(const Crowd& crowd, const std::string& name) try {
                                printable(name), printable(e.what())));
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

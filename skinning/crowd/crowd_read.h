@@ -1,11 +1,9 @@
-// Reading crowds: who is in one, one person out of it as a body with joints, and a motion for all.
-// Of character_io.h, read_body and has_body_notes take addresses, too; read_character refuses them,
-// and crowds, with the next step; check_output (atomic_file.h) knows that "crowd.glb#ada" is
-// crowd.glb.
+// Reads crowds: who is in one, and one person as a body with joints. app/files/open_character.h
+// and open_body.h take the address of a person wherever they take a file; check_output
+// (atomic_file.h) knows that "crowd.glb#ada" is crowd.glb.
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,7 +11,7 @@
 
 #include "anatomy/anatomy.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct CrowdText;  // the file's own words, opaque; see crowd_text.h
 
@@ -40,6 +38,10 @@ bool is_crowd(const std::filesystem::path& file);
 // names the people there.
 std::optional<CrowdAddress> crowd_address(const std::filesystem::path& file);
 
+// Throws InputError for a crowd or one of its people, who are no characters before they have been
+// fitted: for verbs that need a character's file.
+void refuse_crowd(const std::filesystem::path& file);
+
 // Opens nothing but the file and, for a .gltf, what lies beside it. Throws InputError for a file
 // that is no crowd of ours or of another schema.
 Crowd open_crowd(const std::filesystem::path& file);
@@ -47,17 +49,4 @@ Crowd open_crowd(const std::filesystem::path& file);
 // Throws InputError for somebody who is not there, or whose data do not belong together.
 CrowdPerson read_crowd_person(const Crowd& crowd, const std::string& name);
 
-struct CrowdMotionOptions {
-  std::string name;    // of the animation; not one that the crowd has already
-  double stagger = 0;  // s by which each person begins later than the one before
-};
-
-// The crowd as one .glb in which all move: one animation, with `move`'s motion for each person,
-// whose root is in the person's own frame (soles at the origin at rest). Throws OutputError,
-// LimitError (4 GiB), UsageError for a name that is taken, std::invalid_argument for a motion of
-// another skeleton.
-void write_crowd_motion(const std::filesystem::path& file, const Crowd& crowd,
-                        const CrowdMotionOptions& options,
-                        const std::function<Motion(const CrowdPerson&)>& move);
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,6 +1,7 @@
-// Private to the files that read crowds: the glTF text of a crowd and where its bytes lie.
+// The glTF text of a crowd and the place of its bytes. Private to the room.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -9,7 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct CrowdText {
   struct Buffer {
@@ -23,6 +24,9 @@ struct CrowdText {
   std::map<std::string, int> skins;  // a person's name -> the node of their skin
 };
 
+// Throws InputError "FILE: what".
+[[noreturn]] void fail(const CrowdText& text, const std::string& what);
+
 // A member that is a whole number not below 0; `otherwise` where it is missing. Throws InputError.
 std::size_t whole_number(const CrowdText& text, const nlohmann::ordered_json& object,
                          const char* key, std::size_t otherwise);
@@ -33,4 +37,4 @@ std::size_t whole_number(const CrowdText& text, const nlohmann::ordered_json& ob
 std::string read_buffer(const CrowdText& text, std::size_t buffer, std::size_t offset,
                         std::size_t size);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -2,26 +2,26 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
 
+#include "anatomy/compute/cholesky.h"
 #include "skinning/constraints/foot_contacts.h"
 #include "skinning/motion/center_of_mass.h"
 #include "skinning/motion/require_joint.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kRate = 20;          // samples a second
-constexpr double kSpan = 0.04;        // s, to either side, for accelerations
-constexpr double kGravity = 9.81;     // m/s^2
-constexpr double kStress = 3e5;       // N/m^2 of a muscle's section
-constexpr double kLeastRange = 0.15;  // rad; axes that turn less are held by the joint
-constexpr double kStep = 0.01;        // rad, for moment arms
-constexpr double kStiffness = 1e3;    // of the reserve, over capacity squared
+constexpr double kRate = 20;                      // samples a second
+constexpr double kSpan = 0.04;                    // s, to either side, for accelerations
+constexpr double kGravity = 9.81;                 // m/s^2
+constexpr double kStress = 3e5;                   // N/m^2 of a muscle's section
+constexpr double kLeastRange = 0.15;              // rad; axes that turn less are held by the joint
+constexpr double kStepStaticOptimization = 0.01;  // rad, for moment arms
+constexpr double kStiffness = 1e3;                // of the reserve, over capacity squared
 constexpr double kLowFoot = 0.04, kFastFoot = 0.8;  // m, m/s
 constexpr double kFlight = 0.1;                     // of the weight: less than that is flight
 constexpr double kLeastEffort = 0.005;
@@ -104,10 +104,10 @@ class Dynamics {
         seconds >= kSpan && seconds + kSpan <= double(motion_.frames.size() - 1) / motion_.fps;
     for (const CenterOfMass::Segment& s : center_.segments()) {
       const std::size_t j = s.joint;
-      const Vec3 at = X[j] * s.place;
+      const Vec3 at = X[j] * s.centre;
       Vec3 acceleration = Vec3::Zero();
       if (inside)
-        acceleration = (before[j] * s.place - 2 * at + after[j] * s.place) / (kSpan * kSpan);
+        acceleration = (before[j] * s.centre - 2 * at + after[j] * s.centre) / (kSpan * kSpan);
       acceleration.y() += kGravity;
       out.push_back({s.joint, at, s.mass * mass_ * acceleration});
       force += out.back().force;
@@ -202,11 +202,11 @@ Eigen::MatrixXd moments_of(const PosingTable& table, const Skeleton& skeleton, c
       complete_pose(skeleton, p);
       return p;
     };
-    pose_anatomy(table, skeleton, turned(-kStep), less);
-    pose_anatomy(table, skeleton, turned(kStep), more);
+    pose_anatomy(table, skeleton, turned(-kStepStaticOptimization), less);
+    pose_anatomy(table, skeleton, turned(kStepStaticOptimization), more);
     for (std::size_t s = 0; s < ranges.size(); ++s) {
-      const double arm =
-          std::clamp(-(more.lengths[s] - less.lengths[s]) / (2 * kStep), -0.12, 0.12);
+      const double arm = std::clamp(
+          -(more.lengths[s] - less.lengths[s]) / (2 * kStepStaticOptimization), -0.12, 0.12);
       A(i, ranges[s].muscle) += arm * pulls.strip[s];
     }
   }
@@ -215,8 +215,8 @@ Eigen::MatrixXd moments_of(const PosingTable& table, const Skeleton& skeleton, c
 
 }  // namespace
 
-Eigen::VectorXd share_moments(const Eigen::MatrixXd& A, const Eigen::VectorXd& b,
-                              double stiffness) {
+Eigen::VectorXd distribute_moments(const Eigen::MatrixXd& A, const Eigen::VectorXd& b,
+                                   double stiffness) {
   constexpr int kSteps = 60;
   Eigen::VectorXd x = Eigen::VectorXd::Zero(b.size());
   const auto efforts = [&](const Eigen::VectorXd& at) -> Eigen::VectorXd {
@@ -235,7 +235,7 @@ Eigen::VectorXd share_moments(const Eigen::MatrixXd& A, const Eigen::VectorXd& b
     Eigen::MatrixXd H = Eigen::MatrixXd::Identity(b.size(), b.size()) / stiffness;
     for (Eigen::Index m = 0; m < A.cols(); ++m)
       if (s[m] >= 0 && s[m] < 1) H.noalias() += A.col(m) * A.col(m).transpose();
-    const Eigen::VectorXd direction = -H.ldlt().solve(gradient);
+    const Eigen::VectorXd direction = -solve_ldlt(H, gradient);
     const double slope = gradient.dot(direction);
     double length = 1;
     for (int halvings = 0; halvings < 40; ++halvings, length *= 0.5) {
@@ -286,7 +286,7 @@ Activations auto_activations(const PosingTable& table, const Anatomy& anatomy, c
     const Eigen::VectorXd capacity = A.rowwise().norm().cwiseMax(1.0),
                           wanted = b.cwiseQuotient(capacity);
     A = capacity.cwiseInverse().asDiagonal() * A;
-    const Eigen::VectorXd a = share_moments(A, wanted, kStiffness);
+    const Eigen::VectorXd a = distribute_moments(A, wanted, kStiffness);
     efforts.col(i) = a;
     missing[at] = wanted.norm() > 1e-9 ? (A * a - wanted).norm() / wanted.norm() : 0;
   });
@@ -309,4 +309,4 @@ Activations auto_activations(const PosingTable& table, const Anatomy& anatomy, c
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -6,7 +6,7 @@
 
 #include "anatomy/geometry/vertex_normals.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 // Three rows of four: the map of one bone.
@@ -141,4 +141,4 @@ void deform_dual_quaternion(const BlendSkin& skin, std::span<const Transform> bo
   }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -9,7 +9,7 @@
 #include "anatomy/types.h"
 #include "skinning/skin_frame.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct BlendSkin {
   std::vector<float> positions;               // #V x 3, rest
@@ -28,9 +28,9 @@ struct BoneWeight {
 // weighted.
 BlendSkin make_blend_skin(const TriMesh& rest, std::span<const std::vector<BoneWeight>> weights);
 
-// `bones`: world map of each bone from rest to pose. Scratch-free; one thread.
+// `bones`: world map of each bone from rest to pose. No working memory; one thread.
 void deform_linear(const BlendSkin& skin, std::span<const Transform> bones, SkinFrame& out);
 void deform_dual_quaternion(const BlendSkin& skin, std::span<const Transform> bones,
                             SkinFrame& out);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -6,7 +6,7 @@
 
 #include "anatomy/queries/nearest_surface.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kTouch = 0.005, kApart = 0.02, kBehind = 0.001;  // m
@@ -89,4 +89,4 @@ std::vector<char> in_contact_folds(const TriMesh& rest, const Points& V,
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,4 +1,5 @@
-// Where a posed skin lies against itself, by its geometry alone.
+// Triangles of a posed skin in contact folds, where it lies against itself, found by geometry
+// alone.
 #pragma once
 
 #include <span>
@@ -6,7 +7,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // A triangle lies in a contact fold if other skin lies against it: a triangle
 // - that comes within 5 mm of its middle,
@@ -20,4 +21,4 @@ namespace ecorche {
 std::vector<char> in_contact_folds(const TriMesh& rest, const Points& V,
                                    std::span<const int> triangles);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

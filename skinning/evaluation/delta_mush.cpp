@@ -4,9 +4,9 @@
 #include <stdexcept>
 
 #include "anatomy/geometry/vertex_normals.h"
-#include "skinning/bind/skin_depth.h"
+#include "anatomy/geometry/vertex_rings.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using Vec3f = Eigen::Vector3f;
@@ -16,32 +16,32 @@ std::size_t vertices_of(const MushTables& tables) { return tables.start.size() -
 
 Vec3f at(const std::vector<float>& p, std::size_t i) { return Eigen::Map<const Vec3f>(&p[4 * i]); }
 
-void smooth(const MushTables& tables, MushScratch& scratch) {
-  scratch.next.resize(scratch.smooth.size());
+void smooth(const MushTables& tables, MushWorkspace& workspace) {
+  workspace.next.resize(workspace.smooth.size());
   for (int round = 0; round < tables.options.iterations; ++round) {
     for (std::size_t i = 0; i < vertices_of(tables); ++i) {
       const int begin = tables.start[i], end = tables.start[i + 1];
       Eigen::Array4f sum = Eigen::Array4f::Zero();
       for (int k = begin; k < end; ++k)
-        sum += Eigen::Map<const Eigen::Array4f>(&scratch.smooth[4 * tables.neighbour[k]]);
-      const Eigen::Map<const Eigen::Array4f> here(&scratch.smooth[4 * i]);
-      Eigen::Map<Eigen::Array4f> next(&scratch.next[4 * i]);
+        sum += Eigen::Map<const Eigen::Array4f>(&workspace.smooth[4 * tables.neighbour[k]]);
+      const Eigen::Map<const Eigen::Array4f> here(&workspace.smooth[4 * i]);
+      Eigen::Map<Eigen::Array4f> next(&workspace.next[4 * i]);
       next = begin == end
                  ? Eigen::Array4f(here)
                  : Eigen::Array4f(here + tables.options.step * (sum / float(end - begin) - here));
     }
-    scratch.smooth.swap(scratch.next);
+    workspace.smooth.swap(workspace.next);
   }
-  scratch.normals.resize(scratch.smooth.size());
-  vertex_normals(scratch.smooth, tables.triangles, scratch.normals);
+  workspace.normals.resize(workspace.smooth.size());
+  vertex_normals(workspace.smooth, tables.triangles, workspace.normals);
 }
 
 // Tangent, bitangent, normal of the smoothed shape.
-Mat3f frame_at(const MushTables& tables, const MushScratch& scratch, std::size_t i) {
-  const Vec3f n = at(scratch.normals, i), here = at(scratch.smooth, i);
+Mat3f frame_at(const MushTables& tables, const MushWorkspace& workspace, std::size_t i) {
+  const Vec3f n = at(workspace.normals, i), here = at(workspace.smooth, i);
   Vec3f t = Vec3f::Zero();
   for (int k = tables.start[i]; k < tables.start[i + 1]; ++k)
-    t += tables.tangent_weight[k] * (at(scratch.smooth, std::size_t(tables.neighbour[k])) - here);
+    t += tables.tangent_weight[k] * (at(workspace.smooth, std::size_t(tables.neighbour[k])) - here);
   t -= n.dot(t) * n;
   const float length = t.norm();
   t = length > 1e-12f ? Vec3f(t / length) : n.unitOrthogonal();
@@ -64,37 +64,37 @@ MushTables make_mush(const TriMesh& mesh, const std::vector<float>& rest,
     tables.neighbour.insert(tables.neighbour.end(), ring.begin(), ring.end());
     tables.start.push_back(int(tables.neighbour.size()));
   }
-  MushScratch scratch;
-  scratch.smooth = rest;
-  smooth(tables, scratch);
+  MushWorkspace workspace;
+  workspace.smooth = rest;
+  smooth(tables, workspace);
   tables.tangent_weight.resize(tables.neighbour.size());
   tables.detail.resize(vertices_of(tables));
   for (std::size_t i = 0; i < vertices_of(tables); ++i) {
-    const Vec3f here = at(scratch.smooth, i);
+    const Vec3f here = at(workspace.smooth, i);
     Vec3f wanted = Vec3f::Zero();
     for (int k = tables.start[i]; k < tables.start[i + 1]; ++k) {
-      const Vec3f edge = at(scratch.smooth, std::size_t(tables.neighbour[k])) - here;
+      const Vec3f edge = at(workspace.smooth, std::size_t(tables.neighbour[k])) - here;
       if (k == tables.start[i]) wanted = edge.normalized();
       // The mix of edges that best turns with the whole ring instead of with one edge.
       tables.tangent_weight[k] = edge.dot(wanted) / std::max(edge.squaredNorm(), 1e-12f);
     }
-    const Vec3f detail = frame_at(tables, scratch, i).transpose() * (at(rest, i) - here);
+    const Vec3f detail = frame_at(tables, workspace, i).transpose() * (at(rest, i) - here);
     tables.detail[i] = {detail.x(), detail.y(), detail.z()};
   }
   return tables;
 }
 
-void deform_mush(const MushTables& tables, MushScratch& scratch, SkinFrame& skin) {
+void deform_mush(const MushTables& tables, MushWorkspace& workspace, SkinFrame& skin) {
   if (skin.positions.size() != 4 * vertices_of(tables))
     throw std::invalid_argument("deform_mush: a frame of another skin");
-  scratch.smooth.assign(skin.positions.begin(), skin.positions.end());
-  smooth(tables, scratch);
+  workspace.smooth.assign(skin.positions.begin(), skin.positions.end());
+  smooth(tables, workspace);
   for (std::size_t i = 0; i < vertices_of(tables); ++i)
     Eigen::Map<Vec3f>(&skin.positions[4 * i]) =
-        at(scratch.smooth, i) +
-        frame_at(tables, scratch, i) * Eigen::Map<const Vec3f>(tables.detail[i].data());
+        at(workspace.smooth, i) +
+        frame_at(tables, workspace, i) * Eigen::Map<const Vec3f>(tables.detail[i].data());
   skin.normals.resize(skin.positions.size());
   vertex_normals(skin.positions, tables.triangles, skin.normals);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,6 +1,6 @@
 // Delta mush: any cheap deformation, smoothed, with the detail that smoothing took from the rest
 // shape put back in local frames (Mancewicz, Derksen, Rijpkema & Wilson
-// 2014, 10.1145/2633374.2633376). One of the deformers to beat.
+// 2014, 10.1145/2633374.2633376). A baseline.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 #include "anatomy/types.h"
 #include "skinning/skin_frame.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct MushOptions {
   int iterations = 10;  // the usual settings of the programs that offer it
@@ -27,7 +27,7 @@ struct MushTables {
 };
 
 // Working memory of deform_mush(); its content means nothing between frames.
-struct MushScratch {
+struct MushWorkspace {
   std::vector<float> smooth, next, normals;
 };
 
@@ -38,6 +38,6 @@ MushTables make_mush(const TriMesh& mesh, const std::vector<float>& rest,
 
 // `skin` holds a deformed skin (linear blend as a rule) and gets the mushed one, with normals.
 // Precondition: #V x 4 positions.
-void deform_mush(const MushTables& tables, MushScratch& scratch, SkinFrame& skin);
+void deform_mush(const MushTables& tables, MushWorkspace& workspace, SkinFrame& skin);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,10 +1,11 @@
 #include "skinning/evaluation/package_blend.h"
+#include "anatomy/base_mesh/body_rig.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <numeric>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 // Similarity of the neighbourhood of `p` from one shape to another, applied to p (Umeyama
@@ -29,27 +30,27 @@ Vec3 carried_by_skin(const Vec3& p, const Points& from, const Points& to) {
 
 }  // namespace
 
-LinearRival make_linear_rival(const BodyPackage& package, const Skeleton& skeleton,
-                              const TriMesh& skin) {
-  LinearRival rival;
-  rival.rig = read_rig(package, "default", package.points);
-  for (auto* places : {&rival.rig.heads, &rival.rig.tails})
+LinearBaseline make_linear_baseline(const BodyPackage& package, const Skeleton& skeleton,
+                                    const TriMesh& skin) {
+  LinearBaseline baseline;
+  baseline.rig = read_rig(package, "default", package.points);
+  for (auto* places : {&baseline.rig.heads, &baseline.rig.tails})
     for (Vec3& place : *places) place = carried_by_skin(place, package.points, skin.V);
-  rival.links = link_default_rig(rival.rig, skeleton);
-  const VertexWeights& shares = rival.rig.weights;
+  baseline.links = link_default_rig(baseline.rig, skeleton);
+  const VertexWeights& shares = baseline.rig.weights;
   std::vector<std::vector<BoneWeight>> weights(skin.V.rows());
   for (Eigen::Index i = 0; i < skin.V.rows(); ++i)
     for (int k = shares.start[i]; k < shares.start[i + 1]; ++k)
       weights[i].push_back({shares.bone[k], shares.weight[k]});
-  rival.skin = make_blend_skin(skin, weights);
-  return rival;
+  baseline.skin = make_blend_skin(skin, weights);
+  return baseline;
 }
 
-void deform_rival(const LinearRival& rival, const Skeleton& skeleton,
-                  std::span<const Transform> X_WJ, SkinFrame& out) {
+void deform_linear_baseline(const LinearBaseline& baseline, const Skeleton& skeleton,
+                            std::span<const Transform> X_WJ, SkinFrame& out) {
   std::vector<Transform> bones;
-  pose_rig(rival.rig, rival.links, skeleton, X_WJ, bones);
-  deform_linear(rival.skin, bones, out);
+  pose_rig(baseline.rig, baseline.links, skeleton, X_WJ, bones);
+  deform_linear(baseline.skin, bones, out);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -6,11 +6,10 @@
 #include <numbers>
 #include <set>
 
-#include "skinning/character/deform_skin.h"
 #include "skinning/evaluation/contact_folds.h"
 #include "skinning/motion/pose_book.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kForearmTurn = 150 * std::numbers::pi / 180;
@@ -24,12 +23,12 @@ double signed_volume(const Triangles& F, const Points& V) {
 
 }  // namespace
 
-PoseFigures measure_pose(const TriMesh& rest, const Binding& binding,
+PoseFigures measure_pose(const TriMesh& rest, const BlendTables& tables,
                          std::span<const Transform> X_WJ, const SkinFrame& frame) {
   PoseFigures out;
   Points V;
   to_points(frame, V);
-  const std::vector<int> flipped = flipped_triangles(rest, binding, X_WJ, V);
+  const std::vector<int> flipped = flipped_triangles(rest, tables, X_WJ, V);
   const std::vector<char> folded = in_contact_folds(rest, V, flipped);
   out.flipped = flipped.size();
   out.flipped_outside = out.flipped - int(std::count(folded.begin(), folded.end(), 1));
@@ -56,11 +55,11 @@ LimbSection section_of(const std::string& name, const std::set<int>& joints, con
                        const Binding& binding) {
   LimbSection section{name, {}, {}};
   for (Eigen::Index f = 0; f < skin.F.rows(); ++f) {
-    double share = 0;
+    double weight = 0;
     for (int k = 0; k < 3; ++k)
       for (const Influence& w : binding.joint_weights[skin.F(f, k)])
-        if (joints.count(w.joint) > 0) share += w.weight / 3;
-    if (share > 0.5) section.triangles.push_back(int(f));
+        if (joints.count(w.joint) > 0) weight += w.weight / 3;
+    if (weight > 0.5) section.triangles.push_back(int(f));
   }
   section.rims = open_rims(section.triangles, skin.F);
   return section;
@@ -139,4 +138,4 @@ std::vector<VolumePose> volume_poses(const Skeleton& skeleton) {
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

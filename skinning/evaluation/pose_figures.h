@@ -1,13 +1,14 @@
-// What a pose does to a skin: the figures of the pose book. The same yardstick for every method.
+// Figures of a skin in one pose, for the pose book: the same yardstick for every method.
 #pragma once
 
 #include <span>
 #include <string>
 #include <vector>
 
+#include "skinning/binding.h"
 #include "skinning/evaluation/skin_quality.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct PoseFigures {
   int flipped = 0;             // triangles that face against their turned rest normal
@@ -17,7 +18,7 @@ struct PoseFigures {
 };
 
 // Precondition: as of measure_skin().
-PoseFigures measure_pose(const TriMesh& rest, const Binding& binding,
+PoseFigures measure_pose(const TriMesh& rest, const BlendTables& tables,
                          std::span<const Transform> X_WJ, const SkinFrame& frame);
 
 // "arm_l", "arm_r", "leg_l", "leg_r": all of the skin beyond the shoulder or the hip, closed by a
@@ -29,12 +30,12 @@ std::vector<LimbSection> whole_limbs(const Skeleton& skeleton, const TriMesh& sk
 // (V - V0) / V0 of a section, rest to posed.
 double section_change(const LimbSection& section, const TriMesh& rest, const SkinFrame& frame);
 
-// The poses that limb and body volumes are asked at, all else at rest: both sides at once.
+// Poses in which limb and body volumes are measured: both sides at once, all else at rest.
 struct VolumePose {
   std::string name;                   // "elbow_135"
   std::string label;                  // "whole arm, elbow bent 135 deg"
   std::vector<std::string> sections;  // of whole_limbs(); empty: the whole body
-  double asked = 0.01;                // largest relative change that was asked for
+  double asked = 0.01;                // largest relative change that is accepted
   Pose pose;
 };
 
@@ -42,4 +43,4 @@ struct VolumePose {
 // knee 120 deg, hip 90 deg.
 std::vector<VolumePose> volume_poses(const Skeleton& skeleton);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

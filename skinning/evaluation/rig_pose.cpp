@@ -1,4 +1,5 @@
 #include "skinning/evaluation/rig_pose.h"
+#include "anatomy/base_mesh/body_rig.h"
 
 #include <cmath>
 #include <map>
@@ -6,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 struct Rule {
@@ -123,4 +124,4 @@ void pose_rig(const Rig& rig, std::span<const RigLink> links, const Skeleton& sk
   }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -6,17 +6,18 @@
 #include <vector>
 
 #include "anatomy/base_mesh/body_package.h"
+#include "anatomy/base_mesh/body_rig.h"
 #include "anatomy/skeleton.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-// Which of our joints each rig bone turns with: rotation = slerp(joint, other, share), or the
-// joint's without its axial turn.
+// The joints that give a rig bone its rotation: slerp(joint, other, share), or the joint's without
+// its axial rotation.
 struct RigLink {
   int joint = -1;
   int other = -1;    // -1: the joint alone
   double share = 0;  // of the other
-  // >= 0: half the axial turn of this joint is left out (upper arm and thigh, first half)
+  // >= 0: half the axial rotation of this joint is left out (upper arm and thigh, first half)
   int twist_of = -1;
   Vec3 axis = Vec3::UnitY();
 };
@@ -30,4 +31,4 @@ std::vector<RigLink> link_default_rig(const Rig& rig, const Skeleton& skeleton);
 void pose_rig(const Rig& rig, std::span<const RigLink> links, const Skeleton& skeleton,
               std::span<const Transform> X_WJ, std::vector<Transform>& out);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -6,7 +6,7 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 std::string_view short_name(SkinMethod method) {
   switch (method) {
@@ -50,32 +50,33 @@ std::optional<SkinMethod> skin_method(std::string_view name) {
   return std::nullopt;
 }
 
-RivalSkins make_rival_skins(const BodyPackage& package, const Anatomy& anatomy,
-                            const PosedAnatomy& rest, const TriMesh& skin, const Binding& binding) {
+BaselineSkins make_baseline_skins(const BodyPackage& package, const Anatomy& anatomy,
+                                  const PosedAnatomy& rest, const TriMesh& skin,
+                                  const Binding& binding) {
   if (skin.V.rows() != package.skin_size)
     throw UnfitError(
         fmt::format("the body package's weights are for {} vertices, this skin has {}; only --skin "
                     "ecorche can move it",
                     package.skin_size, skin.V.rows()));
-  RivalSkins out;
-  out.blend = make_linear_rival(package, anatomy.skeleton, skin);
+  BaselineSkins out;
+  out.blend = make_linear_baseline(package, anatomy.skeleton, skin);
   SkinFrame blended;
-  deform_rival(out.blend, anatomy.skeleton, rest.X_WJ, blended);
+  deform_linear_baseline(out.blend, anatomy.skeleton, rest.X_WJ, blended);
   out.mush = make_mush(skin, blended.positions);
-  out.paper = make_paper_skin(anatomy, rest, skin, binding);
+  out.paper = make_nearest_part_skin(anatomy, rest, skin, binding);
   return out;
 }
 
-void deform_by(const RivalSkins& skins, SkinMethod method, const Skeleton& skeleton,
-               const PosedAnatomy& posed, RivalScratch& scratch, SkinFrame& out) {
+void deform_by(const BaselineSkins& skins, SkinMethod method, const Skeleton& skeleton,
+               const PosedAnatomy& posed, BaselineWorkspace& workspace, SkinFrame& out) {
   if (is_ours(method))
     throw std::invalid_argument("deform_by: deform_skin() is for our own method");
-  if (method == SkinMethod::paper) return deform_paper(skins.paper, posed, out);
-  pose_rig(skins.blend.rig, skins.blend.links, skeleton, posed.X_WJ, scratch.bones);
+  if (method == SkinMethod::paper) return deform_nearest_part(skins.paper, posed, out);
+  pose_rig(skins.blend.rig, skins.blend.links, skeleton, posed.X_WJ, workspace.bones);
   if (method == SkinMethod::dual_quaternion)
-    return deform_dual_quaternion(skins.blend.skin, scratch.bones, out);
-  deform_linear(skins.blend.skin, scratch.bones, out);
-  if (method == SkinMethod::delta_mush) deform_mush(skins.mush, scratch.mush, out);
+    return deform_dual_quaternion(skins.blend.skin, workspace.bones, out);
+  deform_linear(skins.blend.skin, workspace.bones, out);
+  if (method == SkinMethod::delta_mush) deform_mush(skins.mush, workspace.mush, out);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,4 +1,4 @@
-// The ways to move a skin, by name: ours, and those that users have today, with the body package's
+// Skinning methods by name: ours, and the baselines that users have today, with the body package's
 // own rig and weights.
 #pragma once
 
@@ -12,7 +12,7 @@
 #include "skinning/evaluation/nearest_part.h"
 #include "skinning/evaluation/package_blend.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // anchors: ours, but it does not settle.
 enum class SkinMethod { linear_blend, dual_quaternion, delta_mush, paper, anchors, ecorche };
@@ -31,25 +31,26 @@ std::string_view long_name(SkinMethod method);  // "linear blend", ...
 std::optional<SkinMethod> skin_method(std::string_view short_name);
 
 // All but ours, for one character.
-struct RivalSkins {
-  LinearRival blend;
+struct BaselineSkins {
+  LinearBaseline blend;
   MushTables mush;  // over the linear blend
-  PaperSkin paper;
+  NearestPartSkin paper;
 };
 
-struct RivalScratch {
+struct BaselineWorkspace {
   std::vector<Transform> bones;
-  MushScratch mush;
+  MushWorkspace mush;
 };
 
 // Throws UnfitError unless `skin` has the base mesh's vertices. Precondition: the binding and
 // `rest` (the anatomy's rest pose) belong to it.
-RivalSkins make_rival_skins(const BodyPackage& package, const Anatomy& anatomy,
-                            const PosedAnatomy& rest, const TriMesh& skin, const Binding& binding);
+BaselineSkins make_baseline_skins(const BodyPackage& package, const Anatomy& anatomy,
+                                  const PosedAnatomy& rest, const TriMesh& skin,
+                                  const Binding& binding);
 
 // Precondition: method is none of ours (std::invalid_argument), `posed` is of the skeleton's
 // anatomy.
-void deform_by(const RivalSkins& skins, SkinMethod method, const Skeleton& skeleton,
-               const PosedAnatomy& posed, RivalScratch& scratch, SkinFrame& out);
+void deform_by(const BaselineSkins& skins, SkinMethod method, const Skeleton& skeleton,
+               const PosedAnatomy& posed, BaselineWorkspace& workspace, SkinFrame& out);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

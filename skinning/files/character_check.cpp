@@ -12,7 +12,7 @@
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/posing/pose_anatomy.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 static_assert(limits::kStripSlices == kMaxStripSlices && limits::kPathPoints == kMaxPathPoints);
@@ -142,4 +142,4 @@ void check_character(const Character& character, const std::string& file) {
     check_muscle(muscle, fmt::format("{}: muscle '{}'", file, muscle.name));
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -6,8 +6,9 @@
 
 #include "anatomy/errors.h"
 #include "skinning/files/character_check.h"
+#include "skinning/files/character_format.h"
 
-namespace ecorche::gltf {
+namespace ecorche::inline v1::gltf {
 
 using tinygltf::Value;
 
@@ -55,7 +56,7 @@ void add_skin(GlbBuilder& glb, const TriMesh& skin,
       own.push_back(float(v));
     }
     glb.add_influences(primitive, split);
-    primitive.attributes["TEXCOORD_0"] = glb.add_places(texture.places);
+    primitive.attributes["TEXCOORD_0"] = glb.add_texture_coordinates(texture.places);
     primitive.attributes["_SKIN_VERTEX"] =
         glb.add_scalars(own, false, TINYGLTF_TARGET_ARRAY_BUFFER);
   }
@@ -77,4 +78,4 @@ void finish(GlbBuilder& glb, const Body& body, Object ecorche, AtomicFile& out) 
   out.commit();
 }
 
-}  // namespace ecorche::gltf
+}  // namespace ecorche::inline v1::gltf

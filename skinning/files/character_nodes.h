@@ -3,12 +3,17 @@
 
 #include <filesystem>
 
+#include <array>
+#include <span>
+
+#include "anatomy/character.h"
 #include "anatomy/files/atomic_file.h"
-#include "skinning/files/character_io.h"
+#include "skinning/binding.h"
+#include "skinning/files/character_look.h"
 #include "skinning/files/glb_builder.h"
 #include "skinning/files/gltf_values.h"
 
-namespace ecorche::gltf {
+namespace ecorche::inline v1::gltf {
 
 // Throws std::invalid_argument where the parts are not of one character, UnfitError for anatomy
 // that no reader would take (a body in which it crumpled), LimitError.
@@ -24,4 +29,4 @@ void add_skin(GlbBuilder& glb, const TriMesh& skin,
 // writes the file.
 void finish(GlbBuilder& glb, const Body& body, Object ecorche, AtomicFile& out);
 
-}  // namespace ecorche::gltf
+}  // namespace ecorche::inline v1::gltf

@@ -1,5 +1,5 @@
-// Reading. Nothing outside the file itself is ever opened, and what the file says of images,
-// materials and animations is not looked at.
+#include "skinning/files/character_read.h"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -12,12 +12,11 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
 #include "anatomy/mesh_files/gltf_file.h"
-#include "skinning/crowd/crowd_read.h"
 #include "skinning/files/character_check.h"
-#include "skinning/files/character_io.h"
+#include "skinning/files/character_format.h"
 #include "skinning/files/extras_read.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -240,14 +239,7 @@ class Reader {
 
 }  // namespace
 
-Character read_character(const fs::path& file) {
-  if (const std::optional<CrowdAddress> one = crowd_address(file))
-    throw InputError(
-        fmt::format("{}: a crowd has its people's muscles only as meshes; `ecorche fit '{}' -o "
-                    "{}.glb` makes a character of this one",
-                    file.string(), file.string(), one->person));
-  return Reader(file).read();
-}
+Character read_character(const fs::path& file) { return Reader(file).read(); }
 
 Character parse_character(std::string bytes, const std::string& name) {
   return Reader(std::move(bytes), name).read();
@@ -256,14 +248,9 @@ Body parse_body(std::string bytes, const std::string& name) {
   return Reader(std::move(bytes), name).read_body();
 }
 
-Body read_body(const fs::path& file) {
-  if (const std::optional<CrowdAddress> one = crowd_address(file))
-    return read_crowd_person(open_crowd(one->file), one->person).body;
-  return Reader(file).read_body();
-}
+Body read_body(const fs::path& file) { return Reader(file).read_body(); }
 
 bool has_body_notes(const fs::path& file) {
-  if (crowd_address(file)) return true;
   check_input_file(file);
   std::ifstream in(file, std::ios::binary);
   char header[20];
@@ -277,4 +264,4 @@ bool has_body_notes(const fs::path& file) {
   return text.find("\"ecorche\"") != std::string::npos;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

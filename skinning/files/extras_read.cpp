@@ -7,7 +7,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
 
-namespace ecorche::extras {
+namespace ecorche::inline v1::extras {
 namespace {
 
 using Json = nlohmann::json;
@@ -202,4 +202,4 @@ int read_schema(const Json& value, const std::string& where) {
   return Fields(value, where).integer("schema");
 }
 
-}  // namespace ecorche::extras
+}  // namespace ecorche::inline v1::extras

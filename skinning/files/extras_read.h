@@ -7,7 +7,7 @@
 
 #include "anatomy/anatomy.h"
 
-namespace ecorche::extras {
+namespace ecorche::inline v1::extras {
 
 // All throw InputError "<where>: ..." for what is missing, of the wrong type or not finite.
 // `value`: what `extras` holds, null where there are none.
@@ -17,4 +17,4 @@ void read_muscle(const nlohmann::json& value, const std::string& where, Muscle& 
 void read_body(const nlohmann::json& value, const std::string& where, Body& body);
 int read_schema(const nlohmann::json& value, const std::string& where);
 
-}  // namespace ecorche::extras
+}  // namespace ecorche::inline v1::extras

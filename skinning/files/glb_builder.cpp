@@ -12,7 +12,7 @@
 #include "skinning/files/gltf_values.h"
 #include "skinning/files/quantized_rotations.h"
 
-namespace ecorche::gltf {
+namespace ecorche::inline v1::gltf {
 
 GlbBuilder::GlbBuilder() {
   model_.asset.version = "2.0";
@@ -195,7 +195,7 @@ int GlbBuilder::add_scalars(const std::vector<float>& values, bool bounds, int t
                       bounds);
 }
 
-int GlbBuilder::add_places(const TexturePoints& places) {
+int GlbBuilder::add_texture_coordinates(const TexturePoints& places) {
   std::vector<float> values;
   for (Eigen::Index i = 0; i < places.rows(); ++i)
     values.insert(values.end(), {places(i, 0), 1 - places(i, 1)});
@@ -212,7 +212,8 @@ int GlbBuilder::add_tints(const std::vector<Tint>& tints) {
   return accessor;
 }
 
-int GlbBuilder::add_shares(const std::vector<std::int16_t>& values, int type, int components) {
+int GlbBuilder::add_normalized_shorts(const std::vector<std::int16_t>& values, int type,
+                                      int components) {
   const int accessor = add_accessor(values, TINYGLTF_COMPONENT_TYPE_SHORT, type, components, 0);
   model_.accessors.back().normalized = true;
   return accessor;
@@ -261,12 +262,12 @@ void add_channel(tinygltf::Animation& animation, int node, const char* path, int
 
 namespace {
 
-int add_turns(GlbBuilder& glb, std::span<const Quat> turns, TurnKeys keys) {
-  if (keys == TurnKeys::shorts) {
+int add_turns(GlbBuilder& glb, std::span<const Quat> turns, RotationKeys keys) {
+  if (keys == RotationKeys::shorts) {
     std::vector<std::int16_t> values;
     for (const Quat& q : turns)
-      for (const std::int16_t part : to_shorts(q)) values.push_back(part);
-    return glb.add_shares(values, TINYGLTF_TYPE_VEC4, 4);
+      for (const std::int16_t part : quantize(q)) values.push_back(part);
+    return glb.add_normalized_shorts(values, TINYGLTF_TYPE_VEC4, 4);
   }
   std::vector<float> values;
   for (const Quat& q : turns)
@@ -277,7 +278,7 @@ int add_turns(GlbBuilder& glb, std::span<const Quat> turns, TurnKeys keys) {
 }  // namespace
 
 int add_motion(GlbBuilder& glb, const Skeleton& skeleton, const Motion& motion,
-               const std::string& name, TurnKeys keys) {
+               const std::string& name, RotationKeys keys) {
   constexpr float kStill = 5e-7f;  // of a quaternion's parts
   tinygltf::Animation animation;
   animation.name = name;
@@ -291,7 +292,7 @@ int add_motion(GlbBuilder& glb, const Skeleton& skeleton, const Motion& motion,
   add_channel(animation, 0, "translation", times,
               glb.add_accessor(roots, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC3, 3, 0));
   for (size_t j = 0; j < skeleton.joints.size(); ++j) {
-    const std::vector<Quat> turns = steady_turns(motion, j);
+    const std::vector<Quat> turns = continuous_rotations(motion, j);
     const bool turned = std::any_of(turns.begin(), turns.end(),
                                     [](const Quat& q) { return std::abs(q.w()) < 1 - 1e-12; });
     const bool moves = std::any_of(turns.begin(), turns.end(), [&](const Quat& q) {
@@ -309,4 +310,4 @@ int add_motion(GlbBuilder& glb, const Skeleton& skeleton, const Motion& motion,
   return times;
 }
 
-}  // namespace ecorche::gltf
+}  // namespace ecorche::inline v1::gltf

@@ -4,7 +4,9 @@
 
 #include <tiny_gltf.h>
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <ostream>
 #include <span>
@@ -14,9 +16,9 @@
 #include "anatomy/base_mesh/skin_texture.h"
 #include "anatomy/base_mesh/tissue_look.h"
 #include "anatomy/skeleton.h"
-#include "skinning/bind/bind.h"
+#include "skinning/binding.h"
 
-namespace ecorche::gltf {
+namespace ecorche::inline v1::gltf {
 
 // glTF's base colour of a tissue: in proportion to light, opaque.
 std::array<double, 4> base_color(const TissueLook& look);
@@ -71,21 +73,21 @@ class GlbBuilder {
 
   int add_scalars(const std::vector<float>& values, bool bounds, int target);
 
-  // Integers that stand for -1 .. 1.
-  int add_shares(const std::vector<std::int16_t>& values, int type, int components);
+  // Normalised 16-bit integers for -1 .. 1.
+  int add_normalized_shorts(const std::vector<std::int16_t>& values, int type, int components);
 
-  // Right and up from the lower left; glTF counts down from the upper left.
-  int add_places(const TexturePoints& places);
+  // TEXCOORD_0 with its origin in the lower left; glTF has it in the upper left.
+  int add_texture_coordinates(const TexturePoints& places);
 
   int add_tints(const std::vector<Tint>& tints);
 
-  // The material of a tissue, made when it is first asked for. `brighter`: a factor of its colour,
-  // for tints that only darken.
+  // The material of a tissue, made on first use. `brighter`: a factor of its colour, for tints that
+  // only darken.
   int material(const TissueLook& look, float brighter = 1);
 
   int add_indices(const Triangles& F);
 
-  // Places and normals; attributes and indices are the caller's.
+  // A primitive with POSITION and NORMAL; further attributes and indices are the caller's.
   tinygltf::Primitive surface(const Points& V, const Points& normals, int indices, int material);
 
   // Returns its index.
@@ -99,10 +101,10 @@ class GlbBuilder {
 
   static Points unit_normals(const TriMesh& mesh);
 
-  // JSON that is put in place only when the file is written: strips have nearly all of a
-  // character's numbers, and one by one as tinygltf::Value they cost several times what the rest of
-  // the file does. Returns the value that stands for it, in an object of extras by the name
-  // "strips". To be placed in the order of keeping.
+  // Stores JSON that is inserted only when the file is written. Strips have nearly all of a
+  // character's numbers, and one by one as tinygltf::Value they cost several times as much as the
+  // rest of the file. Returns a placeholder for an object of extras by the name "strips".
+  // Placeholders must be used in the order of these calls.
   tinygltf::Value keep_text(std::string json);
 
   // The whole file. False when it cannot be written.
@@ -121,11 +123,11 @@ void add_joints(GlbBuilder& glb, const Skeleton& skeleton);
 
 void add_channel(tinygltf::Animation& animation, int node, const char* path, int times, int values);
 
-enum class TurnKeys { floats, shorts };  // shorts: as quantized_rotations.h has them
+enum class RotationKeys { floats, shorts };  // shorts: as quantized_rotations.h has them
 
-// An animation of the joints, a key a frame; one for joints that stay as they are. Returns the
-// accessor of its times.
+// An animation of the joints, a key a frame, or one key for constant joints. Returns the accessor
+// of its times.
 int add_motion(GlbBuilder& glb, const Skeleton& skeleton, const Motion& motion,
-               const std::string& name, TurnKeys keys = TurnKeys::floats);
+               const std::string& name, RotationKeys keys = RotationKeys::floats);
 
-}  // namespace ecorche::gltf
+}  // namespace ecorche::inline v1::gltf

@@ -5,7 +5,7 @@
 #include <initializer_list>
 #include <iterator>
 
-namespace ecorche::gltf {
+namespace ecorche::inline v1::gltf {
 namespace {
 
 using tinygltf::Value;
@@ -131,4 +131,4 @@ Value body_extras(const Body& body) {
                       {"landmarks", Value(std::move(landmarks))}});
 }
 
-}  // namespace ecorche::gltf
+}  // namespace ecorche::inline v1::gltf

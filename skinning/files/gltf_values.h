@@ -8,7 +8,7 @@
 
 #include "anatomy/anatomy.h"
 
-namespace ecorche::gltf {
+namespace ecorche::inline v1::gltf {
 
 using Object = tinygltf::Value::Object;
 using Array = tinygltf::Value::Array;
@@ -25,4 +25,4 @@ tinygltf::Value muscle_extras(
 std::string strips_text(const Muscle& muscle);  // JSON
 tinygltf::Value body_extras(const Body& body);
 
-}  // namespace ecorche::gltf
+}  // namespace ecorche::inline v1::gltf

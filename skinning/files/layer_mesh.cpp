@@ -8,7 +8,7 @@
 #include "anatomy/bones/cartilage.h"
 #include "anatomy/muscles/action_line.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 void add_groups(LayerMesh& layer, const std::string& name, const Triangles& F,
@@ -29,14 +29,13 @@ LayerMesh skin_layer(const TriMesh& skin, const SkinTexture& texture) {
   return layer;
 }
 
-LayerMesh bone_layer(const Anatomy& anatomy) {
+LayerMesh bone_layer(const Anatomy& anatomy, const std::vector<CartilageRule>& rules) {
   LayerMesh layer;
   layer.kind = LayerMesh::Kind::bones;
   layer.joint_rest = rest_positions(anatomy.skeleton);
   Eigen::Index vertices = 0;
   for (const Bone& bone : anatomy.bones) vertices += bone.mesh.V.rows();
   layer.rest.resize(vertices, 3);
-  const auto rules = read_cartilage_rules();
   for (const Bone& bone : anatomy.bones) {
     const int begin = layer.joint.size();
     layer.rest.middleRows(begin, bone.mesh.V.rows()) = bone.mesh.V.cast<float>();
@@ -132,4 +131,4 @@ void append_vertices(std::span<const float> positions, int stride, std::string& 
                    positions[i + 2]);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

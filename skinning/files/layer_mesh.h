@@ -1,5 +1,5 @@
-// One layer of a character as a single mesh with a group a part, posed frame by frame: what vertex
-// caches of a layer hold, and the OBJ file that they go on.
+// One layer of a character as a single mesh with a group a part, posed frame by frame: the content
+// of vertex caches of a layer and of the OBJ file they belong to.
 //
 // Vertex order, the same in the OBJ file, in every frame and in the cache: the skin's own vertices;
 // the bones', bone after bone as in the anatomy; the muscles', muscle after muscle as in the
@@ -11,13 +11,14 @@
 #include <vector>
 
 #include "anatomy/base_mesh/tissue_look.h"
+#include "anatomy/bones/cartilage.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "skinning/files/character_look.h"
 #include "skinning/skin_frame.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-// Around a muscle's section, in files: enough for the eye, and half of what pictures have.
+// Points around a muscle's section in files: half of those in pictures.
 inline constexpr int kLoftPoints = 12;
 
 struct MeshGroup {
@@ -39,7 +40,7 @@ struct LayerMesh {
 };
 
 LayerMesh skin_layer(const TriMesh& skin, const SkinTexture& texture);
-LayerMesh bone_layer(const Anatomy& anatomy);
+LayerMesh bone_layer(const Anatomy& anatomy, const std::vector<CartilageRule>& rules);
 LayerMesh muscle_layer(const Anatomy& anatomy);
 
 // Positions of a frame. `out` is resized once and then reused. Precondition: `posed` and `skin` are
@@ -50,11 +51,11 @@ void pose_layer(const LayerMesh& layer, const PosedAnatomy& posed, const SkinFra
 // The material library that layer_faces() refers to: colours in proportion to light.
 std::string layer_materials(std::span<const LayerMesh> layers);
 
-// OBJ lines of places on the texture, groups and faces; of several layers one after the other,
-// their vertices counted on.
+// OBJ lines of texture coordinates, groups and faces; of several layers one after the other, with
+// their vertices numbered consecutively.
 std::string layer_faces(std::span<const LayerMesh> layers);
 
 // OBJ lines of vertices; positions survive exactly.
 void append_vertices(std::span<const float> positions, int stride, std::string& out);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

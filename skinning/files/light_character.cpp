@@ -11,7 +11,7 @@
 #include "skinning/files/slice_influences.h"
 #include "skinning/files/tissue_meshes.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using gltf::GlbBuilder;
@@ -100,8 +100,8 @@ void add_joined(GlbBuilder& glb, const std::string& name, const Joined& joined,
   glb.add_node(std::move(node));
 }
 
-void add_bones(GlbBuilder& glb, const Anatomy& anatomy) {
-  const auto rules = read_cartilage_rules();
+void add_bones_light_character(GlbBuilder& glb, const Anatomy& anatomy,
+                               const std::vector<CartilageRule>& rules) {
   std::vector<int> sizes;
   for (const Bone& bone : anatomy.bones) sizes.push_back(int(bone.mesh.F.rows()));
   const std::vector<int> most = budgets(sizes, kLightBones);
@@ -121,7 +121,7 @@ void add_bones(GlbBuilder& glb, const Anatomy& anatomy) {
   add_joined(glb, "bones", joined, kBoneLook, kCartilageLook, 1);
 }
 
-void add_muscles(GlbBuilder& glb, const Anatomy& anatomy) {
+void add_muscles_light_character(GlbBuilder& glb, const Anatomy& anatomy) {
   const auto influences = slice_influences(anatomy);
   const auto [surface, positions] = gltf::lofted_muscles(anatomy);
   std::vector<int> sizes;
@@ -150,7 +150,7 @@ void add_muscles(GlbBuilder& glb, const Anatomy& anatomy) {
 }
 
 // Both eyes as one mesh, a primitive a tissue.
-void add_eyes(GlbBuilder& glb, const std::vector<Eyeball>& eyes) {
+void add_eyes_light_character(GlbBuilder& glb, const std::vector<Eyeball>& eyes) {
   if (eyes.empty()) return;
   std::vector<std::vector<EyePart>> globes;
   for (const Eyeball& eye : eyes) globes.push_back(eye_parts(eye));
@@ -183,11 +183,11 @@ void write_light_character(const std::filesystem::path& file, const Character& c
   GlbBuilder glb;
   gltf::add_joints(glb, character.anatomy.skeleton);
   gltf::add_skin(glb, character.body.skin, binding.joint_weights, look.texture);
-  add_bones(glb, character.anatomy);
-  add_muscles(glb, character.anatomy);
-  add_eyes(glb, look.eyes);
+  add_bones_light_character(glb, character.anatomy, look.cartilage);
+  add_muscles_light_character(glb, character.anatomy);
+  add_eyes_light_character(glb, look.eyes);
   if (motion) gltf::add_motion(glb, character.anatomy.skeleton, *motion, "motion");
   gltf::finish(glb, character.body, {{"detail", gltf::text("light")}}, out);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -9,7 +9,7 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "MDD's bytes are turned round");
@@ -93,4 +93,4 @@ MddCache read_mdd(const std::filesystem::path& path, std::uint64_t max_bytes) {
   return cache;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -8,7 +8,7 @@
 #include "anatomy/files/atomic_file.h"
 #include "skinning/files/layer_mesh.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 ObjSequenceWriter::ObjSequenceWriter(const std::filesystem::path& pattern, int vertices,
                                      std::string before, std::string after)
@@ -51,4 +51,4 @@ void ObjSequenceWriter::add_frame(std::span<const float> positions, int stride) 
   write_file_atomically(name(++frames_), out);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

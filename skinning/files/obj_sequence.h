@@ -8,7 +8,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 class ObjSequenceWriter {
  public:
@@ -33,4 +33,4 @@ class ObjSequenceWriter {
   int width_ = 0, frames_ = 0, highest_ = -1;
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -11,7 +11,7 @@
 
 #include "anatomy/errors.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "PC2 is written as it lies in memory");
@@ -90,4 +90,4 @@ Pc2Cache read_pc2(const std::filesystem::path& path, std::uint64_t max_bytes) {
   return cache;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

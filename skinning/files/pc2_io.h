@@ -9,7 +9,7 @@
 
 #include "anatomy/files/atomic_file.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Streams a cache to a temporary file beside `path`; finish() completes the header and renames it.
 // Without finish() nothing appears.
@@ -42,4 +42,4 @@ struct Pc2Cache {
 Pc2Cache read_pc2(const std::filesystem::path& path,
                   std::uint64_t max_bytes = std::uint64_t{4} << 30);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,26 +1,27 @@
-// Turns as engine files keep them: the four parts of a unit quaternion as 16-bit integers, 32767
-// for 1; half the bytes of floats, off by less than 0.004 degrees.
+// Quantised rotations of engine files: the components of a unit quaternion as 16-bit integers,
+// 32767 for 1. Half the bytes of floats, error below 0.004 degrees.
 #pragma once
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "anatomy/skeleton.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // x, y, z, w. Precondition: |q| = 1
-inline std::array<std::int16_t, 4> to_shorts(const Quat& q) {
+inline std::array<std::int16_t, 4> quantize(const Quat& q) {
   std::array<std::int16_t, 4> out;
   for (std::size_t k = 0; k < 4; ++k) out[k] = std::int16_t(std::lround(32767 * q.coeffs()[k]));
   return out;
 }
 
-// A joint's turns, on one hemisphere from key to key, so that linear players do not turn the long
-// way round.
-inline std::vector<Quat> steady_turns(const Motion& motion, std::size_t joint) {
+// A joint's rotations with consecutive quaternions on one hemisphere, so that linear interpolation
+// takes the short way.
+inline std::vector<Quat> continuous_rotations(const Motion& motion, std::size_t joint) {
   std::vector<Quat> out;
   Quat last = Quat::Identity();
   for (const Pose& pose : motion.frames) {
@@ -31,15 +32,15 @@ inline std::vector<Quat> steady_turns(const Motion& motion, std::size_t joint) {
   return out;
 }
 
-// As it comes back from a file.
-inline Quat kept_in_shorts(const Quat& q) {
-  const std::array<std::int16_t, 4> kept = to_shorts(q.normalized());
+// The rotation that is read back from a file.
+inline Quat quantized(const Quat& q) {
+  const std::array<std::int16_t, 4> kept = quantize(q.normalized());
   return Quat(kept[3], kept[0], kept[1], kept[2]).normalized();
 }
 
-inline Pose kept_in_shorts(Pose pose) {
-  for (Quat& turn : pose.rotations) turn = kept_in_shorts(turn);
+inline Pose quantized(Pose pose) {
+  for (Quat& turn : pose.rotations) turn = quantized(turn);
   return pose;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

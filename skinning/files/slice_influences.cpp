@@ -5,7 +5,7 @@
 
 #include "anatomy/muscles/action_line.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 std::vector<std::array<Influence, 4>> slice_influences(const Anatomy& anatomy) {
   std::vector<std::array<Influence, 4>> out;
@@ -36,4 +36,4 @@ std::vector<std::array<Influence, 4>> slice_influences(const Anatomy& anatomy) {
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,17 +1,16 @@
-// What carries each section of a muscle when joints move it without our own posing: shares of
-// joints, for engines.
+// Joint influences of muscle sections, for engines that lack our posing.
 #pragma once
 
 #include <array>
 #include <vector>
 
 #include "anatomy/anatomy.h"
-#include "skinning/bind/bind.h"
+#include "skinning/binding.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-// Of the path points that a slice's place on its line is a weighted sum of, the four largest.
-// #slices, all strips of all muscles in order
+// The four largest joint weights of each slice, from the path points whose weighted sum is its
+// position on the line. #slices, all strips of all muscles in order
 std::vector<std::array<Influence, 4>> slice_influences(const Anatomy& anatomy);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

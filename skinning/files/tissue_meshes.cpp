@@ -6,7 +6,7 @@
 #include "anatomy/muscles/action_line.h"
 #include "skinning/files/layer_mesh.h"
 
-namespace ecorche::gltf {
+namespace ecorche::inline v1::gltf {
 namespace {
 
 // Of a colour, over the colour that it is multiplied with.
@@ -70,4 +70,4 @@ std::vector<tinygltf::Primitive> eye_tissues(GlbBuilder& glb, const Eyeball& eye
   return out;
 }
 
-}  // namespace ecorche::gltf
+}  // namespace ecorche::inline v1::gltf

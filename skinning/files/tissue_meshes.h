@@ -2,13 +2,14 @@
 // vertices.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "anatomy/base_mesh/eyes.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "skinning/files/glb_builder.h"
 
-namespace ecorche::gltf {
+namespace ecorche::inline v1::gltf {
 
 // Faces with a flag are of the second material. At least one primitive; attributes added to one
 // must be added to all. normals: #V x 3.
@@ -23,8 +24,8 @@ struct LoftedMuscles {
 };
 LoftedMuscles lofted_muscles(const Anatomy& anatomy);
 
-// What colours a muscle: belly of one material, all that is not wholly belly of another, fading
-// from tendon to belly.
+// Colours of a muscle: the belly has one material, the rest another that fades from tendon to
+// belly.
 struct MuscleTints {
   std::vector<char> tendon;         // #F, 1: not wholly belly
   std::vector<Tint> belly, fading;  // #V, of either material's colour
@@ -40,4 +41,4 @@ std::vector<tinygltf::Primitive> muscle_tissues(GlbBuilder& glb, const TriMesh& 
 // Pupil, iris and white.
 std::vector<tinygltf::Primitive> eye_tissues(GlbBuilder& glb, const Eyeball& eye);
 
-}  // namespace ecorche::gltf
+}  // namespace ecorche::inline v1::gltf

@@ -6,7 +6,7 @@
 
 #include "skinning/motion/name_pattern.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 std::string lower(std::string_view text) {
@@ -117,4 +117,4 @@ std::string nearest_names(const Anatomy& anatomy, std::string_view name,
   return text;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,8 +1,6 @@
-// How hard each muscle works over time: curves in [0, 1], from tables by muscle name.
+// Muscle activations over time: curves in [0, 1] by muscle name.
 #pragma once
 
-#include <filesystem>
-#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -10,7 +8,7 @@
 
 #include "anatomy/anatomy.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Linear between its times, constant before the first and after the last.
 struct ActivationCurve {
@@ -28,8 +26,8 @@ struct Activations {
 // One value a muscle. `out` is resized once and then reused; empty for no activations.
 void activation_at(const Activations& activations, double seconds, std::vector<double>& out);
 
-// Indices of the muscles that a name means, rising; empty where it means none. A name without side
-// means both sides, `*` stands for any letters and `?` for one, a path
+// Indices of the muscles that a name stands for, rising; empty for an unknown name. A name without
+// side means both sides, `*` stands for any letters and `?` for one, a path
 // (`/forceset/soleus_r/activation`, `soleus_r.activation`) for its muscle. `aliases` are other
 // people's names and ours, both without side: (gasmed, gastrocnemius_medial); an alias with side
 // keeps it (`gasmed_r`, `r_gasmed`). Letter case does not count.
@@ -37,22 +35,9 @@ using MuscleAliases = std::vector<std::pair<std::string, std::string>>;
 std::vector<int> muscles_meant(const Anatomy& anatomy, std::string_view name,
                                const MuscleAliases& aliases = {});
 
-// The three names of muscles or aliases nearest to a name that means none, for messages (by edit
-// distance, "a, b or c").
+// The three names of muscles or aliases nearest to an unknown name, for messages (by edit distance,
+// "a, b or c").
 std::string nearest_names(const Anatomy& anatomy, std::string_view name,
                           const MuscleAliases& aliases = {});
 
-// By its extension:
-//   .csv           a column `time` and a column a muscle; or keyframes: columns time, muscle, value
-//   (rows in any order) .sto, .mot     OpenSim tables: a head that ends with `endheader`, then a
-//   line of labels, `time` first. Where any label ends in
-//                  `/activation` or `.activation`, the others are left aside.
-// Times are seconds; they must rise (keyframes: no two of a muscle alike). Throws InputError:
-// unreadable, malformed, not finite, a value outside [0, 1], an unknown name (with the nearest
-// ones), LimitError above 64 MB.
-Activations read_activations(const std::filesystem::path& file, const Anatomy& anatomy,
-                             const MuscleAliases& aliases = {});
-Activations parse_activations(std::string_view text, const std::string& name,
-                              const Anatomy& anatomy, const MuscleAliases& aliases = {});
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

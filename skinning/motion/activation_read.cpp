@@ -1,3 +1,5 @@
+#include "skinning/motion/activation_read.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,9 +11,8 @@
 #include "anatomy/files/csv_table.h"
 #include "anatomy/files/input_file.h"
 #include "anatomy/files/text_scanner.h"
-#include "skinning/motion/activation.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kSlack = 1e-6;  // beyond [0, 1], from rounding
@@ -117,14 +118,14 @@ Activations read_csv(const Source& source, std::string_view text) {
                       values);
 }
 
-std::string lower(std::string_view text) {
+std::string lower_activation_read(std::string_view text) {
   std::string out(text);
   for (char& c : out) c = char(std::tolower(static_cast<unsigned char>(c)));
   return out;
 }
 
 bool is_activation(const std::string& label) {
-  const std::string text = lower(label);
+  const std::string text = lower_activation_read(label);
   return text.ends_with("/activation") || text.ends_with(".activation") ||
          text.ends_with("|activation");
 }
@@ -136,7 +137,7 @@ Activations read_opensim(const Source& source, std::string_view text) {
     if (!scan.next_line())
       throw InputError(source.name +
                        ": no line 'endheader'; OpenSim tables have one before their labels");
-    head = lower(scan.word()) != "endheader";
+    head = lower_activation_read(scan.word()) != "endheader";
   }
   std::vector<std::string> labels;
   while (labels.empty()) {
@@ -149,7 +150,7 @@ Activations read_opensim(const Source& source, std::string_view text) {
     }
   }
   const std::string where = fmt::format("{}:{}", source.name, scan.line_number());
-  if (lower(labels[0]) != "time" || labels.size() < 2)
+  if (lower_activation_read(labels[0]) != "time" || labels.size() < 2)
     scan.fail("the first label is not 'time', or there is none after it");
   if (std::set<std::string>(labels.begin(), labels.end()).size() != labels.size())
     scan.fail("two columns of one label");
@@ -188,7 +189,8 @@ Activations read_activations(const std::filesystem::path& file, const Anatomy& a
 Activations parse_activations(std::string_view text, const std::string& name,
                               const Anatomy& anatomy, const MuscleAliases& aliases) {
   const Source source{anatomy, aliases, name};
-  const std::string extension = lower(std::filesystem::path(name).extension().string());
+  const std::string extension =
+      lower_activation_read(std::filesystem::path(name).extension().string());
   if (extension == ".csv") return read_csv(source, text);
   if (extension == ".sto" || extension == ".mot") return read_opensim(source, text);
   throw InputError(
@@ -196,4 +198,4 @@ Activations parse_activations(std::string_view text, const std::string& name,
                   source.name, extension));
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

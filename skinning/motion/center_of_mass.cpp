@@ -4,7 +4,7 @@
 
 #include "skinning/motion/require_joint.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 CenterOfMass::CenterOfMass(const Skeleton& skeleton) {
   const std::vector<Vec3> at = rest_positions(skeleton);
@@ -34,10 +34,10 @@ Vec3 CenterOfMass::operator()(const std::vector<Transform>& X) const {
   Vec3 sum = Vec3::Zero();
   double mass = 0;
   for (const Segment& segment : segments_) {
-    sum += segment.mass * (X[segment.joint] * segment.place);
+    sum += segment.mass * (X[segment.joint] * segment.centre);
     mass += segment.mass;
   }
   return sum / mass;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -5,7 +5,7 @@
 
 #include "anatomy/skeleton.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Segment masses and centres of Winter (Biomechanics and Motor Control of Human Movement, 4th
 // edition, 2009) laid along our joints, the trunk in three parts.
@@ -13,8 +13,8 @@ class CenterOfMass {
  public:
   struct Segment {
     double mass;  // share of the body's
-    int joint;    // carries the segment
-    Vec3 place;   // of its centre in that joint's frame
+    int joint;    // that the segment moves with
+    Vec3 centre;  // in that joint's frame, m
   };
 
   // Precondition (std::invalid_argument): the skeleton has our joints.
@@ -26,4 +26,4 @@ class CenterOfMass {
   std::vector<Segment> segments_;
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -12,7 +12,7 @@
 #include "skinning/motion/name_pattern.h"
 #include "skinning/motion/no_such_joint.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 bool is_meant(const std::string& pattern, const std::string& joint) {
@@ -69,8 +69,9 @@ std::vector<LimitPose> read_limit_poses(const std::filesystem::path& file, const
   return poses;
 }
 
-std::vector<LimitPose> standard_limit_poses(const Skeleton& skeleton) {
-  return read_limit_poses(data_folder() / "poses.csv", skeleton, UnknownJoints::pass_over);
+std::vector<LimitPose> standard_limit_poses(const std::filesystem::path& tables,
+                                            const Skeleton& skeleton) {
+  return read_limit_poses(tables / "poses.csv", skeleton, UnknownJoints::pass_over);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,35 +1,38 @@
-// Poses by name, as shares of the way to the joints' limits: what `ecorche check` measures muscles
-// and skin in.
+// Named poses as fractions of the ranges of motion, in which `ecorche check` measures muscles and
+// skin.
 #pragma once
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "anatomy/files/assets.h"
 #include "anatomy/skeleton.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct LimitPose {
   std::string name;
   Pose pose;
 };
 
-// What a row means whose joint the skeleton lacks: a slip of its writer, or, in our own table, a
-// joint that an imported template does without.
+// Treatment of a row whose joint the skeleton lacks: `refuse` for a table of the user, `pass_over`
+// for our own, since imported templates may lack joints.
 enum class UnknownJoints { refuse, pass_over };
 
-// From a table like data/poses.csv, in order of first mention. Poses of which nothing is left are
-// none. Throws InputError: unreadable, malformed, a share outside [-1, 1], a joint that is none and
-// is to be refused, no pose at all.
+// From a table like data/poses.csv, in order of first mention. Poses without any known joint are
+// left out. Throws InputError: unreadable, malformed, a share outside [-1, 1], a joint that is none
+// and is to be refused, no pose at all.
 std::vector<LimitPose> read_limit_poses(const std::filesystem::path& file, const Skeleton& skeleton,
                                         UnknownJoints unknown);
 
 // Those of data/poses.csv that the skeleton can take.
-std::vector<LimitPose> standard_limit_poses(const Skeleton& skeleton);
+// `tables`: Assets::tables.
+std::vector<LimitPose> standard_limit_poses(const std::filesystem::path& tables,
+                                            const Skeleton& skeleton);
 
-// Each of `joint`'s angles moved from rest by `shares` of the way to its upper (above 0) or lower
+// Each angle of `joint` moved from rest by a fraction of the range to its upper (above 0) or lower
 // limit (below 0).
 Quat limit_rotation(const Joint& joint, const Vec3& shares);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,9 +1,10 @@
 // Names with wildcards.
 #pragma once
 
+#include <cstddef>
 #include <string_view>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // `*` stands for any letters, also none, `?` for one. Time grows with the product of the lengths at
 // most.
@@ -26,4 +27,4 @@ inline bool matches_pattern(std::string_view pattern, std::string_view text) {
   return p == pattern.size();
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -7,7 +7,7 @@
 #include "anatomy/files/input_file.h"
 #include "anatomy/files/similar_names.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 std::string no_such_joint(const Skeleton& skeleton, std::string_view name) {
   std::vector<std::string> names;
@@ -16,4 +16,4 @@ std::string no_such_joint(const Skeleton& skeleton, std::string_view name) {
                      printable(name), did_you_mean(name, names));
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,4 +1,4 @@
-// What to say of a joint that a character has not.
+// Message about an unknown joint.
 #pragma once
 
 #include <string>
@@ -6,10 +6,10 @@
 
 #include "anatomy/skeleton.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // "'elbwo_l' is no joint of this character; did you mean elbow_l?", and where their names are
 // listed.
 std::string no_such_joint(const Skeleton& skeleton, std::string_view name);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

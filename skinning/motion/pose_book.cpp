@@ -15,11 +15,8 @@
 #include "anatomy/joint_angles.h"
 #include "skinning/motion/shoulder_rhythm.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
-
 struct Item {
   std::string part;
   std::vector<std::optional<double>> angles;  // rad; nothing: as at rest
@@ -181,4 +178,4 @@ std::vector<NamedPose> pose_book(const Table& table, const std::string& name,
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,4 +1,4 @@
-// A joint that our own skeleton has to have.
+// Look-up of a joint that our own skeleton must have.
 #pragma once
 
 #include <stdexcept>
@@ -6,7 +6,7 @@
 
 #include "anatomy/skeleton.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Its index. Throws std::invalid_argument if it is not there: the skeleton is not ours.
 inline int joint_of(const Skeleton& skeleton, const std::string& name) {
@@ -15,4 +15,4 @@ inline int joint_of(const Skeleton& skeleton, const std::string& name) {
   return j;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 void pose_at(const Motion& motion, double time, Pose& out) {
   const double at = std::clamp(time * motion.fps, 0.0, double(motion.frames.size() - 1));
@@ -32,4 +32,4 @@ void pose_at(const Motion& motion, double time, Pose& out) {
   }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

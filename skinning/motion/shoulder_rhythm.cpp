@@ -4,11 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
-
 // Thoracohumeral plane (0 abduction, 90 deg flexion) and elevation (0 hanging), with X pointing to
 // the arm's own side.
 struct ArmAngles {
@@ -62,4 +59,4 @@ Girdle girdle_rhythm(Side side, const Vec3& arm_rest, const Vec3& arm) {
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

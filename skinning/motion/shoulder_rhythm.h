@@ -1,12 +1,12 @@
-// How collar bone and shoulder blade follow the arm.
+// Shoulder rhythm: rotation of clavicle and scapula with the arm.
 #pragma once
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct Girdle {
-  Quat clavicle = Quat::Identity();  // how far each has turned from rest, seen from the thorax
+  Quat clavicle = Quat::Identity();  // rotations from rest in the thorax frame
   Quat scapula = Quat::Identity();
 };
 
@@ -15,4 +15,4 @@ struct Girdle {
 // +Z forward). Identity at rest. Beyond 150 deg of elevation nothing more is added.
 Girdle girdle_rhythm(Side side, const Vec3& arm_rest, const Vec3& arm);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,16 +1,19 @@
+#include "skinning/motion_files/bvh_read.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
+#include <cctype>
 #include <cmath>
 #include <map>
+#include <numbers>
+#include <utility>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
 #include "anatomy/files/text_scanner.h"
-#include "skinning/motion_files/bvh_io.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kMaxDegrees = 1e6;  // beyond this a double has lost the fraction that matters
@@ -401,6 +404,10 @@ void read_frames(Words& words, BvhMotion& motion, double claimed) {
     motion.warnings.push_back(fmt::format("{}: Frames: says {:.0f}, the file holds {}", motion.name,
                                           claimed, motion.frames));
 }
+Mat3 axis_rotation(BvhChannel channel, double degrees) {
+  const int axis = int(channel) - int(BvhChannel::x_rotation);
+  return Eigen::AngleAxisd(degrees / kDegreesPerRadian, Vec3::Unit(axis)).toRotationMatrix();
+}
 
 }  // namespace
 
@@ -430,4 +437,43 @@ BvhMotion read_bvh(const std::filesystem::path& file, const BvhReadOptions& opti
                    options);
 }
 
-}  // namespace ecorche
+MotionClip clip_from_bvh(const BvhMotion& motion) {
+  MotionClip out;
+  out.name = motion.name;
+  out.fps = motion.fps;
+  out.frame_count = motion.frames;
+  out.warnings = motion.warnings;
+  for (const BvhJoint& joint : motion.joints) {
+    ClipJoint& own = out.joints.emplace_back();
+    own.name = joint.name;
+    own.parent = joint.parent;
+    own.offset = joint.offset;
+    own.end_sites = joint.end_sites;
+    bool rotates = false, translates = false;
+    for (const BvhChannel channel : joint.channels)
+      (channel < BvhChannel::x_rotation ? translates : rotates) = true;
+    if (rotates) own.rotation_track = out.rotation_tracks++;
+    if (translates) own.translation_track = out.translation_tracks++;
+  }
+  out.rotations.reserve(std::size_t(motion.frames) * out.rotation_tracks);
+  out.translations.reserve(std::size_t(motion.frames) * out.translation_tracks);
+  for (int frame = 0; frame < motion.frames; ++frame)
+    for (std::size_t j = 0; j < motion.joints.size(); ++j) {
+      const BvhJoint& joint = motion.joints[j];
+      Vec3 position = joint.offset;
+      Mat3 rotation = Mat3::Identity();
+      const double* row =
+          motion.samples.data() + std::size_t(frame) * motion.channels + joint.first_channel;
+      for (std::size_t k = 0; k < joint.channels.size(); ++k) {
+        if (joint.channels[k] < BvhChannel::x_rotation)
+          position[int(joint.channels[k])] = row[k];
+        else
+          rotation = rotation * axis_rotation(joint.channels[k], row[k]);
+      }
+      if (out.joints[j].rotation_track >= 0) out.rotations.push_back(rotation);
+      if (out.joints[j].translation_track >= 0) out.translations.push_back(position);
+    }
+  return out;
+}
+
+}  // namespace ecorche::inline v1

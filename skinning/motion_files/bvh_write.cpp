@@ -1,16 +1,14 @@
+#include "skinning/motion_files/bvh_write.h"
+
 #include <fmt/format.h>
 
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <vector>
 
-#include "anatomy/files/atomic_file.h"
-#include "skinning/motion_files/bvh_io.h"
-
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 const char* channel_name(BvhChannel channel) {
   static constexpr const char* kNames[] = {"Xposition", "Yposition", "Zposition",
@@ -60,11 +58,6 @@ void append_hierarchy(std::string& out, const BvhMotion& motion) {
   while (!open.empty()) close();
 }
 
-Mat3 axis_rotation(BvhChannel channel, double degrees) {
-  const int axis = int(channel) - int(BvhChannel::x_rotation);
-  return Eigen::AngleAxisd(degrees / kDegrees, Vec3::Unit(axis)).toRotationMatrix();
-}
-
 // Children of every joint in depth-first order, as BVH files need them.
 std::vector<int> depth_first(const Skeleton& skeleton) {
   std::vector<std::vector<int>> children(skeleton.joints.size() + 1);
@@ -103,49 +96,19 @@ std::string format_bvh(const BvhMotion& motion) {
   return out;
 }
 
-void write_bvh(const std::filesystem::path& file, const BvhMotion& motion) {
-  write_file_atomically(file, format_bvh(motion));
-}
-
-void bvh_kinematics(const BvhMotion& motion, int frame, std::vector<Transform>& out) {
-  if (frame < -1 || frame >= motion.frames)
-    throw std::invalid_argument(
-        fmt::format("bvh_kinematics: frame {} of {}", frame, motion.frames));
-  out.resize(motion.joints.size());
-  for (size_t j = 0; j < out.size(); ++j) {
-    const BvhJoint& joint = motion.joints[j];
-    Vec3 position = joint.offset;
-    Mat3 rotation = Mat3::Identity();
-    if (frame >= 0) {
-      const double* row =
-          motion.samples.data() + std::size_t(frame) * motion.channels + joint.first_channel;
-      for (size_t k = 0; k < joint.channels.size(); ++k) {
-        if (joint.channels[k] < BvhChannel::x_rotation)
-          position[int(joint.channels[k])] = row[k];
-        else
-          rotation = rotation * axis_rotation(joint.channels[k], row[k]);
-      }
-    }
-    Transform local = Transform::Identity();
-    local.linear() = rotation;
-    local.translation() = position;
-    out[j] = joint.parent < 0 ? local : out[joint.parent] * local;
-  }
-}
-
 BvhMotion to_bvh(const Skeleton& skeleton, const Motion& motion) {
   BvhMotion out;
   out.name = "motion.bvh";
   out.fps = motion.fps;
   out.frame_time = 1 / motion.fps;
   const std::vector<int> order = depth_first(skeleton);
-  std::vector<int> place(order.size());
-  for (size_t k = 0; k < order.size(); ++k) place[order[k]] = int(k);
+  std::vector<int> index(order.size());  // of our joint in the file
+  for (size_t k = 0; k < order.size(); ++k) index[order[k]] = int(k);
   for (int j : order) {
     const Joint& joint = skeleton.joints[j];
     BvhJoint written;
     written.name = joint.name;
-    written.parent = joint.parent < 0 ? -1 : place[joint.parent];
+    written.parent = joint.parent < 0 ? -1 : index[joint.parent];
     written.offset = joint.X_PJ.translation();
     if (joint.parent < 0)
       written.channels = {BvhChannel::x_position, BvhChannel::y_position, BvhChannel::z_position};
@@ -163,11 +126,12 @@ BvhMotion to_bvh(const Skeleton& skeleton, const Motion& motion) {
       const Mat3 R = pose.rotations[j].toRotationMatrix();
       const double x = std::atan2(R(2, 1), std::hypot(R(2, 0), R(2, 2)));
       const double z = std::atan2(-R(0, 1), R(1, 1)), y = std::atan2(-R(2, 0), R(2, 2));
-      out.samples.insert(out.samples.end(), {z * kDegrees, x * kDegrees, y * kDegrees});
+      out.samples.insert(out.samples.end(),
+                         {z * kDegreesPerRadian, x * kDegreesPerRadian, y * kDegreesPerRadian});
     }
     ++out.frames;
   }
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

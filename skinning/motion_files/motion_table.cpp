@@ -7,21 +7,21 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 // Enough for a tenth of a micrometre or a millionth of a degree; no negative nought.
-std::string number(double value) {
+std::string number_motion_table(double value) {
   std::string text = fmt::format("{:.7f}", value);
   return text == "-0.0000000" ? text.substr(1) : text;
 }
 
 void append_rows(const MotionTable& table, char between, std::string& out) {
   for (std::size_t f = 0; f < table.rows.size(); ++f) {
-    out += number(double(f) / table.fps);
+    out += number_motion_table(double(f) / table.fps);
     for (const double value : table.rows[f]) {
       out += between;
-      out += number(value);
+      out += number_motion_table(value);
     }
     out += '\n';
   }
@@ -73,12 +73,13 @@ void write_trc(const std::filesystem::path& file, const MarkerMotion& markers) {
   for (std::size_t i = 1; i <= count; ++i) out += fmt::format("\tX{0}\tY{0}\tZ{0}", i);
   out += "\n\n";
   for (std::size_t f = 0; f < frames; ++f) {
-    out += fmt::format("{}\t{}", f + 1, number(double(f) / markers.fps));
+    out += fmt::format("{}\t{}", f + 1, number_motion_table(double(f) / markers.fps));
     for (const auto& p : markers.frames[f].rowwise())
-      out += fmt::format("\t{}\t{}\t{}", number(p.z()), number(p.y()), number(-p.x()));
+      out += fmt::format("\t{}\t{}\t{}", number_motion_table(p.z()), number_motion_table(p.y()),
+                         number_motion_table(-p.x()));
     out += '\n';
   }
   write_file_atomically(file, out);
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

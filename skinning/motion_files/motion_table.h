@@ -8,7 +8,7 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 struct MotionTable {
   std::string what;                  // "lengths of muscles"
@@ -33,4 +33,4 @@ struct MarkerMotion {
 // Metres, in OpenSim's axes: x forward, y up, z right. Throws OutputError.
 void write_trc(const std::filesystem::path& file, const MarkerMotion& markers);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

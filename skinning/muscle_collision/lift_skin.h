@@ -1,33 +1,33 @@
-// The skin rises over what comes out of it, smoothly round about, and stays open in folds. Private
-// to the room.
+// Lifts the skin over points that penetrate it, smoothly round about and not in folds. Private to
+// the room.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "skinning/muscle_collision/skin_walk.h"
+#include "skinning/muscle_collision/collision_workspace.h"
+#include "skinning/muscle_collision/project_to_skin.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-// Where a point was found.
-struct Pierce {
-  int vertex = 0;
-  float out = 0;  // m, that it is out of the skin by; negative: how deep it lies
+struct LiftParameters {
+  float most_depth = 0.06f;     // m, bound of a penetration
+  float skin_fraction = 0.85f;  // of the penetration that the skin is lifted; muscles give the rest
+  int clearance_rounds = 2;     // of smoothing
+  int spread_rounds = 8;        // of smoothing, the first half of them only upwards
+  int easing_rounds = 4;        // of smoothing about folds
+  float liftable_gain = 4;      // skin is lifted freely where it is at least a quarter liftable
+  float fold_fraction = 0.12f;  // of the way to where normals of a fold meet
 };
 
-// m: what lies deeper leaves the skin room to sink.
-inline constexpr float kRoom = 0.005f;
+// m: deeper points leave the skin free to sink.
+inline constexpr float kClearance = 0.005f;
 
-struct RiseScratch {
-  std::vector<float> rise, before;  // #V, m
-  std::vector<float> room;          // #V, 0 where a point is at the surface .. 1 where none is near
-  std::vector<char> met;            // #V
-  std::vector<int> vertices;        // those that may rise
-};
+// Moves the skin (#V x 4) along `normals` over points that are out of it, the less the less
+// `liftable` (#V, 0 .. 1) it is. False where none is. `clearance`: #V, 0 where a point is at the
+// surface .. 1 where none is near.
+bool lift_skin(const SkinRings& rings, std::span<const SkinPenetration> points,
+               std::span<const float> normals, std::span<const float> liftable,
+               std::span<float> positions, std::vector<float>& clearance, LiftWorkspace& workspace);
 
-// The skin (#V x 4) rises along `normals` over points that are out of it, the less the less `open`
-// (#V, 0 .. 1) it is. False where none is.
-bool rise(const SkinRings& rings, std::span<const Pierce> points, std::span<const float> normals,
-          std::span<const float> open, std::span<float> positions, RiseScratch& scratch);
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -10,12 +10,12 @@
 #include "anatomy/muscles/slice_outline.h"
 #include "anatomy/queries/nearest_surface.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kNear = 0.025;     // m below the skin at rest: deeper points are not looked at
-constexpr float kMargin = 1.2e-3f;  // m
-// m; times how deep it lies: further off, another part of the skin may be nearer
+constexpr double kNear = 0.025;     // m below the skin at rest; deeper points get no probe
+constexpr float kMargin = 1.2e-3f;  // m, that probes stay below the skin
+// m, and in depths of the point: farther to the side, another part of the skin may be nearer
 constexpr float kAside = 0.01f, kAsideDepths = 1.5f;
 
 Float4 from_point(const Vec3& p, Float4 point) {
@@ -27,14 +27,14 @@ Float4 from_point(const Vec3& p, Float4 point) {
 Wide3 same(Float4 v) { return {all_eight(v[0]), all_eight(v[1]), all_eight(v[2])}; }
 
 // Relative to the vertices.
-Wide3 points_of(const SectionProbes& probes, const Ellipse& section, const Wide3& spokes,
+Wide3 points_of(const SectionProbes& probes, const Ellipse& section, const Wide3& radials,
                 const PosedSkin& skin) {
   const Float4 origin = load4(&skin.positions[4 * probes.vertex[0]]);
-  return same(from_point(section.center, origin)) + spokes -
+  return same(from_point(section.center, origin)) + radials -
          (xyz(gather_eight(skin.positions.data(), probes.vertex.data())) - same(origin));
 }
 
-// Lanes that are not looked along have the first one's vertex that is.
+// Lanes without a probe have the vertex of the first one with a probe.
 void fill_up(SectionProbes& probes) {
   for (std::size_t lane = 0; lane < 8; ++lane)
     if ((probes.lanes >> lane & 1) == 0)
@@ -50,8 +50,7 @@ std::vector<float> rows_of(const Points& points) {
 
 }  // namespace
 
-// In single precision.
-Wide3 probe_spokes(const Ellipse& e, float thickness) {
+Wide3 probe_radials(const Ellipse& e, float thickness) {
   static const auto directions = [] {
     std::array<Float8, 2> out{};
     for (int lane = 0; lane < 8; ++lane)
@@ -81,10 +80,10 @@ std::vector<SectionProbes> place_probes(std::span<const Ellipse> rest,
     for (std::size_t k = range.begin(); k < range.end(); ++k) {
       SectionProbes& probes = out[k];
       probes.section = int(k);
-      const Wide3 spokes = probe_spokes(rest[k], thickness[k]);
+      const Wide3 radials = probe_radials(rest[k], thickness[k]);
       for (std::size_t lane = 0; lane < 8; ++lane) {
         const int at = lane;
-        const Vec3 p = rest[k].center + Vec3(spokes.x[at], spokes.y[at], spokes.z[at]);
+        const Vec3 p = rest[k].center + Vec3(radials.x[at], radials.y[at], radials.z[at]);
         const SurfacePoint hit = nearest.nearest(p);
         if (hit.distance > kNear) continue;
         const auto far = [&](int corner) {
@@ -99,10 +98,10 @@ std::vector<SectionProbes> place_probes(std::span<const Ellipse> rest,
       }
       if (probes.lanes == 0) continue;
       fill_up(probes);
-      const Lies lies =
-          lies_of(rings, still, points_of(probes, rest[k], spokes, still), probes.vertex);
+      const SkinProjections projections =
+          project_to_skin(rings, still, points_of(probes, rest[k], radials, still), probes.vertex);
       for (int lane = 0; lane < 8; ++lane)
-        probes.margin[lane] = std::min(kMargin, -lies.height[lane] - 1e-5f);
+        probes.margin[lane] = std::min(kMargin, -projections.height[lane] - 1e-5f);
     }
   });
   std::erase_if(out, [](const SectionProbes& probes) { return probes.lanes == 0; });
@@ -111,43 +110,46 @@ std::vector<SectionProbes> place_probes(std::span<const Ellipse> rest,
 
 void ShallowProbes::add(int owner, const SectionProbes& probes, const Ellipse& section,
                         float thickness, const PosedSkin& skin) {
-  const Wide3 points = points_of(probes, section, probe_spokes(section, thickness), skin);
+  const Wide3 points = points_of(probes, section, probe_radials(section, thickness), skin);
   const Float8 height = dot(points, xyz(gather_eight(skin.normals.data(), probes.vertex.data())));
   const Float8 aside = most(all_eight(kAside), -kAsideDepths * height);
-  const Int8 deep = (height < -kDeepLie) & (dot(points, points) - height * height < aside * aside);
+  const Int8 deep =
+      (height < -kDeepProjection) & (dot(points, points) - height * height < aside * aside);
   for (unsigned lanes = ~lanes_that(deep) & probes.lanes; lanes != 0; lanes &= lanes - 1) {
     const int lane = std::countr_zero(lanes);
     x_[count_] = points.x[lane];
     y_[count_] = points.y[lane];
     z_[count_] = points.z[lane];
-    ProbeLie& lie = lies_[count_++];
-    lie.owner = owner;
-    lie.lane = lane;
-    lie.vertex = probes.vertex[lie.lane];
+    ProbeProjection& projection = projections_[count_++];
+    projection.owner = owner;
+    projection.lane = lane;
+    projection.vertex = probes.vertex[projection.lane];
   }
 }
 
-std::span<const ProbeLie> ShallowProbes::lie(const SkinRings& rings, const PosedSkin& skin) {
+std::span<const ProbeProjection> ShallowProbes::project(const SkinRings& rings,
+                                                        const PosedSkin& skin) {
   for (std::size_t begin = 0; begin < count_; begin += 8) {
     const std::size_t end = std::min(begin + 8, count_);
     std::array<int, 8> from;
     for (std::size_t lane = 0; lane < 8; ++lane) {
       const std::size_t k = std::min(begin + lane, end - 1);  // the last one fills up
-      from[lane] = lies_[k].vertex;
+      from[lane] = projections_[k].vertex;
       x_[begin + lane] = x_[k];
       y_[begin + lane] = y_[k];
       z_[begin + lane] = z_[k];
     }
-    const Lies lies =
-        lies_of(rings, skin, {load8(&x_[begin]), load8(&y_[begin]), load8(&z_[begin])}, from);
+    const SkinProjections projections = project_to_skin(
+        rings, skin, {load8(&x_[begin]), load8(&y_[begin]), load8(&z_[begin])}, from);
     for (std::size_t k = begin; k < end; ++k) {
       const int lane = k - begin;
-      lies_[k].vertex = lies.vertex[k - begin];
-      lies_[k].height = lies.height[lane];
-      lies_[k].normal = Float4{lies.normal.x[lane], lies.normal.y[lane], lies.normal.z[lane], 0};
+      projections_[k].vertex = projections.vertex[k - begin];
+      projections_[k].height = projections.height[lane];
+      projections_[k].normal = Float4{projections.normal.x[lane], projections.normal.y[lane],
+                                      projections.normal.z[lane], 0};
     }
   }
-  return {lies_.data(), count_};
+  return {projections_.data(), count_};
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

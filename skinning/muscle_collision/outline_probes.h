@@ -1,25 +1,26 @@
-// Points of muscles' outlines that lie near the skin at rest, and where they are against it in a
-// pose. Private to the room.
+// Probes: points of muscles' outlines that are near the skin at rest, and their projections onto it
+// in a pose. Private to the room.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
 #include "anatomy/anatomy.h"
 #include "anatomy/compute/simd_lanes.h"
-#include "anatomy/contact/muscle_contact.h"
-#include "skinning/muscle_collision/skin_walk.h"
+#include "anatomy/contact/contact_table.h"
+#include "skinning/muscle_collision/project_to_skin.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-static_assert(kContactPoints == 8, "a section's directions fill eight lanes");
+static_assert(kContactDirections == 8, "a section's directions fill eight lanes");
 
-// Of one section: every second direction of its outline, a lane each.
+// Probes of one section: every second direction of its outline, a lane each.
 struct SectionProbes {
   int section = 0;
-  unsigned lanes = 0;  // those that are looked along, a bit each
-  // of the skin, nearest at rest; of a lane that is not looked along: another's
+  unsigned lanes = 0;  // directions with a probe, a bit each
+  // of the skin, nearest at rest; of a lane without a probe: another's
   alignas(32) std::array<int, 8> vertex{};
   // m, that the point stays below the skin: less than its depth at rest
   alignas(32) std::array<float, 8> margin{};
@@ -31,13 +32,13 @@ std::vector<SectionProbes> place_probes(std::span<const Ellipse> rest,
                                         std::span<const float> thickness, const TriMesh& skin,
                                         const SkinRings& rings);
 
-// A section's points from its centre, m.
-Wide3 probe_spokes(const Ellipse& section, float thickness);
+// A section's points from its centre, m, in single precision.
+Wide3 probe_radials(const Ellipse& section, float thickness);
 
-// How a probe lies against the skin. Without initial values, as whole arrays of it are made each
+// A probe against the skin. Without initial values, as whole arrays of it are made each
 // frame.
-struct ProbeLie {
-  int owner;  // into the sections that have some
+struct ProbeProjection {
+  int owner;  // index into the sections with probes
   std::size_t lane;
   int vertex;     // of the skin, nearest
   float height;   // m over the skin, negative below
@@ -54,13 +55,13 @@ class ShallowProbes {
            const PosedSkin& skin);
 
   // All that were added, in that order.
-  std::span<const ProbeLie> lie(const SkinRings& rings, const PosedSkin& skin);
+  std::span<const ProbeProjection> project(const SkinRings& rings, const PosedSkin& skin);
 
  private:
   std::size_t count_ = 0;
   std::array<float, 8 * kSections> x_, y_,
       z_;  // relative to the vertices: nothing is lost far from the origin
-  std::array<ProbeLie, 8 * kSections> lies_;
+  std::array<ProbeProjection, 8 * kSections> projections_;
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -3,25 +3,26 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <set>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
 #include "skinning/retarget/joint_names.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 // per file joint: "elbow_l", "hip?_l", "toes_r", "head" or ""
 using Parts = std::vector<std::string>;
 
-std::vector<int> path_up(const BvhMotion& source, int joint) {  // the joint itself first
+std::vector<int> path_up(const MotionClip& source, int joint) {  // the joint itself first
   std::vector<int> path;
   for (; joint >= 0; joint = source.joints[joint].parent) path.push_back(joint);
   return path;
 }
 
-int common_ancestor(const BvhMotion& source, int a, int b) {
+int common_ancestor(const MotionClip& source, int a, int b) {
   const std::vector<int> above = path_up(source, a);
   for (int j : path_up(source, b))
     if (std::find(above.begin(), above.end(), j) != above.end()) return j;
@@ -29,7 +30,7 @@ int common_ancestor(const BvhMotion& source, int a, int b) {
 }
 
 // Joints from `joint`'s parent up to, but without, `stop`.
-std::vector<int> between(const BvhMotion& source, int joint, int stop) {
+std::vector<int> between(const MotionClip& source, int joint, int stop) {
   std::vector<int> path;
   for (int j = source.joints[joint].parent; j >= 0 && j != stop; j = source.joints[j].parent)
     path.push_back(j);
@@ -41,10 +42,10 @@ int first_with(const Parts& parts, const std::string& part) {
   return found == parts.end() ? -1 : int(found - parts.begin());
 }
 
-class Matcher {
+class JointMapper {
  public:
-  Matcher(const BvhMotion& source, SourceRig& rig)
-      : source_(source), rig_(rig), parts_(source.joints.size()) {}
+  JointMapper(const MotionClip& source, JointMapping& mapping)
+      : source_(source), mapping_(mapping), parts_(source.joints.size()) {}
 
   void name_parts(const std::map<std::string, std::string>& joint_map, const Skeleton& ours) {
     how_.assign(parts_.size(), "name");
@@ -61,7 +62,7 @@ class Matcher {
         parts_[j] = mapped->second;
         how_[j] = "map";
         unused.erase(name);
-      } else if (rig_.ours) {
+      } else if (mapping_.ours) {
         parts_[j] = find_joint(ours, name) >= 0 ? name : "";
       } else {
         const NamedPart named = named_part(name);
@@ -69,13 +70,13 @@ class Matcher {
       }
     }
     for (const std::string& name : unused)
-      rig_.warnings.push_back(
+      mapping_.warnings.push_back(
           fmt::format("joint map: the file has no joint '{}'", printable(name)));
   }
 
   // Joints that only the tree can tell, once the names have given elbows, knees and head.
   void complete() {
-    if (rig_.ours) {
+    if (mapping_.ours) {
       for (size_t j = 0; j < parts_.size(); ++j)
         if (!parts_[j].empty()) set(parts_[j], int(j), int(j));
       return;
@@ -86,11 +87,12 @@ class Matcher {
     if (int jaw = first_with(parts_, "jaw"); jaw >= 0) set("jaw", jaw, jaw);
     trunk();
     for (const std::string side : {"_l", "_r"}) {
-      if (rig_.pivot.count("elbow" + side) &&
-          rig_.turner["elbow" + side] != rig_.pivot["elbow" + side]) {
-        // Two forearm bones: the first is the ulna, the second has turned with the hand.
-        set("forearm" + side, rig_.turner["elbow" + side], rig_.turner["elbow" + side]);
-        rig_.turner["elbow" + side] = rig_.pivot["elbow" + side];
+      if (mapping_.position_joint.count("elbow" + side) &&
+          mapping_.rotation_joint["elbow" + side] != mapping_.position_joint["elbow" + side]) {
+        // Two forearm bones: the first is the ulna, the second rotates with the hand.
+        set("forearm" + side, mapping_.rotation_joint["elbow" + side],
+            mapping_.rotation_joint["elbow" + side]);
+        mapping_.rotation_joint["elbow" + side] = mapping_.position_joint["elbow" + side];
       }
       limb_root("hip", "knee", side, "pelvis");
       limb_root("shoulder", "elbow", side, "thorax");
@@ -101,45 +103,46 @@ class Matcher {
 
   void write_matches() {
     std::map<int, std::string> names;
-    for (const auto& [ours, joint] : rig_.pivot) names[joint] = ours;
-    for (const auto& [ours, joint] : rig_.turner)
+    for (const auto& [ours, joint] : mapping_.position_joint) names[joint] = ours;
+    for (const auto& [ours, joint] : mapping_.rotation_joint)
       names[joint] = names.count(joint) && names[joint] != ours ? names[joint] + ", " + ours : ours;
-    for (int j : rig_.spine) names.try_emplace(j, "spine");
-    for (int j : rig_.neck) names.try_emplace(j, "neck");
+    for (int j : mapping_.spine) names.try_emplace(j, "spine");
+    for (int j : mapping_.neck) names.try_emplace(j, "neck");
     for (size_t j = 0; j < parts_.size(); ++j) {
       const auto found = names.find(int(j));
       const bool used = found != names.end();
       const bool named = !parts_[j].empty() && parts_[j].find('?') == std::string::npos;
-      rig_.matches.push_back({source_.joints[j].name, used ? found->second : "",
-                              !used   ? ""
-                              : named ? how_[j]
-                                      : "tree"});
+      mapping_.matches.push_back({source_.joints[j].name, used ? found->second : "",
+                                  !used   ? ""
+                                  : named ? how_[j]
+                                          : "tree"});
     }
   }
 
   std::vector<std::string> missing() const {
     std::vector<std::string> out;
     for (const char* part : {"pelvis", "thorax", "head"})
-      if (!rig_.pivot.count(part)) out.push_back(part);
+      if (!mapping_.position_joint.count(part)) out.push_back(part);
     for (const char* part : {"shoulder", "elbow", "hip", "knee", "ankle"})
       for (const char* side : {"_l", "_r"})
-        if (!rig_.pivot.count(std::string(part) + side)) out.push_back(std::string(part) + side);
+        if (!mapping_.position_joint.count(std::string(part) + side))
+          out.push_back(std::string(part) + side);
     return out;
   }
 
  private:
-  void set(const std::string& ours, int pivot, int turner) {
-    rig_.pivot[ours] = pivot;
-    rig_.turner[ours] = turner;
+  void set(const std::string& ours, int position_joint, int rotation_joint) {
+    mapping_.position_joint[ours] = position_joint;
+    mapping_.rotation_joint[ours] = rotation_joint;
   }
 
   int get(const std::string& ours) const {
-    const auto found = rig_.pivot.find(ours);
-    return found == rig_.pivot.end() ? -1 : found->second;
+    const auto found = mapping_.position_joint.find(ours);
+    return found == mapping_.position_joint.end() ? -1 : found->second;
   }
 
-  // A part that the file splits into a run of joints (lowerarm01, lowerarm02): the first is the
-  // pivot, the last turns.
+  // A part that the file splits into a chain of joints (lowerarm01, lowerarm02): the first has the
+  // position, the last the rotation.
   void runs(const std::string& part) {
     const int first = first_with(parts_, part);
     if (first < 0) return;
@@ -160,11 +163,12 @@ class Matcher {
     }
     if (get("pelvis") < 0 || get("thorax") < 0) return;
     const int below = common_ancestor(source_, get("pelvis"), get("thorax"));
-    if (get("thorax") != below) rig_.spine = between(source_, get("thorax"), below);
-    std::reverse(rig_.spine.begin(), rig_.spine.end());
+    if (get("thorax") != below) mapping_.spine = between(source_, get("thorax"), below);
+    std::reverse(mapping_.spine.begin(), mapping_.spine.end());
     if (get("head") < 0) return;
-    rig_.neck = between(source_, get("head"), common_ancestor(source_, get("thorax"), get("head")));
-    std::reverse(rig_.neck.begin(), rig_.neck.end());
+    mapping_.neck =
+        between(source_, get("head"), common_ancestor(source_, get("thorax"), get("head")));
+    std::reverse(mapping_.neck.begin(), mapping_.neck.end());
   }
 
   // The thigh over the knee, the upper arm over the elbow.
@@ -214,20 +218,20 @@ class Matcher {
     // One finger alone stands for all four.
     if (get("mcp2" + side) >= 0 && get("mcp3" + side) < 0 && get("pip2" + side) < 0) {
       set("fingers" + side, get("mcp2" + side), get("mcp2" + side));
-      rig_.pivot.erase("mcp2" + side);
-      rig_.turner.erase("mcp2" + side);
+      mapping_.position_joint.erase("mcp2" + side);
+      mapping_.rotation_joint.erase("mcp2" + side);
     }
   }
 
-  const BvhMotion& source_;
-  SourceRig& rig_;
+  const MotionClip& source_;
+  JointMapping& mapping_;
   Parts parts_;
   std::vector<std::string> how_;
 };
 
-bool has_our_names(const BvhMotion& source, const Skeleton& ours) {
+bool has_our_names(const MotionClip& source, const Skeleton& ours) {
   std::set<std::string> names;
-  for (const BvhJoint& joint : source.joints) names.insert(joint.name);
+  for (const ClipJoint& joint : source.joints) names.insert(joint.name);
   size_t found = 0;
   for (const Joint& joint : ours.joints) found += names.count(joint.name);
   return 10 * found >= 9 * ours.joints.size();
@@ -235,36 +239,44 @@ bool has_our_names(const BvhMotion& source, const Skeleton& ours) {
 
 }  // namespace
 
-bool bone_end(const BvhMotion& source, int joint, Vec3& offset) {
+bool bone_end(const MotionClip& source, int joint, Vec3& offset) {
   offset.setZero();
   if (!source.joints[joint].end_sites.empty()) {
     offset = source.joints[joint].end_sites[0];
   } else {
     int children = 0;
-    for (const BvhJoint& other : source.joints)
+    for (const ClipJoint& other : source.joints)
       if (other.parent == joint) offset += other.offset, ++children;
     if (children > 0) offset /= children;
   }
   return offset.norm() > 0;
 }
 
-SourceRig match_joints(const BvhMotion& source, const Skeleton& ours,
-                       const std::map<std::string, std::string>& joint_map) {
-  SourceRig rig;
-  rig.ours = has_our_names(source, ours);
-  Matcher matcher(source, rig);
-  matcher.name_parts(joint_map, ours);
-  matcher.complete();
-  matcher.write_matches();
-  if (const auto missing = matcher.missing(); !missing.empty()) {
-    RetargetReport table;
-    table.matches = rig.matches;
+JointMapping map_joints(const MotionClip& source, const Skeleton& ours,
+                        const std::map<std::string, std::string>& joint_map) {
+  JointMapping mapping;
+  mapping.ours = has_our_names(source, ours);
+  JointMapper mapper(source, mapping);
+  mapper.name_parts(joint_map, ours);
+  mapper.complete();
+  mapper.write_matches();
+  if (const auto missing = mapper.missing(); !missing.empty()) {
     throw UnfitError(fmt::format(
         "{}: no joint found for {}; name them in a joint map (file joint = our joint)\n{}{}{}",
-        source.name, fmt::join(missing, ", "), fmt::join(rig.warnings, "\n"),
-        rig.warnings.empty() ? "" : "\n", format_matches(table)));
+        source.name, fmt::join(missing, ", "), fmt::join(mapping.warnings, "\n"),
+        mapping.warnings.empty() ? "" : "\n", format_matches(mapping.matches)));
   }
-  return rig;
+  return mapping;
 }
 
-}  // namespace ecorche
+std::string format_matches(const std::vector<JointMatch>& matches) {
+  size_t width = 4;
+  for (const JointMatch& match : matches) width = std::max(width, match.source.size());
+  std::string out = fmt::format("{:{}}  {:24}  how\n", "file", width, "ours");
+  for (const JointMatch& match : matches)
+    out += fmt::format("{:{}}  {:24}  {}\n", match.source, width,
+                       match.ours.empty() ? "-" : match.ours, match.how);
+  return out;
+}
+
+}  // namespace ecorche::inline v1

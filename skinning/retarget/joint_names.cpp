@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 struct Tokens {
@@ -151,4 +151,4 @@ NamedPart named_part(std::string_view joint_name) {
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

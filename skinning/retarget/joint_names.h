@@ -1,4 +1,4 @@
-// What a joint's name says about the part of the body it moves.
+// Parts of the body by the names of joints.
 #pragma once
 
 #include <string>
@@ -6,14 +6,15 @@
 
 #include "anatomy/types.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-// `part` is the stem of our own joint's name ("elbow" for LeftForeArm, lowerarm_l, lShin is "knee",
-// index_02_l is "pip2"), or
-//   "hip?", "shoulder?"  the name is used for either of two neighbours; the tree must tell
-//   (LeftHip, LeftShoulder) "toes"               all toes at once "fingers"            all fingers
-//   at once
-//   ""                   nothing that is known, or a helper (twist bones, end markers, metacarpals)
+// `part` is the stem of our own joint's name ("elbow" for LeftForeArm and lowerarm_l, "knee" for
+// lShin, "pip2" for index_02_l), or
+//   "hip?", "shoulder?"  a name in use for either of two neighbours; the tree must tell (LeftHip,
+//                        LeftShoulder)
+//   "toes"               all toes together
+//   "fingers"            all fingers together
+//   ""                   unknown, or a helper (twist bones, end markers, metacarpals)
 struct NamedPart {
   std::string part;
   Side side = Side::middle;
@@ -23,4 +24,4 @@ struct NamedPart {
 // numbers.
 NamedPart named_part(std::string_view joint_name);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

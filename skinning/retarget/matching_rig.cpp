@@ -10,27 +10,30 @@
 
 #include "skinning/motion/require_joint.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr std::array<double, 7> kUnits{1, 0.1, 0.01, 0.001, 0.0254, 0.3048, 0.9144};  // m
-// of a unit: rigs and bodies measure their limbs between other points
+// Largest relative deviation of the fitted scale from a unit of length: rigs and bodies measure
+// their limbs between different points.
 constexpr double kScaleOff = 0.012;
+// Largest distance of the rig's limb joints, and of its hips, from ours. Larger: rigs of other
+// bodies match.
 constexpr double kBeside = 0.03, kHipBeside = 0.06;  // m
-constexpr double kStiff = 0.15;  // of a chain's length: along itself it cannot give
-constexpr int kRounds = 3;
-// m: a rig so near is where the body is, and its joints' offsets are its own
+constexpr double kStiff = 0.15;  // fraction of a chain's length; regularises bends along the chain
+constexpr int kRounds = 3;       // Gauss-Newton steps of a chain's bend
+// m; a rig with a smaller offset is in place, and the offset belongs to its joints
 constexpr double kSamePlace = 0.025;
 
-// A part of the body between two joints: its share of the skin, and whose rotation of the file it
-// has.
+// A part of the body between two joints: its fraction of the skin, and the part whose rotation in
+// the file it takes.
 struct Part {
   const char* part;
   const char* from;
   const char* to;
   double share;
 };
-// Shares of the surface of an adult (Lund & Browder 1944), the trunk's between its ends.
+// Fractions of the surface of an adult (Lund & Browder 1944), the trunk's between its ends.
 constexpr std::array<Part, 9> kParts{{{"pelvis", "l5", "hip", 0.09},
                                       {"thorax", "clavicle", "c7", 0.11},
                                       {"head", "head", "jaw", 0.08},
@@ -52,9 +55,9 @@ struct Fitting {
   bool fits = false;
 };
 
-// The limbs' joints of the file laid on ours without turning them.
-Fitting lay_on(const std::vector<Transform>& X, const SourceRig& rig, const Mat3& W,
-               const Skeleton& ours, const std::vector<Vec3>& rest) {
+// Fits scale and offset of the file's limb joints to ours, without rotation.
+Fitting fit_without_rotation(const std::vector<Transform>& X, const JointMapping& mapping,
+                             const Mat3& W, const Skeleton& ours, const std::vector<Vec3>& rest) {
   struct Pair {
     Vec3 theirs, own;
     double beside;
@@ -62,8 +65,8 @@ Fitting lay_on(const std::vector<Transform>& X, const SourceRig& rig, const Mat3
   std::vector<Pair> pairs;
   for (const char* stem : {"hip", "knee", "ankle", "shoulder", "elbow", "wrist"})
     for (const char* side : {"_l", "_r"}) {
-      const auto at = rig.pivot.find(std::string(stem) + side);
-      if (at == rig.pivot.end()) return {};
+      const auto at = mapping.position_joint.find(std::string(stem) + side);
+      if (at == mapping.position_joint.end()) return {};
       pairs.push_back({W * X[at->second].translation(),
                        rest[joint_of(ours, std::string(stem) + side)],
                        std::string(stem) == "hip" ? kHipBeside : kBeside});
@@ -88,55 +91,58 @@ Fitting lay_on(const std::vector<Transform>& X, const SourceRig& rig, const Mat3
 
 }  // namespace
 
-std::optional<OwnRig> find_own_rig(const BvhMotion& source, const SourceRig& rig,
-                                   const RestAlignment& alignment, const Skeleton& ours) {
+std::optional<MatchingRig> find_matching_rig(const MotionClip& source, const JointMapping& mapping,
+                                             const RestAlignment& alignment, const Skeleton& ours) {
   if (!alignment.same_rest) return std::nullopt;
   std::vector<Transform> X;
-  bvh_kinematics(source, -1, X);
+  clip_kinematics(source, -1, X);
   const std::vector<Vec3> rest = rest_positions(ours);
-  const Fitting fitting = lay_on(X, rig, alignment.W, ours, rest);
+  const Fitting fitting = fit_without_rotation(X, mapping, alignment.W, ours, rest);
   if (!fitting.fits) return std::nullopt;
-  OwnRig out{fitting.metres, alignment.W, {}, {}};
-  // Precondition: the file turns the part.
+  MatchingRig out{fitting.metres, alignment.W, {}, {}};
+  // Precondition: the file rotates the part.
   const auto place = [&](const std::string& part, const std::string& name, double share) {
-    const int joint = joint_of(ours, name), carrier = rig.turner.at(part);
+    const int joint = joint_of(ours, name), file_joint = mapping.rotation_joint.at(part);
     const Vec3 in_file = alignment.W.transpose() * (rest[joint] - fitting.shift) / fitting.metres;
-    return CarriedPlace{joint, joint_of(ours, part), carrier, X[carrier].inverse() * in_file,
+    return MatchedPoint{joint, joint_of(ours, part), file_joint, X[file_joint].inverse() * in_file,
                         share};
   };
   for (const Part& part : kParts)
     for (const char* side : {"_l", "_r"}) {
       const std::string name = sided(ours, part.part, side);
-      if (!rig.turner.contains(name)) continue;
+      if (!mapping.rotation_joint.contains(name)) continue;
       for (const char* end : {part.from, part.to})
-        out.places.push_back(place(name, sided(ours, end, side), 0.5 * part.share));
+        out.points.push_back(place(name, sided(ours, end, side), 0.5 * part.share));
     }
   for (const auto& [below, first, above] :
        {std::array{"pelvis", "l5", "thorax"}, std::array{"thorax", "c7", "head"}}) {
-    if (!rig.turner.contains(below) || !rig.turner.contains(above)) continue;
-    CarriedChain chain{{}, place(below, first, 0), place(above, above, 0)};
+    if (!mapping.rotation_joint.contains(below) || !mapping.rotation_joint.contains(above))
+      continue;
+    MatchedChain chain{{}, place(below, first, 0), place(above, above, 0)};
     for (int j = ours.joints[chain.end.joint].parent; j != chain.begin.part;
          j = ours.joints[j].parent)
       chain.joints.push_back(j);
     std::reverse(chain.joints.begin(), chain.joints.end());
-    const bool told = std::any_of(chain.joints.begin(), chain.joints.end(),
-                                  [&](int j) { return rig.turner.contains(ours.joints[j].name); });
+    const bool told = std::any_of(chain.joints.begin(), chain.joints.end(), [&](int j) {
+      return mapping.rotation_joint.contains(ours.joints[j].name);
+    });
     if (!told) out.chains.push_back(chain);
   }
   return out;
 }
 
-Vec3 carried(const OwnRig& rig, const std::vector<Transform>& X, const CarriedPlace& place) {
-  return rig.metres * (rig.W * (X[place.carrier] * place.there));
+Vec3 file_position(const MatchingRig& rig, const std::vector<Transform>& X,
+                   const MatchedPoint& point) {
+  return rig.metres * (rig.W * (X[point.file_joint] * point.local));
 }
 
-void bend_to_rig(const OwnRig& rig, const CarriedChain& chain, const std::vector<Transform>& X,
+void bend_to_rig(const MatchingRig& rig, const MatchedChain& chain, const std::vector<Transform>& X,
                  const std::vector<Vec3>& rest, std::vector<Mat3>& R) {
-  const Vec3 wanted = carried(rig, X, chain.end) - carried(rig, X, chain.begin);
+  const Vec3 wanted = file_position(rig, X, chain.end) - file_position(rig, X, chain.begin);
   const std::size_t count = chain.joints.size();
   for (int round = 0; round < kRounds; ++round) {
-    // All are turned about one axis square to the chain, t = u x m for its direction u, the middle
-    // most: c_k t moves the end by c_k t x v_k.
+    // All rotate about one axis perpendicular to the chain, t = u x m for its direction u, the
+    // middle most: c_k t moves the end by c_k t x v_k.
     std::vector<Vec3> steps(count);
     Vec3 chord = Vec3::Zero();
     for (std::size_t k = 0; k < count; ++k) {
@@ -166,17 +172,17 @@ void bend_to_rig(const OwnRig& rig, const CarriedChain& chain, const std::vector
   }
 }
 
-Vec3 shift_to_rig(const OwnRig& rig, const std::vector<Transform>& X, const std::vector<Vec3>& rest,
-                  const std::vector<Transform>& X_WJ) {
+Vec3 shift_to_rig(const MatchingRig& rig, const std::vector<Transform>& X,
+                  const std::vector<Vec3>& rest, const std::vector<Transform>& X_WJ) {
   Vec3 sum = Vec3::Zero();
   double shares = 0;
-  for (const CarriedPlace& place : rig.places) {
-    const std::size_t part = place.part;
-    const Vec3 here = X_WJ[part] * (rest[place.joint] - rest[part]);
-    sum += place.share * (carried(rig, X, place) - here);
-    shares += place.share;
+  for (const MatchedPoint& point : rig.points) {
+    const std::size_t part = point.part;
+    const Vec3 here = X_WJ[part] * (rest[point.joint] - rest[part]);
+    sum += point.weight * (file_position(rig, X, point) - here);
+    shares += point.weight;
   }
   return sum / shares;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

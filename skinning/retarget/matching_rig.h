@@ -1,13 +1,12 @@
-// A motion file whose rig sits in the very body that it moves, as the body package's rigs do.
+// A motion file whose rig matches the body that it moves, as the body package's rigs do.
 //
-// Such a file is taken over as it is: rotation for rotation (retarget.h), and the body goes where
-// the rig takes it. A rig's joints need not be where the anatomy has them (its hip lies up to 5 cm
-// beside ours, its spine in the middle of the body), so with the same rotations a part ends
-// elsewhere by some of that. The vertebrae between pelvis and thorax, thorax and head, which are
-// more than the rig's, bend so that thorax and head come near to where the rig has them, and the
-// root is put where the parts of the body, each as large as its skin, are nearest to there. In the
-// file's rest pose that is the rest pose of ours to the last millimetre, wherever the rig's own
-// root lies.
+// Such a file is taken over rotation for rotation (retarget.h), and the body goes where the rig
+// goes. A rig's joints differ from the anatomical ones (its hip lies up to 5 cm beside ours, its
+// spine in the middle of the body), so equal rotations displace a part. The vertebrae between
+// pelvis and thorax, thorax and head, which are more than the rig's, bend so that thorax and head
+// come near to their positions in the rig, and the root is placed where the parts of the body,
+// weighted by their area of skin, are nearest to the rig. In the file's rest pose that is our rest
+// pose within rounding, wherever the rig's own root lies.
 #pragma once
 
 #include <optional>
@@ -17,50 +16,51 @@
 #include "skinning/retarget/joint_mapping.h"
 #include "skinning/retarget/rest_alignment.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-// A place of ours that a joint of the file carries.
-struct CarriedPlace {
-  int joint = 0;              // ours, whose place at rest it is
+// A point of our body that moves with a joint of the file.
+struct MatchedPoint {
+  int joint = 0;              // ours, whose rest position it is
   int part = 0;               // ours, with which it moves
-  int carrier = 0;            // the file's
-  Vec3 there = Vec3::Zero();  // in the carrier's rest frame, file units
-  double share = 0;           // of the body
+  int file_joint = 0;         // the file's, with which it moves
+  Vec3 local = Vec3::Zero();  // in the file joint's rest frame, file units
+  double weight = 0;          // fraction of the body's surface
 };
 
-// Joints of ours one upon the other, between two parts that the file turns.
-struct CarriedChain {
+// A chain of our joints between two parts that the file rotates.
+struct MatchedChain {
   std::vector<int> joints;  // those that bend, from below
-  // of the first one, as the part below has it; of the joint after the last one, as the part above
-  // has it
-  CarriedPlace begin, end;
+  // position of the first joint, moving with the part below; of the joint after the last one,
+  // moving with the part above
+  MatchedPoint begin, end;
 };
 
-struct OwnRig {
+struct MatchingRig {
   double metres = 1;  // a unit of the file
   Mat3 W = Mat3::Identity();
-  std::vector<CarriedPlace> places;
-  std::vector<CarriedChain> chains;  // spine, neck, unless the file turns their joints itself
+  std::vector<MatchedPoint> points;
+  std::vector<MatchedChain> chains;  // spine, neck, unless the file rotates their joints itself
 };
 
 // None where the file's rest pose is not ours, where limbs' joints lie more than 3 cm beside ours
 // (hips: 6 cm), or where that takes another unit than one of length. Throws std::invalid_argument
 // for a skeleton that is not ours.
-std::optional<OwnRig> find_own_rig(const BvhMotion& source, const SourceRig& rig,
-                                   const RestAlignment& alignment, const Skeleton& ours);
+std::optional<MatchingRig> find_matching_rig(const MotionClip& source, const JointMapping& mapping,
+                                             const RestAlignment& alignment, const Skeleton& ours);
 
-// Where the file has a place of ours, m, our axes. X: bvh_kinematics of the frame.
-Vec3 carried(const OwnRig& rig, const std::vector<Transform>& X, const CarriedPlace& place);
+// Position of a point in the file, m, our axes. X: clip_kinematics of the frame.
+Vec3 file_position(const MatchingRig& rig, const std::vector<Transform>& X,
+                   const MatchedPoint& point);
 
-// Turns the joints of a chain, whose world rotations R has by joint, so that its end comes nearer
-// to where the rig has it, by bending alone: the middle most, ends not. `rest`: places of our
-// joints at rest.
-void bend_to_rig(const OwnRig& rig, const CarriedChain& chain, const std::vector<Transform>& X,
+// Bends a chain, without twist, so that its end comes nearer to its position in the rig: the middle
+// bends most, the ends not at all. R: world rotations by joint, input and output. `rest`: positions
+// of our joints at rest.
+void bend_to_rig(const MatchingRig& rig, const MatchedChain& chain, const std::vector<Transform>& X,
                  const std::vector<Vec3>& rest, std::vector<Mat3>& R);
 
-// By how much the root has to move so that the body is nearest to where the rig has it. X_WJ: of
+// Translation of the root that brings the body nearest to the rig. X_WJ: of
 // our pose.
-Vec3 shift_to_rig(const OwnRig& rig, const std::vector<Transform>& X, const std::vector<Vec3>& rest,
-                  const std::vector<Transform>& X_WJ);
+Vec3 shift_to_rig(const MatchingRig& rig, const std::vector<Transform>& X,
+                  const std::vector<Vec3>& rest, const std::vector<Transform>& X_WJ);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

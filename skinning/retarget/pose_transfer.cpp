@@ -10,10 +10,8 @@
 #include "anatomy/joint_angles.h"
 #include "skinning/motion/shoulder_rhythm.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr std::array<const char*, 2> kSides = {"_l", "_r"};
 constexpr std::array<const char*, 8> kSpine = {"l5", "l4",  "l3",  "l2",
                                                "l1", "t12", "t11", "thorax"};
@@ -23,20 +21,20 @@ Side side_of(const std::string& name) {
   return name.ends_with("_l") ? Side::left : name.ends_with("_r") ? Side::right : Side::middle;
 }
 
-// The part of q that turns about `axis`.
+// The twist of q about `axis` (swing-twist decomposition).
 Quat twist_of(const Quat& q, const Vec3& axis) {
   const Quat twist(q.w(), axis.x() * q.vec().dot(axis), axis.y() * q.vec().dot(axis),
                    axis.z() * q.vec().dot(axis));
   return twist.norm() > 1e-12 ? twist.normalized() : Quat::Identity();
 }
 
-// The identity up to `from`, then ever slower towards `to`.
+// The identity up to `from`, then saturating towards `to`.
 double soft_limit(double x, double from, double to) {
   return x < from ? x : to - (to - from) * std::exp(-(x - from) / (to - from));
 }
 
-// Fingers of a hand that the file says nothing about: how far a loose hand is bent, from the
-// anatomical zero.
+// Flexion of the fingers of a relaxed hand from the anatomical zero, rad, for files without
+// fingers.
 double relaxed_flexion(const std::string& stem) {
   if (stem.starts_with("mcp") && stem != "mcp1") return 25 * kDegree;
   if (stem.starts_with("pip")) return 35 * kDegree;
@@ -45,8 +43,9 @@ double relaxed_flexion(const std::string& stem) {
   return 0;
 }
 
-// The turn without what the joint cannot do at all: a hinge only bends, a knuckle does not roll.
-Quat possible_turn(const Joint& joint, const Quat& turn) {
+// The rotation without the components of axes with next to no range: a hinge only bends, a knuckle
+// has no axial rotation.
+Quat without_locked_axes(const Joint& joint, const Quat& turn) {
   Vec3 angles = joint_angles(joint, turn);
   for (int a : {1, 2})
     if (joint.max[a] - joint.min[a] < 5 * kDegree)
@@ -56,13 +55,13 @@ Quat possible_turn(const Joint& joint, const Quat& turn) {
 
 }  // namespace
 
-PoseTransfer::PoseTransfer(const BvhMotion& source, const SourceRig& rig,
-                           const RestAlignment& alignment, const OwnRig* own,
+PoseTransfer::PoseTransfer(const MotionClip& source, const JointMapping& mapping,
+                           const RestAlignment& alignment, const MatchingRig* matching_rig,
                            const Skeleton& our_skeleton, bool shoulder_rhythm)
     : source_(source),
-      rig_(rig),
+      mapping_(mapping),
       alignment_(alignment),
-      own_(own),
+      matching_rig_(matching_rig),
       skeleton_(our_skeleton),
       rhythm_(shoulder_rhythm),
       rest_(rest_positions(our_skeleton)) {
@@ -70,7 +69,7 @@ PoseTransfer::PoseTransfer(const BvhMotion& source, const SourceRig& rig,
   for (const std::string s : kSides)
     leg += 0.5 * ((rest_[ours("knee" + s)] - rest_[ours("hip" + s)]).norm() +
                   (rest_[ours("ankle" + s)] - rest_[ours("knee" + s)]).norm());
-  scale_ = own ? own->metres : leg / alignment.leg;
+  scale_ = matching_rig ? matching_rig->metres : leg / alignment.leg;
   plans_.resize(skeleton_.joints.size());
   R_.resize(skeleton_.joints.size());
   for (size_t j = 0; j < plans_.size(); ++j)
@@ -85,12 +84,11 @@ int PoseTransfer::ours(const std::string& name) const {
   return j;
 }
 
-// Where along the way from one end to the other each of the file's joints has turned: a bone's
-// rotation counts at its middle.
+// Positions of the file's joints along the chain, 0 .. 1: a bone's rotation is that at its middle.
 std::vector<PoseTransfer::Knot> PoseTransfer::knots(const std::string& from,
                                                     const std::vector<int>& chain,
                                                     const std::string& to, bool from_base) const {
-  const int end = rig_.pivot.at(to);
+  const int end = mapping_.position_joint.at(to);
   std::vector<int> stops = chain;
   stops.push_back(end);
   std::vector<double> along = {from_base ? 0 : source_.joints[stops[0]].offset.norm()};
@@ -106,10 +104,10 @@ std::vector<PoseTransfer::Knot> PoseTransfer::knots(const std::string& from,
 }
 
 void PoseTransfer::plan_trunk() {
-  spine_knots_ = knots("pelvis", rig_.spine, "thorax", false);
-  neck_knots_ = knots("thorax", rig_.neck, "head", true);
-  // Each joint takes a share by how far it can move: bending mostly the loins and the neck's
-  // middle, axial turning mostly thorax, c1.
+  spine_knots_ = knots("pelvis", mapping_.spine, "thorax", false);
+  neck_knots_ = knots("thorax", mapping_.neck, "head", true);
+  // Each joint takes a fraction in proportion to its range of motion: bending mostly lumbar spine
+  // and middle of the neck, axial rotation mostly thorax and c1.
   auto plan = [&](const auto& chain, Rule rule) {
     Vec3 total = Vec3::Zero(), so_far = Vec3::Zero();
     auto range = [&](const char* name) {
@@ -152,7 +150,7 @@ void PoseTransfer::plan_limbs() {
     const std::string stem = name.substr(0, name.size() - 2);
     if (stem.starts_with("mtp") && has("toes" + std::string(side_suffix(side)))) {
       p = Plan{Rule::direct, "toes" + std::string(side_suffix(side))};
-    } else if (const double flexion = own_ ? 0 : relaxed_flexion(stem); flexion > 0) {
+    } else if (const double flexion = matching_rig_ ? 0 : relaxed_flexion(stem); flexion > 0) {
       p.rule = Rule::finger;
       p.relaxed = Quat(Eigen::AngleAxisd(flexion - skeleton_.joints[j].zero[0],
                                          skeleton_.joints[j].axes.col(0)));
@@ -160,16 +158,17 @@ void PoseTransfer::plan_limbs() {
   }
 }
 
-Mat3 PoseTransfer::as_in_file(const std::vector<Transform>& X, const std::string& joint) const {
-  return alignment_.W * X[rig_.turner.at(joint)].linear() * alignment_.from_source.at(joint);
+Mat3 PoseTransfer::file_rotation(const std::vector<Transform>& X, const std::string& joint) const {
+  return alignment_.W * X[mapping_.rotation_joint.at(joint)].linear() *
+         alignment_.from_source.at(joint);
 }
 
-// World rotation at s of the way; a spine or neck joint of the file has the rest alignment of the
-// trunk.
+// World rotation at fraction s of the chain; a spine or neck joint of the file has the rest
+// alignment of the trunk.
 Quat PoseTransfer::along(const std::vector<Transform>& X, const std::vector<Knot>& knots,
                          double s) const {
   auto rotation = [&](const Knot& knot) {
-    if (!knot.part.empty()) return Quat(as_in_file(X, knot.part));
+    if (!knot.part.empty()) return Quat(file_rotation(X, knot.part));
     return Quat(Mat3(alignment_.W * X[knot.joint].linear() * alignment_.trunk.at(knot.joint)));
   };
   size_t k = 1;
@@ -188,14 +187,15 @@ Mat3 PoseTransfer::spread(const std::vector<Transform>& X, const std::vector<Kno
   return (base * swing * twist_of(turned, Vec3::UnitY())).toRotationMatrix();
 }
 
-// Elbow and knee bend about one axis: where they are bent, upper arm and thigh are turned about
-// their length so that the hinge lies square to both bones. Straight limbs keep the file's turn.
+// Elbow and knee bend about one axis: where they are bent, upper arm and thigh are rotated about
+// their length so that the hinge is perpendicular to both bones. Straight limbs keep the file's
+// rotation.
 void PoseTransfer::limb_rotations(const std::vector<Transform>& X) {
   for (const std::string s : kSides)
     for (const auto& [upper, middle, lower] :
          {std::array<const char*, 3>{"shoulder", "elbow", "wrist"}, {"hip", "knee", "ankle"}}) {
-      Mat3 R = as_in_file(X, upper + s);
-      const Mat3 L = as_in_file(X, middle + s);
+      Mat3 R = file_rotation(X, upper + s);
+      const Mat3 L = file_rotation(X, middle + s);
       const Vec3 rest_upper = rest_[ours(middle + s)] - rest_[ours(upper + s)],
                  rest_lower = rest_[ours(lower + s)] - rest_[ours(middle + s)];
       const Vec3 a = (R * rest_upper).normalized(), b = (L * rest_lower).normalized();
@@ -203,7 +203,7 @@ void PoseTransfer::limb_rotations(const std::vector<Transform>& X) {
       const Vec3 h = hinge - a.dot(hinge) * a;
       if (!alignment_.same_rest && h.norm() > 0.5) {
         const double angle = std::atan2(a.dot(h.cross(wanted)), h.dot(wanted));
-        // A turn of more than 60 deg means a limb bent the wrong way: left to the report.
+        // More than 60 deg is a limb bent the wrong way, which is left to the report.
         const double share =
             smooth_step(std::sin(4 * kDegree), std::sin(20 * kDegree), wanted.norm()) *
             (1 - smooth_step(50 * kDegree, 70 * kDegree, std::abs(angle)));
@@ -213,7 +213,7 @@ void PoseTransfer::limb_rotations(const std::vector<Transform>& X) {
     }
 }
 
-Mat3 PoseTransfer::turn_joint(const std::vector<Transform>& X, int j) const {
+Mat3 PoseTransfer::rotate_joint(const std::vector<Transform>& X, int j) const {
   const Plan& plan = plans_[j];
   const Joint& joint = skeleton_.joints[j];
   const Mat3 parent = joint.parent < 0 ? Mat3(Mat3::Identity()) : R_[joint.parent];
@@ -226,9 +226,9 @@ Mat3 PoseTransfer::turn_joint(const std::vector<Transform>& X, int j) const {
   };
   switch (plan.rule) {
     case Rule::collar: {
-      // A collar bone of the file may do the whole shoulder's work: its own long axis is followed
-      // as far as a real one goes.
-      const Quat turn(Mat3(parent.transpose() * as_in_file(X, plan.part)));
+      // A collar bone of the file may carry all motion of the shoulder: its long axis is followed
+      // within the range of a real one.
+      const Quat turn(Mat3(parent.transpose() * file_rotation(X, plan.part)));
       const Vec3 along_bone = (rest_[ours("scapula" + s)] - rest_[j]).normalized();
       const Eigen::AngleAxisd swing(Quat::FromTwoVectors(along_bone, turn * along_bone));
       return parent *
@@ -237,7 +237,7 @@ Mat3 PoseTransfer::turn_joint(const std::vector<Transform>& X, int j) const {
     }
     case Rule::direct: {
       const auto limb = limb_.find(plan.part);
-      return limb != limb_.end() ? limb->second : as_in_file(X, plan.part);
+      return limb != limb_.end() ? limb->second : file_rotation(X, plan.part);
     }
     case Rule::spine:
       return spread(X, spine_knots_, plan);
@@ -246,31 +246,31 @@ Mat3 PoseTransfer::turn_joint(const std::vector<Transform>& X, int j) const {
     case Rule::clavicle:
       return parent * girdle().clavicle.toRotationMatrix();
     case Rule::scapula: {
-      // The file's collar bone may have shrugged by itself: the blade turns on it as it would on
-      // its own.
+      // The file's collar bone may move by itself: the scapula keeps the rhythm's rotation relative
+      // to the clavicle.
       const Girdle g = girdle();
       return parent * (g.clavicle.conjugate() * g.scapula).toRotationMatrix();
     }
     case Rule::elbow: {
-      // The ulna only bends; what the file's forearm turns about its length is the radius' share.
+      // The ulna only bends; the axial rotation of the file's forearm goes to the radius.
       const Vec3 along = (rest_[ours("wrist" + s)] - rest_[j]).normalized();
       return parent *
-             Quat::FromTwoVectors(along, parent.transpose() * as_in_file(X, "elbow" + s) * along)
+             Quat::FromTwoVectors(along, parent.transpose() * file_rotation(X, "elbow" + s) * along)
                  .toRotationMatrix();
     }
     case Rule::forearm: {
-      if (alignment_.same_rest) return as_in_file(X, "elbow" + s);
+      if (alignment_.same_rest) return file_rotation(X, "elbow" + s);
       const Vec3 along = (rest_[ours("wrist" + s)] - rest_[j]).normalized();
-      const Mat3 hand = as_in_file(X, (has("wrist" + s) ? "wrist" : "elbow") + s);
+      const Mat3 hand = file_rotation(X, (has("wrist" + s) ? "wrist" : "elbow") + s);
       return parent * twist_of(Quat(Mat3(parent.transpose() * hand)), along).toRotationMatrix();
     }
     case Rule::ankle: {
-      // The talus takes the turn about the ankle's own axis, the joint below it the rest.
-      const Quat foot(Mat3(parent.transpose() * as_in_file(X, "ankle" + s)));
+      // The ankle takes the rotation about its own axis, the subtalar joint the rest.
+      const Quat foot(Mat3(parent.transpose() * file_rotation(X, "ankle" + s)));
       return parent * twist_of(foot, joint.axes.col(0)).toRotationMatrix();
     }
     case Rule::subtalar:
-      return as_in_file(X, "ankle" + s);
+      return file_rotation(X, "ankle" + s);
     case Rule::finger:
       return parent * plan.relaxed.toRotationMatrix();
     case Rule::follow:
@@ -283,41 +283,44 @@ void PoseTransfer::transfer(const std::vector<Transform>& X, Pose& pose) {
   limb_rotations(X);
   pose.rotations.resize(skeleton_.joints.size());
   for (size_t j = 0; j < skeleton_.joints.size(); ++j) {
-    R_[j] = turn_joint(X, int(j));
+    R_[j] = rotate_joint(X, int(j));
     const int parent = skeleton_.joints[j].parent;
-    // The foot stays as the file has it: soles are seen to stand.
+    // The foot keeps its rotation from the file, since standing soles are conspicuous.
     if (parent >= 0 && !alignment_.same_rest && plans_[j].rule != Rule::subtalar &&
         plans_[j].rule != Rule::ankle)
       R_[j] = R_[parent] *
-              possible_turn(skeleton_.joints[j], Quat(Mat3(R_[parent].transpose() * R_[j])))
+              without_locked_axes(skeleton_.joints[j], Quat(Mat3(R_[parent].transpose() * R_[j])))
                   .toRotationMatrix();
   }
-  if (own_)
-    for (const CarriedChain& chain : own_->chains) bend_to_rig(*own_, chain, X, rest_, R_);
+  if (matching_rig_)
+    for (const MatchedChain& chain : matching_rig_->chains)
+      bend_to_rig(*matching_rig_, chain, X, rest_, R_);
   for (size_t j = 0; j < skeleton_.joints.size(); ++j) {
     const int parent = skeleton_.joints[j].parent;
     pose.rotations[j] =
         Quat(parent < 0 ? R_[j] : Mat3(R_[parent].transpose() * R_[j])).normalized();
   }
-  const Vec3 hips =
-      0.5 * (X[rig_.pivot.at("hip_l")].translation() + X[rig_.pivot.at("hip_r")].translation());
+  const Vec3 hips = 0.5 * (X[mapping_.position_joint.at("hip_l")].translation() +
+                           X[mapping_.position_joint.at("hip_r")].translation());
   const Vec3 offset = 0.5 * (rest_[ours("hip_l")] + rest_[ours("hip_r")]) - rest_[0];
   pose.root = scale_ * (alignment_.W * hips) - R_[0] * offset;
-  if (!rig_.ours) complete_pose(skeleton_, pose);
-  if (!own_) return;
+  if (!mapping_.ours) complete_pose(skeleton_, pose);
+  if (!matching_rig_) return;
   forward_kinematics(skeleton_, pose, X_WJ_);
-  pose.root += shift_to_rig(*own_, X, rest_, X_WJ_);
+  pose.root += shift_to_rig(*matching_rig_, X, rest_, X_WJ_);
 }
 
-Vec3 PoseTransfer::place_in_file(const std::vector<Transform>& X, const char* part,
-                                 Side side) const {
-  if (own_) {
+Vec3 PoseTransfer::file_joint_position(const std::vector<Transform>& X, const char* part,
+                                       Side side) const {
+  if (matching_rig_) {
     const int joint = ours(std::string(part) + side_suffix(side));
-    for (const CarriedPlace& place : own_->places)
-      if (place.joint == joint && place.part == joint) return carried(*own_, X, place);
+    for (const MatchedPoint& point : matching_rig_->points)
+      if (point.joint == joint && point.part == joint)
+        return file_position(*matching_rig_, X, point);
   }
   return scale_ *
-         (alignment_.W * X[rig_.pivot.at(std::string(part) + side_suffix(side))].translation());
+         (alignment_.W *
+          X[mapping_.position_joint.at(std::string(part) + side_suffix(side))].translation());
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

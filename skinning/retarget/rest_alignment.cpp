@@ -9,13 +9,13 @@
 #include "anatomy/errors.h"
 #include "skinning/motion/require_joint.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kPi = std::numbers::pi, kDegree = kPi / 180;
+constexpr double kPi = std::numbers::pi;
 constexpr double kAdultLeg = 0.85;  // hip to ankle, m
 constexpr int kSampledFrames = 400;
-constexpr std::array<const char*, 2> kSides = {"_l", "_r"};
+constexpr std::array<const char*, 2> kSidesRestAlignment = {"_l", "_r"};
 
 using Frames = std::vector<Transform>;  // #file joints
 
@@ -30,18 +30,20 @@ double angle_between(const Vec3& a, const Vec3& b) {
 
 // The file's figure in one pose.
 struct Figure {
-  const BvhMotion& source;
-  const SourceRig& rig;
+  const MotionClip& source;
+  const JointMapping& mapping;
   const Frames& X;
 
-  bool has(const std::string& part) const { return rig.pivot.count(part) > 0; }
-  Vec3 at(const std::string& part) const { return X[rig.pivot.at(part)].translation(); }
-  Mat3 turn(const std::string& part) const { return X[rig.turner.at(part)].linear(); }
+  bool has(const std::string& part) const { return mapping.position_joint.count(part) > 0; }
+  Vec3 at(const std::string& part) const {
+    return X[mapping.position_joint.at(part)].translation();
+  }
+  Mat3 turn(const std::string& part) const { return X[mapping.rotation_joint.at(part)].linear(); }
   Vec3 hips() const { return 0.5 * (at("hip_l") + at("hip_r")); }
   Vec3 feet() const { return 0.5 * (at("ankle_l") + at("ankle_r")); }
   Vec3 end_of(const std::string& part) const {
     Vec3 offset;
-    const int joint = rig.turner.at(part);
+    const int joint = mapping.rotation_joint.at(part);
     return bone_end(source, joint, offset) ? Vec3(X[joint] * offset) : X[joint].translation();
   }
   Vec3 bone(const std::string& from, const std::string& to) const { return at(to) - at(from); }
@@ -75,7 +77,7 @@ struct Figure {
   }
   double leg() const {
     double sum = 0;
-    for (const std::string s : kSides)
+    for (const std::string s : kSidesRestAlignment)
       sum += bone("hip" + s, "knee" + s).norm() + bone("knee" + s, "ankle" + s).norm();
     return sum / 2;
   }
@@ -140,7 +142,7 @@ double standing_cost(const Figure& figure, const Vec3& up) {
   auto off = [&](const Vec3& v, const Vec3& wanted) {
     return v.norm() > 0 ? 1 - v.normalized().dot(wanted) : 0.5;
   };
-  for (const std::string s : kSides) {
+  for (const std::string s : kSidesRestAlignment) {
     cost += off(figure.bone("hip" + s, "knee" + s), -up) +
             off(figure.bone("knee" + s, "ankle" + s), -up);
     cost += 0.2 * off(figure.bone("shoulder" + s, "elbow" + s), figure.forearm(s).normalized());
@@ -153,12 +155,11 @@ double standing_cost(const Figure& figure, const Vec3& up) {
   return cost;
 }
 
-Mat3 turn_onto(const Vec3& from, const Vec3& to) {
+Mat3 rotation_between(const Vec3& from, const Vec3& to) {
   return Quat::FromTwoVectors(from, to).toRotationMatrix();
 }
 
-// Turns the rotation C of a bone about its direction so that `axis` (carried by C) comes to lie
-// nearest to `wanted`.
+// Rotates C about the bone's direction so that `axis`, rotated by C, comes nearest to `wanted`.
 Mat3 twist_onto(const Mat3& C, const Vec3& direction, const Vec3& axis, const Vec3& wanted) {
   const Vec3 d = direction.normalized();
   const Vec3 a = C * axis - d.dot(C * axis) * d, w = wanted - d.dot(wanted) * d;
@@ -177,14 +178,14 @@ Mat3 hand_frame(const Vec3& along, const Vec3& towards_thumb) {
 
 class Aligner {
  public:
-  Aligner(const BvhMotion& source, const SourceRig& rig, const Skeleton& ours)
-      : source_(source), rig_(rig), ours_(ours) {
-    bvh_kinematics(source, -1, rest_);
-    const int step = std::max(1, source.frames / kSampledFrames);
-    for (int f = 0; f < source.frames; f += step) {
+  Aligner(const MotionClip& source, const JointMapping& mapping, const Skeleton& ours)
+      : source_(source), mapping_(mapping), ours_(ours) {
+    clip_kinematics(source, -1, rest_);
+    const int step = std::max(1, source.frame_count / kSampledFrames);
+    for (int f = 0; f < source.frame_count; f += step) {
       sampled_.emplace_back();
       sample_frame_.push_back(f);
-      bvh_kinematics(source, f, sampled_.back());
+      clip_kinematics(source, f, sampled_.back());
     }
   }
 
@@ -196,14 +197,14 @@ class Aligner {
     out.same_rest = out.reference_frame < 0 && limbs_agree();
     if (out.same_rest) {
       for (const char* part : {"pelvis", "thorax"}) C_[part] = Mat3::Identity();
-      for (const auto& [name, joint] : rig_.turner) C_[name] = Mat3::Identity();
+      for (const auto& [name, joint] : mapping_.rotation_joint) C_[name] = Mat3::Identity();
     } else {
       pose_rest(out.reference_frame >= 0);
       level_feet(out.W);
     }
-    for (int joint : rig_.spine) out.trunk[joint] = from_source(joint, C_["thorax"]);
-    for (int joint : rig_.neck) out.trunk[joint] = from_source(joint, C_["thorax"]);
-    for (const auto& [name, joint] : rig_.turner) {
+    for (int joint : mapping_.spine) out.trunk[joint] = from_source(joint, C_["thorax"]);
+    for (int joint : mapping_.neck) out.trunk[joint] = from_source(joint, C_["thorax"]);
+    for (const auto& [name, joint] : mapping_.rotation_joint) {
       const auto found = C_.find(name);
       const Mat3 C = found != C_.end() ? found->second : Mat3(C_["pelvis"]);
       out.from_source[name] = from_source(joint, C);
@@ -212,7 +213,7 @@ class Aligner {
   }
 
  private:
-  Figure figure(const Frames& X) const { return Figure{source_, rig_, X}; }
+  Figure figure(const Frames& X) const { return Figure{source_, mapping_, X}; }
   const Frames& reference() const { return *reference_; }
   Mat3 from_source(int joint, const Mat3& C) const {
     return reference()[joint].linear().transpose() * W_ref_.transpose() * C;
@@ -244,7 +245,8 @@ class Aligner {
     if (standing_cost(rest, up_of_rest) < 1.0 && angle_between(left, up_of_rest) > degrees(60)) {
       Vec3 level = left - left.dot(up_of_rest) * up_of_rest;
       W_ref_ = axes_from(snapped(level, degrees(20)), up_of_rest);
-      out.W = angle_between(up, up_of_rest) < degrees(5) ? W_ref_ : turn_onto(up, Vec3::UnitY());
+      out.W =
+          angle_between(up, up_of_rest) < degrees(5) ? W_ref_ : rotation_between(up, Vec3::UnitY());
       reference_ = &rest_;
     } else {
       if (sampled_.empty())
@@ -258,7 +260,7 @@ class Aligner {
         if (cost[k] < cost[best]) best = k;
       reference_ = &sampled_[best];
       out.reference_frame = sample_frame_[best];
-      out.W = W_ref_ = turn_onto(up, Vec3::UnitY());
+      out.W = W_ref_ = rotation_between(up, Vec3::UnitY());
       out.warnings.push_back(
           fmt::format("the rest pose is not a standing person; frame {} is used in its place",
                       out.reference_frame));
@@ -285,7 +287,7 @@ class Aligner {
   // Do the four limbs lie at rest as ours do?
   bool limbs_agree() const {
     const Figure f = figure(reference());
-    for (const std::string s : kSides) {
+    for (const std::string s : kSidesRestAlignment) {
       const std::array<std::pair<Vec3, Vec3>, 4> bones = {
           {{f.bone("shoulder" + s, "elbow" + s), ours_.bone("shoulder" + s, "elbow" + s)},
            {f.forearm(s), ours_.bone("elbow" + s, "wrist" + s)},
@@ -305,7 +307,7 @@ class Aligner {
     // A standing rest pose is upright for both; a captured frame leans, so its trunk is measured.
     C_["thorax"] = from_frame ? Mat3(trunk_lean() * C_["pelvis"]) : C_["pelvis"];
     for (const char* part : {"head", "jaw"}) C_[part] = C_["thorax"];
-    for (const std::string s : kSides) {
+    for (const std::string s : kSidesRestAlignment) {
       for (const char* part : {"clavicle", "scapula"}) C_[part + s] = C_["thorax"];
       pose_arm(s);
       pose_leg(s);
@@ -317,7 +319,7 @@ class Aligner {
     const Vec3 theirs = W_ref_ * (0.5 * (f.at("shoulder_l") + f.at("shoulder_r")) - f.hips());
     const Vec3 own = 0.5 * (ours_.at("shoulder_l") + ours_.at("shoulder_r")) -
                      0.5 * (ours_.at("hip_l") + ours_.at("hip_r"));
-    return turn_onto(C_.at("pelvis") * own, theirs);
+    return rotation_between(C_.at("pelvis") * own, theirs);
   }
 
   void pose_arm(const std::string& s) {
@@ -325,11 +327,11 @@ class Aligner {
     const Vec3 upper = W_ref_ * f.bone("shoulder" + s, "elbow" + s), lower = W_ref_ * f.forearm(s);
     const Vec3 our_upper = ours_.bone("shoulder" + s, "elbow" + s),
                our_lower = ours_.bone("elbow" + s, "wrist" + s);
-    Mat3 C = turn_onto(C_["thorax"] * our_upper, upper) * C_["thorax"];
+    Mat3 C = rotation_between(C_["thorax"] * our_upper, upper) * C_["thorax"];
     C = twist_onto(C, upper, ours_.hinge("elbow" + s, our_upper, our_lower),
                    measured_hinge("shoulder" + s, "elbow" + s, s));
     C_["shoulder" + s] = C;
-    C = turn_onto(C * our_lower, lower) * C;
+    C = rotation_between(C * our_lower, lower) * C;
     C_["elbow" + s] = C_["forearm" + s] = C;
     pose_hand(s, C);
   }
@@ -346,7 +348,7 @@ class Aligner {
         C = hand_frame(along, thumb) *
             hand_frame(our_along, ours_.bone("wrist" + s, "mcp1" + s)).transpose();
       else
-        C = turn_onto(C * our_along, along) * C;
+        C = rotation_between(C * our_along, along) * C;
     }
     C_["wrist" + s] = C;
     static constexpr std::array<std::array<const char*, 3>, 5> kDigits = {
@@ -368,7 +370,7 @@ class Aligner {
             last ? ours_.bone(digit[k - 1] + s, part) : ours_.bone(part, digit[k + 1] + s);
         // an End Site that points back is none
         const bool folded = last && theirs.dot(D * own) < 0;
-        if (theirs.norm() > 0 && !folded) D = turn_onto(D * own, theirs) * D;
+        if (theirs.norm() > 0 && !folded) D = rotation_between(D * own, theirs) * D;
         C_[part] = D;
       }
     }
@@ -380,11 +382,11 @@ class Aligner {
                lower = W_ref_ * f.bone("knee" + s, "ankle" + s);
     const Vec3 our_upper = ours_.bone("hip" + s, "knee" + s),
                our_lower = ours_.bone("knee" + s, "ankle" + s);
-    Mat3 C = turn_onto(C_["pelvis"] * our_upper, upper) * C_["pelvis"];
+    Mat3 C = rotation_between(C_["pelvis"] * our_upper, upper) * C_["pelvis"];
     C = twist_onto(C, upper, ours_.hinge("knee" + s, our_upper, our_lower),
                    measured_hinge("hip" + s, "knee" + s, s));
     C_["hip" + s] = C;
-    C = turn_onto(C * our_lower, lower) * C;
+    C = rotation_between(C * our_lower, lower) * C;
     // Soles are level in both rest poses; only the toes' heading may differ. How far toes point
     // away from the knee's plane is a body's own (the shin's torsion): the shin turns a little
     // towards the file's heading, the ankle not at all.
@@ -401,7 +403,7 @@ class Aligner {
     C_["knee" + s] = C;
     const Mat3 level = yaw * C_["pelvis"];
     for (const char* part : {"ankle", "subtalar", "toes"}) C_[part + s] = level;
-    for (const auto& [name, joint] : rig_.turner)
+    for (const auto& [name, joint] : mapping_.rotation_joint)
       if (name.ends_with(s) && (name.starts_with("mtp") || name.starts_with("toe")))
         C_[name] = level;
   }
@@ -409,7 +411,7 @@ class Aligner {
   // Soles that are not level while the foot stands were not level in the reference pose either: the
   // median of the standing frames puts them right.
   void level_feet(const Mat3& W) {
-    for (const std::string s : kSides) {
+    for (const std::string s : kSidesRestAlignment) {
       std::vector<double> heights;
       for (const Frames& X : sampled_) heights.push_back((W * figure(X).at("ankle" + s)).y());
       if (heights.size() < 20) return;
@@ -418,7 +420,7 @@ class Aligner {
       const double low = sorted[sorted.size() / 10] + 0.02 * figure(rest_).leg() / kAdultLeg;
       std::array<std::vector<double>, 2>
           tilt;  // of the sole's normal, seen in the foot's rest axes: x, z
-      const Mat3 A = from_source(rig_.turner.at("ankle" + s), C_["ankle" + s]);
+      const Mat3 A = from_source(mapping_.rotation_joint.at("ankle" + s), C_["ankle" + s]);
       for (size_t k = 0; k < sampled_.size(); ++k) {
         if (heights[k] > low) continue;
         const Vec3 up = (W * figure(sampled_[k]).turn("ankle" + s) * A).transpose() * Vec3::UnitY();
@@ -433,7 +435,7 @@ class Aligner {
       }
       const double angle = angle_between(up, Vec3::UnitY());
       if (angle < degrees(3) || angle > degrees(35)) continue;
-      const Mat3 level = turn_onto(Vec3::UnitY(), up);
+      const Mat3 level = rotation_between(Vec3::UnitY(), up);
       for (auto& [name, C] : C_)
         if (name.ends_with(s) && (name.starts_with("ankle") || name.starts_with("subtalar") ||
                                   name.starts_with("mtp") || name.starts_with("toe")))
@@ -462,8 +464,8 @@ class Aligner {
     return W_ref_ * figure(reference()).turn(upper) * sum.normalized();
   }
 
-  const BvhMotion& source_;
-  const SourceRig& rig_;
+  const MotionClip& source_;
+  const JointMapping& mapping_;
   OurRest ours_;
   Frames rest_;
   std::vector<Frames> sampled_;
@@ -475,9 +477,9 @@ class Aligner {
 
 }  // namespace
 
-RestAlignment align_rest(const BvhMotion& source, const SourceRig& rig, const Skeleton& ours,
-                         const std::optional<char>& up) {
-  return Aligner(source, rig, ours).align(up);
+RestAlignment align_rest(const MotionClip& source, const JointMapping& mapping,
+                         const Skeleton& ours, const std::optional<char>& up) {
+  return Aligner(source, mapping, ours).align(up);
 }
 
 std::pair<std::string, double> guess_unit(double leg) {
@@ -496,4 +498,4 @@ std::pair<std::string, double> guess_unit(double leg) {
   return best;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -1,23 +1,24 @@
-// How the file's joint rotations read on our rest pose.
+// Rest alignment: rotations of the file's joints -> rotations of ours.
 #pragma once
 
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "anatomy/skeleton.h"
-#include "skinning/motion_files/bvh_io.h"
+#include "skinning/motion_files/motion_clip.h"
 #include "skinning/retarget/joint_mapping.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-// With R the world rotation of the file's joint, ours turns to   W * R * from_source[name].
+// With R the world rotation of the file's joint, ours is   W * R * from_source[name].
 struct RestAlignment {
   Mat3 W = Mat3::Identity();  // the file's world axes -> ours
-  std::map<std::string, Mat3>
-      from_source;            // by our joint's name, for each one in SourceRig::turner
-  std::map<int, Mat3> trunk;  // the same for SourceRig::spine and neck, by the file's joint
+  // by our joint's name, for each one in JointMapping::rotation_joint
+  std::map<std::string, Mat3> from_source;
+  std::map<int, Mat3> trunk;  // the same for JointMapping::spine and neck, by the file's joint
   char up = 'y';
   std::string facing;        // "+z": of the reference pose, in the file's axes
   int reference_frame = -1;  // -1: the file's rest pose
@@ -28,11 +29,11 @@ struct RestAlignment {
 
 // Throws UnfitError when the figure has no legs to speak of or its posture gives no up axis (use
 // RetargetOptions::up then).
-RestAlignment align_rest(const BvhMotion& source, const SourceRig& rig, const Skeleton& ours,
-                         const std::optional<char>& up);
+RestAlignment align_rest(const MotionClip& source, const JointMapping& mapping,
+                         const Skeleton& ours, const std::optional<char>& up);
 
 // Unit of length by the leg of a grown person: name and metres, or {"unknown", metres that make the
 // leg 0.85 m}.
 std::pair<std::string, double> guess_unit(double leg);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

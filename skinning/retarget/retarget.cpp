@@ -6,11 +6,11 @@
 #include <array>
 
 #include "anatomy/errors.h"
-#include "anatomy/files/input_file.h"
-#include "anatomy/files/text_scanner.h"
 #include "anatomy/joint_angles.h"
 #include "skinning/constraints/ballistic_flight.h"
+#include "skinning/constraints/foot_contacts.h"
 #include "skinning/constraints/leg_ik.h"
+#include "skinning/constraints/measure_feet.h"
 #include "skinning/constraints/motion_limits.h"
 #include "skinning/constraints/plant_feet.h"
 #include "skinning/motion/require_joint.h"
@@ -19,18 +19,17 @@
 #include "skinning/retarget/pose_transfer.h"
 #include "skinning/retarget/rest_alignment.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr double kLimitTolerance = 0.5 * kDegree;
-constexpr LimbHold kPlanted{0.5e-3, 1 * kDegree, true};
+// Of limbs after foot planting.
+constexpr LimbTolerance kPlanted{0.5e-3, 1 * kDegree, true};
 
-// Some files begin with a T-pose for the calibration, or glide out of one in a few frames. How many
-// frames at the start belong to it: those that move five times as fast as the movement that follows
-// and together turn some joint by more than 30 deg, and those after them in which the joints that
-// were turned so far settle, likewise five times as fast as they move later.
-int marker_frames(const std::vector<Pose>& frames) {
+// Number of frames at the start that belong to a calibration pose. Some files begin with a T-pose,
+// or move out of one in a few frames: those five times as fast as the movement that follows that
+// together rotate some joint by more than 30 deg, and the next ones in which these joints settle,
+// likewise five times as fast as later.
+int calibration_frames(const std::vector<Pose>& frames) {
   constexpr size_t kAtMost = 6, kSettled = 6, kLookAhead = 30;
   if (frames.size() < 2 * kAtMost + 1) return 0;
   const size_t steps = std::min(frames.size() - 1, kAtMost + kLookAhead);
@@ -67,7 +66,8 @@ int marker_frames(const std::vector<Pose>& frames) {
   return int(settled);
 }
 
-// q and -q are the same turn: the one nearer to the frame before.
+// Makes quaternions continuous: of q and -q, which are the same rotation, the one nearer to the
+// frame before.
 void unwrap(std::vector<Pose>& frames) {
   for (size_t f = 1; f < frames.size(); ++f)
     for (size_t j = 0; j < frames[f].rotations.size(); ++j)
@@ -75,7 +75,7 @@ void unwrap(std::vector<Pose>& frames) {
         frames[f].rotations[j].coeffs() *= -1;
 }
 
-// Feet as far apart as the file's, whose hips may be wider or narrower than ours.
+// Shifts that keep the file's stance width, whose hips may be wider or narrower than ours.
 // `hips`: ours from the root at rest, left and right.
 LimbShifts stance_shifts(const PoseTransfer& transfer, const std::vector<Transform>& X,
                          const std::array<Vec3, 2>& hips, const Pose& pose) {
@@ -85,20 +85,19 @@ LimbShifts stance_shifts(const PoseTransfer& transfer, const std::vector<Transfo
     const Side side = s == 0 ? Side::left : Side::right;
     const Vec3 across = pose.rotations[0] * Vec3::UnitX(),
                here = pose.root + pose.rotations[0] * hips[s];
-    const double wider =
-        std::clamp((transfer.hip_in_file(X, side) - here).dot(across), -kMost, kMost);
+    const double wider = std::clamp((transfer.file_hip(X, side) - here).dot(across), -kMost, kMost);
     out[s] = {0.5 * wider * across, wider * across};
   }
   return out;
 }
 
-// Heel and ball of the file's own leg, our foot put at its ankle.
+// Heel and ball of our foot placed at the file's ankle.
 void add_foot(const PoseTransfer& transfer, const std::vector<Transform>& X, const Skeleton& ours,
               Side side, double sole, FootPaths& foot) {
   const FootShape shape = foot_shape(ours, side, sole);
   const std::string s = side_suffix(side);
-  const Vec3 ankle = transfer.ankle_in_file(X, side), rest = rest_positions(ours)[shape.ankle];
-  const Mat3 R = transfer.as_in_file(X, "ankle" + s);
+  const Vec3 ankle = transfer.file_ankle(X, side), rest = rest_positions(ours)[shape.ankle];
+  const Mat3 R = transfer.file_rotation(X, "ankle" + s);
   foot.heel.push_back(ankle + R * (shape.heel - rest));
   foot.ball.push_back(ankle + R * (shape.ball - rest));
 }
@@ -136,7 +135,7 @@ void check_nearness(const std::string& name, const Motion& motion, double metres
   }
 }
 
-// Leaps that no body makes are a fault of the recording, and are said; they are not mended.
+// Leaps that no body makes are a fault of the recording: reported, not corrected.
 void warn_of_leaps(const std::string& name, const Motion& motion,
                    std::vector<std::string>& warnings) {
   constexpr double kFastest = 30, kShortest = 0.5;  // m/s, m
@@ -156,7 +155,7 @@ void warn_of_leaps(const std::string& name, const Motion& motion,
                     name, leaps, worst, worst_frame));
 }
 
-// Slight excesses are in most recordings; a knee turned backwards is in few.
+// Small excesses are in most recordings and are not worth a warning.
 void warn_of_limited(const std::string& name, const std::vector<LimitBreak>& limited,
                      std::vector<std::string>& warnings) {
   constexpr double kFar = 15 * kDegree;
@@ -177,14 +176,14 @@ void warn_of_limited(const std::string& name, const std::vector<LimitBreak>& lim
 
 }  // namespace
 
-Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOptions& options,
+Motion retarget(const MotionClip& source, const Skeleton& ours, const RetargetOptions& options,
                 RetargetReport& report) {
   report = RetargetReport{};
   report.warnings = source.warnings;
-  const SourceRig rig = match_joints(source, ours, options.joint_map);
-  const RestAlignment alignment = align_rest(source, rig, ours, options.up);
-  report.matches = rig.matches;
-  report.warnings.insert(report.warnings.end(), rig.warnings.begin(), rig.warnings.end());
+  const JointMapping mapping = map_joints(source, ours, options.joint_map);
+  const RestAlignment alignment = align_rest(source, mapping, ours, options.up);
+  report.matches = mapping.matches;
+  report.warnings.insert(report.warnings.end(), mapping.warnings.begin(), mapping.warnings.end());
   report.warnings.insert(report.warnings.end(), alignment.warnings.begin(),
                          alignment.warnings.end());
   report.up = alignment.up;
@@ -194,15 +193,16 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
   report.source_leg = alignment.leg;
   std::tie(report.unit, report.metres_per_unit) = guess_unit(alignment.leg);
 
-  const std::optional<OwnRig> own = find_own_rig(source, rig, alignment, ours);
-  report.own_rig = own.has_value();
-  PoseTransfer transfer(source, rig, alignment, own ? &*own : nullptr, ours,
+  const std::optional<MatchingRig> matching_rig =
+      find_matching_rig(source, mapping, alignment, ours);
+  report.matching_rig = matching_rig.has_value();
+  PoseTransfer transfer(source, mapping, alignment, matching_rig ? &*matching_rig : nullptr, ours,
                         options.shoulder_rhythm);
   report.scale = transfer.scale();
-  if (source.frames == 0)
+  if (source.frame_count == 0)
     report.warnings.push_back(
         fmt::format("{}: it holds no frames; its rest pose is taken as one", source.name));
-  Motion motion{source.fps, std::vector<Pose>(std::max(source.frames, 1))};
+  Motion motion{source.fps, std::vector<Pose>(std::max(source.frame_count, 1))};
   const double sole = options.sole_height.value_or(guess_sole_height(ours));
   std::array<FootPaths, 2> feet;
   std::vector<LimbShifts> shifts;
@@ -211,7 +211,7 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
                                  rest[joint_of(ours, "hip_r")] - rest[0]};
   std::vector<Transform> X;
   for (size_t f = 0; f < motion.frames.size(); ++f) {
-    bvh_kinematics(source, source.frames == 0 ? -1 : int(f), X);
+    clip_kinematics(source, source.frame_count == 0 ? -1 : int(f), X);
     transfer.transfer(X, motion.frames[f]);
     shifts.push_back(stance_shifts(transfer, X, hips, motion.frames[f]));
     for (int side = 0; side < 2; ++side)
@@ -219,7 +219,7 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
   }
   check_nearness(source.name, motion, report.metres_per_unit);
   warn_of_leaps(source.name, motion, report.warnings);
-  report.dropped_frames = marker_frames(motion.frames);
+  report.dropped_frames = calibration_frames(motion.frames);
   if (report.dropped_frames > 0) {
     const int n = report.dropped_frames;
     motion.frames.erase(motion.frames.begin(), motion.frames.begin() + n);
@@ -231,75 +231,38 @@ Motion retarget(const BvhMotion& source, const Skeleton& ours, const RetargetOpt
                                           source.name, report.dropped_frames));
   }
   const bool keep = options.clamp_limits.value_or(!alignment.same_rest),
-             plant = options.plant_feet.value_or(!own), fall = options.keep_flights.value_or(!own);
+             plant = options.plant_feet.value_or(!matching_rig),
+             fall = options.ballistic_flights.value_or(!matching_rig);
   if (!alignment.same_rest)
     for (const Side side : {Side::left, Side::right}) {
       const FootShape foot = foot_shape(ours, side, sole);
       for (Pose& pose : motion.frames) turn_shin_with_foot(ours, foot, pose);
     }
-  MotionLimiter limiter(ours, sole,
-                        options.keep_apart && options.rounds ? &*options.rounds : nullptr);
+  MotionLimiter limiter(
+      ours, sole, options.avoid_self_collision && options.proxies ? &*options.proxies : nullptr);
   if (keep) {
-    report.limited = limit_breaks(ours, motion);
-    warn_of_limited(source.name, report.limited, report.warnings);
+    report.limit_breaks_before = limit_breaks(ours, motion);
+    warn_of_limited(source.name, report.limit_breaks_before, report.warnings);
     limiter.run({}, {}, shifts, motion);
-    report.parted = limiter.parted();
+    report.self_collisions = limiter.initial_penetrations();
   }
-  if (plant) plant_feet(ours, sole, feet, motion, report);
+  if (plant) report.contacts = plant_feet(ours, sole, feet, motion);
   if (keep && plant) limiter.run(kPlanted, report.contacts, {}, motion);
   if (!keep && plant)
     for (Pose& pose : motion.frames) complete_pose(ours, pose);  // knees have moved
-  if (keep) report.ends_moved = limiter.moves();
-  if (fall) keep_flights(ours, sole, motion, report);
-  measure_feet(ours, sole, motion, report);
+  if (keep) report.ends_moved = limiter.end_moves();
+  if (fall) report.flights = make_flights_ballistic(ours, sole, motion);
+  const FootMeasures measured = measure_feet(ours, sole, motion, report.contacts);
+  report.slide_p95 = measured.slide_p95;
+  report.penetration = measured.penetration;
   unwrap(motion.frames);
   report.limit_breaks = limit_breaks(ours, motion);
-  if (!report.parted.empty()) {
-    const std::vector<MeetingBreak> left = limiter.meetings(motion);
-    for (size_t k = 0; k < left.size(); ++k) report.parted[k].left = left[k].worst;
-    std::erase_if(report.parted, [](const MeetingBreak& one) { return one.frames == 0; });
+  if (!report.self_collisions.empty()) {
+    const std::vector<Penetration> left = limiter.penetrations(motion);
+    for (size_t k = 0; k < left.size(); ++k) report.self_collisions[k].left = left[k].worst;
+    std::erase_if(report.self_collisions, [](const Penetration& one) { return one.frames == 0; });
   }
   return motion;
 }
 
-std::string format_matches(const RetargetReport& report) {
-  size_t width = 4;
-  for (const JointMatch& match : report.matches) width = std::max(width, match.source.size());
-  std::string out = fmt::format("{:{}}  {:24}  how\n", "file", width, "ours");
-  for (const JointMatch& match : report.matches)
-    out += fmt::format("{:{}}  {:24}  {}\n", match.source, width,
-                       match.ours.empty() ? "-" : match.ours, match.how);
-  return out;
-}
-
-std::map<std::string, std::string> read_joint_map(const std::filesystem::path& file) {
-  return parse_joint_map(read_input_file(file, limits::kTableBytes), printable(file.string()));
-}
-
-std::map<std::string, std::string> parse_joint_map(std::string_view text, const std::string& name) {
-  std::map<std::string, std::string> out;
-  const auto trimmed = [](std::string_view words) {
-    const size_t begin = words.find_first_not_of(" \t\r"), end = words.find_last_not_of(" \t\r");
-    return begin == std::string_view::npos ? std::string()
-                                           : std::string(words.substr(begin, end - begin + 1));
-  };
-  TextScan scan(text, name);
-  while (scan.next_line()) {
-    const std::string line = trimmed(scan.line().substr(0, scan.line().find('#')));
-    if (line.empty()) continue;
-    const size_t equals = line.rfind('=');
-    if (equals == std::string::npos)
-      scan.fail(
-          fmt::format("'{}': expected 'file joint = our joint'", printable(line.substr(0, 80))));
-    const std::string joint = trimmed(line.substr(0, equals));
-    if (joint.empty() || out.count(joint))
-      scan.fail(fmt::format("'{}': empty or given twice", printable(joint.substr(0, 80))));
-    out[joint] = trimmed(line.substr(equals + 1));
-  }
-  if (out.empty())
-    throw InputError(
-        fmt::format("{}: names no joint; expected lines 'file joint = our joint'", name));
-  return out;
-}
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

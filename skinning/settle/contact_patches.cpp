@@ -11,15 +11,14 @@
 
 #include "anatomy/compute/simd_lanes.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 constexpr std::size_t kPatch = 48, kPart = 8;  // vertices; whole eights
 constexpr std::size_t kTask = 16;              // patches
-constexpr float kNearer = 0.97f;               // of the distance at rest
-constexpr float
-    kFold = 0.7f,
-    kNewFold = 0.1f;  // rad: spread of a patch that may meet itself; and beyond its own at rest
+constexpr float kNearer = 0.97f;               // of the distance at rest: patches that are nearer
+// rad: spread of a patch that may meet itself, and what it has to exceed its own at rest by
+constexpr float kFold = 0.7f, kNewFold = 0.1f;
 
 Float4 row(std::span<const float> rows, int i) { return load4(&rows[4 * i]); }
 
@@ -32,9 +31,9 @@ std::span<const int> hull_of(const VertexGroups& groups, std::size_t g) {
   return span_of(groups.hull, groups.hull_first, g);
 }
 
-PatchScratch::Shape shape_of(std::span<const int> hull, float reach,
-                             std::span<const float> positions, std::span<const float> normals) {
-  PatchScratch::Shape out;
+PatchWorkspace::Shape shape_of(std::span<const int> hull, float reach,
+                               std::span<const float> positions, std::span<const float> normals) {
+  PatchWorkspace::Shape out;
   Float4 low = row(positions, hull[0]), high = low, sum{}, up{};
   for (const int i : hull) {
     const Float4 p = row(positions, i);
@@ -63,7 +62,8 @@ PatchScratch::Shape shape_of(std::span<const int> hull, float reach,
 }
 
 // A lane of eight patches' boxes.
-void set_lane(const PatchScratch::Shape& shape, std::size_t lane, PatchScratch::EightBoxes& out) {
+void set_lane(const PatchWorkspace::Shape& shape, std::size_t lane,
+              PatchWorkspace::EightBoxes& out) {
   for (std::size_t k = 0; k < 3; ++k) {
     out.low[k][lane] = shape.low[k];
     out.high[k][lane] = shape.high[k];
@@ -71,7 +71,8 @@ void set_lane(const PatchScratch::Shape& shape, std::size_t lane, PatchScratch::
   out.reach[lane] = shape.reach;
 }
 
-void set_lane(const PatchScratch::Shape& shape, std::size_t lane, PatchScratch::EightParts& out) {
+void set_lane(const PatchWorkspace::Shape& shape, std::size_t lane,
+              PatchWorkspace::EightParts& out) {
   for (std::size_t k = 0; k < 3; ++k) {
     out.low[k][lane] = shape.low[k];
     out.high[k][lane] = shape.high[k];
@@ -84,13 +85,13 @@ void set_lane(const PatchScratch::Shape& shape, std::size_t lane, PatchScratch::
 
 // Shapes of a patch and of its parts. Where a patch has no eight of them, the last one fills up.
 void fit_shapes(const ContactPatches& patches, std::size_t patch, std::span<const float> positions,
-                std::span<const float> normals, PatchScratch& s) {
+                std::span<const float> normals, PatchWorkspace& s) {
   s.shapes[patch] =
       shape_of(hull_of(patches.groups, patch), patches.reach[patch], positions, normals);
   const std::size_t first = patches.part_first[patch], end = patches.part_first[patch + 1];
-  PatchScratch::EightParts* eight = &s.parts[patches.eight_first[patch]];
+  PatchWorkspace::EightParts* eight = &s.parts[patches.eight_first[patch]];
   for (std::size_t begin = first; begin < end; begin += 8, ++eight) {
-    PatchScratch::Shape part;
+    PatchWorkspace::Shape part;
     for (std::size_t lane = 0; lane < 8; ++lane) {
       if (begin + lane < end)
         part = shape_of(hull_of(patches.parts, begin + lane), 0, positions, normals);
@@ -99,8 +100,8 @@ void fit_shapes(const ContactPatches& patches, std::size_t patch, std::span<cons
   }
 }
 
-// Which of eight patches are within reach of one.
-unsigned overlaps(const PatchScratch::Shape& a, const PatchScratch::EightBoxes& b) {
+// Lanes of eight patches that are within reach of one.
+unsigned overlaps(const PatchWorkspace::Shape& a, const PatchWorkspace::EightBoxes& b) {
   const Float8 own = Float8{} + a.reach, reach = own > b.reach ? own : b.reach;
   Int8 apart{};
   for (std::size_t k = 0; k < 3; ++k)
@@ -108,10 +109,10 @@ unsigned overlaps(const PatchScratch::Shape& a, const PatchScratch::EightBoxes& 
   return lanes_that(apart == 0);
 }
 
-// Of two that are within reach of each other.
-bool may_meet(const ContactPatches& patches, const std::vector<PatchScratch::Shape>& shapes,
+// Whether two patches that are within reach of each other may meet.
+bool may_meet(const ContactPatches& patches, const std::vector<PatchWorkspace::Shape>& shapes,
               std::size_t a, std::size_t b) {
-  const PatchScratch::Shape &A = shapes[a], &B = shapes[b];
+  const PatchWorkspace::Shape &A = shapes[a], &B = shapes[b];
   const Float4 way = load4(A.middle) - load4(B.middle),
                rest = load4(&patches.rest_middle[4 * a]) - load4(&patches.rest_middle[4 * b]);
   if (sum4(way * way)[0] >= kNearer * kNearer * sum4(rest * rest)[0]) return false;
@@ -132,20 +133,20 @@ struct WaysIn {
   std::size_t count = 0;
 };
 
-WaysIn ways_of(std::span<const int> vertices, const SkinReach& skin) {
+WaysIn ways_of(std::span<const int> vertices, const ContactRays& skin) {
   WaysIn out;
   for (std::size_t begin = 0; begin < vertices.size(); begin += 8) {
     WaysIn::Eight& eight = out.eights[out.count++];
-    Float8 give{};
+    Float8 max_push{};
     eight.left = 0;
     for (std::size_t lane = 0; lane < 8; ++lane) {
       const int i = eight.vertex[lane] = vertices[std::min(begin + lane, vertices.size() - 1)];
-      give[lane] = skin.give[i];
-      if (begin + lane < vertices.size() && skin.give[i] > 0) eight.left |= 1u << lane;
+      max_push[lane] = skin.max_push[i];
+      if (begin + lane < vertices.size() && skin.max_push[i] > 0) eight.left |= 1u << lane;
     }
     const Wide3 n = xyz(gather_eight(skin.normals.data(), eight.vertex.data())),
                 p = xyz(gather_eight(skin.positions.data(), eight.vertex.data()));
-    const Wide3 from = p + all_eight(skin.before) * n, to = p - give * n;
+    const Wide3 from = p + all_eight(skin.before) * n, to = p - max_push * n;
     eight.normal = {n.x, n.y, n.z};
     eight.from = {from.x, from.y, from.z};
     eight.to = {to.x, to.y, to.z};
@@ -192,7 +193,7 @@ WayIn way_of(const WaysIn::Eight& eight, std::size_t lane) {
 }
 
 // Marks the vertices of a patch that may enter another one.
-void mark(const ContactPatches& patches, std::size_t other, const PatchScratch& s, WaysIn& ways,
+void mark(const ContactPatches& patches, std::size_t other, const PatchWorkspace& s, WaysIn& ways,
           std::vector<char>& wanted) {
   const auto first = s.parts.begin() + patches.eight_first[other],
              last = s.parts.begin() + patches.eight_first[other + 1];
@@ -202,7 +203,7 @@ void mark(const ContactPatches& patches, std::size_t other, const PatchScratch& 
          lanes &= lanes - 1) {
       const std::size_t lane = std::countr_zero(lanes);
       const WayIn way = way_of(eight, lane);
-      if (std::none_of(first, last, [&](const PatchScratch::EightParts& parts) {
+      if (std::none_of(first, last, [&](const PatchWorkspace::EightParts& parts) {
             return may_enter(way, parts) != 0;
           }))
         continue;
@@ -251,9 +252,9 @@ std::span<const int> own_of(const VertexGroups& groups, std::size_t group) {
 }
 
 ContactPatches cut_patches(const Membrane& rings, std::span<const float> positions,
-                           std::span<const float> normals, std::span<const float> give) {
+                           std::span<const float> normals, std::span<const float> max_push) {
   ContactPatches out;
-  const std::size_t n = give.size();
+  const std::size_t n = max_push.size();
   std::vector<int> all(n), patch(n, -1), part(n, -1), seen(n, -1), seen_by_part(n, -1);
   std::iota(all.begin(), all.end(), 0);
   cut_groups(rings, all, std::vector<int>(n, 0), 0, kPatch, patch, seen, out.groups);
@@ -261,9 +262,9 @@ ContactPatches cut_patches(const Membrane& rings, std::span<const float> positio
   for (std::size_t p = 0; p < count; ++p) {
     const std::span<const int> own = own_of(out.groups, p);
     float reach = 0;
-    for (const int i : own) reach = std::max(reach, give[i]);
+    for (const int i : own) reach = std::max(reach, max_push[i]);
     out.reach.push_back(reach);
-    const PatchScratch::Shape shape = shape_of(hull_of(out.groups, p), reach, positions, normals);
+    const PatchWorkspace::Shape shape = shape_of(hull_of(out.groups, p), reach, positions, normals);
     out.rest_middle.insert(out.rest_middle.end(), shape.middle, shape.middle + 4);
     out.fold.push_back(
         std::cos(std::clamp(std::acos(shape.spread) + kNewFold, kFold, std::numbers::pi_v<float>)));
@@ -276,13 +277,13 @@ ContactPatches cut_patches(const Membrane& rings, std::span<const float> positio
   return out;
 }
 
-bool find_meetings(const ContactPatches& patches, const SkinReach& skin, PatchScratch& s,
-                   std::vector<char>& wanted) {
+bool find_contact_vertices(const ContactPatches& patches, const ContactRays& skin,
+                           PatchWorkspace& s, std::vector<char>& wanted) {
   const std::size_t count = patches.reach.size();
   s.shapes.resize(count);
   s.boxes.resize((count + 7) / 8);
   s.parts.resize(patches.eight_first.back());
-  wanted.assign(skin.give.size(), 0);
+  wanted.assign(skin.max_push.size(), 0);
   s.met.assign(count, 0);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, s.boxes.size()), [&](const auto& range) {
     for (std::size_t p = 8 * range.begin(); p < std::min(count, 8 * range.end()); ++p) {
@@ -310,4 +311,4 @@ bool find_meetings(const ContactPatches& patches, const SkinReach& skin, PatchSc
   return std::find(s.met.begin(), s.met.end(), 1) != s.met.end();
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

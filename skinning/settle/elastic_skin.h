@@ -1,55 +1,50 @@
-// What the skin does by itself once it has been put where bones and muscles want it: it evens out
-// its stretch, keeps the volume of the flesh beneath it, and parts where it would pass through
-// itself. Private to the room.
+// The skin by itself: a membrane that relaxes, regions that keep their volume, and parts that may
+// not pass through one another. Compiled once; private to the library.
 #pragma once
 
-#include <array>
-#include <memory>
 #include <span>
 #include <vector>
 
-#include "skinning/bind/skin_depth.h"
+#include "anatomy/skeleton.h"
+#include "anatomy/types.h"
+#include "skinning/binding.h"
 #include "skinning/settle/membrane.h"
 #include "skinning/settle/self_contact.h"
 #include "skinning/settle/volume_preservation.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
+
+struct ElasticParameters {
+  // Bound of the tissue's thickness as a fraction of the body's local radius: an ear is far from
+  // bone, but there is little of it.
+  double radius_fraction = 0.8;
+  // Thickness of tissue (m) that moves as freely as skin that joints would stretch to twice its
+  // length. Larger: skin over knuckles and elbows is held less.
+  double looseness_of_strain = 0.055;
+  int tissue_rounds = 8, strain_rounds = 4;  // of smoothing
+};
 
 struct ElasticSkin {
   Membrane membrane;
-  LimbVolumes volumes;
-  SkinContact contact;
-  std::vector<double> tissue;                           // #V m, between skin and bone
-  std::vector<std::array<Influence, 4>> joint_weights;  // #V
-  std::vector<Vec3> rest;                               // #V
+  VolumeRegions volumes;
+  SelfContact contact;
+  std::vector<int> triangles;               // 3 indices each
+  std::vector<double> tissue;               // #V m, between skin and bone
+  std::vector<JointWeights> joint_weights;  // #V
+  std::vector<Vec3> rest;                   // #V
 };
 
-// Vertices in an order of their own: vertex s is `order[s]` of the skin and of what belongs to it
+// The skin as binding has found it, #V: depth of the nearest bone and half the thickness of the
+// body (m), joint weights; in the caller's order.
+struct SkinProperties {
+  std::span<const double> depth, radius;
+  std::span<const JointWeights> joint_weights;
+};
+
+// Vertices in an order of their own: vertex s is `order[s]` of the skin and of its properties
 // (empty: the same); `triangles` are in that order.
-std::shared_ptr<const ElasticSkin> make_elastic_skin(
-    const Skeleton& skeleton, const TriMesh& skin, const SkinSurvey& survey,
-    std::span<const std::array<Influence, 4>> joint_weights, std::span<const int> order,
-    std::span<const int> triangles);
+ElasticSkin make_elastic_skin(const Skeleton& skeleton, const TriMesh& skin,
+                              const SkinProperties& properties, std::span<const int> order,
+                              std::span<const int> triangles);
 
-// Moves `positions` (#V x 4, in that order): stretch evened out, volumes kept. A function of the
-// pose alone; allocates only when the skin has another size than last time. Same input, same bytes
-// at any number of threads.
-void settle_skin(const ElasticSkin& skin, std::span<const int> triangles,
-                 std::span<const Transform> X_WJ, std::span<float> positions,
-                 ElasticScratch& scratch);
-
-// After that: scratch.rising, #V, how freely the skin may rise: as open as it is, and little where
-// it has met another part, whose flesh holds it down.
-void find_rising(const ElasticSkin& skin, std::span<const float> positions,
-                 ElasticScratch& scratch);
-
-// After that: parts that meet are pressed flat, and the flesh that this or a rise has moved comes
-// from or goes to where there is `room` (#V, 0 .. 1; empty where nothing has risen). Over what has
-// risen, limbs and body alone keep volumes: were the flesh about a hinge to keep its own, a flexed
-// arm would sink where its muscles have just raised it. scratch.pressed: what contact has moved.
-// False where nothing has met or risen.
-bool part_settled_skin(const ElasticSkin& skin, std::span<const int> triangles,
-                       std::span<const Transform> X_WJ, std::span<const float> room,
-                       std::span<float> positions, ElasticScratch& scratch);
-
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -8,20 +8,13 @@
 #include "anatomy/compute/simd_lanes.h"
 #include "anatomy/geometry/vertex_normals.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-constexpr double kLeastCotan = 0.05, kMostCotan = 5;
-constexpr double kHold = 0.7, kHoldDepth = 0.012,
-                 kLeastHold = 0.1;                        // beside cotangents of about 0.6; m
-constexpr double kGlideShare = 0.25, kMostGlide = 0.012;  // of the tissue's thickness; m
-// eights of vertices a task: tasks do not depend on the number of threads
-constexpr int kBlock = 64;
-constexpr int kFirstTurns = 4, kTurns = 2;
-// of a round's way: two rounds so come about as far as three of the way itself
-constexpr float kOver = 1.3f;
+constexpr MembraneParameters kParametersMembrane;
+constexpr int kBlock = 64;  // eights of vertices a task: independent of the number of threads
 
 double cotan(const Vec3& a, const Vec3& b) { return a.dot(b) / std::max(a.cross(b).norm(), 1e-12); }
 
@@ -39,15 +32,16 @@ Sparse cotangents(const TriMesh& skin) {
   Sparse C(skin.V.rows(), skin.V.rows());
   C.setFromTriplets(entries.begin(), entries.end());
   for (Eigen::Index i = 0; i < C.nonZeros(); ++i)
-    C.valuePtr()[i] = std::clamp(C.valuePtr()[i], kLeastCotan, kMostCotan);
+    C.valuePtr()[i] = std::clamp(C.valuePtr()[i], kParametersMembrane.least_cotan,
+                                 kParametersMembrane.most_cotan);
   return C;
 }
 
-Sparse system(const Sparse& C, std::span<const float> hold) {
+Sparse system(const Sparse& C, std::span<const float> stiffness) {
   Sparse diagonal(C.rows(), C.rows());
   diagonal.reserve(Eigen::VectorXi::Constant(C.rows(), 1));
   for (Eigen::Index i = 0; i < C.rows(); ++i) {
-    double sum = hold[i];
+    double sum = stiffness[i];
     for (Sparse::InnerIterator it(C, i); it; ++it) sum += it.value();
     diagonal.insert(i, i) = sum;
   }
@@ -78,7 +72,7 @@ Mat3 frame_of(const Vec3& normal, const Vec3& edge) {
 // columns of rotation and matrix is made as large as it can be, by Newton's method for small turns.
 // Where that sum is no hill there, the step is the shorter one that always climbs (Mueller et al.
 // 2016, 10.1145/2994258.2994269). They cannot end in a reflection.
-void turn_to(const Wide33& A, int steps, Wide4& q) {
+void step_rotation(const Wide33& A, int steps, Wide4& q) {
   constexpr float kStill = 1e-8f;  // rad^2, of half the angle: the next step would be far smaller
   constexpr float kLeastHill = 0.02f;  // of the sum's cube
   for (int step = 0; step < steps; ++step) {
@@ -131,7 +125,7 @@ void for_eights(const Membrane& m, const Each& each) {
   });
 }
 
-void fit_turns(const Membrane& m, bool first, MembraneScratch& s) {
+void fit_rotations(const Membrane& m, bool first, MembraneWorkspace& s) {
   for_eights(m, [&](int b) {
     const std::size_t at = 32 * std::size_t(b);
     const Wide3 p = xyz(load_eight(&s.places[at])), n = xyz(load_eight(&s.normals[at]));
@@ -154,28 +148,30 @@ void fit_turns(const Membrane& m, bool first, MembraneScratch& s) {
       const Wide3 e = p - xyz(gather_eight(s.places.data(), &m.guide[8 * b]));
       q = guess(&m.frame[72 * b], n, e);
     } else {
-      q = load_eight(&s.turns[at]);
+      q = load_eight(&s.rotations[at]);
     }
-    turn_to(A, first ? kFirstTurns : kTurns, q);
-    store_eight(&s.turns[at], q);
+    step_rotation(
+        A, first ? kParametersMembrane.first_rotation_steps : kParametersMembrane.rotation_steps,
+        q);
+    store_eight(&s.rotations[at], q);
   });
 }
 
 // W (t - a) + sum c ((R_i + R_j)/2 E - (a_i - a_j)), to the factor's order. Where the sheet has
-// glided along its anchors, it is let stay: t.
-void right_side(const Membrane& m, MembraneScratch& s) {
+// slipped along its anchors, it is let stay: t.
+void right_side(const Membrane& m, MembraneWorkspace& s) {
   for_eights(m, [&](int b) {
     const std::size_t at = 32 * std::size_t(b);
     const Wide3 n = xyz(load_eight(&s.normals[at])), gone = xyz(load_eight(&s.offsets[at])),
                 along = gone - dot(gone, n) * n;
-    const Float8 length = root(dot(along, along)), most = load8(&m.glide[8 * b]);
+    const Float8 length = root(dot(along, along)), most = load8(&m.slip[8 * b]);
     const Wide3 target = (length > most ? most / length : all_eight(1)) * along;
-    Wide3 turned = rotate(load_eight(&s.turns[at]), load3(&m.edges[24 * b]));
+    Wide3 turned = rotate(load_eight(&s.rotations[at]), load3(&m.edges[24 * b]));
     for (int k = m.slot_begin[b]; k < m.slot_begin[b + 1]; ++k)
-      turned = turned +
-               rotate(gather_eight(s.turns.data(), &m.slot[8 * k]), load3(&m.slot_edge[32 * k]));
+      turned = turned + rotate(gather_eight(s.rotations.data(), &m.slot[8 * k]),
+                               load3(&m.slot_edge[32 * k]));
     const Wide3 sum =
-        load8(&m.hold[8 * b]) * target + all_eight(0.5f) * turned - load3(&s.pull[24 * b]);
+        load8(&m.stiffness[8 * b]) * target + all_eight(0.5f) * turned - load3(&s.pull[24 * b]);
     each_row(Wide4{sum.x, sum.y, sum.z, Float8{}}, [&](int lane, Float4 row) {
       const int vertex = 8 * b + lane;
       if (vertex < m.vertex_count) store4(&s.right[4 * m.factor.place[vertex]], row);
@@ -212,10 +208,10 @@ void lay_out_eights(const Sparse& C, const TriMesh& skin, Membrane& out) {
 
 }  // namespace
 
-Membrane make_membrane(const TriMesh& skin, std::span<const double> tissue) {
+Membrane make_membrane(const TriMesh& skin, std::span<const double> looseness) {
   Membrane out;
   out.vertex_count = skin.V.rows();
-  const std::size_t n = tissue.size(), padded = (n + 7) / 8 * 8;
+  const std::size_t n = looseness.size(), padded = (n + 7) / 8 * 8;
   const Sparse C = cotangents(skin);
   std::vector<float> positions, normals(4 * n);
   for (Eigen::Index i = 0; i < skin.V.rows(); ++i)
@@ -224,8 +220,8 @@ Membrane make_membrane(const TriMesh& skin, std::span<const double> tissue) {
   out.normal.resize(3 * padded);
   out.edges.resize(3 * padded);
   out.frame.resize(9 * padded);
-  out.hold.resize(padded);
-  out.glide.resize(padded);
+  out.stiffness.resize(padded);
+  out.slip.resize(padded);
   out.guide.resize(padded);
   out.first.push_back(0);
   for (std::size_t i = 0; i < n; ++i) {
@@ -246,40 +242,45 @@ Membrane make_membrane(const TriMesh& skin, std::span<const double> tissue) {
     const Mat3 frame = frame_of(normal, first_edge);
     for (std::size_t k = 0; k < 3; ++k) part_of(out.normal, 3, i, k) = float(spread * normal[k]);
     for (std::size_t k = 0; k < 9; ++k) part_of(out.frame, 9, i, k) = float(frame.data()[k]);
-    const double depth = tissue[i] / kHoldDepth;
-    out.hold[i] = float(std::max(kLeastHold, kHold / (1 + depth * depth)));
-    out.glide[i] = float(std::min(kMostGlide, kGlideShare * tissue[i]));
+    const double depth = looseness[i] / kParametersMembrane.half_depth;
+    out.stiffness[i] = float(std::max(kParametersMembrane.least_stiffness,
+                                      kParametersMembrane.stiffness / (1 + depth * depth)));
+    out.slip[i] = float(
+        std::min(kParametersMembrane.most_slip, kParametersMembrane.slip_fraction * looseness[i]));
   }
   for (std::size_t i = n; i < padded; ++i) out.guide[i] = int(i);
   lay_out_eights(C, skin, out);
-  out.factor = factor_sheet(system(C, out.hold));
+  out.factor = factor_supernodal(system(C, out.stiffness));
   return out;
 }
 
-void relax_membrane(const Membrane& m, std::span<const float> anchors,
-                    std::span<const int> triangles, int rounds, MembraneScratch& s) {
+void relax_membrane(const Membrane& m, std::span<const int> triangles, std::span<float> positions,
+                    MembraneWorkspace& s) {
   const std::size_t size = 4 * std::size_t(m.vertex_count), padded = 32 * std::size_t(eights_of(m));
-  for (std::vector<float>* each : {&s.turns, &s.offsets, &s.normals, &s.places})
+  for (std::vector<float>* each : {&s.rotations, &s.offsets, &s.normals, &s.places})
     each->resize(padded);
   s.pull.resize(padded / 4 * 3);
   s.right.resize(4 * work_rows(m.factor));
   std::fill(s.offsets.begin(), s.offsets.end(), 0.0f);
-  std::copy(anchors.begin(), anchors.end(), s.places.begin());
-  for (int round = 0; round < rounds; ++round) {
+  std::copy(positions.begin(), positions.end(), s.places.begin());
+  for (int round = 0; round < kParametersMembrane.rounds; ++round) {
     vertex_normals(s.places, triangles, s.normals, s.half);
-    fit_turns(m, round == 0, s);
+    fit_rotations(m, round == 0, s);
     right_side(m, s);
-    solve_sheet(m.factor, s.right.data());
+    solve_supernodal(m.factor, s.right.data());
     for_eights(m, [&](int b) {
       for (std::size_t i = 8 * std::size_t(b); i < std::min(size / 4, 8 * std::size_t(b) + 8);
            ++i) {
         const Float4 before = load4(&s.offsets[4 * i]);
-        const Float4 offset = before + kOver * (load4(&s.right[4 * m.factor.place[i]]) - before);
+        const Float4 offset = before + kParametersMembrane.over_relaxation *
+                                           (load4(&s.right[4 * m.factor.place[i]]) - before);
         store4(&s.offsets[4 * i], offset);
-        store4(&s.places[4 * i], load4(&anchors[4 * i]) + offset);
+        store4(&s.places[4 * i], load4(&positions[4 * i]) + offset);
       }
     });
   }
+  for (std::size_t k = 0; k < positions.size(); k += 4)
+    store4(&positions[k], load4(&positions[k]) + load4(&s.offsets[k]));
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

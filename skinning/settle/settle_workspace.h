@@ -1,5 +1,5 @@
-// Working memory of the elastic skin, which every frame owns; its content means nothing between
-// frames. Private to the room.
+// Working memory of the stages on the relaxing skin. Sized on first use; its content means nothing
+// between calls. Private to the library.
 #pragma once
 
 #include <array>
@@ -7,17 +7,17 @@
 
 #include "anatomy/compute/simd.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
-struct MembraneScratch {
+struct MembraneWorkspace {
   // Whole eights of vertices x 4.
-  std::vector<float> turns;  // quaternions
+  std::vector<float> rotations;  // quaternions
   std::vector<float> places, offsets, normals, half;
   std::vector<float> pull;   // sum of c (a_i - a_j) of the anchors a, component by component
   std::vector<float> right;  // #V x 4, in the factor's order
 };
 
-struct PatchScratch {
+struct PatchWorkspace {
   struct Shape {
     float low[4] = {}, high[4] = {};  // of the box
     float middle[4] = {}, up[4] = {};
@@ -38,25 +38,24 @@ struct PatchScratch {
   std::vector<Shape> shapes;  // a patch
   std::vector<EightBoxes> boxes;
   std::vector<EightParts> parts;
-  std::vector<char> met;  // a patch: whether a vertex of it is to be looked at
+  std::vector<char> met;  // a patch: whether a vertex of it is in contact, perhaps
 };
 
-struct ContactScratch {
-  PatchScratch patches;
+struct SelfContactWorkspace {
+  PatchWorkspace patches;
   std::vector<float> boxes;                         // of the tree of triangles, fitted to the pose
   std::vector<float> pushes, spread, before, half;  // #V x 4
-  std::vector<char> wanted;  // #V: which are looked at; then, which are pushed
+  std::vector<char> wanted;  // #V: candidates; then, vertices that are pushed
   std::vector<int> pushed;   // those, and the rings about them
-  std::vector<char> turned;  // #V: whose normals change with those that are pushed
+  std::vector<char> turned;  // #V: vertices whose normals change with those that are pushed
   std::vector<int> turning;  // those
 };
 
-struct ElasticScratch {
-  MembraneScratch membrane;
-  ContactScratch contact;
-  std::vector<float> normals, half, open, working, rising;
-  std::vector<char> pressed;         // #V: whether contact has moved it
-  std::vector<float> base, offsets;  // of a refined skin's base mesh
+struct SettleWorkspace {
+  MembraneWorkspace membrane;
+  SelfContactWorkspace contact;
+  std::vector<float> half;       // of vertex normals
+  std::vector<float> smoothing;  // #V
 };
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

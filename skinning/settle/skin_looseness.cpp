@@ -3,23 +3,24 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kMostStrain = 3, kLeastEdge = 1e-5;  // m
+constexpr double kMostStrain = 3;
+constexpr double kLeastEdge = 1e-5;  // m
 
-// How much more of each joint one end of an edge follows than the other: what follows a joint
-// follows its parents, too.
+// Differences of the joint weights of an edge's ends: a vertex that follows a joint follows its
+// parents, too.
 class Differences {
  public:
   explicit Differences(const Skeleton& skeleton)
-      : skeleton_(skeleton), share_(skeleton.joints.size(), 0) {}
+      : skeleton_(skeleton), difference_(skeleton.joints.size(), 0) {}
 
-  void add(const std::array<Influence, 4>& weights, double sign) {
+  void add(const JointWeights& weights, double sign) {
     for (const Influence& w : weights) {
       if (w.weight == 0) continue;
       for (int j = w.joint; j >= 0; j = skeleton_.joints[j].parent) {
-        share_[j] += sign * w.weight;
+        difference_[j] += sign * w.weight;
         met_.push_back(std::size_t(j));
       }
     }
@@ -29,22 +30,22 @@ class Differences {
   template <class Visit>
   void take(const Visit& visit) {
     for (const std::size_t j : met_) {
-      if (share_[j] != 0) visit(j, std::abs(share_[j]));
-      share_[j] = 0;
+      if (difference_[j] != 0) visit(j, std::abs(difference_[j]));
+      difference_[j] = 0;
     }
     met_.clear();
   }
 
  private:
   const Skeleton& skeleton_;
-  std::vector<double> share_;
+  std::vector<double> difference_;
   std::vector<std::size_t> met_;
 };
 
 }  // namespace
 
 std::vector<double> find_joint_strain(const Skeleton& skeleton, const TriMesh& skin,
-                                      std::span<const std::array<Influence, 4>> joint_weights) {
+                                      std::span<const JointWeights> joint_weights) {
   const std::vector<Vec3> origins = rest_positions(skeleton);
   std::vector<double> farthest;  // rad
   for (const Joint& joint : skeleton.joints)
@@ -67,4 +68,4 @@ std::vector<double> find_joint_strain(const Skeleton& skeleton, const TriMesh& s
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -9,12 +9,12 @@
 #include "anatomy/compute/simd.h"
 #include "anatomy/geometry/vertex_normals.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kMostTissue = 0.05;  // m; deeper flesh swells no more
-constexpr double kMostBend = 1;       // by which a unit may change an edge, of its length
-constexpr double kSlope = 0.5;        // m a m of skin
+constexpr double kMostTissue = 0.05;  // m; deeper tissue swells no more
+constexpr double kMostBend = 1;       // change of an edge by a unit, as a fraction of its length
+constexpr double kSlope = 0.5;        // m a m of skin, of the limits
 
 struct Neighbour {
   int vertex = 0;
@@ -43,8 +43,9 @@ void limit_slope(const std::vector<std::vector<Neighbour>>& rings, std::vector<d
 
 }  // namespace
 
-std::vector<double> find_swelling(std::span<const float> positions, std::span<const int> triangles,
-                                  std::span<const double> tissue) {
+std::vector<double> find_swelling_limits(std::span<const float> positions,
+                                         std::span<const int> triangles,
+                                         std::span<const double> tissue) {
   std::vector<float> normals(positions.size());
   vertex_normals(positions, triangles, normals);
   std::vector<double> out;
@@ -67,4 +68,4 @@ std::vector<double> find_swelling(std::span<const float> positions, std::span<co
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

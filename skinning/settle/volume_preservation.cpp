@@ -9,18 +9,14 @@
 
 #include "anatomy/compute/simd.h"
 #include "anatomy/compute/smooth_step.h"
-#include "skinning/evaluation/skin_quality.h"
 #include "skinning/settle/swelling_limits.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
+constexpr VolumeParameters kParametersVolumePreservation;
 constexpr std::size_t kMostRegions = 11;  // the body, four limbs, four hinges, two shoulders
-// m; where the skin curves inwards more sharply than this it does not swell
-constexpr float kHollow = 0.03f;
-constexpr double kMostSwelling = 0.4;                      // units: no edge changes by more
-constexpr double kShoulderEnd = 0.5, kShoulderFade = 0.4;  // of the upper arm's length
-constexpr std::size_t kBlock = 1024;                       // vertices a task
+constexpr std::size_t kBlockVolumePreservation = 1024;  // vertices a task
 
 // Six times the volume of the cones over the region's triangles.
 double region_volume(const VolumeRegion& region, std::span<const float> positions,
@@ -56,9 +52,9 @@ std::vector<double> vertex_areas(std::span<const float> positions, std::span<con
   return areas;
 }
 
-// Share of each vertex that belongs to a joint or to what hangs on it.
-std::vector<double> shares_below(const Skeleton& skeleton, int joint,
-                                 std::span<const std::array<Influence, 4>> joint_weights) {
+// Weight of a joint and of the joints below it, a vertex.
+std::vector<double> weights_below(const Skeleton& skeleton, int joint,
+                                  std::span<const JointWeights> joint_weights) {
   std::vector<char> below(skeleton.joints.size(), 0);
   for (std::size_t j = 0; j < below.size(); ++j) {
     const int parent = skeleton.joints[j].parent;
@@ -129,28 +125,29 @@ VolumeRegion make_closed_region(int origin, const Vec3& apex, std::span<const fl
 }
 
 template <class Do>
-void each_vertex(std::size_t count, const Do& act) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kBlock), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i) act(i);
-  });
+void each_vertex_volume_preservation(std::size_t count, const Do& act) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kBlockVolumePreservation),
+                    [&](const auto& range) {
+                      for (std::size_t i = range.begin(); i < range.end(); ++i) act(i);
+                    });
 }
 
 }  // namespace
 
-LimbVolumes make_limb_volumes(const Skeleton& skeleton, std::span<const float> positions,
-                              std::span<const int> triangles,
-                              std::span<const std::array<Influence, 4>> joint_weights,
-                              std::span<const double> tissue) {
+VolumeRegions make_volume_regions(const Skeleton& skeleton, std::span<const float> positions,
+                                  std::span<const int> triangles,
+                                  std::span<const JointWeights> joint_weights,
+                                  std::span<const double> tissue) {
   const std::vector<Vec3> origins = rest_positions(skeleton);
   const std::vector<double> areas = vertex_areas(positions, triangles);
-  const std::vector<double> unit = find_swelling(positions, triangles, tissue);
+  const std::vector<double> unit = find_swelling_limits(positions, triangles, tissue);
   std::vector<double> trunk(tissue.size(), 1);
   const auto product = [&](const std::vector<double>& share) {
     std::vector<double> out(share.size());
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = share[i] * unit[i];
     return out;
   };
-  LimbVolumes out;
+  VolumeRegions out;
   out.regions.emplace_back();
   const auto add = [&](int joint, int within, const std::vector<double>& share) {
     out.regions.push_back(
@@ -163,9 +160,11 @@ LimbVolumes make_limb_volumes(const Skeleton& skeleton, std::span<const float> p
     for (std::size_t i = 0; i < tissue.size(); ++i) {
       const double along = down_arm(
           shoulder, elbow, Vec3(positions[4 * i], positions[4 * i + 1], positions[4 * i + 2]));
-      inside[i] = along < kShoulderEnd ? with_girdle[i] : 0;
-      swelling[i] =
-          with_girdle[i] * unit[i] * std::clamp((kShoulderEnd - along) / kShoulderFade, 0.0, 1.0);
+      inside[i] = along < kParametersVolumePreservation.shoulder_end ? with_girdle[i] : 0;
+      swelling[i] = with_girdle[i] * unit[i] *
+                    std::clamp((kParametersVolumePreservation.shoulder_end - along) /
+                                   kParametersVolumePreservation.shoulder_fade,
+                               0.0, 1.0);
     }
     out.regions.push_back(
         make_closed_region(joint, shoulder, positions, triangles, inside, swelling, areas));
@@ -178,7 +177,7 @@ LimbVolumes make_limb_volumes(const Skeleton& skeleton, std::span<const float> p
                 middle = find_joint(skeleton, hinge + side),
                 last = find_joint(skeleton, end + side);
       if (joint < 0) continue;
-      std::vector<double> share = shares_below(skeleton, joint, joint_weights);
+      std::vector<double> share = weights_below(skeleton, joint, joint_weights);
       for (std::size_t i = 0; i < trunk.size(); ++i) trunk[i] -= share[i];
       const int limb = out.regions.size();
       add(joint, 0, share);
@@ -195,26 +194,26 @@ LimbVolumes make_limb_volumes(const Skeleton& skeleton, std::span<const float> p
               arm = find_joint(skeleton, "shoulder" + side),
               elbow = find_joint(skeleton, "elbow" + side);
     if (clavicle < 0 || arm < 0 || elbow < 0) continue;
-    const std::vector<double> with_girdle = shares_below(skeleton, clavicle, joint_weights),
-                              of_arm = shares_below(skeleton, arm, joint_weights);
+    const std::vector<double> with_girdle = weights_below(skeleton, clavicle, joint_weights),
+                              of_arm = weights_below(skeleton, arm, joint_weights);
     for (std::size_t i = 0; i < trunk.size(); ++i) trunk[i] -= with_girdle[i] - of_arm[i];
     add_shoulder(arm, origins[arm], origins[elbow], with_girdle);
   }
   const std::vector<double> all(tissue.size(), 1);
   if (const int neck = find_joint(skeleton, "c5"); neck >= 0) {  // the head is mostly bone
-    const std::vector<double> head = shares_below(skeleton, neck, joint_weights);
+    const std::vector<double> head = weights_below(skeleton, neck, joint_weights);
     for (std::size_t i = 0; i < trunk.size(); ++i) trunk[i] -= head[i];
   }
   out.regions[0] = make_region(0, origins[0], positions, triangles, all, product(trunk), areas);
   return out;
 }
 
-void find_hollows(const Membrane& rings, std::span<const float> positions,
-                  std::span<const float> normals, std::vector<float>& open,
-                  std::vector<float>& working) {
+void find_openness(const Membrane& rings, RelaxedSkin& skin, std::vector<float>& working) {
+  const std::vector<float>&positions = skin.positions, &normals = skin.normals;
+  std::vector<float>& open = skin.openness;
   open.resize(positions.size() / 4);
   working.resize(open.size());
-  each_vertex(open.size(), [&](std::size_t i) {
+  each_vertex_volume_preservation(open.size(), [&](std::size_t i) {
     const Float4 p = load4(&positions[4 * i]), n = load4(&normals[4 * i]);
     float hollow = 0;
     for (int k = rings.first[i]; k < rings.first[i + 1]; ++k) {
@@ -223,11 +222,11 @@ void find_hollows(const Membrane& rings, std::span<const float> positions,
       hollow -= sum4((load4(&normals[j]) - n) * e)[0] / (sum4(e * e)[0] + 1e-8f);
     }
     const float count = std::max(1, rings.first[i + 1] - rings.first[i]);
-    open[i] = std::clamp(1 - kHollow * std::max(0.0f, hollow / count), 0.0f, 1.0f);
+    open[i] = std::clamp(1 - kParametersVolumePreservation.hollow * std::max(0.0f, hollow / count),
+                         0.0f, 1.0f);
   });
-  constexpr int kRounds = 3;
-  for (int round = 0; round < kRounds; ++round) {
-    each_vertex(open.size(), [&](std::size_t i) {
+  for (int round = 0; round < kParametersVolumePreservation.openness_rounds; ++round) {
+    each_vertex_volume_preservation(open.size(), [&](std::size_t i) {
       float sum = 0, least = open[i];
       for (int k = rings.first[i]; k < rings.first[i + 1]; ++k) {
         const float other = open[rings.neighbour[k]];
@@ -241,13 +240,14 @@ void find_hollows(const Membrane& rings, std::span<const float> positions,
   }
 }
 
-void keep_volumes(const LimbVolumes& volumes, std::span<const Transform> X_WJ,
-                  std::span<const float> open, std::span<const float> normals,
-                  std::span<float> positions, Hinges hinges) {
+void restore_volumes(const VolumeRegions& volumes, std::span<const Transform> X_WJ,
+                     RelaxedSkin& skin, HingeVolumes hinges) {
+  std::vector<float>& positions = skin.positions;
+  const std::vector<float>&open = skin.openness, &normals = skin.normals;
   std::array<double, kMostRegions> lost{}, reach{};
   tbb::parallel_for(std::size_t{0}, volumes.regions.size(), [&](std::size_t r) {
     const VolumeRegion& region = volumes.regions[r];
-    if (hinges == Hinges::free && region.hinge) return;
+    if (hinges == HingeVolumes::free && region.hinge) return;
     for (std::size_t k = 0; k < region.vertices.size(); ++k)
       reach[r] += double(region.swelling[k] * region.area[k] * open[region.vertices[k]]);
     lost[r] = region.volume - region_volume(region, positions, X_WJ[region.origin].translation());
@@ -257,12 +257,14 @@ void keep_volumes(const LimbVolumes& volumes, std::span<const Transform> X_WJ,
     const VolumeRegion& region = volumes.regions[r];
     const double own = reach[r] > 0 ? lost[r] - gained[r] : 0;
     const double least = region.rims.empty()
-                             ? -kMostSwelling
+                             ? -kParametersVolumePreservation.most_swelling
                              : 0;  // a raised girdle draws skin of the trunk along, which stays
-    const double units = own != 0 ? std::clamp(own / reach[r], least, kMostSwelling) : 0;
+    const double units =
+        own != 0 ? std::clamp(own / reach[r], least, kParametersVolumePreservation.most_swelling)
+                 : 0;
     if (region.within >= 0) gained[region.within] += units * reach[r] + gained[r];
     if (units == 0) continue;
-    each_vertex(region.vertices.size(), [&](std::size_t k) {
+    each_vertex_volume_preservation(region.vertices.size(), [&](std::size_t k) {
       const std::size_t at = 4 * std::size_t(region.vertices[k]);
       store4(&positions[at], load4(&positions[at]) +
                                  (float(units) * region.swelling[k] * open[region.vertices[k]]) *
@@ -271,4 +273,4 @@ void keep_volumes(const LimbVolumes& volumes, std::span<const Transform> X_WJ,
   }
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

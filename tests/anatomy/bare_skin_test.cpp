@@ -1,3 +1,4 @@
+#include "anatomy/base_mesh/body_rig.h"
 #include "anatomy/base_mesh/skin_import.h"
 
 #include <gtest/gtest.h>

@@ -31,7 +31,7 @@ TEST(BellyLength, IsWhatIsDrawn) {
   for (int k = 0; k < 60; ++k)
     strip.slices.push_back({k / 59.0, 0, Vec2::Zero(), Vec2(0.01, 0.008)});
   const PosingTable table = make_posing_table(arm.anatomy);
-  const BellyShare share = belly_shares(arm.anatomy)[0];
+  const BellyRestLength share = belly_rest_lengths(arm.anatomy)[0];
   for (const double turn : {0.6, 0.0, -0.8, -1.6})
     for (const double activation : {0.0, 0.3, 1.0}) {
       Pose pose = rest_pose(arm.anatomy.skeleton);
@@ -50,9 +50,10 @@ TEST(BellyLength, IsWhatIsDrawn) {
 TEST(BellyLength, RestIsTheShareOfTheLine) {
   test::Arm arm = test::make_arm();
   arm.anatomy.muscles[0].strips[0].belly_begin = 0.25;
-  const BellyShare share = belly_shares(arm.anatomy)[0];
+  const BellyRestLength share = belly_rest_lengths(arm.anatomy)[0];
   EXPECT_NEAR(belly_length(share, share.rest, 0), 0.75 * share.rest, 1e-12);
-  EXPECT_NEAR(belly_length(belly_shares(test::make_arm().anatomy)[0], share.rest, 0), share.rest,
+  EXPECT_NEAR(belly_length(belly_rest_lengths(test::make_arm().anatomy)[0], share.rest, 0),
+              share.rest,
               1e-12);  // no tendon: all of it
 }
 

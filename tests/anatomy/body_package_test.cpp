@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "anatomy/base_mesh/body_rig.h"
 #include "anatomy/errors.h"
 #include "tests/body_fixture.h"
 
@@ -106,7 +107,7 @@ TEST_F(BodyPackageTest, PartsMirrorAndCoverTheBody) {
 
 TEST(BodyPackageErrors, NamesTheMissingFile) {
   try {
-    read_body_package([](const std::string&) { return std::nullopt; });
+    read_body_package([](const std::string&) { return std::nullopt; }, {});
     FAIL();
   } catch (const InputError& e) {
     EXPECT_NE(std::string(e.what()).find("base.obj"), std::string::npos);
@@ -116,7 +117,7 @@ TEST(BodyPackageErrors, NamesTheMissingFile) {
 TEST(BodyPackageErrors, NamesTheLineOfABadMesh) {
   const std::string mesh = "v 0 0 0\nv 1 0 0\nv 1 x 0\n";
   try {
-    read_body_package([&](const std::string&) { return mesh; });
+    read_body_package([&](const std::string&) { return mesh; }, {});
     FAIL();
   } catch (const InputError& e) {
     EXPECT_NE(std::string(e.what()).find("base.obj:3"), std::string::npos) << e.what();

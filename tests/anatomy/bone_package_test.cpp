@@ -10,6 +10,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/csv_table.h"
 #include "anatomy/mesh_files/stl_io.h"
+#include "tests/test_assets.h"
 
 namespace ecorche {
 namespace {
@@ -21,7 +22,7 @@ class BonePackage : public testing::Test {
   void SetUp() override {
     if (!anatomy_) {
       try {
-        anatomy_ = new Anatomy(read_source_skeleton(find_packages()));
+        anatomy_ = new Anatomy(read_source_skeleton(test_assets()));
       } catch (const InputError& error) {
         GTEST_SKIP() << error.what();
       }
@@ -227,7 +228,7 @@ TEST_F(BonePackage, LiesWhereTheFactTableSaysEachComponentLies) {
 }
 
 TEST_F(BonePackage, TendonPathsOfLegAndTrunkStartAndEndOnBones) {
-  const auto paths = read_tendon_paths(find_packages(), anatomy());
+  const auto paths = read_tendon_paths(test_assets(), anatomy());
   EXPECT_GT(paths.size(), 100u);
   int near = 0, points = 0;
   bool has_hamstring = false;

@@ -10,9 +10,6 @@
 
 namespace ecorche {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
-
 TEST(Coordinates, AnglesMakeTheirRotation) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> angle(-1.2, 1.2);

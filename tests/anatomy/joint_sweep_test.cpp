@@ -1,6 +1,8 @@
 // The template's muscles while one joint after the other turns through its range: nothing jumps, no
 // volume is lost.
 #include "anatomy/posing/joint_sweep.h"
+#include "anatomy/posing/pose_anatomy.h"
+#include "anatomy/posing/posing_table.h"
 
 #include <gtest/gtest.h>
 
@@ -9,18 +11,17 @@
 #include <optional>
 
 #include "morph/template/template.h"
+#include "morph/template/template_cache.h"
 #include "tests/anatomy/strips.h"
+#include "tests/test_assets.h"
 
 using namespace ecorche;
 using namespace ecorche::testing;
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
-
 std::optional<Template> installed_template() {
   try {
-    return read_template();
+    return read_template(test_assets());
   } catch (const std::exception&) {
     return std::nullopt;
   }

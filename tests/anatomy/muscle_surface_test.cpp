@@ -1,5 +1,7 @@
 // Laws of muscle surfaces: closed, outward, of the slices' volume, at rest and in motion.
 #include "anatomy/muscles/muscle_surface.h"
+#include "anatomy/posing/pose_anatomy.h"
+#include "anatomy/posing/posing_table.h"
 
 #include <gtest/gtest.h>
 

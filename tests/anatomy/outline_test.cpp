@@ -75,7 +75,7 @@ double mesh_volume(const PosedAnatomy& p, const SliceRange& range) {
   return volume / (kOutlinePoints / (2 * kPi) * std::sin(2 * kPi / kOutlinePoints));
 }
 
-PosedAnatomy posed(const Anatomy& anatomy, const Pose& pose) {
+PosedAnatomy posed_outline(const Anatomy& anatomy, const Pose& pose) {
   PosedAnatomy out;
   pose_anatomy(make_posing_table(anatomy), anatomy.skeleton, pose, out);
   return out;
@@ -178,7 +178,7 @@ TEST(SliceOutline, FlippedAxesShowTheSamePoints) {
 TEST(SliceOutline, RestPoseGivesTheRestOutlines) {
   const Anatomy anatomy = shaped_arm(1, 0.2);
   const auto rest = rest_slices(anatomy);
-  const PosedAnatomy p = posed(anatomy, rest_pose(anatomy.skeleton));
+  const PosedAnatomy p = posed_outline(anatomy, rest_pose(anatomy.skeleton));
   for (std::size_t k = 0; k < rest.size(); ++k) {
     EXPECT_LT((p.slices[k].radii - rest[k].radii).norm(), 1e-12);
     EXPECT_EQ(p.slices[k].outline, rest[k].outline);
@@ -189,10 +189,10 @@ TEST(SliceOutline, RestPoseGivesTheRestOutlines) {
 TEST(SliceOutline, VolumeIsTheMeshesAndStaysInMotion) {
   const Anatomy anatomy = shaped_arm();
   const auto ranges = slice_ranges(anatomy);
-  const PosedAnatomy rest = posed(anatomy, rest_pose(anatomy.skeleton));
+  const PosedAnatomy rest = posed_outline(anatomy, rest_pose(anatomy.skeleton));
   for (const Pose& pose : {arm_pose(anatomy.skeleton, 0, 0, 0, 0, 0),
                            arm_pose(anatomy.skeleton, 40, 30, 20, 100, 60)}) {
-    const PosedAnatomy p = posed(anatomy, pose);
+    const PosedAnatomy p = posed_outline(anatomy, pose);
     for (const SliceRange& range : ranges) {
       const double before = strip_volume(rest, range), now = strip_volume(p, range);
       EXPECT_NEAR(now / before, 1, 1e-12) << range.muscle;

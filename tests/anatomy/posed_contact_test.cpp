@@ -6,21 +6,17 @@
 
 #include <cstring>
 
+#include "anatomy/contact/muscle_model.h"
+#include "anatomy/contact/press_outline.h"
 #include "anatomy/geometry/overlap_volumes.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "anatomy/muscles/slice_outline.h"
-#include "anatomy/posing/pose_anatomy.h"
-#include "anatomy/posing/posing_table.h"
-#include "anatomy/posing/restore_volume.h"
 #include "tests/anatomy/strips.h"
 
 using namespace ecorche;
 using namespace ecorche::testing;
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
-
 // Two flexors of the elbow side by side, 1 mm apart at rest; `mirror` = -1 gives the right arm.
 // `size`: of sections and what lies between them.
 Anatomy flexors(double mirror = 1, int slices = 13, double size = 1) {
@@ -47,10 +43,16 @@ Anatomy flexors(double mirror = 1, int slices = 13, double size = 1) {
   return anatomy;
 }
 
-PosedAnatomy posed(const Anatomy& anatomy, const Pose& pose,
-                   MuscleContact contact = MuscleContact::yes, int threads = 1) {
+PosedAnatomy posed_posed_contact(const Anatomy& anatomy, const Pose& pose) {
   PosedAnatomy out;
-  pose_anatomy(make_posing_table(anatomy, contact), anatomy.skeleton, pose, out, threads);
+  ContactWorkspace workspace;
+  pose_muscles(make_muscle_model(anatomy), anatomy.skeleton, pose, out, workspace);
+  return out;
+}
+
+PosedAnatomy posed_without_contact(const Anatomy& anatomy, const Pose& pose) {
+  PosedAnatomy out;
+  pose_anatomy(make_posing_table(anatomy), anatomy.skeleton, pose, out);
   return out;
 }
 
@@ -86,8 +88,8 @@ double part_volumes(const Anatomy& anatomy, const PosedAnatomy& p, std::size_t m
 
 TEST(PosedContact, MusclesThatSwellIntoOneAnotherPart) {
   const Anatomy anatomy = flexors();
-  const double before = overlap(anatomy, posed(anatomy, bent(anatomy, 100), MuscleContact::no));
-  const double after = overlap(anatomy, posed(anatomy, bent(anatomy, 100)));
+  const double before = overlap(anatomy, posed_without_contact(anatomy, bent(anatomy, 100)));
+  const double after = overlap(anatomy, posed_posed_contact(anatomy, bent(anatomy, 100)));
   EXPECT_GT(before, 0.01);
   EXPECT_LT(after, 0.5 * before);
 }
@@ -95,9 +97,9 @@ TEST(PosedContact, MusclesThatSwellIntoOneAnotherPart) {
 TEST(PosedContact, VolumesAreKept) {
   const Anatomy anatomy = flexors();
   const auto ranges = slice_ranges(anatomy);
-  const PosedAnatomy rest = posed(anatomy, rest_pose(anatomy.skeleton));
+  const PosedAnatomy rest = posed_posed_contact(anatomy, rest_pose(anatomy.skeleton));
   for (const double degrees : {20.0, 70.0, 125.0}) {
-    const PosedAnatomy p = posed(anatomy, bent(anatomy, degrees));
+    const PosedAnatomy p = posed_posed_contact(anatomy, bent(anatomy, degrees));
     EXPECT_EQ(p.clamped, 0);
     for (std::size_t m = 0; m < 2; ++m) {
       EXPECT_NEAR(strip_volume(p, ranges[m]) / strip_volume(rest, ranges[m]), 1, 1e-9);
@@ -125,10 +127,10 @@ TEST(PosedContact, VolumesAreKeptWhereOutlinesWereRoundedOut) {
         slice.outline[i] = outline_directions()[i].y() > 0.5 ? 4.0f : 0.5f;
   }
   const auto ranges = slice_ranges(anatomy);
-  const PosedAnatomy rest = posed(anatomy, rest_pose(anatomy.skeleton));
+  const PosedAnatomy rest = posed_posed_contact(anatomy, rest_pose(anatomy.skeleton));
   for (const double degrees : {90.0, 128.0}) {
-    const PosedAnatomy alone = posed(anatomy, bent(anatomy, degrees), MuscleContact::no),
-                       p = posed(anatomy, bent(anatomy, degrees));
+    const PosedAnatomy alone = posed_without_contact(anatomy, bent(anatomy, degrees)),
+                       p = posed_posed_contact(anatomy, bent(anatomy, degrees));
     for (std::size_t m = 0; m < 2; ++m) {
       int pressed = 0, rounded = 0;
       for (int k = ranges[m].begin; k < ranges[m].end; ++k) {
@@ -148,8 +150,8 @@ TEST(PosedContact, VolumesAreKeptWhereOutlinesWereRoundedOut) {
 
 TEST(PosedContact, RestIsRest) {
   const Anatomy anatomy = flexors();
-  const PosedAnatomy with = posed(anatomy, rest_pose(anatomy.skeleton)),
-                     without = posed(anatomy, rest_pose(anatomy.skeleton), MuscleContact::no);
+  const PosedAnatomy with = posed_posed_contact(anatomy, rest_pose(anatomy.skeleton)),
+                     without = posed_without_contact(anatomy, rest_pose(anatomy.skeleton));
   for (std::size_t k = 0; k < with.slices.size(); ++k)
     EXPECT_EQ(std::memcmp(&with.slices[k], &without.slices[k], sizeof(Ellipse)), 0)
         << "slice " << k;
@@ -158,11 +160,12 @@ TEST(PosedContact, RestIsRest) {
 TEST(PosedContact, MirrorAndRigidMotion) {
   const Anatomy left = flexors(1), right = flexors(-1);
   Pose pose = bent(left, 110);
-  const PosedAnatomy a = posed(left, pose), b = posed(right, bent(right, 110));
+  const PosedAnatomy a = posed_posed_contact(left, pose),
+                     b = posed_posed_contact(right, bent(right, 110));
   const Eigen::DiagonalMatrix<double, 3> flip(-1, 1, 1);
   pose.root = Vec3(2, -1, 0.5);
   pose.rotations[0] = Quat(Eigen::AngleAxisd(1.1, Vec3(1, 2, -1).normalized()));
-  const PosedAnatomy c = posed(left, pose);
+  const PosedAnatomy c = posed_posed_contact(left, pose);
   const Transform X = c.X_WJ[0] * a.X_WJ[0].inverse();
   int pressed = 0;
   for (std::size_t k = 0; k < a.slices.size(); ++k) {
@@ -183,12 +186,13 @@ TEST(PosedContact, MirrorAndRigidMotion) {
 
 TEST(PosedContact, NothingJumps) {
   const Anatomy anatomy = flexors();
-  const PosingTable table = make_posing_table(anatomy, MuscleContact::yes);
+  const MuscleModel model = make_muscle_model(anatomy);
+  ContactWorkspace workspace;
   PosedAnatomy before, now;
   constexpr double step = 0.25;
   double most = 0;
   for (double degrees = 0; degrees <= 128; degrees += step) {
-    pose_anatomy(table, anatomy.skeleton, bent(anatomy, degrees), now);
+    pose_muscles(model, anatomy.skeleton, bent(anatomy, degrees), now, workspace);
     if (degrees > 0) {
       for (std::size_t k = 0; k < now.slices.size(); ++k)
         for (int i = 0; i < kOutlinePoints; ++i) {
@@ -206,11 +210,12 @@ TEST(PosedContact, NothingJumps) {
 
 TEST(PosedContact, SameBytesAtAnyNumberOfThreadsAndAfterAnyHistory) {
   const Anatomy anatomy = flexors();
-  const PosingTable table = make_posing_table(anatomy, MuscleContact::yes);
+  const MuscleModel model = make_muscle_model(anatomy);
   PosedAnatomy fresh, used;
-  pose_anatomy(table, anatomy.skeleton, bent(anatomy, 15), used, 2);
-  pose_anatomy(table, anatomy.skeleton, bent(anatomy, 120), used, 2);
-  pose_anatomy(table, anatomy.skeleton, bent(anatomy, 120), fresh, 1);
+  ContactWorkspace workspace, own;
+  pose_muscles(model, anatomy.skeleton, bent(anatomy, 15), used, workspace, 2);
+  pose_muscles(model, anatomy.skeleton, bent(anatomy, 120), used, workspace, 2);
+  pose_muscles(model, anatomy.skeleton, bent(anatomy, 120), fresh, own, 1);
   EXPECT_EQ(
       std::memcmp(fresh.slices.data(), used.slices.data(), fresh.slices.size() * sizeof(Ellipse)),
       0);
@@ -239,9 +244,10 @@ Anatomy many_flexors(int thin = 0) {
 }
 
 // The outer muscle moved towards the inner one, as the skin might move it.
-PosedAnatomy moved(const Anatomy& anatomy, const PosingTable& table, double degrees, double way) {
+PosedAnatomy moved(const Anatomy& anatomy, const MuscleModel& model, double degrees, double way) {
   PosedAnatomy out;
-  pose_anatomy(table, anatomy.skeleton, bent(anatomy, degrees), out);
+  ContactWorkspace workspace;
+  pose_muscles(model, anatomy.skeleton, bent(anatomy, degrees), out, workspace);
   const SliceRange outer = slice_ranges(anatomy)[1];
   for (int k = outer.begin; k < outer.end; ++k) out.slices[k].center.x() -= way;
   return out;
@@ -251,31 +257,39 @@ PosedAnatomy moved(const Anatomy& anatomy, const PosingTable& table, double degr
 
 TEST(PosedContact, SameBytesOnAllCores) {
   const Anatomy anatomy = many_flexors();
-  const PosingTable table = make_posing_table(anatomy, MuscleContact::yes);
-  ASSERT_GE(table.data->contact.again.blocks.size(), 4u) << "too few for several threads";
+  const MuscleModel model = make_muscle_model(anatomy);
+  ASSERT_GE(model.contact.all.blocks.size(), 4u) << "too few for several threads";
   PosedAnatomy one, all;
-  pose_anatomy(table, anatomy.skeleton, bent(anatomy, 110), one, 1);
+  ContactWorkspace workspace[2];
+  pose_muscles(model, anatomy.skeleton, bent(anatomy, 110), one, workspace[0], 1);
   const tbb::global_control four(tbb::global_control::max_allowed_parallelism, 4);
-  pose_anatomy(table, anatomy.skeleton, bent(anatomy, 110), all, 4);
+  pose_muscles(model, anatomy.skeleton, bent(anatomy, 110), all, workspace[1], 4);
   EXPECT_TRUE(same_slices(one, all));
-  PartMemory memory[2];
-  for (PosedAnatomy* posed : {&one, &all})
-    for (Ellipse& slice : posed->slices) slice.center.x() *= 0.97;
-  part_again(*table.data, {}, Parting::all, one, memory[0], Threads::one);
-  part_again(*table.data, {}, Parting::all, all, memory[1], Threads::all);
+  ContactState state[2];
+  for (PosedAnatomy* posed_posed_contact : {&one, &all})
+    for (Ellipse& slice : posed_posed_contact->slices) slice.center.x() *= 0.97;
+  resolve_muscle_contact(model.contact, model.posing, {}, one, state[0], workspace[0],
+                         Threads::one);
+  resolve_muscle_contact(model.contact, model.posing, {}, all, state[1], workspace[1],
+                         Threads::all);
+  EXPECT_TRUE(same_slices(one, all));
+  EXPECT_EQ(state[0].depth, state[1].depth);
+  resolve_deep_contact(model.contact, model.posing, {}, one, state[0], workspace[0], Threads::one);
+  resolve_deep_contact(model.contact, model.posing, {}, all, state[1], workspace[1], Threads::all);
   EXPECT_TRUE(same_slices(one, all));
 }
 
 TEST(PosedContact, WhatIsMovedIntoAnotherPartsAgainAndKeepsItsVolume) {
   const Anatomy anatomy = flexors();
-  const PosingTable table = make_posing_table(anatomy, MuscleContact::yes);
+  const MuscleModel model = make_muscle_model(anatomy);
   const auto ranges = slice_ranges(anatomy);
-  const PosedAnatomy rest = posed(anatomy, rest_pose(anatomy.skeleton));
-  const PosedAnatomy still = moved(anatomy, table, 100, 0.008);
+  const PosedAnatomy rest = posed_posed_contact(anatomy, rest_pose(anatomy.skeleton));
+  const PosedAnatomy still = moved(anatomy, model, 100, 0.008);
   PosedAnatomy p = still;
   const double before = overlap(anatomy, p);
-  PartMemory memory;
-  part_again(*table.data, {}, Parting::all, p, memory, Threads::one);
+  ContactState state;
+  ContactWorkspace workspace;
+  resolve_muscle_contact(model.contact, model.posing, {}, p, state, workspace, Threads::one);
   EXPECT_GT(before, 0.02);
   EXPECT_LT(overlap(anatomy, p), 0.6 * before);
   for (const SliceRange& range : ranges)
@@ -289,9 +303,10 @@ TEST(PosedContact, WhatIsMovedIntoAnotherPartsAgainAndKeepsItsVolume) {
 struct RestingFlexors {
   explicit RestingFlexors(int thin)
       : anatomy(many_flexors(thin)),
-        table(make_posing_table(anatomy, MuscleContact::yes)),
+        model(make_muscle_model(anatomy)),
         ranges(slice_ranges(anatomy)) {
-    pose_anatomy(table, anatomy.skeleton, rest_pose(anatomy.skeleton), p);
+    ContactWorkspace workspace;
+    pose_muscles(model, anatomy.skeleton, rest_pose(anatomy.skeleton), p, workspace);
   }
 
   void move_outer(std::size_t pair, double way) {
@@ -300,23 +315,26 @@ struct RestingFlexors {
   }
 
   Anatomy anatomy;
-  PosingTable table;
+  MuscleModel model;
   std::vector<SliceRange> ranges;
   PosedAnatomy p;
 };
 
 TEST(PosedContact, WhatWasDeepPartsOnceMoreAndNothingElse) {
   RestingFlexors resting(0);
-  auto& [anatomy, table, ranges, p] = resting;
+  auto& [anatomy, model, ranges, p] = resting;
   constexpr std::size_t kDeep = 3;  // pairs; the others lie as at rest
   for (std::size_t pair = 0; pair < kDeep; ++pair) resting.move_outer(pair, 0.006);
-  PartMemory memory;
-  part_again(*table.data, {}, Parting::all, p, memory, Threads::one);
+  ContactState state;
+  ContactWorkspace workspace;
+  resolve_muscle_contact(model.contact, model.posing, {}, p, state, workspace, Threads::one);
   for (std::size_t pair = 0; pair < kDeep; ++pair) resting.move_outer(pair, 0.012);
   resting.move_outer(kDeep, 0.004);
   const PosedAnatomy once = p;
   const double before = overlap(anatomy, p);
-  part_again(*table.data, {}, Parting::deep, p, memory, Threads::one);
+  std::vector<char> selected;
+  select_deep_members(model.contact.all, state, selected);
+  resolve_deep_contact(model.contact, model.posing, {}, p, state, workspace, Threads::one);
   EXPECT_LT(overlap(anatomy, p), 0.95 * before);
   for (std::size_t m = 0; m < ranges.size(); ++m) {
     int changed = 0;
@@ -327,45 +345,54 @@ TEST(PosedContact, WhatWasDeepPartsOnceMoreAndNothingElse) {
     EXPECT_EQ(changed > 0, m < 2 * kDeep) << "muscle " << m << ": only pairs that were deep before";
     EXPECT_NEAR(strip_volume(p, ranges[m]) / strip_volume(once, ranges[m]), 1, 1e-9);
   }
-  const std::vector<ContactMember>& members = table.data->contact.again.members;
+  const std::vector<ContactMember>& members = model.contact.all.members;
   int looked_at = 0;
   for (std::size_t i = 0; i < members.size(); ++i) {
     const bool moved = members[i].section < ranges[2 * kDeep].begin;
-    looked_at += memory.contact.chosen[i];
-    EXPECT_FALSE(memory.contact.chosen[i] && !moved)
+    looked_at += selected[i];
+    EXPECT_FALSE(selected[i] && !moved)
         << "section " << members[i].section << ": only those and what they may meet are looked at";
   }
   EXPECT_GT(looked_at, 0);
 }
 
+TEST(PosedContact, DeepContactNeedsTheStateOfAPassBefore) {
+  RestingFlexors resting(0);
+  ContactState state;
+  ContactWorkspace workspace;
+  EXPECT_THROW(resolve_deep_contact(resting.model.contact, resting.model.posing, {}, resting.p,
+                                    state, workspace, Threads::one),
+               std::invalid_argument);
+}
+
 TEST(PosedContact, WhatHasLittleToGivePartsOnceAlone) {
   RestingFlexors resting(1);
-  auto& [anatomy, table, ranges, p] = resting;
-  const auto changed =
-      [&](Parting parting,
-          // sections of the thin pair and of the next one, by so much for their size
-          PartMemory& memory) {
-        resting.move_outer(0, 0.0009);
-        resting.move_outer(1, 0.0045);
-        const PosedAnatomy before = p;
-        part_again(*table.data, {}, parting, p, memory, Threads::one);
-        std::array<int, 2> out{};
-        for (std::size_t m = 0; m < 4; ++m)
-          for (int k = ranges[m].begin; k < ranges[m].end; ++k)
-            out[m / 2] += p.slices[k].outline != before.slices[k].outline;
-        return out;
-      };
-  PartMemory memory;
-  const auto [thin, thick] = changed(Parting::all, memory);
+  auto& [anatomy, model, ranges, p] = resting;
+  ContactState state;
+  ContactWorkspace workspace;
+  // Sections of the thin pair and of the next one, which move by so much for their size.
+  const auto changed = [&](const auto& resolve) {
+    resting.move_outer(0, 0.0009);
+    resting.move_outer(1, 0.0045);
+    const PosedAnatomy before = p;
+    resolve(model.contact, model.posing, std::span<const RadialSamples>(), p, state, workspace,
+            Threads::one);
+    std::array<int, 2> out{};
+    for (std::size_t m = 0; m < 4; ++m)
+      for (int k = ranges[m].begin; k < ranges[m].end; ++k)
+        out[m / 2] += p.slices[k].outline != before.slices[k].outline;
+    return out;
+  };
+  const auto [thin, thick] = changed(resolve_muscle_contact);
   EXPECT_GT(thin, 5);
   EXPECT_GT(thick, 5);
-  const auto [thin_again, thick_again] = changed(Parting::deep, memory);
+  const auto [thin_again, thick_again] = changed(resolve_deep_contact);
   EXPECT_EQ(thin_again, 0);
   EXPECT_GT(thick_again, 3);
 }
 
 TEST(PosedContact, ASideGrowsTheLessTheLongerItIs) {
-  ContactSpokes press{}, held{};
+  RadialSamples press{}, held{};
   press[2] = 0.5f;
   held[2] = 1;
   double before = 1;
@@ -385,7 +412,7 @@ TEST(PosedContact, ASideGrowsTheLessTheLongerItIs) {
 }
 
 TEST(PosedContact, WhatIsPressedAgainAndAgainDoesNotStickOut) {
-  ContactSpokes press{}, held{};
+  RadialSamples press{}, held{};
   press.fill(0.3f);
   held.fill(1);
   press[2] = held[2] = 0;
@@ -398,25 +425,27 @@ TEST(PosedContact, WhatIsPressedAgainAndAgainDoesNotStickOut) {
 
 TEST(PosedContact, WhatHasNotBeenMovedAtRestStays) {
   const Anatomy anatomy = flexors();
-  const PosingTable table = make_posing_table(anatomy, MuscleContact::yes);
-  const PosedAnatomy rest = posed(anatomy, rest_pose(anatomy.skeleton));
+  const MuscleModel model = make_muscle_model(anatomy);
+  const PosedAnatomy rest = posed_posed_contact(anatomy, rest_pose(anatomy.skeleton));
   PosedAnatomy p = rest;
-  PartMemory memory;
-  part_again(*table.data, {}, Parting::all, p, memory, Threads::one);
+  ContactState state;
+  ContactWorkspace workspace;
+  resolve_muscle_contact(model.contact, model.posing, {}, p, state, workspace, Threads::one);
   EXPECT_TRUE(same_slices(p, rest));
 }
 
 TEST(PosedContact, SectionsThatAreHeldDoNotGrowThere) {
   const Anatomy anatomy = flexors();
-  const PosingTable table = make_posing_table(anatomy, MuscleContact::yes);
+  const MuscleModel model = make_muscle_model(anatomy);
   const SliceRange inner = slice_ranges(anatomy)[0];
-  ContactSpokes all_round;
+  RadialSamples all_round;
   all_round.fill(1);
-  const std::vector<ContactSpokes> held(table.slices(), all_round);
-  const PosedAnatomy before = moved(anatomy, table, 100, 0.008);
+  const std::vector<RadialSamples> blocked(model.posing.slices(), all_round);
+  const PosedAnatomy before = moved(anatomy, model, 100, 0.008);
   PosedAnatomy p = before;
-  PartMemory memory;
-  part_again(*table.data, held, Parting::all, p, memory, Threads::one);
+  ContactState state;
+  ContactWorkspace workspace;
+  resolve_muscle_contact(model.contact, model.posing, blocked, p, state, workspace, Threads::one);
   int pressed = 0;
   for (int k = inner.begin; k < inner.end; ++k)
     for (std::size_t i = 0; i < kOutlinePoints; ++i) {

@@ -1,3 +1,4 @@
+#include "anatomy/authoring/muscle_ends.h"
 #include "anatomy/authoring/resample_mesh.h"
 
 #include <gtest/gtest.h>

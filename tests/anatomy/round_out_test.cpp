@@ -46,10 +46,10 @@ double most_without(const std::vector<Ellipse>& strip) {
 TEST(RoundOut, GivesTheVolumeThatLeaningOutlinesCannotHold) {
   const std::vector<Ellipse> given = bend(0.02, 2.4);
   const std::vector<float> belly(given.size(), 1);
-  const BellyGrowth law{belly, true, 1.0 / 3, 3};
+  const BellyScaling law{belly, true, 1.0 / 3, 3};
   const double wanted = 1.05 * most_without(given);
   std::vector<Ellipse> strip = given;
-  const double growth = round_out(strip, law, wanted);
+  const double growth = symmetrize_outlines(strip, law, wanted);
   EXPECT_NEAR(tube_volume(strip) / wanted, 1, 1e-9);
   EXPECT_GT(growth, 1);
   EXPECT_LT(growth, 3);
@@ -63,7 +63,7 @@ TEST(RoundOut, OutlinesAreNoMoreEvenThanTheVolumeTakes) {
   float before = given[4].outline[0];
   for (int k = 1; k <= 20; ++k) {
     std::vector<Ellipse> strip = given;
-    round_out(strip, {belly, true, 1.0 / 3, 3}, (1.05 + 2e-4 * k) * most);
+    symmetrize_outlines(strip, {belly, true, 1.0 / 3, 3}, (1.05 + 2e-4 * k) * most);
     const float now = strip[4].outline[0];
     EXPECT_LT(now, before) << k;
     if (k > 1) {
@@ -78,7 +78,7 @@ TEST(RoundOut, LeavesOutlinesThatCanHoldIt) {
   const std::vector<float> belly(given.size(), 1);
   std::vector<Ellipse> strip = given;
   const double wanted = 1.2 * tube_volume(given);
-  round_out(strip, {belly, true, 1.0 / 3, 3}, wanted);
+  symmetrize_outlines(strip, {belly, true, 1.0 / 3, 3}, wanted);
   EXPECT_NEAR(tube_volume(strip) / wanted, 1, 1e-9);
   for (std::size_t k = 0; k < strip.size(); ++k) EXPECT_EQ(strip[k].outline, given[k].outline);
 }
@@ -104,11 +104,11 @@ Strip thin_belly() {
 
 TEST(RoundOut, TendonsTakeWhatTheBellyCannot) {
   const Strip given = thin_belly();
-  const BellyGrowth law{given.belly, true, 1.0 / 3, 3};
+  const BellyScaling law{given.belly, true, 1.0 / 3, 3};
   for (const double share : {0.5, 0.9, 1.3, 2.0}) {
     std::vector<Ellipse> strip = given.sections;
     const double wanted = share * tube_volume(given.sections);
-    const double growth = round_out(strip, law, wanted);
+    const double growth = symmetrize_outlines(strip, law, wanted);
     EXPECT_NEAR(tube_volume(strip) / wanted, 1, 1e-9) << share;
     EXPECT_NEAR(growth, share < 1 ? 1.0 / 3 : 3, 1e-9) << "the belly stays at the end of its range";
     EXPECT_GT((strip[0].radii.x() - 0.003) * (share - 1), 0);
@@ -117,14 +117,14 @@ TEST(RoundOut, TendonsTakeWhatTheBellyCannot) {
 
 TEST(RoundOut, TendonsSetInWithoutAJump) {
   const Strip given = thin_belly();
-  const BellyGrowth law{given.belly, true, 1.0 / 3, 3};
+  const BellyScaling law{given.belly, true, 1.0 / 3, 3};
   std::vector<Ellipse> fullest = given.sections;
   for (std::size_t k = 0; k < fullest.size(); ++k)
     fullest[k].radii *= 1 + 2 * double(given.belly[k]);
   const double most = tube_volume(fullest);
   for (const double over : {-1e-5, 1e-5}) {
     std::vector<Ellipse> strip = given.sections;
-    round_out(strip, law, (1 + over) * most);
+    symmetrize_outlines(strip, law, (1 + over) * most);
     for (std::size_t k = 0; k < strip.size(); ++k)
       EXPECT_NEAR(strip[k].radii.x() / fullest[k].radii.x(), 1, 1e-2) << over << " section " << k;
   }

@@ -9,7 +9,7 @@
 namespace ecorche {
 namespace {
 
-TriMesh ball(int rounds) {
+TriMesh ball_simplify(int rounds) {
   TriMesh mesh{Points(6, 3), Triangles(8, 3)};
   mesh.V << 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1;
   mesh.F << 0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5;
@@ -18,7 +18,7 @@ TriMesh ball(int rounds) {
 }
 
 TEST(Simplify, KeepsTheShapeAndStaysClosed) {
-  const TriMesh whole = ball(3);  // 5832 triangles
+  const TriMesh whole = ball_simplify(3);  // 5832 triangles
   const TriMesh light = simplify(whole, 400);
   EXPECT_LE(light.F.rows(), 400);
   EXPECT_GT(light.F.rows(), 380);
@@ -32,14 +32,14 @@ TEST(Simplify, KeepsTheShapeAndStaysClosed) {
 }
 
 TEST(Simplify, LeavesWhatIsLightAlone) {
-  const TriMesh whole = ball(1);
+  const TriMesh whole = ball_simplify(1);
   const TriMesh same = simplify(whole, int(whole.F.rows()));
   EXPECT_EQ(same.F, whole.F);
   EXPECT_EQ(same.V, whole.V);
 }
 
 TEST(Simplify, TakesMeshesThatMeetInAnEdge) {
-  TriMesh two = ball(2);
+  TriMesh two = ball_simplify(2);
   const Eigen::Index vertices = two.V.rows(), faces = two.F.rows();
   two.F.conservativeResize(faces + 1, 3);
   two.F.row(faces) << two.F(0, 0), two.F(0, 1),
@@ -53,7 +53,7 @@ TEST(Simplify, TakesMeshesThatMeetInAnEdge) {
 }
 
 TEST(Simplify, FindsTheNearestRows) {
-  const TriMesh whole = ball(1);
+  const TriMesh whole = ball_simplify(1);
   const std::vector<int> rows = nearest_rows(1.1 * whole.V, whole.V);
   for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_EQ(rows[i], int(i));
 }

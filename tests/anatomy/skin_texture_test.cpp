@@ -1,5 +1,6 @@
 // The skin's places on a texture: every corner has one, seams are split and nothing else is.
 #include "anatomy/base_mesh/skin_texture.h"
+#include "anatomy/base_mesh/refined_skin.h"
 
 #include <gtest/gtest.h>
 

@@ -25,7 +25,7 @@ TriMesh box(const Vec3& low, const Vec3& high) {
   return mesh;
 }
 
-TriMesh ball(const Vec3& center, double radius) {
+TriMesh ball_solids(const Vec3& center, double radius) {
   constexpr int rows = 64, around = 128;
   TriMesh mesh;
   mesh.V.resize((rows - 1) * around + 2, 3);
@@ -63,7 +63,7 @@ Solid solid(const TriMesh& mesh, Solid::Kind kind) {
 TEST(Solids, ShapesOfTheTestAreClosedAndFaceOut) {
   EXPECT_NEAR(mesh_volume(box({0, 0, 0}, {1, 2, 3})), 6, 1e-12);
   EXPECT_TRUE(is_closed(box({0, 0, 0}, {1, 2, 3}).F));
-  EXPECT_NEAR(mesh_volume(ball({0, 0, 0}, 1)), 4.0 / 3 * std::numbers::pi, 0.01);
+  EXPECT_NEAR(mesh_volume(ball_solids({0, 0, 0}, 1)), 4.0 / 3 * std::numbers::pi, 0.01);
 }
 
 TEST(Solids, BoxesShareWhatTheirFacesSay) {
@@ -92,7 +92,7 @@ TEST(Solids, BoxesShareWhatTheirFacesSay) {
 
 TEST(Solids, BallsShareTheLens) {
   const double r = 0.05, d = 0.06;
-  const TriMesh a = ball({0, 0, 0}, r), b = ball({d * 0.6, d * 0.64, d * 0.48}, r);
+  const TriMesh a = ball_solids({0, 0, 0}, r), b = ball_solids({d * 0.6, d * 0.64, d * 0.48}, r);
   const double away = d * Vec3(0.6, 0.64, 0.48).norm();
   const double lens = std::numbers::pi * (4 * r + away) * std::pow(2 * r - away, 2) / 12;
   const SolidVolumes v = measure_solids(
@@ -168,7 +168,7 @@ TEST(Solids, LinesThroughCornersAndEdgesDoNotLeak) {
 }
 
 TEST(Solids, PointsOfABallAreInsideByTheirDistance) {
-  const TriMesh mesh = ball({0.1, 0.2, 0.3}, 0.5);
+  const TriMesh mesh = ball_solids({0.1, 0.2, 0.3}, 0.5);
   std::mt19937 random(7);
   std::uniform_real_distribution<double> spread(-0.8, 0.8);
   Points points(4000, 3);

@@ -77,12 +77,15 @@ Mjcf model(const std::map<std::string, std::string>& files) {
 TEST(MjcfReader, ComposesFramesAndFollowsCouplings) {
   const Mjcf m = model(
       {{"body/main.xml", R"(<mujoco><compiler angle="radian"/><include file="../part/assets.xml"/>
-    <worldbody><body name="a" pos="1 0 0" euler="0 0 1.5707963267948966"><include file="../part/chain.xml"/></body></worldbody></mujoco>)"},
+    <worldbody><body name="a" pos="1 0 0" euler="0 0 1.5707963267948966">
+    <include file="../part/chain.xml"/></body></worldbody></mujoco>)"},
        {"part/assets.xml", R"(<x><asset><mesh name="m" file="m.stl" scale="1 1 -1"/></asset>
     <equality><joint joint1="slide" joint2="turn" polycoef="0.5 2 0 0 0"/></equality>
-    <tendon><spatial name="t"><site site="s"/><geom geom="w"/><site site="s"/></spatial></tendon></x>)"},
+    <tendon><spatial name="t"><site site="s"/><geom geom="w"/><site site="s"/></spatial></tendon>
+    </x>)"},
        {"part/chain.xml",
-        R"(<x><joint name="turn" axis="0 0 2"/><body name="b" pos="1 0 0"><joint name="slide" type="slide" axis="1 0 0"/>
+        R"(<x><joint name="turn" axis="0 0 2"/><body name="b" pos="1 0 0">
+    <joint name="slide" type="slide" axis="1 0 0"/>
     <geom name="g" mesh="m" quat="0 0 0 1"/><site name="s" pos="0 1 0"/></body></x>)"}});
   // b lies at (1, 0, 0) + Rz(90 deg) (1 + 0.5, 0, 0)
   EXPECT_LT((m.bodies.at("b").translation() - Vec3(1, 1.5, 0)).norm(), 1e-12);

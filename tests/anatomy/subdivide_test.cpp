@@ -1,4 +1,5 @@
 #include "anatomy/geometry/subdivide.h"
+#include "anatomy/base_mesh/refined_skin.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +8,7 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/geometry/mesh_measures.h"
+#include "anatomy/geometry/vertex_order.h"
 #include "tests/body_fixture.h"
 
 namespace ecorche {

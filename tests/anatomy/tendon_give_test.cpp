@@ -10,9 +10,6 @@ using namespace ecorche;
 using namespace ecorche::testing;
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
-
 struct Published {
   const char* name;
   MuscleTendon muscle;
@@ -62,7 +59,7 @@ double widest(const PosedAnatomy& posed, const SliceRange& range) {
 
 }  // namespace
 
-TEST(TendonGive, ShorteningAtFullEffortIsAsPublished) {
+TEST(TendonCompliance, ShorteningAtFullEffortIsAsPublished) {
   for (const Published& p : kPublished) {
     const double found = isometric_shortening(p.muscle, p.muscle.path, 1);
     EXPECT_GE(found, p.low) << p.name;
@@ -70,7 +67,7 @@ TEST(TendonGive, ShorteningAtFullEffortIsAsPublished) {
   }
 }
 
-TEST(TendonGive, SolverAgreesWithAPlainSearch) {
+TEST(TendonCompliance, SolverAgreesWithAPlainSearch) {
   for (const Published& p : kPublished)
     for (double stretch : {0.95, 1.0, 1.04})
       for (double activation : {0.05, 0.4, 1.0}) {
@@ -81,7 +78,7 @@ TEST(TendonGive, SolverAgreesWithAPlainSearch) {
       }
 }
 
-TEST(TendonGive, MoreEffortShortensMoreAndMostOfItComesEarly) {
+TEST(TendonCompliance, MoreEffortShortensMoreAndMostOfItComesEarly) {
   for (const Published& p : kPublished) {
     double before = 0;
     for (double a = 0; a <= 1; a += 0.05) {
@@ -95,9 +92,9 @@ TEST(TendonGive, MoreEffortShortensMoreAndMostOfItComesEarly) {
   }
 }
 
-TEST(TendonGive, TheTableFollowsTheSolver) {
+TEST(TendonCompliance, TheTableFollowsTheSolver) {
   for (const Published& p : kPublished) {
-    const TendonGive table(p.muscle);
+    const TendonCompliance table(p.muscle);
     for (double stretch : {0.93, 1.0, 1.05})
       for (double root : {0.0, 0.2, 0.55, 0.83, 1.0})
         EXPECT_NEAR(table.at(stretch * p.muscle.path, root),
@@ -106,10 +103,10 @@ TEST(TendonGive, TheTableFollowsTheSolver) {
   }
 }
 
-TEST(TendonGive, NothingGivesWhereThereIsNothingToKnow) {
-  EXPECT_EQ(TendonGive().at(0.3, 1), 0);
-  EXPECT_EQ(TendonGive({0, 0, 0.3}).at(0.3, 1), 0);
-  EXPECT_EQ(TendonGive({0.1, 0, 0}).at(0.3, 1), 0);
+TEST(TendonCompliance, NothingGivesWhereThereIsNothingToKnow) {
+  EXPECT_EQ(TendonCompliance().at(0.3, 1), 0);
+  EXPECT_EQ(TendonCompliance({0, 0, 0.3}).at(0.3, 1), 0);
+  EXPECT_EQ(TendonCompliance({0.1, 0, 0}).at(0.3, 1), 0);
   EXPECT_EQ(isometric_shortening({0.1, 1.57, 0.3}, 0.3, 1), 0);
   EXPECT_EQ(isometric_shortening({0.1, 0, 0.3}, 0.05, 1), 0);
 }

@@ -15,9 +15,12 @@
 #include "anatomy/errors.h"
 #include "anatomy/geometry/overlap_volumes.h"
 #include "anatomy/muscles/action_line.h"
+#include "morph/fit/fit_character.h"
 #include "morph/shapes/body_model.h"
 #include "skinning/character/live_character.h"
+#include "skinning/files/character_read.h"
 #include "tests/morph/built_template.h"
+#include "tests/test_assets.h"
 
 namespace ecorche {
 namespace {
@@ -31,11 +34,9 @@ const Character& person(const Template& tmpl, Sex sex) {
   if (fresh) {
     BodySpec average;
     average.sex = sex;
-    const BodyPackage package = read_body_package(find_packages());
-    Report aside;
-    it->second = fit_character(tmpl, make_body(package, average), package,
-                               {.moves = false, .bound = false, .tissues = false}, aside)
-                     .actor.character;
+    const BodyPackage package = read_body_package(test_assets());
+    const Body body = make_body(package, average);
+    it->second = {fit_character(tmpl, body, package, {.tissues = false}).anatomy, body};
   }
   return it->second;
 }
@@ -75,7 +76,7 @@ std::vector<Asked> settings(const std::vector<Slider>& sliders, int drawn) {
   std::mt19937 draw(20240611);
   for (int i = 0; i < drawn; ++i) {
     Asked& asked = out.emplace_back(sliders.size());
-    for (int wishes = 1 + int(draw() % 2); wishes > 0; --wishes) {
+    for (int targets = 1 + int(draw() % 2); targets > 0; --targets) {
       const std::size_t k = draw() % (sliders.size() - 2);
       asked[k] = std::uniform_real_distribution<double>(sliders[k].low, sliders[k].high)(draw);
     }
@@ -97,8 +98,8 @@ class BodySlidersTest : public testing::TestWithParam<Sex> {};
 TEST_P(BodySlidersTest, bones_that_go_along_with_the_skin_stay_in_it) {
   NEED_TEMPLATE();
   const Character& start = person(tmpl, GetParam());
-  const BodyPackage package = read_body_package(find_packages());
-  const BodySliders sliders(start, tmpl);
+  const BodyPackage package = read_body_package(test_assets());
+  const BodySliders sliders(test_assets(), start, tmpl);
   const std::vector<Slider> shown = sliders.sliders();
   LiveAnatomy live(start);
   for (const Asked& asked : settings(shown, 8)) {
@@ -113,8 +114,8 @@ TEST_P(BodySlidersTest, bones_that_go_along_with_the_skin_stay_in_it) {
 
 TEST_P(BodySlidersTest, what_is_shown_is_what_fit_makes) {
   NEED_TEMPLATE();
-  const BodyPackage package = read_body_package(find_packages());
-  BodySliders sliders(person(tmpl, GetParam()), tmpl);
+  const BodyPackage package = read_body_package(test_assets());
+  BodySliders sliders(test_assets(), person(tmpl, GetParam()), tmpl);
   const std::vector<Slider> shown = sliders.sliders();
   const std::vector<Asked> asked = settings(shown, 0);
   for (const Asked& overtaken : asked) sliders.ask(overtaken);  // only the last one counts
@@ -129,13 +130,11 @@ TEST_P(BodySlidersTest, what_is_shown_is_what_fit_makes) {
     if (last[i])
       EXPECT_NEAR(body->achieved[i], *last[i], 1e-3 * std::abs(*last[i])) << in_words(shown, last);
 
-  Report aside;
   const FittedCharacter fitted =
-      fit_character(tmpl, sliders.solve(last), package,
-                    {.moves = false, .bound = false, .tissues = false}, aside);
-  const Anatomy &is = body->character.anatomy, &wanted = fitted.actor.character.anatomy;
+      fit_character(tmpl, sliders.solve(last), package, {.tissues = false});
+  const Anatomy &is = body->character.anatomy, &wanted = fitted.anatomy;
   EXPECT_EQ(furthest_apart(is, wanted), 0);
-  EXPECT_EQ(body->missed.size(), missed_targets(fitted).size());
+  EXPECT_EQ(body->missed.size(), missed_targets(fitted.report).size());
   const std::vector<Ellipse> slices = rest_slices(wanted);
   ASSERT_EQ(body->rest.slices.size(), slices.size());
   for (std::size_t k = 0; k < slices.size(); ++k)
@@ -171,18 +170,16 @@ TEST(BodySliders, what_is_written_is_fitted_and_judged) {
   NEED_TEMPLATE();
   const std::filesystem::path file =
       std::filesystem::temp_directory_path() / fmt::format("ecorche_sliders_{}.glb", ::getpid());
-  const BodySliders sliders(person(tmpl, Sex::male), tmpl);
+  const BodySliders sliders(test_assets(), person(tmpl, Sex::male), tmpl);
   const Asked stout = settings(sliders.sliders(), 0)[2];
   Report report;
   const std::vector<MissedTarget> missed = sliders.write(stout, file, report);
-  Report aside;
-  const BodyPackage package = read_body_package(find_packages());
+  const BodyPackage package = read_body_package(test_assets());
   const FittedCharacter fitted =
-      fit_character(tmpl, sliders.solve(stout), package,
-                    {.moves = false, .bound = false, .tissues = false}, aside);
-  EXPECT_EQ(missed.size(), missed_targets(fitted).size());
+      fit_character(tmpl, sliders.solve(stout), package, {.tissues = false});
+  EXPECT_EQ(missed.size(), missed_targets(fitted.report).size());
   const Character written = read_character(file);
-  EXPECT_LT(furthest_apart(written.anatomy, fitted.actor.character.anatomy), 1e-6);
+  EXPECT_LT(furthest_apart(written.anatomy, fitted.anatomy), 1e-6);
   std::filesystem::remove(file);
 }
 
@@ -190,7 +187,7 @@ TEST(BodySliders, another_anatomy_than_the_templates_is_refused) {
   NEED_TEMPLATE();
   Character other = person(tmpl, Sex::male);
   other.anatomy.muscles.pop_back();
-  EXPECT_THROW(BodySliders(other, tmpl), UnfitError);
+  EXPECT_THROW(BodySliders(test_assets(), other, tmpl), UnfitError);
 }
 
 }  // namespace

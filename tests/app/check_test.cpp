@@ -14,6 +14,7 @@
 #include "skinning/checks/anatomy_check.h"
 #include "skinning/checks/bodies_check.h"
 #include "skinning/checks/bulges.h"
+#include "skinning/checks/check_targets.h"
 
 using namespace ecorche;
 

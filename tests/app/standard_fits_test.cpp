@@ -11,7 +11,9 @@
 #include "anatomy/muscles/muscle_surface.h"
 #include "morph/fit/fit_character.h"
 #include "morph/shapes/standard_bodies.h"
+#include "morph/template/template_cache.h"
 #include "tests/body_fixture.h"
+#include "tests/test_assets.h"
 
 namespace ecorche {
 namespace {
@@ -95,16 +97,16 @@ class Judge {
 class StandardFits : public BodyFixture {};
 
 TEST_F(StandardFits, MeetTheirFigures) {
-  const Template body_template = read_template();
+  const Template body_template = read_template(test_assets());
   std::vector<BodySpec> specs = standard_bodies();
   specs.push_back(athlete());
   EXPECT_EQ(specs.size(), 16u);
   for (const BodySpec& spec : specs) {
     SCOPED_TRACE(spec.name);
     const Body body = make_body(package(), spec);
-    Report report;
-    const FittedCharacter fitted = fit_character(body_template, body, package(), {}, report);
-    const Anatomy& anatomy = fitted.actor.character.anatomy;
+    const FittedCharacter fitted = fit_character(body_template, body, package());
+    const FittingReport& report = fitted.report;
+    const Anatomy& anatomy = fitted.anatomy;
     const TriMesh closed = capped_skin(package(), body.skin.V);
     const Judge judge(closed);
 
@@ -113,7 +115,7 @@ TEST_F(StandardFits, MeetTheirFigures) {
       for (Eigen::Index i = 0; i < bone.mesh.V.rows(); ++i)
         bones_outside += judge.outside(bone.mesh.V.row(i));
     EXPECT_EQ(bones_outside, 0);
-    EXPECT_EQ(fitted.fit.bones_outside, 0);
+    EXPECT_EQ(report.fit.bones_outside, 0);
 
     const MuscleSurface surface = make_muscle_surface(anatomy);
     Points positions;
@@ -122,16 +124,16 @@ TEST_F(StandardFits, MeetTheirFigures) {
     for (Eigen::Index i = 0; i < positions.rows(); ++i)
       muscle_outside += judge.outside(positions.row(i));
     EXPECT_LE(muscle_outside, 0.001 * double(positions.rows()));
-    EXPECT_NEAR(muscle_outside, fitted.fill.points_outside,
+    EXPECT_NEAR(muscle_outside, report.fill.points_outside,
                 1e-4 * double(positions.rows()));  // the report says the same
 
-    EXPECT_LE(std::abs(fitted.fill.superficial_gap_median), 3e-3);
-    EXPECT_GE(fitted.fill.superficial_slices, 500);
-    EXPECT_EQ(fitted.dilation.misses, 0);
+    EXPECT_LE(std::abs(report.fill.superficial_gap_median), 3e-3);
+    EXPECT_GE(report.fill.superficial_slices, 500);
+    EXPECT_EQ(report.dilation.misses, 0);
 
-    EXPECT_GE(fitted.fit.landmarks.size(), 40u);
+    EXPECT_GE(report.fit.landmarks.size(), 40u);
     int off = 0;
-    for (const LandmarkDepth& at : fitted.fit.landmarks)
+    for (const LandmarkDepth& at : report.fit.landmarks)
       off += at.depth < at.low - 4e-3 || at.depth > at.high + 4e-3;
     // Beyond the fattest build that data/fat.csv knows, nobody says how deep bones lie; placing
     // does not bend them for fat there.
@@ -145,20 +147,20 @@ TEST_F(StandardFits, MeetTheirFigures) {
 // Where the skin of heavy people crosses itself, under a breast or between thighs, sections were
 // taken as outside of it and pulled to other parts of the body, feet to hands.
 TEST_F(StandardFits, HeavyPeopleKeepTheirMusclesWhole) {
-  const Template body_template = read_template();
+  const Template body_template = read_template(test_assets());
   for (const BodySpec& spec :
        {BodySpec{.sex = Sex::female, .age = 40, .height = 1.60, .mass = 100, .name = "heavy_woman"},
         BodySpec{
             .sex = Sex::female, .age = 45, .height = 1.58, .mass = 112, .name = "heaviest_woman"},
         BodySpec{.sex = Sex::male, .age = 40, .height = 1.75, .mass = 135, .name = "heavy_man"}}) {
     SCOPED_TRACE(spec.name);
-    Report report;
     const FittedCharacter fitted =
-        fit_character(body_template, make_body(package(), spec), package(), {}, report);
-    EXPECT_EQ(fitted.dilation.collapsed, 0);
-    EXPECT_EQ(fitted.fit.bones_outside, 0);
-    EXPECT_LE(fitted.fill.points_outside, 0.001 * fitted.fill.points);
-    for (const Muscle& muscle : fitted.actor.character.anatomy.muscles) {
+        fit_character(body_template, make_body(package(), spec), package());
+    const FittingReport& report = fitted.report;
+    EXPECT_EQ(report.dilation.collapsed, 0);
+    EXPECT_EQ(report.fit.bones_outside, 0);
+    EXPECT_LE(report.fill.points_outside, 0.001 * report.fill.points);
+    for (const Muscle& muscle : fitted.anatomy.muscles) {
       EXPECT_GT(muscle.volume, 0) << muscle.name;
       for (const Strip& strip : muscle.strips)
         for (const Slice& slice : strip.slices) ASSERT_LT(slice.offset.norm(), 0.1) << muscle.name;

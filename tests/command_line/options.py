@@ -66,6 +66,11 @@ def bodies(t):
     t.there("effort.glb")
     t.run(0, "body", "new", "--sex", "male", "--measure", "stature=201cm", "--measure", "waist_girth=66cm", "--measure", "weight=70kg", "--allow-unusual", "-o", "unusual.glb")
     t.there("unusual.glb")
+    t.run(0, "body", "new", "--sex", "female", "--measure", "stature=165cm", "-o", "probable.glb")
+    t.run(0, "body", "new", "--sex", "female", "--by", "examples", "--measure", "stature=165cm", "-o", "examples.glb", "--report", "examples.json")
+    achieved = t.json("examples.json")["achieved"]["stature"]
+    t.check(abs(achieved - 1.65) < 0.05 and abs(measures(t, "examples.glb")["stature"] - achieved) < 0.001, f"--by examples: stature {achieved} m")
+    t.check(t.bytes("examples.glb") != t.bytes("probable.glb"), "--by examples changes nothing")
 
 
 def units(t):

@@ -10,23 +10,26 @@
 
 #include <fmt/format.h>
 
+#include "anatomy/character.h"
+#include "anatomy/contact/muscle_model.h"
 #include "anatomy/errors.h"
 #include "anatomy/files/csv_table.h"
 #include "anatomy/files/input_file.h"
 #include "anatomy/mesh_files/mesh_io.h"
 #include "anatomy/mesh_files/stl_io.h"
+#include "anatomy/model_files/mjcf_reader.h"
 #include "anatomy/model_files/model_xml.h"
 #include "anatomy/model_files/musculoskeletal_model.h"
-#include "anatomy/posing/pose_anatomy.h"
-#include "anatomy/posing/posing_table.h"
+#include "anatomy/model_files/osim_reader.h"
 #include "skinning/bind/bind.h"
 #include "skinning/bind/painted_weights.h"
-#include "skinning/character/deform_skin.h"
+#include "skinning/character/evaluate.h"
 #include "skinning/crowd/crowd_read.h"
-#include "skinning/files/character_io.h"
-#include "skinning/motion/activation.h"
+#include "skinning/files/character_read.h"
+#include "skinning/motion/activation_read.h"
 #include "skinning/motion/pose_book.h"
-#include "skinning/motion_files/bvh_io.h"
+#include "skinning/motion_files/bvh_read.h"
+#include "skinning/retarget/joint_map_file.h"
 #include "skinning/retarget/retarget.h"
 #include "tests/skinning/arm.h"
 #include "tests/skinning/plain_skeleton.h"
@@ -56,7 +59,7 @@ void bvh(std::string_view bytes) {
   if (motion.joints.size() > 200 || motion.frames > 20) return;
   static const Skeleton ours = plain_skeleton();
   RetargetReport report;
-  const Motion moved = retarget(motion, ours, {}, report);
+  const Motion moved = retarget(clip_from_bvh(motion), ours, {}, report);
   for (const Pose& pose : moved.frames)
     require(pose.root.allFinite(), "a pose that is not finite came out");
 }
@@ -75,16 +78,12 @@ void character(std::string_view bytes) {
   const Anatomy& anatomy = read.anatomy;
   check(read.body.skin);
   if (slice_count(anatomy) > 2000 || read.body.skin.V.rows() > 5000) return;
-  const PosingTable table = make_posing_table(anatomy, MuscleContact::yes);
-  PosedAnatomy posed;
+  const CharacterModel model = compile_character(read);
+  CharacterState state(model);
   Pose pose = rest_pose(anatomy.skeleton);
-  pose_anatomy(table, anatomy.skeleton, pose, posed);
-  const Binding binding = bind_skin(anatomy, posed, read.body.skin);
   for (std::size_t j = 1; j < pose.rotations.size(); ++j)
     pose.rotations[j] = Quat(Eigen::AngleAxisd(0.7, anatomy.skeleton.joints[j].axes.col(0)));
-  pose_anatomy(table, anatomy.skeleton, pose, posed);
-  SkinFrame skin;
-  deform_skin(binding, posed, skin);
+  const SkinFrame& skin = evaluate_skin(model, pose, {}, state);
   for (const float v : skin.positions) require(std::abs(v) < 1000, "the skin was flung away");
 }
 
@@ -133,9 +132,9 @@ void weights(std::string_view bytes) {
   static const Arm arm = make_arm();
   const PaintedWeights painted =
       painted_weights(Table(bytes, "input.csv"), "input.csv", arm.anatomy, int(arm.skin.V.rows()));
-  for (const auto& shares : painted.shares) {
+  for (const auto& weights : painted.weights) {
     double sum = 0;
-    for (const Influence& share : shares) sum += share.weight;
+    for (const Influence& w : weights) sum += w.weight;
     require(std::abs(sum - 1) < 1e-6, "weights that do not add up were let through");
   }
 }

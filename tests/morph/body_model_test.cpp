@@ -13,6 +13,7 @@
 #include "morph/shapes/shape_age.h"
 #include "morph/shapes/standard_bodies.h"
 #include "tests/body_fixture.h"
+#include "tests/test_assets.h"
 
 namespace ecorche {
 namespace {
@@ -30,7 +31,7 @@ class BodyModelTest : public BodyFixture {
     return model().tape().take(at(id), body.skin.V);
   }
   static Survey survey(Sex sex) {
-    return read_survey(model().tape().table(), sex, data_folder() / "body");
+    return read_survey(model().tape().table(), sex, test_assets().tables / "body");
   }
   static double apart(const Body& a, const Body& b) {
     return (a.skin.V - b.skin.V).rowwise().norm().maxCoeff();
@@ -114,16 +115,17 @@ TEST_F(BodyModelTest, WhatPeopleDoNotHaveIsRefusedWithWhatIsPossible) {
 TEST_F(BodyModelTest, AgesHaveTheStatureAndMassOfPublishedMeans) {
   for (const Sex sex : kSexes) {
     for (const double age : {1.0, 2.5, 5.0, 8.0, 12.0, 14.5, 17.0, 21.0, 45.0, 70.0, 85.0}) {
-      const Growth growth = growth_at(sex, age);
+      const Growth growth = growth_at(test_assets().tables, sex, age);
       const Body body = make_body(model(), {.sex = sex, .age = age});
       EXPECT_NEAR(take("stature", body), growth.stature, 0.002) << age;
       EXPECT_NEAR(body.mass, growth.mass, 0.5) << age;
       EXPECT_NEAR(take("head_girth", body), growth.head_girth, 0.005) << age;
     }
   }
-  EXPECT_NEAR(growth_at(Sex::male, 10).stature, 1.386, 0.001);  // CDC 2000, median
-  EXPECT_NEAR(growth_at(Sex::female, 7.5).mass, 24.2, 0.1);
-  EXPECT_NEAR(growth_at(Sex::female, 80).mass, 70, 3);
+  EXPECT_NEAR(growth_at(test_assets().tables, Sex::male, 10).stature, 1.386,
+              0.001);  // CDC 2000, median
+  EXPECT_NEAR(growth_at(test_assets().tables, Sex::female, 7.5).mass, 24.2, 0.1);
+  EXPECT_NEAR(growth_at(test_assets().tables, Sex::female, 80).mass, 70, 3);
 }
 
 // From month to month nothing leaps, least of all where growing ends.
@@ -132,8 +134,8 @@ TEST_F(BodyModelTest, AgesPassIntoOneAnotherWithoutAStep) {
     for (const double age : {2.95, 9.95, 12.95, 16.95, 17.95, 24.95, 49.95}) {
       const Body a = make_body(model(), {.sex = sex, .age = age}),
                  b = make_body(model(), {.sex = sex, .age = age + 0.1});
-      const double grown =
-          std::abs(growth_at(sex, age + 0.1).stature - growth_at(sex, age).stature);
+      const double grown = std::abs(growth_at(test_assets().tables, sex, age + 0.1).stature -
+                                    growth_at(test_assets().tables, sex, age).stature);
       EXPECT_LT(apart(a, b), grown + 0.0045) << age;
     }
     const double age = between(17.5, 17.99);
@@ -164,7 +166,7 @@ TEST_F(BodyModelTest, MuscleTakesThePlaceOfFat) {
   for (const Sex sex : kSexes) {
     const double height = sex == Sex::male ? between(1.68, 1.85) : between(1.55, 1.72),
                  mass = between(22, 29) * height * height;
-    const std::vector<Wish> given{{at("stature"), height}, {at("weight"), mass}};
+    const std::vector<MeasureTarget> given{{at("stature"), height}, {at("weight"), mass}};
     const Survey people = survey(sex);
     std::vector<Body> bodies;
     for (const double muscle : {0.0, 0.2, 0.5, 0.8, 0.95, 1.0}) {

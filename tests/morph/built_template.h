@@ -7,6 +7,8 @@
 
 #include "anatomy/errors.h"
 #include "morph/template/template.h"
+#include "morph/template/template_cache.h"
+#include "tests/test_assets.h"
 
 namespace ecorche {
 
@@ -14,7 +16,7 @@ namespace ecorche {
 inline const Template* the_template() {
   static const std::shared_ptr<const Template> built = []() -> std::shared_ptr<const Template> {
     try {
-      return std::make_shared<Template>(read_template());
+      return std::make_shared<Template>(read_template(test_assets()));
     } catch (const InputError&) {
       return nullptr;
     }

@@ -28,7 +28,7 @@ Points core() {
 
 TEST(CarryInside, AffineChangesCarryExactly) {
   const Points skin = tube(), inside = core();
-  const Carrier carrier = make_carrier(skin, inside);
+  const SkinInterpolation carrier = make_skin_interpolation(skin, inside);
   Mat3 A = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   A.col(1) *= 1.2;
   A(0, 2) += 0.1;
@@ -44,7 +44,7 @@ TEST(CarryInside, AffineChangesCarryExactly) {
 TEST(CarryInside, ASkinThatGrowsAllRoundLeavesTheAxis) {
   Points skin = tube(), axis(20, 3);
   for (int i = 0; i < 20; ++i) axis.row(i) << 0, 0.1 + 0.012 * i, 0;
-  const Carrier carrier = make_carrier(skin, axis);
+  const SkinInterpolation carrier = make_skin_interpolation(skin, axis);
   for (Eigen::Index v = 0; v < skin.rows(); ++v) {
     const double swell = 1 + 0.2 * std::exp(-std::pow((skin(v, 1) - 0.2) / 0.1, 2));
     skin(v, 0) *= swell, skin(v, 2) *= swell;

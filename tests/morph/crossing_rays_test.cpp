@@ -122,9 +122,9 @@ TEST(CrossingRays, TellWhereEachSolidBeginsAndEnds) {
   const Scene scene = rods();
   const CrossingRays rays(scene.mesh.V, scene.mesh.F, scene.labels, scene.mesh.V.rows());
   std::vector<Crossing> found;
-  std::vector<Stay> stays;
+  std::vector<RayInterval> stays;
   rays.cross(Vec3(0, 0.01, 0.002), Vec3::UnitX(), 0.2, 1e3, -1, found);
-  find_stays(found, scene.labels, 0.2, stays);
+  find_intervals(found, scene.labels, 0.2, stays);
   ASSERT_EQ(stays.size(), 4u);
   EXPECT_EQ(stays[0].solid, 1);
   EXPECT_NEAR(stays[0].from, 0.02, 2e-3);

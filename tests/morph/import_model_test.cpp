@@ -1,6 +1,10 @@
 // Other people's models as templates, and ours as models of other programs: what goes out comes
 // back.
 #include "morph/template/import_model.h"
+#include "anatomy/model_files/mjcf_reader.h"
+#include "anatomy/model_files/mjcf_writer.h"
+#include "anatomy/model_files/model_reader.h"
+#include "anatomy/model_files/osim_writer.h"
 
 #include <gtest/gtest.h>
 
@@ -16,6 +20,7 @@
 #include "anatomy/model_files/model_xml.h"
 #include "anatomy/muscles/transform_muscles.h"
 #include "tests/morph/built_template.h"
+#include "tests/test_assets.h"
 
 namespace ecorche {
 namespace {
@@ -28,8 +33,8 @@ struct Folder {
   ~Folder() { fs::remove_all(path); }
 };
 
-MuscleModel written_and_read(const ExportModel& model, const fs::path& folder,
-                             const std::string& kind) {
+MusculoskeletalModel written_and_read(const ExportModel& model, const fs::path& folder,
+                                      const std::string& kind) {
   const fs::path file = folder / ("model" + kind);
   if (kind == ".osim")
     write_osim(file, model);
@@ -43,9 +48,9 @@ class RoundTrip : public ::testing::TestWithParam<const char*> {};
 TEST_P(RoundTrip, KeepsNamesPathsAndForces) {
   NEED_TEMPLATE();
   Folder folder;
-  ExportModel out = make_export_model(tmpl.anatomy, tmpl.body);
+  ExportModel out = make_export_model(tmpl.anatomy, tmpl.body, test_assets().tables);
   out.meshes.clear();
-  const MuscleModel model = written_and_read(out, folder.path, GetParam());
+  const MusculoskeletalModel model = written_and_read(out, folder.path, GetParam());
   ASSERT_EQ(model.bodies.size(), tmpl.anatomy.skeleton.joints.size());
   ASSERT_EQ(model.muscles.size(), out.strips.size());
   size_t at = 0;
@@ -74,10 +79,10 @@ TEST_P(RoundTrip, KeepsNamesPathsAndForces) {
 TEST_P(RoundTrip, ComesBackAsTheSameTemplate) {
   NEED_TEMPLATE();
   Folder folder;
-  ExportModel out = make_export_model(tmpl.anatomy, tmpl.body);
+  ExportModel out = make_export_model(tmpl.anatomy, tmpl.body, test_assets().tables);
   out.meshes.clear();
   const Imported in =
-      import_model(written_and_read(out, folder.path, GetParam()), tmpl, find_packages());
+      import_model(written_and_read(out, folder.path, GetParam()), tmpl, test_assets());
   EXPECT_TRUE(in.report.match.same);
   EXPECT_FALSE(in.report.upright);
   ASSERT_EQ(in.anatomy.muscles.size(), tmpl.anatomy.muscles.size());
@@ -103,7 +108,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, RoundTrip, ::testing::Values(".osim", ".xml"),
 
 TEST(Export, MassesAddUpAndInertiasArePossible) {
   NEED_TEMPLATE();
-  const ExportModel model = make_export_model(tmpl.anatomy, tmpl.body);
+  const ExportModel model = make_export_model(tmpl.anatomy, tmpl.body, test_assets().tables);
   double mass = 0;
   for (const ExportBody& body : model.bodies) {
     EXPECT_GT(body.mass, 0) << body.name;
@@ -118,7 +123,7 @@ TEST(Export, MassesAddUpAndInertiasArePossible) {
 // A chain of turns about the exported axes is the joint's own turn by its anatomical angles.
 TEST(Export, AnglesAreAnatomicalAngles) {
   NEED_TEMPLATE();
-  const ExportModel model = make_export_model(tmpl.anatomy, tmpl.body);
+  const ExportModel model = make_export_model(tmpl.anatomy, tmpl.body, test_assets().tables);
   const auto turns = [](const Vec3& v) {
     return (Eigen::AngleAxisd(v.x(), Vec3::UnitX()) * Eigen::AngleAxisd(v.y(), Vec3::UnitY()) *
             Eigen::AngleAxisd(v.z(), Vec3::UnitZ()))
@@ -142,12 +147,12 @@ TEST(Export, AnglesAreAnatomicalAngles) {
 
 TEST(Import, TheWholeBodyOfThePackage) {
   NEED_TEMPLATE();
-  const PackageArchive archive(find_packages(), "musclemimic-models");
-  const MuscleModel model = parse_mjcf_model(
+  const PackageArchive archive(test_assets().packages, "musclemimic-models");
+  const MusculoskeletalModel model = parse_mjcf_model(
       {[&](const std::string& path) { return archive.read("musclemimic_models/model/" + path); }},
       "body/myofullbody.xml");
   ASSERT_EQ(model.muscles.size(), 416u);
-  const Imported in = import_model(model, tmpl, find_packages());
+  const Imported in = import_model(model, tmpl, test_assets());
   EXPECT_TRUE(in.report.match.same);  // our bones are the package's
   EXPECT_TRUE(in.report.upright);
   EXPECT_EQ(in.anatomy.muscles.size(), 416u);
@@ -164,8 +169,8 @@ TEST(Import, OpenSimModelsFitTheDefaultBody) {
   for (const char* file :
        {"opensim_core/subject_walk_scaled.osim", "opensim_core/ThoracoscapularShoulderModel.osim",
         "biobuddy/MOBL_ARMS_41.osim", "biobuddy/Wu_Shoulder_Model_via_points.osim"}) {
-    const MuscleModel model = read_muscle_model(folder / file);
-    const Imported in = import_model(model, tmpl, find_packages());
+    const MusculoskeletalModel model = read_muscle_model(folder / file);
+    const Imported in = import_model(model, tmpl, test_assets());
     EXPECT_EQ(in.anatomy.muscles.size(), model.muscles.size()) << file;
     EXPECT_LT(in.report.match.center_error, 0.02) << file;
     EXPECT_LT(in.report.attachment_median, 0.015) << file;
@@ -181,7 +186,7 @@ TEST(Import, OneSideIsMirroredOnDemand) {
   if (!fs::exists(file)) GTEST_SKIP() << "no ../shared";
   ImportOptions options;
   options.mirror = true;
-  const Imported in = import_model(read_muscle_model(file), tmpl, find_packages(), options);
+  const Imported in = import_model(read_muscle_model(file), tmpl, test_assets(), options);
   EXPECT_EQ(in.anatomy.muscles.size(), 100u);
   const int l = find_muscle(in.anatomy, "TRIlong_l"), r = find_muscle(in.anatomy, "TRIlong_r");
   ASSERT_TRUE(l >= 0 && r >= 0);
@@ -192,12 +197,12 @@ TEST(Import, OneSideIsMirroredOnDemand) {
 
 TEST(Import, AModelOfSomethingElseIsRefused) {
   NEED_TEMPLATE();
-  MuscleModel model;
+  MusculoskeletalModel model;
   model.file = "table.osim";
   model.bodies.resize(3);
   model.bodies[0].name = "leg_of_the_table";
   try {
-    import_model(model, tmpl, find_packages());
+    import_model(model, tmpl, test_assets());
     FAIL();
   } catch (const UnfitError& e) {
     EXPECT_NE(std::string(e.what()).find("model_bodies.csv"), std::string::npos);

@@ -8,6 +8,7 @@
 #include "morph/shapes/body.h"
 #include "tests/body_fixture.h"
 #include "tests/morph/tape_check.h"
+#include "tests/test_assets.h"
 
 namespace ecorche {
 namespace {
@@ -15,7 +16,8 @@ namespace {
 class MeasureTest : public BodyFixture {
  protected:
   static const TapeMeasure& tape() {
-    static const TapeMeasure once(package(), read_measure_table(package(), data_folder() / "body"));
+    static const TapeMeasure once(package(),
+                                  read_measure_table(package(), test_assets().tables / "body"));
     return once;
   }
   // Of the package's average stature; `weight` is its slider from thin to heavy.

@@ -1,7 +1,9 @@
 #include "morph/shapes/modify_body.h"
 
 #include "anatomy/files/package_archive.h"
+#include "morph/shapes/shape_space_cache.h"
 #include "tests/body_fixture.h"
+#include "tests/test_assets.h"
 
 namespace ecorche {
 namespace {
@@ -9,7 +11,8 @@ namespace {
 class ModifyTest : public BodyFixture {
  protected:
   static const TapeMeasure& tape() {
-    static const TapeMeasure once(package(), read_measure_table(package(), data_folder() / "body"));
+    static const TapeMeasure once(package(),
+                                  read_measure_table(package(), test_assets().tables / "body"));
     return once;
   }
   static const ShapeSpace& space() {
@@ -18,7 +21,7 @@ class ModifyTest : public BodyFixture {
   }
   // A person with something of her own that no space knows: a dent in the belly.
   static Points person() {
-    std::vector<Wish> asked{
+    std::vector<MeasureTarget> asked{
         {at("stature"), 1.66}, {at("waist_girth"), 0.80}, {at("hip_girth"), 1.02}};
     Points out = solve_measures(tape(), space(), asked).points;
     const int navel = tape().measure(at("waist_girth")).vertices[0];

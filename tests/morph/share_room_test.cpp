@@ -17,21 +17,21 @@
 namespace ecorche {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kPiShareRoom = std::numbers::pi;
 
 // A limb of `count` spindles round a bone, each overlapping its neighbours and the bone.
-Anatomy limb(int count) {
+Anatomy limb_share_room(int count) {
   Anatomy anatomy;
   anatomy.skeleton.joints.push_back({});
   anatomy.bones.push_back({"femur", Side::middle, 0, cylinder(0.014, -0.25, 0.25, 32, 40)});
   for (int m = 0; m < count; ++m) {
-    const double angle = 2 * kPi * m / count + 0.1;
+    const double angle = 2 * kPiShareRoom * m / count + 0.1;
     const Vec3 out(std::cos(angle), 0, std::sin(angle));
     std::vector<PathPoint> path(3);
     for (int p = 0; p < 3; ++p) path[p].rest = 0.028 * out + Vec3(0, -0.18 + 0.18 * p, 0);
     std::vector<Station> stations;
     for (int k = 0; k < 17; ++k) {
-      const double s = k / 16.0, r = 0.004 + (m % 2 ? 0.018 : 0.024) * std::sin(kPi * s);
+      const double s = k / 16.0, r = 0.004 + (m % 2 ? 0.018 : 0.024) * std::sin(kPiShareRoom * s);
       stations.push_back({s, Vec3::Zero(), out, Vec2(r, 0.9 * r)});
     }
     Muscle muscle;
@@ -43,8 +43,8 @@ Anatomy limb(int count) {
   return anatomy;
 }
 
-SharingReport share(Anatomy& anatomy, double skin_radius, double layer,
-                    const SharingLimits& limits = {}) {
+PackingReport share(Anatomy& anatomy, double skin_radius, double layer,
+                    const PackingLimits& limits = {}) {
   const TriMesh skin = cylinder(skin_radius, -0.3, 0.3, 96, 60);
   FatLayer fat;
   fat.thickness.assign(std::size_t(skin.V.rows()), float(layer));
@@ -52,7 +52,7 @@ SharingReport share(Anatomy& anatomy, double skin_radius, double layer,
   std::vector<double> wanted;
   for (const Muscle& muscle : anatomy.muscles) wanted.push_back(muscle.volume);
   const std::vector<int> partners(anatomy.muscles.size(), -1);
-  return share_room(anatomy, slices, wanted, partners, SkinRays(skin), fat, limits);
+  return pack_muscles(anatomy, slices, wanted, partners, SkinRays(skin), fat, limits);
 }
 
 SolidVolumes measure(const Anatomy& anatomy, Points& points) {
@@ -67,7 +67,7 @@ SolidVolumes measure(const Anatomy& anatomy, Points& points) {
 }
 
 TEST(ShareRoom, NeighboursPartAndLeaveTheBone) {
-  Anatomy anatomy = limb(5);
+  Anatomy anatomy = limb_share_room(5);
   Points points;
   const SolidVolumes before = measure(anatomy, points);
   EXPECT_GT(before.muscle_overlap_share(), 0.1);
@@ -81,7 +81,7 @@ TEST(ShareRoom, NeighboursPartAndLeaveTheBone) {
 // Corners of facets may stand into the layer by a quarter of it, the facets themselves stay nearer
 // to it.
 TEST(ShareRoom, BelliesReachTheLayerAndNoFurther) {
-  Anatomy anatomy = limb(5);
+  Anatomy anatomy = limb_share_room(5);
   share(anatomy, 0.064, 0.004);
   Points points;
   measure(anatomy, points);
@@ -116,8 +116,8 @@ double covered(const Anatomy& anatomy, double radius) {
   int near = 0, all = 0;
   for (int around = 0; around < 60; ++around)
     for (double y = -0.1; y <= 0.1; y += 0.02) {
-      const Vec3 p(radius * std::cos(2 * kPi * around / 60), y,
-                   radius * std::sin(2 * kPi * around / 60));
+      const Vec3 p(radius * std::cos(2 * kPiShareRoom * around / 60), y,
+                   radius * std::sin(2 * kPiShareRoom * around / 60));
       double least = 1;
       for (Eigen::Index f = 0; f < surface.F.rows(); ++f)
         for (int i = 0; i <= 6; ++i)
@@ -136,8 +136,8 @@ double covered(const Anatomy& anatomy, double radius) {
 }
 
 TEST(ShareRoom, WhereTheLayerLiesBareTheMuscleUnderItComesUp) {
-  Anatomy bare = limb(5), anatomy = limb(5);
-  SharingLimits without;
+  Anatomy bare = limb_share_room(5), anatomy = limb_share_room(5);
+  PackingLimits without;
   without.covering = 0;
   share(bare, 0.066, 0.004, without);
   share(anatomy, 0.066, 0.004);
@@ -149,7 +149,7 @@ TEST(ShareRoom, WhereTheLayerLiesBareTheMuscleUnderItComesUp) {
 
 // Two straps that cross where neither has a section.
 TEST(ShareRoom, MusclesPartBetweenTheirSections) {
-  Anatomy anatomy = limb(2);
+  Anatomy anatomy = limb_share_room(2);
   for (int m = 0; m < 2; ++m) {
     const double side = m ? 1 : -1;
     std::vector<PathPoint> path(2);
@@ -171,7 +171,7 @@ TEST(ShareRoom, MusclesPartBetweenTheirSections) {
 }
 
 TEST(ShareRoom, EllipsesStay) {
-  Anatomy anatomy = limb(4);
+  Anatomy anatomy = limb_share_room(4);
   const auto before = rest_slices(anatomy);
   share(anatomy, 0.058, 0.004);
   const auto after = rest_slices(anatomy);
@@ -182,7 +182,7 @@ TEST(ShareRoom, EllipsesStay) {
 }
 
 TEST(ShareRoom, SameBytesAtAnyNumberOfThreads) {
-  Anatomy one = limb(6), many = limb(6);
+  Anatomy one = limb_share_room(6), many = limb_share_room(6);
   {
     const tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
     share(one, 0.058, 0.004);

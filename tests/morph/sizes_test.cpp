@@ -1,7 +1,9 @@
 #include "morph/shapes/sizes.h"
 
 #include "anatomy/files/package_archive.h"
+#include "morph/shapes/shape_space_cache.h"
 #include "tests/body_fixture.h"
+#include "tests/test_assets.h"
 
 namespace ecorche {
 namespace {
@@ -54,7 +56,7 @@ TEST(FeaturePoints, ArmsAgainstTheTrunkAreRefused) {
 class SizesTest : public BodyFixture {};
 
 TEST_F(SizesTest, EverySizeHasItsMeasuresAndIsNearestToItself) {
-  const auto folder = data_folder() / "body";
+  const auto folder = test_assets().tables / "body";
   const TapeMeasure tape(package(), read_measure_table(package(), folder));
   const std::vector<StandardSize> sizes = read_sizes(folder);
   EXPECT_EQ(sizes.size(), 14u);
@@ -64,12 +66,12 @@ TEST_F(SizesTest, EverySizeHasItsMeasuresAndIsNearestToItself) {
     std::vector<std::string> names;
     for (const StandardSize& size : sizes) {
       if (size.sex != sex) continue;
-      const std::vector<Wish> wishes = size_wishes(size, tape.table());
-      const SolvedBody body = solve_measures(tape, space, wishes);
+      const std::vector<MeasureTarget> targets = size_targets(size, tape.table());
+      const SolvedBody body = solve_measures(tape, space, targets);
       EXPECT_TRUE(body.conflicts.empty()) << size.name;
-      for (std::size_t i = 0; i < wishes.size(); ++i) {
-        const Measure& m = tape.measure(wishes[i].measure);
-        EXPECT_NEAR(body.achieved[i], wishes[i].value, 0.2 * m.tolerance)
+      for (std::size_t i = 0; i < targets.size(); ++i) {
+        const Measure& m = tape.measure(targets[i].measure);
+        EXPECT_NEAR(body.achieved[i], targets[i].value, 0.2 * m.tolerance)
             << size.name << ' ' << m.id;
       }
       figures.push_back(size_figures(tape, package(), body.points));
@@ -86,7 +88,7 @@ TEST_F(SizesTest, EverySizeHasItsMeasuresAndIsNearestToItself) {
 }
 
 TEST_F(SizesTest, FeaturePointsLieWhereTheLandmarksAre) {
-  const auto folder = data_folder() / "body";
+  const auto folder = test_assets().tables / "body";
   const TapeMeasure tape(package(), read_measure_table(package(), folder));
   const ShapeSpace space = read_shape_space(package(), tape, Sex::female);
   const SolvedBody body = solve_measures(tape, space, {});
@@ -101,8 +103,8 @@ TEST_F(SizesTest, FeaturePointsLieWhereTheLandmarksAre) {
 }
 
 TEST_F(SizesTest, UnknownSizesAreNamed) {
-  EXPECT_THROW(find_size(read_sizes(data_folder() / "body"), Sex::male, "XXXL"), UsageError);
-  EXPECT_EQ(find_size(read_sizes(data_folder() / "body"), Sex::male, "xl").name, "XL");
+  EXPECT_THROW(find_size(read_sizes(test_assets().tables / "body"), Sex::male, "XXXL"), UsageError);
+  EXPECT_EQ(find_size(read_sizes(test_assets().tables / "body"), Sex::male, "xl").name, "XL");
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ double box_distance(const Vec3& p, const Vec3& half) {
 }
 
 // Each triangle in four, vertices shared, pushed onto the unit sphere.
-TriMesh ball(int levels) {
+TriMesh ball_skin_field(int levels) {
   TriMesh mesh = box(Vec3::Ones());
   mesh.V.rowwise().normalize();
   for (int level = 0; level < levels; ++level) {
@@ -71,7 +71,7 @@ TEST(SkinField, DistanceToABoxIsItsClosedForm) {
 }
 
 TEST(SkinField, GradientIsTheDerivativeOfTheDistance) {
-  const SkinField field(ball(3));
+  const SkinField field(ball_skin_field(3));
   std::mt19937 rng(8);
   std::uniform_real_distribution<double> u(-1.5, 1.5);
   int checked = 0;
@@ -91,7 +91,7 @@ TEST(SkinField, GradientIsTheDerivativeOfTheDistance) {
 }
 
 TEST(SkinField, WindingNumberAndSignAgree) {
-  const SkinField field(ball(4));
+  const SkinField field(ball_skin_field(4));
   std::mt19937 rng(9);
   std::uniform_real_distribution<double> u(-1.2, 1.2);
   for (int i = 0; i < 3000; ++i) {
@@ -102,7 +102,7 @@ TEST(SkinField, WindingNumberAndSignAgree) {
 }
 
 TEST(SkinField, TheSeedDoesNotChangeTheAnswer) {
-  const TriMesh mesh = ball(3);
+  const TriMesh mesh = ball_skin_field(3);
   const SkinField field(mesh);
   std::mt19937 rng(10);
   std::uniform_real_distribution<double> u(-1.2, 1.2);

@@ -1,4 +1,6 @@
 #include "morph/shapes/solve_measures.h"
+#include "anatomy/base_mesh/body_rig.h"
+#include "morph/shapes/shape_space_cache.h"
 
 #include <gtest/gtest.h>
 
@@ -13,6 +15,7 @@
 #include "morph/shapes/shape_age.h"
 #include "tests/body_fixture.h"
 #include "tests/morph/tape_check.h"
+#include "tests/test_assets.h"
 
 namespace ecorche {
 namespace {
@@ -51,7 +54,8 @@ const std::vector<std::string> kGiven{"neck_base_girth",    "chest_girth", "wais
 class SolveTest : public BodyFixture {
  protected:
   static const TapeMeasure& tape() {
-    static const TapeMeasure once(package(), read_measure_table(package(), data_folder() / "body"));
+    static const TapeMeasure once(package(),
+                                  read_measure_table(package(), test_assets().tables / "body"));
     return once;
   }
   static const ShapeSpace& space(Sex sex) {
@@ -60,13 +64,15 @@ class SolveTest : public BodyFixture {
     return sex == Sex::male ? male : female;
   }
   static const Survey& survey(Sex sex) {
-    static const Survey male = read_survey(tape().table(), Sex::male, data_folder() / "body"),
-                        female = read_survey(tape().table(), Sex::female, data_folder() / "body");
+    static const Survey male =
+                            read_survey(tape().table(), Sex::male, test_assets().tables / "body"),
+                        female =
+                            read_survey(tape().table(), Sex::female, test_assets().tables / "body");
     return sex == Sex::male ? male : female;
   }
-  static std::vector<Wish> wishes(const People& people, const Eigen::VectorXd& person,
-                                  std::span<const std::string> names) {
-    std::vector<Wish> out;
+  static std::vector<MeasureTarget> targets(const People& people, const Eigen::VectorXd& person,
+                                            std::span<const std::string> names) {
+    std::vector<MeasureTarget> out;
     for (const auto& name : names)
       out.push_back({tape().table().at(name), people.of(person, tape().table().at(name))});
     return out;
@@ -81,15 +87,15 @@ TEST_F(SolveTest, FeasibleSetsAreMetByMeasuringCodeOfItsOwn) {
   for (const Sex sex : {Sex::male, Sex::female}) {
     People people(survey(sex), 7);
     for (int set = 0; set < 20; ++set) {
-      const auto asked = wishes(people, people.next(), kGiven);
+      const auto asked = targets(people, people.next(), kGiven);
       const SolvedBody body = solve_measures(tape(), space(sex), asked);
       ASSERT_TRUE(body.met && body.conflicts.empty())
           << (body.conflicts.empty() ? "not reached" : describe(body.conflicts[0], tape(), asked));
-      for (const Wish& wish : asked) {
-        const Measure& m = tape().measure(wish.measure);
+      for (const MeasureTarget& target : asked) {
+        const Measure& m = tape().measure(target.measure);
         const double found = check.take(m, body.points);
-        EXPECT_NEAR(found, wish.value, m.tolerance) << m.id;
-        if (m.kind != MeasureKind::mass) sum += std::abs(found - wish.value), ++count;
+        EXPECT_NEAR(found, target.value, m.tolerance) << m.id;
+        if (m.kind != MeasureKind::mass) sum += std::abs(found - target.value), ++count;
       }
     }
   }
@@ -109,7 +115,7 @@ TEST_F(SolveTest, EveryMeasureCanBeGivenAlone) {
   for (int k = 0; k < tape().count(); ++k) {
     MeasureGradient gradient;
     const double mean = tape().take(k, space(Sex::female).mean, &gradient);
-    const std::vector<Wish> asked{
+    const std::vector<MeasureTarget> asked{
         {k, mean + 1.5 * space_gradient(space(Sex::female), gradient).norm()}};
     const SolvedBody body = solve_measures(tape(), space(Sex::female), asked);
     EXPECT_TRUE(body.met) << tape().measure(k).id << " " << body.achieved[0] << " for "
@@ -121,7 +127,7 @@ TEST_F(SolveTest, AllMeasuresAtOnceOfABodyOfTheSpaceAreMet) {
   Eigen::VectorXd z = Eigen::VectorXd::Zero(space(Sex::male).basis.cols());
   for (Eigen::Index i = 0; i < z.size(); ++i) z[i] = std::sin(7.0 * double(i));
   const Points V = space_points(space(Sex::male), z);
-  std::vector<Wish> asked;
+  std::vector<MeasureTarget> asked;
   for (int k = 0; k < tape().count(); ++k) asked.push_back({k, tape().take(k, V)});
   const SolvedBody body = solve_measures(tape(), space(Sex::male), asked);
   EXPECT_TRUE(body.conflicts.empty());
@@ -142,7 +148,7 @@ TEST_F(SolveTest, BodiesComeBackFromTheirOwnMeasures) {
       Eigen::VectorXd z(space(sex).basis.cols());
       for (double& x : z) x = normal(random);
       const Points own = space_points(space(sex), z);
-      std::vector<Wish> asked;
+      std::vector<MeasureTarget> asked;
       for (int k = 0; k < tape().count(); ++k) asked.push_back({k, tape().take(k, own)});
       SolveOptions any;
       any.allow_unusual = true;
@@ -165,7 +171,7 @@ TEST_F(SolveTest, AgeChangesTheBodyAndNotWhatWasAsked) {
     move_to_age(package(), tape(), 25, young);
     move_to_age(package(), tape(), 80, old);
     People people(survey(sex), 13);
-    const auto asked = wishes(people, people.next(), kGiven);
+    const auto asked = targets(people, people.next(), kGiven);
     const SolvedBody a = solve_measures(tape(), young, asked),
                      b = solve_measures(tape(), old, asked);
     EXPECT_TRUE(a.met && b.met);
@@ -175,10 +181,10 @@ TEST_F(SolveTest, AgeChangesTheBodyAndNotWhatWasAsked) {
 
 // Shorter legs, all of the leg shorter: nowhere is the skin folded up.
 TEST_F(SolveTest, ShortLegsHaveNoRidge) {
-  const std::vector<Wish> asked{{at("stature"), 1.71},
-                                {at("crotch_height"), 0.68},
-                                {at("chest_girth"), 1.10},
-                                {at("waist_girth"), 1.02}};
+  const std::vector<MeasureTarget> asked{{at("stature"), 1.71},
+                                         {at("crotch_height"), 0.68},
+                                         {at("chest_girth"), 1.10},
+                                         {at("waist_girth"), 1.02}};
   SolveOptions any;
   any.allow_unusual = true;
   const SolvedBody body = solve_measures(tape(), space(Sex::male), asked, any);
@@ -200,7 +206,7 @@ TEST_F(SolveTest, ShortLegsHaveNoRidge) {
 TEST_F(SolveTest, LeftAndRightAreEqual) {
   People people(survey(Sex::female), 3);
   const SolvedBody body =
-      solve_measures(tape(), space(Sex::female), wishes(people, people.next(), kGiven));
+      solve_measures(tape(), space(Sex::female), targets(people, people.next(), kGiven));
   for (int v = 0; v < package().skin_size; ++v) {
     Vec3 other = body.points.row(package().mirror[v]);
     other.x() = -other.x();
@@ -215,7 +221,7 @@ TEST_F(SolveTest, ContradictionsAreNamed) {
     People people(survey(sex), 11);
     std::mt19937 random(5);
     for (int set = 0; set < kSets / 2; ++set) {
-      auto asked = wishes(people, people.next(), kGiven);
+      auto asked = targets(people, people.next(), kGiven);
       const std::size_t bad = random() % asked.size();
       const auto& s = survey(sex);
       for (std::size_t r = 0; r < s.measures.size(); ++r) {
@@ -244,13 +250,13 @@ TEST_F(SolveTest, PeopleRaiseNoFalseAlarm) {
   for (const Sex sex : {Sex::male, Sex::female}) {
     People people(survey(sex), 29);
     for (int set = 0; set < kSets / 2; ++set)
-      alarms += find_conflicts(space(sex), wishes(people, people.next(), kGiven)).empty() ? 0 : 1;
+      alarms += find_conflicts(space(sex), targets(people, people.next(), kGiven)).empty() ? 0 : 1;
   }
   EXPECT_LT(alarms, kSets / 100);
 }
 
 TEST_F(SolveTest, ImpossibleWishesGiveTheNearestBody) {
-  const std::vector<Wish> asked{
+  const std::vector<MeasureTarget> asked{
       {at("stature"), 1.70}, {at("crotch_height"), 1.05}, {at("waist_girth"), 0.80}};
   const SolvedBody body = solve_measures(tape(), space(Sex::female), asked);
   ASSERT_FALSE(body.conflicts.empty());
@@ -268,7 +274,7 @@ TEST_F(SolveTest, ImpossibleWishesGiveTheNearestBody) {
 
 TEST_F(SolveTest, EditsEndWhereNewBodiesDo) {
   People people(survey(Sex::male), 31);
-  auto asked = wishes(people, people.next(), kGiven);
+  auto asked = targets(people, people.next(), kGiven);
   const SolvedBody before = solve_measures(tape(), space(Sex::male), asked);
   asked[2].value += 0.01;
   const SolvedBody edited = solve_measures(tape(), space(Sex::male), asked, {}, &before.z),
@@ -279,7 +285,7 @@ TEST_F(SolveTest, EditsEndWhereNewBodiesDo) {
 }
 
 TEST_F(SolveTest, SameWishTwiceIsAMistake) {
-  const std::vector<Wish> asked{{at("stature"), 1.7}, {at("stature"), 1.8}};
+  const std::vector<MeasureTarget> asked{{at("stature"), 1.7}, {at("stature"), 1.8}};
   EXPECT_THROW(solve_measures(tape(), space(Sex::male), asked), UsageError);
 }
 
@@ -306,7 +312,7 @@ TEST_F(SolveTest, HandsFeetAndFacesOnlyChangeAsWholes) {
     People people(survey(sex), 19);
     for (int set = 0; set < 6; ++set) {
       const SolvedBody body =
-          solve_measures(tape(), space(sex), wishes(people, people.next(), kGiven));
+          solve_measures(tape(), space(sex), targets(people, people.next(), kGiven));
       EXPECT_LT(distortion(space(sex).mean, body.points, hand), 0.05);
       EXPECT_LT(distortion(space(sex).mean, body.points, foot), 0.05);
       EXPECT_LT(distortion(space(sex).mean, body.points, head), 0.05);

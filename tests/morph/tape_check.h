@@ -12,6 +12,7 @@
 
 #include <Eigen/Geometry>
 
+#include "anatomy/base_mesh/body_rig.h"
 #include "morph/measures/tape_measure.h"
 #include "morph/shapes/body.h"
 

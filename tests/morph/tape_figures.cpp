@@ -18,9 +18,11 @@
 #include "anatomy/queries/signed_distance.h"
 #include "morph/shapes/example_synthesizer.h"
 #include "morph/shapes/shape_examples.h"
+#include "morph/shapes/shape_space_cache.h"
 #include "morph/shapes/solve_measures.h"
 #include "tests/morph/paper_sets.h"
 #include "tests/morph/tape_check.h"
+#include "tests/test_assets.h"
 
 namespace ecorche {
 namespace {
@@ -78,8 +80,8 @@ struct Bench {
   Eigen::MatrixXd people;                  // even rows: fitting half
   std::vector<Eigen::Index> given, other;  // columns
 
-  std::vector<Wish> wishes(Eigen::Index person) const {
-    std::vector<Wish> out;
+  std::vector<MeasureTarget> targets(Eigen::Index person) const {
+    std::vector<MeasureTarget> out;
     for (Eigen::Index c : given) out.push_back({survey.measures[c], people(person, c)});
     return out;
   }
@@ -113,7 +115,7 @@ void feasible(const Bench& b, int count) {
   for (const int part : {0, 1}) {
     for (Eigen::Index i = 0; i < n; ++i) {
       const Eigen::Index person = 2 * i + part;
-      const std::vector<Wish> asked = b.wishes(person);
+      const std::vector<MeasureTarget> asked = b.targets(person);
       const auto before = std::chrono::steady_clock::now();
       const SolvedBody body = solve_measures(b.tape, b.space, asked);
       if (part == 1)
@@ -171,7 +173,8 @@ void contradictory(const Bench& b, int count) {
   std::mt19937 random(5);
   int flagged = 0, right = 0;
   for (int set = 0; set < count; ++set) {
-    std::vector<Wish> asked = b.wishes(2 * (Eigen::Index(random()) % (b.people.rows() / 2)) + 1);
+    std::vector<MeasureTarget> asked =
+        b.targets(2 * (Eigen::Index(random()) % (b.people.rows() / 2)) + 1);
     const std::size_t bad = random() % asked.size();
     const Eigen::Index c = b.given[bad];
     asked[bad].value =
@@ -203,7 +206,7 @@ void come_back(const Bench& b, int count) {
       const Points own =
           drawn ? space_points(b.space, z)
                 : Points(Eigen::Map<const Points>(held_out.col(i).data(), b.package.skin_size, 3));
-      std::vector<Wish> asked;
+      std::vector<MeasureTarget> asked;
       for (int k = 0; k < b.tape.count(); ++k) asked.push_back({k, b.tape.take(k, own)});
       SolveOptions any;
       any.allow_unusual = true;
@@ -242,18 +245,18 @@ void paper(const Bench& b, std::ofstream* sheet, int row, int& sheet_vertices) {
   double worst = 0;
   const auto& sets = paper_sets(b.space.sex);
   for (std::size_t s = 0; s < sets.size(); ++s) {
-    std::vector<Wish> asked;
+    std::vector<MeasureTarget> asked;
     for (std::size_t j = 0; j < sets[s].size(); ++j)
       asked.push_back({b.tape.table().at(kPaperMeasures[j]), 0.01 * sets[s][j]});
     SolveOptions any;
     any.allow_unusual = true;
     const SolvedBody body = solve_measures(b.tape, b.space, asked, any);
     fmt::print("{}{}", char('a' + s), find_conflicts(b.space, asked).empty() ? ' ' : '*');
-    for (const Wish& wish : asked) {
-      const Measure& m = b.tape.measure(wish.measure);
+    for (const MeasureTarget& target : asked) {
+      const Measure& m = b.tape.measure(target.measure);
       const double read = b.check.take(m, body.points);
-      worst = std::max(worst, std::abs(read - wish.value) / m.tolerance);
-      fmt::print("{:>15}", fmt::format("{:.0f} {:.1f}", 100 * wish.value, 100 * read));
+      worst = std::max(worst, std::abs(read - target.value) / m.tolerance);
+      fmt::print("{:>15}", fmt::format("{:.0f} {:.1f}", 100 * target.value, 100 * read));
     }
     fmt::print("\n");
     if (sheet == nullptr) continue;
@@ -293,12 +296,12 @@ int run(int count, const std::string& sheet_file) {
   }
   std::optional<BodyPackage> package;
   try {
-    package = read_body_package(find_packages());
+    package = read_body_package(test_assets());
   } catch (const InputError& e) {
     fmt::print("skipped: {}\n", e.what());
     return 77;
   }
-  const auto folder = data_folder() / "body";
+  const auto folder = test_assets().tables / "body";
   const TapeMeasure tape(*package, read_measure_table(*package, folder));
   const TapeCheck check(*package, tape.table());
   std::optional<std::ofstream> sheet;

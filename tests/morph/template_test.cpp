@@ -8,6 +8,7 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/queries/signed_distance.h"
+#include "morph/template/template_cache.h"
 #include "tests/morph/built_template.h"
 
 namespace ecorche {
@@ -38,7 +39,7 @@ TEST(Template, LeftAndRightMirror) {
 
 TEST(Template, NoBoneVertexIsOutsideItsSkin) {
   NEED_TEMPLATE();
-  const SkinField skin(capped_skin(tmpl.tables->topology, tmpl.body.skin.V));
+  const SkinField skin(capped_skin(tmpl.tables.topology, tmpl.body.skin.V));
   int outside = 0;
   for (const Bone& bone : tmpl.anatomy.bones)
     for (int i = 0; i < bone.mesh.V.rows(); ++i)
@@ -48,10 +49,10 @@ TEST(Template, NoBoneVertexIsOutsideItsSkin) {
 
 TEST(Template, CentreRegressorGivesTheTemplatesOwnCentres) {
   NEED_TEMPLATE();
-  const NamedPoints centres = joint_centres(tmpl.tables->regressor, tmpl.body.skin.V);
+  const NamedPoints centres = joint_centres(tmpl.tables.regressor, tmpl.body.skin.V);
   EXPECT_GT(centres.size(), 40u);
   for (const auto& [name, centre] : centres)
-    EXPECT_LT((centre - tmpl.tables->half.points.at(name)).norm(), 1e-7) << name;
+    EXPECT_LT((centre - tmpl.tables.half.points.at(name)).norm(), 1e-7) << name;
 }
 
 TEST(Template, CentreRegressorFollowsAffineMaps) {
@@ -60,20 +61,20 @@ TEST(Template, CentreRegressorFollowsAffineMaps) {
   A << 1.1, 0.2, 0, -0.1, 0.9, 0.05, 0.3, 0, 1.2;
   const Vec3 shift(3, -2, 1);
   const Points moved = (tmpl.body.skin.V * A.transpose()).rowwise() + shift.transpose();
-  const NamedPoints before = joint_centres(tmpl.tables->regressor, tmpl.body.skin.V);
-  for (const auto& [name, centre] : joint_centres(tmpl.tables->regressor, moved))
+  const NamedPoints before = joint_centres(tmpl.tables.regressor, tmpl.body.skin.V);
+  for (const auto& [name, centre] : joint_centres(tmpl.tables.regressor, moved))
     EXPECT_LT((centre - (A * before.at(name) + shift)).norm(), 1e-9) << name;
 }
 
 TEST(Template, CacheGivesBackWhatWasWritten) {
   NEED_TEMPLATE();
   const std::string bytes = write_template_bytes(tmpl);
-  EXPECT_EQ(write_template_bytes(read_template_bytes(bytes)), bytes);
+  EXPECT_EQ(write_template_bytes(read_template_bytes(bytes, tmpl.tables.fat)), bytes);
   std::string damaged = bytes;
   damaged[damaged.size() / 2] ^= 1;
-  EXPECT_THROW(read_template_bytes(damaged), InputError);
-  EXPECT_THROW(read_template_bytes(bytes.substr(0, 1000)), InputError);
-  EXPECT_THROW(read_template_bytes(""), InputError);
+  EXPECT_THROW(read_template_bytes(damaged, tmpl.tables.fat), InputError);
+  EXPECT_THROW(read_template_bytes(bytes.substr(0, 1000), tmpl.tables.fat), InputError);
+  EXPECT_THROW(read_template_bytes("", tmpl.tables.fat), InputError);
 }
 
 }  // namespace

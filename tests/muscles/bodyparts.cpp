@@ -22,6 +22,7 @@
 #include <numeric>
 #include <sstream>
 
+#include "anatomy/authoring/muscle_placement.h"
 #include "anatomy/authoring/muscle_table.h"
 #include "anatomy/base_mesh/body_package.h"
 #include "anatomy/bones/bone_package.h"
@@ -40,7 +41,9 @@
 #include "morph/fit/fit_anatomy.h"
 #include "morph/shapes/body_model.h"
 #include "morph/template/template.h"
+#include "morph/template/template_cache.h"
 #include "tests/muscles/shells.h"
+#include "tests/test_assets.h"
 
 namespace ecorche {
 namespace {
@@ -337,9 +340,9 @@ Vec3 centroid(const TriMesh& mesh) {
 // into their room.
 std::vector<double> volumes_in_their_man(const Anatomy& anatomy) {
   const Body man = make_body(
-      read_body_package(find_packages()),
+      read_body_package(test_assets()),
       {.sex = Sex::male, .age = 22, .height = kTheirStature, .mass = kTheirMass, .name = "theirs"});
-  const Anatomy fitted = fit_anatomy(read_template(), man).anatomy;
+  const Anatomy fitted = fit_anatomy(read_template(test_assets()), man).anatomy;
   std::vector<double> out;
   for (const Muscle& muscle : anatomy.muscles) {
     const int m = find_muscle(fitted, muscle.name);
@@ -392,8 +395,8 @@ double median(std::vector<double> values) {
 }
 
 bool compare_all(const Parts& parts, const fs::path& tables, const fs::path& folder) {
-  Anatomy anatomy = read_source_skeleton(find_packages());
-  anatomy.muscles = place_muscles(read_muscle_table(data_folder()), anatomy);
+  Anatomy anatomy = read_source_skeleton(test_assets());
+  anatomy.muscles = place_muscles(read_muscle_table(test_assets().tables), anatomy);
   const Aligned aligned = align_joints(anatomy, parts, Table(tables / "bodyparts_bones.csv"));
   std::vector<double> errors;
   fmt::print("{:<14} {:>8} {:>7}\n", "bones of", "RMS mm", "scale");

@@ -11,6 +11,7 @@
 #include <span>
 #include <thread>
 
+#include "anatomy/authoring/muscle_ends.h"
 #include "anatomy/authoring/resample_mesh.h"
 #include "anatomy/files/atomic_file.h"
 #include "anatomy/geometry/mesh_measures.h"

@@ -1,5 +1,5 @@
 // Tables of activation: formats, names, and files that are wrong.
-#include "skinning/motion/activation.h"
+#include "skinning/motion/activation_read.h"
 
 #include <gtest/gtest.h>
 
@@ -154,7 +154,7 @@ Eigen::MatrixXd arm_moments() {
 TEST(AutoActivation, GivesTheMomentsByTheLeastSquares) {
   const Eigen::MatrixXd A = arm_moments();
   const Eigen::Vector2d b(12, 3);
-  const Eigen::VectorXd a = share_moments(A, b, 1e6);
+  const Eigen::VectorXd a = distribute_moments(A, b, 1e6);
   EXPECT_LT((A * a - b).norm(), 1e-4);
   EXPECT_EQ(a[2], 0);
   // Of the two that bend the first hinge only, each gives in proportion to its arm.
@@ -166,9 +166,9 @@ TEST(AutoActivation, GivesTheMomentsByTheLeastSquares) {
 }
 
 TEST(AutoActivation, AsksNobodyForMoreThanAll) {
-  const Eigen::VectorXd a = share_moments(arm_moments(), Eigen::Vector2d(-100, 0), 1e3);
+  const Eigen::VectorXd a = distribute_moments(arm_moments(), Eigen::Vector2d(-100, 0), 1e3);
   EXPECT_EQ(a[2], 1);
   EXPECT_EQ(a[0], 0);
-  const Eigen::VectorXd none = share_moments(arm_moments(), Eigen::Vector2d(0, 0), 1e3);
+  const Eigen::VectorXd none = distribute_moments(arm_moments(), Eigen::Vector2d(0, 0), 1e3);
   EXPECT_EQ(none.norm(), 0);
 }

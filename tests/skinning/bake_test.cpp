@@ -6,12 +6,14 @@
 #include <numbers>
 
 #include "anatomy/errors.h"
+#include "anatomy/posing/pose_anatomy.h"
+#include "anatomy/posing/posing_table.h"
 #include "skinning/bake/bake_io.h"
 #include "skinning/bake/bake_polish.h"
 #include "skinning/bake/bake_weights.h"
-#include "skinning/character/deform_skin.h"
 #include "skinning/files/quantized_rotations.h"
 #include "tests/skinning/arm.h"
+#include "tests/skinning/compiled_arm.h"
 
 namespace ecorche {
 namespace {
@@ -22,12 +24,11 @@ struct BoundArm {
   const Skeleton& skeleton = arm.anatomy.skeleton;
   PosingTable table = make_posing_table(arm.anatomy);
   PosedAnatomy posed;
-  Binding binding;
+  CharacterModel model = test::compile_without_collision(arm.anatomy, arm.skin);
+  Binding binding = model.binding;
   BakedMotion bend;
 
   BoundArm() {
-    pose_anatomy(table, skeleton, rest_pose(skeleton), posed);
-    binding = bind_skin(arm.anatomy, posed, arm.skin);
     bend.name = "bend";
     for (int f = 0; f < 20; ++f) {
       Pose pose = rest_pose(skeleton);
@@ -40,7 +41,7 @@ struct BoundArm {
   ExactSkin exact() {
     return [this](const Pose& pose, SkinFrame& out) {
       pose_anatomy(table, skeleton, pose, posed);
-      deform_skin(binding, posed, out);
+      out = test::skin_over(model, posed);
     };
   }
   Bake bake(int morphs, double least_offset = 1e-4, int helpers = 0) {
@@ -137,7 +138,7 @@ TEST(Bake, NoOtherCurveBringsAFrameCloser) {
   for (std::size_t f = 0; f < 20; f += 3) {
     arm.exact()(arm.bend.motion.frames[f], frame);
     to_points(frame, wanted);
-    forward_kinematics(arm.skeleton, kept_in_shorts(arm.bend.motion.frames[f]), X_WJ);
+    forward_kinematics(arm.skeleton, quantized(arm.bend.motion.frames[f]), X_WJ);
     const Eigen::VectorXf best = bend.curves.row(f).transpose();
     play_bake(bake, arm.arm.skin, arm.skeleton, X_WJ, bend.helpers[f], best, played);
     const double least = cost(played, wanted);
@@ -154,14 +155,14 @@ TEST(Bake, NoOtherCurveBringsAFrameCloser) {
 TEST(BakePolish, BringsTheFarthestCloserAndLeavesTheRestAlone) {
   std::srand(3);
   const Eigen::MatrixXd curves = Eigen::MatrixXd::Random(3, 12);
-  std::vector<Leftover> frames(12);
-  for (Leftover& frame : frames) {
+  std::vector<FrameResidual> frames(12);
+  for (FrameResidual& frame : frames) {
     frame.blend = Rows9f::Zero(2, 9);
     frame.blend.col(0).setOnes(), frame.blend.col(5).setConstant(-1),
         frame.blend.col(7).setOnes();  // a quarter turn about x
-    frame.left = 1e-3f * Rows3f::Random(2, 3);
+    frame.residual = 1e-3f * Rows3f::Random(2, 3);
   }
-  frames[4].left.row(1) << 0.0f, 0.02f, 0.0f;
+  frames[4].residual.row(1) << 0.0f, 0.02f, 0.0f;
   Shapes shapes{Eigen::MatrixXf::Zero(6, 3)};
   polish_shapes(frames, curves, shapes);
   EXPECT_EQ(shapes.offsets.topRows(3), Eigen::MatrixXf::Zero(3, 3));
@@ -169,7 +170,7 @@ TEST(BakePolish, BringsTheFarthestCloserAndLeavesTheRestAlone) {
   Mat3 turn;
   turn << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   for (std::size_t f = 0; f < 12; ++f) {
-    const Vec3 left = frames[f].left.row(1).transpose().cast<double>(),
+    const Vec3 left = frames[f].residual.row(1).transpose().cast<double>(),
                moved = turn * (shapes.offsets.bottomRows(3).cast<double>() * curves.col(f));
     before = std::max(before, left.norm());
     after = std::max(after, (left - moved).norm());
@@ -188,7 +189,7 @@ TEST(Bake, SolvedWeightsAreNoWorseThanTheGiven) {
   Points played, wanted;
   for (const Pose& pose : arm.bend.motion.frames) {
     arm.exact()(pose, frame);
-    forward_kinematics(arm.skeleton, kept_in_shorts(pose), X_WJ);
+    forward_kinematics(arm.skeleton, quantized(pose), X_WJ);
     play_bake(given, arm.arm.skin, arm.skeleton, X_WJ, {}, Eigen::VectorXf(), played);
     to_points(frame, wanted);
     squares += (played - wanted).squaredNorm();

@@ -3,32 +3,35 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <optional>
 
 #include "anatomy/errors.h"
+#include "anatomy/posing/pose_anatomy.h"
+#include "anatomy/posing/posing_table.h"
 #include "morph/fit/fit_anatomy.h"
 #include "morph/shapes/standard_bodies.h"
 #include "morph/template/template.h"
+#include "morph/template/template_cache.h"
 #include "skinning/bind/bind.h"
-#include "skinning/character/deform_skin.h"
 #include "skinning/evaluation/package_blend.h"
 #include "skinning/evaluation/pose_figures.h"
 #include "skinning/evaluation/skin_quality.h"
 #include "skinning/motion/pose_book.h"
+#include "skinning/motion_files/read_motion.h"
 #include "skinning/retarget/retarget.h"
 #include "tests/body_fixture.h"
+#include "tests/skinning/compiled_arm.h"
+#include "tests/test_assets.h"
 
 namespace ecorche {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
-
 // A fitted body with its skin bound, and the linear blend of the same skin.
 struct Figure {
   Anatomy anatomy;
   TriMesh skin;
   PosingTable table;
-  Binding binding;
-  LinearRival rival;
+  std::optional<CharacterModel> model;
+  LinearBaseline baseline;
   std::vector<LimbSection> sections;
   PosedAnatomy posed;
 
@@ -36,18 +39,16 @@ struct Figure {
 
   SkinFrame play(const Pose& pose) {
     pose_anatomy(table, anatomy.skeleton, pose, posed);
-    SkinFrame frame;
-    deform_skin(binding, posed, frame);
-    return frame;
+    return test::skin_over(*model, posed);
   }
   // Of the pose that was played last.
   SkinFrame linear() const {
     SkinFrame frame;
-    deform_rival(rival, anatomy.skeleton, posed.X_WJ, frame);
+    deform_linear_baseline(baseline, anatomy.skeleton, posed.X_WJ, frame);
     return frame;
   }
   SkinQuality quality(const SkinFrame& frame) const {
-    return measure_skin(skin, binding, sections, posed.X_WJ, frame);
+    return measure_skin(skin, *model->skin.blend, sections, posed.X_WJ, frame);
   }
 };
 
@@ -57,7 +58,7 @@ class BodySkin : public BodyFixture {
     BodyFixture::SetUp();
     if (IsSkipped() || template_) return;
     try {
-      template_ = std::make_unique<Template>(read_template());
+      template_ = std::make_unique<Template>(read_template(test_assets()));
     } catch (const InputError& error) {
       GTEST_SKIP() << error.what();
     }
@@ -68,9 +69,9 @@ class BodySkin : public BodyFixture {
     out.anatomy = fit_anatomy(*template_, body).anatomy;
     out.skin = body.skin;
     out.table = make_posing_table(out.anatomy);
-    out.binding = bind_skin(out.anatomy, body);
-    out.rival = make_linear_rival(package(), out.anatomy.skeleton, out.skin);
-    out.sections = limb_sections(out.anatomy.skeleton, out.skin, out.binding);
+    out.model = test::compile_without_collision(out.anatomy, body.skin);
+    out.baseline = make_linear_baseline(package(), out.anatomy.skeleton, out.skin);
+    out.sections = limb_sections(out.anatomy.skeleton, out.skin, out.model->binding.joint_weights);
     return out;
   }
   static BodySpec standard_body(const std::string& name) {
@@ -123,9 +124,9 @@ TEST_F(BodySkin, WhatContactPressesAwaySwellsElsewhere) {
   Figure body = figure(standard_body("default_male"));
   for (const char* angles : {"knee 150", "elbow 150", "hip 110; knee 140; trunk 40 0 0"}) {
     const SkinFrame frame = body.play(pose_of_angles(angles, body.anatomy.skeleton, "this test"));
-    EXPECT_LT(
-        std::abs(measure_pose(body.skin, body.binding, body.posed.X_WJ, frame).body_volume_change),
-        0.005)
+    EXPECT_LT(std::abs(measure_pose(body.skin, *body.model->skin.blend, body.posed.X_WJ, frame)
+                           .body_volume_change),
+              0.005)
         << angles;
   }
 }
@@ -134,7 +135,7 @@ TEST_F(BodySkin, NoFoldsOverTheLongJump) {
   Figure body = figure(athlete());
   RetargetReport found;
   const Motion motion =
-      retarget(read_bvh(std::string(ECORCHE_TEST_DIR) + "/../data/motions/long_jump.bvh"),
+      retarget(read_motion(std::string(ECORCHE_TEST_DIR) + "/../data/motions/long_jump.bvh"),
                body.anatomy.skeleton, {}, found);
   for (size_t f = 0; f < motion.frames.size(); f += 2) {
     const SkinQuality mine = body.quality(body.play(motion.frames[f])),

@@ -6,9 +6,11 @@
 #include <iterator>
 #include <limits>
 
+#include "anatomy/character.h"
 #include "anatomy/errors.h"
 #include "anatomy/muscles/action_line.h"
-#include "skinning/files/character_io.h"
+#include "skinning/files/character_read.h"
+#include "skinning/files/character_write.h"
 #include "skinning/files/light_character.h"
 
 using namespace ecorche;

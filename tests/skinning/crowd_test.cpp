@@ -1,4 +1,6 @@
-#include "skinning/crowd/crowd_io.h"
+#include "skinning/crowd/crowd_file.h"
+#include "skinning/crowd/crowd_person.h"
+#include "skinning/crowd/crowd_prototype.h"
 
 #include <gtest/gtest.h>
 #include <tiny_gltf.h>
@@ -12,6 +14,7 @@
 #include <set>
 
 #include "anatomy/errors.h"
+#include "skinning/crowd/crowd_motion.h"
 #include "skinning/crowd/crowd_read.h"
 #include "tests/skinning/arm.h"
 
@@ -20,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string bytes_of(const fs::path& file) {
+std::string bytes_of_crowd(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
@@ -59,13 +62,13 @@ class CrowdTest : public ::testing::Test {
 
   CrowdMember member(const Character& character) {
     const fs::path file = folder / (character.body.name + ".bin");
-    write_crowd_person(file, mould, character, weights_of(character).joint_weights);
+    write_crowd_person(file, prototype, character, weights_of(character).joint_weights);
     return {character.body.name, file, {{"stature_m", 1.7}}, {{"sex", "female"}}};
   }
 
   fs::path folder = fs::temp_directory_path() / ("crowd-" + std::to_string(getpid()));
   Character pattern = person("pattern", 1);
-  CrowdMould mould = make_crowd_mould(pattern);
+  CrowdPrototype prototype = make_crowd_prototype(pattern);
 };
 
 // What a player of glTF makes of a file.
@@ -185,7 +188,7 @@ TEST_F(CrowdTest, PeopleStandAsTheyWereInBothKindsOfFile) {
   const Character tall = person("tall", 1.1), small = person("small", 0.8);
   const std::vector<CrowdMember> members{member(small), member(tall)};
   for (const char* name : {"crowd.glb", "crowd.gltf"}) {
-    write_crowd(folder / name, mould, members);
+    write_crowd(folder / name, prototype, members);
     const PlayedCrowd crowd(folder / name);
     const auto apart = [&](const char* who) { return crowd.node(who).translation; };
     for (const Character* one : {&small, &tall}) {
@@ -198,7 +201,7 @@ TEST_F(CrowdTest, PeopleStandAsTheyWereInBothKindsOfFile) {
       const Points bone = one->anatomy.bones[1].mesh.V;
       const Points bones =
           crowd.rest(who + "/bones").rowwise() - Eigen::RowVector3d(t[0], t[1], t[2]);
-      const CrowdMould::Part& part = mould.layers[1].parts[1];
+      const CrowdPrototype::Part& part = prototype.layers[1].parts[1];
       EXPECT_EQ(part.name, one->anatomy.bones[1].name);
       ASSERT_EQ(part.vertex_end - part.vertex_begin, bone.rows());
       EXPECT_LT((bones.middleRows(part.vertex_begin, bone.rows()) - bone).cwiseAbs().maxCoeff(),
@@ -221,8 +224,8 @@ TEST_F(CrowdTest, WhatPeopleHaveInCommonIsThereOnce) {
   std::vector<CrowdMember> members;
   for (int i = 0; i < 4; ++i)
     members.push_back(member(person("p" + std::to_string(i), 0.9 + 0.05 * i)));
-  write_crowd(folder / "four.glb", mould, members);
-  write_crowd(folder / "one.glb", mould, {members[0]});
+  write_crowd(folder / "four.glb", prototype, members);
+  write_crowd(folder / "one.glb", prototype, {members[0]});
   const PlayedCrowd crowd(folder / "four.glb");
   for (const char* layer : {"skin", "bones", "muscles"}) {
     const bool own_weights = std::string(layer) == "skin";
@@ -244,29 +247,29 @@ TEST_F(CrowdTest, WhatPeopleHaveInCommonIsThereOnce) {
 
 TEST_F(CrowdTest, APersonDependsOnNobodyElse) {
   const CrowdMember a = member(person("a", 1.0)), b = member(person("b", 0.9));
-  write_crowd(folder / "first.glb", mould, {a, b});
-  const std::string before = bytes_of(b.file);
+  write_crowd(folder / "first.glb", prototype, {a, b});
+  const std::string before = bytes_of_crowd(b.file);
   fs::remove(a.file), fs::remove(b.file);
   member(person("b", 0.9)), member(person("a", 1.0));
-  EXPECT_EQ(bytes_of(b.file), before);
-  write_crowd(folder / "second.glb", mould, {a, b});
-  EXPECT_EQ(bytes_of(folder / "first.glb"), bytes_of(folder / "second.glb"));
+  EXPECT_EQ(bytes_of_crowd(b.file), before);
+  write_crowd(folder / "second.glb", prototype, {a, b});
+  EXPECT_EQ(bytes_of_crowd(folder / "first.glb"), bytes_of_crowd(folder / "second.glb"));
 }
 
 TEST_F(CrowdTest, WhatDoesNotBelongIsRefused) {
   Character other = person("other", 1);
   other.body.skin = test::make_arm(1, true, 40).skin;
   EXPECT_THROW(
-      write_crowd_person(folder / "other.bin", mould, other, weights_of(other).joint_weights),
+      write_crowd_person(folder / "other.bin", prototype, other, weights_of(other).joint_weights),
       UnfitError);
   EXPECT_FALSE(fs::exists(folder / "other.bin"));
   CrowdMember a = member(person("a", 1));
-  EXPECT_THROW(write_crowd(folder / "twice.glb", mould, {a, a}), UsageError);
-  EXPECT_THROW(write_crowd(folder / "crowd.obj", mould, {a}), UsageError);
+  EXPECT_THROW(write_crowd(folder / "twice.glb", prototype, {a, a}), UsageError);
+  EXPECT_THROW(write_crowd(folder / "crowd.obj", prototype, {a}), UsageError);
   std::ofstream(a.file, std::ios::app) << "more";
-  EXPECT_THROW(write_crowd(folder / "long.glb", mould, {a}), InputError);
+  EXPECT_THROW(write_crowd(folder / "long.glb", prototype, {a}), InputError);
   fs::remove(a.file);
-  EXPECT_THROW(write_crowd(folder / "gone.glb", mould, {a}), InputError);
+  EXPECT_THROW(write_crowd(folder / "gone.glb", prototype, {a}), InputError);
   EXPECT_FALSE(fs::exists(folder / "long.glb") || fs::exists(folder / "gone.glb"));
 }
 
@@ -284,7 +287,7 @@ TEST_F(CrowdTest, APersonComesBack) {
                   small = person("small", 0.8);  // one beyond what metres hold
   const std::vector<CrowdMember> members{member(giant), member(small)};
   for (const char* name : {"crowd.glb", "crowd.gltf"}) {
-    write_crowd(folder / name, mould, members);
+    write_crowd(folder / name, prototype, members);
     const Crowd crowd = open_crowd(folder / name);
     EXPECT_EQ(crowd.people, (std::vector<std::string>{"giant", "small"}));
     for (const Character* one : {&giant, &small}) {
@@ -304,31 +307,35 @@ TEST_F(CrowdTest, APersonComesBack) {
         EXPECT_LT((found[j].min - asked[j].min).norm() + (found[j].max - asked[j].max).norm(),
                   1e-6);
       }
-      // What reads bodies reads people of crowds.
-      EXPECT_EQ(read_body((folder / name).string() + "#" + one->body.name).skin.V,
+      const auto address = crowd_address((folder / name).string() + "#" + one->body.name);
+      ASSERT_TRUE(address);
+      EXPECT_EQ(read_crowd_person(open_crowd(address->file), address->person).body.skin.V,
                 back.body.skin.V);
     }
   }
 }
 
 TEST_F(CrowdTest, WhoIsNotNamedOrNotThereIsToldWhoIs) {
-  write_crowd(folder / "crowd.glb", mould, {member(person("ada", 1)), member(person("bob", 1))});
+  write_crowd(folder / "crowd.glb", prototype,
+              {member(person("ada", 1)), member(person("bob", 1))});
   const std::string file = (folder / "crowd.glb").string();
-  EXPECT_NE(error_of([&] { read_body(file); }).find("crowd.glb#ada (ada, bob)"), std::string::npos);
-  EXPECT_NE(
-      error_of([&] { read_body(file + "#eve"); }).find("nobody is named 'eve'; there are ada, bob"),
-      std::string::npos);
-  EXPECT_NE(error_of([&] { read_character(file + "#ada"); }).find("ecorche fit"),
+  EXPECT_NE(error_of([&] { crowd_address(file); }).find("crowd.glb#ada (ada, bob)"),
             std::string::npos);
-  EXPECT_NE(error_of([&] { read_character(file); }).find("name one of them"), std::string::npos);
+  EXPECT_NE(error_of([&] {
+              read_crowd_person(open_crowd(file), "eve");
+            }).find("nobody is named 'eve'; there are ada, bob"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { refuse_crowd(file + "#ada"); }).find("ecorche fit"), std::string::npos);
+  EXPECT_NE(error_of([&] { refuse_crowd(file); }).find("name one of them"), std::string::npos);
   EXPECT_FALSE(is_crowd(folder / "ada.bin"));
   EXPECT_FALSE(crowd_address(folder / "none.glb#ada"));
 }
 
 TEST_F(CrowdTest, DamagedCrowdsAreRefused) {
-  write_crowd(folder / "crowd.glb", mould, {member(person("ada", 1))});
-  write_crowd(folder / "crowd.gltf", mould, {member(person("ada", 1))});
-  const std::string whole = bytes_of(folder / "crowd.glb"), text = bytes_of(folder / "crowd.gltf");
+  write_crowd(folder / "crowd.glb", prototype, {member(person("ada", 1))});
+  write_crowd(folder / "crowd.gltf", prototype, {member(person("ada", 1))});
+  const std::string whole = bytes_of_crowd(folder / "crowd.glb"),
+                    text = bytes_of_crowd(folder / "crowd.gltf");
   const auto put = [&](const char* name, const std::string& bytes) {
     std::ofstream(folder / name, std::ios::binary) << bytes;
   };
@@ -375,7 +382,7 @@ Motion test_motion(const Skeleton& skeleton, double angle) {
 TEST_F(CrowdTest, AllMoveEachByTheirOwnMotion) {
   const Character giant = person("giant", 2.5), small = person("small", 0.8);
   for (const char* name : {"crowd.glb", "crowd.gltf"}) {
-    write_crowd(folder / name, mould, {member(giant), member(small)});
+    write_crowd(folder / name, prototype, {member(giant), member(small)});
     const auto angle = [](const std::string& who) { return who == "giant" ? 0.5 : 1.2; };
     write_crowd_motion(
         folder / "moving.glb", open_crowd(folder / name), {"bend", 0.5},
@@ -422,9 +429,9 @@ TEST_F(CrowdTest, AllMoveEachByTheirOwnMotion) {
 }
 
 TEST_F(CrowdTest, SkinsAlone) {
-  mould = make_crowd_mould(pattern, CrowdLayers::skin_alone);
+  prototype = make_crowd_prototype(pattern, CrowdLayers::skin_alone);
   const Character ada = person("ada", 0.9);
-  write_crowd(folder / "skins.glb", mould, {member(ada)});
+  write_crowd(folder / "skins.glb", prototype, {member(ada)});
   const PlayedCrowd crowd(folder / "skins.glb");
   EXPECT_EQ(crowd.model().meshes.size(), 1u);
   EXPECT_EQ(crowd.model().materials.size(), 1u);
@@ -434,7 +441,7 @@ TEST_F(CrowdTest, SkinsAlone) {
 }
 
 TEST_F(CrowdTest, NobodyReachesIntoANeighbour) {
-  write_crowd(folder / "crowd.glb", mould,
+  write_crowd(folder / "crowd.glb", prototype,
               {member(person("a", 20)), member(person("b", 20)), member(person("c", 20)),
                member(person("d", 20))});
   const PlayedCrowd crowd(folder / "crowd.glb");

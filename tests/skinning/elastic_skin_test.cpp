@@ -90,11 +90,18 @@ Points bent(const Points& V, double angle, double length) {
   return out;
 }
 
+RelaxedSkin relaxed_skin(const Points& V, std::span<const int> triangles) {
+  RelaxedSkin out;
+  out.positions = floats(V);
+  out.normals.resize(out.positions.size());
+  vertex_normals(out.positions, triangles, out.normals);
+  return out;
+}
+
 std::vector<float> relaxed(const Tube& tube, const Points& anchors) {
   std::vector<float> out = floats(anchors);
-  MembraneScratch scratch;
-  relax_membrane(make_membrane(tube.mesh, tube.tissue), out, tube.triangles(), 2, scratch);
-  for (std::size_t k = 0; k < out.size(); ++k) out[k] += scratch.offsets[k];
+  MembraneWorkspace workspace;
+  relax_membrane(make_membrane(tube.mesh, tube.tissue), tube.triangles(), out, workspace);
   return out;
 }
 
@@ -146,16 +153,15 @@ TEST(LimbVolumes, ComeBackWhenTheSkinWasPressedIn) {
   const std::vector<float> rest = floats(tube.mesh.V);
   const std::vector<std::array<Influence, 4>> weights(tube.tissue.size(),
                                                       {Influence{0, 1}, {}, {}, {}});
-  const LimbVolumes volumes =
-      make_limb_volumes(arm.anatomy.skeleton, rest, tube.triangles(), weights, tube.tissue);
+  const VolumeRegions volumes =
+      make_volume_regions(arm.anatomy.skeleton, rest, tube.triangles(), weights, tube.tissue);
   std::vector<Transform> X_WJ;
   forward_kinematics(arm.anatomy.skeleton, rest_pose(arm.anatomy.skeleton), X_WJ);
   const auto kept = [&](const Points& V) {
-    std::vector<float> positions = floats(V), normals(positions.size()),
-                       open(positions.size() / 4, 1.0f);
-    vertex_normals(positions, tube.triangles(), normals);
-    keep_volumes(volumes, X_WJ, open, normals, positions);
-    return points(positions);
+    RelaxedSkin skin = relaxed_skin(V, tube.triangles());
+    skin.openness.assign(V.rows(), 1.0f);
+    restore_volumes(volumes, X_WJ, skin);
+    return points(skin.positions);
   };
   EXPECT_LT((kept(tube.mesh.V) - tube.mesh.V).cwiseAbs().maxCoeff(), 1e-6);
   Points pressed = tube.mesh.V;
@@ -204,19 +210,17 @@ TEST(JointStrain, ThinSkinOverAJointIsHeldLess) {
   const test::Arm arm = test::make_arm();
   const double elbow = rest_positions(arm.anatomy.skeleton)[3].y();
   const std::size_t n = arm.skin.V.rows();
-  SkinSurvey survey;
-  survey.depth.assign(n, 0.004);
-  survey.radius.assign(n, 0.045);
+  const std::vector<double> depth(n, 0.004), radius(n, 0.045);
   const std::vector<std::array<Influence, 4>> weights = arm_weights(arm, 0.08);
-  const std::shared_ptr<const ElasticSkin> skin =
-      make_elastic_skin(arm.anatomy.skeleton, arm.skin, survey, weights, {},
+  const ElasticSkin skin =
+      make_elastic_skin(arm.anatomy.skeleton, arm.skin, {depth, radius, weights}, {},
                         {arm.skin.F.data(), std::size_t(arm.skin.F.size())});
   for (std::size_t i = 0; i < n; ++i) {
     const double along = std::abs(arm.skin.V(i, 1) - elbow);
     if (along < 0.02) {
-      EXPECT_LT(skin->membrane.hold[i], 0.15f);
+      EXPECT_LT(skin.membrane.stiffness[i], 0.15f);
     } else if (along > 0.12) {
-      EXPECT_GT(skin->membrane.hold[i], 0.6f);
+      EXPECT_GT(skin.membrane.stiffness[i], 0.6f);
     }
   }
 }
@@ -237,18 +241,17 @@ TEST(LimbVolumes, SmallThingsOnDeepFleshKeepTheirShape) {
   const std::vector<double> tissue(mesh.V.rows(), 0.04);
   const std::vector<std::array<Influence, 4>> weights(tissue.size(), {Influence{0, 1}, {}, {}, {}});
   const test::Arm arm = test::make_arm();
-  const LimbVolumes volumes =
-      make_limb_volumes(arm.anatomy.skeleton, floats(mesh.V), triangles, weights, tissue);
+  const VolumeRegions volumes =
+      make_volume_regions(arm.anatomy.skeleton, floats(mesh.V), triangles, weights, tissue);
   std::vector<Transform> X_WJ;
   forward_kinematics(arm.anatomy.skeleton, rest_pose(arm.anatomy.skeleton), X_WJ);
   Points shorter = mesh.V;
   for (Eigen::Index i = 0; i < shorter.rows(); ++i)
     shorter(i, 1) -= 0.04 * std::clamp(shorter(i, 1), 0.0, 1.0);
-  std::vector<float> positions = floats(shorter), normals(positions.size()),
-                     open(tissue.size(), 1.0f);
-  vertex_normals(positions, triangles, normals);
-  keep_volumes(volumes, X_WJ, open, normals, positions);
-  const Points V = points(positions);
+  RelaxedSkin skin = relaxed_skin(shorter, triangles);
+  skin.openness.assign(tissue.size(), 1.0f);
+  restore_volumes(volumes, X_WJ, skin);
+  const Points V = points(skin.positions);
   EXPECT_NEAR(volume(mesh, V) / volume(mesh, mesh.V), 1, 3e-3);
   int edges = 0;
   for (Eigen::Index f = 0; f < mesh.F.rows(); ++f)
@@ -265,10 +268,10 @@ TEST(LimbVolumes, FoldsDoNotSwell) {
   const Tube tube;
   const Membrane rings = make_membrane(tube.mesh, tube.tissue);
   const auto openness = [&](const Points& V) {
-    std::vector<float> positions = floats(V), normals(positions.size()), open, working;
-    vertex_normals(positions, tube.triangles(), normals);
-    find_hollows(rings, positions, normals, open, working);
-    return open;
+    RelaxedSkin skin = relaxed_skin(V, tube.triangles());
+    std::vector<float> working;
+    find_openness(rings, skin, working);
+    return skin.openness;
   };
   for (const float open : openness(tube.mesh.V)) EXPECT_EQ(open, 1);
   const std::vector<float> folded = openness(bent(tube.mesh.V, 1.2, 0.15));
@@ -293,12 +296,13 @@ struct Pair {
   std::span<const int> triangles() const { return {mesh.F.data(), std::size_t(mesh.F.size())}; }
   Points parted(const Points& V, std::vector<float>* its_normals = nullptr) const {
     const Membrane rings = make_membrane(mesh, tissue);
-    const SkinContact contact = make_skin_contact(rings, floats(mesh.V), triangles(), tissue);
-    std::vector<float> positions = floats(V), normals;
-    ContactScratch scratch;
-    part_skin(rings, contact, triangles(), 2, positions, normals, scratch);
-    if (its_normals) *its_normals = normals;
-    return points(positions);
+    const SelfContact contact = make_self_contact(rings, floats(mesh.V), triangles(), tissue);
+    RelaxedSkin skin;
+    skin.positions = floats(V);
+    SelfContactWorkspace workspace;
+    separate_skin(rings, contact, triangles(), skin, workspace);
+    if (its_normals) *its_normals = skin.normals;
+    return points(skin.positions);
   }
 };
 
@@ -352,9 +356,9 @@ TEST(SkinContact, LooksAtEveryVertexThatIsInsideAndAtFewOthers) {
   const ContactPatches patches =
       cut_patches(make_membrane(pair.mesh, pair.tissue), rest, normals, give);
   vertex_normals(posed, pair.triangles(), normals);
-  PatchScratch scratch;
+  PatchWorkspace scratch;
   std::vector<char> wanted;
-  ASSERT_TRUE(find_meetings(patches, {give, 2e-3f, posed, normals}, scratch, wanted));
+  ASSERT_TRUE(find_contact_vertices(patches, {give, 2e-3f, posed, normals}, scratch, wanted));
   const Points V = points(posed);
   const Eigen::Index half = V.rows() / 2;
   int inside = 0, looked_at = 0;
@@ -377,20 +381,16 @@ TEST(SkinContact, LooksAtEveryVertexThatIsInsideAndAtFewOthers) {
 TEST(SkinContact, WhatHasMetRisesLess) {
   const Pair pair;
   const test::Arm arm = test::make_arm();
-  SkinSurvey survey;
-  survey.depth = survey.radius = pair.tissue;
   const std::vector<std::array<Influence, 4>> weights(pair.tissue.size(),
                                                       {Influence{0, 1}, {}, {}, {}});
-  const auto skin =
-      make_elastic_skin(arm.anatomy.skeleton, pair.mesh, survey, weights, {}, pair.triangles());
+  const auto skin = make_elastic_skin(arm.anatomy.skeleton, pair.mesh,
+                                      {pair.tissue, pair.tissue, weights}, {}, pair.triangles());
   const auto rising = [&](const Points& V) {
-    const std::vector<float> positions = floats(V);
-    ElasticScratch scratch;
-    scratch.open.assign(positions.size() / 4, 0.5f);
-    scratch.normals.resize(positions.size());
-    vertex_normals(positions, pair.triangles(), scratch.normals);
-    find_rising(*skin, positions, scratch);
-    return scratch.rising;
+    RelaxedSkin surface = relaxed_skin(V, pair.triangles());
+    surface.openness.assign(V.rows(), 0.5f);
+    SelfContactWorkspace workspace;
+    find_liftable(skin.contact, surface, workspace);
+    return surface.liftable;
   };
   for (const float free : rising(pair.mesh.V)) EXPECT_EQ(free, 0.5f);
   const Points through = pair.at(0.17);

@@ -7,19 +7,14 @@
 
 #include "skinning/dynamics/soft_tissue.h"
 #include "tests/skinning/arm.h"
+#include "tests/skinning/compiled_arm.h"
 
 namespace ecorche {
 namespace {
 
 struct Swing {
   test::Arm arm = test::make_arm();
-  PosingTable table = make_posing_table(arm.anatomy);
-  Binding binding;
-  Swing() {
-    Body body;
-    body.skin = arm.skin;
-    binding = bind_skin(arm.anatomy, body);
-  }
+  CharacterModel model = test::compile_figure(arm.anatomy, arm.skin);
   // The shoulder swings to and fro for two seconds and stops.
   Motion motion(double fps) const {
     Motion out;
@@ -34,12 +29,12 @@ struct Swing {
   }
 };
 
-std::vector<float> seen_at(const Swing& swing, const FleshTables& tables, const Motion& motion,
+std::vector<float> seen_at(const Swing& swing, const SoftTissueTables& tables, const Motion& motion,
                            double time, const Activations& efforts = {}) {
-  FleshState state;
+  SoftTissueState state;
   for (int f = 0; f / motion.fps <= time + 1e-9; ++f)
-    move_flesh(tables, swing.arm.anatomy.skeleton, motion, efforts, f / motion.fps, state);
-  return state.seen;
+    advance_soft_tissue(tables, swing.arm.anatomy.skeleton, motion, efforts, f / motion.fps, state);
+  return state.offsets;
 }
 
 double largest_gap(const std::vector<float>& a, const std::vector<float>& b) {
@@ -50,7 +45,7 @@ double largest_gap(const std::vector<float>& a, const std::vector<float>& b) {
 
 TEST(FleshMotion, IsTheSameAtAnyRateOfTheFilm) {
   const Swing swing;
-  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy);
+  const SoftTissueTables tables = make_soft_tissue(swing.model);
   ASSERT_FALSE(tables.vertices.empty());
   double moved = 0;
   for (const double time : {0.5, 1.25, 2.0, 2.5}) {
@@ -66,7 +61,7 @@ TEST(FleshMotion, IsTheSameAtAnyRateOfTheFilm) {
 
 TEST(FleshMotion, WhatStandsStillStaysAndWhatStopsSettles) {
   const Swing swing;
-  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy);
+  const SoftTissueTables tables = make_soft_tissue(swing.model);
   Motion still = swing.motion(30);
   for (Pose& pose : still.frames) pose = still.frames[7];
   for (const float v : seen_at(swing, tables, still, 2)) EXPECT_LT(std::abs(v), 1e-12f);
@@ -82,8 +77,8 @@ TEST(FleshMotion, WhatStandsStillStaysAndWhatStopsSettles) {
 // A unit of speed without force: e^(-z w t) sin(w' t) / w'.
 TEST(FleshMotion, StepsAreTheExactOscillator) {
   const Swing swing;
-  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy);
-  const FleshTables::Vertex& v = tables.vertices.front();
+  const SoftTissueTables tables = make_soft_tissue(swing.model);
+  const SoftTissueTables::Vertex& v = tables.vertices.front();
   const double h = 1.0 / 480, w = std::sqrt(-v.vu / v.uv),
                fall = std::log(v.uu * v.vv - v.uv * v.vu) / (2 * h);  // det = e^(-2 z w h)
   double u = 0, speed = 1;
@@ -107,9 +102,9 @@ TEST(FleshMotion, StepsAreTheExactOscillator) {
 // The biceps works as hard as asked, always.
 Activations effort(double level) { return {1, {{{0}, {0.0}, {level}}}}; }
 
-double size_over(const FleshTables& tables, const std::vector<float>& seen, bool muscle) {
+double size_over(const SoftTissueTables& tables, const std::vector<float>& seen, bool muscle) {
   double most = 0;
-  for (const FleshTables::Vertex& v : tables.vertices) {
+  for (const SoftTissueTables::Vertex& v : tables.vertices) {
     const bool over = v.muscles[0].second + v.muscles[1].second + v.muscles[2].second > 0.5;
     if (over != muscle) continue;
     for (std::size_t k = 0; k < 3; ++k)
@@ -120,7 +115,7 @@ double size_over(const FleshTables& tables, const std::vector<float>& seen, bool
 
 TEST(FleshMotion, AMuscleThatWorksStiffensAndDampsWhatLiesOverIt) {
   const Swing swing;
-  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy);
+  const SoftTissueTables tables = make_soft_tissue(swing.model);
   const Motion motion = swing.motion(60);
   double relaxed = 0, half = 0, full = 0;
   for (double time = 0.5; time < 2; time += 0.1) {
@@ -139,7 +134,7 @@ TEST(FleshMotion, AMuscleThatWorksStiffensAndDampsWhatLiesOverIt) {
                            work = seen_at(swing, tables, motion, 1.3, effort(1));
   EXPECT_EQ(none, idle);
   int free = 0;
-  for (const FleshTables::Vertex& v : tables.vertices) {
+  for (const SoftTissueTables::Vertex& v : tables.vertices) {
     if (v.muscles[0].second + v.muscles[1].second + v.muscles[2].second > 0) continue;
     ++free;
     for (std::size_t k = 0; k < 3; ++k) ASSERT_EQ(none[4 * v.place + k], work[4 * v.place + k]);
@@ -149,7 +144,7 @@ TEST(FleshMotion, AMuscleThatWorksStiffensAndDampsWhatLiesOverIt) {
 
 TEST(FleshMotion, WithWorkTooTheRateOfTheFilmDoesNotMatter) {
   const Swing swing;
-  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy);
+  const SoftTissueTables tables = make_soft_tissue(swing.model);
   const Activations efforts{1, {{{0}, {0.0, 0.7, 1.4, 3.0}, {0.0, 1.0, 0.2, 0.8}}}};
   for (const double time : {0.5, 1.25, 2.0, 2.5})
     EXPECT_LT(largest_gap(seen_at(swing, tables, swing.motion(24), time, efforts),
@@ -160,14 +155,14 @@ TEST(FleshMotion, WithWorkTooTheRateOfTheFilmDoesNotMatter) {
 
 TEST(FleshMotion, JumpingAboutEndsWherePlayingDoes) {
   const Swing swing;
-  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy);
+  const SoftTissueTables tables = make_soft_tissue(swing.model);
   const Motion motion = swing.motion(60);
-  FleshState state;
+  SoftTissueState state;
   double most = 0;
   for (const double time : {1.5, 0.25, 2.0, 2.02, 1.0}) {
-    seek_flesh(tables, swing.arm.anatomy.skeleton, motion, {}, time, state);
+    seek_soft_tissue(tables, swing.arm.anatomy.skeleton, motion, {}, time, state);
     const std::vector<float> played = seen_at(swing, tables, motion, time);
-    EXPECT_LT(largest_gap(state.seen, played), 2e-4) << time;
+    EXPECT_LT(largest_gap(state.offsets, played), 2e-4) << time;
     for (const float v : played) most = std::max(most, std::abs(double(v)));
   }
   EXPECT_GT(most, 1e-3);
@@ -175,11 +170,12 @@ TEST(FleshMotion, JumpingAboutEndsWherePlayingDoes) {
 
 TEST(FleshMotion, TimeDoesNotGoBack) {
   const Swing swing;
-  const FleshTables tables = make_flesh_tables(swing.binding, swing.arm.anatomy);
-  FleshState state;
-  move_flesh(tables, swing.arm.anatomy.skeleton, swing.motion(30), {}, 1, state);
-  EXPECT_THROW(move_flesh(tables, swing.arm.anatomy.skeleton, swing.motion(30), {}, 0.5, state),
-               std::invalid_argument);
+  const SoftTissueTables tables = make_soft_tissue(swing.model);
+  SoftTissueState state;
+  advance_soft_tissue(tables, swing.arm.anatomy.skeleton, swing.motion(30), {}, 1, state);
+  EXPECT_THROW(
+      advance_soft_tissue(tables, swing.arm.anatomy.skeleton, swing.motion(30), {}, 0.5, state),
+      std::invalid_argument);
 }
 
 }  // namespace

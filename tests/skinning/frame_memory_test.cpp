@@ -9,9 +9,9 @@
 
 #include "anatomy/geometry/subdivide.h"
 #include "anatomy/posing/pose_anatomy.h"
-#include "skinning/character/deform_skin.h"
-#include "skinning/muscle_collision/muscle_collision.h"
+#include "skinning/muscle_collision/push_muscles.h"
 #include "tests/skinning/arm.h"
+#include "tests/skinning/compiled_arm.h"
 
 namespace {
 
@@ -48,63 +48,55 @@ void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { s
 namespace ecorche {
 namespace {
 
-constexpr double kDegrees = std::numbers::pi / 180;
-
-PosedAnatomy rest_of(const test::Arm& arm) {
-  PosedAnatomy rest;
-  pose_anatomy(make_posing_table(arm.anatomy), arm.anatomy.skeleton,
-               rest_pose(arm.anatomy.skeleton), rest);
-  return rest;
-}
-
 // Bends the elbow ever further, up to where forearm and upper arm meet, and counts what the frames
 // after the first few allocate.
-long allocated(const test::Arm& arm, const Binding& binding) {
-  const Skeleton& skeleton = arm.anatomy.skeleton;
-  const PosingTable table = make_posing_table(arm.anatomy);
-  const UnderSkin under = make_under_skin(arm.anatomy, rest_of(arm), binding);
-  PosedAnatomy posed;
-  SkinFrame frame;
-  UnderSkinMemory memory;
+long allocated(const CharacterModel& model) {
+  const Skeleton& skeleton = model.character.anatomy.skeleton;
+  CharacterState state(model);
   Pose pose = rest_pose(skeleton);
   const auto play = [&](double angle) {
     pose.rotations[3] = Quat(Eigen::AngleAxisd(-angle, Vec3::UnitX()));
-    pose_anatomy(table, skeleton, pose, posed);
-    for (Ellipse& slice : posed.slices) slice.center.z() += 0.02;  // the muscle comes out
-    deform_over_muscles(binding, under, {}, posed, frame, memory);
-    give_way_to_skin(binding, under, table, frame, posed, memory);
+    pose_anatomy(model.muscles.posing, skeleton, pose, state.posed);
+    for (Ellipse& slice : state.posed.slices) slice.center.z() += 0.02;  // the muscle comes out
+    evaluate_posed_skin(model.skin, {}, state);
+    push_muscles_below_skin(model.skin.collision, model.muscles, state.relaxed, state.lift,
+                            state.posed, state.push);
   };
-  for (const double angle : {0.0, 20.0, 150.0, 150.0, 150.0}) play(angle * kDegrees);
+  for (const double angle : {0.0, 20.0, 150.0, 150.0, 150.0}) play(angle * kDegree);
   const long before = allocations;
-  for (int k = 0; k < 20; ++k) play(150 * kDegrees * k / 20);
+  for (int k = 0; k < 20; ++k) play(150 * kDegree * k / 20);
   return allocations - before;
 }
 
 TEST(FrameMemory, NothingIsAllocatedAFrame) {
   const test::Arm arm = test::make_arm();
-  EXPECT_EQ(allocated(arm, bind_skin(arm.anatomy, rest_of(arm), arm.skin)), 0);
+  EXPECT_EQ(allocated(test::compile_figure(arm.anatomy, arm.skin)), 0);
 }
 
 TEST(FrameMemory, NothingIsAllocatedAFrameOfARefinedSkin) {
   const test::Arm arm = test::make_arm();
-  const TriMesh& base = arm.skin;
-  const Refinement refinement = refine(base.F, int(base.V.rows()), 2);
-  const TriMesh fine{refine_points(refinement, base.V), refinement.F};
-  EXPECT_EQ(allocated(arm, bind_skin(arm.anatomy, rest_of(arm), base, refinement, fine)), 0);
+  const Refinement refinement = refine(arm.skin.F, int(arm.skin.V.rows()), 2);
+  const BaseSkin base{arm.skin, refinement};
+  const TriMesh fine{refine_points(refinement, arm.skin.V), refinement.F};
+  EXPECT_EQ(allocated(test::compile_figure(arm.anatomy, fine, {.base = &base})), 0);
 }
 
-TEST(FrameMemory, ACopiedFrameGoesOnByItself) {
+TEST(FrameMemory, ACopiedStateGoesOnByItself) {
   const test::Arm arm = test::make_arm();
-  const Binding binding = bind_skin(arm.anatomy, rest_of(arm), arm.skin);
-  const PosedAnatomy posed = rest_of(arm);
-  SkinFrame frame;
-  deform_skin(binding, posed, frame);
-  SkinFrame copy = frame;
-  EXPECT_EQ(copy.positions, frame.positions);
-  EXPECT_EQ(copy.scratch.elastic.memory, nullptr);
-  deform_skin(binding, posed, copy);
-  EXPECT_EQ(copy.positions, frame.positions);
-  EXPECT_NE(copy.scratch.elastic.memory, frame.scratch.elastic.memory);
+  const CharacterModel model = test::compile_figure(arm.anatomy, arm.skin);
+  CharacterState state(model);
+  evaluate(model, rest_pose(arm.anatomy.skeleton), {}, state);
+  CharacterState copy = state;
+  EXPECT_EQ(copy.skin.positions, state.skin.positions);
+  EXPECT_EQ(copy.relaxed.positions, state.relaxed.positions);
+  EXPECT_NE(copy.relaxed.positions.data(), state.relaxed.positions.data());
+  const SkinFrame before = state.skin;
+  Pose bent = rest_pose(arm.anatomy.skeleton);
+  bent.rotations[3] = Quat(Eigen::AngleAxisd(-1.5, Vec3::UnitX()));
+  evaluate(model, bent, {}, copy);
+  EXPECT_EQ(state.skin.positions, before.positions) << "the original is left alone";
+  evaluate(model, rest_pose(arm.anatomy.skeleton), {}, copy);
+  EXPECT_EQ(copy.skin.positions, before.positions);
 }
 
 }  // namespace

@@ -8,14 +8,14 @@
 #include <numbers>
 
 #include "skinning/constraints/motion_limits.h"
+#include "skinning/motion_files/read_motion.h"
+#include "skinning/retarget/retarget.h"
 #include "tests/skinning/plain_skeleton.h"
 
 using namespace ecorche;
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 const fs::path kCaptures = fs::path(ECORCHE_SHARED_DIR) / "testdata" / "motion";
 
 // A skin of rings: tubes of 50 mm about the bones of arms and legs, a head of 90 mm and a trunk 280
@@ -58,8 +58,8 @@ Points ringed_skin(const Skeleton& skeleton) {
 class KeepApart : public testing::Test {
  protected:
   const Skeleton skeleton_ = plain_skeleton();
-  const BodyRounds rounds_ = measure_rounds(skeleton_, ringed_skin(skeleton_));
-  const ApartTables tables_ = make_apart_tables(skeleton_, rounds_);
+  const CollisionProxies rounds_ = measure_proxies(skeleton_, ringed_skin(skeleton_));
+  const CollisionTables tables_ = make_collision_tables(skeleton_, rounds_);
 
   size_t joint(const std::string& name) const { return std::size_t(find_joint(skeleton_, name)); }
 
@@ -78,16 +78,16 @@ class KeepApart : public testing::Test {
     }
     return motion;
   }
-  Motion kept(Motion motion, const BodyRounds* rounds) const {
+  Motion kept(Motion motion, const CollisionProxies* rounds) const {
     MotionLimiter(skeleton_, -0.82, rounds).run({}, {}, {}, motion);
     return motion;
   }
-  double deepest(const Motion& motion, Meeting kind) const {
+  double deepest(const Motion& motion, CollisionKind kind) const {
     double most = 0;
     std::vector<Transform> X;
     for (const Pose& pose : motion.frames) {
       forward_kinematics(skeleton_, pose, X);
-      most = std::max(most, meeting_depths(tables_, X)[int(kind)]);
+      most = std::max(most, penetration_depths(tables_, X)[int(kind)]);
     }
     return most;
   }
@@ -96,15 +96,15 @@ class KeepApart : public testing::Test {
 }  // namespace
 
 TEST_F(KeepApart, BallsAndRoundsAreAsThickAsTheSkin) {
-  for (const std::vector<LimbBall>& limb : rounds_.limbs) {
+  for (const std::vector<LimbSphere>& limb : rounds_.limbs) {
     EXPECT_GE(limb.size(), 6u);
-    for (const LimbBall& ball : limb) {
+    for (const LimbSphere& ball : limb) {
       EXPECT_NEAR(ball.radius, 0.05, 0.012) << skeleton_.joints[ball.joint].name;
       EXPECT_GE(ball.middle + ball.end, 0.59);
     }
   }
   ASSERT_EQ(rounds_.trunk.size(), 6u);
-  const TrunkRound &waist = rounds_.trunk[1], &head = rounds_.trunk.back();
+  const TrunkEllipsoid &waist = rounds_.trunk[1], &head = rounds_.trunk.back();
   EXPECT_NEAR(waist.half.x(), 0.14, 0.01);
   EXPECT_NEAR(waist.half.z(), 0.10, 0.01);
   EXPECT_NEAR(head.half.x(), 0.09, 0.012);
@@ -113,8 +113,8 @@ TEST_F(KeepApart, BallsAndRoundsAreAsThickAsTheSkin) {
 TEST_F(KeepApart, LegsThatPassThroughEachOtherComeOutApart) {
   const Motion before = kept(passing(14 * kDegree), nullptr),
                after = kept(passing(14 * kDegree), &rounds_);
-  EXPECT_GT(deepest(before, Meeting::leg_leg), 0.03);
-  EXPECT_LT(deepest(after, Meeting::leg_leg), 0.004);
+  EXPECT_GT(deepest(before, CollisionKind::leg_leg), 0.03);
+  EXPECT_LT(deepest(after, CollisionKind::leg_leg), 0.004);
 }
 
 TEST_F(KeepApart, BothLegsGiveWayAlikeAndTheTrunkStays) {
@@ -175,9 +175,9 @@ TEST_F(KeepApart, AHandComesOutOfTheHead) {
         Quat::FromTwoVectors(wrist - elbow, up.inverse() * (head - bent));
     motion.frames.push_back(pose);
   }
-  ASSERT_GT(deepest(kept(motion, nullptr), Meeting::arm_head), 0.02);
-  EXPECT_LT(deepest(kept(motion, &rounds_), Meeting::arm_head),
-            0.5 * deepest(kept(motion, nullptr), Meeting::arm_head));
+  ASSERT_GT(deepest(kept(motion, nullptr), CollisionKind::arm_head), 0.02);
+  EXPECT_LT(deepest(kept(motion, &rounds_), CollisionKind::arm_head),
+            0.5 * deepest(kept(motion, nullptr), CollisionKind::arm_head));
 }
 
 // A walker of the capture data base whose knees passed through each other on our skeleton.
@@ -186,10 +186,10 @@ TEST_F(KeepApart, AWalkersKneesPassBesideEachOther) {
   if (!fs::exists(file)) GTEST_SKIP() << file << " is absent";
   RetargetOptions options;
   RetargetReport report;
-  const Motion before = retarget(read_bvh(file), skeleton_, options, report);
-  options.rounds = rounds_;
-  const Motion after = retarget(read_bvh(file), skeleton_, options, report);
-  EXPECT_LT(deepest(after, Meeting::leg_leg),
-            std::max(0.008, 0.3 * deepest(before, Meeting::leg_leg)));
+  const Motion before = retarget(read_motion(file), skeleton_, options, report);
+  options.proxies = rounds_;
+  const Motion after = retarget(read_motion(file), skeleton_, options, report);
+  EXPECT_LT(deepest(after, CollisionKind::leg_leg),
+            std::max(0.008, 0.3 * deepest(before, CollisionKind::leg_leg)));
   EXPECT_LT(report.slide_p95, 0.5e-3);
 }

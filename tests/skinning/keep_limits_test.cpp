@@ -11,6 +11,8 @@
 #include "skinning/constraints/foot_contacts.h"
 #include "skinning/constraints/leg_ik.h"
 #include "skinning/constraints/motion_limits.h"
+#include "skinning/motion_files/bvh_read.h"
+#include "skinning/motion_files/read_motion.h"
 #include "skinning/retarget/retarget.h"
 #include "tests/skinning/plain_skeleton.h"
 
@@ -18,9 +20,7 @@ using namespace ecorche;
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180;
-const fs::path kCaptures = fs::path(ECORCHE_SHARED_DIR) / "testdata" / "motion";
+const fs::path kLimitCaptures = fs::path(ECORCHE_SHARED_DIR) / "testdata" / "motion";
 const fs::path kOwn = fs::path(ECORCHE_TEST_DIR) / ".." / "data" / "motions";
 
 // The plain skeleton's knees and feet are free; here they are a man's.
@@ -48,11 +48,11 @@ class KeepLimits : public testing::Test {
  protected:
   const Skeleton skeleton_ = skeleton_with_legs();
   const LimitTables tables_ = make_limit_tables(skeleton_, guess_sole_height(skeleton_));
-  LimitScratch scratch_;
+  LimitWorkspace scratch_;
 
   int joint(const std::string& name) const { return find_joint(skeleton_, name); }
   Pose kept(Pose pose) {
-    keep_limits(skeleton_, tables_, {}, {}, {}, pose, scratch_);
+    enforce_limits(skeleton_, tables_, {}, {}, {}, pose, scratch_);
     return pose;
   }
   // The kneecap follows the knee; fingers of the plain skeleton go sideways by up to a right angle,
@@ -121,7 +121,8 @@ TEST_F(KeepLimits, AFootThatAsksTooMuchOfTheAnkleRisesOnItsBall) {
        {std::pair{"hip_l", 80.0}, {"knee_l", 100.0}, {"ankle_l", 45.0}})
     pose.rotations[joint(name)] = bent(name, Vec3(degrees * kDegree, 0, 0)).rotations[joint(name)];
   ASSERT_GT(worst(pose), 10 * kDegree);
-  keep_limits(skeleton_, tables_, {0.5e-3, kDegree}, {}, {}, pose, scratch_);  // as while it stands
+  enforce_limits(skeleton_, tables_, {0.5e-3, kDegree}, {}, {}, pose,
+                 scratch_);  // as while it stands
   const size_t foot = joint("subtalar_l");
   const Vec3& ball = tables_.limbs[0].point;
   EXPECT_LT((scratch_.before[foot] * ball - scratch_.after[foot] * ball).norm(), 8e-3);
@@ -177,14 +178,14 @@ TEST_F(KeepLimits, MotionsComeOutInsideWithFeetPlanted) {
   std::vector<fs::path> files = {kOwn / "long_jump.bvh", kOwn / "walk.bvh"};
   for (const char* name :
        {"cmu_cgspeed31/02_01_walk.bvh", "cmu_cgspeed31/05_16.bvh", "cmu_daz43/13_13.bvh"})
-    if (fs::exists(kCaptures / name)) files.push_back(kCaptures / name);
+    if (fs::exists(kLimitCaptures / name)) files.push_back(kLimitCaptures / name);
   for (const fs::path& file : files) {
     SCOPED_TRACE(file);
     RetargetReport report;
-    const Motion motion = retarget(read_bvh(file), skeleton_, {}, report);
+    const Motion motion = retarget(read_motion(file), skeleton_, {}, report);
     EXPECT_TRUE(report.limit_breaks.empty()) << report.limit_breaks.front().joint;
     for (const Pose& pose : motion.frames) ASSERT_LT(worst(pose), 1e-4);
-    EXPECT_FALSE(report.limited.empty());
+    EXPECT_FALSE(report.limit_breaks_before.empty());
     ASSERT_EQ(report.ends_moved.size(), 5u);
     if (file.filename() == "05_16.bvh")
       continue;  // a damaged capture: thighs and feet leap by half a turn
@@ -231,9 +232,9 @@ TEST_F(KeepLimits, KneesDoNotFallInWhenASquatIsTooDeep) {
 TEST_F(KeepLimits, FeetTouchDownAsFastAsTheFileHasThem) {
   const double sole = guess_sole_height(skeleton_);
   for (const char* name : {"long_jump.bvh", "walk.bvh"}) {
-    const BvhMotion file = read_bvh(kOwn / name);
+    const MotionClip file = read_motion(kOwn / name);
     RetargetOptions free;
-    free.plant_feet = free.keep_flights = false;
+    free.plant_feet = free.ballistic_flights = false;
     free.clamp_limits = false;
     RetargetReport report, unused;
     const Motion ours = retarget(file, skeleton_, {}, report),
@@ -269,7 +270,7 @@ TEST_F(KeepLimits, KneecapsFollowKneesThatPlantingBends) {
   RetargetOptions options;
   options.clamp_limits = false;
   RetargetReport report;
-  const Motion motion = retarget(read_bvh(kOwn / "walk.bvh"), skeleton_, options, report);
+  const Motion motion = retarget(read_motion(kOwn / "walk.bvh"), skeleton_, options, report);
   for (const Pose& pose : motion.frames)
     for (const std::string s : {"_l", "_r"}) {
       const Joint& knee = skeleton_.joints[joint("knee" + s)];
@@ -292,10 +293,10 @@ TEST_F(KeepLimits, TheRateOfFramesDoesNotMatter) {
     half.samples.insert(half.samples.end(), file.samples.begin() + f * file.channels,
                         file.samples.begin() + (f + 1) * file.channels);
   RetargetOptions options;
-  options.plant_feet = options.keep_flights = false;
+  options.plant_feet = options.ballistic_flights = false;
   RetargetReport report;
-  const Motion all = retarget(file, skeleton_, options, report),
-               some = retarget(half, skeleton_, options, report);
+  const Motion all = retarget(clip_from_bvh(file), skeleton_, options, report),
+               some = retarget(clip_from_bvh(half), skeleton_, options, report);
   for (size_t f = 0; f < some.frames.size(); ++f)
     for (size_t j = 0; j < skeleton_.joints.size(); ++j)
       ASSERT_LT(some.frames[f].rotations[j].angularDistance(all.frames[2 * f].rotations[j]),

@@ -9,6 +9,8 @@
 
 #include "anatomy/mesh_files/mesh_io.h"
 #include "anatomy/muscles/action_line.h"
+#include "anatomy/posing/pose_anatomy.h"
+#include "anatomy/posing/posing_table.h"
 #include "tests/skinning/arm.h"
 
 namespace ecorche {
@@ -29,7 +31,7 @@ struct Posed {
 
 TEST(LayerMesh, BonesRideOnTheirJoints) {
   const Posed one;
-  const LayerMesh layer = bone_layer(one.arm.anatomy);
+  const LayerMesh layer = bone_layer(one.arm.anatomy, {});
   PointsF out;
   pose_layer(layer, one.posed, {}, out);
   const auto rest = rest_positions(one.arm.anatomy.skeleton);
@@ -61,7 +63,7 @@ TEST(LayerMesh, MusclesAreThoseOfTheSurface) {
 TEST(LayerMesh, FilesCountVerticesOn) {
   const Posed one;
   const std::vector<LayerMesh> layers{skin_layer(one.arm.skin, {}), muscle_layer(one.arm.anatomy),
-                                      bone_layer(one.arm.anatomy)};
+                                      bone_layer(one.arm.anatomy, {})};
   std::string text = "mtllib nowhere.mtl\n";
   Eigen::Index vertices = 0, faces = 0;
   for (const LayerMesh& layer : layers) {

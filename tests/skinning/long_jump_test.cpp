@@ -8,17 +8,15 @@
 
 #include "anatomy/joint_angles.h"
 #include "skinning/motion/shoulder_rhythm.h"
+#include "skinning/motion_files/read_motion.h"
 #include "skinning/retarget/retarget.h"
 #include "tests/skinning/plain_skeleton.h"
 
 using namespace ecorche;
 
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180;
-
-BvhMotion own_motion(const char* name) {
-  return read_bvh(std::string(ECORCHE_TEST_DIR) + "/../data/motions/" + name);
+MotionClip own_motion(const char* name) {
+  return read_motion(std::string(ECORCHE_TEST_DIR) + "/../data/motions/" + name);
 }
 
 // Points of a foot, metres, by frame.
@@ -32,13 +30,13 @@ struct FileFigure {
   std::vector<Vec3> center;
 };
 
-FileFigure follow(const BvhMotion& file) {
+FileFigure follow(const MotionClip& file) {
   std::map<std::string, int> id;
   for (size_t j = 0; j < file.joints.size(); ++j) id[file.joints[j].name] = int(j);
   FileFigure out;
   std::vector<Transform> X;
-  for (int f = 0; f < file.frames; ++f) {
-    bvh_kinematics(file, f, X);
+  for (int f = 0; f < file.frame_count; ++f) {
+    clip_kinematics(file, f, X);
     auto point = [&](const std::string& joint, const Vec3& place) {
       return Vec3(0.01 * (X[id.at(joint)] * (100 * place)));
     };
@@ -147,10 +145,10 @@ double largest_slide(const std::vector<Vec3>& point, std::pair<int, int> sand) {
 }  // namespace
 
 TEST(LongJump, IsLongEnoughAndRunsUpOnSixStridesAndMore) {
-  const BvhMotion file = own_motion("long_jump.bvh");
+  const MotionClip file = own_motion("long_jump.bvh");
   EXPECT_TRUE(file.warnings.empty());
   EXPECT_EQ(file.fps, 60);
-  EXPECT_GE(file.frames / file.fps, 5);
+  EXPECT_GE(file.frame_count / file.fps, 5);
   const FileFigure figure = follow(file);
   const auto flight = longest_flight(lowest_points(figure), 2e-3);
   int touchdowns = 0;
@@ -169,7 +167,7 @@ TEST(LongJump, IsLongEnoughAndRunsUpOnSixStridesAndMore) {
 }
 
 TEST(LongJump, FlightIsAFreeFall) {
-  const BvhMotion file = own_motion("long_jump.bvh");
+  const MotionClip file = own_motion("long_jump.bvh");
   const FileFigure figure = follow(file);
   const auto flight = longest_flight(lowest_points(figure), 2e-3);
   const double seconds = (flight.second - flight.first) / file.fps;
@@ -204,7 +202,7 @@ TEST(LongJump, OnOurSkeletonFeetStandAndTheFlightFalls) {
   for (const double size : {1.0, 0.85, 1.15}) {
     SCOPED_TRACE(size);
     const Skeleton skeleton = plain_skeleton(size);
-    const BvhMotion file = own_motion("long_jump.bvh");
+    const MotionClip file = own_motion("long_jump.bvh");
     const std::vector<Vec3> rest = rest_positions(skeleton);
     const double sole = rest[find_joint(skeleton, "mtp2_l")].y() - 0.024 * size;
     RetargetOptions options;

@@ -6,9 +6,11 @@
 #include <fstream>
 
 #include "anatomy/errors.h"
+#include "anatomy/posing/pose_anatomy.h"
+#include "anatomy/posing/posing_table.h"
 #include "skinning/bind/painted_weights.h"
-#include "skinning/character/deform_skin.h"
 #include "tests/skinning/arm.h"
+#include "tests/skinning/compiled_arm.h"
 
 namespace ecorche {
 namespace {
@@ -18,7 +20,6 @@ namespace fs = std::filesystem;
 struct Bound {
   test::Arm arm = test::make_arm();
   PosingTable table = make_posing_table(arm.anatomy);
-  PosedAnatomy rest = posed(0);
 
   PosedAnatomy posed(double angle) const {
     Pose pose = rest_pose(arm.anatomy.skeleton);
@@ -27,11 +28,16 @@ struct Bound {
     pose_anatomy(table, arm.anatomy.skeleton, pose, out);
     return out;
   }
-  Points skin(const Binding& binding, double angle, Settle settle = Settle::yes) const {
-    SkinFrame frame;
-    deform_skin(binding, posed(angle), frame, settle);
+  CharacterModel bound(const PaintedWeights& painted = {}) const {
+    return test::compile_without_collision(arm.anatomy, arm.skin, {.painted = painted});
+  }
+  Points skin(const CharacterModel& model, double angle, bool blended = false) const {
+    CharacterState state(model);
+    state.posed = posed(angle);
     Points out;
-    to_points(frame, out);
+    to_points(blended ? evaluate_blended_skin(model.skin, state)
+                      : evaluate_posed_skin(model.skin, {}, state),
+              out);
     return out;
   }
 };
@@ -64,14 +70,15 @@ class PaintedWeightsTest : public ::testing::Test {
 };
 
 TEST_F(PaintedWeightsTest, WhatIsWrittenMovesTheSkinAsBefore) {
-  const Binding found = bind_skin(bound_.arm.anatomy, bound_.rest, bound_.arm.skin);
-  write_weights(file_, bound_.arm.anatomy.skeleton, found);
+  const CharacterModel found = bound_.bound();
+  write_weights(file_, bound_.arm.anatomy.skeleton, *found.skin.blend);
   const PaintedWeights painted =
-      read_painted_weights(file_, bound_.arm.anatomy, found.vertex_count);
-  ASSERT_EQ(int(painted.vertices.size()), found.vertex_count);
-  const Binding again = bind_skin(bound_.arm.anatomy, bound_.rest, bound_.arm.skin, painted);
+      read_painted_weights(file_, bound_.arm.anatomy, found.binding.vertex_count);
+  ASSERT_EQ(int(painted.vertices.size()), found.binding.vertex_count);
+  const CharacterModel again = bound_.bound(painted);
   EXPECT_LT((bound_.skin(found, 1.8) - bound_.skin(again, 1.8)).cwiseAbs().maxCoeff(), 1e-5);
-  const auto before = joint_shares(found), after = joint_shares(again);
+  const auto before = joint_weights_of(*found.skin.blend),
+             after = joint_weights_of(*again.skin.blend);
   for (std::size_t i = 0; i < before.size(); ++i) {
     double sum = 0;
     for (const Influence& w : after[i]) sum += w.weight;
@@ -88,13 +95,11 @@ TEST_F(PaintedWeightsTest, APaintedVertexGoesWithItsJointAlone) {
   for (int i = 0; i < skin.V.rows(); ++i)
     if (skin.V(i, 1) < skin.V(lowest, 1)) lowest = i;
   const PaintedWeights painted = read(std::to_string(lowest) + ",thorax,1\n");
-  const Binding plain = bind_skin(bound_.arm.anatomy, bound_.rest, skin),
-                binding = bind_skin(bound_.arm.anatomy, bound_.rest, skin, painted);
-  const Points before = bound_.skin(plain, 1.5, Settle::no),
-               after = bound_.skin(binding, 1.5, Settle::no);
+  const CharacterModel plain = bound_.bound(), bound = bound_.bound(painted);
+  const Points before = bound_.skin(plain, 1.5, true), after = bound_.skin(bound, 1.5, true);
   EXPECT_LT((after.row(lowest) - skin.V.row(lowest)).norm(), 1e-6);  // the thorax holds still
   EXPECT_GT((before.row(lowest) - skin.V.row(lowest)).norm(), 0.2);
-  ASSERT_EQ(joint_shares(binding)[lowest].size(), 1u);
+  ASSERT_EQ(joint_weights_of(*bound.skin.blend)[lowest].size(), 1u);
   int moved = 0;
   for (Eigen::Index i = 0; i < skin.V.rows(); ++i)
     moved += (after.row(i) - before.row(i)).norm() > 1e-3;
@@ -103,11 +108,11 @@ TEST_F(PaintedWeightsTest, APaintedVertexGoesWithItsJointAlone) {
 
 TEST_F(PaintedWeightsTest, ABonesNameStandsForItsJoint) {
   const PaintedWeights painted = read("3,ulna_l,0.25\n3,elbow_l,0.25\n3,humerus_l,0.5\n");
-  ASSERT_EQ(painted.shares.size(), 1u);
-  ASSERT_EQ(painted.shares[0].size(), 2u);
-  EXPECT_EQ(painted.shares[0][0].joint, find_joint(bound_.arm.anatomy.skeleton, "shoulder_l"));
-  EXPECT_DOUBLE_EQ(painted.shares[0][0].weight, 0.5);
-  EXPECT_DOUBLE_EQ(painted.shares[0][1].weight, 0.5);
+  ASSERT_EQ(painted.weights.size(), 1u);
+  ASSERT_EQ(painted.weights[0].size(), 2u);
+  EXPECT_EQ(painted.weights[0][0].joint, find_joint(bound_.arm.anatomy.skeleton, "shoulder_l"));
+  EXPECT_DOUBLE_EQ(painted.weights[0][0].weight, 0.5);
+  EXPECT_DOUBLE_EQ(painted.weights[0][1].weight, 0.5);
 }
 
 TEST_F(PaintedWeightsTest, RefusesWhatCannotBeMeant) {

@@ -99,7 +99,6 @@ inline Skeleton plain_skeleton(double scale = 1) {
     const Vec3 position = scale * Vec3(mirror * plain.x, plain.y, plain.z);
     joint.parent = parent.empty() ? -1 : find_joint(skeleton, parent);
     joint.X_PJ.translation() = joint.parent < 0 ? position : Vec3(position - at[joint.parent]);
-    constexpr double kDegree = 3.14159265358979323846 / 180;
     joint.min = kDegree * Vec3(plain.flexion[0], plain.abduction[0], plain.rotation[0]);
     joint.max = kDegree * Vec3(plain.flexion[1], plain.abduction[1], plain.rotation[1]);
     const std::string hinge = plain.hinge;

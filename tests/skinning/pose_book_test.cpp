@@ -13,9 +13,6 @@
 
 namespace ecorche {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
-
 class PoseBook : public ::testing::Test {
  protected:
   Skeleton skeleton_ = plain_skeleton();

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <random>
 
+#include "anatomy/base_mesh/body_rig.h"
+#include "skinning/motion_files/bvh_read.h"
 #include "skinning/retarget/retarget.h"
 #include "tests/body_fixture.h"
 #include "tests/skinning/plain_skeleton.h"
@@ -66,17 +68,18 @@ void expect_taken_over(const Rig& rig, bool z_up, double unit,
   const Skeleton skeleton = plain_skeleton();
   const BvhMotion file = swing(rig, z_up, unit);
   RetargetOptions options;
-  options.plant_feet = options.keep_flights = false;
+  options.plant_feet = options.ballistic_flights = false;
   RetargetReport report;
-  const Motion motion = retarget(file, skeleton, options, report);
+  const Motion motion = retarget(clip_from_bvh(file), skeleton, options, report);
   EXPECT_TRUE(report.same_rest);
-  EXPECT_TRUE(report.own_rig);
+  EXPECT_TRUE(report.matching_rig);
   EXPECT_EQ(report.up, z_up ? 'z' : 'y');
   Mat3 W = Mat3::Identity();
   if (z_up) W << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+  const MotionClip clip = clip_from_bvh(file);
   std::vector<Transform> theirs, ours;
   for (int f = 0; f < file.frames; ++f) {
-    bvh_kinematics(file, f, theirs);
+    clip_kinematics(clip, f, theirs);
     forward_kinematics(skeleton, motion.frames[f], ours);
     for (const auto& [file_joint, our_joint] : pairs) {
       int j = -1;
@@ -204,9 +207,10 @@ TEST_F(RigMotion, AnOwnRigAtRestIsTheBodyAtRest) {
     SCOPED_TRACE(name);
     RetargetReport report;
     const Motion motion =
-        retarget(rest_and_swing(read_rig(package(), name, package().points)), skeleton, {}, report);
+        retarget(clip_from_bvh(rest_and_swing(read_rig(package(), name, package().points))),
+                 skeleton, {}, report);
     const Pose rest = rest_pose(skeleton);
-    EXPECT_TRUE(report.own_rig);
+    EXPECT_TRUE(report.matching_rig);
     EXPECT_LT((motion.frames[0].root - rest.root).norm(), 1e-6)
         << "m; the rig's hips are up to 5 cm beside the body's";
     for (std::size_t j = 0; j < rest.rotations.size(); ++j)
@@ -222,18 +226,19 @@ TEST_F(RigMotion, AnOwnRigTakesTheWholeBodyAlong) {
   const Rig rig = read_rig(package(), "default", package().points);
   const BvhMotion file = rest_and_swing(rig);
   RetargetReport report;
-  const Motion motion = retarget(file, skeleton, {}, report);
+  const Motion motion = retarget(clip_from_bvh(file), skeleton, {}, report);
   const std::vector<Vec3> rest = rest_positions(skeleton);
   const auto joint = [&](const std::string& name) {
     for (std::size_t k = 0; k < file.joints.size(); ++k)
       if (file.joints[k].name == name) return k;
     throw std::invalid_argument(name);
   };
+  const MotionClip clip = clip_from_bvh(file);
   std::vector<Transform> still, theirs, ours;
-  bvh_kinematics(file, 0, still);
+  clip_kinematics(clip, 0, still);
   double worst = 0;
   for (int f = 0; f < file.frames; ++f) {
-    bvh_kinematics(file, f, theirs);
+    clip_kinematics(clip, f, theirs);
     forward_kinematics(skeleton, motion.frames[f], ours);
     Vec3 mean = Vec3::Zero();
     const std::vector<std::pair<std::string, std::string>> places{{"upperleg02.", "hip_"},
@@ -270,11 +275,12 @@ TEST_F(RigMotion, ThoraxAndHeadComeToWhereAnOwnRigHasThem) {
       file.samples[f * file.channels + file.joints[joint(bone)].first_channel + 1] =
           8.0 * f / file.frames;
   RetargetReport report;
-  const Motion motion = retarget(file, skeleton, {}, report);
+  const Motion motion = retarget(clip_from_bvh(file), skeleton, {}, report);
   const std::vector<Vec3> rest = rest_positions(skeleton);
+  const MotionClip clip = clip_from_bvh(file);
   std::vector<Transform> still, theirs, ours;
-  bvh_kinematics(file, 0, still);
-  bvh_kinematics(file, file.frames - 1, theirs);
+  clip_kinematics(clip, 0, still);
+  clip_kinematics(clip, file.frames - 1, theirs);
   const auto place = [&](const char* bone, const char* own) {
     const std::size_t b = joint(bone);
     return Vec3(0.01 *
@@ -307,8 +313,8 @@ TEST_F(RigMotion, PosesOfAnOwnRigComeInAnyOrder) {
     std::copy(row(f), row(f) + file.channels,
               back.samples.begin() + std::ptrdiff_t(file.frames - 1 - f) * file.channels);
   RetargetReport report;
-  const Motion there = retarget(file, skeleton, {}, report),
-               here = retarget(back, skeleton, {}, report);
+  const Motion there = retarget(clip_from_bvh(file), skeleton, {}, report),
+               here = retarget(clip_from_bvh(back), skeleton, {}, report);
   for (std::size_t f = 0; f < there.frames.size(); ++f) {
     const Pose &a = there.frames[f], &b = here.frames[there.frames.size() - 1 - f];
     EXPECT_EQ(a.root, b.root)
@@ -323,7 +329,7 @@ TEST_F(RigMotion, ALargerBodysRigIsNotOwn) {
   for (auto* places : {&rig.heads, &rig.tails})
     for (Vec3& place : *places) place *= 1.06;
   RetargetReport report;
-  retarget(rest_and_swing(rig), plain_skeleton(), {}, report);
+  retarget(clip_from_bvh(rest_and_swing(rig)), plain_skeleton(), {}, report);
   EXPECT_TRUE(report.same_rest);
-  EXPECT_FALSE(report.own_rig);
+  EXPECT_FALSE(report.matching_rig);
 }

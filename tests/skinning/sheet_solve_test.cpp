@@ -12,7 +12,7 @@
 
 #include "anatomy/geometry/vertex_normals.h"
 #include "anatomy/queries/nearest_surface.h"
-#include "skinning/muscle_collision/skin_walk.h"
+#include "skinning/muscle_collision/project_to_skin.h"
 #include "skinning/settle/sparse_solver.h"
 #include "tests/skinning/arm.h"
 
@@ -63,7 +63,7 @@ Eigen::SparseMatrix<double> cross_matrix(int width, int length) {
   return out;
 }
 
-std::vector<float> right_sides(const SheetFactor& factor, const Eigen::MatrixX3d& b) {
+std::vector<float> right_sides(const SupernodalFactor& factor, const Eigen::MatrixX3d& b) {
   std::vector<float> x(4 * work_rows(factor), 7);  // what is beyond the rows does not count
   for (Eigen::Index i = 0; i < b.rows(); ++i)
     for (Eigen::Index k = 0; k < 4; ++k)
@@ -71,27 +71,27 @@ std::vector<float> right_sides(const SheetFactor& factor, const Eigen::MatrixX3d
   return x;
 }
 
-TEST(SheetFactor, SolvesAsADenseSolverDoesWithEveryBranch) {
+TEST(SupernodalFactor, SolvesAsADenseSolverDoesWithEveryBranch) {
   const Eigen::SparseMatrix<double> A = cross_matrix(4, 40);
-  const SheetFactor factor = factor_sheet(A);
+  const SupernodalFactor factor = factor_supernodal(A);
   ASSERT_EQ(factor.rows, A.rows());
-  EXPECT_GT(factor.crown, 0);
-  EXPECT_LT(factor.crown, factor.rows / 3);
-  for (int branch = 0; branch < SheetFactor::kBranches; ++branch)
-    EXPECT_LT(factor.branch_begin[branch], factor.branch_begin[branch + 1]) << branch;
+  EXPECT_GT(factor.separator, 0);
+  EXPECT_LT(factor.separator, factor.rows / 3);
+  for (int branch = 0; branch < SupernodalFactor::kSubtrees; ++branch)
+    EXPECT_LT(factor.subtree_begin[branch], factor.subtree_begin[branch + 1]) << branch;
   std::mt19937 random(5);
   std::uniform_real_distribution<double> any(-1, 1);
   Eigen::MatrixX3d b(A.rows(), 3);
   for (Eigen::Index i = 0; i < b.size(); ++i) b.data()[i] = any(random);
   const Eigen::MatrixX3d wanted = Eigen::MatrixXd(A).llt().solve(b);
   std::vector<float> x = right_sides(factor, b);
-  solve_sheet(factor, x.data());
+  solve_supernodal(factor, x.data());
   for (Eigen::Index i = 0; i < b.rows(); ++i)
     for (Eigen::Index k = 0; k < 3; ++k)
       ASSERT_NEAR(x[4 * std::size_t(factor.place[i]) + k], wanted(i, k), 1e-5) << i;
   const oneapi::tbb::global_control one(oneapi::tbb::global_control::max_allowed_parallelism, 1);
   std::vector<float> alone = right_sides(factor, b);
-  solve_sheet(factor, alone.data());
+  solve_supernodal(factor, alone.data());
   EXPECT_EQ(x, alone);
 }
 
@@ -124,12 +124,12 @@ TEST_P(LiesOnRings, AreThoseOfTheNearestPointWhateverTheRingsHold) {
       const int k = lane;
       ways.x[k] = float(way.x()), ways.y[k] = float(way.y()), ways.z[k] = float(way.z());
     }
-    const Lies lies = lies_of(rings, {positions, normals}, ways, from);
+    const SkinProjections lies = project_to_skin(rings, {positions, normals}, ways, from);
     for (std::size_t lane = 0; lane < 8; ++lane) {
       const int k = lane;
       const SurfacePoint hit = nearest.nearest(place[lane]);
       const Vec3 direction(lies.normal.x[k], lies.normal.y[k], lies.normal.z[k]);
-      if (lies.height[k] < -kDeepLie) continue;
+      if (lies.height[k] < -kDeepProjection) continue;
       EXPECT_NEAR(lies.height[k], (place[lane] - hit.point).dot(direction), 2e-5)
           << trial << ": from " << from[lane] << " to " << lies.vertex[lane];
       EXPECT_NEAR(direction.norm(), 1, 1e-5);

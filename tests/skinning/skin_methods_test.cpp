@@ -1,5 +1,7 @@
 // Laws of the deformers that ours is compared with.
 #include "skinning/evaluation/skin_methods.h"
+#include "anatomy/posing/pose_anatomy.h"
+#include "anatomy/posing/posing_table.h"
 
 #include <gtest/gtest.h>
 
@@ -13,15 +15,15 @@ namespace {
 
 // A tube along -y from 0 to 1 m, radius 5 cm, its weights passing from bone 0 to bone 1 along all
 // of its length.
-struct Tube {
+struct SkinMethodsTube {
   TriMesh mesh;
   BlendSkin skin;
 };
 
-Tube make_tube() {
+SkinMethodsTube make_tube() {
   std::vector<Vec2> profile;
   for (int k = 0; k <= 40; ++k) profile.emplace_back(k / 40.0, 0.05);
-  Tube tube;
+  SkinMethodsTube tube;
   tube.mesh = test::lathe(Vec3::Zero(), Vec3(0, -1, 0), profile, 24);
   std::vector<std::vector<BoneWeight>> weights;
   for (Eigen::Index i = 0; i < tube.mesh.V.rows(); ++i) {
@@ -37,7 +39,7 @@ Vec3 place(const SkinFrame& frame, Eigen::Index i) {
   return {frame.positions[at], frame.positions[at + 1], frame.positions[at + 2]};
 }
 
-double largest_error(const SkinFrame& frame, const TriMesh& mesh, const Transform& X) {
+double largest_error_skin_methods(const SkinFrame& frame, const TriMesh& mesh, const Transform& X) {
   double worst = 0;
   for (Eigen::Index i = 0; i < mesh.V.rows(); ++i)
     worst = std::max(worst, (place(frame, i) - X * Vec3(mesh.V.row(i))).norm());
@@ -52,7 +54,7 @@ Transform some_motion() {
 
 // Least distance from the tube's axis of the vertices in its middle half, its ends turned by
 // `angle` against each other.
-double waist(const Tube& tube, double angle, bool dual) {
+double waist(const SkinMethodsTube& tube, double angle, bool dual) {
   Transform turn = Transform::Identity();
   turn.rotate(Eigen::AngleAxisd(angle, Vec3::UnitY()));
   const std::vector<Transform> bones{Transform::Identity(), turn};
@@ -71,7 +73,7 @@ TEST(SkinMethods, NamesAreUnderstood) {
 }
 
 TEST(DualQuaternion, ATwistKeepsTheRadiusThatLinearBlendLoses) {
-  const Tube tube = make_tube();
+  const SkinMethodsTube tube = make_tube();
   for (const double degrees : {60.0, 120.0, 175.0}) {
     const double angle = degrees * std::numbers::pi / 180;
     EXPECT_NEAR(waist(tube, angle, true), 0.05, 1e-6) << degrees;
@@ -81,21 +83,21 @@ TEST(DualQuaternion, ATwistKeepsTheRadiusThatLinearBlendLoses) {
 }
 
 TEST(DeltaMush, RestComesBackAndRigidMotionIsFollowed) {
-  const Tube tube = make_tube();
+  const SkinMethodsTube tube = make_tube();
   for (const Transform& X : {Transform::Identity(), some_motion()}) {
     SkinFrame frame;
     const std::vector<Transform> still(2, Transform::Identity()), bones{X, X};
     deform_linear(tube.skin, still, frame);
     const MushTables tables = make_mush(tube.mesh, frame.positions);
     deform_linear(tube.skin, bones, frame);
-    MushScratch scratch;
+    MushWorkspace scratch;
     deform_mush(tables, scratch, frame);
-    EXPECT_LT(largest_error(frame, tube.mesh, X), 1e-6);
+    EXPECT_LT(largest_error_skin_methods(frame, tube.mesh, X), 1e-6);
   }
 }
 
 TEST(DeltaMush, SmoothsAStepButKeepsTheDetail) {
-  Tube tube = make_tube();
+  SkinMethodsTube tube = make_tube();
   const Eigen::Index wart = 20 * 24 + 3;  // a vertex pulled out of the surface
   const Vec3 out = Vec3(tube.mesh.V(wart, 0), 0, tube.mesh.V(wart, 2)).normalized();
   tube.mesh.V.row(wart) += 0.004 * out.transpose();
@@ -112,7 +114,7 @@ TEST(DeltaMush, SmoothsAStepButKeepsTheDetail) {
   bones[1].translate(Vec3(0, 0, 0.02));  // a shear of 20 mm from one ring to the next
   deform_linear(tube.skin, bones, frame);
   const double sheared = (place(frame, 21 * 24) - place(frame, 20 * 24)).z();
-  MushScratch scratch;
+  MushWorkspace scratch;
   deform_mush(tables, scratch, frame);
   EXPECT_NEAR(sheared, 0.02, 1e-6);
   EXPECT_LT((place(frame, 21 * 24) - place(frame, 20 * 24)).z(), 0.006);
@@ -121,36 +123,36 @@ TEST(DeltaMush, SmoothsAStepButKeepsTheDetail) {
   EXPECT_NEAR((place(frame, wart) - axis).norm() - 0.05, 0.004, 0.001);
 }
 
-struct BoundArm {
+struct SkinMethodsBoundArm {
   test::Arm arm = test::make_arm();
   PosingTable table = make_posing_table(arm.anatomy);
   PosedAnatomy rest, posed;
   Binding binding;
-  PaperSkin skin;
+  NearestPartSkin skin;
 
-  BoundArm() {
+  SkinMethodsBoundArm() {
     pose_anatomy(table, arm.anatomy.skeleton, rest_pose(arm.anatomy.skeleton), rest);
-    binding = bind_skin(arm.anatomy, rest, arm.skin);
-    skin = make_paper_skin(arm.anatomy, rest, arm.skin, binding);
+    binding = bind_skin(arm.anatomy, rest, arm.skin).binding;
+    skin = make_nearest_part_skin(arm.anatomy, rest, arm.skin, binding);
   }
 };
 
 TEST(NearestPartSkin, RestComesBackAndRigidMotionIsFollowed) {
-  BoundArm arm;
+  SkinMethodsBoundArm arm;
   SkinFrame frame;
-  deform_paper(arm.skin, arm.rest, frame);
-  EXPECT_LT(largest_error(frame, arm.arm.skin, Transform::Identity()), 1e-6);
+  deform_nearest_part(arm.skin, arm.rest, frame);
+  EXPECT_LT(largest_error_skin_methods(frame, arm.arm.skin, Transform::Identity()), 1e-6);
   const Transform X = some_motion();
   Pose pose = rest_pose(arm.arm.anatomy.skeleton);
   pose.root = X * pose.root;
   pose.rotations[0] = Quat(X.linear());
   pose_anatomy(arm.table, arm.arm.anatomy.skeleton, pose, arm.posed);
-  deform_paper(arm.skin, arm.posed, frame);
-  EXPECT_LT(largest_error(frame, arm.arm.skin, X), 1e-6);
+  deform_nearest_part(arm.skin, arm.posed, frame);
+  EXPECT_LT(largest_error_skin_methods(frame, arm.arm.skin, X), 1e-6);
 }
 
 TEST(NearestPartSkin, AVertexOverABoneStaysOnIt) {
-  BoundArm arm;
+  SkinMethodsBoundArm arm;
   const Skeleton& skeleton = arm.arm.anatomy.skeleton;
   Pose pose = rest_pose(skeleton);
   const int elbow = find_joint(skeleton, "elbow_l");
@@ -158,7 +160,7 @@ TEST(NearestPartSkin, AVertexOverABoneStaysOnIt) {
   pose.rotations[elbow] = Quat(Eigen::AngleAxisd(-1, Vec3::UnitX()));
   pose_anatomy(arm.table, skeleton, pose, arm.posed);
   SkinFrame frame;
-  deform_paper(arm.skin, arm.posed, frame);
+  deform_nearest_part(arm.skin, arm.posed, frame);
   int on_bones = 0;
   for (Eigen::Index i = 0; i < arm.arm.skin.V.rows(); ++i) {
     const Anchor& anchor = arm.binding.anchors[i];

@@ -1,6 +1,6 @@
 // Laws of muscles beneath the skin: at rest nothing moves; where the skin is drawn in, nothing
 // stays outside and bellies keep their volume; more of it moves everything a little more.
-#include "skinning/muscle_collision/skin_over_muscles.h"
+#include "skinning/muscle_collision/push_muscles.h"
 
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
@@ -12,11 +12,12 @@
 #include "anatomy/geometry/overlap_volumes.h"
 #include "anatomy/geometry/vertex_normals.h"
 #include "anatomy/muscles/muscle_surface.h"
+#include "anatomy/posing/pose_anatomy.h"
+#include "anatomy/posing/posing_table.h"
 #include "anatomy/queries/nearest_surface.h"
-#include "skinning/bind/bind.h"
-#include "skinning/character/deform_skin.h"
 #include "tests/anatomy/strips.h"
 #include "tests/skinning/arm.h"
+#include "tests/skinning/compiled_arm.h"
 
 namespace ecorche {
 namespace {
@@ -25,9 +26,9 @@ namespace {
 struct Limb {
   Anatomy anatomy;
   TriMesh skin;
-  PosingTable table;
+  MuscleModel muscles;
   PosedAnatomy rest;
-  UnderSkin under;
+  MuscleCollision collision;
 
   Limb() {
     anatomy.skeleton = testing::arm_skeleton();
@@ -43,9 +44,9 @@ struct Limb {
     std::vector<Vec2> profile;
     for (int k = 0; k <= 40; ++k) profile.emplace_back(0.01 * k, k == 0 || k == 40 ? 0.03 : 0.045);
     skin = test::lathe(Vec3(0, 0.95, 0), Vec3::UnitY(), profile, 32);
-    table = make_posing_table(anatomy);
-    pose_anatomy(table, anatomy.skeleton, rest_pose(anatomy.skeleton), rest);
-    under = make_under_skin(anatomy, rest, skin);
+    muscles = make_muscle_model(anatomy);
+    pose_anatomy(muscles.posing, anatomy.skeleton, rest_pose(anatomy.skeleton), rest);
+    collision = make_muscle_collision(anatomy, rest, skin);
   }
 
   // The skin drawn in on its +x side by `depth` at the middle.
@@ -68,27 +69,41 @@ struct Limb {
   // sections.
   double furthest_out(const PosedAnatomy& posed, const SkinFrame& frame) const {
     const MuscleSurface surface = make_muscle_surface(anatomy);
-    Points muscles;
-    update_muscle_surface(surface, posed, muscles);
+    Points drawn;
+    update_muscle_surface(surface, posed, drawn);
     TriMesh shape{{}, skin.F};
     to_points(frame, shape.V);
-    const std::vector<int> winding = winding_numbers(shape, muscles);
+    const std::vector<int> winding = winding_numbers(shape, drawn);
     const NearestSurface surface_of_skin(shape);
     double most = 0;
     for (std::size_t i = 0; i < winding.size(); ++i)
-      if (winding[i] == 0) most = std::max(most, surface_of_skin.nearest(muscles.row(i)).distance);
+      if (winding[i] == 0) most = std::max(most, surface_of_skin.nearest(drawn.row(i)).distance);
     return most;
   }
 };
 
-bool keep_under_skin(const Limb& limb, SkinFrame& frame, PosedAnatomy& posed,
-                     UnderSkinMemory& memory) {
-  const std::vector<float> open(frame.positions.size() / 4, 1.0f);
-  if (!rise_over_muscles(limb.under, posed.slices, open, frame.positions, memory)) return false;
-  vertex_normals(frame.positions, std::span(limb.skin.F.data(), std::size_t(limb.skin.F.size())),
-                 frame.normals);
-  give_way_to_skin(limb.under, limb.table, frame.positions, frame.normals, {}, posed, memory);
-  return true;
+// All memory of one collision.
+struct Memory {
+  RelaxedSkin skin;
+  SkinLift lift;
+  LiftWorkspace lifting;
+  PushWorkspace push;
+};
+
+void keep_under_skin(const Limb& limb, SkinFrame& frame, PosedAnatomy& posed, Memory& memory) {
+  RelaxedSkin& skin = memory.skin;
+  skin.positions = frame.positions;
+  skin.normals = frame.normals;
+  skin.openness.assign(frame.positions.size() / 4, 1.0f);
+  skin.liftable = skin.openness;
+  lift_skin_over_muscles(limb.collision, posed.slices, skin, memory.lift, memory.lifting);
+  if (memory.lift.lifted) {
+    vertex_normals(skin.positions, std::span(limb.skin.F.data(), std::size_t(limb.skin.F.size())),
+                   skin.normals);
+    push_muscles_below_skin(limb.collision, limb.muscles, skin, memory.lift, posed, memory.push);
+  }
+  frame.positions = skin.positions;
+  frame.normals = skin.normals;
 }
 
 TEST(UnderSkin, AtRestNothingMoves) {
@@ -96,7 +111,7 @@ TEST(UnderSkin, AtRestNothingMoves) {
   SkinFrame frame = limb.drawn_in(0);
   const SkinFrame before = frame;
   PosedAnatomy posed = limb.rest;
-  UnderSkinMemory memory;
+  Memory memory;
   keep_under_skin(limb, frame, posed, memory);
   EXPECT_EQ(frame.positions, before.positions);
   EXPECT_EQ(std::memcmp(posed.slices.data(), limb.rest.slices.data(),
@@ -111,7 +126,7 @@ TEST(UnderSkin, WhatComesOutGoesBackAndKeepsItsVolume) {
     SkinFrame frame = limb.drawn_in(depth);
     const SkinFrame drawn = frame;
     PosedAnatomy posed = limb.rest;
-    UnderSkinMemory memory;
+    Memory memory;
     const double before = limb.furthest_out(posed, frame);
     keep_under_skin(limb, frame, posed, memory);
     EXPECT_GT(before, 0.003);
@@ -128,7 +143,7 @@ TEST(UnderSkin, WhatComesOutGoesBackAndKeepsItsVolume) {
 TEST(UnderSkin, MovesSteadilyWithTheSkin) {
   const Limb limb;
   PosedAnatomy before, now;
-  UnderSkinMemory memory;
+  Memory memory;
   constexpr double kStep = 1e-4;
   double most = 0;
   for (double depth = 0; depth < 0.03; depth += kStep) {
@@ -157,7 +172,7 @@ TEST(UnderSkin, SameBytesAtAnyNumberOfThreads) {
     const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, i == 0 ? 1 : 2);
     SkinFrame frame = limb.drawn_in(0.02);
     posed[i] = limb.rest;
-    UnderSkinMemory memory;
+    Memory memory;
     keep_under_skin(limb, frame, posed[i], memory);
     skins[i] = frame.positions;
   }
@@ -176,41 +191,28 @@ double volume_of(const Triangles& F, const SkinFrame& frame) {
   return six / 6;
 }
 
-// An arm whose skin is bound to it at rest.
-struct BoundArm {
-  test::Arm arm = test::make_arm();
-  PosingTable table = make_posing_table(arm.anatomy);
-  PosedAnatomy rest = at_rest();
-  Binding binding = bind_skin(arm.anatomy, rest, arm.skin);
-  UnderSkin under = make_under_skin(arm.anatomy, rest, binding);
-
-  PosedAnatomy at_rest() const {
-    PosedAnatomy out;
-    pose_anatomy(table, arm.anatomy.skeleton, rest_pose(arm.anatomy.skeleton), out);
-    return out;
-  }
-};
-
 TEST(UnderSkin, TheSkinKeepsItsVolumeAndRisesNotWhereItIsClosed) {
-  const BoundArm bound;
-  const auto& [arm, table, rest, binding, under] = bound;
-  const Skeleton& skeleton = arm.anatomy.skeleton;
+  const test::Arm arm = test::make_arm();
+  const CharacterModel model = test::compile_figure(arm.anatomy, arm.skin);
+  CharacterModel without = model;
+  without.skin.collision = {};
   PosedAnatomy posed;
-  Pose pose = rest_pose(skeleton);
+  Pose pose = rest_pose(arm.anatomy.skeleton);
   pose.rotations[3] = Quat(Eigen::AngleAxisd(-0.5, Vec3::UnitX()));
-  pose_anatomy(table, skeleton, pose, posed);
-  SkinFrame settled, over;
-  deform_skin(binding, posed, settled);
+  pose_anatomy(model.muscles.posing, arm.anatomy.skeleton, pose, posed);
+  CharacterState settled(without);
+  settled.posed = posed;
+  evaluate_posed_skin(without.skin, {}, settled);
   for (Ellipse& slice : posed.slices) slice.center.z() += 0.015;
-  UnderSkinMemory memory;
-  std::vector<float> closed = settled.positions;
-  EXPECT_TRUE(rise_over_muscles(under, posed.slices, std::vector<float>(closed.size() / 4, 0.0f),
-                                closed, memory))
-      << "the muscle comes out";
-  EXPECT_EQ(closed, settled.positions);
-  SkinFrame still;  // the lifts of nodes know the moved muscle
-  deform_skin(binding, posed, still);
-  deform_over_muscles(binding, under, {}, posed, over, memory);
+  RelaxedSkin closed = settled.relaxed;
+  closed.liftable.assign(closed.positions.size() / 4, 0.0f);
+  SkinLift lift;
+  LiftWorkspace lifting;
+  lift_skin_over_muscles(model.skin.collision, posed.slices, closed, lift, lifting);
+  EXPECT_TRUE(lift.lifted) << "the muscle comes out";
+  EXPECT_EQ(closed.positions, settled.relaxed.positions);
+  const SkinFrame still = test::skin_over(without, posed),  // handles know the moved muscle
+      over = test::skin_over(model, posed);
   double risen = 0;
   for (std::size_t k = 0; k < over.positions.size(); ++k)
     risen = std::max(risen, std::abs(double(over.positions[k] - still.positions[k])));
@@ -223,32 +225,53 @@ TEST(UnderSkin, RefusesWhatBelongsToAnother) {
   SkinFrame frame = limb.drawn_in(0);
   frame.positions.resize(8);
   PosedAnatomy posed = limb.rest;
-  UnderSkinMemory memory;
+  Memory memory;
   EXPECT_THROW(keep_under_skin(limb, frame, posed, memory), std::invalid_argument);
 }
 
-TEST(UnderSkin, MusclesGiveWayOnlyToASkinThatWasMovedOverThem) {
-  const BoundArm bound;
-  const auto& [arm, table, rest, binding, under] = bound;
-  PosedAnatomy posed = rest;
-  for (Ellipse& slice : posed.slices) slice.center.z() += 0.015;
-  SkinFrame frame;
-  UnderSkinMemory memory;
-  EXPECT_THROW(give_way_to_skin(binding, under, table, frame, posed, memory),
-               std::invalid_argument);
-  deform_skin(binding, posed, frame);
-  EXPECT_THROW(give_way_to_skin(binding, under, table, frame, posed, memory),
-               std::invalid_argument);
-  const PosedAnatomy before = posed;
-  deform_over_muscles(binding, under, {}, posed, frame, memory);
-  EXPECT_EQ(
-      std::memcmp(posed.slices.data(), before.slices.data(), posed.slices.size() * sizeof(Ellipse)),
-      0)
-      << "the skin alone leaves them";
-  give_way_to_skin(binding, under, table, frame, posed, memory);
-  EXPECT_NE(
-      std::memcmp(posed.slices.data(), before.slices.data(), posed.slices.size() * sizeof(Ellipse)),
-      0);
+TEST(UnderSkin, MusclesGiveWayOnlyToASkinThatWasLiftedOverThem) {
+  const test::Arm arm = test::make_arm();
+  const CharacterModel model = test::compile_figure(arm.anatomy, arm.skin);
+  const MuscleCollision& collision = model.skin.collision;
+  CharacterState state(model);
+  pose_anatomy(model.muscles.posing, arm.anatomy.skeleton, rest_pose(arm.anatomy.skeleton),
+               state.posed);
+  for (Ellipse& slice : state.posed.slices) slice.center.z() += 0.015;
+  const PosedAnatomy before = state.posed;
+  const auto same = [&] {
+    return std::memcmp(state.posed.slices.data(), before.slices.data(),
+                       before.slices.size() * sizeof(Ellipse)) == 0;
+  };
+  const auto push = [&] {
+    push_muscles_below_skin(collision, model.muscles, state.relaxed, state.lift, state.posed,
+                            state.push);
+  };
+  EXPECT_THROW(push(), std::invalid_argument);
+  CharacterModel without = model;
+  without.skin.collision = {};
+  evaluate_posed_skin(without.skin, {}, state);
+  EXPECT_THROW(push(), std::invalid_argument);
+  evaluate_posed_skin(model.skin, {}, state);
+  EXPECT_TRUE(same()) << "the skin alone leaves them";
+  push();
+  EXPECT_FALSE(same());
+}
+
+// The muscles of a frame are those of its own skin, whatever other states have done in between.
+TEST(UnderSkin, AFrameDependsOnItsOwnStateAlone) {
+  const test::Arm arm = test::make_arm();
+  const CharacterModel model = test::compile_figure(arm.anatomy, arm.skin);
+  Pose bent = rest_pose(arm.anatomy.skeleton);
+  bent.rotations[3] = Quat(Eigen::AngleAxisd(-2.2, Vec3::UnitX()));
+  CharacterState one(model), other(model);
+  evaluate(model, bent, {}, one);
+  evaluate(model, rest_pose(arm.anatomy.skeleton), {}, other);
+  CharacterState copy = other;
+  evaluate(model, bent, {}, copy);
+  EXPECT_EQ(copy.skin.positions, one.skin.positions);
+  EXPECT_EQ(std::memcmp(copy.posed.slices.data(), one.posed.slices.data(),
+                        one.posed.slices.size() * sizeof(Ellipse)),
+            0);
 }
 
 }  // namespace

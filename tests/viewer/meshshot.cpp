@@ -304,6 +304,6 @@ int main(int argc, char** argv) {
     return ecorche::run(argc, argv);
   } catch (const ecorche::Error& error) {
     std::cerr << "meshshot: " << error.what() << "\n";
-    return error.exit_code();
+    return 3;
   }
 }

@@ -209,11 +209,11 @@ TEST(RendererContext, each_way_to_a_context_draws_the_same_ball) {
 }
 
 TEST(RendererContext, a_driver_that_crashes_or_hangs_is_a_reason_and_not_our_end) {
-  EXPECT_EQ(failure_elsewhere([] {}), "");
-  EXPECT_EQ(failure_elsewhere([] { throw OutputError("no screen"); }), "no screen");
-  EXPECT_NE(failure_elsewhere([] { raise(SIGSEGV); }).find("crashes"), std::string::npos);
-  EXPECT_NE(failure_elsewhere([] { _exit(3); }).find("ended the process"), std::string::npos);
-  EXPECT_NE(failure_elsewhere([] { pause(); }, 0.2).find("did not answer"), std::string::npos);
+  EXPECT_EQ(failure_in_child([] {}), "");
+  EXPECT_EQ(failure_in_child([] { throw OutputError("no screen"); }), "no screen");
+  EXPECT_NE(failure_in_child([] { raise(SIGSEGV); }).find("crashes"), std::string::npos);
+  EXPECT_NE(failure_in_child([] { _exit(3); }).find("ended the process"), std::string::npos);
+  EXPECT_NE(failure_in_child([] { pause(); }, 0.2).find("did not answer"), std::string::npos);
 }
 
 TEST(CameraTest, named_views_and_angles) {

@@ -11,6 +11,8 @@
 #include <set>
 
 #include "anatomy/errors.h"
+#include "anatomy/posing/pose_anatomy.h"
+#include "anatomy/posing/posing_table.h"
 #include "viewer/camera.h"
 #include "viewer/film/film.h"
 #include "viewer/follow_camera.h"

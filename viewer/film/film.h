@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
 
 #include "viewer/film/video_pipe.h"
 #include "viewer/gl/renderer.h"
@@ -36,7 +37,7 @@ using FrameSource = std::function<void(int frame, Scene& scene)>;
 
 // Throws UsageError (size, name, no frames, several for a still), LimitError (size), OutputError
 // (folder, ffmpeg, disk). Numbered pictures that were finished before an error stay; a film appears
-// whole or not at all. What `source` throws comes out here.
+// whole or not at all. Exceptions of `source` are rethrown.
 FilmReport make_film(const FilmOptions& options, int frames, const FrameSource& source,
                      const std::function<void(int)>& progress = {});
 

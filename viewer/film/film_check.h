@@ -6,7 +6,7 @@
 
 namespace ecorche {
 
-// What is wrong with an .mp4 file that should hold one track of `frames` pictures; empty: nothing.
+// The fault of an .mp4 file that should hold one track of `frames` pictures; empty if it is whole.
 // Looked at: boxes that end where the file ends, and a table of as many samples that all have their
 // bytes.
 std::string film_fault(const std::filesystem::path& file, int frames);

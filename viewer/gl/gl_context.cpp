@@ -201,7 +201,7 @@ constexpr Way ways[] = {
 const std::string& fault_of(const Way& way) {
   static std::map<std::string_view, std::string> faults;
   const auto [known, fresh] = faults.try_emplace(way.name);
-  if (fresh) known->second = failure_elsewhere([&way] { way.make(); });
+  if (fresh) known->second = failure_in_child([&way] { way.make(); });
   return known->second;
 }
 

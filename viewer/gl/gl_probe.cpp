@@ -16,7 +16,7 @@
 namespace ecorche {
 namespace {
 
-// In the copy: no way leads out of here.
+// Runs in the child; does not return.
 [[noreturn]] void attempt_and_exit(const std::function<void()>& attempt, int answer) {
   for (const int death : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, SIGTERM, SIGINT})
     signal(death, SIG_DFL);
@@ -37,7 +37,7 @@ namespace {
   _exit(written == static_cast<ssize_t>(why.size()) ? 0 : 1);
 }
 
-// What comes out of a pipe until it is closed; false after the time.
+// Reads a pipe until it is closed; false if the time is over first.
 bool read_all(int from, double seconds, std::string& text) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
@@ -57,7 +57,7 @@ bool read_all(int from, double seconds, std::string& text) {
 
 }  // namespace
 
-std::string failure_elsewhere(const std::function<void()>& attempt, double seconds) {
+std::string failure_in_child(const std::function<void()>& attempt, double seconds) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0)
     return fmt::format("cannot be tried out: {}", std::strerror(errno));

@@ -1,5 +1,5 @@
-// Tries something out in a process of its own: graphics drivers that lack what they need crash
-// instead of saying so.
+// Runs an attempt in a child process, since graphics drivers that lack a resource crash instead of
+// returning an error.
 #pragma once
 
 #include <functional>
@@ -7,9 +7,9 @@
 
 namespace ecorche {
 
-// Why `attempt` failed in a copy of this process: what it threw, that it crashed, or that it did
-// not end within `seconds`. Empty: it went well, and can be done here. What it prints is lost.
+// Reason why `attempt` failed in a forked child: the exception's message, a crash, or no end within
+// `seconds`. Empty if it succeeded. Its output is discarded.
 // Precondition: the libraries it uses have no threads here yet.
-std::string failure_elsewhere(const std::function<void()>& attempt, double seconds = 20);
+std::string failure_in_child(const std::function<void()>& attempt, double seconds = 20);
 
 }  // namespace ecorche

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <glm/gtc/type_ptr.hpp>
 
 #include "anatomy/errors.h"
 
@@ -59,20 +60,20 @@ GLint GlProgram::place(const char* name) const {
 
 void GlProgram::set(const char* name, float value) const { gl_.Uniform1f(place(name), value); }
 void GlProgram::set(const char* name, int value) const { gl_.Uniform1i(place(name), value); }
-void GlProgram::set(const char* name, const Eigen::Vector2f& v) const {
-  gl_.Uniform2f(place(name), v.x(), v.y());
+void GlProgram::set(const char* name, const glm::vec2& v) const {
+  gl_.Uniform2f(place(name), v.x, v.y);
 }
-void GlProgram::set(const char* name, const Eigen::Vector3f& v) const {
-  gl_.Uniform3f(place(name), v.x(), v.y(), v.z());
+void GlProgram::set(const char* name, const glm::vec3& v) const {
+  gl_.Uniform3f(place(name), v.x, v.y, v.z);
 }
-void GlProgram::set(const char* name, const Eigen::Vector4f& v) const {
-  gl_.Uniform4f(place(name), v.x(), v.y(), v.z(), v.w());
+void GlProgram::set(const char* name, const glm::vec4& v) const {
+  gl_.Uniform4f(place(name), v.x, v.y, v.z, v.w);
 }
-void GlProgram::set(const char* name, const Eigen::Matrix3f& v) const {
-  gl_.UniformMatrix3fv(place(name), 1, GL_FALSE, v.data());
+void GlProgram::set(const char* name, const glm::mat3& v) const {
+  gl_.UniformMatrix3fv(place(name), 1, GL_FALSE, glm::value_ptr(v));
 }
-void GlProgram::set(const char* name, const Eigen::Matrix4f& v) const {
-  gl_.UniformMatrix4fv(place(name), 1, GL_FALSE, v.data());
+void GlProgram::set(const char* name, const glm::mat4& v) const {
+  gl_.UniformMatrix4fv(place(name), 1, GL_FALSE, glm::value_ptr(v));
 }
 
 }  // namespace ecorche

@@ -4,7 +4,11 @@
 #include <map>
 #include <string>
 
-#include <Eigen/Core>
+#include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 
 #include "viewer/gl/gl_api.h"
 
@@ -21,15 +25,15 @@ class GlProgram {
   GlProgram& operator=(const GlProgram&) = delete;
 
   void use() const { gl_.UseProgram(id_); }
-  // Names the program does not have are passed over: a pass uses what it needs of the frame's
-  // values.
+  // Sets a uniform of the program in use. A name that the program does not have is passed over: a
+  // pass uses some of the frame's values.
   void set(const char* name, float value) const;
   void set(const char* name, int value) const;
-  void set(const char* name, const Eigen::Vector2f& value) const;
-  void set(const char* name, const Eigen::Vector3f& value) const;
-  void set(const char* name, const Eigen::Vector4f& value) const;
-  void set(const char* name, const Eigen::Matrix3f& value) const;
-  void set(const char* name, const Eigen::Matrix4f& value) const;
+  void set(const char* name, const glm::vec2& value) const;
+  void set(const char* name, const glm::vec3& value) const;
+  void set(const char* name, const glm::vec4& value) const;
+  void set(const char* name, const glm::mat3& value) const;
+  void set(const char* name, const glm::mat4& value) const;
 
  private:
   GLint place(const char* name) const;

@@ -1,13 +1,14 @@
-// The pictures that a frame is drawn into on its way to the result.
+// Render targets: framebuffers with textures.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "viewer/gl/gl_api.h"
 
 namespace ecorche {
 
-// A framebuffer with textures of one size; made again when the size changes.
+// A framebuffer with textures of one size; recreated when the size changes.
 class GlTarget {
  public:
   // Internal formats of the colour attachments in order; depth as a texture if asked for.

@@ -60,7 +60,7 @@ void GpuMeshes::begin(const DrawList& list) {
     if (whole || slot.revision != mesh.revision) {
       check(mesh, int(i));
       if (whole) check_triangles(mesh, int(i));
-      send(slot, mesh, whole);
+      upload(slot, mesh, whole);
     }
     slot.revision = mesh.revision;
     slot.shape = mesh.shape;
@@ -76,7 +76,7 @@ void GpuMeshes::begin(const DrawList& list) {
   }
 }
 
-void GpuMeshes::send(Slot& slot, const DrawMesh& mesh, bool fresh) const {
+void GpuMeshes::upload(Slot& slot, const DrawMesh& mesh, bool fresh) const {
   if (!slot.vertex_array) {
     gl_.GenVertexArrays(1, &slot.vertex_array);
     gl_.GenBuffers(1, &slot.indices);

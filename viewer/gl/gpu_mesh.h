@@ -1,9 +1,11 @@
-// Meshes on the GPU, sent again only when they changed.
+// Meshes on the GPU, uploaded again only when they have changed.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <map>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -19,10 +21,10 @@ class GpuMeshes {
   GpuMeshes(const GpuMeshes&) = delete;
   GpuMeshes& operator=(const GpuMeshes&) = delete;
 
-  // Sends what is new; buffers that no list of the last frames has used are freed.
+  // Uploads new and changed meshes; frees buffers that the lists of the last frames did not use.
   // Throws std::invalid_argument naming the mesh: arrays of unequal length, indices out of range.
   void begin(const DrawList& list);
-  // Binds mesh `index` of that list; arrays it lacks take the values of the item.
+  // Draws the item's mesh of that list; missing arrays take the item's values.
   void draw(const DrawList& list, const DrawItem& item) const;
   // Box around mesh `index` of that list, in its own frame; empty for a mesh without vertices.
   const Eigen::AlignedBox3f& box(int index) const { return slots_.at(keys_[index]).box; }
@@ -37,7 +39,7 @@ class GpuMeshes {
     std::size_t vertices = 0, triangles = 0;
     int last_frame = 0;
   };
-  void send(Slot& slot, const DrawMesh& mesh, bool fresh) const;
+  void upload(Slot& slot, const DrawMesh& mesh, bool fresh) const;
   void free(Slot& slot) const;
 
   const GlApi& gl_;

@@ -1,6 +1,9 @@
-// What stays the same from pass to pass of one picture: matrices, light directions, and the pixels
-// that a pass has to touch.
+// Constants of all passes of one picture: matrices, light directions, and rectangles of pixels that
+// passes are limited to.
 #pragma once
+
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
 
 #include "viewer/draw_list.h"
 #include "viewer/gl/gpu_mesh.h"
@@ -8,7 +11,7 @@
 namespace ecorche {
 
 struct Ball {
-  Vec3f center = Vec3f::Zero();
+  glm::vec3 center{0};
   float radius = 1;
 };
 
@@ -18,18 +21,19 @@ struct PixelWindow {
 };
 
 struct PictureFrame {
-  Mat4f view_projection, unproject, shadow_view_projection;
-  Vec3f key, rim;                // the way the lights travel, world, unit
-  Ball ball;                     // what shadows and ambient occlusion are worked out for
+  glm::mat4 view_projection{1}, unproject{1};  // world -> clip, and back
+  glm::mat4 shadow_view_projection{1};         // world -> clip, seen from the key light
+  glm::vec3 key{0}, rim{0};                    // directions in which the lights travel, world, unit
+  Ball ball;                     // the part of the world that has shadows and ambient occlusion
   float shadow_texel_world = 0;  // m
-  float occlusion_reach = 0;     // m: how far ambient occlusion looks
+  float occlusion_reach = 0;     // m, reach of ambient occlusion
   PixelWindow figure;            // pixels that items can reach
   PixelWindow shadow;            // pixels of the ground that their shadow can reach
   PixelWindow shaded;            // pixels that ambient occlusion can darken
 };
 
-// `meshes` have taken the list's meshes (GpuMeshes::begin). width, height: of the picture, pixels;
-// shadow_size: texels a side, 0: none.
+// Precondition: GpuMeshes::begin(list). width, height: of the picture, pixels; shadow_size: texels
+// a side of the shadow map, 0: none.
 PictureFrame make_picture_frame(const DrawList& list, const GpuMeshes& meshes, int width,
                                 int height, int shadow_size);
 

@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
+#include <glm/ext/matrix_transform.hpp>
+#include <glm/gtc/color_space.hpp>
+#include <glm/gtc/matrix_inverse.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec4.hpp>
 #include <optional>
 #include <stdexcept>
 
@@ -16,6 +20,7 @@
 #include "viewer/gl/gpu_mesh.h"
 #include "viewer/gl/picture_frame.h"
 #include "viewer/gl/shaders.h"
+#include "viewer/glm_values.h"
 
 namespace ecorche {
 namespace {
@@ -23,9 +28,9 @@ namespace {
 constexpr int largest_side = 16384;
 constexpr double largest_sample_count = 1 << 26;
 
-Vec3f linear(const Vec3f& srgb) {
-  return srgb.unaryExpr(
-      [](float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); });
+// Radiance of a light whose colour is given in sRGB.
+glm::vec3 radiance(const Vec3f& srgb, float strength) {
+  return glm::convertSRGBToLinear(to_glm(srgb)) * strength;
 }
 
 bool is_opaque(const DrawItem& item) { return item.surface.opacity >= 1; }
@@ -72,11 +77,11 @@ struct Renderer::Impl {
     gl.ActiveTexture(GL_TEXTURE0 + unit);
     gl.BindTexture(GL_TEXTURE_2D, texture);
   }
-  void draw_screen() const {
+  void draw_full_screen() const {
     gl.BindVertexArray(empty_array);
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
   }
-  void limit_to(const PixelWindow& w, int scale) const {
+  void set_scissor(const PixelWindow& w, int scale) const {
     gl.Enable(GL_SCISSOR_TEST);
     gl.Scissor(w.x * scale, w.y * scale, w.width * scale, w.height * scale);
   }
@@ -140,18 +145,18 @@ void Renderer::Impl::set_frame(const GlProgram& program, const DrawList& list) c
   program.use();
   program.set("u_view_projection", frame.view_projection);
   program.set("u_unproject", frame.unproject);
-  program.set("u_eye", list.camera.eye);
-  program.set("u_forward", Vec3f((list.camera.target - list.camera.eye).normalized()));
+  program.set("u_eye", to_glm(list.camera.eye));
+  program.set("u_forward", unit(list.camera.target - list.camera.eye));
   program.set("u_parallel", list.camera.ortho_height > 0 ? 1.0f : 0.0f);
   program.set("u_key_direction", frame.key);
-  program.set("u_key_color", Vec3f(linear(light.key_color) * light.key_strength));
-  program.set("u_sky_color", Vec3f(linear(light.sky_color) * light.ambient_strength));
-  program.set("u_floor_color", Vec3f(linear(light.floor_color) * light.ambient_strength));
+  program.set("u_key_color", radiance(light.key_color, light.key_strength));
+  program.set("u_sky_color", radiance(light.sky_color, light.ambient_strength));
+  program.set("u_floor_color", radiance(light.floor_color, light.ambient_strength));
   program.set("u_rim_direction", frame.rim);
-  program.set("u_rim_color", Vec3f(linear(light.rim_color) * light.rim_strength));
-  Mat4f half = Mat4f::Identity() * 0.5f;
-  half.col(3) = Vec4f(0.5f, 0.5f, 0.5f, 1);
-  program.set("u_shadow", Mat4f(half * frame.shadow_view_projection));
+  program.set("u_rim_color", radiance(light.rim_color, light.rim_strength));
+  const glm::mat4 to_texture =  // clip -> [0, 1]
+      glm::scale(glm::translate(glm::mat4(1), glm::vec3(0.5f)), glm::vec3(0.5f));
+  program.set("u_shadow", to_texture * frame.shadow_view_projection);
   program.set("u_shadow_strength", options.shadow_size > 0 ? light.shadow_strength : 0.0f);
   program.set("u_shadow_texel", options.shadow_size > 0 ? 1.0f / float(options.shadow_size) : 0.0f);
   program.set("u_shadow_world", frame.shadow_texel_world);
@@ -167,7 +172,7 @@ const GlProgram& Renderer::Impl::surface_program(const DrawList& list, const Dra
 void Renderer::Impl::set_surface(const GlProgram& program, const DrawItem& item) const {
   const Surface& s = item.surface;
   program.use();
-  program.set("u_normal", Eigen::Matrix3f(item.X_WM.topLeftCorner<3, 3>().inverse().transpose()));
+  program.set("u_normal", glm::inverseTranspose(glm::mat3(to_glm(item.X_WM))));
   program.set("u_opacity", s.opacity);
   program.set("u_edge_opacity", s.edge_opacity);
   program.set("u_roughness", s.roughness);
@@ -184,7 +189,7 @@ void Renderer::Impl::draw_item(const GlProgram& program, const DrawList& list,
   } else {
     gl.Disable(GL_CULL_FACE);
   }
-  program.set("u_model", item.X_WM);
+  program.set("u_model", to_glm(item.X_WM));
   program.set("u_dissolved", item.surface.dissolved);
   meshes.draw(list, item);
 }
@@ -218,7 +223,7 @@ void Renderer::Impl::draw_shadows(const DrawList& list) {
   gl.Disable(GL_POLYGON_OFFSET_FILL);
 }
 
-// Shadows are looked up only where one can fall: there, and in the four strips around.
+// The ground with shadows where one can fall, and without in the four strips around.
 void Renderer::Impl::draw_background(const DrawList& list) {
   const Ground& g = list.ground;
   ground.resize(width, height);
@@ -237,19 +242,19 @@ void Renderer::Impl::draw_background(const DrawList& list) {
   }
   auto draw_in = [&](const GlProgram& p, const PixelWindow& w) {
     if (w.width <= 0 || w.height <= 0) return;
-    limit_to(w, 1);
+    set_scissor(w, 1);
     set_frame(p, list);
-    p.set("u_top", list.background_top);
-    p.set("u_bottom", list.background_bottom);
+    p.set("u_top", to_glm(list.background_top));
+    p.set("u_bottom", to_glm(list.background_bottom));
     p.set("u_ground_height", g.height);
-    p.set("u_ground_color", g.color);
+    p.set("u_ground_color", to_glm(g.color));
     p.set("u_grid", g.grid);
     p.set("u_board", g.board);
     p.set("u_fade_distance", 30.0f);
-    p.set("u_track", Vec4f(g.track_center, g.track_half_width, g.track_begin, g.track_end));
+    p.set("u_track", glm::vec4(g.track_center, g.track_half_width, g.track_begin, g.track_end));
     p.set("u_lane", 2 * g.track_half_width / float(std::max(g.lanes, 1)));
-    p.set("u_pit", Vec3f(g.pit_half_width, g.pit_begin, g.pit_end));
-    draw_screen();
+    p.set("u_pit", glm::vec3(g.pit_half_width, g.pit_begin, g.pit_end));
+    draw_full_screen();
   };
   const PixelWindow w = g.visible ? frame.shadow : PixelWindow{};
   draw_in(background_program, w);
@@ -273,7 +278,7 @@ void Renderer::Impl::draw_opaque(const DrawList& list) {
   gl.ClearBufferuiv(GL_COLOR, 1, no_part);
   gl.ClearBufferfv(GL_COLOR, 2, nothing);
   gl.ClearBufferfv(GL_DEPTH, 0, &far_away);
-  limit_to(frame.figure, samples);
+  set_scissor(frame.figure, samples);
   for (const GlProgram* program : {&plain_program, &fibre_program, &dissolve_program})
     set_frame(*program, list);
   for (const DrawItem& item : list.items) {
@@ -284,7 +289,7 @@ void Renderer::Impl::draw_opaque(const DrawList& list) {
   }
 }
 
-// One sample a pixel. Glass skin comes after it: the shade is of what lies beneath.
+// Ambient occlusion at one sample a pixel, of opaque surfaces; translucent ones are drawn later.
 void Renderer::Impl::draw_occlusion(const DrawList& list) {
   raw_open.resize(width, height);
   open.resize(width, height);
@@ -301,17 +306,16 @@ void Renderer::Impl::draw_occlusion(const DrawList& list) {
     raw_open.bind();
     gl.Disable(GL_SCISSOR_TEST);
     gl.ClearBufferfv(GL_COLOR, 0, bright);
-    limit_to(frame.shaded, 1);
+    set_scissor(frame.shaded, 1);
     set_frame(occlusion_program, list);
     occlusion_program.set("u_depth", 1);
     occlusion_program.set("u_normals", 2);
     occlusion_program.set("u_ground_depth", 3);
     occlusion_program.set("u_samples", samples);
-    occlusion_program.set("u_pixel", Eigen::Vector2f(1.0f / float(width), 1.0f / float(height)));
+    occlusion_program.set("u_pixel", 1.0f / glm::vec2(width, height));
     occlusion_program.set("u_radius", frame.occlusion_reach);
-    occlusion_program.set("u_ball", Vec4f(frame.ball.center.x(), frame.ball.center.y(),
-                                          frame.ball.center.z(), frame.ball.radius));
-    draw_screen();
+    occlusion_program.set("u_ball", glm::vec4(frame.ball.center, frame.ball.radius));
+    draw_full_screen();
     open.bind();
     bind_texture(2, raw_open.texture(0));
     blur_program.use();
@@ -319,16 +323,15 @@ void Renderer::Impl::draw_occlusion(const DrawList& list) {
     blur_program.set("u_open", 2);
     blur_program.set("u_ground_depth", 3);
     blur_program.set("u_samples", samples);
-    draw_screen();
+    draw_full_screen();
   }
   gl.Enable(GL_DEPTH_TEST);
 }
 
-// First the depth of the nearest layer, then that layer alone is blended: no sorting, no inner
-// walls.
+// Draws the depth of the nearest layer, then blends that layer alone: no sorting, no inner walls.
 void Renderer::Impl::draw_translucent(const DrawList& list) {
   scene.bind(1);
-  limit_to(frame.figure, samples);
+  set_scissor(frame.figure, samples);
   bind_texture(0, shadow.depth());
   for (const DrawItem& item : list.items) {
     if (is_opaque(item) || is_hidden(item)) continue;
@@ -369,8 +372,8 @@ void Renderer::Impl::draw_resolved(GLuint framebuffer) {
     program->set("u_ground", 4);
     program->set("u_samples", samples);
     program->set("u_outline", options.outline);
-    draw_screen();
-    limit_to(frame.figure, 1);
+    draw_full_screen();
+    set_scissor(frame.figure, 1);
   }
   gl.Disable(GL_SCISSOR_TEST);
 }

@@ -29,8 +29,7 @@ class Renderer {
  public:
   using GetProc = void* (*)(const char*);
 
-  // Makes a context of its own. Throws OutputError that says what was tried and which package to
-  // install.
+  // Makes its own context. Throws OutputError that names the attempts and the package to install.
   explicit Renderer(RenderOptions options = {});
   // Draws with the context that is current in this thread (a window's).
   Renderer(RenderOptions options, GetProc get_proc);
@@ -50,8 +49,7 @@ class Renderer {
 
   // Parts of the picture drawn last, top row first, 0 where there is none. #pixels
   std::vector<std::uint32_t> parts();
-  // The part at one pixel of it, top left (0, 0); 0 outside. What was bound to draw into stays
-  // bound.
+  // The part at one pixel of it, top left (0, 0); 0 outside. The bound framebuffer stays bound.
   std::uint32_t part_at(int x, int y);
 
   // "EGL surfaceless, llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5"

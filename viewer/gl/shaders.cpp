@@ -10,8 +10,13 @@ uniform mat4 u_shadow;     // world -> shadow map [0,1]
 uniform float u_shadow_strength, u_shadow_texel, u_shadow_world;
 uniform sampler2DShadow u_shadow_map;
 
-vec3 to_linear(vec3 c) { return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c)); }
-vec3 to_srgb(vec3 c) { return mix(12.92 * c, 1.055 * pow(max(c, 0.0), vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c)); }
+vec3 to_linear(vec3 c) {
+  return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));
+}
+vec3 to_srgb(vec3 c) {
+  vec3 power = 1.055 * pow(max(c, 0.0), vec3(1.0 / 2.4)) - 0.055;
+  return mix(12.92 * c, power, step(0.0031308, c));
+}
 
 float hash(vec2 p) {
   vec3 q = fract(p.xyx * 0.1031);
@@ -21,18 +26,22 @@ float hash(vec2 p) {
 float noise(vec2 p) {
   vec2 i = floor(p), f = fract(p);
   f = f * f * (3.0 - 2.0 * f);
-  return mix(mix(hash(i), hash(i + vec2(1, 0)), f.x), mix(hash(i + vec2(0, 1)), hash(i + vec2(1, 1)), f.x), f.y);
+  return mix(mix(hash(i), hash(i + vec2(1, 0)), f.x),
+             mix(hash(i + vec2(0, 1)), hash(i + vec2(1, 1)), f.x), f.y);
 }
 
-// Share of the key light that arrives; the point is moved along its normal so that a surface does not shade itself.
+// Share of the key light that reaches the point, which is first moved along its normal so that a
+// surface does not shade itself.
 float lit(vec3 p, vec3 n) {
   if (u_shadow_strength <= 0.0) return 1.0;
   vec4 s = u_shadow * vec4(p + n * u_shadow_world * 1.8 - u_key_direction * u_shadow_world, 1.0);
   if (any(lessThan(s.xyz, vec3(0.0))) || any(greaterThan(s.xyz, vec3(1.0)))) return 1.0;
-  const vec2 taps[8] = vec2[8](vec2(-0.33, 0.94), vec2(0.86, 0.51), vec2(-0.94, 0.16), vec2(0.17, 0.33), vec2(-0.36, -0.29),
-                               vec2(0.61, -0.35), vec2(-0.57, -0.82), vec2(0.22, -0.97));
+  const vec2 taps[8] = vec2[8](vec2(-0.33, 0.94), vec2(0.86, 0.51), vec2(-0.94, 0.16),
+                               vec2(0.17, 0.33), vec2(-0.36, -0.29), vec2(0.61, -0.35),
+                               vec2(-0.57, -0.82), vec2(0.22, -0.97));
   float sum = 0.0;
-  for (int i = 0; i < 8; ++i) sum += texture(u_shadow_map, vec3(s.xy + taps[i] * 1.9 * u_shadow_texel, s.z));
+  for (int i = 0; i < 8; ++i)
+    sum += texture(u_shadow_map, vec3(s.xy + taps[i] * 1.9 * u_shadow_texel, s.z));
   return mix(1.0, sum / 8.0, u_shadow_strength);
 }
 
@@ -65,9 +74,10 @@ void main() {
   v_part = a_part;
   gl_Position = u_view_projection * p;
 #ifdef DISSOLVES
-  // What is left of a surface still hides what presses through it by less than this, in metres.
+  // The remaining surface still covers surfaces that penetrate it by less than 0.03 m.
   vec3 v = view_direction(p.xyz);
-  vec4 nearer = u_view_projection * vec4(p.xyz + 0.03 * smoothstep(0.0, 0.3, dot(normalize(v_normal), v)) * v, 1.0);
+  vec4 nearer = u_view_projection *
+                vec4(p.xyz + 0.03 * smoothstep(0.0, 0.3, dot(normalize(v_normal), v)) * v, 1.0);
   gl_Position.z = nearer.z / nearer.w * gl_Position.w;
 #endif
 }
@@ -78,7 +88,8 @@ in vec3 v_position, v_normal, v_color;
 in float v_occlusion, v_dissolve;
 in vec4 v_fibre;
 flat in uint v_part;
-uniform float u_opacity, u_edge_opacity, u_dissolved, u_roughness, u_specular, u_scatter, u_striation;
+uniform float u_opacity, u_edge_opacity, u_dissolved;
+uniform float u_roughness, u_specular, u_scatter, u_striation;
 layout(location = 0) out vec4 o_color;
 layout(location = 1) out uint o_part;
 layout(location = 2) out vec4 o_normal;
@@ -92,20 +103,25 @@ vec3 tilt(vec3 n, float height) {
   return normalize(abs(det) * n - g);
 }
 
-// `count` fibres around the belly. `turn` is how far the angle around it goes from one sample to the next.
+// Height of the fibre pattern, -1 .. 1, with `count` fibres around the belly. `angle`: around the
+// belly, rad; `wander`: shift of the pattern.
 float fibres(float count, float angle, float wander) {
   float phase = count * angle + 2.0 * wander;
   return 0.65 * cos(phase) + 0.35 * cos(3.0 * phase + 1.7 * sin(phase * 0.5));
 }
 
-// Fibres run along the belly. Where they would be thinner than about four samples, bundles of two, four, ... are drawn instead.
+// Fibres run along the belly. Fibres thinner than about four samples are drawn in bundles of two,
+// four, ... instead. `turn`: change of the angle around the belly from one sample to the next.
 float fibre_line() {
   float angle = atan(v_fibre.y, v_fibre.x);
-  float wander = 0.35 * sin(31.0 * v_fibre.w + 3.0 * angle) + 0.25 * sin(83.0 * v_fibre.w - 5.0 * angle);
-  float turn = length(vec2(length(dFdx(v_fibre.xy)), length(dFdy(v_fibre.xy)))) / max(length(v_fibre.xy), 0.1);
+  float wander = 0.35 * sin(31.0 * v_fibre.w + 3.0 * angle) +
+                 0.25 * sin(83.0 * v_fibre.w - 5.0 * angle);
+  float turn = length(vec2(length(dFdx(v_fibre.xy)), length(dFdy(v_fibre.xy)))) /
+               max(length(v_fibre.xy), 0.1);
   float level = max(log2(max(v_fibre.z * turn, 1e-6) / 1.3), 0.0);
   float whole = floor(level), part = smoothstep(0.3, 0.7, level - whole);
-  float fine = max(round(v_fibre.z / exp2(whole)), 3.0), coarse = max(round(v_fibre.z / exp2(whole + 1.0)), 3.0);
+  float fine = max(round(v_fibre.z / exp2(whole)), 3.0);
+  float coarse = max(round(v_fibre.z / exp2(whole + 1.0)), 3.0);
   float fade = 1.0 - smoothstep(0.9, 2.0, coarse * turn);
   return fade * mix(fibres(fine, angle, wander), fibres(coarse, angle, wander), part);
 }
@@ -113,7 +129,8 @@ float fibre_line() {
 float highlight(vec3 n, vec3 v, vec3 l, float roughness) {
   vec3 h = normalize(l + v);
   float a = roughness * roughness, a2 = a * a;
-  float nh = max(dot(n, h), 0.0), nl = max(dot(n, l), 0.0), nv = max(dot(n, v), 0.05), lh = max(dot(l, h), 0.05);
+  float nh = max(dot(n, h), 0.0), nl = max(dot(n, l), 0.0);
+  float nv = max(dot(n, v), 0.05), lh = max(dot(l, h), 0.05);
   float d = nh * nh * (a2 - 1.0) + 1.0;
   return nl * a2 / (3.14159 * d * d * 4.0 * lh * lh * (roughness + 0.5));
 }
@@ -149,7 +166,8 @@ void main() {
   float rim = pow(grazing, 3.0) * max(dot(n, -u_rim_direction) * 0.6 + 0.4, 0.0);
   vec3 color = base * light + rim * u_rim_color * open * mix(vec3(0.25), base, 0.55);
   float fresnel = u_specular + (1.0 - u_specular) * pow(grazing, 5.0) * (1.0 - u_roughness);
-  color += u_key_color * fresnel / max(u_specular, 0.001) * u_specular * highlight(n, v, key, u_roughness) * shade;
+  color += u_key_color * fresnel / max(u_specular, 0.001) * u_specular *
+           highlight(n, v, key, u_roughness) * shade;
   color += ambient(reflect(-v, n)) * fresnel * open * 0.35;
   float alpha = clamp(u_opacity + u_edge_opacity * pow(grazing, 2.0), 0.0, 1.0);
   o_color = vec4(color * alpha, alpha);
@@ -196,15 +214,18 @@ uniform vec4 u_track;  // centre x, half width, begin z, end z
 uniform vec3 u_pit;    // half width, begin z, end z
 layout(location = 0) out vec4 o_color;
 
-// Coverage of lines `width` metres wide at whole multiples of `step`, filtered over the pixel's footprint.
+// Coverage of lines `width` metres wide at whole multiples of `step_`, filtered over the pixel's
+// footprint.
 float lines(float x, float step_, float width, float footprint) {
   float w = max(width, footprint);
   float d = abs(fract(x / step_ - 0.5) - 0.5) * step_;
-  return (1.0 - smoothstep(0.5 * w - 0.5 * footprint, 0.5 * w + 0.5 * footprint, d)) * min(1.0, width / w);
+  return (1.0 - smoothstep(0.5 * w - 0.5 * footprint, 0.5 * w + 0.5 * footprint, d)) *
+         min(1.0, width / w);
 }
 float band(float x, float lo, float hi, float footprint) {
   float f = max(footprint, 1e-4);
-  return smoothstep(lo - 0.5 * f, lo + 0.5 * f, x) * (1.0 - smoothstep(hi - 0.5 * f, hi + 0.5 * f, x));
+  return smoothstep(lo - 0.5 * f, lo + 0.5 * f, x) *
+         (1.0 - smoothstep(hi - 0.5 * f, hi + 0.5 * f, x));
 }
 float sand_height(vec2 p) {
   return 0.6 * noise(p * 11.0) + 0.3 * noise(p * 47.0) + 0.15 * noise(p * 190.0);
@@ -217,7 +238,8 @@ void main() {
   o_color = vec4(back, 1.0);
   gl_FragDepth = 1.0;
 #else
-  vec4 a = u_unproject * vec4(2.0 * v_uv - 1.0, -1.0, 1.0), b = u_unproject * vec4(2.0 * v_uv - 1.0, 1.0, 1.0);
+  vec4 a = u_unproject * vec4(2.0 * v_uv - 1.0, -1.0, 1.0);
+  vec4 b = u_unproject * vec4(2.0 * v_uv - 1.0, 1.0, 1.0);
   vec3 from = a.xyz / a.w, ray = normalize(b.xyz / b.w - from);
   float t = (u_ground_height - from.y) / ray.y;
   // The backdrop of a studio: the floor runs into it without a horizon.
@@ -227,33 +249,43 @@ void main() {
   vec3 n = vec3(0, 1, 0);
   vec3 base = to_linear(u_ground_color);
   base *= 1.0 + 0.05 * (noise(p.xz * 3.0) - 0.5);
-  if (u_grid > 0.0) base *= 1.0 - 0.16 * max(lines(p.x, u_grid, 0.012, fx.x), lines(p.z, u_grid, 0.012, fx.y));
+  if (u_grid > 0.0)
+    base *= 1.0 - 0.16 * max(lines(p.x, u_grid, 0.012, fx.x), lines(p.z, u_grid, 0.012, fx.y));
   if (u_track.w > u_track.z) {
     float x = abs(p.x - u_track.x);
     float on = band(p.z, u_track.z, u_track.w, fx.y);
     float speckle = noise(p.xz * 140.0) - 0.5;
-    vec3 tartan = to_linear(vec3(0.66, 0.29, 0.22)) * (1.0 + 0.22 * speckle * (1.0 - smoothstep(0.003, 0.02, max(fx.x, fx.y))));
+    vec3 tartan = to_linear(vec3(0.66, 0.29, 0.22)) *
+                  (1.0 + 0.22 * speckle * (1.0 - smoothstep(0.003, 0.02, max(fx.x, fx.y))));
     tartan *= 1.0 - 0.10 * lines(p.z, u_grid, 0.015, fx.y);
-    base = mix(base, tartan, on * (1.0 - smoothstep(u_track.y - 0.5 * fx.x, u_track.y + 0.5 * fx.x, x)));
+    base = mix(base, tartan,
+               on * (1.0 - smoothstep(u_track.y - 0.5 * fx.x, u_track.y + 0.5 * fx.x, x)));
     float across = p.x - u_track.x + u_track.y;
     base = mix(base, vec3(0.85), on * band(x, u_track.y - 0.05, u_track.y, fx.x));
-    if (u_lane < u_track.y * 1.9) base = mix(base, vec3(0.85), on * step(x, u_track.y - 0.1) * lines(across, u_lane, 0.05, fx.x));
+    if (u_lane < u_track.y * 1.9)
+      base = mix(base, vec3(0.85),
+                 on * step(x, u_track.y - 0.1) * lines(across, u_lane, 0.05, fx.x));
     if (u_board != 0.0) {
-      float inside = 1.0 - smoothstep(u_track.y - 0.05 - 0.5 * fx.x, u_track.y - 0.05 + 0.5 * fx.x, x);
+      float inside = 1.0 - smoothstep(u_track.y - 0.05 - 0.5 * fx.x,
+                                      u_track.y - 0.05 + 0.5 * fx.x, x);
       base = mix(base, vec3(0.88), inside * band(p.z, u_board - 0.20, u_board, fx.y));
-      base = mix(base, to_linear(vec3(0.30, 0.62, 0.42)), inside * band(p.z, u_board, u_board + 0.10, fx.y));
+      base = mix(base, to_linear(vec3(0.30, 0.62, 0.42)),
+                 inside * band(p.z, u_board, u_board + 0.10, fx.y));
     }
   }
   if (u_pit.z > u_pit.y) {
-    float in_pit = band(p.x - u_track.x, -u_pit.x, u_pit.x, fx.x) * band(p.z, u_pit.y, u_pit.z, fx.y);
-    float frame = band(p.x - u_track.x, -u_pit.x - 0.08, u_pit.x + 0.08, fx.x) * band(p.z, u_pit.y - 0.08, u_pit.z + 0.08, fx.y);
+    float in_pit = band(p.x - u_track.x, -u_pit.x, u_pit.x, fx.x) *
+                   band(p.z, u_pit.y, u_pit.z, fx.y);
+    float frame = band(p.x - u_track.x, -u_pit.x - 0.08, u_pit.x + 0.08, fx.x) *
+                  band(p.z, u_pit.y - 0.08, u_pit.z + 0.08, fx.y);
     base = mix(base, to_linear(vec3(0.55, 0.53, 0.50)), frame);
     float detail = 1.0 - smoothstep(0.01, 0.08, max(fx.x, fx.y));
     float h = sand_height(p.xz), e = 0.012;
     vec2 slope = vec2(sand_height(p.xz + vec2(e, 0)) - h, sand_height(p.xz + vec2(0, e)) - h) / e;
     vec3 sand = to_linear(vec3(0.86, 0.76, 0.58)) * (0.88 + 0.24 * h);
     base = mix(base, sand, in_pit);
-    n = normalize(mix(n, normalize(vec3(-0.035 * slope.x * detail, 1.0, -0.035 * slope.y * detail)), in_pit));
+    vec3 ripple = normalize(vec3(-0.035 * slope.x * detail, 1.0, -0.035 * slope.y * detail));
+    n = normalize(mix(n, ripple, in_pit));
   }
 #ifdef SUNNY
   float shade = 1.0;
@@ -281,7 +313,7 @@ uniform float u_radius;
 uniform vec4 u_ball;  // around the figure
 layout(location = 0) out vec4 o_open;
 
-// The nearer of figure and ground; the figure is drawn with several samples a pixel, of which one serves.
+// Depth of the nearer of figure and ground. The figure has several samples a pixel; one is read.
 float depth_at(ivec2 at) {
   return min(texelFetch(u_depth, at * u_samples, 0).r, texelFetch(u_ground_depth, at, 0).r);
 }
@@ -290,11 +322,14 @@ vec3 world(vec2 at, float depth) {
   return p.xyz / p.w;
 }
 
-// Share of the sky that is open: a horizon is looked for along six directions on the screen, at three distances each, with
-// the angle over the surface measured in the world. Turned by a 4 x 4 pattern, which the blur takes out again.
+// Ambient occlusion in screen space: the share of the sky that is open. The horizon is sampled
+// along six directions on the screen at three distances each; its angle over the surface is
+// measured in the world. Directions turn with a 4 x 4 pattern of pixels, which the blur averages
+// out.
 void main() {
   ivec2 here = ivec2(gl_FragCoord.xy), last = textureSize(u_ground_depth, 0) - 1;
-  float own = texelFetch(u_depth, here * u_samples, 0).r, ground = texelFetch(u_ground_depth, here, 0).r;
+  float own = texelFetch(u_depth, here * u_samples, 0).r;
+  float ground = texelFetch(u_ground_depth, here, 0).r;
   float depth = min(own, ground);
   if (depth > 0.9999985) {  // nothing there
     o_open = vec4(1.0);
@@ -307,7 +342,8 @@ void main() {
     o_open = vec4(1.0);
     return;
   }
-  vec3 n = own <= ground ? normalize(texelFetch(u_normals, here * u_samples, 0).xyz - 0.5) : vec3(0, 1, 0);
+  vec3 n = own <= ground ? normalize(texelFetch(u_normals, here * u_samples, 0).xyz - 0.5)
+                         : vec3(0, 1, 0);
   vec4 clip = u_view_projection * vec4(p, 1.0);
   vec3 side = vec3(u_view_projection[0][0], u_view_projection[1][0], u_view_projection[2][0]);
   vec3 upward = vec3(u_view_projection[0][1], u_view_projection[1][1], u_view_projection[2][1]);
@@ -397,7 +433,8 @@ void main() {
       vec3 seen = tone(shade * (c.rgb + (1.0 - c.a) * ground));
 #endif
       uint part = texelFetch(u_parts, at, 0).r;
-      uint right = texelFetch(u_parts, min(at + ivec2(1, 0), last), 0).r, above = texelFetch(u_parts, min(at + ivec2(0, 1), last), 0).r;
+      uint right = texelFetch(u_parts, min(at + ivec2(1, 0), last), 0).r;
+      uint above = texelFetch(u_parts, min(at + ivec2(0, 1), last), 0).r;
       bool line = part != 0u && ((right != part && right != 0u) || (above != part && above != 0u));
       sum += line ? seen * (1.0 - u_outline) : seen;
     }

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using Asking = ViewDocument::Asking;
 
-// What has been written so far, and the folder that is listed for it.
+// The typed text, and the folder whose entries are listed for it.
 struct Entry {
   std::array<char, 1024> text{};
   fs::path listed;
@@ -26,7 +26,7 @@ struct Entry {
     text.fill(0);
     std::memcpy(text.data(), words.data(), std::min(words.size(), text.size() - 1));
   }
-  // The folder of what is written.
+  // The folder of the typed text.
   fs::path folder() const {
     const fs::path path = text.data();
     std::error_code ignored;
@@ -43,7 +43,7 @@ void begin(Asking asking, Entry& entry) {
   entry.listed.clear();
 }
 
-// What was chosen by a click; folders are entered.
+// The entry that was clicked; folders are entered.
 std::optional<fs::path> draw_folder(Entry& entry) {
   const fs::path folder = entry.folder();
   if (folder != entry.listed) {

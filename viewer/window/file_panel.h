@@ -1,12 +1,16 @@
 // Asks for a file: a line to write in, and the folder's files to choose from.
 #pragma once
 
+#include <filesystem>
+#include <string>
+#include <vector>
+
 #include "viewer/window/view_document.h"
 
 namespace ecorche {
 
-// What may be opened from a folder: characters, crowds, motions. Folders first, then files, by
-// name; hidden ones left away.
+// Entries of a folder that can be opened: characters, crowds, motions. Folders first, then files,
+// by name, without hidden ones.
 struct FolderEntry {
   std::string name;
   bool folder = false;

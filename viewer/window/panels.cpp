@@ -20,7 +20,7 @@ const ImVec4 quiet(0.66f, 0.66f, 0.68f, 1);
 constexpr ImGuiWindowFlags kFixed =
     ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings;
 
-float em() { return ImGui::GetFontSize(); }
+float em_panels() { return ImGui::GetFontSize(); }
 
 void key_button(const char* word, ViewAction action, const ViewSubject& subject,
                 const PosedAnatomy& posed, ViewDocument& document) {
@@ -35,7 +35,7 @@ void draw_colours(ViewDocument& document) {
        {std::pair{"longer", -1.0f}, {"at rest", 0.0f}, {"shorter", 1.0f}}) {
     const Vec3f c = muscle_color(document.muscle_colors, activity);
     ImGui::ColorButton(word, ImVec4(c.x(), c.y(), c.z(), 1), ImGuiColorEditFlags_NoTooltip,
-                       {0.9f * em(), 0.9f * em()});
+                       {0.9f * em_panels(), 0.9f * em_panels()});
     ImGui::SameLine();
     ImGui::TextUnformatted(word);
     if (activity < 1) ImGui::SameLine();
@@ -44,7 +44,7 @@ void draw_colours(ViewDocument& document) {
 
 // A slider with its value beside it, where the grab does not cover it.
 void layer_slider(const char* name, float& value) {
-  ImGui::SetNextItemWidth(8 * em());
+  ImGui::SetNextItemWidth(8 * em_panels());
   ImGui::SliderFloat(fmt::format("##{}", name).c_str(), &value, 0, 1, "");
   ImGui::SameLine();
   ImGui::Text("%3.0f %%  %s", 100 * value, name);
@@ -69,8 +69,8 @@ void draw_views(const ViewSubject& subject, const PosedAnatomy& posed, ViewDocum
 }
 
 float draw_layers(const ViewSubject& subject, const PosedAnatomy& posed, ViewDocument& document) {
-  ImGui::SetNextWindowPos({kEdge * em(), kEdge * em()}, ImGuiCond_Always);
-  ImGui::SetNextWindowSize({kLeftColumn * em(), 0}, ImGuiCond_Always);
+  ImGui::SetNextWindowPos({kEdge * em_panels(), kEdge * em_panels()}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({kLeftColumn * em_panels(), 0}, ImGuiCond_Always);
   if (ImGui::Begin("View", nullptr, kFixed)) {
     layer_slider("skin", document.look.skin);
     layer_slider("dissolve", document.look.skin_dissolved);
@@ -105,9 +105,9 @@ void draw_selection(const ViewSubject& subject, const PosedAnatomy& posed, float
                     ViewDocument& document) {
   if (part_of(document.selected).kind == Part::Kind::none) return;
   const PartInfo info = describe(subject, posed, document.selected);
-  ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x - (kSelected + kEdge) * em(), top},
+  ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x - (kSelected + kEdge) * em_panels(), top},
                           ImGuiCond_Always);
-  ImGui::SetNextWindowSize({kSelected * em(), 0}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({kSelected * em_panels(), 0}, ImGuiCond_Always);
   if (ImGui::Begin("Selected", nullptr, kFixed)) {
     ImGui::TextWrapped("%s", info.label.c_str());
     if (info.name != info.label) ImGui::TextColored(quiet, "%s", info.name.c_str());
@@ -149,8 +149,8 @@ void part_entry(const ViewSubject& subject, std::uint32_t part, const ImGuiTextF
 
 void draw_parts(const ViewSubject& subject, const PosedAnatomy& posed, float top, float bottom,
                 ViewDocument& document) {
-  ImGui::SetNextWindowPos({kEdge * em(), top}, ImGuiCond_Always);
-  ImGui::SetNextWindowSize({kLeftColumn * em(), std::max(bottom - top, 8 * em())},
+  ImGui::SetNextWindowPos({kEdge * em_panels(), top}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({kLeftColumn * em_panels(), std::max(bottom - top, 8 * em_panels())},
                            ImGuiCond_Always);
   ImGui::SetNextWindowCollapsed(true, ImGuiCond_FirstUseEver);
   const std::string title = document.hidden.empty()
@@ -158,7 +158,7 @@ void draw_parts(const ViewSubject& subject, const PosedAnatomy& posed, float top
                                 : fmt::format("Parts ({} hidden)###parts", document.hidden.size());
   if (ImGui::Begin(title.c_str(), nullptr, kFixed)) {
     static ImGuiTextFilter filter;
-    filter.Draw("find", 9 * em());
+    filter.Draw("find", 9 * em_panels());
     ImGui::SameLine();
     key_button("all", ViewAction::show_all, subject, posed, document);
     ImGui::BeginChild("list");
@@ -174,8 +174,9 @@ float draw_timeline(const ViewSubject& subject, const PosedAnatomy& posed, ViewD
   if (subject.frames < 2) return 0;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   const float height = ImGui::GetFrameHeight() + 2 * ImGui::GetStyle().WindowPadding.y;
-  ImGui::SetNextWindowPos({kEdge * em(), size.y - height - kEdge * em()}, ImGuiCond_Always);
-  ImGui::SetNextWindowSize({std::max(size.x - 2 * kEdge * em(), 8 * em()), height},
+  ImGui::SetNextWindowPos({kEdge * em_panels(), size.y - height - kEdge * em_panels()},
+                          ImGuiCond_Always);
+  ImGui::SetNextWindowSize({std::max(size.x - 2 * kEdge * em_panels(), 8 * em_panels()), height},
                            ImGuiCond_Always);
   if (ImGui::Begin("time", nullptr,
                    kFixed | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar)) {
@@ -188,11 +189,11 @@ float draw_timeline(const ViewSubject& subject, const PosedAnatomy& posed, ViewD
       if (ImGui::Button(plays && document.playing ? "pause###play"
                         : plays                   ? "play###play"
                                                   : word,
-                        {plays ? 4 * em() : 0, 0}))
+                        {plays ? 4 * em_panels() : 0, 0}))
         act(action, subject, posed, document);
       ImGui::SameLine();
     }
-    ImGui::SetNextItemWidth(5 * em());
+    ImGui::SetNextItemWidth(5 * em_panels());
     float speed = document.speed;
     if (ImGui::SliderFloat("##speed", &speed, 0.1f, 2, "")) document.speed = speed;
     ImGui::SameLine();
@@ -200,7 +201,7 @@ float draw_timeline(const ViewSubject& subject, const PosedAnatomy& posed, ViewD
     const int frame = frame_of(subject, document);
     int number = frame + 1;
     ImGui::SameLine();
-    ImGui::SetNextItemWidth(4 * em());
+    ImGui::SetNextItemWidth(4 * em_panels());
     if (ImGui::InputInt("##number", &number, 0, 0, ImGuiInputTextFlags_EnterReturnsTrue))
       go_to(subject, number - 1, document);
     ImGui::SameLine();
@@ -213,19 +214,20 @@ float draw_timeline(const ViewSubject& subject, const PosedAnatomy& posed, ViewD
       go_to(subject, number - 1, document);
   }
   ImGui::End();
-  return height + kEdge * em();
+  return height + kEdge * em_panels();
 }
 
-// What the subject is at, and what was done last.
+// State of the subject, and the last message.
 void draw_state(const ViewDocument& document, float left, float bottom) {
   if (document.state.empty() && document.message.empty()) return;
   ImGui::SetNextWindowPos({left, bottom}, ImGuiCond_Always, {0, 1});
   ImGui::SetNextWindowSizeConstraints(
-      {0, 0}, {std::max(ImGui::GetIO().DisplaySize.x - left - kEdge * em(), 8 * em()), 12 * em()});
+      {0, 0}, {std::max(ImGui::GetIO().DisplaySize.x - left - kEdge * em_panels(), 8 * em_panels()),
+               12 * em_panels()});
   constexpr ImGuiWindowFlags flags = kFixed | ImGuiWindowFlags_NoTitleBar |
                                      ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs;
   if (ImGui::Begin("state", nullptr, flags)) {
-    ImGui::PushTextWrapPos(30 * em());
+    ImGui::PushTextWrapPos(30 * em_panels());
     if (!document.state.empty()) ImGui::TextUnformatted(document.state.c_str());
     if (!document.message.empty()) ImGui::TextUnformatted(document.message.c_str());
     ImGui::PopTextWrapPos();
@@ -237,11 +239,12 @@ void draw_help(ViewDocument& document) {
   if (!document.help) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({0.5f * size.x, 0.5f * size.y}, ImGuiCond_Appearing, {0.5f, 0.5f});
-  ImGui::SetNextWindowSize({28 * em(), std::min(0.9f * size.y, 50 * em())}, ImGuiCond_Appearing);
+  ImGui::SetNextWindowSize({28 * em_panels(), std::min(0.9f * size.y, 50 * em_panels())},
+                           ImGuiCond_Appearing);
   if (ImGui::Begin("Keys", &document.help,
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse)) {
     if (ImGui::BeginTable("keys", 2)) {
-      ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthFixed, 10 * em());
+      ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthFixed, 10 * em_panels());
       for (const ViewKey& key : view_keys()) {
         ImGui::TableNextColumn();
         ImGui::TextUnformatted(key.name.data(), key.name.data() + key.name.size());
@@ -290,17 +293,17 @@ ViewRoom draw_panels(const ViewSubject& subject, const PosedAnatomy& posed,
   draw_help(document);
   draw_file_panel(subject, document);
   if (!document.panels) return room;
-  const float edge = kEdge * em(), timeline = draw_timeline(subject, posed, document),
+  const float edge = kEdge * em_panels(), timeline = draw_timeline(subject, posed, document),
               bottom = size.y - timeline - edge;
-  const float layers = draw_layers(subject, posed, document) + 0.3f * em();
+  const float layers = draw_layers(subject, posed, document) + 0.3f * em_panels();
   draw_parts(subject, posed, layers, bottom, document);
   const MeasurePanel measures = draw_measure_panel(subject, edge, bottom, document);
-  draw_selection(subject, posed, measures.width > 0 ? measures.bottom + 0.3f * em() : edge,
+  draw_selection(subject, posed, measures.width > 0 ? measures.bottom + 0.3f * em_panels() : edge,
                  document);
-  const float left = kLeftColumn * em() + 2 * edge,
+  const float left = kLeftColumn * em_panels() + 2 * edge,
               right = measures.width > 0 ? measures.width + 2 * edge : 0;
   draw_state(document, left, bottom);
-  // In a small window the figure is as large as it can be, and the panels lie over it.
+  // In a small window the panels overlap the figure.
   if (size.x - left - right > 0.35f * size.x) room.x = left, room.width = size.x - left - right;
   room.height = std::max(size.y - timeline, 0.35f * size.y);
   return room;

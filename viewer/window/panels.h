@@ -1,11 +1,14 @@
 // The panels of the window: they show values and edit the document, nothing else.
 #pragma once
 
+#include <cstdint>
+#include <string>
+
 #include "viewer/window/view_document.h"
 
 namespace ecorche {
 
-// What is known about a part, for people. Lengths are of the pose shown.
+// Facts about a part, as text. Lengths are of the displayed pose.
 struct PartInfo {
   std::string name, label;
   std::string joint;                            // bones
@@ -15,8 +18,8 @@ struct PartInfo {
 };
 PartInfo describe(const ViewSubject& subject, const PosedAnatomy& posed, std::uint32_t part);
 
-// Between ImGui::NewFrame and ImGui::Render. The room that they leave for the figure; what is
-// selected may lie over it.
+// Draws all panels; call between ImGui::NewFrame and ImGui::Render. Returns the room that they
+// leave for the figure, which the panel of the selected part may overlap.
 ViewRoom draw_panels(const ViewSubject& subject, const PosedAnatomy& posed, ViewDocument& document);
 
 }  // namespace ecorche

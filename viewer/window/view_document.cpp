@@ -67,7 +67,7 @@ Appearance appearance_of(const ViewDocument& document) {
   // Faint skin keeps its outline, so that the body's shape stays in sight.
   if (document.look.skin > 0 && document.look.skin < 1)
     appearance.looks[0].skin_edge = std::min(0.45f, 2 * document.look.skin);
-  // Nothing is seen through whole skin: what lies beneath is not drawn, and cannot be picked.
+  // Opaque skin hides all layers beneath, which are then neither drawn nor picked.
   const bool whole = document.look.skin >= 1 && document.look.skin_dissolved <= 0 &&
                      !is_hidden(document, kSkinPart);
   if (whole) appearance.looks[0].muscles = appearance.looks[0].bones = 0;

@@ -1,8 +1,8 @@
-// What a person has chosen in the window: a value that the panels edit. The window owns nothing
-// else of the model.
+// State of the window: a value that the panels edit, and the subject that is displayed.
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -14,17 +14,16 @@
 
 namespace ecorche {
 
-// A figure of the subject that a person may ask for.
+// A measure of the subject that the user can set.
 struct Slider {
   std::string name, unit;
-  double scale = 1;          // shown is value * scale
+  double scale = 1;          // displayed: value * scale
   double low = 0, high = 1;  // values
 };
 
 struct ViewDocument;
 
-// What is looked at; borrowed, outlives the window. Whoever serves the window changes it in
-// `update`.
+// The displayed character; borrowed, outlives the window. Its owner changes it in `update`.
 struct ViewSubject {
   const Anatomy* anatomy = nullptr;
   const SceneModel* model = nullptr;
@@ -32,14 +31,13 @@ struct ViewSubject {
   double fps = 30;
   std::function<void(int frame, PosedAnatomy& posed, SkinFrame& skin)>
       pose{};  // an empty skin: as at rest
-  // of the figure in all frames, its root's place on the ground taken away; empty: not known
+  // box around the figure in all frames, relative to the root's horizontal position; empty: unknown
   Eigen::AlignedBox3f bounds{};
   std::string name{};          // for people: the files
-  std::uint64_t revision = 0;  // another one: something above is another
+  std::uint64_t revision = 0;  // a new value: a member above has changed
   std::vector<Slider> sliders{};
-  // Called before each frame. Takes in what has been made since the last one, begins what the
-  // document asks for, and says in it how far that is. wait: nothing is under way any more when it
-  // returns.
+  // Called before each frame. Takes over results of finished jobs, starts jobs that the document
+  // asks for, and writes their state into it. wait: returns when no job is running.
   std::function<void(ViewDocument& document, bool wait)> update{};
   std::function<void(const std::filesystem::path& file)>
       open{};  // begins to open a character or a motion; says so by `update`
@@ -51,23 +49,24 @@ struct ViewDocument {
   Look look{.skin = 0.15f};  // glass: all layers are seen
   MuscleColors muscle_colors = MuscleColors::flesh;
   bool ground = true;
-  bool follow = true;  // the view's centre goes along with the root
+  bool follow = true;  // the view's centre moves with the root
   std::uint32_t selected = 0;
   std::vector<std::uint32_t> hidden{};  // parts, rising
   double time = 0;                      // s
   bool playing = false;
   double speed = 1;
-  // centre and radius are chosen so that the whole figure is seen, until a person chooses others
+  // centre and radius show the whole figure, until the user changes them
   bool framed = true;
-  Vec3f center{0, 0.9f, 0};  // of the view, relative to the root's horizontal place if it follows
-  float radius = 1.05f;      // m, of the ball that fills the view
+  Vec3f center{0, 0.9f,
+               0};       // of the view, relative to the root's horizontal position if it follows
+  float radius = 1.05f;  // m, of the ball that fills the view
   float azimuth = 0.5f, elevation = 0.1f;      // rad
   bool parallel = false;                       // no perspective
   std::vector<std::optional<double>> asked{};  // #sliders
   std::vector<double> achieved{};              // #sliders, as the subject is now
-  bool busy = false;                           // the subject is at work
-  std::string state{};    // of the subject: what it is at, or what is wrong with what is shown
-  std::string message{};  // what was done last, or why it could not be
+  bool busy = false;                           // a job of the subject is running
+  std::string state{};    // of the subject: its running job, or a fault of the displayed character
+  std::string message{};  // result or error of the last command
 
   // Of the window itself.
   bool panels = true, help = false, closing = false;
@@ -80,34 +79,34 @@ struct ViewRoom {
   float x = 0, y = 0, width = 1, height = 1;
 };
 
-// The frame that a document's time falls on.
+// The frame at the document's time.
 int frame_of(const ViewSubject& subject, const ViewDocument& document);
 
-// One step of the clock: time runs on while it plays, and begins again at the end.
+// Advances the time while the motion plays; it starts again at the end.
 void advance(const ViewSubject& subject, double seconds, ViewDocument& document);
-// To a frame; the clock stops.
+// Goes to a frame and stops playing.
 void go_to(const ViewSubject& subject, int frame, ViewDocument& document);
 
-// The ball that fills the room. Width and height: of the window.
+// Camera with the view's ball filling the room. width, height: of the window, pixels.
 Camera camera_of(const ViewDocument& document, const Vec3f& root, float width, float height,
                  const ViewRoom& room);
 Appearance appearance_of(const ViewDocument& document);
 
-// Centre and radius so that the whole figure is in the room; nothing where its bounds are not
-// known.
+// Sets centre and radius so that the whole figure is in the room; no effect if its bounds are
+// unknown.
 void frame_figure(const ViewSubject& subject, const ViewRoom& room, ViewDocument& document);
-// The same for points, relative to the root's horizontal place if the view follows; the view is
-// then a person's own.
+// Sets centre and radius for points, relative to the root's horizontal position if the view
+// follows, as the user's own choice.
 void frame_points(const std::vector<Vec3f>& points, ViewDocument& document);
 
-// Moves of the mouse, in pixels of a view that is `height` pixels high.
+// Movements of the mouse, pixels, in a view of `height` pixels.
 void orbit(float dx, float dy, ViewDocument& document);
 void pan(float dx, float dy, float height, ViewDocument& document);
 void zoom(float clicks, ViewDocument& document);
 
 bool is_hidden(const ViewDocument& document, std::uint32_t part);
 void set_hidden(std::uint32_t part, bool hidden, ViewDocument& document);
-// All but this one; shows all where it is alone already.
+// Hides all other parts; shows all if the part is the only visible one.
 void isolate(const Anatomy& anatomy, std::uint32_t part, ViewDocument& document);
 
 }  // namespace ecorche

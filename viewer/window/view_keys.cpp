@@ -69,7 +69,7 @@ void look_from(std::string_view view, ViewDocument& document) {
   document.elevation = angles.elevation;
 }
 
-// What is seen of a part, relative to the root's horizontal place if the view follows.
+// Displayed points of a part, relative to the root's horizontal position if the view follows.
 std::vector<Vec3f> points_of(const ViewSubject& subject, const PosedAnatomy& posed,
                              const ViewDocument& document) {
   const Part part = part_of(document.selected);

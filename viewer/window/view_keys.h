@@ -1,10 +1,11 @@
-// What the window's keys do. docs/viewer.md has the same table.
+// Commands of the window's keys. docs/viewer.md has the same table.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "anatomy/posing/pose_anatomy.h"
 #include "viewer/window/view_document.h"
@@ -58,10 +59,10 @@ struct ViewKey {
 // In the order in which help shows them.
 std::span<const ViewKey> view_keys();
 
-// What a pressed key asks for.
+// The command of a pressed key.
 std::optional<ViewAction> action_of(int key, bool ctrl, bool shift, bool alt);
 
-// Does it. `posed`: what is shown.
+// Carries the command out. `posed`: the displayed pose.
 void act(ViewAction action, const ViewSubject& subject, const PosedAnatomy& posed,
          ViewDocument& document);
 

@@ -1,0 +1,120 @@
+#include "app/files/actor.h"
+
+#include <fmt/format.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <optional>
+#include <utility>
+
+#include "anatomy/base_mesh/body_package.h"
+#include "anatomy/errors.h"
+#include "skinning/bind/painted_weights.h"
+
+namespace ecorche {
+namespace {
+
+// Options of the compiler; `found` keeps the base mesh.
+CompileOptions compile_options(const Assets& assets, const Character& character,
+                               const ActorOptions& options, std::optional<BaseSkin>& found,
+                               Report& report) {
+  const TriMesh& skin = character.body.skin;
+  CompileOptions out;
+  if (!options.base) found = find_base(assets, skin);
+  out.base = found ? &*found : options.base;
+  if (!options.weights.empty()) {
+    out.painted = read_painted_weights(options.weights, character.anatomy,
+                                       int(out.base ? out.base->mesh.V.rows() : skin.V.rows()));
+    report.set("weights.painted_vertices", int(out.painted.vertices.size()));
+  }
+  return out;
+}
+
+// The skin over the muscles in state.posed.
+const SkinFrame& move_skin(const Actor& actor, SkinMethod method,
+                           std::span<const float> soft_tissue, CharacterState& state,
+                           BaselineWorkspace& workspace) {
+  if (method == SkinMethod::ecorche) return evaluate_posed_skin(actor.skin, soft_tissue, state);
+  if (method == SkinMethod::anchors) return evaluate_blended_skin(actor.skin, state);
+  deform_by(*actor.baselines, method, actor.character.anatomy.skeleton, state.posed, workspace,
+            state.skin);
+  return state.skin;
+}
+
+const SkinFrame& move_posed(const Actor& actor, const Pose& pose, const FrameInputs& inputs,
+                            CharacterState& state, BaselineWorkspace& workspace) {
+  pose_muscles(actor.muscles, actor.character.anatomy.skeleton, pose, state.posed, state.contact,
+               tbb::this_task_arena::max_concurrency(), inputs.activation);
+  return move_skin(actor, actor.method, inputs.soft_tissue, state, workspace);
+}
+
+}  // namespace
+
+Actor make_actor(const Assets& assets, Character character, Report& report,
+                 const ActorOptions& options) {
+  std::optional<BaseSkin> found;
+  CompileOptions compile = compile_options(assets, character, options, found, report);
+  CompileTimes times;
+  compile.times = &times;
+  Actor actor;
+  static_cast<CharacterModel&>(actor) = compile_character(std::move(character), compile);
+  report.set("timings_ms.posing_table", times.muscles_ms);
+  report.set("timings_ms.anchoring", times.skin_ms);
+  return actor;
+}
+
+BoundCharacter bind_character(const Assets& assets, Character character, Report& report,
+                              const ActorOptions& options) {
+  std::optional<BaseSkin> found;
+  CompileOptions compile = compile_options(assets, character, options, found, report);
+  CompileTimes times;
+  compile.times = &times;
+  BoundCharacter out;
+  out.binding = bind_for_export(character, compile);
+  out.character = std::move(character);
+  report.set("timings_ms.anchoring", times.skin_ms);
+  return out;
+}
+
+void add_baselines(const Assets& assets, Actor& actor) {
+  const Anatomy& anatomy = actor.character.anatomy;
+  PosedAnatomy rest;
+  ContactWorkspace contact;
+  pose_muscles(actor.muscles, anatomy.skeleton, rest_pose(anatomy.skeleton), rest, contact);
+  actor.baselines = std::make_shared<const BaselineSkins>(make_baseline_skins(
+      read_body_package(assets), anatomy, rest, actor.character.body.skin, actor.binding));
+}
+
+void choose_skin(const Assets& assets, Actor& actor, const std::string& method) {
+  const std::optional<SkinMethod> chosen = skin_method(method);
+  if (!chosen)
+    throw UsageError(
+        fmt::format("--skin: '{}' is no way to move a skin; there are lbs, dqs, deltamush, paper, "
+                    "anchors and ecorche",
+                    method));
+  if (!is_ours(*chosen) && !actor.baselines) add_baselines(assets, actor);
+  actor.method = *chosen;
+}
+
+const SkinFrame& evaluate_posed_skin(const Actor& actor, SkinMethod method, ActorState& state) {
+  return move_skin(actor, method, {}, state, state.baseline);
+}
+
+const SkinFrame& evaluate_skin(const Actor& actor, const Pose& pose, const FrameInputs& inputs,
+                               ActorState& state) {
+  return move_posed(actor, pose, inputs, state, state.baseline);
+}
+
+void evaluate(const Actor& actor, const Pose& pose, const FrameInputs& inputs,
+              CharacterState& state, BaselineWorkspace& workspace) {
+  const CharacterModel& model = actor;
+  if (actor.method == SkinMethod::ecorche)
+    evaluate(model, pose, inputs, state);
+  else
+    move_posed(actor, pose, inputs, state, workspace);
+}
+
+void evaluate(const Actor& actor, const Pose& pose, const FrameInputs& inputs, ActorState& state) {
+  evaluate(actor, pose, inputs, state, state.baseline);
+}
+
+}  // namespace ecorche

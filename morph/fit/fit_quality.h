@@ -1,0 +1,70 @@
+// Figures of a fit: how well the muscles fill the skin, what the body is made of, and which
+// accuracy targets are missed.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "anatomy/anatomy.h"
+#include "anatomy/base_mesh/body_package.h"
+#include "anatomy/base_mesh/body_rig.h"
+#include "anatomy/queries/ray_caster.h"
+#include "morph/dilation/dilate_muscles.h"
+#include "morph/fat/fat_layer.h"
+#include "morph/fit/fit_anatomy.h"
+
+namespace ecorche::inline v1 {
+
+// How well the muscles fill the skin.
+struct FillReport {
+  int points = 0;                     // of all muscle surfaces
+  int points_outside = 0;             // outside the skin, mouth and eyes closed off
+  double furthest = 0;                // m
+  int superficial_slices = 0;         // belly sections of superficial limb muscles
+  double superficial_gap_median = 0;  // from their nearest approach to the fat layer, m
+};
+
+// What the body is made of, m^3. Bones are taken as solid; where muscles overlap, their volume
+// counts once, and where they lie in bone, not at all.
+struct Tissues {
+  double body = 0;  // inside the closed skin
+  double bones = 0;
+  double muscles = 0;
+  double layer = 0;  // fat and skin over the muscles
+  double rest = 0;   // organs, vessels, deep fat, what is left
+};
+
+// Mean densities, kg/m^3: whole skeleton 1300, adipose tissue 950, organs 1050 (ICRP Publication
+// 89); muscle's is in muscle_mass.h.
+inline constexpr double kBoneDensity = 1300, kAdiposeDensity = 950, kOrganDensity = 1050;
+
+struct FittingReport {
+  FitReport fit;
+  DilateReport dilation;
+  double dilation_ms = 0;  // fat layer and dilation
+  FillReport fill;
+  Tissues tissues;  // zeros where they were not measured
+};
+
+// Upper arm, forearm, thigh and shank.
+bool is_limb(BodyPart part);
+
+// Whether a palpable point lies outside its bracket by more than kDepthSlack.
+bool is_off(const LandmarkDepth& landmark);
+
+// `rays`: of the closed skin; `fat`: of its vertices; `parts`: vertex_parts of the package.
+FillReport measure_fill(const Anatomy& anatomy, const SkinRays& rays, const FatLayer& fat,
+                        const std::vector<VertexPart>& parts);
+Tissues measure_tissues(const Anatomy& anatomy, const TriMesh& closed_skin, const FatLayer& fat);
+
+struct MissedTarget {
+  // bones_outside, muscles_outside, superficial_gap, muscles_collapsed, or a landmark of
+  // data/palpable.csv
+  std::string name;
+  std::string what;  // with the figures
+};
+
+// The accuracy targets that a fit misses; empty when it meets them all. Exit code 8 rests on it.
+std::vector<MissedTarget> missed_targets(const FittingReport& report);
+
+}  // namespace ecorche::inline v1

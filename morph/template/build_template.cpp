@@ -1,0 +1,97 @@
+#include "morph/template/build_template.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "anatomy/authoring/muscle_placement.h"
+#include "anatomy/authoring/muscle_table.h"
+#include "anatomy/bones/bone_package.h"
+#include "morph/dilation/dilate_muscles.h"
+#include "morph/fat/fat_layer.h"
+#include "morph/fat/muscle_mass.h"
+#include "morph/shapes/body.h"
+#include "morph/template/regressor_training.h"
+
+namespace ecorche::inline v1 {
+namespace {
+
+// m: stature of the bone package's skeleton with 5 mm of scalp and 15 mm of heel pad.
+constexpr double kSourceStature = 1.707;
+
+}  // namespace
+
+SidedPlacement place_source(const Assets& assets, const Anatomy& source, const FitRules& rules) {
+  const BodyPackage package = read_body_package(assets);
+  const ShapedBody shaped = shape_body(package, ShapeSpec{});
+  const HalfSkeleton half = left_half(source, rules, kSourceMidPlane, kSourceStature);
+  const Placement placement = place_bones(source_input(package, half, rules, shaped), rules,
+                                          SkinField(capped_skin(package, shaped.points)));
+  return {placement, placement, kSourceMidPlane, 0};
+}
+
+Template build_template(const Assets& assets) {
+  FitTables tables{FatTables(assets.tables)};
+  tables.rules = read_fit_rules(assets.tables);
+  const FitRules& rules = tables.rules;
+  const Anatomy source = read_source_skeleton(assets);
+  const BodyPackage package = read_body_package(assets);
+  const ShapedBody shaped = shape_body(package, ShapeSpec{});
+
+  // The skeleton into the body.
+  const HalfSkeleton half = left_half(source, rules, kSourceMidPlane, kSourceStature);
+  const PlaceInput input = source_input(package, half, rules, shaped);
+  const SkinField skin(capped_skin(package, shaped.points));
+  const SkeletonWarp warp(source, rules, place_source(assets, source, rules));
+
+  Template out{{}, {}, FitTables(tables.fat)};
+  out.body = shaped.body;
+  out.anatomy = warp.skeleton();
+  out.anatomy.muscles =
+      carry_muscles(place_muscles(read_muscle_table(assets.tables), source),
+                    [&](const Vec3& x, int joint) { return warp.by_joint(joint, x); });
+  double listed = 0;
+  for (const Muscle& muscle : out.anatomy.muscles) listed += muscle.volume;
+  const double own =
+      muscle_mass(shaped.body.sex, shaped.body.age, shaped.stature, shaped.mass) / kMuscleDensity;
+  for (Muscle& muscle : out.anatomy.muscles) {
+    muscle.volume *= own / listed;  // the table gives the shares
+    const double now = rest_volume(muscle);
+    const double factor = now > 0 ? std::sqrt(muscle.volume / now) : 1;
+    for (Strip& strip : muscle.strips) scale_radii(strip, Vec2::Constant(factor));
+    if (now > 0) muscle.volume = rest_volume(muscle);
+  }
+
+  // What other bodies are measured against.
+  tables.half = left_half(out.anatomy, rules, 0, shaped.stature);
+  // Bodies' axes are guessed from their joint centres; the template's must be found the same way to
+  // be compared.
+  for (const auto& [name, axis] : guess_hinges(tables.half.points)) tables.half.hinges[name] = axis;
+  tables.stature = shaped.stature;
+  tables.volume = inner_volume(package, shaped.body.skin.V);
+  tables.gaps = glide_pairs_at_rest(tables.half, rules);
+  tables.margins = sample_margins(tables.half, rules, input, skin);
+  tables.landmarks = input.landmarks;
+  for (LandmarkTarget& target : tables.landmarks) {
+    target.point.position = tables.half.bones[target.point.bone].mesh.V.row(target.point.vertex);
+    target.wanted = -skin.distance(target.point.position);
+  }
+  tables.topology.skin_size = package.skin_size;
+  tables.topology.quads = package.quads;
+  tables.topology.triangles = package.triangles;
+  tables.topology.cavities = package.cavities;
+  tables.topology.mirror.assign(package.mirror.begin(), package.mirror.begin() + package.skin_size);
+  train(package, half, shaped, tables);
+
+  // Its muscles fill its skin, as they do in every body.
+  tables.muscles = out.anatomy.muscles;
+  const SkinRays rays(capped_skin(package, out.body.skin.V));
+  DilateOptions even;
+  even.even_about = 0;
+  dilate_muscles(out.anatomy, tables.muscles, tables.muscles, rays,
+                 make_fat_layer(tables.fat, rays, out.anatomy, out.body), even);
+  out.tables = std::move(tables);
+  return out;
+}
+
+}  // namespace ecorche::inline v1

@@ -1,0 +1,144 @@
+#include "skinning/character/evaluate.h"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include "anatomy/compute/simd.h"
+#include "anatomy/geometry/vertex_normals.h"
+#include "skinning/muscle_collision/push_muscles.h"
+
+namespace ecorche::inline v1 {
+namespace {
+
+constexpr std::size_t kBlock = 4096;  // vertices a task
+// Newton steps that restore volumes where contact or muscles have moved the skin.
+constexpr int kVolumeSteps = 2;
+
+template <class Do>
+void each_vertex(std::size_t count, const Do& act) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kBlock), [&](const auto& range) {
+    for (std::size_t s = range.begin(); s < range.end(); ++s) act(s);
+  });
+}
+
+void add(std::span<const float> offsets, std::span<float> positions) {
+  if (offsets.size() != positions.size()) return;
+  for (std::size_t k = 0; k < positions.size(); k += 4)
+    store4(&positions[k], load4(&positions[k]) + load4(&offsets[k]));
+}
+
+// The stages of the mesh that relaxes, from its blended positions on.
+void relax_skin(const SkinModel& model, const PosedAnatomy& posed, RelaxedSkin& skin,
+                SkinLift& lift, SettleWorkspace& settle, LiftWorkspace& lifting) {
+  const ElasticSkin& elastic = *model.elastic;
+  const std::vector<int>& triangles = elastic.triangles;
+  relax_membrane(elastic.membrane, triangles, skin.positions, settle.membrane);
+  skin.normals.resize(skin.positions.size());
+  vertex_normals(skin.positions, triangles, skin.normals, settle.half);
+  find_openness(elastic.membrane, skin, settle.smoothing);
+  restore_volumes(elastic.volumes, posed.X_WJ, skin);
+  lift.lifted = false;
+  lift.exposed.clear();  // muscles are pushed below a skin of this frame or of none
+  if (!model.collision.empty()) {
+    find_liftable(elastic.contact, skin, settle.contact);
+    lift_skin_over_muscles(model.collision, posed.slices, skin, lift, lifting);
+  }
+  const bool separated =
+      resolve_self_contact(elastic.membrane, elastic.contact, triangles, skin, settle.contact);
+  // Over lifted skin limbs and body alone keep volumes: were the tissue about a hinge to keep its
+  // own, a flexed arm would sink where its muscles have just raised it.
+  const HingeVolumes hinges = lift.lifted ? HingeVolumes::free : HingeVolumes::kept;
+  for (int step = 0; step < (separated || lift.lifted ? kVolumeSteps : 1); ++step)
+    restore_volumes(elastic.volumes, posed.X_WJ, skin, hinges);
+  vertex_normals(skin.positions, triangles, skin.normals, settle.half);
+}
+
+// Positions and normals in the caller's order.
+void write_skin(const BlendMesh& mesh, std::span<const float> positions,
+                std::span<const float> normals, SkinFrame& out) {
+  if (mesh.order.empty()) {
+    out.positions.assign(positions.begin(), positions.end());
+    out.normals.assign(normals.begin(), normals.end());
+    return;
+  }
+  out.positions.resize(positions.size());
+  out.normals.resize(positions.size());
+  each_vertex(mesh.order.size(), [&](std::size_t s) {
+    const std::size_t v = 4 * std::size_t(mesh.order[s]);
+    store4(&out.positions[v], load4(&positions[4 * s]));
+    store4(&out.normals[v], load4(&normals[4 * s]));
+  });
+}
+
+// Moves a refined skin from its blended positions by the displacements of its base mesh.
+void displace(const DisplacementMap& map, std::span<const float> displacements,
+              std::span<float> positions) {
+  each_vertex(positions.size() / 4, [&](std::size_t s) {
+    Float4 sum = load4(&positions[4 * s]);
+    for (int k = map.first[s]; k < map.first[s + 1]; ++k)
+      sum += map.weight[k] * load4(&displacements[4 * map.base[k]]);
+    store4(&positions[4 * s], sum);
+  });
+}
+
+// Fills state.skin with the blended skin, displaced where `displacements` are given.
+void write_blended(const SkinModel& model, const DisplacementMap* map,
+                   std::span<const float> displacements, CharacterState& state) {
+  const BlendMesh& mesh = model.blend->mesh;
+  const bool sorted = mesh.order.empty();  // then written at once
+  SkinFrame& frame = sorted ? state.skin : state.sorted;
+  frame.positions.resize(4 * std::size_t(mesh.vertex_count));
+  frame.normals.resize(frame.positions.size());
+  blend_skin(mesh, state.blend, frame.positions);
+  if (map) displace(*map, displacements, frame.positions);
+  vertex_normals(frame.positions, mesh.triangles, frame.normals, state.settle.half);
+  if (!sorted) write_skin(mesh, frame.positions, frame.normals, state.skin);
+}
+
+}  // namespace
+
+const SkinFrame& evaluate_posed_skin(const SkinModel& model, std::span<const float> soft_tissue,
+                                     CharacterState& state) {
+  const BlendMesh& base = model.base_blend->mesh;
+  RelaxedSkin& relaxed = state.relaxed;
+  pose_blend(*model.blend, state.posed, state.blend);
+  relaxed.positions.resize(4 * std::size_t(base.vertex_count));
+  blend_skin(base, state.blend, relaxed.positions);
+  if (model.refined) state.blended.assign(relaxed.positions.begin(), relaxed.positions.end());
+  add(soft_tissue, relaxed.positions);
+  relax_skin(model, state.posed, relaxed, state.lift, state.settle, state.lifting);
+  if (model.refined) {
+    std::vector<float>& displacements = state.blended;
+    for (std::size_t k = 0; k < displacements.size(); k += 4)
+      store4(&displacements[k], load4(&relaxed.positions[k]) - load4(&displacements[k]));
+    write_blended(model, model.refined.get(), displacements, state);
+  } else {
+    write_skin(base, relaxed.positions, relaxed.normals, state.skin);
+  }
+  return state.skin;
+}
+
+const SkinFrame& evaluate_blended_skin(const SkinModel& model, CharacterState& state) {
+  pose_blend(*model.blend, state.posed, state.blend);
+  state.lift.exposed.clear();
+  write_blended(model, nullptr, {}, state);
+  return state.skin;
+}
+
+const SkinFrame& evaluate_skin(const CharacterModel& model, const Pose& pose,
+                               const FrameInputs& inputs, CharacterState& state) {
+  pose_muscles(model.muscles, model.character.anatomy.skeleton, pose, state.posed, state.contact,
+               tbb::this_task_arena::max_concurrency(), inputs.activation);
+  return evaluate_posed_skin(model.skin, inputs.soft_tissue, state);
+}
+
+void evaluate(const CharacterModel& model, const Pose& pose, const FrameInputs& inputs,
+              CharacterState& state) {
+  evaluate_skin(model, pose, inputs, state);
+  if (!model.skin.collision.empty())
+    push_muscles_below_skin(model.skin.collision, model.muscles, state.relaxed, state.lift,
+                            state.posed, state.push);
+}
+
+}  // namespace ecorche::inline v1

@@ -1,0 +1,63 @@
+#include "skinning/checks/check_targets.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ecorche::inline v1 {
+namespace {
+
+std::string percent(double share, int digits = 2) {
+  return std::isfinite(share) ? fmt::format("{:.{}f} %", 100 * share, digits) : "not known";
+}
+std::string millimetres(double metres) { return fmt::format("{:.1f} mm", 1e3 * metres); }
+
+std::string pierced_most(const AnatomyCheck& check) {
+  return percent(check.pierced_share, 1) +
+         (check.pierced_muscle.empty() ? "" : " (" + check.pierced_muscle + ")");
+}
+
+}  // namespace
+
+std::vector<Target> check_targets(const AnatomyCheck& check) {
+  const double outside =
+      check.muscle_points > 0 ? double(check.muscle_points_outside) / check.muscle_points : 0;
+  std::vector<Target> targets{
+      {"bone points outside the skin", "0",
+       fmt::format("{} of {}", check.bone_points_outside, check.bone_points),
+       check.bone_points_outside == 0},
+      {"muscle points outside the skin", "<= 0.05 %", percent(outside, 3), outside <= 0.0005},
+      {"muscles within muscles, of their volume", "<= 2 %", percent(check.overlap_share),
+       check.overlap_share <= 0.02},
+      {"muscles within bones, of their volume", "<= 1 %", percent(check.bone_share),
+       check.bone_share <= 0.01},
+      {"share of the muscle that bones pierce most", "<= 5 %", pierced_most(check),
+       check.pierced_share <= 0.05},
+      {"under the fat layer, within 5 mm of muscle or bone", ">= 95 %",
+       percent(check.filled_share, 1), check.filled_share >= 0.95},
+      {"muscle ends more than 10 mm from their bones", "0",
+       fmt::format("{} of {}", check.loose_ends, check.ends), check.loose_ends == 0},
+  };
+  if (!check.poses.empty()) {
+    targets.push_back({"posed: muscle points outside the skin, mean", "<= 0.2 %",
+                       percent(check.posed_outside_share), check.posed_outside_share <= 0.002});
+    const auto outside_poses =
+        std::count_if(check.poses.begin(), check.poses.end(),
+                      [](const PoseCheck& pose) { return pose.bone_points_outside > 0; });
+    targets.push_back({"posed: poses with bone points outside the skin", "0",
+                       fmt::format("{} of {}", outside_poses, check.poses.size()),
+                       outside_poses == 0});
+    targets.push_back({"posed: muscles within muscles, worst pose", "<= 5 %",
+                       percent(check.posed_overlap_worst), check.posed_overlap_worst <= 0.05});
+  }
+  if (check.swept || !check.poses.empty())
+    targets.push_back({"change of a belly's volume, worst", "<= 0.5 %", percent(check.drift_max),
+                       check.drift_max <= 0.005});
+  if (check.swept)
+    targets.push_back({"jump of a path in one degree, worst", "<= 1 mm",
+                       millimetres(check.jump_max), check.jump_max <= 0.001});
+  return targets;
+}
+
+}  // namespace ecorche::inline v1

@@ -1,0 +1,117 @@
+#include "skinning/files/character_write.h"
+
+#include <algorithm>
+#include <span>
+
+#include "anatomy/bones/cartilage.h"
+#include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/muscle_surface.h"
+#include "skinning/files/character_nodes.h"
+#include "skinning/files/layer_mesh.h"
+#include "skinning/files/slice_influences.h"
+#include "skinning/files/tissue_meshes.h"
+
+namespace ecorche::inline v1 {
+namespace {
+
+using gltf::GlbBuilder;
+
+// What of the anatomy lies nearest to each of the skin's vertices.
+void add_anchors(GlbBuilder& glb, const Character& character, const Binding& binding,
+                 const SkinTexture& texture) {
+  const int bones = character.anatomy.bones.size();
+  const std::size_t count = texture.empty() ? binding.anchors.size() : texture.vertex.size();
+  std::vector<float> parts, distances;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Anchor& anchor = binding.anchors[texture.empty() ? i : std::size_t(texture.vertex[i])];
+    parts.push_back(float(anchor.kind == Anchor::Kind::muscle ? bones + anchor.part : anchor.part));
+    distances.push_back(float(anchor.distance));
+  }
+  auto& attributes = glb.model().meshes.back().primitives[0].attributes;
+  attributes["_ANCHOR_PART"] = glb.add_scalars(parts, false, TINYGLTF_TARGET_ARRAY_BUFFER);
+  attributes["_ANCHOR_DISTANCE"] = glb.add_scalars(distances, false, TINYGLTF_TARGET_ARRAY_BUFFER);
+}
+
+void add_bones(GlbBuilder& glb, const Anatomy& anatomy, const std::vector<CartilageRule>& rules) {
+  const auto positions = rest_positions(anatomy.skeleton);
+  for (const Bone& bone : anatomy.bones) {
+    TriMesh local = bone.mesh;
+    local.V.rowwise() -= positions[bone.joint].transpose();
+    tinygltf::Node node;
+    node.name = "bone/" + bone.name;
+    const std::vector<char> cartilage = cartilage_faces(rules, bone);
+    const bool has = std::count(cartilage.begin(), cartilage.end(), 1) > 0;
+    const int material = glb.material(kBoneLook),
+              other = has ? glb.material(kCartilageLook) : material;
+    const Points normals = GlbBuilder::unit_normals(local);
+    node.mesh =
+        glb.add_mesh(node.name, gltf::two_tissues(glb, local, normals, cartilage, material, other));
+    node.extras = gltf::bone_extras(bone);
+    glb.add_node(std::move(node), bone.joint);
+  }
+}
+
+void add_muscles(GlbBuilder& glb, const Anatomy& anatomy) {
+  const auto influences = slice_influences(anatomy);
+  const auto [surface, positions] = gltf::lofted_muscles(anatomy);
+  for (const MuscleSurface::Part& part : surface.parts) {
+    const Muscle& muscle = anatomy.muscles[part.muscle];
+    std::vector<std::array<Influence, 4>> shares;
+    for (int i = part.vertex_begin; i < part.vertex_end; ++i)
+      shares.push_back(influences[surface.slice[i]]);
+    const TriMesh mesh = part_mesh(surface, part, positions);
+    const std::span<const float> belly(surface.belly.data() + part.vertex_begin,
+                                       surface.belly.data() + part.vertex_end);
+    auto tissues = gltf::muscle_tissues(glb, mesh, gltf::muscle_tints(part.muscle, belly, mesh.F));
+    glb.add_influences(tissues.front(), shares);
+    for (const char* name : {"JOINTS_0", "WEIGHTS_0"})
+      tissues.back().attributes[name] = tissues.front().attributes[name];
+    tinygltf::Node node;
+    node.name = "muscle/" + muscle.name;
+    node.mesh = glb.add_mesh(node.name, std::move(tissues));
+    node.skin = 0;
+    node.extras = gltf::muscle_extras(muscle, glb.keep_text(gltf::strips_text(muscle)));
+    glb.add_node(std::move(node));
+  }
+}
+
+void add_eyes(GlbBuilder& glb, const Skeleton& skeleton, std::span<const Eyeball> eyes) {
+  const auto positions = rest_positions(skeleton);
+  for (Eyeball eye : eyes) {
+    tinygltf::Node node;
+    node.name = eye.center.x() > 0 ? "eye/left" : "eye/right";
+    eye.center -= positions[eye.joint];
+    node.mesh = glb.add_mesh(node.name, gltf::eye_tissues(glb, eye));
+    glb.add_node(std::move(node), eye.joint);
+  }
+}
+
+}  // namespace
+
+void write_character(const std::filesystem::path& file, const Character& character,
+                     const Binding& binding, const Motion* motion, const CharacterLook& look) {
+  gltf::check_parts(character, binding, motion, look);
+  AtomicFile out(file);  // before the work, so that a bad place is told at once
+  GlbBuilder glb;
+  gltf::add_joints(glb, character.anatomy.skeleton);
+  gltf::add_skin(glb, character.body.skin, binding.joint_weights, look.texture);
+  add_anchors(glb, character, binding, look.texture);
+  add_bones(glb, character.anatomy, look.cartilage);
+  add_muscles(glb, character.anatomy);
+  add_eyes(glb, character.anatomy.skeleton, look.eyes);
+  if (motion) gltf::add_motion(glb, character.anatomy.skeleton, *motion, "motion");
+  gltf::finish(glb, character.body, {}, out);
+}
+
+void write_body(const std::filesystem::path& file, const Body& body) {
+  AtomicFile out(file);
+  GlbBuilder glb;
+  glb.add_mesh("skin", body.skin, glb.material(kSkinLook));
+  tinygltf::Node node;
+  node.name = "skin";
+  node.mesh = 0;
+  glb.add_node(std::move(node));
+  gltf::finish(glb, body, {}, out);
+}
+
+}  // namespace ecorche::inline v1

@@ -1,0 +1,48 @@
+// Projection of points onto a skin that moves: found by walking over the mesh from a vertex near
+// them. Private to the room.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "anatomy/compute/simd_lanes.h"
+#include "anatomy/types.h"
+
+namespace ecorche::inline v1 {
+
+// Neighbours of every vertex, in the order of the triangles about it, eight at a time: each and the
+// next bound a triangle with the vertex, and after the last comes the first. Longer rings go on in
+// the next eight, which begin with the last one's eighth. A vertex without triangles has itself for
+// neighbours.
+struct SkinRings {
+  struct Eight {
+    std::array<int, 8> neighbour{};
+    int triangles = 0;  // number of pairs, from the first on, that are triangles
+  };
+  std::vector<int> eight_begin;  // #V + 1
+  std::vector<Eight> eights;
+  std::vector<int> ring_begin, ring;  // #V + 1; neighbours, each once
+};
+
+SkinRings make_skin_rings(const TriMesh& skin);
+
+struct PosedSkin {
+  std::span<const float> positions, normals;  // #V x 4
+};
+
+// Projections of eight points.
+struct SkinProjections {
+  std::array<int, 8> vertex{};  // nearest
+  Float8 height{};              // m over the skin, negative below
+  Wide3 normal{};               // outward, unit
+};
+
+// m: below it heights are over the plane of the nearest vertex, above it over the nearest triangle.
+inline constexpr float kDeepProjection = 0.005f;
+
+// `points`: relative to the vertices `from`. How one projections does not depend on the others.
+SkinProjections project_to_skin(const SkinRings& rings, const PosedSkin& skin, const Wide3& points,
+                                const std::array<int, 8>& from);
+
+}  // namespace ecorche::inline v1
