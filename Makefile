@@ -1,6 +1,9 @@
 # Two commands do everything: `make demo` and `make test`. See README.md.
 BUILD := build
 NINJA := ninja -C $(BUILD)
+# ccache takes what a source depends on from the compiler, and may use precompiled headers.
+export CCACHE_DEPEND := 1
+export CCACHE_SLOPPINESS := pch_defines,time_macros
 export ECORCHE_PACKAGES ?= $(CURDIR)/$(BUILD)/packages
 
 .PHONY: all setup build demo pictures test clients asan bench clean

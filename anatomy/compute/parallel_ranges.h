@@ -7,9 +7,9 @@
 
 #include <cstddef>
 
-namespace ecorche::inline v1 {
+#include "anatomy/compute/threads.h"
 
-enum class Threads { one, all };
+namespace ecorche::inline v1 {
 
 // act(first, last) for ranges that together are 0 .. count; several threads take ranges of about
 // `grain`.

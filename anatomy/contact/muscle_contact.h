@@ -8,7 +8,7 @@
 
 #include <span>
 
-#include "anatomy/compute/parallel_ranges.h"
+#include "anatomy/compute/threads.h"
 #include "anatomy/contact/contact_table.h"
 #include "anatomy/contact/section_contact.h"
 #include "anatomy/posed_anatomy.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "anatomy/compute/parallel_ranges.h"
 #include "anatomy/compute/smooth_step.h"
 #include "anatomy/contact/press_outline.h"
 #include "anatomy/contact/section_levels.h"

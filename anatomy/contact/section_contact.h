@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-#include "anatomy/compute/parallel_ranges.h"
+#include "anatomy/compute/threads.h"
 #include "anatomy/contact/contact_table.h"
 
 namespace ecorche::inline v1 {

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <numbers>
 
+#include "anatomy/compute/parallel_ranges.h"
 #include "anatomy/posing/posing_batch.h"
 #include "anatomy/posing/posing_data.h"
 #include "anatomy/posing/section_areas.h"

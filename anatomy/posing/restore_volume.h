@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "anatomy/compute/parallel_ranges.h"
+#include "anatomy/compute/threads.h"
 #include "anatomy/posed_anatomy.h"
 #include "anatomy/posing/posing_batch.h"
 #include "anatomy/posing/posing_table.h"

@@ -232,7 +232,8 @@ std::vector<BoneMap> current_maps(const BoneProblem& problem) {
 // the placement of `maps`. Gaps are what they are in the source.
 std::vector<GapPair> glide_pairs(const HalfSkeleton& source, const FitRules& rules,
                                  const std::vector<BoneMap>& maps) {
-  constexpr double kReach = 0.018;  // m: blade vertices this near to the ribs in the source glide
+  constexpr double kGlideReach =
+      0.018;  // m: blade vertices this near to the ribs in the source glide
   constexpr int kPairs = 14;
   const int blade_group = rules.group_of_bone.at("scapula"),
             cage_group = rules.group_of_bone.at("rib5");
@@ -259,7 +260,7 @@ std::vector<GapPair> glide_pairs(const HalfSkeleton& source, const FitRules& rul
   for (Eigen::Index i = 0; i < blade->mesh.V.rows(); ++i) {
     const Vec3 x = blade->mesh.V.row(i);
     Eigen::Index k = 0;
-    if ((cage.rowwise() - x.transpose()).rowwise().norm().minCoeff(&k) > kReach) continue;
+    if ((cage.rowwise() - x.transpose()).rowwise().norm().minCoeff(&k) > kGlideReach) continue;
     near.V.conservativeResize(near.V.rows() + 1, 3);
     near.V.row(near.V.rows() - 1) = x;
     const Vec3 rib = cage.row(k);

@@ -14,8 +14,8 @@ packed=$(mktemp -d)
 (cd "$build" && cpack -B "$packed" > "$packed/log") || { cat "$packed/log" >&2; exit 1; }
 ls "$packed"/*.deb
 
-mirror=$(grep -rhoE '^(deb |URIs: ).*' /etc/apt/sources.list /etc/apt/sources.list.d 2> /dev/null |
-  grep -oE '[a-z]+://[^ ]+' | head -1)
+mirror=$({ grep -rhoE '^(deb |URIs: ).*' /etc/apt/sources.list /etc/apt/sources.list.d 2> /dev/null || true; } |
+  grep -oE '[a-z]+://[^ ]+/debian/?$' | head -1)
 [ -d "$root/etc" ] || debootstrap --variant=minbase bookworm "$root" "$mirror" > /dev/null
 mkdir -p "$root/packed" "$root/packages" "$root/user"
 cp "$packed"/*.deb "$root/packed/"
