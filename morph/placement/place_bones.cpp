@@ -232,8 +232,8 @@ std::vector<BoneMap> current_maps(const BoneProblem& problem) {
 // the placement of `maps`. Gaps are what they are in the source.
 std::vector<GapPair> glide_pairs(const HalfSkeleton& source, const FitRules& rules,
                                  const std::vector<BoneMap>& maps) {
-  constexpr double kGlideReach =
-      0.018;  // m: blade vertices this near to the ribs in the source glide
+  // m: blade vertices this near to the ribs in the source glide
+  constexpr double kGlideReach = 0.018;
   constexpr int kPairs = 14;
   const int blade_group = rules.group_of_bone.at("scapula"),
             cage_group = rules.group_of_bone.at("rib5");

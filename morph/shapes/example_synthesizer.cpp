@@ -10,6 +10,11 @@
 namespace ecorche::inline v1 {
 namespace {
 
+// Spreads of the examples along one axis of the measures beyond which they tell nothing: networks
+// extrapolate there. More: bodies out of human shape for measures that the examples do not have
+// together; less: tall, short and heavy people are drawn to the mean.
+constexpr double kFarthest = 2.5;
+
 constexpr double kVariance = 0.99;  // share that the components kept carry
 
 Eigen::VectorXd joints_of(const Rig& rig) {
@@ -133,7 +138,9 @@ ExampleSynthesizer learn_synthesizer(const BodyPackage& package, const TapeMeasu
 
 Points synthesize(const ExampleSynthesizer& s, const std::array<double, 8>& measures) {
   const Eigen::VectorXd input =
-      s.input_scale * (Eigen::Map<const Eigen::VectorXd>(measures.data(), 8) - s.input_mean);
+      (s.input_scale * (Eigen::Map<const Eigen::VectorXd>(measures.data(), 8) - s.input_mean))
+          .cwiseMax(-kFarthest)
+          .cwiseMin(kFarthest);
   return body_of(s, predicted(s.joint, input), predicted(s.displacement, input));
 }
 
