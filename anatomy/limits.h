@@ -42,10 +42,19 @@ inline constexpr int kJsonDepth = 64;
 inline constexpr std::size_t kJsonBytes = std::size_t{64} << 20;
 // bytes of a crowd's JSON
 inline constexpr std::size_t kCrowdJsonBytes = std::size_t{512} << 20;
+// bytes of a .gltf, with the data that its text holds
+inline constexpr std::size_t kGltfTextBytes = std::size_t{1} << 30;
 // nodes of a body or character
 inline constexpr std::size_t kNodes = 65536;
 // joints of a person of a crowd
 inline constexpr std::size_t kCrowdJoints = 256;
+
+// seconds that reading an FBX or COLLADA file may take
+inline constexpr int kImportSeconds = 60;
+// bytes of memory that reading an FBX or COLLADA file may take
+inline constexpr std::size_t kImportMemory = std::size_t{4} << 30;
+// bytes of the glTF that an FBX or COLLADA file becomes
+inline constexpr std::size_t kImportBytes = std::size_t{1} << 30;
 
 // muscles of a character
 inline constexpr int kMuscles = 4096;

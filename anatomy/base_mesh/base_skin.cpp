@@ -21,4 +21,9 @@ std::optional<BaseSkin> find_base(const Assets& assets, const TriMesh& skin) try
   return std::nullopt;
 }
 
+std::optional<BaseSkin> find_base(const Assets& assets, const Character& character) {
+  if (!character.own) return find_base(assets, character.body.skin);
+  return BaseSkin{character.own->base, {character.own->map, character.body.skin.F, {}, {}}};
+}
+
 }  // namespace ecorche::inline v1

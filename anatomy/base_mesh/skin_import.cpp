@@ -284,6 +284,13 @@ std::optional<double> metres_in(const std::string& unit) {
   return found == std::end(kUnits) ? std::nullopt : std::optional(found->metres);
 }
 
+bool has_base_skin(const MeshFile& file, const BodyPackage& package) {
+  const bool whole = std::any_of(file.parts.begin(), file.parts.end(), [&](const MeshPart& part) {
+    return part.mesh.V.rows() >= package.skin_size && shared_edges(part.mesh, package) > kSameEdges;
+  });
+  return whole || find_split_skin(file, "", package).has_value();
+}
+
 BareSkin bare_skin(const MeshFile& file, const std::string& name, const BodyPackage& package,
                    std::optional<double> unit) {
   BareSkin out;

@@ -29,6 +29,10 @@ struct BareSkin {
 // Metres in a unit by its short name (m, dm, cm, mm, in, ft); nothing for another name.
 std::optional<double> metres_in(const std::string& unit);
 
+// Whether one of the meshes has the base mesh's vertices and, to 99 %, its edges, split along the
+// seams of a texture or not: what read_bare_skin takes.
+bool has_base_skin(const MeshFile& file, const BodyPackage& package);
+
 // The file may hold other meshes beside the skin, and more vertices after it (eyes, clothes, helper
 // geometry); a skin may be split along the seams of its texture. `unit`: metres in one unit of the
 // file; found out when left out. Throws as read_mesh_file does, and UnfitError that names the

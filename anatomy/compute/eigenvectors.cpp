@@ -29,4 +29,11 @@ Svd3 svd(const Eigen::Matrix3d& A) {
   return {solver.matrixU(), solver.singularValues(), solver.matrixV()};
 }
 
+Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& A) {
+  const Svd3 parts = svd(A);
+  Eigen::Vector3d sign(1, 1, 1);
+  if ((parts.U * parts.V.transpose()).determinant() < 0) sign[2] = -1;
+  return parts.U * sign.asDiagonal() * parts.V.transpose();
+}
+
 }  // namespace ecorche::inline v1

@@ -35,4 +35,8 @@ struct Svd3 {
 };
 Svd3 svd(const Eigen::Matrix3d& A);
 
+// The proper rotation R (determinant 1) with the largest trace of R' A: of a matrix of moments
+// sum y x', the least-squares rotation from x to y (Kabsch 1976, 10.1107/S0567739476001873).
+Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& A);
+
 }  // namespace ecorche::inline v1

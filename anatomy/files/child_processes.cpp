@@ -5,6 +5,7 @@
 #include <spawn.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <mutex>
 #include <set>
 #include <system_error>
@@ -49,6 +50,16 @@ void ChildProcess::ended() {
   const std::lock_guard lock(children().mutex);
   children().running.erase(pid_);
   pid_ = -1;
+}
+
+std::optional<std::filesystem::path> find_program(const char* variable, const char* name) {
+  if (const char* named = std::getenv(variable); named && *named) return named;
+  std::error_code failed;
+  const std::filesystem::path folder =
+      std::filesystem::read_symlink("/proc/self/exe", failed).parent_path();
+  for (const auto& place : {folder / name, folder.parent_path() / name})
+    if (std::filesystem::exists(place, failed)) return place;
+  return std::nullopt;
 }
 
 ChildProcess start_program(const std::vector<std::string>& words, int in, int out, int err) {

@@ -3,6 +3,8 @@
 
 #include <sys/types.h>
 
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +25,10 @@ class ChildProcess {
  private:
   pid_t pid_ = -1;
 };
+
+// A program of ours: the one that the environment's `variable` names, else the one that lies beside
+// this program or in the folder above.
+std::optional<std::filesystem::path> find_program(const char* variable, const char* name);
 
 // Starts a program: words[0] with the rest as arguments, looked for in PATH unless it has a slash.
 // `in`, `out`, `err`: descriptors that become its standard streams; -1: /dev/null. It leads a

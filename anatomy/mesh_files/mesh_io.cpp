@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cctype>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -13,22 +14,79 @@
 #include "anatomy/geometry/join_meshes.h"
 #include "anatomy/mesh_files/glb_reader.h"
 #include "anatomy/mesh_files/obj_reader.h"
+#include "anatomy/mesh_files/off_reader.h"
+#include "anatomy/mesh_files/pcd_reader.h"
 #include "anatomy/mesh_files/ply_reader.h"
+#include "anatomy/mesh_files/scene_import.h"
+#include "anatomy/mesh_files/stl_io.h"
 
 namespace ecorche::inline v1 {
 namespace {
 
-enum class Format { obj, ply, glb };
+bool is_json(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != std::string_view::npos && text[first] == '{';
+}
 
-Format format_of(std::string_view bytes, const std::string& name) {
-  if (bytes.starts_with("glTF")) return Format::glb;
-  if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return Format::ply;
-  unmarked_text(bytes, name);  // refuses UTF-16 by its name
-  const auto head = bytes.substr(0, 4096);
-  if (head.find('\0') != std::string_view::npos)
-    throw InputError(
-        fmt::format("{}: neither OBJ, PLY nor GLB; give a mesh in one of these", name));
-  return Format::obj;
+// The ending that the bytes call for, without its point.
+std::string format_of(std::string_view bytes, const std::string& name, const std::string& ending) {
+  if (bytes.starts_with("glTF")) return "glb";
+  if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return "ply";
+  if (const std::optional<std::string> scene = scene_format(bytes)) return *scene;
+  if (is_stl(bytes)) return "stl";
+  if (is_pcd(bytes)) return "pcd";
+  const std::string_view text = unmarked_text(bytes, name);  // refuses UTF-16 by its name
+  if (is_json(text)) return "gltf";
+  const auto head = text.substr(0, 4096);
+  const std::size_t word_end = head.find_first_of(" \t\r\n#");
+  if (is_off_keyword(head.substr(0, word_end))) return "off";
+  if (ending == "stl") return "stl";  // whose reader says what is wrong with it
+  if (head.starts_with("PK\3\4") || head.starts_with("\x1f\x8b"))
+    throw InputError(name + ": an archive; unpack it and give the mesh inside");
+  if (head.find('\0') != std::string_view::npos || head.starts_with("<"))
+    throw InputError(name +
+                     ": neither OBJ, PLY, STL, OFF, PCD, glTF, FBX nor COLLADA; give a mesh "
+                     "in one of these");
+  return "obj";
+}
+
+// A file's own ending in lower case; what OFF and glTF are also called.
+std::string ending_of(const std::string& name) {
+  std::string out = std::filesystem::path(name).extension().string();
+  std::transform(out.begin(), out.end(), out.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  if (!out.empty()) out.erase(0, 1);
+  return out == "coff" || out == "noff" || out == "cnoff" ? "off" : out == "vrm" ? "glb" : out;
+}
+
+MeshPart stl_part(std::string_view bytes, const std::string& name) {
+  MeshPart out;
+  out.mesh = parse_stl(bytes, name);
+  if (out.mesh.F.rows() == 0)
+    throw UnfitError(
+        fmt::format("{}: {} vertices but no faces; a surface is needed", name, out.mesh.V.rows()));
+  return out;
+}
+
+MeshFile parse_by_format(std::string_view bytes, const std::string& name,
+                         const std::optional<std::filesystem::path>& folder,
+                         const MeshReadOptions& options) {
+  if (bytes.empty()) throw InputError(name + ": empty file");
+  const std::string ending = ending_of(name);
+  MeshFile out;
+  out.format = format_of(bytes, name, ending);
+  if (out.format == "glb") parse_glb(bytes, name, std::nullopt, options, out);
+  if (out.format == "gltf") parse_glb(unmarked_text(bytes, name), name, folder, options, out);
+  if (out.format == "ply") parse_ply(bytes, name, options, out);
+  if (out.format == "stl") out.parts.push_back(stl_part(bytes, name));
+  if (out.format == "off") parse_off(bytes, name, options, out);
+  if (out.format == "pcd") parse_pcd(bytes, name, options, out);
+  if (out.format == "obj") parse_obj(bytes, name, options, out);
+  if (out.format == "fbx" || out.format == "dae")
+    parse_glb(import_scene(bytes, name), name, std::nullopt, options, out);
+  if (ending != out.format)
+    out.notes.push_back(fmt::format("{}: read as {} whatever its ending says", name, out.format));
+  return out;
 }
 
 void append_line(std::string& text, const char* key, const auto& row) {
@@ -43,26 +101,14 @@ void append_bytes(std::string& out, T value) {
 
 }  // namespace
 
-MeshFile parse_mesh(std::string_view bytes, const std::string& name) {
-  if (bytes.empty()) throw InputError(name + ": empty file");
-  MeshFile out;
-  const Format format = format_of(bytes, name);
-  std::string ending = std::filesystem::path(name).extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  const char* const expected = format == Format::glb   ? ".glb"
-                               : format == Format::ply ? ".ply"
-                                                       : ".obj";
-  if (format == Format::glb) parse_glb(bytes, name, out);
-  if (format == Format::ply) parse_ply(bytes, name, out);
-  if (format == Format::obj) parse_obj(bytes, name, out);
-  if (ending != expected)
-    out.notes.push_back(fmt::format("{}: read as {} whatever its ending says", name, expected + 1));
-  return out;
+MeshFile parse_mesh(std::string_view bytes, const std::string& name,
+                    const MeshReadOptions& options) {
+  return parse_by_format(bytes, name, std::nullopt, options);
 }
 
-MeshFile read_mesh_file(const std::filesystem::path& file) {
-  return parse_mesh(read_input_file(file), printable(file.string()));
+MeshFile read_mesh_file(const std::filesystem::path& file, const MeshReadOptions& options) {
+  return parse_by_format(read_input_file(file), printable(file.string()), file.parent_path(),
+                         options);
 }
 
 TriMesh all_parts(const MeshFile& file) {

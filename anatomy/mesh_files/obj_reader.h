@@ -9,6 +9,7 @@
 namespace ecorche::inline v1 {
 
 // Appends parts and notes to `out`; `name` stands for the file in messages.
-void parse_obj(std::string_view text, const std::string& name, MeshFile& out);
+void parse_obj(std::string_view text, const std::string& name, const MeshReadOptions& options,
+               MeshFile& out);
 
 }  // namespace ecorche::inline v1

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <initializer_list>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -14,6 +16,7 @@
 #include "anatomy/files/text_scanner.h"
 #include "anatomy/limits.h"
 #include "anatomy/mesh_files/polygons.h"
+#include "anatomy/mesh_files/vertex_values.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -37,9 +40,42 @@ std::size_t bytes_of(Scalar type) {
   return kBytes[std::size_t(type)];
 }
 
+// What a vertex's property is read as.
+enum class Role { none, x, y, z, nx, ny, nz, red, green, blue, u, v, confidence };
+constexpr std::size_t kRoles = 13;
+
+Role role_of(std::string_view name) {
+  constexpr std::pair<std::string_view, Role> kNames[] = {{"x", Role::x},
+                                                          {"y", Role::y},
+                                                          {"z", Role::z},
+                                                          {"nx", Role::nx},
+                                                          {"ny", Role::ny},
+                                                          {"nz", Role::nz},
+                                                          {"red", Role::red},
+                                                          {"green", Role::green},
+                                                          {"blue", Role::blue},
+                                                          {"r", Role::red},
+                                                          {"g", Role::green},
+                                                          {"b", Role::blue},
+                                                          {"diffuse_red", Role::red},
+                                                          {"diffuse_green", Role::green},
+                                                          {"diffuse_blue", Role::blue},
+                                                          {"u", Role::u},
+                                                          {"v", Role::v},
+                                                          {"s", Role::u},
+                                                          {"t", Role::v},
+                                                          {"texture_u", Role::u},
+                                                          {"texture_v", Role::v},
+                                                          {"confidence", Role::confidence}};
+  for (const auto& [known, role] : kNames)
+    if (name == known) return role;
+  return Role::none;
+}
+
 struct Property {
   std::string name;
   Scalar type = Scalar::float32;
+  Role role = Role::none;
   bool is_list = false;
   Scalar count_type = Scalar::uint8;
 };
@@ -73,6 +109,7 @@ Property parse_property(TextScan& scan) {
   if (!known) scan.fail("unknown property type; expected char .. double");
   property.type = *known;
   property.name = scan.word();
+  property.role = role_of(property.name);
   return property;
 }
 
@@ -148,43 +185,36 @@ class Values {
     const std::size_t size = bytes_of(type);
     if (rest_.size() - at_ < size)
       throw InputError(fmt::format("{}: ends before the last {}", name_, what));
-    unsigned char raw[8] = {};
-    const bool turn = (coding_ == Coding::big) == (std::endian::native == std::endian::little);
-    for (std::size_t k = 0; k < size; ++k)
-      raw[k] = static_cast<unsigned char>(rest_[at_ + (turn ? size - 1 - k : k)]);
+    const char* from = rest_.data() + at_;
     at_ += size;
+    char turned[8];
+    if ((coding_ == Coding::big) == (std::endian::native == std::endian::little)) {
+      std::reverse_copy(from, from + size, turned);
+      from = turned;
+    }
     const auto as = [&](auto value) {
-      std::memcpy(&value, raw, sizeof value);
+      std::memcpy(&value, from, sizeof value);
       return double(value);
     };
-    double value = 0;
     switch (type) {
       case Scalar::int8:
-        value = as(std::int8_t{});
-        break;
+        return as(std::int8_t{});
       case Scalar::uint8:
-        value = as(std::uint8_t{});
-        break;
+        return as(std::uint8_t{});
       case Scalar::int16:
-        value = as(std::int16_t{});
-        break;
+        return as(std::int16_t{});
       case Scalar::uint16:
-        value = as(std::uint16_t{});
-        break;
+        return as(std::uint16_t{});
       case Scalar::int32:
-        value = as(std::int32_t{});
-        break;
+        return as(std::int32_t{});
       case Scalar::uint32:
-        value = as(std::uint32_t{});
-        break;
+        return as(std::uint32_t{});
       case Scalar::float32:
-        value = as(float{});
-        break;
+        return as(float{});
       case Scalar::float64:
-        value = as(double{});
-        break;
+        return as(double{});
     }
-    return value;
+    return 0;
   }
 
   std::string_view rest_;
@@ -194,23 +224,66 @@ class Values {
   std::string name_;
 };
 
-void read_vertex(const Element& element, long long row, Values& values, Polygons& out,
-                 const std::string& name) {
-  double xyz[3] = {0, 0, 0};
-  for (const auto& property : element.properties) {
-    const double value = values.next(property.type, "vertex");
-    if (property.name.size() == 1 && property.name[0] >= 'x' && property.name[0] <= 'z')
-      xyz[property.name[0] - 'x'] = value;
+struct PlyMesh {
+  Polygons polygons;
+  std::vector<double> normals;
+  std::vector<float> colours, uv, confidence;
+  std::vector<float> corner_uv;  // of all corners, in their order
+};
+
+// Which values an element has: a role that is given twice counts once.
+struct Roles {
+  explicit Roles(const Element& element) {
+    for (const Property& property : element.properties)
+      if (!property.is_list) has[std::size_t(property.role)] = true;
   }
-  for (double v : xyz) {
-    if (!std::isfinite(v)) throw InputError(fmt::format("{}: vertex {} is not finite", name, row));
+  bool all(std::initializer_list<Role> roles) const {
+    return std::ranges::all_of(roles, [&](Role role) { return has[std::size_t(role)]; });
   }
-  out.coordinates.insert(out.coordinates.end(), xyz, xyz + 3);
+  bool has[kRoles] = {};
+};
+
+// What a whole type's largest value stands for is 1; numbers with a point are taken as they are.
+float colour_scale(Scalar type) {
+  return type == Scalar::uint8 ? 1.0F / 255 : type == Scalar::uint16 ? 1.0F / 65535 : 1.0F;
 }
 
-// One row of an element with lists: the list named vertex_indices is a face; other values are read
-// over.
-void read_row_with_lists(const Element& element, long long row, Values& values, Polygons* faces,
+float small_or_zero(double value) { return std::abs(value) < 1e30 ? float(value) : 0; }
+
+void read_vertices(const Element& element, Values& values, PlyMesh& out, const std::string& name) {
+  const Roles roles(element);
+  const bool normals = roles.all({Role::nx, Role::ny, Role::nz}),
+             colours = roles.all({Role::red, Role::green, Role::blue}),
+             texture = roles.all({Role::u, Role::v}), confidence = roles.all({Role::confidence});
+  float scale = 1;
+  for (const Property& property : element.properties)
+    if (property.role == Role::red) scale = colour_scale(property.type);
+  out.polygons.coordinates.reserve(3 * std::size_t(element.count));
+  double all[kRoles] = {};
+  const auto of = [&](Role role) { return all[std::size_t(role)]; };
+  for (long long row = 0; row < element.count; ++row) {
+    for (const Property& property : element.properties)
+      all[std::size_t(property.role)] = values.next(property.type, "vertex");
+    for (const Role axis : {Role::x, Role::y, Role::z}) {
+      if (!std::isfinite(of(axis)))
+        throw InputError(fmt::format("{}: vertex {} is not finite", name, row));
+      out.polygons.coordinates.push_back(of(axis));
+    }
+    if (normals)
+      for (const Role axis : {Role::nx, Role::ny, Role::nz})
+        out.normals.push_back(small_or_zero(of(axis)));
+    if (colours)
+      for (const Role part : {Role::red, Role::green, Role::blue})
+        out.colours.push_back(small_or_zero(of(part)) * scale);
+    if (texture)
+      for (const Role part : {Role::u, Role::v}) out.uv.push_back(small_or_zero(of(part)));
+    if (confidence) out.confidence.push_back(small_or_zero(of(Role::confidence)));
+  }
+}
+
+// One row of an element with lists: the list named vertex_indices is a face, texcoord its texture
+// coordinates; other values are read over.
+void read_row_with_lists(const Element& element, long long row, Values& values, PlyMesh* mesh,
                          const std::string& name) {
   for (const auto& property : element.properties) {
     if (!property.is_list) {
@@ -223,31 +296,61 @@ void read_row_with_lists(const Element& element, long long row, Values& values, 
       throw InputError(fmt::format("{}: {} {}: a list of {} does not fit into the file", name,
                                    element.name, row, count));
     }
-    const bool is_face =
-        faces != nullptr && (property.name == "vertex_indices" || property.name == "vertex_index");
+    Polygons* const faces =
+        mesh && (property.name == "vertex_indices" || property.name == "vertex_index")
+            ? &mesh->polygons
+            : nullptr;
+    const bool is_texture = mesh && property.name == "texcoord";
     for (long long k = 0; k < static_cast<long long>(count); ++k) {
-      const double index = values.next(property.type, "list entry");
-      if (!is_face) continue;
-      if (!(index >= 0 && index < double(faces->coordinates.size() / 3) &&
-            index == std::floor(index))) {
-        throw InputError(fmt::format("{}: face {} names vertex {} of {}", name, row, index,
+      const double value = values.next(property.type, "list entry");
+      if (is_texture) mesh->corner_uv.push_back(small_or_zero(value));
+      if (!faces) continue;
+      if (!(value >= 0 && value < double(faces->coordinates.size() / 3) &&
+            value == std::floor(value))) {
+        throw InputError(fmt::format("{}: face {} names vertex {} of {}", name, row, value,
                                      faces->coordinates.size() / 3));
       }
-      faces->corners.push_back(int(index));
+      faces->corners.push_back(int(value));
     }
-    if (is_face && faces->corners.size() > limits::kMeshCorners)
+    if (faces && faces->corners.size() > limits::kMeshCorners)
       throw LimitError(
           fmt::format("{}: more than {} corners of faces", name, limits::kMeshCorners));
-    if (is_face) faces->sizes.push_back(int(count));
+    if (faces) faces->sizes.push_back(int(count));
   }
+}
+
+void append_part(PlyMesh& mesh, const std::string& name, const MeshReadOptions& options,
+                 MeshFile& out) {
+  const std::size_t vertices = mesh.polygons.coordinates.size() / 3;
+  const bool textured =
+      !mesh.corner_uv.empty() && mesh.corner_uv.size() == 2 * mesh.polygons.corners.size();
+  TriangleSources sources;
+  MeshPart part;
+  part.mesh =
+      triangulate(mesh.polygons, name, out.notes, options.clouds, textured ? &sources : nullptr);
+  if (!mesh.normals.empty()) part.normals = unit_normals(mesh.normals);
+  if (!mesh.colours.empty()) part.colours = colours_in_range(mesh.colours);
+  if (mesh.confidence.size() == vertices)
+    part.confidence =
+        Eigen::Map<const Eigen::VectorXf>(mesh.confidence.data(), Eigen::Index(vertices));
+  if (textured) {
+    part.texture.resize(Eigen::Index(sources.corners.size()), 2);
+    for (std::size_t c = 0; c < sources.corners.size(); ++c)
+      part.texture.row(Eigen::Index(c)) << mesh.corner_uv[2 * std::size_t(sources.corners[c])],
+          mesh.corner_uv[2 * std::size_t(sources.corners[c]) + 1];
+  } else if (!mesh.uv.empty()) {
+    part.texture = corner_texture(mesh.uv, part.mesh.F);
+  }
+  out.parts.push_back(std::move(part));
 }
 
 }  // namespace
 
-void parse_ply(std::string_view bytes, const std::string& name, MeshFile& out) {
+void parse_ply(std::string_view bytes, const std::string& name, const MeshReadOptions& options,
+               MeshFile& out) {
   const Header header = parse_header(bytes, name);
   Values values(bytes, header, name);
-  Polygons polygons;
+  PlyMesh mesh;
   for (const auto& element : header.elements) {
     std::size_t least = 0;
     bool has_lists = false;
@@ -268,19 +371,18 @@ void parse_ply(std::string_view bytes, const std::string& name, MeshFile& out) {
     if (element.count > 0 && element.properties.empty())
       throw InputError(fmt::format("{}: an element without properties", name));
     const bool is_vertex = element.name == "vertex";
-    if (is_vertex && (coordinates != 3 || has_lists || !polygons.coordinates.empty())) {
+    if (is_vertex && (coordinates != 3 || has_lists || !mesh.polygons.coordinates.empty())) {
       throw InputError(
           fmt::format("{}: the vertex element must come once, with x, y, z and no lists", name));
     }
-    for (long long row = 0; row < element.count; ++row) {
-      if (is_vertex)
-        read_vertex(element, row, values, polygons, name);
-      else
-        read_row_with_lists(element, row, values, element.name == "face" ? &polygons : nullptr,
-                            name);
+    if (is_vertex) {
+      read_vertices(element, values, mesh, name);
+      continue;
     }
+    for (long long row = 0; row < element.count; ++row)
+      read_row_with_lists(element, row, values, element.name == "face" ? &mesh : nullptr, name);
   }
-  out.parts.push_back({"", triangulate(polygons, name, out.notes)});
+  append_part(mesh, name, options, out);
 }
 
 }  // namespace ecorche::inline v1

@@ -117,22 +117,23 @@ class EarRing {
   std::size_t first_ = 0;
 };
 
+// Corners of triangles as places in the polygon.
 void clip_ears(const Points& V, const std::vector<int>& polygon, std::vector<int>& out) {
   EarRing ring(flatten(V, polygon));
   for (std::size_t left = polygon.size(); left > 3; --left) {
     const std::size_t k = ring.best();
-    for (const std::size_t corner : {ring.before(k), k, ring.next(k)})
-      out.push_back(polygon[corner]);
+    for (const std::size_t corner : {ring.before(k), k, ring.next(k)}) out.push_back(int(corner));
     ring.cut(k);
   }
   for (const std::size_t corner :
        {ring.first(), ring.next(ring.first()), ring.before(ring.first())})
-    out.push_back(polygon[corner]);
+    out.push_back(int(corner));
 }
 
-void append_triangles(const Points& V, const std::vector<int>& polygon, std::vector<int>& out) {
+void cut_polygon(const Points& V, const std::vector<int>& polygon, std::vector<int>& out) {
+  out.clear();
   if (polygon.size() == 3) {
-    out.insert(out.end(), polygon.begin(), polygon.end());
+    out = {0, 1, 2};
   } else if (polygon.size() == 4) {
     const Vec3 n = newell_normal(V, polygon);
     const auto fits = [&](int a, int b, int c) {
@@ -141,33 +142,48 @@ void append_triangles(const Points& V, const std::vector<int>& polygon, std::vec
     };
     const double first_fit = std::min(fits(0, 1, 2), fits(0, 2, 3));
     const bool first = first_fit > 0 || first_fit >= std::min(fits(1, 2, 3), fits(1, 3, 0));
-    constexpr std::size_t kOrders[2][6] = {{1, 2, 3, 1, 3, 0}, {0, 1, 2, 0, 2, 3}};
-    for (std::size_t k : kOrders[first]) out.push_back(polygon[k]);
+    constexpr int kOrders[2][6] = {{1, 2, 3, 1, 3, 0}, {0, 1, 2, 0, 2, 3}};
+    out.assign(kOrders[first], kOrders[first] + 6);
   } else {
     clip_ears(V, polygon, out);
+  }
+}
+
+// The polygon without corners that repeat their neighbour; `places` of them in all corners.
+void distinct_corners(const Polygons& polygons, std::size_t begin, std::size_t size,
+                      std::vector<int>& polygon, std::vector<int>& places) {
+  polygon.clear();
+  places.clear();
+  for (std::size_t k = begin; k < begin + size; ++k) {
+    if (!polygon.empty() && polygon.back() == polygons.corners[k]) continue;
+    polygon.push_back(polygons.corners[k]);
+    places.push_back(int(k));
+  }
+  while (polygon.size() > 1 && polygon.front() == polygon.back()) {
+    polygon.pop_back();
+    places.pop_back();
   }
 }
 
 }  // namespace
 
 TriMesh triangulate(const Polygons& polygons, const std::string& name,
-                    std::vector<std::string>& notes) {
+                    std::vector<std::string>& notes, bool clouds, TriangleSources* sources) {
   TriMesh mesh;
   mesh.V = Eigen::Map<const Points>(polygons.coordinates.data(),
                                     Eigen::Index(polygons.coordinates.size() / 3), 3);
-  std::vector<int> triangles, polygon;
+  if (clouds && polygons.sizes.empty() && mesh.V.rows() > 0) {
+    mesh.F.resize(0, 3);
+    return mesh;
+  }
+  std::vector<int> triangles, polygon, places, cut;
   triangles.reserve(polygons.corners.size());
   std::size_t next = 0, work = 0;
   int dropped = 0;
   for (std::size_t f = 0; f < polygons.sizes.size(); ++f) {
-    polygon.clear();
     const std::size_t size = polygons.sizes[f];
-    for (std::size_t k = 0; k < size; ++k) {
-      const int corner = polygons.corners[next + k];
-      if (polygon.empty() || polygon.back() != corner) polygon.push_back(corner);
-    }
+    distinct_corners(polygons, next, size, polygon, places);
     next += size;
-    while (polygon.size() > 1 && polygon.front() == polygon.back()) polygon.pop_back();
     if (polygon.size() < 3) {
       ++dropped;
       continue;
@@ -181,7 +197,11 @@ TriMesh triangulate(const Polygons& polygons, const std::string& name,
       throw LimitError(
           fmt::format("{}: face {}: too many polygons of many corners; save the mesh in triangles",
                       name, f + 1));
-    append_triangles(mesh.V, polygon, triangles);
+    cut_polygon(mesh.V, polygon, cut);
+    for (const int k : cut) triangles.push_back(polygon[k]);
+    if (!sources) continue;
+    for (const int k : cut) sources->corners.push_back(places[k]);
+    sources->polygons.insert(sources->polygons.end(), cut.size() / 3, int(f));
   }
   if (dropped > 0)
     notes.push_back(fmt::format("{}: passed over {} faces with fewer than three different corners",

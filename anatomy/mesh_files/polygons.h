@@ -15,10 +15,18 @@ struct Polygons {
   std::vector<int> sizes;           // corners of each polygon
 };
 
+// Where the triangles come from.
+struct TriangleSources {
+  std::vector<int> corners;   // 3 #F: places in Polygons::corners
+  std::vector<int> polygons;  // #F
+};
+
 // Quads along the diagonal inside them, larger polygons by clipping ears. Corners that repeat their
 // neighbour are dropped, polygons left with fewer than three are passed over and counted. Throws
-// UnfitError when nothing is left. Precondition: every corner is a vertex.
+// UnfitError when nothing is left, unless there was no polygon and `clouds` allows that.
+// Precondition: every corner is a vertex.
 TriMesh triangulate(const Polygons& polygons, const std::string& name,
-                    std::vector<std::string>& notes);
+                    std::vector<std::string>& notes, bool clouds = false,
+                    TriangleSources* sources = nullptr);
 
 }  // namespace ecorche::inline v1

@@ -7,11 +7,13 @@
 #include <cstring>
 #include <map>
 #include <numeric>
-#include <sstream>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "anatomy/errors.h"
+#include "anatomy/files/text_scanner.h"
+#include "anatomy/limits.h"
 
 namespace ecorche::inline v1 {
 
@@ -19,48 +21,102 @@ namespace {
 
 using Corner = std::array<float, 3>;
 
-// Corners of a triangle soup become an indexed mesh; vertices are numbered in order of appearance.
-TriMesh weld(const std::vector<Corner>& corners, const std::string& name) {
-  std::map<Corner, int> known;
-  std::vector<Corner> vertices;
-  std::vector<std::array<int, 3>> faces;
-  for (std::size_t c = 0; c + 2 < corners.size(); c += 3) {
+// Vertices in order of appearance, found again by their coordinates: a table of places, open at
+// the next free one.
+class VertexTable {
+ public:
+  explicit VertexTable(std::size_t corners) {
+    std::size_t size = 1024;
+    while (size < corners) size *= 2;  // a closed mesh has a sixth as many vertices
+    places_.assign(size / 2, -1);
+  }
+
+  int find_or_add(Corner p) {
+    for (float& x : p) x += 0.0F;  // -0 is 0
+    if (2 * vertices_.size() >= places_.size()) grow();
+    for (std::size_t at = hash(p);; ++at) {
+      int& place = places_[at & (places_.size() - 1)];
+      if (place >= 0 && vertices_[place] != p) continue;
+      if (place < 0) {
+        place = int(vertices_.size());
+        vertices_.push_back(p);
+      }
+      return place;
+    }
+  }
+  const std::vector<Corner>& vertices() const { return vertices_; }
+
+ private:
+  static std::size_t hash(const Corner& p) {
+    std::array<std::uint32_t, 3> bits{};
+    std::memcpy(bits.data(), p.data(), sizeof p);
+    std::uint64_t mixed = 0;
+    for (const std::uint32_t word : bits) {
+      mixed = (mixed ^ word) * 0x9E3779B97F4A7C15ULL;
+      mixed ^= mixed >> 29;
+    }
+    return std::size_t(mixed);
+  }
+  void grow() {
+    places_.assign(2 * places_.size(), -1);
+    for (std::size_t i = 0; i < vertices_.size(); ++i) {
+      std::size_t at = hash(vertices_[i]);
+      while (places_[at & (places_.size() - 1)] >= 0) ++at;
+      places_[at & (places_.size() - 1)] = int(i);
+    }
+  }
+
+  std::vector<int> places_;
+  std::vector<Corner> vertices_;
+};
+
+// Corners of a triangle soup become an indexed mesh; `corner(c)` gives each.
+template <class CornerOf>
+TriMesh weld(std::size_t corners, CornerOf corner, const std::string& name) {
+  if (corners / 3 > std::size_t(limits::kMeshElements))
+    throw LimitError(
+        fmt::format("{}: {} triangles; the limit is {}", name, corners / 3, limits::kMeshElements));
+  VertexTable table(corners);
+  std::vector<int> faces;
+  faces.reserve(corners);
+  for (std::size_t c = 0; c + 2 < corners; c += 3) {
     std::array<int, 3> face{};
     for (std::size_t k = 0; k < 3; ++k) {
-      const Corner& p = corners[c + k];
+      const Corner p = corner(c + k);
       if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
         throw InputError(fmt::format("{}: triangle {}: a coordinate is not finite", name, c / 3));
       }
-      const auto [entry, fresh] = known.try_emplace(p, int(vertices.size()));
-      if (fresh) vertices.push_back(p);
-      face[k] = entry->second;
+      face[k] = table.find_or_add(p);
     }
-    if (face[0] != face[1] && face[1] != face[2] && face[2] != face[0]) faces.push_back(face);
+    if (face[0] != face[1] && face[1] != face[2] && face[2] != face[0])
+      faces.insert(faces.end(), face.begin(), face.end());
   }
   TriMesh mesh;
-  mesh.V.resize(vertices.size(), 3);
-  mesh.F.resize(faces.size(), 3);
+  mesh.V.resize(Eigen::Index(table.vertices().size()), 3);
   for (Eigen::Index i = 0; i < mesh.V.rows(); ++i) {
-    for (int k = 0; k < 3; ++k) mesh.V(i, k) = vertices[i][k];
+    for (int k = 0; k < 3; ++k) mesh.V(i, k) = table.vertices()[i][k];
   }
-  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
-    for (int k = 0; k < 3; ++k) mesh.F(f, k) = faces[f][k];
-  }
+  mesh.F = Eigen::Map<const Triangles>(faces.data(), Eigen::Index(faces.size() / 3), 3);
   return mesh;
 }
 
 std::vector<Corner> ascii_corners(std::string_view bytes, const std::string& name) {
-  std::istringstream in{std::string(bytes)};
-  in.imbue(std::locale::classic());
+  TextScan scan(bytes, name);
   std::vector<Corner> corners;
-  std::string word;
-  while (in >> word) {
-    if (word != "vertex") continue;
-    Corner p{};
-    if (!(in >> p[0] >> p[1] >> p[2])) {
-      throw InputError(fmt::format("{}: vertex {}: three numbers expected", name, corners.size()));
+  while (scan.next_line()) {
+    for (std::string_view word = scan.word(); !word.empty(); word = scan.word()) {
+      if (word != "vertex") continue;
+      Corner p{};
+      for (float& x : p) {
+        double value = 0;
+        const std::string_view number = scan.word();
+        if (!parse_number(number, value))
+          throw InputError(
+              fmt::format("{}: vertex {}: three numbers expected", name, corners.size()));
+        x = float(value);
+      }
+      corners.push_back(p);
     }
-    corners.push_back(p);
   }
   if (corners.empty() || corners.size() % 3 != 0) {
     throw InputError(fmt::format("{}: {} corners in an ASCII STL file; three a triangle expected",
@@ -69,28 +125,46 @@ std::vector<Corner> ascii_corners(std::string_view bytes, const std::string& nam
   return corners;
 }
 
+// The triangles of a binary file; nothing where it is none. Some begin with "solid", so the size
+// decides; division keeps a forged count from overflowing.
+constexpr std::size_t kHeader = 84, kRecord = 50;
+std::optional<std::size_t> binary_triangles(std::string_view bytes) {
+  if (bytes.size() < kHeader) return std::nullopt;
+  std::uint32_t count = 0;
+  std::memcpy(&count, bytes.data() + 80, sizeof count);
+  if (count == 0 || (bytes.size() - kHeader) / kRecord < count) return std::nullopt;
+  return count;
+}
+
 }  // namespace
 
+bool is_stl(std::string_view bytes) {
+  const auto count = binary_triangles(bytes);
+  if (count && bytes.size() == kHeader + kRecord * *count) return true;
+  const std::string_view head = bytes.substr(0, 4096);
+  return head.starts_with("solid") && head.find("facet") != std::string_view::npos;
+}
+
 TriMesh parse_stl(std::string_view bytes, const std::string& name) {
-  constexpr std::size_t kHeader = 84, kRecord = 50;
-  std::uint32_t count = 0;
-  if (bytes.size() >= kHeader) std::memcpy(&count, bytes.data() + 80, sizeof count);
-  // Some binary files begin with "solid", so the size decides; division keeps a forged count from
-  // overflowing.
-  const bool binary = bytes.size() >= kHeader && (bytes.size() - kHeader) / kRecord >= count &&
-                      count > 0 &&
-                      (bytes.size() == kHeader + kRecord * count || !bytes.starts_with("solid"));
-  if (!binary) {
-    if (bytes.starts_with("solid")) return weld(ascii_corners(bytes, name), name);
-    throw InputError(fmt::format("{}: not an STL file: {} bytes, {} triangles stated", name,
-                                 bytes.size(), count));
+  const auto count = binary_triangles(bytes);
+  if (!count || (bytes.size() != kHeader + kRecord * *count && bytes.starts_with("solid"))) {
+    if (!bytes.starts_with("solid")) {
+      std::uint32_t stated = 0;
+      if (bytes.size() >= kHeader) std::memcpy(&stated, bytes.data() + 80, sizeof stated);
+      throw InputError(fmt::format("{}: not an STL file: {} bytes, {} triangles stated", name,
+                                   bytes.size(), stated));
+    }
+    const std::vector<Corner> corners = ascii_corners(bytes, name);
+    return weld(
+        corners.size(), [&](std::size_t c) { return corners[c]; }, name);
   }
-  std::vector<Corner> corners(std::size_t{3} * count);
-  for (std::size_t f = 0; f < count; ++f) {
-    std::memcpy(&corners[3 * f], bytes.data() + kHeader + kRecord * f + sizeof(Corner),
-                3 * sizeof(Corner));
-  }
-  return weld(corners, name);
+  const auto corner = [&](std::size_t c) {
+    Corner p;
+    std::memcpy(&p, bytes.data() + kHeader + kRecord * (c / 3) + sizeof(Corner) * (1 + c % 3),
+                sizeof p);
+    return p;
+  };
+  return weld(3 * *count, corner, name);
 }
 
 namespace {

@@ -14,6 +14,9 @@ namespace ecorche::inline v1 {
 // coordinates that are not finite.
 TriMesh parse_stl(std::string_view bytes, const std::string& name);
 
+// Whether the bytes are an STL file: as long as a binary one says, or text with facets.
+bool is_stl(std::string_view bytes);
+
 // The parts of a mesh that hang together across edges of exactly two triangles (so that doubled
 // triangles fall off), largest (by triangles, then by first triangle) first. No repair is made.
 std::vector<TriMesh> connected_components(const TriMesh& mesh);

@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // The package is read once for all tests.
-class BonePackage : public testing::Test {
+class BonePackage : public ::testing::Test {
  protected:
   void SetUp() override {
     if (!anatomy_) {

@@ -290,7 +290,7 @@ struct BadText {
   std::string message;  // what the error must contain
 };
 
-class BadMuscleText : public testing::TestWithParam<BadText> {};
+class BadMuscleText : public ::testing::TestWithParam<BadText> {};
 
 TEST_P(BadMuscleText, IsRefusedWithFileLineMuscleAndValue) {
   try {
@@ -306,7 +306,7 @@ const std::string kGood = std::string("  strip\n    origin high\n    insertion s
 
 INSTANTIATE_TEST_SUITE_P(
     Corpus, BadMuscleText,
-    testing::Values(
+    ::testing::Values(
         BadText{"  strip\n    origin high\n" + std::string(kSections),
                 "one: a strip with 1 path point"},
         BadText{"  strip\n    origin high\n    insertion shinn\n" + std::string(kSections),

@@ -26,10 +26,11 @@ import characters
 import files
 import meshes
 import motions
+import scans
 import surroundings
 import tables
 
-LEFT_OUT = {20: "zip, gz and 3MF files are not read", 22: "FBX files are not read", 33: "skins are of the base mesh: there are no clothes to tell from a body", 34: "skins are of the base mesh: no limb can be missing",
+LEFT_OUT = {20: "zip, gz and 3MF files are not read", 33: "a scan in clothes alone: not told from a body", 34: "a missing limb: not told from an unseen one",
             58: "C3D files are not read", 59: "TRC files are not read", 73: "nobody resizes a window here; the viewer's own tests do", 80: "there is no Python interface"}
 MUSCLES = ("biceps_femoris_long_l", "soleus_r", "biceps_brachii_short_r", "rectus_abdominis_2_l")
 BONES = ("femur_l", "tibia_r", "humerus_l", "scapula_l", "skull")
@@ -223,7 +224,7 @@ def main():
     found = bench.Bench(options.program.resolve(), scratch, only, options.workers, options.verbose)
     try:
         things = Things(found, options.source.resolve(), options)
-        for module in (meshes, characters, motions, tables, surroundings):
+        for module in (meshes, characters, motions, scans, tables, surroundings):
             for name, function in vars(module).items():
                 if name in ("crowds", "models") or (name.startswith("row_") and (not only or int(name[4:]) in only)):
                     function(things)

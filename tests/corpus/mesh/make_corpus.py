@@ -20,7 +20,7 @@ SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 
 put("empty.obj", "", "input", "empty file")
 put("noise.obj", bytes((i * 197 + i * i * 31) % 256 for i in range(600)), "input", "neither OBJ")
-put("prose.obj", "It was a bright cold day\nin April, and the clocks\n", "input", "neither OBJ, PLY nor GLB")
+put("prose.obj", "It was a bright cold day\nin April, and the clocks\n", "input", "neither OBJ, PLY, STL")
 put("truncated_utf16.obj", "v 0 0 0\n".encode("utf-16"), "input", "UTF-16")
 put("quad.obj", SQUARE + "f 1 2 3 4\n", "ok")
 put("quad_crlf_bom.obj", b"\xef\xbb\xbf" + (SQUARE + "f 1/1 2/2 3/3 4/4\n").replace("\n", "\r\n").encode(), "ok")
@@ -148,7 +148,7 @@ put("index_high.glb", glb(scene(), DATA[:-2] + b"\x09\x00"), "input", "names ver
 put("accessor_gone.glb", glb(scene(meshes__0__primitives__0__indices=7), DATA), "input", "accessors[7]")
 put("float_indices.glb", glb(scene(accessors__1__componentType=5126), DATA), "input", "bufferView 1")
 put("sparse.glb", glb(scene(accessors__0__sparse={"count": 2**40}), DATA), "input", "sparse")
-put("data_uri_4gb.glb", glb(scene(buffers=[{"uri": "data:;base64,AAAA", "byteLength": 2**32}]), DATA), "input", "outside the file")
+put("data_uri_4gb.glb", glb(scene(buffers=[{"uri": "data:;base64,AAAA", "byteLength": 2**32}]), DATA), "input", "beyond the binary chunk")
 put("uri_traversal.glb", glb(scene(buffers=[{"uri": "..%2f..%2fetc%2fpasswd", "byteLength": 60}]), DATA), "input", "outside the file")
 put("uri_http.glb", glb(scene(buffers=[{"uri": "http://localhost/x.bin", "byteLength": 60}]), DATA), "input", "outside the file")
 put("node_self.glb", glb(scene(nodes=[{"mesh": 0, "children": [0]}]), DATA), "input", "ancestors")
