@@ -185,4 +185,19 @@ MeasureTable read_measure_table(const BodyPackage& package, const std::filesyste
   return out;
 }
 
+std::vector<std::pair<std::string, int>> landmark_vertices(const BodyPackage& package,
+                                                           const MeasureTable& table) {
+  std::vector<std::pair<std::string, int>> out;
+  for (const SkinLandmark& landmark : table.landmarks) {
+    const int other = package.mirror[landmark.vertex];
+    if (other == landmark.vertex) {
+      out.emplace_back(landmark.id, landmark.vertex);
+    } else {
+      out.emplace_back(landmark.id + "_l", landmark.vertex);
+      out.emplace_back(landmark.id + "_r", other);
+    }
+  }
+  return out;
+}
+
 }  // namespace ecorche::inline v1

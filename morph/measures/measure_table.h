@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "anatomy/base_mesh/body_package.h"
@@ -67,5 +68,10 @@ struct MeasureTable {
 // Throws InputError that names file, line and value; also when a landmark does not lie where the
 // table says on the package's base mesh (another mesh would give wrong measures without a word).
 MeasureTable read_measure_table(const BodyPackage& package, const std::filesystem::path& folder);
+
+// The base mesh's vertices of a table's landmarks, each with its name; those that both sides have
+// end in _l and _r.
+std::vector<std::pair<std::string, int>> landmark_vertices(const BodyPackage& package,
+                                                           const MeasureTable& table);
 
 }  // namespace ecorche::inline v1

@@ -1,0 +1,161 @@
+#include "morph/registration/judge_registration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "anatomy/compute/parallel_ranges.h"
+#include "anatomy/errors.h"
+#include "anatomy/geometry/mesh_measures.h"
+#include "anatomy/queries/nearest_surface.h"
+
+namespace ecorche::inline v1 {
+namespace {
+
+// What is written as doubtful, and what is refused. m, but for shares.
+constexpr double kDoubtfulMedian = 0.004, kDoubtfulP95 = 0.015;
+constexpr double kRefusedMedian = 0.012, kFarOff = 0.05, kRefusedFar = 0.2;
+constexpr double kDoubtfulFar = 0.012, kDoubtfulUnseen = 0.2, kDoubtfulOther = 0.97,
+                 kDoubtfulShape = 2.0, kDoubtfulStretch = 0.05;
+constexpr double kOtherBody = 0.1;  // m, mean distance of two results that are not the same
+// A part of the body of which less is seen is missing; so many missing parts are too many.
+constexpr double kSeenLimb = 0.15, kMostMissing = 9, kRefusedMissing = 1;
+constexpr std::size_t kJudged = 6000;  // points of the scan
+
+DistanceFigures figures_of(std::vector<double> distances) {
+  DistanceFigures out;
+  if (distances.empty()) return out;
+  std::sort(distances.begin(), distances.end());
+  for (const double d : distances) out.mean += d / double(distances.size());
+  out.median = distances[distances.size() / 2];
+  out.p95 = distances[std::size_t(0.95 * double(distances.size() - 1))];
+  out.max = distances.back();
+  return out;
+}
+
+void look_for_limbs(const ArticulatedBody& body, const Scan& scan, Registration& out) {
+  constexpr const char* kNames[] = {"head", "neck",  "trunk", "upper arm", "forearm",
+                                    "hand", "thigh", "shank", "foot"};
+  std::map<std::pair<BodyPart, Side>, Vec2> areas;  // seen, all
+  for (std::size_t i = 0; i < body.area.size(); ++i) {
+    Vec2& one =
+        areas.try_emplace({body.parts[i].part, body.parts[i].side}, Vec2::Zero()).first->second;
+    one += body.area[i] * Vec2(out.seen[i] ? 1 : 0, 1);
+  }
+  std::string missing;
+  double gone = 0;
+  for (const auto& [key, area] : areas) {
+    if (area[0] > kSeenLimb * area[1]) continue;
+    const BodyPart part = key.first;
+    gone += part == BodyPart::hand || part == BodyPart::foot || part == BodyPart::neck ? 0.4 : 1;
+    missing += fmt::format("{}{}{}", missing.empty() ? "" : ", ",
+                           key.second == Side::left    ? "left "
+                           : key.second == Side::right ? "right "
+                                                       : "",
+                           kNames[int(key.first)]);
+  }
+  if (missing.empty()) return;
+  if (gone > kMostMissing || (!scan.one_view && gone >= kRefusedMissing))
+    throw UnfitError(
+        fmt::format("too little of a person: nothing of the scan lies where {} would be", missing));
+  out.report.doubts.push_back("nothing of the scan shows " + missing);
+}
+
+// Share of edges that the surface fit made less than half or more than twice as long.
+double stretched_share(const ArticulatedBody& body, const Points& before, const Points& after) {
+  double off = 0, all = 0;
+  for (Eigen::Index f = 0; f < body.F.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const int i = body.F(f, k), j = body.F(f, (k + 1) % 3);
+      if (!body.outer[std::size_t(i)] || body.parts[std::size_t(i)].part == BodyPart::hand)
+        continue;
+      const double ratio = (after.row(i) - after.row(j)).norm() /
+                           std::max((before.row(i) - before.row(j)).norm(), 1e-9);
+      const double area = body.area[std::size_t(i)];
+      all += area;
+      if (ratio < 0.5 || ratio > 2) off += area;
+    }
+  }
+  return off / std::max(all, 1e-12);
+}
+
+}  // namespace
+
+void judge_registration(const RegistrationEvidence& evidence, Registration& out) {
+  const ArticulatedBody& body = evidence.body;
+  const Scan& scan = evidence.scan;
+  const SurfacePoints& points = evidence.points;
+  RegistrationReport& report = out.report;
+  // Scan to body: exact distances of even points.
+  const NearestSurface surface({out.posed, body.F});
+  std::vector<double> distances(std::min(kJudged, std::size_t(points.points.rows())));
+  parallel_for_ranges(distances.size(), 64, Threads::all, [&](std::size_t first, std::size_t last) {
+    for (std::size_t k = first; k < last; ++k) {
+      const Vec3 p =
+          out.axes * (out.scale / scan.unit * points.points.row(Eigen::Index(k)).transpose()) +
+          out.shift;
+      distances[k] = surface.nearest(p).distance;
+    }
+  });
+  report.scan_to_body = figures_of(distances);
+  std::vector<double> back;
+  double unseen = 0, all = 0;
+  const Points normals = vertex_normals({out.posed, body.F});
+  for (std::size_t i = 0; i < body.outer.size(); ++i) {
+    all += body.area[i];
+    if (!body.outer[i]) continue;
+    if (!out.seen[i]) {
+      unseen += body.area[i];
+      continue;
+    }
+    const Vec3 p = out.axes.transpose() * (out.posed.row(Eigen::Index(i)).transpose() - out.shift) *
+                   (scan.unit / out.scale);
+    const Vec3 n = out.axes.transpose() * normals.row(Eigen::Index(i)).transpose();
+    const NearPoint near = evidence.tree.nearest(p, n);
+    const Vec3 m = points.normals.row(near.index);
+    const Vec3 gap = p - points.points.row(near.index).transpose();
+    back.push_back((m.squaredNorm() > 0.5 ? std::abs(m.dot(gap)) : gap.norm()) * out.scale /
+                   scan.unit);
+  }
+  report.body_to_scan = figures_of(back);
+  report.unseen = unseen / std::max(all, 1e-12);
+  look_for_limbs(body, scan, out);
+  const DistanceFigures& off = report.scan_to_body;
+  const double far = double(std::count_if(distances.begin(), distances.end(),
+                                          [](double d) { return d > kFarOff; })) /
+                     double(std::max<std::size_t>(distances.size(), 1));
+  if (off.median > kRefusedMedian || far > kRefusedFar)
+    throw UnfitError(fmt::format(
+        "this does not look like a person who stands: half of it lies more than {:.0f} mm from the "
+        "nearest body, and {:.0f} % more than {:.0f} mm; --landmarks or --pose help where the pose "
+        "was not found",
+        1e3 * off.median, 100 * far, 1e3 * kFarOff));
+  const double stretched = stretched_share(body, evidence.start, evidence.fitted);
+  const auto doubt = [&](bool is, const std::string& why) {
+    if (is) report.doubts.push_back(why);
+  };
+  doubt(off.median > kDoubtfulMedian || off.p95 > kDoubtfulP95,
+        fmt::format("the body lies off the scan: median {:.1f} mm, 95 % below {:.1f} mm",
+                    1e3 * off.median, 1e3 * off.p95));
+  doubt(
+      far > kDoubtfulFar,
+      fmt::format("{:.1f} % of the scan lies more than {:.0f} mm from the body: a limb may be lost",
+                  100 * far, 1e3 * kFarOff));
+  doubt(report.unseen > kDoubtfulUnseen,
+        fmt::format("{:.0f} % of the skin was never seen; it comes from what bodies are like",
+                    100 * report.unseen));
+  doubt(report.doubt > kDoubtfulOther,
+        "another pose fits nearly as well (--landmarks or --pose decide)");
+  doubt(report.shape_distance > kDoubtfulShape,
+        fmt::format("no usual body: {:.1f} standard deviations a component from the mean",
+                    report.shape_distance));
+  doubt(stretched > kDoubtfulStretch,
+        fmt::format("{:.0f} % of the skin had to be stretched to half or double", 100 * stretched));
+}
+
+}  // namespace ecorche::inline v1
