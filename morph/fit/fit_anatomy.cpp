@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include <tbb/parallel_for.h>
@@ -116,15 +118,21 @@ BothSides place_both(const FitTables& tables, const Points& skin, const SkinFiel
   SidedPlacement& p = out.placement;
   p.source_plane = tables.half.mid_plane;
   p.target_plane = symmetry.plane;
-  p.left = place_bones(input_for(tables, skin, stature, brackets), tables.rules, field, &out.left);
   if (symmetry.largest < kSymmetric) {
+    p.left =
+        place_bones(input_for(tables, skin, stature, brackets), tables.rules, field, &out.left);
     p.right = p.left;
     out.right = out.left;
     return out;
   }
   const Points other = mirrored_skin(skin, tables.topology.mirror, symmetry.plane);
   const SkinField other_field(capped_skin(tables.topology, other));
-  p.right = place_bones(input_for(tables, other, stature, brackets), tables.rules, other_field);
+  PlaceInput of_left = input_for(tables, skin, stature, brackets),
+             of_right = input_for(tables, other, stature, brackets);
+  of_left.mirrored = &other_field;
+  of_right.mirrored = &field;
+  p.left = place_bones(of_left, tables.rules, field);
+  p.right = place_bones(of_right, tables.rules, other_field);
   share_middle(tables.rules, p.left, p.right);
   const auto again = [&](const Points& side, const SkinField& side_field, Placement& placement,
                          PlaceReport& report) {
@@ -139,21 +147,102 @@ BothSides place_both(const FitTables& tables, const Points& skin, const SkinFiel
   return out;
 }
 
-void measure_bones(const FitTables& tables, const BothSides& sides, const Anatomy& anatomy,
-                   const SkinField& field, const std::vector<Bracket>& brackets,
-                   FitReport& report) {
+// The same for a skin whose head may be held aside.
+BothSides place_straight(const Template& body_template, const Points& skin, const SkinField& field,
+                         double stature, const Symmetry& symmetry,
+                         const std::vector<Bracket>& brackets) {
+  const FitTables& tables = body_template.tables;
+  if (symmetry.largest < kSymmetric)
+    return place_both(tables, skin, field, stature, symmetry, brackets);
+  const Points own = body_template.body.skin.V.topRows(skin.rows());
+  const NamedPoints &at = tables.half.points, centres = joint_centres(tables.regressor, skin);
+  std::vector<int> head;
+  for (int i = 0; i < int(own.rows()); ++i)
+    if (own(i, 1) > at.at("head").y()) head.push_back(i);
+  const HeadTurn turn = find_head_turn(skin, tables.topology.mirror, head, symmetry.plane,
+                                       centres.at("c7").y(), centres.at("head").y());
+  const Points straight = straightened(turn, skin);
+  BothSides out =
+      place_both(tables, straight, SkinField(capped_skin(tables.topology, straight)), stature,
+                 {symmetry.plane, symmetry_of(straight, tables.topology.mirror).largest}, brackets);
+  out.placement.turn = turn;
+  return out;
+}
+
+// Adds the pushes that the placement needs, and says what is left outside.
+void settle(const Template& body_template, const SkinField& field, bool even,
+            const std::vector<Bracket>& brackets, SidedPlacement& placement, FitReport& report) {
+  const FitTables& tables = body_template.tables;
+  const FitRules& rules = tables.rules;
+  const Anatomy& source = table_anatomy(body_template);
+  const SkeletonWarp warp(source, rules, placement);
+  const Anatomy placed = warp.skeleton();
+  std::vector<SettledPart> parts;
+  std::vector<std::array<int, 2>> part_of(rules.groups.size(), {-1, -1});
+  for (size_t b = 0; b < source.bones.size(); ++b) {
+    const int group = rules.group_of_bone.find(split_side(source.bones[b].name).first)->second;
+    const bool paired = rules.groups[group].paired,
+               right = paired && source.bones[b].side == Side::right;
+    if (right && even) continue;
+    int& part = part_of[group][right];
+    if (part < 0) {
+      part = int(parts.size());
+      parts.emplace_back().even = even && !paired;
+    }
+    parts[part].bones.push_back(placed.bones[b].mesh.V);
+  }
+  std::vector<PalpablePoint> points;
+  for (size_t k = 0; k < tables.landmarks.size(); ++k) {
+    if (!rules.landmarks[k].checked) continue;
+    const BonePoint& point = tables.landmarks[k].point;
+    const bool paired = rules.groups[point.group].paired;
+    // where the template itself is off, bodies may be as it is
+    const double own = tables.landmarks[k].wanted * report.stature / tables.stature,
+                 low = std::min(brackets[k].low - kDepthSlack, own),
+                 high = std::max(brackets[k].high + kDepthSlack, own);
+    constexpr double kMiddle = 2e-3;  // m: nearer to the plane, a point has no partner
+    points.push_back({part_of[point.group][0],
+                      warp.by_group(point.group, Side::left, point.position), low, high});
+    if (even || (!paired && std::abs(point.position.x() - placement.source_plane) < kMiddle))
+      continue;
+    const Vec3 other(2 * placement.source_plane - point.position.x(), point.position.y(),
+                     point.position.z());
+    points.push_back(
+        {part_of[point.group][paired], warp.by_group(point.group, Side::right, other), low, high});
+  }
+  settle_bones(field, placement.target_plane, points, parts);
+  placement.pushes.resize(rules.groups.size());
+  report.bones_furthest = -std::numeric_limits<double>::infinity();
+  for (size_t g = 0; g < rules.groups.size(); ++g)
+    for (const int right : {0, 1}) {
+      if (part_of[g][right] < 0) continue;
+      SettledPart& part = parts[part_of[g][right]];
+      const bool twice = even && rules.groups[g].paired;
+      report.bones_outside += twice ? 2 * part.outside : part.outside;
+      report.bones_furthest = std::max(report.bones_furthest, part.furthest);
+      if (twice) {
+        placement.pushes[g][1] = part.pushes;
+        for (LocalPush& push : placement.pushes[g][1]) {
+          push.centre.x() = 2 * placement.target_plane - push.centre.x();
+          push.move.x() = -push.move.x();
+        }
+      }
+      placement.pushes[g][right] = std::move(part.pushes);
+    }
+}
+
+void measure_bones(const FitTables& tables, const BothSides& sides, const SkeletonWarp& warp,
+                   const Anatomy& anatomy, const SkinField& field,
+                   const std::vector<Bracket>& brackets, FitReport& report) {
   for (const Bone& bone : anatomy.bones) report.bone_vertices += bone.mesh.V.rows();
-  for (size_t b = 0; b < tables.half.bones.size(); ++b)
-    report.bones_outside +=
-        sides.left.outside[b] + (tables.half.bones[b].paired ? sides.right.outside[b] : 0);
   report.iterations = sides.left.iterations;
-  report.bones_furthest = std::max(sides.left.furthest, sides.right.furthest);
   for (size_t k = 0; k < tables.landmarks.size(); ++k) {
     const LandmarkRule& rule = tables.rules.landmarks[k];
     if (!rule.checked) continue;
     const BonePoint& point = tables.landmarks[k].point;
     report.landmarks.push_back(
-        {rule.name, -field.distance(sides.placement.left.maps[point.group](point.position)),
+        {rule.name,
+         -field.nearest_judged(warp.by_group(point.group, Side::left, point.position)).distance,
          brackets[k].low, brackets[k].high});
   }
 }
@@ -242,7 +331,10 @@ Fit fit_anatomy(const Template& body_template, const Body& body, const FitOption
   if (symmetry.largest < kSymmetric) fit.report.even_about = symmetry.plane;
   const SkinField field(capped_skin(tables.topology, skin));
   const std::vector<Bracket> brackets = brackets_of(tables, body, fit.report.stature);
-  const BothSides sides = place_both(tables, skin, field, fit.report.stature, symmetry, brackets);
+  BothSides sides =
+      place_straight(body_template, skin, field, fit.report.stature, symmetry, brackets);
+  settle(body_template, field, symmetry.largest < kSymmetric, brackets, sides.placement,
+         fit.report);
   const SkeletonWarp warp(table_anatomy(body_template), tables.rules, sides.placement);
   fit.anatomy = warp.skeleton();
   fit.report.bones_ms = since(start);
@@ -260,7 +352,7 @@ Fit fit_anatomy(const Template& body_template, const Body& body, const FitOption
       muscle_mass(own.sex, own.age, tables.stature, kBodyDensity * tables.volume);
   carry_all(tables.muscles, warp, flesh, fit.report.muscle_mass / in_template, fit.anatomy.muscles);
   fit.report.muscles_ms = since(start);
-  measure_bones(tables, sides, fit.anatomy, field, brackets, fit.report);
+  measure_bones(tables, sides, warp, fit.anatomy, field, brackets, fit.report);
   return fit;
 }
 

@@ -104,8 +104,12 @@ void probe_skin(BoneProblem& problem, const SkinField& skin, std::vector<Probe>&
     InsidePoint& p = problem.inside[i];
     const Vec3 x = problem.groups[p.group].map(p.x);
     if (p.answer + (x - p.asked_at).norm() + p.margin < 0) return;
-    const SkinPoint at = skin.nearest_judged(x, p.seed);
+    SkinPoint at = skin.nearest_judged(x, p.seed);
     p.seed = at.triangle;
+    if (p.both) {
+      const SkinPoint other = problem.mirrored->nearest_judged(x);
+      if (other.distance > at.distance) at = other;
+    }
     p.asked_at = x;
     p.answer = at.distance;
     if (at.distance + p.margin > 0)

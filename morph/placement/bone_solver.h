@@ -30,6 +30,7 @@ struct InsidePoint {
   Vec3 x;         // in the source
   double margin;  // metres below the skin
   double tolerance;
+  bool both = false;             // below the other skin of the problem, too
   int seed = -1;                 // triangle of the last answer,
   Vec3 asked_at = Vec3::Zero();  // where it was asked for,
   // and the distance: as distances change no faster than places, most need not be asked for again
@@ -81,6 +82,8 @@ struct BoneProblem {
   std::vector<GapPair> gaps;
   std::vector<AnchorPoint> anchors;
   std::vector<WayTie> ties;
+  // The skin seen in a mirror, which groups of the middle stay below, too; null: skins are even
+  const SkinField* mirrored = nullptr;
 };
 
 struct SolveSummary {

@@ -67,9 +67,14 @@ Vec3 SkeletonWarp::by_group(int group, Side side, const Vec3& x) const {
       Side::middle) {  // paired bones of a middle group (pelvis, ribs) lie on both sides of it
     side = x.x() >= placement_.source_plane ? Side::left : Side::right;
   }
-  if (side == Side::left) return placement_.left.maps[group](x);
-  return mirrored(placement_.right.maps[group](mirrored(x, placement_.source_plane)),
-                  placement_.target_plane);
+  const Vec3 out = placement_.turn(
+      side == Side::left
+          ? placement_.left.maps[group](x)
+          : mirrored(placement_.right.maps[group](mirrored(x, placement_.source_plane)),
+                     placement_.target_plane));
+  if (placement_.pushes.empty()) return out;
+  const bool right = side == Side::right && rules_.groups[group].paired;
+  return pushed(placement_.pushes[group][right], placement_.target_plane, out);
 }
 
 Vec3 SkeletonWarp::by_bone(int bone, const Vec3& x) const {
@@ -104,7 +109,9 @@ Anatomy SkeletonWarp::skeleton() const {
     for (const ContactRule& contact : rules_.contacts)
       if (contact.point == name)
         centres[j] = (by_group(contact.a, side, rest[j]) + by_group(contact.b, side, rest[j])) / 2;
-    if (side == Side::middle) centres[j].x() = placement_.target_plane;
+    if (side == Side::middle)
+      centres[j].x() =
+          placement_.turn(Vec3(placement_.target_plane, centres[j].y(), centres[j].z())).x();
     turns[j] = side == Side::right ? mirrored(turn_of(placement_.right.maps[joints_[j].groups[0]]))
                                    : turn_of(placement_.left.maps[joints_[j].groups[0]]);
   }

@@ -2,12 +2,15 @@
 // axes, and the way any point takes that rides on a bone.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
 #include "anatomy/anatomy.h"
 #include "anatomy/muscles/transform_muscles.h"
+#include "morph/placement/head_turn.h"
 #include "morph/placement/place_bones.h"
+#include "morph/placement/settle_bones.h"
 
 namespace ecorche::inline v1 {
 
@@ -17,6 +20,10 @@ struct SidedPlacement {
   Placement left, right;
   double source_plane = 0;  // x of the planes of symmetry, m
   double target_plane = 0;
+  HeadTurn turn{};  // after the maps, in the world
+  // And after that: by group, left (and those of the middle, of both sides) and
+  // right; empty: none
+  std::vector<std::array<std::vector<LocalPush>, 2>> pushes{};
 };
 
 class SkeletonWarp {

@@ -72,6 +72,10 @@ std::vector<SurfaceSample> wanted_margins(const HalfSkeleton& half, const FitRul
   return out;
 }
 
+bool in_both(const FitRules& rules, const BoneProblem& problem, int group) {
+  return problem.mirrored && !rules.groups[group].paired;
+}
+
 BoneProblem state_problem(const PlaceInput& input, const FitRules& rules) {
   const HalfSkeleton& source = *input.source;
   NamedPoints centres = input.centres;
@@ -80,6 +84,7 @@ BoneProblem state_problem(const PlaceInput& input, const FitRules& rules) {
   const std::vector<double> features =
       input.build ? build_features(input.centres, input.stature) : std::vector<double>{};
   BoneProblem problem;
+  problem.mirrored = input.mirrored;
   problem.groups.resize(rules.groups.size());
   // Groups whose near point is not known from the skin are carried by the one before them.
   const std::map<std::string, std::string> carriers{{"cmc2", "carpus"},
@@ -122,8 +127,8 @@ BoneProblem state_problem(const PlaceInput& input, const FitRules& rules) {
   const std::vector<SurfaceSample> own =
       input.margins ? std::vector<SurfaceSample>{} : wanted_margins(source, rules, input);
   for (const SurfaceSample& s : input.margins ? *input.margins : own)
-    problem.inside.push_back(
-        {source.bones[s.bone].group, source.bones[s.bone].mesh.V.row(s.vertex), s.margin, 1e-3});
+    problem.inside.push_back({source.bones[s.bone].group, source.bones[s.bone].mesh.V.row(s.vertex),
+                              s.margin, 1e-3, in_both(rules, problem, source.bones[s.bone].group)});
   return problem;
 }
 
@@ -134,8 +139,9 @@ struct Violation {
 
 // Bone vertices (all, or the watched ones) that lie less than `margin` below the skin, bone by
 // bone.
-std::vector<Violation> violations(const HalfSkeleton& source, const BoneProblem& problem,
-                                  const SkinField& skin, double margin, bool all) {
+std::vector<Violation> violations(const HalfSkeleton& source, const FitRules& rules,
+                                  const BoneProblem& problem, const SkinField& skin, double margin,
+                                  bool all) {
   std::vector<std::vector<Violation>> found(source.bones.size());
   tbb::parallel_for(size_t{0}, source.bones.size(), [&](size_t b) {
     const HalfBone& bone = source.bones[b];
@@ -149,6 +155,10 @@ std::vector<Violation> violations(const HalfSkeleton& source, const BoneProblem&
       if (at.distance + (x - asked).norm() < -margin)
         continue;  // distances change no faster than places
       at = skin.nearest_judged(x, at.triangle);
+      if (in_both(rules, problem, bone.group)) {
+        const SkinPoint other = problem.mirrored->nearest_judged(x);
+        at.distance = std::max(at.distance, other.distance);
+      }
       asked = x;
       if (at.distance > -margin) found[b].push_back({int(b), i, at.distance});
     }
@@ -168,10 +178,11 @@ double sticking(const std::vector<Violation>& found) {
 // Vertices between the samples may still stick out: aims at the worst of them too, and solves
 // again. Where the skin is folded (lips, a chin on the neck) that can end with bones crushed;
 // rounds that do harm are taken back. Returns what is left in the end.
-std::vector<Violation> push_in(const PlaceInput& input, const SkinField& skin, BoneProblem& problem,
-                               bool all, int& iterations) {
+std::vector<Violation> push_in(const PlaceInput& input, const FitRules& rules,
+                               const SkinField& skin, BoneProblem& problem, bool all,
+                               int& iterations) {
   constexpr double kHarm = 2;
-  std::vector<Violation> out = violations(*input.source, problem, skin, kPushMargin, all),
+  std::vector<Violation> out = violations(*input.source, rules, problem, skin, kPushMargin, all),
                          best = out;
   std::vector<BoneGroup> kept = problem.groups;
   for (int round = 0;
@@ -183,10 +194,11 @@ std::vector<Violation> push_in(const PlaceInput& input, const SkinField& skin, B
     for (const Violation& v : out) {
       if (++taken[v.bone] > 12) continue;
       const HalfBone& bone = input.source->bones[v.bone];
-      problem.inside.push_back({bone.group, bone.mesh.V.row(v.vertex), input.hand_margin, 0.4e-3});
+      problem.inside.push_back({bone.group, bone.mesh.V.row(v.vertex), input.hand_margin, 0.4e-3,
+                                in_both(rules, problem, bone.group)});
     }
     iterations += solve_bones(problem, skin, 12).iterations;
-    out = violations(*input.source, problem, skin, kPushMargin, all);
+    out = violations(*input.source, rules, problem, skin, kPushMargin, all);
     if (sticking(out) < sticking(best)) best = out, kept = problem.groups;
   }
   problem.groups = std::move(kept);
@@ -296,8 +308,8 @@ Placement place_bones(const PlaceInput& input, const FitRules& rules, const Skin
     iterations += solve_bones(problem, skin, input.iterations).iterations;
   }
   aim_again(input, skin, problem, iterations);
-  push_in(input, skin, problem, false, iterations);
-  const std::vector<Violation> left = push_in(input, skin, problem, true, iterations);
+  push_in(input, rules, skin, problem, false, iterations);
+  const std::vector<Violation> left = push_in(input, rules, skin, problem, true, iterations);
   if (report) {
     report->iterations = iterations;
     report->outside.assign(input.source->bones.size(), 0);

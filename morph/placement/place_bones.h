@@ -54,6 +54,8 @@ struct PlaceInput {
       gaps;  // surfaces that glide; of an authored source they are found while placing
   const Placement* start = nullptr;  // where to start from; null: from the joint centres
   bool middle_fixed = false;         // groups of the middle stay as `start` has them
+  // Of an uneven body: the skin seen in a mirror, which the middle's bones stay below, too
+  const SkinField* mirrored = nullptr;
   int iterations = 40;
 };
 

@@ -79,6 +79,7 @@ std::vector<Aim> aims(const TapeMeasure& tape, const ShapeSpace& space, const Po
   if (change.hip_waist)
     out.push_back({[&](const Points& V, MeasureGradient* g) { return hip_waist_ratio(tape, V, g); },
                    *change.hip_waist, kRatio});
+  out.insert(out.end(), change.also.begin(), change.also.end());
   return out;
 }
 

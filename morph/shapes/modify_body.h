@@ -31,6 +31,7 @@ struct BodyChange {
   std::optional<double> fat;        // per cent, of fat_percentage
   std::optional<double> hip_waist;  // of hip_waist_ratio
   std::vector<MeasureTarget> measures;
+  std::vector<Aim> also;  // anything else to be met with them
   // stature, crotch height and arm length stay where they are not asked for (but for who grows)
   bool keep_lengths = true;
   // -1 .. 1: how far towards the least or most muscular of people (muscularity.h); the mass stays

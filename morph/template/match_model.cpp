@@ -218,10 +218,7 @@ class Matcher {
           H += std::min(1.0, std::min(a.norm(), b.norm()) / kSpread) * b.normalized() *
                a.normalized().transpose();
       }
-      const Svd3 parts = svd(H);
-      Mat3 D = Mat3::Identity();
-      D(2, 2) = (parts.U * parts.V.transpose()).determinant() < 0 ? -1 : 1;
-      s.turn = parts.U * D * parts.V.transpose();
+      s.turn = nearest_rotation(H);
       if (around.size() >= 2 && std::sqrt(model) > kSpread)
         s.scale = std::clamp(std::sqrt(target / model), kLeastScale, kMostScale);
     }

@@ -1,16 +1,14 @@
 #include "morph/tissue/tissue_mesh.h"
 
-#include <sys/mman.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -21,6 +19,7 @@
 #include "anatomy/files/byte_stream.h"
 #include "anatomy/files/child_processes.h"
 #include "anatomy/files/input_file.h"
+#include "anatomy/files/memory_file.h"
 #include "anatomy/geometry/overlap_volumes.h"
 #include "anatomy/queries/signed_distance.h"
 #include "morph/placement/half_skeleton.h"
@@ -104,60 +103,6 @@ void mark_bones(const std::vector<Bone>& bones, TissueMesh& mesh) {
 
 // --- TetGen, in its own program --------------------------------------------------------
 
-fs::path tetgen_program() {
-  if (const char* named = std::getenv("ECORCHE_TETGEN"); named && *named) return named;
-  std::error_code failed;
-  const fs::path folder = fs::read_symlink("/proc/self/exe", failed).parent_path();
-  for (const fs::path& place : {folder / "ecorche-tetgen", folder.parent_path() / "ecorche-tetgen"})
-    if (fs::exists(place, failed)) return place;
-  throw UnfitError(
-      "TetGen: the program ecorche-tetgen is not beside ecorche; build it (it needs "
-      "libtet1.5-dev), name it in ECORCHE_TETGEN, or take --interior lattice");
-}
-
-// A file in memory, for what goes to the program and comes back.
-class MemoryFile {
- public:
-  MemoryFile() : descriptor_(memfd_create("ecorche-tetgen", MFD_CLOEXEC)) {
-    if (descriptor_ < 0) fail();
-  }
-  ~MemoryFile() { close(descriptor_); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-
-  int descriptor() const { return descriptor_; }
-
-  void write_all(std::string_view bytes) {
-    while (!bytes.empty()) {
-      const ssize_t n = ::write(descriptor_, bytes.data(), bytes.size());
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) fail();
-      bytes.remove_prefix(std::size_t(n));
-    }
-    lseek(descriptor_, 0, SEEK_SET);
-  }
-
-  std::string read_all() {
-    std::string out(std::size_t(std::max<off_t>(0, lseek(descriptor_, 0, SEEK_END))), '\0');
-    for (std::size_t at = 0; at < out.size();) {
-      const ssize_t n =
-          pread(descriptor_, out.data() + at, out.size() - at, static_cast<off_t>(at));
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) fail();
-      at += n;
-    }
-    return out;
-  }
-
- private:
-  [[noreturn]] static void fail() {
-    throw LimitError(fmt::format("TetGen: no memory to speak to it: {}",
-                                 std::generic_category().message(errno)));
-  }
-
-  int descriptor_;
-};
-
 // Returns the program's exit status; 128 + signal when it was ended by one.
 int run_between(const fs::path& program, const std::string& argument, const MemoryFile& input,
                 const MemoryFile& output) {
@@ -178,7 +123,11 @@ int run_between(const fs::path& program, const std::string& argument, const Memo
 
 TissueMesh tetgen_tissue(const TriMesh& closed_skin, const std::vector<Bone>& bones,
                          const TissueOptions& options) {
-  const fs::path program = tetgen_program();
+  const std::optional<fs::path> program = find_program("ECORCHE_TETGEN", "ecorche-tetgen");
+  if (!program)
+    throw UnfitError(
+        "TetGen: the program ecorche-tetgen is not beside ecorche; build it (it needs "
+        "libtet1.5-dev), name it in ECORCHE_TETGEN, or take --interior lattice");
   const BoneNodes on_bones = bone_nodes(SkinField(closed_skin), bones, options.bone_spacing);
   // The skin's vertices that have triangles come first, then the bones' nodes.
   std::vector<int> number(closed_skin.V.rows(), -1);
@@ -197,7 +146,7 @@ TissueMesh tetgen_tissue(const TriMesh& closed_skin, const std::vector<Bone>& bo
     v = number[v];
   }
   for (std::size_t k = 0; k < on_bones.at.size(); ++k) add(on_bones.at[k], on_bones.anchors[k]);
-  MemoryFile input, output;
+  MemoryFile input("TetGen"), output("TetGen");
   {
     std::string question;
     const std::int64_t counts[] = {std::int64_t(mesh.anchors.size()), F.rows()};
@@ -206,7 +155,7 @@ TissueMesh tetgen_tissue(const TriMesh& closed_skin, const std::vector<Bone>& bo
     put_bytes(question, F.data(), std::size_t(F.size()));
     input.write_all(question);
   }
-  const int status = run_between(program, fmt::format("{}", options.quality), input, output);
+  const int status = run_between(*program, fmt::format("{}", options.quality), input, output);
   if (status != 0)
     throw UnfitError(
         fmt::format("TetGen gave up on this skin (status {}); take --interior lattice", status));
