@@ -17,8 +17,7 @@ constexpr double kLeastWeight = 0.02;  // vertices with a smaller weight do not 
 constexpr double kPatch = 0.02;
 constexpr int kRounds = 3;  // of alternation between the helpers
 
-// Sums for the rigid map that brings points x closest to y (Kabsch
-// 1976, 10.1107/S0567739476001873).
+// Sums for the rigid map that brings points x closest to y.
 class RigidFit {
  public:
   void add(const Vec3& x, const Vec3& y, double weight) {
@@ -29,11 +28,8 @@ class RigidFit {
   bool empty() const { return weight_ <= 0; }
   Transform map() const {
     const Vec3 x = x_ / weight_, y = y_ / weight_;
-    const Svd3 parts = svd(xy_ - weight_ * y * x.transpose());
-    Vec3 sign(1, 1, 1);
-    if ((parts.U * parts.V.transpose()).determinant() < 0) sign[2] = -1;
     Transform out = Transform::Identity();
-    out.linear() = parts.U * sign.asDiagonal() * parts.V.transpose();
+    out.linear() = nearest_rotation(xy_ - weight_ * y * x.transpose());
     out.translation() = y - out.linear() * x;
     return out;
   }

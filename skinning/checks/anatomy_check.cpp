@@ -379,7 +379,8 @@ AnatomyCheck check_anatomy(const CharacterModel& model, const BodyPackage& packa
   const Anatomy& anatomy = model.character.anatomy;
   Subject subject{model, package, make_muscle_surface(anatomy),     slice_ranges(anatomy),
                   {},    {},      rest_positions(anatomy.skeleton), false};
-  subject.packaged = model.character.body.skin.V.rows() == package.skin_size;
+  subject.packaged =
+      !model.character.own && model.character.body.skin.V.rows() == package.skin_size;
   AnatomyCheck check;
   check.muscles.resize(anatomy.muscles.size());
   Shape rest(model);

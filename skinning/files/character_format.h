@@ -12,11 +12,27 @@
 // index) and _ANCHOR_DISTANCE (m). glTF has nothing exact for a skin that moves by muscles: its
 // four influences are the joint part of the binding. Vertex caches (skinning/files/pc2_io.h) are
 // exact.
+//
+// A character with a skin of its own (schema 3) is the file that it came in with our parts behind:
+// its nodes, meshes, materials, images, animations keep their indices, its binary chunk begins
+// ours, byte for byte, and its positions are untouched, in its units and axes. Its mesh nodes move
+// by our joints: their JOINTS_0 and WEIGHTS_0 are ours, in skins whose inverse bind matrices bring
+// the file's positions to the world, in metres, of the pose in which the mesh stands; our joints
+// stand in that pose too, so that any viewer shows the mesh as it came, with our bones and muscles
+// inside it. (Pieces that their own joints bend as the file stands get positions as they stand, in
+// metres.) There is no node `skin`. The scene's `extras.ecorche.own` name, by accessor: positions
+// of all vertices in the skeleton's rest pose (`rest`), the registered base mesh at rest (`base`,
+// `base_triangles`), and by which of its vertices each own one is carried (`counts` a vertex,
+// `vertices`, `weights`); `nodes` (ours begin there), `skin` (ours, of muscles), `pieces`, the pose
+// (`root`, `turns`), `scale`, `axes` and `shift` from the file's coordinates to the world, and the
+// source's JSON (`source`, a buffer view; `source_bytes` of binary).
 #pragma once
 
 namespace ecorche::inline v1 {
 
 // Number of the format. 1: no copies of vertices on seams, one primitive a bone.
 inline constexpr int kCharacterSchema = 2;
+// Of characters with a skin of their own.
+inline constexpr int kOwnSkinSchema = 3;
 
 }  // namespace ecorche::inline v1

@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "anatomy/errors.h"
 #include "skinning/files/character_check.h"
 #include "skinning/files/character_format.h"
+#include "skinning/files/own_skin_file.h"
 
 namespace ecorche::inline v1::gltf {
 
@@ -67,14 +70,21 @@ void add_skin(GlbBuilder& glb, const TriMesh& skin,
   glb.add_node(std::move(node));
 }
 
-void finish(GlbBuilder& glb, const Body& body, Object ecorche, AtomicFile& out) {
-  ecorche["schema"] = Value(kCharacterSchema);
+void finish(GlbBuilder& glb, const Body& body, Object ecorche, AtomicFile& out,
+            const OwnSkin* own) {
+  ecorche["schema"] = Value(own ? kOwnSkinSchema : kCharacterSchema);
   ecorche["body"] = body_extras(body);
   Object extras;
   extras["ecorche"] = Value(std::move(ecorche));
   glb.scene().extras = Value(std::move(extras));
   glb.scene().name = body.name.empty() ? "body" : body.name;
-  if (!glb.write(out.stream())) out.fail();
+  if (own) {
+    std::ostringstream ours;
+    if (!glb.write(ours)) out.fail();
+    if (!(out.stream() << join_own_skin(std::move(ours).str(), *own))) out.fail();
+  } else if (!glb.write(out.stream())) {
+    out.fail();
+  }
   out.commit();
 }
 

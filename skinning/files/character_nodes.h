@@ -26,7 +26,8 @@ void add_skin(GlbBuilder& glb, const TriMesh& skin,
               std::span<const std::array<Influence, 4>> shares, const SkinTexture& texture);
 
 // Names the scene after the body, puts `ecorche` with the schema and the body into its extras, and
-// writes the file.
-void finish(GlbBuilder& glb, const Body& body, Object ecorche, AtomicFile& out);
+// writes the file; with `own`, where there is one, joined to what it came in (own_skin_file.h).
+void finish(GlbBuilder& glb, const Body& body, Object ecorche, AtomicFile& out,
+            const OwnSkin* own = nullptr);
 
 }  // namespace ecorche::inline v1::gltf

@@ -15,6 +15,7 @@
 #include "skinning/files/character_check.h"
 #include "skinning/files/character_format.h"
 #include "skinning/files/extras_read.h"
+#include "skinning/files/own_skin_file.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -36,14 +37,19 @@ class Reader {
   Body read_body() {
     const Json& notes = scene_notes();
     const int schema = extras::read_schema(notes, name_);
-    if (schema > kCharacterSchema)
+    if (schema > kOwnSkinSchema)
       throw UnfitError(fmt::format(
           "{}: written by a newer version (schema {}, this program reads up to {}); update ecorche",
-          name_, schema, kCharacterSchema));
-    if (schema < 1) fail(fmt::format("schema {}; expected 1 to {}", schema, kCharacterSchema));
+          name_, schema, kOwnSkinSchema));
+    if (schema < 1) fail(fmt::format("schema {}; expected 1 to {}", schema, kOwnSkinSchema));
     Body body;
     if (!notes.contains("body")) fail("'body' is missing");
     extras::read_body(notes.at("body"), name_ + ": body", body);
+    if (own()) {  // a body is the base mesh, which measures are tied to
+      body.skin = gltf::read_own_base(*file_, *own());
+      check_body(body, name_);
+      return body;
+    }
     for (std::size_t n = 0; n < names_.size(); ++n)
       if (names_[n] == "skin") body.skin = read_skin(n);
     if (body.skin.V.rows() == 0) fail("mesh node 'skin' is missing");
@@ -59,8 +65,11 @@ class Reader {
     Character character;
     character.body = read_body();
     read_skeleton(character.anatomy.skeleton);
+    if (own())
+      character.own = std::make_shared<const OwnSkin>(gltf::read_own_skin(
+          *file_, bytes_, *own(), character.anatomy.skeleton.joints.size(), character.body));
     const auto positions = rest_positions(character.anatomy.skeleton);
-    for (std::size_t n = 0; n < names_.size(); ++n) {
+    for (std::size_t n = first_node(); n < names_.size(); ++n) {
       if (names_[n].starts_with("bone/"))
         character.anatomy.bones.push_back(read_bone(n, positions));
       if (names_[n].starts_with("muscle/")) character.anatomy.muscles.push_back(read_muscle(n));
@@ -83,6 +92,10 @@ class Reader {
     std::set<std::string> known;
     for (std::size_t n = 0; n < nodes; ++n) {
       const Json& node = file_->item("nodes", n);
+      if (n < first_node()) {  // whatever it is called
+        names_.emplace_back();
+        continue;
+      }
       const auto name = node.find("name");
       if (name == node.end() || !name->is_string()) fail(fmt::format("node {} has no name", n));
       names_.push_back(name->get<std::string>());
@@ -108,6 +121,15 @@ class Reader {
         "a glTF file, but not one that ecorche wrote; `ecorche fit` makes a character from a body");
   }
 
+  // What the file says of a skin of its own; null where it has none.
+  const Json* own() const {
+    const Json& notes = scene_notes();
+    const auto found = notes.is_object() ? notes.find("own") : notes.end();
+    return found == notes.end() ? nullptr : &*found;
+  }
+  // Those before are the own skin's.
+  std::size_t first_node() const { return own() ? file_->whole(*own(), "nodes") : 0; }
+
   const Json& extras_of(std::size_t node) const {
     static const Json kNone;
     const Json& all = file_->item("nodes", node);
@@ -121,9 +143,9 @@ class Reader {
           fmt::format("{}: a body without bones and muscles; `ecorche fit {} -o CHARACTER.glb` "
                       "puts them inside",
                       name_, name_));
-    if (file_->count("skins") != 1)
+    if (!own() && file_->count("skins") != 1)
       fail(fmt::format("{} skins; a character has one", file_->count("skins")));
-    const Json& skin = file_->item("skins", 0);
+    const Json& skin = file_->item("skins", own() ? file_->whole(*own(), "skin") : 0);
     const auto joints = skin.find("joints");
     if (joints == skin.end() || !joints->is_array() || joints->empty())
       fail("its skin names no joints");

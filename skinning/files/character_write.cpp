@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include "anatomy/bones/cartilage.h"
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "skinning/files/character_nodes.h"
 #include "skinning/files/layer_mesh.h"
+#include "skinning/files/own_skin_file.h"
 #include "skinning/files/slice_influences.h"
 #include "skinning/files/tissue_meshes.h"
 
@@ -94,13 +96,18 @@ void write_character(const std::filesystem::path& file, const Character& charact
   AtomicFile out(file);  // before the work, so that a bad place is told at once
   GlbBuilder glb;
   gltf::add_joints(glb, character.anatomy.skeleton);
-  gltf::add_skin(glb, character.body.skin, binding.joint_weights, look.texture);
-  add_anchors(glb, character, binding, look.texture);
+  gltf::Object notes;
+  if (character.own) {
+    notes["own"] = gltf::add_own_skin(glb, character, binding);
+  } else {
+    gltf::add_skin(glb, character.body.skin, binding.joint_weights, look.texture);
+    add_anchors(glb, character, binding, look.texture);
+  }
   add_bones(glb, character.anatomy, look.cartilage);
   add_muscles(glb, character.anatomy);
   add_eyes(glb, character.anatomy.skeleton, look.eyes);
   if (motion) gltf::add_motion(glb, character.anatomy.skeleton, *motion, "motion");
-  gltf::finish(glb, character.body, {}, out);
+  gltf::finish(glb, character.body, std::move(notes), out, character.own.get());
 }
 
 void write_body(const std::filesystem::path& file, const Body& body) {

@@ -298,7 +298,8 @@ int add_motion(GlbBuilder& glb, const Skeleton& skeleton, const Motion& motion,
     const bool moves = std::any_of(turns.begin(), turns.end(), [&](const Quat& q) {
       return (q.coeffs() - turns[0].coeffs()).cast<float>().cwiseAbs().maxCoeff() > kStill;
     });
-    if (!turned) continue;
+    // A node that stands turned needs a key to stand straight.
+    if (!turned && glb.model().nodes[j].rotation.empty()) continue;
     if (!moves && begin < 0) begin = glb.add_scalars({0}, true, 0);
     add_channel(animation, int(j), "rotation", moves ? times : begin,
                 add_turns(glb, std::span(turns).first(moves ? turns.size() : 1), keys));

@@ -1,0 +1,337 @@
+#include "skinning/motion_files/gltf_motion.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "anatomy/compute/eigenvectors.h"
+#include "anatomy/errors.h"
+#include "anatomy/files/input_file.h"
+#include "anatomy/limits.h"
+#include "anatomy/mesh_files/gltf_file.h"
+#include "anatomy/mesh_files/gltf_nodes.h"
+
+namespace ecorche::inline v1 {
+namespace {
+
+using Json = nlohmann::json;
+
+enum class Interpolation { linear, step, cubic };
+
+// Keys of one property of a node.
+struct Track {
+  std::vector<double> times;
+  GltfFile::Rows values;  // cubic: tangent, value, tangent a key
+  Interpolation how = Interpolation::linear;
+
+  Eigen::VectorXd at(double t) const {
+    const auto value = [&](std::size_t key, std::size_t part) -> Eigen::VectorXd {
+      return values.row(Eigen::Index(how == Interpolation::cubic ? 3 * key + part : key));
+    };
+    const auto above = std::upper_bound(times.begin(), times.end(), t);
+    if (above == times.begin()) return value(0, 1);
+    const std::size_t k = std::size_t(above - times.begin()) - 1;
+    if (k + 1 >= times.size() || how == Interpolation::step) return value(k, 1);
+    const double span = times[k + 1] - times[k], u = (t - times[k]) / span;
+    Eigen::VectorXd a = value(k, 1), b = value(k + 1, 1);
+    if (how == Interpolation::cubic) {
+      const double u2 = u * u, u3 = u2 * u;
+      return (2 * u3 - 3 * u2 + 1) * a + span * (u3 - 2 * u2 + u) * value(k, 2) +
+             (-2 * u3 + 3 * u2) * b + span * (u3 - u2) * value(k + 1, 0);
+    }
+    if (a.size() == 4) {
+      const Quat q = Quat(a[3], a[0], a[1], a[2])
+                         .normalized()
+                         .slerp(u, Quat(b[3], b[0], b[1], b[2]).normalized());
+      return q.coeffs();
+    }
+    return (1 - u) * a + u * b;
+  }
+};
+
+struct NodeTracks {
+  std::optional<Track> translation, rotation, scale;
+};
+
+class Reader {
+ public:
+  Reader(std::string_view bytes, const std::string& name,
+         std::optional<std::filesystem::path> folder)
+      : file_(bytes, name, std::move(folder)), tree_(file_) {}
+
+  MotionClip read(const GltfMotionOptions& options) {
+    const Json& take = find_take(options.take);
+    read_tracks(take);
+    choose_joints();
+    MotionClip out;
+    out.name = file_.name();
+    if (options.take.empty() && file_.count("animations") > 1)
+      out.warnings.push_back(fmt::format("{} animations; '{}' is taken, --take NAME takes another",
+                                         file_.count("animations"),
+                                         printable(take.value("name", "take 1"))));
+    out.fps = options.fps ? *options.fps : rate();
+    const double frames = std::floor(last_ * out.fps + 1e-3) + 1;
+    if (frames > limits::kMotionFrames)
+      throw LimitError(fmt::format("{}: {:.0f} frames; the limit is {}", file_.name(), frames,
+                                   limits::kMotionFrames));
+    out.frame_count = int(frames);
+    add_joints(out);
+    sample(out);
+    return out;
+  }
+
+ private:
+  const Json& find_take(const std::string& wanted) const {
+    const std::size_t count = file_.count("animations");
+    if (count == 0)
+      throw UnfitError(file_.name() +
+                       ": it holds no animation; give a motion, or export it with one");
+    if (wanted.empty()) return file_.item("animations", 0);
+    std::vector<std::string> names;
+    for (std::size_t k = 0; k < count; ++k) {
+      names.push_back(file_.item("animations", k).value("name", std::string()));
+      if (names.back() == wanted) return file_.item("animations", k);
+    }
+    if (std::all_of(wanted.begin(), wanted.end(), [](char c) { return c >= '0' && c <= '9'; }) &&
+        wanted.size() < 6 && std::stoul(wanted) >= 1 && std::stoul(wanted) <= count)
+      return file_.item("animations", std::stoul(wanted) - 1);
+    if (names.size() > 20) names.resize(20);
+    throw UnfitError(fmt::format("{}: no animation '{}'; there are {}: {}", file_.name(),
+                                 printable(wanted), count,
+                                 printable(fmt::format("{}", fmt::join(names, ", ")))));
+  }
+
+  void read_tracks(const Json& take) {
+    const Json& samplers = take.at("samplers");
+    for (const Json& channel : take.at("channels")) {
+      const Json& target = channel.at("target");
+      if (!target.contains("node")) continue;
+      const std::size_t node = file_.whole(target, "node");
+      if (node >= tree_.parents().size())
+        file_.fail(fmt::format("an animation moves node {}", node));
+      const std::string path = target.value("path", "");
+      const std::size_t columns = path == "rotation" ? 4 : 3;
+      if (path != "rotation" && path != "translation" && path != "scale") continue;
+      const std::size_t number = file_.whole(channel, "sampler");
+      if (!samplers.is_array() || number >= samplers.size())
+        file_.fail(fmt::format("an animation names sampler {}, which is not there", number));
+      Track track;
+      track.times = file_.scalars(file_.whole(samplers[number], "input"));
+      track.values = file_.rows(file_.whole(samplers[number], "output"), columns);
+      const std::string how = samplers[number].value("interpolation", "LINEAR");
+      track.how = how == "STEP"          ? Interpolation::step
+                  : how == "CUBICSPLINE" ? Interpolation::cubic
+                                         : Interpolation::linear;
+      const std::size_t each = track.how == Interpolation::cubic ? 3 : 1;
+      if (track.times.empty() || std::size_t(track.values.rows()) != each * track.times.size())
+        file_.fail(fmt::format("an animation's sampler {} has {} keys and {} values", number,
+                               track.times.size(), track.values.rows()));
+      for (std::size_t k = 1; k < track.times.size(); ++k)
+        if (!(track.times[k] > track.times[k - 1]))
+          file_.fail(
+              fmt::format("an animation's sampler {}: times do not rise at key {}", number, k));
+      if (track.times[0] < 0 || track.times.back() > 1e6)
+        file_.fail(
+            fmt::format("an animation's sampler {}: a time of {} s", number, track.times.back()));
+      last_ = std::max(last_, track.times.back());
+      NodeTracks& tracks = tracks_[node];
+      (path == "rotation"      ? tracks.rotation
+       : path == "translation" ? tracks.translation
+                               : tracks.scale) = std::move(track);
+    }
+    if (tracks_.empty())
+      throw UnfitError(file_.name() + ": its animation moves no node (morph targets alone?)");
+  }
+
+  void choose_joints() {
+    const std::size_t count = tree_.parents().size();
+    std::map<std::size_t, Eigen::Matrix4d> inverse;
+    for (std::size_t s = 0; s < file_.count("skins"); ++s) {
+      const Json& skin = file_.item("skins", s);
+      std::vector<Eigen::Matrix4d> binds;
+      if (skin.contains("inverseBindMatrices"))
+        binds = file_.matrices(file_.whole(skin, "inverseBindMatrices"));
+      std::size_t k = 0;
+      for (const Json& joint : skin.at("joints")) {
+        const std::size_t node = joint.is_number_unsigned() ? joint.get<std::size_t>() : count;
+        if (node >= count) file_.fail(fmt::format("skin {}: no joint {}", s, joint.dump()));
+        inverse.emplace(node, k < binds.size() ? binds[k] : Eigen::Matrix4d::Identity());
+        ++k;
+      }
+    }
+    std::set<std::size_t> chosen;
+    for (const auto& [node, bind] : inverse) chosen.insert(node);
+    if (chosen.empty())
+      for (const auto& [node, tracks] : tracks_)
+        for (int up = int(node); up >= 0; up = tree_.parents()[std::size_t(up)])
+          chosen.insert(std::size_t(up));
+    if (chosen.size() > limits::kMotionJoints)
+      throw LimitError(fmt::format("{}: {} joints; the limit is {}", file_.name(), chosen.size(),
+                                   limits::kMotionJoints));
+    for (const std::size_t node : tree_.order())
+      if (chosen.contains(node)) joints_.push_back(node);
+    // As bound: by the map that brings the first joint's binding to where it stands above its rig.
+    const std::size_t top = joints_.front();
+    const int above = tree_.parents()[top];
+    const Affine rig = above < 0 ? Affine::Identity() : tree_.world()[std::size_t(above)];
+    for (const std::size_t node : joints_) {
+      Affine rest = tree_.world()[node];
+      const auto found = inverse.find(node);
+      if (found != inverse.end() && std::abs(found->second.determinant()) > 1e-30) {
+        Affine bind = Affine::Identity();
+        bind.matrix() = found->second.inverse();
+        rest = rig * bind;
+      }
+      rest_.push_back(rest);
+    }
+    keep_standing_rest();
+  }
+
+  // Where the file stands as it was bound, by whatever map, that is the rest pose: bindings may be
+  // in units of their own.
+  void keep_standing_rest() {
+    double size = 0, bound_size = 0, miss = 0;
+    for (std::size_t j = 1; j < joints_.size(); ++j) {
+      const double a = (origin(j) - origin(0)).norm(),
+                   b = (rest_[j].translation() - rest_[0].translation()).norm();
+      size += a;
+      bound_size += b;
+    }
+    if (!(size > 0 && bound_size > 0)) return;
+    for (std::size_t j = 1; j < joints_.size(); ++j)
+      miss += std::abs((origin(j) - origin(0)).norm() / size -
+                       (rest_[j].translation() - rest_[0].translation()).norm() / bound_size);
+    const bool same_size = std::abs(bound_size / size - 1) < 0.02;
+    if (miss < 1e-3 || !same_size)
+      for (std::size_t j = 0; j < joints_.size(); ++j) rest_[j] = tree_.world()[joints_[j]];
+  }
+
+  Vec3 origin(std::size_t j) const { return tree_.world()[joints_[j]].translation(); }
+
+  double rate() const {
+    std::vector<double> steps;
+    for (const auto& [node, tracks] : tracks_)
+      for (const auto* track : {&tracks.translation, &tracks.rotation, &tracks.scale})
+        if (*track)
+          for (std::size_t k = 1; k < (*track)->times.size(); ++k)
+            steps.push_back((*track)->times[k] - (*track)->times[k - 1]);
+    if (steps.empty()) return 30;
+    std::nth_element(steps.begin(), steps.begin() + long(steps.size() / 2), steps.end());
+    const double fps = 1 / steps[steps.size() / 2];
+    if (!(fps >= 10)) return 30;  // sparse keys: curves between
+    return std::min(240.0, std::abs(fps - std::round(fps)) < 0.02 * fps ? std::round(fps) : fps);
+  }
+
+  void add_joints(MotionClip& out) {
+    std::map<std::size_t, int> number;
+    std::vector<std::string> names;
+    for (const std::size_t node : joints_)
+      names.push_back(file_.item("nodes", node).value("name", fmt::format("node {}", node)));
+    drop_numbers(names);
+    std::set<std::string> known;
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      ClipJoint joint;
+      joint.name = names[j];
+      for (int k = 2; !known.insert(joint.name).second; ++k)
+        joint.name = fmt::format("{}_{}", names[j], k);
+      for (int up = tree_.parents()[joints_[j]]; up >= 0 && joint.parent < 0;
+           up = tree_.parents()[std::size_t(up)])
+        if (const auto above = number.find(std::size_t(up)); above != number.end())
+          joint.parent = above->second;
+      joint.offset = rest_[j].translation();
+      if (joint.parent >= 0) joint.offset -= rest_[std::size_t(joint.parent)].translation();
+      joint.rotation_track = int(j);
+      if (joint.parent < 0) joint.translation_track = out.translation_tracks++;
+      number[joints_[j]] = int(j);
+      out.joints.push_back(std::move(joint));
+    }
+    out.rotation_tracks = int(joints_.size());
+  }
+
+  static Mat3 turn_of(const Affine& X) {
+    Mat3 axes = X.linear();
+    if (axes.determinant() < 0) axes = -axes;
+    return nearest_rotation(axes);
+  }
+
+  void sample(MotionClip& out) {
+    std::vector<NodePlace> places;
+    std::vector<Affine> maps;
+    for (std::size_t n = 0; n < tree_.parents().size(); ++n) {
+      places.push_back(node_place(file_, n));
+      maps.push_back(node_map(file_, n));
+    }
+    std::vector<Mat3> rest;
+    for (const Affine& X : rest_) rest.push_back(turn_of(X));
+    out.rotations.reserve(std::size_t(out.frame_count) * joints_.size());
+    std::vector<Affine> world(maps.size());
+    std::vector<Mat3> turns(joints_.size());
+    for (int f = 0; f < out.frame_count; ++f) {
+      const double t = double(f) / out.fps;
+      for (const auto& [node, tracks] : tracks_) {
+        NodePlace place = places[node];
+        if (tracks.translation) place.translation = tracks.translation->at(t);
+        if (tracks.scale) place.scale = tracks.scale->at(t);
+        if (tracks.rotation) {
+          const Eigen::VectorXd q = tracks.rotation->at(t);
+          if (q.norm() > 1e-9) place.rotation = Quat(q[3], q[0], q[1], q[2]).normalized();
+        }
+        maps[node] = place.map();
+      }
+      for (const std::size_t n : tree_.order()) {
+        const int above = tree_.parents()[n];
+        world[n] = above < 0 ? maps[n] : world[std::size_t(above)] * maps[n];
+      }
+      for (std::size_t j = 0; j < joints_.size(); ++j) {
+        turns[j] = turn_of(world[joints_[j]]) * rest[j].transpose();
+        const int parent = out.joints[j].parent;
+        out.rotations.push_back(
+            parent < 0 ? turns[j] : Mat3(turns[std::size_t(parent)].transpose() * turns[j]));
+        if (parent < 0) out.translations.push_back(world[joints_[j]].translation());
+      }
+    }
+  }
+
+  GltfFile file_;
+  GltfTree tree_;
+  std::map<std::size_t, NodeTracks> tracks_;
+  double last_ = 0;  // s
+  std::vector<std::size_t> joints_;
+  std::vector<Affine> rest_;  // of the joints, in the scene
+};
+
+}  // namespace
+
+void drop_numbers(std::vector<std::string>& names) {
+  std::set<std::string> ends;
+  std::vector<std::size_t> cut(names.size(), 0);
+  std::size_t numbered = 0;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const std::size_t bar = names[k].rfind('_');
+    if (bar == std::string::npos || bar == 0 || bar + 1 == names[k].size()) continue;
+    const std::string end = names[k].substr(bar + 1);
+    if (end.find_first_not_of("0123456789") != std::string::npos) continue;
+    if (!ends.insert(end).second) return;
+    cut[k] = bar;
+    ++numbered;
+  }
+  if (names.size() < 8 || 10 * numbered < 9 * names.size()) return;
+  for (std::size_t k = 0; k < names.size(); ++k)
+    if (cut[k] > 0) names[k].resize(cut[k]);
+}
+
+MotionClip gltf_motion(std::string_view bytes, const std::string& name,
+                       const GltfMotionOptions& options,
+                       std::optional<std::filesystem::path> folder) {
+  try {
+    return Reader(bytes, name, std::move(folder)).read(options);
+  } catch (const nlohmann::json::exception& e) {
+    throw InputError(fmt::format("{}: {}", name, printable(e.what())));
+  }
+}
+
+}  // namespace ecorche::inline v1
