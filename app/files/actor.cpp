@@ -19,7 +19,7 @@ CompileOptions compile_options(const Assets& assets, const Character& character,
                                Report& report) {
   const TriMesh& skin = character.body.skin;
   CompileOptions out;
-  if (!options.base) found = find_base(assets, skin);
+  if (!options.base) found = find_base(assets, character);
   out.base = found ? &*found : options.base;
   if (!options.weights.empty()) {
     out.painted = read_painted_weights(options.weights, character.anatomy,

@@ -1,5 +1,6 @@
 #include "app/files/character_file.h"
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include <map>
@@ -40,6 +41,11 @@ void write_with(const Assets& assets, const std::filesystem::path& file, const C
     return package ? find_look(*package, shown.body.skin, skeleton)
                    : find_look(assets, shown.body.skin, skeleton);
   };
+  if (character.own && detail == Detail::light)
+    throw UnfitError(
+        fmt::format("{}: --detail light is for our own skins; a character in a skin of "
+                    "its own is written in full, leave the option out",
+                    file.string()));
   const std::optional<BaseSkin> base =
       detail == Detail::light ? find_base(assets, character.body.skin) : std::nullopt;
   if (!base) return write(file, character, binding, detail, motion, look_of(character));

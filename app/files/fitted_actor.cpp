@@ -1,6 +1,7 @@
 #include "app/files/fitted_actor.h"
 
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "anatomy/base_mesh/refined_skin.h"
 #include "anatomy/geometry/subdivide.h"
 #include "morph/fat/muscle_mass.h"
+#include "skinning/rigs/standing_pose.h"
 
 namespace ecorche {
 namespace {
@@ -34,6 +36,15 @@ double skin_gap(const Binding& binding, const Refinement* refinement, const FatL
   return median(gaps);
 }
 
+// With the pose in which it stands, by the weights that were found.
+std::shared_ptr<const OwnSkin> own_skin(const HungSkin* hung, const Skeleton& skeleton,
+                                        const Binding& binding) {
+  if (!hung) return nullptr;
+  auto out = std::make_shared<OwnSkin>(hung->own);
+  out->pose = standing_pose(skeleton, hung->rest.V, hung->standing, binding.joint_weights);
+  return out;
+}
+
 struct FitInput {
   const Template& body_template;
   const Body& body;
@@ -54,7 +65,10 @@ void fit_and_bind(const FitInput& input, const Bind& bind, FitOutcome& out, Repo
   report.set("timings_ms.dilation", fitted.report.dilation_ms);  // stages in their order
   Character character{std::move(fitted.anatomy), input.body};
   std::optional<BaseSkin> base;
-  if (input.options.fine_skin) {
+  if (const HungSkin* hung = input.options.hung) {
+    base = BaseSkin{hung->own.base, {hung->own.map, hung->rest.F, {}, {}}};
+    character.body.skin = hung->rest;
+  } else if (input.options.fine_skin) {
     base = BaseSkin{input.body.skin, refine_skin(input.package)};
     character.body.skin = {refine_points(base->refinement, input.body.skin.V), base->refinement.F};
   }
@@ -63,7 +77,7 @@ void fit_and_bind(const FitInput& input, const Bind& bind, FitOutcome& out, Repo
   out.undilated = std::move(fitted.undilated);
   out.tissue = std::move(fitted.tissue);
   out.report = std::move(fitted.report);
-  if (fitting.tissues)
+  if (fitting.tissues && !input.options.hung)  // which may be clothes
     out.skin_gap_median =
         skin_gap(binding, base ? &base->refinement : nullptr, fitted.fat, *fitting.parts);
   report_fit(out.report, out.skin_gap_median, report);
@@ -128,6 +142,8 @@ FittedActor fit_actor(const Assets& assets, const Template& body_template, const
     return out.actor.binding;
   };
   fit_and_bind({body_template, body, package, options}, bind, out, report);
+  Character& character = out.actor.character;
+  character.own = own_skin(options.hung, character.anatomy.skeleton, out.actor.binding);
   return out;
 }
 
@@ -140,6 +156,8 @@ FittedForFile fit_for_file(const Assets& assets, const Template& body_template, 
     return out.bound.binding;
   };
   fit_and_bind({body_template, body, package, options}, bind, out, report);
+  Character& character = out.bound.character;
+  character.own = own_skin(options.hung, character.anatomy.skeleton, out.bound.binding);
   return out;
 }
 

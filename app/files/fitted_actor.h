@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "anatomy/base_mesh/body_package.h"
+#include "anatomy/character.h"
 #include "anatomy/files/assets.h"
 #include "app/files/actor.h"
 #include "app/report.h"
@@ -12,11 +13,19 @@
 
 namespace ecorche {
 
+// A stranger's mesh attached to a body, for its character.
+struct HungSkin {
+  TriMesh rest;     // in the body's rest pose
+  Points standing;  // as it stands, world, m
+  OwnSkin own;      // without its pose
+};
+
 struct FittedActorOptions {
   FittingOptions fitting{};
   // the character gets the refined skin of 120,404 vertices instead of the base mesh
   bool fine_skin = false;
   std::filesystem::path weights{};  // see ActorOptions
+  const HungSkin* hung = nullptr;   // the character gets this skin instead
 };
 
 // Results of the fit beside the character.
@@ -27,6 +36,8 @@ struct FitOutcome {
   // from the fat layer to the muscle under it, all over the limbs, grooves and tendons included, m;
   // 0 where tissues are not measured
   double skin_gap_median = 0;
+  // share of a stranger's edges that bringing its mesh to rest made thrice as long; 0 for our skins
+  double torn_share = 0;
 };
 
 struct FittedActor : FitOutcome {

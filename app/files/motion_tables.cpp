@@ -130,7 +130,7 @@ MotionTables::MotionTables(const Assets& assets, std::vector<TableRequest> reque
   const auto coordinates = model_coordinates(actor.character.anatomy.skeleton);
   for (const TableRequest& request : requests_) {
     if (request.what == "markers" && marker_vertices_.empty()) {
-      for (const SkinMarker& marker : skin_markers(assets, actor.character.body.skin)) {
+      for (const SkinMarker& marker : skin_markers(assets, actor.character)) {
         markers_.names.push_back(marker.name);
         marker_vertices_.push_back(marker.vertex);
       }

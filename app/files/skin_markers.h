@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "anatomy/character.h"
 #include "anatomy/files/assets.h"
-#include "anatomy/types.h"
 
 namespace ecorche {
 
@@ -15,8 +15,9 @@ struct SkinMarker {
   int vertex = 0;    // of the skin
 };
 
-// Throws UnfitError for a skin that is not the body package's base mesh or its fine one, InputError
-// without the package.
-std::vector<SkinMarker> skin_markers(const Assets& assets, const TriMesh& skin);
+// Of a skin of the character's own: its vertices that are nearest at rest. Throws UnfitError for
+// another skin that is not the body package's base mesh or its fine one, InputError without the
+// package.
+std::vector<SkinMarker> skin_markers(const Assets& assets, const Character& character);
 
 }  // namespace ecorche

@@ -41,6 +41,9 @@ void add_motion_options(CLI::App& verb, MotionOptions& options) {
   verb.add_option("--motion-fps", options.fps,
                   "Frames a second of the file, instead of what it says")
       ->check(between(0.1, 10000));
+  verb.add_option("--take", options.take,
+                  "Of a file with several motions (.glb, .gltf): the name of one, or its number "
+                  "from 1; the first when left out");
   verb.add_option("--limits", options.limits,
                   "What becomes of joints beyond their anatomical limits: kept as they are, "
                   "brought back (clamp), or auto: brought back unless the file's rest pose is ours")
@@ -70,6 +73,7 @@ RetargetOptions to_retarget_options(const MotionOptions& options) {
 MotionReadOptions to_read_options(const MotionOptions& options) {
   MotionReadOptions out;
   if (options.fps > 0) out.fps = options.fps;
+  out.take = options.take;
   return out;
 }
 

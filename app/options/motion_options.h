@@ -17,6 +17,7 @@ struct MotionOptions {
   std::filesystem::path map_file;              // --map
   std::string up;                              // --up
   double fps = 0;                              // --motion-fps; 0: the file's
+  std::string take;                            // --take; empty: the first
   std::string limits = "auto";                 // --limits
   bool through = false;                        // --no-apart
   bool free_feet = false, plant_feet = false;  // --no-plant, --plant

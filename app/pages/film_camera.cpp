@@ -35,10 +35,10 @@ bool is_named(const std::string& known, const std::string& asked) {
 
 // The base mesh's vertices of a landmark of data/body/landmarks.csv, on the side asked for, or on
 // both.
-std::vector<int> landmark_vertices(const Assets& assets, const Actor& actor,
-                                   const std::string& name, std::vector<std::string>& known) {
+std::vector<int> vertices_named(const Assets& assets, const Actor& actor, const std::string& name,
+                                std::vector<std::string>& known) {
   const BodyPackage package = read_body_package(assets);
-  if (actor.character.body.skin.V.rows() != package.skin_size) return {};
+  if (actor.character.own || actor.character.body.skin.V.rows() != package.skin_size) return {};
   std::vector<int> vertices;
   for (const SkinLandmark& landmark :
        read_measure_table(package, package.tables / "body").landmarks) {
@@ -69,7 +69,7 @@ Target find_target(const Assets& assets, const Actor& actor, const std::string& 
       if (part.kind == Part::Kind::muscle) target.muscles.push_back(part.index);
     }
   if (target.joints.empty() && target.bones.empty() && target.muscles.empty())
-    target.vertices = landmark_vertices(assets, actor, name, known);
+    target.vertices = vertices_named(assets, actor, name, known);
   if (target.bones.empty() && target.muscles.empty()) target.least = kJointBall;
   if (!target.joints.empty() || !target.vertices.empty() || target.least == 0) return target;
   for (const std::uint32_t part : all_parts(anatomy)) known.push_back(part_name(anatomy, part));

@@ -24,6 +24,7 @@
 #include "morph/shapes/body.h"
 #include "morph/shapes/modify_body.h"
 #include "morph/shapes/shape_space_cache.h"
+#include "morph/shapes/statistic_people.h"
 #include "skinning/character/live_character.h"
 
 namespace ecorche {
@@ -44,6 +45,8 @@ constexpr const char* kShown[] = {"stature",
                                   "upper_arm_girth_relaxed",
                                   "forearm_girth",
                                   "weight"};
+// Sliders of the statistics' components, after the measures, fat and hip to waist.
+constexpr int kComponents = 5;
 // A slider that has not moved for this time counts as released, and the next stage begins.
 constexpr std::array<std::chrono::milliseconds, 3> kRest{
     std::chrono::milliseconds(0), std::chrono::milliseconds(60), std::chrono::milliseconds(200)};
@@ -104,6 +107,7 @@ struct BodySliders::Impl {
   TapeMeasure tape{package, read_measure_table(package, package.tables / "body")};
   std::vector<VertexPart> parts = vertex_parts(package);
   ShapeSpace space;
+  BodyStatistics statistics;
   std::vector<int> shown_measures;
 
   std::unique_ptr<LiveAnatomy> live;  // of the thread that carries
@@ -131,6 +135,7 @@ BodySliders::Impl::Impl(const Assets& opened, Character character, Template tmpl
         start.body.skin.V.rows(), package.skin_size));
   require_template(start, body_template);
   space = read_shape_space(package, tape, start.body.sex);
+  statistics = read_statistics(package, tape, space);
   for (const char* id : kShown) shown_measures.push_back(tape.table().at(id));
   const std::shared_ptr<SlidBody> own = show(start);
   own->stage = Stage::whole;
@@ -153,11 +158,15 @@ Points BodySliders::Impl::solve(const Asked& values) const {
   if (values.size() > shown_measures.size()) change.fat = values[shown_measures.size()];
   if (values.size() > shown_measures.size() + 1)
     change.hip_waist = values[shown_measures.size() + 1];
+  const std::size_t first = shown_measures.size() + 2;
+  for (std::size_t k = 0; k < kComponents && first + k < values.size(); ++k)
+    if (values[first + k]) change.also.push_back(score_aim(statistics, int(k), *values[first + k]));
   // Fat and girths change at a given height; with a length, the others follow it.
-  change.keep_lengths = std::ranges::none_of(change.measures, [&](const MeasureTarget& target) {
+  const bool no_length = std::ranges::none_of(change.measures, [&](const MeasureTarget& target) {
     const MeasureKind kind = tape.measure(target.measure).kind;
     return kind != MeasureKind::girth && kind != MeasureKind::mass;
   });
+  change.keep_lengths = no_length && change.also.empty();
   return change_body(package, tape, space, own, change).points;
 }
 
@@ -166,6 +175,8 @@ std::vector<double> BodySliders::Impl::measure(const Points& skin) const {
   for (int k : shown_measures) out.push_back(tape.take(k, skin));
   out.push_back(fat_percentage(tape, space.sex, skin));
   out.push_back(hip_waist_ratio(tape, skin));
+  const Eigen::VectorXd scores = scores_of(statistics, skin);
+  out.insert(out.end(), scores.begin(), scores.begin() + kComponents);
   return out;
 }
 
@@ -308,6 +319,8 @@ std::vector<Slider> BodySliders::sliders() const {
   }
   out.push_back({"fat", "%", 1, 4, 50});
   out.push_back({"hip to waist", "", 1, 0.8, 1.6});
+  for (int k = 0; k < kComponents; ++k)
+    out.push_back({fmt::format("component {}", k + 1), "sd", 1, -kReach, kReach});
   return out;
 }
 

@@ -177,7 +177,7 @@ void add_animate_verb(VerbRegistry& registry) {
   verb->add_option("character", options->character,
                    "Character written by `ecorche fit`, CROWD.glb#NAME, or a whole crowd")
       ->required();
-  verb->add_option("motion", options->motion, "Motion (.bvh)")->required();
+  verb->add_option("motion", options->motion, "Motion (.bvh, .glb, .gltf)")->required();
   verb->add_option("-o,--output", options->outputs,
                    "File to write; may be given several times: .glb (joints); every vertex, exact: "
                    ".pc2, .mdd, DIR/%04d.obj; joint angles: .mot; skin markers: .trc")

@@ -17,6 +17,7 @@
 #include "app/progress.h"
 #include "skinning/bake/bake.h"
 #include "skinning/bake/bake_io.h"
+#include "skinning/rigs/own_rig.h"
 
 namespace ecorche {
 namespace {
@@ -25,6 +26,7 @@ namespace fs = std::filesystem;
 
 struct BakeVerbOptions {
   fs::path character, output, weights;
+  std::string rig = "auto";
   std::vector<fs::path> motions;
   MotionOptions retarget;
   BakeOptions bake;
@@ -64,6 +66,44 @@ std::string in_words(const BakeError& error) {
       1e3 * error.mean, 1e3 * error.rms, 1e3 * error.p95, 1e3 * error.max, error.normal_rms);
 }
 
+// The character's own file again, moved by its own joints.
+int bake_own_rig(const BakeVerbOptions& options, const Actor& actor, const Common& common,
+                 Report& report) {
+  const OwnRig rig(*actor.character.own, printable(options.character.string()));
+  const std::vector<BakedMotion> motions = open_motions(options, actor, common, report);
+  std::vector<OwnRigMotion> out;
+  ActorState frame(actor);
+  {
+    const StageTimer timer(report, "bake");
+    int frames = 0, done = 0;
+    for (const BakedMotion& each : motions) frames += int(each.motion.frames.size());
+    Progress progress(common, options.output.filename().string(), frames);
+    for (const BakedMotion& each : motions) {
+      OwnRigMotion motion{each.name, each.motion.fps, {}, 0, 0};
+      for (const Pose& pose : each.motion.frames) {
+        rig.add_frame(evaluate_skin(actor, pose, {}, frame).positions, motion);
+        progress.at(++done);
+      }
+      out.push_back(std::move(motion));
+    }
+  }
+  write_file_atomically(options.output, rig.with_motions(out));
+  double worst = 0;
+  for (const OwnRigMotion& motion : out) {
+    report.set("bake.motions." + motion.name + ".frames", int(motion.frames.size()));
+    report.set("bake.motions." + motion.name + ".rms", motion.rms);
+    report.set("bake.motions." + motion.name + ".max", motion.max);
+    worst = std::max(worst, motion.rms);
+    note(common, fmt::format("{}: {} frames by {} joints of its own, RMS {:.1f} mm, at most {:.1f} "
+                             "mm from the exact skin",
+                             motion.name, motion.frames.size(), rig.rig().joints.size(),
+                             1e3 * motion.rms, 1e3 * motion.max));
+  }
+  report.set("bake.rms", worst);
+  report.set("bake.bytes", double(fs::file_size(options.output)));
+  return 0;
+}
+
 int run_bake(const BakeVerbOptions& options, const Common& common, Report& report) {
   require_ending(options.output, {".glb"});
   std::vector<fs::path> inputs = options.motions;
@@ -72,6 +112,14 @@ int run_bake(const BakeVerbOptions& options, const Common& common, Report& repor
   Actor actor = make_actor(common.assets, open_character(options.character, common, report), report,
                            {.weights = options.weights});
   const Character& character = actor.character;
+  if (options.rig == "own" && !character.own)
+    throw UnfitError(
+        fmt::format("{}: it has no rig of its own; leave --rig out", options.character.string()));
+  if (character.own &&
+      (options.rig == "own" ||
+       (options.rig == "auto" &&
+        !read_source_rig(*character.own->source, options.character.string()).joints.empty())))
+    return bake_own_rig(options, actor, common, report);
   ActorState frame(actor);
   const ExactSkin exact = [&](const Pose& pose, SkinFrame& out) {
     out = evaluate_skin(actor, pose, {}, frame);
@@ -122,8 +170,15 @@ void add_bake_verb(VerbRegistry& registry) {
                  return run_bake(*options, common, report);
                });
   add_character_option(*verb, options->character);
-  verb->add_option("motions", options->motions, "Motions (.bvh), one animation each")->required();
+  verb->add_option("motions", options->motions, "Motions (.bvh, .glb), one animation each")
+      ->required();
   verb->add_option("-o,--output", options->output, "File to write (.glb)")->required();
+  verb->add_option("--rig", options->rig,
+                   "The joints that move: own (those of the file that the character came in, with "
+                   "its mesh, weights and materials), ecorche (ours, with helpers and morph "
+                   "targets), or auto: own where there are any")
+      ->check(one_of({"auto", "own", "ecorche"}))
+      ->capture_default_str();
   verb->add_option("--morphs", options->bake.morphs, "Corrective morph targets, at most")
       ->check(between(0, 64))
       ->capture_default_str();

@@ -8,7 +8,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <memory>
+#include <utility>
 
+#include "anatomy/base_mesh/body_rig.h"
 #include "anatomy/base_mesh/refined_skin.h"
 #include "anatomy/geometry/subdivide.h"
 #include "anatomy/muscles/action_line.h"
@@ -19,6 +22,7 @@
 #include "app/files/open_motion.h"
 #include "app/options/option_values.h"
 #include "morph/dilation/slice_clearance.h"
+#include "morph/registration/attached_skin.h"
 #include "morph/shapes/standard_bodies.h"
 #include "morph/template/template_cache.h"
 #include "skinning/evaluation/blend_skinning.h"
@@ -103,6 +107,44 @@ std::vector<Ratio> bench_frames(const Actor& actor, const Motion& motion, const 
        times[2], times[1], 0},
       {"muscles_row_" + size, "the same, pose after pose / linear blend, " + size, times[3] / kRow,
        times[1], 0}};
+}
+
+// A skin of as many vertices as the fine one that is a stranger's: its vertices in no order of ours
+// and a millimetre off the base mesh, which it is attached to.
+Character as_stranger(const Character& fine, const BaseSkin& base, const BodyPackage& package) {
+  const Eigen::Index count = fine.body.skin.V.rows();
+  constexpr Eigen::Index kStride = 7919;  // prime
+  std::vector<Eigen::Index> place(std::size_t(count), 0);
+  for (Eigen::Index i = 0; i < count; ++i) place[std::size_t(i)] = i * kStride % count;
+  StandingMesh mesh{{Points(count, 3), fine.body.skin.F}, {}};
+  for (Eigen::Index i = 0; i < count; ++i)
+    mesh.mesh.V.row(place[std::size_t(i)]) =
+        fine.body.skin.V.row(i) + Eigen::RowVector3d(0.001, 0, 0);
+  for (int* v = mesh.mesh.F.data(); v != mesh.mesh.F.data() + mesh.mesh.F.size(); ++v)
+    *v = int(place[std::size_t(*v)]);
+  Registration standing;
+  standing.posed = standing.body.skin.V = base.mesh.V;
+  standing.turn.assign(std::size_t(base.mesh.V.rows()), Mat3::Identity());
+  AttachedSkin skin = attach_skin(standing, package.triangles, vertex_parts(package), mesh);
+  Character out = fine;
+  out.body.skin = {std::move(skin.rest), std::move(mesh.mesh.F)};
+  auto own = std::make_shared<OwnSkin>();
+  own->base = base.mesh;
+  own->map = std::move(skin.map);
+  out.own = std::move(own);
+  return out;
+}
+
+Ratio bench_stranger(const Actor& stranger, const Actor& ours, const Motion& motion, int rounds) {
+  ActorState theirs(stranger), own(ours);
+  std::size_t at = 0, at_ours = 0;
+  const std::vector<BenchCase> cases{
+      {"stranger",
+       [&] { evaluate(stranger, motion.frames[at++ % motion.frames.size()], {}, theirs); }},
+      {"ours", [&] { evaluate(ours, motion.frames[at_ours++ % motion.frames.size()], {}, own); }}};
+  const auto times = least_cpu_times(cases, rounds);
+  return {"frame_stranger_120k", "whole frame of a stranger's skin / of ours of that size, 120k",
+          times[0], times[1], 1.3};
 }
 
 // Dilation as `fit` runs it, with bones, beside its lower bound: one ray in each direction of
@@ -194,6 +236,10 @@ int run_bench(const BenchVerbOptions& options, const Common& common, Report& rep
   const Actor fine_actor = make_actor(common.assets, std::move(fine), fine_report, {.base = &base});
   for (const Ratio& ratio : bench_frames(fine_actor, motion, "120k", 3, rounds))
     ratios.push_back(ratio);
+  Report aside;
+  const Actor stranger =
+      make_actor(common.assets, as_stranger(fine_actor.character, base, package), aside);
+  ratios.push_back(bench_stranger(stranger, fine_actor, motion, rounds));
 
   fmt::print("{:<66} {:>10} {:>7} {:>7}\n", "", "ms", "ratio", "asked");
   for (const Ratio& ratio : ratios) {

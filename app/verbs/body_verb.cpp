@@ -16,7 +16,9 @@
 #include "app/verbs/measure_verb.h"
 #include "app/verbs/modify_verb.h"
 #include "app/verbs/population_verb.h"
+#include "app/verbs/register_verb.h"
 #include "app/verbs/size_verb.h"
+#include "app/verbs/statistics_verb.h"
 #include "morph/shapes/body_model.h"
 #include "morph/shapes/example_synthesizer.h"
 #include "morph/shapes/sizes.h"
@@ -190,7 +192,9 @@ void add_body_verb(VerbRegistry& registry) {
   add_body_measure(registry, *body);
   add_body_modify(registry, *body);
   add_body_population(registry, *body);
+  add_body_register(registry, *body);
   add_body_size(registry, *body);
+  add_body_statistics(registry, *body);
 }
 
 }  // namespace ecorche

@@ -27,7 +27,7 @@ void mark(const Assets& assets, const Character& character, ExportModel& model, 
   std::vector<std::string> names;
   Points places;
   try {
-    const std::vector<SkinMarker> markers = skin_markers(assets, character.body.skin);
+    const std::vector<SkinMarker> markers = skin_markers(assets, character);
     places.resize(markers.size(), 3);
     for (const SkinMarker& marker : markers) {
       places.row(names.size()) = character.body.skin.V.row(marker.vertex);

@@ -270,7 +270,7 @@ void add_render_verb(VerbRegistry& registry) {
       });
   add_character_option(*verb, options->character);
   verb->add_option("motion", options->motion,
-                   "Motion (.bvh); left away for a still at rest or in a --pose");
+                   "Motion (.bvh, .glb, .gltf); left away for a still at rest or in a --pose");
   verb->add_option("-o,--output", options->film.output,
                    "FILM.mp4, numbered pictures DIR/%04d.png, or one picture STILL.png")
       ->required();

@@ -90,7 +90,7 @@ void add_view_verb(VerbRegistry& registry) {
       "character", session.character,
       "Character written by `ecorche fit`, or CROWD.glb#NAME; the template when left out");
   verb->add_option("motion", session.motion,
-                   "Motion (.bvh); others can be opened or dropped into the window");
+                   "Motion (.bvh, .glb, .gltf); others can be opened or dropped into the window");
   verb->add_flag(
       "--sliders", session.sliders,
       "Measures as sliders: the skin follows with bones and muscles, which are then fitted anew");

@@ -101,7 +101,7 @@ int run_weights(const WeightsVerbOptions& options, const Common& common, Report&
     throw UsageError("weights: --joint and --picture belong together");
   check_outputs(common, {options.table, options.picture}, {options.character, options.weights});
   Character character = open_character(options.character, common, report);
-  const std::optional<BaseSkin> base = find_base(common.assets, character.body.skin);
+  const std::optional<BaseSkin> base = find_base(common.assets, character);
   const Actor actor = make_actor(common.assets, std::move(character), report,
                                  {base ? &*base : nullptr, options.weights});
   const Skeleton& skeleton = actor.character.anatomy.skeleton;
