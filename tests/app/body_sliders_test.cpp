@@ -77,7 +77,7 @@ std::vector<Asked> settings(const std::vector<Slider>& sliders, int drawn) {
   for (int i = 0; i < drawn; ++i) {
     Asked& asked = out.emplace_back(sliders.size());
     for (int targets = 1 + int(draw() % 2); targets > 0; --targets) {
-      const std::size_t k = draw() % (sliders.size() - 2);
+      const std::size_t k = draw() % at("fat");
       asked[k] = std::uniform_real_distribution<double>(sliders[k].low, sliders[k].high)(draw);
     }
   }

@@ -114,6 +114,13 @@ def body_verbs(t):
     t.run((0, 8), "body", "modify", "wide.glb", "--exaggerate", 1.5, "-o", "overdrawn.glb")
     t.run((0, 8), "body", "modify", "anna.glb", "--sex", "female", "--fat", 34, "-o", "again.glb")
     t.check(t.bytes("aged.glb") != t.bytes("anna.glb") and t.bytes("overdrawn.glb") != t.bytes("wide.glb"), "--age, --exaggerate")
+    described = t.run(0, "body", "statistics", "anna.glb").stdout
+    t.check("standard deviations from the mean body" in described, "body statistics of a body")
+    t.run(0, "body", "statistics", "anna.glb", "--with", "anna.glb", "--age", 75, "--height", "165cm", "--mass", 65, "-o", "anna-old.glb")
+    t.there("anna-old.glb")
+    items = t.run(0, "body", "statistics", "--sex", "male", "--item", "height=175cm", "--item", "waist_width=30cm", "-o", "items.glb").stdout
+    t.check(re.search(r"^height +175.0 +17[45]", items, re.M), "--item is not met")
+    t.run(2, "body", "statistics", "--sex", "male", "--item", "girth=90cm", "-o", "no.glb")
     size = t.run(0, "body", "size", "xxl.glb", "--sex", "male").stdout
     t.check(size.startswith("size XXL"), f"body size: {size[:20]}")
     t.write("people.csv", "name,sex,stature,waist_girth\nada,female,168cm,74cm\nbob,,178cm,90cm\n")
@@ -154,6 +161,73 @@ def write_obj(t, name, scale):
     return t.write(name, "\n".join(lines) + "\n")
 
 
+def write_scan(t, source, name, scale):
+    """A body's skin as a scanner would have it: vertices in another order, Z up, OBJ or ASCII PLY."""
+    points, triangles, count = skin_of(t.bytes(source))
+    order = sorted(range(count), key=lambda i: (i * 7919) % count)
+    place = {old: new for new, old in enumerate(order)}
+    rows = [f"{scale * points[3 * i]:.6f} {-scale * points[3 * i + 2]:.6f} {scale * points[3 * i + 1]:.6f}" for i in order]
+    faces = [[place[i] for i in triangles[k:k + 3]] for k in range(0, len(triangles), 3)]
+    if name.endswith(".obj"):
+        return t.write(name, "".join(f"v {row}\n" for row in rows) + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces))
+    head = f"ply\nformat ascii 1.0\nelement vertex {count}\nproperty float x\nproperty float y\nproperty float z\nelement face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    return t.write(name, head + "".join(row + "\n" for row in rows) + "".join(f"3 {a} {b} {c}\n" for a, b, c in faces))
+
+
+def scans(t):
+    """Registration: the person comes back from a scan of another topology, unit and axes; hints and outputs."""
+    write_scan(t, "anna.glb", "scan.ply", 1000)
+    t.run((0, 8), "body", "register", "scan.ply", "-o", "found.glb", "--posed", "posed.ply", "--page", "scan.html", "--report", "scan.json")
+    found = t.json("scan.json")
+    t.check(abs(found["body"]["stature"] - 1.68) < 0.02, f"stature {found['body']['stature']} m of 1.68")
+    t.check(found["register"]["scan_to_body"]["median"] < 0.003, f"scan to body {found['register']['scan_to_body']}")
+    t.check(abs(found["register"]["unit_m"] - 0.001) < 1e-5 and found["register"]["up"] == "+Z" and found["register"]["front"] == "-Y", "unit and axes are found")
+    t.check(abs(measures(t, "found.glb")["waist_girth"] - measures(t, "anna.glb")["waist_girth"]) < 0.03, "waist of the registered body")
+    t.check(t.bytes("scan.html").count(b"data:image/png") >= 5, "--page has pictures")
+    t.check(t.bytes("posed.ply").startswith(b"ply"), "--posed")
+    elbow = found["register"]["joints"]["forearm_l"]["position"]
+    t.check(0.7 * 1000 < elbow[2] < 1.5 * 1000, f"joints are in the file's coordinates: {elbow}")
+    write_scan(t, "anna.glb", "scan.obj", 1 / 0.0254)
+    t.write("marks.json", json.dumps({"landmarks": {"acromion_l": landmark(t, "anna.glb", "acromion", 1 / 0.0254)}}))
+    t.run((0, 8), "body", "register", "scan.obj", "--unit", "in", "--stature", "168cm", "--pose", "A", "--landmarks", "marks.json", "-o", "hinted.glb", "--report", "hinted.json")
+    t.check(abs(t.json("hinted.json")["body"]["stature"] - 1.68) < 0.002, "--stature is met")
+    t.says(t.run(2, "body", "register", "scan.ply", "--pose", "sitting", "-o", "no.glb"), "A, T")
+    t.write("wrong.json", '{"acromyon_l": [0, 0, 0]}')
+    t.says(t.run(4, "body", "register", "scan.ply", "--landmarks", "wrong.json", "-o", "no.glb"), "acromion_l")
+    t.write("wrong.json", '{"acromion_l": [0, 0]}')
+    t.says(t.run(3, "body", "register", "scan.ply", "--landmarks", "wrong.json", "-o", "no.glb"), "three finite numbers")
+    t.write("cube.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    t.run(4, "body", "register", "cube.obj", "-o", "no.glb")
+    t.absent("no.glb")
+
+
+def strangers(t):
+    """A mesh that is not ours is fitted as it came; motions of .glb files are chosen by name."""
+    t.run((0, 8), "fit", "scan.obj", "--unit", "in", "--stature", "168cm", "--pose", "A", "--landmarks", "marks.json", "--skin", "own", "--method", "ellipses", "-o", "own.glb", "--report", "own.json")
+    own = t.json("own.json")
+    t.check(own["own_skin"]["distance_p95"] < 0.02 and own["fit"]["bone_vertices_outside"] == 0, f"a stranger's fit: {own['own_skin']}, {own['fit']['bone_vertices_outside']} bone vertices outside")
+    t.says(t.run(2, "fit", "anna.glb", "--skin", "own", "-o", "no.glb"), "base mesh")
+    t.says(t.run(2, "fit", "anna.glb", "--pose", "A", "-o", "no.glb"), "--pose")
+    t.run((0, 8), "animate", "own.glb", t.data("motions", "walk.bvh"), "-o", "own-walk.glb")
+    t.run((0, 8), "animate", "own.glb", "own-walk.glb", "--take", "motion", "-o", "own-again.pc2")
+    t.says(t.run(4, "animate", "own.glb", "own-walk.glb", "--take", "nothing", "-o", "no.pc2"), "there are")
+    t.says(t.run(2, "animate", "own.glb", t.data("motions", "walk.bvh"), "--take", "1", "-o", "no.pc2"), "--take")
+    t.run((0, 8), "render", "own.glb", "own-walk.glb", "--take", "motion", "--at", 0.5, "--size", "160x240", "-o", "own.png")
+    t.run((0, 8), "bake", "own.glb", "own-walk.glb", "--take", "motion", "--rig", "ecorche", "-o", "own-engine.glb")
+    t.says(t.run(4, "bake", "own.glb", "own-walk.glb", "--rig", "own", "-o", "no.glb"), "has no rig")
+    t.absent("no.glb")
+    t.absent("no.pc2")
+
+
+def landmark(t, body, name, scale):
+    """A landmark of data/body/landmarks.csv where write_scan() puts it."""
+    with open(t.data("body", "landmarks.csv"), encoding="utf-8") as file:
+        vertex = next(int(line.split(",")[1]) for line in file if line.startswith(name + ","))
+    points, _, _ = skin_of(t.bytes(body))
+    x, y, z = points[3 * vertex:3 * vertex + 3]
+    return [scale * x, -scale * z, scale * y]
+
+
 def fits(t):
     t.run((0, 8), "fit", "anna.glb", "-o", "anna-anatomy.glb", "--report", "fit.json")
     t.check(t.json("fit.json")["fit"]["bone_vertices"] > 1e5, "a fit reports its bones")
@@ -171,6 +245,7 @@ def fits(t):
     inches = json.loads(t.run(0, "body", "measure", obj, "--skin-unit", "in", "--json").stdout)
     t.check(abs(inches["stature"] - 1.68) < 0.002 and abs(inches["waist_girth"] - measures(t, "anna.glb")["waist_girth"]) < 0.002, "body measure of a bare skin")
     t.run(0, "body", "size", obj, "--skin-unit", "in", "--sex", "female")
+    t.run(0, "body", "statistics", obj, "--skin-unit", "in", "--sex", "female")
     t.run((0, 8), "body", "modify", obj, "--skin-unit", "in", "--sex", "female", "--fat", 30, "-o", "obj-fatter.glb")
     t.check(abs(measures(t, "fine.glb")["waist_girth"] - measures(t, "anna.glb")["waist_girth"]) < 0.004, "body measure of a character with the fine skin")
     t.run((0, 8), "fit", obj, "--unit", "in", "--sex", "male", "-o", "as-male.glb")
@@ -480,6 +555,7 @@ def window(t):
         t.used.setdefault("view", set()).update(name for group in t.options_of("view") for name in group)
         return
     view = lambda *words, codes=0: t.run(codes, "view", *words, under=VIEW)  # noqa: E731
+    view("own.glb", "own-walk.glb", "--take", "1", "--frames", 2, "--screenshot", "own-view.png")
     view("anna-anatomy.glb", "walk.bvh", "--frames", 3, "--screenshot", "a.png", "--pick", "0.5,0.5")
     t.check(t.bytes("a.png")[:4] == b"\x89PNG", "--screenshot")
     view("--sliders", "--sex", "female", "--measure", "stature=170cm", "--frames", 2, "-o", "edited.glb", codes=(0, 8))
@@ -519,7 +595,7 @@ def common_options(t):
 
 def main(program, source):
     t = Runner(program, source)
-    parts = [bodies, units, body_verbs, fits, animations, pictures, checks, templates, lists, words, window, common_options, benches, demo]
+    parts = [bodies, units, body_verbs, scans, strangers, fits, animations, pictures, checks, templates, lists, words, window, common_options, benches, demo]
     chosen = sys.argv[3:]
     for part in parts:
         if chosen and part.__name__ not in chosen:

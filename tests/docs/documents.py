@@ -17,7 +17,7 @@ import sys
 import zipfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "command_line"))
-from options import short_motion, spindle  # noqa: E402
+from options import short_motion, spindle, write_scan  # noqa: E402
 from runner import Runner  # noqa: E402
 
 ROOMS = ("anatomy", "morph", "skinning", "viewer", "app", "data", "docs", "tests")
@@ -78,6 +78,8 @@ class Reader:
         t.run((0, 8), "fit", "anna.glb", "-o", "anna-anatomy.glb", "--method", "ellipses")
         t.run((0, 8), "body", "new", "--sex", "male", "-o", "ben.glb")
         t.run((0, 8), "fit", "ben.glb", "-o", "ben-anatomy.glb", "--method", "ellipses")
+        write_scan(t, "anna.glb", "scan.ply", 1000)
+        write_scan(t, "anna.glb", "scan.obj", 1000)
         t.run(0, "export", "anna-anatomy.glb", "-o", "gait.osim")
         t.run(0, "weights", "anna-anatomy.glb", "-o", "mine.csv")
         for name in ("walk", "run", "curl"):
