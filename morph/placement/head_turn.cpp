@@ -42,7 +42,7 @@ HeadTurn find_head_turn(const Points& skin, const std::vector<int>& mirror,
 }
 
 Points straightened(const HeadTurn& turn, const Points& skin) {
-  constexpr int kRounds = 8;  // each leaves a tenth of the error or less
+  constexpr int kRounds = 20;  // each leaves a fifth of the error or less
   Points out = skin;
   for (Eigen::Index i = 0; i < skin.rows(); ++i) {
     if (skin(i, 1) < turn.low - std::abs(turn.shift)) continue;
