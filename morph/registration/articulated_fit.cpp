@@ -271,6 +271,22 @@ void add_priors(const ArticulatedBody& body, const FitStage& stage, const std::v
   }
 }
 
+void hold(Eigen::Index at, Normal& equations) {
+  equations.A.row(at).setZero();
+  equations.A.col(at).setZero();
+  equations.A(at, at) = 1;
+  equations.b[at] = 0;
+}
+
+// All but the turns of those joints.
+void hold_others(const std::vector<int>& joints, Normal& equations) {
+  std::vector<char> moves(std::size_t(equations.b.size()), 0);
+  for (const int j : joints)
+    for (int k = 0; k < 3; ++k) moves[std::size_t(kPlace + 3 * j + k)] = 1;
+  for (Eigen::Index at = 0; at < equations.b.size(); ++at)
+    if (!moves[std::size_t(at)]) hold(at, equations);
+}
+
 }  // namespace
 
 BodySamples spread_vertices(const ArticulatedBody& body, int count) {
@@ -317,14 +333,10 @@ void fit_articulated(const ArticulatedFit& fit, const FitStage& stage, const Bod
                          1 / (hint.accuracy * hint.accuracy), 1});
     Normal equations = gather(body, pose, matches, stage.shape);
     add_priors(body, stage, prior, state, equations);
-    if (!stage.scale) {
-      equations.A.row(3).setZero();
-      equations.A.col(3).setZero();
-      equations.A(3, 3) = 1;
-      equations.b[3] = 0;
-    }
     equations.A(3, 3) += float(1 / (kScaleSpread * kScaleSpread));
     equations.b[3] -= float(state.log_scale / (kScaleSpread * kScaleSpread));
+    if (!stage.scale) hold(3, equations);
+    if (!fit.joints.empty()) hold_others(fit.joints, equations);
     Eigen::MatrixXd A = equations.A.cast<double>();
     A.diagonal() += 1e-3 * A.diagonal() + Eigen::VectorXd::Constant(A.rows(), 1e-3);
     const Eigen::VectorXd step = solve_llt(A, equations.b.cast<double>());

@@ -40,6 +40,7 @@ struct ArticulatedFit {
   const ArticulatedBody& body;
   const ScanTarget& scan;
   std::vector<PlaceHint> hints{};
+  std::vector<int> joints{};  // that may turn while all else stays; empty: everything moves
 };
 
 // Vertices spread over the outer skin, evenly; of hands and feet fewer count less.

@@ -1,7 +1,6 @@
 #include "morph/registration/pose_search.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -10,6 +9,7 @@
 
 #include "anatomy/compute/eigenvectors.h"
 #include "anatomy/compute/parallel_ranges.h"
+#include "morph/registration/limb_ends.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -22,7 +22,6 @@ constexpr std::size_t kSpread = 6000;  // points of the scan that misfits count
 constexpr double kFar = 0.15;  // m, distances that all count alike when hypotheses are compared
 constexpr double kOtherBody = 0.1;   // m, mean distance of two results that are not the same
 constexpr double kTurnCost = 0.001;  // of a squared deviation a joint, as a misfit
-constexpr std::array<double, 6> kRolls{0, -60, 60, -120, 120, 180};  // of hands, degrees
 
 // Coarse to fine.
 constexpr FitStage kRough{.rounds = 7,
@@ -70,15 +69,6 @@ constexpr FitStage kShape{.rounds = 8,
                           .scale = true,
                           .pose_prior = 0.2,
                           .shape_prior = 2};
-constexpr FitStage kHand{.rounds = 6,
-                         .samples = 1200,
-                         .width = 0.06,
-                         .reach = 0.1,
-                         .across = 0.4,
-                         .shape = false,
-                         .scale = false,
-                         .pose_prior = 0.1,
-                         .shape_prior = 1};
 constexpr FitStage kClose{.rounds = 10,
                           .samples = 3000,
                           .width = 0.05,
@@ -352,52 +342,6 @@ void PoseSearch::keep_distinct(std::vector<PoseHypothesis>& found) const {
   found = std::move(distinct);
 }
 
-// A hand of a scan is small and thin: which way it is turned shows once the rest stands.
-void PoseSearch::other_rolls(Side side, ArticulatedState& state) const {
-  const std::string ending = side_suffix(side);
-  const std::size_t twist = std::size_t(find_segment(body_, "forearm_twist" + ending)),
-                    hand = std::size_t(find_segment(body_, "hand" + ending));
-  std::vector<ArticulatedState> tries(kRolls.size(), state);
-  std::vector<double> misfits(kRolls.size());
-  parallel_for_ranges(tries.size(), 1, Threads::all, [&](std::size_t from, std::size_t to) {
-    for (std::size_t k = from; k < to; ++k) {
-      ArticulatedState& other = tries[k];
-      if (kRolls[k] != 0) {
-        other.turns[twist] =
-            Eigen::AngleAxisd(kRolls[k] * kDegree, body_.joints[twist].axis).toRotationMatrix() *
-            other.turns[twist];
-        other.turns[hand].setIdentity();
-      }
-      fit_articulated(fit(), kHand, middle_, tree_, other.turns, other);
-      misfits[k] = hand_misfit(side, other);
-    }
-  });
-  const std::size_t best =
-      std::size_t(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
-  if (misfits[best] < 0.9 * misfits[0]) state = tries[best];
-}
-
-// Mean distance of a hand and forearm from the scan, normals counted in, m; and what such turns
-// cost.
-double PoseSearch::hand_misfit(Side side, const ArticulatedState& state) const {
-  const RestShape shape = rest_shape(body_, state.z);
-  const ArticulatedPose pose = articulate(body_, shape, state);
-  std::vector<int> vertices;
-  for (std::size_t i = 0; i < body_.parts.size(); i += 5)
-    if (body_.parts[i].part == BodyPart::hand && body_.parts[i].side == side && body_.outer[i])
-      vertices.push_back(int(i));
-  const Points points = posed_points(body_, pose, vertices);
-  double sum = 0;
-  for (std::size_t k = 0; k < vertices.size(); ++k) {
-    const Vec3 normal =
-        (blended_turn(body_, pose, vertices[k]) * shape.normals.row(vertices[k]).transpose())
-            .normalized();
-    sum += std::min(0.1, tree_.nearest(points.row(Eigen::Index(k)), normal).distance);
-  }
-  return sum / double(std::max<std::size_t>(vertices.size(), 1)) +
-         0.1 * kTurnCost * turn_cost(state);
-}
-
 void PoseSearch::fit_shapes(std::vector<PoseHypothesis>& found) const {
   const std::vector<Mat3> rest(body_.joints.size(), Mat3::Identity());
   FitStage close = kClose, closest = kClosest;
@@ -409,8 +353,8 @@ void PoseSearch::fit_shapes(std::vector<PoseHypothesis>& found) const {
   }
   std::stable_sort(found.begin(), found.end(), by_misfit);
   PoseHypothesis& best = found.front();
-  for (const Side side : {Side::left, Side::right}) other_rolls(side, best.state);
   fit_articulated(fit(), close, fine_, tree_, rest, best.state);
+  turn_limb_ends(fit(), best.state);
   fit_articulated(fit(), closest, fine_, tree_, rest, best.state);
   best.misfit = misfit(best.state, middle_, 1500);
 }

@@ -51,14 +51,12 @@ class PoseSearch {
   std::vector<PoseHypothesis> placed() const;
   void posed(std::vector<PoseHypothesis>& found) const;
   void other_limbs(std::vector<PoseHypothesis>& found) const;
-  void other_rolls(Side side, ArticulatedState& state) const;
   void keep_distinct(std::vector<PoseHypothesis>& found) const;
   Vec3 hint_point(const PlaceHint& hint, const ArticulatedPose& pose) const;
   double hint_misfit(const ArticulatedState& state) const;
   void lay_over_hints(ArticulatedState& state) const;
   double misfit(const ArticulatedState& state, const BodySamples& samples, int count) const;
   double turn_cost(const ArticulatedState& state) const;
-  double hand_misfit(Side side, const ArticulatedState& state) const;
 
   const ArticulatedBody& body_;
   RestShape mean_;  // of nobody in particular
