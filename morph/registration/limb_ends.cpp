@@ -33,7 +33,7 @@ constexpr FitStage kRough{.rounds = 6,
                           .across = 0.5,
                           .shape = false,
                           .scale = false,
-                          .pose_prior = 0.1,
+                          .pose_prior = 1,
                           .shape_prior = 1};
 constexpr FitStage kClose{.rounds = 6,
                           .samples = 400,
@@ -42,7 +42,7 @@ constexpr FitStage kClose{.rounds = 6,
                           .across = 0.3,
                           .shape = false,
                           .scale = false,
-                          .pose_prior = 0.1,
+                          .pose_prior = 1,
                           .shape_prior = 1};
 
 struct LimbEnd {
