@@ -25,7 +25,7 @@ constexpr Round kRounds[] = {
     {0.03, 0.06, 0.02, 0.4},   {0.02, 0.04, 0.015, 0.5},  {0.013, 0.03, 0.01, 0.5},
     {0.009, 0.025, 0.01, 0.5}, {0.0065, 0.02, 0.01, 0.6}, {0.0065, 0.02, 0.01, 0.6}};
 // Fine features of the mesh that scans do not show keep their shape, m.
-constexpr double kHandLength = 0.03, kHeadLength = 0.014, kFootLength = 0.014;
+constexpr double kHandLength = 0.015, kHeadLength = 0.008, kFootLength = 0.008;
 constexpr double kOutsideShare = 0.05;  // of the weight, of clothes that stand off
 
 // Laplacian weights over a surface, and areas.
