@@ -171,7 +171,9 @@ void add_figures(HtmlPage& page, const Scan& scan, const Registration& found,
           {"skin that the scan does not show", fmt::format("{:.1f} %", 100 * report.unseen)},
           {"doubt of the pose: 0 sure, 1 another is as good", fmt::format("{:.2f}", report.doubt)},
           {"shape: standard deviations a coefficient (people: about 1)",
-           fmt::format("{:.2f}", report.shape_distance)}});
+           fmt::format("{:.2f}", report.shape_distance)},
+          {"joints' turns over usual ones (people who stand: up to 0.7)",
+           fmt::format("{:.2f}", report.turn_deviation)}});
   page.add_heading("By region");
   const std::vector<std::string> columns{"region", "scan points", "mean, mm",
                                          "median", "95 % below",  "not seen, %"};
@@ -287,6 +289,7 @@ void report_registration(const Scan& scan, const Registration& found,
   report.set("register.front", axis_word(found.axes.transpose() * Vec3::UnitZ()));
   report.set("register.doubt", figures.doubt);
   report.set("register.shape_distance", figures.shape_distance);
+  report.set("register.turn_deviation", figures.turn_deviation);
   std::vector<double> axes, shift(found.shift.data(), found.shift.data() + 3);
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) axes.push_back(found.axes(r, c));

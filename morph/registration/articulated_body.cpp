@@ -14,36 +14,41 @@ namespace {
 // Components of each sex's own variation, and how much of it counts once both are together.
 constexpr Eigen::Index kOwnComponents = 25;
 constexpr double kOwnShare = std::numbers::sqrt2 / 2;
+// Turns about the long axis up to this are usual at any joint, rad.
+constexpr double kLeastTwist = 0.4;
 // The child whose build is one of the directions, years; its spread in standard deviations.
 constexpr double kChild = 8, kChildSpread = 0.35;
 
 struct SegmentRule {
   const char* name;
   const char* parent;
-  const char* first;   // bone of the rig whose head is the joint's centre
-  double bend, twist;  // rad
+  const char* first;      // bone of the rig whose head is the joint's centre
+  double bend, twist;     // rad
+  double most;            // degrees; 0: any
+  double skin_twist = 0;  // rad, where skin turns otherwise than the bone
 };
-// Middle, and left of the paired ones.
-constexpr SegmentRule kMiddle[] = {{"pelvis", "", "root", 3, 3},
-                                   {"loin", "pelvis", "spine04", 0.25, 0.15},
-                                   {"trunk", "loin", "spine03", 0.25, 0.2},
-                                   {"chest", "trunk", "spine02", 0.25, 0.2},
-                                   {"neck", "chest", "neck01", 0.3, 0.3},
-                                   {"head", "neck", "head", 0.3, 0.4}};
-constexpr SegmentRule kPaired[] = {{"girdle", "chest", "clavicle", 0.3, 0.1},
-                                   {"arm", "girdle", "upperarm01", 1.2, 0.6},
-                                   {"arm_twist", "arm", "upperarm02", 0.04, 0.5},
-                                   {"forearm", "arm_twist", "lowerarm01", 1.2, 0.3},
-                                   {"forearm_twist", "forearm", "lowerarm02", 0.04, 0.7},
-                                   {"hand", "forearm_twist", "wrist", 0.5, 0.2},
-                                   {"thumb", "hand", "finger1-1", 0.3, 0.2},
-                                   {"fingers", "hand", "finger3-1", 0.5, 0.05},
-                                   {"thigh", "pelvis", "upperleg01", 0.9, 0.4},
-                                   {"thigh_twist", "thigh", "upperleg02", 0.04, 0.3},
-                                   {"shank", "thigh_twist", "lowerleg01", 0.9, 0.15},
-                                   {"shank_twist", "shank", "lowerleg02", 0.04, 0.2},
-                                   {"foot", "shank_twist", "foot", 0.35, 0.2},
-                                   {"toes", "foot", "toe2-1", 0.2, 0.05}};
+// Middle, and left of the paired ones. Skin over the shoulder hardly turns about the arm, that over
+// the elbow wholly: once the body stands, what turns does so in the twist segment.
+constexpr SegmentRule kMiddle[] = {{"pelvis", "", "root", 3, 3, 0},
+                                   {"loin", "pelvis", "spine04", 0.25, 0.15, 45},
+                                   {"trunk", "loin", "spine03", 0.25, 0.2, 45},
+                                   {"chest", "trunk", "spine02", 0.25, 0.2, 45},
+                                   {"neck", "chest", "neck01", 0.3, 0.3, 50},
+                                   {"head", "neck", "head", 0.3, 0.4, 60}};
+constexpr SegmentRule kPaired[] = {{"girdle", "chest", "clavicle", 0.3, 0.1, 50},
+                                   {"arm", "girdle", "upperarm01", 1.2, 0.6, 0, 0.15},
+                                   {"arm_twist", "arm", "upperarm02", 0.04, 0.5, 0, 1.0},
+                                   {"forearm", "arm_twist", "lowerarm01", 1.2, 0.3, 0},
+                                   {"forearm_twist", "forearm", "lowerarm02", 0.04, 0.7, 0},
+                                   {"hand", "forearm_twist", "wrist", 0.5, 0.2, 90},
+                                   {"thumb", "hand", "finger1-1", 0.3, 0.2, 70},
+                                   {"fingers", "hand", "finger3-1", 0.5, 0.05, 110},
+                                   {"thigh", "pelvis", "upperleg01", 0.9, 0.4, 0},
+                                   {"thigh_twist", "thigh", "upperleg02", 0.04, 0.3, 50},
+                                   {"shank", "thigh_twist", "lowerleg01", 0.9, 0.15, 0},
+                                   {"shank_twist", "shank", "lowerleg02", 0.04, 0.2, 40},
+                                   {"foot", "shank_twist", "foot", 0.35, 0.2, 55},
+                                   {"toes", "foot", "toe2-1", 0.2, 0.05, 60}};
 
 struct BonePrefix {
   const char* prefix;
@@ -104,6 +109,8 @@ void add_joint(ArticulatedBody& body, const SegmentRule& rule, Side side) {
   joint.parent = find_segment(body, middle ? rule.parent : sided(rule.parent, side));
   joint.bend = rule.bend;
   joint.twist = rule.twist;
+  joint.skin_twist = rule.skin_twist > 0 ? rule.skin_twist : rule.twist;
+  joint.most = rule.most * kDegree;
   body.joints.push_back(joint);
 }
 
@@ -229,6 +236,27 @@ int find_segment(const ArticulatedBody& body, const std::string& name) {
   for (std::size_t j = 0; j < body.joints.size(); ++j)
     if (body.joints[j].name == name) return int(j);
   return -1;
+}
+
+double squared_turn(const SegmentJoint& joint, const Mat3& turn) {
+  const Eigen::AngleAxisd whole(turn);
+  const Vec3 way = whole.angle() * whole.axis();
+  const double along = way.dot(joint.axis), twist = std::max(joint.twist, kLeastTwist);
+  double out = along * along / (twist * twist) +
+               (way.squaredNorm() - along * along) / (joint.bend * joint.bend);
+  if (joint.hinge.squaredNorm() > 0) {
+    const double flexed = way.dot(joint.hinge);
+    const double beyond = std::max({0.0, joint.hinge_min - flexed, flexed - joint.hinge_max});
+    out += 25 * beyond * beyond;
+  }
+  return out;
+}
+
+double mean_squared_turn(const ArticulatedBody& body, const std::vector<Mat3>& turns) {
+  double sum = 0;
+  for (std::size_t j = 1; j < body.joints.size(); ++j)
+    sum += squared_turn(body.joints[j], turns[j]);
+  return sum / double(body.joints.size());
 }
 
 ArticulatedBody make_articulated_body(const BodyModel& model) {

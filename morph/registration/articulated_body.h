@@ -22,11 +22,16 @@ struct SegmentJoint {
   Side side = Side::middle;
   int parent = -1;             // parents precede children
   double bend = 0, twist = 0;  // usual turns across and about the long axis, rad
+  double skin_twist = 0;       // usual turn of the skin about it, rad
   Vec3 axis = Vec3::UnitY();   // long axis, world at rest
   // of a hinge: turns about it count as `bend`, others across as a tenth of it
   Vec3 hinge = Vec3::Zero();
   double hinge_min = 0, hinge_max = 0;  // rad
+  double most = 0;                      // rad, of the whole turn, beyond which nobody goes; 0: any
 };
+
+// How far from its usual turns: squared deviations, and what lies beyond a hinge's ends.
+double squared_turn(const SegmentJoint& joint, const Mat3& turn);
 
 struct ArticulatedBody {
   Points mean;       // #skin x 3, m
@@ -56,6 +61,9 @@ struct ArticulatedState {
 };
 
 ArticulatedState rest_state(const ArticulatedBody& body);
+
+// Mean over all joints but the root.
+double mean_squared_turn(const ArticulatedBody& body, const std::vector<Mat3>& turns);
 
 // Somebody at rest.
 struct RestShape {

@@ -194,6 +194,15 @@ double robust(double distance, double width) {
   return q * q;
 }
 
+// Whether most of the vertex hangs on one of the joints.
+bool hangs_on(const ArticulatedBody& body, int vertex, const std::vector<int>& joints) {
+  double on = 0;
+  for (int k = body.weights.start[vertex]; k < body.weights.start[vertex + 1]; ++k)
+    if (std::find(joints.begin(), joints.end(), body.weights.bone[k]) != joints.end())
+      on += body.weights.weight[k];
+  return on > 0.5;
+}
+
 std::vector<Match> find_matches(const ArticulatedFit& fit, const FitStage& stage,
                                 const BodySamples& samples, const PointTree& scan_tree,
                                 const SurfacePoints& posed) {
@@ -217,6 +226,10 @@ std::vector<Match> find_matches(const ArticulatedFit& fit, const FitStage& stage
       match.across = match.normal.squaredNorm() > 0.5 ? stage.across : 1;
       match.weight = (fit.scan.one_sided ? 0.3 : 1) * one * samples.weights[i] *
                      robust(near.distance, stage.width);
+      // Beyond an edge of what was seen there may be more of the body.
+      if (stage.shape && !fit.scan.border.empty() && fit.scan.border[std::size_t(near.index)])
+        match.weight = 0;
+      if (!fit.still.empty() && hangs_on(fit.body, match.vertex, fit.still)) match.weight = 0;
     }
   });
   parallel_for_ranges(theirs, 64, Threads::all, [&](std::size_t first, std::size_t last) {
@@ -246,8 +259,9 @@ void add_priors(const ArticulatedBody& body, const FitStage& stage, const std::v
     const Eigen::AngleAxisd off(Mat3(state.turns[j] * prior[j].transpose()));
     const Vec3 away = off.angle() * off.axis();
     const Mat3 along = joint.axis * joint.axis.transpose();
-    Mat3 stiffness = (Mat3::Identity() - along) / (joint.bend * joint.bend) +
-                     along / (joint.twist * joint.twist);
+    const double twist = stage.settled ? joint.skin_twist : joint.twist;
+    Mat3 stiffness =
+        (Mat3::Identity() - along) / (joint.bend * joint.bend) + along / (twist * twist);
     const Eigen::Index at = kPlace + 3 * Eigen::Index(j);
     if (joint.hinge.squaredNorm() > 0) {
       const Vec3 side = joint.hinge.cross(joint.axis).normalized();
@@ -261,6 +275,10 @@ void add_priors(const ArticulatedBody& body, const FitStage& stage, const std::v
         add(at, joint.hinge * joint.hinge.transpose() / (kLimitStiffness * kLimitStiffness),
             beyond * joint.hinge);
     }
+    if (const Eigen::AngleAxisd whole(state.turns[j]);
+        stage.settled && joint.most > 0 && whole.angle() > joint.most)
+      add(at, whole.axis() * whole.axis().transpose() / (kLimitStiffness * kLimitStiffness),
+          (whole.angle() - joint.most) * whole.axis());
     add(at, stage.pose_prior * stiffness, away);
   }
   const Eigen::Index K = state.z.size(), first = equations.b.size() - K;
@@ -337,6 +355,8 @@ void fit_articulated(const ArticulatedFit& fit, const FitStage& stage, const Bod
     equations.b[3] -= float(state.log_scale / (kScaleSpread * kScaleSpread));
     if (!stage.scale) hold(3, equations);
     if (!fit.joints.empty()) hold_others(fit.joints, equations);
+    for (const int j : fit.still)
+      for (int k = 0; k < 3; ++k) hold(kPlace + 3 * j + k, equations);
     Eigen::MatrixXd A = equations.A.cast<double>();
     A.diagonal() += 1e-3 * A.diagonal() + Eigen::VectorXd::Constant(A.rows(), 1e-3);
     const Eigen::VectorXd step = solve_llt(A, equations.b.cast<double>());

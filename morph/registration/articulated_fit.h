@@ -17,6 +17,9 @@ struct ScanTarget {
   SurfacePoints surface;    // m
   std::vector<int> spread;  // points spread evenly, in an order of which every beginning is spread
   bool one_sided = false;   // seen from one side: the body may have points that the scan lacks
+  // #points, 1: beside a hole or an edge of what was seen; empty: none is
+  std::vector<char> border{};
+  std::vector<char> covering{};  // #points, 1: clothes: the body lies within; empty: none are
 };
 
 // Something known: where a joint or a vertex of the skin lies.
@@ -34,6 +37,8 @@ struct FitStage {
   double across = 0.3;  // share of the distance across the normal that counts too
   bool shape = true, scale = false;
   double pose_prior = 1, shape_prior = 1;
+  // The body stands: joints stay within SegmentJoint::most and twist as skin does.
+  bool settled = false;
 };
 
 struct ArticulatedFit {
@@ -41,6 +46,7 @@ struct ArticulatedFit {
   const ScanTarget& scan;
   std::vector<PlaceHint> hints{};
   std::vector<int> joints{};  // that may turn while all else stays; empty: everything moves
+  std::vector<int> still{};   // that keep their turns, and whose skin does not look for the scan
 };
 
 // Vertices spread over the outer skin, evenly; of hands and feet fewer count less.

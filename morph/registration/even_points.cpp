@@ -58,11 +58,11 @@ EvenPoints even_points(const Scan& scan) {
               .transpose()
               .normalized());
       out.area.push_back(float(each));
-      const auto flag = [&](const std::vector<char>& of) -> char {
-        return !of.empty() && of[std::size_t(i)] && of[std::size_t(j)] && of[std::size_t(k)];
+      const auto corners = [&](const std::vector<char>& of) {
+        return of.empty() ? 0 : of[std::size_t(i)] + of[std::size_t(j)] + of[std::size_t(k)];
       };
-      out.border.push_back(flag(scan.border));
-      out.covering.push_back(flag(scan.covering));
+      out.border.push_back(char(corners(scan.border) >= 2));
+      out.covering.push_back(char(corners(scan.covering) == 3));
     }
   }
   out.surface.points.resize(Eigen::Index(points.size()), 3);
@@ -74,12 +74,19 @@ EvenPoints even_points(const Scan& scan) {
   return out;
 }
 
-SurfacePoints spread_points(const EvenPoints& points, std::size_t count) {
+EvenPoints spread_points(const EvenPoints& points, std::size_t count) {
   const std::vector<int> few = even_order(points.area, std::min(count, points.area.size()));
-  SurfacePoints out{Points(Eigen::Index(few.size()), 3), Points(Eigen::Index(few.size()), 3)};
+  EvenPoints out;
+  out.spacing = points.spacing;
+  out.surface = {Points(Eigen::Index(few.size()), 3), Points(Eigen::Index(few.size()), 3)};
+  const float more =
+      float(double(points.area.size()) / double(std::max<std::size_t>(1, few.size())));
   for (std::size_t k = 0; k < few.size(); ++k) {
-    out.points.row(Eigen::Index(k)) = points.surface.points.row(few[k]);
-    out.normals.row(Eigen::Index(k)) = points.surface.normals.row(few[k]);
+    out.surface.points.row(Eigen::Index(k)) = points.surface.points.row(few[k]);
+    out.surface.normals.row(Eigen::Index(k)) = points.surface.normals.row(few[k]);
+    out.area.push_back(more * points.area[std::size_t(few[k])]);
+    if (!points.border.empty()) out.border.push_back(points.border[std::size_t(few[k])]);
+    if (!points.covering.empty()) out.covering.push_back(points.covering[std::size_t(few[k])]);
   }
   return out;
 }

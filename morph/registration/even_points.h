@@ -20,6 +20,6 @@ struct EvenPoints {
 EvenPoints even_points(const Scan& scan);
 
 // At most `count` of them, even by area, in an order of which every beginning is even.
-SurfacePoints spread_points(const EvenPoints& points, std::size_t count);
+EvenPoints spread_points(const EvenPoints& points, std::size_t count);
 
 }  // namespace ecorche::inline v1

@@ -22,10 +22,22 @@ constexpr double kDoubtfulMedian = 0.004, kDoubtfulP95 = 0.015;
 constexpr double kRefusedMedian = 0.012, kFarOff = 0.05, kRefusedFar = 0.2;
 constexpr double kDoubtfulFar = 0.012, kDoubtfulUnseen = 0.2, kDoubtfulOther = 0.97,
                  kDoubtfulShape = 2.0, kDoubtfulStretch = 0.05;
-constexpr double kOtherBody = 0.1;  // m, mean distance of two results that are not the same
+// Mass over the cube of stature, kg/m^3: people from lean to very heavy lie between the doubtful
+// ones, infants and skeletons between the refused ones.
+constexpr double kDoubtfulThin = 8, kDoubtfulStout = 22, kRefusedThin = 6, kRefusedStout = 32;
+// Much of the scan elsewhere and much of the body unseen, or far elsewhere: another kind of thing.
+constexpr double kElsewhere = 0.1, kElsewhereUnseen = 0.25, kRefusedP95 = 0.15, kOthersP95 = 0.03;
+// Root mean square of joints' turns over usual ones: people who stand come to 0.9, on one
+// leg to 1.1.
+constexpr double kDoubtfulTurn = 1.1, kRefusedTurn = 1.35;
+// A joint that the file names lies so far from ours, or nearer to that of the other side. m
+constexpr double kDoubtfulJoint = 0.15, kDoubtfulTwin = 0.06;
+constexpr double kDoubtfulHead = 60 * kDegree;  // turned against the chest
+constexpr double kHalfSeen = 0.55;              // of a hand or foot
 // A part of the body of which less is seen is missing; so many missing parts are too many.
 constexpr double kSeenLimb = 0.15, kMostMissing = 9, kRefusedMissing = 1;
 constexpr std::size_t kJudged = 6000;  // points of the scan
+constexpr double kStandsOff = -1;      // instead of a distance
 
 DistanceFigures figures_of(std::vector<double> distances) {
   DistanceFigures out;
@@ -59,11 +71,86 @@ void look_for_limbs(const ArticulatedBody& body, const Scan& scan, Registration&
                                                        : "",
                            kNames[int(key.first)]);
   }
+  std::string half;
+  for (const auto& [key, area] : areas)
+    if ((key.first == BodyPart::hand || key.first == BodyPart::foot) &&
+        area[0] > kSeenLimb * area[1] && area[0] < kHalfSeen * area[1])
+      half += fmt::format("{}{} {}", half.empty() ? "" : ", ",
+                          key.second == Side::left ? "left" : "right", kNames[int(key.first)]);
+  if (!half.empty())
+    out.report.doubts.push_back("less than half of it was seen, its turn is a guess: " + half);
   if (missing.empty()) return;
   if (gone > kMostMissing || (!scan.one_view && gone >= kRefusedMissing))
     throw UnfitError(
         fmt::format("too little of a person: nothing of the scan lies where {} would be", missing));
   out.report.doubts.push_back("nothing of the scan shows " + missing);
+}
+
+double height_of(const Body& body) {
+  return body.skin.V.col(1).maxCoeff() - body.skin.V.col(1).minCoeff();
+}
+
+double build_of(const Body& body) { return body.mass / std::pow(height_of(body), 3); }
+
+// Joints that the file names and that lie elsewhere.
+void compare_joints(const RegistrationEvidence& evidence, Registration& out) {
+  const ArticulatedBody& body = evidence.body;
+  std::string off;
+  for (const PlaceHint& hint : evidence.hints) {
+    if (hint.joint < 0) continue;
+    const Vec3 place = out.axes * (out.scale / evidence.scan.unit * hint.place) + out.shift;
+    const SegmentJoint& joint = body.joints[std::size_t(hint.joint)];
+    const double own = (out.pose.posed[std::size_t(hint.joint)] - place).norm();
+    double other = own;
+    if (joint.side != Side::middle) {
+      const std::string stem = joint.name.substr(0, joint.name.size() - 2);
+      const Side across = joint.side == Side::left ? Side::right : Side::left;
+      const int twin = find_segment(body, stem + side_suffix(across));
+      other = (out.pose.posed[std::size_t(twin)] - place).norm();
+    }
+    if (own > kDoubtfulJoint || (own > kDoubtfulTwin && other < 0.8 * own))
+      off += fmt::format("{}{} ({:.0f} cm)", off.empty() ? "" : ", ", joint.name, 100 * own);
+  }
+  if (!off.empty())
+    out.report.doubts.push_back("joints that the file names lie elsewhere than ours: " + off);
+}
+
+// How far the head looks aside, against the chest.
+double head_turn(const ArticulatedBody& body, const Registration& out) {
+  const int neck = find_segment(body, "neck"), head = find_segment(body, "head");
+  const Quat whole = out.pose.rotations[std::size_t(neck)] * out.pose.rotations[std::size_t(head)];
+  const Vec3 front = whole * Vec3::UnitZ();
+  return std::abs(std::atan2(front.x(), front.z()));
+}
+
+// What is as near as a person can be laid to it, and is none.
+void refuse_others(const Registration& out, double far) {
+  const RegistrationReport& report = out.report;
+  const double stature = height_of(out.body), build = build_of(out.body);
+  const auto refuse = [](const std::string& why) {
+    throw UnfitError("this does not look like a person who stands: " + why);
+  };
+  if (build < kRefusedThin || build > kRefusedStout)
+    refuse(fmt::format("a body in it would weigh {:.0f} kg at {:.2f} m", out.body.mass, stature));
+  const bool unusual = build < kDoubtfulThin || build > kDoubtfulStout;
+  if (report.doubt > kDoubtfulOther && (report.scan_to_body.p95 > kOthersP95 || unusual))
+    refuse(
+        "a body fits into it in several ways, well in none; --landmarks or --pose help where it is "
+        "a "
+        "person after all");
+  if (report.turn_deviation > kRefusedTurn)
+    refuse(
+        fmt::format("joints would have to turn to {:.1f} times what is usual; no head, trunk, "
+                    "arms and legs of a person who stands were found",
+                    report.turn_deviation));
+  if (report.scan_to_body.p95 > kRefusedP95)
+    refuse(fmt::format("5 % of it lie more than {:.0f} mm from the nearest body",
+                       1e3 * report.scan_to_body.p95));
+  if (far > kElsewhere && report.unseen > kElsewhereUnseen)
+    refuse(fmt::format(
+        "{:.0f} % of it lies more than {:.0f} mm from the nearest body, of which {:.0f} % have "
+        "nothing beside them",
+        100 * far, 1e3 * kFarOff, 100 * report.unseen));
 }
 
 // Share of edges that the surface fit made less than half or more than twice as long.
@@ -89,23 +176,30 @@ double stretched_share(const ArticulatedBody& body, const Points& before, const 
 void judge_registration(const RegistrationEvidence& evidence, Registration& out) {
   const ArticulatedBody& body = evidence.body;
   const Scan& scan = evidence.scan;
-  const SurfacePoints& points = evidence.points;
+  const SurfacePoints& points = evidence.target.surface;
+  const std::vector<char>& covering = evidence.target.covering;
   RegistrationReport& report = out.report;
-  // Scan to body: exact distances of even points.
-  const NearestSurface surface({out.posed, body.F});
+  // Scan to body: exact distances of even points. Clothes may stand off.
+  const TriMesh skin{out.posed, body.F};
+  const NearestSurface surface(skin);
+  const Points normals = vertex_normals(skin);
   std::vector<double> distances(std::min(kJudged, std::size_t(points.points.rows())));
   parallel_for_ranges(distances.size(), 64, Threads::all, [&](std::size_t first, std::size_t last) {
     for (std::size_t k = first; k < last; ++k) {
       const Vec3 p =
           out.axes * (out.scale / scan.unit * points.points.row(Eigen::Index(k)).transpose()) +
           out.shift;
-      distances[k] = surface.nearest(p).distance;
+      const SurfacePoint hit = surface.nearest(p);
+      distances[k] = hit.distance;
+      const Vec3 outwards = normals.row(body.F(hit.triangle, 0));
+      if (!covering.empty() && covering[k] && outwards.dot(p - hit.point) > 0)
+        distances[k] = kStandsOff;
     }
   });
+  std::erase(distances, kStandsOff);
   report.scan_to_body = figures_of(distances);
   std::vector<double> back;
   double unseen = 0, all = 0;
-  const Points normals = vertex_normals({out.posed, body.F});
   for (std::size_t i = 0; i < body.outer.size(); ++i) {
     all += body.area[i];
     if (!body.outer[i]) continue;
@@ -135,6 +229,7 @@ void judge_registration(const RegistrationEvidence& evidence, Registration& out)
         "nearest body, and {:.0f} % more than {:.0f} mm; --landmarks or --pose help where the pose "
         "was not found",
         1e3 * off.median, 100 * far, 1e3 * kFarOff));
+  refuse_others(out, far);
   const double stretched = stretched_share(body, evidence.start, evidence.fitted);
   const auto doubt = [&](bool is, const std::string& why) {
     if (is) report.doubts.push_back(why);
@@ -154,6 +249,17 @@ void judge_registration(const RegistrationEvidence& evidence, Registration& out)
   doubt(report.shape_distance > kDoubtfulShape,
         fmt::format("no usual body: {:.1f} standard deviations a component from the mean",
                     report.shape_distance));
+  doubt(report.turn_deviation > kDoubtfulTurn,
+        fmt::format("joints turn to {:.1f} times what is usual", report.turn_deviation));
+  if (const double turned = head_turn(body, out); turned > kDoubtfulHead)
+    doubt(true, fmt::format("the head would look {:.0f} degrees aside; a plain head does not tell",
+                            turned * kDegreesPerRadian));
+  compare_joints(evidence, out);
+  const double build = build_of(out.body);
+  doubt(build < kDoubtfulThin || build > kDoubtfulStout,
+        fmt::format("{:.0f} kg at {:.2f} m is an unusual build: clothes, hair or doubled surfaces "
+                    "count as body where names do not tell them",
+                    out.body.mass, height_of(out.body)));
   doubt(stretched > kDoubtfulStretch,
         fmt::format("{:.0f} % of the skin had to be stretched to half or double", 100 * stretched));
 }

@@ -25,6 +25,8 @@ constexpr double kExplained = 0.02;   // m, of another part, normals counted in
 constexpr double kRoom = 1.1;         // of its length, about its joint, where its points may be
 constexpr Eigen::Index kFewest = 40;  // points of the scan that tell something
 constexpr int kSamples = 300;
+constexpr double kBeyond = 0.015;    // m past the joint
+constexpr double kSeenShare = 0.08;  // of the points that a whole hand or foot would have
 
 constexpr FitStage kRough{.rounds = 6,
                           .samples = 400,
@@ -173,6 +175,30 @@ ScanTarget about_them(const ArticulatedFit& fit, const ArticulatedPose& pose,
   return out;
 }
 
+// Whether the scan goes on beyond the joint, as far as the limb's end should be seen there.
+bool is_seen(const ArticulatedFit& fit, const ArticulatedPose& pose, const LimbEnd& end) {
+  const ArticulatedBody& body = fit.body;
+  double own = 0, all = 0;
+  for (std::size_t i = 0; i < body.area.size(); ++i) {
+    all += body.area[i];
+    if (body.parts[i].part == end.part && body.parts[i].side == end.side) own += body.area[i];
+  }
+  const SurfacePoints& scan = fit.scan.surface;
+  const double share = fit.scan.one_sided ? 0.5 : 1;
+  const double expected = share * double(scan.points.rows()) * own / all;
+  const auto place = [&](int joint) -> Vec3 {
+    return pose.scale * pose.places[std::size_t(joint)] + pose.shift;
+  };
+  const Vec3 joint = place(end.end), along = (joint - place(end.twist)).normalized();
+  const double reach = room(pose, end);
+  int beyond = 0;
+  for (Eigen::Index i = 0; i < scan.points.rows(); ++i) {
+    const Vec3 way = scan.points.row(i).transpose() - joint;
+    beyond += way.norm() < reach && way.dot(along) > kBeyond;
+  }
+  return beyond > kSeenShare * expected;
+}
+
 // Turned by degrees about the limb and across, fingers and toes straight.
 ArticulatedState turned(const ArticulatedBody& body, const LimbEnd& end, double roll, double bend,
                         ArticulatedState state) {
@@ -193,21 +219,16 @@ std::span<const double> hand_or_foot(const LimbEnd& end, std::span<const double>
 
 double turn_cost(const ArticulatedBody& body, const LimbEnd& end, const ArticulatedState& state) {
   double sum = 0;
-  for (const int j : end.joints) {
-    const SegmentJoint& joint = body.joints[std::size_t(j)];
-    const Eigen::AngleAxisd whole(state.turns[std::size_t(j)]);
-    const Vec3 turn = whole.angle() * whole.axis();
-    const double along = turn.dot(joint.axis);
-    sum += along * along / (joint.twist * joint.twist) +
-           (turn.squaredNorm() - along * along) / (joint.bend * joint.bend);
-  }
+  for (const int j : end.joints)
+    sum += squared_turn(body.joints[std::size_t(j)], state.turns[std::size_t(j)]);
   return kTurnCost * sum;
 }
 
 }  // namespace
 
-void turn_limb_ends(const ArticulatedFit& fit, ArticulatedState& state) {
+std::vector<int> turn_limb_ends(const ArticulatedFit& fit, ArticulatedState& state) {
   const ArticulatedBody& body = fit.body;
+  std::vector<int> unseen;
   const RestShape shape = rest_shape(body, state.z);
   const std::vector<Mat3> rest(body.joints.size(), Mat3::Identity());
   const auto turn = [&](const LimbEnd& end, const BodySamples& samples, const ScanTarget& target,
@@ -233,15 +254,26 @@ void turn_limb_ends(const ArticulatedFit& fit, ArticulatedState& state) {
   };
   for (const bool hand : {true, false}) {
     const ArticulatedPose pose = articulate(body, shape, state);
+    for (const Side side : {Side::left, Side::right}) {
+      const LimbEnd end = limb_end(body, hand, side);
+      if (is_seen(fit, pose, end)) continue;
+      for (const int j : end.joints) state.turns[std::size_t(j)].setIdentity();
+      unseen.insert(unseen.end(), end.joints.begin(), end.joints.end());
+    }
     for (const std::vector<LimbEnd>& group : groups(body, pose, hand)) {
       const ScanTarget target = about_them(fit, pose, group);
       if (target.surface.points.rows() < kFewest) continue;
+      if (std::any_of(group.begin(), group.end(), [&](const LimbEnd& end) {
+            return std::find(unseen.begin(), unseen.end(), end.end) != unseen.end();
+          }))
+        continue;
       const PointTree tree(target.surface, kReach);
       const BodySamples samples = joined(group);
       for (std::size_t sweep = 0; sweep < group.size(); ++sweep)
         for (const LimbEnd& end : group) turn(end, samples, target, tree);
     }
   }
+  return unseen;
 }
 
 }  // namespace ecorche::inline v1

@@ -5,12 +5,15 @@
 // stays as it fits best, both ways.
 #pragma once
 
+#include <vector>
+
 #include "morph/registration/articulated_fit.h"
 
 namespace ecorche::inline v1 {
 
 // Precondition: all else of the state lies on the scan. Turns of hands, thumbs, fingers, feet, toes
-// and the twists above them change.
-void turn_limb_ends(const ArticulatedFit& fit, ArticulatedState& state);
+// and the twists above them change. Those of ends that the scan does not show are as at rest, and
+// are returned.
+std::vector<int> turn_limb_ends(const ArticulatedFit& fit, ArticulatedState& state);
 
 }  // namespace ecorche::inline v1

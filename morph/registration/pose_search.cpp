@@ -20,8 +20,10 @@ constexpr std::size_t kPlaced = 20, kPosed = 4, kShaped = 3;
 constexpr std::size_t kLimbs = 4;
 constexpr std::size_t kSpread = 6000;  // points of the scan that misfits count
 constexpr double kFar = 0.15;  // m, distances that all count alike when hypotheses are compared
-constexpr double kOtherBody = 0.1;   // m, mean distance of two results that are not the same
-constexpr double kTurnCost = 0.001;  // of a squared deviation a joint, as a misfit
+constexpr double kOtherBody = 0.1;    // m, mean distance of two results that are not the same
+constexpr double kTurnCost = 0.001;   // of a squared deviation a joint, as a misfit
+constexpr std::size_t kLaidOver = 4;  // known places that a body is laid over
+constexpr double kOtherUp = 0.05;     // of another up than the file's, as a misfit
 
 // Coarse to fine.
 constexpr FitStage kRough{.rounds = 7,
@@ -77,7 +79,8 @@ constexpr FitStage kClose{.rounds = 10,
                           .shape = true,
                           .scale = true,
                           .pose_prior = 2.4,
-                          .shape_prior = 2};
+                          .shape_prior = 2,
+                          .settled = true};
 constexpr FitStage kClosest{.rounds = 10,
                             .samples = 5000,
                             .width = 0.03,
@@ -86,7 +89,8 @@ constexpr FitStage kClosest{.rounds = 10,
                             .shape = true,
                             .scale = true,
                             .pose_prior = 2.4,
-                            .shape_prior = 2};
+                            .shape_prior = 2,
+                            .settled = true};
 
 struct Spread {
   Vec3 centre = Vec3::Zero();
@@ -118,7 +122,7 @@ std::vector<std::pair<Vec3, double>> up_candidates(const Points& points,
       if (other.dot(up) > 0.97) return;
     out.emplace_back(up, cost);
   };
-  const double other = known ? 0.02 : 0;
+  const double other = known ? kOtherUp : 0;
   add(Vec3::UnitY(), other);
   add(Vec3::UnitZ(), other);
   add(-Vec3::UnitY(), other + 0.005);
@@ -143,15 +147,18 @@ std::vector<Mat3> turns_about(const Vec3& up) {
 
 }  // namespace
 
-PoseSearch::PoseSearch(const ArticulatedBody& body, SurfacePoints surface,
-                       PoseSearchOptions options)
+PoseSearch::PoseSearch(const ArticulatedBody& body, EvenPoints points, PoseSearchOptions options)
     : body_(body),
       mean_(rest_shape(body, Eigen::VectorXd::Zero(body.basis.cols()))),
       options_(std::move(options)),
       coarse_(spread_vertices(body, 160)),
       middle_(spread_vertices(body, 700)),
       fine_(spread_vertices(body, 2500)),
-      target_{std::move(surface), {}, options_.one_view},
+      target_{std::move(points.surface),
+              {},
+              options_.one_view,
+              std::move(points.border),
+              std::move(points.covering)},
       tree_(target_.surface, 0.1) {
   target_.spread.resize(std::min(kSpread, std::size_t(target_.surface.points.rows())));
   std::iota(target_.spread.begin(), target_.spread.end(), 0);
@@ -167,7 +174,14 @@ std::vector<PoseHypothesis> PoseSearch::find_poses() const {
   return found;
 }
 
-// Every pose in every orientation, laid over the scan by centre and size.
+// A depth frame in a known unit shows a part of somebody whose size is no matter of the fit.
+FitStage PoseSearch::sized(FitStage stage) const {
+  stage.scale &= !(options_.one_view && options_.scale_known);
+  return stage;
+}
+
+// Every pose in every orientation, laid over the scan by centre and size; of a depth frame, which
+// may show the upper part alone, by centres further down, too.
 std::vector<PoseHypothesis> PoseSearch::placed() const {
   std::vector<BodyPose> poses = standing_poses(body_);
   if (options_.pose) {
@@ -176,31 +190,52 @@ std::vector<PoseHypothesis> PoseSearch::placed() const {
   }
   const Spread scan_spread =
       spread_of(target_.surface.points.topRows(Eigen::Index(target_.spread.size())));
+  std::vector<double> drops{0};  // m
+  if (options_.one_view) drops = {0, 0.25, 0.5};
   std::vector<PoseHypothesis> out;
   for (const auto& [up, cost] : up_candidates(target_.surface.points, options_.up)) {
     for (const Mat3& turn : turns_about(up)) {
       for (const BodyPose& pose : poses) {
-        PoseHypothesis one{rest_state(body_), cost, pose.name};
-        one.state.turns = pose.turns;
-        one.state.turns[0] = turn;
-        out.push_back(std::move(one));
+        for (const double drop : drops) {
+          PoseHypothesis one{rest_state(body_), cost, pose.name};
+          one.state.turns = pose.turns;
+          one.state.turns[0] = turn;
+          one.state.shift = -drop * up;
+          out.push_back(std::move(one));
+        }
       }
     }
   }
+  if (options_.hints.size() >= kLaidOver) out.push_back(as_known());
   parallel_for_ranges(out.size(), 16, Threads::all, [&](std::size_t first, std::size_t last) {
     for (std::size_t h = first; h < last; ++h) {
       PoseHypothesis& one = out[h];
+      ArticulatedState unmoved = one.state;
+      unmoved.shift.setZero();
       const Spread own =
-          spread_of(posed_points(body_, articulate(body_, mean_, one.state), coarse_.vertices));
+          spread_of(posed_points(body_, articulate(body_, mean_, unmoved), coarse_.vertices));
       double ratio = scan_spread.radius / own.radius;
       if (target_.one_sided) ratio = 1;
       one.state.log_scale = std::log(std::clamp(ratio, 0.5, 2.0));
-      one.state.shift = scan_spread.centre - std::exp(one.state.log_scale) * own.centre;
-      if (options_.hints.size() >= 4) lay_over_hints(one.state);
+      one.state.shift += scan_spread.centre - std::exp(one.state.log_scale) * own.centre;
+      if (options_.hints.size() >= kLaidOver) lay_over_hints(one.state);
       one.misfit += two_way_misfit(fit(), coarse_, tree_, mean_, one.state, 200, kFar);
       if (!options_.hints.empty()) one.misfit += hint_misfit(one.state);
     }
   });
+  return out;
+}
+
+// All limbs whose joints are known along these at once: crossed legs would not be found one by one.
+PoseHypothesis PoseSearch::as_known() const {
+  PoseHypothesis out{rest_state(body_), 0, "as its joints"};
+  for (int round = 0; round < 3; ++round) {
+    lay_over_hints(out.state);
+    for (const bool arm : {true, false})
+      for (const Side side : {Side::left, Side::right})
+        if (const auto known = known_limb(arm, side, out.state))
+          set_limb(body_, arm, side, *known, out.state.turns);
+  }
   return out;
 }
 
@@ -217,6 +252,25 @@ double PoseSearch::hint_misfit(const ArticulatedState& state) const {
   for (const PlaceHint& hint : options_.hints)
     sum += std::min(1.0, (hint_point(hint, pose) - hint.place).norm() / (2 * kFar));
   return sum / double(options_.hints.size());
+}
+
+// A limb along its joints, where all three are known.
+std::optional<LimbPose> PoseSearch::known_limb(bool arm, Side side,
+                                               const ArticulatedState& state) const {
+  const auto place = [&](const char* name) -> std::optional<Vec3> {
+    const int joint = find_segment(body_, name + std::string(side_suffix(side)));
+    for (const PlaceHint& hint : options_.hints)
+      if (hint.joint == joint && joint >= 0) return hint.place;
+    return std::nullopt;
+  };
+  const auto first = place(arm ? "arm" : "thigh"), middle = place(arm ? "forearm" : "shank"),
+             last = place(arm ? "hand" : "foot");
+  if (!first || !middle || !last) return std::nullopt;
+  const auto towards = [&](const Vec3& from, const Vec3& to) -> Vec3 {
+    const Vec3 own = state.turns[0].transpose() * (to - from);
+    return side == Side::right ? Vec3(-own.x(), own.y(), own.z()) : own;
+  };
+  return LimbPose{"as its joints", towards(*first, *middle), towards(*middle, *last)};
 }
 
 // Shift and turn of the whole by the known places.
@@ -251,8 +305,8 @@ void PoseSearch::posed(std::vector<PoseHypothesis>& found) const {
     for (std::size_t h = first; h < last; ++h) {
       PoseHypothesis& one = found[h];
       const std::vector<Mat3> prior = one.state.turns;
-      fit_articulated(fit(), kRough, coarse_, tree_, prior, one.state);
-      fit_articulated(fit(), kPose, coarse_, tree_, prior, one.state);
+      fit_articulated(fit(), sized(kRough), coarse_, tree_, prior, one.state);
+      fit_articulated(fit(), sized(kPose), coarse_, tree_, prior, one.state);
       one.misfit = misfit(one.state, middle_, 900);
     }
   });
@@ -264,26 +318,7 @@ double PoseSearch::misfit(const ArticulatedState& state, const BodySamples& samp
   double out =
       two_way_misfit(fit(), samples, tree_, rest_shape(body_, state.z), state, count, 0.5 * kFar);
   if (!options_.hints.empty()) out += 0.5 * hint_misfit(state);
-  return out + kTurnCost * turn_cost(state);
-}
-
-// How far joints are from what people usually do, mean squared deviations.
-double PoseSearch::turn_cost(const ArticulatedState& state) const {
-  double sum = 0;
-  for (std::size_t j = 1; j < body_.joints.size(); ++j) {
-    const SegmentJoint& joint = body_.joints[j];
-    const Eigen::AngleAxisd whole(state.turns[j]);
-    const Vec3 turn = whole.angle() * whole.axis();
-    const double along = turn.dot(joint.axis);
-    sum += along * along / (joint.twist * joint.twist) +
-           (turn.squaredNorm() - along * along) / (joint.bend * joint.bend);
-    if (joint.hinge.squaredNorm() > 0) {
-      const double flexed = turn.dot(joint.hinge);
-      const double beyond = std::max({0.0, joint.hinge_min - flexed, flexed - joint.hinge_max});
-      sum += 25 * beyond * beyond;
-    }
-  }
-  return sum / double(body_.joints.size());
+  return out + kTurnCost * mean_squared_turn(body_, state.turns);
 }
 
 // Each limb of the best hypotheses in every other way; what fits better stays.
@@ -297,6 +332,7 @@ void PoseSearch::other_limbs(std::vector<PoseHypothesis>& found) const {
       std::vector<LimbPose> poses = limb_grid(arm);
       const auto& usual = arm ? arm_poses() : leg_poses();
       poses.insert(poses.end(), usual.begin(), usual.end());
+      if (const auto known = known_limb(arm, side, best.state)) poses.push_back(*known);
       std::vector<PoseHypothesis> tries(poses.size(), best);
       parallel_for_ranges(tries.size(), 1, Threads::all, [&](std::size_t from, std::size_t to) {
         for (std::size_t k = from; k < to; ++k) {
@@ -304,7 +340,8 @@ void PoseSearch::other_limbs(std::vector<PoseHypothesis>& found) const {
           tries[k].name = fmt::format("{}; {} {}", best.name, arm ? "arm" : "leg", poses[k].name);
           tries[k].misfit =
               two_way_misfit(fit(), coarse_, tree_, mean_, tries[k].state, 300, 0.5 * kFar) +
-              kTurnCost * turn_cost(tries[k].state);
+              kTurnCost * mean_squared_turn(body_, tries[k].state.turns);
+          if (!options_.hints.empty()) tries[k].misfit += 0.5 * hint_misfit(tries[k].state);
         }
       });
       keep(tries, kLimbs);
@@ -312,7 +349,7 @@ void PoseSearch::other_limbs(std::vector<PoseHypothesis>& found) const {
         for (std::size_t k = from; k < to; ++k) {
           PoseHypothesis& other = tries[k];
           const std::vector<Mat3> prior = other.state.turns;
-          fit_articulated(fit(), kLimb, coarse_, tree_, prior, other.state);
+          fit_articulated(fit(), sized(kLimb), coarse_, tree_, prior, other.state);
           other.misfit = misfit(other.state, middle_, 900);
         }
       });
@@ -347,15 +384,16 @@ void PoseSearch::fit_shapes(std::vector<PoseHypothesis>& found) const {
   FitStage close = kClose, closest = kClosest;
   close.scale = closest.scale = !options_.scale_known;
   for (PoseHypothesis& one : found) {
-    fit_articulated(fit(), kShapeStart, middle_, tree_, one.state.turns, one.state);
-    fit_articulated(fit(), kShape, middle_, tree_, rest, one.state);
+    fit_articulated(fit(), sized(kShapeStart), middle_, tree_, one.state.turns, one.state);
+    fit_articulated(fit(), sized(kShape), middle_, tree_, rest, one.state);
     one.misfit = misfit(one.state, middle_, 1500);
   }
   std::stable_sort(found.begin(), found.end(), by_misfit);
   PoseHypothesis& best = found.front();
   fit_articulated(fit(), close, fine_, tree_, rest, best.state);
-  turn_limb_ends(fit(), best.state);
-  fit_articulated(fit(), closest, fine_, tree_, rest, best.state);
+  ArticulatedFit held = fit();
+  held.still = turn_limb_ends(held, best.state);
+  fit_articulated(held, closest, fine_, tree_, rest, best.state);
   best.misfit = misfit(best.state, middle_, 1500);
 }
 

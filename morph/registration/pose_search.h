@@ -12,6 +12,7 @@
 #include "anatomy/anatomy.h"
 #include "morph/registration/articulated_body.h"
 #include "morph/registration/articulated_fit.h"
+#include "morph/registration/even_points.h"
 #include "morph/registration/point_tree.h"
 #include "morph/registration/pose_hypotheses.h"
 
@@ -33,8 +34,8 @@ struct PoseSearchOptions {
 
 class PoseSearch {
  public:
-  // `surface`: points spread evenly, every beginning of them too. `body` must outlive the search.
-  PoseSearch(const ArticulatedBody& body, SurfacePoints surface, PoseSearchOptions options);
+  // Of the points every beginning is even, too. `body` must outlive the search.
+  PoseSearch(const ArticulatedBody& body, EvenPoints points, PoseSearchOptions options);
 
   // Poses of a body in general; the best first. None are alike.
   std::vector<PoseHypothesis> find_poses() const;
@@ -43,20 +44,22 @@ class PoseSearch {
   // How near the best of the others came to the first, if it is another pose: 0 .. 1.
   double rivalry(const std::vector<PoseHypothesis>& found) const;
 
-  const SurfacePoints& surface() const { return target_.surface; }
+  const ScanTarget& target() const { return target_; }
   const PointTree& tree() const { return tree_; }
 
  private:
   ArticulatedFit fit() const { return {body_, target_, options_.hints}; }
+  FitStage sized(FitStage stage) const;
+  PoseHypothesis as_known() const;
   std::vector<PoseHypothesis> placed() const;
   void posed(std::vector<PoseHypothesis>& found) const;
   void other_limbs(std::vector<PoseHypothesis>& found) const;
   void keep_distinct(std::vector<PoseHypothesis>& found) const;
   Vec3 hint_point(const PlaceHint& hint, const ArticulatedPose& pose) const;
   double hint_misfit(const ArticulatedState& state) const;
+  std::optional<LimbPose> known_limb(bool arm, Side side, const ArticulatedState& state) const;
   void lay_over_hints(ArticulatedState& state) const;
   double misfit(const ArticulatedState& state, const BodySamples& samples, int count) const;
-  double turn_cost(const ArticulatedState& state) const;
 
   const ArticulatedBody& body_;
   RestShape mean_;  // of nobody in particular

@@ -111,6 +111,12 @@ Mat3 up_turn(const Mat3& turn) {
   return best;
 }
 
+// Whether a size that was not told by a person can be one's stature.
+bool is_stature(double stature, const Scan& scan) {
+  constexpr double kLeast = 0.9, kMost = 2.3;  // m
+  return scan.unit_told || (stature > kLeast && stature < kMost);
+}
+
 // World of the registered pose: upright, on the floor, in metres.
 void place(const RegistrationModel& model, const Scan& scan, const std::optional<double>& known,
            const ArticulatedState& state, const ArticulatedPose& pose, const Points& posed,
@@ -122,7 +128,7 @@ void place(const RegistrationModel& model, const Scan& scan, const std::optional
     scale = *known / stature(model.package, rest);
     rest *= scale;
     scale /= pose.scale;
-  } else if (!scan.unit_known) {
+  } else if (!scan.unit_known || !is_stature(pose.scale * stature(model.package, rest), scan)) {
     scale = 1 / pose.scale;
   } else {
     rest *= pose.scale;
@@ -180,9 +186,9 @@ Registration register_scan(const RegistrationModel& model, const Scan& scan,
   };
   Registration out;
   const EvenPoints points = even_points(scan);
-  const PoseSearch search(
-      body, spread_points(points, kSearched),
-      {scan.one_view, scan.unit_known, scan.up, known_places(model, scan, options), options.pose});
+  const std::vector<PlaceHint> hints = known_places(model, scan, options);
+  const PoseSearch search(body, spread_points(points, kSearched),
+                          {scan.one_view, scan.unit_known, scan.up, hints, options.pose});
   auto begin = std::chrono::steady_clock::now();
   std::vector<PoseHypothesis> found = search.find_poses();
   out.report.pose_ms = milliseconds_since(begin);
@@ -204,7 +210,8 @@ Registration register_scan(const RegistrationModel& model, const Scan& scan,
   out.report.surface_ms = milliseconds_since(begin);
   out.report.shape_distance = std::sqrt(state.z.squaredNorm() / double(state.z.size()));
   out.report.doubt = search.rivalry(found);
-  judge_registration({body, scan, search.surface(), search.tree(), start, fitted.posed}, out);
+  out.report.turn_deviation = std::sqrt(mean_squared_turn(body, state.turns));
+  judge_registration({body, scan, search.target(), search.tree(), start, fitted.posed, hints}, out);
   return out;
 }
 

@@ -35,6 +35,7 @@ struct RegistrationReport {
   double unseen = 0;                // share of the body's area that the scan says nothing about
   double doubt = 0;                 // 0 sure .. 1: how near the best other hypothesis came
   double shape_distance = 0;        // of the coefficients, in standard deviations a coefficient
+  double turn_deviation = 0;        // of joints from usual turns, in deviations: root mean square
   std::vector<std::string> doubts;  // why the result is written as doubtful; empty: it is not
   double pose_ms = 0, shape_ms = 0, surface_ms = 0;
 };

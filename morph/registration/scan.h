@@ -20,6 +20,7 @@ struct Scan {
   std::vector<char> covering;     // #N, 1: clothes or hair: the body lies within
   double unit = 1;                // metres in one unit of the file; `points` = unit * file
   bool unit_known = false;        // false: the size was guessed from nothing but its plausibility
+  bool unit_told = false;         // by the person who asks, not by the file
   std::optional<Vec3> up;         // where the file's format or contents tell it
   std::optional<double> stature;  // m, where it was told
   // parts of the file that are no body: eyes, teeth, hair, props

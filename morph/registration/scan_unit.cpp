@@ -78,9 +78,9 @@ ScanUnit guess_unit(double extent, double area, std::optional<double> said) {
   if (best.weight < kUnsure) {
     const double metres = kUsualSize / extent;
     return {metres, false,
-            fmt::format("unit unknown: {:g} units are no person's size in any; taken as {:.2f} m, "
-                        "give --unit or --stature to be right",
-                        extent, kUsualSize)};
+            fmt::format("unit unknown: {:g} units are no person's size in any; the size is that of "
+                        "usual people of such a shape, --unit or --stature tell it",
+                        extent)};
   }
   std::string note = fmt::format("unit: {}{}, largest extent {:.2f} m", best.name,
                                  said && best.metres == *said ? " as the file says" : " assumed",

@@ -45,7 +45,9 @@ struct Answer {
   bool refused = false;
   std::string reason;  // of refusal, or doubts
   bool doubtful = false;
+  double turns = 0;  // deviation from usual ones
   Points posed;
+  Points rest;  // the body brought to rest, m
   std::vector<Landmark> joints;
   double seconds = 0;
 };
@@ -153,7 +155,7 @@ class Judge {
 
   struct Case {
     bool found = false, answered = false, doubtful = false;
-    std::string wrong;
+    std::string wrong, doubts;
     double correspondence = 0;                 // mean, m
     std::vector<double> to_surface, to_clean;  // m
     std::vector<double> material;              // shown vertices, m
@@ -170,6 +172,7 @@ class Judge {
       return out;
     }
     out.answered = true;
+    out.doubts = answer.reason;
     double sum = 0;
     for (const int i : outer_) {
       const double d = scan.unit * (answer.posed.row(i) - scan.truth.row(i)).norm();
@@ -213,7 +216,8 @@ class Judge {
                  1e3 * quantile(c.to_surface, 0.95), 1e3 * quantile(c.to_clean, 0.5),
                  1e3 * quantile(c.to_clean, 0.95), 1e3 * quantile(c.material, 0.5), 1e3 * c.joints,
                  1e3 * c.worst_joint, c.seconds);
-    fmt::print("{}{}{}\n", scan.name, c.wrong.empty() ? "" : " -- ", c.wrong);
+    fmt::print("{}{}{}{}\n", scan.name, c.wrong.empty() ? "" : " -- ", c.wrong,
+               c.doubts.empty() ? "" : " -- doubtful: " + c.doubts);
     std::fflush(stdout);
   }
 
@@ -279,12 +283,14 @@ Answer register_file(const RegistrationModel& model, const fs::path& file,
     const auto to_file = [&](const Vec3& world) -> Vec3 {
       return found.axes.transpose() * (world - found.shift) / found.scale;
     };
+    out.rest = found.body.skin.V;
     out.posed.resize(found.posed.rows(), 3);
     for (Eigen::Index i = 0; i < found.posed.rows(); ++i)
       out.posed.row(i) = to_file(found.posed.row(i).transpose()).transpose();
     for (std::size_t j = 0; j < found.pose.joints.size(); ++j)
       out.joints.push_back({found.pose.joints[j], to_file(found.pose.posed[j])});
     out.doubtful = !found.report.doubts.empty();
+    out.turns = found.report.turn_deviation;
     for (const std::string& doubt : found.report.doubts)
       out.reason += (out.reason.empty() ? "" : "; ") + doubt;
   } catch (const UnfitError& e) {
@@ -426,7 +432,7 @@ void faust(const BodyModel& model, const fs::path& folder, const std::vector<int
   const Triangles& F = the_judge.package().triangles;
   if (!keep.empty()) fs::create_directories(keep);
   std::vector<SetScan> scans;
-  fmt::print("{:>8} {:>15} {:>6}  mm\n", "", "scan->body", "s");
+  fmt::print("{:>8} {:>15} {:>6} {:>6}  mm\n", "", "scan->body", "turns", "s");
   fmt::print("{:>8} {:>8} {:>6}\n", "scan", "median", "p95");
   std::vector<double> all, seconds;
   double worst_median = 0, worst_p95 = 0;
@@ -459,8 +465,9 @@ void faust(const BodyModel& model, const fs::path& folder, const std::vector<int
       all.insert(all.end(), d.begin(), d.end());
       worst_median = std::max(worst_median, quantile(d, 0.5));
       worst_p95 = std::max(worst_p95, quantile(d, 0.95));
-      fmt::print("{:>5}/{:<2} {:8.2f} {:6.2f} {:6.1f}  {}\n", person, pose, 1e3 * quantile(d, 0.5),
-                 1e3 * quantile(d, 0.95), scan.answer.seconds, scan.answer.reason);
+      fmt::print("{:>5}/{:<2} {:8.2f} {:6.2f} {:6.2f} {:6.1f}  {}\n", person, pose,
+                 1e3 * quantile(d, 0.5), 1e3 * quantile(d, 0.95), scan.answer.turns,
+                 scan.answer.seconds, scan.answer.reason);
       std::fflush(stdout);
       if (!keep.empty()) {
         const auto name = [&](const char* what) {
@@ -468,6 +475,7 @@ void faust(const BodyModel& model, const fs::path& folder, const std::vector<int
         };
         write_ply(name("scan"), {Points(scan.unit * scan.mesh.V), scan.mesh.F});
         write_ply(name("body"), {Points(scan.unit * scan.answer.posed), F});
+        write_ply(name("rest"), {scan.answer.rest, F});
       }
       const NearestSurface tree(skin);
       scan.mapped_bary.resize(Eigen::Index(scan.samples.size()), 3);
