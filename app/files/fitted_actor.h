@@ -38,6 +38,7 @@ struct FitOutcome {
   double skin_gap_median = 0;
   // share of a stranger's edges that bringing its mesh to rest made thrice as long; 0 for our skins
   double torn_share = 0;
+  double longest_tear = 0;  // m, by which the worst of them grew
 };
 
 struct FittedActor : FitOutcome {

@@ -1,9 +1,9 @@
 #include "app/files/stranger.h"
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
-#include "anatomy/base_mesh/body_rig.h"
 #include "morph/registration/attached_skin.h"
 #include "morph/registration/still_hands.h"
 
@@ -12,7 +12,8 @@ namespace {
 
 constexpr double kTorn = 3, kShortest = 1e-3;  // times as long; m, of edges that count
 
-double torn_share(const HungSkin& hung) {
+// Edges that bringing the mesh to rest made longer.
+void measure_tears(const HungSkin& hung, FitOutcome& out) {
   const Triangles& F = hung.rest.F;
   double torn = 0, all = 0;
   for (Eigen::Index f = 0; f < F.rows(); ++f) {
@@ -22,9 +23,29 @@ double torn_share(const HungSkin& hung) {
       const double after = (hung.rest.V.row(i) - hung.rest.V.row(j)).norm();
       all += 1;
       if (after > kTorn * std::max(before, kShortest)) torn += 1;
+      out.longest_tear = std::max(out.longest_tear, after - before);
     }
   }
-  return torn / std::max(all, 1.0);
+  out.torn_share = torn / std::max(all, 1.0);
+}
+
+// By the stems of joints' names (joint_parts); fingers and toes by what is left.
+std::optional<VertexPart> part_of_joint(const NamedPart& joint) {
+  static const std::map<std::string, BodyPart> kParts{
+      {"head", BodyPart::head},     {"jaw", BodyPart::head},
+      {"neck", BodyPart::neck},     {"trunk", BodyPart::trunk},
+      {"pelvis", BodyPart::trunk},  {"clavicle", BodyPart::trunk},
+      {"scapula", BodyPart::trunk}, {"shoulder", BodyPart::upper_arm},
+      {"elbow", BodyPart::forearm}, {"hip", BodyPart::thigh},
+      {"knee", BodyPart::shank},    {"ankle", BodyPart::foot}};
+  if (joint.part.empty()) return std::nullopt;
+  const auto known = kParts.find(joint.part);
+  const bool foot = joint.part.starts_with("toe") || joint.part.starts_with("mtp");
+  const BodyPart part = known != kParts.end() ? known->second
+                        : foot                ? BodyPart::foot
+                                              : BodyPart::hand;
+  const bool paired = part != BodyPart::head && part != BodyPart::neck && part != BodyPart::trunk;
+  return VertexPart{part, paired ? joint.side : Side::middle};
 }
 
 }  // namespace
@@ -38,6 +59,31 @@ Stranger make_stranger(std::string glb, const std::string& name) {
   return out;
 }
 
+std::vector<std::optional<VertexPart>> told_parts(const SourceRig& rig) {
+  std::vector<std::optional<VertexPart>> of_joint;
+  for (const NamedPart& joint : joint_parts(rig)) of_joint.push_back(part_of_joint(joint));
+  std::vector<std::optional<VertexPart>> out(rig.weights.size());
+  for (std::size_t v = 0; v < out.size(); ++v) {
+    std::map<std::pair<BodyPart, Side>, double> weights;
+    double told = 0;
+    const auto add = [&](int joint, double weight) {
+      if (!of_joint[std::size_t(joint)]) return;
+      weights[{of_joint[std::size_t(joint)]->part, of_joint[std::size_t(joint)]->side}] += weight;
+      told += weight;
+    };
+    const SourcePiece& piece = rig.pieces[std::size_t(rig.piece_of[v])];
+    for (const Influence& w : rig.weights[v]) add(w.joint, w.weight);
+    if (piece.joint >= 0) add(piece.joint, 1);
+    if (told < 0.5) continue;
+    const auto most = std::ranges::max_element(
+        weights, {}, [](const auto& part_and_weight) { return part_and_weight.second; });
+    const auto [part, side] = most->first;
+    if (part == BodyPart::trunk && is_covering(rig.kinds[v])) continue;
+    out[v] = VertexPart{part, side};
+  }
+  return out;
+}
+
 HungSkin hang_skin(const Stranger& stranger, const Registration& registration,
                    const BodyPackage& package, Report& report) {
   const StageTimer timer(report, "attach");
@@ -47,6 +93,7 @@ HungSkin hang_skin(const Stranger& stranger, const Registration& registration,
       (registration.scale * stranger.rig.mesh.V * registration.axes.transpose()).rowwise() +
       registration.shift.transpose();
   standing.rigid = rigid_pieces(stranger.rig);
+  standing.parts = told_parts(stranger.rig);
   const std::vector<VertexPart> parts = vertex_parts(package);
   AttachedSkin attached =
       attach_skin(with_still_hands(registration, parts), package.triangles, parts, standing);
@@ -78,8 +125,9 @@ FittedForFile fit_stranger(const Assets& assets, const Template& body_template,
   FittedActorOptions with = options;
   with.hung = &hung;
   FittedForFile out = fit_for_file(assets, body_template, registration.body, package, with, report);
-  out.torn_share = torn_share(hung);
+  measure_tears(hung, out);
   report.set("own_skin.torn_share", out.torn_share);
+  report.set("own_skin.longest_tear", out.longest_tear);
   return out;
 }
 

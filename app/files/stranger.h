@@ -3,9 +3,11 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "anatomy/base_mesh/body_rig.h"
 #include "app/files/fitted_actor.h"
 #include "morph/registration/registration.h"
 #include "skinning/rigs/source_rig.h"
@@ -21,6 +23,11 @@ struct Stranger {
 
 // Throws as read_source_rig. `glb`: the file as a .glb, whatever it was.
 Stranger make_stranger(std::string glb, const std::string& name);
+
+// The part of the body that each vertex is of by its weights, or by the joint that its piece hangs
+// on; nothing where names of joints do not tell most of it, and for clothes of the trunk, which may
+// reach to the feet. #V
+std::vector<std::optional<VertexPart>> told_parts(const SourceRig& rig);
 
 // The stranger's mesh attached to its registration, whose scale, axes and shift lead from the
 // file's coordinates (of Stranger::rig) to the world. Figures go to the report under `own_skin`.

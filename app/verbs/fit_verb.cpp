@@ -31,6 +31,7 @@ const std::map<std::string, Interior> kInteriors{{"bones", Interior::bones},
                                                  {"rbf", Interior::rbf}};
 
 constexpr double kDoubtfulTorn = 0.004;  // of a stranger's edges
+constexpr double kDoubtfulTear = 0.3;    // m, of a single one
 
 struct FitVerbOptions {
   std::filesystem::path body, body_template, output, tissue, weights;
@@ -89,6 +90,11 @@ FittedBody fit_any(const FitVerbOptions& options, const BodyPackage& package, co
       out.doubts.push_back(fmt::format(
           "{:.1f} % of the mesh's edges tear where limbs or clothes touched; see it at rest",
           100 * out.fitted.torn_share));
+    if (out.fitted.longest_tear > kDoubtfulTear)
+      out.doubts.push_back(
+          fmt::format("at rest an edge of the mesh is {:.2f} m longer than it "
+                      "stands: some of it hangs on another limb; see it at rest",
+                      out.fitted.longest_tear));
     return out;
   }
   return {fit_for_file(common.assets, body_template, found.body, package, options.fitted, report),

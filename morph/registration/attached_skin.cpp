@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bitset>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <numeric>
 #include <set>
@@ -31,6 +33,12 @@ constexpr double kSpeck = 0.1;  // share of a part's vertices below which an isl
                                 // taken for a mistake
 using Row = std::vector<std::pair<int, double>>;  // base vertex, weight
 
+constexpr int kSides = 3, kLabels = 9 * kSides;  // parts of the body by sides
+using Labels = std::bitset<kLabels>;
+
+int label_of(const VertexPart& part) { return kSides * int(part.part) + int(part.side); }
+int side_of(int label) { return label % kSides; }
+
 Points vertex_directions(const TriMesh& mesh) {
   Points out = Points::Zero(mesh.V.rows(), 3);
   for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
@@ -55,15 +63,21 @@ class PointGrid {
   // act(index, distance) for all points within `radius`, in no order.
   template <class Act>
   void within(const Vec3& p, double radius, const Act& act) const {
+    const auto look_at = [&](int i) {
+      if (const double d = (points_.row(i).transpose() - p).norm(); d <= radius) act(i, d);
+    };
     const Eigen::Vector3i low = of(p - Vec3::Constant(radius)),
                           high = of(p + Vec3::Constant(radius));
+    if ((high - low).cast<double>().array().prod() > double(points_.rows())) {
+      for (int i = 0; i < int(points_.rows()); ++i) look_at(i);
+      return;
+    }
     for (int x = low.x(); x <= high.x(); ++x)
       for (int y = low.y(); y <= high.y(); ++y)
         for (int z = low.z(); z <= high.z(); ++z) {
           const auto found = cells_.find(key({x, y, z}));
           if (found == cells_.end()) continue;
-          for (const int i : found->second)
-            if (const double d = (points_.row(i).transpose() - p).norm(); d <= radius) act(i, d);
+          for (const int i : found->second) look_at(i);
         }
   }
 
@@ -80,24 +94,33 @@ class PointGrid {
   std::unordered_map<std::int64_t, std::vector<int>> cells_;
 };
 
-// The mesh with vertices at one place made one.
+// The mesh with vertices at one place made one, but not across rigid pieces or sides.
 struct Welded {
   TriMesh mesh;
-  std::vector<int> of;  // #V of the mesh as it came
+  std::vector<int> of;     // #V of the mesh as it came
+  std::vector<int> rigid;  // #V of `mesh`, as the next
+  std::vector<int> own;    // label by the mesh's own rig, -1: not told
 };
 
 Welded weld(const StandingMesh& in) {
   Welded out;
   out.of.resize(in.mesh.V.rows());
-  std::map<std::array<std::int64_t, 4>, int> known;
+  std::map<std::array<std::int64_t, 5>, int> known;
   std::vector<Vec3> places;
   for (Eigen::Index i = 0; i < in.mesh.V.rows(); ++i) {
     const Vec3 p = in.mesh.V.row(i);
     const int rigid = in.rigid.empty() ? -1 : in.rigid[std::size_t(i)];
-    const std::array<std::int64_t, 4> at{std::llround(p.x() / kWeld), std::llround(p.y() / kWeld),
-                                         std::llround(p.z() / kWeld), rigid};
+    const int own =
+        in.parts.empty() || !in.parts[std::size_t(i)] ? -1 : label_of(*in.parts[std::size_t(i)]);
+    const std::array<std::int64_t, 5> at{std::llround(p.x() / kWeld), std::llround(p.y() / kWeld),
+                                         std::llround(p.z() / kWeld), rigid,
+                                         own < 0 ? -1 : side_of(own)};
     const auto [place, is_new] = known.emplace(at, int(places.size()));
-    if (is_new) places.push_back(p);
+    if (is_new) {
+      places.push_back(p);
+      out.rigid.push_back(rigid);
+      out.own.push_back(own);
+    }
     out.of[i] = place->second;
   }
   out.mesh.V.resize(places.size(), 3);
@@ -109,16 +132,17 @@ Welded weld(const StandingMesh& in) {
 class Attacher {
  public:
   Attacher(const Registration& registration, const Triangles& F,
-           const std::vector<VertexPart>& parts, const TriMesh& mesh)
-      : registration_(registration),
-        base_{registration.posed, F},
+           const std::vector<VertexPart>& parts, const Welded& welded)
+      : base_{registration.posed, F},
         normals_(vertex_directions(base_)),
         surface_(base_),
         grid_(registration.posed, 0.02),
         rings_(vertex_neighbours(base_)),
-        mesh_(mesh),
-        directions_(vertex_directions(mesh)),
-        neighbours_(vertex_neighbours(mesh)) {
+        mesh_(welded.mesh),
+        directions_(vertex_directions(mesh_)),
+        neighbours_(vertex_neighbours(mesh_)),
+        rigid_(welded.rigid),
+        own_(welded.own) {
     faces_.resize(base_.V.rows());
     area_.assign(base_.V.rows(), 0);
     for (Eigen::Index f = 0; f < F.rows(); ++f) {
@@ -128,44 +152,61 @@ class Attacher {
         area_[F(f, k)] += (b - a).cross(c - a).norm() / 6;
       }
     }
-    for (const VertexPart& part : parts) labels_.push_back(3 * int(part.part) + int(part.side));
+    for (const VertexPart& part : parts) labels_.push_back(label_of(part));
     for (std::size_t v = 0; v < rings_.size(); ++v)
-      for (const int other : rings_[v]) touching_.insert({labels_[v], labels_[other]});
-    for (const int label : labels_) touching_.insert({label, label});
+      for (const int other : rings_[v]) touching_[labels_[v]].set(labels_[other]);
+    for (const int label : labels_) touching_[label].set(label);
   }
 
-  void find(std::vector<Row>& rows, std::vector<double>& distance, const std::vector<int>& rigid) {
+  void find(std::vector<Row>& rows, std::vector<double>& distance) {
     const std::size_t count = mesh_.V.rows();
     nearest_.assign(count, -1);
     distance.assign(count, 0);
+    std::vector<int> sides(count, 0);  // 1: of the side that its rig tells, -1: of the other
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-      distance[i] = surface_.nearest(mesh_.V.row(i)).distance;
-      nearest_[i] = best_vertex(int(i), distance[i], nullptr);
+      const auto found = surface_.nearest(mesh_.V.row(i));
+      distance[i] = found.distance;
+      const int told = own_[i] < 0 ? 0 : side_of(own_[i]),
+                side = side_of(labels_[base_.F(found.triangle, 0)]);
+      if (told != 0 && side != 0) sides[i] = told == side ? 1 : -1;
     });
-    for (int round = 0; round < 3 && !mend_islands(distance, rigid); ++round) {
+    if (std::accumulate(sides.begin(), sides.end(), 0) < 0) std::ranges::fill(own_, -1);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+      nearest_[i] = best_vertex(int(i), distance[i], allowed(i));
+    });
+    for (int round = 0; round < 3 && !mend_islands(distance); ++round) {
     }
     rows.resize(count);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-      if (rigid[i] < 0) rows[i] = row_of(int(i), distance[i]);
+      if (rigid_[i] < 0) rows[i] = row_of(int(i), distance[i]);
     });
-    smooth(rows, distance, rigid);
-    find_rigid(rows, distance, rigid);
+    smooth(rows, distance);
+    find_rigid(rows, distance);
   }
 
  private:
-  // Nearest to the vertex, where surfaces that look elsewhere count as further off; of the labels
-  // allowed, where there are any.
-  int best_vertex(int i, double distance, const std::set<int>* allowed) const {
+  // Labels that the vertex may hang on.
+  Labels allowed(std::size_t i) const { return own_[i] < 0 ? Labels().set() : touching_[own_[i]]; }
+
+  // Nearest to the vertex of the labels allowed, where surfaces that look elsewhere count as
+  // further off.
+  int best_vertex(int i, double distance, const Labels& allowed) const {
+    constexpr double kMost = 4;
+    const auto reach_of = [](double d) { return 1.6 * d + 0.03; };
     const Vec3 p = mesh_.V.row(i), n = directions_.row(i);
     int best = -1;
-    double least = 1e30;
-    for (double reach = 1.6 * distance + 0.03; best < 0 && reach < 4; reach *= 2)
+    for (double reach = reach_of(distance); reach < kMost;) {
+      double least = 1e30, near = 1e30;
       grid_.within(p, reach, [&](int b, double d) {
-        if (allowed && !allowed->contains(labels_[b])) return;
+        if (!allowed[labels_[b]]) return;
+        near = std::min(near, d);
         const double against = 1 - n.dot(normals_.row(b));  // 0 .. 2
         const double cost = d * (1 + against) + kOtherSide * against;
         if (cost < least || (cost == least && b < best)) least = cost, best = b;
       });
+      if (best >= 0 && reach >= reach_of(near)) break;
+      reach = best >= 0 ? reach_of(near) : 2 * reach;
+    }
     if (best >= 0) return best;
     const int f = surface_.nearest(p).triangle;
     return base_.F(f, 0);
@@ -173,56 +214,58 @@ class Attacher {
 
   // Small islands on a part that does not touch the one around them, such as a spot of the trunk on
   // an arm that hangs beside it. Returns whether there was nothing to mend.
-  bool mend_islands(const std::vector<double>& distance, const std::vector<int>& rigid) {
+  bool mend_islands(const std::vector<double>& distance) {
     const std::size_t count = nearest_.size();
     std::vector<int> island(count, -1);
     std::vector<std::vector<int>> members;
     for (std::size_t seed = 0; seed < count; ++seed) {
-      if (island[seed] >= 0 || rigid[seed] >= 0) continue;
+      if (island[seed] >= 0 || rigid_[seed] >= 0) continue;
       const int id = int(members.size()), label = labels_[nearest_[seed]];
       members.push_back({int(seed)});
       island[seed] = id;
       for (std::size_t at = 0; at < members[id].size(); ++at)
         for (const int other : neighbours_[members[id][at]])
-          if (island[other] < 0 && rigid[other] < 0 && labels_[nearest_[other]] == label) {
+          if (island[other] < 0 && rigid_[other] < 0 && labels_[nearest_[other]] == label) {
             island[other] = id;
             members[id].push_back(other);
           }
     }
     bool whole = true;
-    std::vector<std::pair<int, std::set<int>>> wrong;  // island, labels it may have
+    std::vector<std::pair<int, Labels>> wrong;  // island, labels it may have
     for (std::size_t id = 0; id < members.size(); ++id) {
       const int label = labels_[nearest_[members[id][0]]];
       int host = -1;
       for (const int v : members[id])
         for (const int other : neighbours_[v]) {
           const int at = island[other];
-          if (at < 0 || at == int(id) || touching_.contains({label, labels_[nearest_[other]]}))
-            continue;
+          if (at < 0 || at == int(id) || touching_[label][labels_[nearest_[other]]]) continue;
           if (host < 0 || members[at].size() > members[host].size()) host = at;
         }
       if (host < 0 || double(members[id].size()) > kSpeck * double(members[host].size())) continue;
-      const int around = labels_[nearest_[members[host][0]]];
-      std::set<int> allowed;
-      for (const auto& [a, b] : touching_)
-        if (a == around) allowed.insert(b);
-      wrong.push_back({int(id), allowed});
+      wrong.push_back({int(id), touching_[labels_[nearest_[members[host][0]]]]});
       whole = false;
     }
-    for (const auto& [id, allowed] : wrong)
-      for (const int v : members[id]) nearest_[v] = best_vertex(v, distance[v], &allowed);
+    for (const auto& [id, around] : wrong)
+      for (const int v : members[id]) {
+        const Labels both = around & allowed(v);
+        nearest_[v] = best_vertex(v, distance[v], both.any() ? both : allowed(v));
+      }
     return whole;
   }
 
   // Place on the nearest of the triangles about the vertex chosen.
   Row on_surface(int i, double& distance) const {
     const Vec3 p = mesh_.V.row(i);
+    const Labels may = allowed(i);
     std::set<int> near(faces_[nearest_[i]].begin(), faces_[nearest_[i]].end());
     for (const int other : rings_[nearest_[i]])
       near.insert(faces_[other].begin(), faces_[other].end());
     Row out;
     double least = 1e30;
     for (const int f : near) {
+      if (!may[labels_[base_.F(f, 0)]] || !may[labels_[base_.F(f, 1)]] ||
+          !may[labels_[base_.F(f, 2)]])
+        continue;
       const Vec3 a = base_.V.row(base_.F(f, 0)), b = base_.V.row(base_.F(f, 1)),
                  c = base_.V.row(base_.F(f, 2));
       const Vec3 q = nearest_in_triangle(p, a, b, c);
@@ -238,7 +281,10 @@ class Attacher {
       least = d;
       out = {{base_.F(f, 0), u / sum}, {base_.F(f, 1), v / sum}, {base_.F(f, 2), w / sum}};
     }
-    if (out.empty()) return {{nearest_[i], 1}};
+    if (out.empty()) {
+      least = (base_.V.row(nearest_[i]).transpose() - p).squaredNorm();
+      out = {{nearest_[i], 1}};
+    }
     distance = std::sqrt(least);
     return out;
   }
@@ -247,11 +293,12 @@ class Attacher {
   Row mean_about(int i, double distance) const {
     const Vec3 p = mesh_.V.row(i), n = directions_.row(i);
     const double width = 0.6 * distance, nearest = distance * distance;
-    const int label = labels_[nearest_[i]];
+    const Labels &beside = touching_[labels_[nearest_[i]]], may = allowed(i);
     Row out;
     grid_.within(p, std::sqrt(nearest + 9 * width * width), [&](int b, double d) {
+      if (!may[labels_[b]]) return;
       const double agree = 0.02 + std::max(0.0, n.dot(normals_.row(b)));
-      const double part = touching_.contains({label, labels_[b]}) ? 1 : distance > 0.1 ? 0.5 : 0;
+      const double part = beside[labels_[b]] ? 1 : distance > 0.1 ? 0.5 : 0;
       const double weight =
           part * area_[b] * agree * std::exp(-(d * d - nearest) / (width * width));
       if (weight > 0) out.push_back({b, weight});
@@ -311,8 +358,7 @@ class Attacher {
   }
 
   // What is loose takes part of its neighbours' rows.
-  void smooth(std::vector<Row>& rows, const std::vector<double>& distance,
-              const std::vector<int>& rigid) const {
+  void smooth(std::vector<Row>& rows, const std::vector<double>& distance) const {
     constexpr int kRounds = 4;
     std::vector<Row> next(rows.size());
     for (int round = 0; round < kRounds; ++round) {
@@ -320,11 +366,11 @@ class Attacher {
         next[i] = rows[i];
         const double share = 0.6 * looseness(distance[i]);
         std::size_t around = 0;
-        for (const int other : neighbours_[i]) around += rigid[other] < 0;
-        if (share <= 0 || around == 0 || rigid[i] >= 0) return;
+        for (const int other : neighbours_[i]) around += rigid_[other] < 0;
+        if (share <= 0 || around == 0 || rigid_[i] >= 0) return;
         for (auto& [b, weight] : next[i]) weight *= 1 - share;
         for (const int other : neighbours_[i])
-          if (rigid[other] < 0)
+          if (rigid_[other] < 0)
             for (const auto& [b, weight] : rows[other])
               next[i].push_back({b, share / double(around) * weight});
         tidy(next[i]);
@@ -334,12 +380,11 @@ class Attacher {
   }
 
   // A piece that moves as one goes with what lies about its vertex that is nearest to the body.
-  void find_rigid(std::vector<Row>& rows, const std::vector<double>& distance,
-                  const std::vector<int>& rigid) const {
+  void find_rigid(std::vector<Row>& rows, const std::vector<double>& distance) const {
     std::map<int, int> nearest;  // piece -> vertex
-    for (std::size_t i = 0; i < rigid.size(); ++i) {
-      if (rigid[i] < 0) continue;
-      const auto [at, is_new] = nearest.emplace(rigid[i], int(i));
+    for (std::size_t i = 0; i < rigid_.size(); ++i) {
+      if (rigid_[i] < 0) continue;
+      const auto [at, is_new] = nearest.emplace(rigid_[i], int(i));
       if (!is_new && distance[i] < distance[at->second]) at->second = int(i);
     }
     std::map<int, Row> carriers;
@@ -350,7 +395,7 @@ class Attacher {
            reach *= 1.5) {
         near.clear();
         grid_.within(p, reach, [&](int b, double d) {
-          if (touching_.contains({labels_[nearest_[vertex]], labels_[b]})) near.push_back({d, b});
+          if (touching_[labels_[nearest_[vertex]]][labels_[b]]) near.push_back({d, b});
         });
       }
       std::sort(near.begin(), near.end());
@@ -359,11 +404,10 @@ class Attacher {
       for (const auto& [d, b] : near) row.push_back({b, 1.0 / double(near.size())});
       std::sort(row.begin(), row.end());
     }
-    for (std::size_t i = 0; i < rigid.size(); ++i)
-      if (rigid[i] >= 0) rows[i] = carriers[rigid[i]];
+    for (std::size_t i = 0; i < rigid_.size(); ++i)
+      if (rigid_[i] >= 0) rows[i] = carriers[rigid_[i]];
   }
 
-  const Registration& registration_;
   TriMesh base_;
   Points normals_;
   NearestSurface surface_;
@@ -374,8 +418,10 @@ class Attacher {
   std::vector<std::vector<int>> neighbours_;
   std::vector<std::vector<int>> faces_;
   std::vector<double> area_;
+  const std::vector<int>& rigid_;
+  std::vector<int> own_;                    // label of each vertex by the mesh's own rig, -1
   std::vector<int> labels_;                 // part and side of base vertices
-  std::set<std::pair<int, int>> touching_;  // labels that share an edge of the base mesh
+  std::array<Labels, kLabels> touching_{};  // labels that share an edge of the base mesh
   std::vector<int> nearest_;                // base vertex of each vertex
 };
 
@@ -405,12 +451,9 @@ AttachedSkin attach_skin(const Registration& registration, const Triangles& base
   const Eigen::Index count = mesh.mesh.V.rows();
   if (count == 0) throw UnfitError("the character's mesh has no vertices");
   const Welded welded = weld(mesh);
-  std::vector<int> rigid(welded.mesh.V.rows(), -1);
-  if (!mesh.rigid.empty())
-    for (Eigen::Index i = 0; i < count; ++i) rigid[welded.of[i]] = mesh.rigid[i];
   std::vector<Row> rows;
   std::vector<double> distance;
-  Attacher(registration, base_triangles, parts, welded.mesh).find(rows, distance, rigid);
+  Attacher(registration, base_triangles, parts, welded).find(rows, distance);
   const auto far = std::count_if(distance.begin(), distance.end(), [](double d) { return d > 1; });
   if (2 * std::size_t(far) > distance.size())
     throw UnfitError(fmt::format(

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+#include <optional>
 #include <vector>
 
 #include "anatomy/base_mesh/body_rig.h"
@@ -21,6 +22,10 @@ struct StandingMesh {
   // #V: number of the piece that moves as one (eyes, teeth, what is held), -1: it bends with the
   // body. Empty: all of it does.
   std::vector<int> rigid;
+  // #V: the part that the vertex is of, where the mesh's own rig tells it. It then hangs on that
+  // part or those that join it, however near others are: hands that are held together stay two.
+  // Empty: nothing is told.
+  std::vector<std::optional<VertexPart>> parts{};
 };
 
 struct AttachedSkin {
@@ -32,8 +37,10 @@ struct AttachedSkin {
 };
 
 // `parts`: of the base mesh's vertices (body_rig.h), so that a place on an arm is not taken for one
-// of the trunk beside it. Throws UnfitError for a mesh without vertices, or of which more than half
-// lies further than a metre from the body. Precondition: finite coordinates, triangles in range.
+// of the trunk beside it. Where most vertices whose part is told lie at the base mesh's other side,
+// the mesh's sides are not ours, and what it tells is left aside. Throws UnfitError for a mesh
+// without vertices, or of which more than half lies further than a metre from the body.
+// Precondition: finite coordinates, triangles in range.
 AttachedSkin attach_skin(const Registration& registration, const Triangles& base_triangles,
                          const std::vector<VertexPart>& parts, const StandingMesh& mesh);
 

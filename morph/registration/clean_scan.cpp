@@ -1,8 +1,12 @@
 #include "morph/registration/clean_scan.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -10,6 +14,8 @@
 #include <Eigen/Eigenvalues>
 
 #include "anatomy/errors.h"
+#include "anatomy/geometry/mesh_islands.h"
+#include "anatomy/mesh_files/head_islands.h"
 #include "morph/registration/cloud_neighbours.h"
 #include "morph/registration/cloud_normals.h"
 #include "morph/registration/mesh_winding.h"
@@ -46,8 +52,25 @@ double extent_of(const Points& points, double stray = kStray) {
   return extent;
 }
 
+// The faces of a part that `takes` takes, over all its vertices.
+template <class Takes>
+MeshPart faces_of(const MeshPart& part, const Takes& takes) {
+  MeshPart out;
+  out.name = part.name;
+  out.mesh.F.resize(part.mesh.F.rows(), 3);
+  Eigen::Index faces = 0;
+  for (Eigen::Index f = 0; f < part.mesh.F.rows(); ++f)
+    if (takes(f)) out.mesh.F.row(faces++) = part.mesh.F.row(f);
+  out.mesh.F.conservativeResize(faces, 3);
+  if (faces > 0) out.mesh.V = part.mesh.V;
+  return out;
+}
+
 // A part whose materials are of several kinds, as a part for each kind.
 void split_by_materials(const MeshPart& part, std::vector<MeshPart>& out) {
+  constexpr std::array kKinds{PartKind::body, PartKind::clothes,     PartKind::headgear,
+                              PartKind::hair, PartKind::eyes,        PartKind::mouth,
+                              PartKind::prop, PartKind::surroundings};
   std::vector<PartKind> kinds;
   for (const std::string& material : part.materials)
     kinds.push_back(kind_of_part({}, std::span(&material, 1)));
@@ -55,16 +78,9 @@ void split_by_materials(const MeshPart& part, std::vector<MeshPart>& out) {
     const int material = part.face_materials[f];
     return material < 0 || material >= int(kinds.size()) ? PartKind::body : kinds[material];
   };
-  for (const PartKind kind : {PartKind::body, PartKind::covering, PartKind::other}) {
-    MeshPart piece;
-    piece.name = part.name;
-    piece.mesh.F.resize(part.mesh.F.rows(), 3);
-    Eigen::Index faces = 0;
-    for (Eigen::Index f = 0; f < part.mesh.F.rows(); ++f)
-      if (kind_of_face(f) == kind) piece.mesh.F.row(faces++) = part.mesh.F.row(f);
-    if (faces == 0) continue;
-    piece.mesh.F.conservativeResize(faces, 3);
-    piece.mesh.V = part.mesh.V;
+  for (const PartKind kind : kKinds) {
+    MeshPart piece = faces_of(part, [&](Eigen::Index f) { return kind_of_face(f) == kind; });
+    if (piece.mesh.F.rows() == 0) continue;
     for (std::size_t m = 0; m < kinds.size(); ++m)
       if (kinds[m] == kind) piece.materials.push_back(part.materials[m]);
     out.push_back(std::move(piece));
@@ -78,26 +94,113 @@ bool is_mixed(const MeshPart& part) {
          kind_of_part(part.name, {}) == PartKind::body;
 }
 
-std::string name_of(const MeshPart& part) {
-  return part.name.empty() && !part.materials.empty() ? part.materials[0] : part.name;
+// The file with its mixed parts divided, where there are any.
+std::optional<MeshFile> divided_by_materials(const MeshFile& file) {
+  if (std::ranges::none_of(file.parts, is_mixed)) return std::nullopt;
+  MeshFile out;
+  out.unit = file.unit;
+  out.up = file.up;
+  for (const MeshPart& part : file.parts) {
+    if (is_mixed(part))
+      split_by_materials(part, out.parts);
+    else
+      out.parts.push_back(part);
+  }
+  return out;
 }
 
-std::vector<PartKind> kinds_of(const MeshFile& file, Scan& about) {
+// The box of the faces' corners, of all vertices where there are no faces.
+Eigen::AlignedBox3d box_of(const TriMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  const auto take = [&](Eigen::Index v) {
+    if (mesh.V.row(v).allFinite()) box.extend(Vec3(mesh.V.row(v)));
+  };
+  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f)
+    for (int k = 0; k < 3; ++k) take(mesh.F(f, k));
+  for (Eigen::Index v = 0; mesh.F.rows() == 0 && v < mesh.V.rows(); ++v) take(v);
+  return box;
+}
+
+// For each part 1 for the vertices of islands that its name puts into the head and that lie
+// elsewhere; nothing for parts without such.
+std::vector<std::vector<char>> strays_of(const MeshFile& file, std::span<const PartKind> kinds) {
+  struct Place {
+    std::size_t part;
+    int island;
+  };
+  Eigen::AlignedBox3d figure;
+  std::vector<HeadIsland> islands;
+  std::vector<Place> places;
+  std::vector<std::vector<int>> island_of(kinds.size());
+  for (std::size_t p = 0; p < kinds.size(); ++p) {
+    const TriMesh& mesh = file.parts[p].mesh;
+    if (shows_body(kinds[p]) || is_in_head(kinds[p])) figure.extend(box_of(mesh));
+    if (!is_in_head(kinds[p]) || mesh.F.rows() == 0) continue;
+    island_of[p] = mesh_islands(mesh);
+    std::map<int, Eigen::AlignedBox3d> boxes;
+    for (Eigen::Index f = 0; f < mesh.F.rows(); ++f)
+      for (int k = 0; k < 3; ++k)
+        if (const Vec3 at = mesh.V.row(mesh.F(f, k)); at.allFinite())
+          boxes[island_of[p][mesh.F(f, k)]].extend(at);
+    for (const auto& [island, box] : boxes) {
+      islands.push_back({kinds[p], box});
+      places.push_back({p, island});
+    }
+  }
+  const std::vector<char> in_head = lies_in_head(islands, figure, file.up);
+  std::vector<std::vector<char>> out(kinds.size());
+  for (std::size_t i = 0; i < islands.size(); ++i) {
+    if (in_head[i]) continue;
+    out[places[i].part].resize(island_of[places[i].part].size(), 0);
+    out[places[i].part][places[i].island] = 1;  // its lowest vertex
+  }
+  for (std::size_t p = 0; p < out.size(); ++p)
+    for (std::size_t v = 0; v < out[p].size(); ++v) out[p][v] = out[p][island_of[p][v]];
+  return out;
+}
+
+// What strays from a head's parts is body, as a part of its own.
+void part_strays(const std::vector<std::vector<char>>& strays, MeshFile& file,
+                 std::vector<PartKind>& kinds) {
+  for (std::size_t p = 0; p < strays.size(); ++p) {
+    if (strays[p].empty()) continue;
+    const MeshPart part = std::move(file.parts[p]);
+    const auto strayed = [&](Eigen::Index f) { return strays[p][part.mesh.F(f, 0)] != 0; };
+    file.parts[p] = faces_of(part, [&](Eigen::Index f) { return !strayed(f); });
+    file.parts[p].materials = part.materials;
+    file.parts.push_back(faces_of(part, strayed));
+    file.parts.back().materials = part.materials;
+    kinds.push_back(PartKind::body);
+  }
+}
+
+// With the materials that decided, where the name alone did not.
+std::string name_of(const MeshPart& part, PartKind kind) {
+  if (part.materials.empty() || (!part.name.empty() && kind_of_part(part.name, {}) == kind))
+    return part.name;
+  const std::string materials = fmt::format("{}", fmt::join(part.materials, ", "));
+  return part.name.empty() ? materials : fmt::format("{} ({})", part.name, materials);
+}
+
+std::vector<PartKind> kinds_by_name(const MeshFile& file) {
   std::vector<PartKind> kinds;
   for (const MeshPart& part : file.parts) kinds.push_back(kind_of_part(part.name, part.materials));
-  const bool none =
-      std::ranges::none_of(kinds, [](PartKind kind) { return kind != PartKind::other; });
-  if (none) std::ranges::fill(kinds, PartKind::body);
+  return kinds;
+}
+
+void tell_kinds(const MeshFile& file, std::vector<PartKind>& kinds, Scan& about) {
+  if (std::ranges::none_of(kinds, shows_body)) std::ranges::fill(kinds, PartKind::body);
   std::vector<std::string> clothes;
   for (std::size_t p = 0; p < kinds.size(); ++p) {
-    if (kinds[p] == PartKind::other) about.left_out.push_back(name_of(file.parts[p]));
-    if (kinds[p] == PartKind::covering) clothes.push_back(name_of(file.parts[p]));
+    const MeshPart& part = file.parts[p];
+    if (part.mesh.V.rows() == 0) continue;
+    if (!shows_body(kinds[p])) about.left_out.push_back(name_of(part, kinds[p]));
+    if (is_covering(kinds[p])) clothes.push_back(name_of(part, kinds[p]));
   }
   if (!about.left_out.empty())
     about.notes.push_back(fmt::format("no body by name: {}", fmt::join(about.left_out, ", ")));
   if (!clothes.empty())
     about.notes.push_back(fmt::format("clothes by name: {}", fmt::join(clothes, ", ")));
-  return kinds;
 }
 
 // A sample of the file's finite points, in its units.
@@ -105,12 +208,12 @@ Points sample_points(const MeshFile& file, std::span<const PartKind> kinds) {
   constexpr Eigen::Index kSample = 200'000;
   Eigen::Index all = 0;
   for (std::size_t p = 0; p < kinds.size(); ++p)
-    if (kinds[p] != PartKind::other) all += file.parts[p].mesh.V.rows();
+    if (shows_body(kinds[p])) all += file.parts[p].mesh.V.rows();
   const Eigen::Index step = std::max<Eigen::Index>(1, all / kSample);
   Points out(all / step + Eigen::Index(kinds.size()), 3);
   Eigen::Index used = 0;
   for (std::size_t p = 0; p < kinds.size(); ++p) {
-    if (kinds[p] == PartKind::other) continue;
+    if (!shows_body(kinds[p])) continue;
     const Points& V = file.parts[p].mesh.V;
     for (Eigen::Index i = 0; i < V.rows(); i += step)
       if (V.row(i).allFinite()) out.row(used++) = V.row(i);
@@ -235,21 +338,16 @@ Scan clean_at(const MeshFile& file, std::span<const PartKind> kinds, double unit
 }  // namespace
 
 Scan clean_scan(const MeshFile& whole, const CleanScanOptions& options) {
-  MeshFile parted;
-  const bool mixed = std::ranges::any_of(whole.parts, is_mixed);
-  if (mixed) {
-    parted.unit = whole.unit;
-    parted.up = whole.up;
-    for (const MeshPart& part : whole.parts) {
-      if (is_mixed(part))
-        split_by_materials(part, parted.parts);
-      else
-        parted.parts.push_back(part);
-    }
+  std::optional<MeshFile> divided = divided_by_materials(whole);
+  std::vector<PartKind> kinds = kinds_by_name(divided ? *divided : whole);
+  const std::vector<std::vector<char>> strays = strays_of(divided ? *divided : whole, kinds);
+  if (std::ranges::any_of(strays, [](const auto& of_part) { return !of_part.empty(); })) {
+    if (!divided) divided = whole;
+    part_strays(strays, *divided, kinds);
   }
-  const MeshFile& file = mixed ? parted : whole;
+  const MeshFile& file = divided ? *divided : whole;
   Scan about;
-  const std::vector<PartKind> kinds = kinds_of(file, about);
+  tell_kinds(file, kinds, about);
   const Points sample = sample_points(file, kinds);
   if (sample.rows() < 3) throw UnfitError(fmt::format("{}: there are no points", options.name));
   refuse_flat(sample, options.name);
@@ -289,6 +387,7 @@ Scan clean_scan(const MeshFile& whole, const CleanScanOptions& options) {
   }
   scan.unit = unit.metres;
   scan.unit_known = unit.known;
+  scan.unit_told = options.unit.has_value();
   scan.stature = options.stature;
   if (!scan.up) scan.up = file.up;
   scan.left_out = about.left_out;

@@ -92,22 +92,20 @@ double height_of(const Body& body) {
 
 double build_of(const Body& body) { return body.mass / std::pow(height_of(body), 3); }
 
-// Joints that the file names and that lie elsewhere.
+// Joints that the file names and that lie elsewhere. Those of the middle sit anywhere in rigs.
 void compare_joints(const RegistrationEvidence& evidence, Registration& out) {
   const ArticulatedBody& body = evidence.body;
   std::string off;
   for (const PlaceHint& hint : evidence.hints) {
     if (hint.joint < 0) continue;
-    const Vec3 place = out.axes * (out.scale / evidence.scan.unit * hint.place) + out.shift;
     const SegmentJoint& joint = body.joints[std::size_t(hint.joint)];
-    const double own = (out.pose.posed[std::size_t(hint.joint)] - place).norm();
-    double other = own;
-    if (joint.side != Side::middle) {
-      const std::string stem = joint.name.substr(0, joint.name.size() - 2);
-      const Side across = joint.side == Side::left ? Side::right : Side::left;
-      const int twin = find_segment(body, stem + side_suffix(across));
-      other = (out.pose.posed[std::size_t(twin)] - place).norm();
-    }
+    if (joint.side == Side::middle) continue;
+    const Side across = joint.side == Side::left ? Side::right : Side::left;
+    const int twin =
+        find_segment(body, joint.name.substr(0, joint.name.size() - 2) + side_suffix(across));
+    const Vec3 place = out.axes * (out.scale / evidence.scan.unit * hint.place) + out.shift;
+    const double own = (out.pose.posed[std::size_t(hint.joint)] - place).norm(),
+                 other = (out.pose.posed[std::size_t(twin)] - place).norm();
     if (own > kDoubtfulJoint || (own > kDoubtfulTwin && other < 0.8 * own))
       off += fmt::format("{}{} ({:.0f} cm)", off.empty() ? "" : ", ", joint.name, 100 * own);
   }

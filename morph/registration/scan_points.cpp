@@ -126,7 +126,7 @@ void thin_triangle(ThinningGrid& grid, const std::array<Vec3, 3>& p, bool coveri
 
 bool has_faces(const MeshFile& file, std::span<const PartKind> kinds) {
   for (std::size_t p = 0; p < file.parts.size(); ++p)
-    if (kinds[p] != PartKind::other && file.parts[p].mesh.F.rows() > 0) return true;
+    if (shows_body(kinds[p]) && file.parts[p].mesh.F.rows() > 0) return true;
   return false;
 }
 
@@ -143,9 +143,9 @@ Scan thin_parts(const MeshFile& file, std::span<const PartKind> kinds, double un
   constexpr double kWidth = 0.003;
   ThinningGrid grid(kWidth);
   for (std::size_t p = 0; p < file.parts.size(); ++p) {
-    if (kinds[p] == PartKind::other) continue;
+    if (!shows_body(kinds[p])) continue;
     const TriMesh& mesh = file.parts[p].mesh;
-    const bool covering = kinds[p] == PartKind::covering;
+    const bool covering = is_covering(kinds[p]);
     for (Eigen::Index f = 0; faces && f < mesh.F.rows(); ++f) {
       if (!sound(mesh, f)) continue;
       thin_triangle(
@@ -199,20 +199,19 @@ Scan whole_parts(const MeshFile& file, std::span<const PartKind> kinds, double u
   Scan scan;
   Eigen::Index rows = 0, first = 0;
   for (std::size_t p = 0; p < file.parts.size(); ++p)
-    if (kinds[p] != PartKind::other) rows += file.parts[p].mesh.V.rows();
+    if (shows_body(kinds[p])) rows += file.parts[p].mesh.V.rows();
   scan.points.resize(rows, 3);
   scan.covering.resize(rows);
   scan.normals = Points::Zero(rows, 3);
   std::vector<std::array<int, 3>> triangles;
   for (std::size_t p = 0; p < file.parts.size(); ++p) {
-    if (kinds[p] == PartKind::other) continue;
+    if (!shows_body(kinds[p])) continue;
     const TriMesh& mesh = file.parts[p].mesh;
     scan.points.middleRows(first, mesh.V.rows()) = unit * mesh.V;
     const Points& told = file.parts[p].normals;
     if (told.rows() == mesh.V.rows() && told.allFinite())
       scan.normals.middleRows(first, told.rows()) = told;
-    std::fill_n(scan.covering.begin() + first, mesh.V.rows(),
-                char(kinds[p] == PartKind::covering ? 1 : 0));
+    std::fill_n(scan.covering.begin() + first, mesh.V.rows(), char(is_covering(kinds[p]) ? 1 : 0));
     for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
       if (!sound(mesh, f)) continue;
       triangles.push_back(
@@ -301,7 +300,7 @@ Scan gather_points(const MeshFile& file, std::span<const PartKind> kinds, double
   Eigen::Index size = 0;
   for (std::size_t p = 0; p < file.parts.size(); ++p) {
     const TriMesh& mesh = file.parts[p].mesh;
-    if (kinds[p] != PartKind::other) size += faces ? mesh.F.rows() : mesh.V.rows();
+    if (shows_body(kinds[p])) size += faces ? mesh.F.rows() : mesh.V.rows();
   }
   Scan scan =
       size > kWhole ? thin_parts(file, kinds, unit, faces) : whole_parts(file, kinds, unit, faces);

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "anatomy/mesh_files/mesh_file.h"
+#include "anatomy/mesh_files/part_kind.h"
 #include "morph/registration/scan.h"
-#include "morph/registration/scan_parts.h"
 
 namespace ecorche::inline v1 {
 
-// Points and faces of all parts that are not `other`, in metres by `unit`. Up to 400,000 faces (or
+// Points and faces of all parts that show a body, in metres by `unit`. Up to 400,000 faces (or
 // points of a cloud) are kept as they are: equal vertices welded, faces without area, doubled or
 // with corners that are not finite left out, `F` filled. More are thinned to cells of 3 mm, wider
 // where they would be more than 2 million: the mean position and normal of the area in each, apart

@@ -6,12 +6,17 @@
 #include <array>
 #include <cctype>
 #include <map>
+#include <optional>
 #include <set>
+#include <span>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
+#include "anatomy/geometry/mesh_islands.h"
 #include "anatomy/mesh_files/gltf_file.h"
 #include "anatomy/mesh_files/gltf_nodes.h"
+#include "anatomy/mesh_files/head_islands.h"
+#include "anatomy/mesh_files/part_kind.h"
 #include "skinning/motion_files/gltf_motion.h"
 #include "skinning/retarget/joint_names.h"
 
@@ -19,36 +24,6 @@ namespace ecorche::inline v1 {
 namespace {
 
 using Json = nlohmann::json;
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
-  return text;
-}
-
-bool has_word(const std::string& text, std::initializer_list<const char*> words) {
-  return std::any_of(words.begin(), words.end(),
-                     [&](const char* word) { return text.find(word) != std::string::npos; });
-}
-
-PieceKind kind_by_name(const std::string& names) {
-  const std::string text = lower(names);
-  if (has_word(text,
-               {"eyebrow", "brow", "lash", "hair", "beard", "mustache", "moustache", "ponytail"}))
-    return PieceKind::hair;
-  if (has_word(text, {"eye", "cornea", "iris", "sclera", "tearline"})) return PieceKind::eyes;
-  if (has_word(text, {"teeth", "tooth", "tongue", "gum", "mouth", "denture"}))
-    return PieceKind::mouth;
-  if (has_word(text, {"sword", "shield", "weapon", "gun", "helmet", "glasses", "watch", "earring",
-                      "prop", "staff", "axe", "bow_", "hat_", "_hat", "badge"}))
-    return PieceKind::prop;
-  if (has_word(text, {"cloth",     "shirt", "pant",    "trouser", "jean",  "short",  "dress",
-                      "skirt",     "coat",  "jacket",  "cape",    "cloak", "boot",   "shoe",
-                      "sock",      "glove", "belt",    "suit",    "armor", "armour", "robe",
-                      "underwear", "bra_",  "sneaker", "outfit",  "vest"}))
-    return PieceKind::clothes;
-  return PieceKind::body;
-}
 
 class Reader {
  public:
@@ -242,27 +217,28 @@ class Reader {
     }
   }
 
-  // A piece without weights under a joint of the rig is held; a small one in the head is an eye.
+  // A piece without weights under a joint of the rig is held.
   void tell_kinds() {
-    std::set<std::size_t> joint_nodes;
-    for (const SourceJoint& joint : out_.joints) joint_nodes.insert(joint.node);
+    std::map<std::size_t, int> joint_at;  // of nodes
+    for (std::size_t j = 0; j < out_.joints.size(); ++j) joint_at[out_.joints[j].node] = int(j);
     for (SourcePiece& piece : out_.pieces) {
-      piece.kind = kind_by_name(piece.name + " " + piece.material);
+      piece.kind = kind_of_part(piece.name, std::span(&piece.material, 1));
       if (piece.skin >= 0) continue;
-      for (int up = tree_.parents()[piece.node]; up >= 0 && piece.kind == PieceKind::body;
+      for (int up = tree_.parents()[piece.node]; up >= 0 && piece.joint < 0;
            up = tree_.parents()[up])
-        if (joint_nodes.contains(std::size_t(up))) piece.kind = PieceKind::prop;
+        if (const auto at = joint_at.find(std::size_t(up)); at != joint_at.end())
+          piece.joint = at->second;
+      if (piece.kind == PartKind::body && piece.joint >= 0) piece.kind = PartKind::prop;
     }
-    const bool has_body =
-        std::any_of(out_.pieces.begin(), out_.pieces.end(), [](const auto& piece) {
-          return piece.kind == PieceKind::body && piece.triangle_count > 0;
-        });
+    const bool has_body = std::any_of(
+        out_.pieces.begin(), out_.pieces.end(),
+        [](const auto& piece) { return piece.kind == PartKind::body && piece.triangle_count > 0; });
     if (has_body) return;
     // Clothes all over: what is seen is what there is.
     SourcePiece* largest = &out_.pieces[0];
     for (SourcePiece& piece : out_.pieces)
       if (piece.triangle_count > largest->triangle_count) largest = &piece;
-    if (largest->kind != PieceKind::clothes) largest->kind = PieceKind::body;
+    if (largest->kind != PartKind::clothes) largest->kind = PartKind::body;
   }
 
   struct Skin {
@@ -277,34 +253,104 @@ class Reader {
   SourceRig out_;
 };
 
-bool is_rigid(PieceKind kind) {
-  return kind == PieceKind::eyes || kind == PieceKind::mouth || kind == PieceKind::prop;
+// The mesh of one piece: two eyes in one are two islands.
+TriMesh piece_mesh(const SourceRig& rig, const SourcePiece& piece) {
+  TriMesh out;
+  out.V = rig.mesh.V.middleRows(piece.first_vertex, piece.vertex_count);
+  out.F = rig.mesh.F.middleRows(piece.first_triangle, piece.triangle_count).array() -
+          piece.first_vertex;
+  return out;
 }
 
-// Pieces of a primitive that do not touch: two eyes in one mesh are two.
-std::vector<int> islands(const TriMesh& mesh, const SourcePiece& piece) {
-  std::vector<int> root(piece.vertex_count);
-  std::map<std::array<double, 3>, int> place;
-  for (int i = 0; i < piece.vertex_count; ++i) {
-    const Vec3 p = mesh.V.row(piece.first_vertex + i);
-    root[i] = place.emplace(std::array<double, 3>{p.x(), p.y(), p.z()}, i).first->second;
+// Names of joints by what they move; where a name is in use for either of two neighbours, the other
+// names tell: LeftHip above LeftKnee is the hip; LeftShoulder above LeftArm the collarbone.
+std::vector<NamedPart> named_joints(const SourceRig& rig) {
+  std::vector<std::string> names;
+  for (const SourceJoint& joint : rig.joints) names.push_back(joint.name);
+  drop_numbers(names);
+  std::vector<NamedPart> parts;
+  std::set<std::pair<std::string, Side>> known;
+  for (const std::string& name : names) {
+    parts.push_back(named_part(name));
+    known.insert({parts.back().part, parts.back().side});
   }
-  const auto find = [&](int i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
+  for (auto& [part, side] : parts) {
+    if (part == "hip?") part = known.contains({"hip", side}) ? "" : "hip";
+    if (part.empty()) side = Side::middle;
+    if (part == "shoulder?") part = known.contains({"shoulder", side}) ? "clavicle" : "shoulder";
+  }
+  return parts;
+}
+
+bool is_head(const NamedPart& part) { return part.part == "head" || part.part == "jaw"; }
+
+// Whether most of the weight of these vertices is on joints of the head; nothing where it is not on
+// joints of a limb either.
+std::optional<bool> hangs_on_head(const SourceRig& rig, const SourcePiece& piece,
+                                  const std::vector<NamedPart>& parts,
+                                  std::span<const int> vertices) {
+  double all = 0, head = 0, limbs = 0;
+  const auto count = [&](int joint, double weight) {
+    all += weight;
+    if (is_head(parts[joint])) head += weight;
+    if (parts[joint].side != Side::middle) limbs += weight;
   };
-  for (int f = piece.first_triangle; f < piece.first_triangle + piece.triangle_count; ++f)
-    for (int k = 1; k < 3; ++k)
-      root[find(mesh.F(f, k) - piece.first_vertex)] = find(mesh.F(f, 0) - piece.first_vertex);
-  for (int i = 0; i < piece.vertex_count; ++i) root[i] = find(i);
-  return root;
+  for (const int v : vertices)
+    for (const Influence& w : rig.weights[v]) count(w.joint, w.weight);
+  if (piece.joint >= 0) count(piece.joint, 1);
+  if (head > 0.5 * all) return true;
+  if (limbs > 0.5 * all) return false;
+  return std::nullopt;
+}
+
+// From the pelvis to the head, where names tell them; else as glTF has it.
+Vec3 up_of(const SourceRig& rig, const std::vector<NamedPart>& parts) {
+  const auto place = [&](const char* name) -> std::optional<Vec3> {
+    for (std::size_t j = 0; j < parts.size(); ++j)
+      if (parts[j].part == name) return rig.joints[j].X_W.translation();
+    return std::nullopt;
+  };
+  const std::optional<Vec3> pelvis = place("pelvis"), head = place("head");
+  if (!pelvis || !head || *pelvis == *head) return Vec3::UnitY();
+  return (*head - *pelvis).normalized();
+}
+
+// Kinds of vertices: those of their pieces, but for islands that only share the eyes' material.
+void tell_vertex_kinds(SourceRig& rig) {
+  const std::vector<NamedPart> parts = joint_parts(rig);
+  Eigen::AlignedBox3d figure;
+  std::vector<HeadIsland> islands;
+  std::vector<std::vector<int>> members;
+  for (const SourcePiece& piece : rig.pieces) {
+    rig.kinds.insert(rig.kinds.end(), piece.vertex_count, piece.kind);
+    if (!shows_body(piece.kind) && !is_in_head(piece.kind)) continue;
+    for (int i = 0; i < piece.vertex_count; ++i)
+      figure.extend(Vec3(rig.mesh.V.row(piece.first_vertex + i)));
+    if (!is_in_head(piece.kind)) continue;
+    const std::vector<int> island_of = mesh_islands(piece_mesh(rig, piece));
+    std::map<int, std::vector<int>> of_piece;
+    for (int i = 0; i < piece.vertex_count; ++i)
+      of_piece[island_of[i]].push_back(piece.first_vertex + i);
+    for (auto& [lowest, vertices] : of_piece) {
+      HeadIsland island{piece.kind, {}, hangs_on_head(rig, piece, parts, vertices)};
+      for (const int v : vertices) island.box.extend(Vec3(rig.mesh.V.row(v)));
+      islands.push_back(island);
+      members.push_back(std::move(vertices));
+    }
+  }
+  const std::vector<char> in_head = lies_in_head(islands, figure, up_of(rig, parts));
+  for (std::size_t i = 0; i < islands.size(); ++i)
+    for (const int v : members[i])
+      if (!in_head[i]) rig.kinds[v] = PartKind::body;
 }
 
 }  // namespace
 
 SourceRig read_source_rig(std::string_view glb, const std::string& name) {
   try {
-    return Reader(glb, name).read();
+    SourceRig rig = Reader(glb, name).read();
+    tell_vertex_kinds(rig);
+    return rig;
   } catch (const nlohmann::json::exception& e) {
     throw InputError(fmt::format("{}: {}", name, printable(e.what())));
   }
@@ -315,35 +361,34 @@ std::vector<int> rigid_pieces(const SourceRig& rig) {
   for (const SourcePiece& piece : rig.pieces) {
     if (!is_rigid(piece.kind)) continue;
     // What is held is one thing; eyes are two, teeth two rows.
-    const bool whole = piece.kind == PieceKind::prop;
-    const std::vector<int> island = islands(rig.mesh, piece);
+    const bool whole = piece.kind == PartKind::prop || piece.kind == PartKind::headgear;
+    const std::vector<int> island = mesh_islands(piece_mesh(rig, piece));
     for (int i = 0; i < piece.vertex_count; ++i)
-      out[piece.first_vertex + i] = piece.first_vertex + (whole ? 0 : island[i]);
+      if (is_rigid(rig.kinds[piece.first_vertex + i]))
+        out[piece.first_vertex + i] = piece.first_vertex + (whole ? 0 : island[i]);
   }
   return out;
 }
 
 TriMesh body_mesh(const SourceRig& rig) {
-  bool has_body = false;
-  for (const SourcePiece& piece : rig.pieces) has_body |= piece.kind == PieceKind::body;
+  const bool has_body = std::ranges::find(rig.kinds, PartKind::body) != rig.kinds.end();
   TriMesh out;
   std::vector<int> place(rig.mesh.V.rows(), -1);
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> triangles;
-  for (const SourcePiece& piece : rig.pieces) {
-    if (has_body ? piece.kind != PieceKind::body : is_rigid(piece.kind)) continue;
-    for (int f = piece.first_triangle; f < piece.first_triangle + piece.triangle_count; ++f) {
-      std::array<int, 3> t;
-      for (int k = 0; k < 3; ++k) {
-        int& at = place[rig.mesh.F(f, k)];
-        if (at < 0) {
-          at = int(points.size());
-          points.push_back(rig.mesh.V.row(rig.mesh.F(f, k)));
-        }
-        t[std::size_t(k)] = at;
+  for (Eigen::Index f = 0; f < rig.mesh.F.rows(); ++f) {
+    const PartKind kind = rig.kinds[rig.mesh.F(f, 0)];
+    if (has_body ? kind != PartKind::body : is_rigid(kind)) continue;
+    std::array<int, 3> t;
+    for (int k = 0; k < 3; ++k) {
+      int& at = place[rig.mesh.F(f, k)];
+      if (at < 0) {
+        at = int(points.size());
+        points.push_back(rig.mesh.V.row(rig.mesh.F(f, k)));
       }
-      triangles.push_back(t);
+      t[std::size_t(k)] = at;
     }
+    triangles.push_back(t);
   }
   out.V.resize(points.size(), 3);
   for (std::size_t i = 0; i < points.size(); ++i) out.V.row(i) = points[i];
@@ -353,23 +398,34 @@ TriMesh body_mesh(const SourceRig& rig) {
   return out;
 }
 
-std::vector<Landmark> joint_hints(const SourceRig& rig) {
-  std::vector<NamedPart> parts;
-  std::set<std::pair<std::string, Side>> known;
-  std::vector<std::string> names;
-  for (const SourceJoint& joint : rig.joints) names.push_back(joint.name);
-  drop_numbers(names);
-  for (const std::string& name : names) {
-    parts.push_back(named_part(name));
-    known.insert({parts.back().part, parts.back().side});
+std::vector<NamedPart> joint_parts(const SourceRig& rig) {
+  std::vector<NamedPart> parts = named_joints(rig);
+  std::vector<char> below_pelvis(parts.size(), 0);
+  for (std::size_t j = 0; j < parts.size(); ++j) {
+    const int up = rig.joints[j].parent;
+    below_pelvis[j] = parts[j].part == "pelvis" || (up >= 0 && below_pelvis[up]) ? 1 : 0;
+    if (up >= 0 && parts[j].part.empty() && (parts[up].side != Side::middle || is_head(parts[up])))
+      parts[j] = parts[up];
   }
+  for (std::size_t j = 0; j < parts.size(); ++j) {
+    const std::string& part = parts[j].part;
+    if (!below_pelvis[j] || (part != "head" && part != "clavicle" && part != "shoulder")) continue;
+    for (int up = rig.joints[j].parent; up >= 0 && below_pelvis[up]; up = rig.joints[up].parent) {
+      std::string name = rig.joints[up].name;
+      std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+      if (parts[up].part.empty())
+        parts[up].part = name.find("neck") == std::string::npos ? "trunk" : "neck";
+    }
+  }
+  return parts;
+}
+
+std::vector<Landmark> joint_hints(const SourceRig& rig) {
+  const std::vector<NamedPart> parts = named_joints(rig);
   std::vector<Landmark> out;
   std::set<std::string> taken;
   for (std::size_t j = 0; j < parts.size(); ++j) {
     auto [part, side] = parts[j];
-    // LeftHip above LeftKnee is the hip; LeftShoulder above LeftArm the collarbone.
-    if (part == "hip?") part = known.contains({"hip", side}) ? "" : "hip";
-    if (part == "shoulder?") part = known.contains({"shoulder", side}) ? "clavicle" : "shoulder";
     if (part == "toes") part = "mtp2";
     if (part.empty() || part == "fingers") continue;
     const std::string ours = part + side_suffix(side);

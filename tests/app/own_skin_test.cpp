@@ -53,11 +53,11 @@ class OwnSkinTest : public BodyFixture {
 
 TEST_F(OwnSkinTest, TheRigReaderTellsPiecesAndJoints) {
   ASSERT_EQ(stranger.rig.pieces.size(), 3u);
-  EXPECT_EQ(stranger.rig.pieces[0].kind, PieceKind::body);
-  EXPECT_EQ(stranger.rig.pieces[1].kind, PieceKind::clothes);
-  EXPECT_EQ(stranger.rig.pieces[2].kind, PieceKind::eyes);
+  EXPECT_EQ(stranger.rig.pieces[0].kind, PartKind::body);
+  EXPECT_EQ(stranger.rig.pieces[1].kind, PartKind::clothes);
+  EXPECT_EQ(stranger.rig.pieces[2].kind, PartKind::eyes);
   EXPECT_EQ(stranger.rig.joints.size(), 52u);
-  EXPECT_EQ(body_mesh(stranger.rig).V.rows(), package().skin_size);
+  EXPECT_EQ(body_mesh(stranger.rig).V.rows(), package().skin_size + 12);  // and the toecaps
   std::map<std::string, Vec3> places;
   for (const Landmark& joint : stranger.joints) places[joint.name] = joint.position;
   for (const char* name : {"pelvis", "head", "shoulder_l", "elbow_l", "wrist_r", "hip_l", "knee_r",
@@ -105,6 +105,103 @@ TEST_F(OwnSkinTest, AttachedVerticesStandAgainWhereTheyStood) {
     EXPECT_NEAR(
         (skin.rest.row(eyes.first_vertex) - skin.rest.row(eyes.first_vertex + i)).norm(),
         (mesh.mesh.V.row(eyes.first_vertex) - mesh.mesh.V.row(eyes.first_vertex + i)).norm(), 1e-3);
+}
+
+TEST_F(OwnSkinTest, WhatSharesTheEyesMeshAtTheFeetBendsWithTheBody) {
+  const SourcePiece& eyes = stranger.rig.pieces[2];
+  ASSERT_EQ(eyes.vertex_count, 24);
+  const std::vector<int> rigid = rigid_pieces(stranger.rig);
+  for (int i = 0; i < 24; ++i) {
+    EXPECT_EQ(rigid[std::size_t(eyes.first_vertex + i)],
+              i < 12 ? eyes.first_vertex + i / 6 * 6 : -1);
+    EXPECT_EQ(stranger.rig.kinds[std::size_t(eyes.first_vertex + i)],
+              i < 12 ? PartKind::eyes : PartKind::body);
+  }
+}
+
+TEST_F(OwnSkinTest, TheRigTellsThePartsOfVertices) {
+  const std::vector<VertexPart> parts = vertex_parts(package());
+  const auto told = told_parts(stranger.rig);
+  ASSERT_EQ(Eigen::Index(told.size()), stranger.rig.mesh.V.rows());
+  int agree = 0, other_side = 0;
+  std::map<BodyPart, int> seen;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (!told[i]) continue;
+    ++seen[told[i]->part];
+    agree += told[i]->part == parts[i].part && told[i]->side == parts[i].side;
+    const bool paired = told[i]->side != Side::middle && parts[i].side != Side::middle;
+    other_side += paired && told[i]->side != parts[i].side;
+  }
+  EXPECT_EQ(seen.size(), 9u);
+  EXPECT_GT(agree, 0.9 * double(parts.size()));
+  EXPECT_LT(other_side, 10);  // between the legs
+  // A coat hangs on the trunk wherever it reaches; eyes hang on no joint.
+  const SourcePiece &coat = stranger.rig.pieces[1], &eyes = stranger.rig.pieces[2];
+  for (int i = 0; i < coat.vertex_count; ++i)
+    if (const auto& part = told[std::size_t(coat.first_vertex + i)]) {
+      EXPECT_NE(part->part, BodyPart::trunk);
+    }
+  EXPECT_FALSE(told[std::size_t(eyes.first_vertex)]);
+}
+
+// Straight arms swung forward until the hands are `deep` metres within each other.
+Registration with_hands_together(const BodyPackage& package, double deep) {
+  const std::vector<VertexPart> parts = vertex_parts(package);
+  Registration out;
+  double low = 60, high = 150;  // degrees
+  for (int round = 0; round < 12; ++round) {
+    const double swing = 0.5 * (low + high);
+    out = test::turned_package(package, [&](const std::string& name) -> Quat {
+      if (name.ends_with("LeftArm")) return test::turn_about(-swing, Vec3::UnitY());
+      if (name.ends_with("RightArm")) return test::turn_about(swing, Vec3::UnitY());
+      return Quat::Identity();
+    });
+    double inmost = 1;
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      if (parts[i].part == BodyPart::hand && parts[i].side == Side::left)
+        inmost = std::min(inmost, out.posed(Eigen::Index(i), 0));
+    (inmost < -0.5 * deep ? high : low) = swing;
+  }
+  return out;
+}
+
+TEST_F(OwnSkinTest, HandsHeldTogetherStayTwo) {
+  const Registration held = with_hands_together(package(), 0.06);
+  const std::vector<VertexPart> parts = vertex_parts(package());
+  StandingMesh mesh{{held.posed, package().triangles}, {}};
+  const auto wrong = [&](const AttachedSkin& skin) {
+    int out = 0;
+    for (int i = 0; i < skin.map.outerSize(); ++i) {
+      const VertexPart& own = parts[std::size_t(i)];
+      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(skin.map, i); it; ++it)
+        if (own.part == BodyPart::hand && parts[std::size_t(it.col())].side != own.side) {
+          ++out;
+          break;
+        }
+    }
+    return out;
+  };
+  // A mesh a little off the base mesh that was found in it.
+  mesh.mesh.V.rowwise() += Eigen::RowVector3d(0.025, 0, 0);
+  const AttachedSkin blind = attach_skin(held, package().triangles, parts, mesh);
+  EXPECT_GT(wrong(blind), 20);
+  mesh.parts.assign(parts.begin(), parts.end());
+  const AttachedSkin skin = attach_skin(held, package().triangles, parts, mesh);
+  EXPECT_EQ(wrong(skin), 0);
+  double longest = 0;
+  for (Eigen::Index f = 0; f < mesh.mesh.F.rows(); ++f) {
+    const int a = mesh.mesh.F(f, 0), b = mesh.mesh.F(f, 1);
+    longest = std::max(longest, (skin.rest.row(a) - skin.rest.row(b)).norm() -
+                                    (mesh.mesh.V.row(a) - mesh.mesh.V.row(b)).norm());
+  }
+  EXPECT_LT(longest, 0.1);
+
+  // Names whose left is our right tell nothing.
+  for (auto& part : mesh.parts)
+    if (part->side != Side::middle)
+      part->side = part->side == Side::left ? Side::right : Side::left;
+  const AttachedSkin swapped = attach_skin(held, package().triangles, parts, mesh);
+  EXPECT_LT(largest(swapped.rest, blind.rest), 1e-12);
 }
 
 class WrittenStranger : public OwnSkinTest {
@@ -247,10 +344,10 @@ TEST(RealRigs, AKnightHasPropsAndManyTakes) {
   EXPECT_EQ(rig.takes.size(), 76u);
   for (const SourcePiece& piece : rig.pieces) {
     if (piece.name == "1H_Sword") {
-      EXPECT_EQ(piece.kind, PieceKind::prop);
+      EXPECT_EQ(piece.kind, PartKind::prop);
     }
     if (piece.name == "Knight_Body") {
-      EXPECT_EQ(piece.kind, PieceKind::body);
+      EXPECT_EQ(piece.kind, PartKind::body);
     }
   }
   EXPECT_GT(gltf_motion(*bytes, "knight", {.take = "Walking_A"}).frame_count, 5);

@@ -30,22 +30,11 @@ inline Points on_floor(const BodyPackage& package) {
   return out;
 }
 
-// Of the package's undeformed body: arms lowered and bent, a step forward.
-inline Registration posed_package(const BodyPackage& package) {
+// Of the package's undeformed body, its Mixamo bones turned: `turn` of a bone's name.
+template <class Turn>
+Registration turned_package(const BodyPackage& package, const Turn& turn) {
   const Points points = on_floor(package);
   const Rig rig = read_rig(package, "mixamo", points);
-  const auto turn = [](const std::string& name) -> Quat {
-    const auto about = [](double degrees, const Vec3& axis) {
-      return Quat(Eigen::AngleAxisd(degrees * kDegree, axis));
-    };
-    if (name.ends_with("LeftArm")) return about(-30, Vec3::UnitZ()) * about(-15, Vec3::UnitX());
-    if (name.ends_with("RightArm")) return about(25, Vec3::UnitZ());
-    if (name.ends_with("RightForeArm")) return about(-60, Vec3::UnitX());
-    if (name.ends_with("LeftUpLeg")) return about(-20, Vec3::UnitX());
-    if (name.ends_with("LeftLeg")) return about(25, Vec3::UnitX());
-    if (name.ends_with("Head")) return about(15, Vec3::UnitY());
-    return Quat::Identity();
-  };
   std::vector<Transform> X;
   for (std::size_t b = 0; b < rig.names.size(); ++b) {
     Transform local = Transform::Identity();
@@ -71,6 +60,24 @@ inline Registration posed_package(const BodyPackage& package) {
   out.axes = stranger_axes();
   out.shift = Vec3(0.1, 0, -0.2);
   return out;
+}
+
+inline Quat turn_about(double degrees, const Vec3& axis) {
+  return Quat(Eigen::AngleAxisd(degrees * kDegree, axis));
+}
+
+// Arms lowered and bent, a step forward.
+inline Registration posed_package(const BodyPackage& package) {
+  return turned_package(package, [](const std::string& name) -> Quat {
+    if (name.ends_with("LeftArm"))
+      return turn_about(-30, Vec3::UnitZ()) * turn_about(-15, Vec3::UnitX());
+    if (name.ends_with("RightArm")) return turn_about(25, Vec3::UnitZ());
+    if (name.ends_with("RightForeArm")) return turn_about(-60, Vec3::UnitX());
+    if (name.ends_with("LeftUpLeg")) return turn_about(-20, Vec3::UnitX());
+    if (name.ends_with("LeftLeg")) return turn_about(25, Vec3::UnitX());
+    if (name.ends_with("Head")) return turn_about(15, Vec3::UnitY());
+    return Quat::Identity();
+  });
 }
 
 // A .glb being written.
@@ -134,7 +141,8 @@ inline Points vertex_directions(const TriMesh& mesh) {
 }
 
 // The posed skin 2 mm out, its quads cut the other way; a coat 4 cm off the trunk and the upper
-// arms; two eyes. With a rig of the stranger's own, and a texture that nobody must touch.
+// arms; two eyes, and in their mesh two toecaps no larger. With a rig of the stranger's own, and a
+// texture that nobody must touch.
 inline std::string stranger_glb(const BodyPackage& package, const Registration& registration) {
   const Mat3 back = registration.axes.inverse() / registration.scale;
   const auto to_file = [&](const Points& V) -> Points {
@@ -173,13 +181,14 @@ inline std::string stranger_glb(const BodyPackage& package, const Registration& 
         posed.V.row(coat_vertices[i]) + 0.04 * normals.row(coat_vertices[i]);
   for (std::size_t f = 0; f < coat_faces.size(); ++f)
     coat.F.row(Eigen::Index(f)) << coat_faces[f][0], coat_faces[f][1], coat_faces[f][2];
-  // Octahedra before the highest points of the head.
-  TriMesh eyes{Points(12, 3), Triangles(16, 3)};
+  // Octahedra before the highest points of the head, and as many on the floor under it.
+  TriMesh eyes{Points(24, 3), Triangles(32, 3)};
   Eigen::Index crown = 0;
   posed.V.col(1).maxCoeff(&crown);
   const Vec3 head = posed.V.row(crown);
-  for (int e = 0; e < 2; ++e) {
-    const Vec3 center = head + Vec3(e == 0 ? 0.03 : -0.03, -0.11, 0.07);
+  for (int e = 0; e < 4; ++e) {
+    const double down = e < 2 ? 0.11 : head.y() - 0.02;
+    const Vec3 center = head + Vec3(e % 2 == 0 ? 0.03 : -0.03, -down, 0.07);
     for (int k = 0; k < 6; ++k)
       eyes.V.row(6 * e + k) = center + (k % 2 == 0 ? 0.012 : -0.012) * Vec3(Vec3::Unit(k / 2));
     for (int k = 0; k < 8; ++k) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -10,6 +11,8 @@
 #include <random>
 
 #include "anatomy/errors.h"
+#include "anatomy/mesh_files/head_islands.h"
+#include "anatomy/mesh_files/part_kind.h"
 #include "morph/registration/scan_unit.h"
 #include "morph/shapes/body.h"
 #include "tests/body_fixture.h"
@@ -232,15 +235,70 @@ TEST_F(CleanScanTest, ThinsWhatIsLarge) {
 
 TEST_F(CleanScanTest, PartsAreToldByName) {
   EXPECT_EQ(kind_of_part("Body", {}), PartKind::body);
-  EXPECT_EQ(kind_of_part("Hero_Shirt.001", {}), PartKind::covering);
-  EXPECT_EQ(kind_of_part("CC_Base_Eye", {}), PartKind::other);
+  EXPECT_EQ(kind_of_part("Hero_Shirt.001", {}), PartKind::clothes);
+  EXPECT_EQ(kind_of_part("CC_Base_Eye", {}), PartKind::eyes);
+  EXPECT_EQ(kind_of_part("CC_Base_EyeBrow", {}), PartKind::hair);
+  EXPECT_EQ(kind_of_part("Knight_Helmet", {}), PartKind::headgear);
   EXPECT_EQ(kind_of_part("Landscaped", {}), PartKind::body);
-  EXPECT_EQ(kind_of_part("Object_3", std::vector<std::string>{"M_Hair"}), PartKind::other);
+  EXPECT_EQ(kind_of_part("Object_3", std::vector<std::string>{"M_Hair"}), PartKind::hair);
+  EXPECT_EQ(kind_of_part("Body", std::vector<std::string>{"Eyes"}), PartKind::eyes);
+  EXPECT_EQ(kind_of_part("Body", std::vector<std::string>{"Suit"}), PartKind::body);
   MeshFile file = file_of(man(), "body");
   file.parts.push_back({.name = "sword", .mesh = sheet(2, 1)});
   const Scan scan = clean_scan(file);
   EXPECT_EQ(scan.points.rows(), man().V.rows());
   EXPECT_EQ(scan.left_out, std::vector<std::string>{"sword"});
+}
+
+// An arched sheet of that side.
+TriMesh lump(double size, const Vec3& middle) {
+  TriMesh out = sheet(0.5 * size, 0);
+  out.V.col(1) = 0.3 * (0.25 * size * size - out.V.col(0).array().square()) / size;
+  out.V.rowwise() += middle.transpose();
+  return out;
+}
+
+TEST_F(CleanScanTest, ShoesInTheMaterialOfTheEyesAreNoEyes) {
+  const TriMesh &body = man(),
+                eyes = joined(lump(0.03, {0.03, 1.68, 0.1}), lump(0.03, {-0.03, 1.68, 0.1})),
+                shoes = joined(lump(0.3, {0.15, 0.05, 0.1}), lump(0.3, {-0.15, 0.05, 0.1}));
+  MeshFile file = file_of(joined(joined(body, eyes), shoes), "BaseHuman");
+  file.parts[0].materials = {"Skin", "Eyes"};
+  file.parts[0].face_materials.assign(std::size_t(file.parts[0].mesh.F.rows()), 1);
+  std::fill_n(file.parts[0].face_materials.begin(), body.F.rows(), 0);
+  const double with_shoes = total_area(clean_scan(file_of(joined(body, shoes))));
+  for (const bool upright : {true, false}) {
+    if (upright) file.up = Vec3::UnitY();
+    if (!upright) file.up.reset();
+    const Scan scan = clean_scan(file);
+    EXPECT_EQ(scan.left_out, std::vector<std::string>{"BaseHuman (Eyes)"});
+    EXPECT_TRUE(says(scan, "no body by name: BaseHuman (Eyes)"));
+    EXPECT_NEAR(total_area(scan), with_shoes, 1e-3);
+  }
+}
+
+TEST(HeadIslandTest, PlaceSizeAndWeightsBearTheNameOut) {
+  const auto cube = [](double side, const Vec3& middle) {
+    return Eigen::AlignedBox3d(middle - Vec3::Constant(0.5 * side),
+                               middle + Vec3::Constant(0.5 * side));
+  };
+  const Eigen::AlignedBox3d standing(Vec3(-0.8, 0, -0.2), Vec3(0.8, 1.8, 0.2));
+  const std::vector<HeadIsland> islands{
+      {PartKind::eyes, cube(0.03, {0.03, 1.7, 0.1})},       // an eye
+      {PartKind::eyes, cube(0.03, {0.1, 0.1, 0.1})},        // a button of a shoe
+      {PartKind::mouth, cube(0.3, {0.1, 1.6, 0.1})},        // too large
+      {PartKind::hair, cube(0.3, {0, 1.75, 0})},            // hair may be large
+      {PartKind::eyes, cube(0.3, {0, 1.7, 0}), true},       // large, and hangs on the head
+      {PartKind::eyes, cube(0.03, {0.8, 1.4, 0}), false}};  // hangs on a hand
+  const std::vector<char> expected{1, 0, 0, 1, 1, 0};
+  EXPECT_EQ(lies_in_head(islands, standing, Vec3(Vec3::UnitY())), expected);
+  EXPECT_EQ(lies_in_head(islands, standing, {}), expected);
+  // It lies on its back: up tells nothing.
+  const Eigen::AlignedBox3d lying(Vec3(-0.4, 0, -0.9), Vec3(0.4, 0.3, 0.9));
+  const std::vector<HeadIsland> there{{PartKind::eyes, cube(0.03, {0.03, 0.1, 0.8})},
+                                      {PartKind::eyes, cube(0.03, {-0.03, 0.1, 0.8})},
+                                      {PartKind::eyes, cube(0.1, {0.1, 0.1, -0.8})}};
+  EXPECT_EQ(lies_in_head(there, lying, Vec3(Vec3::UnitY())), (std::vector<char>{1, 1, 0}));
 }
 
 TEST_F(CleanScanTest, RefusesWhatIsNoPerson) {
