@@ -4,12 +4,18 @@
 
 #include <algorithm>
 #include <numbers>
+#include <optional>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
+#include "anatomy/files/input_file.h"
 #include "skinning/constraints/collision_proxies.h"
 #include "skinning/motion_files/read_motion.h"
+#include "skinning/retarget/rest_alignment.h"
 #include "skinning/retarget/retarget.h"
+#include "skinning/rigs/own_motion.h"
 
 namespace ecorche {
 namespace {
@@ -64,18 +70,62 @@ std::string describe_motion(const std::filesystem::path& file, const Motion& mot
                            1e3 * found.slide_p95);
 }
 
+// What the report says of a file whose coordinates the registration of its mesh has told.
+void describe_source(const OwnSkin& own, const Skeleton& skeleton, RetargetReport& found) {
+  const auto axis_name = [&](const Vec3& direction) {
+    int axis = 0;
+    const Vec3 in_file = own.axes.transpose() * direction;
+    in_file.cwiseAbs().maxCoeff(&axis);
+    return fmt::format("{}{}", in_file[axis] < 0 ? '-' : '+', "xyz"[axis]);
+  };
+  found.up = axis_name(Vec3::UnitY())[1];
+  found.facing = axis_name(Vec3::UnitZ());
+  const std::vector<Vec3> rest = rest_positions(skeleton);
+  const auto at = [&](const char* name) { return rest[std::size_t(find_joint(skeleton, name))]; };
+  found.source_leg =
+      ((at("knee_l") - at("hip_l")).norm() + (at("ankle_l") - at("knee_l")).norm()) / own.scale;
+  std::tie(found.unit, found.metres_per_unit) = guess_unit(found.source_leg);
+  found.scale = own.scale;
+}
+
+// None where the motion is not of the own skin's joints, or people say how to read it.
+std::optional<Motion> open_own_motion(const std::filesystem::path& file,
+                                      const CharacterModel& model, const MotionOptions& options,
+                                      const RetargetOptions& placed, RetargetReport& found) {
+  const Character& character = model.character;
+  const bool is_gltf = file.extension() == ".glb" || file.extension() == ".gltf";
+  if (!character.own || !is_gltf || !options.map_file.empty() || !options.up.empty())
+    return std::nullopt;
+  const std::string name = printable(file.string());
+  const Skeleton& skeleton = character.anatomy.skeleton;
+  const MotionReadOptions read = to_read_options(options);
+  std::optional<OwnMotion> own =
+      own_motion(read_input_file(file), name, {read.fps, read.take}, *character.own, skeleton,
+                 character.body.skin.V, model.binding.joint_weights, file.parent_path());
+  if (!own) return std::nullopt;
+  found.warnings = std::move(own->warnings);
+  describe_source(*character.own, skeleton, found);
+  constrain_own_motion(name, skeleton, placed, own->motion, found);
+  return std::move(own->motion);
+}
+
 }  // namespace
 
-Motion open_motion(const std::filesystem::path& file, const Character& character,
+Motion open_motion(const std::filesystem::path& file, const CharacterModel& model,
                    const MotionOptions& options, const Common& common, Report& report) {
   const StageTimer timer(report, "retarget");
-  const MotionClip source = read_motion(file, to_read_options(options));
+  const Character& character = model.character;
   RetargetOptions placed = to_retarget_options(options);
   if (!placed.sole_height) placed.sole_height = character.body.skin.V.col(1).minCoeff();
   if (placed.avoid_self_collision)
     placed.proxies = measure_proxies(character.anatomy.skeleton, character.body.skin.V);
   RetargetReport found;
-  Motion motion = retarget(source, character.anatomy.skeleton, placed, found);
+  Motion motion;
+  if (std::optional<Motion> own = open_own_motion(file, model, options, placed, found))
+    motion = std::move(*own);
+  else
+    motion = retarget(read_motion(file, to_read_options(options)), character.anatomy.skeleton,
+                      placed, found);
   report.set("motion.frames", int(motion.frames.size()));
   report.set("motion.fps", motion.fps);
   report.set("motion.unit", found.unit);

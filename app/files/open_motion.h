@@ -3,16 +3,17 @@
 
 #include <filesystem>
 
-#include "anatomy/character.h"
 #include "app/common_options.h"
 #include "app/options/motion_options.h"
 #include "app/report.h"
+#include "skinning/character/character_model.h"
 
 namespace ecorche {
 
-// Reads a motion file and retargets it to the character. What was assumed goes to the report under
-// `motion`, warnings to people too.
-Motion open_motion(const std::filesystem::path& file, const Character& character,
+// Reads a motion file and retargets it to the character; a motion of its own skin's joints
+// (own_motion.h) is taken over as it is, unless `options` say what is up or which joint is which.
+// What was assumed goes to the report under `motion`, warnings to people too.
+Motion open_motion(const std::filesystem::path& file, const CharacterModel& model,
                    const MotionOptions& options, const Common& common, Report& report);
 
 }  // namespace ecorche

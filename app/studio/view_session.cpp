@@ -142,7 +142,7 @@ std::shared_ptr<ViewSession::Performance> ViewSession::perform(std::shared_ptr<c
   if (motion.empty())
     out->motion.frames.push_back(rest_pose(shown.anatomy.skeleton));
   else
-    out->motion = open_motion(motion, shown, options_.retarget, common_, report);
+    out->motion = open_motion(motion, *out->actor, options_.retarget, common_, report);
   SceneOptions scene;
   scene.eyes = find_eyes(common_.assets, shown.body.skin, shown.anatomy.skeleton);
   scene.key = fresh_scene_key();

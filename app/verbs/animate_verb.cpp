@@ -145,8 +145,7 @@ int run_animate(const AnimateOptions& options, const Common& common, Report& rep
   Actor actor = make_actor(common.assets, open_character(options.character, common, report), report,
                            {.weights = options.weights});
   choose_skin(common.assets, actor, options.skin);
-  const Motion motion =
-      open_motion(options.motion, actor.character, options.retarget, common, report);
+  const Motion motion = open_motion(options.motion, actor, options.retarget, common, report);
   const Activations activations =
       open_activations(common.assets, options.activation, actor, motion, report);
   const MotionQuality quality = write_outputs(options, actor, motion, activations, common, report);

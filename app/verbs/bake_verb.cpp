@@ -43,7 +43,7 @@ std::vector<BakedMotion> open_motions(const BakeVerbOptions& options, const Acto
     each.name = printable(file.stem().string());
     for (int k = 2; !names.insert(each.name).second; ++k)
       each.name = fmt::format("{}_{}", printable(file.stem().string()), k);
-    each.motion = open_motion(file, actor.character, options.retarget, common, report);
+    each.motion = open_motion(file, actor, options.retarget, common, report);
     out.push_back(std::move(each));
   }
   return out;

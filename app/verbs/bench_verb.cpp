@@ -204,7 +204,7 @@ int run_bench(const BenchVerbOptions& options, const Common& common, Report& rep
   const FittedActor fitted =
       fit_actor(common.assets, body_template, make_body(package, athlete()), package, {}, report);
   const Motion motion = open_motion(common.assets.tables / "motions" / "long_jump.bvh",
-                                    fitted.actor.character, {}, common, report);
+                                    fitted.actor, {}, common, report);
 
   if (options.muscles) {
     PosedAnatomy posed;

@@ -145,7 +145,7 @@ void add_pictures(const Template& body_template, const BodyPackage& package,
   record.motion_pictures.push_back(picture_of_jump(fitted.actor, package, jump, record));
   Report aside;
   const Motion walk =
-      open_motion(common.assets.tables / "motions" / "walk.bvh", character, {}, common, aside);
+      open_motion(common.assets.tables / "motions" / "walk.bvh", fitted.actor, {}, common, aside);
   record.motion_pictures.push_back(picture_of_walk(fitted.actor, package, walk));
 }
 
@@ -205,8 +205,8 @@ int run_demo(const DemoOptions& options, const Common& common, Report& report) {
   report.set("skin_vertices", actor.binding.vertex_count);
 
   note(common, "motion");
-  const Motion motion = open_motion(common.assets.tables / "motions" / "long_jump.bvh",
-                                    actor.character, {}, common, report);
+  const Motion motion =
+      open_motion(common.assets.tables / "motions" / "long_jump.bvh", actor, {}, common, report);
   report.set("frame_ms", mean_frame_ms(actor, motion));
   const Activations activations =
       open_activations(common.assets, options.activation, actor, motion, report);

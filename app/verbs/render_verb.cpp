@@ -188,10 +188,9 @@ int run_render(RenderVerbOptions options, const Common& common, Report& report) 
   choose_skin(common.assets, actor, options.skin);
   film.hidden = hidden_parts(options, actor.character.anatomy);
   std::string view = "follow";
-  const Motion motion =
-      options.motion.empty()
-          ? still_motion(common.assets.tables, actor, options, view)
-          : open_motion(options.motion, actor.character, options.retarget, common, report);
+  const Motion motion = options.motion.empty()
+                            ? still_motion(common.assets.tables, actor, options, view)
+                            : open_motion(options.motion, actor, options.retarget, common, report);
   film.view.camera = options.camera.value_or(film.view.look_at.empty() ? view : "follow");
   film.legend =
       film.legend && !(options.motion.empty() && options.pose.empty()) && !film.transparent;

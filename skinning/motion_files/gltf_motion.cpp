@@ -64,27 +64,80 @@ class Reader {
       : file_(bytes, name, std::move(folder)), tree_(file_) {}
 
   MotionClip read(const GltfMotionOptions& options) {
-    const Json& take = find_take(options.take);
-    read_tracks(take);
-    choose_joints();
     MotionClip out;
     out.name = file_.name();
-    if (options.take.empty() && file_.count("animations") > 1)
-      out.warnings.push_back(fmt::format("{} animations; '{}' is taken, --take NAME takes another",
-                                         file_.count("animations"),
-                                         printable(take.value("name", "take 1"))));
-    out.fps = options.fps ? *options.fps : rate();
-    const double frames = std::floor(last_ * out.fps + 1e-3) + 1;
-    if (frames > limits::kMotionFrames)
-      throw LimitError(fmt::format("{}: {:.0f} frames; the limit is {}", file_.name(), frames,
-                                   limits::kMotionFrames));
-    out.frame_count = int(frames);
+    read_take(options, out.warnings);
+    choose_joints();
+    out.fps = fps_;
+    out.frame_count = frames_;
     add_joints(out);
     sample(out);
     return out;
   }
 
+  std::optional<NodeMotion> read_nodes(const std::vector<NodeName>& wanted,
+                                       const GltfMotionOptions& options) {
+    NodeMotion out;
+    read_take(options, out.warnings);
+    out.fps = fps_;
+    const std::vector<std::size_t> nodes = find_nodes(wanted);
+    if (nodes.empty() ||
+        std::none_of(nodes.begin(), nodes.end(), [&](std::size_t node) { return moves(node); }))
+      return std::nullopt;
+    for (const std::size_t node : nodes) {
+      const int above = tree_.parents()[node];
+      out.standing.push_back(tree_.world()[node]);
+      out.above.push_back(above < 0 ? Affine::Identity() : tree_.world()[std::size_t(above)]);
+    }
+    start_sampling();
+    for (int f = 0; f < frames_; ++f) {
+      place_nodes(double(f) / fps_);
+      out.frames.emplace_back();
+      for (const std::size_t node : nodes) out.frames.back().push_back(world_[node]);
+    }
+    return out;
+  }
+
  private:
+  void read_take(const GltfMotionOptions& options, std::vector<std::string>& warnings) {
+    const Json& take = find_take(options.take);
+    read_tracks(take);
+    if (options.take.empty() && file_.count("animations") > 1)
+      warnings.push_back(fmt::format("{} animations; '{}' is taken, --take NAME takes another",
+                                     file_.count("animations"),
+                                     printable(take.value("name", "take 1"))));
+    fps_ = options.fps ? *options.fps : rate();
+    const double frames = std::floor(last_ * fps_ + 1e-3) + 1;
+    if (frames > limits::kMotionFrames)
+      throw LimitError(fmt::format("{}: {:.0f} frames; the limit is {}", file_.name(), frames,
+                                   limits::kMotionFrames));
+    frames_ = int(frames);
+  }
+
+  std::string node_name(std::size_t node) const {
+    return file_.item("nodes", node).value("name", fmt::format("joint {}", node));
+  }
+
+  // Empty where one is missing.
+  std::vector<std::size_t> find_nodes(const std::vector<NodeName>& wanted) const {
+    std::map<std::string, std::size_t> by_name;
+    for (std::size_t n = 0; n < tree_.parents().size(); ++n) by_name.emplace(node_name(n), n);
+    std::vector<std::size_t> out;
+    for (const auto& [name, number] : wanted) {
+      const auto found = by_name.find(name);
+      if (found == by_name.end()) return {};
+      const bool same = number < tree_.parents().size() && node_name(number) == name;
+      out.push_back(same ? number : found->second);
+    }
+    return out;
+  }
+
+  bool moves(std::size_t node) const {
+    for (int up = int(node); up >= 0; up = tree_.parents()[std::size_t(up)])
+      if (tracks_.contains(std::size_t(up))) return true;
+    return false;
+  }
+
   const Json& find_take(const std::string& wanted) const {
     const std::size_t count = file_.count("animations");
     if (count == 0)
@@ -258,40 +311,46 @@ class Reader {
     return nearest_rotation(axes);
   }
 
-  void sample(MotionClip& out) {
-    std::vector<NodePlace> places;
-    std::vector<Affine> maps;
+  void start_sampling() {
     for (std::size_t n = 0; n < tree_.parents().size(); ++n) {
-      places.push_back(node_place(file_, n));
-      maps.push_back(node_map(file_, n));
+      places_.push_back(node_place(file_, n));
+      maps_.push_back(node_map(file_, n));
     }
+    world_.resize(maps_.size());
+  }
+
+  // Fills world_ at a time, s.
+  void place_nodes(double t) {
+    for (const auto& [node, tracks] : tracks_) {
+      NodePlace place = places_[node];
+      if (tracks.translation) place.translation = tracks.translation->at(t);
+      if (tracks.scale) place.scale = tracks.scale->at(t);
+      if (tracks.rotation) {
+        const Eigen::VectorXd q = tracks.rotation->at(t);
+        if (q.norm() > 1e-9) place.rotation = Quat(q[3], q[0], q[1], q[2]).normalized();
+      }
+      maps_[node] = place.map();
+    }
+    for (const std::size_t n : tree_.order()) {
+      const int above = tree_.parents()[n];
+      world_[n] = above < 0 ? maps_[n] : world_[std::size_t(above)] * maps_[n];
+    }
+  }
+
+  void sample(MotionClip& out) {
+    start_sampling();
     std::vector<Mat3> rest;
     for (const Affine& X : rest_) rest.push_back(turn_of(X));
     out.rotations.reserve(std::size_t(out.frame_count) * joints_.size());
-    std::vector<Affine> world(maps.size());
     std::vector<Mat3> turns(joints_.size());
     for (int f = 0; f < out.frame_count; ++f) {
-      const double t = double(f) / out.fps;
-      for (const auto& [node, tracks] : tracks_) {
-        NodePlace place = places[node];
-        if (tracks.translation) place.translation = tracks.translation->at(t);
-        if (tracks.scale) place.scale = tracks.scale->at(t);
-        if (tracks.rotation) {
-          const Eigen::VectorXd q = tracks.rotation->at(t);
-          if (q.norm() > 1e-9) place.rotation = Quat(q[3], q[0], q[1], q[2]).normalized();
-        }
-        maps[node] = place.map();
-      }
-      for (const std::size_t n : tree_.order()) {
-        const int above = tree_.parents()[n];
-        world[n] = above < 0 ? maps[n] : world[std::size_t(above)] * maps[n];
-      }
+      place_nodes(double(f) / out.fps);
       for (std::size_t j = 0; j < joints_.size(); ++j) {
-        turns[j] = turn_of(world[joints_[j]]) * rest[j].transpose();
+        turns[j] = turn_of(world_[joints_[j]]) * rest[j].transpose();
         const int parent = out.joints[j].parent;
         out.rotations.push_back(
             parent < 0 ? turns[j] : Mat3(turns[std::size_t(parent)].transpose() * turns[j]));
-        if (parent < 0) out.translations.push_back(world[joints_[j]].translation());
+        if (parent < 0) out.translations.push_back(world_[joints_[j]].translation());
       }
     }
   }
@@ -300,8 +359,13 @@ class Reader {
   GltfTree tree_;
   std::map<std::size_t, NodeTracks> tracks_;
   double last_ = 0;  // s
+  double fps_ = 30;
+  int frames_ = 0;
   std::vector<std::size_t> joints_;
   std::vector<Affine> rest_;  // of the joints, in the scene
+  // Of all nodes: as they stand, and at the time that is sampled.
+  std::vector<NodePlace> places_;
+  std::vector<Affine> maps_, world_;
 };
 
 }  // namespace
@@ -329,6 +393,17 @@ MotionClip gltf_motion(std::string_view bytes, const std::string& name,
                        std::optional<std::filesystem::path> folder) {
   try {
     return Reader(bytes, name, std::move(folder)).read(options);
+  } catch (const nlohmann::json::exception& e) {
+    throw InputError(fmt::format("{}: {}", name, printable(e.what())));
+  }
+}
+
+std::optional<NodeMotion> gltf_node_motion(std::string_view bytes, const std::string& name,
+                                           const std::vector<NodeName>& nodes,
+                                           const GltfMotionOptions& options,
+                                           std::optional<std::filesystem::path> folder) {
+  try {
+    return Reader(bytes, name, std::move(folder)).read_nodes(nodes, options);
   } catch (const nlohmann::json::exception& e) {
     throw InputError(fmt::format("{}: {}", name, printable(e.what())));
   }

@@ -174,6 +174,79 @@ void warn_of_limited(const std::string& name, const std::vector<LimitBreak>& lim
         name, joints, worst->joint, worst->worst / kDegree, worst->worst_frame, worst->frames));
 }
 
+// The motion as it has been transferred, and where the file's feet and hips were.
+struct Transferred {
+  Motion motion;
+  std::array<FootPaths, 2> feet;
+  std::vector<LimbShifts> shifts;
+};
+
+Transferred transfer_frames(const MotionClip& source, const Skeleton& ours, double sole,
+                            PoseTransfer& transfer) {
+  Transferred out;
+  out.motion = {source.fps, std::vector<Pose>(std::max(source.frame_count, 1))};
+  const std::vector<Vec3> rest = rest_positions(ours);
+  const std::array<Vec3, 2> hips{rest[joint_of(ours, "hip_l")] - rest[0],
+                                 rest[joint_of(ours, "hip_r")] - rest[0]};
+  std::vector<Transform> X;
+  for (size_t f = 0; f < out.motion.frames.size(); ++f) {
+    clip_kinematics(source, source.frame_count == 0 ? -1 : int(f), X);
+    transfer.transfer(X, out.motion.frames[f]);
+    out.shifts.push_back(stance_shifts(transfer, X, hips, out.motion.frames[f]));
+    for (int side = 0; side < 2; ++side)
+      add_foot(transfer, X, ours, side == 0 ? Side::left : Side::right, sole, out.feet[side]);
+  }
+  return out;
+}
+
+void drop_calibration(const std::string& name, Transferred& moved, RetargetReport& report) {
+  const int n = report.dropped_frames = calibration_frames(moved.motion.frames);
+  if (n == 0) return;
+  moved.motion.frames.erase(moved.motion.frames.begin(), moved.motion.frames.begin() + n);
+  moved.shifts.erase(moved.shifts.begin(), moved.shifts.begin() + n);
+  for (FootPaths& foot : moved.feet)
+    foot.heel.erase(foot.heel.begin(), foot.heel.begin() + n),
+        foot.ball.erase(foot.ball.begin(), foot.ball.begin() + n);
+  report.warnings.push_back(
+      fmt::format("{}: a marker pose at the start is left out ({} frames)", name, n));
+}
+
+struct Constraints {
+  bool keep, plant, fall;
+  double sole;
+};
+
+// Limits, planted feet and flights; what was found goes to the report.
+void constrain(const std::string& name, const Skeleton& ours, const RetargetOptions& options,
+               const Constraints& wanted, Transferred& moved, RetargetReport& report) {
+  const auto [keep, plant, fall, sole] = wanted;
+  Motion& motion = moved.motion;
+  MotionLimiter limiter(
+      ours, sole, options.avoid_self_collision && options.proxies ? &*options.proxies : nullptr);
+  if (keep) {
+    report.limit_breaks_before = limit_breaks(ours, motion);
+    warn_of_limited(name, report.limit_breaks_before, report.warnings);
+    limiter.run({}, {}, moved.shifts, motion);
+    report.self_collisions = limiter.initial_penetrations();
+  }
+  if (plant) report.contacts = plant_feet(ours, sole, moved.feet, motion);
+  if (keep && plant) limiter.run(kPlanted, report.contacts, {}, motion);
+  if (!keep && plant)
+    for (Pose& pose : motion.frames) complete_pose(ours, pose);  // knees have moved
+  if (keep) report.ends_moved = limiter.end_moves();
+  if (fall) report.flights = make_flights_ballistic(ours, sole, motion);
+  const FootMeasures measured = measure_feet(ours, sole, motion, report.contacts);
+  report.slide_p95 = measured.slide_p95;
+  report.penetration = measured.penetration;
+  unwrap(motion.frames);
+  report.limit_breaks = limit_breaks(ours, motion);
+  if (!report.self_collisions.empty()) {
+    const std::vector<Penetration> left = limiter.penetrations(motion);
+    for (size_t k = 0; k < left.size(); ++k) report.self_collisions[k].left = left[k].worst;
+    std::erase_if(report.self_collisions, [](const Penetration& one) { return one.frames == 0; });
+  }
+}
+
 }  // namespace
 
 Motion retarget(const MotionClip& source, const Skeleton& ours, const RetargetOptions& options,
@@ -202,67 +275,46 @@ Motion retarget(const MotionClip& source, const Skeleton& ours, const RetargetOp
   if (source.frame_count == 0)
     report.warnings.push_back(
         fmt::format("{}: it holds no frames; its rest pose is taken as one", source.name));
-  Motion motion{source.fps, std::vector<Pose>(std::max(source.frame_count, 1))};
   const double sole = options.sole_height.value_or(guess_sole_height(ours));
-  std::array<FootPaths, 2> feet;
-  std::vector<LimbShifts> shifts;
-  const std::vector<Vec3> rest = rest_positions(ours);
-  const std::array<Vec3, 2> hips{rest[joint_of(ours, "hip_l")] - rest[0],
-                                 rest[joint_of(ours, "hip_r")] - rest[0]};
-  std::vector<Transform> X;
-  for (size_t f = 0; f < motion.frames.size(); ++f) {
-    clip_kinematics(source, source.frame_count == 0 ? -1 : int(f), X);
-    transfer.transfer(X, motion.frames[f]);
-    shifts.push_back(stance_shifts(transfer, X, hips, motion.frames[f]));
-    for (int side = 0; side < 2; ++side)
-      add_foot(transfer, X, ours, side == 0 ? Side::left : Side::right, sole, feet[side]);
-  }
-  check_nearness(source.name, motion, report.metres_per_unit);
-  warn_of_leaps(source.name, motion, report.warnings);
-  report.dropped_frames = calibration_frames(motion.frames);
-  if (report.dropped_frames > 0) {
-    const int n = report.dropped_frames;
-    motion.frames.erase(motion.frames.begin(), motion.frames.begin() + n);
-    shifts.erase(shifts.begin(), shifts.begin() + n);
-    for (FootPaths& foot : feet)
-      foot.heel.erase(foot.heel.begin(), foot.heel.begin() + n),
-          foot.ball.erase(foot.ball.begin(), foot.ball.begin() + n);
-    report.warnings.push_back(fmt::format("{}: a marker pose at the start is left out ({} frames)",
-                                          source.name, report.dropped_frames));
-  }
-  const bool keep = options.clamp_limits.value_or(!alignment.same_rest),
-             plant = options.plant_feet.value_or(!matching_rig),
-             fall = options.ballistic_flights.value_or(!matching_rig);
+  Transferred moved = transfer_frames(source, ours, sole, transfer);
+  check_nearness(source.name, moved.motion, report.metres_per_unit);
+  warn_of_leaps(source.name, moved.motion, report.warnings);
+  drop_calibration(source.name, moved, report);
   if (!alignment.same_rest)
     for (const Side side : {Side::left, Side::right}) {
       const FootShape foot = foot_shape(ours, side, sole);
-      for (Pose& pose : motion.frames) turn_shin_with_foot(ours, foot, pose);
+      for (Pose& pose : moved.motion.frames) turn_shin_with_foot(ours, foot, pose);
     }
-  MotionLimiter limiter(
-      ours, sole, options.avoid_self_collision && options.proxies ? &*options.proxies : nullptr);
-  if (keep) {
-    report.limit_breaks_before = limit_breaks(ours, motion);
-    warn_of_limited(source.name, report.limit_breaks_before, report.warnings);
-    limiter.run({}, {}, shifts, motion);
-    report.self_collisions = limiter.initial_penetrations();
+  constrain(source.name, ours, options,
+            {options.clamp_limits.value_or(!alignment.same_rest),
+             options.plant_feet.value_or(!matching_rig),
+             options.ballistic_flights.value_or(!matching_rig), sole},
+            moved, report);
+  return std::move(moved.motion);
+}
+
+void constrain_own_motion(const std::string& name, const Skeleton& ours,
+                          const RetargetOptions& options, Motion& motion, RetargetReport& report) {
+  report.same_rest = report.matching_rig = true;
+  const double sole = options.sole_height.value_or(guess_sole_height(ours));
+  check_nearness(name, motion, report.metres_per_unit);
+  warn_of_leaps(name, motion, report.warnings);
+  Transferred moved{std::move(motion), {}, {}};
+  std::vector<Transform> X;
+  for (int side = 0; side < 2; ++side) {
+    const FootShape foot = foot_shape(ours, side == 0 ? Side::left : Side::right, sole);
+    for (const Pose& pose : moved.motion.frames) {
+      forward_kinematics(ours, pose, X);
+      const FootPoints points = foot_points(ours, foot, X);
+      moved.feet[side].heel.push_back(points.heel);
+      moved.feet[side].ball.push_back(points.ball);
+    }
   }
-  if (plant) report.contacts = plant_feet(ours, sole, feet, motion);
-  if (keep && plant) limiter.run(kPlanted, report.contacts, {}, motion);
-  if (!keep && plant)
-    for (Pose& pose : motion.frames) complete_pose(ours, pose);  // knees have moved
-  if (keep) report.ends_moved = limiter.end_moves();
-  if (fall) report.flights = make_flights_ballistic(ours, sole, motion);
-  const FootMeasures measured = measure_feet(ours, sole, motion, report.contacts);
-  report.slide_p95 = measured.slide_p95;
-  report.penetration = measured.penetration;
-  unwrap(motion.frames);
-  report.limit_breaks = limit_breaks(ours, motion);
-  if (!report.self_collisions.empty()) {
-    const std::vector<Penetration> left = limiter.penetrations(motion);
-    for (size_t k = 0; k < left.size(); ++k) report.self_collisions[k].left = left[k].worst;
-    std::erase_if(report.self_collisions, [](const Penetration& one) { return one.frames == 0; });
-  }
-  return motion;
+  constrain(name, ours, options,
+            {options.clamp_limits.value_or(false), options.plant_feet.value_or(false),
+             options.ballistic_flights.value_or(false), sole},
+            moved, report);
+  motion = std::move(moved.motion);
 }
 
 }  // namespace ecorche::inline v1

@@ -85,4 +85,10 @@ struct RetargetReport {
 Motion retarget(const MotionClip& source, const Skeleton& ours, const RetargetOptions& options,
                 RetargetReport& report);
 
+// A motion that is on our skeleton already, place for place, as own_motion.h finds it: limits,
+// planted feet and flights where the options ask for them, and the report's figures of all three.
+// `name`: of the file. Throws as retarget() for a figure that is too far away.
+void constrain_own_motion(const std::string& name, const Skeleton& ours,
+                          const RetargetOptions& options, Motion& motion, RetargetReport& report);
+
 }  // namespace ecorche::inline v1
