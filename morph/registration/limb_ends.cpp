@@ -26,7 +26,7 @@ constexpr double kRoom = 1.1;         // of its length, about its joint, where i
 constexpr Eigen::Index kFewest = 40;  // points of the scan that tell something
 constexpr int kSamples = 300;
 constexpr double kBeyond = 0.015;    // m past the joint
-constexpr double kSeenShare = 0.08;  // of the points that a whole hand or foot would have
+constexpr double kSeenShare = 0.15;  // of the points that a whole hand or foot would have
 
 constexpr FitStage kRough{.rounds = 6,
                           .samples = 400,
