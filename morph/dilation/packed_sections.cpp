@@ -110,13 +110,6 @@ void PackedSections::fill(std::size_t k, SliceOutline& outline) const {
   }
 }
 
-SliceOutline mirrored_outline(const Ellipse& from, const Ellipse& to) {
-  const auto turned = [&](int axis) {
-    return from.axes.col(axis).cwiseProduct(Vec3(-1, 1, 1)).dot(to.axes.col(axis)) < 0;
-  };
-  return flipped_outline(from.outline, turned(0), turned(1));
-}
-
 void smooth_outlines(std::span<SliceOutline> outlines) {
   const std::vector<SliceOutline> old(outlines.begin(), outlines.end());
   const std::size_t n = old.size();
