@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "anatomy/geometry/mesh_measures.h"
+
 namespace ecorche::inline v1 {
 namespace {
 
@@ -205,15 +207,6 @@ SkinPoint SkinField::nearest(const Vec3& p, int seed) const {
   return out;
 }
 
-// Van Oosterom & Strackee 1983.
-double SkinField::solid_angle(int f, const Vec3& p) const {
-  const Vec3 a = V_.row(F_(f, 0)).transpose() - p, b = V_.row(F_(f, 1)).transpose() - p,
-             c = V_.row(F_(f, 2)).transpose() - p;
-  const double la = a.norm(), lb = b.norm(), lc = c.norm();
-  return 2 * std::atan2(a.dot(b.cross(c)),
-                        la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
-}
-
 SkinPoint SkinField::nearest_judged(const Vec3& p, int seed) const {
   SkinPoint out = nearest(p, seed);
   if (out.distance > 0 && winding_number(p) > 0.5) {
@@ -236,7 +229,8 @@ double SkinField::winding_number(const Vec3& p) const {
     if (far > kFarField * node.radius) {
       sum += node.area.dot(d) / (far * far * far);
     } else if (node.right < 0) {
-      for (int k = node.begin; k < node.end; ++k) sum += solid_angle(k, p);
+      for (int k = node.begin; k < node.end; ++k)
+        sum += solid_angle(p, V_.row(F_(k, 0)), V_.row(F_(k, 1)), V_.row(F_(k, 2)));
     } else {
       stack[size++] = node.right;
       stack[size++] = index + 1;

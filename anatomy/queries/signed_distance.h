@@ -52,7 +52,6 @@ class SkinField {
   int build(int begin, int end, const std::vector<Vec3>& centroids);
   void closest_in_triangle(int f, const Vec3& p, double& best, SkinPoint& out, int& feature) const;
   Vec3 feature_normal(int f, int feature) const;
-  double solid_angle(int f, const Vec3& p) const;
 
   Points V_;
   Triangles F_;             // in tree order

@@ -1,8 +1,11 @@
 #include "morph/registration/judge_registration.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,6 +39,9 @@ constexpr double kDoubtfulHead = 60 * kDegree;  // turned against the chest
 constexpr double kHalfSeen = 0.55;              // of a hand or foot
 // A part of the body of which less is seen is missing; so many missing parts are too many.
 constexpr double kSeenLimb = 0.15, kMostMissing = 9, kRefusedMissing = 1;
+// Of the places along a limb's part that many lie inside the rest of the body: it is not there.
+constexpr int kAlongLimb = 9;
+constexpr double kBuried = 0.5, kInsideAngle = 2 * std::numbers::pi;
 constexpr std::size_t kJudged = 6000;  // points of the scan
 constexpr double kStandsOff = -1;      // instead of a distance
 
@@ -50,9 +56,58 @@ DistanceFigures figures_of(std::vector<double> distances) {
   return out;
 }
 
+// Part of a limb, from a joint to the next one.
+struct LimbPart {
+  std::string name, end;
+  std::vector<BodyPart> beyond;  // it and what hangs on it
+};
+
+// How much of a limb's part lies inside the rest of the body: a limb that is not there is folded
+// into what is.
+double buried_share(const ArticulatedBody& body, const LimbPart& part, Side side,
+                    const Registration& out) {
+  const auto place = [&](const std::string& name) {
+    return out.pose.posed[std::size_t(find_segment(body, name + side_suffix(side)))];
+  };
+  const auto hangs = [&](int v) {
+    const VertexPart& at = body.parts[std::size_t(v)];
+    return at.side == side &&
+           std::find(part.beyond.begin(), part.beyond.end(), at.part) != part.beyond.end();
+  };
+  const Vec3 from = place(part.name), to = place(part.end);
+  std::array<double, kAlongLimb> angles{};
+  for (Eigen::Index f = 0; f < body.F.rows(); ++f) {
+    const auto F = body.F.row(f);
+    if (hangs(F[0]) || hangs(F[1]) || hangs(F[2])) continue;
+    for (std::size_t i = 0; i < angles.size(); ++i)
+      angles[i] += solid_angle(from + (double(i) + 0.5) / kAlongLimb * (to - from),
+                               out.posed.row(F[0]), out.posed.row(F[1]), out.posed.row(F[2]));
+  }
+  const auto inside =
+      std::count_if(angles.begin(), angles.end(), [](double a) { return a > kInsideAngle; });
+  return double(inside) / kAlongLimb;
+}
+
+// Limbs' parts that are nowhere but inside the body, and all beyond them.
+std::set<std::pair<BodyPart, Side>> buried_parts(const ArticulatedBody& body,
+                                                 const Registration& out) {
+  const LimbPart parts[] = {
+      {"arm", "forearm", {BodyPart::upper_arm, BodyPart::forearm, BodyPart::hand}},
+      {"forearm", "hand", {BodyPart::forearm, BodyPart::hand}},
+      {"thigh", "shank", {BodyPart::thigh, BodyPart::shank, BodyPart::foot}},
+      {"shank", "foot", {BodyPart::shank, BodyPart::foot}}};
+  std::set<std::pair<BodyPart, Side>> buried;
+  for (const LimbPart& part : parts)
+    for (const Side side : {Side::left, Side::right})
+      if (buried_share(body, part, side, out) > kBuried)
+        for (const BodyPart beyond : part.beyond) buried.insert({beyond, side});
+  return buried;
+}
+
 void look_for_limbs(const ArticulatedBody& body, const Scan& scan, Registration& out) {
   constexpr const char* kNames[] = {"head", "neck",  "trunk", "upper arm", "forearm",
                                     "hand", "thigh", "shank", "foot"};
+  const std::set<std::pair<BodyPart, Side>> buried = buried_parts(body, out);
   std::map<std::pair<BodyPart, Side>, Vec2> areas;  // seen, all
   for (std::size_t i = 0; i < body.area.size(); ++i) {
     Vec2& one =
@@ -62,7 +117,7 @@ void look_for_limbs(const ArticulatedBody& body, const Scan& scan, Registration&
   std::string missing;
   double gone = 0;
   for (const auto& [key, area] : areas) {
-    if (area[0] > kSeenLimb * area[1]) continue;
+    if (area[0] > kSeenLimb * area[1] && !buried.contains(key)) continue;
     const BodyPart part = key.first;
     gone += part == BodyPart::hand || part == BodyPart::foot || part == BodyPart::neck ? 0.4 : 1;
     missing += fmt::format("{}{}{}", missing.empty() ? "" : ", ",
@@ -74,7 +129,7 @@ void look_for_limbs(const ArticulatedBody& body, const Scan& scan, Registration&
   std::string half;
   for (const auto& [key, area] : areas)
     if ((key.first == BodyPart::hand || key.first == BodyPart::foot) &&
-        area[0] > kSeenLimb * area[1] && area[0] < kHalfSeen * area[1])
+        area[0] > kSeenLimb * area[1] && area[0] < kHalfSeen * area[1] && !buried.contains(key))
       half += fmt::format("{}{} {}", half.empty() ? "" : ", ",
                           key.second == Side::left ? "left" : "right", kNames[int(key.first)]);
   if (!half.empty())

@@ -492,6 +492,26 @@ def row_32(t):
     fit(t, 32, "with_eyes.glb", glb(document, binary), (0, 8), ())
 
 
+def part_of(skin, keep):
+    """The faces whose corners `keep` all takes, with the vertices that they use."""
+    faces = [f for f in skin[1] if all(keep(*skin[0][c]) for c in f)]
+    used = sorted({c for f in faces for c in f})
+    place = {old: new for new, old in enumerate(used)}
+    return [skin[0][c] for c in used], [tuple(place[c] for c in f) for f in faces]
+
+
+def row_33(t):
+    """Clothes with nobody in them."""
+    fit(t, 33, "overall.obj", obj(*part_of(t.skin, lambda x, y, z: 0.25 < y < 1.34 and abs(x) < 0.45)), 4, ["overall.obj", "head"], seconds=120)
+
+
+def row_34(t):
+    """An arm, a shank, both legs, the head missing: refused by name."""
+    for name, keep, says in (("arm", lambda x, y, z: x < 0.2 or y < 0.84, "left forearm"), ("shank", lambda x, y, z: x < 0.01 or y > 0.45, "left shank"),
+                             ("legs", lambda x, y, z: y > 0.75, "right foot"), ("head", lambda x, y, z: y < 1.41, "head")):
+        fit(t, 34, f"no_{name}.obj", obj(*part_of(t.skin, keep)), 4, [f"no_{name}.obj", says], seconds=120)
+
+
 def row_35(t):
     """Bodies at the ends of what people are: a fit, or an honest 8."""
     for name, wishes in (("child", ["--age", "6", "--height", "1.15", "--mass", "21"]), ("giant", ["--height", "2.1", "--mass", "130"]), ("old", ["--age", "88", "--height", "1.45", "--mass", "45"])):

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -96,6 +97,35 @@ TEST_F(RegisterScanTest, FeetThatNobodySawStandAsAtRest) {
   EXPECT_TRUE(says(found, "right foot"));
   for (const char* joint : {"foot_l", "foot_r"}) EXPECT_LT(turn_of(found, joint), 1) << joint;
   EXPECT_NEAR(found.posed.col(1).maxCoeff(), skin.V.col(1).maxCoeff() - floor, 0.06);
+}
+
+// A limb that is not there could hide within what is.
+TEST_F(RegisterScanTest, MissingLimbsAreRefusedByName) {
+  const TriMesh& skin = man();
+  const std::vector<VertexPart> parts = vertex_parts(package());
+  const auto without = [&](Side side, std::initializer_list<BodyPart> gone) {
+    return file_with(part_of(skin,
+                             [&](int v) {
+                               const VertexPart& at = parts[std::size_t(v)];
+                               return at.side != side ||
+                                      std::find(gone.begin(), gone.end(), at.part) == gone.end();
+                             }),
+                     "scan");
+  };
+  const auto refused_for = [&](const MeshFile& file) -> std::string {
+    try {
+      registered(file);
+    } catch (const UnfitError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string arm = refused_for(without(Side::left, {BodyPart::forearm, BodyPart::hand}));
+  EXPECT_NE(arm.find("left forearm, left hand"), std::string::npos) << arm;
+  const std::string leg =
+      refused_for(without(Side::right, {BodyPart::thigh, BodyPart::shank, BodyPart::foot}));
+  EXPECT_NE(leg.find("right shank"), std::string::npos) << leg;
+  EXPECT_NE(leg.find("right foot"), std::string::npos) << leg;
 }
 
 TEST_F(RegisterScanTest, ClothesStandOffWithoutADoubt) {
