@@ -16,10 +16,6 @@ Points vertex_normals(const TriMesh& mesh);
 // From a point to the nearest triangle, m; infinite for a mesh without triangles.
 double distance_to_mesh(const Vec3& p, const TriMesh& mesh);
 
-// Of the triangle a b c as seen from p, steradians; positive from behind its front. After van
-// Oosterom & Strackee 1983.
-double solid_angle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
-
 // Whether every edge has exactly two triangles, which run along it in opposite directions.
 bool is_closed(const Triangles& F);
 

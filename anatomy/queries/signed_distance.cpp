@@ -8,7 +8,7 @@
 #include <tuple>
 #include <utility>
 
-#include "anatomy/geometry/mesh_measures.h"
+#include "anatomy/queries/solid_angle.h"
 
 namespace ecorche::inline v1 {
 namespace {

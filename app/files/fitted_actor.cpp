@@ -111,6 +111,8 @@ void report_fit(const FittingReport& fitted, double skin_gap_median, Report& rep
       "fit.muscle_points_outside_share",
       fitted.fill.points > 0 ? double(fitted.fill.points_outside) / fitted.fill.points : 0.0);
   report.set("fit.muscle_points_outside_max", fitted.fill.furthest);
+  report.set("fit.bone_overlap_share_max", fitted.fill.pierced_share);
+  report.set("fit.bone_overlap_muscle", fitted.fill.pierced_muscle);
   report.set("fit.superficial_gap_median", fitted.fill.superficial_gap_median);
   report.set("fit.skin_gap_median", skin_gap_median);
   report.set("fit.muscle_mass_wanted", fit.muscle_mass);

@@ -12,8 +12,12 @@
 #include <fmt/format.h>
 
 #include "anatomy/muscles/action_line.h"
+#include "morph/dilation/bone_rays.h"
 #include "morph/dilation/dilate_strip.h"
+#include "morph/dilation/lift_off_bones.h"
 #include "morph/dilation/pack_muscles.h"
+#include "morph/dilation/packed_sections.h"
+#include "morph/dilation/part_from_bones.h"
 #include "morph/dilation/pull_inside_skin.h"
 #include "morph/dilation/slim_muscles.h"
 #include "morph/dilation/tissue_stretch.h"
@@ -162,6 +166,46 @@ void mirror_sections(const std::vector<int>& partners, double plane, Sections& s
   }
 }
 
+void mirror_outlines(const std::vector<int>& partners, Sections& sections) {
+  for (std::size_t m = 0; m < partners.size(); ++m) {
+    if (partners[m] < 0) continue;
+    const std::span<Ellipse> right = sections.of(m), left = sections.of(std::size_t(partners[m]));
+    for (std::size_t k = 0; k < right.size() && right.size() == left.size(); ++k)
+      right[k].outline = mirrored_outline(left[k], right[k]);
+  }
+}
+
+// Muscles part from bones and from one another, and are slimmed to what they are to hold.
+void share_room(Anatomy& anatomy, Sections& sections, const std::vector<int>& partners,
+                const SkinRays& rays, const FatLayer& fat, const DilateOptions& options,
+                DilateReport& report) {
+  std::vector<Muscle>& muscles = anatomy.muscles;
+  const auto write = [&] {
+    for_muscles(muscles.size(),
+                [&](std::size_t m) { for_strips(muscles[m].strips, sections.of(m), set_slices); });
+  };
+  std::vector<double> wanted;
+  for (const MuscleDilation& muscle : report.muscles) wanted.push_back(muscle.wanted);
+  std::optional<BoneRays> bones;
+  if (options.share && !anatomy.bones.empty())
+    bones.emplace(make_bone_rays(anatomy, options.even_about));
+  if (bones) {
+    lift_off_bones(muscles, sections.slices, partners, *bones, rays);
+    mirror_sections(partners, options.even_about.value_or(0), sections);
+    write();
+  }
+  if (options.share)
+    report.rays += pack_muscles(anatomy, sections.slices, wanted, partners, rays, fat).rays;
+  if (options.most_volume)
+    slim_muscles(muscles, sections.slices, wanted, partners, *options.most_volume);
+  if (!bones) return;
+  const std::vector<char> all(muscles.size(), 1);
+  report.rays += pull_inside_skin(muscles, sections.slices, all, rays).rays;
+  part_from_bones(muscles, sections.slices, partners, *bones);
+  mirror_outlines(partners, sections);
+  write();
+}
+
 void dilate_ecorche(Anatomy& anatomy, Sections& sections, const SkinRays& rays, const FatLayer& fat,
                     const DilateOptions& options, std::vector<StripCount>& counts,
                     DilateReport& report) {
@@ -197,15 +241,10 @@ void dilate_ecorche(Anatomy& anatomy, Sections& sections, const SkinRays& rays, 
   for (std::size_t m = 0; m < muscles.size(); ++m)
     suspects[m] = counts[partners[m] < 0 ? m : std::size_t(partners[m])].near_skin;
   const InsideReport inside = pull_inside_skin(muscles, sections.slices, suspects, rays);
-  std::vector<double> wanted;
-  for (const MuscleDilation& muscle : report.muscles) wanted.push_back(muscle.wanted);
-  if (options.share)
-    report.rays += pack_muscles(anatomy, sections.slices, wanted, partners, rays, fat).rays;
-  if (options.most_volume)
-    slim_muscles(muscles, sections.slices, wanted, partners, *options.most_volume);
   report.rays += flesh.rays() + inside.rays;
   report.surface_outside = inside.outside;
   report.surface_left = inside.left;
+  share_room(anatomy, sections, partners, rays, fat, options, report);
 }
 
 // Where the skin crosses itself or folds, room can be shared out until sections have passed each

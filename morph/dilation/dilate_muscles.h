@@ -11,8 +11,9 @@
 //   outwards until they touch, their inner side held; slices that press into the layer by more than
 //   half of it are pressed in, their inner side held, too. Changes are smoothed along the strip;
 //   tendons do not grow. Then the drawn surface is looked at: what of it still stands out is moved
-//   inside (pull_inside_skin.h). So far sections are ellipses that lie in one another; at last they
-//   get outlines and share their room (pack_muscles.h).
+//   inside (pull_inside_skin.h). So far sections are ellipses that lie in one another, and bones
+//   may pierce them; at last they are lifted off bones (lift_off_bones.h), get outlines and share
+//   their room (pack_muscles.h).
 #pragma once
 
 #include <optional>

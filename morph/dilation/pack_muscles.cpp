@@ -507,12 +507,8 @@ class MusclePacking {
       if (all_.partners[m] < 0) continue;
       const std::size_t left = all_.muscle_begin[all_.partners[m]], right = all_.muscle_begin[m];
       for (std::size_t k = 0; k < all_.muscle_begin[m + 1] - right; ++k) {
-        const Ellipse& from = all_.slices[left + k];
         Ellipse& to = all_.slices[right + k];
-        const auto turned = [&](int axis) {
-          return from.axes.col(axis).cwiseProduct(Vec3(-1, 1, 1)).dot(to.axes.col(axis)) < 0;
-        };
-        to.outline = flipped_outline(from.outline, turned(0), turned(1));
+        to.outline = mirrored_outline(all_.slices[left + k], to);
       }
     }
   }

@@ -18,14 +18,6 @@ constexpr double kTendonLevel = 0.4;
 constexpr int kLevelSteps = 6, kHalvings = 5;
 constexpr std::size_t kMostStrips = 16;  // of a muscle, that are looked at
 
-Ellipse rounded_section(Ellipse e) {
-  const auto each = [](double x) { return rounded(x); };
-  e.center = e.center.unaryExpr(each).eval();
-  e.axes = e.axes.unaryExpr(each).eval();
-  e.radii = e.radii.unaryExpr(each).eval();
-  return e;
-}
-
 // Direction of (x, y) in units of 2 pi / kOutlinePoints, in [0, kOutlinePoints), to some 1e-5 of
 // one: asked for hundreds of thousands of times a round. Odd polynomial for the arc tangent up to
 // 1, least largest error.
@@ -47,6 +39,14 @@ double direction_place(double x, double y) {
 }  // namespace
 
 double rounded(double x) { return std::round(x * 1e6) / 1e6; }
+
+Ellipse rounded_section(Ellipse e) {
+  const auto each = [](double x) { return rounded(x); };
+  e.center = e.center.unaryExpr(each).eval();
+  e.axes = e.axes.unaryExpr(each).eval();
+  e.radii = e.radii.unaryExpr(each).eval();
+  return e;
+}
 
 std::size_t outline_place(const MuscleSurface::Term& term) {
   return std::size_t(std::lround(term.place)) % kDirectionsPackedSections;
@@ -108,6 +108,13 @@ void PackedSections::fill(std::size_t k, SliceOutline& outline) const {
                      outline[(i + kDirectionsPackedSections - before) % kDirectionsPackedSections] +
                  share * outline[(i + after) % kDirectionsPackedSections];
   }
+}
+
+SliceOutline mirrored_outline(const Ellipse& from, const Ellipse& to) {
+  const auto turned = [&](int axis) {
+    return from.axes.col(axis).cwiseProduct(Vec3(-1, 1, 1)).dot(to.axes.col(axis)) < 0;
+  };
+  return flipped_outline(from.outline, turned(0), turned(1));
 }
 
 void smooth_outlines(std::span<SliceOutline> outlines) {

@@ -58,11 +58,15 @@ struct PackedSections {
   std::size_t nearest(const StripPlace& strip, const Vec3& p) const;
 };
 
+// The outline of `from` seen in a mirror across x, in the axes of `to`.
+SliceOutline mirrored_outline(const Ellipse& from, const Ellipse& to);
+
 // A strip's outlines, each half its own and half its neighbours' along and round the strip.
 void smooth_outlines(std::span<SliceOutline> outlines);
 
 // To a micrometre: whether two muscles meet must not depend on the last digits of a position that
 // is computed in two ways.
 double rounded(double x);
+Ellipse rounded_section(Ellipse e);
 
 }  // namespace ecorche::inline v1

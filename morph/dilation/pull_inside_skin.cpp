@@ -35,10 +35,15 @@ const std::array<Vec3, 26>& all_sides() {
   return sides;
 }
 
-// Inside a closed skin a ray to any side ends on the skin's inner side.
+// Inside a closed skin a ray to any side ends on the skin's inner side; where folds cross, to most
+// sides. These look the same in a mirror.
 bool is_inside(const Vec3& p, const SkinRays& rays) {
-  const RayHit hit = rays.first_hit(p, Vec3::UnitZ());
-  return hit.triangle >= 0 && hit.facing > 0;
+  const auto leaves = [&](const Vec3& side) {
+    const RayHit hit = rays.first_hit(p, side);
+    return hit.triangle >= 0 && hit.facing > 0;
+  };
+  const bool front = leaves(Vec3::UnitZ()), back = leaves(-Vec3::UnitZ());
+  return front == back ? front : leaves(Vec3::UnitY());
 }
 
 // A point outside the skin brought inside through the nearest place that a ray meets.

@@ -42,6 +42,8 @@ FittedCharacter fit_character(const Template& body_template, const Body& body,
 
   report.fill = measure_fill(fitted.anatomy, rays, fitted.fat,
                              options.parts ? *options.parts : vertex_parts(package));
+  if (options.dilated && dilation.method == DilateMethod::ecorche && dilation.share)
+    measure_pierced(fitted.anatomy, report.fill);
   if (options.tissues) report.tissues = measure_tissues(fitted.anatomy, closed_skin, fitted.fat);
   return fitted;
 }

@@ -23,6 +23,7 @@ namespace {
 // Accuracy targets, stated in the messages of missed_targets. Larger: worse fits pass unnoticed.
 constexpr double kOutsideLimit = 1e-3;  // share of muscle surface points outside the skin
 constexpr double kGapLimit = 3e-3;      // m, median gap of superficial muscles
+constexpr double kPiercedLimit = 0.05;  // share of one muscle's volume in bones
 
 // Points of a section lie near one another: what lies deeper than the next one is far is inside,
 // too.
@@ -98,6 +99,19 @@ void measure_superficial_gap(const Anatomy& anatomy, const std::vector<VertexPar
   fill.superficial_gap_median = median(gaps);
 }
 
+// Muscles in order, then bones.
+SolidVolumes measure_flesh(const Anatomy& anatomy, double spacing) {
+  const MuscleSurface surface = make_muscle_surface(anatomy);
+  Points positions;
+  update_muscle_surface(surface, rest_slices(anatomy), positions);
+  std::vector<Solid> solids;
+  for (const MuscleSurface::Part& part : surface.parts)
+    solids.push_back({Solid::Kind::muscle, &positions, &surface.F, part.face_begin, part.face_end});
+  for (const Bone& bone : anatomy.bones)
+    solids.push_back({Solid::Kind::bone, &bone.mesh.V, &bone.mesh.F, 0, int(bone.mesh.F.rows())});
+  return measure_solids(solids, spacing);
+}
+
 }  // namespace
 
 bool is_limb(BodyPart part) {
@@ -118,25 +132,29 @@ FillReport measure_fill(const Anatomy& anatomy, const SkinRays& rays, const FatL
   return fill;
 }
 
+void measure_pierced(const Anatomy& anatomy, FillReport& fill) {
+  constexpr double kSpacing = 0.0015;  // m: as CheckOptions::rest_spacing
+  const SolidVolumes volumes = measure_flesh(anatomy, kSpacing);
+  fill.pierced_share = 0;
+  fill.pierced_muscle.clear();
+  for (size_t m = 0; m < anatomy.muscles.size(); ++m) {
+    if (volumes.in_bone[m] <= fill.pierced_share * volumes.volume[m]) continue;
+    fill.pierced_share = volumes.in_bone[m] / volumes.volume[m];
+    fill.pierced_muscle = anatomy.muscles[m].name;
+  }
+}
+
 Tissues measure_tissues(const Anatomy& anatomy, const TriMesh& closed_skin, const FatLayer& fat) {
   // m; sums over the whole body are good to a few tenths of a percent
   constexpr double kSpacing = 0.004;
-  const MuscleSurface surface = make_muscle_surface(anatomy);
-  Points positions;
-  update_muscle_surface(surface, rest_slices(anatomy), positions);
-  std::vector<Solid> solids;
-  for (const MuscleSurface::Part& part : surface.parts)
-    solids.push_back({Solid::Kind::muscle, &positions, &surface.F, part.face_begin, part.face_end});
-  for (const Bone& bone : anatomy.bones)
-    solids.push_back({Solid::Kind::bone, &bone.mesh.V, &bone.mesh.F, 0, int(bone.mesh.F.rows())});
-  const SolidVolumes volumes = measure_solids(solids, kSpacing);
+  const SolidVolumes volumes = measure_flesh(anatomy, kSpacing);
   TriMesh inner = closed_skin;
   const Points normals = vertex_normals(closed_skin);
   for (Eigen::Index i = 0; i < inner.V.rows(); ++i)
     inner.V.row(i) -= double(fat.thickness[i]) * normals.row(i);
   Tissues tissues;
   tissues.body = mesh_volume(closed_skin);
-  tissues.bones = std::accumulate(volumes.volume.begin() + long(surface.parts.size()),
+  tissues.bones = std::accumulate(volumes.volume.begin() + long(anatomy.muscles.size()),
                                   volumes.volume.end(), 0.0);
   tissues.muscles = volumes.muscles - volumes.muscle_bone;
   tissues.layer = tissues.body - mesh_volume(inner);
@@ -157,6 +175,10 @@ std::vector<MissedTarget> missed_targets(const FittingReport& report) {
         {"muscles_outside",
          fmt::format("{:.2f} % of the muscle surface is outside the skin; at most 0.1 % was asked",
                      100.0 * fill.points_outside / fill.points)});
+  if (fill.pierced_share > kPiercedLimit)
+    missed.push_back({"muscle_pierced",
+                      fmt::format("bones take {:.1f} % of {}; at most 5 % of a muscle was asked",
+                                  100 * fill.pierced_share, fill.pierced_muscle)});
   if (fill.superficial_gap_median > kGapLimit)
     missed.push_back({"superficial_gap", fmt::format("superficial muscles stay {:.1f} mm from the "
                                                      "fat layer (median); at most 3 mm was asked",

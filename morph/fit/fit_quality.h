@@ -22,6 +22,9 @@ struct FillReport {
   double furthest = 0;                // m
   int superficial_slices = 0;         // belly sections of superficial limb muscles
   double superficial_gap_median = 0;  // from their nearest approach to the fat layer, m
+  // the largest share of one muscle's volume that lies in bones, and whose (measure_pierced)
+  double pierced_share = 0;
+  std::string pierced_muscle;
 };
 
 // What the body is made of, m^3. Bones are taken as solid; where muscles overlap, their volume
@@ -55,11 +58,13 @@ bool is_off(const LandmarkDepth& landmark);
 // `rays`: of the closed skin; `fat`: of its vertices; `parts`: vertex_parts of the package.
 FillReport measure_fill(const Anatomy& anatomy, const SkinRays& rays, const FatLayer& fat,
                         const std::vector<VertexPart>& parts);
+// Of muscles that have parted from bones, along the lines that `check` takes.
+void measure_pierced(const Anatomy& anatomy, FillReport& fill);
 Tissues measure_tissues(const Anatomy& anatomy, const TriMesh& closed_skin, const FatLayer& fat);
 
 struct MissedTarget {
-  // bones_outside, muscles_outside, superficial_gap, muscles_collapsed, or a landmark of
-  // data/palpable.csv
+  // bones_outside, muscles_outside, muscle_pierced, superficial_gap, muscles_collapsed, or a
+  // landmark of data/palpable.csv
   std::string name;
   std::string what;  // with the figures
 };

@@ -16,6 +16,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/geometry/mesh_measures.h"
 #include "anatomy/queries/nearest_surface.h"
+#include "anatomy/queries/solid_angle.h"
 
 namespace ecorche::inline v1 {
 namespace {

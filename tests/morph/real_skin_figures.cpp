@@ -1,8 +1,8 @@
 // Fits real people's skins and prints what ends where it should not: bones outside, muscle points
 // outside, palpable points off their brackets.
 //   real_skin_figures [--count N] [--seed S] [--package] [--bones] [--skin FILE]...   ends with 77
-//   (skipped) where the packages are not there, with 1 where bones are outside or too many muscle
-//   points.
+//   (skipped) where the packages are not there, with 1 where bones are outside, too many muscle
+//   points, or a muscle is pierced.
 // --package: the bodies that the skins were made from, not moved. --bones: no muscles are grown.
 // --skin: a mesh in the base mesh's vertex order, metres, instead of the family.
 #include <fmt/format.h>
@@ -24,11 +24,13 @@
 namespace ecorche {
 namespace {
 
-constexpr double kMuscleLimit = 5e-4;  // share of muscle points outside
+constexpr double kMuscleLimit = 5e-4;   // share of muscle points outside
+constexpr double kPiercedLimit = 0.05;  // share of one muscle's volume in bones
 
 struct Totals {
   int fits = 0, with_bones = 0, with_muscles = 0, bone_vertices = 0, off = 0, landmarks = 0;
-  double furthest = 0, milliseconds = 0, stretched = 0;
+  int pierced = 0;
+  double furthest = 0, milliseconds = 0, stretched = 0, pierced_most = 0;
   std::size_t points = 0, points_outside = 0;
   std::map<std::string, int> bones, palpable;
   std::map<std::string, double> depth_off;
@@ -97,14 +99,17 @@ void fit_one(const Template& own, const BodyPackage& package, const Body& body, 
   totals.points_outside += std::size_t(report.fill.points_outside);
   const double share = double(report.fill.points_outside) / std::max(report.fill.points, 1);
   totals.with_muscles += muscles && share > kMuscleLimit;
+  totals.pierced += report.fill.pierced_share > kPiercedLimit;
+  totals.pierced_most = std::max(totals.pierced_most, report.fill.pierced_share);
   const double stretch =
       vertebra_stretch(own, fitted.anatomy, report.fit.stature / own.tables.stature);
   totals.stretched = std::max(totals.stretched, stretch);
   fmt::print(
-      "{:14} {} {:.2f} m, said outside {}; {} outside{}; muscles {:.3f} %; vertebrae {:.2f}; "
-      "off:{}\n",
+      "{:14} {} {:.2f} m, said outside {}; {} outside{}; muscles {:.3f} %, {:.1f} % of {} in bone; "
+      "vertebrae {:.2f}; off:{}\n",
       body.name, body.sex == Sex::male ? "m" : "f", report.fit.stature, report.fit.bones_outside,
-      outside, line, 100 * share, stretch, off);
+      outside, line, 100 * share, 100 * report.fill.pierced_share, report.fill.pierced_muscle,
+      stretch, off);
   fflush(stdout);
 }
 
@@ -137,12 +142,14 @@ int figures(int count, unsigned seed, bool unmoved, bool muscles,
   fmt::print("muscle points outside {:.4f} %, {} fits beyond {:.2f} %\n",
              100.0 * double(totals.points_outside) / double(totals.points), totals.with_muscles,
              100 * kMuscleLimit);
+  fmt::print("bones take at most {:.1f} % of a muscle, {} fits beyond {:.0f} %\n",
+             100 * totals.pierced_most, totals.pierced, 100 * kPiercedLimit);
   fmt::print("palpable points off {} of {} ({:.2f} %)\n", totals.off, totals.landmarks,
              100.0 * totals.off / totals.landmarks);
   for (const auto& [name, fits] : totals.palpable)
     fmt::print("  {:24} {:4}   worst {:+.1f} mm\n", name, fits, 1e3 * totals.depth_off[name]);
   fmt::print("vertebrae stretched beyond stature by at most {:.2f}\n", totals.stretched);
-  return totals.bone_vertices > 0 || totals.with_muscles > 0 ? 1 : 0;
+  return totals.bone_vertices > 0 || totals.with_muscles > 0 || totals.pierced > 0 ? 1 : 0;
 }
 
 }  // namespace
