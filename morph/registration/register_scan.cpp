@@ -6,10 +6,13 @@
 #include <map>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "anatomy/compute/eigenvectors.h"
 #include "anatomy/errors.h"
 #include "morph/measures/body_volume.h"
 #include "morph/measures/measure_table.h"
+#include "morph/registration/body_proportions.h"
 #include "morph/registration/even_points.h"
 #include "morph/registration/judge_registration.h"
 #include "morph/registration/pose_search.h"
@@ -163,21 +166,9 @@ void place(const RegistrationModel& model, const Scan& scan, const std::optional
   }
 }
 
-}  // namespace
-
-RegistrationModel make_registration_model(const Assets& assets) {
-  const BodyModel model(assets);
-  return {model.package(), make_articulated_body(model)};
-}
-
-std::vector<std::pair<std::string, int>> registration_landmarks(const RegistrationModel& model) {
-  return landmark_vertices(model.package,
-                           read_measure_table(model.package, model.package.tables / "body"));
-}
-
-Registration register_scan(const RegistrationModel& model, const Scan& scan,
-                           const RegistrationOptions& options) {
-  if (scan.points.rows() < 100) throw UnfitError("the scan has hardly any points");
+Registration register_known(const RegistrationModel& model, const Scan& scan,
+                            const std::vector<PlaceHint>& hints,
+                            const RegistrationOptions& options) {
   const ArticulatedBody& body = model.body;
   const auto watch = [&](const char* stage, const ArticulatedState& state) {
     if (!options.watch) return;
@@ -186,7 +177,6 @@ Registration register_scan(const RegistrationModel& model, const Scan& scan,
   };
   Registration out;
   const EvenPoints points = even_points(scan);
-  const std::vector<PlaceHint> hints = known_places(model, scan, options);
   const PoseSearch search(body, spread_points(points, kSearched),
                           {scan.one_view, scan.unit_known, scan.up, hints, options.pose});
   auto begin = std::chrono::steady_clock::now();
@@ -213,6 +203,37 @@ Registration register_scan(const RegistrationModel& model, const Scan& scan,
   out.report.turn_deviation = std::sqrt(mean_squared_turn(body, state.turns));
   judge_registration({body, scan, search.target(), search.tree(), start, fitted.posed, hints}, out);
   return out;
+}
+
+}  // namespace
+
+RegistrationModel make_registration_model(const Assets& assets) {
+  const BodyModel model(assets);
+  return {model.package(), make_articulated_body(model)};
+}
+
+std::vector<std::pair<std::string, int>> registration_landmarks(const RegistrationModel& model) {
+  return landmark_vertices(model.package,
+                           read_measure_table(model.package, model.package.tables / "body"));
+}
+
+Registration register_scan(const RegistrationModel& model, const Scan& scan,
+                           const RegistrationOptions& options) {
+  if (scan.points.rows() < 100) throw UnfitError("the scan has hardly any points");
+  const std::vector<PlaceHint> hints = known_places(model, scan, options);
+  const std::vector<std::string> unusual = unusual_proportions(model.body, scan, hints);
+  const std::string stylised =
+      unusual.empty() ? ""
+                      : fmt::format("beside its trunk, {} as people's, by the file's joints",
+                                    fmt::join(unusual, ", "));
+  try {
+    Registration out = register_known(model, scan, hints, options);
+    if (!stylised.empty()) out.report.doubts.push_back(stylised);
+    return out;
+  } catch (const UnfitError& error) {
+    if (stylised.empty()) throw;
+    throw UnfitError(fmt::format("a stylised character: {}; {}", stylised, error.what()));
+  }
 }
 
 }  // namespace ecorche::inline v1

@@ -11,6 +11,7 @@
 #include "anatomy/base_mesh/body_rig.h"
 #include "anatomy/errors.h"
 #include "anatomy/geometry/mesh_measures.h"
+#include "morph/registration/body_proportions.h"
 #include "morph/registration/clean_scan.h"
 #include "morph/shapes/body.h"
 #include "tests/body_fixture.h"
@@ -161,6 +162,32 @@ TEST_F(RegisterScanTest, JointsThatTheFileNamesElsewhereAreNeverGood) {
   }
   options.joints = {{"wrist_l", wrist(Side::left)}};
   EXPECT_FALSE(says(registered(file_with(man(), "scan"), options), "hand_l"));
+}
+
+TEST_F(RegisterScanTest, LargeHeadsAndShortLegsAreCalledStylised) {
+  const ArticulatedBody& body = model().body;
+  Scan scan;
+  scan.points = body.mean;
+  std::vector<PlaceHint> hints;
+  for (const char* name :
+       {"head", "thigh_l", "thigh_r", "shank_l", "shank_r", "foot_l", "foot_r"}) {
+    const int joint = find_segment(body, name);
+    hints.push_back({joint, -1, body.joint_mean.row(joint), 0.01});
+  }
+  EXPECT_TRUE(unusual_proportions(body, scan, hints).empty());
+  const Vec3 head = hints[0].place;
+  for (std::size_t v = 0; v < body.parts.size(); ++v)
+    if (body.parts[v].part == BodyPart::head)
+      scan.points.row(Eigen::Index(v)) =
+          head.transpose() + 2.5 * (scan.points.row(Eigen::Index(v)) - head.transpose());
+  for (std::size_t k = 3; k < hints.size(); ++k) {
+    const Vec3 hip = hints[1 + (k - 1) % 2].place;
+    hints[k].place = hip + 0.5 * (hints[k].place - hip);
+  }
+  const std::vector<std::string> unusual = unusual_proportions(body, scan, hints);
+  ASSERT_EQ(unusual.size(), 2U);
+  EXPECT_EQ(unusual[0], "the head is 2.5 times as long");
+  EXPECT_EQ(unusual[1], "legs are 0.5 times as long");
 }
 
 TEST_F(RegisterScanTest, FurnitureIsRefused) {
