@@ -508,7 +508,7 @@ def row_33(t):
 def row_34(t):
     """An arm, a shank, both legs, the head missing: refused by name."""
     for name, keep, says in (("arm", lambda x, y, z: x < 0.2 or y < 0.84, "left forearm"), ("shank", lambda x, y, z: x < 0.01 or y > 0.45, "left shank"),
-                             ("legs", lambda x, y, z: y > 0.75, "right foot"), ("head", lambda x, y, z: y < 1.41, "head")):
+                             ("legs", lambda x, y, z: y > 0.75, "foot"), ("head", lambda x, y, z: y < 1.41, "head")):
         fit(t, 34, f"no_{name}.obj", obj(*part_of(t.skin, keep)), 4, [f"no_{name}.obj", says], seconds=120)
 
 
