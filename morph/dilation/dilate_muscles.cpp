@@ -57,12 +57,7 @@ void for_muscles(std::size_t count, const Function& f) {
 
 Sections sections_of(std::vector<Muscle>& muscles) {
   Sections out;
-  out.muscle_begin.push_back(0);
-  for (const Muscle& muscle : muscles) {
-    std::size_t count = 0;
-    for (const Strip& strip : muscle.strips) count += strip.slices.size();
-    out.muscle_begin.push_back(out.muscle_begin.back() + count);
-  }
+  out.muscle_begin = slice_begins(muscles);
   out.slices.resize(out.muscle_begin.back());
   for_muscles(muscles.size(), [&](std::size_t m) {
     for_strips(muscles[m].strips, out.of(m), [](const Strip& strip, std::span<Ellipse> slices) {
@@ -166,15 +161,6 @@ void mirror_sections(const std::vector<int>& partners, double plane, Sections& s
   }
 }
 
-void mirror_outlines(const std::vector<int>& partners, Sections& sections) {
-  for (std::size_t m = 0; m < partners.size(); ++m) {
-    if (partners[m] < 0) continue;
-    const std::span<Ellipse> right = sections.of(m), left = sections.of(std::size_t(partners[m]));
-    for (std::size_t k = 0; k < right.size() && right.size() == left.size(); ++k)
-      right[k].outline = mirrored_outline(left[k], right[k]);
-  }
-}
-
 // Muscles part from bones and from one another, and are slimmed to what they are to hold.
 void share_room(Anatomy& anatomy, Sections& sections, const std::vector<int>& partners,
                 const SkinRays& rays, const FatLayer& fat, const DilateOptions& options,
@@ -202,7 +188,8 @@ void share_room(Anatomy& anatomy, Sections& sections, const std::vector<int>& pa
   const std::vector<char> all(muscles.size(), 1);
   report.rays += pull_inside_skin(muscles, sections.slices, all, rays).rays;
   part_from_bones(muscles, sections.slices, partners, *bones);
-  mirror_outlines(partners, sections);
+  for (std::size_t m = 0; m < partners.size(); ++m)
+    if (partners[m] >= 0) mirror_outlines(sections.of(std::size_t(partners[m])), sections.of(m));
   write();
 }
 

@@ -7,7 +7,6 @@
 #include <map>
 #include <optional>
 
-#include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/slice_outline.h"
 #include "morph/dilation/packed_sections.h"
 
@@ -31,11 +30,6 @@ constexpr double kLeastMove = 0.2e-3;  // m, that carries others
 
 // Sides of a section's plane: towards +y, -y, or any.
 using Facing = int;
-
-struct WayOut {
-  Vec2 move;      // in the section's plane, m
-  int bone = -1;  // that it comes out of
-};
 
 // Where a section's centre has to go so that it lies out of bone; none where it does already.
 // `sides`: by bone, where a sheet may go; none for muscles that may go anywhere.
@@ -93,13 +87,6 @@ Ellipse between(const Ellipse& one, const Ellipse& next, double t) {
   Ellipse out = t < 0.5 ? one : next;
   out.center = (1 - t) * one.center + t * next.center;
   out.radii = (1 - t) * one.radii + t * next.radii;
-  return out;
-}
-
-// As pack_muscles does: what lies in bone must not depend on the last digits.
-std::vector<Ellipse> rounded_sections(std::span<const Ellipse> slices) {
-  std::vector<Ellipse> out;
-  for (const Ellipse& slice : slices) out.push_back(rounded_section(slice));
   return out;
 }
 
@@ -267,13 +254,9 @@ Vec3 carried_move(std::size_t muscle, const Ellipse& slice, const Vec3& own,
 
 }  // namespace
 
-void lift_off_bones(std::vector<Muscle>& muscles, std::span<Ellipse> slices,
+void lift_off_bones(std::span<const Muscle> muscles, std::span<Ellipse> slices,
                     std::span<const int> partners, const BoneRays& bones, const SkinRays& skin) {
-  std::vector<std::size_t> begin{0};
-  for (const Muscle& muscle : muscles) {
-    begin.push_back(begin.back());
-    for (const Strip& strip : muscle.strips) begin.back() += strip.slices.size();
-  }
+  const std::vector<std::size_t> begin = slice_begins(muscles);
   const auto for_own = [&](const auto& f) {
     tbb::parallel_for(std::size_t{0}, muscles.size(), [&](std::size_t m) {
       if (partners[m] < 0) f(m, slices.subspan(begin[m], begin[m + 1] - begin[m]));
@@ -292,23 +275,9 @@ void lift_off_bones(std::vector<Muscle>& muscles, std::span<Ellipse> slices,
         lifted.push_back({m, slice.center, moves[m][k] / length, length, slice.radii.maxCoeff()});
     }
   for_own([&](std::size_t m, std::span<Ellipse> own) {
-    std::vector<Vec3>& all = moves[m];
-    bool any = false;
     for (std::size_t k = 0; k < own.size(); ++k) {
-      all[k] += carried_move(m, own[k], all[k], lifted);
-      any = any || !all[k].isZero();
-    }
-    if (!any) return;
-    for (std::size_t k = 0; k < own.size(); ++k)
-      all[k] = moved_below_skin(own[k].center, all[k], skin);
-  });
-  for_own([&](std::size_t m, std::span<Ellipse> own) {
-    for (std::size_t k = 0; k < own.size(); ++k)
-      if (!moves[m][k].isZero()) own[k].center = moves[m][k];
-    std::size_t at = 0;
-    for (Strip& strip : muscles[m].strips) {
-      if (strip.slices.size() >= 2) set_slices(strip, own.subspan(at, strip.slices.size()));
-      at += strip.slices.size();
+      const Vec3 whole = moves[m][k] + carried_move(m, own[k], moves[m][k], lifted);
+      own[k].center = moved_below_skin(own[k].center, whole, skin);
     }
   });
 }

@@ -8,7 +8,6 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include "anatomy/anatomy.h"
 #include "anatomy/queries/ray_caster.h"
@@ -16,10 +15,10 @@
 
 namespace ecorche::inline v1 {
 
-// `slices`: the sections of all muscles in order, as the strips hold them; both are changed, those
+// `slices`: the sections of all muscles in order; their centres are changed, not the strips, those
 // of mirror images (`partners` as for pack_muscles) excepted. `skin`: closed; centres are not moved
 // near to it. The same bytes at any number of threads.
-void lift_off_bones(std::vector<Muscle>& muscles, std::span<Ellipse> slices,
+void lift_off_bones(std::span<const Muscle> muscles, std::span<Ellipse> slices,
                     std::span<const int> partners, const BoneRays& bones, const SkinRays& skin);
 
 }  // namespace ecorche::inline v1

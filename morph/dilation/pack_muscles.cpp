@@ -505,11 +505,11 @@ class MusclePacking {
   void mirror() {
     for (std::size_t m = 0; m < anatomy_.muscles.size(); ++m) {
       if (all_.partners[m] < 0) continue;
-      const std::size_t left = all_.muscle_begin[all_.partners[m]], right = all_.muscle_begin[m];
-      for (std::size_t k = 0; k < all_.muscle_begin[m + 1] - right; ++k) {
-        Ellipse& to = all_.slices[right + k];
-        to.outline = mirrored_outline(all_.slices[left + k], to);
-      }
+      const auto of = [&](std::size_t muscle) {
+        const std::size_t begin = all_.muscle_begin[muscle];
+        return std::span(all_.slices).subspan(begin, all_.muscle_begin[muscle + 1] - begin);
+      };
+      mirror_outlines(of(std::size_t(all_.partners[m])), of(m));
     }
   }
 

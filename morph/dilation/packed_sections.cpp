@@ -40,12 +40,24 @@ double direction_place(double x, double y) {
 
 double rounded(double x) { return std::round(x * 1e6) / 1e6; }
 
-Ellipse rounded_section(Ellipse e) {
+std::vector<Ellipse> rounded_sections(std::span<const Ellipse> slices) {
   const auto each = [](double x) { return rounded(x); };
-  e.center = e.center.unaryExpr(each).eval();
-  e.axes = e.axes.unaryExpr(each).eval();
-  e.radii = e.radii.unaryExpr(each).eval();
-  return e;
+  std::vector<Ellipse> out(slices.begin(), slices.end());
+  for (Ellipse& e : out) {
+    e.center = e.center.unaryExpr(each).eval();
+    e.axes = e.axes.unaryExpr(each).eval();
+    e.radii = e.radii.unaryExpr(each).eval();
+  }
+  return out;
+}
+
+std::vector<std::size_t> slice_begins(std::span<const Muscle> muscles) {
+  std::vector<std::size_t> out{0};
+  for (const Muscle& muscle : muscles) {
+    out.push_back(out.back());
+    for (const Strip& strip : muscle.strips) out.back() += strip.slices.size();
+  }
+  return out;
 }
 
 std::size_t outline_place(const MuscleSurface::Term& term) {
@@ -54,10 +66,9 @@ std::size_t outline_place(const MuscleSurface::Term& term) {
 
 PackedSections::PackedSections(const Anatomy& anatomy, const MuscleSurface& surface,
                                std::span<const Ellipse> given, std::span<const int> mirrored)
-    : slices(given.begin(), given.end()),
+    : slices(rounded_sections(given)),
       partners(mirrored.begin(), mirrored.end()),
       weights(mirrored.size(), 1.0) {
-  for (Ellipse& e : slices) e = rounded_section(e);
   std::size_t at = 0;
   for (std::size_t m = 0; m < anatomy.muscles.size(); ++m) {
     muscle_begin.push_back(at);
@@ -110,11 +121,14 @@ void PackedSections::fill(std::size_t k, SliceOutline& outline) const {
   }
 }
 
-SliceOutline mirrored_outline(const Ellipse& from, const Ellipse& to) {
-  const auto turned = [&](int axis) {
-    return from.axes.col(axis).cwiseProduct(Vec3(-1, 1, 1)).dot(to.axes.col(axis)) < 0;
-  };
-  return flipped_outline(from.outline, turned(0), turned(1));
+void mirror_outlines(std::span<const Ellipse> left, std::span<Ellipse> right) {
+  if (left.size() != right.size()) return;
+  for (std::size_t k = 0; k < right.size(); ++k) {
+    const auto turned = [&](int axis) {
+      return left[k].axes.col(axis).cwiseProduct(Vec3(-1, 1, 1)).dot(right[k].axes.col(axis)) < 0;
+    };
+    right[k].outline = flipped_outline(left[k].outline, turned(0), turned(1));
+  }
 }
 
 void smooth_outlines(std::span<SliceOutline> outlines) {

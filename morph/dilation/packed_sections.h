@@ -58,8 +58,12 @@ struct PackedSections {
   std::size_t nearest(const StripPlace& strip, const Vec3& p) const;
 };
 
-// The outline of `from` seen in a mirror across x, in the axes of `to`.
-SliceOutline mirrored_outline(const Ellipse& from, const Ellipse& to);
+// Where the sections of each muscle begin among those of all, and their count. #muscles + 1
+std::vector<std::size_t> slice_begins(std::span<const Muscle> muscles);
+
+// Outlines of `left` seen in a mirror across x, in the axes of `right`. Nothing happens where their
+// counts differ.
+void mirror_outlines(std::span<const Ellipse> left, std::span<Ellipse> right);
 
 // A strip's outlines, each half its own and half its neighbours' along and round the strip.
 void smooth_outlines(std::span<SliceOutline> outlines);
@@ -67,6 +71,6 @@ void smooth_outlines(std::span<SliceOutline> outlines);
 // To a micrometre: whether two muscles meet must not depend on the last digits of a position that
 // is computed in two ways.
 double rounded(double x);
-Ellipse rounded_section(Ellipse e);
+std::vector<Ellipse> rounded_sections(std::span<const Ellipse> slices);
 
 }  // namespace ecorche::inline v1

@@ -28,13 +28,6 @@ constexpr double kShortest = 2e-4;          // m: lines that are not looked at
 constexpr double kMainTermFromBone = 0.15;  // weight of a section that a point follows
 constexpr double kPastSurface = 1e-6;       // m, from one crossing to the next
 
-// As pack_muscles does: what lies in bone must not depend on the last digits.
-std::vector<Ellipse> rounded_sections(std::span<const Ellipse> slices) {
-  std::vector<Ellipse> out;
-  for (const Ellipse& slice : slices) out.push_back(rounded_section(slice));
-  return out;
-}
-
 using Corners = std::array<double, 3>;  // weights of a triangle's
 
 // A line from the middle of a strip to a point of its surface, that comes through bone.
@@ -197,26 +190,15 @@ class PartedMuscle {
   double volume_ = 0;  // of the muscle, m^3
 };
 
-// Calls f(muscle, its slices) for all that are no mirror images.
-template <class Function>
-void for_own(std::vector<Muscle>& muscles, std::span<Ellipse> slices, std::span<const int> partners,
-             const Function& f) {
-  std::vector<std::size_t> begin{0};
-  for (const Muscle& muscle : muscles) {
-    begin.push_back(begin.back());
-    for (const Strip& strip : muscle.strips) begin.back() += strip.slices.size();
-  }
-  tbb::parallel_for(std::size_t{0}, muscles.size(), [&](std::size_t m) {
-    if (partners[m] < 0) f(muscles[m], slices.subspan(begin[m], begin[m + 1] - begin[m]));
-  });
-}
-
 }  // namespace
 
-void part_from_bones(std::vector<Muscle>& muscles, std::span<Ellipse> slices,
+void part_from_bones(std::span<const Muscle> muscles, std::span<Ellipse> slices,
                      std::span<const int> partners, const BoneRays& bones) {
-  for_own(muscles, slices, partners, [&](Muscle& muscle, std::span<Ellipse> own) {
-    PartedMuscle parted(muscle, own, bones);
+  const std::vector<std::size_t> begin = slice_begins(muscles);
+  tbb::parallel_for(std::size_t{0}, muscles.size(), [&](std::size_t m) {
+    if (partners[m] >= 0) return;
+    const std::span<Ellipse> own = slices.subspan(begin[m], begin[m + 1] - begin[m]);
+    PartedMuscle parted(muscles[m], own, bones);
     int rounds = kPressRounds;
     while (rounds > 0 && parted.press()) --rounds;
     for (std::size_t k = 0; k < own.size(); ++k) own[k].outline = parted.slices()[k].outline;

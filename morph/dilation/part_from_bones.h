@@ -6,7 +6,6 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include "anatomy/anatomy.h"
 #include "morph/dilation/bone_rays.h"
@@ -14,9 +13,9 @@
 namespace ecorche::inline v1 {
 
 // `slices`: the sections of all muscles in order, as the strips hold them; their outlines are
-// changed, those of mirror images (`partners` as for pack_muscles) excepted. The same bytes at any
-// number of threads.
-void part_from_bones(std::vector<Muscle>& muscles, std::span<Ellipse> slices,
+// changed, not the strips, those of mirror images (`partners` as for pack_muscles) excepted. The
+// same bytes at any number of threads.
+void part_from_bones(std::span<const Muscle> muscles, std::span<Ellipse> slices,
                      std::span<const int> partners, const BoneRays& bones);
 
 }  // namespace ecorche::inline v1

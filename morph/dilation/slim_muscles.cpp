@@ -7,6 +7,7 @@
 
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/slice_outline.h"
+#include "morph/dilation/packed_sections.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -43,13 +44,9 @@ class Slimmer {
         slices_(slices),
         before_(slices.begin(), slices.end()),
         partners_(partners),
+        begin_(slice_begins(muscles)),
         filled_(muscles.size()),
         own_(muscles.size()) {
-    begin_.push_back(0);
-    for (const Muscle& muscle : muscles) {
-      begin_.push_back(begin_.back());
-      for (const Strip& strip : muscle.strips) begin_.back() += strip.slices.size();
-    }
     double sum = 0;
     for (double volume : wanted) sum += volume;
     for (std::size_t m = 0; m < muscles.size(); ++m) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "anatomy/compute/cholesky.h"
+#include "anatomy/compute/cross_matrix.h"
 #include "anatomy/compute/parallel_ranges.h"
 
 namespace ecorche::inline v1 {
@@ -34,12 +35,6 @@ constexpr double kLimitStiffness = 0.05;  // rad beyond a hinge's end that count
 
 Eigen::Index size_of(const ArticulatedBody& body) {
   return kPlace + 3 * Eigen::Index(body.joints.size()) + body.basis.cols();
-}
-
-Mat3 cross_matrix(const Vec3& v) {
-  Mat3 out;
-  out << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return out;
 }
 
 // Derivatives of a body's points.

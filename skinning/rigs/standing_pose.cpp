@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "anatomy/compute/cholesky.h"
+#include "anatomy/compute/cross_matrix.h"
 #include "anatomy/compute/eigenvectors.h"
 
 namespace ecorche::inline v1 {
@@ -14,12 +15,6 @@ constexpr double kFirm = 0.004 * 0.004;
 // that far off. Larger: hands and feet stay off their places; smaller: vertebrae bend to and fro.
 constexpr double kStiff = 0.006;
 constexpr int kStandingRounds = 3;
-
-Mat3 cross_matrix(const Vec3& v) {
-  Mat3 out;
-  out << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return out;
-}
 
 // Each joint's rotation in the world, by its own vertices.
 std::vector<Mat3> own_rotations(const Skeleton& skeleton,
