@@ -92,4 +92,14 @@ bool is_closed(const Triangles& F) {
   });
 }
 
+std::vector<double> vertex_areas(const TriMesh& mesh) {
+  std::vector<double> areas(mesh.V.rows(), 0.0);
+  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
+    const Vec3 a = mesh.V.row(mesh.F(f, 0)), b = mesh.V.row(mesh.F(f, 1)),
+               c = mesh.V.row(mesh.F(f, 2));
+    for (int i = 0; i < 3; ++i) areas[mesh.F(f, i)] += (b - a).cross(c - a).norm() / 6;
+  }
+  return areas;
+}
+
 }  // namespace ecorche::inline v1

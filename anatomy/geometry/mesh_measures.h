@@ -1,6 +1,8 @@
 // Plain figures of triangle meshes.
 #pragma once
 
+#include <vector>
+
 #include "anatomy/types.h"
 
 namespace ecorche::inline v1 {
@@ -12,6 +14,9 @@ double mesh_area(const TriMesh& mesh);  // m^2
 
 // Area-weighted unit normals, #V x 3; zero for vertices of no triangle.
 Points vertex_normals(const TriMesh& mesh);
+
+// Area at each vertex, a third of its triangles', m^2.
+std::vector<double> vertex_areas(const TriMesh& mesh);
 
 // From a point to the nearest triangle, m; infinite for a mesh without triangles.
 double distance_to_mesh(const Vec3& p, const TriMesh& mesh);

@@ -19,6 +19,7 @@ CompileOptions compile_options(const Assets& assets, const Character& character,
                                Report& report) {
   const TriMesh& skin = character.body.skin;
   CompileOptions out;
+  out.muscles = options.muscles;
   if (!options.base) found = find_base(assets, character);
   out.base = found ? &*found : options.base;
   if (!options.weights.empty()) {

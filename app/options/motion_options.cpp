@@ -1,5 +1,6 @@
 #include "app/options/motion_options.h"
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "anatomy/errors.h"
@@ -20,6 +21,27 @@ void add_weights_option(CLI::App& verb, std::filesystem::path& weights) {
   verb.add_option("--weights", weights,
                   "Table of weights set by hand (CSV: vertex, joint, weight), in place of what is "
                   "found by itself; `ecorche weights` writes one");
+}
+
+void add_muscles_option(CLI::App& verb, std::string& muscles) {
+  verb.add_option(
+          "--muscles", muscles,
+          "What carries muscles: lines, each its own action line, at its exact volume; or "
+          "map, one smooth map of the body's inside, by which they stay whole in hard poses "
+          "and their volumes are not kept")
+      ->capture_default_str();
+}
+
+MuscleMotion to_muscle_motion(const std::string& muscles, const std::string& method) {
+  if (muscles == "lines") return MuscleMotion::lines;
+  if (muscles != "map")
+    throw UsageError(fmt::format("--muscles: '{}' is none; there are lines and map", muscles));
+  if (method != "ecorche")
+    throw UsageError(
+        fmt::format("--muscles map: with --skin {} muscles move by their lines; leave one of them "
+                    "out",
+                    method));
+  return MuscleMotion::map;
 }
 
 void add_dynamics_option(CLI::App& verb, bool& dynamics) {

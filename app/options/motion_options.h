@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "skinning/character/character_model.h"
 #include "skinning/motion_files/read_motion.h"
 #include "skinning/retarget/retarget.h"
 
@@ -28,6 +29,11 @@ void add_skin_option(CLI::App& verb, std::string& method);
 
 // --weights: for ActorOptions.
 void add_weights_option(CLI::App& verb, std::filesystem::path& weights);
+
+// --muscles: what carries them; for ActorOptions. to_muscle_motion() throws UsageError for another
+// word than lines and map, and for a map with a skinning method other than "ecorche".
+void add_muscles_option(CLI::App& verb, std::string& muscles);
+MuscleMotion to_muscle_motion(const std::string& muscles, const std::string& method = "ecorche");
 
 // --dynamics: dynamics of soft tissue. require_settling() throws UsageError for skinning methods
 // other than "ecorche".

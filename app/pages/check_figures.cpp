@@ -29,6 +29,24 @@ void report_anatomy_check(const AnatomyCheck& check, Report& report) {
   report.set("check.posed_overlap_share_max", check.posed_overlap_worst);
   report.set("check.posed_spikes_mean", check.posed_spikes);
   report.set("check.posed_spike_max", check.posed_spike_max);
+  report.set("check.posed_creased_share_mean", check.posed_creased_mean);
+  report.set("check.posed_creased_share_max", check.posed_creased_worst);
+  report.set("check.posed_needles_mean", check.posed_needles);
+  report.set("check.posed_daylight_mean", check.posed_daylight);
+  report.set("check.posed_stretch_max", check.posed_stretch_max);
+  report.set("check.posed_tendon_kink_max", check.posed_kink_max);
+  for (const PoseCheck& pose : check.poses) {
+    const std::string key = "check.pose." + pose.name + ".";
+    report.set(key + "creased_share", pose.creased_share);
+    report.set(key + "needles", pose.needles);
+    report.set(key + "daylight", pose.daylight);
+    report.set(key + "stretch", pose.stretch);
+    report.set(key + "tendon_kink", pose.kink);
+    report.set(key + "muscle_overlap_share", pose.overlap_share);
+    report.set(key + "bone_overlap_share", pose.bone_share);
+    report.set(key + "bone_points_outside", pose.bone_points_outside);
+    report.set(key + "muscle_points_outside", pose.muscle_points_outside);
+  }
   if (check.swept || !check.poses.empty()) report.set("check.volume_drift_max", check.drift_max);
   if (check.swept) {
     report.set("check.path_jump_max", check.jump_max);

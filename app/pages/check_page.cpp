@@ -123,6 +123,7 @@ void add_pictures(HtmlPage& page, const AnatomyCheck& check, const Actor& actor,
   const int outside =
       worst_pose(check, [](const PoseCheck& p) { return double(p.muscle_points_outside); });
   const int overlap = worst_pose(check, [](const PoseCheck& p) { return p.overlap_share; });
+  const int parted = worst_pose(check, [](const PoseCheck& p) { return p.daylight; });
   const auto posed_outside = colors_of(check, &MuscleCheck::posed_outside),
              posed_overlap = colors_of(check, &MuscleCheck::posed_overlap);
   for (const char* view : {"oblique", "back"}) {
@@ -132,6 +133,9 @@ void add_pictures(HtmlPage& page, const AnatomyCheck& check, const Actor& actor,
     page.add_picture(photographer.take(poses[overlap].pose, posed_overlap, 0, view),
                      fmt::format("{}: most muscle within muscle ({:.1f} %)", poses[overlap].name,
                                  100 * check.poses[overlap].overlap_share));
+    page.add_picture(photographer.take(poses[parted].pose, {}, 0, view),
+                     fmt::format("{}: most daylight where muscles touched ({:.0f} cm2)",
+                                 poses[parted].name, 1e4 * check.poses[parted].daylight));
   }
 }
 
@@ -185,6 +189,36 @@ void add_muscles(HtmlPage& page, const AnatomyCheck& check, const Anatomy& anato
                                         pose_name(check, c.spike_pose)};
       });
   add_worst(
+      page, check, "Muscles that are creased when posed",
+      {"muscle", "of its edges turn by 45 degrees more", "pose"},
+      [](const MuscleCheck& m) { return m.creased; },
+      [&](int m, const MuscleCheck& c) {
+        return std::vector<std::string>{name(m), share(c.creased),
+                                        pose_name(check, c.creased_pose)};
+      });
+  add_worst(
+      page, check, "Muscles with needles when posed", {"muscle", "points that stand off", "pose"},
+      [](const MuscleCheck& m) { return double(m.needles); },
+      [&](int m, const MuscleCheck& c) {
+        return std::vector<std::string>{name(m), fmt::format("{}", c.needles),
+                                        pose_name(check, c.needles_pose)};
+      });
+  add_worst(
+      page, check, "Muscles that part from what they touched at rest",
+      {"muscle", "cm2 of daylight", "pose"}, [](const MuscleCheck& m) { return m.daylight; },
+      [&](int m, const MuscleCheck& c) {
+        return std::vector<std::string>{name(m), fmt::format("{:.0f}", 1e4 * c.daylight),
+                                        pose_name(check, c.daylight_pose)};
+      });
+  add_worst(
+      page, check, "Tendons that kink", {"muscle", "degrees in a centimetre", "pose"},
+      [](const MuscleCheck& m) { return m.kink; },
+      [&](int m, const MuscleCheck& c) {
+        return std::vector<std::string>{name(m),
+                                        fmt::format("{:.0f}", 0.01 * kDegreesPerRadian * c.kink),
+                                        pose_name(check, c.kink_pose)};
+      });
+  add_worst(
       page, check, "Paths that jump", {"muscle", "mm in a degree", "where"},
       [](const MuscleCheck& m) { return m.jump; },
       [&](int m, const MuscleCheck& c) {
@@ -220,19 +254,24 @@ std::string check_csv(const AnatomyCheck& check, const Anatomy& anatomy) {
   std::string out =
       "muscle,group,layer,volume_ml,outside_share,overlap_share,neighbour,neighbour_ml,bone_share,"
       "posed_outside_share,outside_pose,posed_overlap_share,overlap_pose,"
-      "posed_bone_share,volume_drift,path_jump_mm,path_jump_at,end_distance_mm\n";
+      "posed_bone_share,volume_drift,path_jump_mm,path_jump_at,end_distance_mm,"
+      "creased_share,creased_pose,needles,needles_pose,daylight_cm2,daylight_pose,stretch,"
+      "stretch_pose,tendon_kink_deg_cm,tendon_kink_pose\n";
   for (std::size_t i = 0; i < check.muscles.size(); ++i) {
     const MuscleCheck& m = check.muscles[i];
     const Muscle& muscle = anatomy.muscles[i];
     out += fmt::format(
         "{},{},{},{:.2f},{:.5f},{:.5f},{},{:.3f},{:.5f},{:.5f},{},{:.5f},{},{:.5f},{:.2e},{:.3f},{}"
-        ",{:.2f}\n",
+        ",{:.2f},{:.5f},{},{},{},{:.1f},{},{:.2f},{},{:.1f},{}\n",
         muscle.name, muscle.group, muscle.layer, 1e6 * m.volume,
         m.points > 0 ? double(m.points_outside) / m.points : 0.0, m.overlap,
         m.neighbour < 0 ? "" : anatomy.muscles[m.neighbour].name, 1e6 * m.neighbour_volume,
         m.in_bone, m.posed_outside, pose_name(check, m.outside_pose), m.posed_overlap,
         pose_name(check, m.overlap_pose), m.posed_in_bone, m.drift, 1e3 * m.jump,
-        jump_place(m, anatomy), 1e3 * m.end_distance);
+        jump_place(m, anatomy), 1e3 * m.end_distance, m.creased, pose_name(check, m.creased_pose),
+        m.needles, pose_name(check, m.needles_pose), 1e4 * m.daylight,
+        pose_name(check, m.daylight_pose), m.stretch, pose_name(check, m.stretch_pose),
+        0.01 * kDegreesPerRadian * m.kink, pose_name(check, m.kink_pose));
   }
   return out;
 }

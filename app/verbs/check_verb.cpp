@@ -13,6 +13,7 @@
 #include "anatomy/files/similar_names.h"
 #include "app/files/actor.h"
 #include "app/files/open_character.h"
+#include "app/options/motion_options.h"
 #include "app/pages/check_figures.h"
 #include "app/pages/check_page.h"
 #include "app/progress.h"
@@ -28,7 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct CheckVerbOptions {
-  std::string character = "template", poses;
+  std::string character = "template", poses, muscles = "lines";
   std::vector<std::string> bodies;  // names; empty: all
   fs::path folder;
   bool no_pictures = false, no_sweeps = false;
@@ -99,6 +100,8 @@ void check_options(const CheckVerbOptions& options, const Common& common) {
     throw UsageError(
         "check bodies: joints are not swept and no pictures are drawn; leave --no-sweeps and "
         "--no-pictures out");
+  if (to_muscle_motion(options.muscles) == MuscleMotion::map && bodies)
+    throw UsageError("check bodies: muscles move by their lines; leave --muscles out");
   if (options.no_pictures && options.folder.empty())
     throw UsageError("--no-pictures: pictures are drawn with -o FOLDER only; leave it out");
   check_outputs(common, {}, {options.character, options.poses});
@@ -108,8 +111,8 @@ void check_options(const CheckVerbOptions& options, const Common& common) {
 int run_check(const CheckVerbOptions& options, const Common& common, Report& report) {
   check_options(options, common);
   if (options.character == "bodies") return run_bodies(options, common, report);
-  const Actor actor =
-      make_actor(common.assets, open_subject(options.character, common, report), report);
+  const Actor actor = make_actor(common.assets, open_subject(options.character, common, report),
+                                 report, {.muscles = to_muscle_motion(options.muscles)});
   const BodyPackage package = read_body_package(common.assets);
   const Skeleton& skeleton = actor.character.anatomy.skeleton;
   std::vector<LimitPose> poses;
@@ -173,6 +176,7 @@ void add_check_verb(VerbRegistry& registry) {
   verb->add_option("--poses", options->poses,
                    "Table of poses (columns pose,joint,flexion,abduction,rotation: shares of the "
                    "way to the limit); none; those of data/poses.csv when left out");
+  add_muscles_option(*verb, options->muscles);
   verb->add_flag(
       "--no-sweeps", options->no_sweeps,
       "Leave out the sweeps of every joint through its range (volumes and jumps of paths)");

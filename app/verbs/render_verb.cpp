@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 struct RenderVerbOptions {
   fs::path character, motion, weights, poses;
   std::string activation = "none", layers = "skin,muscles,bones", size = "1280x720",
-              skin = "ecorche";
+              skin = "ecorche", muscles = "lines";
   std::string frames, hide, only, pose, background = "outdoors";
   std::optional<std::string> camera;
   std::optional<double> at;
@@ -183,8 +183,9 @@ int run_render(RenderVerbOptions options, const Common& common, Report& report) 
                 {options.character, options.motion, options.weights, options.activation,
                  options.poses, options.retarget.map_file});
   require_settling(film.dynamics, options.skin);
-  Actor actor = make_actor(common.assets, open_character(options.character, common, report), report,
-                           {.weights = options.weights});
+  Actor actor = make_actor(
+      common.assets, open_character(options.character, common, report), report,
+      {.weights = options.weights, .muscles = to_muscle_motion(options.muscles, options.skin)});
   choose_skin(common.assets, actor, options.skin);
   film.hidden = hidden_parts(options, actor.character.anatomy);
   std::string view = "follow";
@@ -277,6 +278,7 @@ void add_render_verb(VerbRegistry& registry) {
   add_moment_options(*verb, *options);
   add_skin_option(*verb, options->skin);
   add_weights_option(*verb, options->weights);
+  add_muscles_option(*verb, options->muscles);
   verb->add_flag("--beside", options->film.beside, "The skin, and the figure without it beside it");
   verb->add_option(
           "--dissolve", options->dissolve,

@@ -40,6 +40,9 @@ CharacterModel compile_character(Character character, const CompileOptions& opti
     out.skin = make_skin_model(anatomy, rest, skin, bound);
     out.binding = std::move(bound.binding);
   }
+  if (options.muscles == MuscleMotion::map)
+    out.interior = std::make_shared<const BodyMap>(make_body_map(
+        anatomy, options.base ? options.base->mesh : skin, out.skin.base_blend->mesh.order, rest));
   if (options.times) options.times->skin_ms = milliseconds_since(bind_start);
   return out;
 }

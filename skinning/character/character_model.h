@@ -1,20 +1,28 @@
 // A character compiled for motion: constant, made once, read by every frame of every thread.
 #pragma once
 
+#include <memory>
+
 #include "anatomy/base_mesh/base_skin.h"
 #include "anatomy/character.h"
 #include "anatomy/contact/muscle_model.h"
 #include "skinning/bind/painted_weights.h"
 #include "skinning/binding.h"
 #include "skinning/character/skin_model.h"
+#include "skinning/interior/body_map.h"
 
 namespace ecorche::inline v1 {
+
+// What carries muscles from rest to pose: each its own action line, or one map of the body's inside
+// (interior/body_map.h).
+enum class MuscleMotion { lines, map };
 
 struct CharacterModel {
   Character character;
   MuscleModel muscles;
   Binding binding;  // for files
   SkinModel skin;
+  std::shared_ptr<const BodyMap> interior;  // null: muscles move with their lines
 };
 
 // Wall times of the stages of compile_character().
@@ -26,6 +34,7 @@ struct CompileTimes {
 struct CompileOptions {
   const BaseSkin* base = nullptr;  // of a refined skin; null: the skin is bound by itself
   BindOptions bind{};
+  MuscleMotion muscles = MuscleMotion::lines;
   PaintedWeights painted{};       // of the base mesh's vertices where there is one
   CompileTimes* times = nullptr;  // filled where given
 };

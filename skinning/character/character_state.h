@@ -36,6 +36,7 @@ struct CharacterState {
   SettleWorkspace settle;
   LiftWorkspace lifting;
   PushWorkspace push;
+  BodyMapWorkspace carrying;
 };
 
 }  // namespace ecorche::inline v1

@@ -136,7 +136,10 @@ const SkinFrame& evaluate_skin(const CharacterModel& model, const Pose& pose,
 void evaluate(const CharacterModel& model, const Pose& pose, const FrameInputs& inputs,
               CharacterState& state) {
   evaluate_skin(model, pose, inputs, state);
-  if (!model.skin.collision.empty())
+  if (model.interior)
+    carry_muscles(*model.interior, state.relaxed.positions, state.relaxed.normals, state.posed,
+                  state.carrying);
+  else if (!model.skin.collision.empty())
     push_muscles_below_skin(model.skin.collision, model.muscles, state.relaxed, state.lift,
                             state.posed, state.push);
 }

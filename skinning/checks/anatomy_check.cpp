@@ -20,6 +20,7 @@
 #include "anatomy/queries/nearest_surface.h"
 #include "morph/fat/fat_layer.h"
 #include "skinning/character/evaluate.h"
+#include "skinning/checks/wholeness.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -38,6 +39,7 @@ struct Subject {
   std::vector<SliceRange> ranges;
   std::vector<double> rest_volumes;  // #strips
   std::vector<double> rest_reaches;  // #slices, see reaches_of()
+  RestSurface rest_surface;
   std::vector<Vec3> joints;
   bool packaged = false;  // the skin has the package's topology
 
@@ -162,17 +164,6 @@ bool is_filled_part(BodyPart part) {
          part == BodyPart::thigh || part == BodyPart::shank;
 }
 
-// Area at each vertex, a third of its triangles.
-std::vector<double> vertex_areas(const TriMesh& mesh) {
-  std::vector<double> areas(mesh.V.rows(), 0.0);
-  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
-    const Vec3 a = mesh.V.row(mesh.F(f, 0)), b = mesh.V.row(mesh.F(f, 1)),
-               c = mesh.V.row(mesh.F(f, 2));
-    for (int i = 0; i < 3; ++i) areas[mesh.F(f, i)] += (b - a).cross(c - a).norm() / 6;
-  }
-  return areas;
-}
-
 void check_voids(const Subject& subject, const Shape& shape, AnatomyCheck& check) {
   check.filled_share = std::numeric_limits<double>::quiet_NaN();
   if (!subject.packaged) return;
@@ -272,6 +263,7 @@ double sticking_out(std::span<const double> reaches, const SliceRange& strip, in
 struct PosedMuscles {
   std::vector<double> outside, overlap, in_bone, drift;  // shares
   std::vector<double> spike;                             // m
+  std::vector<MuscleWholeness> whole;
 };
 
 PoseCheck check_pose(const Subject& subject, const LimitPose& pose, double spacing,
@@ -301,6 +293,18 @@ PoseCheck check_pose(const Subject& subject, const LimitPose& pose, double spaci
     muscles.overlap[m] = volumes.in_muscle[m] / volumes.volume[m];
     muscles.in_bone[m] = volumes.in_bone[m] / volumes.volume[m];
   }
+  muscles.whole = measure_wholeness(subject.rest_surface, subject.surface, subject.ranges,
+                                    shape.frame.posed, flesh_of(subject, shape));
+  double edges = 0, creased = 0;
+  for (const MuscleWholeness& muscle : muscles.whole) {
+    edges += muscle.edge_length;
+    creased += muscle.creased_length;
+    out.needles += muscle.needles;
+    out.daylight += muscle.daylight;
+    out.stretch = std::max(out.stretch, muscle.stretch);
+    out.kink = std::max(out.kink, muscle.kink);
+  }
+  out.creased_share = edges > 0 ? creased / edges : 0;
   const std::vector<double> reaches = reaches_of(shape.frame.posed.slices);
   for (std::size_t i = 0; i < subject.ranges.size(); ++i) {
     double& drift = muscles.drift[subject.ranges[i].muscle];
@@ -315,6 +319,17 @@ PoseCheck check_pose(const Subject& subject, const LimitPose& pose, double spaci
     }
   }
   return out;
+}
+
+// Keeps a muscle's worst figures and their poses.
+void note_wholeness(const MuscleWholeness& whole, int pose, MuscleCheck& muscle) {
+  const double creased = whole.edge_length > 0 ? whole.creased_length / whole.edge_length : 0;
+  if (creased > muscle.creased) muscle.creased = creased, muscle.creased_pose = pose;
+  if (whole.needles > muscle.needles) muscle.needles = whole.needles, muscle.needles_pose = pose;
+  if (whole.daylight > muscle.daylight)
+    muscle.daylight = whole.daylight, muscle.daylight_pose = pose;
+  if (whole.stretch > muscle.stretch) muscle.stretch = whole.stretch, muscle.stretch_pose = pose;
+  if (whole.kink > muscle.kink) muscle.kink = whole.kink, muscle.kink_pose = pose;
 }
 
 void check_poses(const Subject& subject, const std::vector<LimitPose>& poses,
@@ -338,6 +353,12 @@ void check_poses(const Subject& subject, const std::vector<LimitPose>& poses,
     check.posed_overlap_mean += pose.overlap_share / double(poses.size());
     check.posed_overlap_worst = std::max(check.posed_overlap_worst, pose.overlap_share);
     check.posed_spikes += double(pose.spikes) / double(poses.size());
+    check.posed_creased_mean += pose.creased_share / double(poses.size());
+    check.posed_creased_worst = std::max(check.posed_creased_worst, pose.creased_share);
+    check.posed_needles += double(pose.needles) / double(poses.size());
+    check.posed_daylight += pose.daylight / double(poses.size());
+    check.posed_stretch_max = std::max(check.posed_stretch_max, pose.stretch);
+    check.posed_kink_max = std::max(check.posed_kink_max, pose.kink);
     for (std::size_t m = 0; m < check.muscles.size(); ++m) {
       MuscleCheck& muscle = check.muscles[m];
       if (muscles[p].outside[m] > muscle.posed_outside)
@@ -348,6 +369,7 @@ void check_poses(const Subject& subject, const std::vector<LimitPose>& poses,
       muscle.drift = std::max(muscle.drift, muscles[p].drift[m]);
       if (muscles[p].spike[m] > muscle.spike)
         muscle.spike = muscles[p].spike[m], muscle.spike_pose = int(p);
+      note_wholeness(muscles[p].whole[m], int(p), muscle);
     }
   }
 }
@@ -377,8 +399,15 @@ AnatomyCheck check_anatomy(const CharacterModel& model, const BodyPackage& packa
                            const std::vector<LimitPose>& poses, const CheckOptions& options,
                            const CheckProgress& progress) {
   const Anatomy& anatomy = model.character.anatomy;
-  Subject subject{model, package, make_muscle_surface(anatomy),     slice_ranges(anatomy),
-                  {},    {},      rest_positions(anatomy.skeleton), false};
+  Subject subject{model,
+                  package,
+                  make_muscle_surface(anatomy),
+                  slice_ranges(anatomy),
+                  {},
+                  {},
+                  {},
+                  rest_positions(anatomy.skeleton),
+                  false};
   subject.packaged =
       !model.character.own && model.character.body.skin.V.rows() == package.skin_size;
   AnatomyCheck check;
@@ -388,6 +417,8 @@ AnatomyCheck check_anatomy(const CharacterModel& model, const BodyPackage& packa
   for (const SliceRange& range : subject.ranges)
     subject.rest_volumes.push_back(strip_volume(rest.frame.posed, range));
   subject.rest_reaches = reaches_of(rest.frame.posed.slices);
+  subject.rest_surface =
+      make_rest_surface(subject.surface, subject.ranges, rest.frame.posed, flesh_of(subject, rest));
   check_rest(subject, rest, options, check);
   check_voids(subject, rest, check);
   check_ends(subject, check);

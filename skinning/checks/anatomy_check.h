@@ -39,6 +39,11 @@ struct MuscleCheck {
   // its worst pose
   double spike = 0;
   int spike_pose = -1;
+  // How whole it stays (wholeness.h), each in its worst pose: share of its edges' length that is
+  // creased, needles, m^2 of daylight, stretch, kink of tendons in rad/m.
+  double creased = 0, daylight = 0, stretch = 1, kink = 0;
+  int needles = 0;
+  int creased_pose = -1, daylight_pose = -1, stretch_pose = -1, kink_pose = -1, needles_pose = -1;
   // m, of its ends on bones, the farthest from the bones of the joint that carries it
   double end_distance = 0;
 };
@@ -49,6 +54,12 @@ struct PoseCheck {
   int bone_points_outside = 0;
   double overlap_share = 0, bone_share = 0;
   int spikes = 0;  // sections that stick out by more than 20 mm
+  // How whole the muscles are (wholeness.h): over all of them; stretch and kink of the worst.
+  double creased_share = 0;
+  int needles = 0;
+  double daylight = 0;  // m^2
+  double stretch = 1;
+  double kink = 0;  // rad/m
 };
 
 struct AnatomyCheck {
@@ -72,7 +83,12 @@ struct AnatomyCheck {
   double posed_overlap_mean = 0, posed_overlap_worst = 0;
   double posed_spikes = 0,
          posed_spike_max = 0;  // sections that stick out by more than 20 mm, mean over the poses; m
-  bool swept = false;          // joints were swept; otherwise nothing is known of jumps
+  // How whole the muscles stay: means over the poses, and of the worst pose.
+  double posed_creased_mean = 0, posed_creased_worst = 0;  // shares
+  double posed_needles = 0;
+  double posed_daylight = 0;                         // m^2
+  double posed_stretch_max = 1, posed_kink_max = 0;  // rad/m
+  bool swept = false;  // joints were swept; otherwise nothing is known of jumps
   double drift_max = 0, jump_max = 0;
   int paths_that_jump = 0;  // muscles by more than 1 mm
   double end_distance_median = 0, end_distance_max = 0;

@@ -1,0 +1,152 @@
+#include "skinning/checks/wholeness.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <unordered_map>
+
+#include "anatomy/geometry/mesh_measures.h"
+#include "anatomy/queries/ray_caster.h"
+
+namespace ecorche::inline v1 {
+namespace {
+
+constexpr double kCrease = 0.25 * std::numbers::pi;
+constexpr double kNeedle = 0.010;    // m
+constexpr double kTouching = 0.005;  // m, at rest
+constexpr double kApart = 0.010;     // m, in a pose
+constexpr double kLift = 1e-4;       // m, of a ray's origin off its own surface
+constexpr double kShortEdge = 1e-3;  // m; shorter ones say nothing about stretch
+constexpr float kTendon = 0.3f;      // share of belly below which a section is tendon
+
+Vec3 face_normal(const Points& V, const Triangles& F, int f) {
+  const Vec3 a = V.row(F(f, 0)), b = V.row(F(f, 1)), c = V.row(F(f, 2));
+  return (b - a).cross(c - a);
+}
+
+double angle_between(const Vec3& a, const Vec3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+std::vector<SurfaceEdge> inner_edges(const MuscleSurface& surface) {
+  std::vector<SurfaceEdge> out;
+  for (const MuscleSurface::Part& part : surface.parts) {
+    std::unordered_map<long long, int> sides;
+    for (int f = part.face_begin; f < part.face_end; ++f)
+      for (int k = 0; k < 3; ++k) {
+        const int a = surface.F(f, k), b = surface.F(f, (k + 1) % 3);
+        const auto key = [](long long from, long long to) { return from << 32 | to; };
+        const auto other = sides.find(key(b, a));
+        if (other == sides.end())
+          sides[key(a, b)] = f;
+        else
+          out.push_back({part.muscle, a, b, f, other->second, 0, 0});
+      }
+  }
+  return out;
+}
+
+// How far each vertex stands off the mean of its neighbours, m.
+std::vector<double> standing_off(std::span<const SurfaceEdge> edges, const Points& V,
+                                 std::size_t vertices) {
+  std::vector<Vec3> sum(vertices, Vec3::Zero());
+  std::vector<int> count(vertices, 0);
+  for (const SurfaceEdge& edge : edges)
+    for (const auto& [own, other] :
+         {std::pair(edge.begin, edge.end), std::pair(edge.end, edge.begin)}) {
+      sum[own] += V.row(other).transpose();
+      ++count[own];
+    }
+  std::vector<double> out(vertices, 0.0);
+  for (std::size_t v = 0; v < vertices; ++v)
+    if (count[v] > 0) out[v] = (V.row(v).transpose() - sum[v] / count[v]).norm();
+  return out;
+}
+
+// Whether each vertex of the muscles has something before it within a distance, or lies in it.
+std::vector<char> covered_within(const TriMesh& flesh, int vertices, double distance) {
+  const SkinRays rays(flesh, RayBuild::quick);
+  const Points normals = vertex_normals(flesh);
+  std::vector<char> out(vertices, 0);
+  for (int v = 0; v < vertices; ++v) {
+    const Vec3 normal = normals.row(v);
+    if (!(normal.squaredNorm() > 0.5)) continue;
+    const Vec3 origin = flesh.V.row(v).transpose() + kLift * normal;
+    // From within another solid the first surface that is met is left, however far it is.
+    const RayHit hit = rays.first_hit(origin, normal);
+    out[v] = hit.triangle >= 0 && (hit.facing > 0 || hit.distance <= distance);
+  }
+  return out;
+}
+
+// Turn of the line of centres at each section of tendon over the length about it, rad/m; elsewhere
+// -1.
+std::vector<double> turns_of_tendons(std::span<const SliceRange> ranges,
+                                     const PosedAnatomy& posed) {
+  std::vector<double> out(posed.slices.size(), -1.0);
+  for (const SliceRange& strip : ranges)
+    for (int k = strip.begin + 1; k + 1 < strip.end; ++k) {
+      if (posed.belly[k] > kTendon) continue;
+      const Vec3 before = posed.slices[k].center - posed.slices[k - 1].center,
+                 after = posed.slices[k + 1].center - posed.slices[k].center;
+      const double length = 0.5 * (before.norm() + after.norm());
+      if (length > 0) out[k] = angle_between(before, after) / length;
+    }
+  return out;
+}
+
+}  // namespace
+
+RestSurface make_rest_surface(const MuscleSurface& surface, std::span<const SliceRange> ranges,
+                              const PosedAnatomy& rest, const TriMesh& flesh) {
+  RestSurface out;
+  out.edges = inner_edges(surface);
+  for (SurfaceEdge& edge : out.edges) {
+    edge.length = (flesh.V.row(edge.begin) - flesh.V.row(edge.end)).norm();
+    edge.turn = angle_between(face_normal(flesh.V, surface.F, edge.left),
+                              face_normal(flesh.V, surface.F, edge.right));
+  }
+  out.standing_off = standing_off(out.edges, flesh.V, surface.vertices());
+  out.covered = covered_within(flesh, surface.vertices(), kTouching);
+  out.tendon_turns = turns_of_tendons(ranges, rest);
+  return out;
+}
+
+std::vector<MuscleWholeness> measure_wholeness(const RestSurface& rest,
+                                               const MuscleSurface& surface,
+                                               std::span<const SliceRange> ranges,
+                                               const PosedAnatomy& posed, const TriMesh& flesh) {
+  std::vector<MuscleWholeness> out(surface.parts.size());
+  std::vector<std::vector<double>> stretches(out.size());
+  for (const SurfaceEdge& edge : rest.edges) {
+    MuscleWholeness& muscle = out[edge.muscle];
+    const double length = (flesh.V.row(edge.begin) - flesh.V.row(edge.end)).norm();
+    muscle.edge_length += length;
+    const double turn = angle_between(face_normal(flesh.V, surface.F, edge.left),
+                                      face_normal(flesh.V, surface.F, edge.right));
+    if (turn > edge.turn + kCrease) muscle.creased_length += length;
+    if (edge.length > kShortEdge) stretches[edge.muscle].push_back(length / edge.length);
+  }
+  for (std::size_t m = 0; m < out.size(); ++m) {
+    if (stretches[m].empty()) continue;
+    const auto at = stretches[m].begin() + std::ptrdiff_t(0.99 * double(stretches[m].size() - 1));
+    std::nth_element(stretches[m].begin(), at, stretches[m].end());
+    out[m].stretch = *at;
+  }
+  const std::vector<double> off = standing_off(rest.edges, flesh.V, surface.vertices());
+  const std::vector<char> covered = covered_within(flesh, surface.vertices(), kApart);
+  const std::vector<double> areas = vertex_areas(flesh);
+  for (int v = 0; v < surface.vertices(); ++v) {
+    MuscleWholeness& muscle = out[surface.muscle[v]];
+    muscle.needles += off[v] > rest.standing_off[v] + kNeedle;
+    if (rest.covered[v] && !covered[v]) muscle.daylight += areas[v];
+  }
+  const std::vector<double> turns = turns_of_tendons(ranges, posed);
+  for (const SliceRange& strip : ranges)
+    for (int k = strip.begin; k < strip.end; ++k)
+      if (turns[k] >= 0 && rest.tendon_turns[k] >= 0)
+        out[strip.muscle].kink = std::max(out[strip.muscle].kink, turns[k] - rest.tendon_turns[k]);
+  return out;
+}
+
+}  // namespace ecorche::inline v1

@@ -1,0 +1,56 @@
+// Whether muscles stay whole in a pose: what an eye would call a crease, a needle, a hole, a kink.
+//
+// All figures compare the drawn surface with itself at rest, where they are nought (stretch: 1):
+// - creased: share of the edges' length where the surface turns by 45 degrees more than at rest;
+// - needles: vertices that stand off the mean of their neighbours by 10 mm more than at rest;
+// - daylight: area that at rest had another muscle or a bone within 5 mm along its normal, and now
+//   has nothing within 10 mm;
+// - stretch: the 99th percentile of the edges' lengths over those at rest;
+// - kink: the most that a tendon turns in a centimetre beyond its turn at rest.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "anatomy/muscles/muscle_surface.h"
+#include "anatomy/posed_anatomy.h"
+
+namespace ecorche::inline v1 {
+
+// Of one muscle in one pose.
+struct MuscleWholeness {
+  double edge_length = 0, creased_length = 0;  // m
+  int needles = 0;
+  double daylight = 0;  // m^2
+  double stretch = 1;
+  double kink = 0;  // rad/m
+};
+
+// An inner edge of a muscle's surface: its ends, and the faces on its sides.
+struct SurfaceEdge {
+  int muscle = 0;
+  int begin = 0, end = 0;
+  int left = 0, right = 0;
+  double length = 0, turn = 0;  // at rest: m; rad, between the faces' normals
+};
+
+// Muscles at rest, as measure_wholeness() compares poses with them.
+struct RestSurface {
+  std::vector<SurfaceEdge> edges;    // ascending by muscle
+  std::vector<double> standing_off;  // #V, m
+  std::vector<char> covered;         // #V, something lay within 5 mm
+  std::vector<double> tendon_turns;  // #slices, rad/m; below 0: not in a tendon
+};
+
+// `flesh`: the muscles' vertices and faces first, as in `surface`, then bones. `ranges`: the strips
+// of `posed`.
+RestSurface make_rest_surface(const MuscleSurface& surface, std::span<const SliceRange> ranges,
+                              const PosedAnatomy& rest, const TriMesh& flesh);
+
+// One a muscle.
+std::vector<MuscleWholeness> measure_wholeness(const RestSurface& rest,
+                                               const MuscleSurface& surface,
+                                               std::span<const SliceRange> ranges,
+                                               const PosedAnatomy& posed, const TriMesh& flesh);
+
+}  // namespace ecorche::inline v1

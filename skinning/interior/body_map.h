@@ -1,0 +1,83 @@
+// A smooth map of a body's inside from rest to pose, which carries muscles so that what touched at
+// rest touches still: neighbours cannot part, cross or tear, since they move by one map.
+//
+//   p(X) = (1 - a) D(X) + a L(X) + u(X)
+//
+// D blends the joints' motions as dual quaternions, L linearly (Kavan et al. 2007,
+// 10.1145/1230100.1230107), by harmonic weights in a lattice of the body (harmonic_weights.h): 1 on
+// a joint's bones, the mean of the neighbours elsewhere. Between two bones that close, D turns
+// tissue evenly about the joint; where they open, it would swing outwards like a bag, and straight
+// lines between the two sides, L, are nearer to taut muscles: `a` rises from 0 to 1 as D comes to
+// stretch volume by 1.6. u brings what the settled skin has pushed in along, fading to nought on
+// bones.
+//
+// Sections take centre and axes from the map, and from pose_anatomy() the share by which their
+// substance has slid along the line, bulged or turned rounder. Volumes of bellies follow the map
+// and are not kept.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "anatomy/posed_anatomy.h"
+#include "skinning/interior/harmonic_weights.h"
+
+namespace ecorche::inline v1 {
+
+struct MapPoint {
+  Vec3 rest = Vec3::Zero();
+  SourceWeights joints;
+  SourceWeights skin;  // of controls; one source beyond them is bone
+};
+
+// A point, and points a step beside it by which the map's stretch is measured.
+struct MapPlace {
+  MapPoint at;
+  std::array<MapPoint, 3> beside;  // right-handed, square to one another
+};
+
+struct MapSection {
+  MapPlace center;
+  MapPoint right, left, up, down;   // on its outline
+  double width = 0, thickness = 0;  // from left to right, from down to up, at rest, m
+  Ellipse rest;
+  int strip = 0;
+  bool sheet = false;
+};
+
+// A vertex of the skin whose displacement the tissue about it takes part in.
+struct SkinControl {
+  int vertex = 0;
+  MapPlace place;
+};
+
+// Constant after it is made.
+struct BodyMap {
+  std::vector<MapSection> sections;  // #all slices
+  std::vector<SkinControl> controls;
+  std::vector<Vec3> joints;  // at rest
+  std::vector<int> parents;
+};
+
+// Memory of carry_muscles(). Its content has no meaning between calls.
+struct BodyMapWorkspace {
+  std::vector<Transform> motions;                // #joints, world of rest to world of the pose
+  std::vector<std::array<double, 8>> rotations;  // the same as dual quaternions
+  std::vector<Vec3> shifts;                      // #controls + 1, m
+};
+
+// `skin`: closed but for small openings, the mesh that relaxes. `order`: its vertices as they are
+// sorted in frames, or empty. `rest`: of the anatomy. Throws UnfitError where no bone lies in the
+// skin. Some tenths of a second for a whole body.
+BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<const int> order,
+                      const PosedAnatomy& rest);
+
+// Carries the sections of `posed`, which pose_muscles() has filled. `positions`, `normals`: of the
+// skin in this pose, #V x 4, sorted. The rest pose stays as it is, but for rounding. The same bytes
+// at any number of threads.
+void carry_muscles(const BodyMap& map, std::span<const float> positions,
+                   std::span<const float> normals, PosedAnatomy& posed,
+                   BodyMapWorkspace& workspace);
+
+}  // namespace ecorche::inline v1

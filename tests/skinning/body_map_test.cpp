@@ -1,0 +1,181 @@
+// Laws of the map of a body's inside: the rest pose stays, a body that turns as a whole keeps its
+// shape, neighbours stay neighbours in a bend, muscles go in where the skin does, limbs that touch
+// are apart.
+#include "skinning/interior/body_map.h"
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include <cstring>
+
+#include "anatomy/errors.h"
+#include "anatomy/muscles/action_line.h"
+#include "tests/skinning/arm.h"
+#include "tests/skinning/compiled_arm.h"
+
+namespace ecorche {
+namespace {
+
+constexpr int kSections = 13;
+
+// An arm with two muscles over its elbow that touch along their sides.
+CharacterModel two_muscles(bool bones = true) {
+  test::Arm arm = test::make_arm();
+  Muscle& biceps = arm.anatomy.muscles.front();
+  Muscle twin = biceps;
+  twin.name = "twin_l";
+  for (const auto& [muscle, side] : {std::pair(&biceps, -1.0), std::pair(&twin, 1.0)})
+    for (PathPoint& point : muscle->strips[0].path) point.rest.x() += 0.005 * side;
+  arm.anatomy.muscles.push_back(twin);
+  if (!bones) arm.anatomy.bones.clear();
+  return test::compile_figure(arm.anatomy, arm.skin, {.muscles = MuscleMotion::map});
+}
+
+Pose bent(const CharacterModel& model, double angle) {
+  Pose pose = rest_pose(model.character.anatomy.skeleton);
+  pose.rotations[3] = Quat(Eigen::AngleAxisd(-angle, Vec3::UnitX()));
+  return pose;
+}
+
+TEST(BodyMap, LeavesTheRestPose) {
+  const CharacterModel model = two_muscles();
+  CharacterState state(model);
+  evaluate(model, rest_pose(model.character.anatomy.skeleton), {}, state);
+  const std::vector<Ellipse> rest = rest_slices(model.character.anatomy);
+  for (std::size_t k = 0; k < rest.size(); ++k) {
+    EXPECT_LT((state.posed.slices[k].center - rest[k].center).norm(), 2e-5) << k;
+    EXPECT_LT((state.posed.slices[k].radii - rest[k].radii).norm(), 2e-5) << k;
+    EXPECT_LT((state.posed.slices[k].axes - rest[k].axes).norm(), 5e-3) << k;
+  }
+}
+
+TEST(BodyMap, TurnsABodyAsAWhole) {
+  const CharacterModel model = two_muscles();
+  CharacterState state(model);
+  Pose pose = rest_pose(model.character.anatomy.skeleton);
+  const Quat turn(Eigen::AngleAxisd(2.5, Vec3(1, 2, -1).normalized()));
+  pose.rotations[0] = turn;
+  pose.root += Vec3(3, 0, -1);
+  evaluate(model, pose, {}, state);
+  const std::vector<Ellipse> rest = rest_slices(model.character.anatomy);
+  for (std::size_t k = 1; k < rest.size(); ++k)
+    EXPECT_LT((state.posed.slices[k].center - state.posed.slices[0].center -
+               turn * (rest[k].center - rest[0].center))
+                  .norm(),
+              5e-5)
+        << k;
+}
+
+TEST(BodyMap, KeepsNeighboursTogetherInABend) {
+  const CharacterModel model = two_muscles();
+  CharacterState state(model);
+  const std::vector<Ellipse> rest = rest_slices(model.character.anatomy);
+  for (const double angle : {0.7, 1.4, 2.1}) {
+    evaluate(model, bent(model, angle), {}, state);
+    for (int k = 0; k < kSections; ++k) {
+      const Ellipse &one = state.posed.slices[k], &other = state.posed.slices[k + kSections];
+      const double before = (rest[k + kSections].center - rest[k].center).norm();
+      EXPECT_LT((other.center - one.center).norm(), before + 0.004) << angle << " " << k;
+      // side by side, as they lay
+      EXPECT_GT((other.center - one.center).normalized().x(), 0.8) << angle << " " << k;
+    }
+    // no section goes back past the one before
+    for (const int first : {0, kSections})
+      for (int k = first; k + 2 < first + kSections; ++k)
+        EXPECT_GT((state.posed.slices[k + 1].center - state.posed.slices[k].center)
+                      .normalized()
+                      .dot((state.posed.slices[k + 2].center - state.posed.slices[k + 1].center)
+                               .normalized()),
+                  -0.2)
+            << angle << " " << k;
+  }
+}
+
+TEST(BodyMap, GoesInWhereTheSkinDoesAndNotOut) {
+  const CharacterModel model = two_muscles();
+  CharacterState state(model);
+  const Pose rest = rest_pose(model.character.anatomy.skeleton);
+  evaluate(model, rest, {}, state);
+  const std::vector<Ellipse> before = state.posed.slices;
+  for (const double depth : {0.006, -0.006}) {
+    std::vector<float> positions = state.relaxed.positions;
+    for (std::size_t v = 0; v < positions.size(); v += 4)
+      for (std::size_t k = 0; k < 3; ++k)
+        positions[v + k] -= float(depth) * state.relaxed.normals[v + k];
+    pose_muscles(model.muscles, model.character.anatomy.skeleton, rest, state.posed, state.contact);
+    carry_muscles(*model.interior, positions, state.relaxed.normals, state.posed, state.carrying);
+    const double inward = before[6].center.z() - state.posed.slices[6].center.z();
+    if (depth > 0) {
+      EXPECT_GT(inward, 0.001);
+      EXPECT_LT(inward, depth);
+    } else {
+      EXPECT_NEAR(inward, 0, 1e-4);
+    }
+  }
+}
+
+TEST(BodyMap, IsTheSameAtAnyNumberOfThreads) {
+  const CharacterModel model = two_muscles();
+  std::vector<Ellipse> first;
+  for (const int threads : {1, 2, 4}) {
+    const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
+                                            std::size_t(threads));
+    CharacterState state(two_muscles());
+    evaluate(model, bent(model, 1.2), {}, state);
+    if (first.empty()) first = state.posed.slices;
+    for (std::size_t k = 0; k < first.size(); ++k)
+      EXPECT_EQ(
+          std::memcmp(first[k].center.data(), state.posed.slices[k].center.data(), sizeof(Vec3)), 0)
+          << k;
+  }
+}
+
+TEST(BodyMap, RefusesASkinWithoutBones) { EXPECT_THROW(two_muscles(false), UnfitError); }
+
+TEST(BodyLattice, HasNoLinksAcrossTheSkin) {
+  // two closed limbs of 30 mm, 4 mm apart
+  TriMesh skin = test::capsule({0, 0, 0}, {0, 0.3, 0}, 0.03);
+  const TriMesh other = test::capsule({0.064, 0, 0}, {0.064, 0.3, 0}, 0.03);
+  const Eigen::Index vertices = skin.V.rows(), faces = skin.F.rows();
+  skin.V.conservativeResize(2 * vertices, 3);
+  skin.F.conservativeResize(2 * faces, 3);
+  skin.V.bottomRows(vertices) = other.V;
+  skin.F.bottomRows(faces) = (other.F.array() + int(vertices)).matrix();
+  const BodyLattice lattice = make_body_lattice(SkinRays(skin), 0.008);
+  // volume of the capsules, to the coarse cells' share
+  const double volume = lattice.nodes() * std::pow(0.008, 3);
+  EXPECT_NEAR(volume, 2 * 0.00096, 0.0002);
+  for (int i = 0; i < lattice.nodes(); ++i)
+    for (const int k : lattice.links[i]) {
+      if (k < 0) continue;
+      EXPECT_EQ(lattice.points[i].x() < 0.032, lattice.points[k].x() < 0.032);
+    }
+}
+
+TEST(HarmonicWeights, AreLinearAlongARod) {
+  const TriMesh skin = test::capsule({0, 0, 0}, {0, 0.4, 0}, 0.03);
+  const SkinRays rays(skin);
+  const BodyLattice lattice = make_body_lattice(rays, 0.01);
+  std::vector<SourceWeights> fixed(lattice.nodes());
+  for (int i = 0; i < lattice.nodes(); ++i) {
+    const double y = lattice.points[i].y();
+    if (y > 0.05 && y < 0.35) continue;
+    fixed[i].source[0] = y < 0.2 ? 0 : 1;
+    fixed[i].weight[0] = 1;
+    fixed[i].count = 1;
+  }
+  const auto weights = harmonic_weights(lattice, fixed, 2, {}, 2000);
+  for (const double y : {0.1, 0.2, 0.3}) {
+    const SourceWeights at = mix_weights(lattice_shares(lattice, rays, {0.004, y, 0.002}), weights);
+    double second = 0, sum = 0;
+    for (int k = 0; k < at.count; ++k) {
+      sum += double(at.weight[k]);
+      if (at.source[k] == 1) second = double(at.weight[k]);
+    }
+    EXPECT_NEAR(sum, 1, 1e-5);
+    EXPECT_NEAR(second, (y - 0.045) / 0.31, 0.03) << y;
+  }
+}
+
+}  // namespace
+}  // namespace ecorche
