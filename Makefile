@@ -27,9 +27,10 @@ demo: build
 	@$(MAKE) --no-print-directory -q $(DEMO)/report.json && echo "nothing has changed since $(DEMO) was made; look at its long-jump.mp4 and report.html" \
 	  || $(MAKE) --no-print-directory $(DEMO)/report.json
 
-# The pictures of README.md and docs/tour.md, from the demo's report and film.
+# The pictures of README.md and docs/tour.md, from the demo's report and film, and of docs/check.md.
 pictures: demo
 	@python3 docs/pictures/make.py $(DEMO)
+	@python3 docs/pictures/whole.py $(BUILD)/ecorche
 
 # The clients that exported files are tried in: the glTF validator, three.js in Chromium, Blender, MuJoCo and OpenSim.
 clients: setup
