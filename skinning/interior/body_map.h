@@ -69,7 +69,7 @@ struct BodyMapWorkspace {
 
 // `skin`: closed but for small openings, the mesh that relaxes. `order`: its vertices as they are
 // sorted in frames, or empty. `rest`: of the anatomy. Throws UnfitError where no bone lies in the
-// skin. Some tenths of a second for a whole body.
+// skin. About a second for a whole body.
 BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<const int> order,
                       const PosedAnatomy& rest);
 
