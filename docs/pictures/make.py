@@ -26,6 +26,20 @@ def convert(source, target, width, before=()):
     subprocess.run(["ffmpeg", "-y", "-loglevel", "error", *before, "-i", source, "-frames:v", "1", "-vf", f"scale={width}:-2:flags=area", "-q:v", "4", "-bitexact", target], check=True)
 
 
+def program_in(folder, program):
+    """Two functions: the path of a name in the folder; a run of the program, which may miss targets."""
+
+    def path(name):
+        return os.path.join(folder, name)
+
+    def ecorche(*words):
+        done = subprocess.run([program, *words], capture_output=True, text=True)
+        if done.returncode not in (0, 8):
+            raise SystemExit(f"{' '.join(words)}: exit {done.returncode}\n{done.stderr}")
+
+    return path, ecorche
+
+
 def main():
     folder = sys.argv[1]
     with open(os.path.join(folder, "report.html"), encoding="utf-8") as page:

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import tempfile
 
-from make import convert, pictures_of
+from make import convert, pictures_of, program_in
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCAN = "scans/kinect_full_body_GPL3/scan1.ply"
@@ -33,15 +33,7 @@ def main():
         return 77
     walk = os.path.join(HERE, "..", "..", "data", "motions", "walk.bvh")
     with tempfile.TemporaryDirectory() as folder:
-
-        def path(name):
-            return os.path.join(folder, name)
-
-        def ecorche(*words):
-            done = subprocess.run([program, *words], capture_output=True, text=True)
-            if done.returncode not in (0, 8):
-                raise SystemExit(f"{' '.join(words)}: exit {done.returncode}\n{done.stderr}")
-
+        path, ecorche = program_in(folder, program)
         ecorche("body", "register", scan, "-o", path("person.glb"), "--page", path("scan.html"))
         with open(path("scan.html"), encoding="utf-8") as page:
             sheet = next(png for caption, png in pictures_of(page.read()) if re.match("From the front", caption))

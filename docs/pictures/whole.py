@@ -8,6 +8,8 @@ import subprocess
 import sys
 import tempfile
 
+from make import program_in
+
 HERE = os.path.dirname(os.path.abspath(__file__))
 SIZE = (380, 400)
 VIEWS = (("squat", "left"), ("squat", "back"), ("crunch", "front"), ("hip_120", "left"))
@@ -16,15 +18,7 @@ VIEWS = (("squat", "left"), ("squat", "back"), ("crunch", "front"), ("hip_120", 
 def main():
     program = os.path.abspath(sys.argv[1])
     with tempfile.TemporaryDirectory() as folder:
-
-        def path(name):
-            return os.path.join(folder, name)
-
-        def ecorche(*words):
-            done = subprocess.run([program, *words], capture_output=True, text=True)
-            if done.returncode not in (0, 8):
-                raise SystemExit(f"{' '.join(words)}: exit {done.returncode}\n{done.stderr}")
-
+        path, ecorche = program_in(folder, program)
         ecorche("body", "new", "--sex", "male", "-o", path("man.glb"))
         ecorche("fit", path("man.glb"), "-o", path("man-anatomy.glb"))
         stills = []

@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <queue>
 
 #include "anatomy/compute/smooth_step.h"
-#include "anatomy/geometry/vertex_rings.h"
+#include "anatomy/geometry/edge_walker.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -20,45 +19,6 @@ constexpr std::size_t kHandlesAVertex = 3;
 struct Reached {
   int handle = 0;
   double distance = 0;
-};
-
-// Vertices within `limit` of `start` along the edges of the skin.
-class Walker {
- public:
-  Walker(const TriMesh& skin)
-      : skin_(skin),
-        neighbours_(vertex_neighbours(skin)),
-        distance_(neighbours_.size(), kUnreached) {}
-
-  template <typename Visit>
-  void walk(int start, double limit, Visit visit) {
-    std::priority_queue<std::pair<double, int>, std::vector<std::pair<double, int>>, std::greater<>>
-        front;
-    front.emplace(0.0, start);
-    distance_[start] = 0;
-    touched_.assign(1, start);
-    while (!front.empty()) {
-      const auto [d, i] = front.top();
-      front.pop();
-      if (d > distance_[i]) continue;
-      visit(i, d);
-      for (int k : neighbours_[i]) {
-        const double next = d + (skin_.V.row(i) - skin_.V.row(k)).norm();
-        if (next >= limit || next >= distance_[k]) continue;
-        if (distance_[k] == kUnreached) touched_.push_back(k);
-        distance_[k] = next;
-        front.emplace(next, k);
-      }
-    }
-    for (int i : touched_) distance_[i] = kUnreached;
-  }
-
- private:
-  static constexpr double kUnreached = std::numeric_limits<double>::infinity();
-  const TriMesh& skin_;
-  std::vector<std::vector<int>> neighbours_;
-  std::vector<double> distance_;
-  std::vector<int> touched_;
 };
 
 // Where the nearest muscle point lies on the smooth tube: the fraction between its two slices.
@@ -90,7 +50,7 @@ std::vector<WeightRow> place_muscle_handles(const Anatomy& anatomy, const PosedA
   for (std::size_t r = 0; r < ranges.size(); ++r)
     for (int s = ranges[r].begin; s < ranges[r].end; ++s) range_of_slice[s] = int(r);
 
-  Walker walker(skin);
+  EdgeWalker walker(skin);
   std::vector<char> covered(n, 0);
   std::vector<std::vector<Reached>> reached(n);
   std::vector<int> vertices, kept;  // of every handle; its index in tables.handles or -1

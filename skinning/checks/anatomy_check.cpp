@@ -417,8 +417,9 @@ AnatomyCheck check_anatomy(const CharacterModel& model, const BodyPackage& packa
   for (const SliceRange& range : subject.ranges)
     subject.rest_volumes.push_back(strip_volume(rest.frame.posed, range));
   subject.rest_reaches = reaches_of(rest.frame.posed.slices);
-  subject.rest_surface =
-      make_rest_surface(subject.surface, subject.ranges, rest.frame.posed, flesh_of(subject, rest));
+  if (!poses.empty())
+    subject.rest_surface = make_rest_surface(subject.surface, subject.ranges, rest.frame.posed,
+                                             flesh_of(subject, rest));
   check_rest(subject, rest, options, check);
   check_voids(subject, rest, check);
   check_ends(subject, check);

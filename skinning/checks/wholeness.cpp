@@ -1,10 +1,10 @@
 #include "skinning/checks/wholeness.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <unordered_map>
 
+#include "anatomy/compute/angle_between.h"
 #include "anatomy/geometry/mesh_measures.h"
 #include "anatomy/queries/ray_caster.h"
 
@@ -22,10 +22,6 @@ constexpr float kTendon = 0.3f;      // share of belly below which a section is 
 Vec3 face_normal(const Points& V, const Triangles& F, int f) {
   const Vec3 a = V.row(F(f, 0)), b = V.row(F(f, 1)), c = V.row(F(f, 2));
   return (b - a).cross(c - a);
-}
-
-double angle_between(const Vec3& a, const Vec3& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
 std::vector<SurfaceEdge> inner_edges(const MuscleSurface& surface) {

@@ -3,8 +3,9 @@
 // All figures compare the drawn surface with itself at rest, where they are nought (stretch: 1):
 // - creased: share of the edges' length where the surface turns by 45 degrees more than at rest;
 // - needles: vertices that stand off the mean of their neighbours by 10 mm more than at rest;
-// - daylight: area that at rest had another muscle or a bone within 5 mm along its normal, and now
-//   has nothing within 10 mm;
+// - daylight: area that at rest lay in a muscle or bone or had one within 5 mm along its normal,
+// and
+//   now has nothing within 10 mm;
 // - stretch: the 99th percentile of the edges' lengths over those at rest;
 // - kink: the most that a tendon turns in a centimetre beyond its turn at rest.
 #pragma once

@@ -11,12 +11,13 @@ class Mixer {
  public:
   explicit Mixer(int sources) : sum_(sources, 0.0f) {}
 
+  void add(int source, float weight) {
+    float& sum = sum_[source];
+    if (sum == 0) touched_.push_back(short(source));
+    sum += weight;
+  }
   void add(const SourceWeights& of, float factor) {
-    for (int k = 0; k < of.count; ++k) {
-      float& sum = sum_[of.source[k]];
-      if (sum == 0) touched_.push_back(of.source[k]);
-      sum += factor * of.weight[k];
-    }
+    for (int k = 0; k < of.count; ++k) add(of.source[k], factor * of.weight[k]);
   }
   // The largest, scaled so that they add up to 1; ready for the next mean.
   SourceWeights take() {
@@ -86,19 +87,11 @@ std::vector<SourceWeights> harmonic_weights(const BodyLattice& lattice,
 }
 
 SourceWeights largest_weights(std::span<const std::pair<int, double>> weights) {
-  std::vector<std::pair<int, double>> order(weights.begin(), weights.end());
-  const std::size_t count = std::min(order.size(), std::size_t(SourceWeights::kMost));
-  std::partial_sort(order.begin(), order.begin() + std::ptrdiff_t(count), order.end(),
-                    [](const auto& a, const auto& b) { return a.second > b.second; });
-  double sum = 0;
-  for (std::size_t k = 0; k < count; ++k) sum += order[k].second;
-  SourceWeights out;
-  for (std::size_t k = 0; k < count && order[k].second > 0; ++k) {
-    out.source[k] = short(order[k].first);
-    out.weight[k] = float(order[k].second / sum);
-    ++out.count;
-  }
-  return out;
+  int most = 0;
+  for (const auto& [source, weight] : weights) most = std::max(most, source);
+  Mixer mixer(most + 1);
+  for (const auto& [source, weight] : weights) mixer.add(source, float(weight));
+  return mixer.take();
 }
 
 SourceWeights mix_weights(std::span<const LatticeShare> shares,

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "anatomy/compute/angle_between.h"
 #include "anatomy/errors.h"
 #include "skinning/motion/require_joint.h"
 
@@ -23,10 +24,6 @@ double degrees(double d) { return d * kDegree; }
 
 // Of a direction over the ground: 0 forwards (+Z), positive to the left.
 double heading(const Vec3& v) { return std::atan2(v.x(), v.z()); }
-
-double angle_between(const Vec3& a, const Vec3& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
 
 // The file's figure in one pose.
 struct Figure {

@@ -421,10 +421,11 @@ def pictures(t):
     t.there("loose/01.png")
     still = lambda name, *words: render("-o", f"{name}.png", "--size", "160x120", *words)  # noqa: E731
     still("rest")
-    for name, words in (("squat", ["--pose", "squat"]), ("mapped", ["--pose", "squat", "--muscles", "map", "--layers", "muscles"]), ("white", ["--background", "white"]), ("knee", ["--look-at", "knee_l"]), ("hidden", ["--hide", "trunk_back", "--layers", "muscles"]),
+    for name, words in (("squat", ["--pose", "squat"]), ("torn", ["--pose", "squat", "--layers", "muscles"]), ("mapped", ["--pose", "squat", "--muscles", "map", "--layers", "muscles"]), ("white", ["--background", "white"]), ("knee", ["--look-at", "knee_l"]), ("hidden", ["--hide", "trunk_back", "--layers", "muscles"]),
                         ("only", ["--only", "femur_*", "--layers", "bones"])):
         still(name, *words)
         t.check(png(f"{name}.png") != png("rest.png"), f"render {' '.join(words)} changes nothing")
+    t.check(png("mapped.png") != png("torn.png"), "render --muscles map changes nothing")
     still("near", "--look-at", "knee_l", "--zoom", 3)
     still("nearer", "--look-at", "knee_l", "--distance", 0.3)
     t.check(len({png(f"{name}.png") for name in ("knee", "near", "nearer")}) == 3, "--zoom, --distance")
