@@ -19,7 +19,7 @@ FittedCharacter fit_character(const Assets& assets, const Template& body_templat
 }
 
 CharacterModel compile(const FittedCharacter& fitted, const Body& body) {
-  return compile_character({fitted.anatomy, body});
+  return compile_character({fitted.anatomy, body}, {.muscles = MuscleMotion::map});
 }
 
 Retargeted retarget(const MotionClip& clip, const Character& character, RetargetOptions options) {

@@ -29,7 +29,7 @@ struct ActorOptions {
   const BaseSkin* base = nullptr;  // of a refined skin, where it is at hand; looked for otherwise
   // table set by hand, in place of the weights that are found (docs/weights.md); may be empty
   std::filesystem::path weights{};
-  MuscleMotion muscles = MuscleMotion::lines;
+  MuscleMotion muscles = MuscleMotion::map;
 };
 
 // Compiles the character. Timings: posing_table, anchoring. Throws InputError for weights (see

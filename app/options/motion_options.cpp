@@ -26,16 +26,18 @@ void add_weights_option(CLI::App& verb, std::filesystem::path& weights) {
 void add_muscles_option(CLI::App& verb, std::string& muscles) {
   verb.add_option(
           "--muscles", muscles,
-          "What carries muscles: lines, each its own action line, at its exact volume; or "
-          "map, one smooth map of the body's inside, by which they stay whole in hard poses "
-          "and their volumes are not kept")
+          "What carries muscles: map, one smooth map of the body's inside, by which they stay "
+          "whole in hard poses; lines, each its own action line; or auto: map with our own skin, "
+          "lines with others")
       ->capture_default_str();
 }
 
 MuscleMotion to_muscle_motion(const std::string& muscles, const std::string& method) {
-  if (muscles == "lines") return MuscleMotion::lines;
+  if (muscles == "lines" || (muscles == "auto" && method != "ecorche")) return MuscleMotion::lines;
+  if (muscles == "auto") return MuscleMotion::map;
   if (muscles != "map")
-    throw UsageError(fmt::format("--muscles: '{}' is none; there are lines and map", muscles));
+    throw UsageError(
+        fmt::format("--muscles: '{}' is none; there are auto, map and lines", muscles));
   if (method != "ecorche")
     throw UsageError(
         fmt::format("--muscles map: with --skin {} muscles move by their lines; leave one of them "

@@ -29,7 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct CheckVerbOptions {
-  std::string character = "template", poses, muscles = "lines";
+  std::string character = "template", poses, muscles = "auto";
   std::vector<std::string> bodies;  // names; empty: all
   fs::path folder;
   bool no_pictures = false, no_sweeps = false;
@@ -100,8 +100,8 @@ void check_options(const CheckVerbOptions& options, const Common& common) {
     throw UsageError(
         "check bodies: joints are not swept and no pictures are drawn; leave --no-sweeps and "
         "--no-pictures out");
-  if (to_muscle_motion(options.muscles) == MuscleMotion::map && bodies)
-    throw UsageError("check bodies: muscles move by their lines; leave --muscles out");
+  if (to_muscle_motion(options.muscles) == MuscleMotion::lines && bodies)
+    throw UsageError("check bodies: muscles move by the map; leave --muscles out");
   if (options.no_pictures && options.folder.empty())
     throw UsageError("--no-pictures: pictures are drawn with -o FOLDER only; leave it out");
   check_outputs(common, {}, {options.character, options.poses});

@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 struct RenderVerbOptions {
   fs::path character, motion, weights, poses;
   std::string activation = "none", layers = "skin,muscles,bones", size = "1280x720",
-              skin = "ecorche", muscles = "lines";
+              skin = "ecorche", muscles = "auto";
   std::string frames, hide, only, pose, background = "outdoors";
   std::optional<std::string> camera;
   std::optional<double> at;

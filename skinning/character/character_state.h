@@ -6,6 +6,7 @@
 
 #include "anatomy/contact/muscle_contact.h"
 #include "anatomy/posed_anatomy.h"
+#include "anatomy/posing/restore_volume.h"
 #include "skinning/bind/blend_skin.h"
 #include "skinning/character/character_model.h"
 #include "skinning/muscle_collision/collision_workspace.h"
@@ -37,6 +38,8 @@ struct CharacterState {
   LiftWorkspace lifting;
   PushWorkspace push;
   BodyMapWorkspace carrying;
+  std::vector<char> moved;  // sections that the map has carried: all
+  VolumeWorkspace volumes;
 };
 
 }  // namespace ecorche::inline v1

@@ -6,6 +6,7 @@
 
 #include "anatomy/compute/simd.h"
 #include "anatomy/geometry/vertex_normals.h"
+#include "anatomy/posing/restore_volume.h"
 #include "skinning/muscle_collision/push_muscles.h"
 
 namespace ecorche::inline v1 {
@@ -136,12 +137,17 @@ const SkinFrame& evaluate_skin(const CharacterModel& model, const Pose& pose,
 void evaluate(const CharacterModel& model, const Pose& pose, const FrameInputs& inputs,
               CharacterState& state) {
   evaluate_skin(model, pose, inputs, state);
-  if (model.interior)
+  if (model.interior) {
     carry_muscles(*model.interior, state.relaxed.positions, state.relaxed.normals, state.posed,
                   state.carrying);
-  else if (!model.skin.collision.empty())
+    state.moved.assign(state.posed.slices.size(), 1);
+    restore_volumes(model.muscles.posing, state.moved, state.posed, state.volumes, Threads::all,
+                    kMostFirstScale);
+  }
+  if (!model.skin.collision.empty())
     push_muscles_below_skin(model.skin.collision, model.muscles, state.relaxed, state.lift,
-                            state.posed, state.push);
+                            state.posed, state.push,
+                            model.interior ? NeighbourContact::left : NeighbourContact::resolved);
 }
 
 }  // namespace ecorche::inline v1

@@ -44,7 +44,8 @@ std::vector<BodyCheck> check_bodies(const Assets& assets, const std::vector<Body
   if (progress) progress(0, int(bodies.size()));
   for (const Body& made : all) {
     FittedCharacter fitted = fit_character(body_template, made, package);
-    const CharacterModel compiled = compile_character({std::move(fitted.anatomy), made});
+    const CharacterModel compiled =
+        compile_character({std::move(fitted.anatomy), made}, {.muscles = MuscleMotion::map});
     CheckOptions options;
     options.sweep_step = 0;
     BodyCheck body;

@@ -3,9 +3,14 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
+#include <set>
+#include <utility>
 
+#include "anatomy/compute/angle_between.h"
 #include "anatomy/compute/smooth_step.h"
 #include "anatomy/errors.h"
 #include "anatomy/queries/nearest_surface.h"
@@ -14,14 +19,20 @@
 namespace ecorche::inline v1 {
 namespace {
 
-using DualQuat = Eigen::Array<double, 8, 1>;  // w x y z of the rotation, then of the dual part
+using DualQuat = Eigen::Array<float, 8, 1>;  // w x y z of the rotation, then of the dual part
 
 constexpr double kSpacing = 0.012;        // m, of the lattice
-constexpr double kControlSpacing = 0.04;  // m
+constexpr double kControlSpacing = 0.03;  // m
 constexpr int kCoarseRounds = 60, kFineRounds = 20;
-constexpr double kStep = 0.012;        // m, to the points by which stretch is measured
 constexpr double kLeastReach = 0.002;  // m, of an outline, so that tendons have axes, too
 constexpr double kStretched = 1.6;     // of volume, from which on lines are straight
+constexpr double kForeign = 0.3;       // weight of joints that a muscle's line does not pass
+constexpr double kLeastFilled = 0.1, kFilled = 0.6;  // of a cell, where it begins to keep volume
+// Of a joint and of a control of the skin, else they are left out.
+constexpr double kLeastWeight = 0.002, kLeastSkinWeight = 0.01;
+constexpr int kFlowRounds = 2;
+constexpr double kMostStretch = 2;  // of a section's width or thickness
+constexpr double kMostLean = 0.7;   // rad, of a section's normal from the line of centres
 constexpr std::size_t kRight = 0, kUp = kOutlinePoints / 4, kLeft = kOutlinePoints / 2,
                       kDown = 3 * kOutlinePoints / 4;
 
@@ -101,25 +112,27 @@ struct Lattices {
 // Places points in the map.
 class Placer {
  public:
+  // `own`: #joints, those that move points; others count less. Empty: all move them alike.
   Placer(const Lattices& lattices, std::span<const SourceWeights> joints,
-         std::span<const SourceWeights> skin)
-      : lattices_(lattices), joints_(joints), skin_(skin) {}
+         std::span<const SourceWeights> skin, std::vector<char> own = {})
+      : lattices_(lattices), joints_(joints), skin_(skin), own_(std::move(own)) {}
 
   MapPoint point(const Vec3& p) const {
     const auto shares = lattice_shares(lattices_.fine, lattices_.skin, p);
-    MapPoint out{p, mix_weights(shares, joints_), mix_weights(shares, skin_)};
+    MapPoint out{p,
+                 own_weights(mix_weights(shares, joints_)),
+                 skin_weights(mix_weights(shares, skin_)),
+                 {},
+                 0};
     if (out.joints.count == 0) out.joints = one_source(0);  // far from all flesh: with the root
-    return out;
-  }
-  MapPlace place(const Vec3& p, const Mat3& axes) const {
-    MapPlace out{point(p), {}};
-    for (int k = 0; k < 3; ++k) out.beside[k] = point(p + kStep * axes.col(k));
+    for (const LatticeShare& share : lattice_shares(lattices_.coarse, lattices_.skin, p))
+      out.cells[out.cell_count++] = share;
     return out;
   }
   MapSection section(const Ellipse& rest) const {
     MapSection out;
     out.rest = rest;
-    out.center = place(rest.center, rest.axes);
+    out.center = point(rest.center);
     const auto reach = [&](std::size_t direction, double radius) {
       return std::max(double(rest.outline[direction]) * radius, kLeastReach);
     };
@@ -135,30 +148,100 @@ class Placer {
   }
 
  private:
+  SourceWeights own_weights(const SourceWeights& all) const {
+    std::vector<std::pair<int, double>> weights;
+    for (int k = 0; k < all.count; ++k) {
+      const bool own = own_.empty() || own_[all.source[k]];
+      const double weight = double(all.weight[k]) * (own ? 1 : kForeign);
+      if (weight > kLeastWeight) weights.emplace_back(all.source[k], weight);
+    }
+    return largest_weights(weights);
+  }
+  static SourceWeights skin_weights(const SourceWeights& all) {
+    std::vector<std::pair<int, double>> weights;
+    for (int k = 0; k < all.count; ++k)
+      if (double(all.weight[k]) > kLeastSkinWeight)
+        weights.emplace_back(all.source[k], double(all.weight[k]));
+    return largest_weights(weights);
+  }
+
   const Lattices& lattices_;
   std::span<const SourceWeights> joints_, skin_;
+  std::vector<char> own_;
 };
+
+// Joints of the bones that carry a strip's line, and those between them.
+std::vector<char> joints_of(const Strip& strip, std::span<const int> parents) {
+  std::set<int> carriers;
+  for (const PathPoint& point : strip.path)
+    for (const int j : point.joints)
+      if (j >= 0) carriers.insert(j);
+  std::vector<std::size_t> carried(parents.size(), 0);  // carriers that move with each joint
+  for (const int carrier : carriers)
+    for (int j = carrier; j >= 0; j = parents[j]) ++carried[j];
+  std::vector<char> out(parents.size(), 0);
+  int common = 0;  // parents precede children
+  for (std::size_t j = 0; j < parents.size(); ++j) {
+    out[j] = carried[j] > 0 && carried[j] < carriers.size();
+    if (carried[j] == carriers.size()) common = int(j);
+  }
+  out[common] = 1;
+  return out;
+}
+
+// The share of each cell that muscles fill, from 0, little or none, to 1, most.
+std::vector<double> muscle_shares(const BodyLattice& lattice, const SkinRays& skin,
+                                  std::span<const SliceRange> strips,
+                                  std::span<const Ellipse> sections) {
+  constexpr int kSamples = 16;
+  std::vector<double> filled(lattice.nodes(), 0.0);
+  const double cell = std::pow(lattice.spacing, 3);
+  for (const SliceRange& strip : strips)
+    for (int k = strip.begin; k < strip.end; ++k) {
+      const Ellipse& section = sections[k];
+      const Vec3 &before = sections[std::max(k - 1, strip.begin)].center,
+                 &after = sections[std::min(k + 1, strip.end - 1)].center;
+      const double volume =
+          std::numbers::pi * section.radii.prod() * 0.5 * (after - before).norm() / kSamples;
+      for (int i = 0; i < kSamples; ++i) {  // on two rings of equal areas
+        const double angle = 2 * std::numbers::pi * i / kSamples, ring = i % 2 == 0 ? 0.5 : 0.87;
+        const Vec3 p = section.center +
+                       ring * section.radii.x() * std::cos(angle) * section.axes.col(0) +
+                       ring * section.radii.y() * std::sin(angle) * section.axes.col(1);
+        for (const LatticeShare& share : lattice_shares(lattice, skin, p))
+          filled[share.node] += share.weight * volume / cell;
+      }
+    }
+  for (double& share : filled) share = smooth_step(kLeastFilled, kFilled, share);
+  return filled;
+}
 
 DualQuat dual_quat(const Transform& X) {
   const Quat q = Quat(X.linear()).normalized();
   const Vec3 t = X.translation();
   const Quat dual = Quat(0, t.x(), t.y(), t.z()) * q;
   DualQuat out;
-  out << q.w(), q.x(), q.y(), q.z(), 0.5 * dual.w(), 0.5 * dual.x(), 0.5 * dual.y(), 0.5 * dual.z();
+  out << Eigen::Vector4f(float(q.w()), float(q.x()), float(q.y()), float(q.z())).array(),
+      0.5f * Eigen::Vector4f(float(dual.w()), float(dual.x()), float(dual.y()), float(dual.z()))
+                 .array();
   return out;
 }
 
-// The map in one pose, but for the skin's part.
+// The map in one pose, but for the skin's part and the flow. Motions are blended against the
+// root's, in single precision, and so are as exact far from the world's origin.
 class PosedMap {
  public:
   PosedMap(const BodyMap& map, const PosedAnatomy& posed, BodyMapWorkspace& workspace)
-      : workspace_(workspace) {
+      : root_(posed.X_WJ[0] * Eigen::Translation3d(-map.joints[0])), workspace_(workspace) {
     const std::size_t joints = map.joints.size();
+    const Transform back = root_.inverse();
     workspace.motions.resize(joints);
     workspace.rotations.resize(joints);
     for (std::size_t j = 0; j < joints; ++j) {
-      workspace.motions[j] = posed.X_WJ[j] * Eigen::Translation3d(-map.joints[j]);
-      DualQuat own = dual_quat(workspace.motions[j]);
+      const Transform motion = back * posed.X_WJ[j] * Eigen::Translation3d(-map.joints[j]);
+      Eigen::Map<Eigen::Matrix<float, 3, 4>>(workspace.motions[j].data()) =
+          motion.matrix().topRows<3>().cast<float>();
+      DualQuat own = dual_quat(motion);
       if (const int parent = map.parents[j]; parent >= 0) {  // the way round that is shorter
         const DualQuat before = rotation(parent);
         if ((own.head<4>() * before.head<4>()).sum() < 0) own = -own;
@@ -169,49 +252,110 @@ class PosedMap {
 
   // `straight`: share of the linear blend.
   Vec3 moved(const MapPoint& p, double straight) const {
-    DualQuat sum = DualQuat::Zero();
-    for (int k = 0; k < p.joints.count; ++k)
-      sum += double(p.joints.weight[k]) * rotation(p.joints.source[k]);
-    sum /= sum.head<4>().matrix().norm();
-    const Vec3 v = sum.segment<3>(1).matrix(), e = sum.segment<3>(5).matrix();
-    const double w = sum[0];
-    const Vec3 turned =
-        p.rest + 2 * v.cross(v.cross(p.rest) + w * p.rest) + 2 * (w * e - sum[4] * v + v.cross(e));
-    if (!(straight > 0)) return turned;
-    Vec3 linear = Vec3::Zero();
-    for (int k = 0; k < p.joints.count; ++k)
-      linear += double(p.joints.weight[k]) * (workspace_.motions[p.joints.source[k]] * p.rest);
-    return turned + straight * (linear - turned);
+    const DualQuat q = blended(p);
+    const Eigen::Vector3f v = q.segment<3>(1), e = q.segment<3>(5), rest = p.rest.cast<float>();
+    Eigen::Vector3f at =
+        rest + 2 * v.cross(v.cross(rest) + q[0] * rest) + 2 * (q[0] * e - q[4] * v + v.cross(e));
+    if (straight > 0) {
+      Eigen::Matrix<float, 3, 4> sum = Eigen::Matrix<float, 3, 4>::Zero();
+      for (int k = 0; k < p.joints.count; ++k)
+        sum += p.joints.weight[k] * Eigen::Map<const Eigen::Matrix<float, 3, 4>>(
+                                        workspace_.motions[p.joints.source[k]].data());
+      at += float(straight) * (sum * rest.homogeneous() - at);
+    }
+    return root_ * at.cast<double>();
   }
 
-  // How straight lines are at a place, 0 .. 1, by the volume that turning would give it.
-  double straightness(const MapPlace& place) const {
-    const Vec3 at = moved(place.at, 0);
-    Mat3 stretch;
-    for (int k = 0; k < 3; ++k) stretch.col(k) = (moved(place.beside[k], 0) - at) / kStep;
-    return smooth_step(1.0, kStretched, stretch.determinant());
+  Mat3 turn(const MapPoint& p) const {
+    const DualQuat q = blended(p);
+    return root_.linear() *
+           Eigen::Quaternionf(q[0], q[1], q[2], q[3]).toRotationMatrix().cast<double>();
   }
 
  private:
   DualQuat rotation(int joint) const {
     return DualQuat::Map(workspace_.rotations[std::size_t(joint)].data());
   }
+  DualQuat blended(const MapPoint& p) const {
+    DualQuat sum = DualQuat::Zero();
+    for (int k = 0; k < p.joints.count; ++k)
+      sum += p.joints.weight[k] * rotation(p.joints.source[k]);
+    return sum / sum.head<4>().matrix().norm();
+  }
 
+  Transform root_;
   const BodyMapWorkspace& workspace_;
 };
 
-// How far the skin lies below where the map alone would bring it, along its normal.
+Vec3 skin_shift(const MapPoint& p, std::span<const Vec3> shifts) {
+  Vec3 out = Vec3::Zero();
+  for (int k = 0; k < p.skin.count; ++k) out += double(p.skin.weight[k]) * shifts[p.skin.source[k]];
+  return out;
+}
+
+Vec3 flow_at(const MapPoint& p, std::span<const Vec3> flow) {
+  Vec3 out = Vec3::Zero();
+  for (int k = 0; k < p.cell_count; ++k) out += p.cells[k].weight * flow[p.cells[k].node];
+  return out;
+}
+
+// How straight lines are at a place, 0 .. 1. `straight`: of the nodes.
+double straightness(const MapPoint& p, std::span<const double> straight) {
+  double out = 0;
+  for (int k = 0; k < p.cell_count; ++k) out += p.cells[k].weight * straight[p.cells[k].node];
+  return out;
+}
+
+// Where turning alone brings the nodes, and how straight lines are there by the volume that it
+// gives their cells.
+void turn_nodes(const BodyMap& map, const PosedMap& posed, BodyMapWorkspace& workspace) {
+  const BodyLattice& lattice = map.pressure.lattice;
+  const int nodes = lattice.nodes();
+  workspace.turns.resize(nodes);
+  workspace.after.resize(nodes);
+  workspace.straight.resize(nodes);
+  tbb::parallel_for(0, nodes, [&](int i) {
+    workspace.turns[i] = posed.turn(map.nodes[i]);
+    workspace.after[i] = posed.moved(map.nodes[i], 0);
+  });
+  tbb::parallel_for(0, nodes, [&](int i) {
+    workspace.straight[i] =
+        smooth_step(1.0, kStretched, cell_volume(lattice, workspace.after, workspace.turns[i], i));
+  });
+}
+
+// How far the skin lies below where the map would bring it without, along its normal. `flow`: of
+// the nodes, or empty: none.
 void find_shifts(const BodyMap& map, const PosedMap& posed, std::span<const float> positions,
-                 std::span<const float> normals, std::vector<Vec3>& shifts) {
+                 std::span<const float> normals, std::span<const double> straight,
+                 std::span<const Vec3> flow, std::vector<Vec3>& shifts) {
   shifts.assign(map.controls.size() + 1, Vec3::Zero());
   tbb::parallel_for(std::size_t{0}, map.controls.size(), [&](std::size_t c) {
     const SkinControl& control = map.controls[c];
     const std::size_t v = 4 * std::size_t(control.vertex);
     const Vec3 skin(positions[v], positions[v + 1], positions[v + 2]),
         normal(normals[v], normals[v + 1], normals[v + 2]);
-    const Vec3 mapped = posed.moved(control.place.at, posed.straightness(control.place));
+    Vec3 mapped = posed.moved(control.at, straightness(control.at, straight));
+    if (!flow.empty()) mapped += flow_at(control.at, flow);
     shifts[c] = std::min(0.0, (skin - mapped).dot(normal)) * normal;
   });
+}
+
+// Displacements of the coarse lattice that bring cells of muscle back to their volumes.
+void find_flow(const BodyMap& map, const PosedMap& posed, BodyMapWorkspace& workspace) {
+  const int nodes = map.pressure.lattice.nodes();
+  workspace.before.resize(nodes);
+  tbb::parallel_for(0, nodes, [&](int i) {
+    const double straight = workspace.straight[i];
+    workspace.before[i] =
+        (straight > 0 ? posed.moved(map.nodes[i], straight) : workspace.after[i]) +
+        skin_shift(map.nodes[i], workspace.shifts);
+  });
+  workspace.after.assign(workspace.before.begin(), workspace.before.end());
+  restore_cell_volumes(map.pressure, workspace.turns, kFlowRounds, workspace.after,
+                       workspace.pressure);
+  workspace.flow.resize(nodes);
+  for (int i = 0; i < nodes; ++i) workspace.flow[i] = workspace.after[i] - workspace.before[i];
 }
 
 // The share by which posing changes radii of a section, without the factor that keeps its volume.
@@ -221,6 +365,27 @@ Vec2 sliding(const MapSection& section, const Vec2& posed, double swelling, doub
   const Vec2& rest = section.rest.radii;
   return {rest.x() > 0 ? posed.x() / (rest.x() * wide) : 1,
           rest.y() > 0 ? posed.y() / (rest.y() * thick) : 1};
+}
+
+// The direction of a strip's line of centres at a section.
+Vec3 line_at(std::span<const Ellipse> slices, int begin, int end, std::size_t k) {
+  return slices[std::size_t(std::min(int(k) + 1, end - 1))].center -
+         slices[std::size_t(std::max(int(k) - 1, begin))].center;
+}
+
+// Axes of a section from the directions that the map gives it. Where the map leans it far from its
+// line, or over, it is turned back: a section that lies along its line has no volume.
+Mat3 section_axes(const Vec3& width, const Vec3& thickness, const Vec3& line, double most_lean) {
+  Mat3 out;
+  out.col(0) = width.stableNormalized();
+  out.col(1) = thickness.stableNormalized();
+  if (out.col(0).cross(out.col(1)).norm() < 0.5)  // sheared flat
+    out.col(1) = (out.col(1) - out.col(1).dot(out.col(0)) * out.col(0)).stableNormalized();
+  out.col(2) = out.col(0).cross(out.col(1)).stableNormalized();
+  const Vec3 normal = out.col(2), about = normal.cross(line);
+  const double over = angle_between(normal, line) - most_lean;
+  if (over <= 0 || about.norm() < 1e-6 * line.norm()) return out;
+  return Eigen::AngleAxisd(over, about.normalized()).toRotationMatrix() * out;
 }
 
 }  // namespace
@@ -247,15 +412,32 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
   std::iota(sorted.begin(), sorted.end(), 0);
   for (std::size_t s = 0; s < order.size(); ++s) sorted[order[s]] = int(s);
   for (const int v : controls.vertices)
-    out.controls.push_back({sorted[v], placer.place(skin.V.row(v), Mat3::Identity())});
-  out.sections.resize(rest.slices.size());
-  tbb::parallel_for(std::size_t{0}, out.sections.size(),
-                    [&](std::size_t k) { out.sections[k] = placer.section(rest.slices[k]); });
+    out.controls.push_back({sorted[v], placer.point(skin.V.row(v))});
   const std::vector<SliceRange> strips = slice_ranges(anatomy);
+  out.nodes.resize(lattices.coarse.nodes());
+  tbb::parallel_for(0, lattices.coarse.nodes(),
+                    [&](int i) { out.nodes[i] = placer.point(lattices.coarse.points[i]); });
+  std::vector<char> bone;
+  for (const SourceWeights& node : coarse_bones) bone.push_back(node.count > 0);
+  out.pressure = make_pressure_table(lattices.coarse, bone,
+                                     muscle_shares(lattices.coarse, rays, strips, rest.slices));
+  out.sections.resize(rest.slices.size());
+  tbb::parallel_for(std::size_t{0}, strips.size(), [&](std::size_t s) {
+    const SliceRange& range = strips[s];
+    const Placer own(lattices, of_joints, of_skin,
+                     joints_of(anatomy.muscles[range.muscle].strips[range.strip], out.parents));
+    for (int k = range.begin; k < range.end; ++k) out.sections[k] = own.section(rest.slices[k]);
+  });
   for (std::size_t s = 0; s < strips.size(); ++s)
     for (int k = strips[s].begin; k < strips[s].end; ++k) {
-      out.sections[k].strip = int(s);
-      out.sections[k].sheet = anatomy.muscles[strips[s].muscle].sheet;
+      MapSection& section = out.sections[k];
+      section.strip = int(s);
+      section.begin = strips[s].begin;
+      section.end = strips[s].end;
+      section.lean =
+          std::max(kMostLean, angle_between(rest.slices[k].axes.col(2),
+                                            line_at(rest.slices, section.begin, section.end, k)));
+      section.sheet = anatomy.muscles[strips[s].muscle].sheet;
     }
   return out;
 }
@@ -264,28 +446,37 @@ void carry_muscles(const BodyMap& map, std::span<const float> positions,
                    std::span<const float> normals, PosedAnatomy& posed,
                    BodyMapWorkspace& workspace) {
   const PosedMap pose(map, posed, workspace);
-  find_shifts(map, pose, positions, normals, workspace.shifts);
-  tbb::parallel_for(std::size_t{0}, map.sections.size(), [&](std::size_t k) {
+  turn_nodes(map, pose, workspace);
+  find_shifts(map, pose, positions, normals, workspace.straight, {}, workspace.shifts);
+  find_flow(map, pose, workspace);
+  find_shifts(map, pose, positions, normals, workspace.straight, workspace.flow, workspace.shifts);
+  const auto carried = [&](const MapPoint& p, double straight) {
+    return Vec3(pose.moved(p, straight) + skin_shift(p, workspace.shifts) +
+                flow_at(p, workspace.flow));
+  };
+  const std::size_t count = map.sections.size();
+  const auto straight_at = [&](std::size_t k) {
+    return straightness(map.sections[k].center, workspace.straight);
+  };
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+    posed.slices[k].center = carried(map.sections[k].center, straight_at(k));
+  });
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     const MapSection& section = map.sections[k];
-    const double straight = pose.straightness(section.center);
-    const auto carried = [&](const MapPoint& p) {
-      Vec3 at = pose.moved(p, straight);
-      for (int i = 0; i < p.skin.count; ++i)
-        at += double(p.skin.weight[i]) * workspace.shifts[p.skin.source[i]];
-      return at;
-    };
-    const Vec3 width = (carried(section.right) - carried(section.left)) / section.width,
-               thickness = (carried(section.up) - carried(section.down)) / section.thickness;
+    const double straight = straight_at(k);
+    const Vec3 width =
+        (carried(section.right, straight) - carried(section.left, straight)) / section.width;
+    const Vec3 thickness =
+        (carried(section.up, straight) - carried(section.down, straight)) / section.thickness;
+    const Vec3 line = line_at(posed.slices, section.begin, section.end, k);
     Ellipse& out = posed.slices[k];
     const Vec2 slid =
         sliding(section, out.radii, posed.swelling[section.strip], double(posed.belly[k]));
-    out.center = carried(section.center.at);
-    out.radii =
-        section.rest.radii.cwiseProduct(slid).cwiseProduct(Vec2(width.norm(), thickness.norm()));
+    const Vec2 stretch(std::clamp(width.norm(), 1 / kMostStretch, kMostStretch),
+                       std::clamp(thickness.norm(), 1 / kMostStretch, kMostStretch));
+    out.radii = section.rest.radii.cwiseProduct(slid).cwiseProduct(stretch);
     out.outline = section.rest.outline;
-    out.axes.col(0) = width.stableNormalized();
-    out.axes.col(1) = thickness.stableNormalized();
-    out.axes.col(2) = width.cross(thickness).stableNormalized();
+    out.axes = section_axes(width, thickness, line, section.lean);
   });
 }
 

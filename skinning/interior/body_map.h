@@ -22,49 +22,53 @@
 
 #include "anatomy/posed_anatomy.h"
 #include "skinning/interior/harmonic_weights.h"
+#include "skinning/interior/pressure_projection.h"
 
 namespace ecorche::inline v1 {
 
 struct MapPoint {
   Vec3 rest = Vec3::Zero();
   SourceWeights joints;
-  SourceWeights skin;  // of controls; one source beyond them is bone
-};
-
-// A point, and points a step beside it by which the map's stretch is measured.
-struct MapPlace {
-  MapPoint at;
-  std::array<MapPoint, 3> beside;  // right-handed, square to one another
+  SourceWeights skin;                   // of controls; one source beyond them is bone
+  std::array<LatticeShare, 8> cells{};  // of the pressure's lattice
+  int cell_count = 0;
 };
 
 struct MapSection {
-  MapPlace center;
+  MapPoint center;
   MapPoint right, left, up, down;   // on its outline
   double width = 0, thickness = 0;  // from left to right, from down to up, at rest, m
+  double lean = 0;                  // of its normal from the line of centres at most, rad
   Ellipse rest;
-  int strip = 0;
+  int strip = 0, begin = 0, end = 0;  // and the strip's sections
   bool sheet = false;
 };
 
 // A vertex of the skin whose displacement the tissue about it takes part in.
 struct SkinControl {
   int vertex = 0;
-  MapPlace place;
+  MapPoint at;
 };
 
 // Constant after it is made.
 struct BodyMap {
   std::vector<MapSection> sections;  // #all slices
   std::vector<SkinControl> controls;
-  std::vector<Vec3> joints;  // at rest
+  PressureTable pressure;
+  std::vector<MapPoint> nodes;  // of the pressure's lattice
+  std::vector<Vec3> joints;     // at rest
   std::vector<int> parents;
 };
 
 // Memory of carry_muscles(). Its content has no meaning between calls.
 struct BodyMapWorkspace {
-  std::vector<Transform> motions;                // #joints, world of rest to world of the pose
-  std::vector<std::array<double, 8>> rotations;  // the same as dual quaternions
-  std::vector<Vec3> shifts;                      // #controls + 1, m
+  std::vector<std::array<float, 12>> motions;   // #joints, of rest to pose, in the root's frame
+  std::vector<std::array<float, 8>> rotations;  // the same as dual quaternions
+  std::vector<Vec3> shifts;                     // #controls + 1, m
+  std::vector<Vec3> before, after, flow;        // #nodes, world; without and with flow
+  std::vector<Mat3> turns;                      // #nodes
+  std::vector<double> straight;                 // #nodes, share of straight lines
+  PressureWorkspace pressure;
 };
 
 // `skin`: closed but for small openings, the mesh that relaxes. `order`: its vertices as they are

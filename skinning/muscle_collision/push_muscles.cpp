@@ -147,7 +147,7 @@ void find_responses(const CollisionTables& data, const PosedSkin& skin,
 
 void push_muscles_below_skin(const MuscleCollision& collision, const MuscleModel& muscles,
                              const RelaxedSkin& surface, const SkinLift& lift, PosedAnatomy& posed,
-                             PushWorkspace& s) {
+                             PushWorkspace& s, NeighbourContact contact) {
   if (!collision.data) throw std::invalid_argument("push_muscles_below_skin: an empty table");
   const CollisionTables& data = *collision.data;
   if (lift.exposed.size() != data.probes.size() ||
@@ -163,6 +163,7 @@ void push_muscles_below_skin(const MuscleCollision& collision, const MuscleModel
     find_responses(data, skin, surface.pressed, posed.slices, round > 0, s);
     apply_responses(data, posed, s);
     restore_volumes(muscles.posing, s.changed, posed, s.volumes, Threads::all);
+    if (contact == NeighbourContact::left) continue;
     if (round == 0) {
       resolve_muscle_contact(muscles.contact, muscles.posing, s.held, posed, s.contact_state,
                              s.contact, Threads::all);

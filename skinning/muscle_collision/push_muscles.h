@@ -21,12 +21,17 @@ struct PushParameters {
   int rounds = 2;
 };
 
+// Whether muscles that a pushed one comes to press give way to it. That folds them where many press
+// each other: what a map has carried (interior/body_map.h) is better left.
+enum class NeighbourContact { resolved, left };
+
 // Moves sections and presses outlines of `posed` that are out of the skin; bellies take their
 // volume again, and muscles give way to one another. `skin`: final, with its normals. `lift`: of
 // the same frame. `muscles`: that they were posed by. Throws std::invalid_argument for a skin or a
 // lift of other tables.
 void push_muscles_below_skin(const MuscleCollision& collision, const MuscleModel& muscles,
                              const RelaxedSkin& skin, const SkinLift& lift, PosedAnatomy& posed,
-                             PushWorkspace& workspace);
+                             PushWorkspace& workspace,
+                             NeighbourContact contact = NeighbourContact::resolved);
 
 }  // namespace ecorche::inline v1

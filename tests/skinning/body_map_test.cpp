@@ -114,6 +114,35 @@ TEST(BodyMap, GoesInWhereTheSkinDoesAndNotOut) {
   }
 }
 
+TEST(BodyMap, KeepsTheVolumesOfBellies) {
+  const CharacterModel model = two_muscles();
+  CharacterState state(model);
+  evaluate(model, rest_pose(model.character.anatomy.skeleton), {}, state);
+  const std::vector<SliceRange> strips = slice_ranges(model.character.anatomy);
+  std::vector<double> before;
+  for (const SliceRange& strip : strips) before.push_back(strip_volume(state.posed, strip));
+  for (const double angle : {0.7, 1.4, 2.1}) {
+    evaluate(model, bent(model, angle), {}, state);
+    for (std::size_t s = 0; s < strips.size(); ++s)
+      EXPECT_NEAR(strip_volume(state.posed, strips[s]) / before[s], 1, 1e-4) << angle << " " << s;
+  }
+}
+
+TEST(BodyMap, LeansNoSectionAlongItsLine) {
+  const CharacterModel model = two_muscles();
+  CharacterState state(model);
+  for (const double angle : {1.4, 2.1, 2.5}) {
+    evaluate(model, bent(model, angle), {}, state);
+    for (const int first : {0, kSections})
+      for (int k = first + 1; k + 1 < first + kSections; ++k) {
+        const Ellipse& section = state.posed.slices[k];
+        const Vec3 line = state.posed.slices[k + 1].center - state.posed.slices[k - 1].center;
+        const Vec3 normal = section.axes.col(0).cross(section.axes.col(1));
+        EXPECT_GT(normal.dot(line.normalized()), 0.3) << angle << " " << k;
+      }
+  }
+}
+
 TEST(BodyMap, IsTheSameAtAnyNumberOfThreads) {
   const CharacterModel model = two_muscles();
   std::vector<Ellipse> first;
@@ -150,6 +179,66 @@ TEST(BodyLattice, HasNoLinksAcrossTheSkin) {
       if (k < 0) continue;
       EXPECT_EQ(lattice.points[i].x() < 0.032, lattice.points[k].x() < 0.032);
     }
+}
+
+// A block of cells about a bone of one layer, squeezed across.
+struct Block {
+  Block() {
+    const TriMesh skin = test::capsule({0, 0, 0}, {0, 0.3, 0}, 0.06);
+    lattice = make_body_lattice(SkinRays(skin), 0.012);
+    for (const Vec3& p : lattice.points) bone.push_back(std::abs(p.z()) < 0.007);
+    squeezed = lattice.points;
+    for (std::size_t i = 0; i < squeezed.size(); ++i)
+      if (!bone[i]) squeezed[i].y() = 0.15 + (squeezed[i].y() - 0.15) * 0.8;
+    turns.assign(squeezed.size(), Mat3::Identity());
+  }
+  // Mean departure of volumes from rest, of cells whose neighbours are no bone.
+  double missed(std::span<const Vec3> at) const {
+    double sum = 0;
+    int count = 0;
+    for (int i = 0; i < lattice.nodes(); ++i) {
+      const bool apart = std::ranges::all_of(lattice.links[i],
+                                             [&](int other) { return other >= 0 && !bone[other]; });
+      if (bone[i] || !apart) continue;
+      sum += std::abs(cell_volume(lattice, at, turns[i], i) - 1);
+      ++count;
+    }
+    return sum / count;
+  }
+
+  BodyLattice lattice;
+  std::vector<char> bone;
+  std::vector<Vec3> squeezed;
+  std::vector<Mat3> turns;
+};
+
+TEST(PressureProjection, BringsVolumesBackAndLeavesBone) {
+  const Block block;
+  std::vector<Vec3> at = block.squeezed;
+  const PressureTable table =
+      make_pressure_table(block.lattice, block.bone, std::vector<double>(at.size(), 1.0));
+  PressureWorkspace workspace;
+  restore_cell_volumes(table, block.turns, 3, at, workspace);
+  EXPECT_GT(block.missed(block.squeezed), 0.15);
+  EXPECT_LT(block.missed(at), 0.2 * block.missed(block.squeezed));
+  for (std::size_t i = 0; i < at.size(); ++i)
+    if (block.bone[i]) EXPECT_EQ(at[i], block.squeezed[i]) << i;
+}
+
+TEST(PressureProjection, LeavesWhatKeepsNoVolumeAndWhatHasIt) {
+  const Block block;
+  PressureWorkspace workspace;
+  std::vector<Vec3> at = block.squeezed;
+  restore_cell_volumes(
+      make_pressure_table(block.lattice, block.bone, std::vector<double>(at.size(), 0.0)),
+      block.turns, 2, at, workspace);
+  EXPECT_EQ(at, block.squeezed);
+  at = block.lattice.points;
+  restore_cell_volumes(
+      make_pressure_table(block.lattice, block.bone, std::vector<double>(at.size(), 1.0)),
+      block.turns, 2, at, workspace);
+  for (std::size_t i = 0; i < at.size(); ++i)
+    EXPECT_LT((at[i] - block.lattice.points[i]).norm(), 1e-12) << i;
 }
 
 TEST(HarmonicWeights, AreLinearAlongARod) {
