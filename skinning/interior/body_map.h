@@ -1,7 +1,7 @@
 // A smooth map of a body's inside from rest to pose, which carries muscles so that what touched at
 // rest touches still: neighbours cannot part, cross or tear, since they move by one map.
 //
-//   p(X) = (1 - a) D(X) + a L(X) + u(X)
+//   p(X) = (1 - a) D(X) + a L(X) + u(X) + v(X)
 //
 // D blends the joints' motions as dual quaternions, L linearly (Kavan et al. 2007,
 // 10.1145/1230100.1230107), by harmonic weights in a lattice of the body (harmonic_weights.h): 1 on
@@ -9,11 +9,12 @@
 // tissue evenly about the joint; where they open, it would swing outwards like a bag, and straight
 // lines between the two sides, L, are nearer to taut muscles: `a` rises from 0 to 1 as D comes to
 // stretch volume by 1.6. u brings what the settled skin has pushed in along, fading to nought on
-// bones.
+// bones. v gives cells that muscles fill their volumes back (pressure_projection.h).
 //
+// A muscle is moved less by joints that its line does not pass: layers slide over one another.
 // Sections take centre and axes from the map, and from pose_anatomy() the share by which their
-// substance has slid along the line, bulged or turned rounder. Volumes of bellies follow the map
-// and are not kept.
+// substance has slid along the line, bulged or turned rounder. Volumes of bellies are kept but for
+// what cells are too coarse for: restore_volumes() brings the rest.
 #pragma once
 
 #include <array>
