@@ -192,7 +192,7 @@ std::vector<MissedTarget> missed_targets(const FittingReport& report) {
   if (!fill.torn.empty())
     missed.push_back(
         {"muscles_torn",
-         fmt::format("{} is torn: it has points or sections that stand out beyond the template's{}",
+         fmt::format("{} is torn: points of its surface stand out that do not in the template{}",
                      fill.torn.front(),
                      fill.torn.size() > 1
                          ? fmt::format("; so are {} more muscles", fill.torn.size() - 1)
