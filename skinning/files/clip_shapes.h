@@ -24,7 +24,7 @@ struct ClipShapes {
 struct ClipOptions {
   ShapeOptions muscles{};
   // One mesh in which everything moves, and what is seen first.
-  ShapeOptions skin{.share = 0.001, .worst = 4e-3, .most = 64};
+  ShapeOptions skin{.share = 0.001, .worst = 4e-3};
 };
 
 // For a skin that has these vertices of the skin alone.

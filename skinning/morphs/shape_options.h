@@ -8,7 +8,7 @@ struct ShapeOptions {
   // `worst` there; m. Smaller: more shapes.
   double error = 1e-3, share = 0.01, worst = 8e-3;
   double least = 3e-4;  // m, of any vertex: what a frame may leave before another shape is made
-  int most = 32;        // shapes, whatever they leave
+  int most = 64;        // shapes, whatever they leave
 };
 
 }  // namespace ecorche::inline v1
