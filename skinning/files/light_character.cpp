@@ -2,27 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <map>
-#include <set>
-#include <string>
-#include <utility>
 
 #include "anatomy/bones/cartilage.h"
 #include "anatomy/geometry/simplify.h"
 #include "anatomy/muscles/action_line.h"
 #include "skinning/files/character_nodes.h"
 #include "skinning/files/layer_mesh.h"
-#include "skinning/files/morph_targets.h"
 #include "skinning/files/slice_influences.h"
 #include "skinning/files/tissue_meshes.h"
-#include "skinning/morphs/join_shapes.h"
 
 namespace ecorche::inline v1 {
 namespace {
 
 using gltf::GlbBuilder;
 using tinygltf::Value;
+
+constexpr int kLeastTriangles = 60;  // of a part, where it has them
 
 // Parts joined into one mesh.
 struct Joined {
@@ -33,7 +28,6 @@ struct Joined {
   std::vector<float> part;
   std::vector<gltf::Tint> first_tints, second_tints;
   gltf::Array names;
-  std::vector<MeshShapes> shapes;  // a part, where a motion is shown
 
   void add(const TriMesh& mesh, const Points& mesh_normals) {
     const int begin = V.size();
@@ -55,10 +49,10 @@ struct Joined {
 
 // How many triangles each part may keep: the same share of all, but few are not made fewer. Falls
 // short of `most` rather than over.
-std::vector<int> budgets(const std::vector<int>& sizes, int most, int least) {
+std::vector<int> budgets(const std::vector<int>& sizes, int most) {
   double low = 0, high = 1;
-  const auto budget = [&](int size, double share) {
-    return std::min(size, std::max(least, int(share * size)));
+  const auto budget = [](int size, double share) {
+    return std::min(size, std::max(kLeastTriangles, int(share * size)));
   };
   const auto total = [&](double share) {
     long long sum = 0;
@@ -82,9 +76,10 @@ Points shading(const TriMesh& whole, const std::vector<int>& nearest) {
   return out;
 }
 
-// A mesh node of the joined parts, skinned. Returns its index.
-int add_joined(GlbBuilder& glb, const std::string& name, const Joined& joined,
-               const TissueLook& first, const TissueLook& second, float brighter) {
+// A mesh node of the joined parts, skinned.
+void add_joined(GlbBuilder& glb, const std::string& name, const Joined& joined,
+                const TissueLook& first, const TissueLook& second, float brighter) {
+  if (joined.V.empty()) return;
   const int one = glb.material(first, brighter), other = glb.material(second);
   auto primitives =
       gltf::two_tissues(glb, joined.mesh(), joined.all_normals(), joined.second, one, other);
@@ -102,14 +97,14 @@ int add_joined(GlbBuilder& glb, const std::string& name, const Joined& joined,
   node.mesh = glb.add_mesh(name, std::move(primitives));
   node.skin = 0;
   node.extras = Value(gltf::Object{{"parts", Value(joined.names)}});
-  return glb.add_node(std::move(node));
+  glb.add_node(std::move(node));
 }
 
 void add_bones_light_character(GlbBuilder& glb, const Anatomy& anatomy,
-                               const std::vector<CartilageRule>& rules, const LightDetail& detail) {
+                               const std::vector<CartilageRule>& rules) {
   std::vector<int> sizes;
   for (const Bone& bone : anatomy.bones) sizes.push_back(int(bone.mesh.F.rows()));
-  const std::vector<int> most = budgets(sizes, detail.bones, detail.least);
+  const std::vector<int> most = budgets(sizes, kLightBones);
   Joined joined;
   for (std::size_t b = 0; b < anatomy.bones.size(); ++b) {
     const Bone& bone = anatomy.bones[b];
@@ -123,46 +118,19 @@ void add_bones_light_character(GlbBuilder& glb, const Anatomy& anatomy,
     joined.shares.resize(joined.V.size(), {Influence{bone.joint, 1}});
     joined.names.push_back(gltf::text(bone.name));
   }
-  if (!joined.V.empty()) add_joined(glb, "bones", joined, kBoneLook, kCartilageLook, 1);
+  add_joined(glb, "bones", joined, kBoneLook, kCartilageLook, 1);
 }
 
-// Meshes of muscles where these have shapes: few, so that they are drawn quickly, and each of
-// muscles that move by the same joints, so that few shapes do.
-std::string region_of(const Muscle& muscle) {
-  static const std::map<std::string, std::string, std::less<>> kRegions{
-      {"trunk_shoulder", "shoulder"},
-      {"shoulder", "shoulder"},
-      {"arm", "arm"},
-      {"forearm", "arm"},
-      {"hand", "hand"},
-      {"hip", "thigh"},
-      {"thigh", "thigh"},
-      {"leg", "leg"},
-      {"foot", "leg"},
-      {"trunk_back", "back"},
-      {"trunk_thorax", "thorax"},
-      {"trunk_abdomen", "abdomen"}};
-  static const std::set<std::string, std::less<>> kUnpaired{"back", "thorax", "abdomen", "neck"};
-  const auto found = kRegions.find(muscle.group);
-  const std::string region = found == kRegions.end() ? "neck" : found->second;
-  if (muscle.side == Side::middle || kUnpaired.contains(region)) return "muscles/" + region;
-  return "muscles/" + region + (muscle.side == Side::left ? "_l" : "_r");
-}
-
-gltf::MorphedNodes add_muscles_light_character(GlbBuilder& glb, const Anatomy& anatomy,
-                                               const LightDetail& detail,
-                                               const ClipShapes* shapes) {
+void add_muscles_light_character(GlbBuilder& glb, const Anatomy& anatomy) {
   const auto influences = slice_influences(anatomy);
   const auto [surface, positions] = gltf::lofted_muscles(anatomy);
   std::vector<int> sizes;
   for (const MuscleSurface::Part& part : surface.parts)
     sizes.push_back(part.face_end - part.face_begin);
-  const std::vector<int> most = budgets(sizes, detail.muscles, detail.least);
-  std::map<std::string, Joined> meshes;
+  const std::vector<int> most = budgets(sizes, kLightMuscles);
+  Joined joined;
   for (std::size_t p = 0; p < surface.parts.size(); ++p) {
     const MuscleSurface::Part& part = surface.parts[p];
-    const Muscle& muscle = anatomy.muscles[part.muscle];
-    Joined& joined = meshes[shapes ? region_of(muscle) : "muscles"];
     const TriMesh whole = part_mesh(surface, part, positions), light = simplify(whole, most[p]);
     const std::vector<int> nearest = nearest_rows(light.V, whole.V);
     std::vector<float> belly;
@@ -176,16 +144,9 @@ gltf::MorphedNodes add_muscles_light_character(GlbBuilder& glb, const Anatomy& a
     joined.second.insert(joined.second.end(), tints.tendon.begin(), tints.tendon.end());
     joined.first_tints.insert(joined.first_tints.end(), tints.belly.begin(), tints.belly.end());
     joined.second_tints.insert(joined.second_tints.end(), tints.fading.begin(), tints.fading.end());
-    joined.names.push_back(gltf::text(muscle.name));
-    // Simplifying keeps vertices where they were, so that these are the nearest ones' own.
-    if (shapes) joined.shapes.push_back(shape_rows(shapes->muscles[p], nearest));
+    joined.names.push_back(gltf::text(anatomy.muscles[part.muscle].name));
   }
-  gltf::MorphedNodes out;
-  for (const auto& [name, joined] : meshes) {
-    const int node = add_joined(glb, name, joined, kMuscleLook, kTendonLook, kHighestTone);
-    if (shapes) out.emplace_back(node, join_shapes(joined.shapes, {}));
-  }
-  return out;
+  add_joined(glb, "muscles", joined, kMuscleLook, kTendonLook, kHighestTone);
 }
 
 // Both eyes as one mesh, a primitive a tissue.
@@ -215,27 +176,18 @@ void add_eyes_light_character(GlbBuilder& glb, const std::vector<Eyeball>& eyes)
 }  // namespace
 
 void write_light_character(const std::filesystem::path& file, const Character& character,
-                           const Binding& binding, const LightDetail& detail, const Motion* motion,
-                           const CharacterLook& look, const ClipShapes* shapes) {
+                           const Binding& binding, const Motion* motion,
+                           const CharacterLook& look) {
   gltf::check_parts(character, binding, motion, look);
-  gltf::check_shapes(character, motion, shapes);
   AtomicFile out(file);
   GlbBuilder glb;
   gltf::add_joints(glb, character.anatomy.skeleton);
-  const int skin = gltf::add_skin(glb, character.body.skin, binding.joint_weights, look.texture);
-  add_bones_light_character(glb, character.anatomy, look.cartilage, detail);
-  gltf::MorphedNodes morphed = add_muscles_light_character(glb, character.anatomy, detail, shapes);
+  gltf::add_skin(glb, character.body.skin, binding.joint_weights, look.texture);
+  add_bones_light_character(glb, character.anatomy, look.cartilage);
+  add_muscles_light_character(glb, character.anatomy);
   add_eyes_light_character(glb, look.eyes);
-  gltf::Object notes{{"detail", gltf::text(detail.name)}};
-  if (shapes) {
-    morphed.emplace_back(skin, gltf::seamed_shapes(shapes->skin, look.texture));
-    notes["shapes"] = gltf::shapes_notes(glb, morphed);
-  }
-  if (motion) {
-    const int times = gltf::add_motion(glb, character.anatomy.skeleton, *motion, "motion");
-    gltf::add_morphs(glb, morphed, times);
-  }
-  gltf::finish(glb, character.body, std::move(notes), out);
+  if (motion) gltf::add_motion(glb, character.anatomy.skeleton, *motion, "motion");
+  gltf::finish(glb, character.body, {{"detail", gltf::text("light")}}, out);
 }
 
 }  // namespace ecorche::inline v1
