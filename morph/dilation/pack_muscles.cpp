@@ -53,7 +53,9 @@ constexpr Levels kLevels{0.010, 1.5, 1.6f};
 constexpr Levels kTornLevels{0.015, 0.15, 1.3f};
 constexpr int kTornRounds = 6;
 constexpr double kPackedNeedle = 0.008;  // m that a point stands off more than that of an ellipse
-constexpr int kFewNeedles = 6;           // of a muscle, that are left
+// Or that share of the way to the next section, where they are few: a blunt edge is no needle.
+constexpr double kNeedleStep = 0.6;
+constexpr int kFewNeedles = 6;  // of a muscle, that are left
 // Radii by which a needy muscle moves the border into a neighbour with less need; larger: volumes
 // agree better with their targets, sections are more uneven.
 constexpr double kPush = 0.5;
@@ -200,9 +202,23 @@ class MusclePacking {
     update_muscle_surface(surface_, ellipses, smooth);
     const std::vector<double> is = standing_off(edges, positions_, surface_.vertices()),
                               was = standing_off(edges, smooth, surface_.vertices());
+    const std::vector<double> steps = steps_along();
     std::vector<int> out(wanted_.size(), 0);
     for (std::size_t v = 0; v < is.size(); ++v)
-      out[surface_.muscle[v]] += is[v] > was[v] + kPackedNeedle;
+      out[surface_.muscle[v]] +=
+          is[v] > was[v] + std::max(kPackedNeedle, kNeedleStep * steps[surface_.slice[v]]);
+    return out;
+  }
+
+  // From each section to the next one of its strip, m.
+  std::vector<double> steps_along() const {
+    std::vector<double> out(all_.slices.size(), 0);
+    for (const StripPlace& strip : all_.strips)
+      for (std::size_t k = strip.begin; k < strip.end; ++k) {
+        const std::size_t one = std::min(k, std::max(strip.begin, strip.end - 2));
+        if (one + 1 < strip.end)
+          out[k] = (all_.slices[one + 1].center - all_.slices[one].center).norm();
+      }
     return out;
   }
 
