@@ -148,8 +148,8 @@ void restore_volumes(const PosingTable& table, std::span<const char> changed, Po
   for (std::size_t b = 0; b < data.batches.size(); ++b) {  // by slices
     const PosingBatch& batch = data.batches[b];
     for (int lane = 0; lane < batch.strips; ++lane) {
-      const char* begin = changed.data() + data.strip[batch.strip[lane]].slice;
-      if (!std::memchr(begin, 1, std::size_t(batch.rows))) continue;
+      const int begin = data.strip[batch.strip[lane]].slice;
+      if (!changed.empty() && !std::memchr(&changed[begin], 1, std::size_t(batch.rows))) continue;
       const bool goes_on = !workspace.empty() && workspace.back().count < kLanes &&
                            data.batches[workspace.back().strips[0].batch].rows == batch.rows;
       if (!goes_on) workspace.emplace_back();

@@ -29,8 +29,8 @@ using VolumeWorkspace = std::vector<StripGroup>;
 // outlines are made rounder instead (symmetrize_outlines.h).
 constexpr double kMostFirstScale = 2, kMostLaterScale = 1.1;
 
-// Scales the strips of which a section has `changed` (#sections) to their rest volumes. The same
-// bytes at any number of threads. Precondition: the table is not empty.
+// Scales the strips of which a section has `changed` (#sections; empty: all strips) to their rest
+// volumes. The same bytes at any number of threads. Precondition: the table is not empty.
 void restore_volumes(const PosingTable& table, std::span<const char> changed, PosedAnatomy& out,
                      VolumeWorkspace& workspace, Threads threads, double most = kMostLaterScale);
 

@@ -110,7 +110,7 @@ int run_bake(const BakeVerbOptions& options, const Common& common, Report& repor
   inputs.insert(inputs.end(), {options.character, options.weights, options.retarget.map_file});
   check_outputs(common, {options.output}, inputs);
   Actor actor = make_actor(common.assets, open_character(options.character, common, report), report,
-                           {.weights = options.weights});
+                           {.weights = options.weights, .muscles = MuscleMotion::lines});
   const Character& character = actor.character;
   if (options.rig == "own" && !character.own)
     throw UnfitError(

@@ -103,7 +103,7 @@ int run_weights(const WeightsVerbOptions& options, const Common& common, Report&
   Character character = open_character(options.character, common, report);
   const std::optional<BaseSkin> base = find_base(common.assets, character);
   const Actor actor = make_actor(common.assets, std::move(character), report,
-                                 {base ? &*base : nullptr, options.weights});
+                                 {base ? &*base : nullptr, options.weights, MuscleMotion::lines});
   const Skeleton& skeleton = actor.character.anatomy.skeleton;
   const std::vector<int> joints = read_joints(options.joints, skeleton);
   const std::vector<std::vector<Influence>> rows = joint_weights_of(*actor.skin.base_blend);

@@ -38,7 +38,6 @@ struct CharacterState {
   LiftWorkspace lifting;
   PushWorkspace push;
   BodyMapWorkspace carrying;
-  std::vector<char> moved;  // sections that the map has carried: all
   VolumeWorkspace volumes;
 };
 

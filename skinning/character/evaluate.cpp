@@ -140,8 +140,7 @@ void evaluate(const CharacterModel& model, const Pose& pose, const FrameInputs& 
   if (model.interior) {
     carry_muscles(*model.interior, state.relaxed.positions, state.relaxed.normals, state.posed,
                   state.carrying);
-    state.moved.assign(state.posed.slices.size(), 1);
-    restore_volumes(model.muscles.posing, state.moved, state.posed, state.volumes, Threads::all,
+    restore_volumes(model.muscles.posing, {}, state.posed, state.volumes, Threads::all,
                     kMostFirstScale);
   }
   if (!model.skin.collision.empty())

@@ -109,6 +109,17 @@ struct Lattices {
   BodyLattice coarse, fine;
 };
 
+// Weights of more than `least`. Sources that are not among `own` (empty: all are) count less.
+SourceWeights kept_weights(const SourceWeights& all, double least, std::span<const char> own = {}) {
+  std::vector<std::pair<int, double>> weights;
+  for (int k = 0; k < all.count; ++k) {
+    const int source = all.source[k];
+    const double weight = double(all.weight[k]) * (own.empty() || own[source] ? 1 : kForeign);
+    if (weight > least) weights.emplace_back(source, weight);
+  }
+  return largest_weights(weights);
+}
+
 // Places points in the map.
 class Placer {
  public:
@@ -119,11 +130,10 @@ class Placer {
 
   MapPoint point(const Vec3& p) const {
     const auto shares = lattice_shares(lattices_.fine, lattices_.skin, p);
-    MapPoint out{p,
-                 own_weights(mix_weights(shares, joints_)),
-                 skin_weights(mix_weights(shares, skin_)),
-                 {},
-                 0};
+    MapPoint out;
+    out.rest = p;
+    out.joints = kept_weights(mix_weights(shares, joints_), kLeastWeight, own_);
+    out.skin = kept_weights(mix_weights(shares, skin_), kLeastSkinWeight);
     if (out.joints.count == 0) out.joints = one_source(0);  // far from all flesh: with the root
     for (const LatticeShare& share : lattice_shares(lattices_.coarse, lattices_.skin, p))
       out.cells[out.cell_count++] = share;
@@ -148,23 +158,6 @@ class Placer {
   }
 
  private:
-  SourceWeights own_weights(const SourceWeights& all) const {
-    std::vector<std::pair<int, double>> weights;
-    for (int k = 0; k < all.count; ++k) {
-      const bool own = own_.empty() || own_[all.source[k]];
-      const double weight = double(all.weight[k]) * (own ? 1 : kForeign);
-      if (weight > kLeastWeight) weights.emplace_back(all.source[k], weight);
-    }
-    return largest_weights(weights);
-  }
-  static SourceWeights skin_weights(const SourceWeights& all) {
-    std::vector<std::pair<int, double>> weights;
-    for (int k = 0; k < all.count; ++k)
-      if (double(all.weight[k]) > kLeastSkinWeight)
-        weights.emplace_back(all.source[k], double(all.weight[k]));
-    return largest_weights(weights);
-  }
-
   const Lattices& lattices_;
   std::span<const SourceWeights> joints_, skin_;
   std::vector<char> own_;
@@ -220,11 +213,9 @@ DualQuat dual_quat(const Transform& X) {
   const Quat q = Quat(X.linear()).normalized();
   const Vec3 t = X.translation();
   const Quat dual = Quat(0, t.x(), t.y(), t.z()) * q;
-  DualQuat out;
-  out << Eigen::Vector4f(float(q.w()), float(q.x()), float(q.y()), float(q.z())).array(),
-      0.5f * Eigen::Vector4f(float(dual.w()), float(dual.x()), float(dual.y()), float(dual.z()))
-                 .array();
-  return out;
+  Eigen::Array<double, 8, 1> out;
+  out << q.w(), q.x(), q.y(), q.z(), 0.5 * dual.w(), 0.5 * dual.x(), 0.5 * dual.y(), 0.5 * dual.z();
+  return out.cast<float>();
 }
 
 // The map in one pose, but for the skin's part and the flow. Motions are blended against the
@@ -324,20 +315,28 @@ void turn_nodes(const BodyMap& map, const PosedMap& posed, BodyMapWorkspace& wor
   });
 }
 
-// How far the skin lies below where the map would bring it without, along its normal. `flow`: of
-// the nodes, or empty: none.
-void find_shifts(const BodyMap& map, const PosedMap& posed, std::span<const float> positions,
-                 std::span<const float> normals, std::span<const double> straight,
-                 std::span<const Vec3> flow, std::vector<Vec3>& shifts) {
-  shifts.assign(map.controls.size() + 1, Vec3::Zero());
+// Where the map would bring the skin's controls without shifts and flow.
+void map_controls(const BodyMap& map, const PosedMap& posed, BodyMapWorkspace& workspace) {
+  workspace.controls.resize(map.controls.size());
+  tbb::parallel_for(std::size_t{0}, map.controls.size(), [&](std::size_t c) {
+    const MapPoint& at = map.controls[c].at;
+    workspace.controls[c] = posed.moved(at, straightness(at, workspace.straight));
+  });
+}
+
+// How far the skin lies below its controls, along its normal. `flow`: of the nodes, or empty: none.
+void find_shifts(const BodyMap& map, std::span<const float> positions,
+                 std::span<const float> normals, std::span<const Vec3> flow,
+                 BodyMapWorkspace& workspace) {
+  workspace.shifts.assign(map.controls.size() + 1, Vec3::Zero());
   tbb::parallel_for(std::size_t{0}, map.controls.size(), [&](std::size_t c) {
     const SkinControl& control = map.controls[c];
     const std::size_t v = 4 * std::size_t(control.vertex);
     const Vec3 skin(positions[v], positions[v + 1], positions[v + 2]),
         normal(normals[v], normals[v + 1], normals[v + 2]);
-    Vec3 mapped = posed.moved(control.at, straightness(control.at, straight));
+    Vec3 mapped = workspace.controls[c];
     if (!flow.empty()) mapped += flow_at(control.at, flow);
-    shifts[c] = std::min(0.0, (skin - mapped).dot(normal)) * normal;
+    workspace.shifts[c] = std::min(0.0, (skin - mapped).dot(normal)) * normal;
   });
 }
 
@@ -424,21 +423,21 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
   out.sections.resize(rest.slices.size());
   tbb::parallel_for(std::size_t{0}, strips.size(), [&](std::size_t s) {
     const SliceRange& range = strips[s];
+    const Muscle& muscle = anatomy.muscles[range.muscle];
     const Placer own(lattices, of_joints, of_skin,
-                     joints_of(anatomy.muscles[range.muscle].strips[range.strip], out.parents));
-    for (int k = range.begin; k < range.end; ++k) out.sections[k] = own.section(rest.slices[k]);
-  });
-  for (std::size_t s = 0; s < strips.size(); ++s)
-    for (int k = strips[s].begin; k < strips[s].end; ++k) {
+                     joints_of(muscle.strips[range.strip], out.parents));
+    for (int k = range.begin; k < range.end; ++k) {
       MapSection& section = out.sections[k];
+      section = own.section(rest.slices[k]);
       section.strip = int(s);
-      section.begin = strips[s].begin;
-      section.end = strips[s].end;
+      section.begin = range.begin;
+      section.end = range.end;
       section.lean =
           std::max(kMostLean, angle_between(rest.slices[k].axes.col(2),
-                                            line_at(rest.slices, section.begin, section.end, k)));
-      section.sheet = anatomy.muscles[strips[s].muscle].sheet;
+                                            line_at(rest.slices, range.begin, range.end, k)));
+      section.sheet = muscle.sheet;
     }
+  });
   return out;
 }
 
@@ -447,9 +446,10 @@ void carry_muscles(const BodyMap& map, std::span<const float> positions,
                    BodyMapWorkspace& workspace) {
   const PosedMap pose(map, posed, workspace);
   turn_nodes(map, pose, workspace);
-  find_shifts(map, pose, positions, normals, workspace.straight, {}, workspace.shifts);
+  map_controls(map, pose, workspace);
+  find_shifts(map, positions, normals, {}, workspace);
   find_flow(map, pose, workspace);
-  find_shifts(map, pose, positions, normals, workspace.straight, workspace.flow, workspace.shifts);
+  find_shifts(map, positions, normals, workspace.flow, workspace);
   const auto carried = [&](const MapPoint& p, double straight) {
     return Vec3(pose.moved(p, straight) + skin_shift(p, workspace.shifts) +
                 flow_at(p, workspace.flow));

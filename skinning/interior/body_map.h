@@ -1,5 +1,5 @@
 // A smooth map of a body's inside from rest to pose, which carries muscles so that what touched at
-// rest touches still: neighbours cannot part, cross or tear, since they move by one map.
+// rest touches still: neighbours hardly part, cross or tear, since they move by nearly one map.
 //
 //   p(X) = (1 - a) D(X) + a L(X) + u(X) + v(X)
 //
@@ -65,6 +65,7 @@ struct BodyMap {
 struct BodyMapWorkspace {
   std::vector<std::array<float, 12>> motions;   // #joints, of rest to pose, in the root's frame
   std::vector<std::array<float, 8>> rotations;  // the same as dual quaternions
+  std::vector<Vec3> controls;                   // #controls, where the map alone brings them
   std::vector<Vec3> shifts;                     // #controls + 1, m
   std::vector<Vec3> before, after, flow;        // #nodes, world; without and with flow
   std::vector<Mat3> turns;                      // #nodes

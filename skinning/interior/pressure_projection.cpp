@@ -2,6 +2,7 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include <Eigen/OrderingMethods>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
@@ -9,8 +10,10 @@
 
 namespace ecorche::inline v1 {
 
+// Unknowns are numbered for little fill-in, so that solving neither permutes nor allocates.
 struct PressureTable::Factor {
-  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> solver;
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>>
+      solver;
 };
 
 namespace {
@@ -20,6 +23,29 @@ namespace {
 constexpr double kOpenness = 0.3;
 constexpr double kMostGrowth = 0.5, kMostLoss = 0.4;  // of a cell's volume in one round
 constexpr double kLeastVolume = 0.2;                  // of a cell that is pressed flat or over
+
+// Falls of pressure along the links of each cell, which drive its growth.
+Eigen::SparseMatrix<double> pressure_equations(const BodyLattice& lattice,
+                                               std::span<const int> unknown, int unknowns) {
+  std::vector<Eigen::Triplet<double>> terms;
+  for (int i = 0; i < lattice.nodes(); ++i) {
+    const int row = unknown[i];
+    if (row < 0) continue;
+    double own = 1e-6;  // of tissue that bone encloses
+    for (const int other : lattice.links[i]) {
+      if (other < 0) {
+        own += 2 * kOpenness;  // half a cell away
+      } else if (unknown[other] >= 0) {
+        own += 1;
+        terms.emplace_back(row, unknown[other], -1.0);
+      }
+    }
+    terms.emplace_back(row, row, own);
+  }
+  Eigen::SparseMatrix<double> out(unknowns, unknowns);
+  out.setFromTriplets(terms.begin(), terms.end());
+  return out;
+}
 
 }  // namespace
 
@@ -44,25 +70,13 @@ PressureTable make_pressure_table(BodyLattice lattice, std::span<const char> bon
   out.unknown.assign(lattice.nodes(), -1);
   for (int i = 0; i < lattice.nodes(); ++i)
     if (!bone[i]) out.unknown[i] = out.unknowns++;
-  std::vector<Eigen::Triplet<double>> terms;
-  for (int i = 0; i < lattice.nodes(); ++i) {
-    const int row = out.unknown[i];
-    if (row < 0) continue;
-    double own = 1e-6;  // of tissue that bone encloses
-    for (const int other : lattice.links[i]) {
-      if (other < 0) {
-        own += 2 * kOpenness;  // half a cell away
-      } else if (out.unknown[other] >= 0) {
-        own += 1;
-        terms.emplace_back(row, out.unknown[other], -1.0);
-      }
-    }
-    terms.emplace_back(row, row, own);
-  }
-  Eigen::SparseMatrix<double> matrix(out.unknowns, out.unknowns);
-  matrix.setFromTriplets(terms.begin(), terms.end());
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
+  Eigen::AMDOrdering<int>()(pressure_equations(lattice, out.unknown, out.unknowns), order);
+  order = order.inverse().eval();
+  for (int& unknown : out.unknown)
+    if (unknown >= 0) unknown = order.indices()[unknown];
   auto factor = std::make_shared<PressureTable::Factor>();
-  factor->solver.compute(matrix);
+  factor->solver.compute(pressure_equations(lattice, out.unknown, out.unknowns));
   out.factor = std::move(factor);
   out.lattice = std::move(lattice);
   return out;

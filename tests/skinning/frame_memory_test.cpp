@@ -81,6 +81,22 @@ TEST(FrameMemory, NothingIsAllocatedAFrameOfARefinedSkin) {
   EXPECT_EQ(allocated(test::compile_figure(arm.anatomy, fine, {.base = &base})), 0);
 }
 
+TEST(FrameMemory, NothingIsAllocatedAFrameOfMusclesThatAMapCarries) {
+  const test::Arm arm = test::make_arm();
+  const CharacterModel model =
+      test::compile_figure(arm.anatomy, arm.skin, {.muscles = MuscleMotion::map});
+  CharacterState state(model);
+  Pose pose = rest_pose(arm.anatomy.skeleton);
+  const auto play = [&](double degrees) {
+    pose.rotations[3] = Quat(Eigen::AngleAxisd(-degrees * kDegree, Vec3::UnitX()));
+    evaluate(model, pose, {}, state);
+  };
+  for (const double angle : {0.0, 20.0, 150.0, 150.0, 150.0}) play(angle);
+  const long before = allocations;
+  for (int k = 0; k < 20; ++k) play(150.0 * k / 20);
+  EXPECT_EQ(allocations - before, 0);
+}
+
 TEST(FrameMemory, ACopiedStateGoesOnByItself) {
   const test::Arm arm = test::make_arm();
   const CharacterModel model = test::compile_figure(arm.anatomy, arm.skin);
