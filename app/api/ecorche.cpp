@@ -33,10 +33,10 @@ Retargeted retarget(const MotionClip& clip, const Character& character, Retarget
 }
 
 void write_character(const Assets& assets, const std::filesystem::path& file,
-                     const CharacterModel& model, const Motion* motion) {
+                     const CharacterModel& model, const Motion* motion, const ClipShapes* shapes) {
   const Character& character = model.character;
   write_character(file, character, model.binding, motion,
-                  find_look(assets, character.body.skin, character.anatomy.skeleton));
+                  find_look(assets, character.body.skin, character.anatomy.skeleton), shapes);
 }
 
 }  // namespace ecorche::inline v1

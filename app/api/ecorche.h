@@ -25,6 +25,7 @@
 #include "skinning/character/evaluate.h"
 #include "skinning/files/character_read.h"
 #include "skinning/files/character_write.h"
+#include "skinning/files/clip_shapes.h"
 #include "skinning/files/pc2_io.h"
 #include "skinning/motion_files/read_motion.h"
 #include "skinning/retarget/retarget.h"
@@ -56,8 +57,11 @@ struct Retargeted {
 Retargeted retarget(const MotionClip& clip, const Character& character,
                     RetargetOptions options = {});
 
-// As the program writes characters: with the skin's texture coordinates and eyes.
+// As the program writes characters: with the skin's texture coordinates and eyes. With shapes of
+// the motion (ClipRecorder takes them as frames are evaluated) any viewer shows muscles and skin as
+// they were evaluated, otherwise by joints alone.
 void write_character(const Assets& assets, const std::filesystem::path& file,
-                     const CharacterModel& model, const Motion* motion = nullptr);
+                     const CharacterModel& model, const Motion* motion = nullptr,
+                     const ClipShapes* shapes = nullptr);
 
 }  // namespace ecorche::inline v1

@@ -1,4 +1,5 @@
-// Characters written for other programs, in full or light. Shared by the verbs that write them.
+// Characters written for other programs, in full or for looking at only. Shared by the verbs that
+// write them.
 #pragma once
 
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include "anatomy/files/assets.h"
 #include "anatomy/skeleton.h"
 #include "skinning/binding.h"
+#include "skinning/files/clip_shapes.h"
 
 namespace CLI {
 class App;
@@ -17,16 +19,17 @@ class App;
 namespace ecorche {
 
 enum class Detail {
-  full,  // every bone and muscle by name; reads back
-  light  // for looking at only: skinning/files/light_character.h
+  full,    // every bone and muscle by name; reads back
+  medium,  // for looking at only: skinning/files/light_character.h
+  low
 };
 
 // --detail
 void add_detail_option(CLI::App& verb, Detail& detail);
 
-// With texture and eyes, where the skin is the body package's; with a motion where there is one. A
-// light file has the base mesh's skin even where the character's is the fine one. Throws
-// OutputError.
+// With texture and eyes, where the skin is the body package's; with a motion where there is one,
+// and its shapes where it was recorded. A light file has the base mesh's skin even where the
+// character's is the fine one. Throws OutputError.
 void write_character_file(const Assets& assets, const std::filesystem::path& file,
                           const Character& character, const Binding& binding, Detail detail,
                           const BodyPackage& package, const Motion* motion = nullptr);
@@ -34,6 +37,6 @@ void write_character_file(const Assets& assets, const std::filesystem::path& fil
 // The same with the package that is installed; without texture and eyes where there is none.
 void write_character_file(const Assets& assets, const std::filesystem::path& file,
                           const Character& character, const Binding& binding, Detail detail,
-                          const Motion* motion = nullptr);
+                          const Motion* motion = nullptr, const ClipShapes* shapes = nullptr);
 
 }  // namespace ecorche

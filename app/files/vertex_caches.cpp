@@ -57,7 +57,7 @@ LayerMesh make_layer(const Assets& assets, const std::string& name, const Actor&
 std::vector<int> glb_rows(const Assets& assets, const Actor& actor, Detail detail) {
   const TriMesh& skin = actor.character.body.skin;
   const std::optional<BaseSkin> base =
-      detail == Detail::light ? find_base(assets, skin) : std::nullopt;
+      detail != Detail::full ? find_base(assets, skin) : std::nullopt;
   std::vector<int> rows =
       find_look(assets, base ? base->mesh : skin, actor.character.anatomy.skeleton).texture.vertex;
   if (rows.empty())

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <optional>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
@@ -21,6 +22,7 @@
 #include "app/verbs/animate_crowd.h"
 #include "skinning/checks/motion_survey.h"
 #include "skinning/crowd/crowd_read.h"
+#include "skinning/files/clip_shapes.h"
 #include "skinning/motion/activation.h"
 
 namespace ecorche {
@@ -40,6 +42,13 @@ struct AnimateOptions {
   MotionOptions retarget;
 };
 
+void report_shapes(const ClipShapes& shapes, Report& report) {
+  double muscles = 0;
+  for (const MeshShapes& muscle : shapes.muscles) muscles = std::max(muscles, muscle.max_error);
+  report.set("glb.muscle_error_max", muscles);
+  report.set("glb.skin_error_max", shapes.skin.max_error);
+}
+
 // All outputs in one pass over the motion.
 MotionQuality write_outputs(const AnimateOptions& options, const Actor& actor, const Motion& motion,
                             const Activations& activations, const Common& common, Report& report) {
@@ -58,17 +67,24 @@ MotionQuality write_outputs(const AnimateOptions& options, const Actor& actor, c
   cache.detail = options.detail;
   VertexCaches caches(common.assets, cached, actor, motion, cache);
   MotionTables tables(common.assets, std::move(wanted), actor, motion, activations);
+  std::optional<ClipRecorder> recorder;
+  if (!characters.empty()) recorder.emplace(actor.character, actor.binding);
   MotionRun pass{activations, options.dynamics};
   Progress progress(common, "frames", int(motion.frames.size()));
   pass.take = [&](int f, const CharacterState& frame) {
     caches.add(frame);
     tables.add(frame);
+    if (recorder) recorder->add(frame.posed, frame.skin);
     progress.at(f + 1);
   };
   const MotionQuality quality = play_motion(actor, motion, pass);
-  for (const fs::path& file : characters)
-    write_character_file(common.assets, file, actor.character, actor.binding, options.detail,
-                         &motion);  // once it is known that nothing is flung away
+  if (recorder) {  // once it is known that nothing is flung away
+    const ClipShapes shapes = recorder->finish();
+    for (const fs::path& file : characters)
+      write_character_file(common.assets, file, actor.character, actor.binding, options.detail,
+                           &motion, &shapes);
+    report_shapes(shapes, report);
+  }
   caches.finish();
   tables.write();
   return quality;
@@ -76,9 +92,7 @@ MotionQuality write_outputs(const AnimateOptions& options, const Actor& actor, c
 
 // What shapes muscles and skin is not seen in joints.
 void check_shaping(const AnimateOptions& options) {
-  const auto shows_joints = [](const fs::path& output) {
-    return output.extension() == ".glb" || output.extension() == ".mot";
-  };
+  const auto shows_joints = [](const fs::path& output) { return output.extension() == ".mot"; };
   if (!options.tables.empty() ||
       !std::all_of(options.outputs.begin(), options.outputs.end(), shows_joints))
     return;
@@ -88,10 +102,10 @@ void check_shaping(const AnimateOptions& options) {
                                                    : nullptr;
   if (given)
     throw UsageError(
-        fmt::format("{}: {} is moved by its joints, which cannot show it; add a vertex cache ({}), "
-                    "or leave it out",
+        fmt::format("{}: {} has angles of joints, which cannot show it; add a character ({}) or a "
+                    "vertex cache (.pc2), or leave it out",
                     given, options.outputs[0].string(),
-                    fs::path(options.outputs[0]).replace_extension(".pc2").string()));
+                    fs::path(options.outputs[0]).replace_extension(".glb").string()));
 }
 
 void check_outputs(const AnimateOptions& options, const Common& common) {
@@ -177,9 +191,11 @@ void add_animate_verb(VerbRegistry& registry) {
                    "Character written by `ecorche fit`, CROWD.glb#NAME, or a whole crowd")
       ->required();
   verb->add_option("motion", options->motion, "Motion (.bvh, .glb, .gltf)")->required();
-  verb->add_option("-o,--output", options->outputs,
-                   "File to write; may be given several times: .glb (joints); every vertex, exact: "
-                   ".pc2, .mdd, DIR/%04d.obj; joint angles: .mot; skin markers: .trc")
+  verb->add_option(
+          "-o,--output", options->outputs,
+          "File to write; may be given several times: .glb (the character, for any viewer); "
+          "every vertex, exact: .pc2, .mdd, DIR/%04d.obj; joint angles: .mot; skin "
+          "markers: .trc")
       ->allow_extra_args(false);
   verb->add_option("--stagger", options->stagger,
                    "Of a crowd: seconds by which each person begins later than the one before")

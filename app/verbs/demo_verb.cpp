@@ -19,6 +19,7 @@
 #include "morph/template/template_cache.h"
 #include "skinning/checks/motion_survey.h"
 #include "skinning/files/character_write.h"
+#include "skinning/files/clip_shapes.h"
 #include "skinning/files/pc2_io.h"
 #include "skinning/motion/activation.h"
 
@@ -162,11 +163,11 @@ double mean_frame_ms(const Actor& actor, const Motion& motion) {
          played;
 }
 
-// Writes the vertex cache and collects the muscles' curves and the figures in one pass over the
-// motion.
+// Writes the vertex cache and collects the muscles' curves, the shapes for the .glb and the figures
+// in one pass over the motion.
 MotionQuality play_jump(const fs::path& cache, const Actor& actor, const Motion& motion,
                         const Activations& activations, const BodyPackage& package,
-                        DemoRecord& record, Report& report) {
+                        DemoRecord& record, ClipRecorder& clip, Report& report) {
   const StageTimer timer(report, "frames");
   Pc2Writer writer(cache, actor.binding.vertex_count);
   MuscleCurves curves(actor, record.curves);
@@ -175,6 +176,7 @@ MotionQuality play_jump(const fs::path& cache, const Actor& actor, const Motion&
   pass.take = [&](int f, const CharacterState& frame) {
     writer.add_frame(frame.skin.positions);
     curves.add(frame.posed);
+    clip.add(frame.posed, frame.skin);
     record.seconds.push_back(f / motion.fps);
   };
   const MotionQuality quality = play_motion(actor, motion, pass);
@@ -212,11 +214,13 @@ int run_demo(const DemoOptions& options, const Common& common, Report& report) {
       open_activations(common.assets, options.activation, actor, motion, report);
 
   note(common, "files");
-  write_character(options.folder / "athlete.glb", actor.character, actor.binding, &motion,
-                  find_look(package, actor.character.body.skin, anatomy.skeleton));
   DemoRecord record;
+  ClipRecorder clip(actor.character, actor.binding);
   const MotionQuality quality = play_jump(options.folder / "long-jump.pc2", actor, motion,
-                                          activations, package, record, report);
+                                          activations, package, record, clip, report);
+  const ClipShapes shapes = clip.finish();
+  write_character(options.folder / "athlete.glb", actor.character, actor.binding, &motion,
+                  find_look(package, actor.character.body.skin, anatomy.skeleton), &shapes);
   report_quality(quality, "quality", report);
 
   ActorFilm film;

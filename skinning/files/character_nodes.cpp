@@ -41,8 +41,8 @@ void check_parts(const Character& character, const Binding& binding, const Motio
       throw std::invalid_argument("the motion belongs to another skeleton");
 }
 
-void add_skin(GlbBuilder& glb, const TriMesh& skin,
-              std::span<const std::array<Influence, 4>> shares, const SkinTexture& texture) {
+int add_skin(GlbBuilder& glb, const TriMesh& skin, std::span<const std::array<Influence, 4>> shares,
+             const SkinTexture& texture) {
   const int material = glb.material(kSkinLook);
   const Points normals = GlbBuilder::unit_normals(skin);
   tinygltf::Primitive primitive;
@@ -67,7 +67,7 @@ void add_skin(GlbBuilder& glb, const TriMesh& skin,
   node.name = "skin";
   node.mesh = glb.add_mesh("skin", {std::move(primitive)});
   node.skin = 0;
-  glb.add_node(std::move(node));
+  return glb.add_node(std::move(node));
 }
 
 void finish(GlbBuilder& glb, const Body& body, Object ecorche, AtomicFile& out,

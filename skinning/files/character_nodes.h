@@ -20,10 +20,10 @@ namespace ecorche::inline v1::gltf {
 void check_parts(const Character& character, const Binding& binding, const Motion* motion,
                  const CharacterLook& look);
 
-// The mesh node `skin`, split along the seams of its texture. The caller may add attributes to the
-// mesh's one primitive.
-void add_skin(GlbBuilder& glb, const TriMesh& skin,
-              std::span<const std::array<Influence, 4>> shares, const SkinTexture& texture);
+// The mesh node `skin`, split along the seams of its texture; returns its index. The caller may add
+// attributes to the mesh's one primitive.
+int add_skin(GlbBuilder& glb, const TriMesh& skin, std::span<const std::array<Influence, 4>> shares,
+             const SkinTexture& texture);
 
 // Names the scene after the body, puts `ecorche` with the schema and the body into its extras, and
 // writes the file; with `own`, where there is one, joined to what it came in (own_skin_file.h).

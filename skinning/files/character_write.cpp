@@ -8,7 +8,9 @@
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "skinning/files/character_nodes.h"
+#include "skinning/files/fibre_attributes.h"
 #include "skinning/files/layer_mesh.h"
+#include "skinning/files/morph_targets.h"
 #include "skinning/files/own_skin_file.h"
 #include "skinning/files/slice_influences.h"
 #include "skinning/files/tissue_meshes.h"
@@ -53,9 +55,12 @@ void add_bones(GlbBuilder& glb, const Anatomy& anatomy, const std::vector<Cartil
   }
 }
 
-void add_muscles(GlbBuilder& glb, const Anatomy& anatomy) {
+// Returns the first muscle's node; the others follow.
+int add_muscles(GlbBuilder& glb, const Anatomy& anatomy) {
+  const int first = int(glb.model().nodes.size());
   const auto influences = slice_influences(anatomy);
   const auto [surface, positions] = gltf::lofted_muscles(anatomy);
+  const std::vector<Ellipse> slices = rest_slices(anatomy);
   for (const MuscleSurface::Part& part : surface.parts) {
     const Muscle& muscle = anatomy.muscles[part.muscle];
     std::vector<std::array<Influence, 4>> shares;
@@ -66,7 +71,10 @@ void add_muscles(GlbBuilder& glb, const Anatomy& anatomy) {
                                        surface.belly.data() + part.vertex_end);
     auto tissues = gltf::muscle_tissues(glb, mesh, gltf::muscle_tints(part.muscle, belly, mesh.F));
     glb.add_influences(tissues.front(), shares);
-    for (const char* name : {"JOINTS_0", "WEIGHTS_0"})
+    const gltf::FibreAttributes fibres = gltf::fibre_attributes(muscle, surface, part, slices);
+    tissues.front().attributes["TEXCOORD_0"] = glb.add_texture_coordinates(fibres.places);
+    tissues.front().attributes["_FIBRE"] = glb.add_vectors(fibres.directions, false);
+    for (const char* name : {"JOINTS_0", "WEIGHTS_0", "TEXCOORD_0", "_FIBRE"})
       tissues.back().attributes[name] = tissues.front().attributes[name];
     tinygltf::Node node;
     node.name = "muscle/" + muscle.name;
@@ -75,6 +83,7 @@ void add_muscles(GlbBuilder& glb, const Anatomy& anatomy) {
     node.extras = gltf::muscle_extras(muscle, glb.keep_text(gltf::strips_text(muscle)));
     glb.add_node(std::move(node));
   }
+  return first;
 }
 
 void add_eyes(GlbBuilder& glb, const Skeleton& skeleton, std::span<const Eyeball> eyes) {
@@ -91,22 +100,33 @@ void add_eyes(GlbBuilder& glb, const Skeleton& skeleton, std::span<const Eyeball
 }  // namespace
 
 void write_character(const std::filesystem::path& file, const Character& character,
-                     const Binding& binding, const Motion* motion, const CharacterLook& look) {
+                     const Binding& binding, const Motion* motion, const CharacterLook& look,
+                     const ClipShapes* shapes) {
   gltf::check_parts(character, binding, motion, look);
+  gltf::check_shapes(character, motion, shapes);
   AtomicFile out(file);  // before the work, so that a bad place is told at once
   GlbBuilder glb;
   gltf::add_joints(glb, character.anatomy.skeleton);
   gltf::Object notes;
+  gltf::MorphedNodes morphed;
   if (character.own) {
     notes["own"] = gltf::add_own_skin(glb, character, binding);
   } else {
-    gltf::add_skin(glb, character.body.skin, binding.joint_weights, look.texture);
+    const int node = gltf::add_skin(glb, character.body.skin, binding.joint_weights, look.texture);
     add_anchors(glb, character, binding, look.texture);
+    if (shapes) morphed.emplace_back(node, gltf::seamed_shapes(shapes->skin, look.texture));
   }
   add_bones(glb, character.anatomy, look.cartilage);
-  add_muscles(glb, character.anatomy);
+  const int first_muscle = add_muscles(glb, character.anatomy);
+  if (shapes)
+    for (std::size_t m = 0; m < shapes->muscles.size(); ++m)
+      morphed.emplace_back(first_muscle + int(m), shapes->muscles[m]);
   add_eyes(glb, character.anatomy.skeleton, look.eyes);
-  if (motion) gltf::add_motion(glb, character.anatomy.skeleton, *motion, "motion");
+  if (motion) {
+    const int times = gltf::add_motion(glb, character.anatomy.skeleton, *motion, "motion");
+    gltf::add_morphs(glb, morphed, times);
+  }
+  if (shapes) notes["shapes"] = gltf::shapes_notes(glb, morphed);
   gltf::finish(glb, character.body, std::move(notes), out, character.own.get());
 }
 

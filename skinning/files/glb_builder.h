@@ -31,6 +31,7 @@ class GlbBuilder {
   GlbBuilder();
 
   tinygltf::Model& model() { return model_; }
+  const tinygltf::Model& model() const { return model_; }
   tinygltf::Scene& scene() { return model_.scenes[0]; }
 
   int add_node(tinygltf::Node node, int parent = -1);

@@ -2,22 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
 
 #include "anatomy/bones/cartilage.h"
 #include "anatomy/geometry/simplify.h"
 #include "anatomy/muscles/action_line.h"
 #include "skinning/files/character_nodes.h"
 #include "skinning/files/layer_mesh.h"
+#include "skinning/files/morph_targets.h"
 #include "skinning/files/slice_influences.h"
 #include "skinning/files/tissue_meshes.h"
+#include "skinning/morphs/join_shapes.h"
 
 namespace ecorche::inline v1 {
 namespace {
 
 using gltf::GlbBuilder;
 using tinygltf::Value;
-
-constexpr int kLeastTriangles = 60;  // of a part, where it has them
 
 // Parts joined into one mesh.
 struct Joined {
@@ -28,6 +33,7 @@ struct Joined {
   std::vector<float> part;
   std::vector<gltf::Tint> first_tints, second_tints;
   gltf::Array names;
+  std::vector<MeshShapes> shapes;  // a part, where a motion is shown
 
   void add(const TriMesh& mesh, const Points& mesh_normals) {
     const int begin = V.size();
@@ -49,10 +55,10 @@ struct Joined {
 
 // How many triangles each part may keep: the same share of all, but few are not made fewer. Falls
 // short of `most` rather than over.
-std::vector<int> budgets(const std::vector<int>& sizes, int most) {
+std::vector<int> budgets(const std::vector<int>& sizes, int most, int least) {
   double low = 0, high = 1;
-  const auto budget = [](int size, double share) {
-    return std::min(size, std::max(kLeastTriangles, int(share * size)));
+  const auto budget = [&](int size, double share) {
+    return std::min(size, std::max(least, int(share * size)));
   };
   const auto total = [&](double share) {
     long long sum = 0;
@@ -76,10 +82,9 @@ Points shading(const TriMesh& whole, const std::vector<int>& nearest) {
   return out;
 }
 
-// A mesh node of the joined parts, skinned.
-void add_joined(GlbBuilder& glb, const std::string& name, const Joined& joined,
-                const TissueLook& first, const TissueLook& second, float brighter) {
-  if (joined.V.empty()) return;
+// A mesh node of the joined parts, skinned. Returns its index.
+int add_joined(GlbBuilder& glb, const std::string& name, const Joined& joined,
+               const TissueLook& first, const TissueLook& second, float brighter) {
   const int one = glb.material(first, brighter), other = glb.material(second);
   auto primitives =
       gltf::two_tissues(glb, joined.mesh(), joined.all_normals(), joined.second, one, other);
@@ -97,14 +102,14 @@ void add_joined(GlbBuilder& glb, const std::string& name, const Joined& joined,
   node.mesh = glb.add_mesh(name, std::move(primitives));
   node.skin = 0;
   node.extras = Value(gltf::Object{{"parts", Value(joined.names)}});
-  glb.add_node(std::move(node));
+  return glb.add_node(std::move(node));
 }
 
 void add_bones_light_character(GlbBuilder& glb, const Anatomy& anatomy,
-                               const std::vector<CartilageRule>& rules) {
+                               const std::vector<CartilageRule>& rules, const LightDetail& detail) {
   std::vector<int> sizes;
   for (const Bone& bone : anatomy.bones) sizes.push_back(int(bone.mesh.F.rows()));
-  const std::vector<int> most = budgets(sizes, kLightBones);
+  const std::vector<int> most = budgets(sizes, detail.bones, detail.least);
   Joined joined;
   for (std::size_t b = 0; b < anatomy.bones.size(); ++b) {
     const Bone& bone = anatomy.bones[b];
@@ -118,19 +123,46 @@ void add_bones_light_character(GlbBuilder& glb, const Anatomy& anatomy,
     joined.shares.resize(joined.V.size(), {Influence{bone.joint, 1}});
     joined.names.push_back(gltf::text(bone.name));
   }
-  add_joined(glb, "bones", joined, kBoneLook, kCartilageLook, 1);
+  if (!joined.V.empty()) add_joined(glb, "bones", joined, kBoneLook, kCartilageLook, 1);
 }
 
-void add_muscles_light_character(GlbBuilder& glb, const Anatomy& anatomy) {
+// Meshes of muscles where these have shapes: few, so that they are drawn quickly, and each of
+// muscles that move by the same joints, so that few shapes do.
+std::string region_of(const Muscle& muscle) {
+  static const std::map<std::string, std::string, std::less<>> kRegions{
+      {"trunk_shoulder", "shoulder"},
+      {"shoulder", "shoulder"},
+      {"arm", "arm"},
+      {"forearm", "arm"},
+      {"hand", "hand"},
+      {"hip", "thigh"},
+      {"thigh", "thigh"},
+      {"leg", "leg"},
+      {"foot", "leg"},
+      {"trunk_back", "back"},
+      {"trunk_thorax", "thorax"},
+      {"trunk_abdomen", "abdomen"}};
+  static const std::set<std::string, std::less<>> kUnpaired{"back", "thorax", "abdomen", "neck"};
+  const auto found = kRegions.find(muscle.group);
+  const std::string region = found == kRegions.end() ? "neck" : found->second;
+  if (muscle.side == Side::middle || kUnpaired.contains(region)) return "muscles/" + region;
+  return "muscles/" + region + (muscle.side == Side::left ? "_l" : "_r");
+}
+
+gltf::MorphedNodes add_muscles_light_character(GlbBuilder& glb, const Anatomy& anatomy,
+                                               const LightDetail& detail,
+                                               const ClipShapes* shapes) {
   const auto influences = slice_influences(anatomy);
   const auto [surface, positions] = gltf::lofted_muscles(anatomy);
   std::vector<int> sizes;
   for (const MuscleSurface::Part& part : surface.parts)
     sizes.push_back(part.face_end - part.face_begin);
-  const std::vector<int> most = budgets(sizes, kLightMuscles);
-  Joined joined;
+  const std::vector<int> most = budgets(sizes, detail.muscles, detail.least);
+  std::map<std::string, Joined> meshes;
   for (std::size_t p = 0; p < surface.parts.size(); ++p) {
     const MuscleSurface::Part& part = surface.parts[p];
+    const Muscle& muscle = anatomy.muscles[part.muscle];
+    Joined& joined = meshes[shapes ? region_of(muscle) : "muscles"];
     const TriMesh whole = part_mesh(surface, part, positions), light = simplify(whole, most[p]);
     const std::vector<int> nearest = nearest_rows(light.V, whole.V);
     std::vector<float> belly;
@@ -144,9 +176,16 @@ void add_muscles_light_character(GlbBuilder& glb, const Anatomy& anatomy) {
     joined.second.insert(joined.second.end(), tints.tendon.begin(), tints.tendon.end());
     joined.first_tints.insert(joined.first_tints.end(), tints.belly.begin(), tints.belly.end());
     joined.second_tints.insert(joined.second_tints.end(), tints.fading.begin(), tints.fading.end());
-    joined.names.push_back(gltf::text(anatomy.muscles[part.muscle].name));
+    joined.names.push_back(gltf::text(muscle.name));
+    // Simplifying keeps vertices where they were, so that these are the nearest ones' own.
+    if (shapes) joined.shapes.push_back(shape_rows(shapes->muscles[p], nearest));
   }
-  add_joined(glb, "muscles", joined, kMuscleLook, kTendonLook, kHighestTone);
+  gltf::MorphedNodes out;
+  for (const auto& [name, joined] : meshes) {
+    const int node = add_joined(glb, name, joined, kMuscleLook, kTendonLook, kHighestTone);
+    if (shapes) out.emplace_back(node, join_shapes(joined.shapes, {}));
+  }
+  return out;
 }
 
 // Both eyes as one mesh, a primitive a tissue.
@@ -176,18 +215,27 @@ void add_eyes_light_character(GlbBuilder& glb, const std::vector<Eyeball>& eyes)
 }  // namespace
 
 void write_light_character(const std::filesystem::path& file, const Character& character,
-                           const Binding& binding, const Motion* motion,
-                           const CharacterLook& look) {
+                           const Binding& binding, const LightDetail& detail, const Motion* motion,
+                           const CharacterLook& look, const ClipShapes* shapes) {
   gltf::check_parts(character, binding, motion, look);
+  gltf::check_shapes(character, motion, shapes);
   AtomicFile out(file);
   GlbBuilder glb;
   gltf::add_joints(glb, character.anatomy.skeleton);
-  gltf::add_skin(glb, character.body.skin, binding.joint_weights, look.texture);
-  add_bones_light_character(glb, character.anatomy, look.cartilage);
-  add_muscles_light_character(glb, character.anatomy);
+  const int skin = gltf::add_skin(glb, character.body.skin, binding.joint_weights, look.texture);
+  add_bones_light_character(glb, character.anatomy, look.cartilage, detail);
+  gltf::MorphedNodes morphed = add_muscles_light_character(glb, character.anatomy, detail, shapes);
   add_eyes_light_character(glb, look.eyes);
-  if (motion) gltf::add_motion(glb, character.anatomy.skeleton, *motion, "motion");
-  gltf::finish(glb, character.body, {{"detail", gltf::text("light")}}, out);
+  gltf::Object notes{{"detail", gltf::text(detail.name)}};
+  if (shapes) {
+    morphed.emplace_back(skin, gltf::seamed_shapes(shapes->skin, look.texture));
+    notes["shapes"] = gltf::shapes_notes(glb, morphed);
+  }
+  if (motion) {
+    const int times = gltf::add_motion(glb, character.anatomy.skeleton, *motion, "motion");
+    gltf::add_morphs(glb, morphed, times);
+  }
+  gltf::finish(glb, character.body, std::move(notes), out);
 }
 
 }  // namespace ecorche::inline v1

@@ -107,8 +107,13 @@ void shift_ours(Json& ours, const Offsets& by) {
   each("accessors", [&](Json& accessor) { shift(accessor, "bufferView", by.views); });
   each("meshes", [&](Json& mesh) {
     for (Json& primitive : mesh["primitives"]) {
-      for (auto& [name, accessor] : primitive["attributes"].items())
-        accessor = accessor.template get<std::size_t>() + by.accessors;
+      const auto shift_each = [&](Json& attributes) {
+        for (auto& [name, accessor] : attributes.items())
+          accessor = accessor.template get<std::size_t>() + by.accessors;
+      };
+      shift_each(primitive["attributes"]);
+      if (primitive.contains("targets"))
+        for (Json& target : primitive["targets"]) shift_each(target);
       shift(primitive, "indices", by.accessors);
       shift(primitive, "material", by.materials);
     }

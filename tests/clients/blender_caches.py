@@ -74,7 +74,8 @@ def main(folder):
     for kind in ("pc2", "mdd"):
         fresh()
         bpy.ops.import_scene.gltf(filepath=f"{folder}/walk.glb")
-        skin = bpy.data.objects["skin"]
+        # Blender leaves an empty of the node's name beside a skinned mesh whose weights are animated.
+        skin = bpy.data.objects["skin.001"]
         copies = np.empty(len(skin.data.vertices), dtype=np.float32)
         skin.data.attributes["_SKIN_VERTEX"].data.foreach_get("value", copies)
         own = copies.astype(int)

@@ -102,7 +102,7 @@ def main(path, picture):
     count = check(light)
     total = triangles()
     if light:
-        assert total <= 150000, f"{total} triangles"
+        assert total <= 60000, f"{total} triangles"
     print(f"{path}: Blender {bpy.app.version_string} shows {count} muscle meshes, {total} triangles, all tissues")
     if picture:
         render(picture, ["skin"])

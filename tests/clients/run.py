@@ -14,19 +14,39 @@ from options import short_motion  # noqa: E402
 from runner import Runner  # noqa: E402
 
 FRAMES = 21
+FPS = 60
+CLIPS = ("landing",)
 KNEES = [f"knee_{side}_{turn}" for side in "lr" for turn in ("flexion", "rotation")]
+
+
+def last_frames(source, target, first, step):
+    """The frames of a BVH file from the one numbered `first` on, every `step`th."""
+    with open(source, encoding="utf-8") as file:
+        lines = file.read().splitlines()
+    start = next(i for i, line in enumerate(lines) if line.startswith("Frame Time:")) + 1
+    kept = lines[start + first::step]
+    lines = [f"Frames: {len(kept)}" if line.startswith("Frames:") else line for line in lines[:start]] + kept
+    with open(target, "w", encoding="utf-8") as file:
+        file.write("\n".join(lines) + "\n")
+
+
+def caches(t, clip):
+    return [t.path(f"{clip}-{layer}.pc2") for layer in ("skin", "muscles")]
 
 
 def make(t):
     t.run((0, 8), "body", "new", "--sex", "female", "--height", "168cm", "-o", "anna.glb")
     t.run((0, 8), "fit", "anna.glb", "-o", "anna-anatomy.glb", "--method", "ellipses")
-    t.run((0, 8), "fit", "anna.glb", "-o", "light.glb", "--method", "ellipses", "--detail", "light")
+    t.run((0, 8), "fit", "anna.glb", "-o", "light.glb", "--method", "ellipses", "--detail", "low")
     short_motion(t.data("motions", "walk.bvh"), t.path("walk.bvh"), FRAMES)
 
     def animate(*words):
         t.run((0, 8), "animate", "anna-anatomy.glb", "walk.bvh", *words)
 
     animate("-o", "walk.glb", "-o", "glb.pc2", "-o", "glb.mdd", "--cache-for", "glb")
+    last_frames(t.data("motions", "long_jump.bvh"), t.path("landing.bvh"), 420, 4)
+    for clip in CLIPS:  # in the file and exactly, with bulges
+        t.run((0, 8), "animate", "anna-anatomy.glb", f"{clip}.bvh", "--activation", "auto", "-o", f"{clip}.glb", "-o", f"{clip}.pc2", "--layers", "skin,muscles")
     animate("-o", "plain.pc2", "-o", "plain.mdd", "-o", "whole/%04d.obj")
     animate("-o", "parts.pc2", "--layers", "skin,muscles,bones")
     animate("-o", "layers/%04d.obj", "--layers", "skin,muscles,bones")
@@ -53,6 +73,8 @@ def main():
     make(t)
     if has_blender:
         show(t, "vertex caches in Blender", blender, os.path.join(HERE, "blender_caches.py"), t.folder)
+        for clip in CLIPS:
+            show(t, f"{clip} in Blender", blender, os.path.join(HERE, "blender_clip.py"), t.path(f"{clip}.glb"), *caches(t, clip), FPS)
         for file in ("anna-anatomy.glb", "light.glb"):
             show(t, f"the looks of {file} in Blender", blender, os.path.join(HERE, "blender_looks.py"), t.path(file))
         show(t, "tables", blender, os.path.join(HERE, "tables.py"), t.folder)
@@ -62,6 +84,9 @@ def main():
         for file in ("anna-anatomy.glb", "light.glb"):
             show(t, f"the validator on {file}", "node", os.path.join(HERE, "validate.cjs"), modules, t.path(file))
             show(t, f"the looks of {file} in three.js", "node", os.path.join(HERE, "three_looks.mjs"), modules, t.path(file))
+        for clip in CLIPS:
+            show(t, f"the validator on {clip}.glb", "node", os.path.join(HERE, "validate.cjs"), modules, t.path(f"{clip}.glb"))
+            show(t, f"{clip} in three.js", "node", os.path.join(HERE, "three_clip.mjs"), modules, t.path(f"{clip}.glb"), *caches(t, clip), FPS)
     else:
         print("skipped: three.js or Chromium is not here")
     t.finish()

@@ -6,7 +6,7 @@ import { join } from 'node:path';
 import { browse, document } from './browser.mjs';
 
 const [, , modules, file, pictures] = process.argv;
-const light = document(file).scenes[0].extras.ecorche.detail === 'light';
+const most_triangles = { medium: 150000, low: 60000 }[document(file).scenes[0].extras.ecorche.detail];
 const tissues = ['bone', 'cartilage', 'eye_white', 'iris', 'muscle', 'pupil', 'skin', 'tendon'];
 
 function judge(answer) {
@@ -17,7 +17,7 @@ function judge(answer) {
   if (answer.tissues.sort().join() !== tissues.join()) throw new Error(`materials: ${answer.tissues}`);
   if (answer.colored.sort().join() !== 'muscle,tendon') throw new Error(`vertices colour ${answer.colored}`);
   if (!answer.places) throw new Error('the skin has no place on a texture');
-  if (light && (most > 16 || triangles > 150000)) throw new Error('that is not light');
+  if (most_triangles && (most > 40 || triangles > most_triangles)) throw new Error('that is not light');
   for (const view of answer.views) {
     const anatomy = view.name.startsWith('anatomy');
     if (view.lit < 0.1 || (anatomy && (view.red < 0.35 || view.pale < 0.12)) || (!anatomy && view.red > 0.1))

@@ -267,8 +267,10 @@ def fits(t):
     t.absent("bare_meshes")
     t.run(0, "export", "anna-anatomy.glb", "-o", "ground.osim", "-o", "ground.xml", "--no-meshes", "--ground")
     t.check(b"ContactHalfSpace" in t.bytes("ground.osim") and b'type="plane"' in t.bytes("ground.xml") and b"ContactHalfSpace" not in t.bytes("bare.osim"), "--ground")
-    t.run((0, 8), "fit", "anna.glb", "-o", "light.glb", "--detail", "light", "--method", "ellipses")
-    t.check(len(t.bytes("light.glb")) < len(t.bytes("anna-anatomy.glb")) / 3, "--detail light")
+    t.run((0, 8), "fit", "anna.glb", "-o", "light.glb", "--detail", "medium", "--method", "ellipses")
+    t.check(len(t.bytes("light.glb")) < len(t.bytes("anna-anatomy.glb")) / 3, "--detail medium")
+    t.run((0, 8), "fit", "anna.glb", "-o", "low.glb", "--detail", "low", "--method", "ellipses")
+    t.check(len(t.bytes("low.glb")) < len(t.bytes("light.glb")) / 1.6, "--detail low")
     t.says(t.run(4, "animate", "light.glb", t.data("motions", "walk.bvh"), "-o", "no.glb"), "light")
 
 
@@ -288,7 +290,7 @@ def animations(t):
     t.check(vertices == struct.unpack("<i", t.bytes("layers-muscles.pc2")[16:20])[0], "the muscles' mesh and cache have the same vertices")
     animate("walk.bvh", "-o", "blender.pc2", "-o", "blender.glb", "--cache-for", "glb")
     t.check(struct.unpack("<i", t.bytes("blender.pc2")[16:20])[0] > 13380, "--cache-for glb")
-    animate("walk.bvh", "-o", "light-walk.glb", "--detail", "light")
+    animate("walk.bvh", "-o", "light-walk.glb", "--detail", "low")
     t.check(len(t.bytes("light-walk.glb")) < len(t.bytes("walk.glb")) / 3, "--detail of animate")
     animate("walk.bvh", "-o", "walk.mot", "-o", "walk.trc", "--table", "lengths=lengths.csv", "--table", "moment-arms:knee_l_flexion=arms.sto", "--table", "velocities=velocities.csv",
             "--table", "bellies=bellies.csv", "--table", "tendons=tendons.csv", "--table", "activations=activations.csv")
@@ -304,7 +306,10 @@ def animations(t):
     t.write("tense.csv", "time,muscle,value\n0,biceps_brachii_*,1\n0,gastrocnemius_*,1\n")
     animate("walk.bvh", "-o", "tense.pc2", "--activation", "tense.csv", "--report", "tense.json")
     t.check(t.json("tense.json")["activation"]["muscles"] > 0 and difference(t.bytes("tense.pc2"), t.bytes("walk.pc2")) > 1e-4, "--activation")
-    t.says(t.run(2, "animate", "anna-anatomy.glb", "walk.bvh", "-o", "no.glb", "--activation", "tense.csv"), ".pc2")
+    t.says(t.run(2, "animate", "anna-anatomy.glb", "walk.bvh", "-o", "no.mot", "--activation", "tense.csv"), "no.glb")
+    animate("walk.bvh", "-o", "tense.glb", "--activation", "tense.csv")
+    t.check(t.bytes("tense.glb") != t.bytes("walk.glb"), "--activation of a .glb")
+    t.run((0, 8), "animate", "tense.glb", "walk.bvh", "-o", "again.mot")  # still a character
     animate("jump.bvh", "-o", "jump.pc2")
     animate("jump.bvh", "-o", "loose.pc2", "--dynamics")
     t.check(difference(t.bytes("jump.pc2"), t.bytes("loose.pc2")) > 1e-5, "--dynamics")

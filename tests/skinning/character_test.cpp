@@ -236,7 +236,8 @@ TEST(Character, ALightFileIsForLookingAtOnly) {
   const Folder folder;
   const Character in = arm();
   const Motion motion = wave(in.anatomy.skeleton);
-  write_light_character(folder.path / "a.glb", in, binding_of(in), &motion, seamed_look(in));
+  write_light_character(folder.path / "a.glb", in, binding_of(in), kLowDetail, &motion,
+                        seamed_look(in));
   try {
     read_character(folder.path / "a.glb");
     ADD_FAILURE() << "it was read";
