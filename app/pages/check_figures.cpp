@@ -45,6 +45,7 @@ void report_anatomy_check(const AnatomyCheck& check, Report& report) {
     report.set(key + "muscle_overlap_share", pose.overlap_share);
     report.set(key + "bone_overlap_share", pose.bone_share);
     report.set(key + "bone_points_outside", pose.bone_points_outside);
+    report.set(key + "bone_points_outside_max", pose.bone_depth);
     report.set(key + "muscle_points_outside", pose.muscle_points_outside);
   }
   if (check.swept || !check.poses.empty()) report.set("check.volume_drift_max", check.drift_max);

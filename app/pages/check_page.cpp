@@ -239,6 +239,27 @@ void add_muscles(HtmlPage& page, const AnatomyCheck& check, const Anatomy& anato
       });
 }
 
+void add_bones(HtmlPage& page, const AnatomyCheck& check, const Anatomy& anatomy) {
+  std::vector<int> order;
+  for (std::size_t b = 0; b < check.bones.size(); ++b)
+    if (check.bones[b].posed_outside > 0) order.push_back(int(b));
+  if (order.empty()) return;
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return check.bones[a].posed_depth > check.bones[b].posed_depth;
+  });
+  if (order.size() > kWorst) order.resize(kWorst);
+  std::vector<std::vector<std::string>> rows;
+  for (int b : order) {
+    const BoneCheck& bone = check.bones[b];
+    rows.push_back({anatomy.bones[b].name, fmt::format("{:.1f}", 1e3 * bone.posed_depth),
+                    pose_name(check, bone.depth_pose), std::to_string(bone.posed_outside),
+                    pose_name(check, bone.outside_pose)});
+  }
+  page.add_heading("Bones that leave the skin when posed");
+  const std::vector<std::string> header{"bone", "mm", "pose", "points", "pose"};
+  page.add_table(header, rows);
+}
+
 }  // namespace
 
 std::string check_table(const std::vector<Target>& targets) {
@@ -300,6 +321,7 @@ std::string check_page(const AnatomyCheck& check, const std::vector<Target>& tar
                                            "muscle within muscle", "muscle within bone"};
     page.add_table(columns, rows);
   }
+  add_bones(page, check, actor.character.anatomy);
   add_muscles(page, check, actor.character.anatomy);
   return page.to_string();
 }

@@ -7,6 +7,7 @@
 #include "anatomy/compute/simd.h"
 #include "anatomy/geometry/vertex_normals.h"
 #include "anatomy/posing/restore_volume.h"
+#include "skinning/muscle_collision/keep_skin_over_bones.h"
 #include "skinning/muscle_collision/push_muscles.h"
 
 namespace ecorche::inline v1 {
@@ -52,7 +53,10 @@ void relax_skin(const SkinModel& model, const PosedAnatomy& posed, RelaxedSkin& 
   const HingeVolumes hinges = lift.lifted ? HingeVolumes::free : HingeVolumes::kept;
   for (int step = 0; step < (separated || lift.lifted ? kVolumeSteps : 1); ++step)
     restore_volumes(elastic.volumes, posed.X_WJ, skin, hinges);
-  vertex_normals(skin.positions, triangles, skin.normals, settle.half);
+  if (model.collision.empty())
+    vertex_normals(skin.positions, triangles, skin.normals, settle.half);
+  else
+    keep_skin_over_bones(model.collision, posed.X_WJ, skin, lifting);
 }
 
 // Positions and normals in the caller's order.

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <span>
 
 #include "anatomy/base_mesh/body_rig.h"
@@ -266,8 +267,30 @@ struct PosedMuscles {
   std::vector<MuscleWholeness> whole;
 };
 
+// What one pose has to say about each bone.
+struct PosedBones {
+  std::vector<int> outside;   // points
+  std::vector<double> depth;  // m, of the farthest
+};
+
+PosedBones measure_bones(const Shape& shape) {
+  PosedBones out;
+  const NearestSurface skin(shape.skin);
+  for (const Points& bone : shape.bones) {
+    const std::vector<int> winding = winding_numbers(shape.skin, bone);
+    int& outside = out.outside.emplace_back(0);
+    double& depth = out.depth.emplace_back(0.0);
+    for (std::size_t i = 0; i < winding.size(); ++i) {
+      if (winding[i] != 0) continue;
+      ++outside;
+      depth = std::max(depth, skin.nearest(bone.row(i)).distance);
+    }
+  }
+  return out;
+}
+
 PoseCheck check_pose(const Subject& subject, const LimitPose& pose, double spacing,
-                     PosedMuscles& muscles) {
+                     PosedMuscles& muscles, PosedBones& bones) {
   Shape shape(subject.model);
   shape_pose(subject, pose.pose, shape);
   PoseCheck out;
@@ -283,7 +306,9 @@ PoseCheck check_pose(const Subject& subject, const LimitPose& pose, double spaci
     ++points[m];
     if (winding[i] == 0) ++out.muscle_points_outside, ++muscles.outside[m];
   }
-  out.bone_points_outside = bone_points_outside(shape);
+  bones = measure_bones(shape);
+  out.bone_points_outside = std::accumulate(bones.outside.begin(), bones.outside.end(), 0);
+  for (double depth : bones.depth) out.bone_depth = std::max(out.bone_depth, depth);
   const SolidVolumes volumes = measure_shape(subject, shape, spacing);
   out.overlap_share = volumes.muscle_overlap_share();
   out.bone_share = volumes.bone_overlap_share();
@@ -336,11 +361,12 @@ void check_poses(const Subject& subject, const std::vector<LimitPose>& poses,
                  const CheckOptions& options, const CheckProgress& progress, AnatomyCheck& check) {
   check.poses.resize(poses.size());
   std::vector<PosedMuscles> muscles(poses.size());
+  std::vector<PosedBones> bones(poses.size());
   const int total = poses.size();
   std::atomic<int> done = 0;
   if (progress) progress(0, total);
   tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t p) {
-    check.poses[p] = check_pose(subject, poses[p], options.pose_spacing, muscles[p]);
+    check.poses[p] = check_pose(subject, poses[p], options.pose_spacing, muscles[p], bones[p]);
     if (progress) progress(++done, total);
   });
   for (std::size_t p = 0; p < poses.size(); ++p) {
@@ -370,6 +396,13 @@ void check_poses(const Subject& subject, const std::vector<LimitPose>& poses,
       if (muscles[p].spike[m] > muscle.spike)
         muscle.spike = muscles[p].spike[m], muscle.spike_pose = int(p);
       note_wholeness(muscles[p].whole[m], int(p), muscle);
+    }
+    for (std::size_t b = 0; b < check.bones.size(); ++b) {
+      BoneCheck& bone = check.bones[b];
+      if (bones[p].outside[b] > bone.posed_outside)
+        bone.posed_outside = bones[p].outside[b], bone.outside_pose = int(p);
+      if (bones[p].depth[b] > bone.posed_depth)
+        bone.posed_depth = bones[p].depth[b], bone.depth_pose = int(p);
     }
   }
 }
@@ -412,6 +445,7 @@ AnatomyCheck check_anatomy(const CharacterModel& model, const BodyPackage& packa
       !model.character.own && model.character.body.skin.V.rows() == package.skin_size;
   AnatomyCheck check;
   check.muscles.resize(anatomy.muscles.size());
+  check.bones.resize(anatomy.bones.size());
   Shape rest(model);
   shape_pose(subject, rest_pose(anatomy.skeleton), rest);
   for (const SliceRange& range : subject.ranges)

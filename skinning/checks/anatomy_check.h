@@ -48,10 +48,18 @@ struct MuscleCheck {
   double end_distance = 0;
 };
 
+// Of one bone: the points of it that leave the skin, and how far, each in its worst pose.
+struct BoneCheck {
+  int posed_outside = 0;
+  double posed_depth = 0;  // m
+  int outside_pose = -1, depth_pose = -1;
+};
+
 struct PoseCheck {
   std::string name;
   int muscle_points_outside = 0;
   int bone_points_outside = 0;
+  double bone_depth = 0;  // m, of the bones' points outside the skin, the farthest
   double overlap_share = 0, bone_share = 0;
   int spikes = 0;  // sections that stick out by more than 20 mm
   // How whole the muscles are (wholeness.h): over all of them; stretch and kink of the worst.
@@ -95,6 +103,7 @@ struct AnatomyCheck {
   int ends = 0, loose_ends = 0;      // farther than 10 mm
   long long open_columns = 0;        // places where a mesh is not closed and so was not measured
   std::vector<MuscleCheck> muscles;  // #muscles
+  std::vector<BoneCheck> bones;      // #bones
 };
 
 // `package`: closes the skin's mouth and eyes and knows its parts, where the skin has its topology.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "anatomy/posed_anatomy.h"
+#include "skinning/muscle_collision/bone_probes.h"
 #include "skinning/muscle_collision/outline_probes.h"
 #include "skinning/muscle_collision/project_to_skin.h"
 
@@ -22,6 +23,8 @@ struct CollisionTables {
   std::vector<SliceRange> strips;
   std::vector<int> strip_begin;  // #strips + 1 into probes
   std::vector<float> thickness;  // #sections, of sheets as they are drawn
+  std::vector<BoneProbe> bones;
+  std::size_t joints = 0;
   SkinRings rings;
   std::vector<int> triangles;
 };

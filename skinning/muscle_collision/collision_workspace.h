@@ -10,7 +10,7 @@
 
 namespace ecorche::inline v1 {
 
-// A point of a muscle against the skin.
+// A point of a muscle or bone against the skin.
 struct SkinPenetration {
   int vertex = 0;   // of the skin, nearest
   float depth = 0;  // m, by which it is out of the skin; negative below
@@ -24,12 +24,14 @@ struct SectionResponse {
 };
 
 struct LiftWorkspace {
-  std::vector<float> lift, before;               // #V, m
-  std::vector<char> met;                         // #V
-  std::vector<int> vertices;                     // candidates
-  std::vector<float> normals, half;              // #V x 4
-  std::vector<SkinPenetration> penetrations;     // eight an owner; then, those near the skin
-  std::vector<unsigned char> penetration_count;  // #owners
+  std::vector<float> lift, before;                     // #V, m
+  std::vector<char> met;                               // #V
+  std::vector<int> vertices;                           // candidates
+  std::vector<float> normals, half;                    // #V x 4
+  std::vector<SkinPenetration> penetrations;           // eight an owner; then, those near the skin
+  std::vector<unsigned char> penetration_count;        // #owners
+  std::vector<float> rise, most, unraised;             // of raise_skin(): #V, #V, #V x 4
+  std::vector<std::vector<SkinPenetration>> of_bones;  // a block of probes each
 };
 
 struct PushWorkspace {

@@ -4,6 +4,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace ecorche::inline v1 {
 namespace {
@@ -12,10 +13,6 @@ constexpr LiftParameters kParameters;
 // m: a smaller lift stops in no fold, as normals meet half an edge away at the nearest
 constexpr float kNoLift = 1e-5f;
 constexpr std::size_t kBlock = 512;  // vertices a task
-
-std::span<const int> ring_of(const SkinRings& rings, int v) {
-  return {rings.ring.data() + rings.ring_begin[v], rings.ring.data() + rings.ring_begin[v + 1]};
-}
 
 void meet(int v, LiftWorkspace& s) {
   if (s.met[v]) return;
@@ -53,20 +50,27 @@ void spread(const SkinRings& rings, LiftWorkspace& s) {
   }
 }
 
-// In a fold normals run together: the skin is lifted by no more than an eighth of the way to where
-// a neighbour's normal meets its own.
+// m: the part of the way to where a neighbour's normal meets a vertex's own, as normals of a fold
+// do.
+float way_to_fold(const SkinRings& rings, std::span<const float> positions,
+                  std::span<const float> normals, int v, float fraction) {
+  float out = std::numeric_limits<float>::max();
+  const Float4 p = load4(&positions[4 * v]), n = load4(&normals[4 * v]);
+  for (int u : ring_of(rings, v)) {
+    const Float4 edge = load4(&positions[4 * u]) - p;
+    const float nearing = sum4((n - load4(&normals[4 * u])) * edge)[0];
+    if (nearing > 0) out = std::min(out, fraction * sum4(edge * edge)[0] / nearing);
+  }
+  return out;
+}
+
+// In a fold the skin is lifted by no more than a part of the way to where its normals meet.
 void spare_folds(const SkinRings& rings, std::span<const float> positions,
                  std::span<const float> normals, LiftWorkspace& s) {
   each(s, [&](int v) {
-    float& most = s.lift[v];
-    if (most < kNoLift) return;
-    const Float4 p = load4(&positions[4 * v]), n = load4(&normals[4 * v]);
-    for (int u : ring_of(rings, v)) {
-      const Float4 edge = load4(&positions[4 * u]) - p;
-      const float nearing = sum4((n - load4(&normals[4 * u])) * edge)[0];
-      if (nearing > 0)
-        most = std::min(most, kParameters.fold_fraction * sum4(edge * edge)[0] / nearing);
-    }
+    float& lift = s.lift[v];
+    if (lift > kNoLift)
+      lift = std::min(lift, way_to_fold(rings, positions, normals, v, kParameters.fold_fraction));
   });
 }
 
@@ -83,6 +87,52 @@ void smooth_clearance(const SkinRings& rings, LiftWorkspace& s, std::vector<floa
 }
 
 }  // namespace
+
+void begin_raise(const SkinRings& rings, std::span<const float> positions,
+                 std::span<const float> normals, LiftWorkspace& s) {
+  const std::size_t n = positions.size() / 4;
+  s.rise.assign(n, 0);
+  s.unraised.assign(positions.begin(), positions.end());
+  s.normals.assign(normals.begin(), normals.end());
+  s.most.assign(n, kParameters.most_depth);
+  tbb::parallel_for(tbb::blocked_range<int>(0, int(n), kBlock), [&](const auto& range) {
+    for (int v = range.begin(); v < range.end(); ++v)
+      s.most[v] = std::min(
+          s.most[v], way_to_fold(rings, positions, normals, v, kParameters.bone_fold_fraction));
+  });
+  s.before = s.most;
+  for (int round = 0; round < kParameters.easing_rounds; ++round) {
+    tbb::parallel_for(tbb::blocked_range<int>(0, int(n), kBlock), [&](const auto& range) {
+      for (int v = range.begin(); v < range.end(); ++v)
+        s.before[v] = std::min(s.most[v], mean_about(rings, v, s.most));
+    });
+    s.most.swap(s.before);
+  }
+}
+
+void raise_skin(const SkinRings& rings, std::span<const SkinPenetration> points,
+                std::span<float> positions, LiftWorkspace& s) {
+  s.met.assign(s.rise.size(), 0);
+  s.vertices.clear();
+  s.lift = s.rise;
+  for (const SkinPenetration& point : points) {
+    meet(point.vertex, s);
+    s.lift[point.vertex] = std::max(s.lift[point.vertex], s.rise[point.vertex] + point.depth);
+  }
+  s.before = s.lift;
+  std::size_t begin = 0;
+  for (int round = 0; round < kParameters.raise_rounds; ++round) {
+    const std::size_t end = s.vertices.size();
+    for (; begin < end; ++begin)
+      for (int u : ring_of(rings, s.vertices[begin])) meet(u, s);
+    s.lift.swap(s.before);
+    each(s, [&](int v) { s.lift[v] = std::max(s.before[v], mean_about(rings, v, s.before)); });
+  }
+  each(s, [&](int v) {
+    s.rise[v] = std::min(s.lift[v], s.most[v]);
+    store4(&positions[4 * v], load4(&s.unraised[4 * v]) + s.rise[v] * load4(&s.normals[4 * v]));
+  });
+}
 
 bool lift_skin(const SkinRings& rings, std::span<const SkinPenetration> points,
                std::span<const float> normals, std::span<const float> liftable,

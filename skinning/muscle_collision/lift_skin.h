@@ -18,6 +18,8 @@ struct LiftParameters {
   int easing_rounds = 4;        // of smoothing about folds
   float liftable_gain = 4;      // skin is lifted freely where it is at least a quarter liftable
   float fold_fraction = 0.12f;  // of the way to where normals of a fold meet
+  float bone_fold_fraction = 0.3f;  // the same over bones, which do not give way
+  int raise_rounds = 3;             // of smoothing upwards over bones
 };
 
 // m: deeper points leave the skin free to sink.
@@ -29,5 +31,13 @@ inline constexpr float kClearance = 0.005f;
 bool lift_skin(const SkinRings& rings, std::span<const SkinPenetration> points,
                std::span<const float> normals, std::span<const float> liftable,
                std::span<float> positions, std::vector<float>& clearance, LiftWorkspace& workspace);
+
+// Lifts the skin in rounds over points that do not give way: raise_skin() for what is out then,
+// after begin_raise() once. It moves along the first round's normals, and no farther than folds
+// allow.
+void begin_raise(const SkinRings& rings, std::span<const float> positions,
+                 std::span<const float> normals, LiftWorkspace& workspace);
+void raise_skin(const SkinRings& rings, std::span<const SkinPenetration> points,
+                std::span<float> positions, LiftWorkspace& workspace);
 
 }  // namespace ecorche::inline v1

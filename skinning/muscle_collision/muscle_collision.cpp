@@ -23,6 +23,8 @@ MuscleCollision make_muscle_collision(const Anatomy& anatomy, const PosedAnatomy
       std::fill(data->thickness.begin() + range.begin, data->thickness.begin() + range.end,
                 part.thickness);
   }
+  data->bones = place_bone_probes(anatomy, skin, data->rings);
+  data->joints = anatomy.skeleton.joints.size();
   data->probes = place_probes(rest.slices, data->thickness, skin, data->rings);
   for (const SliceRange& range : data->strips) {
     const auto first =

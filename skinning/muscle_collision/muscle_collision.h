@@ -7,7 +7,8 @@
 // of the way, smoothly round about, but not in folds and where it meets itself; the tissue for that
 // comes from where no muscle is near: body and limbs keep their volumes. push_muscles.h then
 // presses outlines that are still out, and moves sections inward where pressing alone is not
-// enough; bellies take their volume again. At rest nothing moves. A function of skin and slices
+// enough; bellies take their volume again. Points of bones near the skin are probes, too, over
+// which keep_skin_over_bones.h lifts the skin. At rest nothing moves. A function of skin and slices
 // alone. A refined skin follows its base mesh in this too.
 #pragma once
 

@@ -25,6 +25,10 @@ struct SkinRings {
   std::vector<int> ring_begin, ring;  // #V + 1; neighbours, each once
 };
 
+inline std::span<const int> ring_of(const SkinRings& rings, int v) {
+  return {rings.ring.data() + rings.ring_begin[v], rings.ring.data() + rings.ring_begin[v + 1]};
+}
+
 SkinRings make_skin_rings(const TriMesh& skin);
 
 struct PosedSkin {
