@@ -31,6 +31,7 @@ constexpr double kLeastFilled = 0.1, kFilled = 0.6;  // of a cell, where it begi
 // Of a joint and of a control of the skin, else they are left out.
 constexpr double kLeastWeight = 0.002, kLeastSkinWeight = 0.01;
 constexpr int kFlowRounds = 2;
+constexpr int kEvenRounds = 10;     // along tendons
 constexpr double kMostStretch = 2;  // of a section's width or thickness
 constexpr double kMostLean = 0.7;   // rad, of a section's normal from the line of centres
 constexpr std::size_t kRight = 0, kUp = kOutlinePoints / 4, kLeft = kOutlinePoints / 2,
@@ -372,6 +373,17 @@ Vec3 line_at(std::span<const Ellipse> slices, int begin, int end, std::size_t k)
          slices[std::size_t(std::max(int(k) - 1, begin))].center;
 }
 
+// Evens along a strip's tendons by how much the map moves them from their line, so that they bend
+// as the line does.
+void even_tendons(std::span<const Vec3> line, std::span<const float> belly,
+                  std::span<Ellipse> strip) {
+  const auto shift = [&](std::size_t k) { return Vec3(strip[k].center - line[k]); };
+  for (int round = 0; round < kEvenRounds; ++round)
+    for (std::size_t k = 1; k + 1 < strip.size(); ++k)
+      strip[k].center +=
+          0.5 * (1 - double(belly[k])) * (0.5 * (shift(k - 1) + shift(k + 1)) - shift(k));
+}
+
 // Axes of a section from the directions that the map gives it. Where the map leans it far from its
 // line, or over, it is turned back: a section that lies along its line has no volume.
 Mat3 section_axes(const Vec3& width, const Vec3& thickness, const Vec3& line, double most_lean) {
@@ -455,11 +467,21 @@ void carry_muscles(const BodyMap& map, std::span<const float> positions,
                 flow_at(p, workspace.flow));
   };
   const std::size_t count = map.sections.size();
+  workspace.lines.resize(count);
   const auto straight_at = [&](std::size_t k) {
     return straightness(map.sections[k].center, workspace.straight);
   };
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+    workspace.lines[k] = posed.slices[k].center;
     posed.slices[k].center = carried(map.sections[k].center, straight_at(k));
+  });
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+    const MapSection& section = map.sections[k];
+    if (int(k) != section.begin || section.sheet) return;
+    const std::size_t sections = std::size_t(section.end - section.begin);
+    even_tendons(std::span(workspace.lines).subspan(k, sections),
+                 std::span(posed.belly).subspan(k, sections),
+                 std::span(posed.slices).subspan(k, sections));
   });
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     const MapSection& section = map.sections[k];

@@ -67,6 +67,7 @@ struct BodyMapWorkspace {
   std::vector<std::array<float, 8>> rotations;  // the same as dual quaternions
   std::vector<Vec3> controls;                   // #controls, where the map alone brings them
   std::vector<Vec3> shifts;                     // #controls + 1, m
+  std::vector<Vec3> lines;                      // #sections, centres by their action lines
   std::vector<Vec3> before, after, flow;        // #nodes, world; without and with flow
   std::vector<Mat3> turns;                      // #nodes
   std::vector<double> straight;                 // #nodes, share of straight lines
