@@ -161,6 +161,12 @@ void mirror_sections(const std::vector<int>& partners, double plane, Sections& s
   }
 }
 
+// Deep aponeuroses stay behind what lies over them.
+FreeEnds ends_of(const Muscle& muscle) {
+  if (muscle.layer != "superficial") return {};
+  return {muscle.origin_bone.empty(), muscle.insertion_bone.empty()};
+}
+
 // Muscles part from bones and from one another, and are slimmed to what they are to hold.
 void share_room(Anatomy& anatomy, Sections& sections, const std::vector<int>& partners,
                 const SkinRays& rays, const FatLayer& fat, const DilateOptions& options,
@@ -206,7 +212,7 @@ void dilate_ecorche(Anatomy& anatomy, Sections& sections, const SkinRays& rays, 
       if (partners[m] >= 0) return;
       for_strips(muscles[m].strips, sections.of(m),
                  [&](const Strip& strip, std::span<Ellipse> slices) {
-                   stretch_strip(strip, slices, int(m), flesh);
+                   stretch_strip(strip, slices, int(m), ends_of(muscles[m]), flesh);
                  });
     });
     mirror_sections(partners, plane, sections);

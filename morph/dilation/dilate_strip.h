@@ -27,9 +27,15 @@ struct StripCount {
   void add(const StripCount& other);
 };
 
+// Ends of a strip that lie in fascia: they go with the flesh around them, as bellies do, where ends
+// on bones stay.
+struct FreeEnds {
+  bool origin = false, insertion = false;
+};
+
 // Moves and stretches the sections with the flesh around them. `slices`: of `strip`, which gives s
 // and the belly.
-void stretch_strip(const Strip& strip, std::span<Ellipse> slices, int muscle,
+void stretch_strip(const Strip& strip, std::span<Ellipse> slices, int muscle, FreeEnds ends,
                    const TissueStretch& flesh);
 
 StripCount grow_strip(const Strip& strip, std::span<Ellipse> slices, bool grows,

@@ -20,6 +20,9 @@ struct CheckOptions {
   double rest_spacing = 0.0015;  // m, between the lines that volumes are measured along
   double pose_spacing = 0.0025;
   double sweep_step = 0.017453292519943295;  // rad; not above 0: no sweeps
+  // Muscles that these were made from, in the body they were made for: the template's. Null:
+  // nothing is known of muscles torn at rest.
+  const std::vector<Muscle>* reference = nullptr;
 };
 
 // Of one muscle. Shares are of its volume, or of the points of its surface.
@@ -72,6 +75,9 @@ struct AnatomyCheck {
   // the largest share of one muscle's volume that lies in bones, and whose
   double pierced_share = 0;
   std::string pierced_muscle;
+  bool compared = false;              // with the reference
+  int torn = 0, needles_at_rest = 0;  // muscles, points (torn_muscles.h)
+  std::string torn_muscle;            // the worst
   // of the area under the fat layer of limbs and trunk within 5 mm of muscle or bone; NaN: not
   // known
   double filled_share = 0;
