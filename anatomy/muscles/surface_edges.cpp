@@ -1,5 +1,6 @@
 #include "anatomy/muscles/surface_edges.h"
 
+#include <cmath>
 #include <unordered_map>
 #include <utility>
 
@@ -42,9 +43,10 @@ std::vector<SurfaceEdge> inner_edges(const MuscleSurface& surface, const Points&
   return out;
 }
 
-std::vector<double> standing_off(std::span<const SurfaceEdge> edges, const Points& positions,
-                                 int vertices) {
-  std::vector<Vec3> sum(vertices, Vec3::Zero());
+Standing standing_off(const MuscleSurface& surface, std::span<const SurfaceEdge> edges,
+                      const Points& positions) {
+  const std::size_t vertices = surface.vertices();
+  std::vector<Vec3> sum(vertices, Vec3::Zero()), normals(vertices, Vec3::Zero());
   std::vector<int> count(vertices, 0);
   for (const SurfaceEdge& edge : edges)
     for (const auto& [own, other] :
@@ -52,9 +54,15 @@ std::vector<double> standing_off(std::span<const SurfaceEdge> edges, const Point
       sum[own] += positions.row(other).transpose();
       ++count[own];
     }
-  std::vector<double> out(vertices, 0.0);
-  for (int v = 0; v < vertices; ++v)
-    if (count[v] > 0) out[v] = (positions.row(v).transpose() - sum[v] / count[v]).norm();
+  for (int f = 0; f < int(surface.F.rows()); ++f)
+    for (int k = 0; k < 3; ++k) normals[surface.F(f, k)] += face_normal(positions, surface.F, f);
+  Standing out{std::vector<double>(vertices, 0.0), std::vector<double>(vertices, 0.0)};
+  for (std::size_t v = 0; v < vertices; ++v) {
+    if (count[v] == 0) continue;
+    const Vec3 offset = positions.row(v).transpose() - sum[v] / count[v];
+    out.off[v] = offset.norm();
+    out.out[v] = std::abs(offset.dot(normals[v].normalized()));
+  }
   return out;
 }
 

@@ -23,8 +23,13 @@ std::vector<SurfaceEdge> inner_edges(const MuscleSurface& surface, const Points&
 // How long an edge is and how much the surface turns there, elsewhere.
 SurfaceEdge edge_at(const SurfaceEdge& edge, const MuscleSurface& surface, const Points& positions);
 
-// How far each vertex stands off the mean of its neighbours, m.
-std::vector<double> standing_off(std::span<const SurfaceEdge> edges, const Points& positions,
-                                 int vertices);
+// How far each vertex stands off the mean of its neighbours, m: all the way, and along the
+// surface's normal there, which is what stands out of it or lies in it.
+struct Standing {
+  std::vector<double> off, out;  // #V
+};
+
+Standing standing_off(const MuscleSurface& surface, std::span<const SurfaceEdge> edges,
+                      const Points& positions);
 
 }  // namespace ecorche::inline v1

@@ -21,6 +21,8 @@ struct TornFrom {
   double worst = 0;  // m
 };
 constexpr TornFrom kManyNeedles{12, 0.015}, kLongNeedles{6, 0.025};
+// What lies within the surface is seen by nobody: so many have to stand out of it.
+constexpr int kRaised = 3;
 
 bool same_sections(const Muscle& a, const Muscle& b) {
   return std::ranges::equal(a.strips, b.strips, [](const Strip& s, const Strip& t) {
@@ -47,11 +49,12 @@ MuscleTear measure_tear(const Muscle& muscle, const Muscle& reference) {
   if (now.surface.F.rows() != then.surface.F.rows()) return out;
   out.known = true;
   const std::vector<SurfaceEdge> edges = inner_edges(then.surface, then.positions);
-  const std::vector<double> was = standing_off(edges, then.positions, then.surface.vertices()),
-                            is = standing_off(edges, now.positions, now.surface.vertices());
-  for (std::size_t v = 0; v < is.size(); ++v) {
-    out.needles += is[v] > was[v] + kNeedleAtRest;
-    out.needle = std::max(out.needle, is[v] - was[v]);
+  const Standing was = standing_off(then.surface, edges, then.positions),
+                 is = standing_off(now.surface, edges, now.positions);
+  for (std::size_t v = 0; v < is.off.size(); ++v) {
+    out.needles += is.off[v] > was.off[v] + kNeedleAtRest;
+    out.raised += is.out[v] > was.out[v] + kNeedleAtRest;
+    out.needle = std::max(out.needle, is.off[v] - was.off[v]);
   }
   return out;
 }
@@ -74,9 +77,10 @@ std::vector<MuscleTear> measure_tears(const std::vector<Muscle>& muscles,
 }
 
 bool is_torn(const MuscleTear& tear) {
-  return std::ranges::any_of(std::array{kManyNeedles, kLongNeedles}, [&](const TornFrom& from) {
-    return tear.needles >= from.needles && tear.needle >= from.worst;
-  });
+  return tear.raised >= kRaised &&
+         std::ranges::any_of(std::array{kManyNeedles, kLongNeedles}, [&](const TornFrom& from) {
+           return tear.needles >= from.needles && tear.needle >= from.worst;
+         });
 }
 
 std::vector<int> torn_muscles(const std::vector<MuscleTear>& tears) {

@@ -16,6 +16,7 @@ namespace ecorche::inline v1 {
 struct MuscleTear {
   bool known = false;  // the reference has it, strip for strip and slice for slice
   int needles = 0;     // points that stand off the mean of their neighbours by 8 mm more
+  int raised = 0;      // points that do so along the surface's normal
   double needle = 0;   // m, by which the worst does
 };
 
@@ -23,7 +24,8 @@ struct MuscleTear {
 std::vector<MuscleTear> measure_tears(const std::vector<Muscle>& muscles,
                                       const std::vector<Muscle>& reference);
 
-// Whether it shows: twelve needles, the worst of 15 mm and more, or six of 25 mm and more.
+// Whether it shows: twelve needles, the worst of 15 mm and more, or six, the worst of 25 mm and
+// more; three points or more out of the surface.
 bool is_torn(const MuscleTear& tear);
 
 // Indices of those that are torn, the worst first.

@@ -49,13 +49,14 @@ struct Levels {
 // In every round: stricter levels leave gaps under the layer (2 points less is filled with those of
 // torn muscles); looser ones leave fins where one section finds room that those beside it do not.
 constexpr Levels kLevels{0.010, 1.5, 1.6f};
-// Of muscles that have needles, in the rounds that follow, and at last as often as it takes.
-constexpr Levels kTornLevels{0.015, 0.15, 1.3f};
-constexpr int kTornRounds = 6;
+// Of muscles that have needles, in the rounds that follow. Stricter: men of great mass are filled
+// by 0.3 % less.
+constexpr Levels kTornLevels{0.015, 0.15, 1.45f};
 constexpr double kPackedNeedle = 0.008;  // m that a point stands off more than that of an ellipse
 // Or that share of the way to the next section, where they are few: a blunt edge is no needle.
 constexpr double kNeedleStep = 0.6;
 constexpr int kFewNeedles = 6;  // of a muscle, that are left
+constexpr int kFewRaised = 2;   // of them, that stand out of the surface
 // Radii by which a needy muscle moves the border into a neighbour with less need; larger: volumes
 // agree better with their targets, sections are more uneven.
 constexpr double kPush = 0.5;
@@ -192,24 +193,6 @@ class MusclePacking {
     }
   }
 
-  // Of each muscle, points that stand off their neighbours and would not if sections were ellipses.
-  std::vector<int> needles() {
-    update_muscle_surface(surface_, all_.slices, positions_);
-    const std::vector<SurfaceEdge> edges = inner_edges(surface_, positions_);
-    std::vector<Ellipse> ellipses = all_.slices;
-    for (Ellipse& ellipse : ellipses) ellipse.outline = kEllipticOutline;
-    Points smooth;
-    update_muscle_surface(surface_, ellipses, smooth);
-    const std::vector<double> is = standing_off(edges, positions_, surface_.vertices()),
-                              was = standing_off(edges, smooth, surface_.vertices());
-    const std::vector<double> steps = steps_along();
-    std::vector<int> out(wanted_.size(), 0);
-    for (std::size_t v = 0; v < is.size(); ++v)
-      out[surface_.muscle[v]] +=
-          is[v] > was[v] + std::max(kPackedNeedle, kNeedleStep * steps[surface_.slice[v]]);
-    return out;
-  }
-
   // From each section to the next one of its strip, m.
   std::vector<double> steps_along() const {
     std::vector<double> out(all_.slices.size(), 0);
@@ -222,29 +205,26 @@ class MusclePacking {
     return out;
   }
 
-  // Muscles that are torn by now are kept level from here on.
+  // Muscles with points that stand off their neighbours and would not if sections were ellipses,
+  // some of them out of the surface, are kept level from here on.
   void find_torn() {
-    const std::vector<int> torn = needles();
-    for (std::size_t m = 0; m < torn.size(); ++m)
-      if (torn[m] > kFewNeedles) torn_[m] = 1;
-  }
-
-  // What is torn still is levelled until it is not; it gives way, nothing grows.
-  void mend() {
-    std::vector<SliceOutline> outlines(all_.slices.size());
-    for (int round = 0; round < kTornRounds; ++round) {
-      const std::vector<int> torn = needles();
-      for (std::size_t k = 0; k < outlines.size(); ++k) outlines[k] = all_.slices[k].outline;
-      bool any = false;
-      for (const StripPlace& strip : all_.strips) {
-        if (all_.is_mirrored(strip) || torn[strip.muscle] <= kFewNeedles) continue;
-        any = true;
-        level_off(strip, kTornLevels, outlines);
-        for (std::size_t k = strip.begin; k < strip.end; ++k) all_.slices[k].outline = outlines[k];
-      }
-      if (!any) break;
+    update_muscle_surface(surface_, all_.slices, positions_);
+    const std::vector<SurfaceEdge> edges = inner_edges(surface_, positions_);
+    std::vector<Ellipse> ellipses = all_.slices;
+    for (Ellipse& ellipse : ellipses) ellipse.outline = kEllipticOutline;
+    Points smooth;
+    update_muscle_surface(surface_, ellipses, smooth);
+    const Standing is = standing_off(surface_, edges, positions_),
+                   was = standing_off(surface_, edges, smooth);
+    const std::vector<double> steps = steps_along();
+    std::vector<int> off(wanted_.size(), 0), out(wanted_.size(), 0);
+    for (std::size_t v = 0; v < is.off.size(); ++v) {
+      const double needle = std::max(kPackedNeedle, kNeedleStep * steps[surface_.slice[v]]);
+      off[surface_.muscle[v]] += is.off[v] > was.off[v] + needle;
+      out[surface_.muscle[v]] += is.out[v] > was.out[v] + needle;
     }
-    mirror();
+    for (std::size_t m = 0; m < torn_.size(); ++m)
+      if (off[m] > kFewNeedles && out[m] > kFewRaised) torn_[m] = 1;
   }
 
   void finish() {
@@ -678,7 +658,6 @@ PackingReport pack_muscles(Anatomy& anatomy, std::span<Ellipse> slices,
     sharing.round(Round::settling, 0);
   }
   for (int round = 0; round < limits.settling; ++round) sharing.round(Round::settling, 0);
-  sharing.mend();
   sharing.finish();
   return sharing.report();
 }

@@ -165,9 +165,10 @@ void check_torn(const Subject& subject, const CheckOptions& options, AnatomyChec
   if (!options.reference) return;
   const std::vector<Muscle>& muscles = subject.anatomy().muscles;
   const std::vector<MuscleTear> tears = measure_tears(muscles, *options.reference);
-  for (const MuscleTear& tear : tears) {
-    check.compared = check.compared || tear.known;
-    check.needles_at_rest += tear.needles;
+  for (std::size_t m = 0; m < tears.size(); ++m) {
+    check.compared = check.compared || tears[m].known;
+    check.needles_at_rest += tears[m].needles;
+    check.muscles[m].tear = tears[m];
   }
   const std::vector<int> torn = torn_muscles(tears);
   check.torn = int(torn.size());

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "anatomy/base_mesh/body_package.h"
+#include "anatomy/muscles/torn_muscles.h"
 #include "skinning/character/character_model.h"
 #include "skinning/motion/limit_poses.h"
 
@@ -30,6 +31,7 @@ struct MuscleCheck {
   double volume = 0;                   // of its surface, m^3
   int points = 0, points_outside = 0;  // at rest
   double overlap = 0, in_bone = 0;     // shares at rest
+  MuscleTear tear;                     // at rest, against the reference
   int neighbour = -1;                  // the muscle it shares most with, -1 none
   double neighbour_volume = 0;         // m^3
   double posed_outside = 0, posed_overlap = 0, posed_in_bone = 0;  // shares, each in its worst pose

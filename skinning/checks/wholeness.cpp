@@ -56,7 +56,7 @@ RestSurface make_rest_surface(const MuscleSurface& surface, std::span<const Slic
                               const PosedAnatomy& rest, const TriMesh& flesh) {
   RestSurface out;
   out.edges = inner_edges(surface, flesh.V);
-  out.standing_off = standing_off(out.edges, flesh.V, surface.vertices());
+  out.standing_off = standing_off(surface, out.edges, flesh.V).off;
   out.covered = covered_within(flesh, surface.vertices(), kTouching);
   out.tendon_turns = turns_of_tendons(ranges, rest);
   return out;
@@ -81,7 +81,7 @@ std::vector<MuscleWholeness> measure_wholeness(const RestSurface& rest,
     std::nth_element(stretches[m].begin(), at, stretches[m].end());
     out[m].stretch = *at;
   }
-  const std::vector<double> off = standing_off(rest.edges, flesh.V, surface.vertices());
+  const std::vector<double> off = standing_off(surface, rest.edges, flesh.V).off;
   const std::vector<char> covered = covered_within(flesh, surface.vertices(), kApart);
   const std::vector<double> areas = vertex_areas(flesh);
   for (int v = 0; v < surface.vertices(); ++v) {
