@@ -66,8 +66,21 @@ void StripCount::add(const StripCount& other) {
   near_skin = near_skin || other.near_skin;
 }
 
+std::vector<double> heights_in_room(std::span<const Ellipse> slices, int muscle,
+                                    const TissueStretch& flesh) {
+  constexpr double kOver = 3e-3;  // m from a section to the outermost muscle: another lies over it
+  std::vector<double> out;
+  for (const Ellipse& slice : slices) {
+    const TissuePull pull = flesh.at(slice.center, muscle);
+    const double half =
+        (slice.axes.leftCols<2>().transpose() * pull.outwards).cwiseProduct(slice.radii).norm();
+    out.push_back(pull.height + half + kOver < pull.tall ? pull.height / pull.tall : 1);
+  }
+  return out;
+}
+
 void stretch_strip(const Strip& strip, std::span<Ellipse> slices, int muscle, FreeEnds ends,
-                   const TissueStretch& flesh) {
+                   std::span<const double> heights, const TissueStretch& flesh) {
   std::vector<Vec3> shifts;
   std::vector<Vec2> scales;
   for (std::size_t k = 0; k < slices.size(); ++k) {
@@ -86,9 +99,10 @@ void stretch_strip(const Strip& strip, std::span<Ellipse> slices, int muscle, Fr
       scale[axis] = along * stretch + (1 - along) * sideways;
       half += along * std::pow(scale[axis] * slice.radii[axis], 2);
     }
-    const double most = std::max(0.0, pull.free - std::sqrt(half));
-    shifts.push_back((pull.shift > 0 ? std::min(free * pull.shift, most) : pull.shift) *
-                     pull.outwards);
+    const double most = std::max(0.0, pull.free - std::sqrt(half)),
+                 kept = heights[k] * pull.room - pull.height;
+    const double shift = std::max(belly * pull.shift, std::min(free * pull.shift, kept));
+    shifts.push_back((pull.shift > 0 ? std::min(shift, most) : pull.shift) * pull.outwards);
     scales.push_back(scale);
   }
   smooth_along(shifts, 3);

@@ -33,10 +33,16 @@ struct FreeEnds {
   bool origin = false, insertion = false;
 };
 
+// Of each section that lies under another muscle, how high it lies over bone, as a share of the
+// outermost one's height; 1 for all others.
+std::vector<double> heights_in_room(std::span<const Ellipse> slices, int muscle,
+                                    const TissueStretch& flesh);
+
 // Moves and stretches the sections with the flesh around them. `slices`: of `strip`, which gives s
-// and the belly.
+// and the belly. `heights`: of the sections where they were carried to; free ends go no higher, so
+// that what lay over them lies over them still.
 void stretch_strip(const Strip& strip, std::span<Ellipse> slices, int muscle, FreeEnds ends,
-                   const TissueStretch& flesh);
+                   std::span<const double> heights, const TissueStretch& flesh);
 
 StripCount grow_strip(const Strip& strip, std::span<Ellipse> slices, bool grows,
                       const SkinRays& rays, const FatLayer& fat, const GrowthLimits& limits);
