@@ -113,6 +113,9 @@ void report_fit(const FittingReport& fitted, double skin_gap_median, Report& rep
   report.set("fit.muscle_points_outside_max", fitted.fill.furthest);
   report.set("fit.bone_overlap_share_max", fitted.fill.pierced_share);
   report.set("fit.bone_overlap_muscle", fitted.fill.pierced_muscle);
+  report.set("fit.torn_muscles", int(fitted.fill.torn.size()));
+  report.set("fit.torn_muscle", fitted.fill.torn.empty() ? "" : fitted.fill.torn.front());
+  report.set("fit.needles_at_rest", fitted.fill.needles);
   report.set("fit.superficial_gap_median", fitted.fill.superficial_gap_median);
   report.set("fit.skin_gap_median", skin_gap_median);
   report.set("fit.muscle_mass_wanted", fit.muscle_mass);

@@ -14,6 +14,11 @@ void report_anatomy_check(const AnatomyCheck& check, Report& report) {
   report.set("check.bone_overlap_share", check.bone_share);
   report.set("check.bone_overlap_share_max", check.pierced_share);
   report.set("check.bone_overlap_muscle", check.pierced_muscle);
+  if (check.compared) {
+    report.set("check.torn_muscles", check.torn);
+    report.set("check.torn_muscle", check.torn_muscle);
+    report.set("check.needles_at_rest", check.needles_at_rest);
+  }
   report.set("check.posed_bone_points_outside_max", check.posed_bone_points_outside);
   report.set("check.filled_share", check.filled_share);
   report.set("check.fat_gap_median", check.gap_median);

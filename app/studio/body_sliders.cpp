@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "anatomy/base_mesh/body_rig.h"
+#include "anatomy/base_mesh/chest_wall.h"
 #include "anatomy/base_mesh/eyes.h"
 #include "anatomy/errors.h"
 #include "anatomy/muscles/action_line.h"
@@ -210,7 +211,7 @@ std::shared_ptr<SlidBody> BodySliders::Impl::fit_first(const Points& skin) const
   const Body fitted_body = body_of(skin);
   Fit fit = fit_anatomy(body_template, fitted_body);
   const std::vector<Muscle> carried = fit.anatomy.muscles;
-  const SkinRays rays(capped_skin(package, skin));
+  const SkinRays rays(chest_wall_skin(package, fitted_body.sex, skin));
   const FatLayer fat = make_fat_layer(body_template.tables.fat, rays, fit.anatomy, fitted_body);
   DilateOptions options;
   options.share = false;

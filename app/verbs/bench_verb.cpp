@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "anatomy/base_mesh/body_rig.h"
+#include "anatomy/base_mesh/chest_wall.h"
 #include "anatomy/base_mesh/refined_skin.h"
 #include "anatomy/geometry/subdivide.h"
 #include "anatomy/muscles/action_line.h"
@@ -152,7 +153,7 @@ Ratio bench_stranger(const Actor& stranger, const Actor& ours, const Motion& mot
 std::vector<Ratio> bench_dilation(const Template& body_template, const FittedActor& fitted,
                                   const BodyPackage& package, int rounds) {
   const Body& body = fitted.actor.character.body;
-  const SkinRays rays(capped_skin(package, body.skin.V));
+  const SkinRays rays(chest_wall_skin(package, body.sex, body.skin.V));
   const FatLayer fat = make_fat_layer(body_template.tables.fat, rays, fitted.undilated, body);
   const auto slices = rest_slices(fitted.undilated);
   const std::vector<Vec2> directions = ray_directions(DilateOptions{}.rays);

@@ -122,6 +122,8 @@ int run_check(const CheckVerbOptions& options, const Common& common, Report& rep
     poses = read_limit_poses(options.poses, skeleton, UnknownJoints::refuse);
   CheckOptions how;
   if (options.no_sweeps) how.sweep_step = 0;
+  const Template body_template = read_template(common.assets);
+  how.reference = &body_template.anatomy.muscles;
   AnatomyCheck check;
   {
     const StageTimer timer(report, "check");

@@ -161,6 +161,12 @@ void mirror_sections(const std::vector<int>& partners, double plane, Sections& s
   }
 }
 
+// Deep aponeuroses stay behind what lies over them.
+FreeEnds ends_of(const Muscle& muscle) {
+  if (muscle.layer != "superficial") return {};
+  return {muscle.origin_bone.empty(), muscle.insertion_bone.empty()};
+}
+
 // Muscles part from bones and from one another, and are slimmed to what they are to hold.
 void share_room(Anatomy& anatomy, Sections& sections, const std::vector<int>& partners,
                 const SkinRays& rays, const FatLayer& fat, const DilateOptions& options,
@@ -200,13 +206,18 @@ void dilate_ecorche(Anatomy& anatomy, Sections& sections, const SkinRays& rays, 
   const std::vector<int> partners = left_partners(anatomy, options);
   const double plane = options.even_about.value_or(0);
   TissueStretch flesh(anatomy, rays, fat);
+  std::vector<std::vector<double>> heights(muscles.size());
   for (int round = 0; round < options.rounds; ++round) {
     flesh.look_at(sections.slices);
     for_muscles(muscles.size(), [&](std::size_t m) {
       if (partners[m] >= 0) return;
+      if (round == 0) heights[m] = heights_in_room(sections.of(m), int(m), flesh);
+      std::size_t first = 0;
       for_strips(muscles[m].strips, sections.of(m),
                  [&](const Strip& strip, std::span<Ellipse> slices) {
-                   stretch_strip(strip, slices, int(m), flesh);
+                   stretch_strip(strip, slices, int(m), ends_of(muscles[m]),
+                                 std::span(heights[m]).subspan(first, slices.size()), flesh);
+                   first += slices.size();
                  });
     });
     mirror_sections(partners, plane, sections);

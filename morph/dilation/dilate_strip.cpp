@@ -10,10 +10,12 @@ namespace {
 
 constexpr double kNearSkin = 4e-3;  // m
 
-// 1 on the belly, fading to 0 within a tenth of the line on the tendons.
-double belly_share(const Strip& strip, double s) {
+// 1 on the belly and towards free ends, fading to 0 within a tenth of the line on the tendons.
+double belly_share(const Strip& strip, double s, FreeEnds ends = {}) {
   constexpr double kFade = 0.1;
-  return std::clamp(1 - std::max(strip.belly_begin - s, s - strip.belly_end) / kFade, 0.0, 1.0);
+  const double before = ends.origin ? 0 : strip.belly_begin - s,
+               after = ends.insertion ? 0 : s - strip.belly_end;
+  return std::clamp(1 - std::max(before, after) / kFade, 0.0, 1.0);
 }
 
 // Shifts smoothed along the strip, never beyond the length of the first ones.
@@ -64,8 +66,21 @@ void StripCount::add(const StripCount& other) {
   near_skin = near_skin || other.near_skin;
 }
 
-void stretch_strip(const Strip& strip, std::span<Ellipse> slices, int muscle,
-                   const TissueStretch& flesh) {
+std::vector<double> heights_in_room(std::span<const Ellipse> slices, int muscle,
+                                    const TissueStretch& flesh) {
+  constexpr double kOver = 3e-3;  // m from a section to the outermost muscle: another lies over it
+  std::vector<double> out;
+  for (const Ellipse& slice : slices) {
+    const TissuePull pull = flesh.at(slice.center, muscle);
+    const double half =
+        (slice.axes.leftCols<2>().transpose() * pull.outwards).cwiseProduct(slice.radii).norm();
+    out.push_back(pull.height + half + kOver < pull.tall ? pull.height / pull.tall : 1);
+  }
+  return out;
+}
+
+void stretch_strip(const Strip& strip, std::span<Ellipse> slices, int muscle, FreeEnds ends,
+                   std::span<const double> heights, const TissueStretch& flesh) {
   std::vector<Vec3> shifts;
   std::vector<Vec2> scales;
   for (std::size_t k = 0; k < slices.size(); ++k) {
@@ -73,7 +88,8 @@ void stretch_strip(const Strip& strip, std::span<Ellipse> slices, int muscle,
     const TissuePull pull = flesh.at(slice.center, muscle);
     // Flesh that grows outwards also spreads sideways, at half the rate; pressed flesh keeps its
     // width. Tendons do not grow.
-    const double belly = belly_share(strip, strip.slices[k].s);
+    const double s = strip.slices[k].s, belly = belly_share(strip, s),
+                 free = belly_share(strip, s, ends);
     const double stretch = pull.stretch > 1 ? 1 + belly * (pull.stretch - 1) : pull.stretch;
     const double sideways = stretch > 1 ? 1 + (stretch - 1) / 2 : 1;
     Vec2 scale;
@@ -83,9 +99,10 @@ void stretch_strip(const Strip& strip, std::span<Ellipse> slices, int muscle,
       scale[axis] = along * stretch + (1 - along) * sideways;
       half += along * std::pow(scale[axis] * slice.radii[axis], 2);
     }
-    const double most = std::max(0.0, pull.free - std::sqrt(half));
-    shifts.push_back((pull.shift > 0 ? std::min(belly * pull.shift, most) : pull.shift) *
-                     pull.outwards);
+    const double most = std::max(0.0, pull.free - std::sqrt(half)),
+                 kept = heights[k] * pull.room - pull.height;
+    const double shift = std::max(belly * pull.shift, std::min(free * pull.shift, kept));
+    shifts.push_back((pull.shift > 0 ? std::min(shift, most) : pull.shift) * pull.outwards);
     scales.push_back(scale);
   }
   smooth_along(shifts, 3);

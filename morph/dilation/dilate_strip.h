@@ -27,10 +27,22 @@ struct StripCount {
   void add(const StripCount& other);
 };
 
+// Ends of a strip that lie in fascia: they go with the flesh around them, as bellies do, where ends
+// on bones stay.
+struct FreeEnds {
+  bool origin = false, insertion = false;
+};
+
+// Of each section that lies under another muscle, how high it lies over bone, as a share of the
+// outermost one's height; 1 for all others.
+std::vector<double> heights_in_room(std::span<const Ellipse> slices, int muscle,
+                                    const TissueStretch& flesh);
+
 // Moves and stretches the sections with the flesh around them. `slices`: of `strip`, which gives s
-// and the belly.
-void stretch_strip(const Strip& strip, std::span<Ellipse> slices, int muscle,
-                   const TissueStretch& flesh);
+// and the belly. `heights`: of the sections where they were carried to; free ends go no higher, so
+// that what lay over them lies over them still.
+void stretch_strip(const Strip& strip, std::span<Ellipse> slices, int muscle, FreeEnds ends,
+                   std::span<const double> heights, const TissueStretch& flesh);
 
 StripCount grow_strip(const Strip& strip, std::span<Ellipse> slices, bool grows,
                       const SkinRays& rays, const FatLayer& fat, const GrowthLimits& limits);

@@ -13,6 +13,7 @@
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "anatomy/muscles/slice_outline.h"
+#include "anatomy/muscles/surface_edges.h"
 #include "anatomy/queries/occupancy_grid.h"
 #include "anatomy/queries/ray_crossings.h"
 #include "morph/dilation/fill_gaps.h"
@@ -38,6 +39,24 @@ constexpr double kTendonPower = 5;     // larger: what is a little belly grows l
 // Need is the target volume over the present one. A muscle grows into all of a deep room where its
 // need is above 1 by this; larger: deep muscles stay thin.
 constexpr double kWanting = 0.5;
+// What stands out beyond its neighbours is taken back: ridges shorter than `ridge` (m) along a
+// strip, but for so much of a rise a length; and points of an outline farther out than so many
+// times the mean of the two beside them (a corner between two planes at a right angle: 1.3).
+struct Levels {
+  double ridge = 0, rise = 0;
+  float sharpest = 1;
+};
+// In every round: stricter levels leave gaps under the layer (2 points less is filled with those of
+// torn muscles); looser ones leave fins where one section finds room that those beside it do not.
+constexpr Levels kLevels{0.010, 1.5, 1.6f};
+// Of muscles that have needles, in the rounds that follow. Stricter: men of great mass are filled
+// by 0.3 % less.
+constexpr Levels kTornLevels{0.015, 0.15, 1.45f};
+constexpr double kPackedNeedle = 0.008;  // m that a point stands off more than that of an ellipse
+// Or that share of the way to the next section, where they are few: a blunt edge is no needle.
+constexpr double kNeedleStep = 0.6;
+constexpr int kFewNeedles = 6;  // of a muscle, that are left
+constexpr int kFewRaised = 2;   // of them, that stand out of the surface
 // Radii by which a needy muscle moves the border into a neighbour with less need; larger: volumes
 // agree better with their targets, sections are more uneven.
 constexpr double kPush = 0.5;
@@ -74,6 +93,7 @@ class MusclePacking {
         limits_(limits),
         surface_(make_muscle_surface(anatomy)),
         all_(anatomy, surface_, slices, partners),
+        torn_(wanted.size(), 0),
         needs_(wanted.size(), 1.0),
         underside_(underside(skin.mesh(), fat)) {
     for (const Muscle& muscle : anatomy.muscles)
@@ -124,12 +144,87 @@ class MusclePacking {
     }
     for (const StripPlace& strip : all_.strips) {
       if (all_.is_mirrored(strip)) continue;
+      level_off(strip, torn_[strip.muscle] ? kTornLevels : kLevels, next);
       for (std::size_t k = strip.begin; k < strip.end; ++k) all_.slices[k].outline = next[k];
     }
     mirror();
     if (kind != Round::settling) return;
     settled_.outlines.clear();
     for (const Ellipse& slice : all_.slices) settled_.outlines.push_back(slice.outline);
+  }
+
+  // Takes back what stands out beyond its neighbours along and round a strip; nothing grows by it.
+  void level_off(const StripPlace& strip, const Levels& levels,
+                 std::vector<SliceOutline>& outlines) const {
+    constexpr std::size_t n = kDirectionsPackMuscles;
+    for (std::size_t k = strip.begin; k < strip.end; ++k) {
+      const SliceOutline old = outlines[k];
+      for (std::size_t i = 0; i < n; ++i) {
+        const std::size_t left = (i + n - 1) % n, right = (i + 1) % n;
+        if (all_.is_drawn(k, left) && all_.is_drawn(k, i) && all_.is_drawn(k, right))
+          outlines[k][i] = std::min(old[i], levels.sharpest * 0.5f * (old[left] + old[right]));
+      }
+    }
+    const std::size_t count = strip.end - strip.begin;
+    if (count < 4) return;
+    double length = 0;
+    for (std::size_t k = strip.begin + 1; k < strip.end; ++k)
+      length += (all_.slices[k].center - all_.slices[k - 1].center).norm();
+    const double step = length / double(count - 1);
+    const std::size_t window =
+        std::clamp(std::size_t(levels.ridge / std::max(step, 1e-4)) + 2, std::size_t{2}, count / 2);
+    std::vector<float> least(count - window + 1);
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < least.size(); ++j) {
+        least[j] = outlines[strip.begin + j][i];
+        for (std::size_t k = 1; k < window; ++k)
+          least[j] = std::min(least[j], outlines[strip.begin + j + k][i]);
+      }
+      for (std::size_t k = 0; k < count; ++k) {
+        if (!all_.is_drawn(strip.begin + k, i)) continue;
+        float level = 0;
+        for (std::size_t j = k + 1 < window ? 0 : k + 1 - window;
+             j <= std::min(k, least.size() - 1); ++j)
+          level = std::max(level, least[j]);
+        const double base = double(spokes_[(strip.begin + k) * n + i].base);
+        float& factor = outlines[strip.begin + k][i];
+        factor = std::min(factor, level + float(levels.rise * step / base));
+      }
+    }
+  }
+
+  // From each section to the next one of its strip, m.
+  std::vector<double> steps_along() const {
+    std::vector<double> out(all_.slices.size(), 0);
+    for (const StripPlace& strip : all_.strips)
+      for (std::size_t k = strip.begin; k < strip.end; ++k) {
+        const std::size_t one = std::min(k, std::max(strip.begin, strip.end - 2));
+        if (one + 1 < strip.end)
+          out[k] = (all_.slices[one + 1].center - all_.slices[one].center).norm();
+      }
+    return out;
+  }
+
+  // Muscles with points that stand off their neighbours and would not if sections were ellipses,
+  // some of them out of the surface, are kept level from here on.
+  void find_torn() {
+    update_muscle_surface(surface_, all_.slices, positions_);
+    const std::vector<SurfaceEdge> edges = inner_edges(surface_, positions_);
+    std::vector<Ellipse> ellipses = all_.slices;
+    for (Ellipse& ellipse : ellipses) ellipse.outline = kEllipticOutline;
+    Points smooth;
+    update_muscle_surface(surface_, ellipses, smooth);
+    const Standing is = standing_off(surface_, edges, positions_),
+                   was = standing_off(surface_, edges, smooth);
+    const std::vector<double> steps = steps_along();
+    std::vector<int> off(wanted_.size(), 0), out(wanted_.size(), 0);
+    for (std::size_t v = 0; v < is.off.size(); ++v) {
+      const double needle = std::max(kPackedNeedle, kNeedleStep * steps[surface_.slice[v]]);
+      off[surface_.muscle[v]] += is.off[v] > was.off[v] + needle;
+      out[surface_.muscle[v]] += is.out[v] > was.out[v] + needle;
+    }
+    for (std::size_t m = 0; m < torn_.size(); ++m)
+      if (off[m] > kFewNeedles && out[m] > kFewRaised) torn_[m] = 1;
   }
 
   void finish() {
@@ -519,6 +614,7 @@ class MusclePacking {
   PackingLimits limits_;
   MuscleSurface surface_;
   PackedSections all_;
+  std::vector<char> torn_;           // #muscles: kept level
   std::vector<double> needs_;        // #muscles: more than 1 where volume is wanting
   std::vector<RadialLimit> spokes_;  // #slices x #directions
   std::vector<float>
@@ -555,6 +651,7 @@ PackingReport pack_muscles(Anatomy& anatomy, std::span<Ellipse> slices,
   for (int round = 0; round < limits.parting; ++round) sharing.round(Round::parting, 1);
   for (int round = 0; round < limits.growing; ++round) sharing.round(Round::growing, 1);
   for (int turn = 0; turn < limits.covering; ++turn) {
+    sharing.find_torn();
     const Round kind = turn == 0 ? Round::covering_around : Round::covering;
     sharing.round(kind, 0);
     sharing.round(kind, 0);

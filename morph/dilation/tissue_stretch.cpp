@@ -283,6 +283,9 @@ TissuePull TissueStretch::at(const Vec3& point, int muscle) const {
   const double top = std::clamp(gap / used, -kMostShift, kMostShift), tall = height / used;
   const double above = bone / used - depth / weights;  // of this point over the bone
   pull.shift = top * std::clamp(above / tall, 0.0, 1.0);
+  pull.height = above;
+  pull.tall = tall;
+  pull.room = tall + top;
   pull.stretch = std::clamp(1 + top / tall, kLeastStretch, kMostStretch);
   return pull;
 }

@@ -22,6 +22,8 @@ struct TissuePull {
   double stretch = 1;             // of lengths along `outwards`
   double shift = 0;               // of this point along `outwards`, m
   double free = 0;                // from this point to the layer, m
+  // over bone, m: this point, the outermost muscle, and the layer
+  double height = 0, tall = 0, room = 0;
 };
 
 class TissueStretch {

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "anatomy/errors.h"
+#include "anatomy/geometry/join_meshes.h"
 #include "morph/fat/subcutaneous_bone.h"
 
 namespace ecorche::inline v1 {
@@ -126,6 +127,42 @@ float mean_of_sites(const std::vector<FatSite>& sites, const Vec3& point, const 
   return float(weights > 0 ? sum / weights : 0);
 }
 
+// Muscle lies over every rib: where ribs come near to the skin the layer is thinner, by no more
+// than to a share of it.
+void leave_room_over_ribs(const SkinRays& rays, const Anatomy& anatomy,
+                          std::vector<float>& thickness) {
+  // m in a body of 1.75 m. Larger: layers of fat thinner than the table's; smaller: ribs come
+  // through pectorals.
+  constexpr double kOverRibs = 0.009, kFarthest = 0.06;
+  constexpr float kLeastLayer = 0.35f;
+  constexpr int kSpreads = 2;  // rings of vertices: rays pass between ribs
+  std::vector<const TriMesh*> ribs;
+  for (const Bone& bone : anatomy.bones)
+    if (bone.name.starts_with("rib")) ribs.push_back(&bone.mesh);
+  if (ribs.empty()) return;
+  const SkinRays rib_rays(join_meshes(ribs), RayBuild::quick);
+  const TriMesh& skin = rays.mesh();
+  const std::vector<Vec3> normals = area_normals(skin);
+  const double size = (skin.V.col(1).maxCoeff() - skin.V.col(1).minCoeff()) / 1.75;
+  std::vector<float> most(thickness.size(), 1e3f);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, most.size(), 512), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      if (!(normals[i].squaredNorm() > 0.5)) continue;
+      const RayHit hit = rib_rays.first_hit(skin.V.row(i), -normals[i], kFarthest);
+      if (hit.triangle >= 0) most[i] = hit.distance - float(kOverRibs * size);
+    }
+  });
+  for (int spread = 0; spread < kSpreads; ++spread) {
+    const std::vector<float> before = most;
+    for (Eigen::Index f = 0; f < skin.F.rows(); ++f)
+      for (int k = 0; k < 3; ++k)
+        for (int j = 0; j < 3; ++j)
+          most[skin.F(f, k)] = std::min(most[skin.F(f, k)], before[skin.F(f, j)]);
+  }
+  for (std::size_t i = 0; i < thickness.size(); ++i)
+    thickness[i] = std::max(std::min(thickness[i], most[i]), kLeastLayer * thickness[i]);
+}
+
 double mass_index(const Body& body) {
   const double height = body.skin.V.col(1).maxCoeff() - body.skin.V.col(1).minCoeff();
   constexpr double kDensity = 1010;  // kg/m^3, with the air in the lungs
@@ -214,6 +251,7 @@ FatLayer make_fat_layer(const FatTables& tables, const SkinRays& rays, const Ana
                         const Body& body) {
   FatLayer layer = make_fat_layer(tables.sites, rays, anatomy.skeleton,
                                   FatOptions{body.sex, estimate_fatness(body)});
+  leave_room_over_ribs(rays, anatomy, layer.thickness);
   reach_subcutaneous_bone(tables.subcutaneous_bone, rays, anatomy, layer.thickness);
   return layer;
 }

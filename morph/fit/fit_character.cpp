@@ -3,6 +3,7 @@
 #include <chrono>
 #include <utility>
 
+#include "anatomy/base_mesh/chest_wall.h"
 #include "anatomy/queries/ray_caster.h"
 #include "morph/fat/muscle_mass.h"
 
@@ -28,23 +29,26 @@ FittedCharacter fit_character(const Template& body_template, const Body& body,
   fitted.undilated = fitted.anatomy;
 
   const TriMesh closed_skin = capped_skin(package, body.skin.V);
+  // muscles and the layer over them lie under the chest's wall, not in the breasts
+  const SkinRays wall(chest_wall_skin(package, body.sex, body.skin.V));
   DilateOptions dilation = options.dilate;
   dilation.even_about = report.fit.even_about;
   if (!dilation.most_volume)
     dilation.most_volume = report.fit.muscle_mass / (kMuscleDensity * kUnionRatio);
   const auto start = Clock::now();
-  const SkinRays rays(closed_skin);
-  fitted.fat = make_fat_layer(body_template.tables.fat, rays, fitted.anatomy, body);
+  fitted.fat = make_fat_layer(body_template.tables.fat, wall, fitted.anatomy, body);
   if (options.dilated)
     report.dilation = dilate_muscles(fitted.anatomy, fitted.undilated.muscles,
-                                     body_template.tables.muscles, rays, fitted.fat, dilation);
+                                     body_template.tables.muscles, wall, fitted.fat, dilation);
   report.dilation_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 
-  report.fill = measure_fill(fitted.anatomy, rays, fitted.fat,
+  report.fill = measure_fill(fitted.anatomy, closed_skin, wall, fitted.fat,
                              options.parts ? *options.parts : vertex_parts(package));
   if (options.dilated && dilation.method == DilateMethod::ecorche && dilation.share)
-    measure_pierced(fitted.anatomy, report.fill);
-  if (options.tissues) report.tissues = measure_tissues(fitted.anatomy, closed_skin, fitted.fat);
+    measure_pierced(fitted.anatomy, report.fill),
+        measure_torn(fitted.anatomy, body_template.anatomy.muscles, report.fill);
+  if (options.tissues)
+    report.tissues = measure_tissues(fitted.anatomy, closed_skin, wall.mesh(), fitted.fat);
   return fitted;
 }
 

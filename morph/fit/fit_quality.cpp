@@ -15,6 +15,7 @@
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "anatomy/muscles/slice_outline.h"
+#include "anatomy/muscles/torn_muscles.h"
 #include "anatomy/queries/signed_distance.h"
 
 namespace ecorche::inline v1 {
@@ -124,11 +125,11 @@ bool is_off(const LandmarkDepth& landmark) {
          landmark.depth > landmark.high + kDepthSlack;
 }
 
-FillReport measure_fill(const Anatomy& anatomy, const SkinRays& rays, const FatLayer& fat,
-                        const std::vector<VertexPart>& parts) {
+FillReport measure_fill(const Anatomy& anatomy, const TriMesh& closed_skin, const SkinRays& wall,
+                        const FatLayer& fat, const std::vector<VertexPart>& parts) {
   FillReport fill;
-  measure_outside(anatomy, rays.mesh(), fill);
-  measure_superficial_gap(anatomy, parts, rays, fat, fill);
+  measure_outside(anatomy, closed_skin, fill);
+  measure_superficial_gap(anatomy, parts, wall, fat, fill);
   return fill;
 }
 
@@ -144,12 +145,21 @@ void measure_pierced(const Anatomy& anatomy, FillReport& fill) {
   }
 }
 
-Tissues measure_tissues(const Anatomy& anatomy, const TriMesh& closed_skin, const FatLayer& fat) {
+void measure_torn(const Anatomy& anatomy, const std::vector<Muscle>& reference, FillReport& fill) {
+  const std::vector<MuscleTear> tears = measure_tears(anatomy.muscles, reference);
+  fill.torn.clear();
+  for (const int m : torn_muscles(tears)) fill.torn.push_back(anatomy.muscles[m].name);
+  fill.needles = 0;
+  for (const MuscleTear& tear : tears) fill.needles += tear.needles;
+}
+
+Tissues measure_tissues(const Anatomy& anatomy, const TriMesh& closed_skin, const TriMesh& wall,
+                        const FatLayer& fat) {
   // m; sums over the whole body are good to a few tenths of a percent
   constexpr double kSpacing = 0.004;
   const SolidVolumes volumes = measure_flesh(anatomy, kSpacing);
-  TriMesh inner = closed_skin;
-  const Points normals = vertex_normals(closed_skin);
+  TriMesh inner = wall;
+  const Points normals = vertex_normals(wall);
   for (Eigen::Index i = 0; i < inner.V.rows(); ++i)
     inner.V.row(i) -= double(fat.thickness[i]) * normals.row(i);
   Tissues tissues;
@@ -179,6 +189,14 @@ std::vector<MissedTarget> missed_targets(const FittingReport& report) {
     missed.push_back({"muscle_pierced",
                       fmt::format("bones take {:.1f} % of {}; at most 5 % of a muscle was asked",
                                   100 * fill.pierced_share, fill.pierced_muscle)});
+  if (!fill.torn.empty())
+    missed.push_back(
+        {"muscles_torn",
+         fmt::format("{} is torn: points of its surface stand out that do not in the template{}",
+                     fill.torn.front(),
+                     fill.torn.size() > 1
+                         ? fmt::format("; so are {} more muscles", fill.torn.size() - 1)
+                         : "")});
   if (fill.superficial_gap_median > kGapLimit)
     missed.push_back({"superficial_gap", fmt::format("superficial muscles stay {:.1f} mm from the "
                                                      "fat layer (median); at most 3 mm was asked",

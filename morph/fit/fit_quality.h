@@ -25,6 +25,9 @@ struct FillReport {
   // the largest share of one muscle's volume that lies in bones, and whose (measure_pierced)
   double pierced_share = 0;
   std::string pierced_muscle;
+  // muscles that are torn at rest, the worst first, and needles of all (torn_muscles.h)
+  std::vector<std::string> torn;
+  int needles = 0;
 };
 
 // What the body is made of, m^3. Bones are taken as solid; where muscles overlap, their volume
@@ -33,7 +36,7 @@ struct Tissues {
   double body = 0;  // inside the closed skin
   double bones = 0;
   double muscles = 0;
-  double layer = 0;  // fat and skin over the muscles
+  double layer = 0;  // fat and skin over the muscles, and breasts
   double rest = 0;   // organs, vessels, deep fat, what is left
 };
 
@@ -55,16 +58,19 @@ bool is_limb(BodyPart part);
 // Whether a palpable point lies outside its bracket by more than kDepthSlack.
 bool is_off(const LandmarkDepth& landmark);
 
-// `rays`: of the closed skin; `fat`: of its vertices; `parts`: vertex_parts of the package.
-FillReport measure_fill(const Anatomy& anatomy, const SkinRays& rays, const FatLayer& fat,
-                        const std::vector<VertexPart>& parts);
+// `wall`: of chest_wall_skin; `fat`: of its vertices; `parts`: vertex_parts of the package.
+FillReport measure_fill(const Anatomy& anatomy, const TriMesh& closed_skin, const SkinRays& wall,
+                        const FatLayer& fat, const std::vector<VertexPart>& parts);
 // Of muscles that have parted from bones, along the lines that `check` takes.
 void measure_pierced(const Anatomy& anatomy, FillReport& fill);
-Tissues measure_tissues(const Anatomy& anatomy, const TriMesh& closed_skin, const FatLayer& fat);
+// Against the template's muscles, grown to its own skin.
+void measure_torn(const Anatomy& anatomy, const std::vector<Muscle>& reference, FillReport& fill);
+Tissues measure_tissues(const Anatomy& anatomy, const TriMesh& closed_skin, const TriMesh& wall,
+                        const FatLayer& fat);
 
 struct MissedTarget {
-  // bones_outside, muscles_outside, muscle_pierced, superficial_gap, muscles_collapsed, or a
-  // landmark of data/palpable.csv
+  // bones_outside, muscles_outside, muscle_pierced, muscles_torn, superficial_gap,
+  // muscles_collapsed, or a landmark of data/palpable.csv
   std::string name;
   std::string what;  // with the figures
 };

@@ -12,11 +12,13 @@
 #include <span>
 
 #include "anatomy/base_mesh/body_rig.h"
+#include "anatomy/base_mesh/chest_wall.h"
 #include "anatomy/geometry/join_meshes.h"
 #include "anatomy/geometry/mesh_measures.h"
 #include "anatomy/geometry/overlap_volumes.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "anatomy/muscles/slice_outline.h"
+#include "anatomy/muscles/torn_muscles.h"
 #include "anatomy/posing/joint_sweep.h"
 #include "anatomy/queries/nearest_surface.h"
 #include "morph/fat/fat_layer.h"
@@ -160,6 +162,20 @@ TriMesh flesh_of(const Subject& subject, const Shape& shape) {
   return flesh;
 }
 
+void check_torn(const Subject& subject, const CheckOptions& options, AnatomyCheck& check) {
+  if (!options.reference) return;
+  const std::vector<Muscle>& muscles = subject.anatomy().muscles;
+  const std::vector<MuscleTear> tears = measure_tears(muscles, *options.reference);
+  for (std::size_t m = 0; m < tears.size(); ++m) {
+    check.compared = check.compared || tears[m].known;
+    check.needles_at_rest += tears[m].needles;
+    check.muscles[m].tear = tears[m];
+  }
+  const std::vector<int> torn = torn_muscles(tears);
+  check.torn = int(torn.size());
+  if (!torn.empty()) check.torn_muscle = muscles[torn.front()].name;
+}
+
 bool is_filled_part(BodyPart part) {
   return part == BodyPart::trunk || part == BodyPart::upper_arm || part == BodyPart::forearm ||
          part == BodyPart::thigh || part == BodyPart::shank;
@@ -168,11 +184,13 @@ bool is_filled_part(BodyPart part) {
 void check_voids(const Subject& subject, const Shape& shape, AnatomyCheck& check) {
   check.filled_share = std::numeric_limits<double>::quiet_NaN();
   if (!subject.packaged) return;
-  const SkinRays rays(shape.skin);
-  const FatLayer fat = make_fat_layer(FatTables(subject.package.tables), rays, subject.anatomy(),
-                                      subject.model.character.body);
-  const Points normals = vertex_normals(shape.skin);
-  const std::vector<double> areas = vertex_areas(shape.skin);
+  const Body& body = subject.model.character.body;
+  const TriMesh wall = chest_wall_skin(subject.package, body.sex, shape.skin_points);
+  const SkinRays rays(wall);
+  const FatLayer fat =
+      make_fat_layer(FatTables(subject.package.tables), rays, subject.anatomy(), body);
+  const Points normals = vertex_normals(wall);
+  const std::vector<double> areas = vertex_areas(wall);
   const auto parts = vertex_parts(subject.package);
   std::vector<int> vertices;
   for (int i = 0; i < int(parts.size()); ++i)
@@ -180,7 +198,7 @@ void check_voids(const Subject& subject, const Shape& shape, AnatomyCheck& check
   Points under(vertices.size(), 3);
   for (std::size_t k = 0; k < vertices.size(); ++k) {
     const int i = vertices[k];
-    under.row(k) = shape.skin.V.row(i) - double(fat.thickness[i]) * normals.row(i);
+    under.row(k) = wall.V.row(i) - double(fat.thickness[i]) * normals.row(i);
   }
   const TriMesh flesh = flesh_of(subject, shape);
   const std::vector<int> winding = winding_numbers(flesh, under);
@@ -455,6 +473,7 @@ AnatomyCheck check_anatomy(const CharacterModel& model, const BodyPackage& packa
     subject.rest_surface = make_rest_surface(subject.surface, subject.ranges, rest.frame.posed,
                                              flesh_of(subject, rest));
   check_rest(subject, rest, options, check);
+  check_torn(subject, options, check);
   check_voids(subject, rest, check);
   check_ends(subject, check);
   check_poses(subject, poses, options, progress, check);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "anatomy/base_mesh/body_package.h"
+#include "anatomy/muscles/torn_muscles.h"
 #include "skinning/character/character_model.h"
 #include "skinning/motion/limit_poses.h"
 
@@ -20,6 +21,9 @@ struct CheckOptions {
   double rest_spacing = 0.0015;  // m, between the lines that volumes are measured along
   double pose_spacing = 0.0025;
   double sweep_step = 0.017453292519943295;  // rad; not above 0: no sweeps
+  // Muscles that these were made from, in the body they were made for: the template's. Null:
+  // nothing is known of muscles torn at rest.
+  const std::vector<Muscle>* reference = nullptr;
 };
 
 // Of one muscle. Shares are of its volume, or of the points of its surface.
@@ -27,6 +31,7 @@ struct MuscleCheck {
   double volume = 0;                   // of its surface, m^3
   int points = 0, points_outside = 0;  // at rest
   double overlap = 0, in_bone = 0;     // shares at rest
+  MuscleTear tear;                     // at rest, against the reference
   int neighbour = -1;                  // the muscle it shares most with, -1 none
   double neighbour_volume = 0;         // m^3
   double posed_outside = 0, posed_overlap = 0, posed_in_bone = 0;  // shares, each in its worst pose
@@ -80,6 +85,9 @@ struct AnatomyCheck {
   // the largest share of one muscle's volume that lies in bones, and whose
   double pierced_share = 0;
   std::string pierced_muscle;
+  bool compared = false;              // with the reference
+  int torn = 0, needles_at_rest = 0;  // muscles, points (torn_muscles.h)
+  std::string torn_muscle;            // the worst
   // of the area under the fat layer of limbs and trunk within 5 mm of muscle or bone; NaN: not
   // known
   double filled_share = 0;

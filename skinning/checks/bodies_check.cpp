@@ -48,6 +48,7 @@ std::vector<BodyCheck> check_bodies(const Assets& assets, const std::vector<Body
         compile_character({std::move(fitted.anatomy), made}, {.muscles = MuscleMotion::map});
     CheckOptions options;
     options.sweep_step = 0;
+    options.reference = &body_template.anatomy.muscles;
     BodyCheck body;
     body.name = bodies[checks.size()].name;
     body.mass = made.mass;

@@ -39,6 +39,11 @@ std::vector<Target> check_targets(const AnatomyCheck& check) {
       {"muscle ends more than 10 mm from their bones", "0",
        fmt::format("{} of {}", check.loose_ends, check.ends), check.loose_ends == 0},
   };
+  if (check.compared)
+    targets.push_back({"muscles torn at rest", "0",
+                       std::to_string(check.torn) +
+                           (check.torn_muscle.empty() ? "" : " (" + check.torn_muscle + ")"),
+                       check.torn == 0});
   if (!check.poses.empty()) {
     targets.push_back({"posed: muscle points outside the skin, mean", "<= 0.2 %",
                        percent(check.posed_outside_share), check.posed_outside_share <= 0.002});

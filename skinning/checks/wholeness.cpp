@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numbers>
-#include <unordered_map>
 
 #include "anatomy/compute/angle_between.h"
 #include "anatomy/geometry/mesh_measures.h"
@@ -18,46 +17,6 @@ constexpr double kApart = 0.010;     // m, in a pose
 constexpr double kLift = 1e-4;       // m, of a ray's origin off its own surface
 constexpr double kShortEdge = 1e-3;  // m; shorter ones say nothing about stretch
 constexpr float kTendon = 0.3f;      // share of belly below which a section is tendon
-
-Vec3 face_normal(const Points& V, const Triangles& F, int f) {
-  const Vec3 a = V.row(F(f, 0)), b = V.row(F(f, 1)), c = V.row(F(f, 2));
-  return (b - a).cross(c - a);
-}
-
-std::vector<SurfaceEdge> inner_edges(const MuscleSurface& surface) {
-  std::vector<SurfaceEdge> out;
-  for (const MuscleSurface::Part& part : surface.parts) {
-    std::unordered_map<long long, int> sides;
-    for (int f = part.face_begin; f < part.face_end; ++f)
-      for (int k = 0; k < 3; ++k) {
-        const int a = surface.F(f, k), b = surface.F(f, (k + 1) % 3);
-        const auto key = [](long long from, long long to) { return from << 32 | to; };
-        const auto other = sides.find(key(b, a));
-        if (other == sides.end())
-          sides[key(a, b)] = f;
-        else
-          out.push_back({part.muscle, a, b, f, other->second, 0, 0});
-      }
-  }
-  return out;
-}
-
-// How far each vertex stands off the mean of its neighbours, m.
-std::vector<double> standing_off(std::span<const SurfaceEdge> edges, const Points& V,
-                                 std::size_t vertices) {
-  std::vector<Vec3> sum(vertices, Vec3::Zero());
-  std::vector<int> count(vertices, 0);
-  for (const SurfaceEdge& edge : edges)
-    for (const auto& [own, other] :
-         {std::pair(edge.begin, edge.end), std::pair(edge.end, edge.begin)}) {
-      sum[own] += V.row(other).transpose();
-      ++count[own];
-    }
-  std::vector<double> out(vertices, 0.0);
-  for (std::size_t v = 0; v < vertices; ++v)
-    if (count[v] > 0) out[v] = (V.row(v).transpose() - sum[v] / count[v]).norm();
-  return out;
-}
 
 // Whether each vertex of the muscles has something before it within a distance, or lies in it.
 std::vector<char> covered_within(const TriMesh& flesh, int vertices, double distance) {
@@ -96,13 +55,8 @@ std::vector<double> turns_of_tendons(std::span<const SliceRange> ranges,
 RestSurface make_rest_surface(const MuscleSurface& surface, std::span<const SliceRange> ranges,
                               const PosedAnatomy& rest, const TriMesh& flesh) {
   RestSurface out;
-  out.edges = inner_edges(surface);
-  for (SurfaceEdge& edge : out.edges) {
-    edge.length = (flesh.V.row(edge.begin) - flesh.V.row(edge.end)).norm();
-    edge.turn = angle_between(face_normal(flesh.V, surface.F, edge.left),
-                              face_normal(flesh.V, surface.F, edge.right));
-  }
-  out.standing_off = standing_off(out.edges, flesh.V, surface.vertices());
+  out.edges = inner_edges(surface, flesh.V);
+  out.standing_off = standing_off(surface, out.edges, flesh.V).off;
   out.covered = covered_within(flesh, surface.vertices(), kTouching);
   out.tendon_turns = turns_of_tendons(ranges, rest);
   return out;
@@ -116,12 +70,10 @@ std::vector<MuscleWholeness> measure_wholeness(const RestSurface& rest,
   std::vector<std::vector<double>> stretches(out.size());
   for (const SurfaceEdge& edge : rest.edges) {
     MuscleWholeness& muscle = out[edge.muscle];
-    const double length = (flesh.V.row(edge.begin) - flesh.V.row(edge.end)).norm();
-    muscle.edge_length += length;
-    const double turn = angle_between(face_normal(flesh.V, surface.F, edge.left),
-                                      face_normal(flesh.V, surface.F, edge.right));
-    if (turn > edge.turn + kCrease) muscle.creased_length += length;
-    if (edge.length > kShortEdge) stretches[edge.muscle].push_back(length / edge.length);
+    const SurfaceEdge posed_edge = edge_at(edge, surface, flesh.V);
+    muscle.edge_length += posed_edge.length;
+    if (posed_edge.turn > edge.turn + kCrease) muscle.creased_length += posed_edge.length;
+    if (edge.length > kShortEdge) stretches[edge.muscle].push_back(posed_edge.length / edge.length);
   }
   for (std::size_t m = 0; m < out.size(); ++m) {
     if (stretches[m].empty()) continue;
@@ -129,7 +81,7 @@ std::vector<MuscleWholeness> measure_wholeness(const RestSurface& rest,
     std::nth_element(stretches[m].begin(), at, stretches[m].end());
     out[m].stretch = *at;
   }
-  const std::vector<double> off = standing_off(rest.edges, flesh.V, surface.vertices());
+  const std::vector<double> off = standing_off(surface, rest.edges, flesh.V).off;
   const std::vector<char> covered = covered_within(flesh, surface.vertices(), kApart);
   const std::vector<double> areas = vertex_areas(flesh);
   for (int v = 0; v < surface.vertices(); ++v) {

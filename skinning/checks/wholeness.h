@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "anatomy/muscles/muscle_surface.h"
+#include "anatomy/muscles/surface_edges.h"
 #include "anatomy/posed_anatomy.h"
 
 namespace ecorche::inline v1 {
@@ -25,14 +26,6 @@ struct MuscleWholeness {
   double daylight = 0;  // m^2
   double stretch = 1;
   double kink = 0;  // rad/m
-};
-
-// An inner edge of a muscle's surface: its ends, and the faces on its sides.
-struct SurfaceEdge {
-  int muscle = 0;
-  int begin = 0, end = 0;
-  int left = 0, right = 0;
-  double length = 0, turn = 0;  // at rest: m; rad, between the faces' normals
 };
 
 // Muscles at rest, as measure_wholeness() compares poses with them.

@@ -1,0 +1,84 @@
+// Laws of the figure for muscles torn at rest: nothing is torn beside itself, moved or made larger
+// alike; rolls of one section beside the next are found, and by name.
+#include "anatomy/muscles/torn_muscles.h"
+
+#include <gtest/gtest.h>
+
+#include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/transform_muscles.h"
+#include "tests/anatomy/strips.h"
+
+namespace ecorche {
+namespace {
+
+std::vector<Muscle> straps_torn_muscles(double length = 0.3) {
+  std::vector<Muscle> out;
+  for (const char* name : {"one", "other"}) {
+    Muscle& muscle = out.emplace_back();
+    muscle.name = name;
+    std::vector<Station> stations;
+    for (int k = 0; k <= 20; ++k) {
+      Station station;
+      station.s = k / 20.0;
+      station.radii = {0.04, 0.01};
+      station.width = Vec3::UnitX();
+      stations.push_back(station);
+    }
+    muscle.strips.push_back(
+        make_strip({testing::on(0, {0, 1, 0}), testing::on(0, {0, 1 + length / 2, 0}),
+                    testing::on(0, {0, 1 + length, 0})},
+                   stations));
+  }
+  return out;
+}
+
+TEST(TornMuscles, NothingIsTornBesideItself) {
+  const std::vector<Muscle> reference = straps_torn_muscles();
+  std::vector<Muscle> larger = reference;
+  for (Muscle& muscle : larger) scale_radii(muscle.strips[0], Vec2::Constant(1.3));
+  for (const std::vector<Muscle>& muscles : {reference, larger}) {
+    const std::vector<MuscleTear> tears = measure_tears(muscles, reference);
+    for (const MuscleTear& tear : tears) {
+      EXPECT_TRUE(tear.known);
+      EXPECT_EQ(tear.needles, 0);
+    }
+    EXPECT_TRUE(torn_muscles(tears).empty());
+  }
+}
+
+TEST(TornMuscles, RollsAreFound) {
+  const std::vector<Muscle> reference = straps_torn_muscles();
+  std::vector<Muscle> rolled = reference;
+  for (std::size_t k = 5; k < 15; k += 2)
+    for (float& factor : rolled[1].strips[0].slices[k].outline) factor = 3;
+  const std::vector<MuscleTear> tears = measure_tears(rolled, reference);
+  EXPECT_EQ(tears[0].needles, 0);
+  EXPECT_GT(tears[1].needles, 12);
+  EXPECT_GT(tears[1].needle, 0.015);
+  EXPECT_EQ(torn_muscles(tears), std::vector<int>{1});
+}
+
+// Sections moved along a long strap: its points stand off their neighbours, its surface is the
+// same.
+TEST(TornMuscles, WhatLiesWithinTheSurfaceIsNotSeen) {
+  const std::vector<Muscle> reference = straps_torn_muscles(1.2);
+  std::vector<Muscle> moved = reference;
+  std::vector<Slice>& slices = moved[0].strips[0].slices;
+  for (std::size_t k = 1; k + 1 < slices.size(); ++k) slices[k].s += k % 2 == 0 ? 0.0175 : -0.0175;
+  const MuscleTear tear = measure_tears(moved, reference)[0];
+  EXPECT_GT(tear.needles, 12);
+  EXPECT_GT(tear.needle, 0.015);
+  EXPECT_LT(tear.raised, 3);
+  EXPECT_FALSE(is_torn(tear));
+}
+
+TEST(TornMuscles, OthersAreNotKnown) {
+  std::vector<Muscle> muscles = straps_torn_muscles();
+  const std::vector<Muscle> reference = muscles;
+  muscles[0].name = "stranger";
+  muscles[1].strips[0].slices.pop_back();
+  for (const MuscleTear& tear : measure_tears(muscles, reference)) EXPECT_FALSE(tear.known);
+}
+
+}  // namespace
+}  // namespace ecorche
