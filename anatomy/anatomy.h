@@ -89,7 +89,9 @@ struct Muscle {
   double pennation = 0;     // rad
   double max_force = 0;     // isometric, N; 0: not stated, PCSA times a stress
   double tendon_slack = 0;  // m; 0: not stated
-  bool sheet = false;       // strips lie side by side and are drawn as one surface
+  // in mid-belly at full effort while the joints hold still, over the relaxed; 0: not stated
+  double tense_thickness = 0;
+  bool sheet = false;  // strips lie side by side and are drawn as one surface
 };
 
 struct Anatomy {

@@ -259,6 +259,7 @@ Muscle describe(const TableMuscle& from, Side side, Sex sex) {
   muscle.volume = sex == Sex::male ? from.volume_male : from.volume_female;
   muscle.fibre_length = from.fibre_length;
   muscle.pennation = from.pennation;
+  muscle.tense_thickness = from.tense_thickness;
   muscle.sheet = from.sheet;
   return muscle;
 }

@@ -83,6 +83,7 @@ struct TableMuscle {
   double fibre_length = 0;                    // m
   double pennation = 0;                       // rad
   double tendon_fraction = 0;                 // of the length of muscle and tendon
+  double tense_thickness = 0;                 // over the relaxed; 0: not measured
   bool sheet = false;
   std::vector<TableStrip> strips;
   std::string where;

@@ -11,10 +11,8 @@
 
 namespace ecorche::inline v1 {
 
-// At full activation: growth of the section at mid-belly relative to that at the ends, and share of
-// the way (in logarithms) from a flat section to a round one.
+// At full activation, growth of the section at mid-belly relative to that at the ends.
 constexpr double kMidBellyGrowth = 0.15;
-constexpr double kFullRounding = 0.3;
 
 struct BatchActivation {
   bool any = false;
@@ -51,20 +49,22 @@ inline void stretch_tendon(const PosingData& data, const PosingBatch& batch,
   tendon += shortening / tendon_rest.max(1e-9);
 }
 
-// Volume moves from the ends of the belly to its middle, and flat sections turn rounder. `place`:
-// -1 .. 1 along the belly; `a`, `b`: half width and half thickness, m.
-inline void bulge(const Double4& root, const Double4& tube, const Double4& belly,
-                  const Double4& place, Double4& a, Double4& b) {
+// Areas over those at rest as volume moves from the ends of the belly to its middle. `place`: -1 ..
+// 1 along the belly.
+inline Double4 gathered(const Double4& effort, const Double4& place) {
   const Double4 arch = (1 - place.square()).max(0.0).square();
-  const Double4 grown = 1 + kMidBellyGrowth * root * belly * (1.875 * arch - 1),
-                radius = grown.sqrt();
-  a *= 1 + tube * (radius - 1);
-  b *= tube * radius + (1 - tube) * grown;
-  const Double4 area = a * b, mean = area.sqrt(), share = kFullRounding * root * belly * tube;
-  const Double4 rounder_a = a + share * (mean - a), rounder_b = b + share * (mean - b);
-  const Double4 back = (area / (rounder_a * rounder_b).max(1e-300)).sqrt();
-  a = (area > 0).select(rounder_a * back, a);
-  b = (area > 0).select(rounder_b * back, b);
+  return 1 + kMidBellyGrowth * effort * (1.875 * arch - 1);
+}
+
+// Tubes take what gathers in both radii, sheets in their thickness. `thickening`: what full effort
+// adds to the thickness besides, and takes from the width (tense_thickening.h); `a`, `b`: half
+// width and half thickness, m.
+inline void bulge(const Double4& effort, const Double4& tube, const Double4& place,
+                  const Double4& thickening, Double4& a, Double4& b) {
+  const Double4 grown = gathered(effort, place);
+  const Double4 thicker = (tube * grown.sqrt() + (1 - tube) * grown) * (1 + thickening * effort);
+  a *= grown / thicker;
+  b *= thicker;
 }
 
 }  // namespace ecorche::inline v1

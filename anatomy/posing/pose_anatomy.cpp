@@ -292,7 +292,8 @@ void lay_slices(const PosingData& data, const PosingBatch& batch, const Double4&
     if (activation.any) {
       const Double4 place =
           (2 * rest_at - c.tendon_begin - c.tendon_end) / (c.tendon_end - c.tendon_begin);
-      bulge(activation.root, c.width_swells, t.belly[k], place, a, b);
+      bulge(activation.root * t.belly[k], c.width_swells, place,
+            data.thickening[batch.row + k].cast<double>(), a, b);
     }
 
     const Double4 free_width = row.free_width.cast<double>(),

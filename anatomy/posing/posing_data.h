@@ -116,7 +116,9 @@ struct PosingData {
   std::vector<PosingStrip> strip;
   std::vector<PosingBatch> batches;
   std::vector<PosingRow> rows;
-  std::vector<PosingAreas> areas;      // #rows
+  std::vector<PosingAreas> areas;  // #rows
+  // #rows, at full effort (tense_thickening.h); apart, since most frames do not read it
+  std::vector<Eigen::Array4f> thickening;
   std::vector<SliceOutline> outlines;  // #slices
   std::vector<PosingProfile> profiles;
   std::vector<WrapNote> notes;

@@ -13,6 +13,7 @@
 #include "anatomy/posed_anatomy.h"
 #include "anatomy/posing/posing_data.h"
 #include "anatomy/posing/rest_strip.h"
+#include "anatomy/posing/tense_thickening.h"
 #include "anatomy/posing/wrapping.h"
 
 namespace ecorche::inline v1 {
@@ -93,8 +94,8 @@ PosingProfile profile(const Strip& strip, const RestStrip& rest) {
   return table;
 }
 
-void add_lane(PosingData& data, PosingBatch& batch, int lane, const Strip& strip, bool sheet,
-              const RestStrip& rest) {
+void add_lane(PosingData& data, PosingBatch& batch, int lane, const Muscle& muscle,
+              const Strip& strip, const RestStrip& rest) {
   const int n = batch.rows;
   PosingLanes& lanes = batch.lanes;
   const double whole = rest.chord.back(), line = line_length(strip.path);
@@ -109,6 +110,7 @@ void add_lane(PosingData& data, PosingBatch& batch, int lane, const Strip& strip
   lanes.stretch_length[lane] = belly + kTendonStretchRatio * (whole - belly);
   lanes.bins[lane] = kProfileBins / whole;
   lanes.volume[lane] = tube_volume(rest.slices) * 3 / std::numbers::pi;
+  const bool sheet = muscle.sheet;
   lanes.width_swells[lane] = sheet ? 0 : 1;
   lanes.scale_min[lane] = sheet ? kLeastSwelling * kLeastSwelling : kLeastSwelling;
   lanes.scale_max[lane] = sheet ? kMostSwelling * kMostSwelling : kMostSwelling;
@@ -146,6 +148,9 @@ void add_lane(PosingData& data, PosingBatch& batch, int lane, const Strip& strip
     row.free_thickness[lane] = free(1);
     const double inward = bend.dot(rest.slices[k].axes.leftCols<2>() * slice.offset);
     row.free_offset[lane] = float(std::max(kFreeOffset, 1.000001 * inward + 1e-9));
+    const double place = (2 * rest.chord[k] - lanes.tendon_begin[lane] - lanes.tendon_end[lane]) /
+                         (lanes.tendon_end[lane] - lanes.tendon_begin[lane]);
+    data.thickening[batch.row + k][lane] = float(tense_thickening(muscle, rest.slices[k], place));
     set_lane(data.areas[batch.row + k], lane,
              piece_areas(slice.outline, strip.slices[std::min(k + 1, n - 1)].outline));
   }
@@ -240,6 +245,7 @@ PosingTable make_posing_table(const Anatomy& anatomy) {
     batch.profile = data->profiles.size();
     data->rows.resize(data->rows.size() + batch.rows);
     data->areas.resize(data->rows.size());
+    data->thickening.resize(data->rows.size());
     data->profiles.resize(data->profiles.size() + kLanes);
     for (int lane = 0; lane < kLanes; ++lane) {
       const int i = order[at + std::min(lane, batch.strips - 1)];
@@ -258,7 +264,7 @@ PosingTable make_posing_table(const Anatomy& anatomy) {
             Double4(node.weight[0], node.weight[1], node.weight[2], node.weight[3]));
         data->firsts.push_back(std::uint8_t(node.first));
       }
-      add_lane(*data, batch, lane, strip, muscle.sheet, rest);
+      add_lane(*data, batch, lane, muscle, strip, rest);
     }
     data->batches.push_back(batch);
     at += batch.strips;

@@ -149,7 +149,7 @@ template <class A>
 void field(A& a, Muscle& x) {
   fields(a, x.name, x.side, x.label, x.group, x.layer, x.origin, x.insertion, x.origin_bone,
          x.insertion_bone, x.strips, x.volume, x.fibre_length, x.pennation, x.max_force,
-         x.tendon_slack, x.sheet);
+         x.tendon_slack, x.tense_thickness, x.sheet);
 }
 template <class A>
 void field(A& a, Landmark& x) {

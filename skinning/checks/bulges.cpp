@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <numeric>
 
 #include "anatomy/joint_angles.h"
@@ -35,22 +36,29 @@ constexpr PublishedBulge kPublished[] = {
      "men +5.4 mm, +56 % (Kiliaridis 1991); +3.4 mm, +30 % (Park 2018)"},
 };
 
-// Least width of a section's outline over all directions.
-double calliper_thickness(const Ellipse& section) {
-  constexpr int kDirections = 90;
-  double least = std::numeric_limits<double>::infinity();
-  for (int d = 0; d < kDirections; ++d) {
-    const double angle = d * 3.141592653589793 / kDirections;
-    const Vec2 direction(std::cos(angle), std::sin(angle));
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (std::size_t k = 0; k < outline_directions().size(); ++k) {
-      const double along =
-          section.outline[k] * section.radii.cwiseProduct(outline_directions()[k]).dot(direction);
-      low = std::min(low, along), high = std::max(high, along);
-    }
-    least = std::min(least, high - low);
+// Shares of a belly's length between which it was scanned.
+constexpr double kScannedFrom = 0.25, kScannedTo = 0.75;
+
+double width_along(const Ellipse& section, const Vec2& direction) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (std::size_t k = 0; k < outline_directions().size(); ++k) {
+    const double along = double(section.outline[k]) *
+                         section.radii.cwiseProduct(outline_directions()[k]).dot(direction);
+    low = std::min(low, along), high = std::max(high, along);
   }
-  return least;
+  return high - low;
+}
+
+// The direction in which a section is least wide, in its axes.
+Vec2 thin_direction(const Ellipse& section) {
+  constexpr int kDirections = 90;
+  Vec2 thin = Vec2::UnitY();
+  for (int d = 0; d < kDirections; ++d) {
+    const double angle = d * std::numbers::pi / kDirections;
+    const Vec2 direction(std::cos(angle), std::sin(angle));
+    if (width_along(section, direction) < width_along(section, thin)) thin = direction;
+  }
+  return thin;
 }
 
 int root_of(std::vector<int>& parent, int i) {
@@ -172,27 +180,31 @@ Bulges measure_bulges(const CharacterModel& model) {
   Bulges bulges;
   measure_arm(model, bulges);
   const Anatomy& anatomy = model.character.anatomy;
-  const auto ranges = slice_ranges(anatomy);
   const Pose pose = rest_pose(anatomy.skeleton);
-  PosedAnatomy relaxed, tense;
-  ContactWorkspace contact;
-  pose_muscles(model.muscles, anatomy.skeleton, pose, relaxed, contact);
-  pose_muscles(model.muscles, anatomy.skeleton, pose, tense, contact, 1,
-               std::vector<double>(anatomy.muscles.size(), 1.0));
+  CharacterState relaxed(model), tense(model);
+  evaluate(model, pose, {}, relaxed);
+  const std::vector<double> effort(anatomy.muscles.size(), 1.0);
+  evaluate(model, pose, {effort}, tense);
   for (const PublishedBulge& published : kPublished) {
     const int m = find_muscle(anatomy, published.muscle);
-    const auto range = std::find_if(ranges.begin(), ranges.end(),
-                                    [m](const SliceRange& r) { return r.muscle == m; });
-    if (m < 0 || range == ranges.end()) continue;
-    const auto thickness = [&](const PosedAnatomy& posed, int k) {
-      return calliper_thickness(posed.slices[k]);
-    };
-    int thickest = range->begin;
-    for (int k = range->begin; k < range->end; ++k)
-      if (thickness(relaxed, k) > thickness(relaxed, thickest)) thickest = k;
-    bulges.muscles.push_back({published.muscle, thickness(relaxed, thickest),
-                              thickness(tense, thickest), published.low, published.high,
-                              published.what});
+    Thickening found{published.muscle, 0, 0, published.low, published.high, published.what};
+    int sections = 0;
+    for (const SliceRange& range : slice_ranges(anatomy)) {
+      if (range.muscle != m) continue;
+      const Strip& strip = anatomy.muscles[m].strips[range.strip];
+      const double belly = strip.belly_end - strip.belly_begin;
+      for (int k = range.begin; k < range.end; ++k) {
+        const double share = (strip.slices[k - range.begin].s - strip.belly_begin) / belly;
+        if (share < kScannedFrom || share > kScannedTo) continue;
+        const Vec2 probe = thin_direction(relaxed.posed.slices[k]);
+        found.relaxed += width_along(relaxed.posed.slices[k], probe);
+        found.tense += width_along(tense.posed.slices[k], probe);
+        ++sections;
+      }
+    }
+    if (sections == 0) continue;
+    found.relaxed /= sections, found.tense /= sections;
+    bulges.muscles.push_back(std::move(found));
   }
   return bulges;
 }

@@ -12,8 +12,10 @@ namespace ecorche::inline v1 {
 
 struct Thickening {
   std::string muscle;
-  // m: the least width of a section, whatever its direction, as between two callipers; of the
-  // section that is thickest at rest, and of the same at full activation, joints held.
+  // m: as ultrasound finds it, the mean over sections of the middle half of the bellies as they are
+  // drawn, relaxed and at full activation, joints held. The papers scanned bellies at several sites
+  // along and across, with a probe that stays as it was laid on: across each section in the
+  // direction in which it is thinnest while relaxed.
   double relaxed = 0, tense = 0;
   // bounds of the change, a share of `relaxed`: the range measured in people, widened by its error
   double low = 0, high = 0;

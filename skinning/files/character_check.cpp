@@ -93,6 +93,7 @@ void check_muscle(const Muscle& muscle, const std::string& where) {
   require_range(std::abs(muscle.pennation), 0, std::numbers::pi / 2, where, "pennation");
   require_range(muscle.max_force, 0, 1e6, where, "max_force");
   require_range(muscle.tendon_slack, 0, 2, where, "tendon_slack");
+  require_range(muscle.tense_thickness, 0, 3, where, "tense_thickness");
   for (std::size_t i = 0; i < muscle.strips.size(); ++i)
     check_strip(muscle.strips[i], fmt::format("{}: strip {}", where, i + 1));
 }

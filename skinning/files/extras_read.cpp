@@ -174,6 +174,7 @@ void read_muscle(const Json& value, const std::string& where, Muscle& muscle) {
   if (in.has("max_force"))
     muscle.max_force = in.number("max_force");  // files of earlier versions do not state them
   if (in.has("tendon_slack")) muscle.tendon_slack = in.number("tendon_slack");
+  if (in.has("tense_thickness")) muscle.tense_thickness = in.number("tense_thickness");
   const Json& sheet = in.get("sheet");
   if (!sheet.is_boolean()) in.fail("'sheet' is not true or false");
   muscle.sheet = sheet.get<bool>();

@@ -116,6 +116,7 @@ Value muscle_extras(const Muscle& muscle, Value strips) {
                       {"pennation", number(muscle.pennation)},
                       {"max_force", number(muscle.max_force)},
                       {"tendon_slack", number(muscle.tendon_slack)},
+                      {"tense_thickness", number(muscle.tense_thickness)},
                       {"sheet", Value(muscle.sheet)},
                       {"strips", std::move(strips)}});
 }

@@ -77,6 +77,15 @@ TEST(MuscleTable, HasFourHundredMusclesOfSevenHundredLines) {
   EXPECT_NO_THROW(validate(placed()));
 }
 
+TEST(MuscleTable, TenseThicknessIsGivenWhereItWasMeasured) {
+  const auto of = [](const char* name) {
+    return placed().muscles.at(find_muscle(placed(), name)).tense_thickness;
+  };
+  EXPECT_NEAR(of("soleus_r"), 1.42, 1e-12);
+  EXPECT_NEAR(of("gastrocnemius_medial_l"), 1, 1e-12);
+  EXPECT_EQ(of("sartorius_l"), 0);
+}
+
 TEST(MuscleTable, EveryStripHasTwelveSlicesAndABelly) {
   for (const Muscle& muscle : placed().muscles) {
     for (const Strip& strip : muscle.strips) {
@@ -272,17 +281,18 @@ MuscleTable read_text(const std::string& text) {
 }
 
 TEST(MuscleText, ReadsItsOwnFormat) {
-  const MuscleTable table =
-      read_text(std::string(kHeadMuscleTable) +
-                "  strip  # remark\n    origin high\n    via low 1 2 3  # beside\n    insertion "
-                "shin\n    over knob 8\n    belly 0.1 0.9\n" +
-                kSections);
+  const MuscleTable table = read_text(
+      std::string(kHeadMuscleTable) +
+      "  tense 1.4\n  strip  # remark\n    origin high\n    via low 1 2 3  # beside\n    insertion "
+      "shin\n    over knob 8\n    belly 0.1 0.9\n" +
+      kSections);
   ASSERT_EQ(table.muscles.size(), 1u);
   const TableStrip& strip = table.muscles[0].strips.at(0);
   EXPECT_NEAR(position(table, strip.path[1]).x(), 0.081 + kMidPlane, 1e-12);
   EXPECT_NEAR(position(table, strip.path[1]).y(), 0.502, 1e-12);
   EXPECT_EQ(strip.wraps.at(0).radius, 0.008);
   EXPECT_EQ(strip.sections.at(0).radii.x(), 0.005);
+  EXPECT_EQ(table.muscles[0].tense_thickness, 1.4);
 }
 
 struct BadText {
@@ -343,6 +353,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadText{"  volume -1 3\n", "male volume in ml: -1 is not within"},
         BadText{"  volume 1e999 3\n", "'1e999' is not a finite number"},
         BadText{"  compare\n", "'compare' needs names"},
+        BadText{"  tense 0\n", "thickness at full effort over the relaxed: 0 is not within"},
         BadText{"  colour red\n", "bad.txt:12: one: unknown keyword 'colour'"},
         BadText{"", "one: no strip"},
         BadText{kGood + "muscle one\n" + kGood, "bad.txt:17: one: the muscle is given twice"},

@@ -45,7 +45,7 @@ def row_60(t):
              ("length_huge", strip(lambda s: s.update(rest_length=1e200)), "rest_length"), ("reference_zero", strip(lambda s: s.update(reference=[0, 0, 0])), "reference"),
              ("belly_beyond", strip(lambda s: s.update(belly=[0.2, 77])), "belly"), ("belly_backwards", strip(lambda s: s.update(belly=[0.9, 0.1])), "belly"),
              ("strip_is_text", lambda d: muscle(d).update(strips=["x"]), "strip 1"), ("no_strips", lambda d: muscle(d).update(strips=[]), "no strip"), ("strips_null", lambda d: muscle(d).update(strips=None), "list"),
-             ("volume_minus", lambda d: muscle(d).update(volume=-1), "volume"), ("volume_word", lambda d: muscle(d).update(volume="much"), "volume"), ("force_1e300", lambda d: muscle(d).update(max_force=1e300), "max_force"),
+             ("volume_minus", lambda d: muscle(d).update(volume=-1), "volume"), ("volume_word", lambda d: muscle(d).update(volume="much"), "volume"), ("force_1e300", lambda d: muscle(d).update(max_force=1e300), "max_force"), ("tense_9", lambda d: muscle(d).update(tense_thickness=9), "tense_thickness"),
              ("pennation_9", lambda d: muscle(d).update(pennation=9), "pennation"), ("side_up", lambda d: muscle(d).update(side="up"), "side"), ("no_label", lambda d: muscle(d).pop("label"), "label"),
              ("extras_gone", lambda d: next(n for n in d["nodes"] if n["name"].startswith("muscle/")).pop("extras"), "extras")]
     for name, change, says in cases:

@@ -128,6 +128,20 @@ TEST(BodyMap, KeepsTheVolumesOfBellies) {
   }
 }
 
+TEST(BodyMap, CarriesTheShapeThatEffortGives) {
+  CharacterModel model = two_muscles();
+  for (Muscle& muscle : model.character.anatomy.muscles) muscle.tense_thickness = 1.3;
+  model.muscles = make_muscle_model(model.character.anatomy);
+  CharacterState relaxed(model), tense(model);
+  const Pose rest = rest_pose(model.character.anatomy.skeleton);
+  evaluate(model, rest, {}, relaxed);
+  const std::vector<double> effort(2, 1.0);
+  evaluate(model, rest, {effort}, tense);
+  const int middle = kSections / 2;
+  EXPECT_NEAR(tense.posed.slices[middle].radii.y() / relaxed.posed.slices[middle].radii.y(), 1.3,
+              0.04);
+}
+
 TEST(BodyMap, LeansNoSectionAlongItsLine) {
   const CharacterModel model = two_muscles();
   CharacterState state(model);

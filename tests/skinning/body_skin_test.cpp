@@ -13,6 +13,7 @@
 #include "morph/template/template.h"
 #include "morph/template/template_cache.h"
 #include "skinning/bind/bind.h"
+#include "skinning/checks/bulges.h"
 #include "skinning/evaluation/package_blend.h"
 #include "skinning/evaluation/pose_figures.h"
 #include "skinning/evaluation/skin_quality.h"
@@ -128,6 +129,17 @@ TEST_F(BodySkin, WhatContactPressesAwaySwellsElsewhere) {
                            .body_volume_change),
               0.005)
         << angles;
+  }
+}
+
+TEST_F(BodySkin, TenseMusclesThickenAsMeasuredInPeople) {
+  for (const char* name : {"default_male", "default_female", "tall_male"}) {
+    const Figure body = figure(standard_body(name));
+    const Bulges bulges = measure_bulges(
+        test::compile_figure(body.anatomy, body.skin, {.muscles = MuscleMotion::map}));
+    EXPECT_EQ(bulges.muscles.size(), 5u);
+    for (const Target& target : bulge_targets(bulges))
+      EXPECT_TRUE(target.met) << name << ": " << target.what << ' ' << target.measured;
   }
 }
 
