@@ -9,6 +9,8 @@ import sys
 import bpy
 import numpy as np
 
+from blender_world import in_world
+
 TOLERANCE = 1e-4  # m
 FRAMES = (0, 7, 19)
 
@@ -21,15 +23,6 @@ def obj_vertices(path):
 def to_blender(points):
     """A point of ours in Blender's world, which has z up and the face towards -y."""
     return np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
-
-
-def in_world(thing):
-    evaluated = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    mesh = evaluated.to_mesh()
-    flat = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    mesh.vertices.foreach_get("co", flat)
-    matrix = np.array(evaluated.matrix_world)
-    return flat.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def add_cache(thing, path, **settings):

@@ -8,6 +8,8 @@ import time
 import bpy
 import numpy as np
 
+from blender_world import in_world
+
 ROUNDING = 1e-4  # m; weights of 16 bits, keys and places of 32
 MORE_OUTSIDE = 0.001  # of the points, than exactly
 SAMPLES = 1500
@@ -32,14 +34,9 @@ def mesh_object(name):
     return next(o for o in bpy.data.objects if o.type == "MESH" and o.name.split(".")[0] == name)
 
 
-def in_world(thing):
-    """In the file's axes: +Y up."""
-    evaluated = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    mesh = evaluated.to_mesh()
-    flat = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    mesh.vertices.foreach_get("co", flat)
-    matrix = np.array(evaluated.matrix_world)
-    p = flat.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+def in_file_axes(thing):
+    """+Y up."""
+    p = in_world(thing)
     return np.stack([p[:, 0], p[:, 2], -p[:, 1]], axis=1)
 
 
@@ -85,7 +82,7 @@ class Muscles:
     def places(self):
         out = np.full((self.count, 3), np.nan)
         for thing, rows in zip(self.things, self.rows):
-            there = in_world(thing)
+            there = in_file_axes(thing)
             assert len(there) == len(rows), f"{thing.name}: {len(there)} vertices, {len(rows)} expected"
             out[rows] = there
         return out
@@ -112,7 +109,7 @@ def main(path, skin_path, muscles_path, fps):
     off = {"skin": [], "muscles": []}
     for frame in frames:
         bpy.context.scene.frame_set(frame)
-        V, P = in_world(skin), muscles.places()
+        V, P = in_file_axes(skin), muscles.places()
         off["skin"].append(np.linalg.norm(V[:skins.shape[1]] - skins[frame], axis=1))
         off["muscles"].append(np.linalg.norm(P - flesh[frame], axis=1))
         # Points about the mouth, whose inside is none of the body's, are outside in every frame.
