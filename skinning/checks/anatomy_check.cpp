@@ -91,15 +91,28 @@ SolidVolumes measure_shape(const Subject& subject, const Shape& shape, double sp
   return measure_solids(solids, spacing);
 }
 
-int count_outside(const TriMesh& skin, const Points& points) {
-  const std::vector<int> winding = winding_numbers(skin, points);
-  return int(std::count(winding.begin(), winding.end(), 0));
-}
+// What a shape, at rest or posed, has to say about each bone.
+struct PosedBones {
+  std::vector<int> outside;   // points
+  std::vector<double> depth;  // m, of the farthest
 
-int bone_points_outside(const Shape& shape) {
-  int outside = 0;
-  for (const Points& bone : shape.bones) outside += count_outside(shape.skin, bone);
-  return outside;
+  int all_outside() const { return std::accumulate(outside.begin(), outside.end(), 0); }
+};
+
+PosedBones measure_bones(const Shape& shape) {
+  PosedBones out;
+  const NearestSurface skin(shape.skin);
+  for (const Points& bone : shape.bones) {
+    const std::vector<int> winding = winding_numbers(shape.skin, bone);
+    int& outside = out.outside.emplace_back(0);
+    double& depth = out.depth.emplace_back(0.0);
+    for (std::size_t i = 0; i < winding.size(); ++i) {
+      if (winding[i] != 0) continue;
+      ++outside;
+      depth = std::max(depth, skin.nearest(bone.row(i)).distance);
+    }
+  }
+  return out;
 }
 
 void check_rest(const Subject& subject, const Shape& shape, const CheckOptions& options,
@@ -117,7 +130,7 @@ void check_rest(const Subject& subject, const Shape& shape, const CheckOptions& 
         std::max(check.furthest_outside, skin.nearest(shape.muscles.row(i)).distance);
   }
   for (const Points& bone : shape.bones) check.bone_points += bone.rows();
-  check.bone_points_outside = bone_points_outside(shape);
+  check.bone_points_outside = measure_bones(shape).all_outside();
 
   const SolidVolumes volumes = measure_shape(subject, shape, options.rest_spacing);
   check.overlap_share = volumes.muscle_overlap_share();
@@ -285,28 +298,6 @@ struct PosedMuscles {
   std::vector<MuscleWholeness> whole;
 };
 
-// What one pose has to say about each bone.
-struct PosedBones {
-  std::vector<int> outside;   // points
-  std::vector<double> depth;  // m, of the farthest
-};
-
-PosedBones measure_bones(const Shape& shape) {
-  PosedBones out;
-  const NearestSurface skin(shape.skin);
-  for (const Points& bone : shape.bones) {
-    const std::vector<int> winding = winding_numbers(shape.skin, bone);
-    int& outside = out.outside.emplace_back(0);
-    double& depth = out.depth.emplace_back(0.0);
-    for (std::size_t i = 0; i < winding.size(); ++i) {
-      if (winding[i] != 0) continue;
-      ++outside;
-      depth = std::max(depth, skin.nearest(bone.row(i)).distance);
-    }
-  }
-  return out;
-}
-
 PoseCheck check_pose(const Subject& subject, const LimitPose& pose, double spacing,
                      PosedMuscles& muscles, PosedBones& bones) {
   Shape shape(subject.model);
@@ -325,7 +316,7 @@ PoseCheck check_pose(const Subject& subject, const LimitPose& pose, double spaci
     if (winding[i] == 0) ++out.muscle_points_outside, ++muscles.outside[m];
   }
   bones = measure_bones(shape);
-  out.bone_points_outside = std::accumulate(bones.outside.begin(), bones.outside.end(), 0);
+  out.bone_points_outside = bones.all_outside();
   for (double depth : bones.depth) out.bone_depth = std::max(out.bone_depth, depth);
   const SolidVolumes volumes = measure_shape(subject, shape, spacing);
   out.overlap_share = volumes.muscle_overlap_share();

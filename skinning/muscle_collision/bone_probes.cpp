@@ -7,7 +7,6 @@
 #include <array>
 #include <utility>
 
-#include "anatomy/geometry/vertex_normals.h"
 #include "anatomy/queries/nearest_surface.h"
 
 namespace ecorche::inline v1 {
@@ -17,23 +16,11 @@ constexpr double kNear = 0.030;     // m below the skin at rest; deeper points g
 constexpr float kMargin = 1.5e-3f;  // m, that probes stay below the skin
 constexpr int kProbesEach = 2;      // of a joint and a vertex of the skin
 constexpr std::size_t kBlock = 1024;
-// m, and in depths of the point: farther to the side, another part of the skin may be nearer
-constexpr float kAside = 0.01f, kAsideDepths = 1.5f;
 
 struct Candidate {
   BoneProbe probe;
   double depth = 0;  // m, at rest
 };
-
-int nearest_corner(const TriMesh& skin, const SurfacePoint& hit, const Vec3& p) {
-  const auto far = [&](int corner) {
-    return (skin.V.row(skin.F(hit.triangle, corner)).transpose() - p).squaredNorm();
-  };
-  int corner = 0;
-  for (int c = 1; c < 3; ++c)
-    if (far(c) < far(corner)) corner = c;
-  return skin.F(hit.triangle, corner);
-}
 
 // The points of a bone that are near the skin at rest.
 std::vector<Candidate> candidates_of(const Bone& bone, const Vec3& joint, const TriMesh& skin,
@@ -42,7 +29,7 @@ std::vector<Candidate> candidates_of(const Bone& bone, const Vec3& joint, const 
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
     const Vec3 p = bone.mesh.V.row(i);
     const SurfacePoint hit = nearest.nearest(p);
-    all[i] = {{bone.joint, (p - joint).cast<float>(), nearest_corner(skin, hit, p)}, hit.distance};
+    all[i] = {{bone.joint, (p - joint).cast<float>(), nearest_vertex(skin, hit, p)}, hit.distance};
   });
   std::erase_if(all, [](const Candidate& c) { return c.depth > kNear; });
   return all;
@@ -74,10 +61,7 @@ struct Waiting {
 // At rest no probe is nearer to the skin than its margin.
 void set_margins(const TriMesh& skin, std::span<const Vec3> joints, const SkinRings& rings,
                  std::span<BoneProbe> probes) {
-  std::vector<float> positions(4 * skin.V.rows(), 1), normals(4 * skin.V.rows());
-  for (Eigen::Index v = 0; v < skin.V.rows(); ++v)
-    for (int k = 0; k < 3; ++k) positions[4 * v + k] = float(skin.V(v, k));
-  vertex_normals(positions, std::span(skin.F.data(), std::size_t(skin.F.size())), normals);
+  const StillSkin still = make_still_skin(skin);
   tbb::parallel_for(std::size_t{0}, (probes.size() + 7) / 8, [&](std::size_t eight) {
     const std::span<BoneProbe> some =
         probes.subspan(8 * eight, std::min<std::size_t>(8, probes.size() - 8 * eight));
@@ -86,7 +70,7 @@ void set_margins(const TriMesh& skin, std::span<const Vec3> joints, const SkinRi
       const Vec3 vertex = skin.V.row(probe.vertex);
       waiting.add(probe, probe.place + (joints[probe.joint] - vertex).cast<float>());
     }
-    const SkinProjections projections = waiting.project(rings, {positions, normals});
+    const SkinProjections projections = waiting.project(rings, {still.positions, still.normals});
     for (std::size_t k = 0; k < some.size(); ++k)
       some[k].margin = std::min(kMargin, -projections.height[int(k)] - 1e-5f);
   });

@@ -35,17 +35,18 @@ void each(const LiftWorkspace& s, const Do& act) {
                     });
 }
 
-// Each round reaches one ring of vertices further.
-void spread(const SkinRings& rings, LiftWorkspace& s) {
+// Smooths the lift, in the first `upwards` rounds only upwards. Each round reaches one ring of
+// vertices further.
+void spread(const SkinRings& rings, int rounds, int upwards, LiftWorkspace& s) {
   std::size_t begin = 0;
-  for (int round = 0; round < kParameters.spread_rounds; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     const std::size_t end = s.vertices.size();
     for (; begin < end; ++begin)
       for (int u : ring_of(rings, s.vertices[begin])) meet(u, s);
     s.lift.swap(s.before);
     each(s, [&](int v) {
       const float mean = mean_about(rings, v, s.before);
-      s.lift[v] = round < kParameters.spread_rounds / 2 ? std::max(s.before[v], mean) : mean;
+      s.lift[v] = round < upwards ? std::max(s.before[v], mean) : mean;
     });
   }
 }
@@ -74,16 +75,18 @@ void spare_folds(const SkinRings& rings, std::span<const float> positions,
   });
 }
 
-void smooth_clearance(const SkinRings& rings, LiftWorkspace& s, std::vector<float>& clearance) {
-  for (int round = 0; round < kParameters.clearance_rounds; ++round) {
-    tbb::parallel_for(tbb::blocked_range<int>(0, int(clearance.size()), kBlock),
+// Smooths values of all vertices downwards.
+void ease_down(const SkinRings& rings, int rounds, std::vector<float>& values,
+               std::vector<float>& before) {
+  before.resize(values.size());
+  for (int round = 0; round < rounds; ++round) {
+    values.swap(before);
+    tbb::parallel_for(tbb::blocked_range<int>(0, int(values.size()), kBlock),
                       [&](const auto& range) {
                         for (int v = range.begin(); v < range.end(); ++v)
-                          s.before[v] = std::min(clearance[v], mean_about(rings, v, clearance));
+                          values[v] = std::min(before[v], mean_about(rings, v, before));
                       });
-    clearance.swap(s.before);
   }
-  s.before.assign(clearance.size(), 0);
 }
 
 }  // namespace
@@ -100,14 +103,7 @@ void begin_raise(const SkinRings& rings, std::span<const float> positions,
       s.most[v] = std::min(
           s.most[v], way_to_fold(rings, positions, normals, v, kParameters.bone_fold_fraction));
   });
-  s.before = s.most;
-  for (int round = 0; round < kParameters.easing_rounds; ++round) {
-    tbb::parallel_for(tbb::blocked_range<int>(0, int(n), kBlock), [&](const auto& range) {
-      for (int v = range.begin(); v < range.end(); ++v)
-        s.before[v] = std::min(s.most[v], mean_about(rings, v, s.most));
-    });
-    s.most.swap(s.before);
-  }
+  ease_down(rings, kParameters.easing_rounds, s.most, s.before);
 }
 
 void raise_skin(const SkinRings& rings, std::span<const SkinPenetration> points,
@@ -120,14 +116,7 @@ void raise_skin(const SkinRings& rings, std::span<const SkinPenetration> points,
     s.lift[point.vertex] = std::max(s.lift[point.vertex], s.rise[point.vertex] + point.depth);
   }
   s.before = s.lift;
-  std::size_t begin = 0;
-  for (int round = 0; round < kParameters.raise_rounds; ++round) {
-    const std::size_t end = s.vertices.size();
-    for (; begin < end; ++begin)
-      for (int u : ring_of(rings, s.vertices[begin])) meet(u, s);
-    s.lift.swap(s.before);
-    each(s, [&](int v) { s.lift[v] = std::max(s.before[v], mean_about(rings, v, s.before)); });
-  }
+  spread(rings, kParameters.raise_rounds, kParameters.raise_rounds, s);
   each(s, [&](int v) {
     s.rise[v] = std::min(s.lift[v], s.most[v]);
     store4(&positions[4 * v], load4(&s.unraised[4 * v]) + s.rise[v] * load4(&s.normals[4 * v]));
@@ -153,8 +142,9 @@ bool lift_skin(const SkinRings& rings, std::span<const SkinPenetration> points,
                               kParameters.skin_fraction * std::min(depth, kParameters.most_depth));
   }
   if (s.vertices.empty()) return false;
-  smooth_clearance(rings, s, clearance);
-  spread(rings, s);
+  ease_down(rings, kParameters.clearance_rounds, clearance, s.before);
+  s.before.assign(n, 0);
+  spread(rings, kParameters.spread_rounds, kParameters.spread_rounds / 2, s);
   spare_folds(rings, positions, normals, s);
   for (int v : s.vertices) s.lift[v] *= std::min(1.0f, kParameters.liftable_gain * liftable[v]);
   for (int round = 0; round < kParameters.easing_rounds; ++round) {  // round about a fold too

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <bit>
 
-#include "anatomy/geometry/vertex_normals.h"
 #include "anatomy/muscles/slice_outline.h"
 #include "anatomy/queries/nearest_surface.h"
 
@@ -15,8 +14,6 @@ namespace {
 
 constexpr double kNear = 0.025;     // m below the skin at rest; deeper points get no probe
 constexpr float kMargin = 1.2e-3f;  // m, that probes stay below the skin
-// m, and in depths of the point: farther to the side, another part of the skin may be nearer
-constexpr float kAside = 0.01f, kAsideDepths = 1.5f;
 
 Float4 from_point(const Vec3& p, Float4 point) {
   Float4 out{};
@@ -41,13 +38,6 @@ void fill_up(SectionProbes& probes) {
       probes.vertex[lane] = probes.vertex[std::countr_zero(probes.lanes)];
 }
 
-std::vector<float> rows_of(const Points& points) {
-  std::vector<float> out;
-  for (Eigen::Index v = 0; v < points.rows(); ++v)
-    for (int k = 0; k < 4; ++k) out.push_back(k < 3 ? float(points(v, k)) : 1);
-  return out;
-}
-
 }  // namespace
 
 Wide3 probe_radials(const Ellipse& e, float thickness) {
@@ -70,10 +60,8 @@ Wide3 probe_radials(const Ellipse& e, float thickness) {
 std::vector<SectionProbes> place_probes(std::span<const Ellipse> rest,
                                         std::span<const float> thickness, const TriMesh& skin,
                                         const SkinRings& rings) {
-  const std::vector<float> positions = rows_of(skin.V);
-  std::vector<float> normals(positions.size());
-  vertex_normals(positions, std::span(skin.F.data(), std::size_t(skin.F.size())), normals);
-  const PosedSkin still{positions, normals};
+  const StillSkin rows = make_still_skin(skin);
+  const PosedSkin still{rows.positions, rows.normals};
   const NearestSurface nearest(skin);
   std::vector<SectionProbes> out(rest.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rest.size(), 32), [&](const auto& range) {
@@ -86,15 +74,8 @@ std::vector<SectionProbes> place_probes(std::span<const Ellipse> rest,
         const Vec3 p = rest[k].center + Vec3(radials.x[at], radials.y[at], radials.z[at]);
         const SurfacePoint hit = nearest.nearest(p);
         if (hit.distance > kNear) continue;
-        const auto far = [&](int corner) {
-          return (skin.V.row(skin.F(hit.triangle, corner)).transpose() - p).squaredNorm();
-        };
-        int corner = 0;
-        for (int c = 1; c < 3; ++c)
-          if (far(c) < far(corner)) corner = c;
-        const int vertex = skin.F(hit.triangle, corner);
         probes.lanes |= 1u << lane;
-        probes.vertex[lane] = vertex;
+        probes.vertex[lane] = nearest_vertex(skin, hit, p);
       }
       if (probes.lanes == 0) continue;
       fill_up(probes);

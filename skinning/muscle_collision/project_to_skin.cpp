@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 
+#include "anatomy/geometry/vertex_normals.h"
 #include "anatomy/geometry/vertex_rings.h"
 
 namespace ecorche::inline v1 {
@@ -215,6 +216,26 @@ SkinProjections project_to_skin(const SkinRings& rings, const PosedSkin& skin, c
   if (lanes_that(projections.height >= -kDeepProjection) != 0)
     project_to_fans(rings, view, way, projections);
   return projections;
+}
+
+StillSkin make_still_skin(const TriMesh& mesh) {
+  StillSkin out;
+  out.positions.reserve(4 * std::size_t(mesh.V.rows()));
+  for (Eigen::Index v = 0; v < mesh.V.rows(); ++v)
+    for (int k = 0; k < 4; ++k) out.positions.push_back(k < 3 ? float(mesh.V(v, k)) : 1);
+  out.normals.resize(out.positions.size());
+  vertex_normals(out.positions, std::span(mesh.F.data(), std::size_t(mesh.F.size())), out.normals);
+  return out;
+}
+
+int nearest_vertex(const TriMesh& skin, const SurfacePoint& hit, const Vec3& p) {
+  const auto far = [&](int corner) {
+    return (skin.V.row(skin.F(hit.triangle, corner)).transpose() - p).squaredNorm();
+  };
+  int corner = 0;
+  for (int c = 1; c < 3; ++c)
+    if (far(c) < far(corner)) corner = c;
+  return skin.F(hit.triangle, corner);
 }
 
 }  // namespace ecorche::inline v1

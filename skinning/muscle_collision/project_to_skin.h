@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "anatomy/compute/simd_lanes.h"
+#include "anatomy/queries/nearest_surface.h"
 #include "anatomy/types.h"
 
 namespace ecorche::inline v1 {
@@ -31,6 +32,16 @@ inline std::span<const int> ring_of(const SkinRings& rings, int v) {
 
 SkinRings make_skin_rings(const TriMesh& skin);
 
+// A mesh as a skin that stands still.
+struct StillSkin {
+  std::vector<float> positions, normals;  // #V x 4
+};
+
+StillSkin make_still_skin(const TriMesh& mesh);
+
+// Of the triangle that was hit, the vertex nearest to `p`.
+int nearest_vertex(const TriMesh& skin, const SurfacePoint& hit, const Vec3& p);
+
 struct PosedSkin {
   std::span<const float> positions, normals;  // #V x 4
 };
@@ -44,6 +55,9 @@ struct SkinProjections {
 
 // m: below it heights are over the plane of the nearest vertex, above it over the nearest triangle.
 inline constexpr float kDeepProjection = 0.005f;
+// m, and in depths of the point: farther to the side of a vertex, another part of the skin may be
+// nearer.
+inline constexpr float kAside = 0.01f, kAsideDepths = 1.5f;
 
 // `points`: relative to the vertices `from`. How one projections does not depend on the others.
 SkinProjections project_to_skin(const SkinRings& rings, const PosedSkin& skin, const Wide3& points,
