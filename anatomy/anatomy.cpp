@@ -64,6 +64,29 @@ void validate(const Anatomy& anatomy) {
       validate_strip("muscle '" + muscle.name + "': strip " + std::to_string(i + 1),
                      muscle.strips[i], joints);
   }
+  for (const FasciaSheet& sheet : anatomy.fascia) {
+    const std::string where = "fascia '" + sheet.name + "'";
+    require(sheet.rows >= 2 && sheet.columns >= 2, where + ": fewer than two rows or columns");
+    require(sheet.V.rows() == Eigen::Index(sheet.rows) * sheet.columns &&
+                sheet.belly.size() == std::size_t(sheet.V.rows()),
+            where + ": its points are no grid of " + std::to_string(sheet.rows) + " x " +
+                std::to_string(sheet.columns));
+    require(sheet.V.allFinite(), where + ": a point is not finite");
+    for (const std::string& bone : sheet.bones)
+      require(find_bone(anatomy, bone) >= 0, where + ": there is no bone '" + bone + "'");
+  }
+}
+
+Triangles grid_triangles(int rows, int columns) {
+  Triangles F(2 * (rows - 1) * (columns - 1), 3);
+  Eigen::Index f = 0;
+  for (int r = 0; r + 1 < rows; ++r)
+    for (int c = 0; c + 1 < columns; ++c) {
+      const int a = r * columns + c, b = a + columns;
+      F.row(f++) << a, a + 1, b + 1;
+      F.row(f++) << a, b + 1, b;
+    }
+  return F;
 }
 
 int find_bone(const Anatomy& anatomy, std::string_view name) {

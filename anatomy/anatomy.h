@@ -94,11 +94,30 @@ struct Muscle {
   bool sheet = false;  // strips lie side by side and are drawn as one surface
 };
 
+// A sheet or band of fascia, aponeurosis or ligament that lies over muscles and bones. It pulls at
+// nothing: it is drawn, and goes with what it lies on (muscles/fascia_surface.h).
+struct FasciaSheet {
+  std::string name;  // "iliotibial_tract_l"
+  Side side = Side::middle;
+  std::string label;  // "iliotibial tract"
+  std::string group;  // region, as muscles have it
+  int rows = 0, columns = 0;
+  // (rows * columns) x 3, row after row, world coordinates of the rest pose; the direction along a
+  // row times the one to the next row points outwards
+  Points V;
+  std::vector<float> belly;        // #V, 0 fascia .. 1 faded into a belly below (for colour)
+  std::vector<std::string> bones;  // that carry it alone; none: whatever it lies on
+};
+
 struct Anatomy {
   Skeleton skeleton;
   std::vector<Bone> bones;
   std::vector<Muscle> muscles;
+  std::vector<FasciaSheet> fascia;
 };
+
+// Two triangles a cell of a grid whose points come row after row, outwards as a FasciaSheet's.
+Triangles grid_triangles(int rows, int columns);
 
 struct Landmark {
   std::string name;

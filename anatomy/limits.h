@@ -58,6 +58,10 @@ inline constexpr std::size_t kImportBytes = std::size_t{1} << 30;
 
 // muscles of a character
 inline constexpr int kMuscles = 4096;
+// sheets of fascia of a character
+inline constexpr int kFasciaSheets = 1024;
+// rows, and columns, of a sheet of fascia
+inline constexpr int kFasciaRows = 256;
 // sections of all muscles of a character
 inline constexpr int kSlices = 65536;
 // sections of a muscle strip

@@ -17,6 +17,8 @@ namespace {
 std::uint32_t bone_part(std::size_t index) { return kFirstBonePart + std::uint32_t(index); }
 std::uint32_t muscle_part(std::size_t index) { return kFirstMusclePart + std::uint32_t(index); }
 
+std::uint32_t fascia_part(std::size_t index) { return kFirstFasciaPart + std::uint32_t(index); }
+
 std::string spelled(std::string_view text) {
   std::string out;
   for (const char c : text)
@@ -38,12 +40,12 @@ bool is_called(const std::string& name, std::string_view asked) {
   return begins && (part == asked || name.ends_with(asked.substr(part.size())));
 }
 
-bool is_of_region(const Muscle& muscle, std::string_view asked) {
-  if (muscle.layer == asked) return true;
+// Of a muscle or a sheet of fascia.
+bool is_of_region(const auto& part, std::string_view asked) {
   const std::string_view region = without_side(asked);
-  const bool within = muscle.group == region ||
-                      (muscle.group.starts_with(region) && muscle.group[region.size()] == '_');
-  return within && (region == asked || muscle.name.ends_with(asked.substr(region.size())));
+  const bool within = part.group == region ||
+                      (part.group.starts_with(region) && part.group[region.size()] == '_');
+  return within && (region == asked || part.name.ends_with(asked.substr(region.size())));
 }
 
 const char* side_word(Side side) {
@@ -52,11 +54,15 @@ const char* side_word(Side side) {
 
 std::vector<std::string> known_names(const Anatomy& anatomy) {
   std::vector<std::string> names{"skin",        "eyes",         "muscles", "bones",
-                                 "superficial", "intermediate", "deep"};
+                                 "superficial", "intermediate", "deep",    "fascia"};
   for (const Muscle& muscle : anatomy.muscles) {
     names.push_back(muscle.name);
     names.emplace_back(without_side(muscle.name));
     names.push_back(muscle.group);
+  }
+  for (const FasciaSheet& sheet : anatomy.fascia) {
+    names.push_back(sheet.name);
+    names.emplace_back(without_side(sheet.name));
   }
   for (const Bone& bone : anatomy.bones) {
     names.push_back(bone.name);
@@ -91,6 +97,8 @@ std::string part_name(const Anatomy& anatomy, std::uint32_t number) {
     return anatomy.bones[index].name;
   if (part.kind == Part::Kind::muscle && index < anatomy.muscles.size())
     return anatomy.muscles[index].name;
+  if (part.kind == Part::Kind::fascia && index < anatomy.fascia.size())
+    return anatomy.fascia[index].name;
   return {};
 }
 
@@ -103,6 +111,8 @@ std::string part_label(const Anatomy& anatomy, std::uint32_t number) {
     return (muscle.label.empty() ? std::string(without_side(name)) : muscle.label) +
            side_word(muscle.side);
   }
+  if (part.kind == Part::Kind::fascia)
+    return anatomy.fascia[part.index].label + side_word(anatomy.fascia[part.index].side);
   if (part.kind != Part::Kind::bone) return name;
   std::string label(without_side(name));
   std::replace(label.begin(), label.end(), '_', ' ');
@@ -112,6 +122,7 @@ std::string part_label(const Anatomy& anatomy, std::uint32_t number) {
 std::vector<std::uint32_t> all_parts(const Anatomy& anatomy) {
   std::vector<std::uint32_t> parts{kSkinPart, kEyesPart};
   for (std::size_t m = 0; m < anatomy.muscles.size(); ++m) parts.push_back(muscle_part(m));
+  for (std::size_t n = 0; n < anatomy.fascia.size(); ++n) parts.push_back(fascia_part(n));
   for (std::size_t b = 0; b < anatomy.bones.size(); ++b) parts.push_back(bone_part(b));
   return parts;
 }
@@ -126,8 +137,14 @@ std::vector<std::uint32_t> parts_named(const Anatomy& anatomy, std::string_view 
     if (asked == "bones" || is_called(anatomy.bones[b].name, asked)) parts.push_back(bone_part(b));
   for (std::size_t m = 0; m < anatomy.muscles.size(); ++m) {
     const Muscle& muscle = anatomy.muscles[m];
-    if (asked == "muscles" || is_called(muscle.name, asked) || is_of_region(muscle, asked))
+    if (asked == "muscles" || is_called(muscle.name, asked) || muscle.layer == asked ||
+        is_of_region(muscle, asked))
       parts.push_back(muscle_part(m));
+  }
+  for (std::size_t n = 0; n < anatomy.fascia.size(); ++n) {
+    const FasciaSheet& sheet = anatomy.fascia[n];
+    if (asked == "fascia" || is_called(sheet.name, asked) || is_of_region(sheet, asked))
+      parts.push_back(fascia_part(n));
   }
   return parts;
 }
@@ -141,8 +158,8 @@ std::vector<std::uint32_t> parts_of_list(const Anatomy& anatomy, const std::stri
     if (parts.empty()) {
       const std::string near = nearest_name(spelled(name), known_names(anatomy));
       throw UsageError(
-          fmt::format("{}: no part is called '{}'{}; name a bone, a muscle, a region of muscles, a "
-                      "layer, skin, muscles or bones",
+          fmt::format("{}: no part is called '{}'{}; name a bone, a muscle, a sheet of fascia, a "
+                      "region of muscles, a layer, skin, muscles, fascia or bones",
                       where, name, near.empty() ? "" : fmt::format(": did you mean '{}'?", near)));
     }
     all.insert(all.end(), parts.begin(), parts.end());

@@ -106,6 +106,18 @@ void set_fibres(DrawMesh& muscles, const MuscleSurface& surface, const Anatomy& 
   }
 }
 
+// Fibres lie side by side across each sheet.
+void set_fibres(DrawMesh& fascia, const FasciaSurface& surface, double fascicle) {
+  for (const FasciaSurface::Part& part : surface.parts) {
+    const float width = surface.across[part.vertex_end - 1];
+    const float fibres = std::max(6.0f, float(std::round(2 * width / fascicle)));
+    for (int i = part.vertex_begin; i < part.vertex_end; ++i) {
+      const float angle = std::numbers::pi_v<float> * surface.across[i] / std::max(width, 1e-6f);
+      fascia.fibres.emplace_back(std::cos(angle), std::sin(angle), fibres, surface.along[i]);
+    }
+  }
+}
+
 Vec3f mix(const Vec3f& a, const Vec3f& b, float t) { return a + t * (b - a); }
 
 void color_muscles(const SceneModel& model, std::span<const float> activity,
@@ -123,6 +135,18 @@ void color_muscles(const SceneModel& model, std::span<const float> activity,
     }
     for (int i = part.vertex_begin; i < part.vertex_end; ++i)
       mesh.colors[i] = mix(tendon, belly, model.surface.belly[i]);
+  }
+}
+
+void color_fascia(const SceneModel& model, const Appearance& appearance, DrawMesh& mesh) {
+  mesh.colors.resize(model.fascia_surface.vertices());
+  const bool map = appearance.muscle_colors == MuscleColors::shortening;
+  const Vec3f belly = muscle_color(appearance.muscle_colors, 0);
+  for (const FasciaSurface::Part& part : model.fascia_surface.parts) {
+    Vec3f sheet = map ? Vec3f(0.70f, 0.69f, 0.67f) : kTendonLook.color;
+    if (appearance.selected == kFirstFasciaPart + std::uint32_t(part.sheet)) sheet = selected_color;
+    for (int i = part.vertex_begin; i < part.vertex_end; ++i)
+      mesh.colors[i] = mix(sheet, belly, model.fascia_surface.belly[i]);
   }
 }
 
@@ -161,6 +185,12 @@ Surface muscle_surface(float opacity) {
           .striation = 1};
 }
 
+Surface fascia_surface(float opacity) {
+  Surface surface = muscle_surface(opacity);
+  surface.color = kTendonLook.color;
+  return surface;
+}
+
 Surface skin_surface(const Appearance& appearance, const Look& look) {
   return {.color = appearance.skin_color,
           .opacity = look.skin,
@@ -177,25 +207,31 @@ Mat4f translation_by(const Vec3f& offset) {
   return m;
 }
 
-// Copies the model's meshes into the list in the order skin, muscles, bones, eyes, unless they are
-// already there.
+// Where meshes are in the list.
+constexpr int kSkinMesh = 0, kMuscleMesh = 1, kFasciaMesh = 2, kFirstBoneMesh = 3;
+
+// Copies the model's meshes into the list in the order skin, muscles, fascia, bones, eyes, unless
+// they are already there.
 void take_meshes(const SceneModel& model, Scene& scene) {
   DrawList& list = scene.list;
-  const std::size_t wanted = 2 + model.bones.size() + model.eyes.size();
-  bool same = list.meshes.size() == wanted && list.meshes[0].key == model.skin.key &&
-              list.meshes[1].key == model.muscles.key;
+  const std::size_t wanted = kFirstBoneMesh + model.bones.size() + model.eyes.size();
+  bool same = list.meshes.size() == wanted && list.meshes[kSkinMesh].key == model.skin.key &&
+              list.meshes[kMuscleMesh].key == model.muscles.key;
   if (same)
-    same = list.meshes[0].positions.size() == model.skin.positions.size() &&
-           list.meshes[1].fibres.size() == model.muscles.fibres.size();
-  if (same && !model.bones.empty()) same = list.meshes[2].revision == model.bones[0].revision;
+    same = list.meshes[kSkinMesh].positions.size() == model.skin.positions.size() &&
+           list.meshes[kMuscleMesh].fibres.size() == model.muscles.fibres.size() &&
+           list.meshes[kFasciaMesh].fibres.size() == model.fascia.fibres.size();
+  if (same && !model.bones.empty())
+    same = list.meshes[kFirstBoneMesh].revision == model.bones[0].revision;
   if (same) return;
   list.meshes.clear();
   list.meshes.reserve(wanted);
   list.meshes.push_back(model.skin);
   list.meshes.push_back(model.muscles);
+  list.meshes.push_back(model.fascia);
   list.meshes.insert(list.meshes.end(), model.bones.begin(), model.bones.end());
   list.meshes.insert(list.meshes.end(), model.eyes.begin(), model.eyes.end());
-  scene.muscles_left_away.clear();
+  scene.parts_left_away.clear();
 }
 
 bool is_hidden(const Appearance& appearance, std::uint32_t part) {
@@ -209,21 +245,35 @@ std::uint64_t shape_without(std::span<const std::uint32_t> parts) {
   return parts.empty() ? 0 : hash;
 }
 
-// Removes the triangles of hidden muscles, which are then neither seen nor picked and cast no
-// shadows.
-void remove_hidden_muscles(const SceneModel& model, const Appearance& appearance, Scene& scene) {
+// The triangles of parts that are not hidden.
+template <class Part>
+void take_shown(const std::vector<Part>& parts, const std::vector<Triangle32>& all, auto number,
+                const Appearance& appearance, DrawMesh& mesh) {
+  mesh.triangles.clear();
+  for (const Part& part : parts)
+    if (!is_hidden(appearance, number(part)))
+      mesh.triangles.insert(mesh.triangles.end(), all.begin() + part.face_begin,
+                            all.begin() + part.face_end);
+}
+
+// Removes the triangles of hidden muscles and fascia, which are then neither seen nor picked and
+// cast no shadows.
+void remove_hidden(const SceneModel& model, const Appearance& appearance, Scene& scene) {
   const auto first =
       std::lower_bound(appearance.hidden.begin(), appearance.hidden.end(), kFirstMusclePart);
   const std::span<const std::uint32_t> hidden(first, appearance.hidden.end());
-  if (std::ranges::equal(hidden, scene.muscles_left_away)) return;
-  DrawMesh& mesh = scene.list.meshes[1];
-  mesh.triangles.clear();
-  for (const MuscleSurface::Part& part : model.surface.parts)
-    if (!is_hidden(appearance, kFirstMusclePart + std::uint32_t(part.muscle)))
-      mesh.triangles.insert(mesh.triangles.end(), model.muscles.triangles.begin() + part.face_begin,
-                            model.muscles.triangles.begin() + part.face_end);
-  mesh.shape = shape_without(hidden);
-  scene.muscles_left_away.assign(hidden.begin(), hidden.end());
+  if (std::ranges::equal(hidden, scene.parts_left_away)) return;
+  DrawMesh &muscles = scene.list.meshes[kMuscleMesh], &fascia = scene.list.meshes[kFasciaMesh];
+  take_shown(
+      model.surface.parts, model.muscles.triangles,
+      [](const MuscleSurface::Part& p) { return kFirstMusclePart + std::uint32_t(p.muscle); },
+      appearance, muscles);
+  take_shown(
+      model.fascia_surface.parts, model.fascia.triangles,
+      [](const FasciaSurface::Part& p) { return kFirstFasciaPart + std::uint32_t(p.sheet); },
+      appearance, fascia);
+  muscles.shape = fascia.shape = shape_without(hidden);
+  scene.parts_left_away.assign(hidden.begin(), hidden.end());
 }
 
 Mat4f joint_motion(const SceneModel& model, const PosedAnatomy& posed, int joint) {
@@ -241,7 +291,7 @@ void add_look(const SceneModel& model, const PosedAnatomy& posed, const Appearan
       const std::uint32_t part = kFirstBonePart + std::uint32_t(b);
       if (is_hidden(appearance, part)) continue;
       DrawItem& item = list.items.emplace_back();
-      item.mesh = int(2 + b);
+      item.mesh = int(kFirstBoneMesh + b);
       item.X_WM = offset * joint_motion(model, posed, model.bone_joints[b]);
       item.surface = bone_surface(appearance, look.bones);
       item.closed = true;
@@ -256,7 +306,7 @@ void add_look(const SceneModel& model, const PosedAnatomy& posed, const Appearan
   if (faced && !is_hidden(appearance, kEyesPart)) {
     for (std::size_t e = 0; e < model.eyes.size(); ++e) {
       DrawItem& item = list.items.emplace_back();
-      item.mesh = int(2 + model.bones.size() + e);
+      item.mesh = int(kFirstBoneMesh + model.bones.size() + e);
       item.X_WM = offset * joint_motion(model, posed, model.eye_joints[e]);
       item.surface = {.color = Vec3f(0.9f, 0.9f, 0.9f),
                       .roughness = kEyeWhiteLook.roughness,
@@ -266,18 +316,24 @@ void add_look(const SceneModel& model, const PosedAnatomy& posed, const Appearan
       item.closed = true;
     }
   }
-  if (look.muscles > 0 && !list.meshes[1].triangles.empty()) {
+  if (look.muscles > 0 && !list.meshes[kMuscleMesh].triangles.empty()) {
     DrawItem& item = list.items.emplace_back();
-    item.mesh = 1;
+    item.mesh = kMuscleMesh;
     item.X_WM = offset;
     item.surface = muscle_surface(look.muscles);
     item.closed = true;
+  }
+  if (look.muscles > 0 && !list.meshes[kFasciaMesh].triangles.empty()) {
+    DrawItem& item = list.items.emplace_back();
+    item.mesh = kFasciaMesh;
+    item.X_WM = offset;
+    item.surface = fascia_surface(look.muscles);
   }
   const bool skinned = (look.skin > 0 || look.skin_edge > 0) && look.skin_dissolved < 1 &&
                        !model.skin.triangles.empty();
   if (skinned && !is_hidden(appearance, kSkinPart)) {
     DrawItem& item = list.items.emplace_back();
-    item.mesh = 0;
+    item.mesh = kSkinMesh;
     item.X_WM = offset;
     item.surface = skin_surface(appearance, look);
     item.part = kSkinPart;
@@ -326,6 +382,7 @@ Vec3f muscle_color(MuscleColors colors, float activity) {
 }
 
 Part part_of(std::uint32_t number) {
+  if (number >= kFirstFasciaPart) return {Part::Kind::fascia, int(number - kFirstFasciaPart)};
   if (number >= kFirstMusclePart) return {Part::Kind::muscle, int(number - kFirstMusclePart)};
   if (number >= kFirstBonePart) return {Part::Kind::bone, int(number - kFirstBonePart)};
   if (number == kSkinPart) return {Part::Kind::skin, 0};
@@ -345,13 +402,13 @@ SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin,
   model.skin = make_mesh(skin, key + 1);
   set_dissolve_order(model.skin);
   for (std::size_t b = 0; b < anatomy.bones.size(); ++b) {
-    model.bones.push_back(make_mesh(anatomy.bones[b].mesh, key + 3 + b));
+    model.bones.push_back(make_mesh(anatomy.bones[b].mesh, key + 4 + b));
     model.bone_joints.push_back(anatomy.bones[b].joint);
     const std::string& joint = anatomy.skeleton.joints[anatomy.bones[b].joint].name;
     model.bone_shadows.push_back(joint == "head" || joint == "jaw");
   }
   for (const Eyeball& eye : options.eyes) {
-    model.eyes.push_back(make_eye(eye, key + 3 + anatomy.bones.size() + model.eyes.size()));
+    model.eyes.push_back(make_eye(eye, key + 4 + anatomy.bones.size() + model.eyes.size()));
     model.eye_joints.push_back(eye.joint);
   }
   model.joint_rest = rest_positions(anatomy.skeleton);
@@ -360,6 +417,12 @@ SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin,
     model.rest_lengths.push_back(anatomy.muscles[range.muscle].strips[range.strip].rest_length);
   model.muscle_count = anatomy.muscles.size();
   model.muscles.key = key + 2;
+  model.fascia.key = key + 3;
+  model.fascia_surface = make_fascia_surface(anatomy);
+  model.fascia.triangles = to_indices(model.fascia_surface.F);
+  for (const FasciaSurface::Part& part : model.fascia_surface.parts)
+    model.fascia.parts.resize(part.vertex_end, kFirstFasciaPart + std::uint32_t(part.sheet));
+  set_fibres(model.fascia, model.fascia_surface, options.fascicle);
   if (anatomy.muscles.empty()) return model;
   model.surface = make_muscle_surface(anatomy, options.surface);
   model.muscles.triangles = to_indices(model.surface.F);
@@ -394,8 +457,8 @@ void update_scene(const SceneModel& model, const PosedAnatomy& posed, const Skin
     throw std::invalid_argument(fmt::format("update_scene: {} activities for {} muscles",
                                             activity.size(), model.muscle_count));
   take_meshes(model, scene);
-  remove_hidden_muscles(model, appearance, scene);
-  DrawMesh& muscles = scene.list.meshes[1];
+  remove_hidden(model, appearance, scene);
+  DrawMesh& muscles = scene.list.meshes[kMuscleMesh];
   if (model.muscle_count > 0) {
     update_muscle_surface(model.surface, posed, scene.muscle_positions, &scene.muscle_normals);
     copy_into(scene.muscle_positions, muscles.positions);
@@ -403,9 +466,18 @@ void update_scene(const SceneModel& model, const PosedAnatomy& posed, const Skin
     color_muscles(model, activity, appearance, muscles);
     muscles.revision = revision;
   }
+  if (model.fascia_surface.vertices() > 0) {
+    DrawMesh& fascia = scene.list.meshes[kFasciaMesh];
+    update_fascia_surface(model.fascia_surface, posed, scene.fascia_positions,
+                          &scene.fascia_normals);
+    copy_into(scene.fascia_positions, fascia.positions);
+    copy_into(scene.fascia_normals, fascia.normals);
+    color_fascia(model, appearance, fascia);
+    fascia.revision = revision;
+  }
   if (skin) {
-    take_skin(*skin, scene.list.meshes[0]);
-    scene.list.meshes[0].revision = revision;
+    take_skin(*skin, scene.list.meshes[kSkinMesh]);
+    scene.list.meshes[kSkinMesh].revision = revision;
   }
   scene.list.items.clear();
   for (const Look& look : appearance.looks) add_look(model, posed, appearance, look, scene.list);

@@ -12,6 +12,7 @@
 #include "anatomy/anatomy.h"
 #include "anatomy/base_mesh/eyes.h"
 #include "anatomy/base_mesh/tissue_look.h"
+#include "anatomy/muscles/fascia_surface.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "anatomy/posing/pose_anatomy.h"
 #include "skinning/skin_frame.h"
@@ -24,11 +25,12 @@ inline constexpr std::uint32_t kSkinPart = 1;
 inline constexpr std::uint32_t kEyesPart = 2;  // can be hidden, not picked
 inline constexpr std::uint32_t kFirstBonePart = 1000;
 inline constexpr std::uint32_t kFirstMusclePart = 100000;
+inline constexpr std::uint32_t kFirstFasciaPart = 200000;
 
 struct Part {
-  enum class Kind { none, skin, eyes, bone, muscle };
+  enum class Kind { none, skin, eyes, bone, muscle, fascia };
   Kind kind = Kind::none;
-  int index = -1;  // of the bone or muscle
+  int index = -1;  // of the bone, muscle or sheet of fascia
 };
 Part part_of(std::uint32_t number);
 
@@ -44,7 +46,8 @@ std::uint64_t fresh_scene_key();
 
 struct SceneModel {
   MuscleSurface surface;
-  DrawMesh skin, muscles;        // at rest
+  FasciaSurface fascia_surface;
+  DrawMesh skin, muscles, fascia;  // at rest; fascia is seen where muscles are
   std::vector<DrawMesh> bones;   // world, at rest
   std::vector<DrawMesh> eyes;    // world, at rest
   std::vector<int> eye_joints;   // #eyes
@@ -92,8 +95,9 @@ struct Appearance {
 // One frame: the draw list and its workspace.
 struct Scene {
   DrawList list;
-  PointsF muscle_positions, muscle_normals;
-  std::vector<std::uint32_t> muscles_left_away;  // muscle parts without triangles in `list`
+  PointsF muscle_positions, muscle_normals, fascia_positions, fascia_normals;
+  // muscle and fascia parts without triangles in `list`
+  std::vector<std::uint32_t> parts_left_away;
 };
 
 // Change of each muscle's length from rest: +1 shortened by 20 % or more, -1 stretched by 20 % or

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "anatomy/authoring/path_carriers.h"
 #include "anatomy/bones/bone_package.h"
 #include "anatomy/errors.h"
 #include "anatomy/muscles/action_line.h"
@@ -20,53 +21,6 @@ constexpr int kProbe = 240;  // samples of a strip when its slices are spread
 constexpr double kTendonFade = 0.03;
 
 Vec3 mirror_direction(const Vec3& v) { return Vec3(-v.x(), v.y(), v.z()); }
-
-// Joints of bones and soft carriers on one side, found once.
-class Carriers {
- public:
-  Carriers(const MuscleTable& table, const Anatomy& source, Side side)
-      : table_(table), source_(source), side_(side) {}
-
-  // `height` decides the share of a carrier between two heights.
-  PathPoint carry(const std::string& carrier, const Vec3& rest, const std::string& where) const {
-    PathPoint point;
-    point.rest = side_ == Side::right ? mirror_point(rest) : rest;
-    for (const JointBlend& soft : table_.carriers) {
-      if (soft.name != carrier) continue;
-      point.joints = {joint(soft.joints[0], soft.where), joint(soft.joints[1], soft.where)};
-      point.share = soft.high > 0
-                        ? std::clamp((rest.y() - soft.low) / (soft.high - soft.low), 0.0, 1.0)
-                        : soft.share;
-      if (point.share >= 1) point.joints[1] = -1;
-      if (point.share <= 0) point = PathPoint{point.rest, {point.joints[1], -1}, 1};
-      return point;
-    }
-    const int bone = find_bone(source_, bone_name(carrier));
-    if (bone < 0)
-      throw InputError(fmt::format("{}: no bone or carrier '{}' in the skeleton", where, carrier));
-    point.joints[0] = source_.bones[bone].joint;
-    return point;
-  }
-
-  // The name of a bone on this side; unpaired bones keep theirs. Empty for a soft carrier.
-  std::string bone_name(const std::string& carrier) const {
-    const std::string sided = carrier + side_suffix(side_);
-    if (find_bone(source_, sided) >= 0) return sided;
-    return find_bone(source_, carrier) >= 0 ? carrier : "";
-  }
-
- private:
-  int joint(const std::string& name, const std::string& where) const {
-    int index = find_joint(source_.skeleton, name + side_suffix(side_));
-    if (index < 0) index = find_joint(source_.skeleton, name);
-    if (index < 0) throw InputError(fmt::format("{}: no joint '{}' in the skeleton", where, name));
-    return index;
-  }
-
-  const MuscleTable& table_;
-  const Anatomy& source_;
-  Side side_;
-};
 
 // Monotone cubic interpolation (Fritsch and Carlson 1980, 10.1137/0717021) of section radii:
 // bellies without corners that never swell beyond their sections.
@@ -136,20 +90,16 @@ std::vector<double> spread_slices(std::span<const PathPoint> path,
   return s;
 }
 
-std::vector<PathPoint> place_path(const MuscleTable& table, const TableStrip& strip,
-                                  const Carriers& carriers) {
+std::vector<PathPoint> place_path(const TableStrip& strip, const PathCarriers& carriers) {
   std::vector<PathPoint> path;
-  for (const TablePoint& point : strip.path) {
-    const SourceLandmark& landmark = table.landmarks[point.landmark];
-    path.push_back(carriers.carry(landmark.carrier, position(table, point), landmark.where));
-  }
+  for (const TablePoint& point : strip.path) path.push_back(carriers.carry(point));
   return path;
 }
 
 // A strip of the left side, without wraps and not yet of the right volume.
-Strip place_strip(const MuscleTable& table, const TableStrip& from, const Carriers& carriers,
+Strip place_strip(const TableStrip& from, const PathCarriers& carriers,
                   const PlaceOptions& options) {
-  const std::vector<PathPoint> path = place_path(table, from, carriers);
+  const std::vector<PathPoint> path = place_path(from, carriers);
   std::vector<Station> sections;
   for (const TableSection& section : from.sections) {
     Station station;
@@ -224,7 +174,7 @@ void set_volume(std::vector<Strip>& strips, double volume, bool sheet) {
     for (Slice& slice : strip.slices) slice.radii *= rest;
 }
 
-Wrap place_wrap(const MuscleTable& table, const TableStrip::WrapUse& use, const Carriers& carriers,
+Wrap place_wrap(const MuscleTable& table, const TableStrip::WrapUse& use, const PathCarriers& carriers,
                 Side side) {
   const TableWrap& from = table.wraps[use.wrap];
   const SourceLandmark& landmark = table.landmarks[from.landmark];
@@ -265,7 +215,7 @@ Muscle describe(const TableMuscle& from, Side side, Sex sex) {
 }
 
 Muscle place_muscle(const MuscleTable& table, const TableMuscle& from, std::vector<Strip> strips,
-                    const Carriers& carriers, Side side, Sex sex) {
+                    const PathCarriers& carriers, Side side, Sex sex) {
   Muscle muscle = describe(from, side, sex);
   muscle.strips = std::move(strips);
   for (std::size_t i = 0; i < from.strips.size(); ++i)
@@ -291,15 +241,15 @@ Muscle place_muscle(const MuscleTable& table, const TableMuscle& from, std::vect
 
 std::vector<Muscle> place_muscles(const MuscleTable& table, const Anatomy& source,
                                   const PlaceOptions& options) {
-  const Carriers on_left(table, source, Side::left), on_right(table, source, Side::right);
+  const PathCarriers on_left(table, source, Side::left), on_right(table, source, Side::right);
   std::vector<Muscle> muscles;
   for (const TableMuscle& from : table.muscles) {
     std::vector<Strip> left, right;
     for (const TableStrip& strip : from.strips)
-      left.push_back(place_strip(table, strip, on_left, options));
+      left.push_back(place_strip(strip, on_left, options));
     set_volume(left, options.sex == Sex::male ? from.volume_male : from.volume_female, from.sheet);
     for (std::size_t i = 0; i < left.size(); ++i)
-      right.push_back(mirrored(left[i], place_path(table, from.strips[i], on_right)));
+      right.push_back(mirrored(left[i], place_path(from.strips[i], on_right)));
     muscles.push_back(place_muscle(table, from, std::move(left), on_left, Side::left, options.sex));
     muscles.push_back(
         place_muscle(table, from, std::move(right), on_right, Side::right, options.sex));

@@ -20,6 +20,7 @@
 #include "app/files/character_file.h"
 #include "app/files/fitted_actor.h"
 #include "morph/dilation/dilate_muscles.h"
+#include "morph/fascia/lay_fascia.h"
 #include "morph/fat/fat_layer.h"
 #include "morph/fit/fit_character.h"
 #include "morph/shapes/body.h"
@@ -217,6 +218,7 @@ std::shared_ptr<SlidBody> BodySliders::Impl::fit_first(const Points& skin) const
   options.share = false;
   options.even_about = fit.report.even_about;
   dilate_muscles(fit.anatomy, carried, body_template.tables.muscles, rays, fat, options);
+  fit.anatomy.fascia = lay_fascia(fit.fascia, fit.anatomy, rays);
   const std::shared_ptr<SlidBody> out = show({std::move(fit.anatomy), fitted_body});
   out->stage = Stage::first;
   return out;

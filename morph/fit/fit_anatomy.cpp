@@ -14,6 +14,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/muscles/muscle_force.h"
 #include "anatomy/queries/signed_distance.h"
+#include "morph/fascia/lay_fascia.h"
 #include "morph/fat/fat_layer.h"
 #include "morph/fat/muscle_mass.h"
 #include "morph/fit/template_tissue.h"
@@ -351,6 +352,8 @@ Fit fit_anatomy(const Template& body_template, const Body& body, const FitOption
   const double in_template =
       muscle_mass(own.sex, own.age, tables.stature, kBodyDensity * tables.volume);
   carry_all(tables.muscles, warp, flesh, fit.report.muscle_mass / in_template, fit.anatomy.muscles);
+  fit.fascia = carry_fascia(tables.fascia,
+                            [&](const Vec3& x, int joint) { return warp.by_joint(joint, x); });
   fit.report.muscles_ms = since(start);
   measure_bones(tables, sides, warp, fit.anatomy, field, brackets, fit.report);
   return fit;

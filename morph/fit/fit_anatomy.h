@@ -62,7 +62,8 @@ struct FitReport {
 };
 
 struct Fit {
-  Anatomy anatomy;  // muscles carried, not yet grown to the skin
+  Anatomy anatomy;  // muscles carried, not yet grown to the skin; no fascia
+  std::vector<FasciaPlan> fascia;
   FitReport report;
   TissueMesh tissue;  // carried into the body; empty without a mesh (bones, rbf)
 };

@@ -5,6 +5,7 @@
 
 #include "anatomy/base_mesh/chest_wall.h"
 #include "anatomy/queries/ray_caster.h"
+#include "morph/fascia/lay_fascia.h"
 #include "morph/fat/muscle_mass.h"
 
 namespace ecorche::inline v1 {
@@ -37,9 +38,11 @@ FittedCharacter fit_character(const Template& body_template, const Body& body,
     dilation.most_volume = report.fit.muscle_mass / (kMuscleDensity * kUnionRatio);
   const auto start = Clock::now();
   fitted.fat = make_fat_layer(body_template.tables.fat, wall, fitted.anatomy, body);
-  if (options.dilated)
+  if (options.dilated) {
     report.dilation = dilate_muscles(fitted.anatomy, fitted.undilated.muscles,
                                      body_template.tables.muscles, wall, fitted.fat, dilation);
+    fitted.anatomy.fascia = lay_fascia(fit.fascia, fitted.anatomy, wall);
+  }
   report.dilation_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 
   report.fill = measure_fill(fitted.anatomy, closed_skin, wall, fitted.fat,

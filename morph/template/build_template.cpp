@@ -4,10 +4,12 @@
 #include <cmath>
 #include <utility>
 
+#include "anatomy/authoring/fascia_table.h"
 #include "anatomy/authoring/muscle_placement.h"
 #include "anatomy/authoring/muscle_table.h"
 #include "anatomy/bones/bone_package.h"
 #include "morph/dilation/dilate_muscles.h"
+#include "morph/fascia/lay_fascia.h"
 #include "morph/fat/fat_layer.h"
 #include "morph/fat/muscle_mass.h"
 #include "morph/shapes/body.h"
@@ -47,9 +49,11 @@ Template build_template(const Assets& assets) {
   Template out{{}, {}, FitTables(tables.fat)};
   out.body = shaped.body;
   out.anatomy = warp.skeleton();
-  out.anatomy.muscles =
-      carry_muscles(place_muscles(read_muscle_table(assets.tables), source),
-                    [&](const Vec3& x, int joint) { return warp.by_joint(joint, x); });
+  const CarryMap by_joint = [&](const Vec3& x, int joint) { return warp.by_joint(joint, x); };
+  const MuscleTable table = read_muscle_table(assets.tables);
+  out.anatomy.muscles = carry_muscles(place_muscles(table, source), by_joint);
+  tables.fascia = carry_fascia(
+      place_fascia(read_fascia_table(assets.tables, table), table, source), by_joint);
   double listed = 0;
   for (const Muscle& muscle : out.anatomy.muscles) listed += muscle.volume;
   const double own =
@@ -90,6 +94,7 @@ Template build_template(const Assets& assets) {
   even.even_about = 0;
   dilate_muscles(out.anatomy, tables.muscles, tables.muscles, rays,
                  make_fat_layer(tables.fat, rays, out.anatomy, out.body), even);
+  out.anatomy.fascia = lay_fascia(tables.fascia, out.anatomy, rays);
   out.tables = std::move(tables);
   return out;
 }

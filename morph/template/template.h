@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "anatomy/anatomy.h"
+#include "anatomy/authoring/fascia_table.h"
 #include "anatomy/base_mesh/body_package.h"
 #include "morph/fat/fat_layer.h"
 #include "morph/placement/half_skeleton.h"
@@ -21,6 +22,7 @@ struct FitTables {
   FitRules rules;
   std::vector<Muscle>
       muscles;  // the template's before they grew to its skin: what is carried into other bodies
+  std::vector<FasciaPlan> fascia;  // in the template's body
   BodyPackage topology;  // faces, cavities, mirror of the skin; no points, no targets
   HalfSkeleton half;     // the template's own, placed
   std::vector<LandmarkTarget>

@@ -152,6 +152,15 @@ void field(A& a, Muscle& x) {
          x.tendon_slack, x.tense_thickness, x.sheet);
 }
 template <class A>
+void field(A& a, FasciaSheet& x) {
+  fields(a, x.name, x.side, x.label, x.group, x.rows, x.columns, x.V, x.belly, x.bones);
+}
+template <class A>
+void field(A& a, FasciaPlan& x) {
+  fields(a, x.name, x.side, x.label, x.group, x.thickness, x.fade, x.bones, x.rows, x.columns,
+         x.points);
+}
+template <class A>
 void field(A& a, Landmark& x) {
   fields(a, x.name, x.position);
 }
@@ -227,13 +236,13 @@ void field(A& a, BuildPrior& x) {
 }
 template <class A>
 void field(A& a, FitTables& x) {
-  fields(a, x.rules, x.muscles, x.topology, x.half, x.landmarks, x.margins, x.gaps, x.regressor,
+  fields(a, x.rules, x.muscles, x.fascia, x.topology, x.half, x.landmarks, x.margins, x.gaps, x.regressor,
          x.build, x.stature, x.volume);
 }
 
 template <class A>
 void whole(A& a, Template& x) {
-  fields(a, x.anatomy.skeleton.joints, x.anatomy.bones, x.anatomy.muscles, x.body, x.tables);
+  fields(a, x.anatomy.skeleton.joints, x.anatomy.bones, x.anatomy.muscles, x.anatomy.fascia, x.body, x.tables);
 }
 
 std::string file_bytes(const std::filesystem::path& file) {

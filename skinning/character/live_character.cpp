@@ -107,6 +107,9 @@ LiveAnatomy::LiveAnatomy(const Character& character) : start_(character), charac
       for (const Wrap& wrap : strip.wraps)
         rows.add_frame(wrap.X_WO.translation(), wrap.X_WO.linear() * wrap.radii.asDiagonal());
     }
+  fascia_row_ = rows.points.size();
+  for (const FasciaSheet& sheet : anatomy.fascia)
+    for (Eigen::Index v = 0; v < sheet.V.rows(); ++v) rows.add(sheet.V.row(v));
   joint_row_ = rows.points.size();
   const std::vector<Vec3> joints = rest_positions(anatomy.skeleton);
   for (std::size_t j = 0; j < joints.size(); ++j)
@@ -125,6 +128,11 @@ void LiveAnatomy::follow(const Points& skin) {
     row += bone.mesh.V.rows();
   }
   follow_muscles(slice_row_, path_row_);
+  row = fascia_row_;
+  for (FasciaSheet& sheet : character_.anatomy.fascia) {
+    sheet.V = moved_.middleRows(row, sheet.V.rows());
+    row += sheet.V.rows();
+  }
   follow_skeleton(joint_row_);
 }
 

@@ -15,7 +15,7 @@ class LiveAnatomy {
   explicit LiveAnatomy(const Character& character);
 
   // What is inside goes where the skin takes it (interior_interpolation.h): bone vertices, joint
-  // centres and axes, paths, wraps and sections of muscles. Names stay; so do sections' places
+  // centres and axes, paths, wraps and sections of muscles, fascia. Names stay; so do sections' places
   // along their lines, limits of joints. Precondition: a finite skin of as many vertices.
   void follow(const Points& skin);
 
@@ -32,7 +32,7 @@ class LiveAnatomy {
   Character character_;
   std::vector<Ellipse> slices_;
   SkinInterpolation carrier_;
-  Eigen::Index slice_row_ = 0, path_row_ = 0, joint_row_ = 0;  // bones begin at 0
+  Eigen::Index slice_row_ = 0, path_row_ = 0, fascia_row_ = 0, joint_row_ = 0;  // bones begin at 0
   Points moved_;
 };
 

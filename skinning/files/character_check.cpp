@@ -98,6 +98,14 @@ void check_muscle(const Muscle& muscle, const std::string& where) {
     check_strip(muscle.strips[i], fmt::format("{}: strip {}", where, i + 1));
 }
 
+void check_fascia(const FasciaSheet& sheet, const std::string& file) {
+  const std::string where = fmt::format("{}: fascia '{}'", file, sheet.name);
+  for (Eigen::Index i = 0; i < sheet.V.rows(); ++i)
+    require_near(sheet.V.row(i), fmt::format("{}: point {}", where, i));
+  for (const float share : sheet.belly)
+    require_range(double(share), -kRounding, 1 + kRounding, where, "_BELLY");
+}
+
 }  // namespace
 
 void check_body(const Body& body, const std::string& file) {
@@ -129,6 +137,13 @@ void check_character(const Character& character, const std::string& file) {
   if (slice_count(anatomy) > limits::kSlices)
     throw LimitError(fmt::format("{}: {} sections of muscles; the limit is {}", file,
                                  slice_count(anatomy), limits::kSlices));
+  if (anatomy.fascia.size() > std::size_t(limits::kFasciaSheets))
+    throw LimitError(fmt::format("{}: {} sheets of fascia; the limit is {}", file,
+                                 anatomy.fascia.size(), limits::kFasciaSheets));
+  for (const FasciaSheet& sheet : anatomy.fascia)
+    if (std::max(sheet.rows, sheet.columns) > limits::kFasciaRows)
+      throw LimitError(fmt::format("{}: fascia '{}': {} rows, {} columns; the limit is {}", file,
+                                   sheet.name, sheet.rows, sheet.columns, limits::kFasciaRows));
   try {
     validate(anatomy);
   } catch (const std::invalid_argument& e) {
@@ -141,6 +156,7 @@ void check_character(const Character& character, const std::string& file) {
     check_mesh(bone.mesh, fmt::format("{}: bone '{}'", file, bone.name));
   for (const Muscle& muscle : anatomy.muscles)
     check_muscle(muscle, fmt::format("{}: muscle '{}'", file, muscle.name));
+  for (const FasciaSheet& sheet : anatomy.fascia) check_fascia(sheet, file);
 }
 
 }  // namespace ecorche::inline v1

@@ -73,6 +73,7 @@ class Reader {
       if (names_[n].starts_with("bone/"))
         character.anatomy.bones.push_back(read_bone(n, positions));
       if (names_[n].starts_with("muscle/")) character.anatomy.muscles.push_back(read_muscle(n));
+      if (names_[n].starts_with("fascia/")) character.anatomy.fascia.push_back(read_fascia(n));
     }
     check_character(character, name_);
     return character;
@@ -201,6 +202,18 @@ class Reader {
     extras::read_muscle(extras_of(node), fmt::format("{}: {}", name_, printable(names_[node])),
                         muscle);
     return muscle;
+  }
+
+  FasciaSheet read_fascia(std::size_t node) {
+    FasciaSheet sheet;
+    sheet.name = names_[node].substr(7);
+    extras::read_fascia(extras_of(node), fmt::format("{}: {}", name_, printable(names_[node])),
+                        sheet);
+    const Json& attributes = primitives_of(node)[0].at("attributes");
+    sheet.V = file_->points(file_->whole(attributes, "POSITION"));
+    for (const double share : file_->scalars(file_->whole(attributes, "_BELLY")))
+      sheet.belly.push_back(float(share));
+    return sheet;
   }
 
   const Json& primitives_of(std::size_t node) const {

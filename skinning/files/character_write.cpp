@@ -6,6 +6,7 @@
 
 #include "anatomy/bones/cartilage.h"
 #include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/fascia_surface.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "skinning/files/character_nodes.h"
 #include "skinning/files/fibre_attributes.h"
@@ -86,6 +87,30 @@ int add_muscles(GlbBuilder& glb, const Anatomy& anatomy) {
   return first;
 }
 
+// Returns the first sheet's node; the others follow.
+int add_fascia(GlbBuilder& glb, const Anatomy& anatomy) {
+  const int first = int(glb.model().nodes.size());
+  if (anatomy.fascia.empty()) return first;
+  const FasciaSurface surface = make_fascia_surface(anatomy);
+  const auto influences = fascia_influences(surface, slice_influences(anatomy));
+  for (const FasciaSurface::Part& part : surface.parts) {
+    const FasciaSheet& sheet = anatomy.fascia[part.sheet];
+    tinygltf::Primitive tissue = gltf::fascia_tissue(glb, sheet);
+    glb.add_influences(tissue, std::span(influences).subspan(
+                                   std::size_t(part.vertex_begin),
+                                   std::size_t(part.vertex_end - part.vertex_begin)));
+    tissue.attributes["_BELLY"] =
+        glb.add_scalars(sheet.belly, false, TINYGLTF_TARGET_ARRAY_BUFFER);
+    tinygltf::Node node;
+    node.name = "fascia/" + sheet.name;
+    node.mesh = glb.add_mesh(node.name, {std::move(tissue)});
+    node.skin = 0;
+    node.extras = gltf::fascia_extras(sheet);
+    glb.add_node(std::move(node));
+  }
+  return first;
+}
+
 void add_eyes(GlbBuilder& glb, const Skeleton& skeleton, std::span<const Eyeball> eyes) {
   const auto positions = rest_positions(skeleton);
   for (Eyeball eye : eyes) {
@@ -121,6 +146,10 @@ void write_character(const std::filesystem::path& file, const Character& charact
   if (shapes)
     for (std::size_t m = 0; m < shapes->muscles.size(); ++m)
       morphed.emplace_back(first_muscle + int(m), shapes->muscles[m]);
+  const int first_fascia = add_fascia(glb, character.anatomy);
+  if (shapes)
+    for (std::size_t n = 0; n < shapes->fascia.size(); ++n)
+      morphed.emplace_back(first_fascia + int(n), shapes->fascia[n]);
   add_eyes(glb, character.anatomy.skeleton, look.eyes);
   if (motion) {
     const int times = gltf::add_motion(glb, character.anatomy.skeleton, *motion, "motion");

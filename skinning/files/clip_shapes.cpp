@@ -32,7 +32,7 @@ std::span<const float> rows(const PointsF& points, int begin, int end) {
 }  // namespace
 
 ClipShapes clip_on_rows(const ClipShapes& shapes, std::span<const int> vertices) {
-  return {shape_rows(shapes.skin, vertices), shapes.muscles};
+  return {shape_rows(shapes.skin, vertices), shapes.muscles, shapes.fascia};
 }
 
 ClipRecorder::ClipRecorder(const Character& character, const Binding& binding,
@@ -48,6 +48,16 @@ ClipRecorder::ClipRecorder(const Character& character, const Binding& binding,
     muscles_.push_back({blended_mesh(part_mesh(surface_, part, lofted.positions), shares),
                         MorphBasis(part.vertex_end - part.vertex_begin, options.muscles)});
   }
+  fascia_surface_ = make_fascia_surface(character.anatomy);
+  const std::vector<JointWeights> of_fascia = fascia_influences(fascia_surface_, influences);
+  for (const FasciaSurface::Part& part : fascia_surface_.parts) {
+    const FasciaSheet& sheet = character.anatomy.fascia[part.sheet];
+    const auto shares = std::span(of_fascia).subspan(
+        std::size_t(part.vertex_begin), std::size_t(part.vertex_end - part.vertex_begin));
+    fascia_.push_back(
+        {blended_mesh({sheet.V, grid_triangles(sheet.rows, sheet.columns)}, shares),
+         MorphBasis(part.vertex_end - part.vertex_begin, options.muscles)});
+  }
   if (!character.own)
     skin_.push_back({blended_mesh(character.body.skin, binding.joint_weights),
                      MorphBasis(character.body.skin.V.rows(), options.skin)});
@@ -56,6 +66,7 @@ ClipRecorder::ClipRecorder(const Character& character, const Binding& binding,
 void ClipRecorder::add(const PosedAnatomy& posed, const SkinFrame& skin) {
   find_joint_moves(posed.X_WJ, joint_rest_, moves_);
   update_muscle_surface(surface_, posed, posed_);
+  update_fascia_surface(fascia_surface_, posed, posed_fascia_);
   const auto record = [&](Recorded& one, std::span<const float> positions,
                           std::span<const float> normals, int stride) {
     const double collapsed = offsets_at_rest(one.mesh, moves_, positions, stride, one.offsets);
@@ -66,11 +77,16 @@ void ClipRecorder::add(const PosedAnatomy& posed, const SkinFrame& skin) {
   // The skin first: it takes longest. Isolated: while this thread waits, it must not begin another
   // frame.
   tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(std::size_t{0}, skin_.size() + muscles_.size(), [&](std::size_t n) {
+    const std::size_t solid = skin_.size() + muscles_.size();
+    tbb::parallel_for(std::size_t{0}, solid + fascia_.size(), [&](std::size_t n) {
       if (n < skin_.size()) return record(skin_[n], skin.positions, skin.normals, 4);
-      const std::size_t m = n - skin_.size();
-      const MuscleSurface::Part& part = surface_.parts[m];
-      record(muscles_[m], rows(posed_, part.vertex_begin, part.vertex_end), {}, 3);
+      if (n < solid) {
+        const std::size_t m = n - skin_.size();
+        const MuscleSurface::Part& part = surface_.parts[m];
+        return record(muscles_[m], rows(posed_, part.vertex_begin, part.vertex_end), {}, 3);
+      }
+      const FasciaSurface::Part& part = fascia_surface_.parts[n - solid];
+      record(fascia_[n - solid], rows(posed_fascia_, part.vertex_begin, part.vertex_end), {}, 3);
     });
   });
 }
@@ -84,11 +100,15 @@ MeshShapes ClipRecorder::finish(Recorded& one) {
 ClipShapes ClipRecorder::finish() {
   ClipShapes out;
   out.muscles.resize(muscles_.size());
-  tbb::parallel_for(std::size_t{0}, skin_.size() + muscles_.size(), [&](std::size_t n) {
+  out.fascia.resize(fascia_.size());
+  const std::size_t solid = skin_.size() + muscles_.size();
+  tbb::parallel_for(std::size_t{0}, solid + fascia_.size(), [&](std::size_t n) {
     if (n < skin_.size())
       out.skin = finish(skin_[n]);
-    else
+    else if (n < solid)
       out.muscles[n - skin_.size()] = finish(muscles_[n - skin_.size()]);
+    else
+      out.fascia[n - solid] = finish(fascia_[n - solid]);
   });
   return out;
 }

@@ -1,4 +1,4 @@
-// A motion's shapes of a character's skin and muscles: what its .glb needs beyond joints to show
+// A motion's shapes of a character's skin, muscles and fascia: what its .glb needs beyond joints to show
 // them where the program has them (docs/decisions/0016-muscles-move-by-morphs-in-files.md).
 #pragma once
 
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "anatomy/character.h"
+#include "anatomy/muscles/fascia_surface.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "anatomy/posed_anatomy.h"
 #include "skinning/binding.h"
@@ -19,10 +20,11 @@ namespace ecorche::inline v1 {
 struct ClipShapes {
   MeshShapes skin;  // by the body's vertices; none for a character with a skin of its own
   std::vector<MeshShapes> muscles;  // by the vertices of each muscle as files loft it
+  std::vector<MeshShapes> fascia;   // by the points of each sheet
 };
 
 struct ClipOptions {
-  ShapeOptions muscles{};
+  ShapeOptions muscles{};  // and fascia
   // One mesh in which everything moves, and what is seen first.
   ShapeOptions skin{.share = 0.001, .worst = 4e-3};
 };
@@ -52,10 +54,11 @@ class ClipRecorder {
 
   std::vector<Vec3> joint_rest_;
   MuscleSurface surface_;
-  std::vector<Recorded> muscles_;
+  FasciaSurface fascia_surface_;
+  std::vector<Recorded> muscles_, fascia_;
   std::vector<Recorded> skin_;  // one or none
   std::vector<Affine> moves_;
-  PointsF posed_;
+  PointsF posed_, posed_fascia_;
 };
 
 }  // namespace ecorche::inline v1

@@ -183,6 +183,20 @@ void read_muscle(const Json& value, const std::string& where, Muscle& muscle) {
     muscle.strips.push_back(read_strip(v, fmt::format("{}: strip {}", where, ++index)));
 }
 
+void read_fascia(const Json& value, const std::string& where, FasciaSheet& sheet) {
+  const Fields in(value, where);
+  sheet.label = in.text("label");
+  sheet.side = read_side(in);
+  sheet.group = in.text("group");
+  sheet.rows = in.integer("rows");
+  sheet.columns = in.integer("columns");
+  if (!in.has("bones")) return;
+  for (const Json& bone : in.list("bones")) {
+    if (!bone.is_string()) in.fail("'bones' holds something that is no text");
+    sheet.bones.push_back(bone.get<std::string>());
+  }
+}
+
 void read_body(const Json& value, const std::string& where, Body& body) {
   const Fields in(value, where);
   body.name = in.text("name");

@@ -14,6 +14,7 @@ namespace ecorche::inline v1::extras {
 void read_joint(const nlohmann::json& value, const std::string& where, Joint& joint);
 void read_bone(const nlohmann::json& value, const std::string& where, Bone& bone);
 void read_muscle(const nlohmann::json& value, const std::string& where, Muscle& muscle);
+void read_fascia(const nlohmann::json& value, const std::string& where, FasciaSheet& sheet);
 void read_body(const nlohmann::json& value, const std::string& where, Body& body);
 int read_schema(const nlohmann::json& value, const std::string& where);
 

@@ -121,6 +121,18 @@ Value muscle_extras(const Muscle& muscle, Value strips) {
                       {"strips", std::move(strips)}});
 }
 
+Value fascia_extras(const FasciaSheet& sheet) {
+  Array bones;
+  for (const std::string& bone : sheet.bones) bones.push_back(text(bone));
+  Object out{{"label", text(sheet.label)},
+             {"side", text(side_name(sheet.side))},
+             {"group", text(sheet.group)},
+             {"rows", Value(sheet.rows)},
+             {"columns", Value(sheet.columns)}};
+  if (!bones.empty()) out["bones"] = Value(std::move(bones));
+  return Value(std::move(out));
+}
+
 Value body_extras(const Body& body) {
   Object landmarks;
   for (const Landmark& landmark : body.landmarks)

@@ -22,6 +22,7 @@ tinygltf::Value bone_extras(const Bone& bone);
 tinygltf::Value muscle_extras(
     const Muscle& muscle,
     tinygltf::Value strips);  // `strips`: what stands for strips_text (GlbBuilder::keep_text)
+tinygltf::Value fascia_extras(const FasciaSheet& sheet);
 std::string strips_text(const Muscle& muscle);  // JSON
 tinygltf::Value body_extras(const Body& body);
 

@@ -60,13 +60,32 @@ LayerMesh muscle_layer(const Anatomy& anatomy) {
     const std::string name = "muscle/" + anatomy.muscles[part.muscle].name;
     add_groups(layer, name, F, tendon_faces(layer.surface.belly, F), kMuscleLook, kTendonLook);
   }
+  layer.fascia = make_fascia_surface(anatomy);
+  const Eigen::Index muscles = layer.rest.rows();
+  layer.rest.conservativeResize(muscles + layer.fascia.vertices(), 3);
+  for (const FasciaSurface::Part& part : layer.fascia.parts) {
+    const FasciaSheet& sheet = anatomy.fascia[part.sheet];
+    layer.rest.middleRows(muscles + part.vertex_begin, sheet.V.rows()) = sheet.V.cast<float>();
+    layer.groups.push_back({"fascia/" + sheet.name, kTendonLook,
+                            layer.fascia.F.middleRows(part.face_begin,
+                                                      part.face_end - part.face_begin)
+                                    .array() +
+                                int(muscles)});
+  }
   return layer;
 }
 
 void pose_layer(const LayerMesh& layer, const PosedAnatomy& posed, const SkinFrame& skin,
                 PointsF& out) {
-  if (layer.kind == LayerMesh::Kind::muscles)
-    return update_muscle_surface(layer.surface, posed, out);
+  if (layer.kind == LayerMesh::Kind::muscles) {
+    PointsF muscles, fascia;
+    update_muscle_surface(layer.surface, posed, muscles);
+    update_fascia_surface(layer.fascia, posed, fascia);
+    out.resize(layer.rest.rows(), 3);
+    out.topRows(muscles.rows()) = muscles;
+    out.bottomRows(fascia.rows()) = fascia;
+    return;
+  }
   out.resize(layer.rest.rows(), 3);
   if (layer.kind == LayerMesh::Kind::skin) {
     if (skin.positions.size() != 4 * std::size_t(out.rows()))

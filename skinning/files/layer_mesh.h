@@ -3,7 +3,8 @@
 //
 // Vertex order, the same in the OBJ file, in every frame and in the cache: the skin's own vertices;
 // the bones', bone after bone as in the anatomy; the muscles', muscle after muscle as in the
-// anatomy, each as make_muscle_surface() lofts it.
+// anatomy, each as make_muscle_surface() lofts it, and behind them in the same layer the points of
+// fascia, sheet after sheet.
 #pragma once
 
 #include <span>
@@ -12,6 +13,7 @@
 
 #include "anatomy/base_mesh/tissue_look.h"
 #include "anatomy/bones/cartilage.h"
+#include "anatomy/muscles/fascia_surface.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "skinning/files/character_look.h"
 #include "skinning/skin_frame.h"
@@ -22,7 +24,7 @@ namespace ecorche::inline v1 {
 inline constexpr int kLoftPoints = 12;
 
 struct MeshGroup {
-  std::string name;  // "skin", "bone/femur_l", "muscle/soleus_l"
+  std::string name;  // "skin", "bone/femur_l", "muscle/soleus_l", "fascia/linea_alba"
   TissueLook look;
   Triangles F;  // over the layer's vertices; the group of a muscle of two tissues comes twice
 };
@@ -35,6 +37,7 @@ struct LayerMesh {
   std::vector<MeshGroup> groups;
   SkinTexture texture;           // of the skin, where it is known
   MuscleSurface surface;         // of the muscles
+  FasciaSurface fascia;          // in the same layer
   std::vector<int> joint;        // #V of the bones
   std::vector<Vec3> joint_rest;  // #joints, of the bones
 };

@@ -11,6 +11,7 @@
 #include "anatomy/bones/cartilage.h"
 #include "anatomy/geometry/simplify.h"
 #include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/fascia_surface.h"
 #include "skinning/files/character_nodes.h"
 #include "skinning/files/layer_mesh.h"
 #include "skinning/files/morph_targets.h"
@@ -128,7 +129,7 @@ void add_bones_light_character(GlbBuilder& glb, const Anatomy& anatomy,
 
 // Meshes of muscles where these have shapes: few, so that they are drawn quickly, and each of
 // muscles that move by the same joints, so that few shapes do.
-std::string region_of(const Muscle& muscle) {
+std::string region_of(const std::string& group, Side side) {
   static const std::map<std::string, std::string, std::less<>> kRegions{
       {"trunk_shoulder", "shoulder"},
       {"shoulder", "shoulder"},
@@ -143,10 +144,10 @@ std::string region_of(const Muscle& muscle) {
       {"trunk_thorax", "thorax"},
       {"trunk_abdomen", "abdomen"}};
   static const std::set<std::string, std::less<>> kUnpaired{"back", "thorax", "abdomen", "neck"};
-  const auto found = kRegions.find(muscle.group);
+  const auto found = kRegions.find(group);
   const std::string region = found == kRegions.end() ? "neck" : found->second;
-  if (muscle.side == Side::middle || kUnpaired.contains(region)) return "muscles/" + region;
-  return "muscles/" + region + (muscle.side == Side::left ? "_l" : "_r");
+  if (side == Side::middle || kUnpaired.contains(region)) return "muscles/" + region;
+  return "muscles/" + region + (side == Side::left ? "_l" : "_r");
 }
 
 gltf::MorphedNodes add_muscles_light_character(GlbBuilder& glb, const Anatomy& anatomy,
@@ -154,15 +155,19 @@ gltf::MorphedNodes add_muscles_light_character(GlbBuilder& glb, const Anatomy& a
                                                const ClipShapes* shapes) {
   const auto influences = slice_influences(anatomy);
   const auto [surface, positions] = gltf::lofted_muscles(anatomy);
+  const FasciaSurface fascia = make_fascia_surface(anatomy);
+  const auto fascia_shares = fascia_influences(fascia, influences);
   std::vector<int> sizes;
   for (const MuscleSurface::Part& part : surface.parts)
+    sizes.push_back(part.face_end - part.face_begin);
+  for (const FasciaSurface::Part& part : fascia.parts)
     sizes.push_back(part.face_end - part.face_begin);
   const std::vector<int> most = budgets(sizes, detail.muscles, detail.least);
   std::map<std::string, Joined> meshes;
   for (std::size_t p = 0; p < surface.parts.size(); ++p) {
     const MuscleSurface::Part& part = surface.parts[p];
     const Muscle& muscle = anatomy.muscles[part.muscle];
-    Joined& joined = meshes[shapes ? region_of(muscle) : "muscles"];
+    Joined& joined = meshes[shapes ? region_of(muscle.group, muscle.side) : "muscles"];
     const TriMesh whole = part_mesh(surface, part, positions), light = simplify(whole, most[p]);
     const std::vector<int> nearest = nearest_rows(light.V, whole.V);
     std::vector<float> belly;
@@ -179,6 +184,26 @@ gltf::MorphedNodes add_muscles_light_character(GlbBuilder& glb, const Anatomy& a
     joined.names.push_back(gltf::text(muscle.name));
     // Simplifying keeps vertices where they were, so that these are the nearest ones' own.
     if (shapes) joined.shapes.push_back(shape_rows(shapes->muscles[p], nearest));
+  }
+  for (std::size_t n = 0; n < fascia.parts.size(); ++n) {
+    const FasciaSurface::Part& part = fascia.parts[n];
+    const FasciaSheet& sheet = anatomy.fascia[part.sheet];
+    Joined& joined = meshes[shapes ? region_of(sheet.group, sheet.side) : "muscles"];
+    const TriMesh whole{sheet.V, grid_triangles(sheet.rows, sheet.columns)};
+    const TriMesh light = simplify(whole, most[surface.parts.size() + n]);
+    const std::vector<int> nearest = nearest_rows(light.V, whole.V);
+    std::vector<float> belly;
+    for (const int i : nearest) {
+      belly.push_back(sheet.belly[i]);
+      joined.shares.push_back(fascia_shares[part.vertex_begin + i]);
+    }
+    const std::vector<gltf::Tint> tints = gltf::fascia_tints(belly);
+    joined.add(light, shading(whole, nearest));
+    joined.second.resize(joined.F.size() / 3, 1);
+    joined.first_tints.insert(joined.first_tints.end(), tints.begin(), tints.end());
+    joined.second_tints.insert(joined.second_tints.end(), tints.begin(), tints.end());
+    joined.names.push_back(gltf::text(sheet.name));
+    if (shapes) joined.shapes.push_back(shape_rows(shapes->fascia[n], nearest));
   }
   gltf::MorphedNodes out;
   for (const auto& [name, joined] : meshes) {

@@ -62,6 +62,23 @@ std::vector<tinygltf::Primitive> muscle_tissues(GlbBuilder& glb, const TriMesh& 
   return out;
 }
 
+std::vector<Tint> fascia_tints(std::span<const float> belly) {
+  std::vector<Tint> out;
+  for (const float share : belly) {
+    const Rgb color = (1 - share) * kTendonLook.color + share * kMuscleLook.color;
+    out.push_back(tint(color, kTendonLook.color));
+  }
+  return out;
+}
+
+tinygltf::Primitive fascia_tissue(GlbBuilder& glb, const FasciaSheet& sheet) {
+  const TriMesh mesh{sheet.V, grid_triangles(sheet.rows, sheet.columns)};
+  tinygltf::Primitive out = glb.surface(mesh.V, GlbBuilder::unit_normals(mesh),
+                                        glb.add_indices(mesh.F), glb.material(kTendonLook));
+  out.attributes["COLOR_0"] = glb.add_tints(fascia_tints(sheet.belly));
+  return out;
+}
+
 std::vector<tinygltf::Primitive> eye_tissues(GlbBuilder& glb, const Eyeball& eye) {
   std::vector<tinygltf::Primitive> out;
   for (const EyePart& part : eye_parts(eye))

@@ -38,6 +38,10 @@ MuscleTints muscle_tints(int muscle, std::span<const float> belly, const Triangl
 std::vector<tinygltf::Primitive> muscle_tissues(GlbBuilder& glb, const TriMesh& mesh,
                                                 const MuscleTints& tints);
 
+// A sheet of fascia, tendon that fades into the belly below.
+tinygltf::Primitive fascia_tissue(GlbBuilder& glb, const FasciaSheet& sheet);
+std::vector<Tint> fascia_tints(std::span<const float> belly);
+
 // Pupil, iris and white.
 std::vector<tinygltf::Primitive> eye_tissues(GlbBuilder& glb, const Eyeball& eye);
 

@@ -1,0 +1,54 @@
+// The table of fascia: sheets, bands and ligaments of one side, as written in data/fascia.txt, and
+// their control points on the source skeleton.
+//
+// A sheet is rows of control points, each a landmark and a small offset. They need to lie within a
+// few centimetres of where the sheet runs, not on it: it is laid on what a body has there
+// (morph/fascia/lay_fascia.h). data/muscles/README.md describes the text format.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "anatomy/anatomy.h"
+#include "anatomy/authoring/muscle_table.h"
+
+namespace ecorche::inline v1 {
+
+struct TableFascia {
+  std::string name, label, group, source;  // name without side suffix
+  bool middle = false;                     // of both sides at once, across the mid-plane
+  double thickness = 1e-3;                 // m
+  double fade = 0;  // m from the edge over which it passes into a belly below
+  std::vector<std::string> bones;  // that carry it alone, without side; none: what it lies on
+  int rows = 0, columns = 0;
+  std::vector<TablePoint> points;  // rows * columns, row after row
+  std::string where;
+};
+
+// A sheet before it is laid, in a body.
+struct FasciaPlan {
+  std::string name;
+  Side side = Side::middle;
+  std::string label, group;
+  double thickness = 1e-3, fade = 0;  // m
+  std::vector<std::string> bones;
+  int rows = 0, columns = 0;
+  std::vector<PathPoint> points;  // rows * columns, row after row
+};
+
+// Reads data/fascia.txt; `landmarks` as read_muscle_table() gives it. Throws InputError
+// "fascia.txt:12: palmar_aponeurosis: ..." for anything that is not what the format says.
+std::vector<TableFascia> read_fascia_table(const std::filesystem::path& data_dir,
+                                           const MuscleTable& landmarks);
+// `name` stands for the file in messages.
+std::vector<TableFascia> read_fascia_text(std::string_view text, const std::string& name,
+                                          const MuscleTable& landmarks);
+
+// Left and right plans on the source skeleton, each left one followed by its mirror image. Throws
+// InputError for a bone or carrier that the skeleton lacks.
+std::vector<FasciaPlan> place_fascia(const std::vector<TableFascia>& table,
+                                     const MuscleTable& landmarks, const Anatomy& source);
+
+}  // namespace ecorche::inline v1

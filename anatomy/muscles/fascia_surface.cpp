@@ -1,0 +1,268 @@
+#include "anatomy/muscles/fascia_surface.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <numbers>
+#include <span>
+
+#include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/slice_outline.h"
+
+namespace ecorche::inline v1 {
+namespace {
+
+constexpr double kWidth = 8e-3;      // m, of the weights about what is nearest
+constexpr double kReach = 0.03;      // m, what is farther carries nothing
+constexpr double kTouch = 1e-3;      // m, added to distances from bones that carry alone
+constexpr int kMostTerms = 8;
+constexpr int kSmoothRounds = 6;
+
+using Weights = std::map<int, double>;  // of carriers
+
+// The outline of a section in the direction of a point of its plane.
+struct OutlinePlace {
+  double place = 0;
+  Vec2 toward = Vec2::UnitX(), point = Vec2::Zero();  // the latter in the section's plane, m
+};
+OutlinePlace outline_toward(const Ellipse& section, const Vec2& at) {
+  OutlinePlace out;
+  const Vec2 radii = section.radii.cwiseMax(1e-6), scaled = at.cwiseQuotient(radii);
+  if (scaled.norm() > 1e-12) out.toward = scaled.normalized();
+  double turn = std::atan2(out.toward.y(), out.toward.x()) / (2 * std::numbers::pi);
+  turn -= std::floor(turn);
+  out.place = std::min(turn * kOutlinePoints, kOutlinePoints - 1e-6);
+  out.point =
+      outline_factor(section.outline, out.place) * out.toward.cwiseProduct(section.radii);
+  return out;
+}
+
+double distance_to(const Ellipse& section, const Vec3& p) {
+  const Vec3 local = section.axes.transpose() * (p - section.center);
+  const Vec2 flat = local.head<2>();
+  const double outside = std::max(0.0, flat.norm() - outline_toward(section, flat).point.norm());
+  return std::hypot(outside, local.z());
+}
+
+// Sections and bones near a sheet.
+struct Nearby {
+  std::vector<int> slices, bones;
+};
+Nearby nearby(const Anatomy& anatomy, std::span<const Ellipse> slices, const FasciaSheet& sheet) {
+  Nearby out;
+  const Eigen::RowVector3d low = sheet.V.colwise().minCoeff().array() - kReach,
+                           high = sheet.V.colwise().maxCoeff().array() + kReach;
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    const double reach = slices[k].radii.maxCoeff();
+    const Eigen::RowVector3d c = slices[k].center.transpose();
+    if ((c.array() + reach >= low.array()).all() && (c.array() - reach <= high.array()).all())
+      out.slices.push_back(int(k));
+  }
+  for (std::size_t b = 0; b < anatomy.bones.size(); ++b) {
+    const Points& V = anatomy.bones[b].mesh.V;
+    if (V.rows() > 0 && (V.colwise().maxCoeff().array() >= low.array()).all() &&
+        (V.colwise().minCoeff().array() <= high.array()).all())
+      out.bones.push_back(int(b));
+  }
+  return out;
+}
+
+double distance_to(const Bone& bone, const Vec3& p) {
+  return std::sqrt((bone.mesh.V.rowwise() - p.transpose()).rowwise().squaredNorm().minCoeff());
+}
+
+Weights by_nearness(const Anatomy& anatomy, std::span<const Ellipse> slices, const Nearby& near,
+                    const Vec3& p) {
+  std::map<int, double> distances;
+  for (const int k : near.slices) {
+    if ((slices[k].center - p).norm() > slices[k].radii.maxCoeff() * 2 + kReach) continue;
+    const double d = distance_to(slices[k], p);
+    if (d < kReach) distances.emplace(k, d);
+  }
+  for (const int b : near.bones) {
+    const double d = distance_to(anatomy.bones[b], p);
+    if (d > kReach) continue;
+    const int carrier = int(slices.size()) + anatomy.bones[b].joint;
+    const auto [at, is_new] = distances.emplace(carrier, d);
+    if (!is_new) at->second = std::min(at->second, d);
+  }
+  double least = kReach;
+  for (const auto& [carrier, d] : distances) least = std::min(least, d);
+  Weights out;
+  for (const auto& [carrier, d] : distances) {
+    const double beyond = (d - least) / kWidth;
+    out[carrier] = std::exp(-0.5 * beyond * beyond);
+  }
+  return out;
+}
+
+// In inverse proportion to the distance: between two bones a straight line stays one.
+Weights by_bones(const Anatomy& anatomy, std::span<const Ellipse> slices, const FasciaSheet& sheet,
+                 const Vec3& p) {
+  Weights out;
+  for (const std::string& name : sheet.bones) {
+    const Bone& bone = anatomy.bones[find_bone(anatomy, name)];
+    out[int(slices.size()) + bone.joint] += 1 / (distance_to(bone, p) + kTouch);
+  }
+  return out;
+}
+
+void normalize(Weights& weights) {
+  double sum = 0;
+  for (const auto& [carrier, w] : weights) sum += w;
+  for (auto& [carrier, w] : weights) w /= sum;
+}
+
+void smooth(const FasciaSheet& sheet, std::vector<Weights>& weights) {
+  for (int round = 0; round < kSmoothRounds; ++round) {
+    const std::vector<Weights> before = weights;
+    for (int r = 0; r < sheet.rows; ++r)
+      for (int c = 0; c < sheet.columns; ++c) {
+        Weights& own = weights[std::size_t(r) * sheet.columns + c];
+        const auto add = [&](int row, int column) {
+          if (row < 0 || column < 0 || row >= sheet.rows || column >= sheet.columns) return;
+          for (const auto& [carrier, w] : before[std::size_t(row) * sheet.columns + column])
+            own[carrier] += 0.5 * w;
+        };
+        add(r - 1, c), add(r + 1, c), add(r, c - 1), add(r, c + 1);
+        normalize(own);
+      }
+  }
+}
+
+// The largest, which sum to 1.
+std::vector<std::pair<int, double>> largest(const Weights& weights) {
+  std::vector<std::pair<int, double>> out(weights.begin(), weights.end());
+  std::ranges::stable_sort(out, [](const auto& l, const auto& r) { return l.second > r.second; });
+  if (out.size() > kMostTerms) out.resize(kMostTerms);
+  double sum = 0;
+  for (const auto& [carrier, w] : out) sum += w;
+  for (auto& [carrier, w] : out) w /= sum;
+  return out;
+}
+
+FasciaSurface::Term term_of(std::span<const Ellipse> slices, std::span<const Vec3> joints,
+                            int carrier, double weight, const Vec3& p) {
+  FasciaSurface::Term term;
+  term.carrier = carrier;
+  term.weight = float(weight);
+  if (carrier >= int(slices.size())) {
+    term.at = (p - joints[std::size_t(carrier) - slices.size()]).cast<float>();
+    return term;
+  }
+  const Ellipse& section = slices[carrier];
+  const Vec3 local = section.axes.transpose() * (p - section.center);
+  const OutlinePlace outline = outline_toward(section, local.head<2>());
+  term.at = local.cast<float>();
+  term.place = float(outline.place);
+  term.toward = outline.toward.cast<float>();
+  term.outline = outline.point.cast<float>();
+  const double reach = outline.point.norm();
+  term.share = reach > 1e-9 ? float(std::min(1.0, local.head<2>().norm() / reach)) : 0;
+  return term;
+}
+
+std::vector<Weights> weights_of(const Anatomy& anatomy, std::span<const Ellipse> slices,
+                                const FasciaSheet& sheet) {
+  std::vector<Weights> out(std::size_t(sheet.V.rows()));
+  const Nearby near = nearby(anatomy, slices, sheet);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const Vec3 p = sheet.V.row(Eigen::Index(i));
+    out[i] = sheet.bones.empty() ? by_nearness(anatomy, slices, near, p)
+                                 : by_bones(anatomy, slices, sheet, p);
+    if (out[i].empty()) out[i][int(slices.size())] = 1e-9;  // the root, until neighbours give theirs
+    normalize(out[i]);
+  }
+  if (sheet.bones.empty()) smooth(sheet, out);
+  return out;
+}
+
+void add_places(const FasciaSheet& sheet, FasciaSurface& out) {
+  const auto at = [&](int r, int c) { return sheet.V.row(Eigen::Index(r) * sheet.columns + c); };
+  double across = 0, along = 0;
+  for (int r = 0; r < sheet.rows; ++r)
+    for (int c = 0; c < sheet.columns; ++c) {
+      if (c + 1 < sheet.columns) across += (at(r, c + 1) - at(r, c)).norm() / sheet.rows;
+      if (r + 1 < sheet.rows) along += (at(r + 1, c) - at(r, c)).norm() / sheet.columns;
+    }
+  for (int r = 0; r < sheet.rows; ++r)
+    for (int c = 0; c < sheet.columns; ++c) {
+      out.across.push_back(float(across * c / (sheet.columns - 1)));
+      out.along.push_back(float(along * r / (sheet.rows - 1)));
+    }
+}
+
+}  // namespace
+
+FasciaSurface make_fascia_surface(const Anatomy& anatomy) {
+  FasciaSurface out;
+  const std::vector<Ellipse> slices = rest_slices(anatomy);
+  const std::vector<Vec3> joints = rest_positions(anatomy.skeleton);
+  out.slices = int(slices.size());
+  std::vector<std::vector<Weights>> weights(anatomy.fascia.size());
+  tbb::parallel_for(std::size_t{0}, weights.size(), [&](std::size_t n) {
+    weights[n] = weights_of(anatomy, slices, anatomy.fascia[n]);
+  });
+  out.term_begin.push_back(0);
+  std::vector<Triangles> faces;
+  Eigen::Index face_count = 0;
+  for (std::size_t n = 0; n < weights.size(); ++n) {
+    const FasciaSheet& sheet = anatomy.fascia[n];
+    const int begin = out.vertices();
+    for (std::size_t i = 0; i < weights[n].size(); ++i) {
+      for (const auto& [carrier, weight] : largest(weights[n][i]))
+        out.terms.push_back(
+            term_of(slices, joints, carrier, weight, sheet.V.row(Eigen::Index(i))));
+      out.term_begin.push_back(int(out.terms.size()));
+    }
+    out.belly.insert(out.belly.end(), sheet.belly.begin(), sheet.belly.end());
+    add_places(sheet, out);
+    faces.push_back(grid_triangles(sheet.rows, sheet.columns).array() + begin);
+    out.parts.push_back({int(n), begin, out.vertices(), int(face_count),
+                         int(face_count + faces.back().rows())});
+    face_count += faces.back().rows();
+  }
+  out.F.resize(face_count, 3);
+  for (std::size_t n = 0; n < faces.size(); ++n)
+    out.F.middleRows(out.parts[n].face_begin, faces[n].rows()) = faces[n];
+  return out;
+}
+
+void update_fascia_surface(const FasciaSurface& surface, const PosedAnatomy& posed,
+                           PointsF& positions, PointsF* normals) {
+  positions.resize(surface.vertices(), 3);
+  for (int i = 0; i < surface.vertices(); ++i) {
+    Eigen::Vector3f p = Eigen::Vector3f::Zero();
+    for (int t = surface.term_begin[i]; t < surface.term_begin[i + 1]; ++t) {
+      const FasciaSurface::Term& term = surface.terms[t];
+      if (term.carrier >= surface.slices) {
+        const Transform& joint = posed.X_WJ[std::size_t(term.carrier - surface.slices)];
+        p += term.weight * (joint * term.at.cast<double>()).cast<float>();
+        continue;
+      }
+      const Ellipse& section = posed.slices[term.carrier];
+      const float factor = float(outline_factor(section.outline, term.place));
+      const Eigen::Vector2f moved =
+          factor * term.toward.cwiseProduct(section.radii.cast<float>()) - term.outline;
+      Eigen::Vector3f local = term.at;
+      local.head<2>() += term.share * moved;
+      p += term.weight *
+           (section.center.cast<float>() + section.axes.cast<float>() * local);
+    }
+    positions.row(i) = p;
+  }
+  if (!normals) return;
+  normals->setZero(surface.vertices(), 3);
+  for (Eigen::Index f = 0; f < surface.F.rows(); ++f) {
+    const auto face = surface.F.row(f);
+    const Eigen::Vector3f a = positions.row(face[0]), b = positions.row(face[1]), c = positions.row(face[2]);
+    const Eigen::Vector3f n = (b - a).cross(c - a);
+    for (int k = 0; k < 3; ++k) normals->row(face[k]) += n.transpose();
+  }
+  normals->rowwise().normalize();
+}
+
+}  // namespace ecorche::inline v1

@@ -1,0 +1,50 @@
+// Sheets of fascia as triangle meshes that go with muscles and bones.
+//
+// Each point is carried by the sections and bones that it lies near at rest, by weights that fall
+// with the distance and are smoothed along the sheet. A section carries a point rigidly, but for
+// the outline: as that swells or flattens towards the point, the point goes with it.
+#pragma once
+
+#include <vector>
+
+#include "anatomy/muscles/muscle_surface.h"
+#include "anatomy/posed_anatomy.h"
+
+namespace ecorche::inline v1 {
+
+struct FasciaSurface {
+  // The share of a point that a section or a joint carries.
+  struct Term {
+    int carrier = 0;  // slice, or number of slices + joint
+    float weight = 1;
+    // m, in the section's frame (width, thickness, tangent) or from the joint in the world's at rest
+    Eigen::Vector3f at = Eigen::Vector3f::Zero();
+    float place = 0;             // of the direction from the centre, in steps of the outline
+    Eigen::Vector2f toward = Eigen::Vector2f::Zero();  // cos and sin of it
+    Eigen::Vector2f outline = Eigen::Vector2f::Zero();  // m, the outline there at rest
+    float share = 0;             // by which the point follows the outline
+  };
+  struct Part {
+    int sheet = 0;
+    int vertex_begin = 0, vertex_end = 0;
+    int face_begin = 0, face_end = 0;
+  };
+  Triangles F;                  // outward
+  std::vector<int> term_begin;  // #V + 1
+  std::vector<Term> terms;
+  std::vector<float> belly;          // #V, as FasciaSheet has it
+  std::vector<float> across, along;  // #V, m, of a sheet's mean rows and columns (for fibres)
+  std::vector<Part> parts;           // one a sheet, in the anatomy's order
+  int slices = 0;                    // of all muscles
+  int vertices() const { return int(belly.size()); }
+};
+
+// Precondition: a valid anatomy.
+FasciaSurface make_fascia_surface(const Anatomy& anatomy);
+
+// Positions, and outward unit normals if `normals` is not null. `out` is resized once and then
+// reused.
+void update_fascia_surface(const FasciaSurface& surface, const PosedAnatomy& posed,
+                           PointsF& positions, PointsF* normals = nullptr);
+
+}  // namespace ecorche::inline v1
