@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <span>
 
 #include "anatomy/authoring/path_carriers.h"
+#include "anatomy/bones/mirror.h"
 #include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
 #include "anatomy/files/text_scanner.h"
@@ -137,6 +138,8 @@ class FasciaReader {
     if (sheet.rows < 2) fail("a sheet needs two rows or more");
     if (sheet.label.empty()) fail("no 'label'");
     if (sheet.group.empty()) fail("no 'group'");
+    if (sheet.middle && !sheet.bones.empty())
+      fail("'middle' and 'on': a sheet across the mid-plane lies on what is there");
   }
 
   TextScan scan_;
@@ -146,18 +149,38 @@ class FasciaReader {
   int in_row_ = 0;
 };
 
+FasciaPlan described(const TableFascia& from, Side side) {
+  return {from.name + side_suffix(side), side,      from.label, from.group,
+          from.thickness,                from.fade, {},         from.rows,
+          from.columns,                  {}};
+}
+
 FasciaPlan place(const TableFascia& from, const MuscleTable& landmarks, const Anatomy& source,
                  Side side) {
   const PathCarriers carriers(landmarks, source, side);
-  FasciaPlan plan{from.name + side_suffix(side), side,      from.label,   from.group,
-                  from.thickness,                from.fade, {},           from.rows,
-                  from.columns,                  {}};
+  FasciaPlan plan = described(from, side);
   for (const std::string& bone : from.bones) {
     plan.bones.push_back(carriers.bone_name(bone));
     if (plan.bones.back().empty())
       throw InputError(fmt::format("{}: no bone '{}' in the skeleton", from.where, bone));
   }
   for (const TablePoint& point : from.points) plan.points.push_back(carriers.carry(point));
+  return plan;
+}
+
+// From left to right: each row, and its mirror image without what lies on the mid-plane.
+FasciaPlan place_across(const TableFascia& from, const MuscleTable& landmarks,
+                        const Anatomy& source) {
+  const PathCarriers on_left(landmarks, source, Side::left),
+      on_right(landmarks, source, Side::right);
+  FasciaPlan plan = described(from, Side::middle);
+  plan.columns = 2 * from.columns - 1;
+  for (int r = 0; r < from.rows; ++r) {
+    const auto row = std::span(from.points).subspan(std::size_t(r * from.columns), from.columns);
+    for (const TablePoint& point : row) plan.points.push_back(on_left.carry(point));
+    plan.points.back().rest.x() = kSourceMidPlane;
+    for (std::size_t c = row.size() - 1; c-- > 0;) plan.points.push_back(on_right.carry(row[c]));
+  }
   return plan;
 }
 
@@ -179,7 +202,7 @@ std::vector<FasciaPlan> place_fascia(const std::vector<TableFascia>& table,
   std::vector<FasciaPlan> plans;
   for (const TableFascia& sheet : table) {
     if (sheet.middle) {
-      plans.push_back(place(sheet, landmarks, source, Side::middle));
+      plans.push_back(place_across(sheet, landmarks, source));
       continue;
     }
     plans.push_back(place(sheet, landmarks, source, Side::left));

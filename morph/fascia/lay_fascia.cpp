@@ -14,8 +14,8 @@
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kCell = 5e-3;       // m, between points of the grid
-constexpr int kFewest = 5, kMost = 80;  // points a row or column
+constexpr double kCell = 4e-3;       // m, between points of the grid
+constexpr int kFewest = 9, kMost = 120;  // points a row or column
 constexpr double kUnderSkin = 1.0e-3;   // m that a sheet keeps from the skin
 constexpr double kDeepest = 0.03;       // m below the patch that muscle and bone are looked for
 constexpr double kRoom = 0.12;          // m, skin farther above the patch is that of another part
