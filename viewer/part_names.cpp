@@ -43,8 +43,8 @@ bool is_called(const std::string& name, std::string_view asked) {
 // Of a muscle or a sheet of fascia.
 bool is_of_region(const auto& part, std::string_view asked) {
   const std::string_view region = without_side(asked);
-  const bool within = part.group == region ||
-                      (part.group.starts_with(region) && part.group[region.size()] == '_');
+  const bool within =
+      part.group == region || (part.group.starts_with(region) && part.group[region.size()] == '_');
   return within && (region == asked || part.name.ends_with(asked.substr(region.size())));
 }
 

@@ -19,7 +19,8 @@ std::vector<std::uint32_t> all_parts(const Anatomy& anatomy);
 
 // Parts that a name stands for, ascending: a bone or muscle ("femur_l"; without a side, both), all
 // names with that beginning ("biceps", "rectus_femoris"), a sheet of fascia, a region of both
-// ("thigh", "forearm_r"), a layer ("deep"), "muscles", "fascia", "bones", "skin", "eyes". `*` stands for any letters,
+// ("thigh", "forearm_r"), a layer ("deep"), "muscles", "fascia", "bones", "skin", "eyes". `*`
+// stands for any letters,
 // `?` for one, blanks for underscores; case is ignored. Empty if no part has the name.
 std::vector<std::uint32_t> parts_named(const Anatomy& anatomy, std::string_view name);
 // The union for names separated by commas, ascending. Throws UsageError for a name that no part

@@ -48,10 +48,10 @@ struct SceneModel {
   MuscleSurface surface;
   FasciaSurface fascia_surface;
   DrawMesh skin, muscles, fascia;  // at rest; fascia is seen where muscles are
-  std::vector<DrawMesh> bones;   // world, at rest
-  std::vector<DrawMesh> eyes;    // world, at rest
-  std::vector<int> eye_joints;   // #eyes
-  std::vector<int> bone_joints;  // #bones
+  std::vector<DrawMesh> bones;     // world, at rest
+  std::vector<DrawMesh> eyes;      // world, at rest
+  std::vector<int> eye_joints;     // #eyes
+  std::vector<int> bone_joints;    // #bones
   // #bones, 1: casts a shadow also where muscles are drawn (muscles enclose the other bones)
   std::vector<char> bone_shadows;
   std::vector<Vec3> joint_rest;  // #joints, world

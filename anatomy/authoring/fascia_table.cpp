@@ -150,9 +150,16 @@ class FasciaReader {
 };
 
 FasciaPlan described(const TableFascia& from, Side side) {
-  return {from.name + side_suffix(side), side,      from.label, from.group,
-          from.thickness,                from.fade, {},         from.rows,
-          from.columns,                  {}};
+  return {from.name + side_suffix(side),
+          side,
+          from.label,
+          from.group,
+          from.thickness,
+          from.fade,
+          {},
+          from.rows,
+          from.columns,
+          {}};
 }
 
 FasciaPlan place(const TableFascia& from, const MuscleTable& landmarks, const Anatomy& source,

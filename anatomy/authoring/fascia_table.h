@@ -20,8 +20,8 @@ struct TableFascia {
   std::string name, label, group, source;  // name without side suffix
   // rows run from the left edge to the mid-plane, and on as their own mirror images
   bool middle = false;
-  double thickness = 1e-3;                 // m
-  double fade = 0;  // m from the edge over which it passes into a belly below
+  double thickness = 1e-3;         // m
+  double fade = 0;                 // m from the edge over which it passes into a belly below
   std::vector<std::string> bones;  // that carry it alone, without side; none: what it lies on
   int rows = 0, columns = 0;
   std::vector<TablePoint> points;  // rows * columns, row after row

@@ -174,8 +174,8 @@ void set_volume(std::vector<Strip>& strips, double volume, bool sheet) {
     for (Slice& slice : strip.slices) slice.radii *= rest;
 }
 
-Wrap place_wrap(const MuscleTable& table, const TableStrip::WrapUse& use, const PathCarriers& carriers,
-                Side side) {
+Wrap place_wrap(const MuscleTable& table, const TableStrip::WrapUse& use,
+                const PathCarriers& carriers, Side side) {
   const TableWrap& from = table.wraps[use.wrap];
   const SourceLandmark& landmark = table.landmarks[from.landmark];
   const PathPoint center =

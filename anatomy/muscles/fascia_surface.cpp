@@ -15,9 +15,9 @@
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kWidth = 8e-3;      // m, of the weights about what is nearest
-constexpr double kReach = 0.03;      // m, what is farther carries nothing
-constexpr double kTouch = 1e-3;      // m, added to distances from bones that carry alone
+constexpr double kWidth = 8e-3;  // m, of the weights about what is nearest
+constexpr double kReach = 0.03;  // m, what is farther carries nothing
+constexpr double kTouch = 1e-3;  // m, added to distances from bones that carry alone
 constexpr int kMostTerms = 8;
 constexpr int kSmoothRounds = 6;
 
@@ -35,8 +35,7 @@ OutlinePlace outline_toward(const Ellipse& section, const Vec2& at) {
   double turn = std::atan2(out.toward.y(), out.toward.x()) / (2 * std::numbers::pi);
   turn -= std::floor(turn);
   out.place = std::min(turn * kOutlinePoints, kOutlinePoints - 1e-6);
-  out.point =
-      outline_factor(section.outline, out.place) * out.toward.cwiseProduct(section.radii);
+  out.point = outline_factor(section.outline, out.place) * out.toward.cwiseProduct(section.radii);
   return out;
 }
 
@@ -173,7 +172,8 @@ std::vector<Weights> weights_of(const Anatomy& anatomy, std::span<const Ellipse>
     const Vec3 p = sheet.V.row(Eigen::Index(i));
     out[i] = sheet.bones.empty() ? by_nearness(anatomy, slices, near, p)
                                  : by_bones(anatomy, slices, sheet, p);
-    if (out[i].empty()) out[i][int(slices.size())] = 1e-9;  // the root, until neighbours give theirs
+    if (out[i].empty())
+      out[i][int(slices.size())] = 1e-9;  // the root, until neighbours give theirs
     normalize(out[i]);
   }
   if (sheet.bones.empty()) smooth(sheet, out);
@@ -214,15 +214,14 @@ FasciaSurface make_fascia_surface(const Anatomy& anatomy) {
     const int begin = out.vertices();
     for (std::size_t i = 0; i < weights[n].size(); ++i) {
       for (const auto& [carrier, weight] : largest(weights[n][i]))
-        out.terms.push_back(
-            term_of(slices, joints, carrier, weight, sheet.V.row(Eigen::Index(i))));
+        out.terms.push_back(term_of(slices, joints, carrier, weight, sheet.V.row(Eigen::Index(i))));
       out.term_begin.push_back(int(out.terms.size()));
     }
     out.belly.insert(out.belly.end(), sheet.belly.begin(), sheet.belly.end());
     add_places(sheet, out);
     faces.push_back(grid_triangles(sheet.rows, sheet.columns).array() + begin);
-    out.parts.push_back({int(n), begin, out.vertices(), int(face_count),
-                         int(face_count + faces.back().rows())});
+    out.parts.push_back(
+        {int(n), begin, out.vertices(), int(face_count), int(face_count + faces.back().rows())});
     face_count += faces.back().rows();
   }
   out.F.resize(face_count, 3);
@@ -231,38 +230,48 @@ FasciaSurface make_fascia_surface(const Anatomy& anatomy) {
   return out;
 }
 
+namespace {
+
+// Where the sections and joints that carry a point bring it.
+Eigen::Vector3f carried(const FasciaSurface& surface, const PosedAnatomy& posed, int i) {
+  Eigen::Vector3f p = Eigen::Vector3f::Zero();
+  for (int t = surface.term_begin[i]; t < surface.term_begin[i + 1]; ++t) {
+    const FasciaSurface::Term& term = surface.terms[t];
+    if (term.carrier >= surface.slices) {
+      const Transform& joint = posed.X_WJ[std::size_t(term.carrier - surface.slices)];
+      p += term.weight * (joint * term.at.cast<double>()).cast<float>();
+      continue;
+    }
+    const Ellipse& section = posed.slices[term.carrier];
+    const float factor = float(outline_factor(section.outline, term.place));
+    const Eigen::Vector2f moved =
+        factor * term.toward.cwiseProduct(section.radii.cast<float>()) - term.outline;
+    Eigen::Vector3f local = term.at;
+    local.head<2>() += term.share * moved;
+    p += term.weight * (section.center.cast<float>() + section.axes.cast<float>() * local);
+  }
+  return p;
+}
+
+void find_normals(const FasciaSurface& surface, const PointsF& positions, PointsF& normals) {
+  normals.setZero(surface.vertices(), 3);
+  for (Eigen::Index f = 0; f < surface.F.rows(); ++f) {
+    const auto face = surface.F.row(f);
+    const Eigen::Vector3f a = positions.row(face[0]), b = positions.row(face[1]),
+                          c = positions.row(face[2]);
+    const Eigen::Vector3f n = (b - a).cross(c - a);
+    for (int k = 0; k < 3; ++k) normals.row(face[k]) += n.transpose();
+  }
+  normals.rowwise().normalize();
+}
+
+}  // namespace
+
 void update_fascia_surface(const FasciaSurface& surface, const PosedAnatomy& posed,
                            PointsF& positions, PointsF* normals) {
   positions.resize(surface.vertices(), 3);
-  for (int i = 0; i < surface.vertices(); ++i) {
-    Eigen::Vector3f p = Eigen::Vector3f::Zero();
-    for (int t = surface.term_begin[i]; t < surface.term_begin[i + 1]; ++t) {
-      const FasciaSurface::Term& term = surface.terms[t];
-      if (term.carrier >= surface.slices) {
-        const Transform& joint = posed.X_WJ[std::size_t(term.carrier - surface.slices)];
-        p += term.weight * (joint * term.at.cast<double>()).cast<float>();
-        continue;
-      }
-      const Ellipse& section = posed.slices[term.carrier];
-      const float factor = float(outline_factor(section.outline, term.place));
-      const Eigen::Vector2f moved =
-          factor * term.toward.cwiseProduct(section.radii.cast<float>()) - term.outline;
-      Eigen::Vector3f local = term.at;
-      local.head<2>() += term.share * moved;
-      p += term.weight *
-           (section.center.cast<float>() + section.axes.cast<float>() * local);
-    }
-    positions.row(i) = p;
-  }
-  if (!normals) return;
-  normals->setZero(surface.vertices(), 3);
-  for (Eigen::Index f = 0; f < surface.F.rows(); ++f) {
-    const auto face = surface.F.row(f);
-    const Eigen::Vector3f a = positions.row(face[0]), b = positions.row(face[1]), c = positions.row(face[2]);
-    const Eigen::Vector3f n = (b - a).cross(c - a);
-    for (int k = 0; k < 3; ++k) normals->row(face[k]) += n.transpose();
-  }
-  normals->rowwise().normalize();
+  for (int i = 0; i < surface.vertices(); ++i) positions.row(i) = carried(surface, posed, i);
+  if (normals) find_normals(surface, positions, *normals);
 }
 
 }  // namespace ecorche::inline v1

@@ -17,12 +17,13 @@ struct FasciaSurface {
   struct Term {
     int carrier = 0;  // slice, or number of slices + joint
     float weight = 1;
-    // m, in the section's frame (width, thickness, tangent) or from the joint in the world's at rest
+    // m, in the section's frame (width, thickness, tangent) or from the joint in the world's at
+    // rest
     Eigen::Vector3f at = Eigen::Vector3f::Zero();
-    float place = 0;             // of the direction from the centre, in steps of the outline
-    Eigen::Vector2f toward = Eigen::Vector2f::Zero();  // cos and sin of it
+    float place = 0;  // of the direction from the centre, in steps of the outline
+    Eigen::Vector2f toward = Eigen::Vector2f::Zero();   // cos and sin of it
     Eigen::Vector2f outline = Eigen::Vector2f::Zero();  // m, the outline there at rest
-    float share = 0;             // by which the point follows the outline
+    float share = 0;                                    // by which the point follows the outline
   };
   struct Part {
     int sheet = 0;

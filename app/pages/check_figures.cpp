@@ -10,6 +10,11 @@ void report_anatomy_check(const AnatomyCheck& check, Report& report) {
       "check.muscle_points_outside_share",
       check.muscle_points > 0 ? double(check.muscle_points_outside) / check.muscle_points : 0.0);
   report.set("check.muscle_points_outside_max", check.furthest_outside);
+  report.set("check.fascia_points", check.fascia.points);
+  report.set("check.fascia_points_outside", check.fascia.outside);
+  report.set("check.fascia_points_pierced", check.fascia.pierced);
+  report.set("check.posed_fascia_outside_share_mean", check.posed_fascia_outside);
+  report.set("check.posed_fascia_pierced_share_mean", check.posed_fascia_pierced);
   report.set("check.muscle_overlap_share", check.overlap_share);
   report.set("check.bone_overlap_share", check.bone_share);
   report.set("check.bone_overlap_share_max", check.pierced_share);
@@ -52,6 +57,8 @@ void report_anatomy_check(const AnatomyCheck& check, Report& report) {
     report.set(key + "bone_points_outside", pose.bone_points_outside);
     report.set(key + "bone_points_outside_max", pose.bone_depth);
     report.set(key + "muscle_points_outside", pose.muscle_points_outside);
+    report.set(key + "fascia_points_outside", pose.fascia.outside);
+    report.set(key + "fascia_points_pierced", pose.fascia.pierced);
   }
   if (check.swept || !check.poses.empty()) report.set("check.volume_drift_max", check.drift_max);
   if (check.swept) {

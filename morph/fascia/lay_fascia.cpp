@@ -14,12 +14,12 @@
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kCell = 4e-3;       // m, between points of the grid
+constexpr double kCell = 4e-3;           // m, between points of the grid
 constexpr int kFewest = 9, kMost = 120;  // points a row or column
-constexpr double kUnderSkin = 1.0e-3;   // m that a sheet keeps from the skin
-constexpr double kDeepest = 0.03;       // m below the patch that muscle and bone are looked for
-constexpr double kRoom = 0.12;          // m, skin farther above the patch is that of another part
-constexpr double kTuck = 0.7e-3;        // m that an edge lies in what is below
+constexpr double kUnderSkin = 1.0e-3;    // m that a sheet keeps from the skin
+constexpr double kDeepest = 0.03;        // m below the patch that muscle and bone are looked for
+constexpr double kRoom = 0.12;           // m, skin farther above the patch is that of another part
+constexpr double kTuck = 0.7e-3;         // m that an edge lies in what is below
 constexpr int kSweeps = 300;
 constexpr double kRelaxation = 1.6;
 constexpr int kNormalRounds = 6;
@@ -120,9 +120,9 @@ std::vector<Vec3> normals_of(const Grid& grid) {
     };
     for (int r = 0; r < R; ++r)
       for (int c = 0; c < C; ++c)
-        out[std::size_t(r) * C + c] = (2 * old(r, c) + old(r - 1, c) + old(r + 1, c) +
-                                       old(r, c - 1) + old(r, c + 1))
-                                          .normalized();
+        out[std::size_t(r) * C + c] =
+            (2 * old(r, c) + old(r - 1, c) + old(r + 1, c) + old(r, c - 1) + old(r, c + 1))
+                .normalized();
   }
   return out;
 }
@@ -139,12 +139,11 @@ double room_above(const SkinRays& skin, const Vec3& p, const Vec3& n) {
 void turn_outwards(const SkinRays& skin, Grid& grid, std::vector<Vec3>& normals) {
   int outwards = 0;
   for (std::size_t i = 0; i < grid.at.size(); ++i)
-    outwards +=
-        room_above(skin, grid.at[i], normals[i]) < room_above(skin, grid.at[i], -normals[i]) ? 1
-                                                                                              : -1;
+    outwards += room_above(skin, grid.at[i], normals[i]) < room_above(skin, grid.at[i], -normals[i])
+                    ? 1
+                    : -1;
   if (outwards >= 0) return;
-  for (int r = 0; r < grid.rows; ++r)
-    std::reverse(&grid(r, 0), &grid(r, 0) + grid.columns);
+  for (int r = 0; r < grid.rows; ++r) std::reverse(&grid(r, 0), &grid(r, 0) + grid.columns);
   normals = normals_of(grid);
 }
 
@@ -250,9 +249,10 @@ std::vector<FasciaPlan> carry_fascia(const std::vector<FasciaPlan>& plans, const
   for (FasciaPlan& plan : out)
     for (PathPoint& point : plan.points) {
       const Vec3 first = map(point.rest, point.joints[0]);
-      point.rest = point.joints[1] < 0 ? first
-                                       : Vec3(point.share * first +
-                                              (1 - point.share) * map(point.rest, point.joints[1]));
+      point.rest =
+          point.joints[1] < 0
+              ? first
+              : Vec3(point.share * first + (1 - point.share) * map(point.rest, point.joints[1]));
     }
   return out;
 }

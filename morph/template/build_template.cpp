@@ -52,8 +52,8 @@ Template build_template(const Assets& assets) {
   const CarryMap by_joint = [&](const Vec3& x, int joint) { return warp.by_joint(joint, x); };
   const MuscleTable table = read_muscle_table(assets.tables);
   out.anatomy.muscles = carry_muscles(place_muscles(table, source), by_joint);
-  tables.fascia = carry_fascia(
-      place_fascia(read_fascia_table(assets.tables, table), table, source), by_joint);
+  tables.fascia =
+      carry_fascia(place_fascia(read_fascia_table(assets.tables, table), table, source), by_joint);
   double listed = 0;
   for (const Muscle& muscle : out.anatomy.muscles) listed += muscle.volume;
   const double own =

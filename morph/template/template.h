@@ -23,8 +23,8 @@ struct FitTables {
   std::vector<Muscle>
       muscles;  // the template's before they grew to its skin: what is carried into other bodies
   std::vector<FasciaPlan> fascia;  // in the template's body
-  BodyPackage topology;  // faces, cavities, mirror of the skin; no points, no targets
-  HalfSkeleton half;     // the template's own, placed
+  BodyPackage topology;            // faces, cavities, mirror of the skin; no points, no targets
+  HalfSkeleton half;               // the template's own, placed
   std::vector<LandmarkTarget>
       landmarks;  // palpable points with the depth that they have in the template
   std::vector<SurfaceSample> margins;  // bone points with the distance that they keep from the skin

@@ -236,13 +236,14 @@ void field(A& a, BuildPrior& x) {
 }
 template <class A>
 void field(A& a, FitTables& x) {
-  fields(a, x.rules, x.muscles, x.fascia, x.topology, x.half, x.landmarks, x.margins, x.gaps, x.regressor,
-         x.build, x.stature, x.volume);
+  fields(a, x.rules, x.muscles, x.fascia, x.topology, x.half, x.landmarks, x.margins, x.gaps,
+         x.regressor, x.build, x.stature, x.volume);
 }
 
 template <class A>
 void whole(A& a, Template& x) {
-  fields(a, x.anatomy.skeleton.joints, x.anatomy.bones, x.anatomy.muscles, x.anatomy.fascia, x.body, x.tables);
+  fields(a, x.anatomy.skeleton.joints, x.anatomy.bones, x.anatomy.muscles, x.anatomy.fascia, x.body,
+         x.tables);
 }
 
 std::string file_bytes(const std::filesystem::path& file) {

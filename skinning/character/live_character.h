@@ -15,8 +15,8 @@ class LiveAnatomy {
   explicit LiveAnatomy(const Character& character);
 
   // What is inside goes where the skin takes it (interior_interpolation.h): bone vertices, joint
-  // centres and axes, paths, wraps and sections of muscles, fascia. Names stay; so do sections' places
-  // along their lines, limits of joints. Precondition: a finite skin of as many vertices.
+  // centres and axes, paths, wraps and sections of muscles, fascia. Names stay; so do sections'
+  // places along their lines, limits of joints. Precondition: a finite skin of as many vertices.
   void follow(const Points& skin);
 
   const Character& character() const {

@@ -43,6 +43,7 @@ struct Subject {
   std::vector<double> rest_volumes;  // #strips
   std::vector<double> rest_reaches;  // #slices, see reaches_of()
   RestSurface rest_surface;
+  FasciaSurface fascia;
   std::vector<Vec3> joints;
   bool packaged = false;  // the skin has the package's topology
 
@@ -54,7 +55,7 @@ struct Shape {
   explicit Shape(const CharacterModel& model) : frame(model) {}
 
   CharacterState frame;
-  Points muscles;
+  Points muscles, fascia;
   std::vector<Points> bones;
   Points skin_points;
   TriMesh skin;  // closed as far as is known how
@@ -64,6 +65,9 @@ void shape_pose(const Subject& subject, const Pose& pose, Shape& shape) {
   const Anatomy& anatomy = subject.anatomy();
   evaluate(subject.model, pose, {}, shape.frame);
   update_muscle_surface(subject.surface, shape.frame.posed, shape.muscles);
+  PointsF fascia;
+  update_fascia_surface(subject.fascia, shape.frame.posed, fascia);
+  shape.fascia = fascia.cast<double>();
   shape.bones.resize(anatomy.bones.size());
   for (std::size_t i = 0; i < anatomy.bones.size(); ++i) {
     const Bone& bone = anatomy.bones[i];
@@ -115,6 +119,11 @@ PosedBones measure_bones(const Shape& shape) {
   return out;
 }
 
+FasciaFigures fascia_figures(const Subject& subject, const Shape& shape) {
+  return measure_fascia(subject.anatomy(), subject.fascia, shape.fascia, shape.skin,
+                        {shape.muscles, subject.surface.F});
+}
+
 void check_rest(const Subject& subject, const Shape& shape, const CheckOptions& options,
                 AnatomyCheck& check) {
   const std::vector<int> winding = winding_numbers(shape.skin, shape.muscles);
@@ -131,6 +140,7 @@ void check_rest(const Subject& subject, const Shape& shape, const CheckOptions& 
   }
   for (const Points& bone : shape.bones) check.bone_points += bone.rows();
   check.bone_points_outside = measure_bones(shape).all_outside();
+  check.fascia = fascia_figures(subject, shape);
 
   const SolidVolumes volumes = measure_shape(subject, shape, options.rest_spacing);
   check.overlap_share = volumes.muscle_overlap_share();
@@ -318,6 +328,7 @@ PoseCheck check_pose(const Subject& subject, const LimitPose& pose, double spaci
   bones = measure_bones(shape);
   out.bone_points_outside = bones.all_outside();
   for (double depth : bones.depth) out.bone_depth = std::max(out.bone_depth, depth);
+  out.fascia = fascia_figures(subject, shape);
   const SolidVolumes volumes = measure_shape(subject, shape, spacing);
   out.overlap_share = volumes.muscle_overlap_share();
   out.bone_share = volumes.bone_overlap_share();
@@ -385,6 +396,9 @@ void check_poses(const Subject& subject, const std::vector<LimitPose>& poses,
     check.posed_outside_worst = std::max(check.posed_outside_worst, outside);
     check.posed_bone_points_outside =
         std::max(check.posed_bone_points_outside, pose.bone_points_outside);
+    const double sheets = double(poses.size()) * std::max(check.fascia.points, 1);
+    check.posed_fascia_outside += pose.fascia.outside / sheets;
+    check.posed_fascia_pierced += pose.fascia.pierced / sheets;
     check.posed_overlap_mean += pose.overlap_share / double(poses.size());
     check.posed_overlap_worst = std::max(check.posed_overlap_worst, pose.overlap_share);
     check.posed_spikes += double(pose.spikes) / double(poses.size());
@@ -448,6 +462,7 @@ AnatomyCheck check_anatomy(const CharacterModel& model, const BodyPackage& packa
                   {},
                   {},
                   {},
+                  make_fascia_surface(anatomy),
                   rest_positions(anatomy.skeleton),
                   false};
   subject.packaged =

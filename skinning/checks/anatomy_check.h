@@ -9,6 +9,7 @@
 #include "anatomy/base_mesh/body_package.h"
 #include "anatomy/muscles/torn_muscles.h"
 #include "skinning/character/character_model.h"
+#include "skinning/checks/fascia_check.h"
 #include "skinning/motion/limit_poses.h"
 
 namespace ecorche::inline v1 {
@@ -63,6 +64,7 @@ struct BoneCheck {
 struct PoseCheck {
   std::string name;
   int muscle_points_outside = 0;
+  FasciaFigures fascia;
   int bone_points_outside = 0;
   double bone_depth = 0;  // m, of the bones' points outside the skin, the farthest
   double overlap_share = 0, bone_share = 0;
@@ -78,6 +80,7 @@ struct PoseCheck {
 struct AnatomyCheck {
   int bone_points = 0, bone_points_outside = 0;
   int muscle_points = 0, muscle_points_outside = 0;
+  FasciaFigures fascia;
   double furthest_outside = 0;  // m, of muscles at rest
   // sum of the muscles' volumes over their union, less 1
   double overlap_share = 0;
@@ -95,7 +98,8 @@ struct AnatomyCheck {
   std::vector<PoseCheck> poses;
   double posed_outside_share = 0;  // of muscle points, mean over the poses
   double posed_outside_worst = 0;
-  int posed_bone_points_outside = 0;  // of the worst pose
+  double posed_fascia_outside = 0, posed_fascia_pierced = 0;  // of fascia's points, likewise
+  int posed_bone_points_outside = 0;                          // of the worst pose
   double posed_overlap_mean = 0, posed_overlap_worst = 0;
   double posed_spikes = 0,
          posed_spike_max = 0;  // sections that stick out by more than 20 mm, mean over the poses; m

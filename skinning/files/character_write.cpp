@@ -96,11 +96,10 @@ int add_fascia(GlbBuilder& glb, const Anatomy& anatomy) {
   for (const FasciaSurface::Part& part : surface.parts) {
     const FasciaSheet& sheet = anatomy.fascia[part.sheet];
     tinygltf::Primitive tissue = gltf::fascia_tissue(glb, sheet);
-    glb.add_influences(tissue, std::span(influences).subspan(
-                                   std::size_t(part.vertex_begin),
-                                   std::size_t(part.vertex_end - part.vertex_begin)));
-    tissue.attributes["_BELLY"] =
-        glb.add_scalars(sheet.belly, false, TINYGLTF_TARGET_ARRAY_BUFFER);
+    glb.add_influences(tissue, std::span(influences)
+                                   .subspan(std::size_t(part.vertex_begin),
+                                            std::size_t(part.vertex_end - part.vertex_begin)));
+    tissue.attributes["_BELLY"] = glb.add_scalars(sheet.belly, false, TINYGLTF_TARGET_ARRAY_BUFFER);
     tinygltf::Node node;
     node.name = "fascia/" + sheet.name;
     node.mesh = glb.add_mesh(node.name, {std::move(tissue)});

@@ -54,9 +54,8 @@ ClipRecorder::ClipRecorder(const Character& character, const Binding& binding,
     const FasciaSheet& sheet = character.anatomy.fascia[part.sheet];
     const auto shares = std::span(of_fascia).subspan(
         std::size_t(part.vertex_begin), std::size_t(part.vertex_end - part.vertex_begin));
-    fascia_.push_back(
-        {blended_mesh({sheet.V, grid_triangles(sheet.rows, sheet.columns)}, shares),
-         MorphBasis(part.vertex_end - part.vertex_begin, options.muscles)});
+    fascia_.push_back({blended_mesh({sheet.V, grid_triangles(sheet.rows, sheet.columns)}, shares),
+                       MorphBasis(part.vertex_end - part.vertex_begin, options.muscles)});
   }
   if (!character.own)
     skin_.push_back({blended_mesh(character.body.skin, binding.joint_weights),

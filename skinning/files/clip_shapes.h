@@ -1,5 +1,5 @@
-// A motion's shapes of a character's skin, muscles and fascia: what its .glb needs beyond joints to show
-// them where the program has them (docs/decisions/0016-muscles-move-by-morphs-in-files.md).
+// A motion's shapes of a character's skin, muscles and fascia: what its .glb needs beyond joints to
+// show them where the program has them (docs/decisions/0016-muscles-move-by-morphs-in-files.md).
 #pragma once
 
 #include <span>

@@ -66,11 +66,10 @@ LayerMesh muscle_layer(const Anatomy& anatomy) {
   for (const FasciaSurface::Part& part : layer.fascia.parts) {
     const FasciaSheet& sheet = anatomy.fascia[part.sheet];
     layer.rest.middleRows(muscles + part.vertex_begin, sheet.V.rows()) = sheet.V.cast<float>();
-    layer.groups.push_back({"fascia/" + sheet.name, kTendonLook,
-                            layer.fascia.F.middleRows(part.face_begin,
-                                                      part.face_end - part.face_begin)
-                                    .array() +
-                                int(muscles)});
+    layer.groups.push_back(
+        {"fascia/" + sheet.name, kTendonLook,
+         layer.fascia.F.middleRows(part.face_begin, part.face_end - part.face_begin).array() +
+             int(muscles)});
   }
   return layer;
 }

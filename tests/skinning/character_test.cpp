@@ -70,6 +70,19 @@ Character arm() {
   muscle.strips[0].wraps.push_back(wrap);
   muscle.strips[0].slices[3].outline[5] = 0.8f;
   character.anatomy.muscles.push_back(muscle);
+  FasciaSheet sheet;
+  sheet.name = "cover";
+  sheet.side = Side::left;
+  sheet.label = "a cover";
+  sheet.group = "arm";
+  sheet.rows = 2;
+  sheet.columns = 3;
+  sheet.V.resize(6, 3);
+  sheet.V << 0.15, 1.46, -0.01, 0.15, 1.465, 0, 0.15, 1.46, 0.01, 0.25, 1.46, -0.01, 0.25, 1.465, 0,
+      0.25, 1.46, 0.01;
+  sheet.belly = {0, 0.5f, 1, 0, 0.5f, 1};
+  sheet.bones = {"humerus"};
+  character.anatomy.fascia.push_back(sheet);
   character.body.name = "arm";
   character.body.sex = Sex::female;
   character.body.mass = 3.5;
@@ -176,6 +189,18 @@ TEST(Character, ComesBackAsItWentIn) {
   ASSERT_EQ(b.strips[0].wraps.size(), 1u);
   EXPECT_EQ(b.strips[0].wraps[0].kind, Wrap::Kind::cylinder);
   EXPECT_TRUE(b.strips[0].wraps[0].X_WO.isApprox(a.strips[0].wraps[0].X_WO));
+
+  ASSERT_EQ(out.anatomy.fascia.size(), 1u);
+  const FasciaSheet &sheet = in.anatomy.fascia[0], &read = out.anatomy.fascia[0];
+  EXPECT_EQ(read.name, sheet.name);
+  EXPECT_EQ(read.side, sheet.side);
+  EXPECT_EQ(read.label, sheet.label);
+  EXPECT_EQ(read.group, sheet.group);
+  EXPECT_EQ(read.rows, 2);
+  EXPECT_EQ(read.columns, 3);
+  EXPECT_LT((read.V - sheet.V).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_EQ(read.belly, sheet.belly);
+  EXPECT_EQ(read.bones, sheet.bones);
 
   EXPECT_EQ(out.body.name, "arm");
   EXPECT_EQ(out.body.sex, Sex::female);
@@ -285,7 +310,12 @@ TEST(Character, DamagedTextIsRefusedOrHarmless) {
                                                          {"\"joint\":1", "\"joint\":7"},
                                                          {"\"axes\":[", "\"axos\":["},
                                                          {"\"side\":\"left\"", "\"side\":\"lift\""},
-                                                         {"\"path\":[[", "\"path\":[[\"x\","}};
+                                                         {"\"path\":[[", "\"path\":[[\"x\","},
+                                                         {"\"columns\":3", "\"columns\":4"},
+                                                         {"\"rows\":2", "\"rows\":-2"},
+                                                         {"\"rows\":2", "\"rows\":2000000"},
+                                                         {"\"_BELLY\"", "\"_BELLS\""},
+                                                         {"[\"humerus\"]", "[\"nobody\"]"}};
   for (const auto& [from, to] : damages) {
     std::string bytes = whole;
     const size_t at = bytes.find(from);

@@ -1,0 +1,233 @@
+// Laws of fascia: the table has two sides, mirrored, and bad lines get exact errors; a sheet lies
+// where it was laid at rest, goes with what carries it, and is raised out of a section that swells.
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "anatomy/authoring/fascia_table.h"
+#include "anatomy/bones/bone_package.h"
+#include "anatomy/bones/mirror.h"
+#include "anatomy/errors.h"
+#include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/fascia_surface.h"
+#include "tests/anatomy/strips.h"
+#include "tests/test_assets.h"
+
+namespace ecorche {
+namespace {
+
+MuscleTable one_landmark() {
+  MuscleTable table;
+  read_landmark_text("id,bone,left_mm,up_mm,front_mm,rule\nhere,femur,80,500,-100,x\n", "l.csv",
+                     table);
+  return table;
+}
+
+const char* kGood =
+    "fascia band\n"
+    "  label a band\n"
+    "  group thigh\n"
+    "  thickness 2\n"
+    "  row\n"
+    "    point here\n"
+    "    point here 10 0 0\n"
+    "  row\n"
+    "    point here 0 -20 0\n"
+    "    point here 10 -20 0\n";
+
+std::string changed(const std::string& from, const std::string& to) {
+  std::string text = kGood;
+  text.replace(text.find(from), from.size(), to);
+  return text;
+}
+
+std::string error_of(const std::string& text) {
+  try {
+    read_fascia_text(text, "f.txt", one_landmark());
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(FasciaTable, ReadsWhatItsPageSays) {
+  const auto sheets = read_fascia_text(kGood, "f.txt", one_landmark());
+  ASSERT_EQ(sheets.size(), 1u);
+  EXPECT_EQ(sheets[0].label, "a band");
+  EXPECT_DOUBLE_EQ(sheets[0].thickness, 2e-3);
+  EXPECT_EQ(sheets[0].rows, 2);
+  EXPECT_EQ(sheets[0].columns, 2);
+  EXPECT_NEAR(sheets[0].points[3].offset.y(), -0.02, 1e-12);
+}
+
+TEST(FasciaTable, BadLinesAreNamed) {
+  EXPECT_EQ(error_of(changed("point here\n", "point there\n")),
+            "f.txt:6: band: unknown landmark 'there'; data/landmarks lists them");
+  EXPECT_EQ(error_of(changed("thickness 2", "thickness 200")),
+            "f.txt:4: band: thickness in mm: 200 is not within 0.1 .. 20");
+  EXPECT_EQ(
+      error_of(changed("    point here 10 -20 0\n", "")),
+      "f.txt:9: band: row 2 has 1 points, the first 2; rows have the same number, two or more");
+  EXPECT_EQ(error_of(changed("  label a band\n", "")), "f.txt:9: band: no 'label'");
+  EXPECT_EQ(error_of(changed("group thigh", "colour red")),
+            "f.txt:3: band: unknown keyword 'colour'");
+  EXPECT_EQ(error_of("row\n"), "f.txt:1: 'row' outside a sheet; expected fascia");
+  EXPECT_EQ(error_of(std::string(kGood) + kGood), "f.txt:11: band: the sheet is given twice");
+  EXPECT_NE(error_of(changed("  row\n", "  middle\n  on femur\n  row\n")), "");
+}
+
+TEST(FasciaTable, RightIsTheMirrorImageOfLeft) {
+  Anatomy source;
+  try {
+    source = read_source_skeleton(test_assets());
+  } catch (const InputError& e) {
+    GTEST_SKIP() << e.what();
+  }
+  const MuscleTable landmarks = read_muscle_table(test_assets().tables);
+  const auto plans =
+      place_fascia(read_fascia_table(test_assets().tables, landmarks), landmarks, source);
+  EXPECT_GE(plans.size(), 20u);
+  for (std::size_t i = 0; i < plans.size(); ++i) {
+    const FasciaPlan& plan = plans[i];
+    ASSERT_EQ(plan.points.size(), std::size_t(plan.rows * plan.columns)) << plan.name;
+    if (plan.side == Side::left) {
+      for (std::size_t k = 0; k < plan.points.size(); ++k)
+        EXPECT_LT((plans[i + 1].points[k].rest - mirror_point(plan.points[k].rest)).norm(), 1e-9)
+            << plan.name;
+    } else if (plan.side == Side::middle) {
+      for (int r = 0; r < plan.rows; ++r)
+        for (int c = 0; c < plan.columns; ++c) {
+          const auto at = [&](int column) {
+            return plan.points[std::size_t(r * plan.columns + column)].rest;
+          };
+          EXPECT_LT((at(c) - mirror_point(at(plan.columns - 1 - c))).norm(), 1e-9) << plan.name;
+        }
+    }
+  }
+}
+
+// Two joints 0.4 m apart, a bone on each, a round muscle of 20 mm between them along y, and a sheet
+// on its front.
+Anatomy figure(bool on_bones) {
+  Anatomy anatomy;
+  for (const double height : {1.0, 0.6}) {
+    Joint joint;
+    joint.name = height > 0.8 ? "upper" : "lower";
+    joint.parent = height > 0.8 ? -1 : 0;
+    joint.X_PJ.translation() = height > 0.8 ? Vec3(0, 1, 0) : Vec3(0, -0.4, 0);
+    anatomy.skeleton.joints.push_back(joint);
+    Bone bone;
+    bone.name = joint.name;
+    bone.joint = int(anatomy.skeleton.joints.size()) - 1;
+    bone.mesh.V.resize(3, 3);
+    bone.mesh.V << -0.01, height, 0, 0.01, height, 0, 0, height, 0.01;
+    bone.mesh.F.resize(1, 3);
+    bone.mesh.F << 0, 1, 2;
+    anatomy.bones.push_back(bone);
+  }
+  Muscle muscle;
+  muscle.name = "round";
+  std::vector<PathPoint> path{{Vec3(0, 1, 0), {0, -1}, 1}, {Vec3(0, 0.6, 0), {1, -1}, 1}};
+  std::vector<Station> stations;
+  for (int k = 0; k <= 20; ++k) {
+    Station station;
+    station.s = k / 20.0;
+    station.width = Vec3::UnitX();
+    station.radii = Vec2::Constant(0.02);
+    stations.push_back(station);
+  }
+  muscle.strips.push_back(make_strip(path, stations));
+  anatomy.muscles.push_back(muscle);
+  FasciaSheet sheet;
+  sheet.name = "sheet";
+  sheet.rows = 9;
+  sheet.columns = 5;
+  sheet.V.resize(45, 3);
+  for (int r = 0; r < 9; ++r)
+    for (int c = 0; c < 5; ++c) {
+      const double angle = (c - 2) * 0.2;
+      sheet.V.row(5 * r + c) << -0.021 * std::sin(angle), 0.9 - 0.025 * r, 0.021 * std::cos(angle);
+    }
+  sheet.belly.assign(45, 0);
+  if (on_bones) sheet.bones = {"upper", "lower"};
+  anatomy.fascia.push_back(sheet);
+  return anatomy;
+}
+
+PosedAnatomy at_rest(const Anatomy& anatomy) {
+  PosedAnatomy posed;
+  for (const Vec3& joint : rest_positions(anatomy.skeleton)) {
+    posed.X_WJ.push_back(Transform::Identity());
+    posed.X_WJ.back().translation() = joint;
+  }
+  posed.slices = rest_slices(anatomy);
+  return posed;
+}
+
+TEST(FasciaSurface, LiesWhereItWasLaidAtRest) {
+  for (const bool on_bones : {false, true}) {
+    const Anatomy anatomy = figure(on_bones);
+    validate(anatomy);
+    PointsF at, normals;
+    update_fascia_surface(make_fascia_surface(anatomy), at_rest(anatomy), at, &normals);
+    EXPECT_LT((at.cast<double>() - anatomy.fascia[0].V).rowwise().norm().maxCoeff(), 1e-6);
+    EXPECT_GT(normals.col(2).minCoeff(), 0.5f);
+  }
+}
+
+TEST(FasciaSurface, IsCarriedRigidlyByWhatMovesRigidly) {
+  const Anatomy anatomy = figure(false);
+  PosedAnatomy posed = at_rest(anatomy);
+  Transform move = Transform::Identity();
+  move.translate(Vec3(0.3, -0.2, 0.1)).rotate(Eigen::AngleAxisd(0.8, Vec3(1, 2, 3).normalized()));
+  for (Transform& joint : posed.X_WJ) joint = move * joint;
+  for (Ellipse& slice : posed.slices) {
+    slice.center = move * slice.center;
+    slice.axes = move.linear() * slice.axes;
+  }
+  PointsF at;
+  update_fascia_surface(make_fascia_surface(anatomy), posed, at);
+  for (Eigen::Index i = 0; i < at.rows(); ++i) {
+    const Vec3 wanted = move * Vec3(anatomy.fascia[0].V.row(i));
+    EXPECT_LT((at.row(i).transpose().cast<double>() - wanted).norm(), 1e-5);
+  }
+}
+
+TEST(FasciaSurface, StandsOutOfAMuscleThatSwells) {
+  const Anatomy anatomy = figure(false);
+  PosedAnatomy posed = at_rest(anatomy);
+  for (Ellipse& slice : posed.slices) slice.radii *= 1.4;
+  PointsF at;
+  update_fascia_surface(make_fascia_surface(anatomy), posed, at);
+  for (Eigen::Index i = 0; i < at.rows(); ++i)
+    EXPECT_GT(std::hypot(at(i, 0), at(i, 2)), 0.028f - 2e-4f) << i;
+}
+
+TEST(FasciaSurface, BetweenTwoBonesIsDrawnStraight) {
+  const Anatomy anatomy = figure(true);
+  PosedAnatomy posed = at_rest(anatomy);
+  posed.X_WJ[1].translation() += Vec3(0, 0, 0.2);  // the lower bone goes to the front
+  PointsF at;
+  update_fascia_surface(make_fascia_surface(anatomy), posed, at);
+  float before = 0;
+  for (int r = 0; r < 9; ++r) {
+    const float forward = at(5 * r + 2, 2) - 0.021f, share = forward / 0.2f,
+                along = (0.1f + 0.025f * float(r)) / 0.4f;
+    EXPECT_NEAR(share, along, 0.03f) << r;
+    EXPECT_GT(share, before);
+    before = share;
+  }
+}
+
+TEST(FasciaSurface, GridsThatAreNoneAreRefused) {
+  Anatomy anatomy = figure(false);
+  anatomy.fascia[0].rows = 8;
+  EXPECT_THROW(validate(anatomy), std::invalid_argument);
+  anatomy = figure(true);
+  anatomy.fascia[0].bones = {"nobody"};
+  EXPECT_THROW(validate(anatomy), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace ecorche
