@@ -33,6 +33,14 @@ void validate_strip(const std::string& where, const Strip& strip, int joints) {
     require(slice.offset.allFinite() && std::isfinite(slice.roll), where + ": slice is not finite");
     last = slice.s;
   }
+  last = 0;
+  for (const double s : strip.intersections) {
+    require(s > last && s < 1,
+            where + ": intersection at " + std::to_string(s) + " after " + std::to_string(last));
+    last = s;
+  }
+  require(strip.raphe >= 0 && strip.raphe <= 0.5,
+          where + ": raphe of " + std::to_string(strip.raphe) + " of the width");
   for (const Wrap& wrap : strip.wraps)
     require(wrap.joint >= 0 && wrap.joint < joints && wrap.radii.allFinite(),
             where + ": wrap is broken");

@@ -70,6 +70,11 @@ struct Strip {
   std::vector<Wrap> wraps;
   double belly_begin = 0;  // s where the origin tendon ends
   double belly_end = 1;    // s where the insertion tendon begins
+  // s of tendinous intersections: pale bands right across the belly, rising. Fibres run from one to
+  // the next.
+  std::vector<double> intersections;
+  // share of the width, from the edge next to the mid-plane on, that is a raphe: pale, not flesh
+  double raphe = 0;
   double rest_length = 0;  // length of the smooth line at rest, m
 };
 

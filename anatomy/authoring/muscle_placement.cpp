@@ -58,9 +58,10 @@ class RadiusCurve {
 };
 
 // Where slices go: equal shares of length, of turning and of change in width, so that few slices
-// show the shape.
+// show the shape. `parts`: fleshy ones, between intersections.
 std::vector<double> spread_slices(std::span<const PathPoint> path,
-                                  std::span<const Station> stations, const PlaceOptions& options) {
+                                  std::span<const Station> stations, int parts,
+                                  const PlaceOptions& options) {
   std::vector<double> probe(kProbe + 1);
   for (int i = 0; i <= kProbe; ++i) probe[i] = double(i) / kProbe;
   const std::vector<Vec3> tangents = line_tangents(line_points(path, probe));
@@ -77,7 +78,7 @@ std::vector<double> spread_slices(std::span<const PathPoint> path,
     weight.push_back(weight.back() + 1.0 / kProbe + 0.25 * turn + 0.12 * swell);
   }
   const int wish =
-      options.min_slices + int(1.5 * turning) + std::max(0, (int(path.size()) - 8) / 2);
+      options.min_slices * parts + int(1.5 * turning) + std::max(0, (int(path.size()) - 8) / 2);
   const int count =
       std::clamp(wish, options.min_slices, std::max(options.min_slices, options.max_slices));
   std::vector<double> s{0};
@@ -88,6 +89,20 @@ std::vector<double> spread_slices(std::span<const PathPoint> path,
   }
   s.push_back(1);
   return s;
+}
+
+// Three slices for each intersection, in place of those that lie there: its middle and where it has
+// faded. Closer ones lean when the wall bends.
+void add_slices(std::span<const double> intersections, std::vector<double>& s) {
+  for (const double place : intersections) {
+    std::erase_if(s, [&](double at) {
+      return at > 0 && at < 1 && std::abs(at - place) < 1.6 * kIntersection;
+    });
+    for (int k = -1; k <= 1; ++k)
+      if (const double at = place + k * kIntersection; at > 0 && at < 1) s.push_back(at);
+  }
+  std::sort(s.begin(), s.end());
+  s.erase(std::unique(s.begin(), s.end()), s.end());
 }
 
 std::vector<PathPoint> place_path(const TableStrip& strip, const PathCarriers& carriers) {
@@ -108,13 +123,20 @@ Strip place_strip(const TableStrip& from, const PathCarriers& carriers,
     station.radii = section.radii;
     sections.push_back(station);
   }
-  std::vector<Station> stations =
-      resample_stations(path, sections, spread_slices(path, sections, options));
+  std::vector<double> intersections;
+  for (const double place : from.intersections)
+    intersections.push_back(line_parameter(path, place));
+  std::vector<double> places =
+      spread_slices(path, sections, 1 + int(intersections.size()), options);
+  add_slices(intersections, places);
+  std::vector<Station> stations = resample_stations(path, sections, places);
   const RadiusCurve width(sections, 0), thickness(sections, 1);
   for (Station& station : stations) station.radii = Vec2(width(station.s), thickness(station.s));
   Strip strip = make_strip(path, stations);
   strip.belly_begin = line_parameter(path, from.belly_begin);
   strip.belly_end = line_parameter(path, from.belly_end);
+  strip.intersections = std::move(intersections);
+  strip.raphe = from.raphe;
   return strip;
 }
 

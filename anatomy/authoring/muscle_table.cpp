@@ -22,6 +22,7 @@ constexpr double kMillilitre = 1e-6;
 constexpr double kFar = 5e3;          // mm; no coordinate of a body is larger
 constexpr std::size_t kMaxPath = 32;  // as many as posing takes
 constexpr std::size_t kMaxStrips = 64;
+constexpr std::size_t kMaxIntersections = 8;
 constexpr std::size_t kMaxFileBytes = 4u << 20;
 constexpr double kMinLineLength = 2e-3;  // m, shortest line from origin to insertion
 
@@ -284,6 +285,11 @@ class MuscleReader {
       strip.belly_end = number("end of the belly", 0, 1);
       if (strip.belly_begin >= strip.belly_end) fail("the belly ends before it begins");
       end_of_line();
+    } else if (keyword == "intersection") {
+      read_intersection(strip);
+    } else if (keyword == "raphe") {
+      strip.raphe = number("width of the raphe", 0, 0.5);
+      end_of_line();
     } else if (keyword == "section") {
       read_section(strip);
     } else {
@@ -306,6 +312,16 @@ class MuscleReader {
       fail(fmt::format("the {} lies on the point before it", keyword));
     strip.path.push_back(point);
     closed_ = keyword == "insertion";
+  }
+
+  void read_intersection(TableStrip& strip) {
+    std::vector<double>& places = strip.intersections;
+    if (places.size() >= kMaxIntersections)
+      fail(fmt::format("more than {} intersections", kMaxIntersections));
+    places.push_back(number("place of the intersection", 0, 1));
+    end_of_line();
+    if (places.size() > 1 && places.back() <= places[places.size() - 2])
+      fail(fmt::format("intersection at {}: they rise along the strip", places.back()));
   }
 
   void read_section(TableStrip& strip) {
@@ -333,6 +349,9 @@ class MuscleReader {
       fail("the origin is the insertion");
     if (strip.sections.size() < 2 || strip.sections.back().s != 1)
       fail("a strip needs sections from 0 to 1");
+    for (const double place : strip.intersections)
+      if (place <= strip.belly_begin || place >= strip.belly_end)
+        fail(fmt::format("intersection at {}: it lies within the belly", place));
     in_strip_ = closed_ = false;
   }
 

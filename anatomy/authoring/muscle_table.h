@@ -70,6 +70,8 @@ struct TableStrip {
   std::vector<TableSection> sections;  // rising s from 0 to 1
   std::vector<WrapUse> wraps;
   double belly_begin = 0, belly_end = 1;  // fractions as in TableSection
+  std::vector<double> intersections;      // rising, within the belly
+  double raphe = 0;                       // as in Strip
   std::string where;
 };
 

@@ -362,6 +362,18 @@ double belly_weight(const Strip& strip, double s) {
   return share;
 }
 
+double intersection_weight(const Strip& strip, double s) {
+  double off = 1;
+  for (const double place : strip.intersections)
+    off = std::min(off, smooth_step(std::abs(s - place) / kIntersection));
+  return 1 - off;
+}
+
+double flesh_weight(const Strip& strip, double s, double width_share) {
+  const double beside = strip.raphe > 0 ? smooth_step(width_share / strip.raphe - 1) : 1;
+  return belly_weight(strip, s) * (1 - intersection_weight(strip, s)) * beside;
+}
+
 double tube_volume(std::span<const Ellipse> ellipses) {
   double volume = 0;
   for (size_t k = 0; k + 1 < ellipses.size(); ++k) {

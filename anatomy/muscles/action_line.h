@@ -84,6 +84,14 @@ void set_slices(Strip& strip, std::span<const Ellipse> ellipses);
 // without tendon is belly to its end (belly_begin 0, belly_end 1).
 double belly_weight(const Strip& strip, double s);
 
+// 1 on a tendinous intersection, fading to 0 within this share of the line on either side.
+inline constexpr double kIntersection = 0.018;
+double intersection_weight(const Strip& strip, double s);
+
+// Of the surface: 1 where it is red, 0 where it is pale. Tendons and intersections are pale, and
+// the raphe: `width_share` is 0 at the edge next to the mid-plane, 1 at the other.
+double flesh_weight(const Strip& strip, double s, double width_share = 1);
+
 // Volume of the tube lofted through the sections in order (no caps), m^3:
 //   V = sum over pieces of pi ((c1 - c0) . (A00 + A01 + A11) + L) / 3,   pi Aij the mixed area
 //   vector of sections i and j, L what lopsided

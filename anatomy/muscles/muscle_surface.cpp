@@ -73,22 +73,35 @@ MuscleSurface::Term term(int slice, double weight, double u, double v, double w,
   return {slice, float(weight), float(u), float(v), float(w), near < kOutlinePoints ? near : 0};
 }
 
-void add_tube(Builder& build, int muscle, const Strip& strip, int first_slice, int points) {
+// Of a strip with a raphe, for each section: 1 where its width axis leads away from the mid-plane,
+// -1 where it leads there.
+std::vector<double> lateral_widths(const Strip& strip, Side side) {
+  std::vector<double> out;
+  if (strip.raphe <= 0 || side == Side::middle) return out;
+  for (const Ellipse& slice : rest_slices(strip))
+    out.push_back((slice.axes(0, 0) > 0) == (side == Side::left) ? 1 : -1);
+  return out;
+}
+
+void add_tube(Builder& build, int muscle, Side side, const Strip& strip, int first_slice,
+              int points) {
   const int rows = strip.slices.size();
+  const std::vector<double> lateral = lateral_widths(strip, side);
   const auto ring = [&](int k, double flat, double out) {
     const int begin = build.vertex_count();
     for (int i = 0; i < points; ++i) {
       const double angle = 2 * kPi * i / points;
       const MuscleSurface::Term t =
           term(first_slice + k, 1, flat * std::cos(angle), flat * std::sin(angle), out, angle);
-      build.vertex(muscle, {&t, 1}, angle, belly_weight(strip, strip.slices[k].s),
+      const double width_share = lateral.empty() ? 1 : 0.5 * (1 + lateral[k] * std::cos(angle));
+      build.vertex(muscle, {&t, 1}, angle, flesh_weight(strip, strip.slices[k].s, width_share),
                    strip.slices[k].s);
     }
     return begin;
   };
   const auto pole = [&](int k, double out) {
     const MuscleSurface::Term t = term(first_slice + k, 1, 0, 0, out, 0);
-    return build.vertex(muscle, {&t, 1}, 0, belly_weight(strip, strip.slices[k].s),
+    return build.vertex(muscle, {&t, 1}, 0, flesh_weight(strip, strip.slices[k].s),
                         strip.slices[k].s);
   };
   const int low = pole(0, -1);
@@ -231,7 +244,7 @@ class Sheet {
   void emit(Builder& build, int index, const std::vector<MuscleSurface::Term>& terms, int i,
             int row, double angle) const {
     const double s = s_at(i, row);
-    build.vertex(index, terms, angle, belly_weight(muscle_.strips[order_.strip[i]], s), s);
+    build.vertex(index, terms, angle, flesh_weight(muscle_.strips[order_.strip[i]], s), s);
   }
 
   void rim(Builder& build, int index, int i, int row, double flat, double out, double from) const {
@@ -408,7 +421,8 @@ MuscleSurface make_muscle_surface(const Anatomy& anatomy, const MuscleSurfaceOpt
       Sheet(muscle, rest, first, double(part.thickness)).add(build, part.muscle);
     } else {
       for (size_t i = 0; i < muscle.strips.size(); ++i)
-        add_tube(build, part.muscle, muscle.strips[i], first[i], options.points_per_slice);
+        add_tube(build, part.muscle, muscle.side, muscle.strips[i], first[i],
+                 options.points_per_slice);
     }
     part.vertex_end = build.vertex_count();
     part.face_end = build.face_count();

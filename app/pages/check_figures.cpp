@@ -26,6 +26,8 @@ void report_anatomy_check(const AnatomyCheck& check, Report& report) {
   }
   report.set("check.posed_bone_points_outside_max", check.posed_bone_points_outside);
   report.set("check.filled_share", check.filled_share);
+  report.set("check.slits", check.slits);
+  report.set("check.slit_muscle", check.slit_muscle);
   report.set("check.fat_gap_median", check.gap_median);
   report.set("check.fat_gap_p95", check.gap_p95);
   report.set("check.ends", check.ends);

@@ -17,6 +17,7 @@ namespace {
 // overlap, as a share of a muscle's volume, that has the strongest colour
 constexpr double kFullColor = 0.10;
 constexpr int kWorst = 20;
+constexpr const char* kSlitsName = "slits under the fat layer, between muscles or bones";
 
 const char* axis_name(int axis) {
   return axis == 0 ? "flexion" : axis == 1 ? "abduction" : "rotation";
@@ -30,6 +31,12 @@ std::string jump_place(const MuscleCheck& muscle, const Anatomy& anatomy) {
   if (muscle.jump_joint < 0) return "";
   return fmt::format("{} {} {:.0f} deg", anatomy.skeleton.joints[muscle.jump_joint].name,
                      axis_name(muscle.jump_axis), kDegreesPerRadian * muscle.jump_angle);
+}
+
+std::string slits_text(const AnatomyCheck& check) {
+  if (!std::isfinite(check.slits)) return "not known";
+  return fmt::format("{:.1f} cm2{}", 1e4 * check.slits,
+                     check.slit_muscle.empty() ? "" : " (" + check.slit_muscle + ")");
 }
 
 // Muscles in descending order of the figure, without those that have none.
@@ -271,10 +278,14 @@ std::string check_table(const std::vector<Target>& targets) {
   return out;
 }
 
+std::string slits_row(const AnatomyCheck& check) {
+  return fmt::format("{:<64} {:>13}  {:>16}\n", kSlitsName, "", slits_text(check));
+}
+
 std::string check_csv(const AnatomyCheck& check, const Anatomy& anatomy) {
   std::string out =
       "muscle,group,layer,volume_ml,outside_share,overlap_share,neighbour,neighbour_ml,bone_share,"
-      "needles_at_rest,raised_at_rest,needle_at_rest_mm,"
+      "needles_at_rest,raised_at_rest,needle_at_rest_mm,slits_cm2,"
       "posed_outside_share,outside_pose,posed_overlap_share,overlap_pose,"
       "posed_bone_share,volume_drift,path_jump_mm,path_jump_at,end_distance_mm,"
       "creased_share,creased_pose,needles,needles_pose,daylight_cm2,daylight_pose,stretch,"
@@ -283,19 +294,19 @@ std::string check_csv(const AnatomyCheck& check, const Anatomy& anatomy) {
     const MuscleCheck& m = check.muscles[i];
     const Muscle& muscle = anatomy.muscles[i];
     out += fmt::format(
-        "{},{},{},{:.2f},{:.5f},{:.5f},{},{:.3f},{:.5f},{},{},{:.1f},{:.5f},{},{:.5f},{},{:.5f},{:."
-        "2e},"
+        "{},{},{},{:.2f},{:.5f},{:.5f},{},{:.3f},{:.5f},{},{},{:.1f},{:.2f},{:.5f},{},{:.5f},{},{:."
+        "5f},{:.2e},"
         "{:.3f},{},{:.2f},{:.5f},{},{},{},{:.1f},{},{:.2f},{},{:.1f},{}\n",
         muscle.name, muscle.group, muscle.layer, 1e6 * m.volume,
         m.points > 0 ? double(m.points_outside) / m.points : 0.0, m.overlap,
         m.neighbour < 0 ? "" : anatomy.muscles[m.neighbour].name, 1e6 * m.neighbour_volume,
-        m.in_bone, m.tear.needles, m.tear.raised, 1e3 * m.tear.needle, m.posed_outside,
-        pose_name(check, m.outside_pose), m.posed_overlap, pose_name(check, m.overlap_pose),
-        m.posed_in_bone, m.drift, 1e3 * m.jump, jump_place(m, anatomy), 1e3 * m.end_distance,
-        m.creased, pose_name(check, m.creased_pose), m.needles, pose_name(check, m.needles_pose),
-        1e4 * m.daylight, pose_name(check, m.daylight_pose), m.stretch,
-        pose_name(check, m.stretch_pose), 0.01 * kDegreesPerRadian * m.kink,
-        pose_name(check, m.kink_pose));
+        m.in_bone, m.tear.needles, m.tear.raised, 1e3 * m.tear.needle, 1e4 * m.slits,
+        m.posed_outside, pose_name(check, m.outside_pose), m.posed_overlap,
+        pose_name(check, m.overlap_pose), m.posed_in_bone, m.drift, 1e3 * m.jump,
+        jump_place(m, anatomy), 1e3 * m.end_distance, m.creased, pose_name(check, m.creased_pose),
+        m.needles, pose_name(check, m.needles_pose), 1e4 * m.daylight,
+        pose_name(check, m.daylight_pose), m.stretch, pose_name(check, m.stretch_pose),
+        0.01 * kDegreesPerRadian * m.kink, pose_name(check, m.kink_pose));
   }
   return out;
 }
@@ -308,6 +319,7 @@ std::string check_page(const AnatomyCheck& check, const std::vector<Target>& tar
   std::vector<std::vector<std::string>> rows;
   for (const Target& target : targets)
     rows.push_back({target.what, target.asked, target.measured, target.met ? "met" : "not met"});
+  rows.push_back({kSlitsName, "", slits_text(check), ""});
   const std::vector<std::string> header{"figure", "asked", "measured", ""};
   page.add_table(header, rows);
   add_bulges(page, bulges);

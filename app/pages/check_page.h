@@ -11,7 +11,8 @@
 
 namespace ecorche {
 
-std::string check_table(const std::vector<Target>& targets);               // asked, measured, met
+std::string check_table(const std::vector<Target>& targets);  // asked, measured, met
+std::string slits_row(const AnatomyCheck& check);  // of that table; nothing is asked of them
 std::string check_csv(const AnatomyCheck& check, const Anatomy& anatomy);  // a row a muscle
 
 struct CheckPageOptions {

@@ -137,7 +137,7 @@ int run_check(const CheckVerbOptions& options, const Common& common, Report& rep
   const bool met =
       std::all_of(targets.begin(), targets.end(), [](const Target& target) { return target.met; });
   report.set_flag("check.met", met);
-  std::fputs((check_table(targets) + bulge_table(bulges)).c_str(), stdout);
+  std::fputs((check_table(targets) + slits_row(check) + bulge_table(bulges)).c_str(), stdout);
   if (!options.folder.empty()) {
     write_file_atomically(options.folder / "check.csv", check_csv(check, actor.character.anatomy));
     write_file_atomically(options.folder / "check.html",

@@ -13,6 +13,7 @@
 
 #include "anatomy/muscles/action_line.h"
 #include "morph/dilation/bone_rays.h"
+#include "morph/dilation/close_raphes.h"
 #include "morph/dilation/dilate_strip.h"
 #include "morph/dilation/lift_off_bones.h"
 #include "morph/dilation/pack_muscles.h"
@@ -186,8 +187,11 @@ void share_room(Anatomy& anatomy, Sections& sections, const std::vector<int>& pa
     mirror_sections(partners, options.even_about.value_or(0), sections);
     write();
   }
-  if (options.share)
+  if (options.share) {
+    close_raphes(muscles, sections.slices);
+    write();
     report.rays += pack_muscles(anatomy, sections.slices, wanted, partners, rays, fat).rays;
+  }
   if (options.most_volume)
     slim_muscles(muscles, sections.slices, wanted, partners, *options.most_volume);
   if (!bones) return;

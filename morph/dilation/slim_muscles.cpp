@@ -94,7 +94,7 @@ class Slimmer {
     for (const Strip& strip : muscle.strips)
       for (const Slice& slice : strip.slices) {
         const double left = 1 - (1 - share) * belly_weight(strip, slice.s);
-        slices_[k] = slimmed(before_[k], left, sheet, outer);
+        slices_[k] = slimmed(before_[k], left, sheet || strip.raphe > 0, outer);
         ++k;
       }
   }

@@ -143,7 +143,8 @@ void field(A& a, Wrap& x) {
 }
 template <class A>
 void field(A& a, Strip& x) {
-  fields(a, x.path, x.reference, x.slices, x.wraps, x.belly_begin, x.belly_end, x.rest_length);
+  fields(a, x.path, x.reference, x.slices, x.wraps, x.belly_begin, x.belly_end, x.intersections,
+         x.raphe, x.rest_length);
 }
 template <class A>
 void field(A& a, Muscle& x) {

@@ -23,6 +23,7 @@
 #include "anatomy/queries/nearest_surface.h"
 #include "morph/fat/fat_layer.h"
 #include "skinning/character/evaluate.h"
+#include "skinning/checks/slits.h"
 #include "skinning/checks/wholeness.h"
 
 namespace ecorche::inline v1 {
@@ -205,7 +206,7 @@ bool is_filled_part(BodyPart part) {
 }
 
 void check_voids(const Subject& subject, const Shape& shape, AnatomyCheck& check) {
-  check.filled_share = std::numeric_limits<double>::quiet_NaN();
+  check.filled_share = check.slits = std::numeric_limits<double>::quiet_NaN();
   if (!subject.packaged) return;
   const Body& body = subject.model.character.body;
   const TriMesh wall = chest_wall_skin(subject.package, body.sex, shape.skin_points);
@@ -240,6 +241,23 @@ void check_voids(const Subject& subject, const Shape& shape, AnatomyCheck& check
     sum += a;
   }
   check.filled_share = near / area;
+
+  std::vector<char> looked_at(std::size_t(wall.V.rows()), 0);
+  for (const int i : vertices) looked_at[std::size_t(i)] = 1;
+  const std::vector<double> slits = slit_areas(wall, fat.thickness, looked_at, flesh);
+  check.slits = 0;
+  double most = 0;
+  for (std::size_t f = 0; f < slits.size(); ++f) {
+    check.slits += slits[f];
+    if (Eigen::Index(f) < subject.surface.F.rows())
+      check.muscles[std::size_t(subject.surface.muscle[flesh.F(Eigen::Index(f), 0)])].slits +=
+          slits[f];
+  }
+  for (std::size_t m = 0; m < check.muscles.size(); ++m) {
+    if (check.muscles[m].slits <= most) continue;
+    most = check.muscles[m].slits;
+    check.slit_muscle = subject.anatomy().muscles[m].name;
+  }
 }
 
 void check_ends(const Subject& subject, AnatomyCheck& check) {

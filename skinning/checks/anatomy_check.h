@@ -33,6 +33,7 @@ struct MuscleCheck {
   int points = 0, points_outside = 0;  // at rest
   double overlap = 0, in_bone = 0;     // shares at rest
   MuscleTear tear;                     // at rest, against the reference
+  double slits = 0;                    // m^2 open beside it at rest
   int neighbour = -1;                  // the muscle it shares most with, -1 none
   double neighbour_volume = 0;         // m^3
   double posed_outside = 0, posed_overlap = 0, posed_in_bone = 0;  // shares, each in its worst pose
@@ -95,6 +96,10 @@ struct AnatomyCheck {
   // known
   double filled_share = 0;
   double gap_median = 0, gap_p95 = 0;  // m, from there to muscle or bone
+  // m^2 of that area that is open between muscles or bones beside it (slits.h), and the muscle that
+  // most of it is beside; NaN: not known
+  double slits = 0;
+  std::string slit_muscle;
   std::vector<PoseCheck> poses;
   double posed_outside_share = 0;  // of muscle points, mean over the poses
   double posed_outside_worst = 0;

@@ -78,6 +78,14 @@ void check_strip(const Strip& strip, const std::string& where) {
   for (const Wrap& wrap : strip.wraps) check_wrap(wrap, where);
   require_range(strip.belly_begin, -kRounding, strip.belly_end + kRounding, where, "belly");
   require_range(strip.belly_end, strip.belly_begin - kRounding, 1 + kRounding, where, "belly");
+  double before = 0;
+  for (const double place : strip.intersections) {
+    require(place > before && place < 1, where,
+            fmt::format("'intersections' has {:.6g} after {:.6g}; they rise from 0 to 1", place,
+                        before));
+    before = place;
+  }
+  require_range(strip.raphe, 0, 0.5, where, "raphe");
   require(strip.reference.norm() > kRounding, where, "'reference' has no length");
   const double length = line_length(strip.path);
   require(length > kRounding, where, "its line has no length");

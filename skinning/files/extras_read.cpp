@@ -125,6 +125,11 @@ Strip read_strip(const Json& value, const std::string& where) {
   const auto belly = in.numbers("belly", 2);
   strip.belly_begin = belly[0];
   strip.belly_end = belly[1];
+  if (in.has("intersections")) {  // most strips have none
+    const Json& places = in.list("intersections");
+    strip.intersections = in.row(places, "intersections", places.size());
+  }
+  if (in.has("raphe")) strip.raphe = in.number("raphe");
   strip.rest_length = in.number("rest_length");
   if (in.has("wraps"))
     for (const Json& v : in.list("wraps")) strip.wraps.push_back(read_wrap(v, where + ": wrap"));

@@ -41,6 +41,10 @@ void append_list(std::string& out, const Items& items, const Append& append) {
 void append_strip(std::string& out, const Strip& strip) {
   out += R"({"belly":)";
   append_row(out, {strip.belly_begin, strip.belly_end});
+  if (!strip.intersections.empty())
+    fmt::format_to(std::back_inserter(out), R"(,"intersections":[{}])",
+                   fmt::join(strip.intersections, ","));
+  if (strip.raphe > 0) fmt::format_to(std::back_inserter(out), R"(,"raphe":{})", strip.raphe);
   out += R"(,"path":)";
   append_list(out, strip.path, [&](const PathPoint& p) {
     append_row(out, {p.rest.x(), p.rest.y(), p.rest.z(), double(p.joints[0]), double(p.joints[1]),

@@ -15,6 +15,9 @@ namespace {
 
 constexpr PushParameters kParametersPushMuscles;
 constexpr std::size_t kStrips = 32;  // a task
+// Cosine of a radial with the skin's way in. Smaller: edges of flat sections stay outside the skin;
+// larger: a breast's underside lifts the muscles below it.
+constexpr double kMostAgainst = 0.2;
 
 Vec3 to_vec3(Float4 v) { return {double(v[0]), double(v[1]), double(v[2])}; }
 
@@ -45,10 +48,12 @@ SectionResponse response_of(const SectionProbes& probes,
     held[i] = std::clamp(
         1 + (projection.height + probes.margin[i]) / kParametersPushMuscles.held_below, 0.0f, 1.0f);
     if (!(out_by > 0)) continue;
-    depth[i] = double(out_by);
     inward[i] = -to_vec3(projection.normal);
     const int lane = i;
     radials[i] = to_vec3(Float4{all_radials.x[lane], all_radials.y[lane], all_radials.z[lane], 0});
+    // Skin that faces the section's middle is the other side of a fold: its inside is not ours.
+    if (radials[i].dot(inward[i]) > kMostAgainst * radials[i].norm()) continue;
+    depth[i] = double(out_by);
     const double excess =
         std::max(0.0, depth[i] - kParametersPushMuscles.most_press * radials[i].norm());
     over = std::max(over, excess);

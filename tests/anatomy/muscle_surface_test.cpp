@@ -7,6 +7,7 @@
 
 #include <map>
 
+#include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/transform_muscles.h"
 
 #include "tests/anatomy/strips.h"
@@ -43,6 +44,37 @@ TEST(MuscleSurface, EveryMuscleIsClosed) {
       EXPECT_TRUE(closed(surface.F.middleRows(part.face_begin, part.face_end - part.face_begin)))
           << part.muscle;
       EXPECT_EQ(part.sheet, loft && anatomy.muscles[part.muscle].sheet);
+    }
+  }
+}
+
+TEST(MuscleSurface, IntersectionsAndRaphesArePale) {
+  Anatomy anatomy;
+  anatomy.skeleton = arm_skeleton();
+  std::vector<Station> stations(21);
+  for (std::size_t k = 0; k < stations.size(); ++k) {
+    stations[k].s = double(k) / 20;
+    stations[k].radii = {0.04, 0.01};
+  }
+  for (const Side side : {Side::left, Side::right}) {
+    Muscle muscle;
+    muscle.name = "wall";
+    muscle.side = side;
+    muscle.strips.push_back(make_strip({on(0, {0, 1, 0}), on(0, {0, 1.4, 0})}, stations));
+    muscle.strips[0].intersections = {0.5};
+    muscle.strips[0].raphe = 0.1;
+    anatomy.muscles = {muscle};
+    const MuscleSurface surface = make_muscle_surface(anatomy);
+    Points positions;
+    update_muscle_surface(surface, rest_slices(anatomy), positions);
+    for (std::size_t v = 0; v < surface.belly.size(); ++v) {
+      if (surface.slice[v] == 0 || surface.slice[v] == 20) continue;  // caps are narrower
+      const double lateral = positions(Eigen::Index(v), 0) * (side == Side::left ? 1 : -1);
+      const float belly = surface.belly[v];
+      if (surface.slice[v] == 10 || lateral < -0.036)
+        EXPECT_EQ(belly, 0) << lateral;
+      else if (lateral > -0.02)
+        EXPECT_GT(belly, 0.99f) << lateral;
     }
   }
 }

@@ -90,11 +90,29 @@ TEST(MuscleTable, EveryStripHasTwelveSlicesAndABelly) {
   for (const Muscle& muscle : placed().muscles) {
     for (const Strip& strip : muscle.strips) {
       EXPECT_GE(strip.slices.size(), 12u) << muscle.name;
-      EXPECT_LE(strip.slices.size(), 24u) << muscle.name;
+      EXPECT_LE(strip.slices.size(), 24 + 3 * strip.intersections.size()) << muscle.name;
       EXPECT_LT(strip.belly_begin, strip.belly_end) << muscle.name;
       EXPECT_NEAR(strip.rest_length, line_length(strip.path), 1e-9) << muscle.name;
       EXPECT_EQ(strip.slices.front().s, 0) << muscle.name;
       EXPECT_EQ(strip.slices.back().s, 1) << muscle.name;
+    }
+  }
+}
+
+TEST(MuscleTable, RectusIsOneMuscleWithThreeIntersections) {
+  for (const char* name : {"rectus_abdominis_l", "rectus_abdominis_r"}) {
+    const Muscle& rectus = placed().muscles.at(find_muscle(placed(), name));
+    ASSERT_EQ(rectus.strips.size(), 1u);
+    const Strip& strip = rectus.strips[0];
+    ASSERT_EQ(strip.intersections.size(), 3u);
+    for (const double place : strip.intersections) {
+      EXPECT_EQ(flesh_weight(strip, place), 0);
+      EXPECT_EQ(belly_weight(strip, place), 1);
+      EXPECT_GT(flesh_weight(strip, place + 1.1 * kIntersection), 0.99);
+      // sections lie on it, so that it is drawn
+      EXPECT_TRUE(std::any_of(strip.slices.begin(), strip.slices.end(), [&](const Slice& slice) {
+        return std::abs(slice.s - place) < 1e-9;
+      }));
     }
   }
 }
@@ -284,13 +302,16 @@ TEST(MuscleText, ReadsItsOwnFormat) {
   const MuscleTable table = read_text(
       std::string(kHeadMuscleTable) +
       "  tense 1.4\n  strip  # remark\n    origin high\n    via low 1 2 3  # beside\n    insertion "
-      "shin\n    over knob 8\n    belly 0.1 0.9\n" +
+      "shin\n    over knob 8\n    belly 0.1 0.9\n    intersection 0.3\n    "
+      "intersection 0.6\n    raphe 0.1\n" +
       kSections);
   ASSERT_EQ(table.muscles.size(), 1u);
   const TableStrip& strip = table.muscles[0].strips.at(0);
   EXPECT_NEAR(position(table, strip.path[1]).x(), 0.081 + kMidPlane, 1e-12);
   EXPECT_NEAR(position(table, strip.path[1]).y(), 0.502, 1e-12);
   EXPECT_EQ(strip.wraps.at(0).radius, 0.008);
+  EXPECT_EQ(strip.intersections, (std::vector<double>{0.3, 0.6}));
+  EXPECT_EQ(strip.raphe, 0.1);
   EXPECT_EQ(strip.sections.at(0).radii.x(), 0.005);
   EXPECT_EQ(table.muscles[0].tense_thickness, 1.4);
 }
@@ -326,6 +347,14 @@ INSTANTIATE_TEST_SUITE_P(
             "the origin is the insertion"},
         BadText{"  strip\n    origin high\n    insertion high\n" + std::string(kSections),
                 "bad.txt:14: one: the insertion lies on the point before it"},
+        BadText{"  strip\n    origin high\n    insertion shin\n    belly 0.2 0.8\n    intersection "
+                "0.1\n" +
+                    std::string(kSections) + "muscle two\n",
+                "intersection at 0.1: it lies within the belly"},
+        BadText{"  strip\n    origin high\n    intersection 0.5\n    intersection 0.4\n",
+                "bad.txt:15: one: intersection at 0.4: they rise along the strip"},
+        BadText{"  strip\n    origin high\n    raphe 0.7\n",
+                "bad.txt:14: one: width of the raphe: 0.7 is not within 0 .. 0.5"},
         BadText{"  strip\n    origin high nan 0 0\n",
                 "bad.txt:13: one: offset: 'nan' is not a finite number"},
         BadText{"  strip\n    origin high 1 2\n", "bad.txt:13: one: offset is missing"},

@@ -44,6 +44,8 @@ def row_60(t):
              ("length_zero", strip(lambda s: s.update(rest_length=0)), "rest_length"), ("length_minus", strip(lambda s: s.update(rest_length=-1)), "rest_length"),
              ("length_huge", strip(lambda s: s.update(rest_length=1e200)), "rest_length"), ("reference_zero", strip(lambda s: s.update(reference=[0, 0, 0])), "reference"),
              ("belly_beyond", strip(lambda s: s.update(belly=[0.2, 77])), "belly"), ("belly_backwards", strip(lambda s: s.update(belly=[0.9, 0.1])), "belly"),
+             ("intersections_fall", strip(lambda s: s.update(intersections=[0.6, 0.3])), "intersections"), ("intersection_word", strip(lambda s: s.update(intersections=["x"])), "intersections"),
+             ("intersections_number", strip(lambda s: s.update(intersections=0.5)), "list"), ("raphe_2", strip(lambda s: s.update(raphe=2)), "raphe"),
              ("strip_is_text", lambda d: muscle(d).update(strips=["x"]), "strip 1"), ("no_strips", lambda d: muscle(d).update(strips=[]), "no strip"), ("strips_null", lambda d: muscle(d).update(strips=None), "list"),
              ("volume_minus", lambda d: muscle(d).update(volume=-1), "volume"), ("volume_word", lambda d: muscle(d).update(volume="much"), "volume"), ("force_1e300", lambda d: muscle(d).update(max_force=1e300), "max_force"), ("tense_9", lambda d: muscle(d).update(tense_thickness=9), "tense_thickness"),
              ("pennation_9", lambda d: muscle(d).update(pennation=9), "pennation"), ("side_up", lambda d: muscle(d).update(side="up"), "side"), ("no_label", lambda d: muscle(d).pop("label"), "label"),

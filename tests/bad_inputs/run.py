@@ -31,7 +31,7 @@ import surroundings
 import tables
 
 LEFT_OUT = {20: "zip, gz and 3MF files are not read", 58: "C3D files are not read", 59: "TRC files are not read", 73: "nobody resizes a window here; the viewer's own tests do", 80: "there is no Python interface"}
-MUSCLES = ("biceps_femoris_long_l", "soleus_r", "biceps_brachii_short_r", "rectus_abdominis_2_l")
+MUSCLES = ("biceps_femoris_long_l", "soleus_r", "biceps_brachii_short_r", "rectus_abdominis_l")
 BONES = ("femur_l", "tibia_r", "humerus_l", "scapula_l", "skull")
 
 
