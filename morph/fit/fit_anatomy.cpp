@@ -291,7 +291,10 @@ void carry_all(const std::vector<Muscle>& muscles, const SkeletonWarp& warp,
       flesh ? CarryMap([&](const Vec3& x, int) { return flesh(x); }) : CarryMap();
   out = muscles;
   tbb::parallel_for(size_t{0}, muscles.size(), [&](size_t m) {
-    for (Strip& strip : out[m].strips) strip = carry_strip(strip, map, inner);
+    // what moves the skin ends in it
+    EndsInFlesh ends;
+    if (lies_in_fat(out[m])) ends = {out[m].origin_bone.empty(), out[m].insertion_bone.empty()};
+    for (Strip& strip : out[m].strips) strip = carry_strip(strip, map, inner, ends);
     const double before = rest_volume(muscles[m]), now = rest_volume(out[m]);
     if (now <= 0) return;
     for (Strip& strip : out[m].strips)
