@@ -183,6 +183,27 @@ std::vector<char> joints_of(const Strip& strip, std::span<const int> parents) {
   return out;
 }
 
+// Bonds of the sections of muscles in the skin's fat, in their order.
+void bond_to_skin(const Anatomy& anatomy, const SkinRays& skin, std::span<const int> sorted,
+                  std::span<const SliceRange> strips, BodyMap& map) {
+  std::vector<MapSection*> sections;
+  for (const SliceRange& range : strips)
+    for (int k = range.begin; k < range.end && lies_in_fat(anatomy.muscles[range.muscle]); ++k) {
+      map.sections[k].bonds = int(5 * sections.size());
+      sections.push_back(&map.sections[k]);
+    }
+  if (sections.empty()) return;
+  map.bonds.resize(5 * sections.size());
+  const SkinBonder bonder(anatomy, skin, sorted);
+  tbb::parallel_for(std::size_t{0}, sections.size(), [&](std::size_t i) {
+    const MapSection& section = *sections[i];
+    SkinBond* bonds = &map.bonds[5 * i];
+    for (const MapPoint* point :
+         {&section.center, &section.right, &section.left, &section.up, &section.down})
+      *bonds++ = bonder.bond(point->rest, section.rest.axes.col(1));
+  });
+}
+
 // The share of each cell that muscles fill, from 0, little or none, to 1, most.
 std::vector<double> muscle_shares(const BodyLattice& lattice, const SkinRays& skin,
                                   std::span<const SliceRange> strips,
@@ -430,8 +451,11 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
                     [&](int i) { out.nodes[i] = placer.point(lattices.coarse.points[i]); });
   std::vector<char> bone;
   for (const SourceWeights& node : coarse_bones) bone.push_back(node.count > 0);
+  std::vector<SliceRange> inner = strips;
+  std::erase_if(
+      inner, [&](const SliceRange& range) { return lies_in_fat(anatomy.muscles[range.muscle]); });
   out.pressure = make_pressure_table(lattices.coarse, bone,
-                                     muscle_shares(lattices.coarse, rays, strips, rest.slices));
+                                     muscle_shares(lattices.coarse, rays, inner, rest.slices));
   out.sections.resize(rest.slices.size());
   tbb::parallel_for(std::size_t{0}, strips.size(), [&](std::size_t s) {
     const SliceRange& range = strips[s];
@@ -450,6 +474,7 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
       section.sheet = muscle.sheet;
     }
   });
+  bond_to_skin(anatomy, rays, sorted, strips, out);
   return out;
 }
 
@@ -466,6 +491,14 @@ void carry_muscles(const BodyMap& map, std::span<const float> positions,
     return Vec3(pose.moved(p, straight) + skin_shift(p, workspace.shifts) +
                 flow_at(p, workspace.flow));
   };
+  // `which`: of a section's five points
+  const auto placed = [&](const MapSection& section, const MapPoint& p, int which,
+                          double straight) {
+    const Vec3 at = carried(p, straight);
+    if (section.bonds < 0) return at;
+    return bonded(map.bonds[std::size_t(section.bonds + which)], positions, normals, pose.turn(p),
+                  at);
+  };
   const std::size_t count = map.sections.size();
   workspace.lines.resize(count);
   const auto straight_at = [&](std::size_t k) {
@@ -473,7 +506,7 @@ void carry_muscles(const BodyMap& map, std::span<const float> positions,
   };
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     workspace.lines[k] = posed.slices[k].center;
-    posed.slices[k].center = carried(map.sections[k].center, straight_at(k));
+    posed.slices[k].center = placed(map.sections[k], map.sections[k].center, 0, straight_at(k));
   });
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     const MapSection& section = map.sections[k];
@@ -487,9 +520,11 @@ void carry_muscles(const BodyMap& map, std::span<const float> positions,
     const MapSection& section = map.sections[k];
     const double straight = straight_at(k);
     const Vec3 width =
-        (carried(section.right, straight) - carried(section.left, straight)) / section.width;
+        (placed(section, section.right, 1, straight) - placed(section, section.left, 2, straight)) /
+        section.width;
     const Vec3 thickness =
-        (carried(section.up, straight) - carried(section.down, straight)) / section.thickness;
+        (placed(section, section.up, 3, straight) - placed(section, section.down, 4, straight)) /
+        section.thickness;
     const Vec3 line = line_at(posed.slices, section.begin, section.end, k);
     Ellipse& out = posed.slices[k];
     const Vec2 slid =
