@@ -13,6 +13,8 @@
 #include "anatomy/compute/angle_between.h"
 #include "anatomy/compute/smooth_step.h"
 #include "anatomy/errors.h"
+#include "anatomy/geometry/join_meshes.h"
+#include "anatomy/geometry/mesh_measures.h"
 #include "anatomy/queries/nearest_surface.h"
 #include "skinning/interior/skin_controls.h"
 
@@ -194,13 +196,18 @@ void bond_to_skin(const Anatomy& anatomy, const SkinRays& skin, std::span<const 
     }
   if (sections.empty()) return;
   map.bonds.resize(5 * sections.size());
-  const SkinBonder bonder(anatomy, skin, sorted);
+  std::vector<const TriMesh*> bones;
+  for (const Bone& bone : anatomy.bones) bones.push_back(&bone.mesh);
+  const SkinBonder bonder(join_meshes(bones), skin, vertex_normals(skin.mesh()));
   tbb::parallel_for(std::size_t{0}, sections.size(), [&](std::size_t i) {
     const MapSection& section = *sections[i];
     SkinBond* bonds = &map.bonds[5 * i];
     for (const MapPoint* point :
-         {&section.center, &section.right, &section.left, &section.up, &section.down})
-      *bonds++ = bonder.bond(point->rest, section.rest.axes.col(1));
+         {&section.center, &section.right, &section.left, &section.up, &section.down}) {
+      *bonds = bonder.bond(point->rest, section.rest.axes.col(1));
+      for (int& vertex : bonds->vertices) vertex = sorted[std::size_t(vertex)];
+      ++bonds;
+    }
   });
 }
 
@@ -388,6 +395,16 @@ Vec2 sliding(const MapSection& section, const Vec2& posed, double swelling, doub
           rest.y() > 0 ? posed.y() / (rest.y() * thick) : 1};
 }
 
+// At a bond's place: of `rows`, #V x 4.
+Vec3 on_skin(const SkinBond& bond, std::span<const float> rows) {
+  Vec3 out = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const std::size_t v = 4 * std::size_t(bond.vertices[std::size_t(k)]);
+    out += bond.weights[k] * Vec3(rows[v], rows[v + 1], rows[v + 2]);
+  }
+  return out;
+}
+
 // The direction of a strip's line of centres at a section.
 Vec3 line_at(std::span<const Ellipse> slices, int begin, int end, std::size_t k) {
   return slices[std::size_t(std::min(int(k) + 1, end - 1))].center -
@@ -496,8 +513,8 @@ void carry_muscles(const BodyMap& map, std::span<const float> positions,
                           double straight) {
     const Vec3 at = carried(p, straight);
     if (section.bonds < 0) return at;
-    return bonded(map.bonds[std::size_t(section.bonds + which)], positions, normals, pose.turn(p),
-                  at);
+    const SkinBond& bond = map.bonds[std::size_t(section.bonds + which)];
+    return bond.moved(on_skin(bond, positions), on_skin(bond, normals), pose.turn(p), at);
   };
   const std::size_t count = map.sections.size();
   workspace.lines.resize(count);

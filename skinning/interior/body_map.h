@@ -25,9 +25,9 @@
 #include <vector>
 
 #include "anatomy/posed_anatomy.h"
+#include "anatomy/queries/skin_bonds.h"
 #include "skinning/interior/harmonic_weights.h"
 #include "skinning/interior/pressure_projection.h"
-#include "skinning/interior/skin_bonds.h"
 
 namespace ecorche::inline v1 {
 
@@ -60,7 +60,7 @@ struct SkinControl {
 struct BodyMap {
   std::vector<MapSection> sections;  // #all slices
   std::vector<SkinControl> controls;
-  std::vector<SkinBond> bonds;
+  std::vector<SkinBond> bonds;  // vertices as they are sorted in frames
   PressureTable pressure;
   std::vector<MapPoint> nodes;  // of the pressure's lattice
   std::vector<Vec3> joints;     // at rest

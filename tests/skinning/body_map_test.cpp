@@ -114,35 +114,6 @@ TEST(BodyMap, GoesInWhereTheSkinDoesAndNotOut) {
   }
 }
 
-// Of what lies in the fat of a plate's skin over a bone, some goes with the skin, some with the
-// map.
-TEST(SkinBond, GoesWithTheSkinAndOnBoneWithTheMap) {
-  TriMesh plate{Points(4, 3), Triangles(2, 3)};
-  plate.V << -0.1, 0, -0.1, 0.1, 0, -0.1, 0.1, 0, 0.1, -0.1, 0, 0.1;
-  plate.F << 0, 2, 1, 0, 3, 2;  // upwards
-  Anatomy anatomy;
-  anatomy.bones.push_back({"skull", Side::middle, 0, plate});
-  anatomy.bones[0].mesh.V.col(1).array() -= 0.02;
-  const std::vector<int> sorted{3, 1, 0, 2};
-  const SkinRays rays(plate);
-  const SkinBonder bonder(anatomy, rays, sorted);
-  std::vector<float> positions(16, 0), normals(16, 0);
-  for (Eigen::Index v = 0; v < 4; ++v)
-    for (Eigen::Index k = 0; k < 3; ++k) {
-      positions[std::size_t(4 * sorted[std::size_t(v)] + k)] =
-          float(plate.V(v, k) + (k == 1 ? 0.007 : 0));
-      normals[std::size_t(4 * sorted[std::size_t(v)] + k)] = k == 1;
-    }
-  const auto moved = [&](const Vec3& p) {
-    return bonded(bonder.bond(p, Vec3::UnitY()), positions, normals, Mat3::Identity(), p);
-  };
-  const Vec3 shallow(0.03, -0.003, 0.01), deep(0.03, -0.0199, 0.01), between(0.03, -0.015, 0.01);
-  EXPECT_LT((moved(shallow) - shallow - 0.007 * Vec3::UnitY()).norm(), 1e-6);
-  EXPECT_LT((moved(deep) - deep).norm(), 1e-6);
-  EXPECT_GT(moved(between).y(), between.y() + 0.001);
-  EXPECT_LT(moved(between).y(), between.y() + 0.006);
-}
-
 TEST(BodyMap, KeepsTheVolumesOfBellies) {
   const CharacterModel model = two_muscles();
   CharacterState state(model);

@@ -1,10 +1,9 @@
-#include "skinning/interior/skin_bonds.h"
+#include "anatomy/queries/skin_bonds.h"
 
 #include <cmath>
+#include <utility>
 
 #include "anatomy/compute/smooth_step.h"
-#include "anatomy/geometry/join_meshes.h"
-#include "anatomy/geometry/mesh_measures.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -14,17 +13,8 @@ namespace {
 constexpr double kWithMap = 0.05, kWithSkin = 0.5;
 constexpr double kFarthest = 0.03;  // m across a sheet
 constexpr float kAslant = 0.3f;     // cosine: skin that a line across leaves more aslant is another
-
-TriMesh all_bones(const Anatomy& anatomy) {
-  std::vector<const TriMesh*> bones;
-  for (const Bone& bone : anatomy.bones) bones.push_back(&bone.mesh);
-  return join_meshes(bones);
-}
-
-Vec3 row_of(std::span<const float> rows, int vertex) {
-  const std::size_t v = 4 * std::size_t(vertex);
-  return Vec3(rows[v], rows[v + 1], rows[v + 2]);
-}
+constexpr double kPastWall = 1e-5;  // m
+constexpr int kMostWalls = 8;       // that are entered on the way: of the mouth, of the nose
 
 // Weights of a triangle's corners at a point of it.
 Vec3 corner_weights(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
@@ -38,17 +28,21 @@ Vec3 corner_weights(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) 
 
 }  // namespace
 
-SkinBonder::SkinBonder(const Anatomy& anatomy, const SkinRays& rays, std::span<const int> sorted)
-    : rays_(rays),
-      sorted_(sorted),
-      normals_(vertex_normals(rays.mesh())),
-      surface_(rays.mesh()),
-      bones_(all_bones(anatomy)) {}
+Vec3 SkinBond::moved(const Vec3& place, const Vec3& outwards, const Mat3& turn,
+                     const Vec3& mapped) const {
+  const Vec3 with_skin = place - depth * outwards.stableNormalized() + turn * aside;
+  return mapped + share * (with_skin - mapped);
+}
+
+SkinBonder::SkinBonder(const TriMesh& bones, const SkinRays& rays, Points normals)
+    : rays_(rays), normals_(std::move(normals)), surface_(rays.mesh()), bones_(bones) {}
 
 SurfacePoint SkinBonder::skin_over(const Vec3& point, const Vec3& across) const {
   SurfacePoint out;
   for (const Vec3& way : {across, Vec3(-across)}) {
-    const RayHit hit = rays_.first_hit(point, way, kFarthest);
+    RayHit hit = rays_.first_hit(point, way, kFarthest);
+    for (int walls = 0; walls < kMostWalls && hit.triangle >= 0 && hit.facing <= 0; ++walls)
+      hit = rays_.first_hit(point, way, kFarthest, double(hit.distance) + kPastWall);
     if (hit.triangle < 0 || hit.facing <= kAslant) continue;
     const double distance = double(hit.distance);
     if (out.triangle < 0 || distance < out.distance)
@@ -63,31 +57,18 @@ SkinBond SkinBonder::bond(const Vec3& point, const Vec3& across) const {
   const auto corner = [&](int k) { return Vec3(skin.V.row(skin.F(on.triangle, k))); };
   SkinBond out;
   out.weights = corner_weights(corner(0), corner(1), corner(2), on.point);
-  Vec3 normal = Vec3::Zero();
+  out.normal.setZero();
   for (int k = 0; k < 3; ++k) {
-    out.vertices[std::size_t(k)] = sorted_[std::size_t(skin.F(on.triangle, k))];
-    normal += out.weights[k] * Vec3(normals_.row(skin.F(on.triangle, k)));
+    out.vertices[std::size_t(k)] = skin.F(on.triangle, k);
+    out.normal += out.weights[k] * Vec3(normals_.row(skin.F(on.triangle, k)));
   }
-  normal.normalize();
-  out.depth = (on.point - point).dot(normal);
-  out.aside = point - on.point + out.depth * normal;
+  out.normal.normalize();
+  out.depth = (on.point - point).dot(out.normal);
+  out.aside = point - on.point + out.depth * out.normal;
   const double from_bone = bones_.nearest(point).distance;
   out.share =
       smooth_step(kWithMap, kWithSkin, from_bone / (from_bone + std::abs(out.depth) + 1e-9));
   return out;
-}
-
-Vec3 bonded(const SkinBond& bond, std::span<const float> positions, std::span<const float> normals,
-            const Mat3& turn, const Vec3& mapped) {
-  if (bond.share <= 0) return mapped;
-  Vec3 on = Vec3::Zero(), normal = Vec3::Zero();
-  for (int k = 0; k < 3; ++k) {
-    const int vertex = bond.vertices[std::size_t(k)];
-    on += bond.weights[k] * row_of(positions, vertex);
-    normal += bond.weights[k] * row_of(normals, vertex);
-  }
-  const Vec3 with_skin = on - bond.depth * normal.stableNormalized() + turn * bond.aside;
-  return mapped + bond.share * (with_skin - mapped);
 }
 
 }  // namespace ecorche::inline v1
