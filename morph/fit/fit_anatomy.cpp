@@ -331,9 +331,9 @@ class SkinCarrier {
   Points normals_;
 };
 
-// `wanted`: muscle that the body has for the template's.
+// `wanted`, `size`: muscle and stature that the body has for the template's.
 void carry_all(const std::vector<Muscle>& muscles, const SkeletonWarp& warp,
-               const InteriorMap& flesh, const SkinCarrier* with_skin, double wanted,
+               const InteriorMap& flesh, const SkinCarrier* with_skin, double wanted, double size,
                std::vector<Muscle>& out) {
   const CarryMap map = [&](const Vec3& x, int joint) { return warp.by_joint(joint, x); };
   const CarryMap inner =
@@ -349,9 +349,10 @@ void carry_all(const std::vector<Muscle>& muscles, const SkeletonWarp& warp,
                   : carry_strip(strip, map, inner);
     const double before = rest_volume(muscles[m]), now = rest_volume(out[m]);
     if (now <= 0) return;
-    for (Strip& strip : out[m].strips)
-      scale_radii(strip, Vec2::Constant(std::sqrt(wanted * before / now)));
-    out[m].volume = wanted * muscles[m].volume;
+    // those of the skin are as thick as the body is tall, whatever muscle it has
+    const double factor = lies_in_fat(out[m]) ? size : std::sqrt(wanted * before / now);
+    for (Strip& strip : out[m].strips) scale_radii(strip, Vec2::Constant(factor));
+    out[m].volume = lies_in_fat(out[m]) ? rest_volume(out[m]) : wanted * muscles[m].volume;
     // Of the volume that a person of this size has; what then fills the skin between the muscles is
     // no muscle that pulls.
     if (out[m].max_force <= 0)
@@ -408,7 +409,8 @@ Fit fit_anatomy(const Template& body_template, const Body& body, const FitOption
   std::optional<SkinCarrier> with_skin;
   if (std::ranges::any_of(tables.muscles, lies_in_fat)) with_skin.emplace(body_template, skin);
   carry_all(tables.muscles, warp, flesh, with_skin ? &*with_skin : nullptr,
-            fit.report.muscle_mass / in_template, fit.anatomy.muscles);
+            fit.report.muscle_mass / in_template, fit.report.stature / tables.stature,
+            fit.anatomy.muscles);
   fit.report.muscles_ms = since(start);
   measure_bones(tables, sides, warp, fit.anatomy, field, brackets, fit.report);
   return fit;

@@ -51,7 +51,8 @@ Template build_template(const Assets& assets) {
       carry_muscles(place_muscles(read_muscle_table(assets.tables), source),
                     [&](const Vec3& x, int joint) { return warp.by_joint(joint, x); });
   double listed = 0;
-  for (const Muscle& muscle : out.anatomy.muscles) listed += muscle.volume;
+  for (const Muscle& muscle : out.anatomy.muscles)
+    if (!lies_in_fat(muscle)) listed += muscle.volume;  // those of the skin are not weighed
   const double own =
       muscle_mass(shaped.body.sex, shaped.body.age, shaped.stature, shaped.mass) / kMuscleDensity;
   for (Muscle& muscle : out.anatomy.muscles) {
