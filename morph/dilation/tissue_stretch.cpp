@@ -218,6 +218,7 @@ void TissueStretch::sort_into_cells() {
 
 void TissueStretch::look_at(std::span<const Ellipse> slices) {
   if (samples_.empty() || slices.size() < 2) return;
+  if (strips_.empty()) return;  // no muscle says how tall the flesh is
   const SkinRays muscle_rays(muscle_tubes(slices, strips_), RayBuild::quick);
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, samples_.size(), 256), [&](const auto& range) {
