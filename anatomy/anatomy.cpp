@@ -109,6 +109,8 @@ int find_muscle(const Anatomy& anatomy, std::string_view name) {
   return -1;
 }
 
+bool lies_in_fat(const Muscle& muscle) { return muscle.layer == "subcutaneous"; }
+
 int slice_count(const Anatomy& anatomy) {
   int count = 0;
   for (const Muscle& muscle : anatomy.muscles)

@@ -83,7 +83,7 @@ struct Muscle {
   Side side = Side::middle;
   std::string label;   // "biceps femoris, long head"
   std::string group;   // region: "thigh", "trunk_shoulder", ...
-  std::string layer;   // "superficial", "intermediate", "deep"
+  std::string layer;   // "subcutaneous", "superficial", "intermediate", "deep"
   std::string origin;  // in words, for people
   std::string insertion;
   std::string origin_bone;  // name of the bone that the origin lies on ("" where it is fascia)
@@ -154,6 +154,7 @@ void validate(const Anatomy& anatomy);
 
 int find_bone(const Anatomy& anatomy, std::string_view name);    // index or -1
 int find_muscle(const Anatomy& anatomy, std::string_view name);  // index or -1
-int slice_count(const Anatomy& anatomy);                         // all strips of all muscles
+bool lies_in_fat(const Muscle& muscle);   // under the skin itself, as the face's do
+int slice_count(const Anatomy& anatomy);  // all strips of all muscles
 
 }  // namespace ecorche::inline v1

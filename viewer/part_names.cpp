@@ -53,8 +53,8 @@ const char* side_word(Side side) {
 }
 
 std::vector<std::string> known_names(const Anatomy& anatomy) {
-  std::vector<std::string> names{"skin",        "eyes",         "muscles", "bones",
-                                 "superficial", "intermediate", "deep",    "fascia"};
+  std::vector<std::string> names{"skin",         "eyes",        "muscles",      "bones", "fascia",
+                                 "subcutaneous", "superficial", "intermediate", "deep"};
   for (const Muscle& muscle : anatomy.muscles) {
     names.push_back(muscle.name);
     names.emplace_back(without_side(muscle.name));

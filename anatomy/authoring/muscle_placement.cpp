@@ -16,7 +16,9 @@
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr int kProbe = 240;  // samples of a strip when its slices are spread
+constexpr int kProbe = 240;            // samples of a strip when its slices are spread
+constexpr double kLeastStep = 2.5e-3;  // m from slice to slice: more of them show no more
+constexpr int kFewestSlices = 6;
 // share of the line over which scaling of the belly fades into the tendon
 constexpr double kTendonFade = 0.03;
 
@@ -79,8 +81,9 @@ std::vector<double> spread_slices(std::span<const PathPoint> path,
   }
   const int wish =
       options.min_slices * parts + int(1.5 * turning) + std::max(0, (int(path.size()) - 8) / 2);
-  const int count =
-      std::clamp(wish, options.min_slices, std::max(options.min_slices, options.max_slices));
+  const int enough = std::max(kFewestSlices, int(line_length(path) / kLeastStep));
+  const int count = std::min(enough, std::clamp(wish, options.min_slices,
+                                                std::max(options.min_slices, options.max_slices)));
   std::vector<double> s{0};
   for (int k = 1, i = 1; k + 1 < count; ++k) {
     const double target = weight.back() * k / (count - 1);

@@ -51,12 +51,14 @@ Wrap carry_wrap(const Wrap& wrap, const CarryMap& map) {
 
 }  // namespace
 
-Strip carry_strip(const Strip& strip, const CarryMap& map, const CarryMap& inner) {
+Strip carry_strip(const Strip& strip, const CarryMap& map, const CarryMap& inner,
+                  EndsInFlesh ends) {
   const CarryMap& flesh = inner ? inner : map;
   Strip moved = strip;
   for (size_t k = 0; k < moved.path.size(); ++k) {
-    const bool end = k == 0 || k + 1 == moved.path.size();
-    moved.path[k].rest = carry_point(moved.path[k].rest, moved.path[k], end ? map : flesh);
+    const bool on_bone =
+        (k == 0 && !ends.origin) || (k + 1 == moved.path.size() && !ends.insertion);
+    moved.path[k].rest = carry_point(moved.path[k].rest, moved.path[k], on_bone ? map : flesh);
   }
   for (Wrap& wrap : moved.wraps) wrap = carry_wrap(wrap, map);
   moved.rest_length = line_length(moved.path);

@@ -14,13 +14,19 @@ namespace ecorche::inline v1 {
 // mm).
 using CarryMap = std::function<Vec3(const Vec3& point, int joint)>;
 
+// Which ends of a strip lie on no bone and go with the flesh around them.
+struct EndsInFlesh {
+  bool origin = false, insertion = false;
+};
+
 // Path points by the map of their joint (blended ones by the blend of both); the reference and each
 // slice's width direction by the map's local turn, wraps by its local turn and mean stretch;
 // offsets by the local stretch. Slices keep s, radii and outline (see scale_radii); rest_length is
 // measured anew. `inner`: where the flesh between goes, if that is not where the bones would carry
-// it: via points, slices and their directions follow it, the two ends, the reference and the wraps
-// follow `map`.
-Strip carry_strip(const Strip& strip, const CarryMap& map, const CarryMap& inner = {});
+// it: via points, slices and their directions follow it, the reference and the wraps follow `map`,
+// and so do the two ends, but for those that lie in the flesh.
+Strip carry_strip(const Strip& strip, const CarryMap& map, const CarryMap& inner = {},
+                  EndsInFlesh ends = {});
 
 // All strips of all muscles. Muscle::volume is left as it is: whoever sets the radii knows what it
 // should become.

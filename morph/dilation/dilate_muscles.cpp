@@ -214,7 +214,7 @@ void dilate_ecorche(Anatomy& anatomy, Sections& sections, const SkinRays& rays, 
   for (int round = 0; round < options.rounds; ++round) {
     flesh.look_at(sections.slices);
     for_muscles(muscles.size(), [&](std::size_t m) {
-      if (partners[m] >= 0) return;
+      if (partners[m] >= 0 || lies_in_fat(muscles[m])) return;
       if (round == 0) heights[m] = heights_in_room(sections.of(m), int(m), flesh);
       std::size_t first = 0;
       for_strips(muscles[m].strips, sections.of(m),
@@ -228,12 +228,14 @@ void dilate_ecorche(Anatomy& anatomy, Sections& sections, const SkinRays& rays, 
   }
   const GrowthLimits limits{ray_directions(options.rays), options.clearance, options.most,
                             options.least};
+  const FatLayer skin = skin_of(fat);
   for_muscles(muscles.size(), [&](std::size_t m) {
     if (partners[m] >= 0) return;
+    const FatLayer& layer = lies_in_fat(muscles[m]) ? skin : fat;
     for_strips(
         muscles[m].strips, sections.of(m), [&](const Strip& strip, std::span<Ellipse> slices) {
           counts[m].add(
-              grow_strip(strip, slices, muscles[m].layer == "superficial", rays, fat, limits));
+              grow_strip(strip, slices, muscles[m].layer == "superficial", rays, layer, limits));
         });
   });
   mirror_sections(partners, plane, sections);

@@ -28,7 +28,7 @@ constexpr std::size_t kDirectionsPackMuscles = kOutlinePoints;
 constexpr int kBone = -1;
 
 // Cosine between a direction and the width of a section: from here on the direction counts as
-// sideways (the jaw's muscles do not grow that way).
+// sideways (muscles that only thicken do not grow that way).
 constexpr double kSideways = 0.55;
 // Growth. Larger rates and limits fill gaps in fewer rounds, and let neighbours overshoot one
 // another; smaller ones leave gaps.
@@ -99,11 +99,9 @@ class MusclePacking {
         needs_(wanted.size(), 1.0),
         underside_(underside(skin.mesh(), fat)) {
     for (const Muscle& muscle : anatomy.muscles)
-      of_the_jaw_.push_back(muscle.group == "face_jaw"),
-          staying_.push_back(of_the_jaw_.back() || muscle.layer == "deep");
-    const RadialLimits layer = find_radial_limits(all_, skin, fat, underside_, limits.skin_gap);
-    spokes_ = layer.spokes;
-    report_.rays += layer.rays;
+      thickening_.push_back(muscle.group == "face_jaw" || lies_in_fat(muscle)),
+          staying_.push_back(thickening_.back() || muscle.layer == "deep");
+    limit_by_skin(skin, fat);
     add_bones();
   }
 
@@ -275,6 +273,25 @@ class MusclePacking {
   const PackingReport& report() const { return report_; }
 
  private:
+  // Muscles end at the layer of fat, those that lie in it at the skin itself.
+  void limit_by_skin(const SkinRays& skin, const FatLayer& fat) {
+    std::vector<char> below, within;
+    for (const Muscle& muscle : anatomy_.muscles)
+      within.push_back(lies_in_fat(muscle)), below.push_back(!within.back());
+    RadialLimits under = find_radial_limits(all_, below, skin, fat, underside_, limits_.skin_gap);
+    spokes_ = std::move(under.spokes);
+    report_.rays += under.rays;
+    if (std::ranges::find(within, 1) == within.end()) return;
+    const FatLayer bare = skin_of(fat);
+    const RadialLimits in = find_radial_limits(all_, within, skin, bare,
+                                               underside(skin.mesh(), bare), limits_.skin_gap);
+    report_.rays += in.rays;
+    for (std::size_t m = 0; m < within.size(); ++m)
+      for (std::size_t ray = all_.muscle_begin[m] * kDirectionsPackMuscles;
+           within[m] && ray < all_.muscle_begin[m + 1] * kDirectionsPackMuscles; ++ray)
+        spokes_[ray] = in.spokes[ray];
+  }
+
   // Where a section's rays can come to, and from where others can grow to there.
   Eigen::AlignedBox3d sight_of(std::size_t k) const {
     Eigen::AlignedBox3d box(all_.slices[k].center);
@@ -432,9 +449,9 @@ class MusclePacking {
     find_intervals(buffer.crossings, solids_, far, buffer.intervals);
   }
 
-  // Beside them lie the face's own muscles, glands and the cheek's pad of fat, which are not drawn:
+  // Beside the jaw's muscles lie glands and the cheek's pad of fat, beside those of the skin fat:
   // they grow for their volume's sake alone, and thicker, not wider.
-  bool is_of_the_jaw(const StripPlace& strip) const { return of_the_jaw_[strip.muscle]; }
+  bool does_thicken(const StripPlace& strip) const { return thickening_[strip.muscle]; }
 
   // Where a deep muscle lies next under the layer, others, tendons and vessels run over it: it
   // grows for its volume's sake alone.
@@ -485,7 +502,7 @@ class MusclePacking {
           now, std::min({double(spoke.over), deep, most,
                          now + (1 - tendons) * asked + tendons * std::min(asked, kMostSheath)}));
     }
-    if (is_of_the_jaw(strip) && std::abs(outline_directions()[i].x()) > kSideways)
+    if (does_thicken(strip) && std::abs(outline_directions()[i].x()) > kSideways)
       return std::max(end, least);
     // Room that ends at the layer is filled; what is deep stays open to fat and vessels unless
     // volume is wanting.
@@ -639,7 +656,7 @@ class MusclePacking {
   std::vector<char> pressed_along_;  // #slices x #directions, from each to the next
   Eigen::AlignedBox3d seen_;         // within sight
   std::optional<TouchedCells> touched_;
-  std::vector<char> of_the_jaw_;  // #muscles
+  std::vector<char> thickening_;  // #muscles
   std::vector<char> staying_;     // #muscles: that do not come up to the layer
   Underside underside_;
   TriMesh mesh_;                       // muscles, then bones; triangles within sight

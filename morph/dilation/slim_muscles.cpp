@@ -48,7 +48,7 @@ class Slimmer {
         filled_(muscles.size()),
         own_(muscles.size()) {
     double sum = 0;
-    for (double volume : wanted) sum += volume;
+    for (std::size_t m = 0; m < muscles.size(); ++m) sum += weighed(m) ? wanted[m] : 0;
     for (std::size_t m = 0; m < muscles.size(); ++m) {
       filled_[m] = volume(m);
       own_[m] = sum > 0 ? wanted[m] * total / sum : 0;
@@ -58,6 +58,7 @@ class Slimmer {
   // With more effort muscles come nearer to their own volumes, beyond 1 all below them.
   double shrink(double effort) {
     tbb::parallel_for(std::size_t{0}, muscles_.size(), [&](std::size_t m) {
+      if (!weighed(m)) return;
       const std::size_t as = partners_[m] >= 0 ? std::size_t(partners_[m]) : m;
       const double beyond = filled_[as] > own_[as] && filled_[as] > 0 ? own_[as] / filled_[as] : 1;
       constexpr double kFurther = 0.8;
@@ -70,7 +71,7 @@ class Slimmer {
 
   double sum() const {
     double all = 0;
-    for (std::size_t m = 0; m < muscles_.size(); ++m) all += volume(m);
+    for (std::size_t m = 0; m < muscles_.size(); ++m) all += weighed(m) ? volume(m) : 0;
     return all;
   }
 
@@ -86,6 +87,9 @@ class Slimmer {
   }
 
  private:
+  // Whole bodies' muscle is measured without the muscles of the skin.
+  bool weighed(std::size_t m) const { return !lies_in_fat(muscles_[m]); }
+
   void set(std::size_t m, double share) {
     const Muscle& muscle = muscles_[m];
     const bool sheet = muscle.sheet && muscle.strips.size() > 1,

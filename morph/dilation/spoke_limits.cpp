@@ -13,10 +13,11 @@ constexpr float kTip = 0.25f;
 constexpr double kSteepest = 0.25;  // least cosine that the layer's slope is taken to have
 
 // Directions that move a vertex, of what is not its partner's mirror image.
-std::vector<char> used_directions(const PackedSections& all) {
+std::vector<char> used_directions(const PackedSections& all, std::span<const char> asked) {
   std::vector<char> used(all.slices.size() * kOutlinePoints, 0);
   for (const StripPlace& strip : all.strips)
-    for (std::size_t k = strip.begin; k < strip.end && !all.is_mirrored(strip); ++k)
+    for (std::size_t k = strip.begin;
+         k < strip.end && !all.is_mirrored(strip) && asked[std::size_t(strip.muscle)]; ++k)
       for (std::size_t i = 0; i < kOutlinePoints; ++i)
         used[k * kOutlinePoints + i] = char(all.is_drawn(k, i));
   return used;
@@ -24,12 +25,13 @@ std::vector<char> used_directions(const PackedSections& all) {
 
 }  // namespace
 
-RadialLimits find_radial_limits(const PackedSections& all, const SkinRays& skin,
-                                const FatLayer& fat, const Underside& underside, double skin_gap) {
+RadialLimits find_radial_limits(const PackedSections& all, std::span<const char> asked,
+                                const SkinRays& skin, const FatLayer& fat,
+                                const Underside& underside, double skin_gap) {
   const SkinRays layer_rays(TriMesh{underside.points, skin.mesh().F});
   RadialLimits out;
   out.spokes.resize(all.slices.size() * kOutlinePoints);
-  const std::vector<char> used = used_directions(all);
+  const std::vector<char> used = used_directions(all, asked);
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, all.slices.size(), 16), [&](const auto& range) {
         for (std::size_t k = range.begin(); k < range.end(); ++k)

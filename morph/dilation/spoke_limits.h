@@ -2,6 +2,7 @@
 // fat, and how far an outline may press into it. Private to pack_muscles.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "anatomy/queries/ray_caster.h"
@@ -28,7 +29,9 @@ struct RadialLimits {
 
 // `skin`, `fat`: closed, and the layer beneath it; `underside`: of that. `skin_gap`: m that an
 // ellipse keeps from the skin where it presses into the layer.
-RadialLimits find_radial_limits(const PackedSections& all, const SkinRays& skin,
-                                const FatLayer& fat, const Underside& underside, double skin_gap);
+// `asked`: #muscles; the others' limits stay open.
+RadialLimits find_radial_limits(const PackedSections& all, std::span<const char> asked,
+                                const SkinRays& skin, const FatLayer& fat,
+                                const Underside& underside, double skin_gap);
 
 }  // namespace ecorche::inline v1

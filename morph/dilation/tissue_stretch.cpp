@@ -63,21 +63,24 @@ std::vector<Eigen::Index> sample_vertices(const Points& V, const std::vector<Vec
 }
 
 // Strips as open tubes of few sides.
-TriMesh muscle_tubes(std::span<const Ellipse> slices, std::span<const int> strip_begin) {
-  const auto count = Eigen::Index(slices.size()), strips = Eigen::Index(strip_begin.size()) - 1;
+TriMesh muscle_tubes(std::span<const Ellipse> slices,
+                     std::span<const std::pair<int, int>> stretches) {
+  const auto strips = Eigen::Index(stretches.size());
+  Eigen::Index count = 0;
+  for (const auto& [begin, end] : stretches) count += end - begin;
   std::array<std::pair<double, double>, kTubeSides> circle;
   for (int i = 0; i < kTubeSides; ++i)
     circle[i] = {std::cos(6.283185307179586 * i / kTubeSides),
                  std::sin(6.283185307179586 * i / kTubeSides)};
   TriMesh mesh{Points(count * kTubeSides, 3), Triangles(2 * (count - strips) * kTubeSides, 3)};
   Eigen::Index v = 0, f = 0;
-  for (std::size_t strip = 0; strip + 1 < strip_begin.size(); ++strip) {
-    for (int k = strip_begin[strip]; k < strip_begin[strip + 1]; ++k) {
+  for (const auto& [begin, end] : stretches) {
+    for (int k = begin; k < end; ++k) {
       const Ellipse& e = slices[k];
       const Vec3 width = e.radii.x() * e.axes.col(0), thickness = e.radii.y() * e.axes.col(1);
       for (int i = 0; i < kTubeSides; ++i, ++v) {
         mesh.V.row(v) = e.center + circle[i].first * width + circle[i].second * thickness;
-        if (k == strip_begin[strip]) continue;
+        if (k == begin) continue;
         const int here = int(v), next = i + 1 < kTubeSides ? here + 1 : here + 1 - kTubeSides;
         mesh.F.row(f++) << here - kTubeSides, next - kTubeSides, next;
         mesh.F.row(f++) << here - kTubeSides, next, here;
@@ -155,10 +158,13 @@ TissueStretch::TissueStretch(const Anatomy& anatomy, const SkinRays& rays, const
     for (int k = 0; k < 3; ++k) normals[skin.F(f, k)] += (b - a).cross(c - a);
   }
   const std::vector<Eigen::Index> chosen = sample_vertices(skin.V, normals);
-  strip_begin_.push_back(0);
+  int at = 0;
   for (const Muscle& muscle : anatomy.muscles)
-    for (const Strip& strip : muscle.strips)
-      strip_begin_.push_back(strip_begin_.back() + int(strip.slices.size()));
+    for (const Strip& strip : muscle.strips) {
+      const int begin = at;
+      at += int(strip.slices.size());
+      if (!lies_in_fat(muscle)) strips_.emplace_back(begin, at);
+    }
   std::vector<int> joint_of_face;
   const TriMesh bones = large_bones(anatomy, joint_of_face);
   const std::vector<int> regions = joint_regions(anatomy.skeleton);
@@ -212,7 +218,8 @@ void TissueStretch::sort_into_cells() {
 
 void TissueStretch::look_at(std::span<const Ellipse> slices) {
   if (samples_.empty() || slices.size() < 2) return;
-  const SkinRays muscle_rays(muscle_tubes(slices, strip_begin_), RayBuild::quick);
+  if (strips_.empty()) return;  // no muscle says how tall the flesh is
+  const SkinRays muscle_rays(muscle_tubes(slices, strips_), RayBuild::quick);
   tbb::parallel_for(
       tbb::blocked_range<std::size_t>(0, samples_.size(), 256), [&](const auto& range) {
         for (std::size_t s = range.begin(); s < range.end(); ++s) {

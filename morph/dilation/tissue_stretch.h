@@ -9,6 +9,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "anatomy/anatomy.h"
@@ -65,7 +66,8 @@ class TissueStretch {
   Eigen::Array3i size_ = Eigen::Array3i::Zero();
   std::vector<int> cell_begin_;              // #cells + 1
   std::vector<std::vector<char>> concerns_;  // #muscles x #regions
-  std::vector<int> strip_begin_;             // #strips + 1, into the slices
+  // slices of strips, from and to; those of muscles in the layer of fat are left out
+  std::vector<std::pair<int, int>> strips_;
   long long rays_ = 0;
 };
 

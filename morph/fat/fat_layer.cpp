@@ -115,16 +115,19 @@ std::vector<Vec3> area_normals(const TriMesh& mesh) {
 }
 
 // Shepard's weights, 1 / distance^4, so that the mean is flat around each site.
-float mean_of_sites(const std::vector<FatSite>& sites, const Vec3& point, const Vec3& normal) {
-  double sum = 0, weights = 0;
+FatSite mean_of_sites(const std::vector<FatSite>& sites, const Vec3& point, const Vec3& normal) {
+  FatSite mean;
+  double weights = 0;
   for (const FatSite& site : sites) {
     const double away = kFaceAway * (1 - normal.dot(site.normal)) / 2;
     const double squared = (point - site.position).squaredNorm() + away * away + 1e-6;
     const double weight = 1 / (squared * squared);
-    sum += weight * site.thickness;
+    mean.thickness += weight * site.thickness;
+    mean.skin += weight * site.skin;
     weights += weight;
   }
-  return float(weights > 0 ? sum / weights : 0);
+  if (weights > 0) mean.thickness /= weights, mean.skin /= weights;
+  return mean;
 }
 
 // Muscle lies over every rib: where ribs come near to the skin the layer is thinner, by no more
@@ -218,6 +221,10 @@ double estimate_fatness(const Body& body) {
   return std::clamp(std::max(between(builds, share), between(kIndexBuilds, index)), -1.0, 3.0);
 }
 
+FatLayer skin_of(const FatLayer& layer) {
+  return {layer.skin.empty() ? layer.thickness : layer.skin, layer.sites, layer.skin};
+}
+
 FatLayer make_fat_layer(const FatTable& fat, const SkinRays& rays, const Skeleton& skeleton,
                         const FatOptions& options) {
   const Table& table = fat.table();
@@ -225,23 +232,26 @@ FatLayer make_fat_layer(const FatTable& fat, const SkinRays& rays, const Skeleto
   const char* sex = options.sex == Sex::male ? "male" : "female";
   FatLayer layer;
   for (int row = 0; row < table.rows(); ++row) {
-    const double thickness =
-        fat.thickness(row, options) + kMillimetre * table.number(row, fmt::format("skin_{}", sex));
+    const double skin = kMillimetre * table.number(row, fmt::format("skin_{}", sex));
     const std::vector<Side> sides =
         finder.is_paired(row) ? std::vector{Side::left, Side::right} : std::vector{Side::middle};
     for (const Side side : sides) {
       FatSite site;
-      site.thickness = thickness;
+      site.thickness = fat.thickness(row, options) + skin;
+      site.skin = skin;
       if (finder.find(row, side, site)) layer.sites.push_back(site);
     }
   }
   const TriMesh& skin = rays.mesh();
   const std::vector<Vec3> normals = area_normals(skin);
   layer.thickness.resize(normals.size());
+  layer.skin.resize(normals.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, normals.size(), 512),
                     [&](const auto& range) {
                       for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                        layer.thickness[i] = mean_of_sites(layer.sites, skin.V.row(i), normals[i]);
+                        const FatSite mean = mean_of_sites(layer.sites, skin.V.row(i), normals[i]);
+                        layer.thickness[i] = float(mean.thickness);
+                        layer.skin[i] = float(mean.skin);
                       }
                     });
   return layer;

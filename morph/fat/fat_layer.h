@@ -51,11 +51,13 @@ struct FatSite {
   Vec3 position = Vec3::Zero();  // on the skin
   Vec3 normal = Vec3::UnitY();   // outwards
   double thickness = 0;          // fat and skin, m
+  double skin = 0;               // of it, m
 };
 
 struct FatLayer {
   std::vector<float> thickness;  // fat and skin, m; one a vertex of the skin it was made for
   std::vector<FatSite> sites;
+  std::vector<float> skin;  // of it the skin alone, m; empty: not known
 
   // At a ray's end.
   float at(const Triangles& F, const RayHit& hit) const {
@@ -64,6 +66,9 @@ struct FatLayer {
            hit.v * thickness[face[2]];
   }
 };
+
+// The skin without its fat, under which muscles that move it lie (Muscle::layer "subcutaneous").
+FatLayer skin_of(const FatLayer& layer);
 
 // Fat's share of a body's mass from its body mass index, age and sex (Deurenberg, Weststrate and
 // Seidell 1991, 10.1079/BJN19910073; to within some 4 % of the mass, too much in the very

@@ -7,13 +7,18 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 
 #include <tbb/parallel_for.h>
 
 #include "anatomy/errors.h"
+#include "anatomy/geometry/join_meshes.h"
+#include "anatomy/geometry/mesh_measures.h"
+#include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/muscle_force.h"
 #include "anatomy/queries/signed_distance.h"
+#include "anatomy/queries/skin_bonds.h"
 #include "morph/fascia/lay_fascia.h"
 #include "morph/fat/fat_layer.h"
 #include "morph/fat/muscle_mass.h"
@@ -284,20 +289,71 @@ InteriorMap warp_interior(const Template& body_template, const Points& skin,
   return map;
 }
 
-// `wanted`: muscle that the body has for the template's.
+TriMesh all_bones(const Anatomy& anatomy) {
+  std::vector<const TriMesh*> bones;
+  for (const Bone& bone : anatomy.bones) bones.push_back(&bone.mesh);
+  return join_meshes(bones);
+}
+
+// Muscles in the fat of the skin go with it: both bodies have the same vertices.
+class SkinCarrier {
+ public:
+  SkinCarrier(const Template& body_template, const Points& skin)
+      : size_(body_template.tables.topology.skin_size),
+        rays_(capped_skin(body_template.tables.topology, body_template.body.skin.V)),
+        bonder_(all_bones(body_template.anatomy), rays_, vertex_normals(rays_.mesh())),
+        skin_(capped_skin(body_template.tables.topology, skin)),
+        normals_(vertex_normals(skin_)) {}
+
+  // Where points of a strip go that `inner` would move as what lies inside.
+  CarryMap map(const Strip& strip, const CarryMap& inner) const {
+    return [this, &inner, slices = rest_slices(strip)](const Vec3& x, int joint) {
+      const auto nearest = std::ranges::min_element(
+          slices, {}, [&](const Ellipse& slice) { return (slice.center - x).squaredNorm(); });
+      const Vec3 inside = inner(x, joint);
+      const SkinBond bond = bonder_.bond(x, nearest->axes.col(1));
+      // the middle of a cap is no place of the skin
+      if (std::ranges::any_of(bond.vertices, [&](int v) { return v >= size_; })) return inside;
+      Vec3 place = Vec3::Zero(), normal = Vec3::Zero();
+      for (int k = 0; k < 3; ++k) {
+        place += bond.weights[k] * Vec3(skin_.V.row(bond.vertices[size_t(k)]));
+        normal += bond.weights[k] * Vec3(normals_.row(bond.vertices[size_t(k)]));
+      }
+      const Mat3 turn = Quat::FromTwoVectors(bond.normal, normal).toRotationMatrix();
+      return bond.moved(place, normal, turn, inside);
+    };
+  }
+
+ private:
+  int size_;
+  SkinRays rays_;
+  SkinBonder bonder_;
+  TriMesh skin_;
+  Points normals_;
+};
+
+// `wanted`, `size`: muscle and stature that the body has for the template's.
 void carry_all(const std::vector<Muscle>& muscles, const SkeletonWarp& warp,
-               const InteriorMap& flesh, double wanted, std::vector<Muscle>& out) {
+               const InteriorMap& flesh, const SkinCarrier* with_skin, double wanted, double size,
+               std::vector<Muscle>& out) {
   const CarryMap map = [&](const Vec3& x, int joint) { return warp.by_joint(joint, x); };
   const CarryMap inner =
       flesh ? CarryMap([&](const Vec3& x, int) { return flesh(x); }) : CarryMap();
   out = muscles;
   tbb::parallel_for(size_t{0}, muscles.size(), [&](size_t m) {
-    for (Strip& strip : out[m].strips) strip = carry_strip(strip, map, inner);
+    // what moves the skin ends in it
+    EndsInFlesh ends;
+    if (lies_in_fat(out[m])) ends = {out[m].origin_bone.empty(), out[m].insertion_bone.empty()};
+    for (Strip& strip : out[m].strips)
+      strip = lies_in_fat(out[m]) && with_skin
+                  ? carry_strip(strip, map, with_skin->map(strip, inner ? inner : map), ends)
+                  : carry_strip(strip, map, inner);
     const double before = rest_volume(muscles[m]), now = rest_volume(out[m]);
     if (now <= 0) return;
-    for (Strip& strip : out[m].strips)
-      scale_radii(strip, Vec2::Constant(std::sqrt(wanted * before / now)));
-    out[m].volume = wanted * muscles[m].volume;
+    // those of the skin are as thick as the body is tall, whatever muscle it has
+    const double factor = lies_in_fat(out[m]) ? size : std::sqrt(wanted * before / now);
+    for (Strip& strip : out[m].strips) scale_radii(strip, Vec2::Constant(factor));
+    out[m].volume = lies_in_fat(out[m]) ? rest_volume(out[m]) : wanted * muscles[m].volume;
     // Of the volume that a person of this size has; what then fills the skin between the muscles is
     // no muscle that pulls.
     if (out[m].max_force <= 0)
@@ -351,7 +407,11 @@ Fit fit_anatomy(const Template& body_template, const Body& body, const FitOption
   fit.report.muscle_mass = muscle_mass(body.sex, body.age, fit.report.stature, mass);
   const double in_template =
       muscle_mass(own.sex, own.age, tables.stature, kBodyDensity * tables.volume);
-  carry_all(tables.muscles, warp, flesh, fit.report.muscle_mass / in_template, fit.anatomy.muscles);
+  std::optional<SkinCarrier> with_skin;
+  if (std::ranges::any_of(tables.muscles, lies_in_fat)) with_skin.emplace(body_template, skin);
+  carry_all(tables.muscles, warp, flesh, with_skin ? &*with_skin : nullptr,
+            fit.report.muscle_mass / in_template, fit.report.stature / tables.stature,
+            fit.anatomy.muscles);
   fit.fascia = carry_fascia(tables.fascia,
                             [&](const Vec3& x, int joint) { return warp.by_joint(joint, x); });
   fit.report.muscles_ms = since(start);

@@ -55,7 +55,8 @@ Template build_template(const Assets& assets) {
   tables.fascia =
       carry_fascia(place_fascia(read_fascia_table(assets.tables, table), table, source), by_joint);
   double listed = 0;
-  for (const Muscle& muscle : out.anatomy.muscles) listed += muscle.volume;
+  for (const Muscle& muscle : out.anatomy.muscles)
+    if (!lies_in_fat(muscle)) listed += muscle.volume;  // those of the skin are not weighed
   const double own =
       muscle_mass(shaped.body.sex, shaped.body.age, shaped.stature, shaped.mass) / kMuscleDensity;
   for (Muscle& muscle : out.anatomy.muscles) {

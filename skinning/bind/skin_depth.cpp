@@ -110,13 +110,15 @@ PartMesh muscle_mesh(const Anatomy& anatomy, const PosedAnatomy& rest, int sides
   }
   Eigen::Index f = 0;
   for (const SliceRange& range : ranges)
-    for (int s = range.begin; s + 1 < range.end; ++s)
+    // what lies in the skin's fat follows the skin, which follows what lies beneath
+    for (int s = range.begin; s + 1 < range.end && !lies_in_fat(anatomy.muscles[range.muscle]); ++s)
       for (int k = 0; k < sides; ++k) {
         const int a = s * sides + k, b = s * sides + (k + 1) % sides;
         out.mesh.F.row(f++) << a, b, b + sides;
         out.mesh.F.row(f++) << a, b + sides, a + sides;
         out.part.insert(out.part.end(), 2, s);
       }
+  out.mesh.F.conservativeResize(f, 3);
   return out;
 }
 

@@ -13,6 +13,8 @@
 #include "anatomy/compute/angle_between.h"
 #include "anatomy/compute/smooth_step.h"
 #include "anatomy/errors.h"
+#include "anatomy/geometry/join_meshes.h"
+#include "anatomy/geometry/mesh_measures.h"
 #include "anatomy/queries/nearest_surface.h"
 #include "skinning/interior/skin_controls.h"
 
@@ -181,6 +183,32 @@ std::vector<char> joints_of(const Strip& strip, std::span<const int> parents) {
   }
   out[common] = 1;
   return out;
+}
+
+// Bonds of the sections of muscles in the skin's fat, in their order.
+void bond_to_skin(const Anatomy& anatomy, const SkinRays& skin, std::span<const int> sorted,
+                  std::span<const SliceRange> strips, BodyMap& map) {
+  std::vector<MapSection*> sections;
+  for (const SliceRange& range : strips)
+    for (int k = range.begin; k < range.end && lies_in_fat(anatomy.muscles[range.muscle]); ++k) {
+      map.sections[k].bonds = int(5 * sections.size());
+      sections.push_back(&map.sections[k]);
+    }
+  if (sections.empty()) return;
+  map.bonds.resize(5 * sections.size());
+  std::vector<const TriMesh*> bones;
+  for (const Bone& bone : anatomy.bones) bones.push_back(&bone.mesh);
+  const SkinBonder bonder(join_meshes(bones), skin, vertex_normals(skin.mesh()));
+  tbb::parallel_for(std::size_t{0}, sections.size(), [&](std::size_t i) {
+    const MapSection& section = *sections[i];
+    SkinBond* bonds = &map.bonds[5 * i];
+    for (const MapPoint* point :
+         {&section.center, &section.right, &section.left, &section.up, &section.down}) {
+      *bonds = bonder.bond(point->rest, section.rest.axes.col(1));
+      for (int& vertex : bonds->vertices) vertex = sorted[std::size_t(vertex)];
+      ++bonds;
+    }
+  });
 }
 
 // The share of each cell that muscles fill, from 0, little or none, to 1, most.
@@ -367,6 +395,16 @@ Vec2 sliding(const MapSection& section, const Vec2& posed, double swelling, doub
           rest.y() > 0 ? posed.y() / (rest.y() * thick) : 1};
 }
 
+// At a bond's place: of `rows`, #V x 4.
+Vec3 on_skin(const SkinBond& bond, std::span<const float> rows) {
+  Vec3 out = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const std::size_t v = 4 * std::size_t(bond.vertices[std::size_t(k)]);
+    out += bond.weights[k] * Vec3(rows[v], rows[v + 1], rows[v + 2]);
+  }
+  return out;
+}
+
 // The direction of a strip's line of centres at a section.
 Vec3 line_at(std::span<const Ellipse> slices, int begin, int end, std::size_t k) {
   return slices[std::size_t(std::min(int(k) + 1, end - 1))].center -
@@ -430,8 +468,11 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
                     [&](int i) { out.nodes[i] = placer.point(lattices.coarse.points[i]); });
   std::vector<char> bone;
   for (const SourceWeights& node : coarse_bones) bone.push_back(node.count > 0);
+  std::vector<SliceRange> inner = strips;
+  std::erase_if(
+      inner, [&](const SliceRange& range) { return lies_in_fat(anatomy.muscles[range.muscle]); });
   out.pressure = make_pressure_table(lattices.coarse, bone,
-                                     muscle_shares(lattices.coarse, rays, strips, rest.slices));
+                                     muscle_shares(lattices.coarse, rays, inner, rest.slices));
   out.sections.resize(rest.slices.size());
   tbb::parallel_for(std::size_t{0}, strips.size(), [&](std::size_t s) {
     const SliceRange& range = strips[s];
@@ -450,6 +491,7 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
       section.sheet = muscle.sheet;
     }
   });
+  bond_to_skin(anatomy, rays, sorted, strips, out);
   return out;
 }
 
@@ -466,6 +508,14 @@ void carry_muscles(const BodyMap& map, std::span<const float> positions,
     return Vec3(pose.moved(p, straight) + skin_shift(p, workspace.shifts) +
                 flow_at(p, workspace.flow));
   };
+  // `which`: of a section's five points
+  const auto placed = [&](const MapSection& section, const MapPoint& p, int which,
+                          double straight) {
+    const Vec3 at = carried(p, straight);
+    if (section.bonds < 0) return at;
+    const SkinBond& bond = map.bonds[std::size_t(section.bonds + which)];
+    return bond.moved(on_skin(bond, positions), on_skin(bond, normals), pose.turn(p), at);
+  };
   const std::size_t count = map.sections.size();
   workspace.lines.resize(count);
   const auto straight_at = [&](std::size_t k) {
@@ -473,7 +523,7 @@ void carry_muscles(const BodyMap& map, std::span<const float> positions,
   };
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     workspace.lines[k] = posed.slices[k].center;
-    posed.slices[k].center = carried(map.sections[k].center, straight_at(k));
+    posed.slices[k].center = placed(map.sections[k], map.sections[k].center, 0, straight_at(k));
   });
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     const MapSection& section = map.sections[k];
@@ -487,9 +537,11 @@ void carry_muscles(const BodyMap& map, std::span<const float> positions,
     const MapSection& section = map.sections[k];
     const double straight = straight_at(k);
     const Vec3 width =
-        (carried(section.right, straight) - carried(section.left, straight)) / section.width;
+        (placed(section, section.right, 1, straight) - placed(section, section.left, 2, straight)) /
+        section.width;
     const Vec3 thickness =
-        (carried(section.up, straight) - carried(section.down, straight)) / section.thickness;
+        (placed(section, section.up, 3, straight) - placed(section, section.down, 4, straight)) /
+        section.thickness;
     const Vec3 line = line_at(posed.slices, section.begin, section.end, k);
     Ellipse& out = posed.slices[k];
     const Vec2 slid =

@@ -11,6 +11,9 @@
 // stretch volume by 1.6. u brings what the settled skin has pushed in along, fading to nought on
 // bones. v gives cells that muscles fill their volumes back (pressure_projection.h).
 //
+// Muscles in the fat of the skin go with the skin, nearer to bone the more with the map
+// (skin_bonds.h).
+//
 // A muscle is moved less by joints that its line does not pass: layers slide over one another.
 // Sections take centre and axes from the map, and from pose_anatomy() the share by which their
 // substance has slid along the line, bulged or turned rounder. Volumes of bellies are kept but for
@@ -22,6 +25,7 @@
 #include <vector>
 
 #include "anatomy/posed_anatomy.h"
+#include "anatomy/queries/skin_bonds.h"
 #include "skinning/interior/harmonic_weights.h"
 #include "skinning/interior/pressure_projection.h"
 
@@ -43,6 +47,7 @@ struct MapSection {
   Ellipse rest;
   int strip = 0, begin = 0, end = 0;  // and the strip's sections
   bool sheet = false;
+  int bonds = -1;  // of a muscle in the skin's fat: of its five points, as above, in BodyMap
 };
 
 // A vertex of the skin whose displacement the tissue about it takes part in.
@@ -55,6 +60,7 @@ struct SkinControl {
 struct BodyMap {
   std::vector<MapSection> sections;  // #all slices
   std::vector<SkinControl> controls;
+  std::vector<SkinBond> bonds;  // vertices as they are sorted in frames
   PressureTable pressure;
   std::vector<MapPoint> nodes;  // of the pressure's lattice
   std::vector<Vec3> joints;     // at rest

@@ -20,6 +20,7 @@ struct CollisionTables {
   int sections = 0;
   Eigen::Index vertices = 0;
   std::vector<SectionProbes> probes;  // owners: sections that have some
+  std::vector<char> following;        // #owners: the skin carries them and is not lifted over them
   std::vector<SliceRange> strips;
   std::vector<int> strip_begin;  // #strips + 1 into probes
   std::vector<float> thickness;  // #sections, of sheets as they are drawn

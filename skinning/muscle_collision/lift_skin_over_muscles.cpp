@@ -49,8 +49,9 @@ void lift_skin_over_muscles(const MuscleCollision& collision, std::span<const El
   for_probes_near_skin(
       data, skin, slices, [](std::size_t) { return true; },
       [&](std::size_t o, std::span<const ProbeProjection> projections) {
-        s.penetration_count[o] = static_cast<unsigned char>(find_penetrations(
-            data.probes[o], projections, &s.penetrations[8 * o], lift.exposed[o]));
+        const std::size_t found =
+            find_penetrations(data.probes[o], projections, &s.penetrations[8 * o], lift.exposed[o]);
+        if (!data.following[o]) s.penetration_count[o] = static_cast<unsigned char>(found);
       });
   std::size_t count = 0;
   for (std::size_t o = 0; o < data.probes.size(); ++o) {

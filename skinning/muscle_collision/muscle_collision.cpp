@@ -33,6 +33,11 @@ MuscleCollision make_muscle_collision(const Anatomy& anatomy, const PosedAnatomy
     data->strip_begin.push_back(int(first - data->probes.begin()));
   }
   data->strip_begin.push_back(int(data->probes.size()));
+  data->following.assign(data->probes.size(), 0);
+  for (std::size_t s = 0; s < data->strips.size(); ++s)
+    if (lies_in_fat(anatomy.muscles[data->strips[s].muscle]))
+      std::fill(data->following.begin() + data->strip_begin[s],
+                data->following.begin() + data->strip_begin[s + 1], 1);
   return {data};
 }
 

@@ -125,6 +125,24 @@ TEST(Dilate, APaperMuscleAtTheCentreFillsTheSkinLessTheLayer) {
 }
 
 // The layer is soft: a section may press into it by half.
+TEST(Dilate, MusclesInTheFatLieUnderTheSkinAlone) {
+  const TriMesh skin = cylinder(0.06, -0.3, 0.3);
+  const SkinRays rays(skin);
+  FatLayer fat = even_layer(skin, 0.01);
+  fat.skin.assign(fat.thickness.size(), 0.0015f);
+  const auto farthest = [&](const char* layer) {
+    const Anatomy original = limb(0.055, 0.0015, layer);
+    Anatomy fitted = original;
+    dilate_muscles(fitted, original.muscles, original.muscles, rays, fat, {});
+    return farthest_from_axis(fitted);
+  };
+  EXPECT_LT(farthest("superficial"), 0.0555);  // half-way into the layer at most
+  EXPECT_NEAR(farthest("subcutaneous"), 0.0565, 1e-3);
+  // of a layer whose skin is not known all counts as skin
+  fat.skin.clear();
+  EXPECT_LT(farthest("subcutaneous"), 0.0555);
+}
+
 TEST(Dilate, ASuperficialMuscleReachesTheLayerAndStaysUnderTheSkin) {
   const TriMesh skin = cylinder(0.06, -0.3, 0.3);
   const SkinRays rays(skin);

@@ -1,0 +1,74 @@
+#include "anatomy/queries/skin_bonds.h"
+
+#include <cmath>
+#include <utility>
+
+#include "anatomy/compute/smooth_step.h"
+
+namespace ecorche::inline v1 {
+namespace {
+
+// Of the way from bone to skin: up to here points go with the map, from there on with the skin.
+// Nearer to 0, muscles leave their bones where the skin slides; nearer to 1, lips stay behind.
+constexpr double kWithMap = 0.05, kWithSkin = 0.5;
+constexpr double kFarthest = 0.03;  // m across a sheet
+constexpr float kAslant = 0.3f;     // cosine: skin that a line across leaves more aslant is another
+constexpr double kPastWall = 1e-5;  // m
+constexpr int kMostWalls = 8;       // that are entered on the way: of the mouth, of the nose
+
+// Weights of a triangle's corners at a point of it.
+Vec3 corner_weights(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) {
+  const Vec3 area = (b - a).cross(c - a);
+  const double whole = area.squaredNorm();
+  if (whole <= 0) return Vec3(1, 0, 0);
+  const double at_b = (p - a).cross(c - a).dot(area) / whole,
+               at_c = (b - a).cross(p - a).dot(area) / whole;
+  return Vec3(1 - at_b - at_c, at_b, at_c);
+}
+
+}  // namespace
+
+Vec3 SkinBond::moved(const Vec3& place, const Vec3& outwards, const Mat3& turn,
+                     const Vec3& mapped) const {
+  const Vec3 with_skin = place - depth * outwards.stableNormalized() + turn * aside;
+  return mapped + share * (with_skin - mapped);
+}
+
+SkinBonder::SkinBonder(const TriMesh& bones, const SkinRays& rays, Points normals)
+    : rays_(rays), normals_(std::move(normals)), surface_(rays.mesh()), bones_(bones) {}
+
+SurfacePoint SkinBonder::skin_over(const Vec3& point, const Vec3& across) const {
+  SurfacePoint out;
+  for (const Vec3& way : {across, Vec3(-across)}) {
+    RayHit hit = rays_.first_hit(point, way, kFarthest);
+    for (int walls = 0; walls < kMostWalls && hit.triangle >= 0 && hit.facing <= 0; ++walls)
+      hit = rays_.first_hit(point, way, kFarthest, double(hit.distance) + kPastWall);
+    if (hit.triangle < 0 || hit.facing <= kAslant) continue;
+    const double distance = double(hit.distance);
+    if (out.triangle < 0 || distance < out.distance)
+      out = {hit.triangle, distance, point + distance * way};
+  }
+  return out.triangle < 0 ? surface_.nearest(point) : out;
+}
+
+SkinBond SkinBonder::bond(const Vec3& point, const Vec3& across) const {
+  const TriMesh& skin = rays_.mesh();
+  const SurfacePoint on = skin_over(point, across);
+  const auto corner = [&](int k) { return Vec3(skin.V.row(skin.F(on.triangle, k))); };
+  SkinBond out;
+  out.weights = corner_weights(corner(0), corner(1), corner(2), on.point);
+  out.normal.setZero();
+  for (int k = 0; k < 3; ++k) {
+    out.vertices[std::size_t(k)] = skin.F(on.triangle, k);
+    out.normal += out.weights[k] * Vec3(normals_.row(skin.F(on.triangle, k)));
+  }
+  out.normal.normalize();
+  out.depth = (on.point - point).dot(out.normal);
+  out.aside = point - on.point + out.depth * out.normal;
+  const double from_bone = bones_.nearest(point).distance;
+  out.share =
+      smooth_step(kWithMap, kWithSkin, from_bone / (from_bone + std::abs(out.depth) + 1e-9));
+  return out;
+}
+
+}  // namespace ecorche::inline v1
