@@ -58,13 +58,15 @@ SkinBond SkinBonder::bond(const Vec3& point, const Vec3& across) const {
   SkinBond out;
   out.weights = corner_weights(corner(0), corner(1), corner(2), on.point);
   out.normal.setZero();
+  Vec3 place = Vec3::Zero();  // rays end in single precision; this is where the weights say
   for (int k = 0; k < 3; ++k) {
+    place += out.weights[k] * corner(k);
     out.vertices[std::size_t(k)] = skin.F(on.triangle, k);
     out.normal += out.weights[k] * Vec3(normals_.row(skin.F(on.triangle, k)));
   }
   out.normal.normalize();
-  out.depth = (on.point - point).dot(out.normal);
-  out.aside = point - on.point + out.depth * out.normal;
+  out.depth = (place - point).dot(out.normal);
+  out.aside = point - place + out.depth * out.normal;
   const double from_bone = bones_.nearest(point).distance;
   out.share =
       smooth_step(kWithMap, kWithSkin, from_bone / (from_bone + std::abs(out.depth) + 1e-9));

@@ -248,6 +248,7 @@ TEST(MusclesOnBones, EndsLieOnTheBonesTheyName) {
 TEST(MusclesOnBones, FewEndsLieOnFascia) {
   int soft = 0, all = 0;
   for (const TableMuscle& muscle : real_table().muscles) {
+    if (muscle.layer == "subcutaneous") continue;  // they end in the skin
     for (const TableStrip& strip : muscle.strips) {
       for (const TablePoint* end : {&strip.path.front(), &strip.path.back()}) {
         const std::string& carrier = real_table().landmarks[end->landmark].carrier;
