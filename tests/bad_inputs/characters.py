@@ -50,6 +50,12 @@ def row_60(t):
              ("volume_minus", lambda d: muscle(d).update(volume=-1), "volume"), ("volume_word", lambda d: muscle(d).update(volume="much"), "volume"), ("force_1e300", lambda d: muscle(d).update(max_force=1e300), "max_force"), ("tense_9", lambda d: muscle(d).update(tense_thickness=9), "tense_thickness"),
              ("pennation_9", lambda d: muscle(d).update(pennation=9), "pennation"), ("side_up", lambda d: muscle(d).update(side="up"), "side"), ("no_label", lambda d: muscle(d).pop("label"), "label"),
              ("extras_gone", lambda d: next(n for n in d["nodes"] if n["name"].startswith("muscle/")).pop("extras"), "extras")]
+    def sheet(**members):
+        return lambda d: next(n for n in d["nodes"] if n["name"].startswith("fascia/"))["extras"].update(members)
+
+    cases += [("fascia_rows", sheet(rows=2), "grid"), ("fascia_rows_minus", sheet(rows=-3), "rows"), ("fascia_columns_1e6", sheet(columns=10**6), "limit"),
+              ("fascia_rows_half", sheet(rows=2.5), "whole"), ("fascia_on_nothing", sheet(bones=["nobody"]), "nobody"), ("fascia_bones_word", sheet(bones="femur_l"), "bones"),
+              ("fascia_belly_gone", lambda d: d["meshes"][next(n for n in d["nodes"] if n["name"].startswith("fascia/"))["mesh"]]["primitives"][0]["attributes"].pop("_BELLY"), "_BELLY")]
     for name, change, says in cases:
         character(t, 60, name, change, (3, 5), says)
 

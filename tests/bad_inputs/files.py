@@ -31,11 +31,12 @@ def glb(document, binary=b"", version=2, length=None, first=b"JSON", json_length
     return struct.pack("<4sII", b"glTF", version, 12 + len(out) if length is None else length) + out
 
 
-def smaller(document, binary, muscles, bones):
-    """The same character with some of its muscles and bones: files of it are made and read in no time."""
+def smaller(document, binary, muscles, bones, fascia):
+    """The same character with some of its muscles, bones and sheets of fascia: files of it are made and read in no time."""
     document, out = copy.deepcopy(document), bytearray()
     names = [node["name"] for node in document["nodes"]]
-    keep = [not (name.startswith("bone/") and name[5:] not in bones) and not (name.startswith("muscle/") and name[7:] not in muscles) for name in names]
+    kept_parts = {"bone": bones, "muscle": muscles, "fascia": fascia}
+    keep = [name.partition("/")[0] not in kept_parts or name.partition("/")[2] in kept_parts[name.partition("/")[0]] for name in names]
     places = {old: new for new, old in enumerate(i for i, kept in enumerate(keep) if kept)}
     meshes, accessors, views = [], [], []
 

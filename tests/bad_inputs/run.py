@@ -33,6 +33,7 @@ import tables
 LEFT_OUT = {20: "zip, gz and 3MF files are not read", 58: "C3D files are not read", 59: "TRC files are not read", 73: "nobody resizes a window here; the viewer's own tests do", 80: "there is no Python interface"}
 MUSCLES = ("biceps_femoris_long_l", "soleus_r", "biceps_brachii_short_r", "rectus_abdominis_l")
 BONES = ("femur_l", "tibia_r", "humerus_l", "scapula_l", "skull")
+FASCIA = ("linea_alba",)
 
 
 class Things:
@@ -49,7 +50,7 @@ class Things:
         self.body = self._make("anna.glb", ["body", "new", "--sex", "female", "--age", "30", "--height", "1.68", "--mass", "60", "-o"])
         whole = self._make("anna-anatomy.glb", ["fit", self.body, "-o"])
         self.skin = files.skin_of(*files.read_glb(self.body))
-        self._small = files.smaller(*files.read_glb(whole), MUSCLES, BONES)
+        self._small = files.smaller(*files.read_glb(whole), MUSCLES, BONES, FASCIA)
         self.small = found.file("small.glb", files.glb(*self._small))
         self.walk = files.Motion((source / "data/motions/walk.bvh").read_text())
         self.good_motion = found.file("good.bvh", self.walk.first(3).text())
