@@ -61,12 +61,12 @@ def inside(points, V, F):
 
 
 class Muscles:
-    """Their vertices as Blender has them: those of a tissue after those of another."""
+    """Their vertices, and those of fascia, as Blender has them: those of a tissue after those of another."""
 
     def __init__(self, gltf, binary):
         self.things, self.rows, first = [], [], 0
         for node in gltf["nodes"]:
-            if not node["name"].startswith("muscle/"):
+            if not node["name"].startswith(("muscle/", "fascia/")):
                 continue
             primitives = gltf["meshes"][node["mesh"]]["primitives"]
             used = []
