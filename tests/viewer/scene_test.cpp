@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -111,7 +112,7 @@ TEST(SceneTest, layers_that_are_off_are_not_drawn) {
   };
   EXPECT_EQ(kinds({.skin = 1, .muscles = 0, .bones = 0}), (std::multiset<int>{0}));
   EXPECT_EQ(kinds({.skin = 0, .muscles = 1, .bones = 0}), (std::multiset<int>{1}));
-  EXPECT_EQ(kinds({.skin = 0, .muscles = 0, .bones = 1}), (std::multiset<int>{2, 3}));
+  EXPECT_EQ(kinds({.skin = 0, .muscles = 0, .bones = 1}), (std::multiset<int>{3, 4}));
   EXPECT_EQ(kinds({.skin = 1, .skin_dissolved = 1, .muscles = 0, .bones = 0}),
             (std::multiset<int>{}));
 }
@@ -141,6 +142,41 @@ TEST(SceneTest, hidden_parts_are_not_drawn_and_come_back) {
   EXPECT_NE(scene.list.meshes[1].shape, whole) << "the renderer has to send it again";
   EXPECT_EQ(parts({}), all);
   EXPECT_EQ(scene.list.meshes[1].shape, whole);
+}
+
+TEST(SceneTest, fascia_is_drawn_with_muscles_and_can_be_hidden) {
+  Anatomy a = arm();
+  FasciaSheet sheet;
+  sheet.name = "cover_l";
+  sheet.label = "cover";
+  sheet.group = "arm";
+  sheet.side = Side::left;
+  sheet.rows = sheet.columns = 2;
+  const Vec3 at = rest_positions(a.skeleton)[0];
+  sheet.V.resize(4, 3);
+  for (int i = 0; i < 4; ++i) sheet.V.row(i) = at + 0.01 * Vec3(i % 2, i / 2, 0);
+  sheet.belly.assign(4, 0);
+  a.fascia.push_back(sheet);
+  const SceneModel model = make_scene_model(a, arm_skin);
+  Scene scene;
+  Appearance appearance;
+  const auto drawn = [&] {
+    update_scene(model, posed_arm(a, 0), nullptr, {}, appearance, 1, scene);
+    return std::ranges::any_of(scene.list.items,
+                               [](const DrawItem& item) { return item.mesh == 2; });
+  };
+  appearance.looks = {{.skin = 0, .muscles = 1, .bones = 0}};
+  EXPECT_TRUE(drawn());
+  appearance.hidden = parts_named(a, "fascia");
+  EXPECT_EQ(appearance.hidden, (std::vector<std::uint32_t>{kFirstFasciaPart}));
+  EXPECT_FALSE(drawn());
+  appearance.hidden.clear();
+  EXPECT_TRUE(drawn());
+  appearance.looks = {{.skin = 1, .muscles = 0, .bones = 1}};
+  EXPECT_FALSE(drawn());
+  EXPECT_EQ(part_of(kFirstFasciaPart).kind, Part::Kind::fascia);
+  EXPECT_EQ(part_name(a, kFirstFasciaPart), "cover_l");
+  EXPECT_EQ(part_label(a, kFirstFasciaPart), "cover, left");
 }
 
 TEST(PartNamesTest, names_mean_what_people_mean_by_them) {
