@@ -120,6 +120,10 @@ void set_fibres(DrawMesh& fascia, const FasciaSurface& surface, double fascicle)
 
 Vec3f mix(const Vec3f& a, const Vec3f& b, float t) { return a + t * (b - a); }
 
+Vec3f tendon_color(MuscleColors colors) {
+  return colors == MuscleColors::shortening ? Vec3f(0.70f, 0.69f, 0.67f) : kTendonLook.color;
+}
+
 void color_muscles(const SceneModel& model, std::span<const float> activity,
                    const Appearance& appearance, DrawMesh& mesh) {
   mesh.colors.resize(model.surface.vertices());
@@ -128,7 +132,7 @@ void color_muscles(const SceneModel& model, std::span<const float> activity,
     const bool map = appearance.muscle_colors == MuscleColors::shortening;
     Vec3f belly = muscle_color(appearance.muscle_colors, a);
     if (!map) belly *= muscle_tone(part.muscle);
-    Vec3f tendon = map ? Vec3f(0.70f, 0.69f, 0.67f) : kTendonLook.color;
+    Vec3f tendon = tendon_color(appearance.muscle_colors);
     if (appearance.selected == kFirstMusclePart + std::uint32_t(part.muscle)) {
       belly = selected_color;
       tendon = mix(tendon, selected_color, 0.5f);
@@ -140,10 +144,9 @@ void color_muscles(const SceneModel& model, std::span<const float> activity,
 
 void color_fascia(const SceneModel& model, const Appearance& appearance, DrawMesh& mesh) {
   mesh.colors.resize(model.fascia_surface.vertices());
-  const bool map = appearance.muscle_colors == MuscleColors::shortening;
   const Vec3f belly = muscle_color(appearance.muscle_colors, 0);
   for (const FasciaSurface::Part& part : model.fascia_surface.parts) {
-    Vec3f sheet = map ? Vec3f(0.70f, 0.69f, 0.67f) : kTendonLook.color;
+    Vec3f sheet = tendon_color(appearance.muscle_colors);
     if (appearance.selected == kFirstFasciaPart + std::uint32_t(part.sheet)) sheet = selected_color;
     for (int i = part.vertex_begin; i < part.vertex_end; ++i)
       mesh.colors[i] = mix(sheet, belly, model.fascia_surface.belly[i]);

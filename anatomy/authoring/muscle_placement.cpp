@@ -5,11 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <fmt/format.h>
-
 #include "anatomy/authoring/path_carriers.h"
-#include "anatomy/bones/bone_package.h"
-#include "anatomy/errors.h"
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/transform_muscles.h"
 

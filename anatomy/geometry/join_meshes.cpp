@@ -16,4 +16,10 @@ TriMesh join_meshes(const std::vector<const TriMesh*>& parts) {
   return out;
 }
 
+TriMesh joined_bones(const Anatomy& anatomy) {
+  std::vector<const TriMesh*> bones;
+  for (const Bone& bone : anatomy.bones) bones.push_back(&bone.mesh);
+  return join_meshes(bones);
+}
+
 }  // namespace ecorche::inline v1

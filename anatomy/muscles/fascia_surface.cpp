@@ -197,6 +197,11 @@ void add_places(const FasciaSheet& sheet, FasciaSurface& out) {
 
 }  // namespace
 
+int cells_from_edge(int rows, int columns, int point) {
+  const int row = point / columns, column = point % columns;
+  return std::min(std::min(row, rows - 1 - row), std::min(column, columns - 1 - column));
+}
+
 FasciaSurface make_fascia_surface(const Anatomy& anatomy) {
   FasciaSurface out;
   const std::vector<Ellipse> slices = rest_slices(anatomy);
@@ -253,25 +258,13 @@ Eigen::Vector3f carried(const FasciaSurface& surface, const PosedAnatomy& posed,
   return p;
 }
 
-void find_normals(const FasciaSurface& surface, const PointsF& positions, PointsF& normals) {
-  normals.setZero(surface.vertices(), 3);
-  for (Eigen::Index f = 0; f < surface.F.rows(); ++f) {
-    const auto face = surface.F.row(f);
-    const Eigen::Vector3f a = positions.row(face[0]), b = positions.row(face[1]),
-                          c = positions.row(face[2]);
-    const Eigen::Vector3f n = (b - a).cross(c - a);
-    for (int k = 0; k < 3; ++k) normals.row(face[k]) += n.transpose();
-  }
-  normals.rowwise().normalize();
-}
-
 }  // namespace
 
 void update_fascia_surface(const FasciaSurface& surface, const PosedAnatomy& posed,
                            PointsF& positions, PointsF* normals) {
   positions.resize(surface.vertices(), 3);
   for (int i = 0; i < surface.vertices(); ++i) positions.row(i) = carried(surface, posed, i);
-  if (normals) find_normals(surface, positions, *normals);
+  if (normals) find_normals(surface.F, positions, *normals);
 }
 
 }  // namespace ecorche::inline v1

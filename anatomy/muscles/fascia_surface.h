@@ -40,6 +40,9 @@ struct FasciaSurface {
   int vertices() const { return int(belly.size()); }
 };
 
+// Cells between a point of a grid, counted row after row, and the nearest edge.
+int cells_from_edge(int rows, int columns, int point);
+
 // Precondition: a valid anatomy.
 FasciaSurface make_fascia_surface(const Anatomy& anatomy);
 

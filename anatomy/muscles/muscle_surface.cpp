@@ -347,21 +347,6 @@ void evaluate(const MuscleSurface& surface, std::span<const Ellipse> slices, Pos
   }
 }
 
-void add_normals(const MuscleSurface& surface, const PointsF& positions, PointsF& normals) {
-  normals.setZero(positions.rows(), 3);
-  for (Eigen::Index f = 0; f < surface.F.rows(); ++f) {
-    const int a = surface.F(f, 0), b = surface.F(f, 1), c = surface.F(f, 2);
-    const Eigen::RowVector3f ab = positions.row(b) - positions.row(a),
-                             ac = positions.row(c) - positions.row(a);
-    const Eigen::RowVector3f n = ab.cross(ac);
-    normals.row(a) += n;
-    normals.row(b) += n;
-    normals.row(c) += n;
-  }
-  for (Eigen::Index i = 0; i < normals.rows(); ++i)
-    normals.row(i) /= std::max(normals.row(i).norm(), 1e-20f);
-}
-
 // Thickness that gives the sheet its strips' volume at rest: the enclosed volume is nearly a line
 // in it. Outlines do not count, so that a section that makes room for its neighbours does so on the
 // drawn surface too.
@@ -435,7 +420,7 @@ MuscleSurface make_muscle_surface(const Anatomy& anatomy, const MuscleSurfaceOpt
 void update_muscle_surface(const MuscleSurface& surface, const PosedAnatomy& posed,
                            PointsF& positions, PointsF* normals) {
   evaluate(surface, posed.slices, positions);
-  if (normals) add_normals(surface, positions, *normals);
+  if (normals) find_normals(surface.F, positions, *normals);
 }
 
 void update_muscle_surface(const MuscleSurface& surface, const PosedAnatomy& posed,
@@ -446,6 +431,21 @@ void update_muscle_surface(const MuscleSurface& surface, const PosedAnatomy& pos
 void update_muscle_surface(const MuscleSurface& surface, std::span<const Ellipse> slices,
                            Points& positions) {
   evaluate(surface, slices, positions);
+}
+
+void find_normals(const Triangles& F, const PointsF& positions, PointsF& normals) {
+  normals.setZero(positions.rows(), 3);
+  for (Eigen::Index f = 0; f < F.rows(); ++f) {
+    const int a = F(f, 0), b = F(f, 1), c = F(f, 2);
+    const Eigen::RowVector3f ab = positions.row(b) - positions.row(a),
+                             ac = positions.row(c) - positions.row(a);
+    const Eigen::RowVector3f n = ab.cross(ac);
+    normals.row(a) += n;
+    normals.row(b) += n;
+    normals.row(c) += n;
+  }
+  for (Eigen::Index i = 0; i < normals.rows(); ++i)
+    normals.row(i) /= std::max(normals.row(i).norm(), 1e-20f);
 }
 
 double part_volume(const MuscleSurface& surface, const MuscleSurface::Part& part,

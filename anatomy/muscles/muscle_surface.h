@@ -58,6 +58,9 @@ void update_muscle_surface(const MuscleSurface& surface, const PosedAnatomy& pos
 void update_muscle_surface(const MuscleSurface& surface, std::span<const Ellipse> slices,
                            Points& positions);
 
+// Unit normals of the vertices, by the areas of their triangles; zero where there is none.
+void find_normals(const Triangles& F, const PointsF& positions, PointsF& normals);
+
 // Volume enclosed by one part, by the divergence theorem, m^3.
 double part_volume(const MuscleSurface& surface, const MuscleSurface::Part& part,
                    const Points& positions);

@@ -12,13 +12,6 @@ namespace {
 
 constexpr double kStep = 0.005;  // m, for directions by differences
 
-Vec3 carry_point(const Vec3& point, const PathPoint& carrier, const CarryMap& map) {
-  Vec3 p = map(point, carrier.joints[0]);
-  if (carrier.joints[1] >= 0 && carrier.share < 1)
-    p = carrier.share * p + (1 - carrier.share) * map(point, carrier.joints[1]);
-  return p;
-}
-
 // Local derivative of the map of a carrier, by central differences.
 Mat3 derivative(const Vec3& point, const PathPoint& carrier, const CarryMap& map) {
   Mat3 D;
@@ -50,6 +43,13 @@ Wrap carry_wrap(const Wrap& wrap, const CarryMap& map) {
 }
 
 }  // namespace
+
+Vec3 carry_point(const Vec3& point, const PathPoint& carrier, const CarryMap& map) {
+  Vec3 p = map(point, carrier.joints[0]);
+  if (carrier.joints[1] >= 0 && carrier.share < 1)
+    p = carrier.share * p + (1 - carrier.share) * map(point, carrier.joints[1]);
+  return p;
+}
 
 Strip carry_strip(const Strip& strip, const CarryMap& map, const CarryMap& inner,
                   EndsInFlesh ends) {

@@ -14,6 +14,9 @@ namespace ecorche::inline v1 {
 // mm).
 using CarryMap = std::function<Vec3(const Vec3& point, int joint)>;
 
+// A point that is carried as `carrier` is: by the map of its joint, or the blend of both.
+Vec3 carry_point(const Vec3& point, const PathPoint& carrier, const CarryMap& map);
+
 // Which ends of a strip lie on no bone and go with the flesh around them.
 struct EndsInFlesh {
   bool origin = false, insertion = false;

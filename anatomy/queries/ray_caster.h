@@ -5,8 +5,10 @@
 // coordinates of a body in metres keep about 0.1 micrometre.
 #pragma once
 
+#include <cstddef>
 #include <limits>
 #include <memory>
+#include <span>
 
 #include "anatomy/types.h"
 
@@ -20,6 +22,13 @@ struct RayHit {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   float facing = 0;  // direction . normal: positive when the ray leaves the body
 };
+
+// Where a ray has met a mesh of these triangles, of values of its vertices.
+inline float value_at(const Triangles& F, const RayHit& hit, std::span<const float> values) {
+  const auto face = F.row(hit.triangle);
+  return (1 - hit.u - hit.v) * values[std::size_t(face[0])] + hit.u * values[std::size_t(face[1])] +
+         hit.v * values[std::size_t(face[2])];
+}
 
 // thorough: the fastest queries; quick: the hierarchy is ready three times sooner, for few rays.
 enum class RayBuild { thorough, quick };

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "morph/dilation/packed_sections.h"
+#include "morph/dilation/smooth_along.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -31,17 +32,6 @@ Vec3 to_middle(const Ellipse& slice, Side side) {
   return (outwards ? -1 : 1) * slice.radii.x() * slice.axes.col(0);
 }
 
-void even_along(std::vector<Vec3>& moves) {
-  for (int round = 0; round < kEvenRounds; ++round) {
-    Vec3 before = moves.front();
-    for (std::size_t k = 1; k + 1 < moves.size(); ++k) {
-      const Vec3 here = moves[k];
-      moves[k] = (before + 2 * here + moves[k + 1]) / 4;
-      before = here;
-    }
-  }
-}
-
 // One edge moves, the other stays, and the section stays in its plane.
 void move_edge(Ellipse& slice, Side side, const Vec3& move) {
   const Vec3 arm = to_middle(slice, side), normal = slice.axes.col(2);
@@ -63,7 +53,7 @@ void close_raphe(std::span<Ellipse> left, std::span<Ellipse> right) {
     if (move.norm() > kMostClosing) move *= kMostClosing / move.norm();
     moves.push_back(move);
   }
-  even_along(moves);
+  smooth_along(moves, kEvenRounds);
   for (std::size_t k = 0; k < left.size(); ++k) {
     move_edge(left[k], Side::left, moves[k]);
     move_edge(right[k], Side::right, -moves[k]);

@@ -1,4 +1,5 @@
 #include "morph/dilation/dilate_strip.h"
+#include "morph/dilation/smooth_along.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,19 +32,6 @@ void smooth_shifts(std::vector<Vec2>& shifts) {
       if (length > limit) next[k] *= limit / length;
     }
     shifts.swap(next);
-  }
-}
-
-// A running mean of three along the strip, some times over; the ends stay.
-template <class Value>
-void smooth_along(std::vector<Value>& values, int rounds) {
-  for (int round = 0; round < rounds; ++round) {
-    Value before = values.front();
-    for (std::size_t k = 1; k + 1 < values.size(); ++k) {
-      const Value here = values[k];
-      values[k] = (before + 2 * here + values[k + 1]) / 4;
-      before = here;
-    }
   }
 }
 

@@ -9,6 +9,7 @@
 #include "anatomy/compute/smooth_step.h"
 #include "anatomy/geometry/join_meshes.h"
 #include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/fascia_surface.h"
 #include "anatomy/muscles/muscle_surface.h"
 
 namespace ecorche::inline v1 {
@@ -27,8 +28,7 @@ constexpr int kNormalRounds = 6;
 // What sheets lie on.
 struct Tissue {
   SkinRays rays;
-  Triangles F;
-  std::vector<float> belly;  // #V, 1 on a muscle's belly
+  std::vector<float> belly;  // of its mesh, #V, 1 on a muscle's belly
 };
 
 Tissue tissue_of(const Anatomy& anatomy) {
@@ -42,10 +42,9 @@ Tissue tissue_of(const Anatomy& anatomy) {
   }
   std::vector<const TriMesh*> parts{&muscles};
   for (const Bone& bone : anatomy.bones) parts.push_back(&bone.mesh);
-  TriMesh all = join_meshes(parts);
+  const TriMesh all = join_meshes(parts);
   belly.resize(std::size_t(all.V.rows()), 0);
-  Triangles F = all.F;
-  return {SkinRays(all, RayBuild::quick), std::move(F), std::move(belly)};
+  return {SkinRays(all, RayBuild::quick), std::move(belly)};
 }
 
 // Points along a row or column of any number of points.
@@ -164,20 +163,9 @@ Laid look_down(const Tissue& tissue, const SkinRays& skin, const Grid& grid,
     out.ceiling.push_back(top);
     out.floor.push_back(hit.triangle < 0 ? -kDeepest : top - hit.distance);
     out.free.push_back(hit.triangle < 0);
-    float belly = 0;
-    if (hit.triangle >= 0) {
-      const auto face = tissue.F.row(hit.triangle);
-      belly = (1 - hit.u - hit.v) * tissue.belly[face[0]] + hit.u * tissue.belly[face[1]] +
-              hit.v * tissue.belly[face[2]];
-    }
-    out.belly.push_back(belly);
+    out.belly.push_back(hit.triangle < 0 ? 0 : value_at(tissue.rays.mesh().F, hit, tissue.belly));
   }
   return out;
-}
-
-// Cells between a point and the nearest edge.
-int cells_from_edge(const Grid& grid, int r, int c) {
-  return std::min(std::min(r, grid.rows - 1 - r), std::min(c, grid.columns - 1 - c));
 }
 
 void stretch(const Grid& grid, const std::vector<Vec3>& normals, double thickness, Laid& laid) {
@@ -191,7 +179,7 @@ void stretch(const Grid& grid, const std::vector<Vec3>& normals, double thicknes
   for (int r = 0; r < R; ++r)
     for (int c = 0; c < C; ++c) {
       const std::size_t i = std::size_t(r) * C + c;
-      const int cells = cells_from_edge(grid, r, c);
+      const int cells = cells_from_edge(R, C, int(i));
       laid.floor[i] += cells > 0 ? thickness * std::min(1.0, cells / 2.0) : -kTuck;
       laid.floor[i] = std::min(laid.floor[i], laid.ceiling[i]);
       place(i, laid.floor[i]);
@@ -201,7 +189,7 @@ void stretch(const Grid& grid, const std::vector<Vec3>& normals, double thicknes
       for (int c = 0; c < C; ++c) {
         const std::size_t i = std::size_t(r) * C + c;
         // An edge lies where it does, but one over nothing goes with the sheet.
-        if (cells_from_edge(grid, r, c) == 0 && !laid.free[i]) continue;
+        if (cells_from_edge(R, C, int(i)) == 0 && !laid.free[i]) continue;
         const auto beyond = [&](int row, int column, int back) {
           const bool in = row >= 0 && row < R && column >= 0 && column < C;
           return in ? at[std::size_t(row) * C + column] : Vec3(2 * at[i] - at[std::size_t(back)]);
@@ -235,7 +223,7 @@ FasciaSheet lay(const FasciaPlan& plan, const Tissue& tissue, const SkinRays& sk
     for (int c = 0; c < grid.columns; ++c) {
       const std::size_t i = std::size_t(r) * grid.columns + c;
       out.V.row(Eigen::Index(i)) = grid.at[i] + laid.height[i] * normals[i];
-      const double from_edge = kCell * cells_from_edge(grid, r, c);
+      const double from_edge = kCell * cells_from_edge(grid.rows, grid.columns, int(i));
       const double faded = plan.fade > 0 ? 1 - smooth_step(from_edge / plan.fade) : 0;
       out.belly.push_back(float(faded * laid.belly[i]));
     }
@@ -247,13 +235,7 @@ FasciaSheet lay(const FasciaPlan& plan, const Tissue& tissue, const SkinRays& sk
 std::vector<FasciaPlan> carry_fascia(const std::vector<FasciaPlan>& plans, const CarryMap& map) {
   std::vector<FasciaPlan> out = plans;
   for (FasciaPlan& plan : out)
-    for (PathPoint& point : plan.points) {
-      const Vec3 first = map(point.rest, point.joints[0]);
-      point.rest =
-          point.joints[1] < 0
-              ? first
-              : Vec3(point.share * first + (1 - point.share) * map(point.rest, point.joints[1]));
-    }
+    for (PathPoint& point : plan.points) point.rest = carry_point(point.rest, point, map);
   return out;
 }
 

@@ -60,11 +60,7 @@ struct FatLayer {
   std::vector<float> skin;  // of it the skin alone, m; empty: not known
 
   // At a ray's end.
-  float at(const Triangles& F, const RayHit& hit) const {
-    const auto face = F.row(hit.triangle);
-    return (1 - hit.u - hit.v) * thickness[face[0]] + hit.u * thickness[face[1]] +
-           hit.v * thickness[face[2]];
-  }
+  float at(const Triangles& F, const RayHit& hit) const { return value_at(F, hit, thickness); }
 };
 
 // The skin without its fat, under which muscles that move it lie (Muscle::layer "subcutaneous").

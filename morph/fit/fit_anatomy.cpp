@@ -289,19 +289,13 @@ InteriorMap warp_interior(const Template& body_template, const Points& skin,
   return map;
 }
 
-TriMesh all_bones(const Anatomy& anatomy) {
-  std::vector<const TriMesh*> bones;
-  for (const Bone& bone : anatomy.bones) bones.push_back(&bone.mesh);
-  return join_meshes(bones);
-}
-
 // Muscles in the fat of the skin go with it: both bodies have the same vertices.
 class SkinCarrier {
  public:
   SkinCarrier(const Template& body_template, const Points& skin)
       : size_(body_template.tables.topology.skin_size),
         rays_(capped_skin(body_template.tables.topology, body_template.body.skin.V)),
-        bonder_(all_bones(body_template.anatomy), rays_, vertex_normals(rays_.mesh())),
+        bonder_(joined_bones(body_template.anatomy), rays_, vertex_normals(rays_.mesh())),
         skin_(capped_skin(body_template.tables.topology, skin)),
         normals_(vertex_normals(skin_)) {}
 
@@ -333,10 +327,8 @@ class SkinCarrier {
 };
 
 // `wanted`, `size`: muscle and stature that the body has for the template's.
-void carry_all(const std::vector<Muscle>& muscles, const SkeletonWarp& warp,
-               const InteriorMap& flesh, const SkinCarrier* with_skin, double wanted, double size,
-               std::vector<Muscle>& out) {
-  const CarryMap map = [&](const Vec3& x, int joint) { return warp.by_joint(joint, x); };
+void carry_all(const std::vector<Muscle>& muscles, const CarryMap& map, const InteriorMap& flesh,
+               const SkinCarrier* with_skin, double wanted, double size, std::vector<Muscle>& out) {
   const CarryMap inner =
       flesh ? CarryMap([&](const Vec3& x, int) { return flesh(x); }) : CarryMap();
   out = muscles;
@@ -409,11 +401,11 @@ Fit fit_anatomy(const Template& body_template, const Body& body, const FitOption
       muscle_mass(own.sex, own.age, tables.stature, kBodyDensity * tables.volume);
   std::optional<SkinCarrier> with_skin;
   if (std::ranges::any_of(tables.muscles, lies_in_fat)) with_skin.emplace(body_template, skin);
-  carry_all(tables.muscles, warp, flesh, with_skin ? &*with_skin : nullptr,
+  const CarryMap by_joint = [&](const Vec3& x, int joint) { return warp.by_joint(joint, x); };
+  carry_all(tables.muscles, by_joint, flesh, with_skin ? &*with_skin : nullptr,
             fit.report.muscle_mass / in_template, fit.report.stature / tables.stature,
             fit.anatomy.muscles);
-  fit.fascia = carry_fascia(tables.fascia,
-                            [&](const Vec3& x, int joint) { return warp.by_joint(joint, x); });
+  fit.fascia = carry_fascia(tables.fascia, by_joint);
   fit.report.muscles_ms = since(start);
   measure_bones(tables, sides, warp, fit.anatomy, field, brackets, fit.report);
   return fit;

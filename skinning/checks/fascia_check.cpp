@@ -1,7 +1,5 @@
 #include "skinning/checks/fascia_check.h"
 
-#include <algorithm>
-
 #include "anatomy/geometry/overlap_volumes.h"
 #include "anatomy/queries/nearest_surface.h"
 
@@ -25,10 +23,7 @@ FasciaFigures measure_fascia(const Anatomy& anatomy, const FasciaSurface& surfac
     const FasciaSheet& sheet = anatomy.fascia[part.sheet];
     for (int i = part.vertex_begin; i < part.vertex_end; ++i) {
       out.outside += in_skin[i] == 0;
-      const int row = (i - part.vertex_begin) / sheet.columns,
-                column = (i - part.vertex_begin) % sheet.columns;
-      const int from_edge = std::min(std::min(row, sheet.rows - 1 - row),
-                                     std::min(column, sheet.columns - 1 - column));
+      const int from_edge = cells_from_edge(sheet.rows, sheet.columns, i - part.vertex_begin);
       if (from_edge < kMargin || in_muscle[i] == 0) continue;
       out.pierced += nearest.nearest(at.row(i)).distance > kDeep;
     }

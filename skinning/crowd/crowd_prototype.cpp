@@ -37,10 +37,9 @@ void add_muscles(const Anatomy& anatomy, CrowdPrototype::Layer& layer) {
 
 std::vector<TriMesh> crowd_meshes(const Character& character, CrowdLayers layers) {
   if (layers == CrowdLayers::skin_alone) return {character.body.skin};
-  std::vector<const TriMesh*> bones;
-  for (const Bone& bone : character.anatomy.bones) bones.push_back(&bone.mesh);
   const MuscleSurface surface = crowd_surface(character.anatomy);
-  std::vector<TriMesh> out{character.body.skin, join_meshes(bones), TriMesh{Points(), surface.F}};
+  std::vector<TriMesh> out{character.body.skin, joined_bones(character.anatomy),
+                           TriMesh{Points(), surface.F}};
   update_muscle_surface(surface, rest_slices(character.anatomy), out[2].V);
   return out;
 }

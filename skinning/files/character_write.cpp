@@ -57,9 +57,9 @@ void add_bones(GlbBuilder& glb, const Anatomy& anatomy, const std::vector<Cartil
 }
 
 // Returns the first muscle's node; the others follow.
-int add_muscles(GlbBuilder& glb, const Anatomy& anatomy) {
+int add_muscles(GlbBuilder& glb, const Anatomy& anatomy,
+                std::span<const std::array<Influence, 4>> influences) {
   const int first = int(glb.model().nodes.size());
-  const auto influences = slice_influences(anatomy);
   const auto [surface, positions] = gltf::lofted_muscles(anatomy);
   const std::vector<Ellipse> slices = rest_slices(anatomy);
   for (const MuscleSurface::Part& part : surface.parts) {
@@ -88,11 +88,12 @@ int add_muscles(GlbBuilder& glb, const Anatomy& anatomy) {
 }
 
 // Returns the first sheet's node; the others follow.
-int add_fascia(GlbBuilder& glb, const Anatomy& anatomy) {
+int add_fascia(GlbBuilder& glb, const Anatomy& anatomy,
+               std::span<const std::array<Influence, 4>> slices) {
   const int first = int(glb.model().nodes.size());
   if (anatomy.fascia.empty()) return first;
   const FasciaSurface surface = make_fascia_surface(anatomy);
-  const auto influences = fascia_influences(surface, slice_influences(anatomy));
+  const auto influences = fascia_influences(surface, slices);
   for (const FasciaSurface::Part& part : surface.parts) {
     const FasciaSheet& sheet = anatomy.fascia[part.sheet];
     tinygltf::Primitive tissue = gltf::fascia_tissue(glb, sheet);
@@ -141,11 +142,12 @@ void write_character(const std::filesystem::path& file, const Character& charact
     if (shapes) morphed.emplace_back(node, gltf::seamed_shapes(shapes->skin, look.texture));
   }
   add_bones(glb, character.anatomy, look.cartilage);
-  const int first_muscle = add_muscles(glb, character.anatomy);
+  const auto slices = slice_influences(character.anatomy);
+  const int first_muscle = add_muscles(glb, character.anatomy, slices);
   if (shapes)
     for (std::size_t m = 0; m < shapes->muscles.size(); ++m)
       morphed.emplace_back(first_muscle + int(m), shapes->muscles[m]);
-  const int first_fascia = add_fascia(glb, character.anatomy);
+  const int first_fascia = add_fascia(glb, character.anatomy, slices);
   if (shapes)
     for (std::size_t n = 0; n < shapes->fascia.size(); ++n)
       morphed.emplace_back(first_fascia + int(n), shapes->fascia[n]);

@@ -45,6 +45,13 @@ struct Joined {
     }
     for (const int corner : mesh.F.reshaped<Eigen::RowMajor>()) F.push_back(begin + corner);
   }
+  // Of two tissues that fade into each other.
+  void add(const TriMesh& mesh, const Points& mesh_normals, const gltf::MuscleTints& tints) {
+    add(mesh, mesh_normals);
+    second.insert(second.end(), tints.tendon.begin(), tints.tendon.end());
+    first_tints.insert(first_tints.end(), tints.belly.begin(), tints.belly.end());
+    second_tints.insert(second_tints.end(), tints.fading.begin(), tints.fading.end());
+  }
   Points all_normals() const {
     return Eigen::Map<const Points>(normals.data()->data(), Eigen::Index(normals.size()), 3);
   }
@@ -176,11 +183,7 @@ gltf::MorphedNodes add_muscles_light_character(GlbBuilder& glb, const Anatomy& a
       belly.push_back(surface.belly[v]);
       joined.shares.push_back(influences[surface.slice[v]]);
     }
-    const gltf::MuscleTints tints = gltf::muscle_tints(part.muscle, belly, light.F);
-    joined.add(light, shading(whole, nearest));
-    joined.second.insert(joined.second.end(), tints.tendon.begin(), tints.tendon.end());
-    joined.first_tints.insert(joined.first_tints.end(), tints.belly.begin(), tints.belly.end());
-    joined.second_tints.insert(joined.second_tints.end(), tints.fading.begin(), tints.fading.end());
+    joined.add(light, shading(whole, nearest), gltf::muscle_tints(part.muscle, belly, light.F));
     joined.names.push_back(gltf::text(muscle.name));
     // Simplifying keeps vertices where they were, so that these are the nearest ones' own.
     if (shapes) joined.shapes.push_back(shape_rows(shapes->muscles[p], nearest));
@@ -197,11 +200,7 @@ gltf::MorphedNodes add_muscles_light_character(GlbBuilder& glb, const Anatomy& a
       belly.push_back(sheet.belly[i]);
       joined.shares.push_back(fascia_shares[part.vertex_begin + i]);
     }
-    const std::vector<gltf::Tint> tints = gltf::fascia_tints(belly);
-    joined.add(light, shading(whole, nearest));
-    joined.second.resize(joined.F.size() / 3, 1);
-    joined.first_tints.insert(joined.first_tints.end(), tints.begin(), tints.end());
-    joined.second_tints.insert(joined.second_tints.end(), tints.begin(), tints.end());
+    joined.add(light, shading(whole, nearest), gltf::fascia_tints(belly, light.F));
     joined.names.push_back(gltf::text(sheet.name));
     if (shapes) joined.shapes.push_back(shape_rows(shapes->fascia[n], nearest));
   }

@@ -62,12 +62,14 @@ std::vector<tinygltf::Primitive> muscle_tissues(GlbBuilder& glb, const TriMesh& 
   return out;
 }
 
-std::vector<Tint> fascia_tints(std::span<const float> belly) {
-  std::vector<Tint> out;
+MuscleTints fascia_tints(std::span<const float> belly, const Triangles& F) {
+  MuscleTints out;
+  out.tendon.assign(std::size_t(F.rows()), 1);
   for (const float share : belly) {
     const Rgb color = (1 - share) * kTendonLook.color + share * kMuscleLook.color;
-    out.push_back(tint(color, kTendonLook.color));
+    out.fading.push_back(tint(color, kTendonLook.color));
   }
+  out.belly = out.fading;
   return out;
 }
 
@@ -75,7 +77,7 @@ tinygltf::Primitive fascia_tissue(GlbBuilder& glb, const FasciaSheet& sheet) {
   const TriMesh mesh{sheet.V, grid_triangles(sheet.rows, sheet.columns)};
   tinygltf::Primitive out = glb.surface(mesh.V, GlbBuilder::unit_normals(mesh),
                                         glb.add_indices(mesh.F), glb.material(kTendonLook));
-  out.attributes["COLOR_0"] = glb.add_tints(fascia_tints(sheet.belly));
+  out.attributes["COLOR_0"] = glb.add_tints(fascia_tints(sheet.belly, mesh.F).fading);
   return out;
 }
 

@@ -40,7 +40,8 @@ std::vector<tinygltf::Primitive> muscle_tissues(GlbBuilder& glb, const TriMesh& 
 
 // A sheet of fascia, tendon that fades into the belly below.
 tinygltf::Primitive fascia_tissue(GlbBuilder& glb, const FasciaSheet& sheet);
-std::vector<Tint> fascia_tints(std::span<const float> belly);
+// All of its faces as tendon.
+MuscleTints fascia_tints(std::span<const float> belly, const Triangles& F);
 
 // Pupil, iris and white.
 std::vector<tinygltf::Primitive> eye_tissues(GlbBuilder& glb, const Eyeball& eye);

@@ -196,9 +196,7 @@ void bond_to_skin(const Anatomy& anatomy, const SkinRays& skin, std::span<const 
     }
   if (sections.empty()) return;
   map.bonds.resize(5 * sections.size());
-  std::vector<const TriMesh*> bones;
-  for (const Bone& bone : anatomy.bones) bones.push_back(&bone.mesh);
-  const SkinBonder bonder(join_meshes(bones), skin, vertex_normals(skin.mesh()));
+  const SkinBonder bonder(joined_bones(anatomy), skin, vertex_normals(skin.mesh()));
   tbb::parallel_for(std::size_t{0}, sections.size(), [&](std::size_t i) {
     const MapSection& section = *sections[i];
     SkinBond* bonds = &map.bonds[5 * i];
