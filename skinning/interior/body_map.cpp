@@ -3,6 +3,7 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -20,8 +21,6 @@
 
 namespace ecorche::inline v1 {
 namespace {
-
-using DualQuat = Eigen::Array<float, 8, 1>;  // w x y z of the rotation, then of the dual part
 
 constexpr double kSpacing = 0.012;        // m, of the lattice
 constexpr double kControlSpacing = 0.03;  // m
@@ -138,25 +137,7 @@ class Placer {
     out.joints = kept_weights(mix_weights(shares, joints_), kLeastWeight, own_);
     out.skin = kept_weights(mix_weights(shares, skin_), kLeastSkinWeight);
     if (out.joints.count == 0) out.joints = one_source(0);  // far from all flesh: with the root
-    for (const LatticeShare& share : lattice_shares(lattices_.coarse, lattices_.skin, p))
-      out.cells[out.cell_count++] = share;
-    return out;
-  }
-  MapSection section(const Ellipse& rest) const {
-    MapSection out;
-    out.rest = rest;
-    out.center = point(rest.center);
-    const auto reach = [&](std::size_t direction, double radius) {
-      return std::max(double(rest.outline[direction]) * radius, kLeastReach);
-    };
-    const double right = reach(kRight, rest.radii.x()), left = reach(kLeft, rest.radii.x()),
-                 up = reach(kUp, rest.radii.y()), down = reach(kDown, rest.radii.y());
-    out.right = point(rest.center + right * rest.axes.col(0));
-    out.left = point(rest.center - left * rest.axes.col(0));
-    out.up = point(rest.center + up * rest.axes.col(1));
-    out.down = point(rest.center - down * rest.axes.col(1));
-    out.width = right + left;
-    out.thickness = up + down;
+    out.cells = lattice_shares(lattices_.coarse, lattices_.skin, p);
     return out;
   }
 
@@ -185,6 +166,17 @@ std::vector<char> joints_of(const Strip& strip, std::span<const int> parents) {
   return out;
 }
 
+// A section's places at rest: its centre, right, left, up and down on its outline.
+std::array<Vec3, 5> places_of(const Ellipse& rest) {
+  const auto reach = [&](std::size_t direction, double radius) {
+    return std::max(double(rest.outline[direction]) * radius, kLeastReach);
+  };
+  return {rest.center, rest.center + reach(kRight, rest.radii.x()) * rest.axes.col(0),
+          rest.center - reach(kLeft, rest.radii.x()) * rest.axes.col(0),
+          rest.center + reach(kUp, rest.radii.y()) * rest.axes.col(1),
+          rest.center - reach(kDown, rest.radii.y()) * rest.axes.col(1)};
+}
+
 // Bonds of the sections of muscles in the skin's fat, in their order.
 void bond_to_skin(const Anatomy& anatomy, const SkinRays& skin, std::span<const int> sorted,
                   std::span<const SliceRange> strips, BodyMap& map) {
@@ -198,11 +190,10 @@ void bond_to_skin(const Anatomy& anatomy, const SkinRays& skin, std::span<const 
   map.bonds.resize(5 * sections.size());
   const SkinBonder bonder(joined_bones(anatomy), skin, vertex_normals(skin.mesh()));
   tbb::parallel_for(std::size_t{0}, sections.size(), [&](std::size_t i) {
-    const MapSection& section = *sections[i];
+    const Ellipse& rest = sections[i]->rest;
     SkinBond* bonds = &map.bonds[5 * i];
-    for (const MapPoint* point :
-         {&section.center, &section.right, &section.left, &section.up, &section.down}) {
-      *bonds = bonder.bond(point->rest, section.rest.axes.col(1));
+    for (const Vec3& place : places_of(rest)) {
+      *bonds = bonder.bond(place, rest.axes.col(1));
       for (int& vertex : bonds->vertices) vertex = sorted[std::size_t(vertex)];
       ++bonds;
     }
@@ -236,152 +227,67 @@ std::vector<double> muscle_shares(const BodyLattice& lattice, const SkinRays& sk
   return filled;
 }
 
-DualQuat dual_quat(const Transform& X) {
-  const Quat q = Quat(X.linear()).normalized();
-  const Vec3 t = X.translation();
-  const Quat dual = Quat(0, t.x(), t.y(), t.z()) * q;
-  Eigen::Array<double, 8, 1> out;
-  out << q.w(), q.x(), q.y(), q.z(), 0.5 * dual.w(), 0.5 * dual.x(), 0.5 * dual.y(), 0.5 * dual.z();
-  return out.cast<float>();
-}
-
-// The map in one pose, but for the skin's part and the flow. Motions are blended against the
-// root's, in single precision, and so are as exact far from the world's origin.
-class PosedMap {
- public:
-  PosedMap(const BodyMap& map, const PosedAnatomy& posed, BodyMapWorkspace& workspace)
-      : root_(posed.X_WJ[0] * Eigen::Translation3d(-map.joints[0])), workspace_(workspace) {
-    const std::size_t joints = map.joints.size();
-    const Transform back = root_.inverse();
-    workspace.motions.resize(joints);
-    workspace.rotations.resize(joints);
-    for (std::size_t j = 0; j < joints; ++j) {
-      const Transform motion = back * posed.X_WJ[j] * Eigen::Translation3d(-map.joints[j]);
-      Eigen::Map<Eigen::Matrix<float, 3, 4>>(workspace.motions[j].data()) =
-          motion.matrix().topRows<3>().cast<float>();
-      DualQuat own = dual_quat(motion);
-      if (const int parent = map.parents[j]; parent >= 0) {  // the way round that is shorter
-        const DualQuat before = rotation(parent);
-        if ((own.head<4>() * before.head<4>()).sum() < 0) own = -own;
-      }
-      DualQuat::Map(workspace.rotations[j].data()) = own;
-    }
-  }
-
-  // `straight`: share of the linear blend.
-  Vec3 moved(const MapPoint& p, double straight) const {
-    const DualQuat q = blended(p);
-    const Eigen::Vector3f v = q.segment<3>(1), e = q.segment<3>(5), rest = p.rest.cast<float>();
-    Eigen::Vector3f at =
-        rest + 2 * v.cross(v.cross(rest) + q[0] * rest) + 2 * (q[0] * e - q[4] * v + v.cross(e));
-    if (straight > 0) {
-      Eigen::Matrix<float, 3, 4> sum = Eigen::Matrix<float, 3, 4>::Zero();
-      for (int k = 0; k < p.joints.count; ++k)
-        sum += p.joints.weight[k] * Eigen::Map<const Eigen::Matrix<float, 3, 4>>(
-                                        workspace_.motions[p.joints.source[k]].data());
-      at += float(straight) * (sum * rest.homogeneous() - at);
-    }
-    return root_ * at.cast<double>();
-  }
-
-  Mat3 turn(const MapPoint& p) const {
-    const DualQuat q = blended(p);
-    return root_.linear() *
-           Eigen::Quaternionf(q[0], q[1], q[2], q[3]).toRotationMatrix().cast<double>();
-  }
-
- private:
-  DualQuat rotation(int joint) const {
-    return DualQuat::Map(workspace_.rotations[std::size_t(joint)].data());
-  }
-  DualQuat blended(const MapPoint& p) const {
-    DualQuat sum = DualQuat::Zero();
-    for (int k = 0; k < p.joints.count; ++k)
-      sum += p.joints.weight[k] * rotation(p.joints.source[k]);
-    return sum / sum.head<4>().matrix().norm();
-  }
-
-  Transform root_;
-  const BodyMapWorkspace& workspace_;
-};
-
-Vec3 skin_shift(const MapPoint& p, std::span<const Vec3> shifts) {
-  Vec3 out = Vec3::Zero();
-  for (int k = 0; k < p.skin.count; ++k) out += double(p.skin.weight[k]) * shifts[p.skin.source[k]];
-  return out;
-}
-
-Vec3 flow_at(const MapPoint& p, std::span<const Vec3> flow) {
-  Vec3 out = Vec3::Zero();
-  for (int k = 0; k < p.cell_count; ++k) out += p.cells[k].weight * flow[p.cells[k].node];
-  return out;
-}
-
-// How straight lines are at a place, 0 .. 1. `straight`: of the nodes.
-double straightness(const MapPoint& p, std::span<const double> straight) {
-  double out = 0;
-  for (int k = 0; k < p.cell_count; ++k) out += p.cells[k].weight * straight[p.cells[k].node];
-  return out;
-}
-
 // Where turning alone brings the nodes, and how straight lines are there by the volume that it
 // gives their cells.
-void turn_nodes(const BodyMap& map, const PosedMap& posed, BodyMapWorkspace& workspace) {
+void turn_nodes(const BodyMap& map, BodyMapWorkspace& workspace) {
   const BodyLattice& lattice = map.pressure.lattice;
   const int nodes = lattice.nodes();
   workspace.turns.resize(nodes);
   workspace.after.resize(nodes);
   workspace.straight.resize(nodes);
   tbb::parallel_for(0, nodes, [&](int i) {
-    workspace.turns[i] = posed.turn(map.nodes[i]);
-    workspace.after[i] = posed.moved(map.nodes[i], 0);
+    workspace.turns[i] = turned(workspace.motions, map.nodes, i);
+    workspace.after[i] = moved(workspace.motions, map.nodes, i, 0);
   });
   tbb::parallel_for(0, nodes, [&](int i) {
-    workspace.straight[i] =
-        smooth_step(1.0, kStretched, cell_volume(lattice, workspace.after, workspace.turns[i], i));
+    workspace.straight[i] = float(
+        smooth_step(1.0, kStretched, cell_volume(lattice, workspace.after, workspace.turns[i], i)));
   });
 }
 
 // Where the map would bring the skin's controls without shifts and flow.
-void map_controls(const BodyMap& map, const PosedMap& posed, BodyMapWorkspace& workspace) {
+void map_controls(const BodyMap& map, BodyMapWorkspace& workspace) {
   workspace.controls.resize(map.controls.size());
   tbb::parallel_for(std::size_t{0}, map.controls.size(), [&](std::size_t c) {
-    const MapPoint& at = map.controls[c].at;
-    workspace.controls[c] = posed.moved(at, straightness(at, workspace.straight));
+    workspace.controls[c] =
+        moved(workspace.motions, map.controls, c, cell_value(map.controls, c, workspace.straight));
   });
 }
 
-// How far the skin lies below its controls, along its normal. `flow`: of the nodes, or empty: none.
+void store_row(const Vec3& value, std::size_t row, std::vector<float>& rows) {
+  for (std::size_t k = 0; k < 3; ++k) rows[4 * row + k] = float(value[Eigen::Index(k)]);
+}
+
+// How far the skin lies below its controls, along its normal. `flowing`: the nodes' flow counts.
 void find_shifts(const BodyMap& map, std::span<const float> positions,
-                 std::span<const float> normals, std::span<const Vec3> flow,
-                 BodyMapWorkspace& workspace) {
-  workspace.shifts.assign(map.controls.size() + 1, Vec3::Zero());
+                 std::span<const float> normals, bool flowing, BodyMapWorkspace& workspace) {
+  workspace.shifts.assign(4 * (map.controls.size() + 1), 0);
   tbb::parallel_for(std::size_t{0}, map.controls.size(), [&](std::size_t c) {
-    const SkinControl& control = map.controls[c];
-    const std::size_t v = 4 * std::size_t(control.vertex);
+    const std::size_t v = 4 * std::size_t(map.control_vertices[c]);
     const Vec3 skin(positions[v], positions[v + 1], positions[v + 2]),
         normal(normals[v], normals[v + 1], normals[v + 2]);
     Vec3 mapped = workspace.controls[c];
-    if (!flow.empty()) mapped += flow_at(control.at, flow);
-    workspace.shifts[c] = std::min(0.0, (skin - mapped).dot(normal)) * normal;
+    if (flowing) mapped += cell_mean(map.controls, c, workspace.flow);
+    store_row(std::min(0.0, (skin - mapped).dot(normal)) * normal, c, workspace.shifts);
   });
 }
 
 // Displacements of the coarse lattice that bring cells of muscle back to their volumes.
-void find_flow(const BodyMap& map, const PosedMap& posed, BodyMapWorkspace& workspace) {
+void find_flow(const BodyMap& map, BodyMapWorkspace& workspace) {
   const int nodes = map.pressure.lattice.nodes();
   workspace.before.resize(nodes);
   tbb::parallel_for(0, nodes, [&](int i) {
-    const double straight = workspace.straight[i];
+    const float straight = workspace.straight[i];
     workspace.before[i] =
-        (straight > 0 ? posed.moved(map.nodes[i], straight) : workspace.after[i]) +
-        skin_shift(map.nodes[i], workspace.shifts);
+        (straight > 0 ? moved(workspace.motions, map.nodes, i, straight) : workspace.after[i]) +
+        skin_mean(map.nodes, i, workspace.shifts);
   });
   workspace.after.assign(workspace.before.begin(), workspace.before.end());
   restore_cell_volumes(map.pressure, workspace.turns, kFlowRounds, workspace.after,
                        workspace.pressure);
-  workspace.flow.resize(nodes);
-  for (int i = 0; i < nodes; ++i) workspace.flow[i] = workspace.after[i] - workspace.before[i];
+  workspace.flow.assign(4 * std::size_t(nodes), 0);
+  for (int i = 0; i < nodes; ++i)
+    store_row(workspace.after[i] - workspace.before[i], std::size_t(i), workspace.flow);
 }
 
 // The share by which posing changes radii of a section, without the factor that keeps its volume.
@@ -458,12 +364,17 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
   std::vector<int> sorted(skin.V.rows());
   std::iota(sorted.begin(), sorted.end(), 0);
   for (std::size_t s = 0; s < order.size(); ++s) sorted[order[s]] = int(s);
-  for (const int v : controls.vertices)
-    out.controls.push_back({sorted[v], placer.point(skin.V.row(v))});
-  const std::vector<SliceRange> strips = slice_ranges(anatomy);
-  out.nodes.resize(lattices.coarse.nodes());
+  std::vector<MapPoint> points;
+  for (const int v : controls.vertices) {
+    out.control_vertices.push_back(sorted[v]);
+    points.push_back(placer.point(skin.V.row(v)));
+  }
+  out.controls = pack_points(points);
+  points.resize(lattices.coarse.nodes());
   tbb::parallel_for(0, lattices.coarse.nodes(),
-                    [&](int i) { out.nodes[i] = placer.point(lattices.coarse.points[i]); });
+                    [&](int i) { points[i] = placer.point(lattices.coarse.points[i]); });
+  out.nodes = pack_points(points);
+  const std::vector<SliceRange> strips = slice_ranges(anatomy);
   std::vector<char> bone;
   for (const SourceWeights& node : coarse_bones) bone.push_back(node.count > 0);
   std::vector<SliceRange> inner = strips;
@@ -472,6 +383,8 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
   out.pressure = make_pressure_table(lattices.coarse, bone,
                                      muscle_shares(lattices.coarse, rays, inner, rest.slices));
   out.sections.resize(rest.slices.size());
+  points.resize(out.sections.size());
+  std::vector<MapPoint> outlines(4 * out.sections.size());
   tbb::parallel_for(std::size_t{0}, strips.size(), [&](std::size_t s) {
     const SliceRange& range = strips[s];
     const Muscle& muscle = anatomy.muscles[range.muscle];
@@ -479,7 +392,13 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
                      joints_of(muscle.strips[range.strip], out.parents));
     for (int k = range.begin; k < range.end; ++k) {
       MapSection& section = out.sections[k];
-      section = own.section(rest.slices[k]);
+      const auto [center, right, left, up, down] = places_of(rest.slices[k]);
+      points[k] = own.point(center);
+      for (const auto& [side, place] : {std::pair(0, right), {1, left}, {2, up}, {3, down}})
+        outlines[4 * std::size_t(k) + std::size_t(side)] = own.point(place);
+      section.rest = rest.slices[k];
+      section.width = (right - left).norm();
+      section.thickness = (up - down).norm();
       section.strip = int(s);
       section.begin = range.begin;
       section.end = range.end;
@@ -489,6 +408,8 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
       section.sheet = muscle.sheet;
     }
   });
+  out.centers = pack_points(points);
+  out.outlines = pack_points(outlines);
   bond_to_skin(anatomy, rays, sorted, strips, out);
   return out;
 }
@@ -496,32 +417,30 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
 void carry_muscles(const BodyMap& map, std::span<const float> positions,
                    std::span<const float> normals, PosedAnatomy& posed,
                    BodyMapWorkspace& workspace) {
-  const PosedMap pose(map, posed, workspace);
-  turn_nodes(map, pose, workspace);
-  map_controls(map, pose, workspace);
-  find_shifts(map, positions, normals, {}, workspace);
-  find_flow(map, pose, workspace);
-  find_shifts(map, positions, normals, workspace.flow, workspace);
-  const auto carried = [&](const MapPoint& p, double straight) {
-    return Vec3(pose.moved(p, straight) + skin_shift(p, workspace.shifts) +
-                flow_at(p, workspace.flow));
-  };
+  set_motions(map.joints, map.parents, posed, workspace.motions);
+  turn_nodes(map, workspace);
+  map_controls(map, workspace);
+  find_shifts(map, positions, normals, false, workspace);
+  find_flow(map, workspace);
+  find_shifts(map, positions, normals, true, workspace);
   // `which`: of a section's five points
-  const auto placed = [&](const MapSection& section, const MapPoint& p, int which,
-                          double straight) {
-    const Vec3 at = carried(p, straight);
+  const auto placed = [&](const MapSection& section, int which, const MapPoints& points,
+                          std::size_t i, float straight) {
+    const Vec3 at = moved(workspace.motions, points, i, straight) +
+                    skin_mean(points, i, workspace.shifts) + cell_mean(points, i, workspace.flow);
     if (section.bonds < 0) return at;
     const SkinBond& bond = map.bonds[std::size_t(section.bonds + which)];
-    return bond.moved(on_skin(bond, positions), on_skin(bond, normals), pose.turn(p), at);
+    return bond.moved(on_skin(bond, positions), on_skin(bond, normals),
+                      turned(workspace.motions, points, i), at);
   };
   const std::size_t count = map.sections.size();
   workspace.lines.resize(count);
   const auto straight_at = [&](std::size_t k) {
-    return straightness(map.sections[k].center, workspace.straight);
+    return cell_value(map.centers, k, workspace.straight);
   };
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     workspace.lines[k] = posed.slices[k].center;
-    posed.slices[k].center = placed(map.sections[k], map.sections[k].center, 0, straight_at(k));
+    posed.slices[k].center = placed(map.sections[k], 0, map.centers, k, straight_at(k));
   });
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     const MapSection& section = map.sections[k];
@@ -533,13 +452,12 @@ void carry_muscles(const BodyMap& map, std::span<const float> positions,
   });
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     const MapSection& section = map.sections[k];
-    const double straight = straight_at(k);
-    const Vec3 width =
-        (placed(section, section.right, 1, straight) - placed(section, section.left, 2, straight)) /
-        section.width;
-    const Vec3 thickness =
-        (placed(section, section.up, 3, straight) - placed(section, section.down, 4, straight)) /
-        section.thickness;
+    const float straight = straight_at(k);
+    const auto side = [&](int which) {
+      return placed(section, 1 + which, map.outlines, 4 * k + std::size_t(which), straight);
+    };
+    const Vec3 width = (side(0) - side(1)) / section.width,
+               thickness = (side(2) - side(3)) / section.thickness;
     const Vec3 line = line_at(posed.slices, section.begin, section.end, k);
     Ellipse& out = posed.slices[k];
     const Vec2 slid =

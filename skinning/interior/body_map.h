@@ -20,63 +20,51 @@
 // what cells are too coarse for: restore_volumes() brings the rest.
 #pragma once
 
-#include <array>
 #include <span>
 #include <vector>
 
 #include "anatomy/posed_anatomy.h"
 #include "anatomy/queries/skin_bonds.h"
-#include "skinning/interior/harmonic_weights.h"
+#include "skinning/interior/map_points.h"
 #include "skinning/interior/pressure_projection.h"
 
 namespace ecorche::inline v1 {
 
-struct MapPoint {
-  Vec3 rest = Vec3::Zero();
-  SourceWeights joints;
-  SourceWeights skin;                   // of controls; one source beyond them is bone
-  std::array<LatticeShare, 8> cells{};  // of the pressure's lattice
-  int cell_count = 0;
-};
-
 struct MapSection {
-  MapPoint center;
-  MapPoint right, left, up, down;   // on its outline
   double width = 0, thickness = 0;  // from left to right, from down to up, at rest, m
   double lean = 0;                  // of its normal from the line of centres at most, rad
   Ellipse rest;
   int strip = 0, begin = 0, end = 0;  // and the strip's sections
   bool sheet = false;
-  int bonds = -1;  // of a muscle in the skin's fat: of its five points, as above, in BodyMap
-};
-
-// A vertex of the skin whose displacement the tissue about it takes part in.
-struct SkinControl {
-  int vertex = 0;
-  MapPoint at;
+  // of a muscle in the skin's fat: in BodyMap, of its centre and the four points of its outline
+  int bonds = -1;
 };
 
 // Constant after it is made.
 struct BodyMap {
   std::vector<MapSection> sections;  // #all slices
-  std::vector<SkinControl> controls;
+  MapPoints centers;                 // #sections
+  MapPoints outlines;                // #sections x 4: right, left, up, down
+  // vertices of the skin whose displacement the tissue about them takes part in, and where they are
+  std::vector<int> control_vertices;
+  MapPoints controls;
   std::vector<SkinBond> bonds;  // vertices as they are sorted in frames
   PressureTable pressure;
-  std::vector<MapPoint> nodes;  // of the pressure's lattice
-  std::vector<Vec3> joints;     // at rest
+  MapPoints nodes;           // of the pressure's lattice
+  std::vector<Vec3> joints;  // at rest
   std::vector<int> parents;
 };
 
 // Memory of carry_muscles(). Its content has no meaning between calls.
 struct BodyMapWorkspace {
-  std::vector<std::array<float, 12>> motions;   // #joints, of rest to pose, in the root's frame
-  std::vector<std::array<float, 8>> rotations;  // the same as dual quaternions
-  std::vector<Vec3> controls;                   // #controls, where the map alone brings them
-  std::vector<Vec3> shifts;                     // #controls + 1, m
-  std::vector<Vec3> lines;                      // #sections, centres by their action lines
-  std::vector<Vec3> before, after, flow;        // #nodes, world; without and with flow
-  std::vector<Mat3> turns;                      // #nodes
-  std::vector<double> straight;                 // #nodes, share of straight lines
+  JointMotions motions;
+  std::vector<Vec3> controls;       // #controls, where the map alone brings them
+  std::vector<float> shifts;        // (#controls + 1) x 4, m
+  std::vector<Vec3> lines;          // #sections, centres by their action lines
+  std::vector<Vec3> before, after;  // #nodes, world; without and with flow
+  std::vector<float> flow;          // #nodes x 4, m
+  std::vector<Mat3> turns;          // #nodes
+  std::vector<float> straight;      // #nodes, share of straight lines
   PressureWorkspace pressure;
 };
 
