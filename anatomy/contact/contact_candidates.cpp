@@ -314,7 +314,11 @@ ContactTable make_contact_table(const Anatomy& anatomy, const PosingTable& posin
   ContactCandidates all;
   const std::vector<SliceRange> ranges = slice_ranges(anatomy);
   add_members(anatomy, ranges, all);
-  const Places places{ranges, mirrored_sections(anatomy, ranges, posing.slices())};
+  Places places{ranges, mirrored_sections(anatomy, ranges, posing.slices())};
+  // Muscles in the fat of the skin slide over all that lies beneath.
+  std::erase_if(places.strips, [&](const SliceRange& range) {
+    return lies_in_fat(anatomy.muscles[range.muscle]);
+  });
   const Skeleton& skeleton = anatomy.skeleton;
   PosedAnatomy standing;
   pose_anatomy(posing, skeleton, rest_pose(skeleton), standing);
