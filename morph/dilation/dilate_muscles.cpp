@@ -192,8 +192,11 @@ void share_room(Anatomy& anatomy, Sections& sections, const std::vector<int>& pa
     write();
     report.rays += pack_muscles(anatomy, sections.slices, wanted, partners, rays, fat).rays;
   }
-  if (options.most_volume)
-    slim_muscles(muscles, sections.slices, wanted, partners, *options.most_volume);
+  if (options.most_volume) {
+    slim_muscles(muscles, sections.slices, wanted, partners, *options.most_volume, rays);
+    mirror_sections(partners, options.even_about.value_or(0), sections);
+    write();
+  }
   if (!bones) return;
   const std::vector<char> all(muscles.size(), 1);
   report.rays += pull_inside_skin(muscles, sections.slices, all, rays).rays;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/slice_outline.h"
@@ -14,37 +15,63 @@ namespace {
 
 // Fraction of the way from a section's centre to its outer side: the point that it shrinks about.
 // Larger: more of the gap lies on the inner side; smaller: superficial muscles leave the layer.
-constexpr double kTowardsSkin = 0.6;
+constexpr double kTowardsSkin = 0.9;
+// How much more of what it loses is thickness towards the skin than width, 0 .. 1. Larger: flat
+// bellies; smaller: gaps between neighbours.
+constexpr double kFlatter = 0.5;
+constexpr int kOutwardRays = 16;           // a section
+constexpr double kFarthestOutward = 0.25;  // m
 // Least factor of a half axis. Larger: the total volume is not reached; smaller: thin bellies.
 constexpr double kLeastSlimMuscles = 0.7;
 constexpr double kMostEffort = 6;
 
-// Where the outline of a section ends in the direction of its thickness, which points to the skin.
-double outer_side(const Ellipse& slice) {
-  double most = 0;
-  for (std::size_t i = 0; i < std::size_t(kOutlinePoints); ++i)
-    most = std::max(most, double(slice.outline[i]) * outline_directions()[i].y());
-  return most * slice.radii.y();
+// The way out of a section, in its plane: to where the skin is nearest; nought where it is as near
+// on all sides.
+Vec3 way_out(const Ellipse& slice, const SkinRays& skin) {
+  Vec3 sum = Vec3::Zero();
+  for (int i = 0; i < kOutwardRays; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kOutwardRays;
+    const Vec3 direction =
+        std::cos(angle) * slice.axes.col(0) + std::sin(angle) * slice.axes.col(1);
+    const RayHit hit = skin.first_hit(slice.center, direction, kFarthestOutward);
+    if (hit.triangle >= 0) sum += std::pow(double(hit.distance) + 1e-3, -3) * direction;
+  }
+  return sum.stableNormalized();
 }
 
-// A section of which `share` of its half axes is left; a sheet's strips stay as wide.
-Ellipse slimmed(Ellipse slice, double share, bool sheet, bool outer) {
-  const double across = sheet ? share * share : share;
-  if (outer) slice.center += (1 - across) * kTowardsSkin * outer_side(slice) * slice.axes.col(1);
-  slice.radii.y() *= across;
-  if (!sheet) slice.radii.x() *= share;
+// How far the outline of a section goes in a direction.
+double extent(const Ellipse& slice, const Vec3& direction) {
+  const Vec2 across(slice.radii.x() * direction.dot(slice.axes.col(0)),
+                    slice.radii.y() * direction.dot(slice.axes.col(1)));
+  double most = 0;
+  for (std::size_t i = 0; i < std::size_t(kOutlinePoints); ++i)
+    most = std::max(most, double(slice.outline[i]) * across.dot(outline_directions()[i]));
+  return most;
+}
+
+// A section of which the square of `share` is left, of its area; a sheet's strips stay as wide.
+Ellipse slimmed(Ellipse slice, double share, bool sheet, const Vec3& outwards) {
+  const double before = extent(slice, outwards);
+  const double along = outwards.dot(slice.axes.col(1)),
+               thin = sheet                      ? 2
+                      : outwards == Vec3::Zero() ? 1
+                                                 : 1 + kFlatter * (2 * along * along - 1);
+  slice.radii.y() *= std::pow(share, thin);
+  slice.radii.x() *= std::pow(share, 2 - thin);
+  slice.center += kTowardsSkin * (before - extent(slice, outwards)) * outwards;
   return slice;
 }
 
 class Slimmer {
  public:
   Slimmer(std::vector<Muscle>& muscles, std::span<Ellipse> slices, std::span<const double> wanted,
-          std::span<const int> partners, double total)
+          std::span<const int> partners, double total, const SkinRays& skin)
       : muscles_(muscles),
         slices_(slices),
         before_(slices.begin(), slices.end()),
         partners_(partners),
         begin_(slice_begins(muscles)),
+        outwards_(slices.size(), Vec3::Zero()),
         filled_(muscles.size()),
         own_(muscles.size()) {
     double sum = 0;
@@ -53,6 +80,11 @@ class Slimmer {
       filled_[m] = volume(m);
       own_[m] = sum > 0 ? wanted[m] * total / sum : 0;
     }
+    tbb::parallel_for(std::size_t{0}, muscles.size(), [&](std::size_t m) {
+      if (muscles[m].layer != "superficial" || !weighed(m)) return;
+      for (std::size_t k = begin_[m]; k < begin_[m + 1]; ++k)
+        outwards_[k] = way_out(before_[k], skin);
+    });
   }
 
   // With more effort muscles come nearer to their own volumes, beyond 1 all below them.
@@ -92,13 +124,12 @@ class Slimmer {
 
   void set(std::size_t m, double share) {
     const Muscle& muscle = muscles_[m];
-    const bool sheet = muscle.sheet && muscle.strips.size() > 1,
-               outer = muscle.layer == "superficial";
+    const bool sheet = muscle.sheet && muscle.strips.size() > 1;
     std::size_t k = begin_[m];
     for (const Strip& strip : muscle.strips)
       for (const Slice& slice : strip.slices) {
         const double left = 1 - (1 - share) * belly_weight(strip, slice.s);
-        slices_[k] = slimmed(before_[k], left, sheet || strip.raphe > 0, outer);
+        slices_[k] = slimmed(before_[k], left, sheet || strip.raphe > 0, outwards_[k]);
         ++k;
       }
   }
@@ -119,14 +150,16 @@ class Slimmer {
   std::vector<Ellipse> before_;
   std::span<const int> partners_;
   std::vector<std::size_t> begin_;    // #muscles + 1, slices
+  std::vector<Vec3> outwards_;        // #slices, of superficial muscles, unit or nought
   std::vector<double> filled_, own_;  // #muscles, m^3
 };
 
 }  // namespace
 
 double slim_muscles(std::vector<Muscle>& muscles, std::span<Ellipse> slices,
-                    std::span<const double> wanted, std::span<const int> partners, double total) {
-  Slimmer slimmer(muscles, slices, wanted, partners, total);
+                    std::span<const double> wanted, std::span<const int> partners, double total,
+                    const SkinRays& skin) {
+  Slimmer slimmer(muscles, slices, wanted, partners, total, skin);
   double now = slimmer.sum();
   if (now <= total) return now;
   double low = 0, high = kMostEffort;
