@@ -143,7 +143,9 @@ struct Body {
 // A slice posed in the world.
 struct Ellipse {
   Vec3 center = Vec3::Zero();
-  Mat3 axes = Mat3::Identity();  // columns: width, thickness, tangent (right-handed, orthonormal)
+  // Columns: width, thickness, tangent, unit and right-handed. At rest they are orthogonal; what
+  // stretches a section aslant brings width and thickness nearer to each other.
+  Mat3 axes = Mat3::Identity();
   Vec2 radii = Vec2::Zero();
   SliceOutline outline = kEllipticOutline;
 };

@@ -233,7 +233,10 @@ void place_members(const ContactCandidates& table, std::span<const Ellipse> slic
                  reach = root(x * x + y * y + Float4{0, along * along, 0, 0});
     const Float4 center = floats(e.center.data(), origin), w = floats(e.axes.data()),
                  t = floats(e.axes.data() + 3), n = floats(e.axes.data() + 6);
-    const Float4 per_width = per[0] * w, per_thickness = per[1] * t;
+    // Coordinates along axes that are aslant to each other.
+    const float aslant = float(e.axes.col(0).dot(e.axes.col(1))), upright = 1 - aslant * aslant;
+    const Float4 per_width = per[0] / upright * (w - aslant * t),
+                 per_thickness = per[1] / upright * (t - aslant * w);
     store(center, s.center);
     store(a * w, s.width);
     store(b * t, s.thickness);

@@ -56,14 +56,36 @@ inline Double4 gathered(const Double4& effort, const Double4& place) {
   return 1 + kMidBellyGrowth * effort * (1.875 * arch - 1);
 }
 
-// Tubes take what gathers in both radii, sheets in their thickness. `thickening`: what full effort
-// adds to the thickness besides, and takes from the width (tense_thickening.h); `a`, `b`: half
-// width and half thickness, m.
-inline void bulge(const Double4& effort, const Double4& tube, const Double4& place,
-                  const Double4& thickening, Double4& a, Double4& b) {
-  const Double4 grown = gathered(effort, place);
-  const Double4 thicker = (tube * grown.sqrt() + (1 - tube) * grown) * (1 + thickening * effort);
-  a *= grown / thicker;
+// What the stretching of a section that bulges makes of its axes: symmetric, so that it turns
+// nothing.
+struct SectionStretch {
+  Double4 wide, thick;  // of an axis along itself
+  Double4 aslant;       // along the other
+};
+
+// Tubes take what gathers all round, sheets in their thickness. `thickening`: what full effort adds
+// in its direction besides, and takes across.
+inline SectionStretch bulge(const Double4& effort, const Double4& tube, const Double4& place,
+                            const PosingThickening& thickening) {
+  const Double4 x = thickening.along_width.cast<double>(),
+                y = thickening.along_thickness.cast<double>(), grown = gathered(effort, place);
+  const Double4 along = (tube * grown.sqrt() + (1 - tube) * grown) *
+                        (1 + thickening.share.cast<double>() * effort),
+                across = grown / along, more = along - across;
+  return {across + more * x * x, across + more * y * y, more * x * y};
+}
+
+// Stretches a section's axes: their directions, orthonormal before, and their lengths, m. Nothing
+// changes, to the last bit, where there is no effort.
+inline void stretch_axes(const SectionStretch& by, Vec3x4& width, Vec3x4& thickness, Double4& a,
+                         Double4& b) {
+  const Vec3x4 wide = by.wide * width + by.aslant * thickness,
+               thick = by.aslant * width + by.thick * thickness;
+  const Double4 wider = (by.wide.square() + by.aslant.square()).sqrt(),
+                thicker = (by.thick.square() + by.aslant.square()).sqrt();
+  width = (1 / wider) * wide;
+  thickness = (1 / thicker) * thick;
+  a *= wider;
   b *= thicker;
 }
 

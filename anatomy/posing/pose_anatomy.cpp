@@ -267,17 +267,16 @@ void lay_slices(const PosingData& data, const PosingBatch& batch, const Double4&
     const Double4 cs = row.cos_roll * cos_twist - row.sin_roll * sin_twist;
     const Double4 sn = row.sin_roll * cos_twist + row.cos_roll * sin_twist;
     const Vec3x4 side = cross(t.tangent[k], t.r[k]);
-    t.width[k] = cs * t.r[k] + sn * side;
-    t.thickness[k] = cs * side - sn * t.r[k];
+    const Vec3x4 wide = cs * t.r[k] + sn * side, thick = cs * side - sn * t.r[k];
+    t.width[k] = wide;
+    t.thickness[k] = thick;
     const int before = std::max(k - 1, 0), after = std::min(k + 1, batch.rows - 1);
     const Vec3x4 bend =
         (1 / (t.chord[after] - t.chord[before]).max(1e-9)) * (t.tangent[after] - t.tangent[before]);
-    const Double4 across_width = dot(bend, t.width[k]),
-                  across_thickness = dot(bend, t.thickness[k]);
     // Sections off the line come no nearer to the bend's centre than folds allow, so that their
     // middles keep their order.
     const FoldFactor fo =
-        fold_factor((across_width * row.offset_x + across_thickness * row.offset_y).max(zero),
+        fold_factor((dot(bend, wide) * row.offset_x + dot(bend, thick) * row.offset_y).max(zero),
                     row.free_offset.cast<double>());
     // Place along the rest line of the substance that lies here now.
     const Double4 at = t.chord[k];
@@ -292,21 +291,21 @@ void lay_slices(const PosingData& data, const PosingBatch& batch, const Double4&
     if (activation.any) {
       const Double4 place =
           (2 * rest_at - c.tendon_begin - c.tendon_end) / (c.tendon_end - c.tendon_begin);
-      bulge(activation.root * t.belly[k], c.width_swells, place,
-            data.thickening[batch.row + k].cast<double>(), a, b);
+      stretch_axes(bulge(activation.root * t.belly[k], c.width_swells, place,
+                         data.thickening[batch.row + k]),
+                   t.width[k], t.thickness[k], a, b);
     }
 
     const Double4 free_width = row.free_width.cast<double>(),
                   free_thickness = row.free_thickness.cast<double>();
-    const FoldFactor fa = fold_factor(across_width * a, free_width);
-    const FoldFactor fb = fold_factor(across_thickness * b, free_thickness);
+    const FoldFactor fa = fold_factor(dot(bend, t.width[k]) * a, free_width);
+    const FoldFactor fb = fold_factor(dot(bend, t.thickness[k]) * b, free_thickness);
     const Double4 folds = fa.under * fb.under,
                   per_all = 1 / (folds * fo.under);  // one division for all three
     const Double4 off = fo.over * folds * per_all, per_folds = fo.under * per_all;
     t.a[k] = a * (fa.over * fb.under * per_folds);
     t.b[k] = b * (fb.over * fa.under * per_folds);
-    t.center[k] =
-        t.line[k] + (off * row.offset_x) * t.width[k] + (off * row.offset_y) * t.thickness[k];
+    t.center[k] = t.line[k] + (off * row.offset_x) * wide + (off * row.offset_y) * thick;
   }
 }
 

@@ -74,6 +74,11 @@ struct PosingRow {
   Eigen::Array4f free_width, free_thickness, free_offset;  // what fold_factor lets pass
 };
 
+// Of a row's sections at full effort (tense_thickening.h).
+struct PosingThickening {
+  Eigen::Array4f share, along_width, along_thickness;  // the last two: its direction
+};
+
 // Of a row's outlines and those of the next row.
 using PosingAreas = AreasOf<Double4>;
 inline void set_lane(PosingAreas& areas, int lane, const PieceAreas& of) {
@@ -117,8 +122,8 @@ struct PosingData {
   std::vector<PosingBatch> batches;
   std::vector<PosingRow> rows;
   std::vector<PosingAreas> areas;  // #rows
-  // #rows, at full effort (tense_thickening.h); apart, since most frames do not read it
-  std::vector<Eigen::Array4f> thickening;
+  // #rows; apart, since most frames do not read it
+  std::vector<PosingThickening> thickening;
   std::vector<SliceOutline> outlines;  // #slices
   std::vector<PosingProfile> profiles;
   std::vector<WrapNote> notes;

@@ -123,6 +123,7 @@ void add_lane(PosingData& data, PosingBatch& batch, int lane, const Muscle& musc
     const bool tendon = middle < strip.belly_begin || middle > strip.belly_end;
     turns.push_back(turn += (tendon ? kTendonTwist : 1) * (rest.chord[k] - rest.chord[k - 1]));
   }
+  const std::vector<Vec2> thin_directions = thickening_directions(muscle, rest.slices);
   for (int k = 0; k < n; ++k) {
     PosingRow& row = data.rows[batch.row + k];
     const Slice& slice = strip.slices[k];
@@ -150,7 +151,11 @@ void add_lane(PosingData& data, PosingBatch& batch, int lane, const Muscle& musc
     row.free_offset[lane] = float(std::max(kFreeOffset, 1.000001 * inward + 1e-9));
     const double place = (2 * rest.chord[k] - lanes.tendon_begin[lane] - lanes.tendon_end[lane]) /
                          (lanes.tendon_end[lane] - lanes.tendon_begin[lane]);
-    data.thickening[batch.row + k][lane] = float(tense_thickening(muscle, rest.slices[k], place));
+    PosingThickening& thickening = data.thickening[batch.row + k];
+    thickening.share[lane] =
+        float(tense_thickening(muscle, rest.slices[k], thin_directions[k], place));
+    thickening.along_width[lane] = float(thin_directions[k].x());
+    thickening.along_thickness[lane] = float(thin_directions[k].y());
     set_lane(data.areas[batch.row + k], lane,
              piece_areas(slice.outline, strip.slices[std::min(k + 1, n - 1)].outline));
   }

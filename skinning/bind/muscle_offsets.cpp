@@ -32,8 +32,11 @@ Vec3 surface_offset(const std::vector<Ellipse>& slices, const MuscleAnchor& anch
   const Ellipse& B = slices[k + 1];
   const Vec3 d = p - ((1 - u) * A.center + u * B.center);
   const Vec2 radii = ((1 - u) * A.radii + u * B.radii).cwiseMax(kLeastRadius);
-  const double x = d.dot((1 - u) * A.axes.col(0) + u * B.axes.col(0)) / radii.x();
-  const double y = d.dot((1 - u) * A.axes.col(1) + u * B.axes.col(1)) / radii.y();
+  const Vec3 width = (1 - u) * A.axes.col(0) + u * B.axes.col(0),
+             thickness = (1 - u) * A.axes.col(1) + u * B.axes.col(1);
+  const double aslant = width.dot(thickness), upright = 1 - aslant * aslant;
+  const double x = d.dot(width - aslant * thickness) / (upright * radii.x());
+  const double y = d.dot(thickness - aslant * width) / (upright * radii.y());
   const double rho = std::sqrt(x * x + y * y);
   return rho > 0.2 ? Vec3(d * (1 / rho - 1)) : Vec3(Vec3::Zero());
 }

@@ -39,23 +39,24 @@ constexpr PublishedBulge kPublished[] = {
 // Shares of a belly's length between which it was scanned.
 constexpr double kScannedFrom = 0.25, kScannedTo = 0.75;
 
-double width_along(const Ellipse& section, const Vec2& direction) {
+double width_along(const Ellipse& section, const Vec3& direction) {
+  const Vec2 axes = section.radii.cwiseProduct(section.axes.leftCols<2>().transpose() * direction);
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (std::size_t k = 0; k < outline_directions().size(); ++k) {
-    const double along = double(section.outline[k]) *
-                         section.radii.cwiseProduct(outline_directions()[k]).dot(direction);
+    const double along = double(section.outline[k]) * axes.dot(outline_directions()[k]);
     low = std::min(low, along), high = std::max(high, along);
   }
   return high - low;
 }
 
-// The direction in which a section is least wide, in its axes.
-Vec2 thin_direction(const Ellipse& section) {
+// The direction in which a section is least wide.
+Vec3 thin_direction(const Ellipse& section) {
   constexpr int kDirections = 90;
-  Vec2 thin = Vec2::UnitY();
+  Vec3 thin = section.axes.col(1);
   for (int d = 0; d < kDirections; ++d) {
     const double angle = d * std::numbers::pi / kDirections;
-    const Vec2 direction(std::cos(angle), std::sin(angle));
+    const Vec3 direction =
+        std::cos(angle) * section.axes.col(0) + std::sin(angle) * section.axes.col(1);
     if (width_along(section, direction) < width_along(section, thin)) thin = direction;
   }
   return thin;
@@ -89,13 +90,39 @@ double hull_perimeter(std::vector<Vec2> points) {
   return length;
 }
 
-double arm_girth(const CharacterModel& model, const CharacterState& frame, double from, double to) {
+// The skin that goes mostly with the upper arm: a plane across a bent arm cuts the forearm too, and
+// the trunk, which beside a heavy body's armpit is one piece with the arm.
+Triangles upper_arm_skin(const CharacterModel& model) {
+  const Skeleton& skeleton = model.character.anatomy.skeleton;
+  const int shoulder = find_joint(skeleton, "shoulder_l"), elbow = find_joint(skeleton, "elbow_l");
+  std::vector<char> inside(skeleton.joints.size(), 0);
+  for (int j = shoulder; j < int(inside.size()); ++j) {  // parents come first
+    const int parent = skeleton.joints[j].parent;
+    inside[j] = j == shoulder || (parent >= 0 && inside[parent] && j != elbow);
+  }
+  const auto share = [&](int v) {
+    double sum = 0;
+    for (const Influence& influence : model.binding.joint_weights[v])
+      if (inside[influence.joint]) sum += influence.weight;
+    return sum;
+  };
+  const Triangles& all = model.character.body.skin.F;
+  Triangles out(all.rows(), 3);
+  Eigen::Index count = 0;
+  for (Eigen::Index f = 0; f < all.rows(); ++f)
+    if (share(all(f, 0)) + share(all(f, 1)) + share(all(f, 2)) > 1.5) out.row(count++) = all.row(f);
+  out.conservativeResize(count, 3);
+  return out;
+}
+
+double arm_girth(const CharacterModel& model, const CharacterState& frame, const Triangles& arm,
+                 double from, double to) {
   const Skeleton& skeleton = model.character.anatomy.skeleton;
   const Vec3 shoulder = frame.posed.X_WJ[find_joint(skeleton, "shoulder_l")].translation();
   const Vec3 elbow = frame.posed.X_WJ[find_joint(skeleton, "elbow_l")].translation();
   TriMesh skin;
   to_points(frame.skin, skin.V);
-  skin.F = model.character.body.skin.F;
+  skin.F = arm;
   double girth = 0;
   for (double share = from; share <= to + 1e-9; share += 0.025)
     girth = std::max(girth, tape_girth(skin, shoulder + share * (elbow - shoulder),
@@ -110,10 +137,11 @@ void measure_arm(const CharacterModel& model, Bulges& bulges) {
       std::numeric_limits<double>::quiet_NaN();
   const int elbow = find_joint(skeleton, "elbow_l"), forearm = find_joint(skeleton, "forearm_l");
   if (elbow < 0 || forearm < 0 || find_joint(skeleton, "shoulder_l") < 0) return;
+  const Triangles arm = upper_arm_skin(model);
   CharacterState frame(model);
   Pose pose = rest_pose(skeleton);
   evaluate_skin(model, pose, {}, frame);
-  bulges.arm_relaxed = arm_girth(model, frame, 0.5, 0.5);
+  bulges.arm_relaxed = arm_girth(model, frame, arm, 0.5, 0.5);
   const auto turn = [&](int j, int axis, double angle) {
     const Joint& joint = skeleton.joints[j];
     Vec3 angles = joint_angles(joint, Quat::Identity());
@@ -123,11 +151,11 @@ void measure_arm(const CharacterModel& model, Bulges& bulges) {
   turn(elbow, 0, kFlexed);
   turn(forearm, 2, skeleton.joints[forearm].max.z());
   evaluate_skin(model, pose, {}, frame);
-  bulges.arm_flexed = arm_girth(model, frame, 0.4, 0.65);
+  bulges.arm_flexed = arm_girth(model, frame, arm, 0.4, 0.65);
   std::vector<double> effort;
   for (const Muscle& muscle : anatomy.muscles) effort.push_back(muscle.group == "arm" ? 1.0 : 0.0);
   evaluate_skin(model, pose, {effort}, frame);
-  bulges.arm_tensed = arm_girth(model, frame, 0.4, 0.65);
+  bulges.arm_tensed = arm_girth(model, frame, arm, 0.4, 0.65);
 }
 
 }  // namespace
@@ -196,7 +224,7 @@ Bulges measure_bulges(const CharacterModel& model) {
       for (int k = range.begin; k < range.end; ++k) {
         const double share = (strip.slices[k - range.begin].s - strip.belly_begin) / belly;
         if (share < kScannedFrom || share > kScannedTo) continue;
-        const Vec2 probe = thin_direction(relaxed.posed.slices[k]);
+        const Vec3 probe = thin_direction(relaxed.posed.slices[k]);
         found.relaxed += width_along(relaxed.posed.slices[k], probe);
         found.tense += width_along(tense.posed.slices[k], probe);
         ++sections;

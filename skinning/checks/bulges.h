@@ -25,7 +25,8 @@ struct Thickening {
 struct Bulges {
   // Left upper arm, m: relaxed half-way from shoulder to elbow in the rest pose; flexed by 100
   // degrees, palm up, all muscles of the arm tense: the largest from 40 to 65 % of the way. As a
-  // tape lies, over hollows. NaN where the skeleton has no such arm.
+  // tape lies, over hollows, of the upper arm's own skin, whatever it touches. NaN where the
+  // skeleton has no such arm.
   double arm_relaxed = 0, arm_flexed = 0, arm_tensed = 0;  // flexed: the same without activation
   std::vector<Thickening> muscles;
 };

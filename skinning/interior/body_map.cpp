@@ -290,13 +290,29 @@ void find_flow(const BodyMap& map, BodyMapWorkspace& workspace) {
     store_row(workspace.after[i] - workspace.before[i], std::size_t(i), workspace.flow);
 }
 
-// The share by which posing changes radii of a section, without the factor that keeps its volume.
-Vec2 sliding(const MapSection& section, const Vec2& posed, double swelling, double belly) {
+// How posing stretches a section, in its axes at rest and without the factor that keeps its volume:
+// the symmetric part, since the map turns it.
+Eigen::Matrix2d sliding(const MapSection& section, const Ellipse& posed, double swelling,
+                        double belly) {
   const double scale = section.sheet ? swelling * swelling : swelling,
                thick = 1 + belly * (scale - 1), wide = section.sheet ? 1 : thick;
   const Vec2& rest = section.rest.radii;
-  return {rest.x() > 0 ? posed.x() / (rest.x() * wide) : 1,
-          rest.y() > 0 ? posed.y() / (rest.y() * thick) : 1};
+  constexpr double kLeast = 1e-9;  // so that axes keep their directions
+  const double x = rest.x() > 0 ? std::max(posed.radii.x() / (rest.x() * wide), kLeast) : 1,
+               y = rest.y() > 0 ? std::max(posed.radii.y() / (rest.y() * thick), kLeast) : 1,
+               aslant = posed.axes.col(0).dot(posed.axes.col(1));
+  // The root of  x x        aslant x y
+  //              aslant x y  y y
+  const double area = x * y * std::sqrt(1 - aslant * aslant),
+               sum = std::sqrt(x * x + y * y + 2 * area);
+  Eigen::Matrix2d out;
+  out << x * x + area, aslant * x * y, aslant * x * y, y * y + area;
+  return out / sum;
+}
+
+Vec3 limited(const Vec3& stretch) {
+  const double size = stretch.stableNorm();
+  return std::clamp(size, 1 / kMostStretch, kMostStretch) * stretch.stableNormalized();
 }
 
 // At a bond's place: of `rows`, #V x 4.
@@ -460,13 +476,12 @@ void carry_muscles(const BodyMap& map, std::span<const float> positions,
                thickness = (side(2) - side(3)) / section.thickness;
     const Vec3 line = line_at(posed.slices, section.begin, section.end, k);
     Ellipse& out = posed.slices[k];
-    const Vec2 slid =
-        sliding(section, out.radii, posed.swelling[section.strip], double(posed.belly[k]));
-    const Vec2 stretch(std::clamp(width.norm(), 1 / kMostStretch, kMostStretch),
-                       std::clamp(thickness.norm(), 1 / kMostStretch, kMostStretch));
-    out.radii = section.rest.radii.cwiseProduct(slid).cwiseProduct(stretch);
+    Eigen::Matrix<double, 3, 2> axes;
+    axes << limited(width), limited(thickness);
+    axes *= sliding(section, out, posed.swelling[section.strip], double(posed.belly[k]));
+    out.radii = section.rest.radii.cwiseProduct(axes.colwise().norm().transpose());
     out.outline = section.rest.outline;
-    out.axes = section_axes(width, thickness, line, section.lean);
+    out.axes = section_axes(axes.col(0), axes.col(1), line, section.lean);
   });
 }
 

@@ -11,15 +11,16 @@ using namespace ecorche::testing;
 
 namespace {
 
-// Of every section: radii alike, and an outline that is `flat` times as thick as it is wide.
-Anatomy flattened_arm(float flat) {
+// Of every section: radii alike, and an outline that is `flat` times as thick as it is wide, turned
+// in its axes by `aslant`, rad.
+Anatomy flattened_arm(float flat, double aslant = 0) {
   Anatomy anatomy = arm_anatomy();
   for (Muscle& muscle : anatomy.muscles)
     for (Strip& strip : muscle.strips)
       for (Slice& slice : strip.slices) {
         slice.radii.y() = slice.radii.x();
         for (std::size_t k = 0; k < slice.outline.size(); ++k) {
-          const double angle = 2 * std::numbers::pi * double(k) / kOutlinePoints;
+          const double angle = 2 * std::numbers::pi * double(k) / kOutlinePoints - aslant;
           slice.outline[k] =
               flat / std::hypot(flat * float(std::cos(angle)), float(std::sin(angle)));
         }
@@ -56,6 +57,18 @@ Arm measured_arm(double tense_thickness) {
   return out;
 }
 
+// Half the width of a section that is centrally symmetric, along a direction.
+double reach(const Ellipse& section, const Vec3& direction) {
+  double out = 0;
+  for (std::size_t k = 0; k < section.outline.size(); ++k) {
+    const double angle = 2 * std::numbers::pi * double(k) / kOutlinePoints;
+    const Vec3 rim = section.radii.x() * std::cos(angle) * section.axes.col(0) +
+                     section.radii.y() * std::sin(angle) * section.axes.col(1);
+    out = std::max(out, double(section.outline[k]) * rim.dot(direction));
+  }
+  return out;
+}
+
 // Thickness over width, against the relaxed section.
 double rounder(const PosedAnatomy& tense, const PosedAnatomy& relaxed, int k) {
   const Vec2 now = tense.slices[k].radii, before = relaxed.slices[k].radii;
@@ -73,6 +86,31 @@ TEST(Bulge, MeasuredMusclesThickenAsMeasured) {
       const double thicker = tense.slices[k].radii.y() / relaxed.slices[k].radii.y();
       EXPECT_NEAR(thicker / measured, 1, 0.06)  // what keeping the volume takes
           << arm.anatomy.muscles[range.muscle].name;
+    }
+  }
+}
+
+// Fitted among their neighbours, outlines come to lie aslant in their axes.
+TEST(Bulge, SectionsThickenWhereTheyAreThinHoweverTheyLie) {
+  constexpr double measured = 1.4;
+  for (const double aslant : {-1.2, -0.6, 0.4, 0.9, 1.5}) {
+    Arm arm{flattened_arm(0.6f, aslant)};
+    for (Muscle& muscle : arm.anatomy.muscles) muscle.tense_thickness = measured;
+    arm.table = make_posing_table(arm.anatomy);
+    const PosedAnatomy relaxed = arm.posed(0), tense = arm.posed(1);
+    for (const SliceRange& range : arm.ranges) {
+      const Muscle& muscle = arm.anatomy.muscles[range.muscle];
+      if (muscle.sheet) continue;  // its strips lie side by side
+      const int k = arm.middle(range);
+      const Mat3& axes = relaxed.slices[k].axes;
+      const Vec3 thin = std::cos(aslant) * axes.col(1) - std::sin(aslant) * axes.col(0);
+      EXPECT_NEAR(reach(tense.slices[k], thin) / reach(relaxed.slices[k], thin) / measured, 1, 0.06)
+          << muscle.name << ' ' << aslant;
+      EXPECT_LT(reach(tense.slices[k], thin.cross(axes.col(2))),
+                reach(relaxed.slices[k], thin.cross(axes.col(2))))
+          << muscle.name << ' ' << aslant;
+      EXPECT_NEAR(strip_volume(tense, range) / strip_volume(relaxed, range), 1, 1e-9)
+          << muscle.name;
     }
   }
 }

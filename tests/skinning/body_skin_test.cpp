@@ -133,7 +133,7 @@ TEST_F(BodySkin, WhatContactPressesAwaySwellsElsewhere) {
 }
 
 TEST_F(BodySkin, TenseMusclesThickenAsMeasuredInPeople) {
-  for (const char* name : {"default_male", "default_female", "tall_male"}) {
+  for (const char* name : {"default_male", "default_female", "tall_male", "old_male"}) {
     const Figure body = figure(standard_body(name));
     const Bulges bulges = measure_bulges(
         test::compile_figure(body.anatomy, body.skin, {.muscles = MuscleMotion::map}));
@@ -141,6 +141,18 @@ TEST_F(BodySkin, TenseMusclesThickenAsMeasuredInPeople) {
     for (const Target& target : bulge_targets(bulges))
       EXPECT_TRUE(target.met) << name << ": " << target.what << ' ' << target.measured;
   }
+}
+
+TEST_F(BodySkin, AHeavyArmIsMeasuredWithoutTheTrunkItTouches) {
+  BodySpec spec;
+  spec.age = 87;
+  spec.height = 1.55;
+  spec.mass = 95;
+  const Figure body = figure(spec);
+  const Bulges bulges = measure_bulges(*body.model);
+  EXPECT_GT(bulges.arm_relaxed, 0.3);
+  EXPECT_NEAR(bulges.arm_flexed / bulges.arm_relaxed, 1, 0.15);
+  EXPECT_NEAR(bulges.arm_tensed / bulges.arm_relaxed, 1, 0.15);
 }
 
 TEST_F(BodySkin, NoFoldsOverTheLongJump) {
