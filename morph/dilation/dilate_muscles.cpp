@@ -305,7 +305,8 @@ void check(const std::vector<Muscle>& carried, const std::vector<Muscle>& origin
 
 DilateReport dilate_muscles(Anatomy& anatomy, const std::vector<Muscle>& carried,
                             const std::vector<Muscle>& original, const SkinRays& rays,
-                            const FatLayer& fat, const DilateOptions& options) {
+                            const FatLayer& layer, const DilateOptions& options) {
+  const FatLayer fat = layer_over_muscles(layer);
   check(carried, original, rays, fat, options);
   if (&anatomy.muscles != &carried) anatomy.muscles = carried;
   std::vector<Muscle>& muscles = anatomy.muscles;

@@ -11,6 +11,8 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/geometry/join_meshes.h"
+#include "anatomy/geometry/mesh_measures.h"
+#include "morph/fat/body_composition.h"
 #include "morph/fat/subcutaneous_bone.h"
 
 namespace ecorche::inline v1 {
@@ -20,26 +22,6 @@ namespace {
 constexpr double kMillimetre = 1e-3;
 // m: a site that faces the other way counts as this much further off
 constexpr double kFaceAway = 0.16;
-
-// Fat's share of the mass of the builds of data/fat.csv.
-constexpr std::array<double, 3> kMaleBuilds{0.11, 0.21, 0.33}, kFemaleBuilds{0.19, 0.31, 0.43};
-constexpr std::array<double, 3> kIndexBuilds{
-    21.5, 25, 34};  // their body mass indices: of the first only in athletes
-constexpr double kGrown = 16, kLeastAge = 7,
-                 kMostAge = 83;  // years: where the regressions were fitted
-// years. What age adds to the fat of the same index lies inside: at the same share skinfolds get
-// thinner with it
-constexpr double kUnknownAge = 25;
-
-double skin_volume_of(const TriMesh& mesh) {
-  double six = 0;
-  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
-    const Vec3 a = mesh.V.row(mesh.F(f, 0)), b = mesh.V.row(mesh.F(f, 1)),
-               c = mesh.V.row(mesh.F(f, 2));
-    six += a.dot(b.cross(c));
-  }
-  return six / 6;
-}
 
 // Value of three builds at a fatness; the ends go on straight.
 double between_builds(double lean, double average, double obese, double fatness) {
@@ -166,29 +148,37 @@ void leave_room_over_ribs(const SkinRays& rays, const Anatomy& anatomy,
     thickness[i] = std::max(std::min(thickness[i], most[i]), kLeastLayer * thickness[i]);
 }
 
-double mass_index(const Body& body) {
-  const double height = body.skin.V.col(1).maxCoeff() - body.skin.V.col(1).minCoeff();
-  constexpr double kDensity = 1010;  // kg/m^3, with the air in the lungs
-  const double mass = body.mass > 0 ? body.mass : kDensity * skin_volume_of(body.skin);
-  return mass / (height * height);
+// m^3 between the skin and a surface below it.
+double volume_above(const TriMesh& skin, const std::vector<Vec3>& normals,
+                    std::span<const double> depths) {
+  TriMesh inner = skin;
+  for (std::size_t i = 0; i < depths.size(); ++i)
+    inner.V.row(Eigen::Index(i)) -= depths[i] * normals[i].transpose();
+  return mesh_volume(skin) - mesh_volume(inner);
 }
 
-// Where a figure lies among those of the three builds: 0, 1, 2.
-double between(const std::array<double, 3>& builds, double x) {
-  return x < builds[1] ? (x - builds[0]) / (builds[1] - builds[0])
-                       : 1 + (x - builds[1]) / (builds[2] - builds[1]);
-}
-
-// Deurenberg's regressions.
-double fat_share(const Body& body, double age) {
-  const double index = mass_index(body), male = body.sex == Sex::male;
-  const double percent = age < kGrown ? 1.51 * index - 0.70 * age - 3.6 * male + 1.4
-                                      : 1.20 * index + 0.23 * age - 10.8 * male - 5.4;
-  return std::clamp(0.01 * percent, 0.02, 0.6);
-}
-
-double age_of(const Body& body) {
-  return std::clamp(body.age > 0 ? body.age : kUnknownAge, kLeastAge, kMostAge);
+// The table gives shares, the body's fat their sum: what lies under the skin in all, less what is
+// in the breasts, which lie over the layer.
+void fit_to_fat(const TriMesh& wall, const Body& body, FatLayer& layer) {
+  // Within what the table's thicknesses are uncertain by, and regressions.
+  constexpr double kThinnest = 0.85, kThickest = 1.35;
+  constexpr double kFatOfBreasts = 0.75;
+  constexpr int kRounds = 3;
+  const std::vector<Vec3> normals = area_normals(wall);
+  std::vector<double> depths(layer.skin.begin(), layer.skin.end());
+  const double skin = volume_above(wall, normals, depths);
+  const double breasts = std::max(0.0, mesh_volume(body.skin) - mesh_volume(wall));
+  const double wanted = subcutaneous_fat(body) - kFatOfBreasts * breasts;
+  double factor = 1;
+  for (int round = 0; round < kRounds; ++round) {
+    for (std::size_t i = 0; i < depths.size(); ++i)
+      depths[i] = layer.skin[i] + factor * double(layer.thickness[i] - layer.skin[i]);
+    const double now = volume_above(wall, normals, depths) - skin;
+    if (!(now > 0)) return;
+    factor = std::clamp(factor * wanted / now, kThinnest, kThickest);
+  }
+  for (std::size_t i = 0; i < layer.thickness.size(); ++i)
+    layer.thickness[i] = float(layer.skin[i] + factor * double(layer.thickness[i] - layer.skin[i]));
 }
 
 }  // namespace
@@ -212,17 +202,15 @@ double FatTable::thickness(const std::string& site, const FatOptions& options) c
   throw InputError(fmt::format("fat.csv: no site '{}'", site));
 }
 
-double estimate_fat_share(const Body& body) { return fat_share(body, age_of(body)); }
-
-double estimate_fatness(const Body& body) {
-  const std::array<double, 3>& builds = body.sex == Sex::male ? kMaleBuilds : kFemaleBuilds;
-  const double share = fat_share(body, std::min(age_of(body), kUnknownAge));
-  const double index = mass_index(body);
-  return std::clamp(std::max(between(builds, share), between(kIndexBuilds, index)), -1.0, 3.0);
+FatLayer skin_of(const FatLayer& layer) {
+  return {layer.skin.empty() ? layer.thickness : layer.skin, layer.sites, layer.skin, {}};
 }
 
-FatLayer skin_of(const FatLayer& layer) {
-  return {layer.skin.empty() ? layer.thickness : layer.skin, layer.sites, layer.skin};
+FatLayer layer_over_muscles(const FatLayer& layer) {
+  return {layer.over_muscles.empty() ? layer.thickness : layer.over_muscles,
+          layer.sites,
+          layer.skin,
+          {}};
 }
 
 FatLayer make_fat_layer(const FatTable& fat, const SkinRays& rays, const Skeleton& skeleton,
@@ -261,8 +249,15 @@ FatLayer make_fat_layer(const FatTables& tables, const SkinRays& rays, const Ana
                         const Body& body) {
   FatLayer layer = make_fat_layer(tables.sites, rays, anatomy.skeleton,
                                   FatOptions{body.sex, estimate_fatness(body)});
+  fit_to_fat(rays.mesh(), body, layer);
+  const FatLayer average =
+      make_fat_layer(tables.sites, rays, anatomy.skeleton, FatOptions{body.sex, 1});
+  std::vector<float> fatter(layer.thickness.size());
+  for (std::size_t i = 0; i < fatter.size(); ++i)
+    fatter[i] = layer.thickness[i] - average.thickness[i];
   leave_room_over_ribs(rays, anatomy, layer.thickness);
-  reach_subcutaneous_bone(tables.subcutaneous_bone, rays, anatomy, layer.thickness);
+  layer.over_muscles = layer.thickness;
+  reach_subcutaneous_bone(tables.subcutaneous_bone, rays, anatomy, fatter, layer.thickness);
   return layer;
 }
 

@@ -58,6 +58,8 @@ struct FatLayer {
   std::vector<float> thickness;  // fat and skin, m; one a vertex of the skin it was made for
   std::vector<FatSite> sites;
   std::vector<float> skin;  // of it the skin alone, m; empty: not known
+  // m: without what reaches further down to subcutaneous bone; empty: nothing does
+  std::vector<float> over_muscles;
 
   // At a ray's end.
   float at(const Triangles& F, const RayHit& hit) const { return value_at(F, hit, thickness); }
@@ -65,22 +67,15 @@ struct FatLayer {
 
 // The skin without its fat, under which muscles that move it lie (Muscle::layer "subcutaneous").
 FatLayer skin_of(const FatLayer& layer);
-
-// Fat's share of a body's mass from its body mass index, age and sex (Deurenberg, Weststrate and
-// Seidell 1991, 10.1079/BJN19910073; to within some 4 % of the mass, too much in the very
-// muscular); mass from its volume where it is not known, 25 years where the age is not.
-double estimate_fat_share(const Body& body);
-// The larger of two: the fatness whose body mass index is the body's (21.5, 25, 34), and the one
-// whose share of fat (11, 21, 33 % of men, 19, 31, 43 % of women) is what the body has, or had, at
-// 25 years; what later years add lies inside: of the same share of fat the old have thinner
-// skinfolds (Durnin and Womersley 1974).
-double estimate_fatness(const Body& body);
+// The layer under which all others lie, tendons over subcutaneous bone among them.
+FatLayer layer_over_muscles(const FatLayer& layer);
 
 // `rays` are of the skin; `skeleton` lies inside it at rest. Sites whose ray meets nothing are left
 // out. Throws InputError when the table names a joint that the skeleton lacks.
 FatLayer make_fat_layer(const FatTable& fat, const SkinRays& rays, const Skeleton& skeleton,
                         const FatOptions& options);
-// The same with the body's sex and estimated fatness; over subcutaneous bone of `anatomy` the layer
+// The same with the body's sex and estimated fatness (body_composition.h), all of it thicker or
+// thinner by what fat the body has; over subcutaneous bone of `anatomy` the layer
 // reaches down to the bone (subcutaneous_bone.h).
 FatLayer make_fat_layer(const FatTables& tables, const SkinRays& rays, const Anatomy& anatomy,
                         const Body& body);

@@ -61,7 +61,7 @@ double nearest_joint(const SubcutaneousFace& face, const Vec3& point) {
 }  // namespace
 
 void reach_subcutaneous_bone(const Table& table, const SkinRays& rays, const Anatomy& anatomy,
-                             std::vector<float>& thickness) {
+                             std::span<const float> fatter, std::vector<float>& thickness) {
   const TriMesh& skin = rays.mesh();
   const Points normals = vertex_normals(skin);
   const std::vector<float> plain = thickness;
@@ -79,11 +79,12 @@ void reach_subcutaneous_bone(const Table& table, const SkinRays& rays, const Ana
             if (inwards.squaredNorm() == 0 ||
                 (!face.joints.empty() && nearest_joint(face, from) > face.reach + face.gone))
               continue;
-            const RayHit bone = bone_rays.first_hit(from, inwards, face.gone);
+            const double more = fatter.empty() ? 0 : double(std::max(0.0f, fatter[i]));
+            const RayHit bone = bone_rays.first_hit(from, inwards, face.gone + more);
             if (bone.triangle < 0) continue;
             const double depth = double(bone.distance), now = double(plain[i]);
             double share = smooth_step(face.aslant, face.parallel, -double(bone.facing)) *
-                           (1 - smooth_step(face.deepest, face.gone, depth));
+                           (1 - smooth_step(face.deepest + more, face.gone + more, depth));
             if (!face.joints.empty())
               share *= 1 - smooth_step(kFade * face.reach, face.reach,
                                        nearest_joint(face, from + depth * inwards));

@@ -20,6 +20,7 @@
 #include "anatomy/queries/signed_distance.h"
 #include "anatomy/queries/skin_bonds.h"
 #include "morph/fascia/lay_fascia.h"
+#include "morph/fat/body_composition.h"
 #include "morph/fat/fat_layer.h"
 #include "morph/fat/muscle_mass.h"
 #include "morph/fit/template_tissue.h"
@@ -397,13 +398,15 @@ Fit fit_anatomy(const Template& body_template, const Body& body, const FitOption
   const double mass =
       body.mass > 0 ? body.mass : kBodyDensity * inner_volume(tables.topology, skin);
   fit.report.muscle_mass = muscle_mass(body.sex, body.age, fit.report.stature, mass);
+  fit.report.muscle_volume = fit.report.muscle_mass / kMuscleDensity + fat_in_muscles(body);
   const double in_template =
-      muscle_mass(own.sex, own.age, tables.stature, kBodyDensity * tables.volume);
+      muscle_mass(own.sex, own.age, tables.stature, kBodyDensity * tables.volume) / kMuscleDensity +
+      fat_in_muscles(own);
   std::optional<SkinCarrier> with_skin;
   if (std::ranges::any_of(tables.muscles, lies_in_fat)) with_skin.emplace(body_template, skin);
   const CarryMap by_joint = [&](const Vec3& x, int joint) { return warp.by_joint(joint, x); };
   carry_all(tables.muscles, by_joint, flesh, with_skin ? &*with_skin : nullptr,
-            fit.report.muscle_mass / in_template, fit.report.stature / tables.stature,
+            fit.report.muscle_volume / in_template, fit.report.stature / tables.stature,
             fit.anatomy.muscles);
   fit.fascia = carry_fascia(tables.fascia, by_joint);
   fit.report.muscles_ms = since(start);

@@ -59,6 +59,7 @@ struct FitReport {
   std::vector<LandmarkDepth> landmarks;  // left side and middle
   InteriorReport interior;               // zeros without a warp
   double muscle_mass = 0;                // that such a person has (muscle_mass.h), kg
+  double muscle_volume = 0;              // of it and the fat in it (body_composition.h), m^3
 };
 
 struct Fit {

@@ -34,8 +34,7 @@ FittedCharacter fit_character(const Template& body_template, const Body& body,
   const SkinRays wall(chest_wall_skin(package, body.sex, body.skin.V));
   DilateOptions dilation = options.dilate;
   dilation.even_about = report.fit.even_about;
-  if (!dilation.most_volume)
-    dilation.most_volume = report.fit.muscle_mass / (kMuscleDensity * kUnionRatio);
+  if (!dilation.most_volume) dilation.most_volume = report.fit.muscle_volume / kUnionRatio;
   const auto start = Clock::now();
   fitted.fat = make_fat_layer(body_template.tables.fat, wall, fitted.anatomy, body);
   if (options.dilated) {

@@ -226,7 +226,8 @@ void check_voids(const Subject& subject, const Shape& shape, AnatomyCheck& check
   }
   const TriMesh flesh = flesh_of(subject, shape);
   const std::vector<int> winding = winding_numbers(flesh, under);
-  const NearestSurface nearest(flesh);
+  const TriMesh fascia{shape.fascia, subject.fascia.F};
+  const NearestSurface nearest(join_meshes({&flesh, &fascia}));
   std::vector<std::pair<double, double>> gaps(vertices.size());  // gap, area
   tbb::parallel_for(std::size_t{0}, vertices.size(), [&](std::size_t k) {
     const double gap = winding[k] != 0 ? 0 : nearest.nearest(under.row(k)).distance;

@@ -34,7 +34,7 @@ std::vector<Target> check_targets(const AnatomyCheck& check) {
        check.bone_share <= 0.01},
       {"share of the muscle that bones pierce most", "<= 5 %", pierced_most(check),
        check.pierced_share <= 0.05},
-      {"under the fat layer, within 5 mm of muscle or bone", ">= 95 %",
+      {"under the fat layer, within 5 mm of muscle, bone or fascia", ">= 95 %",
        percent(check.filled_share, 1), check.filled_share >= 0.95},
       {"muscle ends more than 10 mm from their bones", "0",
        fmt::format("{} of {}", check.loose_ends, check.ends), check.loose_ends == 0},

@@ -9,6 +9,7 @@
 
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/muscle_surface.h"
+#include "morph/fat/body_composition.h"
 #include "morph/fit/fit_character.h"
 #include "morph/shapes/standard_bodies.h"
 #include "morph/template/template_cache.h"
@@ -141,6 +142,22 @@ TEST_F(StandardFits, MeetTheirFigures) {
       EXPECT_EQ(off, 0);
     else
       EXPECT_LE(off, 4);
+  }
+}
+
+// The layer over the knee reaches down to the patella: a tendon that runs over it was pressed below
+// such a layer, behind the knee.
+TEST_F(StandardFits, TendonsStayOverSubcutaneousBone) {
+  const BodySpec spec{.sex = Sex::male, .age = 81, .height = 1.63, .mass = 44.7};
+  const FittedCharacter fitted =
+      fit_character(read_template(test_assets()), make_body(package(), spec), package());
+  for (const char* name : {"rectus_femoris_l", "rectus_femoris_r"}) {
+    const int m = find_muscle(fitted.anatomy, name);
+    ASSERT_GE(m, 0) << name;
+    const std::vector<Ellipse> carried = rest_slices(fitted.undilated.muscles[m].strips[0]),
+                               grown = rest_slices(fitted.anatomy.muscles[m].strips[0]);
+    for (std::size_t k = 0; k < grown.size(); ++k)
+      EXPECT_LT((grown[k].center - carried[k].center).norm(), 0.03) << name << " " << k;
   }
 }
 

@@ -15,6 +15,7 @@
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/queries/signed_distance.h"
 #include "morph/dilation/dilate_muscles.h"
+#include "morph/fat/body_composition.h"
 #include "morph/shapes/shape_space.h"
 #include "morph/shapes/shape_space_cache.h"
 #include "morph/shapes/standard_bodies.h"
@@ -174,6 +175,39 @@ TEST(Fit, TheFatLayerFollowsTheShareOfFat) {
     for (double index = 17; index < 40; index += 1)
       EXPECT_LT(estimate_fatness(weighed(sex, 30, index)),
                 estimate_fatness(weighed(sex, 30, index + 1)));
+  }
+}
+
+TEST(Fit, WhatAgeAddsToFatLiesInside) {
+  const Body young = weighed(Sex::male, 25, 30), old = weighed(Sex::male, 75, 30);
+  // By hand: 0.2555 of 97.2 kg, less marrow, muscles and viscera, at 0.85 x 950 kg/m^3.
+  EXPECT_NEAR(subcutaneous_fat(young), 0.77 * 0.2555 * 97.2 / 807.5, 1e-6);
+  EXPECT_NEAR(subcutaneous_fat(old), subcutaneous_fat(young), 1e-12);
+  EXPECT_NEAR(fat_in_muscles(young), 0.05 * 0.0455 * 97.2 / 807.5, 1e-6);
+  EXPECT_NEAR(fat_in_muscles(old) - fat_in_muscles(young), 0.3 * 0.115 * 97.2 / 807.5, 1e-6);
+  EXPECT_EQ(fat_in_muscles(weighed(Sex::female, 25, 20)), 0);  // the regression's muscles have it
+}
+
+TEST(Fit, TheFatLayerHoldsTheBodysFat) {
+  NEED_PACKAGES();
+  for (const BodySpec& spec : {BodySpec{.sex = Sex::male, .age = 30, .height = 1.95, .mass = 105},
+                               BodySpec{.sex = Sex::male, .age = 70, .height = 1.70, .mass = 95}}) {
+    const Body body = make_body(package, spec);
+    const Fit fit = fit_anatomy(own, body);
+    const TriMesh skin = capped_skin(package, body.skin.V);
+    const SkinRays rays(skin);
+    Anatomy no_bones = fit.anatomy;  // no ribs nor shins that change the layer
+    no_bones.bones.clear();
+    const FatLayer layer = make_fat_layer(own.tables.fat, rays, no_bones, body);
+    const Points normals = vertex_normals(skin);
+    const auto below = [&](const std::vector<float>& depths) {
+      TriMesh inner = skin;
+      for (Eigen::Index i = 0; i < inner.V.rows(); ++i)
+        inner.V.row(i) -= double(depths[std::size_t(i)]) * normals.row(i);
+      return mesh_volume(inner);
+    };
+    const double fat = below(layer.skin) - below(layer.thickness);
+    EXPECT_NEAR(fat / subcutaneous_fat(body), 1, 0.02) << int(spec.sex);
   }
 }
 
