@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <string_view>
 #include <unordered_map>
@@ -14,15 +15,13 @@ namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kNeedleAtRest = 0.008;  // m
-// From here on a muscle counts as torn. Set by looking at thirty-two bodies (docs/check.md): below,
-// what shows are dents and ridges.
+// From here on a muscle counts as torn. Set by looking (docs/check.md): below, what shows are
+// dents, ridges and blunt edges.
 struct TornFrom {
-  int needles = 0;
+  int raised = 0;
   double worst = 0;  // m
 };
-constexpr TornFrom kManyNeedles{12, 0.015}, kLongNeedles{6, 0.025};
-// What lies within the surface is seen by nobody: so many have to stand out of it.
-constexpr int kRaised = 3;
+constexpr TornFrom kManyRaised{20, 0.015}, kFarRaised{3, 0.025};
 
 bool same_sections(const Muscle& a, const Muscle& b) {
   return std::ranges::equal(a.strips, b.strips, [](const Strip& s, const Strip& t) {
@@ -43,6 +42,15 @@ struct DrawnAlone {
   }
 };
 
+double area_of(const DrawnAlone& muscle) {
+  double twice = 0;
+  for (Eigen::Index f = 0; f < muscle.surface.F.rows(); ++f) {
+    const auto corner = [&](int k) { return Vec3(muscle.positions.row(muscle.surface.F(f, k))); };
+    twice += (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
+  }
+  return std::max(twice / 2, 1e-9);
+}
+
 MuscleTear measure_tear(const Muscle& muscle, const Muscle& reference) {
   MuscleTear out;
   const DrawnAlone now(muscle), then(reference);
@@ -51,10 +59,12 @@ MuscleTear measure_tear(const Muscle& muscle, const Muscle& reference) {
   const std::vector<SurfaceEdge> edges = inner_edges(then.surface, then.positions);
   const Standing was = standing_off(then.surface, edges, then.positions),
                  is = standing_off(now.surface, edges, now.positions);
+  // A muscle that is larger as a whole is no less whole.
+  const double size = std::sqrt(std::max(1.0, area_of(now) / area_of(then)));
   for (std::size_t v = 0; v < is.off.size(); ++v) {
-    out.needles += is.off[v] > was.off[v] + kNeedleAtRest;
-    out.raised += is.out[v] > was.out[v] + kNeedleAtRest;
-    out.needle = std::max(out.needle, is.off[v] - was.off[v]);
+    out.needles += is.off[v] > size * was.off[v] + kNeedleAtRest;
+    out.raised += is.out[v] > size * was.out[v] + kNeedleAtRest;
+    out.needle = std::max(out.needle, is.out[v] - size * was.out[v]);
   }
   return out;
 }
@@ -77,17 +87,16 @@ std::vector<MuscleTear> measure_tears(const std::vector<Muscle>& muscles,
 }
 
 bool is_torn(const MuscleTear& tear) {
-  return tear.raised >= kRaised &&
-         std::ranges::any_of(std::array{kManyNeedles, kLongNeedles}, [&](const TornFrom& from) {
-           return tear.needles >= from.needles && tear.needle >= from.worst;
-         });
+  return std::ranges::any_of(std::array{kManyRaised, kFarRaised}, [&](const TornFrom& from) {
+    return tear.raised >= from.raised && tear.needle >= from.worst;
+  });
 }
 
 std::vector<int> torn_muscles(const std::vector<MuscleTear>& tears) {
   std::vector<int> out;
   for (std::size_t m = 0; m < tears.size(); ++m)
     if (is_torn(tears[m])) out.push_back(int(m));
-  std::ranges::stable_sort(out, [&](int a, int b) { return tears[a].needles > tears[b].needles; });
+  std::ranges::stable_sort(out, [&](int a, int b) { return tears[a].needle > tears[b].needle; });
   return out;
 }
 

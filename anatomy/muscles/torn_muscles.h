@@ -17,15 +17,16 @@ struct MuscleTear {
   bool known = false;  // the reference has it, strip for strip and slice for slice
   int needles = 0;     // points that stand off the mean of their neighbours by 8 mm more
   int raised = 0;      // points that do so along the surface's normal
-  double needle = 0;   // m, by which the worst does
+  double needle = 0;   // m, by which the worst of these does
 };
 
-// One a muscle. Muscles are matched by name.
+// One a muscle. Muscles are matched by name. A muscle that is larger as a whole is compared with
+// the reference made as large.
 std::vector<MuscleTear> measure_tears(const std::vector<Muscle>& muscles,
                                       const std::vector<Muscle>& reference);
 
-// Whether it shows: twelve needles, the worst of 15 mm and more, or six, the worst of 25 mm and
-// more; three points or more out of the surface.
+// Whether it shows: twenty points that stand out of the surface, the worst by 15 mm and more, or
+// three, the worst by 25 mm and more.
 bool is_torn(const MuscleTear& tear);
 
 // Indices of those that are torn, the worst first.

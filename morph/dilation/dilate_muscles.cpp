@@ -203,6 +203,11 @@ void share_room(Anatomy& anatomy, Sections& sections, const std::vector<int>& pa
   part_from_bones(muscles, sections.slices, partners, *bones);
   for (std::size_t m = 0; m < partners.size(); ++m)
     if (partners[m] >= 0) mirror_outlines(sections.of(std::size_t(partners[m])), sections.of(m));
+  // Which of two triangles a ray meets in their common edge depends on how the search tree was
+  // built: what that leaves in the last digits goes.
+  constexpr double kGrid = 1e-12;  // m
+  for (Ellipse& slice : sections.slices)
+    slice.center = (slice.center / kGrid).array().round() * kGrid;
   write();
 }
 

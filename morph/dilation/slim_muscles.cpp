@@ -34,7 +34,7 @@ Vec3 way_out(const Ellipse& slice, const SkinRays& skin) {
     const Vec3 direction =
         std::cos(angle) * slice.axes.col(0) + std::sin(angle) * slice.axes.col(1);
     const RayHit hit = skin.first_hit(slice.center, direction, kFarthestOutward);
-    if (hit.triangle >= 0) sum += std::pow(double(hit.distance) + 1e-3, -3) * direction;
+    if (hit.triangle >= 0) sum += std::pow(rounded(double(hit.distance)) + 1e-3, -3) * direction;
   }
   return sum.stableNormalized();
 }
