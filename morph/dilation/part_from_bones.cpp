@@ -16,12 +16,12 @@ namespace {
 // Of a muscle's volume, that may be left in bone: `ecorche check` asks for no more than 5 % along
 // its own lines. Smaller: muscles that lie over many ribs or spines are cut away for what little
 // of them is pierced.
-constexpr double kPierced = 0.02;
+constexpr double kPierced = 0.012;
 // The same, as seen along few lines, from which on more are looked at.
-constexpr double kSuspect = 0.008;
-constexpr int kPressRounds = 16;            // at most; most muscles need none
+constexpr double kSuspect = 0.005;
+constexpr int kPressRounds = 40;            // at most; most muscles need none
 constexpr double kBoneGap = 0.3e-3;         // m
-constexpr double kLeastFactor = 0.05;       // of outlines; larger: thick sheets stay in thin bones
+constexpr double kLeastFactor = 0.02;       // of outlines; larger: thick sheets stay in thin bones
 constexpr double kMostPressFromBone = 0.7;  // least factor of a round
 constexpr double kBeyond = 0.02;            // m past a line's end, where it may leave bone
 constexpr double kShortest = 2e-4;          // m: lines that are not looked at

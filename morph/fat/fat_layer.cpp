@@ -30,6 +30,9 @@ double between_builds(double lean, double average, double obese, double fatness)
   return std::max(value, 0.4 * lean);
 }
 
+// Frames of sites on head and neck.
+bool is_of_head(const std::string& frame) { return frame == "head" || frame == "c5"; }
+
 class SiteFinder {
  public:
   SiteFinder(const Table& table, const Skeleton& skeleton, const SkinRays& rays)
@@ -97,8 +100,12 @@ std::vector<Vec3> area_normals(const TriMesh& mesh) {
 }
 
 // Shepard's weights, 1 / distance^4, so that the mean is flat around each site.
-FatSite mean_of_sites(const std::vector<FatSite>& sites, const Vec3& point, const Vec3& normal) {
-  FatSite mean;
+struct SitesMean {
+  double thickness = 0, skin = 0;
+  double with_body = 0;  // share of sites of trunk and limbs
+};
+SitesMean mean_of_sites(const std::vector<FatSite>& sites, const Vec3& point, const Vec3& normal) {
+  SitesMean mean;
   double weights = 0;
   for (const FatSite& site : sites) {
     const double away = kFaceAway * (1 - normal.dot(site.normal)) / 2;
@@ -106,9 +113,10 @@ FatSite mean_of_sites(const std::vector<FatSite>& sites, const Vec3& point, cons
     const double weight = 1 / (squared * squared);
     mean.thickness += weight * site.thickness;
     mean.skin += weight * site.skin;
+    mean.with_body += site.of_trunk_or_limb ? weight : 0;
     weights += weight;
   }
-  if (weights > 0) mean.thickness /= weights, mean.skin /= weights;
+  if (weights > 0) mean.thickness /= weights, mean.skin /= weights, mean.with_body /= weights;
   return mean;
 }
 
@@ -169,16 +177,19 @@ void fit_to_fat(const TriMesh& wall, const Body& body, FatLayer& layer) {
   const double skin = volume_above(wall, normals, depths);
   const double breasts = std::max(0.0, mesh_volume(body.skin) - mesh_volume(wall));
   const double wanted = subcutaneous_fat(body) - kFatOfBreasts * breasts;
+  const auto thickness_at = [&](std::size_t i, double factor) {
+    const double fat = double(layer.thickness[i]) - double(layer.skin[i]);
+    return double(layer.skin[i]) + fat * (1 + (factor - 1) * double(layer.with_body[i]));
+  };
   double factor = 1;
   for (int round = 0; round < kRounds; ++round) {
-    for (std::size_t i = 0; i < depths.size(); ++i)
-      depths[i] = layer.skin[i] + factor * double(layer.thickness[i] - layer.skin[i]);
+    for (std::size_t i = 0; i < depths.size(); ++i) depths[i] = thickness_at(i, factor);
     const double now = volume_above(wall, normals, depths) - skin;
     if (!(now > 0)) return;
     factor = std::clamp(factor * wanted / now, kThinnest, kThickest);
   }
   for (std::size_t i = 0; i < layer.thickness.size(); ++i)
-    layer.thickness[i] = float(layer.skin[i] + factor * double(layer.thickness[i] - layer.skin[i]));
+    layer.thickness[i] = float(thickness_at(i, factor));
 }
 
 }  // namespace
@@ -203,7 +214,7 @@ double FatTable::thickness(const std::string& site, const FatOptions& options) c
 }
 
 FatLayer skin_of(const FatLayer& layer) {
-  return {layer.skin.empty() ? layer.thickness : layer.skin, layer.sites, layer.skin, {}};
+  return {layer.skin.empty() ? layer.thickness : layer.skin, layer.sites, layer.skin, {}, {}};
 }
 
 FatLayer layer_over_muscles(const FatLayer& layer) {
@@ -227,6 +238,7 @@ FatLayer make_fat_layer(const FatTable& fat, const SkinRays& rays, const Skeleto
       FatSite site;
       site.thickness = fat.thickness(row, options) + skin;
       site.skin = skin;
+      site.of_trunk_or_limb = !is_of_head(table.text(row, "frame"));
       if (finder.find(row, side, site)) layer.sites.push_back(site);
     }
   }
@@ -234,14 +246,16 @@ FatLayer make_fat_layer(const FatTable& fat, const SkinRays& rays, const Skeleto
   const std::vector<Vec3> normals = area_normals(skin);
   layer.thickness.resize(normals.size());
   layer.skin.resize(normals.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, normals.size(), 512),
-                    [&](const auto& range) {
-                      for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                        const FatSite mean = mean_of_sites(layer.sites, skin.V.row(i), normals[i]);
-                        layer.thickness[i] = float(mean.thickness);
-                        layer.skin[i] = float(mean.skin);
-                      }
-                    });
+  layer.with_body.resize(normals.size());
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, normals.size(), 512), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+          const SitesMean mean = mean_of_sites(layer.sites, skin.V.row(i), normals[i]);
+          layer.thickness[i] = float(mean.thickness);
+          layer.skin[i] = float(mean.skin);
+          layer.with_body[i] = float(mean.with_body);
+        }
+      });
   return layer;
 }
 

@@ -52,6 +52,7 @@ struct FatSite {
   Vec3 normal = Vec3::UnitY();   // outwards
   double thickness = 0;          // fat and skin, m
   double skin = 0;               // of it, m
+  bool of_trunk_or_limb = true;  // its fat goes with all of the body's: not on head and neck
 };
 
 struct FatLayer {
@@ -60,6 +61,7 @@ struct FatLayer {
   std::vector<float> skin;  // of it the skin alone, m; empty: not known
   // m: without what reaches further down to subcutaneous bone; empty: nothing does
   std::vector<float> over_muscles;
+  std::vector<float> with_body;  // 0 on head and neck .. 1: goes with all of the body's fat
 
   // At a ray's end.
   float at(const Triangles& F, const RayHit& hit) const { return value_at(F, hit, thickness); }
