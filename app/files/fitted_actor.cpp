@@ -9,6 +9,7 @@
 #include "anatomy/base_mesh/body_rig.h"
 #include "anatomy/base_mesh/refined_skin.h"
 #include "anatomy/geometry/subdivide.h"
+#include "morph/fat/body_composition.h"
 #include "morph/fat/muscle_mass.h"
 #include "skinning/rigs/standing_pose.h"
 

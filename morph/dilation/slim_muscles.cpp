@@ -64,8 +64,9 @@ Ellipse slimmed(Ellipse slice, double share, bool sheet, const Vec3& outwards) {
 
 class Slimmer {
  public:
-  Slimmer(std::vector<Muscle>& muscles, std::span<Ellipse> slices, std::span<const double> wanted,
-          std::span<const int> partners, double total, const SkinRays& skin)
+  Slimmer(const std::vector<Muscle>& muscles, std::span<Ellipse> slices,
+          std::span<const double> wanted, std::span<const int> partners, double total,
+          const SkinRays& skin)
       : muscles_(muscles),
         slices_(slices),
         before_(slices.begin(), slices.end()),
@@ -107,17 +108,6 @@ class Slimmer {
     return all;
   }
 
-  void finish() {
-    for (std::size_t m = 0; m < muscles_.size(); ++m) {
-      std::size_t at = begin_[m];
-      for (Strip& strip : muscles_[m].strips) {
-        const std::size_t n = strip.slices.size();
-        if (n >= 2) set_slices(strip, slices_.subspan(at, n));
-        at += n;
-      }
-    }
-  }
-
  private:
   // Whole bodies' muscle is measured without the muscles of the skin.
   bool weighed(std::size_t m) const { return !lies_in_fat(muscles_[m]); }
@@ -145,7 +135,7 @@ class Slimmer {
     return all;
   }
 
-  std::vector<Muscle>& muscles_;
+  const std::vector<Muscle>& muscles_;
   std::span<Ellipse> slices_;
   std::vector<Ellipse> before_;
   std::span<const int> partners_;
@@ -156,7 +146,7 @@ class Slimmer {
 
 }  // namespace
 
-double slim_muscles(std::vector<Muscle>& muscles, std::span<Ellipse> slices,
+double slim_muscles(const std::vector<Muscle>& muscles, std::span<Ellipse> slices,
                     std::span<const double> wanted, std::span<const int> partners, double total,
                     const SkinRays& skin) {
   Slimmer slimmer(muscles, slices, wanted, partners, total, skin);
@@ -169,9 +159,7 @@ double slim_muscles(std::vector<Muscle>& muscles, std::span<Ellipse> slices,
     now = slimmer.shrink(middle);
     (now > total ? low : high) = middle;
   }
-  now = slimmer.shrink(high);
-  slimmer.finish();
-  return now;
+  return slimmer.shrink(high);
 }
 
 }  // namespace ecorche::inline v1

@@ -16,11 +16,11 @@
 
 namespace ecorche::inline v1 {
 
-// `slices`: the sections of all muscles in order, as the strips hold them; both are changed.
+// `slices`: the sections of all muscles in order, as the strips hold them; the strips stay.
 // `wanted`: #muscles, volumes in proportion to which the total is shared out. `partners`: as for
 // pack_muscles. `total`: of all muscles, m^3. `skin`: about them. Nothing is changed where they
 // hold no more. Returns what they hold then, m^3.
-double slim_muscles(std::vector<Muscle>& muscles, std::span<Ellipse> slices,
+double slim_muscles(const std::vector<Muscle>& muscles, std::span<Ellipse> slices,
                     std::span<const double> wanted, std::span<const int> partners, double total,
                     const SkinRays& skin);
 

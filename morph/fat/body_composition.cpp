@@ -22,8 +22,7 @@ constexpr double kYoung = 25;
 // Shares of young people's fat (Shen et al. 2004; recalled, to a third).
 constexpr double kInMarrow = 0.06, kInMuscles = 0.05, kVisceralMale = 0.12, kVisceralFemale = 0.07;
 constexpr double kOfAgeInMuscles = 0.3;
-// kg/m^3 of adipose tissue, and its share of fat by mass (ICRP Publication 89).
-constexpr double kAdipose = 950, kFatInAdipose = 0.85;
+constexpr double kFatInAdipose = 0.85;  // by mass (ICRP Publication 89)
 
 double mass_of(const Body& body) {
   constexpr double kDensity = 1010;  // kg/m^3, with the air in the lungs
@@ -61,7 +60,7 @@ double share_when_young(const Body& body) {
 }
 
 // m^3 of tissue that holds so much fat, kg.
-double adipose(double fat) { return fat / (kAdipose * kFatInAdipose); }
+double adipose(double fat) { return fat / (kAdiposeDensity * kFatInAdipose); }
 
 }  // namespace
 

@@ -10,6 +10,8 @@
 
 namespace ecorche::inline v1 {
 
+inline constexpr double kAdiposeDensity = 950;  // kg/m^3 (ICRP Publication 89)
+
 // Fat's share of a body's mass; mass from its volume where it is not known, 25 years where the age
 // is not.
 double estimate_fat_share(const Body& body);

@@ -40,9 +40,9 @@ struct Tissues {
   double rest = 0;   // organs, vessels, deep fat, what is left
 };
 
-// Mean densities, kg/m^3: whole skeleton 1300, adipose tissue 950, organs 1050 (ICRP Publication
-// 89); muscle's is in muscle_mass.h.
-inline constexpr double kBoneDensity = 1300, kAdiposeDensity = 950, kOrganDensity = 1050;
+// Mean densities, kg/m^3: whole skeleton 1300, organs 1050 (ICRP Publication 89); muscle's is in
+// muscle_mass.h, adipose tissue's in body_composition.h.
+inline constexpr double kBoneDensity = 1300, kOrganDensity = 1050;
 
 struct FittingReport {
   FitReport fit;
