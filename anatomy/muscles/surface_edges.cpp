@@ -61,7 +61,7 @@ Standing standing_off(const MuscleSurface& surface, std::span<const SurfaceEdge>
     if (count[v] == 0) continue;
     const Vec3 offset = positions.row(v).transpose() - sum[v] / count[v];
     out.off[v] = offset.norm();
-    out.out[v] = std::abs(offset.dot(normals[v].normalized()));
+    out.out[v] = offset.dot(normals[v].normalized());
   }
   return out;
 }

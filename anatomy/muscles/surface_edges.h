@@ -24,7 +24,8 @@ std::vector<SurfaceEdge> inner_edges(const MuscleSurface& surface, const Points&
 SurfaceEdge edge_at(const SurfaceEdge& edge, const MuscleSurface& surface, const Points& positions);
 
 // How far each vertex stands off the mean of its neighbours, m: all the way, and along the
-// surface's normal there, which is what stands out of it or lies in it.
+// surface's normal there: positive where it stands out of the surface, negative where it lies in
+// it.
 struct Standing {
   std::vector<double> off, out;  // #V
 };

@@ -7,9 +7,7 @@
 #include <string_view>
 #include <unordered_map>
 
-#include "anatomy/muscles/action_line.h"
-#include "anatomy/muscles/muscle_surface.h"
-#include "anatomy/muscles/surface_edges.h"
+#include "anatomy/muscles/surface_reference.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -23,48 +21,18 @@ struct TornFrom {
 };
 constexpr TornFrom kManyRaised{20, 0.015}, kFarRaised{3, 0.025};
 
-bool same_sections(const Muscle& a, const Muscle& b) {
-  return std::ranges::equal(a.strips, b.strips, [](const Strip& s, const Strip& t) {
-    return s.slices.size() == t.slices.size() && s.slices.size() >= 2;
-  });
-}
-
-// A muscle drawn by itself.
-struct DrawnAlone {
-  MuscleSurface surface;
-  Points positions;
-
-  explicit DrawnAlone(const Muscle& muscle) {
-    Anatomy alone;
-    alone.muscles.push_back(muscle);
-    surface = make_muscle_surface(alone);
-    update_muscle_surface(surface, rest_slices(alone), positions);
-  }
-};
-
-double area_of(const DrawnAlone& muscle) {
-  double twice = 0;
-  for (Eigen::Index f = 0; f < muscle.surface.F.rows(); ++f) {
-    const auto corner = [&](int k) { return Vec3(muscle.positions.row(muscle.surface.F(f, k))); };
-    twice += (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
-  }
-  return std::max(twice / 2, 1e-9);
-}
-
 MuscleTear measure_tear(const Muscle& muscle, const Muscle& reference) {
   MuscleTear out;
-  const DrawnAlone now(muscle), then(reference);
-  if (now.surface.F.rows() != then.surface.F.rows()) return out;
+  const SurfaceReference then(reference);
+  const DrawnMuscle now(muscle);
+  if (!then.matches(now)) return out;
   out.known = true;
-  const std::vector<SurfaceEdge> edges = inner_edges(then.surface, then.positions);
-  const Standing was = standing_off(then.surface, edges, then.positions),
-                 is = standing_off(now.surface, edges, now.positions);
-  // A muscle that is larger as a whole is no less whole.
-  const double size = std::sqrt(std::max(1.0, area_of(now) / area_of(then)));
-  for (std::size_t v = 0; v < is.off.size(); ++v) {
-    out.needles += is.off[v] > size * was.off[v] + kNeedleAtRest;
-    out.raised += is.out[v] > size * was.out[v] + kNeedleAtRest;
-    out.needle = std::max(out.needle, is.out[v] - size * was.out[v]);
+  const Standing beyond = then.standing_beyond(now);
+  for (std::size_t v = 0; v < beyond.off.size(); ++v) {
+    const double raised = std::abs(beyond.out[v]);
+    out.needles += beyond.off[v] > kNeedleAtRest;
+    out.raised += raised > kNeedleAtRest;
+    out.needle = std::max(out.needle, raised);
   }
   return out;
 }

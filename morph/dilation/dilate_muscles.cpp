@@ -20,6 +20,7 @@
 #include "morph/dilation/packed_sections.h"
 #include "morph/dilation/part_from_bones.h"
 #include "morph/dilation/pull_inside_skin.h"
+#include "morph/dilation/remove_spikes.h"
 #include "morph/dilation/slim_muscles.h"
 #include "morph/dilation/tissue_stretch.h"
 
@@ -169,9 +170,9 @@ FreeEnds ends_of(const Muscle& muscle) {
 }
 
 // Muscles part from bones and from one another, and are slimmed to what they are to hold.
-void share_room(Anatomy& anatomy, Sections& sections, const std::vector<int>& partners,
-                const SkinRays& rays, const FatLayer& fat, const DilateOptions& options,
-                DilateReport& report) {
+void share_room(Anatomy& anatomy, const std::vector<Muscle>& original, Sections& sections,
+                const std::vector<int>& partners, const SkinRays& rays, const FatLayer& fat,
+                const DilateOptions& options, DilateReport& report) {
   std::vector<Muscle>& muscles = anatomy.muscles;
   const auto write = [&] {
     for_muscles(muscles.size(),
@@ -192,11 +193,13 @@ void share_room(Anatomy& anatomy, Sections& sections, const std::vector<int>& pa
     write();
     report.rays += pack_muscles(anatomy, sections.slices, wanted, partners, rays, fat).rays;
   }
-  if (options.most_volume) {
+  if (options.most_volume)
     slim_muscles(muscles, sections.slices, wanted, partners, *options.most_volume, rays);
-    mirror_sections(partners, options.even_about.value_or(0), sections);
-    write();
-  }
+  if (options.share) remove_spikes(muscles, original, partners, sections.slices);
+  mirror_sections(partners, options.even_about.value_or(0), sections);
+  for (std::size_t m = 0; m < partners.size(); ++m)
+    if (partners[m] >= 0) mirror_outlines(sections.of(std::size_t(partners[m])), sections.of(m));
+  write();
   if (!bones) return;
   const std::vector<char> all(muscles.size(), 1);
   report.rays += pull_inside_skin(muscles, sections.slices, all, rays).rays;
@@ -211,9 +214,9 @@ void share_room(Anatomy& anatomy, Sections& sections, const std::vector<int>& pa
   write();
 }
 
-void dilate_ecorche(Anatomy& anatomy, Sections& sections, const SkinRays& rays, const FatLayer& fat,
-                    const DilateOptions& options, std::vector<StripCount>& counts,
-                    DilateReport& report) {
+void dilate_ecorche(Anatomy& anatomy, const std::vector<Muscle>& original, Sections& sections,
+                    const SkinRays& rays, const FatLayer& fat, const DilateOptions& options,
+                    std::vector<StripCount>& counts, DilateReport& report) {
   std::vector<Muscle>& muscles = anatomy.muscles;
   const std::vector<int> partners = left_partners(anatomy, options);
   const double plane = options.even_about.value_or(0);
@@ -256,7 +259,7 @@ void dilate_ecorche(Anatomy& anatomy, Sections& sections, const SkinRays& rays, 
   report.rays += flesh.rays() + inside.rays;
   report.surface_outside = inside.outside;
   report.surface_left = inside.left;
-  share_room(anatomy, sections, partners, rays, fat, options, report);
+  share_room(anatomy, original, sections, partners, rays, fat, options, report);
 }
 
 // Where the skin crosses itself or folds, room can be shared out until sections have passed each
@@ -326,7 +329,7 @@ DilateReport dilate_muscles(Anatomy& anatomy, const std::vector<Muscle>& carried
   if (options.method == DilateMethod::paper)
     dilate_paper(muscles, original, sections, rays, fat, options, counts, report);
   else
-    dilate_ecorche(anatomy, sections, rays, fat, options, counts, report);
+    dilate_ecorche(anatomy, original, sections, rays, fat, options, counts, report);
   report.collapsed = restore_collapsed(muscles, carried_sections, report.muscles, sections);
   for_muscles(muscles.size(), [&](std::size_t m) {
     MuscleDilation& result = report.muscles[m];

@@ -221,7 +221,7 @@ class MusclePacking {
     for (std::size_t v = 0; v < is.off.size(); ++v) {
       const double needle = std::max(kPackedNeedle, kNeedleStep * steps[surface_.slice[v]]);
       off[surface_.muscle[v]] += is.off[v] > was.off[v] + needle;
-      out[surface_.muscle[v]] += is.out[v] > was.out[v] + needle;
+      out[surface_.muscle[v]] += std::abs(is.out[v]) > std::abs(was.out[v]) + needle;
     }
     for (std::size_t m = 0; m < torn_.size(); ++m)
       if (off[m] > kFewNeedles && out[m] > kFewRaised) torn_[m] = 1;
