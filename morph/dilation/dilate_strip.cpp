@@ -10,6 +10,10 @@ namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kNearSkin = 4e-3;  // m
+// How far the layer presses a tendon from its place, m; beyond, the layer is thinner over it, by
+// so much of its thickness at most. Larger: the Achilles tendon of short and of heavy people is
+// pressed as far as the tibia.
+constexpr double kTendonGives = 0.004, kMostThinned = 0.8;
 
 // 1 on the belly and towards free ends, fading to 0 within a tenth of the line on the tendons.
 double belly_share(const Strip& strip, double s, FreeEnds ends = {}) {
@@ -32,6 +36,16 @@ void smooth_shifts(std::vector<Vec2>& shifts) {
       if (length > limit) next[k] *= limit / length;
     }
     shifts.swap(next);
+  }
+}
+
+// Tendons stay, and the layer gives way. `tendon`: 0 on the belly .. 1.
+void thin_layer_over(const Section& section, double tendon, std::vector<HalfPlane>& room) {
+  for (HalfPlane& plane : room) {
+    const double beyond = section.support(plane.normal) - plane.bound - plane.give - kTendonGives;
+    const double thinned = tendon * std::clamp(beyond, 0.0, kMostThinned * plane.layer);
+    plane.bound += thinned;
+    plane.layer -= thinned;
   }
 }
 
@@ -112,6 +126,7 @@ StripCount grow_strip(const Strip& strip, std::span<Ellipse> slices, bool grows,
     sections[k].radii = slices[k].radii;
     const RoomCount room =
         find_room(slices[k], limits.directions, rays, fat, limits.clearance, rooms[k]);
+    thin_layer_over(sections[k], 1 - belly_share(strip, strip.slices[k].s), rooms[k]);
     count.rays += room.rays;
     count.misses += room.misses;
     count.pulled_in += room.outside;
