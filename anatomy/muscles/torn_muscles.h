@@ -18,6 +18,9 @@ struct MuscleTear {
   int needles = 0;     // points that stand off the mean of their neighbours by 8 mm more
   int raised = 0;      // points that do so along the surface's normal
   double needle = 0;   // m, by which the worst of these does
+  // m, by which a strip's line of centres lies off the chord over 3 cm to both sides, at the worst
+  // more than that of the reference made as long: a line that turns aside and back
+  double kink = 0;
 };
 
 // One a muscle. Muscles are matched by name. A muscle that is larger as a whole is compared with
@@ -26,7 +29,7 @@ std::vector<MuscleTear> measure_tears(const std::vector<Muscle>& muscles,
                                       const std::vector<Muscle>& reference);
 
 // Whether it shows: twenty points that stand out of the surface, the worst by 15 mm and more, or
-// three, the worst by 25 mm and more.
+// three, the worst by 25 mm and more; or a strip that turns aside and back by 20 mm and more.
 bool is_torn(const MuscleTear& tear);
 
 // Indices of those that are torn, the worst first.

@@ -163,14 +163,14 @@ void mirror_sections(const std::vector<int>& partners, double plane, Sections& s
   }
 }
 
-// Deep aponeuroses stay behind what lies over them.
+// Ends in fascia go with the flesh, as high over bone among what lies over them as they were.
 FreeEnds ends_of(const Muscle& muscle) {
-  if (muscle.layer != "superficial") return {};
   return {muscle.origin_bone.empty(), muscle.insertion_bone.empty()};
 }
 
 // Muscles part from bones and from one another, and are slimmed to what they are to hold.
-void share_room(Anatomy& anatomy, const std::vector<Muscle>& original, Sections& sections,
+void share_room(Anatomy& anatomy, const std::vector<Muscle>& original,
+                std::span<const Ellipse> carried, Sections& sections,
                 const std::vector<int>& partners, const SkinRays& rays, const FatLayer& fat,
                 const DilateOptions& options, DilateReport& report) {
   std::vector<Muscle>& muscles = anatomy.muscles;
@@ -184,7 +184,7 @@ void share_room(Anatomy& anatomy, const std::vector<Muscle>& original, Sections&
   if (options.share && !anatomy.bones.empty())
     bones.emplace(make_bone_rays(anatomy, options.even_about));
   if (bones) {
-    lift_off_bones(muscles, sections.slices, partners, *bones, rays);
+    lift_off_bones(muscles, sections.slices, carried, partners, *bones, rays);
     mirror_sections(partners, options.even_about.value_or(0), sections);
     write();
   }
@@ -221,6 +221,7 @@ void dilate_ecorche(Anatomy& anatomy, const std::vector<Muscle>& original, Secti
   const std::vector<int> partners = left_partners(anatomy, options);
   const double plane = options.even_about.value_or(0);
   TissueStretch flesh(anatomy, rays, fat);
+  const std::vector<Ellipse> carried = sections.slices;
   std::vector<std::vector<double>> heights(muscles.size());
   for (int round = 0; round < options.rounds; ++round) {
     flesh.look_at(sections.slices);
@@ -259,7 +260,7 @@ void dilate_ecorche(Anatomy& anatomy, const std::vector<Muscle>& original, Secti
   report.rays += flesh.rays() + inside.rays;
   report.surface_outside = inside.outside;
   report.surface_left = inside.left;
-  share_room(anatomy, original, sections, partners, rays, fat, options, report);
+  share_room(anatomy, original, carried, sections, partners, rays, fat, options, report);
 }
 
 // Where the skin crosses itself or folds, room can be shared out until sections have passed each

@@ -14,6 +14,12 @@ constexpr double kNearSkin = 4e-3;  // m
 // so much of its thickness at most. Larger: the Achilles tendon of short and of heavy people is
 // pressed as far as the tibia.
 constexpr double kTendonGives = 0.004, kMostThinned = 0.8;
+// Share of what is beyond that the layer takes. At 1 all sides press alike, and the last digit says
+// which of them is the first.
+constexpr double kThinned = 0.9;
+// How far a section's centre is pressed, m. Half planes know nothing of a skin that is hollow, as
+// along the spine and over the collar bone. Larger: strips turn aside and back there.
+constexpr double kMostPressed = 0.012;
 
 // 1 on the belly and towards free ends, fading to 0 within a tenth of the line on the tendons.
 double belly_share(const Strip& strip, double s, FreeEnds ends = {}) {
@@ -43,7 +49,7 @@ void smooth_shifts(std::vector<Vec2>& shifts) {
 void thin_layer_over(const Section& section, double tendon, std::vector<HalfPlane>& room) {
   for (HalfPlane& plane : room) {
     const double beyond = section.support(plane.normal) - plane.bound - plane.give - kTendonGives;
-    const double thinned = tendon * std::clamp(beyond, 0.0, kMostThinned * plane.layer);
+    const double thinned = tendon * std::clamp(kThinned * beyond, 0.0, kMostThinned * plane.layer);
     plane.bound += thinned;
     plane.layer -= thinned;
   }
@@ -143,13 +149,16 @@ StripCount grow_strip(const Strip& strip, std::span<Ellipse> slices, bool grows,
   smooth_shifts(shifts);
   std::vector<Vec2> centers(slices.size()), radii(slices.size());
   for (std::size_t k = 0; k < slices.size(); ++k) {
-    Section& section = sections[k];
-    section.center += shifts[k];
-    section.radii += shifts[k].cwiseAbs();
+    sections[k].center += shifts[k];
+    sections[k].radii += shifts[k].cwiseAbs();
   }
+  const std::vector<Section> before = sections;
   for (int round = 0; round < 3; ++round) {
     for (std::size_t k = 0; k < slices.size(); ++k) {
       press_in(sections[k], rooms[k], limits.least);
+      const Vec2 way = sections[k].center - before[k].center;
+      if (way.norm() > kMostPressed)
+        sections[k].center = before[k].center + kMostPressed * way.normalized();
       centers[k] = sections[k].center;
       radii[k] = sections[k].radii;
     }

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -16,6 +17,8 @@ namespace {
 // Of a section's smaller half axis, and its limits, m: how far centres stay from bone. Larger:
 // strips bend away from bones that they lie on; smaller: what is left of a section is thin.
 constexpr double kClearance = 0.5, kLeastClearance = 0.3e-3, kMostClearance = 3e-3;
+constexpr double kMostLift =
+    0.012;  // m. Larger: strips turn aside and back; smaller: more is cut away
 constexpr double kDeepest = 0.02;  // m: centres further in bone are not moved
 // More: what neighbours drew back into bone comes out again; nothing moves any more after some.
 constexpr int kLiftRounds = 6;
@@ -28,34 +31,109 @@ constexpr double kFarSkin = 0.1;       // m: skin beyond counts as so far
 constexpr double kCarried = 0.025;     // m over a lifted muscle, up to which others go with it
 constexpr double kLeastMove = 0.2e-3;  // m, that carries others
 
+// Least cosine between a move and the way that suits the rest of the strip.
+constexpr double kAlongWay = 0.5;
+// What a metre costs, a metre of a move being 1: from where a section was carried, and between what
+// two neighbours have gone from there. Larger: sections of one strip leave a bone on one side, on
+// the one that they came from, farther off.
+constexpr double kFromCarried = 2, kApart = 4;
+constexpr double kWrongSide = 0.03;  // m of a move, that it costs a sheet to go to its other side
+
 // Sides of a section's plane: towards +y, -y, or any.
 using Facing = int;
 
-// Where a section's centre has to go so that it lies out of bone; none where it does already.
-// `sides`: by bone, where a sheet may go; none for muscles that may go anywhere.
-template <class Sides>
-std::optional<Vec2> way_out(const Ellipse& slice, const BoneRays& bones, bool sheet,
-                            const Sides& side_of) {
-  const double clearance =
-      std::clamp(kClearance * slice.radii.minCoeff(), kLeastClearance, kMostClearance);
-  constexpr std::size_t kDirections = kOutlinePoints, kQuarter = kDirections / 4;
+// What rays in a section's plane meet of bones, in kOutlinePoints directions.
+struct PlaneLook {
+  std::array<RayHit, kOutlinePoints> hits;
+  bool inside = false;
+};
+
+PlaneLook look_round(const Ellipse& slice, const BoneRays& bones) {
+  constexpr std::size_t kQuarter = kOutlinePoints / 4;
+  PlaneLook out;
   int leaving = 0, entering = 0;
+  for (std::size_t i = 0; i < std::size_t(kOutlinePoints); ++i) {
+    if (i == 4 && leaving == 0) return out;  // four directions say enough
+    const std::size_t direction = i % 4 * kQuarter + i / 4;
+    const RayHit hit = bones.rays.first_hit(
+        slice.center, slice.axes.leftCols<2>() * outline_directions()[direction], kDeepest);
+    out.hits[direction] = hit;
+    if (hit.triangle >= 0) ++(hit.facing > 0 ? leaving : entering);
+  }
+  out.inside = leaving > entering && leaving > int(kQuarter);
+  return out;
+}
+
+double clearance_of(const Ellipse& slice) {
+  return std::clamp(kClearance * slice.radii.minCoeff(), kLeastClearance, kMostClearance);
+}
+
+// Where a section's centre has to go so that it lies out of bone; none where it does already.
+// `allowed`: whether it may go in a direction, to the surface of a bone.
+template <class Allowed>
+std::optional<Vec2> way_out(const Ellipse& slice, const BoneRays& bones, const Allowed& allowed) {
+  const PlaneLook look = look_round(slice, bones);
+  if (!look.inside) return std::nullopt;
   std::optional<Vec2> out;
   double least = 1e300;
-  for (std::size_t i = 0; i < kDirections; ++i) {
-    if (i == 4 && leaving == 0) return std::nullopt;  // four directions say enough
-    const Vec2& d = outline_directions()[i % 4 * kQuarter + i / 4];
-    const RayHit hit = bones.rays.first_hit(slice.center, slice.axes.leftCols<2>() * d, kDeepest);
-    if (hit.triangle < 0) continue;
-    ++(hit.facing > 0 ? leaving : entering);
-    const double distance = hit.distance;
-    if (hit.facing <= 0 || distance >= least) continue;
-    if (sheet && side_of(bones.bone[std::size_t(hit.triangle)]) * d.y() < kAcrossSheet) continue;
-    least = distance;
-    out = (distance + clearance) * d;
+  for (std::size_t i = 0; i < std::size_t(kOutlinePoints); ++i) {
+    const RayHit& hit = look.hits[i];
+    const Vec2& d = outline_directions()[i];
+    if (hit.triangle < 0 || hit.facing <= 0 || hit.distance >= least) continue;
+    if (!allowed(d, bones.bone[std::size_t(hit.triangle)])) continue;
+    least = hit.distance;
+    out = (double(hit.distance) + clearance_of(slice)) * d;
   }
-  const bool inside = leaving > entering && leaving > int(kQuarter);
-  return inside ? out : std::nullopt;
+  return out;
+}
+
+// The ways on which the sections of a strip leave bone so that all of them together are short and
+// neighbours stay beside each other (dynamic programming over the directions of each); nought for
+// those that lie out of bone. `more(k, direction, bone)`: what a way costs besides, m; none where
+// section k may not go.
+template <class More>
+std::vector<Vec3> ways_of_strip(std::span<const Ellipse> slices, std::span<const Ellipse> carried,
+                                const BoneRays& bones, const More& more) {
+  struct Way {
+    Vec3 move = Vec3::Zero(), from_carried = Vec3::Zero();
+    double cost = 0;         // of all moves up to here
+    std::size_t before = 0;  // of the ways of the section before
+  };
+  std::vector<std::vector<Way>> ways(slices.size());
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    const PlaneLook look = look_round(slices[k], bones);
+    for (std::size_t i = 0; i < std::size_t(kOutlinePoints) && look.inside; ++i) {
+      const RayHit& hit = look.hits[i];
+      if (hit.triangle < 0 || hit.facing <= 0) continue;
+      const Vec2& d = outline_directions()[i];
+      const std::optional<double> besides = more(k, d, bones.bone[std::size_t(hit.triangle)]);
+      if (!besides) continue;
+      Way& way = ways[k].emplace_back();
+      way.move =
+          (double(hit.distance) + clearance_of(slices[k])) * (slices[k].axes.leftCols<2>() * d);
+      way.cost = *besides;
+    }
+    if (ways[k].empty()) ways[k].push_back({});
+    for (Way& way : ways[k]) {
+      way.from_carried = slices[k].center + way.move - carried[k].center;
+      double least = 1e300;
+      for (std::size_t b = 0; k > 0 && b < ways[k - 1].size(); ++b) {
+        const Way& before = ways[k - 1][b];
+        const double cost = before.cost + kApart * (way.from_carried - before.from_carried).norm();
+        if (cost < least) least = cost, way.before = b;
+      }
+      way.cost += way.move.norm() + kFromCarried * way.from_carried.norm() + (k > 0 ? least : 0);
+    }
+  }
+  std::vector<Vec3> out(slices.size(), Vec3::Zero());
+  std::size_t at = 0;
+  for (std::size_t k = slices.size(); k-- > 0;) {
+    if (k + 1 == slices.size())
+      at = std::size_t(std::ranges::min_element(ways[k], {}, &Way::cost) - ways[k].begin());
+    out[k] = ways[k][at].move.stableNormalized();
+    at = ways[k][at].before;
+  }
+  return out;
 }
 
 // Two sections that a muscle goes on between: of a strip, or of a sheet's strips side by side.
@@ -103,8 +181,8 @@ Vec3 moved_below_skin(const Vec3& from, const Vec3& way, const SkinRays& skin) {
 // A muscle whose sections are on their way out of bone.
 class LiftedMuscle {
  public:
-  LiftedMuscle(const Muscle& muscle, std::span<const Ellipse> slices, const BoneRays& bones,
-               const SkinRays& skin)
+  LiftedMuscle(const Muscle& muscle, std::span<const Ellipse> slices,
+               std::span<const Ellipse> carried, const BoneRays& bones, const SkinRays& skin)
       : slices_(rounded_sections(slices)),
         start_(slices_),
         sheet_(muscle.sheet),
@@ -115,6 +193,7 @@ class LiftedMuscle {
     for (const Strip& strip : muscle.strips)
       ends_.push_back((ends_.empty() ? 0 : ends_.back()) + strip.slices.size());
     if (sheet_) find_sides();
+    find_ways(carried);
   }
 
   // How far each section goes, m.
@@ -127,6 +206,11 @@ class LiftedMuscle {
         slices_[k].center = moved_below_skin(slices_[k].center,
                                              start_[k].center + next[k] - slices_[k].center, skin_);
         moves_[k] = slices_[k].center - start_[k].center;
+        const double length = moves_[k].norm();
+        if (length > kMostLift) {
+          moves_[k] *= kMostLift / length;
+          slices_[k].center = start_[k].center + moves_[k];
+        }
       }
     }
     return moves_;
@@ -153,6 +237,37 @@ class LiftedMuscle {
       }
   }
 
+  void find_ways(std::span<const Ellipse> carried) {
+    std::size_t begin = 0;
+    for (const std::size_t end : ends_) {
+      const auto more = [&](std::size_t k, const Vec2& direction,
+                            int bone) -> std::optional<double> {
+        if (!sheet_) return 0;
+        if (!across_sheet(direction)) return std::nullopt;
+        return side_of(begin + k, bone) * direction.y() < 0 ? kWrongSide : 0;
+      };
+      const std::vector<Vec3> some =
+          ways_of_strip(std::span(slices_).subspan(begin, end - begin),
+                        carried.subspan(begin, end - begin), bones_, more);
+      ways_.insert(ways_.end(), some.begin(), some.end());
+      begin = end;
+    }
+  }
+
+  static bool across_sheet(const Vec2& direction) {
+    return std::abs(direction.y()) >= kAcrossSheet;
+  }
+
+  // Whether what is nearer to one section than to another may go in a direction, to the surface of
+  // a bone.
+  bool allowed(std::size_t nearer, std::size_t other, const Vec2& direction, const Vec3& in_space,
+               int bone) const {
+    if (sheet_ && !across_sheet(direction)) return false;
+    const Vec3& way = ways_[nearer] != Vec3::Zero() ? ways_[nearer] : ways_[other];
+    if (way != Vec3::Zero()) return in_space.dot(way) >= kAlongWay;
+    return !sheet_ || side_of(nearer, bone) * direction.y() > 0;
+  }
+
   double skin_depth(std::size_t k, Facing side) const {
     const RayHit hit = skin_.first_hit(slices_[k].center, side * slices_[k].axes.col(1), kFarSkin);
     return hit.triangle < 0 ? kFarSkin : double(hit.distance);
@@ -172,9 +287,10 @@ class LiftedMuscle {
       for (int i = next == one + 1 ? 0 : 1; i <= kBetween; ++i) {
         const double t = double(i) / kBetween;
         const Ellipse here = between(slices_[one], slices_[next], t);
-        const std::size_t nearer = t < 0.5 ? one : next;
-        const auto move =
-            way_out(here, bones_, sheet_, [&](int bone) { return side_of(nearer, bone); });
+        const auto move = way_out(here, bones_, [&](const Vec2& direction, int bone) {
+          return allowed(t < 0.5 ? one : next, t < 0.5 ? next : one, direction,
+                         here.axes.leftCols<2>() * direction, bone);
+        });
         if (!move) continue;
         any = true;
         const Vec3 way = here.axes.leftCols<2>() * *move;
@@ -219,6 +335,7 @@ class LiftedMuscle {
   std::vector<std::size_t> ends_;    // #strips, of their slices
   std::vector<Vec3> moves_, asked_;  // #slices, in their planes, m
   std::vector<Facing> outer_;        // #slices of a sheet
+  std::vector<Vec3> ways_;           // #slices, unit or nought
   std::map<int, int> over_;          // by bone: sections outside it less those inside
 };
 
@@ -255,7 +372,8 @@ Vec3 carried_move(std::size_t muscle, const Ellipse& slice, const Vec3& own,
 }  // namespace
 
 void lift_off_bones(std::span<const Muscle> muscles, std::span<Ellipse> slices,
-                    std::span<const int> partners, const BoneRays& bones, const SkinRays& skin) {
+                    std::span<const Ellipse> carried, std::span<const int> partners,
+                    const BoneRays& bones, const SkinRays& skin) {
   const std::vector<std::size_t> begin = slice_begins(muscles);
   const auto for_own = [&](const auto& f) {
     tbb::parallel_for(std::size_t{0}, muscles.size(), [&](std::size_t m) {
@@ -264,7 +382,8 @@ void lift_off_bones(std::span<const Muscle> muscles, std::span<Ellipse> slices,
   };
   std::vector<std::vector<Vec3>> moves(muscles.size());
   for_own([&](std::size_t m, std::span<Ellipse> own) {
-    moves[m] = LiftedMuscle(muscles[m], own, bones, skin).lift();
+    moves[m] =
+        LiftedMuscle(muscles[m], own, carried.subspan(begin[m], own.size()), bones, skin).lift();
   });
   std::vector<LiftedSection> lifted;
   for (std::size_t m = 0; m < muscles.size(); ++m)

@@ -72,6 +72,21 @@ TEST(TornMuscles, WhatLiesWithinTheSurfaceIsNotSeen) {
   EXPECT_FALSE(is_torn(tear));
 }
 
+// A strip that turns aside and back by 4 cm. Made twice as long it is no more kinked.
+TEST(TornMuscles, KinksAreFound) {
+  const std::vector<Muscle> reference = straps_torn_muscles();
+  std::vector<Muscle> kinked = reference;
+  std::vector<Slice>& slices = kinked[1].strips[0].slices;
+  for (std::size_t k = 9; k <= 11; ++k) slices[k].offset.y() += 0.04;
+  const std::vector<MuscleTear> tears = measure_tears(kinked, reference);
+  EXPECT_LT(tears[0].kink, 1e-6);
+  EXPECT_NEAR(tears[1].kink, 0.04, 0.004);
+  EXPECT_TRUE(is_torn(tears[1]));
+  std::vector<Muscle> longer = straps_torn_muscles(0.6);
+  for (std::size_t k = 9; k <= 11; ++k) longer[1].strips[0].slices[k].offset.y() += 0.08;
+  EXPECT_LT(measure_tears(longer, kinked)[1].kink, 0.004);
+}
+
 // A wide section between narrow ones, in the reference too, stands off its neighbours by more where
 // all is larger.
 TEST(TornMuscles, LargerMusclesAreAsWhole) {
