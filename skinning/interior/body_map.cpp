@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <numeric>
@@ -134,14 +135,26 @@ class Placer {
     const auto shares = lattice_shares(lattices_.fine, lattices_.skin, p);
     MapPoint out;
     out.rest = p;
-    out.joints = kept_weights(mix_weights(shares, joints_), kLeastWeight, own_);
+    SourceWeights joints = mix_weights(shares, joints_);
+    if (joints.count == 0) joints = nearest_joints(p);
+    out.joints = kept_weights(joints, kLeastWeight, own_);
     out.skin = kept_weights(mix_weights(shares, skin_), kLeastSkinWeight);
-    if (out.joints.count == 0) out.joints = one_source(0);  // far from all flesh: with the root
     out.cells = lattice_shares(lattices_.coarse, lattices_.skin, p);
     return out;
   }
 
  private:
+  // Of the nearest node that any bone reaches: a slit, as between the lips, parts some from all.
+  SourceWeights nearest_joints(const Vec3& p) const {
+    double least = std::numeric_limits<double>::infinity();
+    int nearest = -1;
+    for (int i = 0; i < lattices_.fine.nodes(); ++i) {
+      const double squared = (lattices_.fine.points[i] - p).squaredNorm();
+      if (joints_[i].count > 0 && squared < least) least = squared, nearest = i;
+    }
+    return nearest < 0 ? one_source(0) : joints_[nearest];
+  }
+
   const Lattices& lattices_;
   std::span<const SourceWeights> joints_, skin_;
   std::vector<char> own_;

@@ -9,6 +9,8 @@
 #include <cstring>
 
 #include "anatomy/errors.h"
+#include "anatomy/geometry/join_meshes.h"
+#include "anatomy/geometry/mesh_measures.h"
 #include "anatomy/muscles/action_line.h"
 #include "tests/skinning/arm.h"
 #include "tests/skinning/compiled_arm.h"
@@ -89,6 +91,44 @@ TEST(BodyMap, KeepsNeighboursTogetherInABend) {
                   -0.2)
             << angle << " " << k;
   }
+}
+
+// A lobe beside the forearm that no bone reaches, as a lip is parted by the mouth's slit.
+TEST(BodyMap, WhatNoBoneReachesGoesWithTheNearest) {
+  test::Arm arm = test::make_arm();
+  const Vec3 elbow(0.2, 1.1, 0), from = elbow + Vec3(0.1, -0.2, 0),
+                                 to = elbow + Vec3(0.1, -0.14, 0);
+  const TriMesh lobe = test::capsule(from, to, 0.03, 24);
+  arm.skin = join_meshes({&arm.skin, &lobe});
+  Muscle muscle = arm.anatomy.muscles.front();
+  muscle.name = "lobe_l";
+  muscle.origin_bone = muscle.insertion_bone = "ulna_l";
+  muscle.strips[0].path = {{from, {3, -1}, 1}, {0.5 * (from + to), {3, -1}, 1}, {to, {3, -1}, 1}};
+  for (Slice& slice : muscle.strips[0].slices) slice.radii = {0.01, 0.01};
+  arm.anatomy.muscles.push_back(muscle);
+  const CharacterModel model =
+      test::compile_figure(arm.anatomy, arm.skin, {.muscles = MuscleMotion::map});
+  CharacterState state(model);
+  evaluate(model, bent(model, 1.5), {}, state);
+  // The skin as it lies then about the lobe, which goes with the forearm.
+  const Quat turn(Eigen::AngleAxisd(-1.5, Vec3::UnitX()));
+  const Points normals = vertex_normals(arm.skin);
+  const std::vector<int>& order = model.skin.base_blend->mesh.order;
+  std::vector<float> positions = state.relaxed.positions, outwards = state.relaxed.normals;
+  for (std::size_t s = 0; s < positions.size() / 4; ++s) {
+    const int v = order.empty() ? int(s) : order[s];
+    if (v < arm.skin.V.rows() - lobe.V.rows()) continue;
+    const Vec3 p = elbow + turn * (arm.skin.V.row(v).transpose() - elbow),
+               n = turn * Vec3(normals.row(v));
+    for (int k = 0; k < 3; ++k)
+      positions[4 * s + k] = float(p[k]), outwards[4 * s + k] = float(n[k]);
+  }
+  BodyMapWorkspace workspace;
+  carry_muscles(*model.interior, positions, outwards, state.posed, workspace);
+  const std::vector<Ellipse> rest = rest_slices(model.character.anatomy);
+  for (std::size_t k = kSections; k < rest.size(); ++k)
+    EXPECT_LT((state.posed.slices[k].center - elbow - turn * (rest[k].center - elbow)).norm(), 0.01)
+        << k;
 }
 
 TEST(BodyMap, GoesInWhereTheSkinDoesAndNotOut) {
