@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kNear = 0.030;     // m below the skin at rest; deeper points get no probe
 constexpr float kMargin = 1.5e-3f;  // m, that probes stay below the skin
-constexpr int kProbesEach = 2;      // of a joint and a vertex of the skin
+constexpr int kProbesEach = 4;      // of a joint and a vertex of the skin
 constexpr std::size_t kBlock = 1024;
 
 struct Candidate {
