@@ -17,8 +17,9 @@ namespace {
 // Of a section's smaller half axis, and its limits, m: how far centres stay from bone. Larger:
 // strips bend away from bones that they lie on; smaller: what is left of a section is thin.
 constexpr double kClearance = 0.5, kLeastClearance = 0.3e-3, kMostClearance = 3e-3;
-constexpr double kMostLift =
-    0.012;  // m. Larger: strips turn aside and back; smaller: more is cut away
+// m, that a centre is moved at most. Larger: strips turn aside and back; smaller: more of them is
+// cut away.
+constexpr double kMostLift = 0.012;
 constexpr double kDeepest = 0.02;  // m: centres further in bone are not moved
 // More: what neighbours drew back into bone comes out again; nothing moves any more after some.
 constexpr int kLiftRounds = 6;
