@@ -355,6 +355,20 @@ void set_slices(Strip& strip, std::span<const Ellipse> ellipses) {
   }
 }
 
+void set_slices(Muscle& muscle, std::span<const Ellipse> ellipses) {
+  std::size_t at = 0;
+  for (Strip& strip : muscle.strips) {
+    set_slices(strip, ellipses.subspan(at, strip.slices.size()));
+    at += strip.slices.size();
+  }
+}
+
+void set_outlines(Muscle& muscle, std::span<const Ellipse> ellipses) {
+  std::size_t at = 0;
+  for (Strip& strip : muscle.strips)
+    for (Slice& slice : strip.slices) slice.outline = ellipses[at++].outline;
+}
+
 double belly_weight(const Strip& strip, double s) {
   double share = 1;
   if (strip.belly_begin > 0) share *= smooth_step((s - strip.belly_begin) / (2 * kJunction) + 0.5);

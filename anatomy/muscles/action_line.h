@@ -79,6 +79,9 @@ std::vector<Station> resample_stations(std::span<const PathPoint> path,
 // directions, radii and outlines; s stays. The way back from a change made to the ellipses
 // (dilation). Precondition: one ellipse a slice.
 void set_slices(Strip& strip, std::span<const Ellipse> ellipses);
+// The same for all strips of a muscle, whose ellipses follow one another; and their outlines alone.
+void set_slices(Muscle& muscle, std::span<const Ellipse> ellipses);
+void set_outlines(Muscle& muscle, std::span<const Ellipse> ellipses);
 
 // 1 on the belly, 0 on tendon, smooth over 6 % of the line on either side of a junction. A strip
 // without tendon is belly to its end (belly_begin 0, belly_end 1).

@@ -9,7 +9,7 @@
 
 namespace ecorche::inline v1 {
 
-// A muscle drawn by itself, its sections at rest or as given.
+// A muscle drawn by itself, at rest.
 struct DrawnMuscle {
   MuscleSurface surface;
   Points positions;

@@ -69,6 +69,10 @@ Sections sections_of(std::vector<Muscle>& muscles) {
   return out;
 }
 
+void write_sections(Sections& sections, std::vector<Muscle>& muscles) {
+  for_muscles(muscles.size(), [&](std::size_t m) { set_slices(muscles[m], sections.of(m)); });
+}
+
 double volume_of(std::vector<Strip>& strips, std::span<Ellipse> slices) {
   double volume = 0;
   for_strips(strips, slices, [&](const Strip&, std::span<Ellipse> some) {
@@ -163,6 +167,11 @@ void mirror_sections(const std::vector<int>& partners, double plane, Sections& s
   }
 }
 
+void mirror_outlines_of(const std::vector<int>& partners, Sections& sections) {
+  for (std::size_t m = 0; m < partners.size(); ++m)
+    if (partners[m] >= 0) mirror_outlines(sections.of(std::size_t(partners[m])), sections.of(m));
+}
+
 // Ends in fascia go with the flesh, as high over bone among what lies over them as they were.
 FreeEnds ends_of(const Muscle& muscle) {
   return {muscle.origin_bone.empty(), muscle.insertion_bone.empty()};
@@ -174,10 +183,6 @@ void share_room(Anatomy& anatomy, const std::vector<Muscle>& original,
                 const std::vector<int>& partners, const SkinRays& rays, const FatLayer& fat,
                 const DilateOptions& options, DilateReport& report) {
   std::vector<Muscle>& muscles = anatomy.muscles;
-  const auto write = [&] {
-    for_muscles(muscles.size(),
-                [&](std::size_t m) { for_strips(muscles[m].strips, sections.of(m), set_slices); });
-  };
   std::vector<double> wanted;
   for (const MuscleDilation& muscle : report.muscles) wanted.push_back(muscle.wanted);
   std::optional<BoneRays> bones;
@@ -186,32 +191,30 @@ void share_room(Anatomy& anatomy, const std::vector<Muscle>& original,
   if (bones) {
     lift_off_bones(muscles, sections.slices, carried, partners, *bones, rays);
     mirror_sections(partners, options.even_about.value_or(0), sections);
-    write();
+    write_sections(sections, muscles);
   }
   if (options.share) {
     close_raphes(muscles, sections.slices);
-    write();
+    write_sections(sections, muscles);
     report.rays += pack_muscles(anatomy, sections.slices, wanted, partners, rays, fat).rays;
   }
   if (options.most_volume)
     slim_muscles(muscles, sections.slices, wanted, partners, *options.most_volume, rays);
   if (options.share) remove_spikes(muscles, original, partners, sections.slices);
   mirror_sections(partners, options.even_about.value_or(0), sections);
-  for (std::size_t m = 0; m < partners.size(); ++m)
-    if (partners[m] >= 0) mirror_outlines(sections.of(std::size_t(partners[m])), sections.of(m));
-  write();
+  mirror_outlines_of(partners, sections);
+  write_sections(sections, muscles);
   if (!bones) return;
   const std::vector<char> all(muscles.size(), 1);
   report.rays += pull_inside_skin(muscles, sections.slices, all, rays).rays;
   part_from_bones(muscles, sections.slices, partners, *bones);
-  for (std::size_t m = 0; m < partners.size(); ++m)
-    if (partners[m] >= 0) mirror_outlines(sections.of(std::size_t(partners[m])), sections.of(m));
+  mirror_outlines_of(partners, sections);
   // Which of two triangles a ray meets in their common edge depends on how the search tree was
   // built: what that leaves in the last digits goes.
   constexpr double kGrid = 1e-12;  // m
   for (Ellipse& slice : sections.slices)
     slice.center = (slice.center / kGrid).array().round() * kGrid;
-  write();
+  write_sections(sections, muscles);
 }
 
 void dilate_ecorche(Anatomy& anatomy, const std::vector<Muscle>& original, Sections& sections,
@@ -251,8 +254,7 @@ void dilate_ecorche(Anatomy& anatomy, const std::vector<Muscle>& original, Secti
         });
   });
   mirror_sections(partners, plane, sections);
-  for_muscles(muscles.size(),
-              [&](std::size_t m) { for_strips(muscles[m].strips, sections.of(m), set_slices); });
+  write_sections(sections, muscles);
   std::vector<char> suspects(muscles.size());
   for (std::size_t m = 0; m < muscles.size(); ++m)
     suspects[m] = counts[partners[m] < 0 ? m : std::size_t(partners[m])].near_skin;
@@ -280,7 +282,7 @@ int restore_collapsed(std::vector<Muscle>& muscles, const std::vector<Ellipse>& 
     if (report[m].wanted <= 0 || (whole && near)) continue;
     ++count;
     std::ranges::copy(before, sections.of(m).begin());
-    for_strips(muscles[m].strips, sections.of(m), set_slices);
+    set_slices(muscles[m], sections.of(m));
   }
   return count;
 }

@@ -64,6 +64,13 @@ std::size_t outline_place(const MuscleSurface::Term& term) {
   return std::size_t(std::lround(term.place)) % kDirectionsPackedSections;
 }
 
+Vec3 root_of(const MuscleSurface& surface, int vertex, std::span<const Ellipse> slices) {
+  Vec3 out = Vec3::Zero();
+  for (int j = surface.term_begin[vertex]; j < surface.term_begin[vertex + 1]; ++j)
+    out += double(surface.terms[j].weight) * slices[surface.terms[j].slice].center;
+  return out;
+}
+
 PackedSections::PackedSections(const Anatomy& anatomy, const MuscleSurface& surface,
                                std::span<const Ellipse> given, std::span<const int> mirrored)
     : slices(rounded_sections(given)),

@@ -23,6 +23,9 @@ struct StripPlace {
 // v are 0.
 std::size_t outline_place(const MuscleSurface::Term& term);
 
+// What a drawn vertex lies about: the mean of the centres that it follows.
+Vec3 root_of(const MuscleSurface& surface, int vertex, std::span<const Ellipse> slices);
+
 struct PackedSections {
   std::vector<Ellipse> slices;  // to the micrometre
   std::vector<StripPlace> strips;

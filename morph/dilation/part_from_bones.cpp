@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "anatomy/muscles/slice_outline.h"
 #include "morph/dilation/packed_sections.h"
@@ -94,9 +95,7 @@ class PartedMuscle {
       float& factor = slices_[ray / kOutlinePoints].outline[ray % kOutlinePoints];
       factor = std::min(factor, std::max(float(kLeastFactor), ratios[ray] * factor));
     }
-    std::size_t at = 0;
-    for (Strip& strip : alone_.muscles[0].strips)
-      for (Slice& slice : strip.slices) slice.outline = slices_[at++].outline;
+    set_outlines(alone_.muscles[0], slices_);
     return true;
   }
 
@@ -112,11 +111,8 @@ class PartedMuscle {
   void find_lines(std::span<const Corners> places) {
     surface_ = make_muscle_surface(alone_);
     update_muscle_surface(surface_, slices_, positions_);
-    roots_ = Points::Zero(positions_.rows(), 3);
-    for (int v = 0; v < surface_.vertices(); ++v)
-      for (int j = surface_.term_begin[v]; j < surface_.term_begin[v + 1]; ++j)
-        roots_.row(v) +=
-            double(surface_.terms[j].weight) * slices_[surface_.terms[j].slice].center.transpose();
+    roots_.resize(positions_.rows(), 3);
+    for (int v = 0; v < surface_.vertices(); ++v) roots_.row(v) = root_of(surface_, v, slices_);
     lines_.clear();
     volume_ = 0;
     for (Eigen::Index f = 0; f < surface_.F.rows(); ++f)

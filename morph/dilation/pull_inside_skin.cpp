@@ -176,13 +176,7 @@ InsideReport pull_inside_skin(std::vector<Muscle>& muscles, std::span<Ellipse> s
                       (slice.axes.leftCols<2>().transpose() * (inside - slice.center));
       moved = true;
     }
-    if (moved) {
-      std::size_t at = 0;
-      for (Strip& strip : muscle.strips) {
-        set_slices(strip, suspect.slices.subspan(at, strip.slices.size()));
-        at += strip.slices.size();
-      }
-    }
+    if (moved) set_slices(muscle, suspect.slices);
     reports[k] = pull_inside_skin(muscle, suspect.slices, rays);
     reports[k].rays += static_cast<long long>(suspect.slices.size());
   });

@@ -26,16 +26,12 @@ class Despiked {
  public:
   Despiked(const Muscle& muscle, const Muscle& reference, std::span<Ellipse> slices)
       : muscle_(muscle), reference_(reference), slices_(slices) {
-    std::size_t first = 0;
-    for (Strip& strip : muscle_.strips) {
-      set_slices(strip, slices_.subspan(first, strip.slices.size()));
-      first += strip.slices.size();
-    }
+    set_slices(muscle_, slices_);
   }
 
   // Draws outlines back at all spikes; their count.
   int round() {
-    write_outlines();
+    set_outlines(muscle_, slices_);
     const DrawnMuscle now(muscle_);
     if (!reference_.matches(now)) return 0;
     const Standing beyond = reference_.standing_beyond(now);
@@ -53,18 +49,9 @@ class Despiked {
   }
 
  private:
-  void write_outlines() {
-    std::size_t at = 0;
-    for (Strip& strip : muscle_.strips)
-      for (Slice& slice : strip.slices) slice.outline = slices_[at++].outline;
-  }
-
   void draw_back(const DrawnMuscle& now, int v, double excess, std::vector<float>& ratios) const {
     const MuscleSurface& surface = now.surface;
-    Vec3 root = Vec3::Zero();
-    for (int j = surface.term_begin[v]; j < surface.term_begin[v + 1]; ++j)
-      root += double(surface.terms[j].weight) * slices_[surface.terms[j].slice].center;
-    const double length = (now.positions.row(v).transpose() - root).norm();
+    const double length = (now.positions.row(v).transpose() - root_of(surface, v, slices_)).norm();
     const auto ratio = std::max(kLeastOfRound, float(1 - excess / std::max(length, 1e-6)));
     for (int j = surface.term_begin[v]; j < surface.term_begin[v + 1]; ++j) {
       const MuscleSurface::Term& term = surface.terms[j];

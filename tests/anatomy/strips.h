@@ -34,6 +34,19 @@ inline std::vector<Station> spindle(int count, double radius, double tendon, dou
   return stations;
 }
 
+// Straight from a to b on joint 0, all sections alike, their width along x.
+inline Strip straight_strap(const Vec3& a, const Vec3& b, int count, const Vec2& radii) {
+  std::vector<Station> stations;
+  for (int k = 0; k < count; ++k) {
+    Station station;
+    station.s = k / double(count - 1);
+    station.radii = radii;
+    station.width = Vec3::UnitX();
+    stations.push_back(station);
+  }
+  return make_strip({on(0, a), on(0, 0.5 * (a + b)), on(0, b)}, stations);
+}
+
 // A bent, twisting path with uneven pieces.
 inline std::vector<PathPoint> bent_path() {
   return {on(0, {0.02, 1.30, 0.01}), on(0, {0.03, 1.22, 0.03}), on(1, {0.05, 1.02, 0.035}),

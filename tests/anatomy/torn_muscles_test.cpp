@@ -16,18 +16,7 @@ std::vector<Muscle> straps_torn_muscles(double length = 0.3) {
   for (const char* name : {"one", "other"}) {
     Muscle& muscle = out.emplace_back();
     muscle.name = name;
-    std::vector<Station> stations;
-    for (int k = 0; k <= 20; ++k) {
-      Station station;
-      station.s = k / 20.0;
-      station.radii = {0.04, 0.01};
-      station.width = Vec3::UnitX();
-      stations.push_back(station);
-    }
-    muscle.strips.push_back(
-        make_strip({testing::on(0, {0, 1, 0}), testing::on(0, {0, 1 + length / 2, 0}),
-                    testing::on(0, {0, 1 + length, 0})},
-                   stations));
+    muscle.strips = {testing::straight_strap({0, 1, 0}, {0, 1 + length, 0}, 21, {0.04, 0.01})};
   }
   return out;
 }

@@ -16,17 +16,7 @@ Anatomy tube_through_bar() {
   Anatomy out;
   Muscle& muscle = out.muscles.emplace_back();
   muscle.name = "tube";
-  std::vector<Station> stations;
-  for (int k = 0; k <= 30; ++k) {
-    Station station;
-    station.s = k / 30.0;
-    station.radii = {0.002, 0.002};
-    station.width = Vec3::UnitX();
-    stations.push_back(station);
-  }
-  muscle.strips.push_back(make_strip(
-      {testing::on(0, {0, 1, 0}), testing::on(0, {0, 1.15, 0}), testing::on(0, {0, 1.3, 0})},
-      stations));
+  muscle.strips = {testing::straight_strap({0, 1, 0}, {0, 1.3, 0}, 31, {0.002, 0.002})};
   Bone& bone = out.bones.emplace_back();
   bone.name = "bar";
   bone.mesh = cylinder(kBarRadius, -0.1, 0.1);

@@ -14,17 +14,7 @@ namespace {
 std::vector<Muscle> strap_remove_spikes() {
   Muscle muscle;
   muscle.name = "strap";
-  std::vector<Station> stations;
-  for (int k = 0; k <= 20; ++k) {
-    Station station;
-    station.s = k / 20.0;
-    station.radii = {0.04, 0.02};
-    station.width = Vec3::UnitX();
-    stations.push_back(station);
-  }
-  muscle.strips.push_back(make_strip(
-      {testing::on(0, {0, 1, 0}), testing::on(0, {0, 1.15, 0}), testing::on(0, {0, 1.3, 0})},
-      stations));
+  muscle.strips = {testing::straight_strap({0, 1, 0}, {0, 1.3, 0}, 21, {0.04, 0.02})};
   return {muscle};
 }
 

@@ -26,17 +26,7 @@ struct Pair {
     for (const double z : {0.0, 0.021}) {
       Muscle muscle;
       muscle.name = z > 0 ? "upper" : "lower";
-      std::vector<Station> stations;
-      for (int k = 0; k <= 30; ++k) {
-        Station station;
-        station.s = k / 30.0;
-        station.radii = {0.04, 0.01};
-        station.width = Vec3::UnitX();
-        stations.push_back(station);
-      }
-      muscle.strips.push_back(make_strip(
-          {testing::on(0, {0, 1.0, z}), testing::on(0, {0, 1.15, z}), testing::on(0, {0, 1.3, z})},
-          stations));
+      muscle.strips = {testing::straight_strap({0, 1, z}, {0, 1.3, z}, 31, {0.04, 0.01})};
       anatomy.muscles.push_back(muscle);
     }
     surface = make_muscle_surface(anatomy);
