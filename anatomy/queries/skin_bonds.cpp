@@ -1,5 +1,6 @@
 #include "anatomy/queries/skin_bonds.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -14,6 +15,8 @@ constexpr double kWithMap = 0.05, kWithSkin = 0.5;
 constexpr double kFarthest = 0.03;  // m across a sheet
 constexpr float kAslant = 0.3f;     // cosine: skin that a line across leaves more aslant is another
 constexpr double kPastWall = 1e-5;  // m
+constexpr double kLip = 0.004;      // m
+constexpr double kLips = 0.010;     // m, that lips are high
 constexpr int kMostWalls = 8;       // that are entered on the way: of the mouth, of the nose
 
 // Weights of a triangle's corners at a point of it.
@@ -34,8 +37,18 @@ Vec3 SkinBond::moved(const Vec3& place, const Vec3& outwards, const Mat3& turn,
   return mapped + share * (with_skin - mapped);
 }
 
-SkinBonder::SkinBonder(const TriMesh& bones, const SkinRays& rays, Points normals)
-    : rays_(rays), normals_(std::move(normals)), surface_(rays.mesh()), bones_(bones) {}
+SkinBonder::SkinBonder(const TriMesh& bones, const SkinRays& rays, Points normals,
+                       std::optional<MouthLine> mouth)
+    : rays_(rays),
+      normals_(std::move(normals)),
+      mouth_(std::move(mouth)),
+      surface_(rays.mesh()),
+      bones_(bones) {}
+
+bool SkinBonder::of_one_lip(const Vec3& a, const Vec3& b) const {
+  const bool lips = mouth_ && mouth_->about(a) && mouth_->spans(a.x());
+  return !lips || (mouth_->over(a) < 0) == (mouth_->over(b) < 0);
+}
 
 SurfacePoint SkinBonder::skin_over(const Vec3& point, const Vec3& across) const {
   SurfacePoint out;
@@ -45,10 +58,15 @@ SurfacePoint SkinBonder::skin_over(const Vec3& point, const Vec3& across) const 
       hit = rays_.first_hit(point, way, kFarthest, double(hit.distance) + kPastWall);
     if (hit.triangle < 0 || hit.facing <= kAslant) continue;
     const double distance = double(hit.distance);
+    if (!of_one_lip(point, point + distance * way)) continue;
     if (out.triangle < 0 || distance < out.distance)
       out = {hit.triangle, distance, point + distance * way};
   }
-  return out.triangle < 0 ? surface_.nearest(point) : out;
+  if (out.triangle >= 0) return out;
+  out = surface_.nearest(point);
+  if (!of_one_lip(point, out.point))  // from a place farther from the other lip
+    out = surface_.nearest(point + (mouth_->over(point) < 0 ? -kLip : kLip) * Vec3::UnitY());
+  return out;
 }
 
 SkinBond SkinBonder::bond(const Vec3& point, const Vec3& across) const {
@@ -70,6 +88,10 @@ SkinBond SkinBonder::bond(const Vec3& point, const Vec3& across) const {
   const double from_bone = bones_.nearest(point).distance;
   out.share =
       smooth_step(kWithMap, kWithSkin, from_bone / (from_bone + std::abs(out.depth) + 1e-9));
+  // Teeth of either jaw lie near either lip.
+  if (mouth_ && mouth_->about(point) && mouth_->spans(point.x()))
+    out.share =
+        std::max(out.share, 1 - smooth_step(kLips, 2 * kLips, std::abs(mouth_->over(point))));
   return out;
 }
 

@@ -4,8 +4,10 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "anatomy/anatomy.h"
+#include "anatomy/queries/mouth_line.h"
 #include "anatomy/queries/nearest_surface.h"
 #include "anatomy/queries/ray_caster.h"
 
@@ -27,17 +29,20 @@ struct SkinBond {
 class SkinBonder {
  public:
   // `bones`: all, as one mesh. `rays`: of the skin; kept as a reference. `normals`: unit, of the
-  // skin's vertices.
-  SkinBonder(const TriMesh& bones, const SkinRays& rays, Points normals);
+  // skin's vertices. `mouth`: of the skin, points of one lip are not bonded to the other.
+  SkinBonder(const TriMesh& bones, const SkinRays& rays, Points normals,
+             std::optional<MouthLine> mouth = {});
   // `across`: a sheet's thickness, on one of whose sides lies its skin. What is nearest may be
   // another's: lips touch.
   SkinBond bond(const Vec3& point, const Vec3& across) const;
 
  private:
   SurfacePoint skin_over(const Vec3& point, const Vec3& across) const;
+  bool of_one_lip(const Vec3& a, const Vec3& b) const;
 
   const SkinRays& rays_;
   Points normals_;
+  std::optional<MouthLine> mouth_;
   NearestSurface surface_, bones_;
 };
 

@@ -39,6 +39,7 @@ void report_anatomy_check(const AnatomyCheck& check, Report& report) {
   report.set("check.posed_outside_share_max", check.posed_outside_worst);
   report.set("check.posed_overlap_share_mean", check.posed_overlap_mean);
   report.set("check.posed_overlap_share_max", check.posed_overlap_worst);
+  report.set("check.posed_bone_share_max", check.posed_bone_share_worst);
   report.set("check.posed_spikes_mean", check.posed_spikes);
   report.set("check.posed_spike_max", check.posed_spike_max);
   report.set("check.posed_creased_share_mean", check.posed_creased_mean);
@@ -47,6 +48,7 @@ void report_anatomy_check(const AnatomyCheck& check, Report& report) {
   report.set("check.posed_daylight_mean", check.posed_daylight);
   report.set("check.posed_stretch_max", check.posed_stretch_max);
   report.set("check.posed_tendon_kink_max", check.posed_kink_max);
+  report.set("check.posed_loose_ends_mean", check.posed_loose_ends);
   for (const PoseCheck& pose : check.poses) {
     const std::string key = "check.pose." + pose.name + ".";
     report.set(key + "creased_share", pose.creased_share);
@@ -54,6 +56,7 @@ void report_anatomy_check(const AnatomyCheck& check, Report& report) {
     report.set(key + "daylight", pose.daylight);
     report.set(key + "stretch", pose.stretch);
     report.set(key + "tendon_kink", pose.kink);
+    report.set(key + "loose_ends", pose.loose_ends);
     report.set(key + "muscle_overlap_share", pose.overlap_share);
     report.set(key + "bone_overlap_share", pose.bone_share);
     report.set(key + "bone_points_outside", pose.bone_points_outside);

@@ -226,6 +226,13 @@ void add_muscles(HtmlPage& page, const AnatomyCheck& check, const Anatomy& anato
                                         pose_name(check, c.kink_pose)};
       });
   add_worst(
+      page, check, "Ends that come off their bones when posed", {"muscle", "mm", "pose"},
+      [](const MuscleCheck& m) { return m.end_off; },
+      [&](int m, const MuscleCheck& c) {
+        return std::vector<std::string>{name(m), fmt::format("{:.1f}", 1e3 * c.end_off),
+                                        pose_name(check, c.end_off_pose)};
+      });
+  add_worst(
       page, check, "Paths that jump", {"muscle", "mm in a degree", "where"},
       [](const MuscleCheck& m) { return m.jump; },
       [&](int m, const MuscleCheck& c) {
@@ -289,7 +296,7 @@ std::string check_csv(const AnatomyCheck& check, const Anatomy& anatomy) {
       "posed_outside_share,outside_pose,posed_overlap_share,overlap_pose,"
       "posed_bone_share,volume_drift,path_jump_mm,path_jump_at,end_distance_mm,"
       "creased_share,creased_pose,needles,needles_pose,daylight_cm2,daylight_pose,stretch,"
-      "stretch_pose,tendon_kink_deg_cm,tendon_kink_pose\n";
+      "stretch_pose,tendon_kink_deg_cm,tendon_kink_pose,end_off_mm,end_off_pose\n";
   for (std::size_t i = 0; i < check.muscles.size(); ++i) {
     const MuscleCheck& m = check.muscles[i];
     const Muscle& muscle = anatomy.muscles[i];
@@ -297,7 +304,7 @@ std::string check_csv(const AnatomyCheck& check, const Anatomy& anatomy) {
         "{},{},{},{:.2f},{:.5f},{:.5f},{},{:.3f},{:.5f},{},{},{:.1f},{:.1f},{:.2f},{:.5f},{},{:.5f}"
         ",{},{:."
         "5f},{:.2e},"
-        "{:.3f},{},{:.2f},{:.5f},{},{},{},{:.1f},{},{:.2f},{},{:.1f},{}\n",
+        "{:.3f},{},{:.2f},{:.5f},{},{},{},{:.1f},{},{:.2f},{},{:.1f},{},{:.1f},{}\n",
         muscle.name, muscle.group, muscle.layer, 1e6 * m.volume,
         m.points > 0 ? double(m.points_outside) / m.points : 0.0, m.overlap,
         m.neighbour < 0 ? "" : anatomy.muscles[m.neighbour].name, 1e6 * m.neighbour_volume,
@@ -307,7 +314,8 @@ std::string check_csv(const AnatomyCheck& check, const Anatomy& anatomy) {
         jump_place(m, anatomy), 1e3 * m.end_distance, m.creased, pose_name(check, m.creased_pose),
         m.needles, pose_name(check, m.needles_pose), 1e4 * m.daylight,
         pose_name(check, m.daylight_pose), m.stretch, pose_name(check, m.stretch_pose),
-        0.01 * kDegreesPerRadian * m.kink, pose_name(check, m.kink_pose));
+        0.01 * kDegreesPerRadian * m.kink, pose_name(check, m.kink_pose), 1e3 * m.end_off,
+        pose_name(check, m.end_off_pose));
   }
   return out;
 }

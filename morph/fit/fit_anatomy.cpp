@@ -108,12 +108,21 @@ std::vector<Bracket> brackets_of(const FitTables& tables, const Body& body, doub
   return out;
 }
 
+// What a palpable point is held to: where the template itself is off, bodies may be as it is.
+Bracket asked_of(const FitTables& tables, size_t landmark, const Bracket& bracket, double stature) {
+  constexpr double kSame = 1e-6;  // m
+  const double own = tables.landmarks[landmark].wanted * stature / tables.stature;
+  return {std::min(bracket.low - kDepthSlack, own - kSame),
+          std::max(bracket.high + kDepthSlack, own + kSame)};
+}
+
 PlaceInput input_for(const FitTables& tables, const Points& skin, double stature,
                      const std::vector<Bracket>& brackets) {
   PlaceInput input = fit_input(tables, skin, stature);
   for (size_t k = 0; k < input.landmarks.size(); ++k) {
-    input.landmarks[k].shallowest = brackets[k].low - kDepthSlack;
-    input.landmarks[k].deepest = brackets[k].high + kDepthSlack;
+    const Bracket asked = asked_of(tables, k, brackets[k], stature);
+    input.landmarks[k].shallowest = asked.low;
+    input.landmarks[k].deepest = asked.high;
   }
   return input;
 }
@@ -203,19 +212,17 @@ void settle(const Template& body_template, const SkinField& field, bool even,
     if (!rules.landmarks[k].checked) continue;
     const BonePoint& point = tables.landmarks[k].point;
     const bool paired = rules.groups[point.group].paired;
-    // where the template itself is off, bodies may be as it is
-    const double own = tables.landmarks[k].wanted * report.stature / tables.stature,
-                 low = std::min(brackets[k].low - kDepthSlack, own),
-                 high = std::max(brackets[k].high + kDepthSlack, own);
+    const Bracket asked = asked_of(tables, k, brackets[k], report.stature);
     constexpr double kMiddle = 2e-3;  // m: nearer to the plane, a point has no partner
     points.push_back({part_of[point.group][0],
-                      warp.by_group(point.group, Side::left, point.position), low, high});
+                      warp.by_group(point.group, Side::left, point.position), asked.low,
+                      asked.high});
     if (even || (!paired && std::abs(point.position.x() - placement.source_plane) < kMiddle))
       continue;
     const Vec3 other(2 * placement.source_plane - point.position.x(), point.position.y(),
                      point.position.z());
-    points.push_back(
-        {part_of[point.group][paired], warp.by_group(point.group, Side::right, other), low, high});
+    points.push_back({part_of[point.group][paired], warp.by_group(point.group, Side::right, other),
+                      asked.low, asked.high});
   }
   settle_bones(field, placement.target_plane, points, parts);
   placement.pushes.resize(rules.groups.size());
@@ -296,7 +303,8 @@ class SkinCarrier {
   SkinCarrier(const Template& body_template, const Points& skin)
       : size_(body_template.tables.topology.skin_size),
         rays_(capped_skin(body_template.tables.topology, body_template.body.skin.V)),
-        bonder_(joined_bones(body_template.anatomy), rays_, vertex_normals(rays_.mesh())),
+        bonder_(joined_bones(body_template.anatomy), rays_, vertex_normals(rays_.mesh()),
+                find_mouth(body_template.anatomy, body_template.body.skin)),
         skin_(capped_skin(body_template.tables.topology, skin)),
         normals_(vertex_normals(skin_)) {}
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
+
 #include <numbers>
 #include <sstream>
 
@@ -132,6 +134,14 @@ FitRules read_fit_rules(const std::filesystem::path& folder) {
     rule.joint = cubes.text(row, "joint");
     rule.cube = cubes.text(row, "cube");
     rule.toward = cubes.text(row, "toward");
+    constexpr std::string_view kVertex = "vertex-";
+    if (rule.cube.starts_with(kVertex)) {
+      const char* const end = rule.cube.data() + rule.cube.size();
+      const auto read = std::from_chars(rule.cube.data() + kVertex.size(), end, rule.vertex);
+      if (read.ec != std::errc() || read.ptr != end || rule.vertex < 0)
+        throw InputError(
+            fmt::format("{}: cube '{}'; expected vertex-NUMBER", cubes.where(row), rule.cube));
+    }
     rule.male = millimetres(cubes, row, "male");
     rule.female = millimetres(cubes, row, "female");
     rule.tolerance = cubes.number(row, "tolerance") * kMillimetre;

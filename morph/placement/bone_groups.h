@@ -52,6 +52,7 @@ struct LandmarkRule {  // data/palpable.csv
 
 struct CubeRule {  // data/joint_cubes.csv
   std::string joint, cube, toward;
+  int vertex = -1;  // of the skin that stands for the cube, -1: none does
   Vec3 male = Vec3::Zero(), female = Vec3::Zero();  // m
   double tolerance = 0;                             // m
 };

@@ -174,6 +174,18 @@ void add_bone_points(HalfSkeleton& half) {
   const TriMesh& skull = need(half, "skull").mesh;
   const Vec3 low = skull.V.colwise().minCoeff(), high = skull.V.colwise().maxCoeff();
   p["orbit"] = low + Vec3(0.72, 0.44, 0.83).cwiseProduct(high - low);
+  // The foremost point of the chin: of the middle of the mandible's lower third; and the edge of
+  // the front teeth.
+  const Points& jaw = need(half, "mandible").mesh.V;
+  const Vec3 bottom = jaw.colwise().minCoeff(), size = Vec3(jaw.colwise().maxCoeff()) - bottom;
+  Vec3 chin = Vec3::Constant(-1e300), bite = chin;
+  for (Eigen::Index i = 0; i < jaw.rows(); ++i) {
+    const Vec3 at = jaw.row(i), share = (at - bottom).cwiseQuotient(size);
+    if (std::abs(share.x() - 0.5) < 0.1 && share.y() < 1.0 / 3 && at.z() > chin.z()) chin = at;
+    if (std::abs(share.x() - 0.5) < 0.1 && share.z() > 0.85 && at.y() > bite.y()) bite = at;
+  }
+  p["chin"] = Vec3(half.mid_plane, chin.y(), chin.z());
+  p["bite"] = Vec3(half.mid_plane, bite.y(), bite.z());
 }
 
 BonePoint find_landmark(const HalfSkeleton& half, const LandmarkRule& rule) {

@@ -25,10 +25,13 @@ bool in_hand(const std::string& group) {
          group.find("_phalanx") != std::string::npos;
 }
 
-// The group whose place a known point determines: the one that begins there, else one that ends
-// there, else a contact's first.
+// The group whose place a known point determines: that of the bone it is a point of, else the one
+// that begins there, else one that ends there, else a contact's first.
 int group_of_point(const FitRules& rules, const std::string& point) {
-  if (point == "orbit") return rules.group_of_bone.at("skull");
+  static const std::map<std::string, std::string> bones{
+      {"orbit", "skull"}, {"jaw", "mandible"}, {"chin", "mandible"}, {"bite", "mandible"}};
+  if (const auto bone = bones.find(point); bone != bones.end())
+    return rules.group_of_bone.at(bone->second);
   for (size_t g = 0; g < rules.groups.size(); ++g)
     if (rules.groups[g].near == point && point != "pelvis") return int(g);
   for (size_t g = 0; g < rules.groups.size(); ++g)

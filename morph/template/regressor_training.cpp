@@ -5,6 +5,15 @@
 namespace ecorche::inline v1 {
 namespace {
 
+// The marks that rules name: the package's cubes, and vertices of its skin ("vertex-5162").
+std::vector<Landmark> marks_of(const BodyPackage& package, const FitRules& rules,
+                               const Points& points) {
+  std::vector<Landmark> out = joint_cubes(package, points);
+  for (const CubeRule& rule : rules.cubes)
+    if (rule.vertex >= 0) out.push_back({rule.cube, points.row(rule.vertex)});
+  return out;
+}
+
 NamedPoints known_centres(const FitRules& rules, const NamedPoints& all) {
   NamedPoints out;
   for (const CubeRule& cube : rules.cubes) out[cube.joint] = all.at(cube.joint);
@@ -60,7 +69,7 @@ PlaceInput source_input(const BodyPackage& package, const HalfSkeleton& source,
   PlaceInput input;
   input.source = &source;
   input.centres =
-      guess_centres(rules, joint_cubes(package, body.points), body.body.sex, body.stature);
+      guess_centres(rules, marks_of(package, rules, body.points), body.body.sex, body.stature);
   for (const CubeRule& cube : rules.cubes) input.tolerances[cube.joint] = cube.tolerance;
   input.size = body.stature / source.stature;
   for (const LandmarkRule& rule : rules.landmarks)
@@ -88,7 +97,7 @@ void train(const BodyPackage& package, const HalfSkeleton& source, const ShapedB
   };
   for (size_t k = 0; k < 2; ++k) {
     const ShapedBody& average = k == 0 ? own : woman;
-    const std::vector<Landmark> marks = joint_cubes(package, average.points);
+    const std::vector<Landmark> marks = marks_of(package, rules, average.points);
     Points still = shape_points(package, average.macros);
     const Eigen::RowVector3d floor = average.points.row(0) - still.row(0);
     for (const Build& build : {Build{0.5, 0.9},
@@ -108,7 +117,7 @@ void train(const BodyPackage& package, const HalfSkeleton& source, const ShapedB
       points.rowwise() += floor;
       examples.push_back(
           {points.topRows(package.skin_size),
-           moved_with_marks(rules, examples[k].centres, marks, joint_cubes(package, points))});
+           moved_with_marks(rules, examples[k].centres, marks, marks_of(package, rules, points))});
     }
   }
 

@@ -185,7 +185,7 @@ void field(A& a, LandmarkRule& x) {
 }
 template <class A>
 void field(A& a, CubeRule& x) {
-  fields(a, x.joint, x.cube, x.toward, x.male, x.female, x.tolerance);
+  fields(a, x.joint, x.cube, x.toward, x.vertex, x.male, x.female, x.tolerance);
 }
 template <class A>
 void field(A& a, FitRules& x) {

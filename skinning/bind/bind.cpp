@@ -42,6 +42,12 @@ void check_refined(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMe
         "bind_skin: the refinement does not lead from the base skin to the fine one");
 }
 
+SkinDepth depth_of(const Anatomy& anatomy, const AnatomySurfaces& surfaces, const TriMesh& skin) {
+  SkinDepth out = measure_skin_depth(surfaces, skin);
+  part_lips(anatomy, skin, out);
+  return out;
+}
+
 // Weights of blend frames, pairs with gain 1; and the four joint weights as they are before pairs
 // are added.
 struct FrameWeights {
@@ -117,7 +123,7 @@ std::shared_ptr<const BlendTables> with_mesh(BlendTables tables, const TriMesh& 
 BoundSkin bind_skin(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin,
                     const BindOptions& options, const PaintedWeights& painted) {
   check(anatomy, rest, skin);
-  SkinDepth depth = measure_skin_depth(AnatomySurfaces(anatomy, rest), skin);
+  SkinDepth depth = depth_of(anatomy, AnatomySurfaces(anatomy, rest), skin);
   Bound bound = find_weights(anatomy, rest, skin, depth, options, painted);
   BoundSkin out;
   out.binding = make_binding(skin, std::move(depth.anchors), bound.weights, bound.tables.frames);
@@ -133,7 +139,7 @@ BoundRefinedSkin bind_refined_skin(const Anatomy& anatomy, const PosedAnatomy& r
                                    const PaintedWeights& painted) {
   check_refined(anatomy, rest, base, refinement, fine);
   const AnatomySurfaces surfaces(anatomy, rest);
-  SkinDepth depth = measure_skin_depth(surfaces, base);
+  SkinDepth depth = depth_of(anatomy, surfaces, base);
   Bound bound = find_weights(anatomy, rest, base, depth, options, painted);
   const SkinWeights finer = refine_weights(refinement, bound.weights, bound.tables.frames,
                                            int(bound.tables.handles.handles.size()));
@@ -151,7 +157,7 @@ BoundRefinedSkin bind_refined_skin(const Anatomy& anatomy, const PosedAnatomy& r
 Binding bind_for_export(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin,
                         const BindOptions& options, const PaintedWeights& painted) {
   check(anatomy, rest, skin);
-  SkinDepth depth = measure_skin_depth(AnatomySurfaces(anatomy, rest), skin);
+  SkinDepth depth = depth_of(anatomy, AnatomySurfaces(anatomy, rest), skin);
   const FrameWeights found = find_frame_weights(anatomy, skin, depth, options, painted);
   return make_binding(skin, std::move(depth.anchors), found.skin, found.tables);
 }
@@ -161,7 +167,7 @@ Binding bind_for_export(const Anatomy& anatomy, const PosedAnatomy& rest, const 
                         const BindOptions& options, const PaintedWeights& painted) {
   check_refined(anatomy, rest, base, refinement, fine);
   const AnatomySurfaces surfaces(anatomy, rest);
-  const SkinDepth depth = measure_skin_depth(surfaces, base);
+  const SkinDepth depth = depth_of(anatomy, surfaces, base);
   const FrameWeights found = find_frame_weights(anatomy, base, depth, options, painted);
   const SkinWeights finer = refine_weights(refinement, found.skin, found.tables, 0);
   return make_binding(fine, find_anchors(surfaces, fine), finer, found.tables);

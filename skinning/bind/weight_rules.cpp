@@ -4,9 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "anatomy/compute/smooth_step.h"
+#include "anatomy/queries/mouth_line.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -134,6 +136,23 @@ void spread_twist(const Skeleton& skeleton, const TriMesh& skin, std::span<const
   }
   for (WeightRow& row : rows)
     std::erase_if(row, [](const Influence& w) { return w.weight <= 1e-6; });
+}
+
+void part_lips(const Anatomy& anatomy, const TriMesh& skin, SkinDepth& depth) {
+  const std::optional<MouthLine> mouth = find_mouth(anatomy, skin);
+  if (!mouth) return;
+  constexpr double kLip = 0.02;  // m above the mouth
+  const int jaw = find_joint(anatomy.skeleton, "jaw"), skull = anatomy.skeleton.joints[jaw].parent;
+  for (Eigen::Index v = 0; v < skin.V.rows(); ++v) {
+    const Vec3 p = skin.V.row(v);
+    int& joint = depth.joint[v];
+    if ((joint >= 0 && joint != skull && joint != jaw) || !mouth->about(p)) continue;
+    const double over = mouth->over(p);
+    if (over < 0)
+      joint = jaw;
+    else if (over < kLip && (joint < 0 || mouth->spans(p.x())))
+      joint = skull;
+  }
 }
 
 void let_scapula_glide(const Skeleton& skeleton, const TriMesh& skin,

@@ -1,14 +1,21 @@
-// Rules by which skin departs from the bone beneath it: it turns gradually along limbs and slides
-// over the shoulder blade. Private to the room.
+// Rules by which skin departs from the bone beneath it: it turns gradually along limbs, slides over
+// the shoulder blade, and goes with the jaw below the mouth. Private to the room.
 #pragma once
 
 #include <span>
 #include <vector>
 
 #include "anatomy/anatomy.h"
+#include "skinning/bind/skin_depth.h"
 #include "skinning/bind/skin_weights.h"
 
 namespace ecorche::inline v1 {
+
+// The upper incisors hang before the lower ones, so that the lower lip lies nearest to the skull,
+// and the mouth's walls lie before both. Skin before the jaw and below where the lips meet is the
+// jaw's where `depth` has found the skull or nothing; what has found nothing above them is the
+// skull's. Precondition: the rest pose is upright, facing +z.
+void part_lips(const Anatomy& anatomy, const TriMesh& skin, SkinDepth& depth);
 
 // Upper arm and thigh: the weight of the shoulder (hip) is split between the joint and a frame
 // without its axial rotation, all of it at the shoulder and none at the elbow. Forearm: the weight

@@ -367,6 +367,7 @@ PoseCheck check_pose(const Subject& subject, const LimitPose& pose, double spaci
     out.daylight += muscle.daylight;
     out.stretch = std::max(out.stretch, muscle.stretch);
     out.kink = std::max(out.kink, muscle.kink);
+    out.loose_ends += muscle.end_off > kLooseEnd;
   }
   out.creased_share = edges > 0 ? creased / edges : 0;
   const std::vector<double> reaches = reaches_of(shape.frame.posed.slices);
@@ -394,6 +395,7 @@ void note_wholeness(const MuscleWholeness& whole, int pose, MuscleCheck& muscle)
     muscle.daylight = whole.daylight, muscle.daylight_pose = pose;
   if (whole.stretch > muscle.stretch) muscle.stretch = whole.stretch, muscle.stretch_pose = pose;
   if (whole.kink > muscle.kink) muscle.kink = whole.kink, muscle.kink_pose = pose;
+  if (whole.end_off > muscle.end_off) muscle.end_off = whole.end_off, muscle.end_off_pose = pose;
 }
 
 void check_poses(const Subject& subject, const std::vector<LimitPose>& poses,
@@ -420,6 +422,7 @@ void check_poses(const Subject& subject, const std::vector<LimitPose>& poses,
     check.posed_fascia_pierced += pose.fascia.pierced / sheets;
     check.posed_overlap_mean += pose.overlap_share / double(poses.size());
     check.posed_overlap_worst = std::max(check.posed_overlap_worst, pose.overlap_share);
+    check.posed_bone_share_worst = std::max(check.posed_bone_share_worst, pose.bone_share);
     check.posed_spikes += double(pose.spikes) / double(poses.size());
     check.posed_creased_mean += pose.creased_share / double(poses.size());
     check.posed_creased_worst = std::max(check.posed_creased_worst, pose.creased_share);
@@ -427,6 +430,7 @@ void check_poses(const Subject& subject, const std::vector<LimitPose>& poses,
     check.posed_daylight += pose.daylight / double(poses.size());
     check.posed_stretch_max = std::max(check.posed_stretch_max, pose.stretch);
     check.posed_kink_max = std::max(check.posed_kink_max, pose.kink);
+    check.posed_loose_ends += double(pose.loose_ends) / double(poses.size());
     for (std::size_t m = 0; m < check.muscles.size(); ++m) {
       MuscleCheck& muscle = check.muscles[m];
       if (muscles[p].outside[m] > muscle.posed_outside)
@@ -495,8 +499,8 @@ AnatomyCheck check_anatomy(const CharacterModel& model, const BodyPackage& packa
     subject.rest_volumes.push_back(strip_volume(rest.frame.posed, range));
   subject.rest_reaches = reaches_of(rest.frame.posed.slices);
   if (!poses.empty())
-    subject.rest_surface = make_rest_surface(subject.surface, subject.ranges, rest.frame.posed,
-                                             flesh_of(subject, rest));
+    subject.rest_surface = make_rest_surface(anatomy, subject.surface, subject.ranges,
+                                             rest.frame.posed, flesh_of(subject, rest));
   check_rest(subject, rest, options, check);
   check_torn(subject, options, check);
   check_voids(subject, rest, check);

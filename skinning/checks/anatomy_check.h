@@ -47,10 +47,11 @@ struct MuscleCheck {
   double spike = 0;
   int spike_pose = -1;
   // How whole it stays (wholeness.h), each in its worst pose: share of its edges' length that is
-  // creased, needles, m^2 of daylight, stretch, kink of tendons in rad/m.
-  double creased = 0, daylight = 0, stretch = 1, kink = 0;
+  // creased, needles, m^2 of daylight, stretch, kink of tendons in rad/m, m of ends off bones.
+  double creased = 0, daylight = 0, stretch = 1, kink = 0, end_off = 0;
   int needles = 0;
-  int creased_pose = -1, daylight_pose = -1, stretch_pose = -1, kink_pose = -1, needles_pose = -1;
+  int creased_pose = -1, daylight_pose = -1, stretch_pose = -1, kink_pose = -1, needles_pose = -1,
+      end_off_pose = -1;
   // m, of its ends on bones, the farthest from the bones of the joint that carries it
   double end_distance = 0;
 };
@@ -75,7 +76,8 @@ struct PoseCheck {
   int needles = 0;
   double daylight = 0;  // m^2
   double stretch = 1;
-  double kink = 0;  // rad/m
+  double kink = 0;     // rad/m
+  int loose_ends = 0;  // muscles with an end off its bone by more than 10 mm
 };
 
 struct AnatomyCheck {
@@ -105,7 +107,7 @@ struct AnatomyCheck {
   double posed_outside_worst = 0;
   double posed_fascia_outside = 0, posed_fascia_pierced = 0;  // of fascia's points, likewise
   int posed_bone_points_outside = 0;                          // of the worst pose
-  double posed_overlap_mean = 0, posed_overlap_worst = 0;
+  double posed_overlap_mean = 0, posed_overlap_worst = 0, posed_bone_share_worst = 0;
   double posed_spikes = 0,
          posed_spike_max = 0;  // sections that stick out by more than 20 mm, mean over the poses; m
   // How whole the muscles stay: means over the poses, and of the worst pose.
@@ -113,6 +115,7 @@ struct AnatomyCheck {
   double posed_needles = 0;
   double posed_daylight = 0;                         // m^2
   double posed_stretch_max = 1, posed_kink_max = 0;  // rad/m
+  double posed_loose_ends = 0;                       // muscles
   bool swept = false;  // joints were swept; otherwise nothing is known of jumps
   double drift_max = 0, jump_max = 0;
   int paths_that_jump = 0;  // muscles by more than 1 mm

@@ -53,8 +53,21 @@ std::vector<Target> check_targets(const AnatomyCheck& check) {
     targets.push_back({"posed: poses with bone points outside the skin", "0",
                        fmt::format("{} of {}", outside_poses, check.poses.size()),
                        outside_poses == 0});
-    targets.push_back({"posed: muscles within muscles, worst pose", "<= 5 %",
-                       percent(check.posed_overlap_worst), check.posed_overlap_worst <= 0.05});
+    targets.push_back({"posed: muscles within muscles, worst pose", "<= 2 %",
+                       percent(check.posed_overlap_worst), check.posed_overlap_worst <= 0.02});
+    targets.push_back({"posed: muscles within bones, worst pose", "<= 1 %",
+                       percent(check.posed_bone_share_worst),
+                       check.posed_bone_share_worst <= 0.01});
+    targets.push_back({"posed: muscles with an end 10 mm off its bone, mean", "0",
+                       fmt::format("{:.1f}", check.posed_loose_ends), check.posed_loose_ends == 0});
+    targets.push_back({"posed: needles, mean", "0", fmt::format("{:.0f}", check.posed_needles),
+                       check.posed_needles == 0});
+    targets.push_back({"posed: daylight over 2 cm2 between what touched, mean", "0",
+                       fmt::format("{:.0f} cm2", 1e4 * check.posed_daylight),
+                       check.posed_daylight <= 2e-4});
+    targets.push_back({"posed: stretch of a muscle's surface, worst", "<= 3 times",
+                       fmt::format("{:.1f}", check.posed_stretch_max),
+                       check.posed_stretch_max <= 3});
   }
   if (check.swept || !check.poses.empty())
     targets.push_back({"change of a belly's volume, worst", "<= 0.5 %", percent(check.drift_max),

@@ -50,15 +50,35 @@ std::vector<double> turns_of_tendons(std::span<const SliceRange> ranges,
   return out;
 }
 
+// Ends that the table puts on a bone and that one joint carries.
+std::vector<StripEnd> ends_on_bones(const Anatomy& anatomy, std::span<const SliceRange> ranges,
+                                    const PosedAnatomy& rest) {
+  std::vector<StripEnd> out;
+  for (const SliceRange& range : ranges) {
+    const Muscle& muscle = anatomy.muscles[range.muscle];
+    const auto add = [&](const PathPoint& end, const std::string& bone, int slice) {
+      if (bone.empty() || end.joints[1] >= 0) return;
+      out.push_back({range.muscle, slice, end.joints[0],
+                     rest.X_WJ[end.joints[0]].inverse() * rest.slices[slice].center});
+    };
+    const std::vector<PathPoint>& path = muscle.strips[range.strip].path;
+    add(path.front(), muscle.origin_bone, range.begin);
+    add(path.back(), muscle.insertion_bone, range.end - 1);
+  }
+  return out;
+}
+
 }  // namespace
 
-RestSurface make_rest_surface(const MuscleSurface& surface, std::span<const SliceRange> ranges,
-                              const PosedAnatomy& rest, const TriMesh& flesh) {
+RestSurface make_rest_surface(const Anatomy& anatomy, const MuscleSurface& surface,
+                              std::span<const SliceRange> ranges, const PosedAnatomy& rest,
+                              const TriMesh& flesh) {
   RestSurface out;
   out.edges = inner_edges(surface, flesh.V);
   out.standing_off = standing_off(surface, out.edges, flesh.V).off;
   out.covered = covered_within(flesh, surface.vertices(), kTouching);
   out.tendon_turns = turns_of_tendons(ranges, rest);
+  out.ends = ends_on_bones(anatomy, ranges, rest);
   return out;
 }
 
@@ -94,6 +114,11 @@ std::vector<MuscleWholeness> measure_wholeness(const RestSurface& rest,
     for (int k = strip.begin; k < strip.end; ++k)
       if (turns[k] >= 0 && rest.tendon_turns[k] >= 0)
         out[strip.muscle].kink = std::max(out[strip.muscle].kink, turns[k] - rest.tendon_turns[k]);
+  for (const StripEnd& end : rest.ends) {
+    double& farthest = out[end.muscle].end_off;
+    const Vec3 held = posed.X_WJ[end.joint] * end.center;
+    farthest = std::max(farthest, (posed.slices[end.slice].center - held).norm());
+  }
   return out;
 }
 

@@ -7,7 +7,8 @@
 // and
 //   now has nothing within 10 mm;
 // - stretch: the 99th percentile of the edges' lengths over those at rest;
-// - kink: the most that a tendon turns in a centimetre beyond its turn at rest.
+// - kink: the most that a tendon turns in a centimetre beyond its turn at rest;
+// - end off: how far an end on a bone lies from where that bone brings it.
 #pragma once
 
 #include <span>
@@ -25,7 +26,14 @@ struct MuscleWholeness {
   int needles = 0;
   double daylight = 0;  // m^2
   double stretch = 1;
-  double kink = 0;  // rad/m
+  double kink = 0;     // rad/m
+  double end_off = 0;  // m
+};
+
+// The end of a strip on the bones of one joint.
+struct StripEnd {
+  int muscle = 0, slice = 0, joint = 0;
+  Vec3 center = Vec3::Zero();  // of the slice, in the joint's frame
 };
 
 // Muscles at rest, as measure_wholeness() compares poses with them.
@@ -34,12 +42,14 @@ struct RestSurface {
   std::vector<double> standing_off;  // #V, m
   std::vector<char> covered;         // #V, something lay within 5 mm
   std::vector<double> tendon_turns;  // #slices, rad/m; below 0: not in a tendon
+  std::vector<StripEnd> ends;
 };
 
-// `flesh`: the muscles' vertices and faces first, as in `surface`, then bones. `ranges`: the strips
-// of `posed`.
-RestSurface make_rest_surface(const MuscleSurface& surface, std::span<const SliceRange> ranges,
-                              const PosedAnatomy& rest, const TriMesh& flesh);
+// `surface`: of the anatomy. `ranges`: the strips of `rest`. `flesh`: the muscles' vertices and
+// faces first, as in `surface`, then bones.
+RestSurface make_rest_surface(const Anatomy& anatomy, const MuscleSurface& surface,
+                              std::span<const SliceRange> ranges, const PosedAnatomy& rest,
+                              const TriMesh& flesh);
 
 // One a muscle.
 std::vector<MuscleWholeness> measure_wholeness(const RestSurface& rest,

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <map>
 #include <numbers>
 #include <numeric>
 #include <set>
@@ -14,24 +12,18 @@
 
 #include "anatomy/compute/angle_between.h"
 #include "anatomy/compute/smooth_step.h"
-#include "anatomy/errors.h"
 #include "anatomy/geometry/join_meshes.h"
 #include "anatomy/geometry/mesh_measures.h"
-#include "anatomy/queries/nearest_surface.h"
-#include "skinning/interior/skin_controls.h"
+#include "skinning/interior/map_weights.h"
 
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kSpacing = 0.012;        // m, of the lattice
 constexpr double kControlSpacing = 0.03;  // m
-constexpr int kCoarseRounds = 60, kFineRounds = 20;
-constexpr double kLeastReach = 0.002;  // m, of an outline, so that tendons have axes, too
-constexpr double kStretched = 1.6;     // of volume, from which on lines are straight
-constexpr double kForeign = 0.3;       // weight of joints that a muscle's line does not pass
+constexpr double kLeastReach = 0.002;     // m, of an outline, so that tendons have axes, too
+constexpr double kStretched = 1.6;        // of volume, from which on lines are straight
+constexpr double kHeld = 0.03;            // m from an end, over which its bone holds a strip
 constexpr double kLeastFilled = 0.1, kFilled = 0.6;  // of a cell, where it begins to keep volume
-// Of a joint and of a control of the skin, else they are left out.
-constexpr double kLeastWeight = 0.002, kLeastSkinWeight = 0.01;
 constexpr int kFlowRounds = 2;
 constexpr int kEvenRounds = 10;     // along tendons
 constexpr double kMostStretch = 2;  // of a section's width or thickness
@@ -39,126 +31,26 @@ constexpr double kMostLean = 0.7;   // rad, of a section's normal from the line 
 constexpr std::size_t kRight = 0, kUp = kOutlinePoints / 4, kLeft = kOutlinePoints / 2,
                       kDown = 3 * kOutlinePoints / 4;
 
-SourceWeights one_source(int source) {
-  SourceWeights out;
-  out.source[0] = short(source);
-  out.weight[0] = 1;
-  out.count = 1;
+// How far the bones of a strip's ends hold each of its sections: wholly at an end, fading along the
+// strip. Ends in fascia are held by none.
+std::vector<BoneHold> bone_holds(const Muscle& muscle, const Strip& strip,
+                                 std::span<const Ellipse> slices) {
+  std::vector<double> along(slices.size(), 0.0);
+  for (std::size_t k = 1; k < slices.size(); ++k)
+    along[k] = along[k - 1] + (slices[k].center - slices[k - 1].center).norm();
+  const double fade = std::min(kHeld, 0.5 * along.back());
+  std::vector<BoneHold> out(slices.size());
+  const auto hold = [&](const PathPoint& end, const std::string& bone, bool insertion) {
+    if (bone.empty() || end.joints[1] >= 0) return;
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      const double distance = insertion ? along.back() - along[k] : along[k];
+      if (distance < fade) out[k] = {end.joints[0], 1 - smooth_step(0.0, fade, distance)};
+    }
+  };
+  hold(strip.path.front(), muscle.origin_bone, false);
+  hold(strip.path.back(), muscle.insertion_bone, true);
   return out;
 }
-
-// The joint whose bones have most vertices in a node's cell holds the node.
-std::vector<SourceWeights> bone_nodes(const BodyLattice& lattice, const Anatomy& anatomy) {
-  std::vector<std::map<int, int>> vertices(lattice.nodes());
-  for (const Bone& bone : anatomy.bones)
-    for (Eigen::Index v = 0; v < bone.mesh.V.rows(); ++v) {
-      const int node = lattice.node(lattice.cell(bone.mesh.V.row(v)));
-      if (node >= 0) ++vertices[node][bone.joint];
-    }
-  std::vector<SourceWeights> out(lattice.nodes());
-  for (int i = 0; i < lattice.nodes(); ++i) {
-    int most = 0;
-    for (const auto& [joint, count] : vertices[i])
-      if (count > most) {
-        most = count;
-        out[i] = one_source(joint);
-      }
-  }
-  return out;
-}
-
-// Nodes beside the skin have the weights of the nearest vertex, bones are one source more.
-std::vector<SourceWeights> skin_nodes(const BodyLattice& lattice, const TriMesh& skin,
-                                      const SkinControls& controls,
-                                      std::span<const SourceWeights> bones) {
-  const NearestSurface surface(skin);
-  std::vector<SourceWeights> out(lattice.nodes());
-  tbb::parallel_for(0, lattice.nodes(), [&](int i) {
-    if (bones[i].count > 0) {
-      out[i] = one_source(int(controls.vertices.size()));
-      return;
-    }
-    if (std::ranges::all_of(lattice.links[i], [](int other) { return other >= 0; })) return;
-    const SurfacePoint p = surface.nearest(lattice.points[i]);
-    const auto distance = [&](int v) {
-      return (skin.V.row(v).transpose() - p.point).squaredNorm();
-    };
-    int nearest = skin.F(p.triangle, 0);
-    for (int k = 1; k < 3; ++k)
-      if (distance(skin.F(p.triangle, k)) < distance(nearest)) nearest = skin.F(p.triangle, k);
-    out[i] = controls.weights[nearest];
-  });
-  return out;
-}
-
-// Two lattices of a skin: harmonic weights are found in the coarse one first.
-struct Lattices {
-  Lattices(const SkinRays& rays)
-      : skin(rays),
-        coarse(make_body_lattice(rays, 2 * kSpacing)),
-        fine(make_body_lattice(rays, kSpacing)) {}
-
-  std::vector<SourceWeights> solve(std::span<const SourceWeights> on_coarse,
-                                   std::span<const SourceWeights> on_fine, int sources) const {
-    const auto first = harmonic_weights(coarse, on_coarse, sources, {}, kCoarseRounds);
-    std::vector<SourceWeights> start(fine.nodes());
-    tbb::parallel_for(0, fine.nodes(), [&](int i) {
-      start[i] = mix_weights(lattice_shares(coarse, skin, fine.points[i]), first);
-    });
-    return harmonic_weights(fine, on_fine, sources, start, kFineRounds);
-  }
-
-  const SkinRays& skin;
-  BodyLattice coarse, fine;
-};
-
-// Weights of more than `least`. Sources that are not among `own` (empty: all are) count less.
-SourceWeights kept_weights(const SourceWeights& all, double least, std::span<const char> own = {}) {
-  std::vector<std::pair<int, double>> weights;
-  for (int k = 0; k < all.count; ++k) {
-    const int source = all.source[k];
-    const double weight = double(all.weight[k]) * (own.empty() || own[source] ? 1 : kForeign);
-    if (weight > least) weights.emplace_back(source, weight);
-  }
-  return largest_weights(weights);
-}
-
-// Places points in the map.
-class Placer {
- public:
-  // `own`: #joints, those that move points; others count less. Empty: all move them alike.
-  Placer(const Lattices& lattices, std::span<const SourceWeights> joints,
-         std::span<const SourceWeights> skin, std::vector<char> own = {})
-      : lattices_(lattices), joints_(joints), skin_(skin), own_(std::move(own)) {}
-
-  MapPoint point(const Vec3& p) const {
-    const auto shares = lattice_shares(lattices_.fine, lattices_.skin, p);
-    MapPoint out;
-    out.rest = p;
-    SourceWeights joints = mix_weights(shares, joints_);
-    if (joints.count == 0) joints = nearest_joints(p);
-    out.joints = kept_weights(joints, kLeastWeight, own_);
-    out.skin = kept_weights(mix_weights(shares, skin_), kLeastSkinWeight);
-    out.cells = lattice_shares(lattices_.coarse, lattices_.skin, p);
-    return out;
-  }
-
- private:
-  // Of the nearest node that any bone reaches: a slit, as between the lips, parts some from all.
-  SourceWeights nearest_joints(const Vec3& p) const {
-    double least = std::numeric_limits<double>::infinity();
-    int nearest = -1;
-    for (int i = 0; i < lattices_.fine.nodes(); ++i) {
-      const double squared = (lattices_.fine.points[i] - p).squaredNorm();
-      if (joints_[i].count > 0 && squared < least) least = squared, nearest = i;
-    }
-    return nearest < 0 ? one_source(0) : joints_[nearest];
-  }
-
-  const Lattices& lattices_;
-  std::span<const SourceWeights> joints_, skin_;
-  std::vector<char> own_;
-};
 
 // Joints of the bones that carry a strip's line, and those between them.
 std::vector<char> joints_of(const Strip& strip, std::span<const int> parents) {
@@ -201,7 +93,8 @@ void bond_to_skin(const Anatomy& anatomy, const SkinRays& skin, std::span<const 
     }
   if (sections.empty()) return;
   map.bonds.resize(5 * sections.size());
-  const SkinBonder bonder(joined_bones(anatomy), skin, vertex_normals(skin.mesh()));
+  const SkinBonder bonder(joined_bones(anatomy), skin, vertex_normals(skin.mesh()),
+                          find_mouth(anatomy, skin.mesh()));
   tbb::parallel_for(std::size_t{0}, sections.size(), [&](std::size_t i) {
     const Ellipse& rest = sections[i]->rest;
     SkinBond* bonds = &map.bonds[5 * i];
@@ -375,18 +268,8 @@ Mat3 section_axes(const Vec3& width, const Vec3& thickness, const Vec3& line, do
 BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<const int> order,
                       const PosedAnatomy& rest) {
   const SkinRays rays(skin);
-  const Lattices lattices(rays);
-  const auto coarse_bones = bone_nodes(lattices.coarse, anatomy),
-             fine_bones = bone_nodes(lattices.fine, anatomy);
-  if (std::ranges::none_of(fine_bones, [](const SourceWeights& node) { return node.count > 0; }))
-    throw UnfitError("map of the body's inside: no bone lies within the skin");
-  const int joints = int(anatomy.skeleton.joints.size());
-  const auto of_joints = lattices.solve(coarse_bones, fine_bones, joints);
   const SkinControls controls = choose_skin_controls(skin, kControlSpacing);
-  const auto of_skin = lattices.solve(skin_nodes(lattices.coarse, skin, controls, coarse_bones),
-                                      skin_nodes(lattices.fine, skin, controls, fine_bones),
-                                      int(controls.vertices.size()) + 1);
-  const Placer placer(lattices, of_joints, of_skin);
+  const MapWeights weights = make_map_weights(anatomy, rays, controls);
   BodyMap out;
   out.joints = rest_positions(anatomy.skeleton);
   for (const Joint& joint : anatomy.skeleton.joints) out.parents.push_back(joint.parent);
@@ -396,35 +279,39 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
   std::vector<MapPoint> points;
   for (const int v : controls.vertices) {
     out.control_vertices.push_back(sorted[v]);
-    points.push_back(placer.point(skin.V.row(v)));
+    points.push_back(place_point(weights, rays, skin.V.row(v)));
   }
   out.controls = pack_points(points);
-  points.resize(lattices.coarse.nodes());
-  tbb::parallel_for(0, lattices.coarse.nodes(),
-                    [&](int i) { points[i] = placer.point(lattices.coarse.points[i]); });
+  points.resize(weights.coarse.nodes());
+  tbb::parallel_for(0, weights.coarse.nodes(), [&](int i) {
+    points[i] = place_point(weights, rays, weights.coarse.points[i]);
+  });
   out.nodes = pack_points(points);
   const std::vector<SliceRange> strips = slice_ranges(anatomy);
-  std::vector<char> bone;
-  for (const SourceWeights& node : coarse_bones) bone.push_back(node.count > 0);
   std::vector<SliceRange> inner = strips;
   std::erase_if(
       inner, [&](const SliceRange& range) { return lies_in_fat(anatomy.muscles[range.muscle]); });
-  out.pressure = make_pressure_table(lattices.coarse, bone,
-                                     muscle_shares(lattices.coarse, rays, inner, rest.slices));
+  out.pressure = make_pressure_table(weights.coarse, weights.bone,
+                                     muscle_shares(weights.coarse, rays, inner, rest.slices));
   out.sections.resize(rest.slices.size());
   points.resize(out.sections.size());
   std::vector<MapPoint> outlines(4 * out.sections.size());
   tbb::parallel_for(std::size_t{0}, strips.size(), [&](std::size_t s) {
     const SliceRange& range = strips[s];
     const Muscle& muscle = anatomy.muscles[range.muscle];
-    const Placer own(lattices, of_joints, of_skin,
-                     joints_of(muscle.strips[range.strip], out.parents));
+    const Strip& strip = muscle.strips[range.strip];
+    const std::vector<char> own = joints_of(strip, out.parents);
+    const std::vector<BoneHold> holds = bone_holds(
+        muscle, strip,
+        std::span(rest.slices).subspan(range.begin, std::size_t(range.end - range.begin)));
     for (int k = range.begin; k < range.end; ++k) {
       MapSection& section = out.sections[k];
       const auto [center, right, left, up, down] = places_of(rest.slices[k]);
-      points[k] = own.point(center);
+      const BoneHold& hold = holds[std::size_t(k - range.begin)];
+      points[k] = place_point(weights, rays, center, own, hold);
       for (const auto& [side, place] : {std::pair(0, right), {1, left}, {2, up}, {3, down}})
-        outlines[4 * std::size_t(k) + std::size_t(side)] = own.point(place);
+        outlines[4 * std::size_t(k) + std::size_t(side)] =
+            place_point(weights, rays, place, own, hold);
       section.rest = rest.slices[k];
       section.width = (right - left).norm();
       section.thickness = (up - down).norm();

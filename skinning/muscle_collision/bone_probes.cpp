@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kNear = 0.030;     // m below the skin at rest; deeper points get no probe
 constexpr float kMargin = 1.5e-3f;  // m, that probes stay below the skin
+constexpr float kInCavity = 1e-3f;  // m out of the skin at rest: in the mouth, as teeth are
 constexpr int kProbesEach = 4;      // of a joint and a vertex of the skin
 constexpr std::size_t kBlock = 1024;
 
@@ -101,6 +102,7 @@ std::vector<BoneProbe> place_bone_probes(const Anatomy& anatomy, const TriMesh& 
     if (same < kProbesEach) out.push_back(probe);
   }
   set_margins(skin, joints, rings, out);
+  std::erase_if(out, [](const BoneProbe& probe) { return probe.margin < -kInCavity; });
   return out;
 }
 

@@ -137,14 +137,16 @@ TEST(CheckTargets, AreMetOrNot) {
   check.poses.resize(1);
   const std::size_t posed = check_targets(check).size();
   check.swept = true;
-  EXPECT_EQ(posed, at_rest + 4);
+  EXPECT_EQ(posed, at_rest + 9);
   EXPECT_EQ(check_targets(check).size(), posed + 1);
   check.muscle_points_outside = 6;
   check.overlap_share = check.bone_share = 0.03;
   check.filled_share = std::nan("");
   check.loose_ends = check.bone_points_outside = 1;
   check.posed_outside_share = 0.01;
-  check.posed_overlap_worst = 0.06;
+  check.posed_overlap_worst = check.posed_bone_share_worst = 0.06;
+  check.posed_loose_ends = check.posed_needles = check.posed_daylight = 0.1;
+  check.posed_stretch_max = 3.1;
   check.drift_max = 0.01;
   check.jump_max = 0.002;
   check.pierced_share = 0.1;

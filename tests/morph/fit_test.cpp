@@ -13,6 +13,7 @@
 #include "anatomy/geometry/mesh_measures.h"
 #include "anatomy/joint_angles.h"
 #include "anatomy/muscles/action_line.h"
+#include "anatomy/queries/mouth_line.h"
 #include "anatomy/queries/signed_distance.h"
 #include "morph/dilation/dilate_muscles.h"
 #include "morph/fat/body_composition.h"
@@ -82,7 +83,7 @@ TEST(Fit, TheTemplateInItsOwnBodyIsTheTemplate) {
   const auto before = rest_positions(own.anatomy.skeleton),
              after = rest_positions(fit.anatomy.skeleton);
   for (size_t j = 0; j < before.size(); ++j) {
-    EXPECT_LT((before[j] - after[j]).norm(), 1e-9);
+    EXPECT_LT((before[j] - after[j]).norm(), 1e-9) << own.anatomy.skeleton.joints[j].name;
     EXPECT_LT((own.anatomy.skeleton.joints[j].zero - fit.anatomy.skeleton.joints[j].zero).norm(),
               1e-9);
   }
@@ -333,6 +334,35 @@ TEST(Fit, PalpablePointsAreAsDeepAsTheyShouldBe) {
       EXPECT_GE(fit.report.landmarks.size(), 40u);
       EXPECT_LE(missed, 2) << name;
     }
+  }
+}
+
+// The lower teeth close behind the upper ones where the lips meet, and the chin is as far under its
+// skin, seen from the front, as in people: 8 to 14 mm.
+TEST(Fit, TheJawClosesBehindTheLipsOfEveryStandardBody) {
+  NEED_PACKAGES();
+  const auto foremost = [](const Points& V, double from, double to) {
+    double out = -1;
+    const double low = V.col(1).minCoeff(), size = V.col(1).maxCoeff() - low;
+    for (Eigen::Index i = 0; i < V.rows(); ++i)
+      if (V(i, 1) >= low + from * size && V(i, 1) <= low + to * size) out = std::max(out, V(i, 2));
+    return out;
+  };
+  for (const BodySpec& spec : standard_bodies()) {
+    const Body body = make_body(package, spec);
+    const Fit fit = fit_anatomy(own, body);
+    const Points& jaw = fit.anatomy.bones[std::size_t(find_bone(fit.anatomy, "mandible"))].mesh.V;
+    const Points& skull = fit.anatomy.bones[std::size_t(find_bone(fit.anatomy, "skull"))].mesh.V;
+    constexpr int kChin = 5162, kLips = 474;  // vertices of the base mesh
+    const double tissue = body.skin.V(kChin, 2) - foremost(jaw, 0, 1.0 / 3);
+    EXPECT_GT(tissue, 0.006) << spec.name;
+    EXPECT_LT(tissue, 0.017) << spec.name;
+    const double overbite = foremost(skull, 0, 0.2) - foremost(jaw, 0.4, 1);
+    EXPECT_GT(overbite, 0) << spec.name;
+    EXPECT_LT(overbite, 0.007) << spec.name;
+    const auto line = find_mouth(fit.anatomy, body.skin);
+    ASSERT_TRUE(line);
+    EXPECT_NEAR(line->over(body.skin.V.row(kLips)), 0, 1.5e-3) << spec.name;
   }
 }
 

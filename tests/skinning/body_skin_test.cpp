@@ -98,6 +98,23 @@ Pose bent_pose(const Figure& figure, const char* upper, const char* middle, cons
   return pose;
 }
 
+// The lower lip and the chin go with the jaw, the upper lip and the nose stay.
+TEST_F(BodySkin, MouthsOpenOnEveryBuild) {
+  for (const BodySpec& spec : standard_bodies()) {
+    const Figure body = figure(spec);
+    const int jaw = int(body.joint("jaw"));
+    const auto share = [&](int vertex) {
+      double out = 0;
+      for (const Influence& w : body.model->binding.joint_weights[std::size_t(vertex)])
+        if (w.joint == jaw) out += w.weight;
+      return out;
+    };
+    // Of the base mesh, in the middle from the nose to the chin.
+    for (const int vertex : {317, 362, 468, 474}) EXPECT_LT(share(vertex), 0.1) << spec.name;
+    for (const int vertex : {523, 495, 724, 5162}) EXPECT_GT(share(vertex), 0.9) << spec.name;
+  }
+}
+
 TEST_F(BodySkin, BentElbowsAndKneesKeepTheirVolumeOnEveryBuild) {
   for (const char* name : {"default_male", "default_female", "thin_male", "heavy_male",
                            "muscular_male", "short_male", "tall_male", "old_male"}) {

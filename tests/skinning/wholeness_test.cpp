@@ -27,14 +27,16 @@ struct Pair {
       Muscle muscle;
       muscle.name = z > 0 ? "upper" : "lower";
       muscle.strips = {testing::straight_strap({0, 1, z}, {0, 1.3, z}, 31, {0.04, 0.01})};
+      muscle.origin_bone = "bone";  // the other end lies in fascia
       anatomy.muscles.push_back(muscle);
     }
     surface = make_muscle_surface(anatomy);
     ranges = slice_ranges(anatomy);
     rest.slices = rest_slices(anatomy);
+    forward_kinematics(anatomy.skeleton, rest_pose(anatomy.skeleton), rest.X_WJ);
     rest.belly.assign(rest.slices.size(), 1);
     for (std::size_t k = 24; k <= 30; ++k) rest.belly[k] = 0;  // a tendon at the lower one's end
-    at_rest = make_rest_surface(surface, ranges, rest, flesh(rest));
+    at_rest = make_rest_surface(anatomy, surface, ranges, rest, flesh(rest));
   }
 
   TriMesh flesh(const PosedAnatomy& posed) const {
@@ -55,6 +57,7 @@ TEST(Wholeness, FindsNothingInWhatOnlyMoves) {
     e.center = turn * e.center + Vec3(1, 2, 3);
     e.axes = turn * e.axes;
   }
+  for (Transform& X : posed.X_WJ) X = Eigen::Translation3d(1, 2, 3) * Transform(turn) * X;
   for (const PosedAnatomy& pose : {pair.rest, posed})
     for (const MuscleWholeness& muscle : pair.measure(pose)) {
       EXPECT_EQ(muscle.creased_length, 0);
@@ -62,6 +65,7 @@ TEST(Wholeness, FindsNothingInWhatOnlyMoves) {
       EXPECT_EQ(muscle.daylight, 0);
       EXPECT_NEAR(muscle.stretch, 1, 1e-6);
       EXPECT_NEAR(muscle.kink, 0, 1e-6);
+      EXPECT_NEAR(muscle.end_off, 0, 1e-9);
       EXPECT_GT(muscle.edge_length, 1);
     }
 }
@@ -96,6 +100,16 @@ TEST(Wholeness, FindsStretch) {
   const auto whole = pair.measure(posed);
   EXPECT_NEAR(whole[0].stretch, 1, 1e-6);
   EXPECT_NEAR(whole[1].stretch, 2, 0.05);
+}
+
+TEST(Wholeness, FindsAnEndOffItsBoneAndNoneInFascia) {
+  const Pair pair;
+  PosedAnatomy posed = pair.rest;
+  posed.slices[0].center.y() -= 0.02;
+  posed.slices[61].center.y() += 0.02;
+  const auto whole = pair.measure(posed);
+  EXPECT_NEAR(whole[0].end_off, 0.02, 1e-9);
+  EXPECT_EQ(whole[1].end_off, 0);
 }
 
 TEST(Wholeness, FindsAKinkInATendonAlone) {
