@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "anatomy/geometry/join_meshes.h"
 #include "anatomy/queries/nearest_surface.h"
 
 namespace ecorche::inline v1 {
@@ -51,16 +50,17 @@ double MouthLine::over(const Vec3& p) const {
 
 std::optional<MouthLine> find_mouth(const Anatomy& anatomy, const TriMesh& skin) {
   const int joint = find_joint(anatomy.skeleton, "jaw");
-  std::vector<const TriMesh*> carried;
+  std::vector<Vec3> jaw;
   for (const Bone& bone : anatomy.bones)
-    if (joint >= 0 && bone.joint == joint && bone.mesh.V.rows() > 0) carried.push_back(&bone.mesh);
-  if (carried.empty()) return std::nullopt;
-  const Points jaw = join_meshes(carried).V;
-  const Vec3 low = jaw.colwise().minCoeff(), high = jaw.colwise().maxCoeff();
+    if (joint >= 0 && bone.joint == joint)
+      for (Eigen::Index i = 0; i < bone.mesh.V.rows(); ++i) jaw.emplace_back(bone.mesh.V.row(i));
+  if (jaw.empty()) return std::nullopt;
+  Vec3 low = jaw[0], high = jaw[0];
+  for (const Vec3& p : jaw) low = low.cwiseMin(p), high = high.cwiseMax(p);
   const double teeth = low.z() + kFront * (high.z() - low.z());
   double edge = low.y();
-  for (Eigen::Index i = 0; i < jaw.rows(); ++i)
-    if (jaw(i, 2) > teeth) edge = std::max(edge, jaw(i, 1));
+  for (const Vec3& p : jaw)
+    if (p.z() > teeth) edge = std::max(edge, p.y());
   MouthLine out;
   out.middle = 0.5 * (low.x() + high.x());
   out.low = low - kAbout * Vec3::Ones();
