@@ -111,6 +111,14 @@ int find_muscle(const Anatomy& anatomy, std::string_view name) {
 
 bool lies_in_fat(const Muscle& muscle) { return muscle.layer == "subcutaneous"; }
 
+std::array<int, 2> end_joints(const Muscle& muscle, const Strip& strip) {
+  const auto joint = [](const PathPoint& end, const std::string& bone) {
+    return bone.empty() || end.joints[1] >= 0 ? -1 : end.joints[0];
+  };
+  return {joint(strip.path.front(), muscle.origin_bone),
+          joint(strip.path.back(), muscle.insertion_bone)};
+}
+
 int slice_count(const Anatomy& anatomy) {
   int count = 0;
   for (const Muscle& muscle : anatomy.muscles)

@@ -156,7 +156,10 @@ void validate(const Anatomy& anatomy);
 
 int find_bone(const Anatomy& anatomy, std::string_view name);    // index or -1
 int find_muscle(const Anatomy& anatomy, std::string_view name);  // index or -1
-bool lies_in_fat(const Muscle& muscle);   // under the skin itself, as the face's do
+bool lies_in_fat(const Muscle& muscle);  // under the skin itself, as the face's do
+// The joints that alone carry the bones of a strip's origin and insertion; -1: that end lies in
+// fascia, or a blend of two joints carries it. Precondition: the strip is the muscle's.
+std::array<int, 2> end_joints(const Muscle& muscle, const Strip& strip);
 int slice_count(const Anatomy& anatomy);  // all strips of all muscles
 
 }  // namespace ecorche::inline v1

@@ -15,7 +15,7 @@ constexpr double kWithMap = 0.05, kWithSkin = 0.5;
 constexpr double kFarthest = 0.03;  // m across a sheet
 constexpr float kAslant = 0.3f;     // cosine: skin that a line across leaves more aslant is another
 constexpr double kPastWall = 1e-5;  // m
-constexpr double kLip = 0.004;      // m
+constexpr double kFromLip = 0.004;  // m, by which a place is moved from the other lip
 constexpr double kLips = 0.010;     // m, that lips are high
 constexpr int kMostWalls = 8;       // that are entered on the way: of the mouth, of the nose
 
@@ -45,9 +45,12 @@ SkinBonder::SkinBonder(const TriMesh& bones, const SkinRays& rays, Points normal
       surface_(rays.mesh()),
       bones_(bones) {}
 
+bool SkinBonder::at_lips(const Vec3& point) const {
+  return mouth_ && mouth_->about(point) && mouth_->spans(point.x());
+}
+
 bool SkinBonder::of_one_lip(const Vec3& a, const Vec3& b) const {
-  const bool lips = mouth_ && mouth_->about(a) && mouth_->spans(a.x());
-  return !lips || (mouth_->over(a) < 0) == (mouth_->over(b) < 0);
+  return !at_lips(a) || (mouth_->over(a) < 0) == (mouth_->over(b) < 0);
 }
 
 SurfacePoint SkinBonder::skin_over(const Vec3& point, const Vec3& across) const {
@@ -65,7 +68,8 @@ SurfacePoint SkinBonder::skin_over(const Vec3& point, const Vec3& across) const 
   if (out.triangle >= 0) return out;
   out = surface_.nearest(point);
   if (!of_one_lip(point, out.point))  // from a place farther from the other lip
-    out = surface_.nearest(point + (mouth_->over(point) < 0 ? -kLip : kLip) * Vec3::UnitY());
+    out =
+        surface_.nearest(point + (mouth_->over(point) < 0 ? -kFromLip : kFromLip) * Vec3::UnitY());
   return out;
 }
 
@@ -89,7 +93,7 @@ SkinBond SkinBonder::bond(const Vec3& point, const Vec3& across) const {
   out.share =
       smooth_step(kWithMap, kWithSkin, from_bone / (from_bone + std::abs(out.depth) + 1e-9));
   // Teeth of either jaw lie near either lip.
-  if (mouth_ && mouth_->about(point) && mouth_->spans(point.x()))
+  if (at_lips(point))
     out.share =
         std::max(out.share, 1 - smooth_step(kLips, 2 * kLips, std::abs(mouth_->over(point))));
   return out;

@@ -38,6 +38,7 @@ class SkinBonder {
 
  private:
   SurfacePoint skin_over(const Vec3& point, const Vec3& across) const;
+  bool at_lips(const Vec3& point) const;
   bool of_one_lip(const Vec3& a, const Vec3& b) const;
 
   const SkinRays& rays_;

@@ -174,18 +174,18 @@ void add_bone_points(HalfSkeleton& half) {
   const TriMesh& skull = need(half, "skull").mesh;
   const Vec3 low = skull.V.colwise().minCoeff(), high = skull.V.colwise().maxCoeff();
   p["orbit"] = low + Vec3(0.72, 0.44, 0.83).cwiseProduct(high - low);
-  // The foremost point of the chin: of the middle of the mandible's lower third; and the edge of
-  // the front teeth.
-  const Points& jaw = need(half, "mandible").mesh.V;
-  const Vec3 bottom = jaw.colwise().minCoeff(), size = Vec3(jaw.colwise().maxCoeff()) - bottom;
-  Vec3 chin = Vec3::Constant(-1e300), bite = chin;
-  for (Eigen::Index i = 0; i < jaw.rows(); ++i) {
-    const Vec3 at = jaw.row(i), share = (at - bottom).cwiseQuotient(size);
-    if (std::abs(share.x() - 0.5) < 0.1 && share.y() < 1.0 / 3 && at.z() > chin.z()) chin = at;
-    if (std::abs(share.x() - 0.5) < 0.1 && share.z() > 0.85 && at.y() > bite.y()) bite = at;
-  }
-  p["chin"] = Vec3(half.mid_plane, chin.y(), chin.z());
-  p["bite"] = Vec3(half.mid_plane, bite.y(), bite.z());
+  // The foremost point of the chin, and the edge of the front teeth.
+  const auto of_jaw = [&](const Vec3& direction, const Vec3& from, const Vec3& to) {
+    LandmarkRule rule;
+    rule.bone = "mandible";
+    rule.direction = direction;
+    rule.from = from;
+    rule.to = to;
+    const Vec3 at = find_landmark(half, rule).position;
+    return Vec3(half.mid_plane, at.y(), at.z());
+  };
+  p["chin"] = of_jaw(Vec3::UnitZ(), {0.4, 0, 0}, {0.6, 1.0 / 3, 1});
+  p["bite"] = of_jaw(Vec3::UnitY(), {0.4, 0, 0.85}, {0.6, 1, 1});
 }
 
 BonePoint find_landmark(const HalfSkeleton& half, const LandmarkRule& rule) {

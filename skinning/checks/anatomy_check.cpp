@@ -264,9 +264,8 @@ void check_voids(const Subject& subject, const Shape& shape, AnatomyCheck& check
 void check_ends(const Subject& subject, AnatomyCheck& check) {
   const Anatomy& anatomy = subject.anatomy();
   std::map<int, std::unique_ptr<NearestSurface>> bones;  // by joint
-  const auto distance = [&](const PathPoint& end) {
-    const int joint = end.joints[0];
-    if (joint < 0 || end.joints[1] >= 0) return -1.0;
+  const auto distance = [&](int joint, const Vec3& end) {
+    if (joint < 0) return -1.0;
     auto& surface = bones[joint];
     if (!surface) {
       std::vector<const TriMesh*> carried;
@@ -276,20 +275,21 @@ void check_ends(const Subject& subject, AnatomyCheck& check) {
       if (all.F.rows() == 0) return -1.0;
       surface = std::make_unique<NearestSurface>(all);
     }
-    return surface->nearest(end.rest).distance;
+    return surface->nearest(end).distance;
   };
   std::vector<double> distances;
   for (std::size_t m = 0; m < anatomy.muscles.size(); ++m) {
     const Muscle& muscle = anatomy.muscles[m];
-    for (const Strip& strip : muscle.strips)
-      for (const auto& [end, bone] : {std::pair(&strip.path.front(), &muscle.origin_bone),
-                                      std::pair(&strip.path.back(), &muscle.insertion_bone)}) {
-        const double d = bone->empty() ? -1 : distance(*end);
+    for (const Strip& strip : muscle.strips) {
+      const auto [origin, insertion] = end_joints(muscle, strip);
+      for (const double d : {distance(origin, strip.path.front().rest),
+                             distance(insertion, strip.path.back().rest)}) {
         if (d < 0) continue;
         distances.push_back(d);
         check.loose_ends += d > kLooseEnd;
         check.muscles[m].end_distance = std::max(check.muscles[m].end_distance, d);
       }
+    }
   }
   check.ends = distances.size();
   if (distances.empty()) return;

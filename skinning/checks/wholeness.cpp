@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <utility>
 
 #include "anatomy/compute/angle_between.h"
 #include "anatomy/geometry/mesh_measures.h"
@@ -56,14 +57,12 @@ std::vector<StripEnd> ends_on_bones(const Anatomy& anatomy, std::span<const Slic
   std::vector<StripEnd> out;
   for (const SliceRange& range : ranges) {
     const Muscle& muscle = anatomy.muscles[range.muscle];
-    const auto add = [&](const PathPoint& end, const std::string& bone, int slice) {
-      if (bone.empty() || end.joints[1] >= 0) return;
-      out.push_back({range.muscle, slice, end.joints[0],
-                     rest.X_WJ[end.joints[0]].inverse() * rest.slices[slice].center});
-    };
-    const std::vector<PathPoint>& path = muscle.strips[range.strip].path;
-    add(path.front(), muscle.origin_bone, range.begin);
-    add(path.back(), muscle.insertion_bone, range.end - 1);
+    const auto [origin, insertion] = end_joints(muscle, muscle.strips[range.strip]);
+    for (const auto& [joint, slice] :
+         {std::pair(origin, range.begin), std::pair(insertion, range.end - 1)})
+      if (joint >= 0)
+        out.push_back(
+            {range.muscle, slice, joint, rest.X_WJ[joint].inverse() * rest.slices[slice].center});
   }
   return out;
 }

@@ -40,15 +40,16 @@ std::vector<BoneHold> bone_holds(const Muscle& muscle, const Strip& strip,
     along[k] = along[k - 1] + (slices[k].center - slices[k - 1].center).norm();
   const double fade = std::min(kHeld, 0.5 * along.back());
   std::vector<BoneHold> out(slices.size());
-  const auto hold = [&](const PathPoint& end, const std::string& bone, bool insertion) {
-    if (bone.empty() || end.joints[1] >= 0) return;
+  const auto hold = [&](int joint, bool insertion) {
+    if (joint < 0) return;
     for (std::size_t k = 0; k < out.size(); ++k) {
       const double distance = insertion ? along.back() - along[k] : along[k];
-      if (distance < fade) out[k] = {end.joints[0], 1 - smooth_step(0.0, fade, distance)};
+      if (distance < fade) out[k] = {joint, 1 - smooth_step(0.0, fade, distance)};
     }
   };
-  hold(strip.path.front(), muscle.origin_bone, false);
-  hold(strip.path.back(), muscle.insertion_bone, true);
+  const auto [origin, insertion] = end_joints(muscle, strip);
+  hold(origin, false);
+  hold(insertion, true);
   return out;
 }
 
