@@ -22,7 +22,7 @@ namespace {
 constexpr double kControlSpacing = 0.03;  // m
 constexpr double kLeastReach = 0.002;     // m, of an outline, so that tendons have axes, too
 constexpr double kStretched = 1.6;        // of volume, from which on lines are straight
-constexpr double kHeld = 0.03;            // m from an end, over which its bone holds a strip
+constexpr double kHeld = 0.05;            // m from an end, over which its bone holds a strip
 constexpr double kLeastFilled = 0.1, kFilled = 0.6;  // of a cell, where it begins to keep volume
 constexpr int kFlowRounds = 2;
 constexpr int kEvenRounds = 10;     // along tendons

@@ -15,7 +15,7 @@
 // (skin_bonds.h).
 //
 // A muscle is moved less by joints that its line does not pass: layers slide over one another.
-// Within 3 cm of an end on a bone that bone carries it, wholly at the end.
+// Within 5 cm of an end on a bone that bone carries it, wholly at the end.
 // Sections take centre and axes from the map, and from pose_anatomy() the share by which their
 // substance has slid along the line, bulged or turned rounder. Volumes of bellies are kept but for
 // what cells are too coarse for: restore_volumes() brings the rest.
