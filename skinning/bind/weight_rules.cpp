@@ -77,6 +77,12 @@ bool find_center(const Skeleton& skeleton, const std::vector<Vec3>& origins, int
 // Whether it bends about one axis alone.
 bool is_hinge(const Joint& joint) { return (joint.max - joint.min).y() < kHingeSlack; }
 
+// Whether it moves the upper arm or what carries it.
+bool is_of_girdle(const Joint& joint) {
+  return joint.name.starts_with("shoulder") || joint.name.starts_with("scapula") ||
+         joint.name.starts_with("clavicle");
+}
+
 // A pair's reach is the distance from its hinge at which most of the flesh about it lies; beyond it
 // weights fade with its square.
 void fade_with_distance(const Skeleton& skeleton, const TriMesh& skin,
@@ -168,7 +174,7 @@ void let_scapula_glide(const Skeleton& skeleton, const TriMesh& skin,
     const double arm = (origins[elbow] - center).norm();
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const double away = (Vec3(skin.V.row(i)) - center).norm() / arm;
-      move_weight(rows[i], scapula, thorax, 0.6 * smooth_step(0.25, 0.6, away));
+      move_weight(rows[i], scapula, thorax, 0.6 * smooth_step(0.1, 0.35, away));
     }
   }
 }
@@ -199,7 +205,8 @@ std::vector<FramePair> add_frame_pairs(const Skeleton& skeleton, const TriMesh& 
           const int a = joint_of(key.first), b = joint_of(key.second);
           if (a == b) pair.center = origins[a];
           const bool hinged =
-              a == b || find_center(skeleton, origins, a, b, pair.center, pair.hinge);
+              a == b || (find_center(skeleton, origins, a, b, pair.center, pair.hinge) &&
+                         !is_of_girdle(skeleton.joints[pair.hinge]));
           it = index.emplace(key, hinged ? int(pairs.size()) : -1).first;
           if (hinged) pairs.push_back(pair);
         }

@@ -25,14 +25,14 @@ void part_lips(const Anatomy& anatomy, const TriMesh& skin, SkinDepth& depth);
 void spread_twist(const Skeleton& skeleton, const TriMesh& skin, std::span<const int> painted,
                   std::vector<WeightRow>& rows, std::vector<TwistFrame>& twists);
 
-// Away from the acromion the skin of the back stays with the ribs while the shoulder blade slides
-// beneath it (30 to 70 mm by upright tomography, 10.3390/s22176502).
+// Away from the acromion most of the skin over the shoulder blade stays with the ribs while the
+// blade slides beneath it (30 to 70 mm by upright tomography, 10.3390/s22176502).
 void let_scapula_glide(const Skeleton& skeleton, const TriMesh& skin, std::vector<WeightRow>& rows);
 
 // Pairs of frames that both move some vertex and turn much against each other, with weight
 // 2 w_a w_b for every vertex; see blend_tables.h. Sorts the rows by frame and appends their pairs
-// (#joints + #twists + k). Far from the hinge the weight fades: the web of the armpit is drawn
-// straight, no bone pushes it out to the full circle.
+// (#joints + #twists + k). Far from the hinge the weight fades: no bone pushes the skin of the
+// groin out to the full circle. Joints of the girdle have none: the armpit's web is drawn straight.
 std::vector<FramePair> add_frame_pairs(const Skeleton& skeleton, const TriMesh& skin,
                                        const std::vector<TwistFrame>& twists,
                                        std::vector<WeightRow>& rows);

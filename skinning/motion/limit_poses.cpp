@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/csv_table.h"
@@ -11,6 +13,7 @@
 #include "anatomy/joint_angles.h"
 #include "skinning/motion/name_pattern.h"
 #include "skinning/motion/no_such_joint.h"
+#include "skinning/motion/raise_arm.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -28,6 +31,13 @@ double share(const Table& table, int row, const char* column) {
         fmt::format("{}: {} {} is outside -1 .. 1; it is a share of the way to the limit",
                     table.where(row), column, value));
   return value;
+}
+
+// Shares of half a turn from hanging: forwards, to the side; of a quarter, outwards.
+ArmDirection arm_direction(const Vec3& shares) {
+  constexpr double kHalfTurn = std::numbers::pi;
+  return {kHalfTurn * std::min(1.0, std::hypot(shares[0], shares[1])),
+          std::atan2(shares[0], shares[1]), kHalfTurn / 2 * shares[2]};
 }
 
 }  // namespace
@@ -51,15 +61,24 @@ std::vector<LimitPose> read_limit_poses(const std::filesystem::path& file, const
     const std::string &name = table.text(row, "pose"), &pattern = table.text(row, "joint");
     if (name.empty() || pattern.empty())
       throw InputError(table.where(row) + ": a row needs the names of its pose and joint");
-    bool meant = false;
-    for (std::size_t j = 0; j < skeleton.joints.size(); ++j) {
-      if (!is_meant(pattern, skeleton.joints[j].name)) continue;
-      meant = true;
+    const auto pose_of_row = [&]() -> Pose& {
       auto pose = std::find_if(poses.begin(), poses.end(),
                                [&](const LimitPose& p) { return p.name == name; });
       if (pose == poses.end())
         pose = poses.insert(poses.end(), LimitPose{name, rest_pose(skeleton)});
-      pose->pose.rotations[j] = limit_rotation(skeleton.joints[j], shares);
+      return pose->pose;
+    };
+    bool meant = false;
+    for (const Side side : {Side::left, Side::right}) {
+      const bool named = pattern == "arm" || pattern == "arm" + std::string(side_suffix(side));
+      if (!named || !has_arm(skeleton, side)) continue;
+      meant = true;
+      raise_arm(skeleton, side, arm_direction(shares), pose_of_row());
+    }
+    for (std::size_t j = 0; j < skeleton.joints.size(); ++j) {
+      if (!is_meant(pattern, skeleton.joints[j].name)) continue;
+      meant = true;
+      pose_of_row().rotations[j] = limit_rotation(skeleton.joints[j], shares);
     }
     if (!meant && unknown == UnknownJoints::refuse)
       throw InputError(fmt::format("{}: {}", table.where(row), no_such_joint(skeleton, pattern)));

@@ -13,7 +13,7 @@
 #include "anatomy/files/csv_table.h"
 #include "anatomy/files/input_file.h"
 #include "anatomy/joint_angles.h"
-#include "skinning/motion/shoulder_rhythm.h"
+#include "skinning/motion/raise_arm.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -38,7 +38,7 @@ class Poser {
     for (const std::string side : {"_l", "_r"}) {
       if (sided && !part.ends_with(side)) continue;
       if (stem == "arm")
-        raise_arm(item, side);
+        raise(item, side);
       else if (stem == "fingers")
         curl(item, side);
       else
@@ -92,26 +92,14 @@ class Poser {
     }
   }
 
-  // The upper arm in the thorax's frame, from hanging with the palm to the thigh.
-  void raise_arm(const Item& item, const std::string& side) {
+  void raise(const Item& item, const std::string& side) {
     if (item.angles.size() < 2 || !item.angles[0] || !item.angles[1])
       fail("an arm needs its elevation and the plane of it");
-    const int shoulder = joint("shoulder" + side), clavicle = joint("clavicle" + side),
-              scapula = joint("scapula" + side);
-    const std::vector<Vec3> at = rest_positions(skeleton_);
-    const Vec3 rest = (at[joint("elbow" + side)] - at[shoulder]).normalized();
-    const double out = side == "_r" ? -1 : 1, plane = *item.angles[1];
-    const Vec3 level(out * std::cos(plane), 0,
-                     std::sin(plane));  // where the arm points at 90 degrees
-    const Vec3 axis = Vec3(-Vec3::UnitY()).cross(level);
-    const double outwards = item.angles.size() > 2 && item.angles[2] ? *item.angles[2] : 0;
-    const Quat arm = Quat(Eigen::AngleAxisd(*item.angles[0], axis.normalized())) *
-                     Quat(Eigen::AngleAxisd(out * outwards, Vec3::UnitY())) *
-                     Quat::FromTwoVectors(rest, -Vec3::UnitY());
-    const Girdle girdle = girdle_rhythm(out < 0 ? Side::right : Side::left, rest, arm * rest);
-    pose_.rotations[clavicle] = girdle.clavicle;
-    pose_.rotations[scapula] = girdle.clavicle.conjugate() * girdle.scapula;
-    pose_.rotations[shoulder] = girdle.scapula.conjugate() * arm;
+    for (const char* stem : {"clavicle", "scapula", "shoulder", "elbow"}) joint(stem + side);
+    raise_arm(skeleton_, side == "_r" ? Side::right : Side::left,
+              {*item.angles[0], *item.angles[1],
+               item.angles.size() > 2 && item.angles[2] ? *item.angles[2] : 0},
+              pose_);
   }
 
   void curl(const Item& item, const std::string& side) {

@@ -169,6 +169,7 @@ VolumeRegions make_volume_regions(const Skeleton& skeleton, std::span<const floa
     out.regions.push_back(
         make_closed_region(joint, shoulder, positions, triangles, inside, swelling, areas));
     out.regions.back().within = 0;
+    out.regions.back().give = kParametersVolumePreservation.shoulder_give;
   };
   for (const auto& [root, hinge, end] :
        {std::array{"shoulder", "elbow", "wrist"}, std::array{"hip", "knee", "ankle"}})
@@ -251,17 +252,14 @@ void restore_volumes(const VolumeRegions& volumes, std::span<const Transform> X_
     for (std::size_t k = 0; k < region.vertices.size(); ++k)
       reach[r] += double(region.swelling[k] * region.area[k] * open[region.vertices[k]]);
     lost[r] = region.volume - region_volume(region, positions, X_WJ[region.origin].translation());
+    if (lost[r] > 0) lost[r] = std::max(0.0, lost[r] - region.give * region.volume);
   });
   std::array<double, kMostRegions> gained{};  // by the parts of a region, which come after it
   for (std::size_t r = volumes.regions.size(); r-- > 0;) {
     const VolumeRegion& region = volumes.regions[r];
     const double own = reach[r] > 0 ? lost[r] - gained[r] : 0;
-    const double least = region.rims.empty()
-                             ? -kParametersVolumePreservation.most_swelling
-                             : 0;  // a raised girdle draws skin of the trunk along, which stays
-    const double units =
-        own != 0 ? std::clamp(own / reach[r], least, kParametersVolumePreservation.most_swelling)
-                 : 0;
+    const double most = kParametersVolumePreservation.most_swelling,
+                 units = own != 0 ? std::clamp(own / reach[r], -most, most) : 0;
     if (region.within >= 0) gained[region.within] += units * reach[r] + gained[r];
     if (units == 0) continue;
     each_vertex_volume_preservation(region.vertices.size(), [&](std::size_t k) {

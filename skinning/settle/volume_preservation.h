@@ -28,6 +28,8 @@ struct VolumeParameters {
   // Fraction of the upper arm at which the shoulder's region ends, and over which its swelling
   // fades.
   double shoulder_end = 0.5, shoulder_fade = 0.4;
+  // Fraction of its volume that a shoulder may lose: flesh of a raised arm goes to chest and back.
+  double shoulder_give = 0.08;
 };
 
 struct VolumeRegion {
@@ -39,6 +41,7 @@ struct VolumeRegion {
   std::vector<float> share;   // a triangle: fraction of it that is the region's
   std::vector<MeshRim> rims;  // edges of cuts that are closed by fans about their middles
   double volume = 0;          // rest, m^3
+  double give = 0;            // fraction of it that it may lose
   std::vector<int> vertices;
   std::vector<float> swelling, area;  // a vertex: m a unit; m^2 at rest
 };

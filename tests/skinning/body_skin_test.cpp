@@ -138,6 +138,23 @@ TEST_F(BodySkin, BentElbowsAndKneesKeepTheirVolumeOnEveryBuild) {
   }
 }
 
+// As in people: a raised arm's flesh goes to chest and back, none comes from there.
+TEST_F(BodySkin, ShouldersOfRaisedArmsLoseALittleAndGainNothing) {
+  for (const char* name : {"default_male", "default_female", "heavy_male", "thin_male"}) {
+    Figure body = figure(standard_body(name));
+    const Skeleton& skeleton = body.anatomy.skeleton;
+    for (const char* arms : {"arm 90 0", "arm 90 90", "arm 150 0", "arm 175 45"}) {
+      const SkinFrame frame = body.play(pose_of_angles(arms, skeleton, name));
+      for (const LimbSection& section : whole_limbs(skeleton, body.skin, body.model->binding)) {
+        if (!section.name.starts_with("shoulder")) continue;
+        const double change = section_change(section, body.skin, frame);
+        EXPECT_GT(change, -0.09) << name << ' ' << arms << ' ' << section.name;
+        EXPECT_LT(change, 0.04) << name << ' ' << arms << ' ' << section.name;
+      }
+    }
+  }
+}
+
 TEST_F(BodySkin, WhatContactPressesAwaySwellsElsewhere) {
   Figure body = figure(standard_body("default_male"));
   for (const char* angles : {"knee 150", "elbow 150", "hip 110; knee 140; trunk 40 0 0"}) {
