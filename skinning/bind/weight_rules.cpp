@@ -13,9 +13,10 @@
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kLeastRange = 0.6;  // rad, joints that move less are blended linearly
-constexpr double kLeastPair = 0.01;  // 2 w_a w_b below it is not worth a frame
-constexpr double kHingeSlack = 0.2;  // rad, of abduction
+constexpr double kLeastRange = 0.6;   // rad, joints that move less are blended linearly
+constexpr double kLeastPair = 0.01;   // 2 w_a w_b below it is not worth a frame
+constexpr double kGirdleShare = 0.4;  // of a pair's weight about a joint of the girdle
+constexpr double kHingeSlack = 0.2;   // rad, of abduction
 constexpr double kReachQuantile = 0.5, kReachSlack = 1.35;
 
 double* find_weight(WeightRow& row, int joint) {
@@ -205,12 +206,14 @@ std::vector<FramePair> add_frame_pairs(const Skeleton& skeleton, const TriMesh& 
           const int a = joint_of(key.first), b = joint_of(key.second);
           if (a == b) pair.center = origins[a];
           const bool hinged =
-              a == b || (find_center(skeleton, origins, a, b, pair.center, pair.hinge) &&
-                         !is_of_girdle(skeleton.joints[pair.hinge]));
+              a == b || find_center(skeleton, origins, a, b, pair.center, pair.hinge);
           it = index.emplace(key, hinged ? int(pairs.size()) : -1).first;
           if (hinged) pairs.push_back(pair);
         }
-        if (it->second >= 0) found[i].push_back({it->second, product});
+        if (it->second < 0) continue;
+        const int hinge = pairs[it->second].hinge;
+        const double share = hinge >= 0 && is_of_girdle(skeleton.joints[hinge]) ? kGirdleShare : 1;
+        found[i].push_back({it->second, share * product});
       }
   }
   fade_with_distance(skeleton, skin, pairs, found);

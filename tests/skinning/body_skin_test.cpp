@@ -143,14 +143,6 @@ TEST_F(BodySkin, ShouldersOfRaisedArmsLoseALittleAndGainNothing) {
   for (const char* name : {"default_male", "default_female", "heavy_male", "thin_male"}) {
     Figure body = figure(standard_body(name));
     const Skeleton& skeleton = body.anatomy.skeleton;
-    int hinged = 0;
-    for (const FramePair& pair : body.model->skin.blend->frames.pairs) {
-      if (pair.hinge < 0) continue;
-      ++hinged;
-      const std::string& joint = skeleton.joints[std::size_t(pair.hinge)].name;
-      EXPECT_FALSE(joint.starts_with("shoulder") || joint.starts_with("clavicle")) << joint;
-    }
-    EXPECT_GT(hinged, 20);  // elbows, knees, hips, fingers and toes
     for (const char* arms : {"arm 90 0", "arm 90 90", "arm 150 0", "arm 175 45"}) {
       const SkinFrame frame = body.play(pose_of_angles(arms, skeleton, name));
       for (const LimbSection& section : whole_limbs(skeleton, body.skin, body.model->binding)) {
