@@ -84,10 +84,10 @@ bool is_of_girdle(const Joint& joint) {
          joint.name.starts_with("clavicle");
 }
 
-// A pair's reach is the distance from its hinge at which most of the flesh about it lies; beyond it
-// weights fade with its square.
-void fade_with_distance(const Skeleton& skeleton, const TriMesh& skin,
-                        const std::vector<FramePair>& pairs, std::vector<WeightRow>& found) {
+// Pairs about the girdle count less, at any distance. The reach of another pair is the distance
+// from its hinge at which most of the flesh about it lies; beyond it weights fade with its square.
+void weigh_pairs(const Skeleton& skeleton, const TriMesh& skin, const std::vector<FramePair>& pairs,
+                 std::vector<WeightRow>& found) {
   const auto distance = [&](std::size_t i, int pair) {
     return (Vec3(skin.V.row(i)) - pairs[pair].center).norm();
   };
@@ -95,9 +95,14 @@ void fade_with_distance(const Skeleton& skeleton, const TriMesh& skin,
   for (std::size_t i = 0; i < found.size(); ++i)
     for (const Influence& w : found[i])
       if (w.weight > 0.2) around[w.joint].push_back(distance(i, w.joint));
-  std::vector<double> reach(pairs.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> reach(pairs.size(), std::numeric_limits<double>::infinity()),
+      share(pairs.size(), 1.0);
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const int hinge = pairs[k].hinge;
+    if (hinge >= 0 && is_of_girdle(skeleton.joints[hinge])) {
+      share[k] = kGirdleShare;
+      continue;
+    }
     if (around[k].empty() || (hinge >= 0 && is_hinge(skeleton.joints[hinge]))) continue;
     const auto rank =
         around[k].begin() + std::ptrdiff_t(kReachQuantile * double(around[k].size() - 1));
@@ -107,7 +112,7 @@ void fade_with_distance(const Skeleton& skeleton, const TriMesh& skin,
   for (std::size_t i = 0; i < found.size(); ++i)
     for (Influence& w : found[i]) {
       const double ratio = reach[w.joint] / std::max(distance(i, w.joint), 1e-6);
-      w.weight *= std::min(1.0, ratio * ratio);
+      w.weight *= share[w.joint] * std::min(1.0, ratio * ratio);
     }
 }
 
@@ -210,13 +215,10 @@ std::vector<FramePair> add_frame_pairs(const Skeleton& skeleton, const TriMesh& 
           it = index.emplace(key, hinged ? int(pairs.size()) : -1).first;
           if (hinged) pairs.push_back(pair);
         }
-        if (it->second < 0) continue;
-        const int hinge = pairs[it->second].hinge;
-        const double share = hinge >= 0 && is_of_girdle(skeleton.joints[hinge]) ? kGirdleShare : 1;
-        found[i].push_back({it->second, share * product});
+        if (it->second >= 0) found[i].push_back({it->second, product});
       }
   }
-  fade_with_distance(skeleton, skin, pairs, found);
+  weigh_pairs(skeleton, skin, pairs, found);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     std::stable_sort(found[i].begin(), found[i].end(),
                      [](const Influence& a, const Influence& b) { return a.weight > b.weight; });

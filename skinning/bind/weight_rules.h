@@ -32,8 +32,8 @@ void let_scapula_glide(const Skeleton& skeleton, const TriMesh& skin, std::vecto
 // Pairs of frames that both move some vertex and turn much against each other, with weight
 // 2 w_a w_b for every vertex; see blend_tables.h. Sorts the rows by frame and appends their pairs
 // (#joints + #twists + k). Far from the hinge the weight fades: no bone pushes the skin of the
-// groin out to the full circle. About joints of the girdle they count less: the armpit's web is
-// drawn straighter.
+// groin out to the full circle. About joints of the girdle they count less, at any distance: the
+// armpit's web is drawn straighter.
 std::vector<FramePair> add_frame_pairs(const Skeleton& skeleton, const TriMesh& skin,
                                        const std::vector<TwistFrame>& twists,
                                        std::vector<WeightRow>& rows);

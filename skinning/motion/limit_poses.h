@@ -20,9 +20,11 @@ struct LimitPose {
 // for our own, since imported templates may lack joints.
 enum class UnknownJoints { refuse, pass_over };
 
-// From a table like data/poses.csv, in order of first mention. Poses without any known joint are
-// left out. Throws InputError: unreadable, malformed, a share outside [-1, 1], a joint that is none
-// and is to be refused, no pose at all.
+// From a table like data/poses.csv, in order of first mention. `arm`, `arm_l`, `arm_r` stand for an
+// upper arm against the chest with the girdle following (raise_arm.h): shares of half a turn from
+// hanging, forwards and to the side, and of a quarter turn outwards. Poses without any known joint
+// are left out. Throws InputError: unreadable, malformed, a share outside [-1, 1], a joint that is
+// none and is to be refused, no pose at all.
 std::vector<LimitPose> read_limit_poses(const std::filesystem::path& file, const Skeleton& skeleton,
                                         UnknownJoints unknown);
 

@@ -3,7 +3,7 @@
 
     truth_loop.py --prep PREP --raw RAW --tools TOOLS --ecorche PROGRAM -o FOLDER [--start FOLDER] [--rounds N] [--people 0 1 ...] [--meshshot PROGRAM]
 
-PREP, RAW: what prepare.sh of TOOLS has made. FOLDER: table.txt, errors.csv, worst.csv, and a folder a person. With --meshshot: a picture a person and pose.
+PREP, RAW: what prepare.sh of TOOLS has made. FOLDER: table.txt, errors.csv, worst.csv, and a folder a person. With --meshshot: pictures of scan, linear blend and ours, a person and pose.
 """
 import argparse
 import csv
@@ -79,6 +79,8 @@ def predict(options, model, person, folder):
         poses[1:], _ = tool.solve(list(range(1, 10)), z["truth"], poses[1:], rounds)
     np.save(os.path.join(folder, "poses.npy"), poses)
     X = tool.play([(k, poses[k]) for k in range(10)])
+    for name in ("try.bvh", "try.pc2"):
+        os.remove(os.path.join(folder, name))
     for k in range(10):
         write_pc2(os.path.join(folder, f"pose{int(z['poses'][k])}.pc2"), X[k][None])
     return list(X.astype(float))
@@ -130,36 +132,59 @@ def write_ply(file, V, F, error):
         np.savetxt(f, np.hstack([np.full((len(F), 1), 3), F]), fmt="%d")
 
 
-def draw(options, person, pose, skins, folder):
-    """A row a method and the scan: front, left, back. Skins take the colour of the nearest scan vertex."""
+def draw(options, person, pose, skins, errors, folder):
+    """A picture of the scan and of each skin: front, left, back. Skins take the colour of the nearest scan vertex."""
     from common import NAMES, read_off
     from scipy.spatial import cKDTree
     S = person.scans[pose][0]
     number = int(person.z["poses"][pose])
     F = read_off(os.path.join(options.raw, "off", NAMES[10 * person.p + number] + ".off"))[1]
-    rows = [("scan", S, F, np.zeros(len(S)))]
-    for name, skin in skins.items():
-        error = signed(person, pose, skin)
-        rows.append((name, skin, person.m.skin_tris, error[cKDTree(S).query(skin)[1]]))
-    shots = []
-    for name, V, triangles, error in rows:
+    nearest = cKDTree(S)
+    shown = {"scan": (S, F, np.zeros(len(S)))}
+    for method, skin in skins.items():
+        shown[method] = (skin, person.m.skin_tris, errors[method][nearest.query(skin)[1]])
+    for name, mesh in shown.items():
         ply, png = (os.path.join(folder, f"pose{number}_{name}.{ending}") for ending in ("ply", "png"))
-        write_ply(ply, V, triangles, error)
-        subprocess.run([options.meshshot, png, "--view", "front", "--view", "left", "--view", "back", "--size", "600x640", ply], check=True, capture_output=True)
+        write_ply(ply, *mesh)
+        subprocess.run([options.meshshot, png, "--view", "front", "--view", "left", "--view", "back", "--size", "600x640", ply],
+                       check=True, capture_output=True)
         os.remove(ply)
-        shots.append(png)
-    return shots
 
 
-def table(rows, regions, methods):
-    """Means by region, each scan vertex (surface, sign) or point of the skin (place) counting once."""
+def judge(person, pose, method, skin, error, regions):
+    """Rows of errors.csv and of worst.csv."""
+    at = {"person": person.p, "pose": int(person.z["poses"][pose]), "method": method}
+    place, of = places(person, pose, skin)
+    rows = []
+    for region in regions:
+        here, there = error[person.sreg[pose] == region], place[of == region]
+        if len(here) and len(there):
+            rows.append({**at, "region": region, "vertices": len(here), "points": len(there),
+                         "surface": np.abs(here).mean(), "sign": here.mean(), "place": there.mean()})
+    worst = [{**at, "vertex": i, "region": person.sreg[pose][i], "sign": round(float(error[i]), 1)}
+             for i in worst_places(person, pose, error)]
+    return rows, worst
+
+
+def mean(rows, value, regions=None, **wanted):
+    """Over rows with these regions and values; each scan vertex (surface, sign) or point of the skin (place) counts once."""
+    at = [r for r in rows if (regions is None or r["region"] in regions) and all(r[k] == v for k, v in wanted.items())]
+    return np.average([r[value] for r in at], weights=[r["points" if value == "place" else "vertices"] for r in at])
+
+
+def table(rows, regions):
+    methods = list(dict.fromkeys(r["method"] for r in rows))
     lines = [f"{'region':12s}" + "".join(f"{m + ' surface':>18s}{'sign':>8s}{'place':>8s}" for m in methods)]
     for label, names in [(r, [r]) for r in regions] + [("BODY", regions)]:
         line = f"{label:12s}"
         for m in methods:
-            at = [r for r in rows if r["method"] == m and r["region"] in names]
-            means = [np.average([r[k] for r in at], weights=[r[n] for r in at]) for k, n in (("surface", "vertices"), ("sign", "vertices"), ("place", "points"))]
-            line += f"{means[0]:18.2f}{means[1]:8.2f}{means[2]:8.2f}"
+            surface, sign, place = (mean(rows, value, names, method=m) for value in ("surface", "sign", "place"))
+            line += f"{surface:18.2f}{sign:8.2f}{place:8.2f}"
+        lines.append(line)
+    for label, names in [("BODY", regions), ("shoulder and upper arm", ["shoulder", "upper arm"])]:
+        line = f"{label}, surface by pose ({'/'.join(methods)}):"
+        for pose in sorted({r["pose"] for r in rows}):
+            line += f"  {pose}: " + "/".join(f"{mean(rows, 'surface', names, pose=pose, method=m):.1f}" for m in methods)
         lines.append(line)
     return "\n".join(lines)
 
@@ -181,28 +206,15 @@ def main():
         if not options.no_refit:
             skins = {method: refitted(model, person, per_pose) for method, per_pose in skins.items()}
         for pose in range(1, 10):
-            number = int(person.z["poses"][pose])
+            errors = {method: signed(person, pose, per_pose[pose]) for method, per_pose in skins.items()}
             for method, per_pose in skins.items():
-                error = signed(person, pose, per_pose[pose])
-                place, of = places(person, pose, per_pose[pose])
-                for region in BODY_REGIONS:
-                    here, there = error[person.sreg[pose] == region], place[of == region]
-                    if len(here) and len(there):
-                        rows.append({"person": p, "pose": number, "method": method, "region": region, "vertices": len(here), "points": len(there),
-                                     "surface": np.abs(here).mean(), "sign": here.mean(), "place": there.mean()})
-                for i in worst_places(person, pose, error):
-                    worst.append({"person": p, "pose": number, "method": method, "vertex": i, "region": person.sreg[pose][i], "sign": round(float(error[i]), 1)})
+                more, farthest = judge(person, pose, method, per_pose[pose], errors[method], BODY_REGIONS)
+                rows += more
+                worst += farthest
             if options.meshshot:
-                draw(options, person, pose, {m: s[pose] for m, s in skins.items()}, folder)
-        print(f"person {p}: " + ", ".join(f"{m} {np.average([r['surface'] for r in rows if r['method'] == m and r['person'] == p], weights=[r['vertices'] for r in rows if r['method'] == m and r['person'] == p]):.2f} mm" for m in skins), flush=True)
-    methods = ["linear", "ours"]
-    text = table(rows, BODY_REGIONS, methods)
-    poses = sorted({r["pose"] for r in rows})
-    for region, names in [("BODY", BODY_REGIONS), ("shoulder and upper arm", ["shoulder", "upper arm"])]:
-        text += f"\n{region}, surface by pose (linear/ours):"
-        for pose in poses:
-            at = {m: [r for r in rows if r["pose"] == pose and r["method"] == m and r["region"] in names] for m in methods}
-            text += f"  {pose}: " + "/".join(f"{np.average([r['surface'] for r in at[m]], weights=[r['vertices'] for r in at[m]]):.1f}" for m in methods)
+                draw(options, person, pose, {method: per_pose[pose] for method, per_pose in skins.items()}, errors, folder)
+        print(f"person {p}: " + ", ".join(f"{m} {mean(rows, 'surface', person=p, method=m):.2f} mm" for m in skins), flush=True)
+    text = table(rows, BODY_REGIONS)
     print(text)
     with open(os.path.join(options.out, "table.txt"), "w") as f:
         f.write(text + "\n")

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <numbers>
 
 #include "plain_skeleton.h"
 #include "skinning/motion/limit_poses.h"
