@@ -25,9 +25,10 @@ constexpr double kStretched = 1.6;        // of volume, from which on lines are 
 constexpr double kHeld = 0.05;            // m from an end, over which its bone holds a strip
 constexpr double kLeastFilled = 0.1, kFilled = 0.6;  // of a cell, where it begins to keep volume
 constexpr int kFlowRounds = 2;
-constexpr int kEvenRounds = 10;     // along tendons
-constexpr double kMostStretch = 2;  // of a section's width or thickness
-constexpr double kMostLean = 0.7;   // rad, of a section's normal from the line of centres
+constexpr int kTendonRounds = 10, kBellyRounds = 1;  // of evening a strip's shifts from its line
+constexpr int kGradientRounds = 4;                   // and the map's gradients along it
+constexpr double kMostStretch = 2;                   // of a section's width or thickness
+constexpr double kMostLean = 0.7;  // rad, of a section's normal from the line of centres
 constexpr std::size_t kRight = 0, kUp = kOutlinePoints / 4, kLeft = kOutlinePoints / 2,
                       kDown = 3 * kOutlinePoints / 4;
 
@@ -238,15 +239,36 @@ Vec3 line_at(std::span<const Ellipse> slices, int begin, int end, std::size_t k)
          slices[std::size_t(std::max(int(k) - 1, begin))].center;
 }
 
-// Evens along a strip's tendons by how much the map moves them from their line, so that they bend
-// as the line does.
-void even_tendons(std::span<const Vec3> line, std::span<const float> belly,
-                  std::span<Ellipse> strip) {
+// Evens along a strip by how much the map moves it from its line, so that it bends as the line
+// does: much along tendons; along bellies by what the lattice is too coarse for.
+void even_shifts(std::span<const Vec3> line, std::span<const float> belly,
+                 std::span<Ellipse> strip) {
   const auto shift = [&](std::size_t k) { return Vec3(strip[k].center - line[k]); };
-  for (int round = 0; round < kEvenRounds; ++round)
-    for (std::size_t k = 1; k + 1 < strip.size(); ++k)
-      strip[k].center +=
-          0.5 * (1 - double(belly[k])) * (0.5 * (shift(k - 1) + shift(k + 1)) - shift(k));
+  for (int round = 0; round < kTendonRounds; ++round)
+    for (std::size_t k = 1; k + 1 < strip.size(); ++k) {
+      const double share = round < kBellyRounds ? 1 : 1 - double(belly[k]);
+      strip[k].center += 0.5 * share * (0.5 * (shift(k - 1) + shift(k + 1)) - shift(k));
+    }
+}
+
+// The map's gradient at a section, from where it brings the section's unit axes. Along the line it
+// only turns.
+Mat3 map_gradient(const Vec3& width, const Vec3& thickness, const Mat3& rest_axes) {
+  Mat3 posed;
+  posed << width, thickness, width.cross(thickness).stableNormalized();
+  return posed * rest_axes.transpose();
+}
+
+// Evens a strip's gradients, so that its sections turn into one another without corners.
+void even_gradients(std::span<Mat3> strip) {
+  for (int round = 0; round < kGradientRounds; ++round) {
+    Mat3 before = strip[0];
+    for (std::size_t k = 1; k + 1 < strip.size(); ++k) {
+      const Mat3 own = strip[k];
+      strip[k] = 0.5 * own + 0.25 * (before + strip[k + 1]);
+      before = own;
+    }
+  }
 }
 
 // Axes of a section from the directions that the map gives it. Where the map leans it far from its
@@ -359,26 +381,39 @@ void carry_muscles(const BodyMap& map, std::span<const float> positions,
     workspace.lines[k] = posed.slices[k].center;
     posed.slices[k].center = placed(map.sections[k], 0, map.centers, k, straight_at(k));
   });
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
-    const MapSection& section = map.sections[k];
-    if (int(k) != section.begin || section.sheet) return;
-    const std::size_t sections = std::size_t(section.end - section.begin);
-    even_tendons(std::span(workspace.lines).subspan(k, sections),
-                 std::span(posed.belly).subspan(k, sections),
-                 std::span(posed.slices).subspan(k, sections));
+  const auto each_strip = [&](const auto& act) {  // on its first section and their count
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+      const MapSection& section = map.sections[k];
+      if (int(k) == section.begin) act(k, std::size_t(section.end - section.begin));
+    });
+  };
+  each_strip([&](std::size_t begin, std::size_t sections) {
+    even_shifts(std::span(workspace.lines).subspan(begin, sections),
+                std::span(posed.belly).subspan(begin, sections),
+                std::span(posed.slices).subspan(begin, sections));
   });
+  workspace.gradients.resize(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     const MapSection& section = map.sections[k];
     const float straight = straight_at(k);
     const auto side = [&](int which) {
       return placed(section, 1 + which, map.outlines, 4 * k + std::size_t(which), straight);
     };
-    const Vec3 width = (side(0) - side(1)) / section.width,
-               thickness = (side(2) - side(3)) / section.thickness;
+    workspace.gradients[k] =
+        map_gradient((side(0) - side(1)) / section.width, (side(2) - side(3)) / section.thickness,
+                     section.rest.axes);
+  });
+  each_strip([&](std::size_t begin, std::size_t sections) {
+    even_gradients(std::span(workspace.gradients).subspan(begin, sections));
+  });
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+    const MapSection& section = map.sections[k];
+    const Eigen::Matrix<double, 3, 2> stretched =
+        workspace.gradients[k] * section.rest.axes.leftCols<2>();
     const Vec3 line = line_at(posed.slices, section.begin, section.end, k);
     Ellipse& out = posed.slices[k];
     Eigen::Matrix<double, 3, 2> axes;
-    axes << limited(width), limited(thickness);
+    axes << limited(stretched.col(0)), limited(stretched.col(1));
     axes *= sliding(section, out, posed.swelling[section.strip], double(posed.belly[k]));
     out.radii = section.rest.radii.cwiseProduct(axes.colwise().norm().transpose());
     out.outline = section.rest.outline;

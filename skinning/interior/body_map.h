@@ -16,9 +16,9 @@
 //
 // A muscle is moved less by joints that its line does not pass: layers slide over one another.
 // Within 5 cm of an end on a bone that bone carries it, wholly at the end.
-// Sections take centre and axes from the map, and from pose_anatomy() the share by which their
-// substance has slid along the line, bulged or turned rounder. Volumes of bellies are kept but for
-// what cells are too coarse for: restore_volumes() brings the rest.
+// Sections take centre and axes from the map, evened along each strip, and from pose_anatomy() the
+// share by which their substance has slid along the line, bulged or turned rounder. Volumes of
+// bellies are kept but for what cells are too coarse for: restore_volumes() brings the rest.
 #pragma once
 
 #include <span>
@@ -62,6 +62,7 @@ struct BodyMapWorkspace {
   std::vector<Vec3> controls;       // #controls, where the map alone brings them
   std::vector<float> shifts;        // (#controls + 1) x 4, m
   std::vector<Vec3> lines;          // #sections, centres by their action lines
+  std::vector<Mat3> gradients;      // #sections, of the map
   std::vector<Vec3> before, after;  // #nodes, world; without and with flow
   std::vector<float> flow;          // #nodes x 4, m
   std::vector<Mat3> turns;          // #nodes
