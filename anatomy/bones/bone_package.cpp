@@ -1,5 +1,7 @@
 #include "anatomy/bones/bone_package.h"
 
+#include <oneapi/tbb/parallel_for.h>
+
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -8,6 +10,7 @@
 
 #include "anatomy/bones/bone_hollows.h"
 #include "anatomy/bones/bone_rules.h"
+#include "anatomy/bones/bone_surface.h"
 #include "anatomy/bones/joint_rules.h"
 #include "anatomy/errors.h"
 #include "anatomy/files/csv_table.h"
@@ -83,6 +86,8 @@ Anatomy read_source_skeleton(const Assets& assets) {
 
   Anatomy anatomy;
   anatomy.skeleton = place_joints(Table(assets.tables / "joints.csv"), mjcf, bones);
+  tbb::parallel_for(std::size_t{0}, bones.size(),
+                    [&](std::size_t row) { bones[row].mesh = bone_surface(bones[row].mesh); });
   for (int row = 0; row < table.rows(); ++row) {
     Bone& bone = bones[row];
     const auto carrier = [&](Side side) {

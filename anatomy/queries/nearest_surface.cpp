@@ -83,8 +83,10 @@ Vec3 nearest_in_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
   const double vb = d5 * d2 - d1 * d6;
   if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + ac * (d2 > d6 ? d2 / (d2 - d6) : 0);
   const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0)
-    return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    const double length2 = (d4 - d3) + (d5 - d6);
+    return b + (c - b) * (length2 > 0 ? (d4 - d3) / length2 : 0);
+  }
   const double sum = va + vb + vc;
   if (!(sum > 0)) return a;
   return a + ab * (vb / sum) + ac * (vc / sum);

@@ -100,14 +100,11 @@ TEST_F(BonePackage, LeftAndRightMirror) {
   }
 }
 
-TEST_F(BonePackage, ClosedBonesHaveTheirOutsideOutside) {
-  int closed = 0;
+TEST_F(BonePackage, BonesAreClosedAndHaveTheirOutsideOutside) {
   for (const Bone& bone : anatomy().bones) {
-    if (!is_closed(bone.mesh)) continue;
-    ++closed;
+    EXPECT_TRUE(is_closed(bone.mesh)) << bone.name;
     EXPECT_GT(signed_volume(bone.mesh), 0) << bone.name;
   }
-  EXPECT_GT(closed, 100);
 }
 
 // The emblem on the chest has 15,180 triangles and reaches 15 mm in front of the sternum; slivers
@@ -118,7 +115,7 @@ TEST_F(BonePackage, HoldsNoJunk) {
     for (const TriMesh& part : connected_components(bone.mesh))
       EXPECT_GT(surface_area(part), 0.9e-4) << bone.name;
   }
-  EXPECT_EQ(mesh("sternum").F.rows(), 1450);
+  EXPECT_EQ(mesh("sternum").F.rows(), 5800);
 }
 
 TEST_F(BonePackage, EachBoneIsNearItsJoint) {
@@ -221,7 +218,8 @@ TEST_F(BonePackage, LiesWhereTheFactTableSaysEachComponentLies) {
     ASSERT_GE(find_bone(anatomy(), name), 0) << name;
     const Vec3 expected(table.number(row, "world_x_left"), table.number(row, "world_y_up"),
                         table.number(row, "world_z_front"));
-    EXPECT_LT((surface_centroid(mesh(name)) - expected).norm(), 1e-3) << name;
+    // The table's are of the meshes as they come, of which some lack the ends.
+    EXPECT_LT((surface_centroid(mesh(name)) - expected).norm(), 3e-3) << name;
     ++compared;
   }
   EXPECT_GT(compared, 70);

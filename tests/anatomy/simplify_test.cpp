@@ -4,21 +4,13 @@
 #include <gtest/gtest.h>
 
 #include "anatomy/geometry/mesh_measures.h"
-#include "anatomy/geometry/subdivide.h"
+#include "tests/anatomy/ball.h"
 
 namespace ecorche {
 namespace {
 
-TriMesh ball_simplify(int rounds) {
-  TriMesh mesh{Points(6, 3), Triangles(8, 3)};
-  mesh.V << 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1;
-  mesh.F << 0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5;
-  const Refinement fine = refine(mesh.F, 6, rounds);
-  return {refine_points(fine, mesh.V).rowwise().normalized(), fine.F};
-}
-
 TEST(Simplify, KeepsTheShapeAndStaysClosed) {
-  const TriMesh whole = ball_simplify(3);  // 5832 triangles
+  const TriMesh whole = test::ball(3);  // 5832 triangles
   const TriMesh light = simplify(whole, 400);
   EXPECT_LE(light.F.rows(), 400);
   EXPECT_GT(light.F.rows(), 380);
@@ -32,14 +24,14 @@ TEST(Simplify, KeepsTheShapeAndStaysClosed) {
 }
 
 TEST(Simplify, LeavesWhatIsLightAlone) {
-  const TriMesh whole = ball_simplify(1);
+  const TriMesh whole = test::ball(1);
   const TriMesh same = simplify(whole, int(whole.F.rows()));
   EXPECT_EQ(same.F, whole.F);
   EXPECT_EQ(same.V, whole.V);
 }
 
 TEST(Simplify, TakesMeshesThatMeetInAnEdge) {
-  TriMesh two = ball_simplify(2);
+  TriMesh two = test::ball(2);
   const Eigen::Index vertices = two.V.rows(), faces = two.F.rows();
   two.F.conservativeResize(faces + 1, 3);
   two.F.row(faces) << two.F(0, 0), two.F(0, 1),
@@ -53,7 +45,7 @@ TEST(Simplify, TakesMeshesThatMeetInAnEdge) {
 }
 
 TEST(Simplify, FindsTheNearestRows) {
-  const TriMesh whole = ball_simplify(1);
+  const TriMesh whole = test::ball(1);
   const std::vector<int> rows = nearest_rows(1.1 * whole.V, whole.V);
   for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_EQ(rows[i], int(i));
 }

@@ -9,20 +9,14 @@
 #include "anatomy/errors.h"
 #include "anatomy/geometry/mesh_measures.h"
 #include "anatomy/geometry/vertex_order.h"
+#include "tests/anatomy/ball.h"
 #include "tests/body_fixture.h"
 
 namespace ecorche {
 namespace {
 
-TriMesh octahedron() {
-  TriMesh mesh{Points(6, 3), Triangles(8, 3)};
-  mesh.V << 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1;
-  mesh.F << 0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5;
-  return mesh;
-}
-
 TEST(Refine, NineTrianglesForOneAndStaysClosed) {
-  const TriMesh coarse = octahedron();
+  const TriMesh coarse = test::octahedron();
   const Refinement fine = refine(coarse.F, 6, 2);
   EXPECT_EQ(fine.F.rows(), 8 * 81);
   EXPECT_EQ(fine.map.rows(), 8 * 81 / 2 + 2);
@@ -33,14 +27,13 @@ TEST(Refine, NineTrianglesForOneAndStaysClosed) {
 }
 
 TEST(Refine, KeepsTheVolumeOfWhatIsRound) {
-  const Refinement first = refine(octahedron().F, 6, 2);
-  TriMesh sphere{refine_points(first, octahedron().V).rowwise().normalized(), first.F};
+  const TriMesh sphere = test::ball(2);
   const Refinement fine = refine(sphere.F, int(sphere.V.rows()));
   EXPECT_NEAR(mesh_volume({refine_points(fine, sphere.V), fine.F}) / mesh_volume(sphere), 1, 0.004);
 }
 
 TEST(Refine, MovesWithAffineMaps) {
-  const TriMesh coarse = octahedron();
+  const TriMesh coarse = test::octahedron();
   const Refinement fine = refine(coarse.F, 6);
   Mat3 A;
   A << 1, 2, 3, 0, 1, 4, -2, 0, 1;
@@ -68,7 +61,7 @@ TEST(Refine, RefusesWhatIsNoManifold) {
 }
 
 TEST(SpatialOrder, IsAPermutationThatKeepsTheMesh) {
-  const TriMesh coarse = octahedron();
+  const TriMesh coarse = test::octahedron();
   const Refinement fine = refine(coarse.F, 6, 2);
   const TriMesh before{refine_points(fine, coarse.V), fine.F};
   const auto order = spatial_order(before.V);

@@ -50,6 +50,16 @@ TEST(NearestSurface, EqualsASearchOverAllTriangles) {
   }
 }
 
+TEST(NearestSurface, FindsPlacesOnTrianglesWithoutArea) {
+  const Vec3 a(0, 0, 0), b(1, 0, 0);
+  for (const auto& [p, nearest] :
+       {std::pair(Vec3(2, 1, 0), b), {Vec3(-1, 1, 0), a}, {Vec3(0.25, -1, 0), Vec3(0.25, 0, 0)}})
+    for (const auto& [u, v, w] : {std::tuple(a, b, b), {b, a, b}, {b, b, a}, {a, a, b}})
+      EXPECT_LT((nearest_in_triangle(p, u, v, w) - nearest).norm(), 1e-12)
+          << p.transpose() << " of " << u.x() << v.x() << w.x();
+  EXPECT_EQ(nearest_in_triangle(Vec3(1, 2, 3), b, b, b), b);
+}
+
 TEST(NearestSurface, RaysAndSegmentsMeetTheSphere) {
   const TriMesh ball = test::capsule(Vec3(0, -1e-4, 0), Vec3(0, 1e-4, 0), 0.5, 64);
   const NearestSurface surface(ball);
