@@ -73,6 +73,44 @@ MuscleSurface::Term term(int slice, double weight, double u, double v, double w,
   return {slice, float(weight), float(u), float(v), float(w), near < kOutlinePoints ? near : 0};
 }
 
+// Shares of four points in a row, at `u` from the second to the third on the Catmull-Rom curve
+// through them. Where there is no first or last, the line goes on through the others.
+std::array<double, 4> spline_shares(double u, bool first, bool last) {
+  const double u2 = u * u, u3 = u2 * u;
+  std::array<double, 4> out{0.5 * (-u3 + 2 * u2 - u), 0.5 * (3 * u3 - 5 * u2 + 2),
+                            0.5 * (-3 * u3 + 4 * u2 + u), 0.5 * (u3 - u2)};
+  if (!first) out[1] += 2 * out[0], out[2] -= out[0], out[0] = 0;
+  if (!last) out[2] += 2 * out[3], out[1] -= out[3], out[3] = 0;
+  return out;
+}
+
+// A place along a strip: the slice before it, and the way to the next one.
+struct Place {
+  int slice = 0;
+  double share = 0;
+};
+
+Place place_at(double at, int slices) {
+  const int slice = std::min(int(at), slices - 2);
+  return {slice, at - slice};
+}
+
+// Calls act(slice, share) with the slices that a place lies between.
+template <typename Act>
+void each_share(Place place, int slices, bool smooth, Act act) {
+  const auto [k, u] = place;
+  std::array<double, 4> shares{0, 1 - u, u, 0};
+  if (smooth) shares = spline_shares(u, k > 0, k + 2 < slices);
+  for (int j = 0; j < 4; ++j)
+    if (std::abs(shares[std::size_t(j)]) > 1e-9) act(k - 1 + j, shares[std::size_t(j)]);
+}
+
+double s_at(const Strip& strip, Place place) {
+  const double begin = strip.slices[std::size_t(place.slice)].s,
+               end = strip.slices[std::size_t(place.slice) + 1].s;
+  return begin + place.share * (end - begin);
+}
+
 // Of a strip with a raphe, for each section: 1 where its width axis leads away from the mid-plane,
 // -1 where it leads there.
 std::vector<double> lateral_widths(const Strip& strip, Side side) {
@@ -84,18 +122,26 @@ std::vector<double> lateral_widths(const Strip& strip, Side side) {
 }
 
 void add_tube(Builder& build, int muscle, Side side, const Strip& strip, int first_slice,
-              int points) {
-  const int rows = strip.slices.size();
+              const MuscleSurfaceOptions& options) {
+  const int slices = strip.slices.size(), points = options.points_per_slice,
+            steps = options.rows_between + 1, rows = (slices - 1) * steps + 1;
   const std::vector<double> lateral = lateral_widths(strip, side);
-  const auto ring = [&](int k, double flat, double out) {
+  std::vector<MuscleSurface::Term> terms;
+  const auto ring = [&](int row, double flat, double out) {
     const int begin = build.vertex_count();
+    const Place place = place_at(double(row) / steps, slices);
+    const double s = s_at(strip, place);
     for (int i = 0; i < points; ++i) {
       const double angle = 2 * kPi * i / points;
-      const MuscleSurface::Term t =
-          term(first_slice + k, 1, flat * std::cos(angle), flat * std::sin(angle), out, angle);
-      const double width_share = lateral.empty() ? 1 : 0.5 * (1 + lateral[k] * std::cos(angle));
-      build.vertex(muscle, {&t, 1}, angle, flesh_weight(strip, strip.slices[k].s, width_share),
-                   strip.slices[k].s);
+      terms.clear();
+      double width_share = lateral.empty() ? 1 : 0;
+      each_share(place, slices, true, [&](int k, double share) {
+        terms.push_back(term(first_slice + k, share, flat * std::cos(angle), flat * std::sin(angle),
+                             out, angle));
+        if (!lateral.empty())
+          width_share += share * 0.5 * (1 + lateral[std::size_t(k)] * std::cos(angle));
+      });
+      build.vertex(muscle, terms, angle, flesh_weight(strip, s, width_share), s);
     }
     return begin;
   };
@@ -110,12 +156,12 @@ void add_tube(Builder& build, int muscle, Side side, const Strip& strip, int fir
     const double a = 0.5 * kPi * c / (kCapRings + 1);
     rings.push_back(ring(0, std::cos(a), -std::sin(a)));
   }
-  for (int k = 0; k < rows; ++k) rings.push_back(ring(k, 1, 0));
+  for (int row = 0; row < rows; ++row) rings.push_back(ring(row, 1, 0));
   for (int c = 1; c <= kCapRings; ++c) {
     const double a = 0.5 * kPi * c / (kCapRings + 1);
     rings.push_back(ring(rows - 1, std::cos(a), std::sin(a)));
   }
-  const int high = pole(rows - 1, 1);
+  const int high = pole(slices - 1, 1);
   for (int i = 0; i < points; ++i) build.face(low, rings[0] + (i + 1) % points, rings[0] + i);
   for (size_t r = 0; r + 1 < rings.size(); ++r) build.rings(rings[r], rings[r + 1], points);
   for (int i = 0; i < points; ++i)
@@ -191,12 +237,14 @@ SheetOrder order_strips(const std::vector<std::vector<Ellipse>>& strips) {
 class Sheet {
  public:
   Sheet(const Muscle& muscle, const std::vector<std::vector<Ellipse>>& rest,
-        std::span<const int> first_slice, double thickness)
+        std::span<const int> first_slice, double thickness, int rows_between)
       : muscle_(muscle),
         order_(order_strips(rest)),
         first_slice_(first_slice.begin(), first_slice.end()),
-        thickness_(thickness) {
+        thickness_(thickness),
+        smooth_(rows_between > 0) {
     for (const Strip& strip : muscle.strips) rows_ = std::max(rows_, int(strip.slices.size()));
+    rows_ = (rows_ - 1) * (rows_between + 1) + 1;
   }
 
   void add(Builder& build, int index) const {
@@ -218,33 +266,28 @@ class Sheet {
  private:
   int count() const { return int(order_.strip.size()); }
 
-  // Adds the terms of strip `i` (in order) at a row; rows of strips with fewer slices fall between
-  // their slices.
-  void add_terms(std::vector<MuscleSurface::Term>& terms, int i, int row, double weight, double u,
-                 double v, double w, double angle) const {
-    const int strip = order_.strip[i];
-    const int n = muscle_.strips[strip].slices.size();
-    const double at = double(row) * (n - 1) / (rows_ - 1);
-    const int k = std::min(int(at), n - 2);
-    const double share = at - k, sign = order_.sign[i];
-    if (sign < 0) angle += kPi;
-    const int slice = first_slice_[strip] + k;
-    if (share < 1 - 1e-9)
-      terms.push_back(term(slice, weight * (1 - share), sign * u, sign * v, w, angle));
-    if (share > 1e-9)
-      terms.push_back(term(slice + 1, weight * share, sign * u, sign * v, w, angle));
+  const Strip& strip_at(int i) const { return muscle_.strips[order_.strip[i]]; }
+
+  // Of strip `i` (in order) at a row; rows of strips with fewer slices fall between their slices.
+  Place place_of(int i, int row) const {
+    const int slices = strip_at(i).slices.size();
+    return place_at(double(row) * (slices - 1) / (rows_ - 1), slices);
   }
 
-  double s_at(int i, int row) const {
-    const Strip& strip = muscle_.strips[order_.strip[i]];
-    const int n = strip.slices.size();
-    return strip.slices[std::min(int(std::lround(double(row) * (n - 1) / (rows_ - 1))), n - 1)].s;
+  void add_terms(std::vector<MuscleSurface::Term>& terms, int i, int row, double weight, double u,
+                 double v, double w, double angle) const {
+    const double sign = order_.sign[i];
+    if (sign < 0) angle += kPi;
+    each_share(place_of(i, row), strip_at(i).slices.size(), smooth_, [&](int k, double share) {
+      terms.push_back(
+          term(first_slice_[order_.strip[i]] + k, weight * share, sign * u, sign * v, w, angle));
+    });
   }
 
   void emit(Builder& build, int index, const std::vector<MuscleSurface::Term>& terms, int i,
             int row, double angle) const {
-    const double s = s_at(i, row);
-    build.vertex(index, terms, angle, flesh_weight(muscle_.strips[order_.strip[i]], s), s);
+    const double s = s_at(strip_at(i), place_of(i, row));
+    build.vertex(index, terms, angle, flesh_weight(strip_at(i), s), s);
   }
 
   void rim(Builder& build, int index, int i, int row, double flat, double out, double from) const {
@@ -259,12 +302,7 @@ class Sheet {
   // Crest of the sheet's side (+1 upper) between strips i and i + 1.
   void between(Builder& build, int index, int i, double u, int row, double flat, double out,
                int side) const {
-    const double u2 = u * u, u3 = u2 * u;
-    std::array<double, 4> weight{0.5 * (-u3 + 2 * u2 - u), 0.5 * (3 * u3 - 5 * u2 + 2),
-                                 0.5 * (-3 * u3 + 4 * u2 + u), 0.5 * (u3 - u2)};
-    // Past the ends: the line on through the last two.
-    if (i == 0) weight[1] += 2 * weight[0], weight[2] -= weight[0], weight[0] = 0;
-    if (i + 2 == count()) weight[2] += 2 * weight[3], weight[1] -= weight[3], weight[3] = 0;
+    const std::array<double, 4> weight = spline_shares(u, i > 0, i + 2 < count());
     std::vector<MuscleSurface::Term> terms;
     for (int j = 0; j < 4; ++j)
       if (weight[j] != 0)
@@ -315,6 +353,7 @@ class Sheet {
   SheetOrder order_;
   std::vector<int> first_slice_;
   double thickness_;
+  bool smooth_;
   int rows_ = 2;
 };
 
@@ -364,7 +403,7 @@ double sheet_thickness(const Muscle& muscle, const std::vector<std::vector<Ellip
     MuscleSurface surface;
     surface.term_begin.push_back(0);
     Builder build(surface);
-    Sheet(muscle, rest, first, thickness).add(build, 0);
+    Sheet(muscle, rest, first, thickness, 0).add(build, 0);
     build.finish();
     Points positions;
     evaluate(surface, slices, positions);
@@ -383,6 +422,9 @@ MuscleSurface make_muscle_surface(const Anatomy& anatomy, const MuscleSurfaceOpt
       options.points_per_slice % 2 != 0)
     throw std::invalid_argument("make_muscle_surface: " + std::to_string(options.points_per_slice) +
                                 " points a slice, need an even 8 .. 64");
+  if (options.rows_between < 0 || options.rows_between > 8)
+    throw std::invalid_argument("make_muscle_surface: " + std::to_string(options.rows_between) +
+                                " rows between slices, need 0 .. 8");
   MuscleSurface surface;
   surface.term_begin.push_back(0);
   Builder build(surface);
@@ -403,11 +445,11 @@ MuscleSurface make_muscle_surface(const Anatomy& anatomy, const MuscleSurfaceOpt
     part.sheet = options.loft_sheets && muscle.sheet && muscle.strips.size() > 1;
     if (part.sheet) {
       part.thickness = float(sheet_thickness(muscle, rest));
-      Sheet(muscle, rest, first, double(part.thickness)).add(build, part.muscle);
+      Sheet(muscle, rest, first, double(part.thickness), options.rows_between)
+          .add(build, part.muscle);
     } else {
       for (size_t i = 0; i < muscle.strips.size(); ++i)
-        add_tube(build, part.muscle, muscle.side, muscle.strips[i], first[i],
-                 options.points_per_slice);
+        add_tube(build, part.muscle, muscle.side, muscle.strips[i], first[i], options);
     }
     part.vertex_end = build.vertex_count();
     part.face_end = build.face_count();

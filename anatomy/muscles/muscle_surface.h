@@ -16,6 +16,7 @@ using PointsF = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;  // #V
 struct MuscleSurfaceOptions {
   int points_per_slice = 16;  // 8 .. 64, even
   bool loft_sheets = true;    // Muscle::sheet drawn as one surface; otherwise strip by strip
+  int rows_between = 0;       // of vertices, on Catmull-Rom curves through neighbouring slices
 };
 
 struct MuscleSurface {

@@ -113,6 +113,7 @@ FilmReport film_actor(const Actor& actor, const Motion& motion, const ActorFilm&
   const auto cameras =
       film_cameras(common.assets, actor, motion, moments, whole.looks, film.view, film.fps, aspect);
   SceneOptions scene_options;
+  scene_options.surface.rows_between = 1;
   scene_options.eyes = find_eyes(common.assets, body.skin, actor.character.anatomy.skeleton);
   const SceneModel model = make_scene_model(actor.character.anatomy, body.skin, scene_options);
 

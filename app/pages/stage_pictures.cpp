@@ -36,6 +36,7 @@ PosedAnatomy at_rest(const Anatomy& anatomy) {
 
 SceneModel model_of(const Anatomy& anatomy, const TriMesh& skin, std::span<const Eyeball> eyes) {
   SceneOptions options;
+  options.surface.rows_between = 1;
   options.eyes.assign(eyes.begin(), eyes.end());
   return make_scene_model(anatomy, skin, options);
 }

@@ -145,6 +145,7 @@ std::shared_ptr<ViewSession::Performance> ViewSession::perform(std::shared_ptr<c
     out->motion = open_motion(motion, *out->actor, options_.retarget, common_, report);
   SceneOptions scene;
   scene.eyes = find_eyes(common_.assets, shown.body.skin, shown.anatomy.skeleton);
+  scene.surface.rows_between = 1;
   scene.key = fresh_scene_key();
   out->model = make_scene_model(shown.anatomy, shown.body.skin, scene);
   if (options_.dynamics && !motion.empty()) out->flesh = make_soft_tissue(*out->actor);

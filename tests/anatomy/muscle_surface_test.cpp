@@ -169,6 +169,32 @@ TEST(MuscleSurface, SheetsOfUnequalSliceCountsAreClosedToo) {
   EXPECT_EQ(mesh.F.maxCoeff() + 1, mesh.V.rows());
 }
 
+TEST(MuscleSurface, RowsBetweenSlicesLieOnCurvesThroughThem) {
+  const Anatomy anatomy = arm_anatomy();
+  const std::vector<Ellipse> slices = rest_slices(anatomy);
+  const MuscleSurface coarse = make_muscle_surface(anatomy),
+                      fine = make_muscle_surface(anatomy, {.rows_between = 1});
+  Points coarse_at, fine_at;
+  update_muscle_surface(coarse, slices, coarse_at);
+  update_muscle_surface(fine, slices, fine_at);
+  EXPECT_GT(fine.vertices(), 3 * coarse.vertices() / 2);
+  for (std::size_t m = 0; m < fine.parts.size(); ++m) {
+    const MuscleSurface::Part &part = fine.parts[m], &other = coarse.parts[m];
+    EXPECT_TRUE(closed(fine.F.middleRows(part.face_begin, part.face_end - part.face_begin))) << m;
+    EXPECT_NEAR(part_volume(fine, part, fine_at) / part_volume(coarse, other, coarse_at), 1, 0.03);
+    for (int v = other.vertex_begin; v < other.vertex_end; ++v)  // each of the slices is kept
+      EXPECT_LT(
+          (fine_at.middleRows(part.vertex_begin, part.vertex_end - part.vertex_begin).rowwise() -
+           coarse_at.row(v))
+              .rowwise()
+              .norm()
+              .minCoeff(),
+          1e-9)
+          << m << " " << v;
+  }
+}
+
 TEST(MuscleSurface, RefusesAbsurdOptions) {
+  EXPECT_THROW(make_muscle_surface(arm_anatomy(), {.rows_between = -1}), std::invalid_argument);
   EXPECT_THROW(make_muscle_surface(arm_anatomy(), {7, true}), std::invalid_argument);
 }
