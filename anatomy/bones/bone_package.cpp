@@ -87,7 +87,7 @@ Anatomy read_source_skeleton(const Assets& assets) {
   Anatomy anatomy;
   anatomy.skeleton = place_joints(Table(assets.tables / "joints.csv"), mjcf, bones);
   tbb::parallel_for(std::size_t{0}, bones.size(),
-                    [&](std::size_t row) { bones[row].mesh = bone_surface(bones[row].mesh); });
+                    [&](std::size_t row) { bones[row].mesh = closed_bone(bones[row].mesh); });
   for (int row = 0; row < table.rows(); ++row) {
     Bone& bone = bones[row];
     const auto carrier = [&](Side side) {

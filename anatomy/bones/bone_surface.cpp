@@ -109,16 +109,23 @@ double median_edge(const TriMesh& mesh) {
   return *middle;
 }
 
+// What edges are wanted to be long.
+double wanted_edge(const TriMesh& mesh) {
+  const double size = (mesh.V.colwise().maxCoeff() - mesh.V.colwise().minCoeff()).norm();
+  return std::clamp(kEdgeShare * size, kShortestEdge, kLongestEdge);
+}
+
 }  // namespace
 
-TriMesh bone_surface(const TriMesh& mesh) {
+TriMesh closed_bone(const TriMesh& mesh) {
   TriMesh out = from_cgal(closed(mesh));
-  const double size = (out.V.colwise().maxCoeff() - out.V.colwise().minCoeff()).norm(),
-               edge = std::clamp(kEdgeShare * size, kShortestEdge, kLongestEdge);
-  const double median = median_edge(out);
-  if (median > kCoarse * edge) return refined(out);
-  const double triangle = std::sqrt(3.0) / 4 * edge * edge;
-  return median < kFine * edge ? simplify(out, int(std::ceil(mesh_area(out) / triangle))) : out;
+  const double edge = wanted_edge(out), triangle = std::sqrt(3.0) / 4 * edge * edge;
+  if (median_edge(out) > kFine * edge) return out;
+  return simplify(out, int(std::ceil(mesh_area(out) / triangle)));
+}
+
+TriMesh rounded_bone(const TriMesh& mesh) {
+  return median_edge(mesh) > kCoarse * wanted_edge(mesh) ? refined(mesh) : mesh;
 }
 
 }  // namespace ecorche::inline v1

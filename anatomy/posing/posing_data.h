@@ -131,7 +131,7 @@ struct PosingData {
 
 // Limits of a belly's swelling (radii over those of the rest pose; sheets: the root of the
 // thickness), far beyond those of fibres.
-constexpr double kLeastSwelling = 1.0 / 3, kMostSwelling = 2.5;
+constexpr double kLeastSwelling = 1.0 / 3, kMostSwelling = 3;
 
 // Factor of a radius that keeps neighbouring slices from crossing in a bend. q: curvature times
 // radius towards the bend's centre; free: its limit (0.45, or its value at rest if that is larger).

@@ -23,20 +23,27 @@ const std::vector<double>& side(const MouthLine& line, double x) {
   return x > line.middle ? line.left : line.right;
 }
 
-// The middle of the deepest run within `reach` of a height, seen from `before`; kNone: no place is
-// deeper than its ends.
+// The middle of the most prominent notch within `reach` of a height, seen from `before`: what is
+// deepest beyond the shallowest places on both sides, so that a chin's groove at the end of the
+// reach is none. kNone: there is no notch.
 double notch(const NearestSurface& skin, const Vec3& before, double reach) {
-  const int half = int(reach / kStep);
+  const int half = int(reach / kStep), count = 2 * half + 1;
   std::vector<double> depths;
   for (int k = -half; k <= half; ++k)
     depths.push_back(skin.cast(before + k * kStep * Vec3::UnitY(), -Vec3::UnitZ())
                          .value_or(std::numeric_limits<double>::max()));
-  const double deepest = *std::ranges::max_element(depths);
-  if (deepest < 0.5 * (depths.front() + depths.back()) + kNotch) return kNone;
-  double sum = 0, count = 0;
-  for (int k = -half; k <= half; ++k)
-    if (depths[std::size_t(k + half)] > deepest - kNotch) sum += before.y() + k * kStep, ++count;
-  return sum / count;
+  std::vector<double> below = depths, above = depths;  // the shallowest up to each place
+  for (int k = 1; k < count; ++k) below[k] = std::min(below[k], below[k - 1]);
+  for (int k = count - 2; k >= 0; --k) above[k] = std::min(above[k], above[k + 1]);
+  const auto prominence = [&](int k) { return depths[k] - std::max(below[k], above[k]); };
+  int best = 0;
+  for (int k = 1; k < count; ++k)
+    if (prominence(k) > prominence(best)) best = k;
+  if (prominence(best) < kNotch) return kNone;
+  int first = best, last = best;
+  while (first > 0 && depths[first - 1] > depths[best] - kNotch) --first;
+  while (last + 1 < count && depths[last + 1] > depths[best] - kNotch) ++last;
+  return before.y() + (0.5 * (first + last) - half) * kStep;
 }
 
 }  // namespace

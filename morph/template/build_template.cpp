@@ -1,5 +1,7 @@
 #include "morph/template/build_template.h"
 
+#include <oneapi/tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -8,6 +10,7 @@
 #include "anatomy/authoring/muscle_placement.h"
 #include "anatomy/authoring/muscle_table.h"
 #include "anatomy/bones/bone_package.h"
+#include "anatomy/bones/bone_surface.h"
 #include "morph/dilation/dilate_muscles.h"
 #include "morph/fascia/lay_fascia.h"
 #include "morph/fat/fat_layer.h"
@@ -88,6 +91,11 @@ Template build_template(const Assets& assets) {
   tables.topology.mirror.assign(package.mirror.begin(), package.mirror.begin() + package.skin_size);
   train(package, half, shaped, tables);
 
+  // Bones are placed by what the package has of them; muscles lie on their rounded surfaces.
+  tbb::parallel_for(std::size_t{0}, out.anatomy.bones.size(), [&](std::size_t b) {
+    TriMesh& bone = out.anatomy.bones[b].mesh;
+    bone = rounded_bone(bone);
+  });
   // Its muscles fill its skin, as they do in every body.
   tables.muscles = out.anatomy.muscles;
   const SkinRays rays(capped_skin(package, out.body.skin.V));

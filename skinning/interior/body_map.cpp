@@ -331,6 +331,7 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
       MapSection& section = out.sections[k];
       const auto [center, right, left, up, down] = places_of(rest.slices[k]);
       const BoneHold& hold = holds[std::size_t(k - range.begin)];
+      section.held = hold.joint >= 0 ? hold.share : 0;
       points[k] = place_point(weights, rays, center, own, hold);
       for (const auto& [side, place] : {std::pair(0, right), {1, left}, {2, up}, {3, down}})
         outlines[4 * std::size_t(k) + std::size_t(side)] =
@@ -369,8 +370,9 @@ void carry_muscles(const BodyMap& map, std::span<const float> positions,
                     skin_mean(points, i, workspace.shifts) + cell_mean(points, i, workspace.flow);
     if (section.bonds < 0) return at;
     const SkinBond& bond = map.bonds[std::size_t(section.bonds + which)];
-    return bond.moved(on_skin(bond, positions), on_skin(bond, normals),
-                      turned(workspace.motions, points, i), at);
+    const Vec3 bonded = bond.moved(on_skin(bond, positions), on_skin(bond, normals),
+                                   turned(workspace.motions, points, i), at);
+    return Vec3(bonded + section.held * (at - bonded));
   };
   const std::size_t count = map.sections.size();
   workspace.lines.resize(count);

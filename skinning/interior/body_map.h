@@ -39,6 +39,7 @@ struct MapSection {
   bool sheet = false;
   // of a muscle in the skin's fat: in BodyMap, of its centre and the four points of its outline
   int bonds = -1;
+  double held = 0;  // by the bone of an end, 0 to 1
 };
 
 // Constant after it is made.

@@ -24,6 +24,7 @@ struct CollisionTables {
   std::vector<SliceRange> strips;
   std::vector<int> strip_begin;  // #strips + 1 into probes
   std::vector<float> thickness;  // #sections, of sheets as they are drawn
+  std::vector<char> on_bone;     // #sections, ends that a bone holds
   std::vector<BoneProbe> bones;
   std::size_t joints = 0;
   SkinRings rings;

@@ -17,7 +17,12 @@ MuscleCollision make_muscle_collision(const Anatomy& anatomy, const PosedAnatomy
   data->triangles.assign(skin.F.data(), skin.F.data() + skin.F.size());
   const MuscleSurface surface = make_muscle_surface(anatomy, {kOutlinePoints, true});
   data->thickness.assign(rest.slices.size(), 1);
+  data->on_bone.assign(rest.slices.size(), 0);
   for (const SliceRange& range : data->strips) {
+    const Muscle& muscle = anatomy.muscles[range.muscle];
+    const auto [origin, insertion] = end_joints(muscle, muscle.strips[range.strip]);
+    data->on_bone[range.begin] = origin >= 0;
+    data->on_bone[range.end - 1] = insertion >= 0;
     const MuscleSurface::Part& part = surface.parts[range.muscle];
     if (part.sheet)
       std::fill(data->thickness.begin() + range.begin, data->thickness.begin() + range.end,

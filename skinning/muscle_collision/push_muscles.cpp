@@ -74,11 +74,12 @@ SectionResponse response_of(const SectionProbes& probes,
   return out;
 }
 
-// Moves a strip's sections; one that moves takes its neighbours along by half.
-void move_strip(const SliceRange& strip, std::span<const Vec3> ways, std::span<Ellipse> slices,
-                std::span<char> changed) {
+// Moves a strip's sections; one that moves takes its neighbours along by half. Bones hold ends.
+void move_strip(const SliceRange& strip, std::span<const char> on_bone, std::span<const Vec3> ways,
+                std::span<Ellipse> slices, std::span<char> changed) {
   for (int k = strip.begin; k < strip.end; ++k) {
     const std::size_t i = k;
+    if (on_bone[i]) continue;
     const Vec3 before = k > strip.begin ? ways[i - 1] : ways[i],
                after = k + 1 < strip.end ? ways[i + 1] : ways[i];
     const Vec3 drawn = 0.25 * (before + after) + 0.5 * ways[i];
@@ -107,7 +108,7 @@ void apply_responses(const CollisionTables& data, PosedAnatomy& posed, PushWorks
                       s.ways.begin() + data.strips[strip].end, Vec3::Zero());
             for (std::size_t o = first; o < end; ++o)
               if (moves(o)) s.ways[data.probes[o].section] = s.responses[o].way;
-            move_strip(data.strips[strip], s.ways, posed.slices, s.changed);
+            move_strip(data.strips[strip], data.on_bone, s.ways, posed.slices, s.changed);
           }
           for (std::size_t o = first; o < end; ++o) {
             if (!s.responses[o].any) continue;

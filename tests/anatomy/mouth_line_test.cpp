@@ -7,6 +7,8 @@
 #include <cmath>
 #include <functional>
 
+#include "anatomy/compute/smooth_step.h"
+
 namespace ecorche {
 namespace {
 
@@ -20,12 +22,14 @@ TriMesh grid(int columns, int rows, const std::function<Vec3(int, int)>& at) {
 }
 
 // A face of 120 x 80 mm with a furrow of 4 mm, 50 mm wide, that rises to both sides; flat without.
-TriMesh face(double depth) {
+// `groove`: how far it goes back below the lower lip, 8 to 14 mm below the teeth.
+TriMesh face(double depth, double groove = 0) {
   return grid(241, 321, [&](int c, int r) {
     const double x = 0.0005 * (c - 120), y = kTeeth + 0.00025 * (r - 160);
     const double furrow = y - (kTeeth + 0.003 + 2 * x * x);
     const double wide = std::abs(x) < 0.025 ? 1 : 0;
-    return Vec3(x, y, 0.1 - depth * wide * std::exp(-std::pow(furrow / 0.0015, 2)));
+    const double back = groove * smooth_step(0.008, 0.014, kTeeth - y);
+    return Vec3(x, y, 0.1 - back - depth * wide * std::exp(-std::pow(furrow / 0.0015, 2)));
   });
 }
 
@@ -56,6 +60,12 @@ TEST(MouthLine, LiesInTheFurrowFromCornerToCorner) {
   EXPECT_TRUE(line->about(Vec3(0, kTeeth, 0.1)));
   EXPECT_FALSE(line->about(Vec3(0, kTeeth - 0.5, 0.1)));  // feet, too, lie below and in front
   EXPECT_FALSE(line->about(Vec3(0, kTeeth, 0)));
+}
+
+TEST(MouthLine, IsNotADeeperGrooveBelowTheLip) {
+  const auto line = find_mouth(jaw("jaw"), face(0.004, 0.012));
+  ASSERT_TRUE(line);
+  EXPECT_NEAR(line->over(Vec3(0, kTeeth + 0.003, 0.1)), 0, 6e-4);
 }
 
 TEST(MouthLine, IsTheEdgeOfTheTeethInAFlatFaceAndNoneWithoutAJaw) {
