@@ -29,7 +29,7 @@ namespace pmp = CGAL::Polygon_mesh_processing;
 
 constexpr double kEdgeShare = 0.02;                            // of the bone's size
 constexpr double kShortestEdge = 0.001, kLongestEdge = 0.004;  // m
-constexpr double kCoarse = 1.5, kFine = 0.7;  // times that edge: what is refined or simplified
+constexpr double kCoarse = 1.2, kFine = 0.7;  // times that edge: what is refined or simplified
 
 // With the triangles turned alike and the holes closed.
 Mesh closed(const TriMesh& mesh) {

@@ -11,6 +11,7 @@
 #include "anatomy/authoring/muscle_table.h"
 #include "anatomy/bones/bone_package.h"
 #include "anatomy/bones/bone_surface.h"
+#include "anatomy/bones/mirror.h"
 #include "morph/dilation/dilate_muscles.h"
 #include "morph/fascia/lay_fascia.h"
 #include "morph/fat/fat_layer.h"
@@ -23,6 +24,20 @@ namespace {
 
 // m: stature of the bone package's skeleton with 5 mm of scalp and 15 mm of heel pad.
 constexpr double kSourceStature = 1.707;
+
+// Right bones stay the images of left ones, vertex by vertex.
+void round_bones(std::vector<Bone>& bones) {
+  tbb::parallel_for(std::size_t{0}, bones.size(), [&](std::size_t b) {
+    if (bones[b].side != Side::right) bones[b].mesh = rounded_bone(bones[b].mesh);
+  });
+  for (Bone& bone : bones) {
+    if (bone.side != Side::right) continue;
+    const auto left = std::ranges::find(bones, mirror_name(bone.name), &Bone::name);
+    bone.mesh = left->mesh;
+    bone.mesh.V.col(0) *= -1;
+    bone.mesh.F.col(1).swap(bone.mesh.F.col(2));
+  }
+}
 
 }  // namespace
 
@@ -92,10 +107,7 @@ Template build_template(const Assets& assets) {
   train(package, half, shaped, tables);
 
   // Bones are placed by what the package has of them; muscles lie on their rounded surfaces.
-  tbb::parallel_for(std::size_t{0}, out.anatomy.bones.size(), [&](std::size_t b) {
-    TriMesh& bone = out.anatomy.bones[b].mesh;
-    bone = rounded_bone(bone);
-  });
+  round_bones(out.anatomy.bones);
   // Its muscles fill its skin, as they do in every body.
   tables.muscles = out.anatomy.muscles;
   const SkinRays rays(capped_skin(package, out.body.skin.V));

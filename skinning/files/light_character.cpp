@@ -113,6 +113,14 @@ int add_joined(GlbBuilder& glb, const std::string& name, const Joined& joined,
   return glb.add_node(std::move(node));
 }
 
+Points face_centers(const TriMesh& mesh) {
+  Points out(mesh.F.rows(), 3);
+  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f)
+    out.row(f) =
+        (mesh.V.row(mesh.F(f, 0)) + mesh.V.row(mesh.F(f, 1)) + mesh.V.row(mesh.F(f, 2))) / 3;
+  return out;
+}
+
 void add_bones_light_character(GlbBuilder& glb, const Anatomy& anatomy,
                                const std::vector<CartilageRule>& rules, const LightDetail& detail) {
   std::vector<int> sizes;
@@ -121,12 +129,12 @@ void add_bones_light_character(GlbBuilder& glb, const Anatomy& anatomy,
   Joined joined;
   for (std::size_t b = 0; b < anatomy.bones.size(); ++b) {
     const Bone& bone = anatomy.bones[b];
-    const std::vector<char> cartilage = cartilage_faces(rules, bone);
-    // Two tissues keep all their faces, so that the border stays where it is; there are few.
-    const bool mixed = std::count(cartilage.begin(), cartilage.end(), 1) > 0;
-    const TriMesh light = mixed ? bone.mesh : simplify(bone.mesh, most[b]);
+    const TriMesh light = simplify(bone.mesh, most[b]);
     joined.add(light, shading(bone.mesh, nearest_rows(light.V, bone.mesh.V)));
-    if (mixed) joined.second.insert(joined.second.end(), cartilage.begin(), cartilage.end());
+    const std::vector<char> cartilage = cartilage_faces(rules, bone);
+    if (std::count(cartilage.begin(), cartilage.end(), 1) > 0)
+      for (const int f : nearest_rows(face_centers(light), face_centers(bone.mesh)))
+        joined.second.push_back(cartilage[std::size_t(f)]);
     joined.second.resize(joined.F.size() / 3, 0);
     joined.shares.resize(joined.V.size(), {Influence{bone.joint, 1}});
     joined.names.push_back(gltf::text(bone.name));
