@@ -30,14 +30,14 @@ struct Limb {
   PosedAnatomy rest;
   MuscleCollision collision;
 
-  Limb() {
+  explicit Limb(double end_radius = 0.006) {
     anatomy.skeleton = testing::arm_skeleton();
     Muscle muscle;
     muscle.name = "spindle";
     muscle.strips.push_back(
         make_strip({testing::on(0, {0.01, 1.0, 0}), testing::on(0, {0.01, 1.15, 0.002}),
                     testing::on(0, {0.01, 1.3, 0})},
-                   testing::spindle(15, 0.03, 0.006, 0.1, 0.9, Vec3::UnitX())));
+                   testing::spindle(15, 0.03, end_radius, 0.1, 0.9, Vec3::UnitX())));
     muscle.strips[0].belly_begin = 0.1;
     muscle.strips[0].belly_end = 0.9;
     anatomy.muscles.push_back(muscle);
@@ -49,12 +49,12 @@ struct Limb {
     collision = make_muscle_collision(anatomy, rest, skin);
   }
 
-  // The skin drawn in on its +x side by `depth` at the middle.
-  SkinFrame drawn_in(double depth) const {
+  // The skin drawn in on its +x side by `depth` at a height, the middle's.
+  SkinFrame drawn_in(double depth, double height = 1.15) const {
     SkinFrame frame;
     for (Eigen::Index v = 0; v < skin.V.rows(); ++v) {
       Vec3 p = skin.V.row(v);
-      const double along = (p.y() - 1.15) / 0.08;
+      const double along = (p.y() - height) / 0.08;
       if (p.x() > 0) p.x() -= depth * std::exp(-along * along) * p.x() / 0.045;
       for (int k = 0; k < 3; ++k) frame.positions.push_back(float(p[k]));
       frame.positions.push_back(1);
@@ -138,6 +138,21 @@ TEST(UnderSkin, WhatComesOutGoesBackAndKeepsItsVolume) {
     EXPECT_GT(risen, 0);
     EXPECT_LT(risen, depth) << "the skin comes back by no more than it was drawn in";
   }
+}
+
+TEST(UnderSkin, BonesHoldEnds) {
+  const auto end_moves_by = [](const Limb& limb) {
+    SkinFrame frame = limb.drawn_in(0.05, 1.02);
+    PosedAnatomy posed = limb.rest;
+    Memory memory;
+    keep_under_skin(limb, frame, posed, memory);
+    return (posed.slices[0].center - limb.rest.slices[0].center).norm();
+  };
+  Limb limb(0.02);
+  EXPECT_GT(end_moves_by(limb), 0.002) << "an end in fascia";
+  limb.anatomy.muscles[0].origin_bone = "scapula";
+  limb.collision = make_muscle_collision(limb.anatomy, limb.rest, limb.skin);
+  EXPECT_EQ(end_moves_by(limb), 0);
 }
 
 TEST(UnderSkin, MovesSteadilyWithTheSkin) {
