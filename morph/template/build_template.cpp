@@ -16,6 +16,7 @@
 #include "morph/fascia/lay_fascia.h"
 #include "morph/fat/fat_layer.h"
 #include "morph/fat/muscle_mass.h"
+#include "morph/placement/settle_bones.h"
 #include "morph/shapes/body.h"
 #include "morph/template/regressor_training.h"
 
@@ -25,11 +26,29 @@ namespace {
 // m: stature of the bone package's skeleton with 5 mm of scalp and 15 mm of heel pad.
 constexpr double kSourceStature = 1.707;
 
-// Right bones stay the images of left ones, vertex by vertex.
-void round_bones(std::vector<Bone>& bones) {
+// Rounds bones and takes back below the skin what comes out by that. Right bones stay the images of
+// left ones, vertex by vertex.
+void round_bones(const FitRules& rules, const SkinField& skin, std::vector<Bone>& bones) {
   tbb::parallel_for(std::size_t{0}, bones.size(), [&](std::size_t b) {
     if (bones[b].side != Side::right) bones[b].mesh = rounded_bone(bones[b].mesh);
   });
+  std::vector<SettledPart> parts(rules.groups.size());
+  const auto group_of = [&](const Bone& bone) {
+    return std::size_t(rules.group_of_bone.at(split_side(bone.name).first));
+  };
+  for (const Bone& bone : bones) {
+    if (bone.side == Side::right) continue;
+    SettledPart& part = parts[group_of(bone)];
+    part.even = !rules.groups[group_of(bone)].paired;
+    part.bones.push_back(bone.mesh.V);
+  }
+  settle_bones(skin, 0, {}, parts);
+  std::vector<std::size_t> taken(parts.size(), 0);
+  for (Bone& bone : bones) {
+    if (bone.side == Side::right) continue;
+    const std::size_t group = group_of(bone);
+    bone.mesh.V = parts[group].bones[taken[group]++];
+  }
   for (Bone& bone : bones) {
     if (bone.side != Side::right) continue;
     const auto left = std::ranges::find(bones, mirror_name(bone.name), &Bone::name);
@@ -107,7 +126,7 @@ Template build_template(const Assets& assets) {
   train(package, half, shaped, tables);
 
   // Bones are placed by what the package has of them; muscles lie on their rounded surfaces.
-  round_bones(out.anatomy.bones);
+  round_bones(rules, skin, out.anatomy.bones);
   // Its muscles fill its skin, as they do in every body.
   tables.muscles = out.anatomy.muscles;
   const SkinRays rays(capped_skin(package, out.body.skin.V));
