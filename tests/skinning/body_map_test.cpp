@@ -130,7 +130,7 @@ TEST(BodyMap, WhatNoBoneReachesGoesWithTheNearest) {
   const CharacterModel model =
       test::compile_figure(arm.anatomy, arm.skin, {.muscles = MuscleMotion::map});
   CharacterState state(model);
-  evaluate(model, bent(model, 1.5), {}, state);
+  evaluate_skin(model, bent(model, 1.5), {}, state);
   // The skin as it lies then about the lobe, which goes with the forearm.
   const Quat turn(Eigen::AngleAxisd(-1.5, Vec3::UnitX()));
   const Points normals = vertex_normals(arm.skin);
