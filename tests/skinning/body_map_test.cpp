@@ -218,6 +218,21 @@ TEST(BodyMap, LeansNoSectionAlongItsLine) {
   }
 }
 
+TEST(BodyMap, TurnsSectionsIntoOneAnotherWithoutCorners) {
+  const CharacterModel model = two_muscles();
+  CharacterState state(model);
+  evaluate(model, bent(model, 2.1), {}, state);
+  double sharpest = 0;
+  for (const int first : {0, kSections})
+    for (int k = first + 1; k + 1 < first + kSections; ++k) {
+      const auto turn = [&](int at) {
+        return state.posed.slices[at].axes.col(1).dot(state.posed.slices[at + 1].axes.col(1));
+      };
+      sharpest = std::max(sharpest, std::acos(std::min(1.0, turn(k))));
+    }
+  EXPECT_LT(sharpest, 0.75) << "rad";
+}
+
 TEST(BodyMap, IsTheSameAtAnyNumberOfThreads) {
   const CharacterModel model = two_muscles();
   std::vector<Ellipse> first;
