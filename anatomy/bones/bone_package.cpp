@@ -14,6 +14,7 @@
 #include "anatomy/bones/joint_rules.h"
 #include "anatomy/errors.h"
 #include "anatomy/files/csv_table.h"
+#include "anatomy/geometry/mirror_mesh.h"
 #include "anatomy/mesh_files/stl_io.h"
 #include "anatomy/model_files/mjcf_meshes.h"
 
@@ -51,12 +52,6 @@ TriMesh placed(TriMesh mesh, const Vec3& scale, const Transform& X_WG) {
     mesh.V.row(i) = world_from_mjcf(X_WG * mesh.V.row(i).transpose().cwiseProduct(scale));
   }
   if (scale.prod() < 0) mesh.F.col(1).swap(mesh.F.col(2));
-  return mesh;
-}
-
-TriMesh mirrored_bone_package(TriMesh mesh) {
-  mesh.V.col(0) = 2 * kSourceMidPlane - mesh.V.col(0).array();
-  mesh.F.col(1).swap(mesh.F.col(2));
   return mesh;
 }
 
@@ -102,7 +97,7 @@ Anatomy read_source_skeleton(const Assets& assets) {
     anatomy.bones.push_back(bone);
     if (bone.side != Side::left) continue;
     anatomy.bones.push_back({mirror_name(bone.name), Side::right, carrier(Side::right),
-                             mirrored_bone_package(bone.mesh)});
+                             mirror_mesh(bone.mesh, kSourceMidPlane)});
   }
   validate(anatomy);
   return anatomy;

@@ -19,6 +19,7 @@
 
 #include "anatomy/geometry/mesh_measures.h"
 #include "anatomy/geometry/simplify.h"
+#include "anatomy/geometry/tri_mesh_of.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -51,20 +52,6 @@ Mesh closed(const TriMesh& mesh) {
     pmp::triangulate_hole(out, hole, CGAL::Emptyset_iterator());
   if (CGAL::is_closed(out)) pmp::orient_to_bound_a_volume(out);
   out.collect_garbage();
-  return out;
-}
-
-TriMesh from_cgal(const Mesh& mesh) {
-  TriMesh out{Points(mesh.number_of_vertices(), 3), Triangles(mesh.number_of_faces(), 3)};
-  for (const auto v : mesh.vertices()) {
-    const auto& p = mesh.point(v);
-    out.V.row(v.idx()) << p.x(), p.y(), p.z();
-  }
-  for (const auto f : mesh.faces()) {
-    int k = 0;
-    for (const auto v : mesh.vertices_around_face(mesh.halfedge(f)))
-      out.F(f.idx(), k++) = int(v.idx());
-  }
   return out;
 }
 
@@ -118,7 +105,7 @@ double wanted_edge(const TriMesh& mesh) {
 }  // namespace
 
 TriMesh closed_bone(const TriMesh& mesh) {
-  TriMesh out = from_cgal(closed(mesh));
+  TriMesh out = tri_mesh_of(closed(mesh));
   const double edge = wanted_edge(out), triangle = std::sqrt(3.0) / 4 * edge * edge;
   if (median_edge(out) > kFine * edge) return out;
   return simplify(out, int(std::ceil(mesh_area(out) / triangle)));

@@ -12,6 +12,8 @@
 #include <array>
 #include <vector>
 
+#include "anatomy/geometry/tri_mesh_of.h"
+
 namespace ecorche::inline v1 {
 namespace {
 
@@ -33,21 +35,6 @@ Mesh to_cgal(const TriMesh& mesh) {
   pmp::orient_polygon_soup(points, faces);
   Mesh out;
   pmp::polygon_soup_to_polygon_mesh(points, faces, out);
-  return out;
-}
-
-TriMesh from_cgal(Mesh& mesh) {
-  mesh.collect_garbage();
-  TriMesh out{Points(mesh.number_of_vertices(), 3), Triangles(mesh.number_of_faces(), 3)};
-  for (const auto v : mesh.vertices()) {
-    const auto& p = mesh.point(v);
-    out.V.row(v.idx()) << p.x(), p.y(), p.z();
-  }
-  for (const auto f : mesh.faces()) {
-    int k = 0;
-    for (const auto v : mesh.vertices_around_face(mesh.halfedge(f)))
-      out.F(f.idx(), k++) = int(v.idx());
-  }
   return out;
 }
 
@@ -76,7 +63,8 @@ TriMesh simplify(const TriMesh& mesh, int triangles) {
       policies.get_placement());
   sms::edge_collapse(work, sms::Count_stop_predicate<Mesh>(edges),
                      CGAL::parameters::get_cost(policies.get_cost()).get_placement(placement));
-  TriMesh out = from_cgal(work);
+  work.collect_garbage();
+  TriMesh out = tri_mesh_of(work);
   snap(mesh.V, out.V);
   return out;
 }

@@ -1,6 +1,7 @@
 #include "morph/dilation/bone_rays.h"
 
 #include "anatomy/geometry/join_meshes.h"
+#include "anatomy/geometry/mirror_mesh.h"
 #include "morph/dilation/packed_sections.h"
 
 namespace ecorche::inline v1 {
@@ -18,10 +19,7 @@ BoneRays make_bone_rays(const Anatomy& anatomy, std::optional<double> even_about
     const Bone& bone = anatomy.bones[b];
     add(bone.mesh, b);
     if (!even_about || bone.side != Side::middle) continue;
-    TriMesh& image = images.emplace_back(bone.mesh);
-    image.V.col(0) = 2 * *even_about - image.V.col(0).array();
-    image.F.col(1).swap(image.F.col(2));
-    add(image, b);
+    add(images.emplace_back(mirror_mesh(bone.mesh, *even_about)), b);
   }
   TriMesh all = join_meshes(parts);
   all.V = all.V.unaryExpr([](double x) { return rounded(x); }).eval();

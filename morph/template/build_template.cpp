@@ -12,6 +12,7 @@
 #include "anatomy/bones/bone_package.h"
 #include "anatomy/bones/bone_surface.h"
 #include "anatomy/bones/mirror.h"
+#include "anatomy/geometry/mirror_mesh.h"
 #include "morph/dilation/dilate_muscles.h"
 #include "morph/fascia/lay_fascia.h"
 #include "morph/fat/fat_layer.h"
@@ -52,9 +53,7 @@ void round_bones(const FitRules& rules, const SkinField& skin, std::vector<Bone>
   for (Bone& bone : bones) {
     if (bone.side != Side::right) continue;
     const auto left = std::ranges::find(bones, mirror_name(bone.name), &Bone::name);
-    bone.mesh = left->mesh;
-    bone.mesh.V.col(0) *= -1;
-    bone.mesh.F.col(1).swap(bone.mesh.F.col(2));
+    bone.mesh = mirror_mesh(left->mesh, 0);
   }
 }
 

@@ -331,7 +331,7 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
       MapSection& section = out.sections[k];
       const auto [center, right, left, up, down] = places_of(rest.slices[k]);
       const BoneHold& hold = holds[std::size_t(k - range.begin)];
-      section.held = hold.joint >= 0 ? hold.share : 0;
+      section.held = hold.share;
       points[k] = place_point(weights, rays, center, own, hold);
       for (const auto& [side, place] : {std::pair(0, right), {1, left}, {2, up}, {3, down}})
         outlines[4 * std::size_t(k) + std::size_t(side)] =
