@@ -1,6 +1,11 @@
 #include "app/pages/check_figures.h"
 
 namespace ecorche {
+namespace {
+
+constexpr double kSharedByBones = 0.05e-6;  // m^3, of pairs that are told
+
+}  // namespace
 
 void report_anatomy_check(const AnatomyCheck& check, Report& report) {
   report.set("check.bone_points", check.bone_points);
@@ -19,6 +24,10 @@ void report_anatomy_check(const AnatomyCheck& check, Report& report) {
   report.set("check.bone_overlap_share", check.bone_share);
   report.set("check.bone_overlap_share_max", check.pierced_share);
   report.set("check.bone_overlap_muscle", check.pierced_muscle);
+  report.set("check.bones_in_bones_share", check.bone_overlap.share);
+  for (const BonePair& pair : check.bone_overlap.pairs)
+    if (pair.volume > kSharedByBones)
+      report.set("check.bones_within." + pair.a + "." + pair.b, pair.volume);
   if (check.compared) {
     report.set("check.torn_muscles", check.torn);
     report.set("check.torn_muscle", check.torn_muscle);

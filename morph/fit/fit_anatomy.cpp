@@ -186,6 +186,22 @@ BothSides place_straight(const Template& body_template, const Points& skin, cons
 }
 
 // Adds the pushes that the placement needs, and says what is left outside.
+// The blades are where the skin and their joints have put them; in the thin, ribs give way.
+// `part_of`: by group, left (or middle) and right; -1: none, the left one's mirror image.
+void keep_ribs_below_blades(const Anatomy& source, const FitRules& rules,
+                            const std::vector<std::array<int, 2>>& part_of, double plane,
+                            std::vector<SettledPart>& parts) {
+  constexpr double kClearance = 3e-3;  // m
+  const int cage = part_of[rules.group_of_bone.at("rib5")][0];
+  std::vector<TriMesh> blades;
+  for (const Bone& bone : source.bones) {
+    if (split_side(bone.name).first != "scapula") continue;
+    const int part = part_of[rules.group_of_bone.at("scapula")][bone.side == Side::right];
+    if (part >= 0) blades.push_back({parts[part].bones.front(), bone.mesh.F});
+  }
+  if (cage >= 0 && !blades.empty()) keep_below(blades, plane, kClearance, parts[cage]);
+}
+
 void settle(const Template& body_template, const SkinField& field, bool even,
             const std::vector<Bracket>& brackets, SidedPlacement& placement, FitReport& report) {
   const FitTables& tables = body_template.tables;
@@ -225,6 +241,7 @@ void settle(const Template& body_template, const SkinField& field, bool even,
                       asked.low, asked.high});
   }
   settle_bones(field, placement.target_plane, points, parts);
+  keep_ribs_below_blades(source, rules, part_of, placement.target_plane, parts);
   placement.pushes.resize(rules.groups.size());
   report.bones_furthest = -std::numeric_limits<double>::infinity();
   for (size_t g = 0; g < rules.groups.size(); ++g)

@@ -5,6 +5,9 @@
 
 #include <tbb/parallel_for.h>
 
+#include "anatomy/geometry/join_meshes.h"
+#include "anatomy/queries/ray_caster.h"
+
 namespace ecorche::inline v1 {
 namespace {
 
@@ -114,6 +117,47 @@ void bring_to_depth(const SkinField& skin, const std::vector<PalpablePoint>& ask
 }
 
 }  // namespace
+
+void keep_below(const std::vector<TriMesh>& above, double plane, double clearance,
+                SettledPart& below) {
+  constexpr double kThrough = 0.02;  // m: bones farther than this through others are not looked for
+  std::vector<const TriMesh*> meshes;
+  for (const TriMesh& mesh : above) meshes.push_back(&mesh);
+  const SkinRays rays(join_meshes(meshes));
+  const Points& over = rays.mesh().V;
+  const Eigen::RowVector3d reach = Eigen::RowVector3d::Constant(kThrough + clearance),
+                           low = over.colwise().minCoeff() - reach,
+                           high = over.colwise().maxCoeff() + reach;
+  Work work(below, plane);
+  double front = -1e300, back = 1e300;
+  for (const Points& bone : below.bones)
+    front = std::max(front, bone.col(2).maxCoeff()), back = std::min(back, bone.col(2).minCoeff());
+  const double middle = 0.5 * (front + back);
+  // m, by which a point has to go inwards; the way out
+  const auto wanted = [&](const Vec3& x) -> std::pair<double, Vec3> {
+    if ((x.transpose().array() < low.array()).any() || (x.transpose().array() > high.array()).any())
+      return {0, Vec3::Zero()};
+    const Vec3 out = Vec3(x.x() - plane, 0, x.z() - middle).normalized();
+    double by = 0;
+    const RayHit over_it = rays.first_hit(x, out, clearance);
+    if (over_it.triangle >= 0) by = clearance - over_it.distance;
+    // the innermost face that it has come through
+    const RayHit through = rays.first_hit(x - kThrough * out, out, kThrough);
+    if (through.triangle >= 0) by = kThrough - through.distance + clearance;
+    return {by, out};
+  };
+  for (int k = 0; k < kPushes; ++k) {
+    constexpr double kLeast = 0.1e-3;  // m
+    double most = kLeast;
+    Vec3 from = Vec3::Zero(), out = Vec3::Zero();
+    for (const Points& bone : below.bones)
+      for (Eigen::Index i = 0; i < bone.rows(); ++i)
+        if (const auto [by, way] = wanted(bone.row(i)); by > most)
+          most = by, from = bone.row(i), out = way;
+    if (most <= kLeast) return;
+    work.push(from, -most * out);
+  }
+}
 
 Vec3 pushed(const std::vector<LocalPush>& pushes, double plane, const Vec3& x) {
   Vec3 out = x;

@@ -502,6 +502,7 @@ AnatomyCheck check_anatomy(const CharacterModel& model, const BodyPackage& packa
     subject.rest_surface = make_rest_surface(anatomy, subject.surface, subject.ranges,
                                              rest.frame.posed, flesh_of(subject, rest));
   check_rest(subject, rest, options, check);
+  check.bone_overlap = measure_bone_overlap(anatomy.bones, options.rest_spacing);
   check_torn(subject, options, check);
   check_voids(subject, rest, check);
   check_ends(subject, check);

@@ -9,6 +9,7 @@
 #include "anatomy/base_mesh/body_package.h"
 #include "anatomy/muscles/torn_muscles.h"
 #include "skinning/character/character_model.h"
+#include "skinning/checks/bone_overlap.h"
 #include "skinning/checks/fascia_check.h"
 #include "skinning/motion/limit_poses.h"
 
@@ -91,6 +92,7 @@ struct AnatomyCheck {
   // the largest share of one muscle's volume that lies in bones, and whose
   double pierced_share = 0;
   std::string pierced_muscle;
+  BoneOverlap bone_overlap;           // at rest
   bool compared = false;              // with the reference
   int torn = 0, needles_at_rest = 0;  // muscles, points (torn_muscles.h)
   std::string torn_muscle;            // the worst

@@ -1,4 +1,5 @@
-// Local pushes bring bones below the skin and palpable points to their depths, and fold nothing.
+// Local pushes bring bones below the skin, palpable points to their depths and ribs below shoulder
+// blades, and fold nothing.
 #include "morph/placement/settle_bones.h"
 
 #include <gtest/gtest.h>
@@ -77,6 +78,44 @@ TEST(SettleBones, EvenBonesStayEven) {
     EXPECT_NEAR(V(i, 1), V(other, 1), 1e-9);
     EXPECT_NEAR(V(i, 2), V(other, 2), 1e-9);
   }
+}
+
+// A plate over a cage, half of it within, from `inner` to 4 mm farther out.
+TriMesh plate(double inner) {
+  TriMesh out{Points(8, 3), Triangles(12, 3)};
+  for (int i = 0; i < 8; ++i)
+    out.V.row(i) << inner + (i & 1 ? 4e-3 : 0), i & 2 ? 0.2 : 0.1, i & 4 ? 0.03 : -0.03;
+  out.F << 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4, 2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6,
+      1, 3, 5, 3, 7, 5;
+  return out;
+}
+
+TEST(KeepBelow, RibsGiveWayToABladeAndOnlyThere) {
+  constexpr double kCage = 0.12, kClearance = 3e-3;  // m
+  const TriMesh cage = cylinder(kCage, 0, 0.3);
+  for (const double inner : {0.114, 0.1185, 0.1215}) {  // around the cage's wall, through it, above
+    SettledPart part;
+    part.bones = {cage.V};
+    keep_below({plate(inner)}, 0, kClearance, part);
+    const Points& V = part.bones[0];
+    for (Eigen::Index i = 0; i < V.rows(); ++i) {
+      const Vec3 before = cage.V.row(i), now = V.row(i);
+      EXPECT_LE(now.head<1>().norm(), before.head<1>().norm() + 1e-9);
+      EXPECT_LT((pushed(part.pushes, 0, before) - now).norm(), 1e-12);
+      if (before.x() < 0) EXPECT_EQ(before, now);
+      const bool under = now.x() > 0 && std::abs(now.z()) < 0.025 && now.y() > 0.1 && now.y() < 0.2;
+      if (under) EXPECT_LT(now.x(), inner - kClearance + 0.5e-3) << inner;
+    }
+    const Points old = vertex_normals(cage), turned = vertex_normals({V, cage.F});
+    EXPECT_GT(old.cwiseProduct(turned).rowwise().sum().minCoeff(), 0);
+  }
+}
+
+TEST(KeepBelow, LeavesAloneWhatIsFarEnough) {
+  SettledPart part;
+  part.bones = {cylinder(0.12, 0, 0.3).V};
+  keep_below({plate(0.125)}, 0, 3e-3, part);
+  EXPECT_TRUE(part.pushes.empty());
 }
 
 }  // namespace
