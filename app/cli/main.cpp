@@ -30,6 +30,7 @@
 #include "app/verbs/export_verb.h"
 #include "app/verbs/fit_verb.h"
 #include "app/verbs/list_verb.h"
+#include "app/verbs/motion/retarget_verb.h"
 #include "app/verbs/posebook_verb.h"
 #include "app/verbs/render_verb.h"
 #include "app/verbs/shell_verbs.h"
@@ -116,6 +117,7 @@ void add_verbs(VerbRegistry& registry) {
   add_export_verb(registry);
   add_weights_verb(registry);
   add_bake_verb(registry);
+  add_retarget_verb(registry);
   add_posebook_verb(registry);
   add_render_verb(registry);
 #ifdef ECORCHE_WINDOW

@@ -56,6 +56,16 @@ void report_limits(RetargetReport& found, Report& report) {
       worst.frames));
 }
 
+// How often the recording stands still, is empty, has spikes: {"motion": {"faults": {"still": 2,
+// ...
+void report_faults(const std::vector<RecordingFault>& faults, Report& report) {
+  int counts[3] = {};
+  for (const RecordingFault& fault : faults) ++counts[std::size_t(fault.kind)];
+  report.set("motion.faults.still", counts[0]);
+  report.set("motion.faults.empty", counts[1]);
+  report.set("motion.faults.spikes", counts[2]);
+}
+
 // "walk.bvh: 241 frames at 60 fps, in cm, y up, facing +z; 7 contacts, planted feet slide 0.2 mm".
 std::string describe_motion(const std::filesystem::path& file, const Motion& motion,
                             const RetargetReport& found) {
@@ -89,20 +99,19 @@ void describe_source(const OwnSkin& own, const Skeleton& skeleton, RetargetRepor
 }
 
 // None where the motion is not of the own skin's joints, or people say how to read it.
-std::optional<Motion> open_own_motion(const std::filesystem::path& file,
-                                      const CharacterModel& model, const MotionOptions& options,
+std::optional<Motion> open_own_motion(const std::filesystem::path& file, const Character& character,
+                                      const Binding& binding, const MotionOptions& options,
                                       const RetargetOptions& placed, RetargetReport& found) {
-  const Character& character = model.character;
-  const bool is_gltf = file.extension() == ".glb" || file.extension() == ".gltf";
-  if (!character.own || !is_gltf || !options.map_file.empty() || !options.up.empty())
+  if (!character.own || !options.map_file.empty() || !options.up.empty() || !is_scene_motion(file))
     return std::nullopt;
   const std::string name = printable(file.string());
   const Skeleton& skeleton = character.anatomy.skeleton;
   const MotionReadOptions read = to_read_options(options);
   std::optional<OwnMotion> own =
-      own_motion(read_input_file(file), name, {read.fps, read.take}, *character.own, skeleton,
-                 character.body.skin.V, model.binding.joint_weights, file.parent_path());
+      own_motion(read_scene_motion(file), name, {read.fps, read.take}, *character.own, skeleton,
+                 character.body.skin.V, binding.joint_weights, file.parent_path());
   if (!own) return std::nullopt;
+  cut_motion(read.range, name, own->motion);
   found.warnings = std::move(own->warnings);
   describe_source(*character.own, skeleton, found);
   constrain_own_motion(name, skeleton, placed, own->motion, found);
@@ -111,17 +120,17 @@ std::optional<Motion> open_own_motion(const std::filesystem::path& file,
 
 }  // namespace
 
-Motion open_motion(const std::filesystem::path& file, const CharacterModel& model,
-                   const MotionOptions& options, const Common& common, Report& report) {
+Motion open_motion(const std::filesystem::path& file, const Character& character,
+                   const Binding& binding, const MotionOptions& options, const Common& common,
+                   Report& report) {
   const StageTimer timer(report, "retarget");
-  const Character& character = model.character;
   RetargetOptions placed = to_retarget_options(options);
   if (!placed.sole_height) placed.sole_height = character.body.skin.V.col(1).minCoeff();
   if (placed.avoid_self_collision)
     placed.proxies = measure_proxies(character.anatomy.skeleton, character.body.skin.V);
   RetargetReport found;
   Motion motion;
-  if (std::optional<Motion> own = open_own_motion(file, model, options, placed, found))
+  if (std::optional<Motion> own = open_own_motion(file, character, binding, options, placed, found))
     motion = std::move(*own);
   else
     motion = retarget(read_motion(file, to_read_options(options)), character.anatomy.skeleton,
@@ -135,6 +144,7 @@ Motion open_motion(const std::filesystem::path& file, const CharacterModel& mode
   report.set_flag("motion.same_rest", found.same_rest);
   report.set_flag("motion.own_rig", found.matching_rig);
   report.set("motion.contacts", int(found.contacts.size()));
+  report_faults(found.faults, report);
   report.set("motion.foot_slide_p95", found.slide_p95);
   report.set("motion.penetration", found.penetration);
   report_limits(found, report);
@@ -145,6 +155,11 @@ Motion open_motion(const std::filesystem::path& file, const CharacterModel& mode
     report.append_text("motion.warnings", warning);
   }
   return motion;
+}
+
+Motion open_motion(const std::filesystem::path& file, const CharacterModel& model,
+                   const MotionOptions& options, const Common& common, Report& report) {
+  return open_motion(file, model.character, model.binding, options, common, report);
 }
 
 }  // namespace ecorche

@@ -13,6 +13,9 @@ namespace ecorche {
 // Reads a motion file and retargets it to the character; a motion of its own skin's joints
 // (own_motion.h) is taken over as it is, unless `options` say what is up or which joint is which.
 // What was assumed goes to the report under `motion`, warnings to people too.
+Motion open_motion(const std::filesystem::path& file, const Character& character,
+                   const Binding& binding, const MotionOptions& options, const Common& common,
+                   Report& report);
 Motion open_motion(const std::filesystem::path& file, const CharacterModel& model,
                    const MotionOptions& options, const Common& common, Report& report);
 

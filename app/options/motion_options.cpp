@@ -65,9 +65,14 @@ void add_motion_options(CLI::App& verb, MotionOptions& options) {
   verb.add_option("--motion-fps", options.fps,
                   "Frames a second of the file, instead of what it says")
       ->check(between(0.1, 10000));
-  verb.add_option("--take", options.take,
-                  "Of a file with several motions (.glb, .gltf): the name of one, or its number "
-                  "from 1; the first when left out");
+  verb.add_option(
+      "--take", options.take,
+      "Of a file with several motions (.glb, .gltf, .fbx, .dae): the name of one, or its "
+      "number from 1; the first when left out");
+  verb.add_option(
+      "--skeleton", options.skeleton,
+      "Skeleton of a motion that comes without (.amc: an .asf; DeepMimic: its character); "
+      "looked for beside the motion when left out");
   verb.add_option("--limits", options.limits,
                   "What becomes of joints beyond their anatomical limits: kept as they are, "
                   "brought back (clamp), or auto: brought back unless the file's rest pose is ours")
@@ -84,6 +89,14 @@ void add_motion_options(CLI::App& verb, MotionOptions& options) {
       ->excludes(free);
 }
 
+void add_range_options(CLI::App& verb, MotionOptions& options) {
+  verb.add_option(
+      "--from", options.from,
+      "Where the part of the motion begins that is read: seconds (1.5, 1.5s, 150ms) or a "
+      "frame, counted from 1 (36f)");
+  verb.add_option("--to", options.to, "Where it ends; this frame is the last one");
+}
+
 RetargetOptions to_retarget_options(const MotionOptions& options) {
   RetargetOptions out;
   if (!options.map_file.empty()) out.joint_map = read_joint_map(options.map_file);
@@ -98,6 +111,9 @@ MotionReadOptions to_read_options(const MotionOptions& options) {
   MotionReadOptions out;
   if (options.fps > 0) out.fps = options.fps;
   out.take = options.take;
+  out.skeleton = options.skeleton;
+  if (!options.from.empty()) out.range.from = read_moment(options.from, "--from");
+  if (!options.to.empty()) out.range.to = read_moment(options.to, "--to");
   return out;
 }
 

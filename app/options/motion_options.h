@@ -19,6 +19,8 @@ struct MotionOptions {
   std::string up;                              // --up
   double fps = 0;                              // --motion-fps; 0: the file's
   std::string take;                            // --take; empty: the first
+  std::filesystem::path skeleton;              // --skeleton; empty: looked for
+  std::string from, to;                        // --from, --to; empty: all of it
   std::string limits = "auto";                 // --limits
   bool through = false;                        // --no-apart
   bool free_feet = false, plant_feet = false;  // --no-plant, --plant
@@ -40,8 +42,15 @@ MuscleMotion to_muscle_motion(const std::string& muscles, const std::string& met
 void add_dynamics_option(CLI::App& verb, bool& dynamics);
 void require_settling(bool dynamics, const std::string& method);
 
+// What the help texts say of an argument that is a motion file.
+inline constexpr const char* kMotionFilesHelp =
+    "Motion: .bvh, .glb, .gltf, .fbx, .dae, .amc, .mot, .sto, or DeepMimic's .txt";
+
 void add_motion_options(CLI::App& verb, MotionOptions& options);
+// --from, --to: the part of the motion that is read.
+void add_range_options(CLI::App& verb, MotionOptions& options);
 RetargetOptions to_retarget_options(const MotionOptions& options);
+// Throws UsageError for what is no moment.
 MotionReadOptions to_read_options(const MotionOptions& options);
 
 }  // namespace ecorche

@@ -14,6 +14,7 @@
 #include "app/files/open_motion.h"
 #include "app/files/template_file.h"
 #include "morph/shapes/body_model.h"
+#include "skinning/motion_files/read_motion.h"
 
 namespace ecorche {
 namespace {
@@ -157,7 +158,7 @@ ViewSession::Done ViewSession::open_file(const fs::path& file,
                                          const std::shared_ptr<const Performance>& before) const {
   Report aside;
   Done done;
-  if (file.extension() == ".bvh") {
+  if (names_motion(file)) {
     if (!before)
       throw UsageError(
           "sliders show the body at rest; open a motion in a window without --sliders");

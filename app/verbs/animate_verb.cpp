@@ -181,7 +181,7 @@ int run_animate(const AnimateOptions& options, const Common& common, Report& rep
 void add_animate_verb(VerbRegistry& registry) {
   auto options = std::make_shared<AnimateOptions>();
   CLI::App* verb = add_verb(
-      registry, registry.app, "animate", "Move a character by a motion (BVH) and write it out",
+      registry, registry.app, "animate", "Move a character by a motion and write it out",
       "ecorche animate anna-anatomy.glb walk.bvh -o anna-walks.glb -o anna-walks.pc2 --activation "
       "auto",
       [options](const Common& common, Report& report) {
@@ -190,7 +190,7 @@ void add_animate_verb(VerbRegistry& registry) {
   verb->add_option("character", options->character,
                    "Character written by `ecorche fit`, CROWD.glb#NAME, or a whole crowd")
       ->required();
-  verb->add_option("motion", options->motion, "Motion (.bvh, .glb, .gltf)")->required();
+  verb->add_option("motion", options->motion, kMotionFilesHelp)->required();
   verb->add_option(
           "-o,--output", options->outputs,
           "File to write; may be given several times: .glb (the character, for any viewer); "
@@ -208,6 +208,7 @@ void add_animate_verb(VerbRegistry& registry) {
   add_table_option(*verb, options->tables);
   add_dynamics_option(*verb, options->dynamics);
   add_motion_options(*verb, options->retarget);
+  add_range_options(*verb, options->retarget);
 }
 
 }  // namespace ecorche

@@ -170,7 +170,8 @@ void add_bake_verb(VerbRegistry& registry) {
                  return run_bake(*options, common, report);
                });
   add_character_option(*verb, options->character);
-  verb->add_option("motions", options->motions, "Motions (.bvh, .glb), one animation each")
+  verb->add_option("motions", options->motions,
+                   "Motions (.bvh, .glb, .fbx, .amc, ...), one animation each")
       ->required();
   verb->add_option("-o,--output", options->output, "File to write (.glb)")->required();
   verb->add_option("--rig", options->rig,
@@ -192,6 +193,7 @@ void add_bake_verb(VerbRegistry& registry) {
       ->capture_default_str();
   add_weights_option(*verb, options->weights);
   add_motion_options(*verb, options->retarget);
+  add_range_options(*verb, options->retarget);
 }
 
 }  // namespace ecorche

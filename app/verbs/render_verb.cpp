@@ -101,7 +101,7 @@ void check_options_render(const RenderVerbOptions& options) {
   const bool part = film.from || film.to || !options.frames.empty();
   if (options.motion.empty() && !still)
     throw UsageError(
-        fmt::format("{}: a film needs a motion (.bvh); one picture at rest or in a --pose is named "
+        fmt::format("{}: a film needs a motion; one picture at rest or in a --pose is named "
                     "like STILL.png",
                     film.output.string()));
   if (options.motion.empty() && (part || options.at))
@@ -269,8 +269,9 @@ void add_render_verb(VerbRegistry& registry) {
         return run_render(*options, common, report);
       });
   add_character_option(*verb, options->character);
-  verb->add_option("motion", options->motion,
-                   "Motion (.bvh, .glb, .gltf); left away for a still at rest or in a --pose");
+  verb->add_option(
+      "motion", options->motion,
+      std::string(kMotionFilesHelp) + "; left away for a still at rest or in a --pose");
   verb->add_option("-o,--output", options->film.output,
                    "FILM.mp4, numbered pictures DIR/%04d.png, or one picture STILL.png")
       ->required();

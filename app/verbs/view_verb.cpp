@@ -89,8 +89,9 @@ void add_view_verb(VerbRegistry& registry) {
   verb->add_option(
       "character", session.character,
       "Character written by `ecorche fit`, or CROWD.glb#NAME; the template when left out");
-  verb->add_option("motion", session.motion,
-                   "Motion (.bvh, .glb, .gltf); others can be opened or dropped into the window");
+  verb->add_option(
+      "motion", session.motion,
+      std::string(kMotionFilesHelp) + "; others can be opened or dropped into the window");
   verb->add_flag(
       "--sliders", session.sliders,
       "Measures as sliders: the skin follows with bones and muscles, which are then fitted anew");
@@ -122,6 +123,7 @@ void add_view_verb(VerbRegistry& registry) {
                    "Save the last frame, panels included (.png)");
   add_dynamics_option(*verb, session.dynamics);
   add_motion_options(*verb, session.retarget);
+  add_range_options(*verb, session.retarget);
 }
 
 }  // namespace ecorche

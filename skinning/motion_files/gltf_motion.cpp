@@ -276,7 +276,7 @@ class Reader {
     std::nth_element(steps.begin(), steps.begin() + long(steps.size() / 2), steps.end());
     const double fps = 1 / steps[steps.size() / 2];
     if (!(fps >= 10)) return 30;  // sparse keys: curves between
-    return std::min(240.0, std::abs(fps - std::round(fps)) < 0.02 * fps ? std::round(fps) : fps);
+    return std::min(1000.0, std::abs(fps - std::round(fps)) < 0.02 * fps ? std::round(fps) : fps);
   }
 
   void add_joints(MotionClip& out) {

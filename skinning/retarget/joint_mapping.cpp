@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <set>
 
 #include "anatomy/errors.h"
@@ -84,6 +85,8 @@ class JointMapper {
     for (const char* part : {"knee", "ankle", "elbow", "wrist"})
       for (const char* side : {"_l", "_r"}) runs(std::string(part) + side);
     if (int head = first_with(parts_, "head"); head >= 0) set("head", head, head);
+    if (get("head") < 0)
+      if (const int neck = last_neck(); neck >= 0) set("head", neck, neck);
     if (int jaw = first_with(parts_, "jaw"); jaw >= 0) set("jaw", jaw, jaw);
     trunk();
     for (const std::string side : {"_l", "_r"}) {
@@ -134,6 +137,18 @@ class JointMapper {
   void set(const std::string& ours, int position_joint, int rotation_joint) {
     mapping_.position_joint[ours] = position_joint;
     mapping_.rotation_joint[ours] = rotation_joint;
+  }
+
+  // Of a figure without a joint for the head: the neck, where it ends the figure and so carries it.
+  int last_neck() const {
+    for (std::size_t j = 0; j < parts_.size(); ++j) {
+      std::string name = source_.joints[j].name;
+      std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+      const bool carries = std::ranges::any_of(
+          source_.joints, [&](const ClipJoint& other) { return other.parent == int(j); });
+      if (!carries && name.find("neck") != std::string::npos) return int(j);
+    }
+    return -1;
   }
 
   int get(const std::string& ours) const {

@@ -280,6 +280,9 @@ Motion retarget(const MotionClip& source, const Skeleton& ours, const RetargetOp
   check_nearness(source.name, moved.motion, report.metres_per_unit);
   warn_of_leaps(source.name, moved.motion, report.warnings);
   drop_calibration(source.name, moved, report);
+  report.faults = find_faults(source, mapping, report.dropped_frames);
+  for (std::string& line : describe_faults(source.name, source.fps, report.faults))
+    report.warnings.push_back(std::move(line));
   if (!alignment.same_rest)
     for (const Side side : {Side::left, Side::right}) {
       const FootShape foot = foot_shape(ours, side, sole);

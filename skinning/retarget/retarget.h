@@ -25,6 +25,7 @@
 #include "skinning/constraints/motion_report.h"
 #include "skinning/motion_files/motion_clip.h"
 #include "skinning/retarget/joint_mapping.h"
+#include "skinning/retarget/recording_faults.h"
 
 namespace ecorche::inline v1 {
 
@@ -68,6 +69,7 @@ struct RetargetReport {
   int dropped_frames = 0;           // at the start: a calibration pose
   std::vector<JointMatch> matches;  // one a joint of the file
   std::vector<std::string> warnings;
+  std::vector<RecordingFault> faults;  // frames of the file
   std::vector<Contact> contacts;
   std::vector<Flight> flights;
   double slide_p95 = 0;                  // of the contacts' slides, m
