@@ -1,4 +1,5 @@
 """Bad motions: rows 47 to 57."""
+import pathlib
 import random
 
 from files import chain, glb
@@ -136,3 +137,27 @@ def row_57(t):
         d["animations"] = [{"channels": [{"sampler": 9, "target": {"node": 10**6, "path": "rotation"}}], "samplers": [{"input": 10**6, "output": -4}]}]
 
     t.animate(57, "an animation of nothing", character=t.bench.file("animation.glb", t.changed_small(add)), codes=0)
+
+
+def row_86(t):
+    """Motions of other formats: bad files of the corpus, skeletons that are not there or another's, motions whose endings lie."""
+    corpus = pathlib.Path(__file__).parent.parent / "corpus" / "motion"
+    for line in (corpus / "expected.txt").read_text().splitlines():
+        name, _, outcome = line.partition(" | ")
+        if line.startswith("#") or not outcome.startswith("error ") or name.endswith(".asf") or name.startswith("character_"):
+            continue
+        skeleton = [] if name.endswith(".mot") else ["--skeleton", corpus / ("arm.asf" if name.endswith(".amc") else "character_arm.txt")]
+        t.animate(86, name, motion=corpus / name, codes=(2, 3, 4), more=skeleton, names=name)
+    person = (corpus / "person_01.amc").read_text()
+    alone = t.bench.file("person_01.amc", person)
+    t.animate(86, "no skeleton beside", motion=alone, codes=3, says="--skeleton")
+    t.animate(86, "a skeleton that is gone", motion=alone, more=["--skeleton", "gone.asf"], codes=3, says="gone.asf")
+    t.animate(86, "another's skeleton", motion=alone, more=["--skeleton", corpus / "arm.asf"], codes=3, says="no bone 'spine'")
+    t.animate(86, "a motion for a skeleton", motion=alone, more=["--skeleton", alone], codes=3, says="person_01.amc")
+    t.animate(86, "a skeleton for a motion", motion=corpus / "person.asf", codes=4, says="person.asf")
+    t.animate(86, "a skeleton for a BVH", more=["--skeleton", corpus / "person.asf"], codes=2, says="--skeleton")
+    t.animate(86, "an arm alone", motion=corpus / "plain.amc", more=["--skeleton", corpus / "arm.asf"], codes=4, says="plain.amc")
+    for name, text in (("says_fbx.fbx", person), ("says_mot.mot", person), ("says_txt.txt", "{\"Frames\": 7}")):
+        t.animate(86, name, motion=t.bench.file(name, text), codes=3, says="says_")
+    for words, codes in ((["--from", "0f"], 2), (["--from", "soon"], 2), (["--to", "-1"], 2), (["--from", "99s"], 2), (["--from", "5f", "--to", "4f"], 2), (["--from", "nan"], 2), (["--from", "1e999"], 2)):
+        t.animate(86, "a part: " + " ".join(words), more=words, codes=codes, says="--")

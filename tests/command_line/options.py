@@ -346,6 +346,34 @@ def animations(t):
     t.check(bake["morphs"] <= 4 and bake["helpers"] <= 6 and bake["frames"] == 24, "--morphs, --helpers")
     t.run((0, 8), "bake", "anna-anatomy.glb", "walk.bvh", "-o", "planted.glb", "--morphs", 2, "--helpers", 0, "--samples", 8, "--plant")
 
+    motions_of_other_formats(t)
+
+
+def motions_of_other_formats(t):
+    corpus = os.path.join(t.source, "tests", "corpus", "motion")
+    for name in ("person.asf", "person_01.amc", "character_person.txt", "person_walk.txt", "legs.mot"):
+        shutil.copy(os.path.join(corpus, name), t.path(name))
+    frames = lambda name: t.json(name)["motion"]["frames"]  # noqa: E731
+    t.run((0, 8), "animate", "anna-anatomy.glb", "person_01.amc", "-o", "amc.mot", "--report", "amc.json")
+    t.run((0, 8), "animate", "anna-anatomy.glb", "person_01.amc", "-o", "part.mot", "--from", "2f", "--to", "5f", "--report", "part.json")
+    t.check(frames("amc.json") == 8 and frames("part.json") == 4, "--from, --to")
+    t.run((0, 8), "animate", "anna-anatomy.glb", "person_walk.txt", "--skeleton", "character_person.txt", "-o", "deepmimic.mot", "--report", "deepmimic.json")
+    t.check(frames("deepmimic.json") == 8, "--skeleton")
+    t.says(t.run((0, 8), "animate", "anna-anatomy.glb", "legs.mot", "-o", "legs-too.mot"), "arm_flex")
+    t.says(t.run(3, "animate", "anna-anatomy.glb", "person_01.amc", "--skeleton", "character_person.txt", "-o", "no.mot"), "character_person.txt")
+    t.run((0, 8), "retarget", "walk.bvh", "anna-anatomy.glb", "-o", "alone.bvh", "-o", "alone.glb", "--report", "alone.json")
+    for name in ("alone.bvh", "alone.glb"):
+        t.run((0, 8), "retarget", name, "anna-anatomy.glb", "-o", "again.bvh", "--report", "again.json")
+        t.check(frames("again.json") == 8 and t.json("again.json")["motion"]["own_rig"], f"{name} is a motion of the same body")
+    t.run((0, 8), "retarget", "walk.bvh", "anna-anatomy.glb", "-o", "some.bvh", "--from", "10ms", "--to", "4f", "--map", "map.txt", "--up", "y", "--motion-fps", 30, "--limits", "keep", "--no-apart",
+          "--no-plant", "--report", "some.json")
+    t.check(frames("some.json") == 3, "--from, --to of retarget")
+    t.run((0, 8), "retarget", "person_01.amc", "anna-anatomy.glb", "-o", "planted.bvh", "--skeleton", "person.asf", "--plant")
+    t.run((0, 8), "retarget", "alone.glb", "anna-anatomy.glb", "-o", "taken.bvh", "--take", "1")
+    t.says(t.run(2, "retarget", "walk.bvh", "anna-anatomy.glb", "-o", "no.fbx"), "no.glb")
+    t.run((0, 8), "bake", "anna-anatomy.glb", "person_01.amc", "-o", "part.glb", "--morphs", 2, "--helpers", 0, "--samples", 4, "--skeleton", "person.asf", "--from", "1f", "--to", "4f")
+    t.run((0, 8), "render", "anna-anatomy.glb", "person_01.amc", "--skeleton", "person.asf", "--at", 0.02, "--size", "96x80", "-o", "amc.png")
+
 
 def channel_columns(text, joint):
     """Columns of a joint's rotation channels in a BVH file."""
@@ -565,6 +593,7 @@ def window(t):
         t.used.setdefault("view", set()).update(name for group in t.options_of("view") for name in group)
         return
     view = lambda *words, codes=0: t.run(codes, "view", *words, under=VIEW)  # noqa: E731
+    view("anna-anatomy.glb", "person_01.amc", "--skeleton", "person.asf", "--from", "2f", "--to", "6f", "--frames", 2, "--screenshot", "amc-view.png")
     view("own.glb", "own-walk.glb", "--take", "1", "--frames", 2, "--screenshot", "own-view.png")
     view("anna-anatomy.glb", "walk.bvh", "--frames", 3, "--screenshot", "a.png", "--pick", "0.5,0.5")
     t.check(t.bytes("a.png")[:4] == b"\x89PNG", "--screenshot")

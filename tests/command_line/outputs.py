@@ -21,6 +21,7 @@ FILES = {
     "body measure": (["anna.glb"], "--html", "x.html"),
     "fit": (["anna.glb"], "-o", "x.glb"),
     "animate": (["anna-anatomy.glb", "walk.bvh"], "-o", "x.glb"),
+    "retarget": (["walk.bvh", "anna-anatomy.glb"], "-o", "x.bvh"),
     "animate pc2": (["anna-anatomy.glb", "walk.bvh"], "-o", "x.pc2"),
     "animate mdd": (["anna-anatomy.glb", "walk.bvh"], "-o", "x.mdd"),
     "bake": (["anna-anatomy.glb", "walk.bvh", "--morphs", "2", "--helpers", "0", "--samples", "4"], "-o", "x.glb"),

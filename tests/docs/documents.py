@@ -84,6 +84,8 @@ class Reader:
         t.run(0, "weights", "anna-anatomy.glb", "-o", "mine.csv")
         for name in ("walk", "run", "curl"):
             short_motion(t.data("motions", "walk.bvh"), t.path(f"{name}.bvh"), 6)
+        for name in ("person.asf", "person_01.amc", "character_person.txt", "person_walk.txt", "legs.mot"):
+            shutil.copy(os.path.join(self.source, "tests", "corpus", "motion", name), t.path(name))
         t.write("curl.csv", "time,muscle,value\n0,biceps_brachii_*,0\n0.05,biceps_brachii_*,1\n")
         t.write("people.csv", "name,sex,stature,waist_girth\nada,female,168cm,74cm\nbob,male,178cm,90cm\n")
         t.write("my-poses.csv", "pose,joint,flexion,abduction,rotation\nsitting,hip,0.75,0.2,0\n")

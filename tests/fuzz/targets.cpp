@@ -29,7 +29,10 @@
 #include "skinning/files/character_read.h"
 #include "skinning/motion/activation_read.h"
 #include "skinning/motion/pose_book.h"
+#include "skinning/motion_files/acclaim_read.h"
 #include "skinning/motion_files/bvh_read.h"
+#include "skinning/motion_files/deepmimic_read.h"
+#include "skinning/motion_files/opensim_read.h"
 #include "skinning/retarget/joint_map_file.h"
 #include "skinning/retarget/retarget.h"
 #include "tests/skinning/arm.h"
@@ -46,6 +49,42 @@ void check(const TriMesh& mesh) {
   require(mesh.V.allFinite(), "a vertex that is not finite was let through");
   require(mesh.F.size() == 0 || (mesh.F.minCoeff() >= 0 && mesh.F.maxCoeff() < mesh.V.rows()),
           "a triangle out of range was let through");
+}
+
+void check(const MotionClip& clip) {
+  require(clip.rotations.size() == std::size_t(clip.frame_count) * clip.rotation_tracks &&
+              clip.translations.size() == std::size_t(clip.frame_count) * clip.translation_tracks,
+          "samples are missing");
+  for (const Mat3& turn : clip.rotations)
+    require(turn.allFinite() && turn.isUnitary(1e-3), "a turn that is none was let through");
+  for (const Vec3& way : clip.translations)
+    require(way.allFinite(), "a place that is not finite was let through");
+  for (std::size_t j = 0; j < clip.joints.size(); ++j)
+    require(clip.joints[j].parent < int(j) && is_utf8(clip.joints[j].name), "a joint is none");
+}
+
+// Each reader of motions alone, and with what it makes of the skeleton in the same bytes.
+void motion(std::string_view bytes) {
+  const auto attempt = [](auto read) {
+    try {
+      read();
+    } catch (const Error& error) {
+      require(is_utf8(error.what()), "a message that is not UTF-8");
+    }
+  };
+  attempt([&] { check(parse_amc(bytes, "input.amc", parse_asf(bytes, "input.asf"), {})); });
+  static const AcclaimSkeleton arm = parse_asf(
+      ":bonedata\nbegin\nname upper\ndirection 1 0 0\nlength 2\ndof rx ry "
+      "rz\nend\nbegin\nname lower\ndof rz\nend\n:hierarchy\nroot upper\nupper lower\n",
+      "arm.asf");
+  attempt([&] { check(parse_amc(bytes, "input.amc", arm, {})); });
+  attempt([&] {
+    check(parse_deepmimic(bytes, "input.txt", parse_deepmimic_character(bytes, "input.txt"), {}));
+  });
+  static const DeepMimicCharacter bones{
+      "bones", {{"a", -1, Vec3::Zero(), -1, -1, {}}, {"b", 0, Vec3(0, 1, 0), -1, -1, {}}}, {7, 4}};
+  attempt([&] { check(parse_deepmimic(bytes, "input.txt", bones, {})); });
+  check(clip_from_coordinates(parse_coordinates(bytes, "input.mot"), {}));
 }
 
 void bvh(std::string_view bytes) {
@@ -214,6 +253,7 @@ const std::map<std::string, std::function<void(std::string_view)>>& fuzz_targets
       {"map", refusing(map)},
       {"mesh", refusing(mesh)},
       {"mjcf", refusing(mjcf)},
+      {"motion", refusing(motion)},
       {"osim", refusing(osim)},
       {"poses", refusing(poses)},
       {"stl", refusing(stl)},

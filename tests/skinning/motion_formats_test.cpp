@@ -155,7 +155,56 @@ int count_of(const std::vector<RecordingFault>& faults, RecordingFault::Kind kin
   return int(std::ranges::count_if(faults, [&](const auto& f) { return f.kind == kind; }));
 }
 
+// Joints, frames, rate and warnings of what a corpus file holds.
+std::string outcome_of(const std::string& file) {
+  const std::string text = read_input_file(kFormats / file);
+  const fs::path ending = fs::path(file).extension();
+  if (ending == ".asf") return fmt::format("skeleton {}", parse_asf(text, file).bones.size());
+  if (file.starts_with("character_"))
+    return fmt::format("skeleton {}", parse_deepmimic_character(text, file).joints.size());
+  MotionClip clip;
+  if (ending == ".amc")
+    clip = parse_amc(text, file, parse_asf(read_input_file(kFormats / "arm.asf"), "arm.asf"), {});
+  else if (ending == ".txt")
+    clip = parse_deepmimic(
+        text, file,
+        parse_deepmimic_character(read_input_file(kFormats / "character_arm.txt"), "arm"), {});
+  else
+    clip = clip_from_coordinates(parse_coordinates(text, file), {});
+  EXPECT_EQ(clip.rotations.size(), std::size_t(clip.frame_count) * clip.rotation_tracks);
+  EXPECT_EQ(clip.translations.size(), std::size_t(clip.frame_count) * clip.translation_tracks);
+  return fmt::format("ok {} {} {:g} {}", clip.joints.size(), clip.frame_count, clip.fps,
+                     clip.warnings.size());
+}
+
 }  // namespace
+
+TEST(MotionFormats, EveryFileOfTheCorpusHasItsStatedOutcome) {
+  std::ifstream stream(kFormats / "expected.txt");
+  int files = 0;
+  for (std::string line; std::getline(stream, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    const std::size_t bar = line.find(" | ");
+    const std::string file = line.substr(0, bar), expected = line.substr(bar + 3);
+    SCOPED_TRACE(line);
+    ++files;
+    if (!expected.starts_with("error ")) {
+      EXPECT_EQ(outcome_of(file), expected);
+      continue;
+    }
+    try {
+      ADD_FAILURE() << "was accepted: " << outcome_of(file);
+    } catch (const Error& e) {
+      const std::string message = e.what();
+      EXPECT_NE(message.find(expected.substr(6)), std::string::npos) << message;
+      EXPECT_TRUE(message.starts_with(file) || file == "empty.asf") << message;
+    }
+  }
+  EXPECT_GT(files, 75);
+  const std::string deep = "{\"Frames\":" + std::string(1000000, '[');
+  EXPECT_TRUE(is_deepmimic(deep));
+  EXPECT_THROW(parse_deepmimic(deep, "deep.txt", {}, {}), InputError);
+}
 
 TEST(Acclaim, RotationsAreAboutFixedAxesOfTheBonesFrame) {
   const AcclaimSkeleton skeleton = parse_asf(small_asf("deg", 90), "a.asf");
