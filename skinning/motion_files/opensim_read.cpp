@@ -35,6 +35,7 @@ struct FigureJoint {
   std::array<Turn, 3> turns;
 };
 
+constexpr std::size_t kMostNames = 40;  // in a warning
 constexpr Turn kNoTurn{"", 0, 0, 1};
 constexpr double kStandingPelvis = 0.93;  // m, of the figure's pelvis over its soles
 
@@ -343,9 +344,10 @@ class FigureBuilder {
     const auto tell = [&](std::vector<std::string>& names, const char* what) {
       if (names.empty()) return;
       const std::size_t count = names.size();
-      if (count > 12) names.resize(12);
+      if (count > kMostNames) names.resize(kMostNames);
       out_.warnings.push_back(fmt::format("{}: {} {}: {}{}", out_.name, count, what,
-                                          fmt::join(names, ", "), count > 12 ? ", ..." : ""));
+                                          fmt::join(names, ", "),
+                                          count > kMostNames ? ", ..." : ""));
     };
     tell(missing_, "coordinates are missing, and stay nought");
     tell(strange, "columns are no coordinates that are known");

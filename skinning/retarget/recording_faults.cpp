@@ -65,9 +65,12 @@ void find_runs(const MotionClip& clip, const ClipRows& rows, int begin,
   const int least = std::max(kStillFrames, int(std::ceil(kStillTime * clip.fps)));
   for (int f = begin; f < clip.frame_count;) {
     int last = f;
-    while (last + 1 < clip.frame_count && rows.same(f, last + 1)) ++last;
+    const bool empty = rows.empty(f);
+    while (last + 1 < clip.frame_count &&
+           (empty ? rows.empty(last + 1) : rows.same(f, last + 1) && !rows.empty(last + 1)))
+      ++last;
     const bool all = f == begin && last + 1 == clip.frame_count;
-    if (!all && rows.empty(f))
+    if (!all && empty)
       out.push_back({FaultKind::empty, f, last});
     else if (!all && last - f + 1 >= least)
       out.push_back({FaultKind::still, f, last});
