@@ -58,7 +58,9 @@ std::string name_of(const Json& object, const char* key) {
 
 class FrameReader {
  public:
-  FrameReader(const Json& frame, std::string where) : frame_(frame), where_(std::move(where)) {}
+  // `uneven` counts quaternions that are not of length 1.
+  FrameReader(const Json& frame, std::string where, int& uneven)
+      : frame_(frame), where_(std::move(where)), uneven_(uneven) {}
 
   double next() {
     const Json& value = frame_[at_++];
@@ -71,15 +73,17 @@ class FrameReader {
   Mat3 next_quaternion() {
     const double w = next(), x = next(), y = next(), z = next();
     const Quat q(w, x, y, z);
-    if (!(std::abs(q.norm() - 1) < 0.1))
+    if (!(q.norm() > 0.1 && q.norm() < 10))
       throw InputError(fmt::format("{}: values {} to {}: a quaternion (w x y z) of length {:.3g}",
                                    where_, at_ - 3, at_, q.norm()));
+    if (std::abs(q.norm() - 1) > 0.01) ++uneven_;
     return q.normalized().toRotationMatrix();
   }
 
  private:
   const Json& frame_;
   std::string where_;
+  int& uneven_;
   std::size_t at_ = 0;
 };
 
@@ -174,6 +178,7 @@ MotionClip parse_deepmimic(std::string_view text, const std::string& name,
   }
   std::vector<double> times;
   double now = 0;
+  int uneven = 0;
   for (std::size_t f = 0; f < frames.size(); ++f) {
     const std::string where = fmt::format("{}: frame {}", name, f + 1);
     if (!frames[f].is_array() || frames[f].size() != width)
@@ -181,7 +186,7 @@ MotionClip parse_deepmimic(std::string_view text, const std::string& name,
           fmt::format("{}: {} values; the {} joints of {} take {}; name the motion's "
                       "own character with --skeleton",
                       where, frames[f].size(), character.joints.size(), character.name, width));
-    FrameReader values(frames[f], where);
+    FrameReader values(frames[f], where, uneven);
     const double lasts = values.next();
     if (lasts < 0 || (lasts < 1e-5 && f + 1 < frames.size()) || lasts > 100)
       throw InputError(fmt::format("{}: it lasts {:g} s", where, lasts));
@@ -199,6 +204,9 @@ MotionClip parse_deepmimic(std::string_view text, const std::string& name,
     }
   }
   out.frame_count = int(frames.size());
+  if (uneven > 0)
+    out.warnings.push_back(fmt::format(
+        "{}: {} quaternions are not of length 1; their directions are taken", name, uneven));
   if (fps)
     out.fps = *fps;
   else

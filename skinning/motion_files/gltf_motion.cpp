@@ -275,7 +275,7 @@ class Reader {
     if (steps.empty()) return 30;
     std::nth_element(steps.begin(), steps.begin() + long(steps.size() / 2), steps.end());
     const double fps = 1 / steps[steps.size() / 2];
-    if (!(fps >= 10)) return 30;  // sparse keys: curves between
+    if (!(fps >= 23)) return 30;  // sparse keys: curves between
     return std::min(1000.0, std::abs(fps - std::round(fps)) < 0.02 * fps ? std::round(fps) : fps);
   }
 
@@ -298,7 +298,6 @@ class Reader {
       joint.offset = rest_[j].translation();
       if (joint.parent >= 0) joint.offset -= rest_[std::size_t(joint.parent)].translation();
       joint.rotation_track = int(j);
-      if (joint.parent < 0) joint.translation_track = out.translation_tracks++;
       number[joints_[j]] = int(j);
       out.joints.push_back(std::move(joint));
     }
@@ -343,6 +342,7 @@ class Reader {
     for (const Affine& X : rest_) rest.push_back(turn_of(X));
     out.rotations.reserve(std::size_t(out.frame_count) * joints_.size());
     std::vector<Mat3> turns(joints_.size());
+    std::vector<Travel> travels = movable_joints(out);
     for (int f = 0; f < out.frame_count; ++f) {
       place_nodes(double(f) / out.fps);
       for (std::size_t j = 0; j < joints_.size(); ++j) {
@@ -350,9 +350,60 @@ class Reader {
         const int parent = out.joints[j].parent;
         out.rotations.push_back(
             parent < 0 ? turns[j] : Mat3(turns[std::size_t(parent)].transpose() * turns[j]));
-        if (parent < 0) out.translations.push_back(world_[joints_[j]].translation());
+      }
+      for (Travel& travel : travels) {
+        const ClipJoint& joint = out.joints[travel.joint];
+        const Vec3 place = world_[joints_[travel.joint]].translation();
+        travel.places.push_back(
+            joint.parent < 0
+                ? place
+                : Vec3(turns[std::size_t(joint.parent)].transpose() *
+                       (place - world_[joints_[std::size_t(joint.parent)]].translation())));
       }
     }
+    add_travels(std::move(travels), out);
+  }
+
+  // Places of a joint by frame, from its parent in the parent's axes.
+  struct Travel {
+    std::size_t joint = 0;
+    std::vector<Vec3> places;
+  };
+
+  // Roots, and joints that keys move, themselves or a node between them and their parent.
+  std::vector<Travel> movable_joints(const MotionClip& clip) const {
+    std::vector<Travel> out;
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      const int parent = clip.joints[j].parent;
+      bool moved = parent < 0;
+      for (int up = int(joints_[j]);
+           !moved && up >= 0 && std::size_t(up) != joints_[std::size_t(parent)];
+           up = tree_.parents()[std::size_t(up)]) {
+        const auto keys = tracks_.find(std::size_t(up));
+        moved = keys != tracks_.end() && keys->second.translation.has_value();
+      }
+      if (moved) out.push_back({j, {}});
+    }
+    return out;
+  }
+
+  // Roots travel, and joints that leave their place by more than a stretched bone does: hips below
+  // a node of the whole scene.
+  void add_travels(std::vector<Travel> travels, MotionClip& out) const {
+    constexpr double kStretch = 0.02;  // of the figure's size
+    Eigen::AlignedBox3d figure;
+    for (const Affine& rest : rest_) figure.extend(Vec3(rest.translation()));
+    std::erase_if(travels, [&](const Travel& travel) {
+      const ClipJoint& joint = out.joints[travel.joint];
+      return joint.parent >= 0 && std::ranges::none_of(travel.places, [&](const Vec3& place) {
+               return (place - joint.offset).norm() > kStretch * figure.diagonal().norm();
+             });
+    });
+    for (const Travel& travel : travels)
+      out.joints[travel.joint].translation_track = out.translation_tracks++;
+    for (int f = 0; f < out.frame_count; ++f)
+      for (const Travel& travel : travels)
+        out.translations.push_back(travel.places[std::size_t(f)]);
   }
 
   GltfFile file_;
