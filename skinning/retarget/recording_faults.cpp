@@ -16,7 +16,7 @@ constexpr double kSpikeAngle = 10 * kDegree;  // smaller steps are noise at high
 // What no body reaches. The fastest turns that are measured: a pitcher's shoulder 7,500 deg/s, his
 // elbow 2,400 (Fleisig et al. 1999, 10.1016/S0021-9290(99)00127-X). Lower: throws and kicks are
 // told as faults; higher: at 30 frames a second nothing is, since a step is half a turn at most.
-constexpr double kFastest = 3000 * kDegree;          // rad/s
+constexpr double kFastest = 3500 * kDegree;          // rad/s
 constexpr double kFastestShoulder = 9000 * kDegree;  // rad/s
 
 double angle_between_turns(const Mat3& a, const Mat3& b) {
@@ -70,9 +70,10 @@ void find_runs(const MotionClip& clip, const ClipRows& rows, int begin,
            (empty ? rows.empty(last + 1) : rows.same(f, last + 1) && !rows.empty(last + 1)))
       ++last;
     const bool all = f == begin && last + 1 == clip.frame_count;
+    const bool at_end = f == begin || last + 1 == clip.frame_count;
     if (!all && empty)
       out.push_back({FaultKind::empty, f, last});
-    else if (!all && last - f + 1 >= least)
+    else if (!at_end && last - f + 1 >= least)
       out.push_back({FaultKind::still, f, last});
     f = last + 1;
   }

@@ -19,8 +19,8 @@ struct RecordingFault {
   double speed = 0;         // of a spike, rad/s
 };
 
-// In the order of their frames. Still: 0.1 s and three frames at least, in a motion that moves
-// otherwise. `begin`: frames before it are left out (a marker pose).
+// In the order of their frames. Still: 0.1 s and three frames at least, between frames that move:
+// at its ends a motion may wait. `begin`: frames before it are left out (a marker pose).
 std::vector<RecordingFault> find_faults(const MotionClip& clip, const JointMapping& mapping,
                                         int begin = 0);
 

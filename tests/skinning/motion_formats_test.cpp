@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <sstream>
 
 #include "anatomy/errors.h"
@@ -359,6 +360,29 @@ TEST(OpenSimAngles, DegreesAreRadiansAndEitherKneeBendsBackwards) {
       UnfitError);
 }
 
+TEST(OpenSimAngles, OurKneesBendAsTheTableSays) {
+  const fs::path file = kTakes / "opensim_markers" / "gait2392_subject01_walk1_ik.mot";
+  if (!fs::exists(file)) GTEST_SKIP() << "the recordings are not beside the repository";
+  const CoordinateTable table = parse_coordinates(read_input_file(file), "walk.mot");
+  const Centres ours = joint_centres(clip_from_coordinates(table, {}));
+  ASSERT_EQ(ours.frames.size(), table.rows.size());
+  for (const auto& [column, hip] : {std::pair{"knee_angle_l", 3}, {"knee_angle_r", 4}}) {
+    const std::size_t c =
+        std::size_t(std::ranges::find(table.columns, column) - table.columns.begin());
+    double off = 0, range = 0;
+    for (std::size_t f = 0; f < ours.frames.size(); ++f) {
+      const std::vector<Vec3>& at = ours.frames[f];
+      const Vec3 thigh = at[std::size_t(hip + 2)] - at[std::size_t(hip)],
+                 shin = at[std::size_t(hip + 4)] - at[std::size_t(hip + 2)];
+      const double bend = std::atan2(thigh.cross(shin).norm(), thigh.dot(shin)) / kDegree;
+      off += std::abs(bend + table.rows[f][c]) / double(ours.frames.size());
+      range = std::max(range, bend);
+    }
+    EXPECT_LT(off, 2.5) << column;
+    EXPECT_GT(range, 50) << column;
+  }
+}
+
 TEST(MotionParts, AreTheFramesOfTheWhole) {
   const MotionClip whole = our_walk();
   MotionClip part = whole;
@@ -455,16 +479,18 @@ TEST(MotionFormats, OneTakeInSeveralFormatsComesOutAlike) {
   if (!fs::exists(kTakes)) GTEST_SKIP() << "the recordings are not beside the repository";
   struct Pair {
     const char *a, *b;
-    bool alike;  // the files' own figures
+    std::optional<double> mean;  // m; nothing where the files' own figures differ
   };
+  // Of template.fbx the first frame of the walk is all the rest pose that there is, and its lean
+  // counts as upright.
   for (const Pair& pair :
-       {Pair{"cmu_asf_amc/02_01.amc", "cmu_cgspeed31/02_01_walk.bvh", true},
-        Pair{"cmu_asf_amc/02_01.amc", "cmu_daz43/02_01.bvh", false},
-        Pair{"cmu_daz43/02_01.bvh", "cmu_cgspeed31/02_01_walk.bvh", false},
-        Pair{"cmu_asf_amc/02_03.amc", "cmu_daz43/02_03.bvh", false},
-        Pair{"cmu_asf_amc/02_04.amc", "cmu_daz43/02_04.bvh", false},
-        Pair{"cmu_fbx/01_01_cmu.fbx", "cmu_cgspeed31/01_01_forward_jumps.bvh", true},
-        Pair{"bvhtoolbox/template.fbx", "bvhtoolbox/walk01.bvh", true}}) {
+       {Pair{"cmu_asf_amc/02_01.amc", "cmu_cgspeed31/02_01_walk.bvh", 0.010},
+        Pair{"cmu_fbx/01_01_cmu.fbx", "cmu_cgspeed31/01_01_forward_jumps.bvh", 0.010},
+        Pair{"bvhtoolbox/template.fbx", "bvhtoolbox/walk01.bvh", 0.020},
+        Pair{"cmu_asf_amc/02_01.amc", "cmu_daz43/02_01.bvh", {}},
+        Pair{"cmu_daz43/02_01.bvh", "cmu_cgspeed31/02_01_walk.bvh", {}},
+        Pair{"cmu_asf_amc/02_03.amc", "cmu_daz43/02_03.bvh", {}},
+        Pair{"cmu_asf_amc/02_04.amc", "cmu_daz43/02_04.bvh", {}}}) {
     MotionClip a, b;
     try {
       a = read_motion(kTakes / pair.a), b = read_motion(kTakes / pair.b);
@@ -474,12 +500,13 @@ TEST(MotionFormats, OneTakeInSeveralFormatsComesOutAlike) {
     }
     const Difference ours = difference(joint_centres(a), joint_centres(b)),
                      files = difference(file_centres(a), file_centres(b));
-    std::cout << pair.a << " " << pair.b << ": " << in_words(ours) << "\n    files' limbs "
-              << files.limbs / kDegree << " deg\n";
-    EXPECT_LT(ours.limbs, files.limbs + 1 * kDegree) << pair.a << " " << pair.b;
-    if (pair.alike) {
-      EXPECT_LT(files.limbs, 1 * kDegree) << pair.a << " " << pair.b;
-      EXPECT_LT(ours.mean, 0.010) << pair.a << " " << pair.b << ": " << in_words(ours);
+    const std::string words =
+        fmt::format("{} and {}: {}; the files' own limbs differ by {:.2f} deg", pair.a, pair.b,
+                    in_words(ours), files.limbs / kDegree);
+    EXPECT_LT(ours.limbs, files.limbs + 0.5 * kDegree) << words;
+    if (pair.mean) {
+      EXPECT_LT(files.limbs, 1 * kDegree) << words;
+      EXPECT_LT(ours.mean, *pair.mean) << words;
     }
   }
 }
