@@ -29,6 +29,8 @@
 #include "app/verbs/demo_verb.h"
 #include "app/verbs/export_verb.h"
 #include "app/verbs/fit_verb.h"
+#include "app/verbs/lift/lie_verb.h"
+#include "app/verbs/lift/lift_verb.h"
 #include "app/verbs/list_verb.h"
 #include "app/verbs/motion/retarget_verb.h"
 #include "app/verbs/posebook_verb.h"
@@ -120,6 +122,8 @@ void add_verbs(VerbRegistry& registry) {
   add_retarget_verb(registry);
   add_posebook_verb(registry);
   add_render_verb(registry);
+  add_lift_verb(registry);
+  add_lie_verb(registry);
 #ifdef ECORCHE_WINDOW
   add_view_verb(registry);
 #endif

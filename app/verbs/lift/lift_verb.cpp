@@ -1,0 +1,152 @@
+#include "app/verbs/lift/lift_verb.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <cmath>
+
+#include "anatomy/errors.h"
+#include "anatomy/files/atomic_file.h"
+#include "anatomy/mesh_files/mesh_io.h"
+#include "app/files/carried_actor.h"
+#include "app/options/option_values.h"
+#include "app/options/picture_size.h"
+#include "app/options/subject_options.h"
+#include "app/pages/lift_film.h"
+#include "app/progress.h"
+#include "skinning/lift/resting_pose.h"
+
+namespace ecorche {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Forces of the settled body beside its weight; more is told as a missed target.
+constexpr double kForceError = 0.01;
+constexpr double kLeastSide = 0.3, kMostSide = 5;  // m, of a sheet
+constexpr Eigen::Index kMostNodes = 20000;
+
+struct LiftVerbOptions {
+  fs::path character, sling, table;
+  std::string size = "1280x720", straps = "4";
+  double scale_kpa = 12, tissue_kpa = 40, step = 1.0 / 60;
+  LiftFilm film;
+  SlingOptions sheet;
+};
+
+// The sheet of a file in the plane of its two longest sides.
+TriMesh read_sling(const fs::path& file) {
+  TriMesh mesh = read_mesh(file);
+  const Vec3 sides = (mesh.V.colwise().maxCoeff() - mesh.V.colwise().minCoeff()).transpose();
+  if (std::min(sides.x(), sides.z()) < kLeastSide || std::max(sides.x(), sides.z()) > kMostSide)
+    throw UnfitError(fmt::format(
+        "{}: the sheet is {:.3g} m across (x) and {:.3g} m long (z); a sheet laid out flat, in "
+        "metres, of {:g} to {:g} m is needed",
+        file.string(), sides.x(), sides.z(), kLeastSide, kMostSide));
+  if (mesh.V.rows() > kMostNodes)
+    throw LimitError(
+        fmt::format("{}: {} nodes; a sheet may have {}", file.string(), mesh.V.rows(), kMostNodes));
+  return mesh;
+}
+
+Sheet sling_of(const LiftVerbOptions& options, const Patient& patient, const Pose& lying) {
+  if (options.sling.empty()) return make_sling(patient, lying, options.sheet);
+  try {
+    return make_sling(patient, lying, read_sling(options.sling), options.sheet);
+  } catch (const std::invalid_argument& e) {
+    throw UnfitError(fmt::format("{}: {}; clean the mesh", options.sling.string(), e.what()));
+  }
+}
+
+void check_options_lift(const LiftVerbOptions& options) {
+  if (options.film.output.empty() && options.table.empty())
+    throw UsageError("lift: nothing to do; give -o FILM.mp4, -o STILL.png or --table FILE.csv");
+  if (!options.film.output.empty()) require_ending(options.film.output, {".mp4", ".png"});
+  if (!options.table.empty()) require_ending(options.table, {".csv"});
+}
+
+int run_lift(LiftVerbOptions options, const Common& common, Report& report) {
+  if (!read_picture_size(options.size, options.film.width, options.film.height))
+    throw UsageError(fmt::format(
+        "--size: '{}' is no size; write WIDTHxHEIGHT, for example 1280x720", options.size));
+  check_options_lift(options);
+  options.film.scale = 1e3 * options.scale_kpa;
+  options.sheet.straps = options.straps == "6" ? 6 : 4;
+  const bool numbered = options.film.output.string().find('%') != std::string::npos;
+  check_outputs(common, {numbered ? fs::path() : options.film.output, options.table},
+                {options.character, options.sling});
+  CarriedActor carried =
+      carried_actor(options.character, {.modulus = 1e3 * options.tissue_kpa}, common, report);
+  CarryModel& model = carried.model;
+  model.options.step = options.step;
+  const Pose lying = lying_pose(model.patient);
+  model.sheet = std::make_shared<Sheet>(sling_of(options, model.patient, lying));
+  LiftOptions course;
+  course.frames_per_second = options.film.fps;
+  LiftResult lift;
+  {
+    Progress progress(common, "lift", 100);
+    lift = lift_patient(model, lying, course, [&](double share) { progress.at(int(100 * share)); });
+  }
+  report_pressure("lift", model, lift, report);
+  if (!options.table.empty()) write_force_table(options.table, model, lift);
+  if (!options.film.output.empty()) {
+    const FilmReport done = film_lift(model, lift, options.film, common);
+    report.set("timings_ms.film", 1e3 * done.seconds);
+    report.set("film.frames", done.frames);
+  }
+  print_regions(model, lift);
+  note(
+      common,
+      fmt::format("{:.1f} s of {} nodes in {:.1f} s ({:.1f} times real time); {:.1f} N on the skin "
+                  "of {:.1f} N, {:.1f} N in the straps",
+                  lift.last.time, model.sheet->mesh.V.rows(), lift.seconds,
+                  report.number("lift.times_real_time"), report.number("lift.contact_force"),
+                  report.number("lift.weight"), report.number("lift.strap_force")));
+  return tell_missed_force("lift", kForceError, common, report);
+}
+
+}  // namespace
+
+void add_lift_verb(VerbRegistry& registry) {
+  auto options = std::make_shared<LiftVerbOptions>();
+  CLI::App* verb = add_verb(registry, registry.app, "lift",
+                            "Lift a person in a patient sling: film, pressure on the skin, forces",
+                            "ecorche lift anna-anatomy.glb -o anna-lift.mp4 --table anna-lift.csv\n"
+                            "  ecorche lift anna-anatomy.glb --straps 6 -o anna-hangs.png",
+                            [options](const Common& common, Report& report) {
+                              return run_lift(*options, common, report);
+                            });
+  add_character_option(*verb, options->character);
+  verb->add_option("-o,--output", options->film.output,
+                   "FILM.mp4, numbered pictures DIR/%04d.png, or one picture STILL.png of the end");
+  verb->add_option("--table", options->table,
+                   "FILE.csv: forces by region, of straps and mattress, and the peak, over time");
+  verb->add_option("--sling", options->sling,
+                   "A sheet (.obj, .ply), laid out flat: x across, z from the head to the feet, "
+                   "metres; straps go to its outermost corners. Left away: a rectangle from the "
+                   "head to below the knees");
+  verb->add_option("--straps", options->straps, "4 at the corners; 6: two more beside the hips")
+      ->check(one_of({"4", "6"}))
+      ->capture_default_str();
+  verb->add_option("--spacing", options->sheet.spacing,
+                   "Metres between nodes of the rectangle; half of it takes some eight times as "
+                   "long")
+      ->check(between(0.015, 0.2))
+      ->capture_default_str();
+  verb->add_option("--step", options->step, "Seconds of a step of the simulation")
+      ->check(between(0.0005, 0.025));
+  verb->add_option("--tissue", options->tissue_kpa,
+                   "Modulus of skin, fat and relaxed muscle over bone, kPa")
+      ->check(between(2.0, 1000.0))
+      ->capture_default_str();
+  verb->add_option("--scale", options->scale_kpa, "kPa at the end of the colours")
+      ->check(between(1.0, 1000.0))
+      ->capture_default_str();
+  verb->add_option("--size", options->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+  verb->add_option("--fps", options->film.fps, "Frames a second")
+      ->check(between(1.0, 60.0))
+      ->capture_default_str();
+}
+
+}  // namespace ecorche

@@ -1,0 +1,74 @@
+// A person who is carried: rigid segments on passive joints, and a skin whose tissue is pressed
+// against the bones.
+//
+// Masses of segments are those of motion/center_of_mass.h. Passive moments of the joints are linear
+// about the pose in which the person was laid down, and rise steeply towards the limits, as
+// measured moments do (Riener and Edrich 1999, 10.1016/S0021-9290(99)00044-3: a few Nm in the
+// middle of the range); their sizes here are rounded guesses of that order. Soft tissue is an
+// elastic foundation (Johnson, Contact Mechanics, 1987, section 4.3) as thick as what lies between
+// skin and bone.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "anatomy/anatomy.h"
+#include "skinning/binding.h"
+
+namespace ecorche::inline v1 {
+
+// A rigid part of the body.
+struct BodySegment {
+  int joint = 0;  // that carries it
+  double mass = 0;
+  Vec3 centre = Vec3::Zero();   // in the joint's frame, m
+  Mat3 inertia = Mat3::Zero();  // about the centre, in the joint's axes at rest, kg m^2
+};
+
+// Joints that turn together: one of a limb, or all of the spine. Its velocities are turns about the
+// axes of Joint::axes, of which each joint takes its share.
+struct PassiveJoint {
+  std::vector<int> joints;
+  std::vector<Vec3> shares;  // #joints, by axis; sum 1
+  int axes = 3;              // 3, or 1: flexion only
+  double stiffness = 0;      // towards the pose laid down in, Nm/rad
+  double damping = 0;        // Nm s/rad
+};
+
+struct TissueOptions {
+  // Modulus of skin, fat and relaxed muscle pressed against bone, Pa. Bulk tissue of the buttocks:
+  // 10 to 50 kPa (Oomens et al. 2003, 10.1016/S0021-9290(02)00411-1 for the order). Larger: smaller
+  // contacts, higher peaks.
+  double modulus = 40e3;
+  double thinnest = 0.006, thickest = 0.06;  // m, bounds of the thickness that counts
+};
+
+struct Patient {
+  Skeleton skeleton;
+  std::vector<BodySegment> segments;
+  std::vector<PassiveJoint> groups;
+  TriMesh skin;                       // rest, world
+  std::vector<JointWeights> weights;  // #V
+  std::vector<int> carrier;           // #V, joint of the largest weight
+  std::vector<double> area;           // #V, at rest, m^2
+  std::vector<double> thickness;      // #V, of tissue over bone, m
+  std::vector<int> region;            // #V, into `regions`
+  std::vector<std::string> regions;   // "buttocks", "thigh_l", ...
+  TissueOptions tissue;
+
+  double mass() const;
+  int freedoms() const;  // 6 of the root, and those of the groups
+};
+
+// Of a character with our joints. `mass`: kg. Throws std::invalid_argument for a skeleton without
+// our joints, or weights of another skin.
+Patient make_patient(const Anatomy& anatomy, const TriMesh& skin,
+                     const std::vector<JointWeights>& weights, double mass,
+                     const TissueOptions& tissue = {});
+
+// A single rigid body with a skin, kg: for comparison with closed solutions. `inertia` about the
+// centre of the skin's bounding box, where its only joint is.
+Patient make_rigid_patient(const TriMesh& skin, double mass, const Vec3& inertia, double thickness,
+                           const TissueOptions& tissue = {});
+
+}  // namespace ecorche::inline v1
