@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <stdexcept>
 
+#include "anatomy/errors.h"
 #include "anatomy/geometry/mesh_measures.h"
 #include "app/files/open_character.h"
 
 namespace ecorche {
-
 namespace {
 
 constexpr double kBodyDensity = 985;  // kg/m^3, of a body that has breathed in
@@ -25,8 +26,13 @@ CarriedActor carried_actor(const std::filesystem::path& file, const TissueOption
   const double mass = character.body.mass > 0
                           ? character.body.mass
                           : kBodyDensity * std::abs(mesh_volume(character.body.skin));
-  out.model.patient = make_patient(character.anatomy, character.body.skin,
-                                   actor->binding.joint_weights, mass, tissue);
+  try {
+    out.model.patient = make_patient(character.anatomy, character.body.skin,
+                                     actor->binding.joint_weights, mass, tissue);
+  } catch (const std::invalid_argument& e) {
+    throw UnfitError(fmt::format("{}: {}; take a character that `ecorche fit` has made from a body",
+                                 file.string(), e.what()));
+  }
   auto state = std::make_shared<ActorState>(*actor);
   out.model.shaper = [actor, state](const Pose& pose, Points& skin) {
     to_points(evaluate_skin(*actor, pose, {}, *state), skin);

@@ -18,7 +18,7 @@ struct CarriedActor {
 };
 
 // Mass from the body, or from its volume where it is not known. Throws as open_character() and
-// make_actor().
+// make_actor(), UnfitError for another skeleton than ours.
 CarriedActor carried_actor(const std::filesystem::path& file, const TissueOptions& tissue,
                            const Common& common, Report& report);
 

@@ -87,7 +87,7 @@ DrawMesh bar_mesh(const CarryModel& model, const LiftFrame& frame) {
   const Vec3 top = frame.bar + Vec3(0, 0.10, 0);
   for (const Strap& strap : model.sheet->straps)
     add_rod(top, frame.bar + strap.hook, kBarRadius, out);
-  add_rod(top, top + Vec3(0, 0.25, 0), kBarRadius, out);
+  add_rod(top, top + Vec3(0, 0.12, 0), kBarRadius, out);
   return out;
 }
 
@@ -137,7 +137,7 @@ Vec3f pressure_color(double pressure, double scale) {
 
 void draw_pressure_legend(Image& image, float x, float y, float size, double scale) {
   constexpr int kSteps = 96;
-  const float width = 17 * size, bar = 0.55f * size, top = y + 1.5f * size;
+  const float width = kPressureLegendWidth * size, bar = 0.55f * size, top = y + 1.5f * size;
   draw_text(image, "pressure on the skin, kPa", x, y + size, {.size = size});
   for (int i = 0; i < kSteps; ++i)
     fill_field(image, x + width * float(i) / kSteps, top, width / kSteps + 0.5f, bar,
@@ -217,7 +217,7 @@ Camera carried_camera(const CarryModel& model, const std::vector<LiftFrame>& fra
           (below_transform(frame, look.from_below) * frame.skin.row(i).transpose().homogeneous())
               .head<3>());
     }
-    if (model.sheet) points.push_back((frame.bar + Vec3(0, 0.35, 0)).cast<float>());
+    if (model.sheet) points.push_back((frame.bar + Vec3(0, 0.25, 0)).cast<float>());
   }
   if (look.mattress && model.mattress.present)
     for (const int end : {-1, 1})

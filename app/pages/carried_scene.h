@@ -21,7 +21,9 @@ struct CarriedLook {
 // lightness, too, so that all eyes tell them.
 Vec3f pressure_color(double pressure, double scale);
 
-// A bar of the colours with kPa below it, its upper left corner at (x, y), pixels.
+// A bar of the colours with kPa below it, its upper left corner at (x, y), pixels, as wide as so
+// many times the letters' size.
+inline constexpr float kPressureLegendWidth = 17;
 void draw_pressure_legend(Image& image, float x, float y, float size, double scale);
 
 // Sets meshes, items, light and background; the camera stays.

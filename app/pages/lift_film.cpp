@@ -20,6 +20,21 @@ double upward_sum(const LiftFrame& frame) {
   return sum;
 }
 
+// Of the last second, so that what still swings does not count.
+constexpr double kSettledSeconds = 1;
+
+template <class Take>
+double settled_mean(const LiftResult& result, const Take& take) {
+  double sum = 0;
+  int count = 0;
+  for (const LiftFrame& frame : result.frames) {
+    if (frame.time < result.frames.back().time - kSettledSeconds) continue;
+    sum += take(frame);
+    ++count;
+  }
+  return sum / count;
+}
+
 float peak_of(const LiftFrame& frame) {
   return frame.pressure.empty() ? 0 : *std::ranges::max_element(frame.pressure);
 }
@@ -28,8 +43,9 @@ void write_words_lift(const CarryModel& model, const LiftFrame& frame, const Lif
                       Image& picture) {
   if (float(std::min(picture.width, picture.height)) < kLowestSideLiftFilm) return;
   const float size = 0.026f * float(picture.height), edge = 1.4f * size;
-  draw_pressure_legend(picture, edge, edge, size, film.scale);
   const float right = float(picture.width) - edge;
+  draw_pressure_legend(picture, right - kPressureLegendWidth * size,
+                       float(picture.height) - edge - 4 * size, size, film.scale);
   const TextStyle style{.size = size, .align = Align::right};
   std::vector<std::string> lines{fmt::format("{:.1f} s    on the skin {:.0f} N    peak {:.1f} kPa",
                                              frame.time, upward_sum(frame), peak_of(frame) / 1e3)};
@@ -106,17 +122,18 @@ void write_force_table(const std::filesystem::path& file, const CarryModel& mode
 void report_pressure(const std::string& name, const CarryModel& model, const LiftResult& result,
                      Report& report) {
   const PressureMap map = last_map(model, result);
-  const LiftFrame& last = result.frames.back();
   const double weight = model.patient.mass() * model.options.gravity;
   report.set(name + ".weight", weight);
-  report.set(name + ".contact_force", upward_sum(last));
+  report.set(name + ".contact_force", settled_mean(result, upward_sum));
   if (model.sheet) {
     const double sheet = std::accumulate(model.sheet->mass.begin(), model.sheet->mass.end(), 0.0);
     report.set(name + ".sheet_weight", sheet * model.options.gravity);
-    report.set(name + ".strap_force", last.strap_lift);
+    report.set(name + ".strap_force",
+               settled_mean(result, [](const LiftFrame& f) { return f.strap_lift; }));
     report.set(name + ".nodes", int(model.sheet->mesh.V.rows()));
   }
-  report.set(name + ".mattress_force", last.mattress_lift);
+  report.set(name + ".mattress_force",
+             settled_mean(result, [](const LiftFrame& f) { return f.mattress_lift; }));
   report_figures(name, map.whole, report);
   for (std::size_t r = 0; r < map.regions.size(); ++r)
     if (map.regions[r].force > 0)
@@ -125,6 +142,7 @@ void report_pressure(const std::string& name, const CarryModel& model, const Lif
   for (const LiftFrame& frame : result.frames) excess = std::max(excess, frame.limit_excess);
   report.set(name + ".limit_excess_deg", excess * kDegreesPerRadian);
   report.set(name + ".seconds", result.last.time);
+  report.set(name + ".core_seconds", result.core_seconds);
   report.set(name + ".times_real_time", result.last.time / std::max(result.seconds, 1e-9));
 }
 

@@ -124,6 +124,25 @@ PenetrationDepths penetration_depths(const CollisionTables& tables,
   return depths;
 }
 
+void find_proxy_contacts(const CollisionTables& tables, const std::vector<Transform>& X,
+                         std::vector<ProxyContact>& out) {
+  out.clear();
+  const PosedProxies proxies{tables, X};
+  for (const ProxyPair& pair : tables.pairs) {
+    ProxyContact contact;
+    const double depth = proxies.depth(pair, {}, contact.out);
+    if (depth <= pair.allowed) continue;
+    const LimbSphere& mine = proxies.sphere(pair.limb, pair.sphere);
+    contact.joint = mine.joint;
+    contact.other_joint = pair.other_limb >= 0
+                              ? proxies.sphere(pair.other_limb, pair.other).joint
+                              : tables.proxies.trunk[std::size_t(pair.other)].joint;
+    contact.depth = depth - pair.allowed;
+    contact.point = sphere_centre(mine, X, {}) - (mine.radius - 0.5 * depth) * contact.out;
+    out.push_back(contact);
+  }
+}
+
 LimbShifts separate_limbs(const CollisionTables& tables, const std::vector<Transform>& X) {
   const PosedProxies proxies{tables, X};
   LimbShifts own;

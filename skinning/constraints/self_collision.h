@@ -44,6 +44,18 @@ using PenetrationDepths = std::array<double, 5>;
 PenetrationDepths penetration_depths(const CollisionTables& tables,
                                      const std::vector<Transform>& X_WJ);
 
+// Two proxies that penetrate beyond what is tolerated.
+struct ProxyContact {
+  int joint = 0, other_joint = 0;  // that carry them
+  Vec3 point = Vec3::Zero();       // in the middle of the overlap, world
+  Vec3 out = Vec3::Zero();         // unit, in which the first leaves the second
+  double depth = 0;                // beyond the tolerated, m
+};
+
+// All of them in a pose, in the order of the pairs. `out` is reused.
+void find_proxy_contacts(const CollisionTables& tables, const std::vector<Transform>& X_WJ,
+                         std::vector<ProxyContact>& out);
+
 // Shifts that separate the limbs of a pose whose world frames are X_WJ.
 LimbShifts separate_limbs(const CollisionTables& tables, const std::vector<Transform>& X_WJ);
 

@@ -3,10 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "anatomy/compute/cross_matrix.h"
 #include "anatomy/geometry/mesh_measures.h"
 
 namespace ecorche::inline v1 {
 namespace {
+
+// Of two proxies that overlap, N/m and s. Stiffer: limbs that meet jerk; softer: they sink into
+// each other.
+constexpr double kLimbStiffness = 5e3, kLimbDamping = 0.05;
 
 // A contact of skin with its terms of the system.
 struct ContactTerms {
@@ -194,12 +199,33 @@ void measure_sheet(const CarryModel& model, const Points& before, const Vec3& ba
   }
 }
 
+// Limbs that press on each other and on the trunk.
+void add_limbs(const CarryModel& model, const BodyFrames& frames, ContactSystem& system) {
+  const double h = model.options.step;
+  std::vector<ProxyContact> contacts;
+  find_proxy_contacts(model.patient.limbs, frames.X_WJ, contacts);
+  const auto jacobian = [&](int joint, const Vec3& point) {
+    const Eigen::MatrixXd& J = frames.jacobian[std::size_t(joint)];
+    const Vec3 arm = point - frames.X_WJ[std::size_t(joint)].translation();
+    return Eigen::MatrixXd(J.bottomRows<3>() - cross_matrix(arm) * J.topRows<3>());
+  };
+  for (const ProxyContact& contact : contacts) {
+    const Eigen::RowVectorXd J =
+        contact.out.transpose() *
+        (jacobian(contact.joint, contact.point) - jacobian(contact.other_joint, contact.point));
+    const double c = h * kLimbStiffness * (h + kLimbDamping);
+    system.add_body(c * J.transpose() * J, h * kLimbStiffness * contact.depth * J.transpose());
+  }
+}
+
 void shape_skin(const CarryModel& model, const BodyFrames& frames, CarryState& state) {
   if (model.shaper && state.steps % model.options.shape_steps == 0) {
     Points shaped;
     model.shaper(state.body.pose, shaped);
-    fit_shape(model.patient, frames.X_WJ, shaped, state.shape);
+    fit_shape(model.patient, frames.X_WJ, shaped, state.wanted_shape);
+    if (state.steps == 0) state.shape = state.wanted_shape;
   }
+  if (model.shaper) state.shape += (state.wanted_shape - state.shape) / model.options.shape_steps;
   carried_skin(model.patient, frames.X_WJ, state.shape, state.skin);
 }
 
@@ -238,6 +264,7 @@ void carry(const CarryModel& model, const Vec3& bar_velocity, CarryState& state)
   system.add_body(
       body.inertia * (1 + h * model.options.drag) + h * body.damping + h * h * body.stiffness,
       body.inertia * state.body.velocity + h * body.force);
+  add_limbs(model, frames, system);
   std::vector<NodeContact> below;
   if (model.sheet) {
     add_sheet(model, state, system);

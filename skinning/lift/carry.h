@@ -25,8 +25,9 @@ struct CarryOptions {
   double stiffness_damping = 0.01;  // s, of cloth, straps and tissue
   // 1/s, of the sheet's and the body's motion through the air and by an attendant's hand. Larger:
   // swinging ends sooner. 0: it goes on.
-  double drag = 0.3;
-  int shape_steps = 20;  // steps between calls of the skin's shaper
+  double drag = 0.8;
+  // Steps between calls of the skin's shaper, over which its shape is taken on.
+  int shape_steps = 20;
 };
 
 struct CarryModel {
@@ -60,7 +61,7 @@ struct CarryState {
   // From step to step.
   PassiveRest rest;
   ContactMemory memory;
-  Points shape;
+  Points shape, wanted_shape;
   int steps = 0;
   std::shared_ptr<ContactSystem> system;
 };

@@ -18,16 +18,6 @@ using Arm = Eigen::Matrix<double, 3, 6>;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Sparse = Eigen::SparseMatrix<double>;
 
-struct JointContact {
-  int node = 0, joint = 0;
-  Arm rows = Arm::Zero();
-};
-
-// Places of a symmetric block's values in the lower half of the matrix, column by column.
-struct BlockPlaces {
-  std::array<int, 9> at{};
-};
-
 int place_of(const Sparse& A, int row, int column) {
   const int* begin = A.innerIndexPtr() + A.outerIndexPtr()[column];
   const int* end = A.innerIndexPtr() + A.outerIndexPtr()[column + 1];
@@ -37,6 +27,16 @@ int place_of(const Sparse& A, int row, int column) {
 }  // namespace
 
 struct ContactSystem::Impl {
+  struct JointContact {
+    int node = 0, joint = 0;
+    Arm rows = Arm::Zero();
+  };
+
+  // Places of a symmetric block's values in the lower half of the matrix, column by column.
+  struct BlockPlaces {
+    std::array<int, 9> at{};
+  };
+
   const Sheet* sheet = nullptr;
   int nodes = 0, freedoms = 0;
   Sparse A;

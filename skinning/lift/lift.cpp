@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 
 #include "anatomy/compute/smooth_step.h"
+#include "anatomy/geometry/mesh_measures.h"
 #include "skinning/lift/pressure_map.h"
 #include "skinning/motion/require_joint.h"
 
@@ -13,9 +15,9 @@ namespace {
 
 // Hooks of the spreader bar from its middle, and how long straps are when drawn in, m: the head's
 // end is held higher, so that the person half sits.
-constexpr double kHookAcross = 0.28, kHookAlong = 0.16;
+constexpr double kHookAcross = 0.33, kHookAlong = 0.16;
 constexpr double kShoulderStrap = 0.30, kHipStrap = 0.62, kLegStrap = 0.40;
-constexpr double kAboveCrown = 0.02;
+constexpr double kAboveCrown = 0.06;
 constexpr double kSheetHeight = 0.001;
 
 Vec3 joint_place(const Patient& patient, const Pose& pose, const std::string& name) {
@@ -77,6 +79,8 @@ void take_frame(const CarryModel& model, const CarryState& state, std::vector<Li
   frames.push_back(std::move(frame));
 }
 
+double core_time() { return double(std::clock()) / CLOCKS_PER_SEC; }
+
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -99,6 +103,8 @@ Sheet make_sling(const Patient& patient, const Pose& lying, const TriMesh& mesh,
   moved.V.col(2).array() += reach.head - mesh.V.col(2).minCoeff();
   moved.V.col(0).array() -= 0.5 * (mesh.V.col(0).minCoeff() + mesh.V.col(0).maxCoeff());
   moved.V.col(1).array() -= mesh.V.col(1).minCoeff();
+  // Its upper side is towards the body.
+  if (vertex_normals(moved).col(1).sum() < 0) moved.F.col(1).swap(moved.F.col(2));
   Sheet sheet = make_sheet(moved, options.material);
   add_straps_at_corners(options, joint_place(patient, lying, "pelvis").z(), sheet);
   return sheet;
@@ -138,9 +144,10 @@ LiftResult lift_patient(const CarryModel& model, const Pose& lying, const LiftOp
       state.strap_lengths[s] =
           std::lerp(slack[s], model.sheet->straps[s].length, smooth_step(drawn));
     const double risen = options.rise * smooth_step((next - options.lie - draw) / rise);
-    const double start = now();
+    const double start = now(), core_start = core_time();
     carry(model, (bar + risen * Vec3::UnitY() - state.bar) / h, state);
     out.seconds += now() - start;
+    out.core_seconds += core_time() - core_start;
     if (state.time + 0.5 * h >= frame / options.frames_per_second) {
       take_frame(model, state, out.frames);
       ++frame;
@@ -154,9 +161,10 @@ LiftResult lift_patient(const CarryModel& model, const Pose& lying, const LiftOp
 LiftResult rest_patient(const CarryModel& model, const Pose& pose, double seconds) {
   LiftResult out;
   CarryState state = start_carrying(model, pose, Vec3::Zero(), Vec3::Zero());
-  const double start = now();
+  const double start = now(), core_start = core_time();
   while (state.time < seconds) carry(model, Vec3::Zero(), state);
   out.seconds = now() - start;
+  out.core_seconds = core_time() - core_start;
   take_frame(model, state, out.frames);
   out.last = std::move(state);
   return out;

@@ -10,8 +10,8 @@
 namespace ecorche::inline v1 {
 
 struct SlingOptions {
-  double width = 1.0;        // m
-  double below_knee = 0.08;  // m from the knee towards the ankle to which the sheet reaches
+  double width = 1.15;       // m
+  double below_knee = 0.02;  // m from the knee towards the ankle to which the sheet reaches
   double spacing = 0.05;     // m between nodes. Larger: pressure in folds of the sheet is missed
   int straps = 4;            // 4 at the corners; 6: two more beside the hips
   SheetMaterial material{};
@@ -51,7 +51,8 @@ struct LiftFrame {
 struct LiftResult {
   std::vector<LiftFrame> frames;
   CarryState last;
-  double seconds = 0;  // of wall time that the steps took
+  double seconds = 0;       // of wall time that the steps took
+  double core_seconds = 0;  // of all cores
 };
 
 // Where the bar's middle begins.

@@ -149,6 +149,7 @@ Patient make_patient(const Anatomy& anatomy, const TriMesh& skin,
   out.weights = weights;
   out.area = vertex_areas(skin);
   out.tissue = tissue;
+  out.limbs = make_collision_tables(anatomy.skeleton, measure_proxies(anatomy.skeleton, skin.V));
   const NearestSurface surface(joined_bones(anatomy));
   const Regions regions(out.skeleton);
   int hint = -1;

@@ -14,6 +14,7 @@
 
 #include "anatomy/anatomy.h"
 #include "skinning/binding.h"
+#include "skinning/constraints/self_collision.h"
 
 namespace ecorche::inline v1 {
 
@@ -54,6 +55,7 @@ struct Patient {
   std::vector<double> thickness;      // #V, of tissue over bone, m
   std::vector<int> region;            // #V, into `regions`
   std::vector<std::string> regions;   // "buttocks", "thigh_l", ...
+  CollisionTables limbs;              // that keep out of each other and of the trunk
   TissueOptions tissue;
 
   double mass() const;

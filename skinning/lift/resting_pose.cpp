@@ -18,8 +18,8 @@ void set_joint(const Skeleton& skeleton, const std::string& name, const Vec3& de
 // Arms hang beside the trunk with the hands on the belly.
 void fold_arms(const Skeleton& skeleton, Pose& pose) {
   for (const std::string s : {"_l", "_r"}) {
-    set_joint(skeleton, "shoulder" + s, Vec3(12, 14, -38), pose);
-    set_joint(skeleton, "elbow" + s, Vec3(78, 0, 0), pose);
+    set_joint(skeleton, "shoulder" + s, Vec3(14, 14, -62), pose);
+    set_joint(skeleton, "elbow" + s, Vec3(82, 0, 0), pose);
   }
 }
 

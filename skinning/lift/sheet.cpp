@@ -44,6 +44,8 @@ Sheet make_sheet(const TriMesh& mesh, const SheetMaterial& material) {
     }
     out.edges_of.push_back(edges);
   }
+  for (std::size_t i = 0; i < out.around.size(); ++i)
+    if (out.around[i].empty()) throw std::invalid_argument("make_sheet: a node of no triangle");
   for (std::size_t e = 0; e < out.springs.size(); ++e)
     if (beside[e] == 1)
       out.rim[std::size_t(out.springs[e].a)] = out.rim[std::size_t(out.springs[e].b)] = 1;
@@ -51,7 +53,8 @@ Sheet make_sheet(const TriMesh& mesh, const SheetMaterial& material) {
 }
 
 TriMesh rectangle(double width, double length, double z, double spacing) {
-  const int columns = std::max(1, int(std::lround(width / spacing))),
+  // An even number of columns: left and right are mirror images.
+  const int columns = std::max(2, 2 * int(std::lround(0.5 * width / spacing))),
             rows = std::max(1, int(std::lround(length / spacing)));
   TriMesh out;
   out.V.resize((rows + 1) * (columns + 1), 3);

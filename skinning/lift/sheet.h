@@ -49,8 +49,8 @@ struct Sheet {
   std::vector<char> rim;                     // #V, 1 on the sheet's edge
 };
 
-// Springs, masses and rim of a mesh. Throws std::invalid_argument for one without triangles or with
-// triangles without area.
+// Springs, masses and rim of a mesh. Throws std::invalid_argument for one without triangles, with
+// triangles without area, or with nodes of no triangle.
 Sheet make_sheet(const TriMesh& mesh, const SheetMaterial& material = {});
 
 // A rectangle in the plane y = 0 with its middle at (0, 0, z), `width` along x and `length` along

@@ -9,9 +9,15 @@
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kReach = 0.10;        // m, deepest contact; deeper is the far side of a limb
-constexpr double kFastest = 1.5;       // m/s, of skin and sheet towards each other
-constexpr double kBeyondRim = 1e-3;    // m, beside the sheet's edge that still counts as on it
+constexpr double kReach = 0.08;   // m, deepest contact; deeper is the far side of a limb
+constexpr double kFastest = 1.5;  // m/s, of skin and sheet towards each other
+// The hem is padded: it presses on skin that is so far from it along the skin, less by the
+// roundness of this radius, and never deeper than the last, m. Narrower: few vertices carry what it
+// presses on.
+constexpr double kHemWidth = 0.03, kHemRadius = 0.02, kHemReach = 0.04;
+constexpr double kHemFacing = 0.3;     // cosine
+constexpr double kBeside = 1e-3;       // m, beyond the sheet's edge
+constexpr double kMostBulge = 0.004;   // m, by which the curved sheet leaves its triangle
 constexpr double kLeastFacing = 0.05;  // cosine between the skin and what it lies on
 constexpr int kLongestWait = 30;       // steps
 
@@ -31,10 +37,22 @@ void look_at(const Triangles& F, const Points& nodes, int triangle, const Vec3& 
   if (squared < best.squared) best = {triangle, squared, at};
 }
 
+Vec3 corner_shares(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 n = (b - a).cross(c - a);
+  const double squared = std::max(n.squaredNorm(), 1e-30);
+  const double v = (p - a).cross(c - a).dot(n) / squared, w = (b - a).cross(p - a).dot(n) / squared;
+  return {1 - v - w, v, w};
+}
+
 // From a triangle on to ever nearer ones around its corners.
 Nearest descend(const Sheet& sheet, const Points& nodes, const Vec3& p, int start) {
   Nearest best;
   look_at(sheet.mesh.F, nodes, start, p, best);
+  // Beneath the inside of the triangle: none is nearer on a sheet that is not folded.
+  const Eigen::RowVector3i first = sheet.mesh.F.row(start);
+  if (corner_shares(p, node_of(nodes, first[0]), node_of(nodes, first[1]), node_of(nodes, first[2]))
+          .minCoeff() > 0)
+    return best;
   for (int from = -1; from != best.triangle;) {
     from = best.triangle;
     for (int k = 0; k < 3; ++k)
@@ -42,13 +60,6 @@ Nearest descend(const Sheet& sheet, const Points& nodes, const Vec3& p, int star
         if (t != from) look_at(sheet.mesh.F, nodes, t, p, best);
   }
   return best;
-}
-
-Vec3 corner_shares(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 n = (b - a).cross(c - a);
-  const double squared = std::max(n.squaredNorm(), 1e-30);
-  const double v = (p - a).cross(c - a).dot(n) / squared, w = (b - a).cross(p - a).dot(n) / squared;
-  return {1 - v - w, v, w};
 }
 
 void sheet_normals(const Sheet& sheet, const Points& nodes, Points& out) {
@@ -62,10 +73,36 @@ void sheet_normals(const Sheet& sheet, const Points& nodes, Points& out) {
   out.rowwise().normalize();
 }
 
-// Whether the nearest point is on the sheet, not beside it.
-bool over_sheet(const Vec3& p, const Nearest& near, const Vec3& normal) {
+// How far the nearest point is from the foot of the vertex, along the sheet: above 0 beside it, m.
+double beside_sheet(const Vec3& p, const Nearest& near, const Vec3& normal) {
   const Vec3 away = p - near.point;
-  return (away - normal * normal.dot(away)).norm() <= kBeyondRim + 0.5 * std::abs(normal.dot(away));
+  return (away - normal * normal.dot(away)).norm();
+}
+
+// Height of the smooth sheet over its triangle, m: exact where it is curved evenly (after Boubekeur
+// and Alexa 2008, 10.1145/1409060.1409094, with half of their projection).
+double bulge_of(const Points& nodes, const Points& up, const Eigen::RowVector3i& t,
+                const Vec3& corners, const Vec3& at, const Vec3& normal) {
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 n = node_of(up, t[k]);
+    sum += 0.5 * corners[k] * (node_of(nodes, t[k]) - at).dot(n) * n.dot(normal);
+  }
+  return std::clamp(sum, -kMostBulge, kMostBulge);
+}
+
+// Skin beside the sheet's edge: the hem is a round line that is pressed into it. Only from outside:
+// the skin faces the sheet, or back along it. `area`: of the vertex.
+void press_hem(const Vec3& p, const Vec3& n, const Vec3& hem, double area, SkinContact& contact) {
+  const Vec3 away = p - hem, beyond = away - contact.normal * contact.normal.dot(away);
+  const double facing = -n.dot(contact.normal), back = -n.dot(beyond.normalized());
+  const double depth = n.dot(away), along = (away - depth * n).norm();
+  contact.depth = depth - 0.5 * along * along / kHemRadius;
+  const bool wrong_side =
+      std::max(facing, back) < kHemFacing || std::min(facing, back) < -kHemFacing;
+  if (wrong_side || along > kHemWidth || depth > kHemReach) contact.depth = 0;
+  contact.area = std::clamp(std::max(facing, back), 0.0, 1.0) * area;
+  contact.normal = -n;
 }
 
 void touch_mattress(const Patient& patient, const Vec3& p, const Vec3& n, const Mattress& mattress,
@@ -129,16 +166,22 @@ void find_contacts(const Patient& patient, const Points& skin, const Points& nor
           (shares[0] * up.row(t[0]) + shares[1] * up.row(t[1]) + shares[2] * up.row(t[2]))
               .transpose()
               .normalized();
-      const double height = normal.dot(p - near.point);
-      const double facing = -n.dot(normal);
-      on_sheet = over_sheet(p, near, normal);
       clear = std::min(clear, std::sqrt(near.squared));
-      if (on_sheet && height < 0 && height > -kReach) clear = 0;
-      if (on_sheet && height < 0 && height > -kReach && facing > kLeastFacing) {
-        SkinContact contact{
-            int(i), near.triangle, shares, normal, -height, facing * patient.area[i], 0, 0};
-        foundation(patient.tissue.modulus / patient.thickness[i], patient.thickness[i], -height,
-                   contact.pressure, contact.slope);
+      SkinContact contact{int(i), near.triangle, shares, normal, 0, 0, 0, 0};
+      const double beside = beside_sheet(p, near, normal);
+      on_sheet = beside < kHemWidth;
+      if (beside > kBeside) {
+        press_hem(p, n, near.point, patient.area[i], contact);
+      } else {
+        contact.depth =
+            bulge_of(nodes, up, t, shares, near.point, normal) - normal.dot(p - near.point);
+        if (contact.depth > kReach) contact.depth = 0;
+        contact.area = std::max(0.0, -n.dot(normal)) * patient.area[i];
+      }
+      if (contact.depth > 0) clear = 0;
+      if (contact.depth > 0 && contact.area > kLeastFacing * patient.area[i]) {
+        foundation(patient.tissue.modulus / patient.thickness[i], patient.thickness[i],
+                   contact.depth, contact.pressure, contact.slope);
         out.push_back(contact);
       }
     }

@@ -26,7 +26,7 @@ absent() { if [ ! -e "$1" ]; then ok; else bad "$1 should not exist"; fi; }
 
 # Help and usage.
 expect 0 "help" "$ecorche" --help
-for verb in demo "template info" "template check" "template sweep" "template import" "body new" "body measure" "body modify" "body population" "body register" "body size" "body statistics" fit animate export render view bench check bake posebook; do
+for verb in demo "template info" "template check" "template sweep" "template import" "body new" "body measure" "body modify" "body population" "body register" "body size" "body statistics" fit animate export render view bench check bake posebook lift lie; do
   # shellcheck disable=SC2086
   expect 0 "help of $verb" "$ecorche" $verb --help
   if grep -q Example out.txt; then ok; else bad "help of $verb has no example"; fi

@@ -63,6 +63,8 @@ def row_2(t):
     t.animate(2, "a motion as a character", motion=t.good_motion, character=t.bench.file("motion.glb", t.walk.text()), codes=3, says="motion.glb")
     for option, name in (("--weights", "noise-weights.csv"), ("--map", "noise.map"), ("--activation", "noise.sto"), ("--activation", "noise.csv")):
         t.animate(2, name, more=[option, t.bench.file(name, noise(3000))], codes=3, says=name)
+    t.bench.case(2, "noise as a sling", ["lift", t.small, "--sling", t.bench.file("noise-sling.obj", noise(3000)), "--table", "{out}/l.csv"], 3, "noise-sling.obj")
+    t.bench.case(2, "a cube as a sling", ["lift", t.small, "--sling", t.bench.file("cube-sling.obj", obj(*CUBE)), "--table", "{out}/l.csv"], (0, 4, 8), "")
     for name in ("noise.osim", "noise.xml"):
         t.bench.case(2, name, ["template", "import", t.bench.file(name, noise(3000)), "-o", "{out}/c.glb"], 3, name)
     t.bench.case(2, "noise as people", ["body", "population", t.bench.file("noise-people.csv", noise(3000)), "-o", "{out}/p"], (2, 3), "noise-people.csv")
@@ -101,6 +103,7 @@ def row_3(t):
         t.bench.case(3, f"--poses {name}", ["posebook", t.small, "--poses", place, "-o", t.out(user, "p"), "--no-pictures"], 3, [name, words], **rest)
         t.bench.case(3, f"check --poses {name}", ["check", t.small, "--poses", place], 3, [name, words], **rest)
         t.bench.case(3, f"people: {name}", ["body", "population", place, "-o", t.out(user, "p")], 3, [name, words], **rest)
+        t.bench.case(3, f"sling: {name}", ["lift", t.small, "--sling", place, "--table", t.out(user, "l.csv")], 3, [name, words], **rest)
         t.bench.case(3, f"model: {name}", ["template", "import", place, "-o", t.out(user)], 3, [name, words], **rest)
         t.bench.case(3, f"mesh: {name}", ["template", "resample", place], 3, [name, words], **rest)
         t.bench.case(3, f"template: {name}", ["fit", t.body, "--template", place, "-o", t.out(user)], 3, [name, words], **rest)

@@ -479,6 +479,39 @@ def pictures(t):
     t.absent("figures/ecorche.png")
 
 
+def sheet_of_cloth(columns, rows, width, length):
+    """A rectangle as an OBJ file, laid out in x and z."""
+    points = [f"v {width * (c / columns - 0.5):.4f} 0 {length * (r / rows - 0.5):.4f}" for r in range(rows + 1) for c in range(columns + 1)]
+    at = lambda r, c: 1 + r * (columns + 1) + c  # noqa: E731
+    faces = [f"f {at(r, c)} {at(r + 1, c)} {at(r + 1, c + 1)} {at(r, c + 1)}" for r in range(rows) for c in range(columns)]
+    return "\n".join(points + faces) + "\n"
+
+
+def lifts(t):
+    t.run((0, 8), "lie", "anna-anatomy.glb", "-o", "lies.png", "--size", "320x180", "--report", "lies.json")
+    lies = t.json("lies.json")["lie"]
+    t.check(abs(lies["weight"] - 60 * 9.81) < 4 and abs(lies["contact_force"] - lies["weight"]) < 0.01 * lies["weight"], f"lie: {lies['contact_force']} N of {lies['weight']}")
+    t.run((0, 8), "lie", "anna-anatomy.glb", "-o", "hard.png", "--foam", 400, "--foam-thickness", 0.05, "--tissue", 80, "--scale", 30, "--size", "320x180", "--report", "hard.json")
+    t.check(t.json("hard.json")["lie"]["peak_kpa"] > 1.2 * lies["peak_kpa"], "--foam, --foam-thickness, --tissue of lie")
+    t.check(t.bytes("hard.png") != t.bytes("lies.png"), "--scale of lie")
+    coarse = ("--spacing", 0.1, "--size", "320x180")
+    t.run((0, 8), "lift", "anna-anatomy.glb", "-o", "lift.mp4", "--fps", 5, "--table", "lift.csv", "--report", "lift.json", *coarse)
+    lift = t.json("lift.json")["lift"]
+    t.check(abs(lift["contact_force"] - lift["weight"]) < 0.01 * lift["weight"] and lift["mattress_force"] == 0, f"lift: {lift['contact_force']} N of {lift['weight']}")
+    t.check(abs(lift["strap_force"] - lift["weight"] - lift["sheet_weight"]) < 0.01 * lift["weight"], f"straps: {lift['strap_force']} N")
+    t.check(lift["limit_excess_deg"] < 0.5, f"limits of joints: {lift['limit_excess_deg']}")
+    t.there("lift.mp4")
+    rows = t.bytes("lift.csv").decode().splitlines()
+    t.check(rows[0].startswith("time,") and abs(len(rows) - 1 - 5 * lift["seconds"]) < 3, f"--table, --fps: {len(rows)} lines")
+    t.run((0, 8), "lift", "anna-anatomy.glb", "--table", "six.csv", "--straps", 6, "--step", 0.02, "--tissue", 80, "--report", "six.json", "--spacing", 0.1)
+    six = t.json("six.json")["lift"]
+    t.check(six["nodes"] == lift["nodes"] and six["peak_kpa"] != lift["peak_kpa"], "--straps, --step, --tissue of lift")
+    t.write("cloth.obj", sheet_of_cloth(10, 14, 1.1, 1.35))
+    t.run((0, 8), "lift", "anna-anatomy.glb", "-o", "still.png", "--sling", "cloth.obj", "--scale", 20, "--size", "320x180", "--report", "own.json")
+    t.there("still.png")
+    t.check(t.json("own.json")["lift"]["nodes"] == 11 * 15, "--sling")
+
+
 def checks(t):
     t.write("limits.csv", "pose,joint,flexion,abduction,rotation\nsitting,hip,0.75,0.2,0\n")
     done = t.run((0, 8), "check", "anna-anatomy.glb", "-o", "check", "--poses", "limits.csv", "--no-sweeps", "--no-pictures")
@@ -634,7 +667,7 @@ def common_options(t):
 
 def main(program, source):
     t = Runner(program, source)
-    parts = [bodies, units, body_verbs, scans, strangers, fits, animations, pictures, checks, templates, lists, words, window, common_options, benches, demo]
+    parts = [bodies, units, body_verbs, scans, strangers, fits, animations, pictures, lifts, checks, templates, lists, words, window, common_options, benches, demo]
     chosen = sys.argv[3:]
     for part in parts:
         if chosen and part.__name__ not in chosen:

@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include <cmath>
+#include <optional>
+#include <stdexcept>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
@@ -49,10 +50,12 @@ TriMesh read_sling(const fs::path& file) {
   return mesh;
 }
 
-Sheet sling_of(const LiftVerbOptions& options, const Patient& patient, const Pose& lying) {
-  if (options.sling.empty()) return make_sling(patient, lying, options.sheet);
+// `cloth`: of the file; null: our rectangle.
+Sheet sling_of(const LiftVerbOptions& options, const TriMesh* cloth, const Patient& patient,
+               const Pose& lying) {
+  if (!cloth) return make_sling(patient, lying, options.sheet);
   try {
-    return make_sling(patient, lying, read_sling(options.sling), options.sheet);
+    return make_sling(patient, lying, *cloth, options.sheet);
   } catch (const std::invalid_argument& e) {
     throw UnfitError(fmt::format("{}: {}; clean the mesh", options.sling.string(), e.what()));
   }
@@ -75,12 +78,15 @@ int run_lift(LiftVerbOptions options, const Common& common, Report& report) {
   const bool numbered = options.film.output.string().find('%') != std::string::npos;
   check_outputs(common, {numbered ? fs::path() : options.film.output, options.table},
                 {options.character, options.sling});
+  std::optional<TriMesh> cloth;
+  if (!options.sling.empty()) cloth = read_sling(options.sling);
   CarriedActor carried =
       carried_actor(options.character, {.modulus = 1e3 * options.tissue_kpa}, common, report);
   CarryModel& model = carried.model;
   model.options.step = options.step;
   const Pose lying = lying_pose(model.patient);
-  model.sheet = std::make_shared<Sheet>(sling_of(options, model.patient, lying));
+  model.sheet =
+      std::make_shared<Sheet>(sling_of(options, cloth ? &*cloth : nullptr, model.patient, lying));
   LiftOptions course;
   course.frames_per_second = options.film.fps;
   LiftResult lift;
@@ -134,7 +140,8 @@ void add_lift_verb(VerbRegistry& registry) {
                    "long")
       ->check(between(0.015, 0.2))
       ->capture_default_str();
-  verb->add_option("--step", options->step, "Seconds of a step of the simulation")
+  verb->add_option("--step", options->step,
+                   "Seconds of a step of the simulation; 1/60 when left out")
       ->check(between(0.0005, 0.025));
   verb->add_option("--tissue", options->tissue_kpa,
                    "Modulus of skin, fat and relaxed muscle over bone, kPa")
