@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -18,6 +19,24 @@ constexpr double kSmallShare = 1.0 / 5000;  // of the mass, for a body without a
 constexpr double kSmallRadius = 0.02;       // m, of the ball that such a body is taken for
 constexpr double kMostFibre = 0.95;         // of the path: fibres at rest leave room for a tendon
 constexpr double kLeastTendon = 0.02;       // of the path
+
+// Gives bodies without a mass one that a simulation can bear, and takes it from the others.
+void add_small_masses(ExportModel& model) {
+  double mass = 0, small = 0;
+  for (const ExportBody& b : model.bodies) {
+    mass += b.mass;
+    small += b.mass > 0 ? 0 : kSmallShare;
+  }
+  for (ExportBody& b : model.bodies) {
+    if (b.mass > 0) {
+      b.mass *= 1 - small;
+      b.inertia *= 1 - small;
+    } else {
+      b.mass = mass * kSmallShare;
+      b.inertia = 0.4 * kSmallRadius * kSmallRadius * b.mass * Mat3::Identity();
+    }
+  }
+}
 
 void add_masses(const Anatomy& anatomy, const Body& body, const std::filesystem::path& tables,
                 ExportModel& out) {
@@ -55,17 +74,11 @@ void add_masses(const Anatomy& anatomy, const Body& body, const std::filesystem:
           across * Mat3::Identity() + (axial - across) * along * along.transpose();  // of 1 kg
       told += b.mass;
     }
-  double small = 0;
-  for (const ExportBody& b : out.bodies) small += b.mass > 0 ? 0 : kSmallShare;
   for (ExportBody& b : out.bodies) {
-    if (b.mass > 0)
-      b.mass *= mass * (1 - small) / told;
-    else {
-      b.mass = mass * kSmallShare;
-      b.inertia = 0.4 * kSmallRadius * kSmallRadius * Mat3::Identity();
-    }
+    b.mass *= mass / told;
     b.inertia *= b.mass;
   }
+  add_small_masses(out);
 }
 
 // L = A Rx(f) Ry(a) Rz(r) Z^-1 A^T with Z the angles at rest (coordinates.h). About rest it is a
@@ -127,6 +140,21 @@ std::string file_name(const std::string& name) {
 }
 
 }  // namespace
+
+void set_masses(std::span<const BodySegment> segments, ExportModel& model) {
+  for (ExportBody& b : model.bodies) b.mass = 0;
+  for (const BodySegment& segment : segments) {
+    if (segment.joint < 0 || segment.joint >= int(model.bodies.size()))
+      throw std::invalid_argument("set_masses: a segment of another skeleton");
+    ExportBody& b = model.bodies[segment.joint];
+    b.mass = segment.mass;
+    b.center = segment.center;
+    b.inertia = segment.inertia;
+  }
+  for (ExportBody& b : model.bodies)
+    if (!(b.mass > 0)) b.center = Vec3::Zero();
+  add_small_masses(model);
+}
 
 ExportModel make_export_model(const Anatomy& anatomy, const Body& body,
                               const std::filesystem::path& tables) {

@@ -13,11 +13,13 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "anatomy/anatomy.h"
+#include "anatomy/body_segment.h"
 #include "anatomy/muscles/muscle_force.h"
 
 namespace ecorche::inline v1 {
@@ -90,6 +92,11 @@ struct ExportModel {
 // `tables`: Assets::tables.
 ExportModel make_export_model(const Anatomy& anatomy, const Body& body,
                               const std::filesystem::path& tables);
+
+// Masses of a body's own segments in place of those of the table; bodies without a segment keep
+// 1/5000 of the mass each, and all sum to the segments' sum. Precondition (std::invalid_argument):
+// the segments' joints are the model's bodies.
+void set_masses(std::span<const BodySegment> segments, ExportModel& model);
 
 // What a format has no word for.
 struct ExportLosses {

@@ -31,6 +31,8 @@
 #include "app/verbs/fit_verb.h"
 #include "app/verbs/lift/lie_verb.h"
 #include "app/verbs/lift/lift_verb.h"
+#include "app/verbs/forces/dynamics_verb.h"
+#include "app/verbs/forces/inertia_verb.h"
 #include "app/verbs/list_verb.h"
 #include "app/verbs/motion/retarget_verb.h"
 #include "app/verbs/posebook_verb.h"
@@ -117,6 +119,8 @@ void add_verbs(VerbRegistry& registry) {
   add_check_verb(registry);
   add_animate_verb(registry);
   add_export_verb(registry);
+  add_inertia_verb(registry);
+  add_dynamics_verb(registry);
   add_weights_verb(registry);
   add_bake_verb(registry);
   add_retarget_verb(registry);

@@ -8,8 +8,10 @@
 #include "anatomy/model_files/mjcf_writer.h"
 #include "anatomy/model_files/model_export.h"
 #include "anatomy/model_files/osim_writer.h"
+#include "app/files/body_inertia.h"
 #include "app/files/open_character.h"
 #include "app/files/skin_markers.h"
+#include "app/options/option_values.h"
 
 namespace ecorche {
 namespace {
@@ -20,6 +22,7 @@ struct Options {
   fs::path character;
   std::vector<fs::path> outputs;
   bool no_meshes = false, ground = false;
+  std::string masses = "tissues";
 };
 
 // The skin's landmarks, where it has them.
@@ -45,6 +48,8 @@ int run_export(const Options& options, const Common& common, Report& report) {
   check_outputs(common, options.outputs, {options.character});
   const Character character = open_character(options.character, common, report);
   ExportModel model = make_export_model(character.anatomy, character.body, common.assets.tables);
+  if (options.masses == "tissues")
+    set_masses(weigh_character(common.assets, character, report).segments, model);
   if (options.no_meshes) model.meshes.clear();
   if (options.ground) add_ground(character.anatomy, character.body, model);
   mark(common.assets, character, model, report);
@@ -104,6 +109,12 @@ void add_export_verb(VerbRegistry& registry) {
   verb->add_flag("--ground", options->ground,
                  "A floor, and balls under heels, edges, balls and toes of the feet that meet it, "
                  "so that the model can stand");
+  verb->add_option(
+          "--masses", options->masses,
+          "Masses and inertias of bodies: tissues (what `ecorche inertia` finds), table (de "
+          "Leva's for the sex, stature and mass)")
+      ->check(one_of({"tissues", "table"}))
+      ->capture_default_str();
   verb->add_flag("--no-meshes", options->no_meshes, "Do not write the bones");
 }
 

@@ -9,6 +9,7 @@
 
 #include "anatomy/compute/cholesky.h"
 #include "skinning/constraints/foot_contacts.h"
+#include "skinning/dynamics/joint_loads.h"
 #include "skinning/motion/center_of_mass.h"
 #include "skinning/motion/require_joint.h"
 
@@ -17,7 +18,6 @@ namespace {
 
 constexpr double kRate = 20;                      // samples a second
 constexpr double kSpan = 0.04;                    // s, to either side, for accelerations
-constexpr double kGravity = 9.81;                 // m/s^2
 constexpr double kStress = 3e5;                   // N/m^2 of a muscle's section
 constexpr double kLeastRange = 0.15;              // rad; axes that turn less are held by the joint
 constexpr double kStepStaticOptimization = 0.01;  // rad, for moment arms

@@ -1,0 +1,29 @@
+// Forces of a motion as tables a row a frame.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "anatomy/skeleton.h"
+#include "skinning/dynamics/inverse_dynamics.h"
+#include "skinning/motion_files/motion_table.h"
+
+namespace ecorche {
+
+// A joint's moment about one of its anatomical angles, as motion tables name them.
+struct MomentCurve {
+  std::string name;            // "knee_l_flexion"
+  std::vector<double> moment;  // #frames, N m, positive the way the angle grows
+};
+
+// Of all angles that carry a segment.
+std::vector<MomentCurve> moment_curves(const Skeleton& skeleton,
+                                       const std::vector<BodySegment>& segments,
+                                       const MotionDynamics& dynamics);
+
+// Ground forces, centres of pressure, free moments, moments and power of joints, the centre of mass
+// and the residual, in OpenSim's axes: x forward, y up, z right.
+MotionTable dynamics_table(const Skeleton& skeleton, const std::vector<BodySegment>& segments,
+                           const MotionDynamics& dynamics);
+
+}  // namespace ecorche

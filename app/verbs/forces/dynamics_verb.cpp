@@ -1,0 +1,212 @@
+#include "app/verbs/forces/dynamics_verb.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+
+#include "anatomy/errors.h"
+#include "anatomy/files/atomic_file.h"
+#include "app/files/actor.h"
+#include "app/files/body_inertia.h"
+#include "app/files/dynamics_tables.h"
+#include "app/files/open_character.h"
+#include "app/files/open_motion.h"
+#include "app/options/motion_options.h"
+#include "app/options/option_values.h"
+#include "app/pages/html_page.h"
+
+namespace ecorche {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct DynamicsVerbOptions {
+  fs::path character, motion, html;
+  std::vector<fs::path> outputs;
+  double cutoff = -1;
+  bool no_ground = false;
+  MotionOptions retarget;
+};
+
+struct Found {
+  const Skeleton& skeleton;
+  const SegmentInertia& inertia;
+  const MotionDynamics& dynamics;
+};
+
+std::vector<double> seconds_of(const MotionDynamics& dynamics) {
+  std::vector<double> out;
+  for (std::size_t f = 0; f < dynamics.frames.size(); ++f) out.push_back(double(f) / dynamics.fps);
+  return out;
+}
+
+template <class Value>
+std::vector<double> each_frame(const MotionDynamics& dynamics, const Value& value) {
+  std::vector<double> out;
+  for (const DynamicsFrame& frame : dynamics.frames) out.push_back(value(frame));
+  return out;
+}
+
+void add_ground_plots(const MotionDynamics& dynamics, HtmlPage& page) {
+  const auto force = [&](std::size_t foot, int axis, double sign) {
+    return each_frame(dynamics, [&, foot, axis, sign](const DynamicsFrame& frame) {
+      return sign * frame.feet[foot].force[axis] / dynamics.weight;
+    });
+  };
+  Plot plot{"Vertical ground reaction", "s", "body weights", seconds_of(dynamics), {}, {}};
+  plot.series = {{"left", force(0, 1, 1)}, {"right", force(1, 1, 1)}};
+  page.add_plot(plot);
+  plot.title = "Ground reaction forwards (braking is negative)";
+  plot.series = {{"left", force(0, 2, 1)}, {"right", force(1, 2, 1)}};
+  page.add_plot(plot);
+  plot.title = "Residual: what neither motion nor ground explains";
+  plot.series = {
+      {"force", each_frame(dynamics,
+                           [&](const DynamicsFrame& frame) {
+                             return frame.residual_force.norm() / dynamics.weight;
+                           })},
+      {"moment / height of the centre", each_frame(dynamics, [&](const DynamicsFrame& frame) {
+         return frame.residual_moment.norm() / (dynamics.weight * dynamics.center_height);
+       })}};
+  page.add_plot(plot);
+}
+
+void add_joint_plots(const Found& found, HtmlPage& page) {
+  const MotionDynamics& dynamics = found.dynamics;
+  const std::vector<MomentCurve> curves =
+      moment_curves(found.skeleton, found.inertia.segments, dynamics);
+  for (const std::string joint : {"hip", "knee", "ankle"}) {
+    Plot moment{joint + ": moment of flexion (extension is negative)",
+                "s",
+                "N m/kg",
+                seconds_of(dynamics),
+                {},
+                {}},
+        power{joint + ": power (negative is taken up)", "s", "W/kg", seconds_of(dynamics), {}, {}};
+    if (joint == "ankle") moment.title = "ankle: moment of flexion (plantar flexion is negative)";
+    for (const auto& [side, word] : {std::pair{"_l", "left"}, std::pair{"_r", "right"}}) {
+      const std::string name = joint + side + "_flexion";
+      for (const MomentCurve& curve : curves)
+        if (curve.name == name) {
+          std::vector<double> y = curve.moment;
+          for (double& value : y) value /= found.inertia.mass;
+          moment.series.push_back({word, std::move(y)});
+        }
+      const int j = find_joint(found.skeleton, joint + side);
+      power.series.push_back({word, each_frame(dynamics, [&](const DynamicsFrame& frame) {
+                                return frame.loads.power[j] / found.inertia.mass;
+                              })});
+    }
+    page.add_plot(moment);
+    page.add_plot(power);
+  }
+}
+
+std::string page_of(const Found& found, const std::string& title) {
+  const MotionDynamics& d = found.dynamics;
+  HtmlPage page("Forces of " + title);
+  page.add_paragraph(fmt::format(
+      "{:.1f} kg, {} frames at {:.4g} fps, smoothed at {:.3g} Hz. Ground forces are estimated from "
+      "the motion, without plates; feet that push against each other are not seen.",
+      found.inertia.mass, d.frames.size(), d.fps, d.cutoff));
+  const std::vector<std::string> header{"figure", "value", "of"};
+  const std::vector<std::vector<std::string>> rows{
+      {"vertical ground reaction, peak", fmt::format("{:.2f}", d.peak_vertical), "weight"},
+      {"vertical ground reaction, mean", fmt::format("{:.3f}", d.mean_vertical), "weight"},
+      {"residual force, root mean square", fmt::format("{:.3f}", d.residual_force_rms), "weight"},
+      {"residual force, peak", fmt::format("{:.3f}", d.residual_force_peak), "weight"},
+      {"residual moment, root mean square", fmt::format("{:.4f}", d.residual_moment_rms),
+       "weight x height of the centre of mass"},
+      {"in flight", fmt::format("{}", d.flight_frames), "frames"},
+      {"residual force in flight", fmt::format("{:.3f}", d.flight_residual_rms), "weight"}};
+  page.add_table(header, rows);
+  add_ground_plots(d, page);
+  add_joint_plots(found, page);
+  return page.to_string();
+}
+
+void report_dynamics(const MotionDynamics& d, Report& report) {
+  report.set("dynamics.cutoff", d.cutoff);
+  report.set("dynamics.weight", d.weight);
+  report.set("dynamics.peak_vertical", d.peak_vertical);
+  report.set("dynamics.mean_vertical", d.mean_vertical);
+  report.set("dynamics.residual_force_rms", d.residual_force_rms);
+  report.set("dynamics.residual_force_peak", d.residual_force_peak);
+  report.set("dynamics.residual_moment_rms", d.residual_moment_rms);
+  report.set("dynamics.flight_frames", d.flight_frames);
+  report.set("dynamics.flight_residual_rms", d.flight_residual_rms);
+}
+
+int run_dynamics(const DynamicsVerbOptions& options, const Common& common, Report& report) {
+  if (options.outputs.empty() && options.html.empty())
+    throw UsageError("nothing to write: name a table by -o, or a page of curves by --html");
+  for (const fs::path& output : options.outputs) require_ending(output, {".csv", ".sto", ".mot"});
+  if (!options.html.empty()) require_ending(options.html, {".html"});
+  std::vector<fs::path> files = options.outputs;
+  files.push_back(options.html);
+  check_outputs(common, files, {options.character, options.motion, options.retarget.map_file});
+  const Actor actor =
+      make_actor(common.assets, open_character(options.character, common, report), report);
+  const Motion motion = open_motion(options.motion, actor, options.retarget, common, report);
+  if (motion.frames.size() < 3)
+    throw UnfitError(fmt::format("{}: {} frames have no acceleration; at least 3 are needed",
+                                 options.motion.string(), motion.frames.size()));
+  const Character& character = actor.character;
+  const SegmentInertia inertia = weigh_character(character, actor.binding, report);
+  MotionDynamics dynamics;
+  {
+    const StageTimer timer(report, "dynamics");
+    dynamics = inverse_dynamics(character.anatomy.skeleton, inertia.segments,
+                                character.body.skin.V.col(1).minCoeff(), motion,
+                                {options.cutoff, !options.no_ground});
+  }
+  report_dynamics(dynamics, report);
+  const Found found{character.anatomy.skeleton, inertia, dynamics};
+  for (const fs::path& output : options.outputs) {
+    write_motion_table(output, dynamics_table(found.skeleton, inertia.segments, dynamics));
+    note(common, fmt::format("{}: {} frames", output.string(), dynamics.frames.size()));
+  }
+  if (!options.html.empty()) {
+    write_file_atomically(options.html, page_of(found, options.motion.filename().string()));
+    note(common, fmt::format("{}: curves", options.html.string()));
+  }
+  note(common,
+       fmt::format("{:.1f} kg; vertical ground reaction up to {:.2f} weights, {:.2f} in the mean; "
+                   "residual {:.1f} % of the weight, {} of {} frames in the air",
+                   inertia.mass, dynamics.peak_vertical, dynamics.mean_vertical,
+                   100 * dynamics.residual_force_rms, dynamics.flight_frames,
+                   dynamics.frames.size()));
+  return 0;
+}
+
+}  // namespace
+
+void add_dynamics_verb(VerbRegistry& registry) {
+  auto options = std::make_shared<DynamicsVerbOptions>();
+  CLI::App* verb = add_verb(
+      registry, registry.app, "dynamics",
+      "The forces behind a motion: ground reaction, joint moments and power, residual",
+      "ecorche dynamics anna-anatomy.glb walk.bvh -o walk-forces.csv --html walk-forces.html",
+      [options](const Common& common, Report& report) {
+        return run_dynamics(*options, common, report);
+      });
+  verb->add_option("character", options->character,
+                   "Character written by `ecorche fit`, or CROWD.glb#NAME")
+      ->required();
+  verb->add_option("motion", options->motion, "Motion (.bvh, .glb, .gltf)")->required();
+  verb->add_option("-o,--output", options->outputs,
+                   "Table to write, a row a frame; may be given several times: .csv, .sto, .mot")
+      ->allow_extra_args(false);
+  verb->add_option("--html", options->html,
+                   "Page of curves: ground reaction, moments and power of hip, knee and ankle");
+  verb->add_option("--cutoff", options->cutoff,
+                   "Hz up to which the motion is believed; 0: all of it. Without it 6, or 12 for a "
+                   "motion that leaves the ground")
+      ->check(between(0, 1000));
+  verb->add_flag("--no-ground", options->no_ground,
+                 "Nothing outside holds the body: all that it needs is residual");
+  add_motion_options(*verb, options->retarget);
+}
+
+}  // namespace ecorche

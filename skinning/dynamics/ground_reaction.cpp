@@ -1,0 +1,119 @@
+#include "skinning/dynamics/ground_reaction.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "anatomy/compute/smooth_step.h"
+#include "skinning/constraints/foot_contacts.h"
+#include "skinning/dynamics/static_optimization.h"
+#include "skinning/motion/require_joint.h"
+
+namespace ecorche::inline v1 {
+namespace {
+
+constexpr double kStandsBelow = 0.02, kLeavesAbove = 0.05;  // m over the floor
+constexpr double kStandsSlower = 0.8, kLeavesFaster = 1.6;  // m/s
+constexpr double kHeelWidth = 0.3;  // half, of the width between the outer balls
+constexpr double kToeLength = 0.5;  // of the big toe beyond its joint, of what lies before that
+constexpr double kMostForce = 20;   // weights on one point; its gate's root is taken of it
+constexpr double kPointStiffness = 1e5;
+// Friction's moment about the vertical over the vertical force: 0.6 times the arm of a sole, m.
+constexpr double kMostFreeMoment = 0.03;
+constexpr double kMostFriction = 1;  // horizontal over vertical force; beyond it soles slip
+
+}  // namespace
+
+double contact_gate(double height, double speed) {
+  return (1 - smooth_step(kStandsBelow, kLeavesAbove, height)) *
+         (1 - smooth_step(kStandsSlower, kLeavesFaster, speed));
+}
+
+std::vector<SolePoint> sole_points(const Skeleton& skeleton, double sole_height) {
+  const std::vector<Vec3> rest = rest_positions(skeleton);
+  std::vector<SolePoint> out;
+  for (const Side side : {Side::left, Side::right}) {
+    const FootShape foot = foot_shape(skeleton, side, sole_height);
+    const auto at = [&](const char* name) {
+      return rest[joint_of(skeleton, std::string(name) + side_suffix(side))];
+    };
+    const auto add = [&](int joint, Vec3 place) {
+      place.y() = sole_height;
+      out.push_back({side == Side::right, joint, place - rest[joint]});
+    };
+    const Vec3 across = at("mtp5") - at("mtp1");
+    add(foot.subtalar, foot.heel);
+    const Vec3 inside = foot.heel + 0.25 * (foot.ball - foot.heel);
+    add(foot.subtalar, inside - kHeelWidth * across);
+    add(foot.subtalar, inside + kHeelWidth * across);
+    add(foot.subtalar, at("mtp1"));
+    add(foot.subtalar, at("mtp3"));
+    add(foot.subtalar, at("mtp5"));
+    add(foot.mtp[0], at("toe_ip1") + kToeLength * (at("toe_ip1") - at("mtp1")));
+    add(foot.mtp[2], at("toe_dip3"));
+  }
+  return out;
+}
+
+GroundReaction share_ground_reaction(const JointLoad& wanted, const Vec3& root, double weight,
+                                     double floor, const std::vector<SolePoint>& points,
+                                     const std::vector<SoleContact>& contacts) {
+  GroundReaction out;
+  std::array<Vec3, 2> middles{Vec3::Zero(), Vec3::Zero()};
+  std::array<double, 2> counts{};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    middles[points[i].foot] += contacts[i].place;
+    ++counts[points[i].foot];
+  }
+  for (std::size_t f = 0; f < 2; ++f) {
+    out.feet[f].place = middles[f] / std::max(1.0, counts[f]);
+    out.feet[f].place.y() = floor;
+  }
+  if (!(wanted.force.y() > 0)) return out;
+  // Moments about the point of the floor below the root, of which forces along the floor have none
+  // about its own axes.
+  const Vec3 below(root.x(), floor, root.z());
+  const Vec3 moment = wanted.moment + (root - below).cross(wanted.force);
+  Eigen::MatrixXd A(3, Eigen::Index(points.size()));
+  std::vector<double> scales;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3 arm = contacts[i].place - below;
+    scales.push_back(kMostForce * std::sqrt(contacts[i].gate));
+    A.col(Eigen::Index(i)) = scales.back() * Vec3(1, -arm.z(), arm.x());
+  }
+  const Vec3 asked = Vec3(wanted.force.y(), moment.x(), moment.z()) / weight;
+  const Eigen::VectorXd found = distribute_moments(A, asked, kPointStiffness);
+  std::vector<double> vertical;
+  double sum = 0;
+  Vec3 pressed = Vec3::Zero();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    vertical.push_back(weight * scales[i] * found[Eigen::Index(i)]);
+    sum += vertical.back();
+    pressed += vertical.back() * contacts[i].place;
+  }
+  if (!(sum > 1e-9 * weight)) return out;
+  // Along the floor: as much as is asked for of what the points carry.
+  const double share = std::min(1.0, sum / wanted.force.y());
+  Vec3 along = share * Vec3(wanted.force.x(), 0, wanted.force.z());
+  along *= std::min(1.0, kMostFriction * sum / std::max(along.norm(), 1e-9 * weight));
+  const Vec3 arm = pressed / sum - below;
+  const double free_moment =
+      std::clamp(share * moment.y() - (arm.z() * along.x() - arm.x() * along.z()),
+                 -kMostFreeMoment * sum, kMostFreeMoment * sum);
+  std::array<Vec3, 2> centers{Vec3::Zero(), Vec3::Zero()};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!(vertical[i] > 0)) continue;
+    const double part = vertical[i] / sum;
+    const Vec3 force = part * along + Vec3(0, vertical[i], 0);
+    const Vec3 place(contacts[i].place.x(), floor, contacts[i].place.z());
+    out.forces.push_back({points[i].joint, place, force, Vec3(0, part * free_moment, 0)});
+    FootForce& foot = out.feet[points[i].foot];
+    foot.force += force;
+    foot.free_moment += part * free_moment;
+    centers[points[i].foot] += vertical[i] * place;
+  }
+  for (std::size_t f = 0; f < 2; ++f)
+    if (out.feet[f].force.y() > 0) out.feet[f].place = centers[f] / out.feet[f].force.y();
+  return out;
+}
+
+}  // namespace ecorche::inline v1
