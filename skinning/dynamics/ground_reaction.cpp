@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "anatomy/compute/cholesky.h"
 #include "anatomy/compute/smooth_step.h"
 #include "skinning/constraints/foot_contacts.h"
-#include "skinning/dynamics/static_optimization.h"
 #include "skinning/motion/require_joint.h"
 
 namespace ecorche::inline v1 {
@@ -15,15 +15,55 @@ constexpr double kStandsBelow = 0.02, kLeavesAbove = 0.05;  // m over the floor
 constexpr double kStandsSlower = 0.8, kLeavesFaster = 1.6;  // m/s
 constexpr double kHeelWidth = 0.3;  // half, of the width between the outer balls
 constexpr double kToeLength = 0.5;  // of the big toe beyond its joint, of what lies before that
-constexpr double kMostForce = 20;   // weights on one point; its gate's root is taken of it
-constexpr double kPointStiffness = 1e5;
+// What a point's force costs over its gate: at a gate of this the point gives half of what is
+// asked.
+constexpr double kForceCost = 1e-4;
 // Friction's moment about the vertical over the vertical force: 0.6 times the arm of a sole, m.
 constexpr double kMostFreeMoment = 0.03;
 constexpr double kMostFriction = 1;  // horizontal over vertical force; beyond it soles slip
 
+// min |A x - b|^2 + cost |x|^2 for x >= 0, by active sets (Lawson and Hanson 1974, chapter 23).
+Eigen::VectorXd solve_pushing(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double cost) {
+  const Eigen::Index n = A.cols();
+  const Eigen::MatrixXd G = A.transpose() * A + cost * Eigen::MatrixXd::Identity(n, n);
+  const Eigen::VectorXd h = A.transpose() * b;
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
+  std::vector<Eigen::Index> pushing;
+  const auto solve = [&] {
+    const Eigen::MatrixXd part = G(pushing, pushing);
+    const Eigen::VectorXd right = h(pushing);
+    return solve_ldlt(part, right);
+  };
+  for (Eigen::Index round = 0; round < 3 * n; ++round) {
+    Eigen::VectorXd gain = h - G * x;
+    for (const Eigen::Index i : pushing) gain[i] = 0;
+    Eigen::Index next = 0;
+    if (!(gain.maxCoeff(&next) > 1e-12)) break;
+    pushing.push_back(next);
+    for (;;) {
+      const Eigen::VectorXd wanted = solve();
+      double step = 1;
+      for (std::size_t k = 0; k < pushing.size(); ++k)
+        if (wanted[Eigen::Index(k)] <= 0)
+          step = std::min(step, x[pushing[k]] / (x[pushing[k]] - wanted[Eigen::Index(k)]));
+      for (std::size_t k = 0; k < pushing.size(); ++k)
+        x[pushing[k]] += step * (wanted[Eigen::Index(k)] - x[pushing[k]]);
+      if (step >= 1) break;
+      std::erase_if(pushing, [&](Eigen::Index i) {
+        if (x[i] > 1e-12) return false;
+        x[i] = 0;
+        return true;
+      });
+    }
+  }
+  return x;
+}
+
 }  // namespace
 
-double contact_gate(double height, double speed) {
+double contact_gate(double height, const Vec3& velocity) {
+  const double leaving = std::max(0.0, velocity.y());
+  const double speed = Vec3(velocity.x(), leaving, velocity.z()).norm();
   return (1 - smooth_step(kStandsBelow, kLeavesAbove, height)) *
          (1 - smooth_step(kStandsSlower, kLeavesFaster, speed));
 }
@@ -77,11 +117,11 @@ GroundReaction share_ground_reaction(const JointLoad& wanted, const Vec3& root, 
   std::vector<double> scales;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3 arm = contacts[i].place - below;
-    scales.push_back(kMostForce * std::sqrt(contacts[i].gate));
+    scales.push_back(std::sqrt(contacts[i].gate));
     A.col(Eigen::Index(i)) = scales.back() * Vec3(1, -arm.z(), arm.x());
   }
   const Vec3 asked = Vec3(wanted.force.y(), moment.x(), moment.z()) / weight;
-  const Eigen::VectorXd found = distribute_moments(A, asked, kPointStiffness);
+  const Eigen::VectorXd found = solve_pushing(A, asked, kForceCost);
   std::vector<double> vertical;
   double sum = 0;
   Vec3 pressed = Vec3::Zero();

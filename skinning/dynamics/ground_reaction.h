@@ -34,7 +34,8 @@ struct SoleContact {
 };
 
 // How far a point takes part: wholly below 20 mm and 0.8 m/s, not at all above 50 mm or 1.6 m/s.
-double contact_gate(double height, double speed);
+// The speed is that along the floor and upwards: what comes down meets the ground.
+double contact_gate(double height, const Vec3& velocity);
 
 struct FootForce {
   Vec3 force = Vec3::Zero();  // on the foot, world, N

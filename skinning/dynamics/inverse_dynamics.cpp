@@ -15,6 +15,7 @@ namespace {
 constexpr double kShortestFlight = 0.08;  // s
 constexpr double kEnds = 0.05;            // s, without figures
 constexpr double kNoContact = 1e-3;       // of a point's gate
+constexpr double kSpread = 0.25;          // periods of the cut-off
 
 // Soles over a motion.
 struct Soles {
@@ -48,10 +49,23 @@ Soles find_soles(const Skeleton& skeleton, double sole_height, const Motion& mot
       SoleContact& c = out.contacts[f][i];
       c.velocity = (out.contacts[after][i].place - out.contacts[before][i].place) * motion.fps /
                    double(after - before);
-      c.gate = contact_gate(c.place.y() - out.floor[f], c.velocity.norm());
+      c.gate = contact_gate(c.place.y() - out.floor[f], c.velocity);
     }
   }
   return out;
+}
+
+// Smoothing spreads an impact over the time before and after it; contacts last as much longer.
+void widen_contacts(double fps, double cutoff, Soles& soles) {
+  const int reach = cutoff > 0 ? int(std::lround(kSpread / cutoff * fps)) : 0,
+            n = int(soles.contacts.size());
+  if (reach == 0) return;
+  const std::vector<std::vector<SoleContact>> was = soles.contacts;
+  for (int f = 0; f < n; ++f)
+    for (std::size_t i = 0; i < soles.points.size(); ++i)
+      for (int g = std::max(0, f - reach); g <= std::min(n - 1, f + reach); ++g)
+        soles.contacts[f][i].gate = std::max(
+            soles.contacts[f][i].gate, was[g][i].gate * (1 - std::abs(g - f) / (reach + 1.0)));
 }
 
 double sum_of_gates(const std::vector<SoleContact>& contacts) {
@@ -119,7 +133,10 @@ MotionDynamics inverse_dynamics(const Skeleton& skeleton, std::span<const BodySe
                                                                               : kWalkingCutoff;
   out.states = smooth_motion(motion, out.cutoff);
   Soles soles;
-  if (options.ground) soles = find_soles(skeleton, sole_height, poses_of(out.states, motion.fps));
+  if (options.ground) {
+    soles = find_soles(skeleton, sole_height, poses_of(out.states, motion.fps));
+    widen_contacts(out.fps, out.cutoff, soles);
+  }
   out.frames.resize(out.states.size());
   tbb::parallel_for(std::size_t{0}, out.frames.size(), [&](std::size_t f) {
     DynamicsFrame& frame = out.frames[f];

@@ -27,8 +27,11 @@ constexpr double kLungTissue = 1.1e-3;        // m^3, with blood (ICRP 89: 1.2 k
 constexpr double kFatInAdiposeTissue = 0.85;  // by mass (ICRP 89)
 constexpr double kAgeUnknown = 30;            // years
 constexpr double kPlaneReach = 0.1;           // m
-constexpr double kOpenWeight = 0.6;           // share of -1 .. 1 that the plane has
-constexpr double kHipPlane = 37 * kDegree;    // to the mid-plane (Zatsiorsky 1983)
+// Share of -1 .. 1, the weights' lean to a side, in which the plane decides. The hip's plane cuts
+// aslant through buttock and groin, where weights are spread wide.
+constexpr double kOpenLean = 0.6, kOpenHipLean = 0.85;
+constexpr double kSureLean = 20;            // what a whole lean counts, in heights of kPlaneReach
+constexpr double kHipPlane = 37 * kDegree;  // to the mid-plane (Zatsiorsky 1983)
 constexpr double kSkullPlane = 40 * kDegree, kNeckPlane = 25 * kDegree;  // to the horizontal
 
 enum class Filling { organs, brain, fat };
@@ -62,6 +65,7 @@ struct Piece {
   int parent = -1, cut = 0, joint = 0;
   Filling filling = Filling::organs;
   Vec3 apex = Vec3::Zero(), normal = Vec3::Zero();  // of the cut, to the far side
+  double open = kOpenLean;                          // lean of weights up to which the plane decides
   std::vector<double> sides;                        // #V: above 0 on the far side
   SolidMoments skin, bones, muscles, lungs;         // of this piece alone
   double skin_area = 0;
@@ -94,7 +98,8 @@ Vec3 cut_normal(const SegmentRule& rule, const std::string& suffix, const Skelet
 double side_of(const Piece& piece, const Vec3& place, double weight) {
   const double lean = 2 * weight - 1;
   return (place - piece.apex).dot(piece.normal) / kPlaneReach +
-         (lean > 0 ? 1 : -1) * 25 * std::max(0.0, std::abs(lean) - kOpenWeight);
+         (lean > 0 ? 1 : -1) * kSureLean * std::max(0.0, std::abs(lean) - piece.open) /
+             (1 - piece.open);
 }
 
 TriMesh closed(const TriMesh& skin) {
@@ -168,6 +173,7 @@ class Cuts {
     piece.joint = joint_of(skeleton, rule.joint + suffix);
     piece.filling = rule.filling;
     piece.apex = rest[piece.cut];
+    if (std::string(rule.cut) == "hip") piece.open = kOpenHipLean;
     piece.normal = cut_normal(rule, suffix, skeleton, rest);
     beyond_.push_back(joints_beyond(skeleton, piece.cut));
     std::vector<double> shares(skin_.V.rows(), 0.5);
