@@ -17,22 +17,31 @@ namespace {
 constexpr double kUnknownMass = 70;         // kg
 constexpr double kSmallShare = 1.0 / 5000;  // of the mass, for a body without a segment
 constexpr double kSmallRadius = 0.02;       // m, of the ball that such a body is taken for
+constexpr double kLeastLeft = 0.2;          // of a body that small ones hang on
 constexpr double kMostFibre = 0.95;         // of the path: fibres at rest leave room for a tendon
 constexpr double kLeastTendon = 0.02;       // of the path
 
-// Gives bodies without a mass one that a simulation can bear, and takes it from the others.
+// Gives bodies without a mass one that a simulation can bear, and takes it from the body that they
+// hang on: a hand with its fingers weighs what it weighed.
 void add_small_masses(ExportModel& model) {
-  double mass = 0, small = 0;
-  for (const ExportBody& b : model.bodies) {
-    mass += b.mass;
-    small += b.mass > 0 ? 0 : kSmallShare;
+  double mass = 0;
+  for (const ExportBody& b : model.bodies) mass += b.mass;
+  std::vector<double> taken(model.bodies.size(), 0);
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    if (model.bodies[i].mass > 0) continue;
+    int from = model.bodies[i].parent;
+    while (from >= 0 && !(model.bodies[from].mass > 0)) from = model.bodies[from].parent;
+    if (from < 0) from = 0;
+    taken[from] += kSmallShare * mass;
   }
-  for (ExportBody& b : model.bodies) {
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    ExportBody& b = model.bodies[i];
     if (b.mass > 0) {
-      b.mass *= 1 - small;
-      b.inertia *= 1 - small;
+      const double left = std::max(kLeastLeft, 1 - taken[i] / b.mass);
+      b.mass *= left;
+      b.inertia *= left;
     } else {
-      b.mass = mass * kSmallShare;
+      b.mass = kSmallShare * mass;
       b.inertia = 0.4 * kSmallRadius * kSmallRadius * b.mass * Mat3::Identity();
     }
   }

@@ -87,15 +87,15 @@ struct ExportModel {
 };
 
 // Masses from data/segments.csv for the body's sex, stature (skin) and mass (70 kg where unknown);
-// joints without a segment of their own get 1/5000 of the mass each. Throws InputError for a
+// joints without a segment of their own get 1/5000 of the mass each, from the segment that they
+// hang on. Throws InputError for a
 // missing table, std::invalid_argument for an anatomy that is not valid.
 // `tables`: Assets::tables.
 ExportModel make_export_model(const Anatomy& anatomy, const Body& body,
                               const std::filesystem::path& tables);
 
-// Masses of a body's own segments in place of those of the table; bodies without a segment keep
-// 1/5000 of the mass each, and all sum to the segments' sum. Precondition (std::invalid_argument):
-// the segments' joints are the model's bodies.
+// Masses of a body's own segments in place of those of the table. Precondition
+// (std::invalid_argument): the segments' joints are the model's bodies.
 void set_masses(std::span<const BodySegment> segments, ExportModel& model);
 
 // What a format has no word for.

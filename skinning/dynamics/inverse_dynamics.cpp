@@ -15,7 +15,7 @@ namespace {
 constexpr double kShortestFlight = 0.08;  // s
 constexpr double kEnds = 0.05;            // s, without figures
 constexpr double kNoContact = 1e-3;       // of a point's gate
-constexpr double kSpread = 0.25;          // periods of the cut-off
+constexpr double kSpread = 0.12;          // periods of the cut-off, to either side
 
 // Soles over a motion.
 struct Soles {

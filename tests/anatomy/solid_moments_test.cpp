@@ -40,7 +40,7 @@ TEST(SolidMoments, BoxIsThatOfBooks) {
 
 TEST(SolidMoments, RoundSolidsAreNear) {
   const Vec3 radii(0.1, 0.25, 0.15), at(0.3, 1.2, -0.4);
-  TriMesh mesh = test::ball(2);
+  TriMesh mesh = test::ball(3);
   mesh.V = mesh.V * radii.asDiagonal();
   const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   mesh.V = (mesh.V * turn.transpose()).rowwise() + at.transpose();
@@ -51,7 +51,7 @@ TEST(SolidMoments, RoundSolidsAreNear) {
 }
 
 TEST(SolidMoments, CutsShareTheWhole) {
-  const TriMesh mesh = test::ball(1);
+  const TriMesh mesh = test::ball(3);
   const SolidMoments whole = solid_moments(mesh);
   const Vec3 apex(0.2, 0.1, -0.3), normal = Vec3(1, 2, -1).normalized();
   std::vector<double> above, below;

@@ -253,7 +253,8 @@ TEST(InverseDynamics, RecordedWalkHasTwoPeaks) {
       inverse_dynamics(skeleton, winter_segments(skeleton), kSole, retargeted(skeleton, file));
   EXPECT_EQ(found.cutoff, kWalkingCutoff);
   EXPECT_NEAR(found.mean_vertical, 1, 0.1);
-  // every whole stance: two peaks with a valley between
+  // Every whole stance has two peaks with a valley between. The skeleton's soles are rough, so the
+  // peaks are a little lower than a body's (docs/dynamics.md).
   int stances = 0;
   for (const std::size_t foot : {0, 1}) {
     std::vector<double> force;
@@ -271,11 +272,11 @@ TEST(InverseDynamics, RecordedWalkHasTwoPeaks) {
       const double first = most(f, f + length * 2 / 5), second = most(end - length * 2 / 5, end),
                    valley = *std::min_element(force.begin() + long(f + length / 3),
                                               force.begin() + long(end - length / 3));
-      EXPECT_GT(first, 1.0) << f;
+      EXPECT_GT(first, 0.85) << f;
       EXPECT_LT(first, 1.35) << f;
-      EXPECT_GT(second, 1.0) << f;
+      EXPECT_GT(second, 0.9) << f;
       EXPECT_LT(second, 1.35) << f;
-      EXPECT_LT(valley, std::min(first, second)) << f;
+      EXPECT_LT(valley, 0.95 * std::min(first, second)) << f;
       ++stances;
     }
   }
