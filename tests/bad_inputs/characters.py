@@ -92,7 +92,8 @@ def row_60(t):
     character(t, 60, "muscles_5000", lambda d: d["nodes"].extend([{"name": name, "extras": muscle(d)} for name in many]), 5, "limit")
     t.animate(60, "a body in place of a character", character=t.body, codes=4, says=["anna.glb", "ecorche fit"])
     t.animate(60, "another program's file", character=t.bench.file("foreign.glb", glb({"asset": {"version": "2.0"}, "scenes": [{}]})), codes=3, says="foreign.glb")
-    for verb in (["export", "{file}", "-o", "{out}/a.osim"], ["check", "{file}", "--no-sweeps"], ["weights", "{file}", "-o", "{out}/w.csv"], ["bake", "{file}", t.good_motion, "-o", "{out}/b.glb"],
+    for verb in (["export", "{file}", "-o", "{out}/a.osim"], ["check", "{file}", "--no-sweeps"], ["weights", "{file}", "-o", "{out}/w.csv"], ["inertia", "{file}", "-o", "{out}/i.csv"],
+                 ["dynamics", "{file}", t.good_motion, "-o", "{out}/d.csv"], ["bake", "{file}", t.good_motion, "-o", "{out}/b.glb"],
                  ["posebook", "{file}", "-o", "{out}/p", "--no-pictures"], ["render", "{file}", t.good_motion, "-o", "{out}/%04d.png"], ["fit", t.body, "--template", "{file}", "-o", "{out}/c.glb"]):
         for name, codes in (("axes_zero", 3), ("without_knee_l", 4)):
             path = t.bench.file(f"character_{'joint_' if name == 'axes_zero' else ''}{name}.glb")

@@ -264,6 +264,8 @@ def fits(t):
     t.run(0, "export", "anna-anatomy.glb", "-o", "anna.osim", "-o", "anna.xml")
     t.there("anna_meshes/femur_l.obj")
     t.run(0, "export", "anna-anatomy.glb", "-o", "bare.osim", "--no-meshes")
+    t.run(0, "export", "anna-anatomy.glb", "-o", "table.osim", "--no-meshes", "--masses", "table")
+    t.check(t.bytes("table.osim") != t.bytes("bare.osim"), "export --masses changes nothing")
     t.absent("bare_meshes")
     t.run(0, "export", "anna-anatomy.glb", "-o", "ground.osim", "-o", "ground.xml", "--no-meshes", "--ground")
     t.check(b"ContactHalfSpace" in t.bytes("ground.osim") and b'type="plane"' in t.bytes("ground.xml") and b"ContactHalfSpace" not in t.bytes("bare.osim"), "--ground")
@@ -429,6 +431,28 @@ def cross_legs(text):
                 lines.append(" ".join(values))
             text = head + "Frame Time:" + time + "\n" + "\n".join(lines) + "\n"
     return text
+
+
+def forces(t):
+    """Segments weigh what the body weighs; the ground carries a walk, and nothing does without it."""
+    told = t.run(0, "inertia", "anna-anatomy.glb", "-o", "inertia.csv", "-o", "inertia.json", "--report", "inertia-report.json")
+    t.says(told, "thigh_l")
+    segments = t.json("inertia.json")["segments"]
+    t.check(len(segments) == 17 and abs(sum(s["mass"] for s in segments) - 60) < 0.01, f"inertia: {len(segments)} segments, {sum(s['mass'] for s in segments)} kg")
+    t.check(len(t.bytes("inertia.csv").splitlines()) == 18, "inertia.csv has other rows")
+    walk = t.data("motions", "walk.bvh")
+    t.run(0, "dynamics", "anna-anatomy.glb", walk, "-o", "forces.csv", "-o", "forces.sto", "--html", "forces.html", "--report", "forces.json")
+    found = t.json("forces.json")["dynamics"]
+    t.check(found["cutoff"] == 6 and abs(found["mean_vertical"] - 1) < 0.05 and found["residual_force_rms"] < 0.05, f"dynamics of a walk: {found}")
+    t.check(b"knee_l_flexion_moment" in t.bytes("forces.sto") and b"<svg" in t.bytes("forces.html"), "dynamics writes no moments or curves")
+    t.run(0, "dynamics", "anna-anatomy.glb", walk, "-o", "free.csv", "--no-ground", "--cutoff", "10", "--report", "free.json")
+    found = t.json("free.json")["dynamics"]
+    t.check(found["cutoff"] == 10 and found["peak_vertical"] == 0 and found["residual_force_rms"] > 0.9, f"dynamics without a ground: {found}")
+    t.run(0, "dynamics", "anna-anatomy.glb", "bent.bvh", "-o", "bent.mot", "--map", "map.txt", "--up", "y", "--motion-fps", 30, "--limits", "keep", "--no-apart", "--no-plant")
+    t.run(0, "dynamics", "anna-anatomy.glb", "walk.bvh", "-o", "planted.mot", "--plant")
+    t.says(t.run(2, "dynamics", "anna-anatomy.glb", walk), "nothing to write")
+    t.run(2, "dynamics", "anna-anatomy.glb", walk, "-o", "forces.xyz")
+    t.run(2, "inertia", "anna-anatomy.glb", "-o", "inertia.txt")
 
 
 def pictures(t):
@@ -668,6 +692,7 @@ def common_options(t):
 def main(program, source):
     t = Runner(program, source)
     parts = [bodies, units, body_verbs, scans, strangers, fits, animations, pictures, lifts, checks, templates, lists, words, window, common_options, benches, demo]
+    parts = [bodies, units, body_verbs, scans, strangers, fits, animations, forces, pictures, checks, templates, lists, words, window, common_options, benches, demo]
     chosen = sys.argv[3:]
     for part in parts:
         if chosen and part.__name__ not in chosen:

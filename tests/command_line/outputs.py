@@ -27,6 +27,9 @@ FILES = {
     "bake": (["anna-anatomy.glb", "walk.bvh", "--morphs", "2", "--helpers", "0", "--samples", "4"], "-o", "x.glb"),
     "export": (["anna-anatomy.glb", "--no-meshes"], "-o", "x.osim"),
     "export mjcf": (["anna-anatomy.glb", "--no-meshes"], "-o", "x.xml"),
+    "inertia": (["anna-anatomy.glb"], "-o", "x.csv"),
+    "dynamics": (["anna-anatomy.glb", "walk.bvh"], "-o", "x.csv"),
+    "dynamics page": (["anna-anatomy.glb", "walk.bvh"], "--html", "x.html"),
     "weights": (["anna-anatomy.glb"], "-o", "x.csv"),
     "weights picture": (["anna-anatomy.glb", "--joint", "knee_l"], "--picture", "x.png"),
     "render": (["anna-anatomy.glb", "walk.bvh", "--size", "96x64", "--fps", "2"], "-o", "x.mp4"),
@@ -45,7 +48,7 @@ FOLDERS = {
     "posebook": (["anna-anatomy.glb", "--poses", "poses.csv", "--methods", "lbs"], "-o", ""),
     "body population": (["--count", "1", "--skins"], "-o", ""),
 }
-VERB = {"animate pc2": "animate", "animate mdd": "animate", "export mjcf": "export", "weights picture": "weights", "report": "body new", "animate obj": "animate", "render png": "render"}
+VERB = {"animate pc2": "animate", "animate mdd": "animate", "export mjcf": "export", "dynamics page": "dynamics", "weights picture": "weights", "report": "body new", "animate obj": "animate", "render png": "render"}
 
 
 def words(name, place, table=FILES):
