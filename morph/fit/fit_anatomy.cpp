@@ -199,7 +199,10 @@ void keep_ribs_below_blades(const Anatomy& source, const FitRules& rules,
     const int part = part_of[rules.group_of_bone.at("scapula")][bone.side == Side::right];
     if (part >= 0) blades.push_back({parts[part].bones.front(), bone.mesh.F});
   }
-  if (cage >= 0 && !blades.empty()) keep_below(blades, plane, kClearance, parts[cage]);
+  if (cage < 0 || blades.empty()) return;
+  std::vector<const TriMesh*> both;
+  for (const TriMesh& blade : blades) both.push_back(&blade);
+  keep_below(join_meshes(both), plane, kClearance, parts[cage]);
 }
 
 void settle(const Template& body_template, const SkinField& field, bool even,

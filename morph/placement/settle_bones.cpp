@@ -5,7 +5,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include "anatomy/geometry/join_meshes.h"
 #include "anatomy/queries/ray_caster.h"
 
 namespace ecorche::inline v1 {
@@ -118,13 +117,10 @@ void bring_to_depth(const SkinField& skin, const std::vector<PalpablePoint>& ask
 
 }  // namespace
 
-void keep_below(const std::vector<TriMesh>& above, double plane, double clearance,
-                SettledPart& below) {
+void keep_below(const TriMesh& above, double plane, double clearance, SettledPart& below) {
   constexpr double kThrough = 0.02;  // m: bones farther than this through others are not looked for
-  std::vector<const TriMesh*> meshes;
-  for (const TriMesh& mesh : above) meshes.push_back(&mesh);
-  const SkinRays rays(join_meshes(meshes));
-  const Points& over = rays.mesh().V;
+  const SkinRays rays(above);
+  const Points& over = above.V;
   const Eigen::RowVector3d reach = Eigen::RowVector3d::Constant(kThrough + clearance),
                            low = over.colwise().minCoeff() - reach,
                            high = over.colwise().maxCoeff() + reach;

@@ -47,7 +47,6 @@ void settle_bones(const SkinField& skin, double plane, const std::vector<Palpabl
 // Pushes `below`, a cage about the vertical through its middle, inwards where bones over it come
 // nearer than `clearance` (m) or through it: ribs below a shoulder blade that thin flesh presses on
 // them. `plane`: x of the plane of symmetry.
-void keep_below(const std::vector<TriMesh>& above, double plane, double clearance,
-                SettledPart& below);
+void keep_below(const TriMesh& above, double plane, double clearance, SettledPart& below);
 
 }  // namespace ecorche::inline v1

@@ -691,8 +691,7 @@ def common_options(t):
 
 def main(program, source):
     t = Runner(program, source)
-    parts = [bodies, units, body_verbs, scans, strangers, fits, animations, pictures, lifts, checks, templates, lists, words, window, common_options, benches, demo]
-    parts = [bodies, units, body_verbs, scans, strangers, fits, animations, forces, pictures, checks, templates, lists, words, window, common_options, benches, demo]
+    parts = [bodies, units, body_verbs, scans, strangers, fits, animations, forces, pictures, lifts, checks, templates, lists, words, window, common_options, benches, demo]
     chosen = sys.argv[3:]
     for part in parts:
         if chosen and part.__name__ not in chosen:

@@ -96,7 +96,7 @@ TEST(KeepBelow, RibsGiveWayToABladeAndOnlyThere) {
   for (const double inner : {0.114, 0.1185, 0.1215}) {  // around the cage's wall, through it, above
     SettledPart part;
     part.bones = {cage.V};
-    keep_below({plate(inner)}, 0, kClearance, part);
+    keep_below(plate(inner), 0, kClearance, part);
     const Points& V = part.bones[0];
     for (Eigen::Index i = 0; i < V.rows(); ++i) {
       const Vec3 before = cage.V.row(i), now = V.row(i);
@@ -114,7 +114,7 @@ TEST(KeepBelow, RibsGiveWayToABladeAndOnlyThere) {
 TEST(KeepBelow, LeavesAloneWhatIsFarEnough) {
   SettledPart part;
   part.bones = {cylinder(0.12, 0, 0.3).V};
-  keep_below({plate(0.125)}, 0, 3e-3, part);
+  keep_below(plate(0.125), 0, 3e-3, part);
   EXPECT_TRUE(part.pushes.empty());
 }
 
