@@ -28,8 +28,7 @@ void check_kinds(const std::vector<fs::path>& outputs) {
   for (const fs::path& output : outputs) {
     if (output.extension() == ".fbx")
       throw UsageError(fmt::format(
-          "{}: FBX is read, not written; name it {}, which the programs that read FBX take too, or "
-          ".bvh",
+          "{}: FBX is read, not written; name it {} or .bvh, of either of which Blender makes FBX",
           printable(output.string()),
           printable(fs::path(output).replace_extension(".glb").string())));
     require_ending(output, {".bvh", ".glb"});
