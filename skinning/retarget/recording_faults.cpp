@@ -16,7 +16,7 @@ constexpr double kSpikeAngle = 10 * kDegree;  // smaller steps are noise at high
 // What no body reaches. The fastest turns that are measured: a pitcher's shoulder 7,500 deg/s, his
 // elbow 2,400 (Fleisig et al. 1999, 10.1016/S0021-9290(99)00127-X). Lower: throws and kicks are
 // told as faults; higher: at 30 frames a second nothing is, since a step is half a turn at most.
-constexpr double kFastest = 3500 * kDegree;          // rad/s
+constexpr double kFastestTurn = 3500 * kDegree;      // rad/s
 constexpr double kFastestShoulder = 9000 * kDegree;  // rad/s
 
 double angle_between_turns(const Mat3& a, const Mat3& b) {
@@ -84,7 +84,7 @@ void find_spikes(const MotionClip& clip, const ClipRows& rows, const JointMappin
   for (const auto& [ours, joint] : mapping.rotation_joint) {
     const int track = clip.joints[std::size_t(joint)].rotation_track;
     if (track < 0) continue;
-    const double fastest = ours.starts_with("shoulder") ? kFastestShoulder : kFastest;
+    const double fastest = ours.starts_with("shoulder") ? kFastestShoulder : kFastestTurn;
     for (int f = begin + 1; f < clip.frame_count; ++f) {
       const double angle = angle_between_turns(rows.turn(f - 1, track), rows.turn(f, track));
       if (angle > kSpikeAngle && angle * clip.fps > fastest)
