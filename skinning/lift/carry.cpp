@@ -11,7 +11,7 @@ namespace {
 
 // Of two proxies that overlap, N/m and s. Stiffer: limbs that meet jerk; softer: they sink into
 // each other.
-constexpr double kLimbStiffness = 5e3, kLimbDamping = 0.05;
+constexpr double kLimbStiffness = 2e4, kLimbDamping = 0.05;
 
 // A contact of skin with its terms of the system.
 struct ContactTerms {

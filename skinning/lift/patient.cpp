@@ -47,8 +47,8 @@ std::vector<PassiveJoint> make_groups(const Skeleton& skeleton) {
       chain(skeleton, {"c7", "c6", "c5", "c4", "c3", "c2", "c1", "head"}, 5, 1.5)};
   for (const std::string s : {"_l", "_r"}) {
     // Arms are kept folded on the belly by a little effort.
-    out.push_back(single_joint(skeleton, "shoulder" + s, 3, 60, 4));
-    out.push_back(single_joint(skeleton, "elbow" + s, 1, 20, 1));
+    out.push_back(single_joint(skeleton, "shoulder" + s, 3, 120, 8));
+    out.push_back(single_joint(skeleton, "elbow" + s, 1, 40, 2));
     out.push_back(single_joint(skeleton, "hip" + s, 3, 10, 5));
     out.push_back(single_joint(skeleton, "knee" + s, 1, 5, 3));
     out.push_back(single_joint(skeleton, "ankle" + s, 1, 5, 1));
