@@ -43,13 +43,21 @@ void mark(const Assets& assets, const Character& character, ExportModel& model, 
   report.set("export.markers", int(names.size()));
 }
 
+// Masses of the body's own tissues; the table's stay where its skin has no inside.
+void weigh(const Common& common, const Character& character, ExportModel& model, Report& report) {
+  try {
+    set_masses(weigh_character(common.assets, character, report).segments, model);
+  } catch (const UnfitError& e) {
+    note(common, fmt::format("warning: {}; masses are those of `--masses table`", e.what()));
+  }
+}
+
 int run_export(const Options& options, const Common& common, Report& report) {
   for (const fs::path& output : options.outputs) require_ending(output, {".osim", ".xml"});
   check_outputs(common, options.outputs, {options.character});
   const Character character = open_character(options.character, common, report);
   ExportModel model = make_export_model(character.anatomy, character.body, common.assets.tables);
-  if (options.masses == "tissues")
-    set_masses(weigh_character(common.assets, character, report).segments, model);
+  if (options.masses == "tissues") weigh(common, character, model, report);
   if (options.no_meshes) model.meshes.clear();
   if (options.ground) add_ground(character.anatomy, character.body, model);
   mark(common.assets, character, model, report);
