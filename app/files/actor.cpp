@@ -7,24 +7,61 @@
 #include <utility>
 
 #include "anatomy/base_mesh/body_package.h"
+#include "anatomy/base_mesh/refined_skin.h"
 #include "anatomy/errors.h"
+#include "app/files/definition.h"
 #include "skinning/bind/painted_weights.h"
 
 namespace ecorche {
 namespace {
 
+// The fine skin of a character on the base mesh, which gets it.
+std::optional<BaseSkin> refine_base(const Assets& assets, Character& character) {
+  const BodyPackage package = read_body_package(assets);
+  TriMesh& skin = character.body.skin;
+  if (character.own || skin.V.rows() != package.skin_size ||
+      skin.F.rows() != package.triangles.rows())
+    return std::nullopt;
+  BaseSkin base{skin, refine_skin(package)};
+  skin = {refine_points(base.refinement, base.mesh.V), base.refinement.F};
+  return base;
+}
+
+// How much of the anatomy shows. A skin that is too coarse for that is refined where the options
+// say so.
+double choose_definition(const Assets& assets, const ActorOptions& options, Character& character,
+                         const BaseSkin*& base, std::optional<BaseSkin>& found) {
+  if (options.definition == 0.0 || (!options.definition && character.own)) return 0;
+  const auto by_fat = [&](const TriMesh& skin) {
+    return definition_of(assets, character.body.sex, skin.V);
+  };
+  const double definition = options.definition   ? *options.definition
+                            : base               ? by_fat(base->mesh)
+                            : options.refinement ? by_fat(character.body.skin)
+                                                 : 0;
+  if (definition <= 0 || base) return definition;
+  if (options.refinement) found = refine_base(assets, character);
+  if (!found && options.definition)
+    throw UnfitError(
+        "--definition: this skin is too coarse for what shows through it; make a fine one by "
+        "`ecorche fit --skin fine`, or ask for 0");
+  if (found) base = &*found;
+  return found ? definition : 0;
+}
+
 // Options of the compiler; `found` keeps the base mesh.
-CompileOptions compile_options(const Assets& assets, const Character& character,
+CompileOptions compile_options(const Assets& assets, Character& character,
                                const ActorOptions& options, std::optional<BaseSkin>& found,
                                Report& report) {
-  const TriMesh& skin = character.body.skin;
   CompileOptions out;
   out.muscles = options.muscles;
   if (!options.base) found = find_base(assets, character);
   out.base = found ? &*found : options.base;
+  out.definition = choose_definition(assets, options, character, out.base, found);
   if (!options.weights.empty()) {
-    out.painted = read_painted_weights(options.weights, character.anatomy,
-                                       int(out.base ? out.base->mesh.V.rows() : skin.V.rows()));
+    out.painted = read_painted_weights(
+        options.weights, character.anatomy,
+        int(out.base ? out.base->mesh.V.rows() : character.body.skin.V.rows()));
     report.set("weights.painted_vertices", int(out.painted.vertices.size()));
   }
   return out;
@@ -56,6 +93,7 @@ Actor make_actor(const Assets& assets, Character character, Report& report,
   CompileOptions compile = compile_options(assets, character, options, found, report);
   CompileTimes times;
   compile.times = &times;
+  report.set("definition", compile.definition);
   Actor actor;
   static_cast<CharacterModel&>(actor) = compile_character(std::move(character), compile);
   report.set("timings_ms.posing_table", times.muscles_ms);
@@ -102,6 +140,10 @@ const SkinFrame& evaluate_posed_skin(const Actor& actor, SkinMethod method, Acto
 
 const SkinFrame& evaluate_skin(const Actor& actor, const Pose& pose, const FrameInputs& inputs,
                                ActorState& state) {
+  if (actor.method == SkinMethod::ecorche) {
+    const CharacterModel& model = actor;
+    return evaluate_skin(model, pose, inputs, state);
+  }
   return move_posed(actor, pose, inputs, state, state.baseline);
 }
 

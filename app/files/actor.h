@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -30,6 +31,9 @@ struct ActorOptions {
   // table set by hand, in place of the weights that are found (docs/weights.md); may be empty
   std::filesystem::path weights{};
   MuscleMotion muscles = MuscleMotion::map;
+  // 0 .. 1, relief of the anatomy on a fine skin; left out: by the body's fat, on skins of ours
+  std::optional<double> definition = 0;
+  bool refinement = false;  // a skin on the base mesh is refined where the anatomy shows
 };
 
 // Compiles the character. Timings: posing_table, anchoring. Throws InputError for weights (see

@@ -56,6 +56,24 @@ void require_settling(bool dynamics, const std::string& method) {
     throw UsageError("--dynamics: only our own skin has flesh that lags; leave --skin out");
 }
 
+void add_definition_option(CLI::App& verb, std::optional<double>& definition,
+                           const std::string& otherwise) {
+  verb.add_option(
+          "--definition", definition,
+          "How much muscles, tendons and bones show through the fine skin: 0 nothing, 1 all "
+          "that the fat over them lets through. When left out: " +
+              otherwise)
+      ->check(between(0.0, 1.0));
+}
+
+std::optional<double> to_definition(const std::optional<double>& definition,
+                                    const std::string& method) {
+  if (method == "ecorche") return definition;
+  if (definition && *definition > 0)
+    throw UsageError("--definition: only our own skin shows the anatomy; leave --skin out");
+  return 0;
+}
+
 void add_motion_options(CLI::App& verb, MotionOptions& options) {
   verb.add_option("--map", options.map_file,
                   "Which joint is which, where guessing fails: lines `file joint = our joint`");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "skinning/character/character_model.h"
@@ -45,6 +46,13 @@ void require_settling(bool dynamics, const std::string& method);
 // What the help texts say of an argument that is a motion file.
 inline constexpr const char* kMotionFilesHelp =
     "Motion: .bvh, .glb, .gltf, .fbx, .dae, .amc, .mot, .sto, or DeepMimic's .txt";
+// --definition: relief of the anatomy on the skin; `otherwise` says what is done without it.
+// to_definition() is for ActorOptions; it throws UsageError for more than 0 with skinning methods
+// other than "ecorche".
+void add_definition_option(CLI::App& verb, std::optional<double>& definition,
+                           const std::string& otherwise = "by the body's fat");
+std::optional<double> to_definition(const std::optional<double>& definition,
+                                    const std::string& method = "ecorche");
 
 void add_motion_options(CLI::App& verb, MotionOptions& options);
 // --from, --to: the part of the motion that is read.

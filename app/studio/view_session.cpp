@@ -115,7 +115,8 @@ Character ViewSession::open_start(const fs::path& file, bool moves, std::optiona
                                   Report& report) const {
   if (!file.empty()) {
     Character character = open_character(file, common_, report);
-    if (moves) actor = make_actor(common_.assets, character, report);
+    if (moves)
+      actor = make_actor(common_.assets, character, report, {.definition = options_.definition});
     return character;
   }
   const BodyPackage package = read_body_package(common_.assets);

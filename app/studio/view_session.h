@@ -28,6 +28,7 @@ struct ViewSessionOptions {
   std::string sex;                      // "male", "female" or empty
   bool sliders = false, dynamics = false;
   std::vector<std::string> measures;  // that sliders begin with
+  std::optional<double> definition;   // ActorOptions
   MotionOptions retarget;
 };
 

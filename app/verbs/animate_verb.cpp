@@ -35,6 +35,7 @@ struct AnimateOptions {
   std::vector<fs::path> outputs;
   std::string activation = "none", skin = "ecorche";
   bool dynamics = false;
+  std::optional<double> definition;
   Detail detail = Detail::full;
   CacheOptions cache;
   std::vector<std::string> tables;
@@ -156,8 +157,9 @@ int run_animate(const AnimateOptions& options, const Common& common, Report& rep
   if (options.stagger > 0)
     throw UsageError("--stagger: for crowds, whose people then begin one after the other");
   require_settling(options.dynamics, options.skin);
-  Actor actor = make_actor(common.assets, open_character(options.character, common, report), report,
-                           {.weights = options.weights});
+  Actor actor = make_actor(
+      common.assets, open_character(options.character, common, report), report,
+      {.weights = options.weights, .definition = to_definition(options.definition, options.skin)});
   choose_skin(common.assets, actor, options.skin);
   const Motion motion = open_motion(options.motion, actor, options.retarget, common, report);
   const Activations activations =
@@ -207,6 +209,7 @@ void add_animate_verb(VerbRegistry& registry) {
   add_cache_options(*verb, options->cache);
   add_table_option(*verb, options->tables);
   add_dynamics_option(*verb, options->dynamics);
+  add_definition_option(*verb, options->definition);
   add_motion_options(*verb, options->retarget);
   add_range_options(*verb, options->retarget);
 }

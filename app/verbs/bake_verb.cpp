@@ -1,6 +1,8 @@
 #include "app/verbs/bake_verb.h"
 
 #include <CLI/CLI.hpp>
+
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -30,6 +32,7 @@ struct BakeVerbOptions {
   std::vector<fs::path> motions;
   MotionOptions retarget;
   BakeOptions bake;
+  std::optional<double> definition = 0;
 };
 
 constexpr double kAskedRms = 2e-3, kAskedMax = 6e-3;  // m
@@ -110,7 +113,9 @@ int run_bake(const BakeVerbOptions& options, const Common& common, Report& repor
   inputs.insert(inputs.end(), {options.character, options.weights, options.retarget.map_file});
   check_outputs(common, {options.output}, inputs);
   Actor actor = make_actor(common.assets, open_character(options.character, common, report), report,
-                           {.weights = options.weights, .muscles = MuscleMotion::lines});
+                           {.weights = options.weights,
+                            .muscles = MuscleMotion::lines,
+                            .definition = options.definition});
   const Character& character = actor.character;
   if (options.rig == "own" && !character.own)
     throw UnfitError(
@@ -192,6 +197,7 @@ void add_bake_verb(VerbRegistry& registry) {
       ->check(between(2, 2000))
       ->capture_default_str();
   add_weights_option(*verb, options->weights);
+  add_definition_option(*verb, options->definition, "0");
   add_motion_options(*verb, options->retarget);
   add_range_options(*verb, options->retarget);
 }

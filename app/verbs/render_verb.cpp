@@ -35,7 +35,7 @@ struct RenderVerbOptions {
               skin = "ecorche", muscles = "auto";
   std::string frames, hide, only, pose, background = "outdoors";
   std::optional<std::string> camera;
-  std::optional<double> at;
+  std::optional<double> at, definition;
   std::vector<double> dissolve;
   bool colour_map = false;
   MotionOptions retarget;
@@ -183,9 +183,11 @@ int run_render(RenderVerbOptions options, const Common& common, Report& report) 
                 {options.character, options.motion, options.weights, options.activation,
                  options.poses, options.retarget.map_file});
   require_settling(film.dynamics, options.skin);
-  Actor actor = make_actor(
-      common.assets, open_character(options.character, common, report), report,
-      {.weights = options.weights, .muscles = to_muscle_motion(options.muscles, options.skin)});
+  Actor actor = make_actor(common.assets, open_character(options.character, common, report), report,
+                           {.weights = options.weights,
+                            .muscles = to_muscle_motion(options.muscles, options.skin),
+                            .definition = to_definition(options.definition, options.skin),
+                            .refinement = true});
   choose_skin(common.assets, actor, options.skin);
   film.hidden = hidden_parts(options, actor.character.anatomy);
   std::string view = "follow";
@@ -297,6 +299,7 @@ void add_render_verb(VerbRegistry& registry) {
       ->capture_default_str();
   add_activation_option(*verb, options->activation);
   add_dynamics_option(*verb, options->film.dynamics);
+  add_definition_option(*verb, options->definition);
   add_motion_options(*verb, options->retarget);
 }
 

@@ -122,6 +122,7 @@ void add_view_verb(VerbRegistry& registry) {
   verb->add_option("--screenshot", options->window.screenshot,
                    "Save the last frame, panels included (.png)");
   add_dynamics_option(*verb, session.dynamics);
+  add_definition_option(*verb, session.definition);
   add_motion_options(*verb, session.retarget);
   add_range_options(*verb, session.retarget);
 }

@@ -43,6 +43,11 @@ CharacterModel compile_character(Character character, const CompileOptions& opti
   if (options.muscles == MuscleMotion::map)
     out.interior = std::make_shared<const BodyMap>(make_body_map(
         anatomy, options.base ? options.base->mesh : skin, out.skin.base_blend->mesh.order, rest));
+  if (options.base)
+    out.relief = make_skin_relief(
+        anatomy, rest,
+        {skin, options.base->mesh, options.base->refinement, out.binding.joint_weights},
+        {.definition = options.definition});
   if (options.times) options.times->skin_ms = milliseconds_since(bind_start);
   return out;
 }

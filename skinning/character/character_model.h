@@ -10,6 +10,7 @@
 #include "skinning/binding.h"
 #include "skinning/character/skin_model.h"
 #include "skinning/interior/body_map.h"
+#include "skinning/relief/skin_relief.h"
 
 namespace ecorche::inline v1 {
 
@@ -23,6 +24,7 @@ struct CharacterModel {
   Binding binding;  // for files
   SkinModel skin;
   std::shared_ptr<const BodyMap> interior;  // null: muscles move with their lines
+  SkinRelief relief;                        // empty: the anatomy makes none
 };
 
 // Wall times of the stages of compile_character().
@@ -35,7 +37,8 @@ struct CompileOptions {
   const BaseSkin* base = nullptr;  // of a refined skin; null: the skin is bound by itself
   BindOptions bind{};
   MuscleMotion muscles = MuscleMotion::lines;
-  PaintedWeights painted{};       // of the base mesh's vertices where there is one
+  PaintedWeights painted{};  // of the base mesh's vertices where there is one
+  double definition = 0;     // 0 .. 1, relief of the anatomy on a refined skin; others have none
   CompileTimes* times = nullptr;  // filled where given
 };
 

@@ -12,6 +12,7 @@
 #include "skinning/muscle_collision/collision_workspace.h"
 #include "skinning/muscle_collision/lift_skin_over_muscles.h"
 #include "skinning/relaxed_skin.h"
+#include "skinning/relief/skin_relief.h"
 #include "skinning/settle/settle_workspace.h"
 #include "skinning/skin_frame.h"
 
@@ -39,6 +40,7 @@ struct CharacterState {
   PushWorkspace push;
   BodyMapWorkspace carrying;
   VolumeWorkspace volumes;
+  ReliefWorkspace relief;
 };
 
 }  // namespace ecorche::inline v1

@@ -131,16 +131,39 @@ const SkinFrame& evaluate_blended_skin(const SkinModel& model, CharacterState& s
   return state.skin;
 }
 
-const SkinFrame& evaluate_skin(const CharacterModel& model, const Pose& pose,
-                               const FrameInputs& inputs, CharacterState& state) {
+namespace {
+
+void pose_and_cover(const CharacterModel& model, const Pose& pose, const FrameInputs& inputs,
+                    CharacterState& state) {
   pose_muscles(model.muscles, model.character.anatomy.skeleton, pose, state.posed, state.contact,
                tbb::this_task_arena::max_concurrency(), inputs.activation);
-  return evaluate_posed_skin(model.skin, inputs.soft_tissue, state);
+  evaluate_posed_skin(model.skin, inputs.soft_tissue, state);
+}
+
+// The relief of the muscles as they lie in the end.
+void show_anatomy(const CharacterModel& model, CharacterState& state) {
+  const std::vector<int>& order = model.skin.base_blend->mesh.order;
+  const std::vector<float>& openness = state.relaxed.openness;
+  std::vector<float>& open = state.relief.openness;
+  open.assign(openness.begin(), openness.end());
+  for (std::size_t s = 0; s < order.size(); ++s) open[std::size_t(order[s])] = openness[s];
+  add_relief(model.relief, state.posed, state.skin, state.relief);
+}
+
+}  // namespace
+
+const SkinFrame& evaluate_skin(const CharacterModel& model, const Pose& pose,
+                               const FrameInputs& inputs, CharacterState& state) {
+  if (model.relief.empty())
+    pose_and_cover(model, pose, inputs, state);
+  else
+    evaluate(model, pose, inputs, state);
+  return state.skin;
 }
 
 void evaluate(const CharacterModel& model, const Pose& pose, const FrameInputs& inputs,
               CharacterState& state) {
-  evaluate_skin(model, pose, inputs, state);
+  pose_and_cover(model, pose, inputs, state);
   if (model.interior) {
     carry_muscles(*model.interior, state.relaxed.positions, state.relaxed.normals, state.posed,
                   state.carrying);
@@ -151,6 +174,7 @@ void evaluate(const CharacterModel& model, const Pose& pose, const FrameInputs& 
     push_muscles_below_skin(model.skin.collision, model.muscles, state.relaxed, state.lift,
                             state.posed, state.push,
                             model.interior ? NeighbourContact::left : NeighbourContact::resolved);
+  if (!model.relief.empty()) show_anatomy(model, state);
 }
 
 }  // namespace ecorche::inline v1

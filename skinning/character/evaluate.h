@@ -23,11 +23,12 @@ void evaluate(const CharacterModel& model, const Pose& pose, const FrameInputs& 
               CharacterState& state);
 
 // The same skin in half the time, for callers that look at the skin only: muscles that still
-// protrude are not pushed below it. Returns state.skin.
+// protrude are not pushed below it, unless they make relief. Returns state.skin.
 const SkinFrame& evaluate_skin(const CharacterModel& model, const Pose& pose,
                                const FrameInputs& inputs, CharacterState& state);
 
-// The skin over the muscles in state.posed, however they have come there. Returns state.skin.
+// The skin over the muscles in state.posed, however they have come there, without relief. Returns
+// state.skin.
 // Throws std::invalid_argument for a pose with other numbers of joints or slices than the model.
 const SkinFrame& evaluate_posed_skin(const SkinModel& model, std::span<const float> soft_tissue,
                                      CharacterState& state);

@@ -315,6 +315,13 @@ def animations(t):
     animate("jump.bvh", "-o", "jump.pc2")
     animate("jump.bvh", "-o", "loose.pc2", "--dynamics")
     t.check(difference(t.bytes("jump.pc2"), t.bytes("loose.pc2")) > 1e-5, "--dynamics")
+    animate("walk.bvh", "-o", "plain.pc2", "--definition", 0)
+    t.check(t.bytes("plain.pc2") == t.bytes("walk.pc2"), "--definition 0")
+    t.says(t.run(4, "animate", "anna-anatomy.glb", "walk.bvh", "-o", "no.pc2", "--definition", 1), "--skin fine")
+    for definition in (0, 1):
+        t.run((0, 8), "animate", "fine.glb", "walk.bvh", "-o", f"defined{definition}.pc2", "--definition", definition)
+    t.check(difference(t.bytes("defined1.pc2"), t.bytes("defined0.pc2")) > 1e-4, "--definition")
+    t.says(t.run(2, "animate", "anna-anatomy.glb", "walk.bvh", "-o", "no.pc2", "--skin", "lbs", "--definition", 1), "--skin")
     animate("walk.bvh", "-o", "painted.pc2", "--weights", "painted.csv")
     t.check(difference(t.bytes("painted.pc2"), t.bytes("walk.pc2")) > 1e-3, "--weights")
     joints = re.findall(r"^\s*(?:ROOT|JOINT) (\S+)", open(t.path("walk.bvh"), encoding="utf-8").read(), re.M)
@@ -346,7 +353,7 @@ def animations(t):
                  "--map", "map.txt", "--up", "y", "--motion-fps", 30, "--limits", "keep", "--no-apart", "--no-plant", "--report", "bake.json", "--progress", "lines")
     bake = t.json("bake.json")["bake"]
     t.check(bake["morphs"] <= 4 and bake["helpers"] <= 6 and bake["frames"] == 24, "--morphs, --helpers")
-    t.run((0, 8), "bake", "anna-anatomy.glb", "walk.bvh", "-o", "planted.glb", "--morphs", 2, "--helpers", 0, "--samples", 8, "--plant")
+    t.run((0, 8), "bake", "anna-anatomy.glb", "walk.bvh", "-o", "planted.glb", "--morphs", 2, "--helpers", 0, "--samples", 8, "--plant", "--definition", 0)
 
     motions_of_other_formats(t)
 
@@ -475,7 +482,7 @@ def pictures(t):
     render("walk.bvh", "-o", "bare/%02d.png", *large, "--no-legend")
     t.check(png("legend/01.png") != png("bare/01.png"), "--no-legend")
     render("walk.bvh", "-o", "all/%02d.png", *base, "--weights", "painted.csv", "--map", "map.txt", "--up", "y", "--motion-fps", 30, "--limits", "keep", "--no-apart", "--no-plant")
-    render("jump.bvh", "-o", "loose/%02d.png", *base, "--plant", "--dynamics", "--activation", "auto")
+    render("jump.bvh", "-o", "loose/%02d.png", *base, "--plant", "--dynamics", "--definition", 1, "--activation", "auto")
     t.there("loose/01.png")
     still = lambda name, *words: render("-o", f"{name}.png", "--size", "160x120", *words)  # noqa: E731
     still("rest")
@@ -657,7 +664,7 @@ def window(t):
     t.check(t.bytes("a.png")[:4] == b"\x89PNG", "--screenshot")
     view("--sliders", "--sex", "female", "--measure", "stature=170cm", "--frames", 2, "-o", "edited.glb", codes=(0, 8))
     t.check(abs(measures(t, "edited.glb")["stature"] - 1.70) < 0.002, "--sliders --measure")
-    view("anna-anatomy.glb", "jump.bvh", "--frames", 2, "--dynamics", "--map", "map.txt", "--up", "y", "--motion-fps", 30, "--limits", "keep", "--no-apart",
+    view("anna-anatomy.glb", "jump.bvh", "--frames", 2, "--dynamics", "--definition", 0, "--map", "map.txt", "--up", "y", "--motion-fps", 30, "--limits", "keep", "--no-apart",
          "--no-plant")
     view("anna-anatomy.glb", "walk.bvh", "--frames", 2, "--plant")
     for name, words in (("back", ["--camera", "back"]), ("bones", ["--only", "femur_*,tibia_*"]), ("bare", ["--hide", "thigh"])):

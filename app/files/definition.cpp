@@ -1,0 +1,23 @@
+#include "app/files/definition.h"
+
+#include "anatomy/base_mesh/body_package.h"
+#include "anatomy/compute/smooth_step.h"
+#include "morph/measures/measure_table.h"
+#include "morph/measures/tape_measure.h"
+#include "morph/shapes/modify_body.h"
+
+namespace ecorche {
+
+double definition_of(Sex sex, double fat_share) {
+  const double all = sex == Sex::male ? 0.08 : 0.15, nothing = sex == Sex::male ? 0.18 : 0.25;
+  return 1 - smooth_step(all, nothing, fat_share);
+}
+
+double definition_of(const Assets& assets, Sex sex, const Points& base_skin) {
+  const BodyPackage package = read_body_package(assets);
+  if (base_skin.rows() != package.skin_size) return 0;
+  const TapeMeasure tape(package, read_measure_table(package, package.tables / "body"));
+  return definition_of(sex, 0.01 * fat_percentage(tape, sex, base_skin));
+}
+
+}  // namespace ecorche

@@ -1,0 +1,63 @@
+// Relief of the anatomy on the skin of the lean: muscles, tendons and bones stand out as the layer
+// over them is thin, and as they swell.
+//
+// Beneath each vertex the depth of the anatomy is measured (sample_depths.h), split into bands of
+// wavelengths (skin_smoothing.h), and what a layer of that thickness lets through is shown
+// (layer_filter.h). Vertices move along their normals, by some millimetres at most and the less the
+// thinner the body is there; not on the head, whose skin has its own form, and not in folds. The
+// mean over a region of kShape is zero, so that volumes stay. A function of skin and muscles of the
+// frame alone, continuous in both.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "anatomy/geometry/subdivide.h"
+#include "anatomy/posed_anatomy.h"
+#include "skinning/binding.h"
+#include "skinning/relief/sample_depths.h"
+#include "skinning/skin_frame.h"
+
+namespace ecorche::inline v1 {
+
+struct ReliefTables;  // skin_relief.cpp
+
+struct SkinRelief {
+  std::shared_ptr<const ReliefTables> data;  // null: none
+
+  bool empty() const { return data == nullptr; }
+};
+
+struct ReliefOptions {
+  double definition = 0;  // 0 none .. 1 all that the layer lets through
+};
+
+// All that a fine skin is made of, at rest.
+struct ReliefSkin {
+  const TriMesh& fine;
+  const TriMesh& base;
+  const Refinement& refinement;                 // of the base mesh
+  std::span<const JointWeights> joint_weights;  // of the fine skin
+};
+
+// Empty for a definition of 0. `rest`: the anatomy's rest pose.
+SkinRelief make_skin_relief(const Anatomy& anatomy, const PosedAnatomy& rest,
+                            const ReliefSkin& skin, const ReliefOptions& options);
+
+struct ReliefWorkspace {
+  PosedSamples samples;
+  SampleGrid grid;
+  std::vector<float> depth, fine, moved, half;
+  std::vector<float> band, wider, sum;
+  std::vector<float> openness;  // in, #base vertices: 0 in folds .. 1; empty: no folds
+  std::vector<float> relief;    // out, #V m, outward: as the skin was moved
+};
+
+// Moves the skin of a frame over its posed muscles; positions and normals. Throws
+// std::invalid_argument for an empty relief, and for skin or slices of other size than it was made
+// of.
+void add_relief(const SkinRelief& relief, const PosedAnatomy& posed, SkinFrame& skin,
+                ReliefWorkspace& workspace);
+
+}  // namespace ecorche::inline v1
