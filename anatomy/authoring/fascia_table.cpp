@@ -159,7 +159,9 @@ FasciaPlan described(const TableFascia& from, Side side) {
           {},
           from.rows,
           from.columns,
-          {}};
+          {},
+          FasciaPlan::Form::sheet,
+          0};
 }
 
 FasciaPlan place(const TableFascia& from, const MuscleTable& landmarks, const Anatomy& source,

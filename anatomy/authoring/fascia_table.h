@@ -30,6 +30,8 @@ struct TableFascia {
 
 // A sheet before it is laid, in a body.
 struct FasciaPlan {
+  // What lies on muscles and bones; a sleeve about the ends of bones; one about the room between.
+  enum class Form { sheet, capsule, disc };
   std::string name;
   Side side = Side::middle;
   std::string label, group;
@@ -37,6 +39,8 @@ struct FasciaPlan {
   std::vector<std::string> bones;
   int rows = 0, columns = 0;
   std::vector<PathPoint> points;  // rows * columns, row after row
+  Form form = Form::sheet;
+  int near = 0;  // of a sleeve, how many of the bones its first row lies on; its last on the others
 };
 
 // Reads data/fascia.txt; `landmarks` as read_muscle_table() gives it. Throws InputError

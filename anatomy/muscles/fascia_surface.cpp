@@ -20,6 +20,9 @@ constexpr double kReach = 0.03;  // m, what is farther carries nothing
 constexpr double kTouch = 1e-3;  // m, added to distances from bones that carry alone
 constexpr int kMostTerms = 8;
 constexpr int kSmoothRounds = 6;
+constexpr double kBeyond = 1.15;   // of a sleeve's radius: bones farther out push nothing
+constexpr float kClear = 1.5e-3f;  // m, the most that a point keeps over a bone
+constexpr int kPushRounds = 2;     // out of one bone may be into the other
 
 using Weights = std::map<int, double>;  // of carriers
 
@@ -98,14 +101,30 @@ Weights by_nearness(const Anatomy& anatomy, std::span<const Ellipse> slices, con
   return out;
 }
 
-// In inverse proportion to the distance: between two bones a straight line stays one.
+// In inverse proportion to the distance: between two bones a straight line stays one. Of more, the
+// nearest carries nearly all: the farther ones of a finger turn away from it.
 Weights by_bones(const Anatomy& anatomy, std::span<const Ellipse> slices, const FasciaSheet& sheet,
                  const Vec3& p) {
   Weights out;
   for (const std::string& name : sheet.bones) {
     const Bone& bone = anatomy.bones[find_bone(anatomy, name)];
-    out[int(slices.size()) + bone.joint] += 1 / (distance_to(bone, p) + kTouch);
+    const double near = 1 / (distance_to(bone, p) + kTouch);
+    out[int(slices.size()) + bone.joint] += sheet.bones.size() > 2 ? near * near * near : near;
   }
+  return out;
+}
+
+// Of a sleeve: rows in proportion, the outermost by one bone alone.
+Weights by_row(const Anatomy& anatomy, std::span<const Ellipse> slices, const FasciaSheet& sheet,
+               int row) {
+  const double share =
+      sheet.rows > 2 ? std::clamp((row - 0.5) / (sheet.rows - 2), 0.0, 1.0) : double(row);
+  const auto joint = [&](const std::string& name) {
+    return int(slices.size()) + anatomy.bones[std::size_t(find_bone(anatomy, name))].joint;
+  };
+  Weights out;
+  if (share < 1) out[joint(sheet.bones.front())] += 1 - share;
+  if (share > 0) out[joint(sheet.bones.back())] += share;
   return out;
 }
 
@@ -170,8 +189,9 @@ std::vector<Weights> weights_of(const Anatomy& anatomy, std::span<const Ellipse>
   const Nearby near = nearby(anatomy, slices, sheet);
   for (std::size_t i = 0; i < out.size(); ++i) {
     const Vec3 p = sheet.V.row(Eigen::Index(i));
-    out[i] = sheet.bones.empty() ? by_nearness(anatomy, slices, near, p)
-                                 : by_bones(anatomy, slices, sheet, p);
+    out[i] = is_sleeve(sheet)      ? by_row(anatomy, slices, sheet, int(i) / sheet.columns)
+             : sheet.bones.empty() ? by_nearness(anatomy, slices, near, p)
+                                   : by_bones(anatomy, slices, sheet, p);
     if (out[i].empty())
       out[i][int(slices.size())] = 1e-9;  // the root, until neighbours give theirs
     normalize(out[i]);
@@ -195,11 +215,80 @@ void add_places(const FasciaSheet& sheet, FasciaSurface& out) {
     }
 }
 
+// Of the ends of bones in a capsule, from its middle.
+std::vector<BoneReach> reaches_in(const Anatomy& anatomy, std::span<const Vec3> joints,
+                                  const FasciaSheet& sheet) {
+  const Vec3 middle = sheet.V.colwise().mean(),
+             first = sheet.V.topRows(sheet.columns).colwise().mean(),
+             last = sheet.V.bottomRows(sheet.columns).colwise().mean();
+  const double radius = (sheet.V.rowwise() - middle.transpose()).rowwise().norm().maxCoeff();
+  std::vector<BoneReach> out;
+  if (radius < 1e-4 || (last - first).norm() < 1e-6) return out;
+  for (const std::string& name : sheet.bones) {
+    const Bone& bone = anatomy.bones[std::size_t(find_bone(anatomy, name))];
+    out.push_back(bone_reach(bone.mesh, bone.joint, joints[std::size_t(bone.joint)], middle,
+                             (last - first).normalized(), kBeyond * radius));
+  }
+  return out;
+}
+
+// A band over a joint names both bones that its capsule ends on.
+bool passes_over(const FasciaSheet& band, const FasciaSheet& capsule) {
+  const auto has = [&](const std::string& bone) {
+    return std::ranges::find(band.bones, bone) != band.bones.end();
+  };
+  return !is_sleeve(band) && is_sleeve(capsule) && has(capsule.bones.front()) &&
+         has(capsule.bones.back());
+}
+
+// From the middle of the joint that a bone's reach is seen from, at rest.
+Eigen::Vector3f from_middle(const BoneReach& reach, std::span<const Vec3> joints, const Vec3& p) {
+  return (p - joints[std::size_t(reach.joint)]).cast<float>() - reach.centre;
+}
+
+void add_reaches(const Anatomy& anatomy, std::span<const Vec3> joints, FasciaSurface& out) {
+  std::vector<std::vector<BoneReach>> found(out.parts.size());
+  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t n) {
+    const FasciaSheet& sheet = anatomy.fascia[n];
+    if (is_sleeve(sheet)) found[n] = reaches_in(anatomy, joints, sheet);
+  });
+  for (std::size_t n = 0; n < found.size(); ++n)
+    for (BoneReach& reach : found[n]) {
+      out.parts[n].reaches.push_back(int(out.reaches.size()));
+      out.reaches.push_back(std::move(reach));
+    }
+  for (FasciaSurface::Part& part : out.parts)
+    for (const FasciaSurface::Part& capsule : out.parts)
+      if (passes_over(anatomy.fascia[part.sheet], anatomy.fascia[capsule.sheet]))
+        part.reaches.insert(part.reaches.end(), capsule.reaches.begin(), capsule.reaches.end());
+  for (FasciaSurface::Part& part : out.parts) {
+    part.push_begin = int(out.clearances.size());
+    const FasciaSheet& sheet = anatomy.fascia[part.sheet];
+    for (int i = 0; i < part.vertex_end - part.vertex_begin; ++i)
+      for (const int k : part.reaches) {
+        const bool edge = cells_from_edge(sheet.rows, sheet.columns, i, is_sleeve(sheet)) == 0;
+        const Eigen::Vector3f at = from_middle(out.reaches[k], joints, sheet.V.row(i));
+        const float over = at.norm() - reach_toward(out.reaches[k], at);
+        out.clearances.push_back(edge ? -1 : std::min(kClear, over));
+      }
+  }
+}
+
 }  // namespace
 
-int cells_from_edge(int rows, int columns, int point) {
-  const int row = point / columns, column = point % columns;
-  return std::min(std::min(row, rows - 1 - row), std::min(column, columns - 1 - column));
+bool is_sleeve(const FasciaSheet& sheet) {
+  if (sheet.bones.size() < 2 || sheet.columns < 4) return false;
+  for (int r = 0; r < sheet.rows; ++r) {
+    const Eigen::Index first = Eigen::Index(r) * sheet.columns;
+    if (sheet.V.row(first) != sheet.V.row(first + sheet.columns - 1)) return false;
+  }
+  return true;
+}
+
+int cells_from_edge(int rows, int columns, int point, bool sleeve) {
+  const int row = point / columns, column = point % columns,
+            from_ends = std::min(row, rows - 1 - row);
+  return sleeve ? from_ends : std::min(from_ends, std::min(column, columns - 1 - column));
 }
 
 FasciaSurface make_fascia_surface(const Anatomy& anatomy) {
@@ -225,13 +314,21 @@ FasciaSurface make_fascia_surface(const Anatomy& anatomy) {
     out.belly.insert(out.belly.end(), sheet.belly.begin(), sheet.belly.end());
     add_places(sheet, out);
     faces.push_back(grid_triangles(sheet.rows, sheet.columns).array() + begin);
-    out.parts.push_back(
-        {int(n), begin, out.vertices(), int(face_count), int(face_count + faces.back().rows())});
+    out.parts.push_back({int(n),
+                         begin,
+                         out.vertices(),
+                         int(face_count),
+                         int(face_count + faces.back().rows()),
+                         sheet.columns,
+                         is_sleeve(sheet),
+                         {},
+                         0});
     face_count += faces.back().rows();
   }
   out.F.resize(face_count, 3);
   for (std::size_t n = 0; n < faces.size(); ++n)
     out.F.middleRows(out.parts[n].face_begin, faces[n].rows()) = faces[n];
+  add_reaches(anatomy, joints, out);
   return out;
 }
 
@@ -258,13 +355,51 @@ Eigen::Vector3f carried(const FasciaSurface& surface, const PosedAnatomy& posed,
   return p;
 }
 
+// Away from the middle of the joint, as far as the bone reaches in that direction.
+void push_out(const FasciaSurface& surface, const PosedAnatomy& posed,
+              const FasciaSurface::Part& part, int i, Eigen::Vector3f& p) {
+  const std::size_t count = part.reaches.size();
+  const float* clearance =
+      &surface
+           .clearances[std::size_t(part.push_begin) + std::size_t(i - part.vertex_begin) * count];
+  for (int round = 0; round < kPushRounds; ++round)
+    for (std::size_t k = 0; k < count; ++k) {
+      if (clearance[k] < 0) continue;
+      const BoneReach& reach = surface.reaches[part.reaches[k]];
+      const Transform& X_WJ = posed.X_WJ[std::size_t(reach.joint)];
+      const Eigen::Vector3f middle = (X_WJ * reach.centre.cast<double>()).cast<float>(),
+                            offset = p - middle;
+      const float length = offset.norm();
+      if (length > reach.most + kClear || length < 1e-6f) continue;
+      const float wanted =
+          reach_toward(reach, X_WJ.linear().cast<float>().transpose() * offset) + clearance[k];
+      if (length < wanted) p = middle + wanted / length * offset;
+    }
+}
+
 }  // namespace
 
 void update_fascia_surface(const FasciaSurface& surface, const PosedAnatomy& posed,
                            PointsF& positions, PointsF* normals) {
   positions.resize(surface.vertices(), 3);
-  for (int i = 0; i < surface.vertices(); ++i) positions.row(i) = carried(surface, posed, i);
-  if (normals) find_normals(surface.F, positions, *normals);
+  tbb::parallel_for(std::size_t{0}, surface.parts.size(), [&](std::size_t n) {
+    const FasciaSurface::Part& part = surface.parts[n];
+    for (int i = part.vertex_begin; i < part.vertex_end; ++i) {
+      Eigen::Vector3f p = carried(surface, posed, i);
+      if (!part.reaches.empty()) push_out(surface, posed, part, i, p);
+      positions.row(i) = p;
+    }
+  });
+  if (!normals) return;
+  find_normals(surface.F, positions, *normals);
+  for (const FasciaSurface::Part& part : surface.parts) {
+    if (!part.sleeve) continue;
+    for (int i = part.vertex_begin; i < part.vertex_end; i += part.columns) {
+      const int last = i + part.columns - 1;
+      normals->row(i) = (normals->row(i) + normals->row(last)).normalized();
+      normals->row(last) = normals->row(i);
+    }
+  }
 }
 
 }  // namespace ecorche::inline v1

@@ -3,10 +3,15 @@
 // Each point is carried by the sections and bones that it lies near at rest, by weights that fall
 // with the distance and are smoothed along the sheet. A section carries a point rigidly, but for
 // the outline: as that swells or flattens towards the point, the point goes with it.
+//
+// Capsules of joints are sleeves whose rows are carried by the bone at either end, in proportion;
+// what that sinks into the ends of the bones is pushed out of them again, away from the middle of
+// the joint, and so are bands that both bones carry over the joint (tendons over knuckles).
 #pragma once
 
 #include <vector>
 
+#include "anatomy/muscles/bone_reach.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "anatomy/posed_anatomy.h"
 
@@ -29,6 +34,10 @@ struct FasciaSurface {
     int sheet = 0;
     int vertex_begin = 0, vertex_end = 0;
     int face_begin = 0, face_end = 0;
+    int columns = 0;
+    bool sleeve = false;
+    std::vector<int> reaches;  // of bones that push it
+    int push_begin = 0;        // of its points' clearances, point after point
   };
   Triangles F;                  // outward
   std::vector<int> term_begin;  // #V + 1
@@ -36,12 +45,19 @@ struct FasciaSurface {
   std::vector<float> belly;          // #V, as FasciaSheet has it
   std::vector<float> across, along;  // #V, m, of a sheet's mean rows and columns (for fibres)
   std::vector<Part> parts;           // one a sheet, in the anatomy's order
-  int slices = 0;                    // of all muscles
+  std::vector<BoneReach> reaches;    // of bones in capsules
+  // m that a point keeps over a bone's reach; negative: it lies within at rest and is not pushed
+  std::vector<float> clearances;
+  int slices = 0;  // of all muscles
   int vertices() const { return int(belly.size()); }
 };
 
+// A sleeve: the last column lies on the first. Its first row is carried by the first of its bones,
+// its last row by the last.
+bool is_sleeve(const FasciaSheet& sheet);
+
 // Cells between a point of a grid, counted row after row, and the nearest edge.
-int cells_from_edge(int rows, int columns, int point);
+int cells_from_edge(int rows, int columns, int point, bool sleeve = false);
 
 // Precondition: a valid anatomy.
 FasciaSurface make_fascia_surface(const Anatomy& anatomy);

@@ -11,6 +11,7 @@
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/fascia_surface.h"
 #include "anatomy/muscles/muscle_surface.h"
+#include "morph/fascia/lay_sleeve.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -242,15 +243,19 @@ std::vector<FasciaPlan> carry_fascia(const std::vector<FasciaPlan>& plans, const
 std::vector<FasciaSheet> lay_fascia(std::span<const FasciaPlan> plans, const Anatomy& anatomy,
                                     const SkinRays& skin) {
   if (plans.empty()) return {};
-  const Tissue tissue = tissue_of(anatomy);
-  std::vector<FasciaSheet> out(plans.size());
-  tbb::parallel_for(std::size_t{0}, plans.size(),
-                    [&](std::size_t i) { out[i] = lay(plans[i], tissue, skin); });
-  std::erase_if(out, [&](const FasciaSheet& sheet) {
-    return !sheet.V.allFinite() || std::ranges::any_of(sheet.bones, [&](const std::string& bone) {
-      return find_bone(anatomy, bone) < 0;
-    });
+  std::vector<FasciaPlan> present(plans.begin(), plans.end());
+  std::erase_if(present, [&](const FasciaPlan& plan) {
+    return std::ranges::any_of(
+        plan.bones, [&](const std::string& bone) { return find_bone(anatomy, bone) < 0; });
   });
+  const Tissue tissue = tissue_of(anatomy);
+  std::vector<FasciaSheet> out(present.size());
+  tbb::parallel_for(std::size_t{0}, present.size(), [&](std::size_t i) {
+    out[i] = present[i].form == FasciaPlan::Form::sheet
+                 ? lay(present[i], tissue, skin)
+                 : lay_sleeve(present[i], anatomy, tissue.rays, skin);
+  });
+  std::erase_if(out, [](const FasciaSheet& sheet) { return !sheet.V.allFinite(); });
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "anatomy/authoring/capsule_table.h"
 #include "anatomy/authoring/fascia_table.h"
 #include "anatomy/authoring/muscle_placement.h"
 #include "anatomy/authoring/muscle_table.h"
@@ -88,8 +89,11 @@ Template build_template(const Assets& assets) {
   const CarryMap by_joint = [&](const Vec3& x, int joint) { return warp.by_joint(joint, x); };
   const MuscleTable table = read_muscle_table(assets.tables);
   out.anatomy.muscles = carry_muscles(place_muscles(table, source), by_joint);
-  tables.fascia =
-      carry_fascia(place_fascia(read_fascia_table(assets.tables, table), table, source), by_joint);
+  std::vector<FasciaPlan> plans =
+      place_fascia(read_fascia_table(assets.tables, table), table, source);
+  for (FasciaPlan& plan : place_capsules(read_capsule_rules(assets.tables), source))
+    plans.push_back(std::move(plan));
+  tables.fascia = carry_fascia(plans, by_joint);
   double listed = 0;
   for (const Muscle& muscle : out.anatomy.muscles)
     if (!lies_in_fat(muscle)) listed += muscle.volume;  // those of the skin are not weighed

@@ -159,7 +159,7 @@ void field(A& a, FasciaSheet& x) {
 template <class A>
 void field(A& a, FasciaPlan& x) {
   fields(a, x.name, x.side, x.label, x.group, x.thickness, x.fade, x.bones, x.rows, x.columns,
-         x.points);
+         x.points, x.form, x.near);
 }
 template <class A>
 void field(A& a, Landmark& x) {

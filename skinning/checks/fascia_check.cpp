@@ -23,7 +23,8 @@ FasciaFigures measure_fascia(const Anatomy& anatomy, const FasciaSurface& surfac
     const FasciaSheet& sheet = anatomy.fascia[part.sheet];
     for (int i = part.vertex_begin; i < part.vertex_end; ++i) {
       out.outside += in_skin[i] == 0;
-      const int from_edge = cells_from_edge(sheet.rows, sheet.columns, i - part.vertex_begin);
+      const int from_edge =
+          cells_from_edge(sheet.rows, sheet.columns, i - part.vertex_begin, is_sleeve(sheet));
       if (from_edge < kMargin || in_muscle[i] == 0) continue;
       out.pierced += nearest.nearest(at.row(i)).distance > kDeep;
     }
