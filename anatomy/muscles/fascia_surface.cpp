@@ -3,10 +3,12 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <map>
 #include <numbers>
+#include <set>
 #include <span>
 
 #include "anatomy/muscles/action_line.h"
@@ -20,9 +22,10 @@ constexpr double kReach = 0.03;  // m, what is farther carries nothing
 constexpr double kTouch = 1e-3;  // m, added to distances from bones that carry alone
 constexpr int kMostTerms = 8;
 constexpr int kSmoothRounds = 6;
-constexpr double kBeyond = 1.15;   // of a sleeve's radius: bones farther out push nothing
-constexpr float kClear = 1.5e-3f;  // m, the most that a point keeps over a bone
-constexpr int kPushRounds = 2;     // out of one bone may be into the other
+constexpr double kBeyond = 1.15;          // of a sleeve's radius: bones farther out push nothing
+constexpr float kClear = 1.5e-3f;         // m, the most that a point keeps over a bone
+constexpr std::size_t kMostReaches = 16;  // that push one sheet
+constexpr int kPushRounds = 2;            // out of one bone may be into the other
 
 using Weights = std::map<int, double>;  // of carriers
 
@@ -224,7 +227,12 @@ std::vector<BoneReach> reaches_in(const Anatomy& anatomy, std::span<const Vec3> 
   const double radius = (sheet.V.rowwise() - middle.transpose()).rowwise().norm().maxCoeff();
   std::vector<BoneReach> out;
   if (radius < 1e-4 || (last - first).norm() < 1e-6) return out;
+  std::set<int> carriers;
+  for (const std::string& name : sheet.bones)
+    carriers.insert(anatomy.bones[std::size_t(find_bone(anatomy, name))].joint);
+  if (carriers.size() < 2) return out;  // nothing moves in it
   for (const std::string& name : sheet.bones) {
+    if (out.size() == kMostReaches) break;
     const Bone& bone = anatomy.bones[std::size_t(find_bone(anatomy, name))];
     out.push_back(bone_reach(bone.mesh, bone.joint, joints[std::size_t(bone.joint)], middle,
                              (last - first).normalized(), kBeyond * radius));
@@ -260,7 +268,8 @@ void add_reaches(const Anatomy& anatomy, std::span<const Vec3> joints, FasciaSur
   for (FasciaSurface::Part& part : out.parts)
     for (const FasciaSurface::Part& capsule : out.parts)
       if (passes_over(anatomy.fascia[part.sheet], anatomy.fascia[capsule.sheet]))
-        part.reaches.insert(part.reaches.end(), capsule.reaches.begin(), capsule.reaches.end());
+        for (const int reach : capsule.reaches)
+          if (part.reaches.size() < kMostReaches) part.reaches.push_back(reach);
   for (FasciaSurface::Part& part : out.parts) {
     part.push_begin = int(out.clearances.size());
     const FasciaSheet& sheet = anatomy.fascia[part.sheet];
@@ -355,26 +364,62 @@ Eigen::Vector3f carried(const FasciaSurface& surface, const PosedAnatomy& posed,
   return p;
 }
 
+// Where the bones that push a sheet are in a pose.
+struct PosedReach {
+  Eigen::Vector3f middle;
+  Eigen::Matrix3f to_rest;  // directions
+};
+using PosedReaches = std::array<PosedReach, kMostReaches>;
+void pose_reaches(const FasciaSurface& surface, const PosedAnatomy& posed,
+                  const FasciaSurface::Part& part, PosedReaches& out) {
+  for (std::size_t k = 0; k < part.reaches.size(); ++k) {
+    const BoneReach& reach = surface.reaches[part.reaches[k]];
+    const Transform& X_WJ = posed.X_WJ[std::size_t(reach.joint)];
+    out[k].middle = (X_WJ * reach.centre.cast<double>()).cast<float>();
+    out[k].to_rest = X_WJ.linear().cast<float>().transpose();
+  }
+}
+
 // Away from the middle of the joint, as far as the bone reaches in that direction.
-void push_out(const FasciaSurface& surface, const PosedAnatomy& posed,
+void push_out(const FasciaSurface& surface, const PosedReaches& reaches,
               const FasciaSurface::Part& part, int i, Eigen::Vector3f& p) {
   const std::size_t count = part.reaches.size();
   const float* clearance =
       &surface
            .clearances[std::size_t(part.push_begin) + std::size_t(i - part.vertex_begin) * count];
-  for (int round = 0; round < kPushRounds; ++round)
+  bool pushed = true;
+  for (int round = 0; round < kPushRounds && pushed; ++round) {
+    pushed = false;
     for (std::size_t k = 0; k < count; ++k) {
       if (clearance[k] < 0) continue;
       const BoneReach& reach = surface.reaches[part.reaches[k]];
-      const Transform& X_WJ = posed.X_WJ[std::size_t(reach.joint)];
-      const Eigen::Vector3f middle = (X_WJ * reach.centre.cast<double>()).cast<float>(),
-                            offset = p - middle;
+      const Eigen::Vector3f offset = p - reaches[k].middle;
       const float length = offset.norm();
       if (length > reach.most + kClear || length < 1e-6f) continue;
-      const float wanted =
-          reach_toward(reach, X_WJ.linear().cast<float>().transpose() * offset) + clearance[k];
-      if (length < wanted) p = middle + wanted / length * offset;
+      const float wanted = reach_toward(reach, reaches[k].to_rest * offset) + clearance[k];
+      if (length >= wanted) continue;
+      p = reaches[k].middle + wanted / length * offset;
+      pushed = true;
     }
+  }
+}
+
+// Of a sleeve over a joint that moves: about the middle of the joint, turned as far between its two
+// ends as a row's share says, so that what is stretched over a bent joint spreads evenly over it.
+Eigen::Vector3f carried_about(const FasciaSurface& surface, const PosedAnatomy& posed,
+                              const FasciaSurface::Part& part, const PosedReaches& reaches, int i) {
+  const BoneReach& first = surface.reaches[part.reaches.front()];
+  const auto to_world = [](const PosedReach& reach) {
+    return Eigen::Quaternionf(Eigen::Matrix3f(reach.to_rest.transpose()));
+  };
+  const int begin = surface.term_begin[i];
+  if (surface.term_begin[i + 1] - begin != 2) return carried(surface, posed, i);
+  const FasciaSurface::Term* own = &surface.terms[begin];
+  if (own->carrier != surface.slices + first.joint) ++own;
+  const float share = 1 - own->weight;
+  const PosedReach &from = reaches[0], &to = reaches[part.reaches.size() - 1];
+  const Eigen::Quaternionf turn = to_world(from).slerp(share, to_world(to));
+  return (1 - share) * from.middle + share * to.middle + turn * (own->at - first.centre);
 }
 
 }  // namespace
@@ -384,9 +429,13 @@ void update_fascia_surface(const FasciaSurface& surface, const PosedAnatomy& pos
   positions.resize(surface.vertices(), 3);
   tbb::parallel_for(std::size_t{0}, surface.parts.size(), [&](std::size_t n) {
     const FasciaSurface::Part& part = surface.parts[n];
+    PosedReaches reaches;
+    pose_reaches(surface, posed, part, reaches);
     for (int i = part.vertex_begin; i < part.vertex_end; ++i) {
-      Eigen::Vector3f p = carried(surface, posed, i);
-      if (!part.reaches.empty()) push_out(surface, posed, part, i, p);
+      Eigen::Vector3f p = part.sleeve && !part.reaches.empty()
+                              ? carried_about(surface, posed, part, reaches, i)
+                              : carried(surface, posed, i);
+      if (!part.reaches.empty()) push_out(surface, reaches, part, i, p);
       positions.row(i) = p;
     }
   });

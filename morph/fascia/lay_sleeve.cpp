@@ -11,12 +11,13 @@
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kSleeveCell = 4.5e-3;  // m, between points
-constexpr int kFewestAround = 16, kMostAround = 44, kFewestAlong = 6, kMostAlong = 18;
+constexpr double kSleeveCell = 5e-3;  // m, between points
+constexpr int kFewestAround = 14, kMostAround = 40, kFewestAlong = 5, kMostAlong = 18;
 constexpr double kSleeveUnderSkin = 1.0e-3;  // m that a sleeve keeps from the skin
 constexpr double kUnderMuscle = 0.3e-3;      // m that it keeps from what lies over it
 constexpr double kSleeveTuck = 0.5e-3;       // m that its ends lie in the bones
 constexpr double kClear = 0.1e-3;            // m off a bone's surface, for rays that start there
+constexpr double kLeast = 0.5e-3;            // m over bones, even where muscle lies on them
 constexpr int kSleeveSweeps = 200;
 constexpr double kSleeveRelaxation = 1.5;
 constexpr int kSmoothRounds = 2;  // of a disc's rim
@@ -113,16 +114,18 @@ double way_out(const SkinRays& bones, const Vec3& middle, const Vec3& toward, do
   return -1;
 }
 
-// As far as muscle, other bone and skin leave room above a radius.
-double room(const SkinRays& tissue, const SkinRays& skin, const Vec3& middle, const Vec3& toward,
-            double from, double reach) {
+// As far as muscle and other bone leave room above a radius.
+double room(const SkinRays& tissue, const Vec3& middle, const Vec3& toward, double from,
+            double reach) {
   const RayHit over = tissue.first_hit(middle, toward, reach, from + kClear);
-  double most = reach;
-  if (over.triangle >= 0)  // leaving something at first: a muscle that reaches into the bone
-    most = over.facing < 0 ? over.distance - kUnderMuscle : from;
+  if (over.triangle < 0) return reach;
+  // leaving something at first: a muscle that reaches into the bone
+  return over.facing < 0 ? over.distance - kUnderMuscle : from;
+}
+
+double under_skin(const SkinRays& skin, const Vec3& middle, const Vec3& toward, double reach) {
   const RayHit out = skin.first_hit(middle, toward, 2 * reach);
-  if (out.triangle >= 0 && out.facing > 0) most = std::min(most, out.distance - kSleeveUnderSkin);
-  return most;
+  return out.triangle >= 0 && out.facing > 0 ? out.distance - kSleeveUnderSkin : reach;
 }
 
 double median(std::vector<double> values) {
@@ -174,16 +177,14 @@ void stretch_capsule(const FasciaPlan& plan, const Anatomy& anatomy, const SkinR
   for (std::size_t i = 0; i < sleeve.toward.size(); ++i) {
     const int row = int(i) / sleeve.columns;
     const double bone = sleeve.free[i] ? 0.5 * usual : sleeve.low[i];
-    sleeve.high[i] =
-        room(tissue, skin, sleeve.middle[row], sleeve.toward[i], bone, sleeve.reach[i]);
+    const Vec3 &middle = sleeve.middle[row], &toward = sleeve.toward[i];
+    const double under = under_skin(skin, middle, toward, sleeve.reach[i]),
+                 over = room(tissue, middle, toward, bone, sleeve.reach[i]);
     const bool end = row == 0 || row == last;
     const double share = std::min(1.0, std::min(row, last - row) / 2.0);
-    if (sleeve.free[i])
-      sleeve.low[i] = 0;
-    else
-      sleeve.low[i] = std::min(bone + (end ? -kSleeveTuck : share * plan.thickness),
-                               std::max(bone, sleeve.high[i]));
-    sleeve.high[i] = std::max(sleeve.high[i], sleeve.low[i]);
+    const double raised = std::max(bone + kLeast, std::min(bone + share * plan.thickness, over));
+    sleeve.low[i] = sleeve.free[i] ? 0 : std::min(end ? bone - kSleeveTuck : raised, under);
+    sleeve.high[i] = std::max(std::min(over, under), sleeve.low[i]);
     sleeve.radius[i] = sleeve.free[i] ? std::min(usual, sleeve.high[i]) : sleeve.low[i];
   }
   for (const int row : {0, last}) fill_ring(sleeve, row);
