@@ -8,7 +8,8 @@ namespace ecorche::inline v1 {
 namespace {
 
 constexpr int kLatitudes = 24, kLongitudes = 48;
-constexpr double kSample = 0.06;  // of `most`, between samples of a triangle
+constexpr double kSample = 0.03;  // of `most`, between samples of a triangle
+constexpr int kFillRounds = 2;
 constexpr float kHalfTurn = std::numbers::pi_v<float>;
 
 struct SphereCell {
@@ -77,7 +78,7 @@ BoneReach bone_reach(const TriMesh& bone, int joint, const Vec3& joint_at, const
         reach = std::max(reach, far);
       }
   }
-  fill_misses(out.reach);
+  for (int round = 0; round < kFillRounds; ++round) fill_misses(out.reach);
   return out;
 }
 
