@@ -109,7 +109,15 @@ int run_lift(LiftVerbOptions options, const Common& common, Report& report) {
                   lift.last.time, model.sheet->mesh.V.rows(), lift.seconds,
                   report.number("lift.times_real_time"), report.number("lift.contact_force"),
                   report.number("lift.weight"), report.number("lift.strap_force")));
-  return tell_missed_force("lift", kForceError, common, report);
+  const int code = tell_missed_force("lift", kForceError, common, report);
+  const double mattress = report.number("lift.mattress_force");
+  if (mattress <= kForceError * report.number("lift.weight")) return code;
+  const std::string missed = fmt::format(
+      "the person does not hang free: {:.1f} N are still on the mattress; take another sheet",
+      mattress);
+  note(common, "missed: " + missed);
+  report.append_text("missed", missed);
+  return 8;
 }
 
 }  // namespace
