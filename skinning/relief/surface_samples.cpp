@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <set>
 
 #include "anatomy/compute/parallel_ranges.h"
 #include "anatomy/geometry/mesh_measures.h"
@@ -17,6 +18,9 @@ constexpr double kDeepest = 0.04;       // m below the skin: nothing shows from 
 constexpr double kCovered = 0.0015;     // m: what lies nearer over a point does not hide it
 constexpr double kFacing = 0.1;         // cosine between surface and skin, from which it is seen
 constexpr double kBoneSpacing = 0.004;  // m
+// m, sides of cubes of which each has one sample of muscles and fascia. Smaller: frames take
+// longer.
+constexpr double kSpacing = 0.0045;
 constexpr std::size_t kPieceVertices = 8192;
 // Tendinous intersections: m, how deep they bind the surface and half their length along it.
 // Depth: grooves over the rectus of lean men in photographs and ultrasound are of 2 to 4 mm.
@@ -99,16 +103,28 @@ void find_dents(const std::vector<const Strip*>& strip_of, SurfaceSamples::Piece
   }
 }
 
+using Cube = std::array<int, 3>;
+Cube cube_at(const Vec3& p, double side) {
+  Cube out{};
+  for (int k = 0; k < 3; ++k) out[k] = int(std::floor(p[k] / side));
+  return out;
+}
+
+// Keeps the first of the seen points in each cube that is not taken yet.
+void thin_out(const Points& V, std::set<Cube>& taken, std::vector<char>& seen) {
+  for (std::size_t v = 0; v < seen.size(); ++v)
+    seen[v] = seen[v] && taken.insert(cube_at(V.row(Eigen::Index(v)), kSpacing)).second;
+}
+
 // Seen points of a bone, one in a cube of kBoneSpacing.
 void add_bone(const Bone& bone, const Vec3& joint, const SkinView& view, SurfaceSamples& out) {
   const Points normals = vertex_normals(bone.mesh);
-  std::map<std::array<int, 3>, std::pair<Vec3, Vec3>> cubes;
-  std::map<std::array<int, 3>, int> members;
+  std::map<Cube, std::pair<Vec3, Vec3>> cubes;
+  std::map<Cube, int> members;
   for (Eigen::Index v = 0; v < bone.mesh.V.rows(); ++v) {
     const Vec3 p = bone.mesh.V.row(v), n = normals.row(v);
     if (n.norm() < 0.5 || !view.sees(p, n)) continue;
-    std::array<int, 3> cube{};
-    for (int k = 0; k < 3; ++k) cube[k] = int(std::floor(p[k] / kBoneSpacing));
+    const Cube cube = cube_at(p, kBoneSpacing);
     auto [at, fresh] = cubes.try_emplace(cube, Vec3::Zero(), Vec3::Zero());
     at->second.first += p;
     at->second.second += n;
@@ -167,7 +183,9 @@ SurfaceSamples sample_surfaces(const Anatomy& anatomy, const PosedAnatomy& rest,
   for (const Bone& bone : anatomy.bones) append(bone.mesh.V, bone.mesh.F, points, faces);
   const SkinView view(skin, to_mesh(points, faces));
 
-  const std::vector<char> seen = seen_vertices(view, at, muscles.F, counts);
+  std::vector<char> seen = seen_vertices(view, at, muscles.F, counts);
+  std::set<Cube> taken;
+  thin_out(at, taken, seen);
   const std::vector<const Strip*> strip_of = strips_of_slices(anatomy);
   for (std::size_t p = 0; p < muscles.parts.size();) {
     const int begin = muscles.parts[p].face_begin, first = muscles.parts[p].vertex_begin;
@@ -181,8 +199,9 @@ SurfaceSamples sample_surfaces(const Anatomy& anatomy, const PosedAnatomy& rest,
     if (!piece.sample.empty()) out.pieces.push_back(std::move(piece));
     p = next;
   }
-  const std::vector<char> seen_fascia = seen_vertices(
-      view, fascia.cast<double>(), out.fascia.F, std::vector<char>(std::size_t(fascia.rows()), 1));
+  std::vector<char> seen_fascia = seen_vertices(view, fascia.cast<double>(), out.fascia.F,
+                                                std::vector<char>(std::size_t(fascia.rows()), 1));
+  thin_out(fascia.cast<double>(), taken, seen_fascia);
   for (std::size_t v = 0; v < seen_fascia.size(); ++v)
     if (seen_fascia[v]) out.fascia_sample.push_back(int(v));
   const std::vector<Vec3> joints = rest_positions(anatomy.skeleton);
