@@ -16,7 +16,7 @@ constexpr double kBodyDensity = 985;  // kg/m^3, of a body that has breathed in
 
 }  // namespace
 
-CarriedActor carried_actor(const std::filesystem::path& file, const TissueOptions& tissue,
+CarriedActor carried_actor(const std::filesystem::path& file, const FleshOptions& tissue,
                            const Common& common, Report& report) {
   CarriedActor out;
   auto actor =

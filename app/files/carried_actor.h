@@ -19,7 +19,7 @@ struct CarriedActor {
 
 // Mass from the body, or from its volume where it is not known. Throws as open_character() and
 // make_actor(), UnfitError for another skeleton than ours.
-CarriedActor carried_actor(const std::filesystem::path& file, const TissueOptions& tissue,
+CarriedActor carried_actor(const std::filesystem::path& file, const FleshOptions& tissue,
                            const Common& common, Report& report);
 
 // 8, with a note and under `missed`, where NAME.contact_force is further from NAME.weight than a

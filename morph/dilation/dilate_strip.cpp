@@ -46,7 +46,7 @@ void smooth_shifts(std::vector<Vec2>& shifts) {
 }
 
 // Tendons stay, and the layer gives way. `tendon`: 0 on the belly .. 1.
-void thin_layer_over(const Section& section, double tendon, std::vector<HalfPlane>& room) {
+void thin_layer_over(const SliceSection& section, double tendon, std::vector<HalfPlane>& room) {
   for (HalfPlane& plane : room) {
     const double beyond = section.support(plane.normal) - plane.bound - plane.give - kTendonGives;
     const double thinned = tendon * std::clamp(kThinned * beyond, 0.0, kMostThinned * plane.layer);
@@ -56,7 +56,7 @@ void thin_layer_over(const Section& section, double tendon, std::vector<HalfPlan
 }
 
 // From a section to the skin, m; nothing is known where no ray ended on it.
-double room_to_skin(const Section& section, std::span<const HalfPlane> room) {
+double room_to_skin(const SliceSection& section, std::span<const HalfPlane> room) {
   double least = std::numeric_limits<double>::infinity();
   for (const HalfPlane& plane : room)
     least = std::min(least, plane.bound + plane.layer - section.support(plane.normal));
@@ -126,7 +126,7 @@ StripCount grow_strip(const Strip& strip, std::span<Ellipse> slices, bool grows,
                       const SkinRays& rays, const FatLayer& fat, const GrowthLimits& limits) {
   StripCount count;
   std::vector<std::vector<HalfPlane>> rooms(slices.size());
-  std::vector<Section> sections(slices.size());
+  std::vector<SliceSection> sections(slices.size());
   std::vector<Vec2> shifts(slices.size(), Vec2::Zero());
   for (std::size_t k = 0; k < slices.size(); ++k) {
     sections[k].radii = slices[k].radii;
@@ -152,7 +152,7 @@ StripCount grow_strip(const Strip& strip, std::span<Ellipse> slices, bool grows,
     sections[k].center += shifts[k];
     sections[k].radii += shifts[k].cwiseAbs();
   }
-  const std::vector<Section> before = sections;
+  const std::vector<SliceSection> before = sections;
   for (int round = 0; round < 3; ++round) {
     for (std::size_t k = 0; k < slices.size(); ++k) {
       press_in(sections[k], rooms[k], limits.least);

@@ -78,7 +78,7 @@ void press(Ellipse& slice, const Push& push) {
     slice.radii *= std::max(1 - push.depth / std::max(slice.radii.minCoeff(), 1e-6), 0.5);
     return;
   }
-  Section section{Vec2::Zero(), slice.radii};
+  SliceSection section{Vec2::Zero(), slice.radii};
   const Vec2 n = across / sine;
   const HalfPlane plane{n, section.support(n) - push.depth / sine, 0, 0};
   press_in(section, {&plane, 1}, kLeast);

@@ -89,7 +89,7 @@ RoomCount find_room(Ellipse& slice, std::span<const Vec2> directions, const Skin
   return result;
 }
 
-double worst_excess(const Section& section, std::span<const HalfPlane> room, int* which) {
+double worst_excess(const SliceSection& section, std::span<const HalfPlane> room, int* which) {
   double worst = -std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < room.size(); ++k) {
     const double excess = section.support(room[k].normal) - room[k].bound - room[k].give;
@@ -100,7 +100,7 @@ double worst_excess(const Section& section, std::span<const HalfPlane> room, int
   return worst;
 }
 
-void press_in(Section& section, std::span<const HalfPlane> room, double least) {
+void press_in(SliceSection& section, std::span<const HalfPlane> room, double least) {
   const Vec2 smallest = least * section.radii;
   constexpr int kRounds = 24;
   constexpr double kEnough = 2e-5;  // m
@@ -124,7 +124,7 @@ void press_in(Section& section, std::span<const HalfPlane> room, double least) {
 namespace {
 
 // The body's outside as seen from a section: the mean direction of the half planes that are near.
-Vec2 outwards(const Section& section, std::span<const HalfPlane> room) {
+Vec2 outwards(const SliceSection& section, std::span<const HalfPlane> room) {
   const double scale = section.radii.maxCoeff();
   Vec2 sum = Vec2::Zero();
   for (const HalfPlane& plane : room) {
@@ -136,7 +136,7 @@ Vec2 outwards(const Section& section, std::span<const HalfPlane> room) {
 
 }  // namespace
 
-Vec2 growth_to_touch(const Section& section, std::span<const HalfPlane> room) {
+Vec2 growth_to_touch(const SliceSection& section, std::span<const HalfPlane> room) {
   if (room.empty()) return Vec2::Zero();
   const Vec2 out = outwards(section, room);
   const int axis = std::abs(out.y()) >= std::abs(out.x()) ? 1 : 0;

@@ -20,7 +20,7 @@ struct HalfPlane {
 };
 
 // An ellipse along the axes of its slice, relative to the slice's first centre.
-struct Section {
+struct SliceSection {
   Vec2 center = Vec2::Zero();
   Vec2 radii = Vec2::Zero();
 
@@ -42,15 +42,16 @@ RoomCount find_room(Ellipse& slice, std::span<const Vec2> directions, const Skin
 
 // By how much the section stands out beyond what the layer gives, m (negative: free), and through
 // which half plane.
-double worst_excess(const Section& section, std::span<const HalfPlane> room, int* which = nullptr);
+double worst_excess(const SliceSection& section, std::span<const HalfPlane> room,
+                    int* which = nullptr);
 
 // Presses the section into the room: what stands out is taken off on its side, the opposite side
 // stays; half axes keep at least `least` of their length, then the section moves.
-void press_in(Section& section, std::span<const HalfPlane> room, double least);
+void press_in(SliceSection& section, std::span<const HalfPlane> room, double least);
 
 // How far the section can grow along the axis that points out of the body best until it touches,
 // its other side held: a vector along one axis, the new centre's shift; half of the growth. Zero
 // when it does not fit as it is.
-Vec2 growth_to_touch(const Section& section, std::span<const HalfPlane> room);
+Vec2 growth_to_touch(const SliceSection& section, std::span<const HalfPlane> room);
 
 }  // namespace ecorche::inline v1

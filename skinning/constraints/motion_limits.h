@@ -49,7 +49,7 @@ class MotionLimiter {
 
   const Skeleton& skeleton_;
   LimitTables tables_;
-  std::optional<CollisionTables> collision_;
+  std::optional<SelfCollisionTables> collision_;
   LimitWorkspace workspace_;
   LimbTolerance tolerance_;
   std::vector<std::array<FootStand, 2>> stands_;  // a frame

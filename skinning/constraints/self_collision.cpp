@@ -46,7 +46,7 @@ double depth_of(const Vec3& centre, double radius, const Ellipsoid& other, Vec3&
 
 // The proxies of one pose.
 struct PosedProxies {
-  const CollisionTables& tables;
+  const SelfCollisionTables& tables;
   const std::vector<Transform>& X;
 
   const LimbSphere& sphere(int limb, int s) const { return tables.proxies.limbs[limb][s]; }
@@ -75,8 +75,8 @@ void add(const LimbSphere& sphere, const Vec3& move, double squares, LimbShift& 
 
 }  // namespace
 
-CollisionTables make_collision_tables(const Skeleton& skeleton, CollisionProxies fitted) {
-  CollisionTables tables{std::move(fitted), {}};
+SelfCollisionTables make_collision_tables(const Skeleton& skeleton, CollisionProxies fitted) {
+  SelfCollisionTables tables{std::move(fitted), {}};
   const auto& limbs = tables.proxies.limbs;
   const auto& trunk = tables.proxies.trunk;
   std::vector<Transform> X;
@@ -112,7 +112,7 @@ CollisionTables make_collision_tables(const Skeleton& skeleton, CollisionProxies
   return tables;
 }
 
-PenetrationDepths penetration_depths(const CollisionTables& tables,
+PenetrationDepths penetration_depths(const SelfCollisionTables& tables,
                                      const std::vector<Transform>& X) {
   const PosedProxies proxies{tables, X};
   PenetrationDepths depths{};
@@ -124,7 +124,7 @@ PenetrationDepths penetration_depths(const CollisionTables& tables,
   return depths;
 }
 
-void find_proxy_contacts(const CollisionTables& tables, const std::vector<Transform>& X,
+void find_proxy_contacts(const SelfCollisionTables& tables, const std::vector<Transform>& X,
                          std::vector<ProxyContact>& out) {
   out.clear();
   const PosedProxies proxies{tables, X};
@@ -143,7 +143,7 @@ void find_proxy_contacts(const CollisionTables& tables, const std::vector<Transf
   }
 }
 
-LimbShifts separate_limbs(const CollisionTables& tables, const std::vector<Transform>& X) {
+LimbShifts separate_limbs(const SelfCollisionTables& tables, const std::vector<Transform>& X) {
   const PosedProxies proxies{tables, X};
   LimbShifts own;
   for (int pass = 0; pass < kPasses; ++pass) {

@@ -30,18 +30,18 @@ struct ProxyPair {
   CollisionKind kind = CollisionKind::leg_leg;
 };
 
-struct CollisionTables {
+struct SelfCollisionTables {
   CollisionProxies proxies;
   std::vector<ProxyPair> pairs;
 };
 
 // Penetration that exists at rest is tolerated.
-CollisionTables make_collision_tables(const Skeleton& skeleton, CollisionProxies proxies);
+SelfCollisionTables make_collision_tables(const Skeleton& skeleton, CollisionProxies proxies);
 
 // Largest penetration beyond the tolerated depth, m, by CollisionKind.
 using PenetrationDepths = std::array<double, 5>;
 
-PenetrationDepths penetration_depths(const CollisionTables& tables,
+PenetrationDepths penetration_depths(const SelfCollisionTables& tables,
                                      const std::vector<Transform>& X_WJ);
 
 // Two proxies that penetrate beyond what is tolerated.
@@ -53,11 +53,11 @@ struct ProxyContact {
 };
 
 // All of them in a pose, in the order of the pairs. `out` is reused.
-void find_proxy_contacts(const CollisionTables& tables, const std::vector<Transform>& X_WJ,
+void find_proxy_contacts(const SelfCollisionTables& tables, const std::vector<Transform>& X_WJ,
                          std::vector<ProxyContact>& out);
 
 // Shifts that separate the limbs of a pose whose world frames are X_WJ.
-LimbShifts separate_limbs(const CollisionTables& tables, const std::vector<Transform>& X_WJ);
+LimbShifts separate_limbs(const SelfCollisionTables& tables, const std::vector<Transform>& X_WJ);
 
 // Temporal smoothing of each limb's shift (temporal_smoothing.h) over 0.05 s to either side: the
 // largest shift is reached in its own frame, and begins before it.

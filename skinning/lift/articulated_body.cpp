@@ -160,7 +160,7 @@ void body_forces(const Patient& patient, const PassiveRest& rest, const BodyStat
   out.damping.setZero(n, n);
   out.stiffness.setZero(n, n);
   const std::vector<Acceleration> products = velocity_products(patient, state, frames);
-  for (const BodySegment& segment : patient.segments) {
+  for (const CarriedSegment& segment : patient.segments) {
     const std::size_t j = std::size_t(segment.joint);
     const Mat3 R = frames.X_WJ[j].linear();
     const Vec3 c = R * segment.centre;
@@ -199,7 +199,7 @@ void advance_body(const Patient& patient, double seconds, BodyState& state) {
 double body_energy(const Patient& patient, const BodyState& state, const BodyFrames& frames,
                    double gravity) {
   double sum = 0;
-  for (const BodySegment& segment : patient.segments) {
+  for (const CarriedSegment& segment : patient.segments) {
     const std::size_t j = std::size_t(segment.joint);
     const Mat3 R = frames.X_WJ[j].linear();
     const Vec3 w = frames.jacobian[j].topRows<3>() * state.velocity;

@@ -56,13 +56,13 @@ std::vector<PassiveJoint> make_groups(const Skeleton& skeleton) {
   return out;
 }
 
-std::vector<BodySegment> make_segments(const Skeleton& skeleton, double mass) {
-  std::vector<BodySegment> out;
+std::vector<CarriedSegment> make_segments(const Skeleton& skeleton, double mass) {
+  std::vector<CarriedSegment> out;
   double total = 0;
   const CenterOfMass table(skeleton);
   for (const CenterOfMass::Segment& each : table.segments()) total += each.mass;
   for (const CenterOfMass::Segment& each : table.segments()) {
-    BodySegment segment{each.joint, mass * each.mass / total, each.centre, Mat3::Zero()};
+    CarriedSegment segment{each.joint, mass * each.mass / total, each.centre, Mat3::Zero()};
     const double gyration = std::max(kSmallestGyration, kGyration * each.centre.norm());
     segment.inertia = segment.mass * gyration * gyration * Mat3::Identity();
     out.push_back(segment);
@@ -126,7 +126,7 @@ int largest_weight(const JointWeights& weights) {
 
 double Patient::mass() const {
   double sum = 0;
-  for (const BodySegment& segment : segments) sum += segment.mass;
+  for (const CarriedSegment& segment : segments) sum += segment.mass;
   return sum;
 }
 
@@ -138,7 +138,7 @@ int Patient::freedoms() const {
 
 Patient make_patient(const Anatomy& anatomy, const TriMesh& skin,
                      const std::vector<JointWeights>& weights, double mass,
-                     const TissueOptions& tissue) {
+                     const FleshOptions& tissue) {
   if (Eigen::Index(weights.size()) != skin.V.rows())
     throw std::invalid_argument("make_patient: weights of another skin");
   Patient out;
@@ -168,7 +168,7 @@ Patient make_patient(const Anatomy& anatomy, const TriMesh& skin,
 }
 
 Patient make_rigid_patient(const TriMesh& skin, double mass, const Vec3& inertia, double thickness,
-                           const TissueOptions& tissue) {
+                           const FleshOptions& tissue) {
   Patient out;
   const Vec3 low = skin.V.colwise().minCoeff(), high = skin.V.colwise().maxCoeff();
   Joint root;

@@ -19,7 +19,7 @@
 namespace ecorche::inline v1 {
 
 // A rigid part of the body.
-struct BodySegment {
+struct CarriedSegment {
   int joint = 0;  // that carries it
   double mass = 0;
   Vec3 centre = Vec3::Zero();   // in the joint's frame, m
@@ -36,7 +36,7 @@ struct PassiveJoint {
   double damping = 0;        // Nm s/rad
 };
 
-struct TissueOptions {
+struct FleshOptions {
   // Modulus of skin, fat and relaxed muscle pressed against bone, Pa. Bulk tissue of the buttocks:
   // 10 to 50 kPa (Oomens et al. 2003, 10.1016/S0021-9290(02)00411-1 for the order). Larger: smaller
   // contacts, higher peaks.
@@ -46,7 +46,7 @@ struct TissueOptions {
 
 struct Patient {
   Skeleton skeleton;
-  std::vector<BodySegment> segments;
+  std::vector<CarriedSegment> segments;
   std::vector<PassiveJoint> groups;
   TriMesh skin;                       // rest, world
   std::vector<JointWeights> weights;  // #V
@@ -55,8 +55,8 @@ struct Patient {
   std::vector<double> thickness;      // #V, of tissue over bone, m
   std::vector<int> region;            // #V, into `regions`
   std::vector<std::string> regions;   // "buttocks", "thigh_l", ...
-  CollisionTables limbs;              // that keep out of each other and of the trunk
-  TissueOptions tissue;
+  SelfCollisionTables limbs;          // that keep out of each other and of the trunk
+  FleshOptions tissue;
 
   double mass() const;
   int freedoms() const;  // 6 of the root, and those of the groups
@@ -66,11 +66,11 @@ struct Patient {
 // our joints, or weights of another skin.
 Patient make_patient(const Anatomy& anatomy, const TriMesh& skin,
                      const std::vector<JointWeights>& weights, double mass,
-                     const TissueOptions& tissue = {});
+                     const FleshOptions& tissue = {});
 
 // A single rigid body with a skin, kg: for comparison with closed solutions. `inertia` about the
 // centre of the skin's bounding box, where its only joint is.
 Patient make_rigid_patient(const TriMesh& skin, double mass, const Vec3& inertia, double thickness,
-                           const TissueOptions& tissue = {});
+                           const FleshOptions& tissue = {});
 
 }  // namespace ecorche::inline v1

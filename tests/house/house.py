@@ -3,6 +3,7 @@
 
 layers    Rooms include what layers.csv lets them, and no file or room includes itself by a detour.
 pairs     What x.h declares is defined in x.cpp, and every x.cpp has an x.h.
+types     No two headers define a type of the same name: rooms share one namespace.
 rooms     Folders have at most 45 files and a README.md.
 lines     Lines have at most 100 columns, and casts are rare.
 format    The formatter has nothing to change.
@@ -109,6 +110,8 @@ def check_layers(root):
         yield f"{knot[0]}: files include each other by a detour: {' '.join(knot)}"
 
 
+# at the left edge: not within another type
+TYPE = re.compile(r"(?:template <.*> )?(?:struct|class|enum class) (?:alignas\([^)]*\) )?(\w+)\b[^;]*\{")
 FUNCTION = re.compile(r"^(?!namespace|using|struct|class|enum|typedef|template|extern|return|else)"
                       r"[A-Za-z_][\w:<>,&*\[\] ]*?[ &*]((?:\w+::)?\w+|operator\S+)\(")
 
@@ -150,6 +153,18 @@ def check_pairs(root):
             places = defined[name[1]]
             if places and stem(path) not in places:
                 yield f"{path}:{number}: {name[1]} is defined in {', '.join(sorted(places))}.cpp"
+
+
+def check_types(root):
+    first = {}
+    for path in sources(root, endings=(".h",)):
+        for number, line in enumerate((root / path).read_text().splitlines(), 1):
+            name = TYPE.match(line)
+            if not name:
+                continue
+            other = first.setdefault(name[1], path)
+            if other != path:
+                yield f"{path}:{number}: {name[1]} is defined in {other}, too"
 
 
 def check_rooms(root):

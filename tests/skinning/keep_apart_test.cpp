@@ -59,7 +59,7 @@ class KeepApart : public testing::Test {
  protected:
   const Skeleton skeleton_ = plain_skeleton();
   const CollisionProxies rounds_ = measure_proxies(skeleton_, ringed_skin(skeleton_));
-  const CollisionTables tables_ = make_collision_tables(skeleton_, rounds_);
+  const SelfCollisionTables tables_ = make_collision_tables(skeleton_, rounds_);
 
   size_t joint(const std::string& name) const { return std::size_t(find_joint(skeleton_, name)); }
 
