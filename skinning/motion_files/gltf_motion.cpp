@@ -275,7 +275,7 @@ class Reader {
     if (steps.empty()) return 30;
     std::nth_element(steps.begin(), steps.begin() + long(steps.size() / 2), steps.end());
     const double fps = 1 / steps[steps.size() / 2];
-    if (!(fps >= 23)) return 30;  // sparse keys: curves between
+    if (!(fps >= 10)) return 30;  // sparse keys: curves between
     return std::min(1000.0, std::abs(fps - std::round(fps)) < 0.02 * fps ? std::round(fps) : fps);
   }
 

@@ -19,7 +19,7 @@ struct LiftParameters {
   float liftable_gain = 4;      // skin is lifted freely where it is at least a quarter liftable
   float fold_fraction = 0.12f;  // of the way to where normals of a fold meet
   float bone_fold_fraction = 0.55f;  // the same over bones
-  int raise_rounds = 3;             // of smoothing upwards over bones
+  int raise_rounds = 3;              // of smoothing upwards over bones
 };
 
 // m: deeper points leave the skin free to sink.

@@ -85,7 +85,7 @@ TEST(SkinRays, NoneSlipsThroughAClosedSkin) {
 
 TEST(SliceRoom, PressesOnTheSideThatStandsOut) {
   const std::vector<HalfPlane> room{{Vec2::UnitX(), 0.01, 0}, {-Vec2::UnitX(), 0.05, 0}};
-  Section section{Vec2::Zero(), Vec2(0.016, 0.01)};
+  SliceSection section{Vec2::Zero(), Vec2(0.016, 0.01)};
   press_in(section, room, 0.35);
   EXPECT_NEAR(section.center.x() + section.radii.x(), 0.01, 1e-4);
   EXPECT_NEAR(section.center.x() - section.radii.x(), -0.016, 1e-3);  // the other side stays
@@ -98,7 +98,7 @@ TEST(SliceRoom, GrowsUntilItTouches) {
     const Vec2 n(std::cos(k * kPi / 10), std::sin(k * kPi / 10));
     room.push_back({n, n.x() > 0.3 ? 0.03 : 0.2, 0});
   }
-  Section section{Vec2::Zero(), Vec2(0.01, 0.01)};
+  SliceSection section{Vec2::Zero(), Vec2(0.01, 0.01)};
   const Vec2 growth = growth_to_touch(section, room);
   section.center += growth;
   section.radii += growth.cwiseAbs();
