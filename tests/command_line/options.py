@@ -457,6 +457,7 @@ def forces(t):
     t.check(found["cutoff"] == 10 and found["peak_vertical"] == 0 and found["residual_force_rms"] > 0.9, f"dynamics without a ground: {found}")
     t.run(0, "dynamics", "anna-anatomy.glb", "bent.bvh", "-o", "bent.mot", "--map", "map.txt", "--up", "y", "--motion-fps", 30, "--limits", "keep", "--no-apart", "--no-plant")
     t.run(0, "dynamics", "anna-anatomy.glb", "walk.bvh", "-o", "planted.mot", "--plant")
+    t.run(0, "dynamics", "anna-anatomy.glb", "person_01.amc", "-o", "amc.mot", "--skeleton", "person.asf")
     t.run(0, "dynamics", "anna-anatomy.glb", "walk.glb", "--take", "motion", "-o", "take.mot")
     t.says(t.run(2, "dynamics", "anna-anatomy.glb", walk), "nothing to write")
     t.run(2, "dynamics", "anna-anatomy.glb", walk, "-o", "forces.xyz")
