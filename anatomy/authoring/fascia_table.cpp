@@ -206,6 +206,16 @@ std::vector<TableFascia> read_fascia_table(const std::filesystem::path& data_dir
   return read_fascia_text(read_input_file(file), file.filename().string(), landmarks);
 }
 
+FasciaSheet empty_sheet(const FasciaPlan& plan) {
+  FasciaSheet out;
+  out.name = plan.name;
+  out.side = plan.side;
+  out.label = plan.label;
+  out.group = plan.group;
+  out.bones = plan.bones;
+  return out;
+}
+
 std::vector<FasciaPlan> place_fascia(const std::vector<TableFascia>& table,
                                      const MuscleTable& landmarks, const Anatomy& source) {
   std::vector<FasciaPlan> plans;

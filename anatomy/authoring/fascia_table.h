@@ -51,6 +51,9 @@ std::vector<TableFascia> read_fascia_table(const std::filesystem::path& data_dir
 std::vector<TableFascia> read_fascia_text(std::string_view text, const std::string& name,
                                           const MuscleTable& landmarks);
 
+// A sheet that goes by the plan's name, side, label, group and bones, without points.
+FasciaSheet empty_sheet(const FasciaPlan& plan);
+
 // Left and right plans on the source skeleton, each left one followed by its mirror image. Throws
 // InputError for a bone or carrier that the skeleton lacks.
 std::vector<FasciaPlan> place_fascia(const std::vector<TableFascia>& table,

@@ -15,32 +15,11 @@ namespace {
 
 constexpr double kBedLength = 2.0, kBedWidth = 0.9, kBedHeight = 0.16;  // m
 constexpr double kStrapRadius = 0.008, kBarRadius = 0.018;              // m
-constexpr float kAzimuth = -1.22f, kElevation = 0.20f;                  // rad
-constexpr double kGap = 0.25;                                           // m between figures
+constexpr int kRodSides = 8;
+constexpr float kAzimuth = -1.22f, kElevation = 0.20f;  // rad
+constexpr double kGap = 0.25;                           // m between figures
 const Vec3f kClothColor(0.47f, 0.60f, 0.72f), kStrapColor(0.22f, 0.28f, 0.36f),
     kBarColor(0.55f, 0.56f, 0.58f), kBedColor(0.86f, 0.87f, 0.84f);
-
-// A tube of eight sides.
-void add_rod(const Vec3& from, const Vec3& to, double radius, DrawMesh& out) {
-  constexpr std::uint32_t kSides = 8;
-  const Vec3 along = to - from;
-  if (along.norm() < 1e-7) return;
-  const Vec3 u = along.unitOrthogonal(), v = along.normalized().cross(u);
-  const std::uint32_t first = std::uint32_t(out.positions.size());
-  for (std::uint32_t side = 0; side < kSides; ++side) {
-    const double angle = 2 * M_PI * side / kSides;
-    const Vec3 normal = std::cos(angle) * u + std::sin(angle) * v;
-    for (const Vec3& end : {from, to}) {
-      out.positions.push_back((end + radius * normal).cast<float>());
-      out.normals.push_back(normal.cast<float>());
-    }
-  }
-  for (std::uint32_t side = 0; side < kSides; ++side) {
-    const std::uint32_t a = first + 2 * side, b = first + 2 * ((side + 1) % kSides);
-    out.triangles.push_back({a, b, b + 1});
-    out.triangles.push_back({a, b + 1, a + 1});
-  }
-}
 
 DrawMesh box_mesh(const Vec3& low, const Vec3& high) {
   DrawMesh out;
@@ -77,8 +56,8 @@ DrawMesh hanger_mesh(const CarryModel& model, const LiftFrame& frame) {
   DrawMesh out;
   for (const Strap& strap : model.sheet->straps)
     for (std::size_t k = 0; k < strap.nodes.size(); ++k)
-      add_rod(frame.nodes.row(strap.nodes[k]).transpose(), frame.bar + strap.hook, kStrapRadius / 2,
-              out);
+      add_tube(frame.nodes.row(strap.nodes[k]).transpose(), frame.bar + strap.hook,
+               kStrapRadius / 2, kRodSides, out);
   return out;
 }
 
@@ -86,8 +65,8 @@ DrawMesh bar_mesh(const CarryModel& model, const LiftFrame& frame) {
   DrawMesh out;
   const Vec3 top = frame.bar + Vec3(0, 0.10, 0);
   for (const Strap& strap : model.sheet->straps)
-    add_rod(top, frame.bar + strap.hook, kBarRadius, out);
-  add_rod(top, top + Vec3(0, 0.12, 0), kBarRadius, out);
+    add_tube(top, frame.bar + strap.hook, kBarRadius, kRodSides, out);
+  add_tube(top, top + Vec3(0, 0.12, 0), kBarRadius, kRodSides, out);
   return out;
 }
 

@@ -35,27 +35,8 @@ const Panel kPanels[] = {
      Vec3f(0.10f, 0.40f, 0.70f)}};
 
 // A line as a thin tube of six sides.
-void add_tube(const std::vector<Vec3>& line, double radius, DrawMesh& out) {
-  constexpr int kSides = 6;
-  for (std::size_t i = 0; i + 1 < line.size(); ++i) {
-    const Vec3 along = line[i + 1] - line[i];
-    if (along.norm() < 1e-7) continue;
-    const Vec3 u = along.unitOrthogonal(), v = along.normalized().cross(u);
-    const std::uint32_t first = out.positions.size();
-    for (int side = 0; side < kSides; ++side) {
-      const double angle = 2 * M_PI * side / kSides;
-      const Vec3 normal = std::cos(angle) * u + std::sin(angle) * v;
-      for (const Vec3& end : {line[i], line[i + 1]}) {
-        out.positions.push_back((end + radius * normal).cast<float>());
-        out.normals.push_back(normal.cast<float>());
-      }
-    }
-    for (std::uint32_t side = 0; side < kSides; ++side) {
-      const std::uint32_t a = first + 2 * side, b = first + 2 * ((side + 1) % kSides);
-      out.triangles.push_back({a, b, b + 1});
-      out.triangles.push_back({a, b + 1, a + 1});
-    }
-  }
+void add_line(const std::vector<Vec3>& line, double radius, DrawMesh& out) {
+  for (std::size_t i = 0; i + 1 < line.size(); ++i) add_tube(line[i], line[i + 1], radius, 6, out);
 }
 
 // Draws the name of a tape with a line to its outermost point on that side of the picture.
@@ -105,7 +86,7 @@ Image picture(Renderer& renderer, const TapeMeasure& tape, const TriMesh& skin,
     Name name{tape.measure(k).id, 0, 0};
     double furthest = -1;
     for (const auto& line : trace) {
-      add_tube(line, 0.003, list.meshes[1]);
+      add_line(line, 0.003, list.meshes[1]);
       for (const Vec3& p : line) {
         const double across = (p - middle).dot(right);
         if (std::abs(across) <= furthest) continue;

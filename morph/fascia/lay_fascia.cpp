@@ -211,12 +211,7 @@ FasciaSheet lay(const FasciaPlan& plan, const Tissue& tissue, const SkinRays& sk
   turn_outwards(skin, grid, normals);
   Laid laid = look_down(tissue, skin, grid, normals);
   stretch(grid, normals, plan.thickness, laid);
-  FasciaSheet out;
-  out.name = plan.name;
-  out.side = plan.side;
-  out.label = plan.label;
-  out.group = plan.group;
-  out.bones = plan.bones;
+  FasciaSheet out = empty_sheet(plan);
   out.rows = grid.rows;
   out.columns = grid.columns;
   out.V.resize(Eigen::Index(grid.at.size()), 3);

@@ -255,12 +255,7 @@ FasciaSheet lay_sleeve(const FasciaPlan& plan, const Anatomy& anatomy, const Ski
     stretch_disc(plan, anatomy, sleeve);
   else
     stretch_capsule(plan, anatomy, tissue, skin, sleeve);
-  FasciaSheet out;
-  out.name = plan.name;
-  out.side = plan.side;
-  out.label = plan.label;
-  out.group = plan.group;
-  out.bones = plan.bones;
+  FasciaSheet out = empty_sheet(plan);
   out.rows = sleeve.rows;
   out.columns = sleeve.columns + 1;  // the last lies on the first
   out.V.resize(Eigen::Index(out.rows) * out.columns, 3);

@@ -160,10 +160,10 @@ void body_forces(const Patient& patient, const PassiveRest& rest, const BodyStat
   out.damping.setZero(n, n);
   out.stiffness.setZero(n, n);
   const std::vector<Acceleration> products = velocity_products(patient, state, frames);
-  for (const CarriedSegment& segment : patient.segments) {
+  for (const BodySegment& segment : patient.segments) {
     const std::size_t j = std::size_t(segment.joint);
     const Mat3 R = frames.X_WJ[j].linear();
-    const Vec3 c = R * segment.centre;
+    const Vec3 c = R * segment.center;
     const Mat3 I = R * segment.inertia * R.transpose();
     const Eigen::Matrix<double, 3, Eigen::Dynamic> Jw = frames.jacobian[j].topRows<3>();
     const Eigen::Matrix<double, 3, Eigen::Dynamic> Jv =
@@ -199,13 +199,13 @@ void advance_body(const Patient& patient, double seconds, BodyState& state) {
 double body_energy(const Patient& patient, const BodyState& state, const BodyFrames& frames,
                    double gravity) {
   double sum = 0;
-  for (const CarriedSegment& segment : patient.segments) {
+  for (const BodySegment& segment : patient.segments) {
     const std::size_t j = std::size_t(segment.joint);
     const Mat3 R = frames.X_WJ[j].linear();
     const Vec3 w = frames.jacobian[j].topRows<3>() * state.velocity;
     const Vec3 v =
-        frames.jacobian[j].bottomRows<3>() * state.velocity + w.cross(Vec3(R * segment.centre));
-    const double height = (frames.X_WJ[j] * segment.centre).y();
+        frames.jacobian[j].bottomRows<3>() * state.velocity + w.cross(Vec3(R * segment.center));
+    const double height = (frames.X_WJ[j] * segment.center).y();
     sum += 0.5 * segment.mass * v.squaredNorm() +
            0.5 * w.dot(R * segment.inertia * R.transpose() * w) + segment.mass * gravity * height;
   }

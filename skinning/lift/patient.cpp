@@ -56,13 +56,14 @@ std::vector<PassiveJoint> make_groups(const Skeleton& skeleton) {
   return out;
 }
 
-std::vector<CarriedSegment> make_segments(const Skeleton& skeleton, double mass) {
-  std::vector<CarriedSegment> out;
+std::vector<BodySegment> make_segments(const Skeleton& skeleton, double mass) {
+  std::vector<BodySegment> out;
   double total = 0;
   const CenterOfMass table(skeleton);
   for (const CenterOfMass::Segment& each : table.segments()) total += each.mass;
   for (const CenterOfMass::Segment& each : table.segments()) {
-    CarriedSegment segment{each.joint, mass * each.mass / total, each.centre, Mat3::Zero()};
+    BodySegment segment{skeleton.joints[std::size_t(each.joint)].name, each.joint,
+                        mass * each.mass / total, each.centre, Mat3::Zero()};
     const double gyration = std::max(kSmallestGyration, kGyration * each.centre.norm());
     segment.inertia = segment.mass * gyration * gyration * Mat3::Identity();
     out.push_back(segment);
@@ -126,7 +127,7 @@ int largest_weight(const JointWeights& weights) {
 
 double Patient::mass() const {
   double sum = 0;
-  for (const CarriedSegment& segment : segments) sum += segment.mass;
+  for (const BodySegment& segment : segments) sum += segment.mass;
   return sum;
 }
 
@@ -175,7 +176,7 @@ Patient make_rigid_patient(const TriMesh& skin, double mass, const Vec3& inertia
   root.name = "body";
   root.X_PJ.translation() = (low + high) / 2;
   out.skeleton.joints = {root};
-  out.segments = {{0, mass, Vec3::Zero(), inertia.asDiagonal()}};
+  out.segments = {{root.name, 0, mass, Vec3::Zero(), inertia.asDiagonal()}};
   out.skin = skin;
   out.weights.assign(std::size_t(skin.V.rows()), JointWeights{Influence{0, 1.0}});
   out.carrier.assign(std::size_t(skin.V.rows()), 0);

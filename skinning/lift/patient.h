@@ -13,18 +13,11 @@
 #include <vector>
 
 #include "anatomy/anatomy.h"
+#include "anatomy/body_segment.h"
 #include "skinning/binding.h"
 #include "skinning/constraints/self_collision.h"
 
 namespace ecorche::inline v1 {
-
-// A rigid part of the body.
-struct CarriedSegment {
-  int joint = 0;  // that carries it
-  double mass = 0;
-  Vec3 centre = Vec3::Zero();   // in the joint's frame, m
-  Mat3 inertia = Mat3::Zero();  // about the centre, in the joint's axes at rest, kg m^2
-};
 
 // Joints that turn together: one of a limb, or all of the spine. Its velocities are turns about the
 // axes of Joint::axes, of which each joint takes its share.
@@ -46,7 +39,7 @@ struct FleshOptions {
 
 struct Patient {
   Skeleton skeleton;
-  std::vector<CarriedSegment> segments;
+  std::vector<BodySegment> segments;
   std::vector<PassiveJoint> groups;
   TriMesh skin;                       // rest, world
   std::vector<JointWeights> weights;  // #V

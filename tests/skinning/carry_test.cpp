@@ -242,7 +242,7 @@ TEST(Carry, JacobianIsTheVelocity) {
   BodyState moved = state;
   advance_body(patient, kStep, moved);
   body_frames(patient, moved.pose, after);
-  for (const CarriedSegment& segment : patient.segments) {
+  for (const BodySegment& segment : patient.segments) {
     const std::size_t j = std::size_t(segment.joint);
     const Eigen::VectorXd v = before.jacobian[j] * state.velocity;
     const Vec3 seen = (after.X_WJ[j].translation() - before.X_WJ[j].translation()) / kStep;

@@ -6,35 +6,24 @@
 #include "anatomy/errors.h"
 #include "app/files/carried_actor.h"
 #include "app/options/option_values.h"
-#include "app/options/picture_size.h"
 #include "app/options/subject_options.h"
-#include "app/pages/lift_film.h"
+#include "app/verbs/lift/carried_options.h"
 #include "skinning/lift/resting_pose.h"
 
 namespace ecorche {
 namespace {
 
-namespace fs = std::filesystem;
-
-constexpr double kForceErrorLie = 0.01;
 constexpr double kRestSeconds = 4;
 
-struct LieVerbOptions {
-  fs::path character;
-  std::string size = "1280x720";
-  double scale_kpa = 12, tissue_kpa = 40, foam_kpa = 40, thickness = 0.1;
-  LiftFilm film;
+struct LieVerbOptions : CarriedOptions {
+  double foam_kpa = 40, thickness = 0.1;
 };
 
 int run_lie(LieVerbOptions options, const Common& common, Report& report) {
-  if (!read_picture_size(options.size, options.film.width, options.film.height))
-    throw UsageError(fmt::format(
-        "--size: '{}' is no size; write WIDTHxHEIGHT, for example 1280x720", options.size));
+  set_picture(options);
   require_ending(options.film.output, {".png"});
-  options.film.scale = 1e3 * options.scale_kpa;
   check_outputs(common, {options.film.output}, {options.character});
-  CarriedActor carried =
-      carried_actor(options.character, {.modulus = 1e3 * options.tissue_kpa}, common, report);
+  CarriedActor carried = carried_actor(options.character, options.flesh(), common, report);
   CarryModel& model = carried.model;
   model.mattress.stiffness = 1e3 * options.foam_kpa / options.thickness;
   model.mattress.bottom = 0.8 * options.thickness;
@@ -44,7 +33,7 @@ int run_lie(LieVerbOptions options, const Common& common, Report& report) {
   print_regions(model, rest);
   note(common, fmt::format("{:.1f} N on the skin of {:.1f} N of weight",
                            report.number("lie.contact_force"), report.number("lie.weight")));
-  return tell_missed_force("lie", kForceErrorLie, common, report);
+  return tell_missed_force("lie", kForceError, common, report);
 }
 
 }  // namespace
@@ -66,14 +55,8 @@ void add_lie_verb(VerbRegistry& registry) {
   verb->add_option("--foam-thickness", options->thickness, "Of the mattress, m")
       ->check(between(0.02, 0.5))
       ->capture_default_str();
-  verb->add_option("--tissue", options->tissue_kpa,
-                   "Modulus of skin, fat and relaxed muscle over bone, kPa")
-      ->check(between(2.0, 1000.0))
-      ->capture_default_str();
-  verb->add_option("--scale", options->scale_kpa, "kPa at the end of the colours")
-      ->check(between(1.0, 1000.0))
-      ->capture_default_str();
-  verb->add_option("--size", options->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+  add_tissue_option(*verb, *options);
+  add_picture_options(*verb, *options);
 }
 
 }  // namespace ecorche

@@ -11,10 +11,9 @@
 #include "anatomy/mesh_files/mesh_io.h"
 #include "app/files/carried_actor.h"
 #include "app/options/option_values.h"
-#include "app/options/picture_size.h"
 #include "app/options/subject_options.h"
-#include "app/pages/lift_film.h"
 #include "app/progress.h"
+#include "app/verbs/lift/carried_options.h"
 #include "skinning/lift/resting_pose.h"
 
 namespace ecorche {
@@ -22,16 +21,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Forces of the settled body beside its weight; more is told as a missed target.
-constexpr double kForceError = 0.01;
 constexpr double kLeastSide = 0.3, kMostSide = 5;  // m, of a sheet
 constexpr Eigen::Index kMostNodes = 20000;
 
-struct LiftVerbOptions {
-  fs::path character, sling, table;
-  std::string size = "1280x720", straps = "4";
-  double scale_kpa = 12, tissue_kpa = 40, step = 1.0 / 60;
-  LiftFilm film;
+struct LiftVerbOptions : CarriedOptions {
+  fs::path sling, table;
+  std::string straps = "4";
+  double step = 1.0 / 60;
   SlingOptions sheet;
 };
 
@@ -69,19 +65,15 @@ void check_options_lift(const LiftVerbOptions& options) {
 }
 
 int run_lift(LiftVerbOptions options, const Common& common, Report& report) {
-  if (!read_picture_size(options.size, options.film.width, options.film.height))
-    throw UsageError(fmt::format(
-        "--size: '{}' is no size; write WIDTHxHEIGHT, for example 1280x720", options.size));
+  set_picture(options);
   check_options_lift(options);
-  options.film.scale = 1e3 * options.scale_kpa;
   options.sheet.straps = options.straps == "6" ? 6 : 4;
   const bool numbered = options.film.output.string().find('%') != std::string::npos;
   check_outputs(common, {numbered ? fs::path() : options.film.output, options.table},
                 {options.character, options.sling});
   std::optional<TriMesh> cloth;
   if (!options.sling.empty()) cloth = read_sling(options.sling);
-  CarriedActor carried =
-      carried_actor(options.character, {.modulus = 1e3 * options.tissue_kpa}, common, report);
+  CarriedActor carried = carried_actor(options.character, options.flesh(), common, report);
   CarryModel& model = carried.model;
   model.options.step = options.step;
   const Pose lying = lying_pose(model.patient);
@@ -151,14 +143,8 @@ void add_lift_verb(VerbRegistry& registry) {
   verb->add_option("--step", options->step,
                    "Seconds of a step of the simulation; 1/60 when left out")
       ->check(between(0.0005, 0.025));
-  verb->add_option("--tissue", options->tissue_kpa,
-                   "Modulus of skin, fat and relaxed muscle over bone, kPa")
-      ->check(between(2.0, 1000.0))
-      ->capture_default_str();
-  verb->add_option("--scale", options->scale_kpa, "kPa at the end of the colours")
-      ->check(between(1.0, 1000.0))
-      ->capture_default_str();
-  verb->add_option("--size", options->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+  add_tissue_option(*verb, *options);
+  add_picture_options(*verb, *options);
   verb->add_option("--fps", options->film.fps, "Frames a second")
       ->check(between(1.0, 60.0))
       ->capture_default_str();
