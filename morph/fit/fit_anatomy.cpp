@@ -25,6 +25,7 @@
 #include "morph/fat/muscle_mass.h"
 #include "morph/fit/template_tissue.h"
 #include "morph/placement/fitted_skeleton.h"
+#include "morph/placement/part_bones.h"
 #include "morph/shapes/body.h"
 #include "morph/tissue/interior_warp.h"
 
@@ -420,6 +421,7 @@ Fit fit_anatomy(const Template& body_template, const Body& body, const FitOption
   if (options.interior != Interior::bones)
     flesh = warp_interior(body_template, skin, fit.anatomy.bones, options.interior, fit);
   if (tables.built_in) fit.anatomy.bones = carry_bones(body_template.anatomy.bones, warp);
+  part_bones(fit.anatomy.bones, fit.report.even_about);
 
   start = Clock::now();
   const Body& own = body_template.body;

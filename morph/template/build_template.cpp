@@ -18,6 +18,7 @@
 #include "morph/fascia/lay_fascia.h"
 #include "morph/fat/fat_layer.h"
 #include "morph/fat/muscle_mass.h"
+#include "morph/placement/part_bones.h"
 #include "morph/placement/settle_bones.h"
 #include "morph/shapes/body.h"
 #include "morph/template/regressor_training.h"
@@ -130,6 +131,7 @@ Template build_template(const Assets& assets) {
 
   // Bones are placed by what the package has of them; muscles lie on their rounded surfaces.
   round_bones(rules, skin, out.anatomy.bones);
+  part_bones(out.anatomy.bones, 0);
   // Its muscles fill its skin, as they do in every body.
   tables.muscles = out.anatomy.muscles;
   const SkinRays rays(capped_skin(package, out.body.skin.V));

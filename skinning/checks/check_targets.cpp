@@ -34,6 +34,8 @@ std::vector<Target> check_targets(const AnatomyCheck& check) {
        check.bone_share <= 0.01},
       {"share of the muscle that bones pierce most", "<= 5 %", pierced_most(check),
        check.pierced_share <= 0.05},
+      {"bones within bones, of their volume", "<= 0.3 %", percent(check.bone_overlap.share),
+       check.bone_overlap.share <= 0.003},
       {"under the fat layer, within 5 mm of muscle, bone or fascia", ">= 95 %",
        percent(check.filled_share, 1), check.filled_share >= 0.95},
       {"muscle ends more than 10 mm from their bones", "0",

@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 COMMON = {"--report", "--threads", "--seed", "--progress", "-q", "--quiet", "-v", "--verbose", "-h", "--help"}
 
@@ -21,6 +22,7 @@ class Runner:
         self.used = {}       # verb -> options of runs that ended 0 or 8
         self.failures = []
         self.passed = 0
+        self.times = []      # (seconds, command line)
         self.verbs = self.find_verbs("")
 
     def close(self):
@@ -76,8 +78,10 @@ class Runner:
         """Runs `ecorche WORDS`; fails unless the exit code is among `codes`. Returns the finished process."""
         words = [str(word) for word in words]
         codes = codes if isinstance(codes, tuple) else (codes,)
+        begin = time.monotonic()
         done = subprocess.run([*under, self.program, *words], cwd=self.folder, capture_output=True, text=True, timeout=timeout, errors="replace",
                               env={**os.environ, **(env or {})})
+        self.times.append((time.monotonic() - begin, " ".join(words)))
         ok = done.returncode in codes
         self.check(ok, f"ecorche {' '.join(words)}: exit {done.returncode}, expected {codes}\n{done.stderr[-800:]}")
         if ok and done.returncode in (0, 8):
@@ -149,6 +153,9 @@ class Runner:
         return out
 
     def finish(self):
+        print("slowest commands, of", round(sum(seconds for seconds, _ in self.times)), "s in all:")
+        for seconds, words in sorted(self.times, reverse=True)[:15]:
+            print(f"  {seconds:5.1f} s  {words}")
         print(f"{self.passed} passed, {len(self.failures)} failed")
         self.close()
         sys.exit(1 if self.failures else 0)
