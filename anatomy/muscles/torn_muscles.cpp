@@ -8,6 +8,7 @@
 #include <unordered_map>
 
 #include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/strip_kinks.h"
 #include "anatomy/muscles/surface_reference.h"
 
 namespace ecorche::inline v1 {
@@ -22,43 +23,14 @@ struct TornFrom {
 };
 constexpr TornFrom kManyRaised{20, 0.015}, kFarRaised{3, 0.025};
 
-constexpr double kKinkReach = 0.03;  // m, of a chord to both sides
-constexpr double kKinked = 0.02;     // m off the chord; less: a strip that goes round a bone
-
-// The point of a line of centres at a length. `lengths`: #slices.
-Vec3 point_at(std::span<const Ellipse> slices, const std::vector<double>& lengths, double length) {
-  const auto after = std::upper_bound(lengths.begin() + 1, lengths.end() - 1, length);
-  const auto k = std::size_t(after - lengths.begin());
-  const double t = (length - lengths[k - 1]) / std::max(lengths[k] - lengths[k - 1], 1e-9);
-  return slices[k - 1].center + t * (slices[k].center - slices[k - 1].center);
-}
-
-// How far each section's centre lies off the chord over the strip's part about it; -1 near its
-// ends. The part is measured along the action line: along the centres a kink would hide itself.
-std::vector<double> off_chords(const Strip& strip, double reach) {
-  const std::vector<Ellipse> slices = rest_slices(strip);
-  std::vector<double> lengths(slices.size(), 0.0), out(slices.size(), -1.0);
-  for (std::size_t k = 0; k < slices.size(); ++k)
-    lengths[k] = strip.slices[k].s * strip.rest_length;
-  for (std::size_t k = 0; k < slices.size(); ++k) {
-    if (lengths[k] - reach < lengths.front() || lengths[k] + reach > lengths.back()) continue;
-    const Vec3 from = point_at(slices, lengths, lengths[k] - reach),
-               to = point_at(slices, lengths, lengths[k] + reach);
-    const Vec3 along = (to - from).stableNormalized(), off = slices[k].center - from;
-    out[k] = (off - along * along.dot(off)).norm();
-  }
-  return out;
-}
+constexpr double kKinked = 0.02;  // m off the chord; less: a strip that goes round a bone
 
 double measure_kink(const Muscle& muscle, const Muscle& reference) {
   double out = 0;
   for (std::size_t s = 0; s < muscle.strips.size(); ++s) {
-    const Strip &now = muscle.strips[s], &then = reference.strips[s];
-    const double scale = now.rest_length / std::max(then.rest_length, 1e-6);
-    const std::vector<double> is = off_chords(now, kKinkReach),
-                              was = off_chords(then, kKinkReach / scale);
-    for (std::size_t k = 0; k < is.size(); ++k)
-      if (is[k] >= 0 && was[k] >= 0) out = std::max(out, is[k] - scale * was[k]);
+    const Strip& strip = muscle.strips[s];
+    for (const double kink : kinks_beyond(strip, rest_slices(strip), reference.strips[s]))
+      out = std::max(out, kink);
   }
   return out;
 }

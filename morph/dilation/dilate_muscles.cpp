@@ -22,6 +22,7 @@
 #include "morph/dilation/pull_inside_skin.h"
 #include "morph/dilation/remove_spikes.h"
 #include "morph/dilation/slim_muscles.h"
+#include "morph/dilation/straighten_strips.h"
 #include "morph/dilation/tissue_stretch.h"
 
 namespace ecorche::inline v1 {
@@ -194,6 +195,8 @@ void share_room(Anatomy& anatomy, const std::vector<Muscle>& original,
     write_sections(sections, muscles);
   }
   if (options.share) {
+    straighten_strips(muscles, original, partners, sections.slices);
+    mirror_sections(partners, options.even_about.value_or(0), sections);
     close_raphes(muscles, sections.slices);
     write_sections(sections, muscles);
     report.rays += pack_muscles(anatomy, sections.slices, wanted, partners, rays, fat).rays;
