@@ -114,6 +114,10 @@ void report_fit(const FittingReport& fitted, double skin_gap_median, Report& rep
   report.set("fit.muscle_points_outside_max", fitted.fill.furthest);
   report.set("fit.bone_overlap_share_max", fitted.fill.pierced_share);
   report.set("fit.bone_overlap_muscle", fitted.fill.pierced_muscle);
+  report.set("fit.muscle_overlap_share", fitted.fill.overlap_share);
+  report.set("fit.muscle_in_bone_share", fitted.fill.bone_share);
+  report.set("fit.filled_share", fitted.fill.filled_share);
+  report.set("fit.loose_ends", fitted.fill.loose_ends);
   report.set("fit.torn_muscles", int(fitted.fill.torn.size()));
   report.set("fit.torn_muscle", fitted.fill.torn.empty() ? "" : fitted.fill.torn.front());
   report.set("fit.needles_at_rest", fitted.fill.needles);

@@ -44,10 +44,12 @@ FittedCharacter fit_character(const Template& body_template, const Body& body,
   }
   report.dilation_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 
-  report.fill = measure_fill(fitted.anatomy, closed_skin, wall, fitted.fat,
-                             options.parts ? *options.parts : vertex_parts(package));
+  std::vector<VertexPart> read;
+  if (!options.parts) read = vertex_parts(package);
+  const std::vector<VertexPart>& parts = options.parts ? *options.parts : read;
+  report.fill = measure_fill(fitted.anatomy, closed_skin, wall, fitted.fat, parts);
   if (options.dilated && dilation.method == DilateMethod::ecorche && dilation.share)
-    measure_pierced(fitted.anatomy, report.fill),
+    measure_rest(fitted.anatomy, wall.mesh(), fitted.fat, parts, report.fill),
         measure_torn(fitted.anatomy, body_template.anatomy.muscles, report.fill);
   if (options.tissues)
     report.tissues = measure_tissues(fitted.anatomy, closed_skin, wall.mesh(), fitted.fat);

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "anatomy/base_mesh/body_rig.h"
+#include "anatomy/geometry/join_meshes.h"
 #include "anatomy/geometry/mesh_measures.h"
 #include "anatomy/geometry/overlap_volumes.h"
 #include "anatomy/muscles/action_line.h"
@@ -17,14 +18,17 @@
 #include "anatomy/muscles/slice_outline.h"
 #include "anatomy/muscles/torn_muscles.h"
 #include "anatomy/queries/signed_distance.h"
+#include "morph/fit/layer_gaps.h"
+#include "morph/fit/muscle_ends.h"
 
 namespace ecorche::inline v1 {
 namespace {
 
 // Accuracy targets, stated in the messages of missed_targets. Larger: worse fits pass unnoticed.
-constexpr double kOutsideLimit = 1e-3;  // share of muscle surface points outside the skin
+constexpr double kOutsideLimit = 5e-4;  // share of muscle surface points outside the skin
 constexpr double kGapLimit = 3e-3;      // m, median gap of superficial muscles
 constexpr double kPiercedLimit = 0.05;  // share of one muscle's volume in bones
+constexpr double kOverlapLimit = 0.02, kBoneLimit = 0.01;  // shares of all muscles' volume
 
 // Points of a section lie near one another: what lies deeper than the next one is far is inside,
 // too.
@@ -100,17 +104,45 @@ void measure_superficial_gap(const Anatomy& anatomy, const std::vector<VertexPar
   fill.superficial_gap_median = median(gaps);
 }
 
-// Muscles in order, then bones.
-SolidVolumes measure_flesh(const Anatomy& anatomy, double spacing) {
-  const MuscleSurface surface = make_muscle_surface(anatomy);
-  Points positions;
-  update_muscle_surface(surface, rest_slices(anatomy), positions);
-  std::vector<Solid> solids;
-  for (const MuscleSurface::Part& part : surface.parts)
-    solids.push_back({Solid::Kind::muscle, &positions, &surface.F, part.face_begin, part.face_end});
-  for (const Bone& bone : anatomy.bones)
-    solids.push_back({Solid::Kind::bone, &bone.mesh.V, &bone.mesh.F, 0, int(bone.mesh.F.rows())});
-  return measure_solids(solids, spacing);
+// Muscles as drawn at rest, and bones.
+class DrawnFlesh {
+ public:
+  explicit DrawnFlesh(const Anatomy& anatomy)
+      : anatomy_(anatomy), surface_(make_muscle_surface(anatomy)) {
+    update_muscle_surface(surface_, rest_slices(anatomy), positions_);
+  }
+
+  // Muscles in order, then bones.
+  SolidVolumes measure(double spacing) const {
+    std::vector<Solid> solids;
+    for (const MuscleSurface::Part& part : surface_.parts)
+      solids.push_back(
+          {Solid::Kind::muscle, &positions_, &surface_.F, part.face_begin, part.face_end});
+    for (const Bone& bone : anatomy_.bones)
+      solids.push_back({Solid::Kind::bone, &bone.mesh.V, &bone.mesh.F, 0, int(bone.mesh.F.rows())});
+    return measure_solids(solids, spacing);
+  }
+
+  TriMesh mesh() const {
+    const TriMesh muscles{positions_, surface_.F};
+    std::vector<const TriMesh*> all{&muscles};
+    for (const Bone& bone : anatomy_.bones) all.push_back(&bone.mesh);
+    return join_meshes(all);
+  }
+
+ private:
+  const Anatomy& anatomy_;
+  MuscleSurface surface_;
+  Points positions_;
+};
+
+TriMesh fascia_mesh(const Anatomy& anatomy) {
+  std::vector<TriMesh> sheets;
+  for (const FasciaSheet& sheet : anatomy.fascia)
+    sheets.push_back({sheet.V, grid_triangles(sheet.rows, sheet.columns)});
+  std::vector<const TriMesh*> all;
+  for (const TriMesh& sheet : sheets) all.push_back(&sheet);
+  return join_meshes(all);
 }
 
 }  // namespace
@@ -133,9 +165,13 @@ FillReport measure_fill(const Anatomy& anatomy, const TriMesh& closed_skin, cons
   return fill;
 }
 
-void measure_pierced(const Anatomy& anatomy, FillReport& fill) {
+void measure_rest(const Anatomy& anatomy, const TriMesh& wall, const FatLayer& fat,
+                  const std::vector<VertexPart>& parts, FillReport& fill) {
   constexpr double kSpacing = 0.0015;  // m: as CheckOptions::rest_spacing
-  const SolidVolumes volumes = measure_flesh(anatomy, kSpacing);
+  const DrawnFlesh flesh(anatomy);
+  const SolidVolumes volumes = flesh.measure(kSpacing);
+  fill.overlap_share = volumes.muscle_overlap_share();
+  fill.bone_share = volumes.bone_overlap_share();
   fill.pierced_share = 0;
   fill.pierced_muscle.clear();
   for (size_t m = 0; m < anatomy.muscles.size(); ++m) {
@@ -143,6 +179,9 @@ void measure_pierced(const Anatomy& anatomy, FillReport& fill) {
     fill.pierced_share = volumes.in_bone[m] / volumes.volume[m];
     fill.pierced_muscle = anatomy.muscles[m].name;
   }
+  fill.loose_ends = measure_muscle_ends(anatomy).loose;
+  fill.filled_share =
+      measure_layer_gaps(wall, fat, parts, flesh.mesh(), fascia_mesh(anatomy)).filled_share;
 }
 
 void measure_torn(const Anatomy& anatomy, const std::vector<Muscle>& reference, FillReport& fill) {
@@ -157,7 +196,7 @@ Tissues measure_tissues(const Anatomy& anatomy, const TriMesh& closed_skin, cons
                         const FatLayer& fat) {
   // m; sums over the whole body are good to a few tenths of a percent
   constexpr double kSpacing = 0.004;
-  const SolidVolumes volumes = measure_flesh(anatomy, kSpacing);
+  const SolidVolumes volumes = DrawnFlesh(anatomy).measure(kSpacing);
   TriMesh inner = wall;
   const Points normals = vertex_normals(wall);
   for (Eigen::Index i = 0; i < inner.V.rows(); ++i)
@@ -183,8 +222,27 @@ std::vector<MissedTarget> missed_targets(const FittingReport& report) {
   if (fill.points_outside > kOutsideLimit * fill.points)
     missed.push_back(
         {"muscles_outside",
-         fmt::format("{:.2f} % of the muscle surface is outside the skin; at most 0.1 % was asked",
+         fmt::format("{:.3f} % of the muscle surface is outside the skin; at most 0.05 % was asked",
                      100.0 * fill.points_outside / fill.points)});
+  if (fill.overlap_share > kOverlapLimit)
+    missed.push_back({"muscles_overlap",
+                      fmt::format("muscles lie within muscles by {:.2f} % of their volume; at most "
+                                  "2 % was asked",
+                                  100 * fill.overlap_share)});
+  if (fill.bone_share > kBoneLimit)
+    missed.push_back({"muscles_in_bones",
+                      fmt::format("muscles lie within bones by {:.2f} % of their volume; at most "
+                                  "1 % was asked",
+                                  100 * fill.bone_share)});
+  if (fill.loose_ends > 0)
+    missed.push_back({"ends_loose", fmt::format("{} muscle ends lie more than 10 mm from their "
+                                                "bones",
+                                                fill.loose_ends)});
+  if (fill.filled_share < kFilledAsked)
+    missed.push_back(
+        {"layer_unfilled", fmt::format("under the fat layer {:.1f} % of the area is within 5 mm of "
+                                       "muscle, bone or fascia; at least 95 % was asked",
+                                       100 * fill.filled_share)});
   if (fill.pierced_share > kPiercedLimit)
     missed.push_back({"muscle_pierced",
                       fmt::format("bones take {:.1f} % of {}; at most 5 % of a muscle was asked",

@@ -22,9 +22,14 @@ struct FillReport {
   double furthest = 0;                // m
   int superficial_slices = 0;         // belly sections of superficial limb muscles
   double superficial_gap_median = 0;  // from their nearest approach to the fat layer, m
-  // the largest share of one muscle's volume that lies in bones, and whose (measure_pierced)
+  // What `check` asks for at rest, measured as there (measure_rest): what muscles share with one
+  // another and with bones, of their volume; the largest share of one muscle's volume that lies in
+  // bones, and whose; ends off their bones; of the area under the layer, how much is filled.
+  double overlap_share = 0, bone_share = 0;
   double pierced_share = 0;
   std::string pierced_muscle;
+  int loose_ends = 0;
+  double filled_share = 1;
   // muscles that are torn at rest, the worst first, and needles of all (torn_muscles.h)
   std::vector<std::string> torn;
   int needles = 0;
@@ -61,16 +66,19 @@ bool is_off(const LandmarkDepth& landmark);
 // `wall`: of chest_wall_skin; `fat`: of its vertices; `parts`: vertex_parts of the package.
 FillReport measure_fill(const Anatomy& anatomy, const TriMesh& closed_skin, const SkinRays& wall,
                         const FatLayer& fat, const std::vector<VertexPart>& parts);
-// Of muscles that have parted from bones, along the lines that `check` takes.
-void measure_pierced(const Anatomy& anatomy, FillReport& fill);
+// Of muscles that have parted from bones, along the lines that `check` takes; `wall`, `fat` and
+// `parts` as for measure_fill.
+void measure_rest(const Anatomy& anatomy, const TriMesh& wall, const FatLayer& fat,
+                  const std::vector<VertexPart>& parts, FillReport& fill);
 // Against the template's muscles, grown to its own skin.
 void measure_torn(const Anatomy& anatomy, const std::vector<Muscle>& reference, FillReport& fill);
 Tissues measure_tissues(const Anatomy& anatomy, const TriMesh& closed_skin, const TriMesh& wall,
                         const FatLayer& fat);
 
 struct MissedTarget {
-  // bones_outside, muscles_outside, muscle_pierced, muscles_torn, superficial_gap,
-  // muscles_collapsed, or a landmark of data/palpable.csv
+  // bones_outside, muscles_outside, muscles_overlap, muscles_in_bones, muscle_pierced, ends_loose,
+  // layer_unfilled, muscles_torn, superficial_gap, muscles_collapsed, or a landmark of
+  // data/palpable.csv
   std::string name;
   std::string what;  // with the figures
 };

@@ -22,6 +22,8 @@
 #include "anatomy/posing/joint_sweep.h"
 #include "anatomy/queries/nearest_surface.h"
 #include "morph/fat/fat_layer.h"
+#include "morph/fit/layer_gaps.h"
+#include "morph/fit/muscle_ends.h"
 #include "skinning/character/evaluate.h"
 #include "skinning/checks/slits.h"
 #include "skinning/checks/wholeness.h"
@@ -29,8 +31,6 @@
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kNear = 0.005;        // m, between the fat layer and what lies beneath
-constexpr double kLooseEnd = 0.010;    // m
 constexpr double kJump = 0.001;        // m
 constexpr double kLeastShared = 1e-9;  // m^3, of a neighbour that is named
 constexpr double kSticksOut = 0.020;   // m
@@ -200,11 +200,6 @@ void check_torn(const Subject& subject, const CheckOptions& options, AnatomyChec
   if (!torn.empty()) check.torn_muscle = muscles[torn.front()].name;
 }
 
-bool is_filled_part(BodyPart part) {
-  return part == BodyPart::trunk || part == BodyPart::upper_arm || part == BodyPart::forearm ||
-         part == BodyPart::thigh || part == BodyPart::shank;
-}
-
 void check_voids(const Subject& subject, const Shape& shape, AnatomyCheck& check) {
   check.filled_share = check.slits = std::numeric_limits<double>::quiet_NaN();
   if (!subject.packaged) return;
@@ -213,38 +208,15 @@ void check_voids(const Subject& subject, const Shape& shape, AnatomyCheck& check
   const SkinRays rays(wall);
   const FatLayer fat =
       make_fat_layer(FatTables(subject.package.tables), rays, subject.anatomy(), body);
-  const Points normals = vertex_normals(wall);
-  const std::vector<double> areas = vertex_areas(wall);
-  const auto parts = vertex_parts(subject.package);
-  std::vector<int> vertices;
-  for (int i = 0; i < int(parts.size()); ++i)
-    if (areas[i] > 0 && is_filled_part(parts[i].part)) vertices.push_back(i);
-  Points under(vertices.size(), 3);
-  for (std::size_t k = 0; k < vertices.size(); ++k) {
-    const int i = vertices[k];
-    under.row(k) = wall.V.row(i) - double(fat.thickness[i]) * normals.row(i);
-  }
   const TriMesh flesh = flesh_of(subject, shape);
-  const std::vector<int> winding = winding_numbers(flesh, under);
-  const TriMesh fascia{shape.fascia, subject.fascia.F};
-  const NearestSurface nearest(join_meshes({&flesh, &fascia}));
-  std::vector<std::pair<double, double>> gaps(vertices.size());  // gap, area
-  tbb::parallel_for(std::size_t{0}, vertices.size(), [&](std::size_t k) {
-    const double gap = winding[k] != 0 ? 0 : nearest.nearest(under.row(k)).distance;
-    gaps[k] = {gap, areas[vertices[k]]};
-  });
-  std::sort(gaps.begin(), gaps.end());
-  double area = 0, near = 0, sum = 0;
-  for (const auto& [gap, a] : gaps) area += a, near += gap <= kNear ? a : 0;
-  for (const auto& [gap, a] : gaps) {
-    if (sum < 0.5 * area) check.gap_median = gap;
-    if (sum < 0.95 * area) check.gap_p95 = gap;
-    sum += a;
-  }
-  check.filled_share = near / area;
+  const LayerGaps gaps = measure_layer_gaps(wall, fat, vertex_parts(subject.package), flesh,
+                                            {shape.fascia, subject.fascia.F});
+  check.filled_share = gaps.filled_share;
+  check.gap_median = gaps.median;
+  check.gap_p95 = gaps.p95;
 
   std::vector<char> looked_at(std::size_t(wall.V.rows()), 0);
-  for (const int i : vertices) looked_at[std::size_t(i)] = 1;
+  for (const int i : gaps.vertices) looked_at[std::size_t(i)] = 1;
   const std::vector<double> slits = slit_areas(wall, fat.thickness, looked_at, flesh);
   check.slits = 0;
   double most = 0;
@@ -262,40 +234,14 @@ void check_voids(const Subject& subject, const Shape& shape, AnatomyCheck& check
 }
 
 void check_ends(const Subject& subject, AnatomyCheck& check) {
-  const Anatomy& anatomy = subject.anatomy();
-  std::map<int, std::unique_ptr<NearestSurface>> bones;  // by joint
-  const auto distance = [&](int joint, const Vec3& end) {
-    if (joint < 0) return -1.0;
-    auto& surface = bones[joint];
-    if (!surface) {
-      std::vector<const TriMesh*> carried;
-      for (const Bone& bone : anatomy.bones)
-        if (bone.joint == joint) carried.push_back(&bone.mesh);
-      const TriMesh all = join_meshes(carried);
-      if (all.F.rows() == 0) return -1.0;
-      surface = std::make_unique<NearestSurface>(all);
-    }
-    return surface->nearest(end).distance;
-  };
-  std::vector<double> distances;
-  for (std::size_t m = 0; m < anatomy.muscles.size(); ++m) {
-    const Muscle& muscle = anatomy.muscles[m];
-    for (const Strip& strip : muscle.strips) {
-      const auto [origin, insertion] = end_joints(muscle, strip);
-      for (const double d : {distance(origin, strip.path.front().rest),
-                             distance(insertion, strip.path.back().rest)}) {
-        if (d < 0) continue;
-        distances.push_back(d);
-        check.loose_ends += d > kLooseEnd;
-        check.muscles[m].end_distance = std::max(check.muscles[m].end_distance, d);
-      }
-    }
-  }
-  check.ends = distances.size();
-  if (distances.empty()) return;
-  std::sort(distances.begin(), distances.end());
-  check.end_distance_median = distances[distances.size() / 2];
-  check.end_distance_max = distances.back();
+  const MuscleEnds ends = measure_muscle_ends(subject.anatomy());
+  check.ends = int(ends.distances.size());
+  check.loose_ends = ends.loose;
+  for (std::size_t m = 0; m < ends.farthest.size(); ++m)
+    check.muscles[m].end_distance = ends.farthest[m];
+  if (ends.distances.empty()) return;
+  check.end_distance_median = ends.distances[ends.distances.size() / 2];
+  check.end_distance_max = ends.distances.back();
 }
 
 // How far each section's outline goes from its centre, m.

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "morph/fit/layer_gaps.h"
+
 namespace ecorche::inline v1 {
 namespace {
 
@@ -37,7 +39,7 @@ std::vector<Target> check_targets(const AnatomyCheck& check) {
       {"bones within bones, of their volume", "<= 0.3 %", percent(check.bone_overlap.share),
        check.bone_overlap.share <= 0.003},
       {"under the fat layer, within 5 mm of muscle, bone or fascia", ">= 95 %",
-       percent(check.filled_share, 1), check.filled_share >= 0.95},
+       percent(check.filled_share, 1), check.filled_share >= kFilledAsked},
       {"muscle ends more than 10 mm from their bones", "0",
        fmt::format("{} of {}", check.loose_ends, check.ends), check.loose_ends == 0},
   };

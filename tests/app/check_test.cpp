@@ -11,6 +11,7 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/joint_angles.h"
+#include "morph/fit/fit_quality.h"
 #include "skinning/checks/anatomy_check.h"
 #include "skinning/checks/bodies_check.h"
 #include "skinning/checks/bulges.h"
@@ -152,6 +153,41 @@ TEST(CheckTargets, AreMetOrNot) {
   check.pierced_share = 0.1;
   check.poses[0].bone_points_outside = 1;
   for (const Target& target : check_targets(check)) EXPECT_FALSE(target.met) << target.what;
+}
+
+// What `check` asks at rest, `fit` asks, too: one that ends 0 is not condemned afterwards.
+TEST(CheckTargets, AreThoseOfAFitAtRest) {
+  const auto all_met = [](const AnatomyCheck& check) {
+    return std::ranges::all_of(check_targets(check), &Target::met);
+  };
+  const auto agree = [&](double outside, double overlap, double in_bone, double pierced,
+                         double filled, int loose, int torn, int bones) {
+    AnatomyCheck check;
+    check.bone_points = check.muscle_points = 100000;
+    check.compared = true;
+    FittingReport fit;
+    check.muscle_points_outside = fit.fill.points_outside = int(100000 * outside);
+    fit.fill.points = 100000;
+    check.overlap_share = fit.fill.overlap_share = overlap;
+    check.bone_share = fit.fill.bone_share = in_bone;
+    check.pierced_share = fit.fill.pierced_share = pierced;
+    check.filled_share = fit.fill.filled_share = filled;
+    check.loose_ends = fit.fill.loose_ends = loose;
+    check.torn = torn;
+    fit.fill.torn.assign(std::size_t(torn), "soleus_l");
+    check.bone_points_outside = fit.fit.bones_outside = bones;
+    EXPECT_EQ(missed_targets(fit).empty(), all_met(check));
+    return all_met(check);
+  };
+  EXPECT_TRUE(agree(0.0005, 0.02, 0.01, 0.05, 0.95, 0, 0, 0));
+  EXPECT_FALSE(agree(0.0006, 0.02, 0.01, 0.05, 0.95, 0, 0, 0));
+  EXPECT_FALSE(agree(0.0005, 0.021, 0.01, 0.05, 0.95, 0, 0, 0));
+  EXPECT_FALSE(agree(0.0005, 0.02, 0.011, 0.05, 0.95, 0, 0, 0));
+  EXPECT_FALSE(agree(0.0005, 0.02, 0.01, 0.051, 0.95, 0, 0, 0));
+  EXPECT_FALSE(agree(0.0005, 0.02, 0.01, 0.05, 0.949, 0, 0, 0));
+  EXPECT_FALSE(agree(0.0005, 0.02, 0.01, 0.05, 0.95, 1, 0, 0));
+  EXPECT_FALSE(agree(0.0005, 0.02, 0.01, 0.05, 0.95, 0, 1, 0));
+  EXPECT_FALSE(agree(0.0005, 0.02, 0.01, 0.05, 0.95, 0, 0, 1));
 }
 
 TEST(CheckBodies, AreTwentyWithNamesOfTheirOwn) {

@@ -1,0 +1,59 @@
+#include "morph/fit/layer_gaps.h"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "anatomy/geometry/join_meshes.h"
+#include "anatomy/geometry/mesh_measures.h"
+#include "anatomy/geometry/overlap_volumes.h"
+#include "anatomy/queries/nearest_surface.h"
+
+namespace ecorche::inline v1 {
+namespace {
+
+constexpr double kNear = 0.005;  // m, between the fat layer and what lies beneath
+
+bool is_filled_part(BodyPart part) {
+  return part == BodyPart::trunk || part == BodyPart::upper_arm || part == BodyPart::forearm ||
+         part == BodyPart::thigh || part == BodyPart::shank;
+}
+
+}  // namespace
+
+LayerGaps measure_layer_gaps(const TriMesh& wall, const FatLayer& fat,
+                             const std::vector<VertexPart>& parts, const TriMesh& flesh,
+                             const TriMesh& fascia) {
+  const Points normals = vertex_normals(wall);
+  const std::vector<double> areas = vertex_areas(wall);
+  LayerGaps out;
+  for (int i = 0; i < int(parts.size()); ++i)
+    if (areas[std::size_t(i)] > 0 && is_filled_part(parts[std::size_t(i)].part))
+      out.vertices.push_back(i);
+  Points under(out.vertices.size(), 3);
+  for (std::size_t k = 0; k < out.vertices.size(); ++k) {
+    const int i = out.vertices[k];
+    under.row(Eigen::Index(k)) =
+        wall.V.row(i) - double(fat.thickness[std::size_t(i)]) * normals.row(i);
+  }
+  const std::vector<int> winding = winding_numbers(flesh, under);
+  const NearestSurface nearest(join_meshes({&flesh, &fascia}));
+  std::vector<std::pair<double, double>> gaps(out.vertices.size());  // gap, area
+  tbb::parallel_for(std::size_t{0}, gaps.size(), [&](std::size_t k) {
+    const double gap = winding[k] != 0 ? 0 : nearest.nearest(under.row(Eigen::Index(k))).distance;
+    gaps[k] = {gap, areas[std::size_t(out.vertices[k])]};
+  });
+  std::sort(gaps.begin(), gaps.end());
+  double area = 0, near = 0, sum = 0;
+  for (const auto& [gap, a] : gaps) area += a, near += gap <= kNear ? a : 0;
+  for (const auto& [gap, a] : gaps) {
+    if (sum < 0.5 * area) out.median = gap;
+    if (sum < 0.95 * area) out.p95 = gap;
+    sum += a;
+  }
+  out.filled_share = near / area;
+  return out;
+}
+
+}  // namespace ecorche::inline v1
