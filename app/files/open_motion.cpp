@@ -10,8 +10,11 @@
 #include <utility>
 #include <vector>
 
+#include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
+#include "app/files/open_markers.h"
 #include "skinning/constraints/collision_proxies.h"
+#include "skinning/motion_files/read_markers.h"
 #include "skinning/motion_files/read_motion.h"
 #include "skinning/retarget/rest_alignment.h"
 #include "skinning/retarget/retarget.h"
@@ -102,6 +105,7 @@ void describe_source(const OwnSkin& own, const Skeleton& skeleton, RetargetRepor
 std::optional<Motion> open_own_motion(const std::filesystem::path& file, const Character& character,
                                       const Binding& binding, const MotionOptions& options,
                                       const RetargetOptions& placed, RetargetReport& found) {
+  if (is_marker_file(file)) return std::nullopt;
   if (!character.own || !options.map_file.empty() || !options.up.empty() || !is_scene_motion(file))
     return std::nullopt;
   const std::string name = printable(file.string());
@@ -116,6 +120,15 @@ std::optional<Motion> open_own_motion(const std::filesystem::path& file, const C
   describe_source(*character.own, skeleton, found);
   constrain_own_motion(name, skeleton, placed, own->motion, found);
   return std::move(own->motion);
+}
+
+MotionClip read_clip(const std::filesystem::path& file, const Character& character,
+                     const MotionOptions& options, const Common& common, Report& report) {
+  if (is_marker_file(file)) return open_markers(file, character, options, common, report);
+  if (!options.markers.empty())
+    throw UsageError(printable(file.string()) +
+                     ": --markers: it holds no markers; .trc and .c3d do");
+  return read_motion(file, to_read_options(options));
 }
 
 }  // namespace
@@ -133,8 +146,8 @@ Motion open_motion(const std::filesystem::path& file, const Character& character
   if (std::optional<Motion> own = open_own_motion(file, character, binding, options, placed, found))
     motion = std::move(*own);
   else
-    motion = retarget(read_motion(file, to_read_options(options)), character.anatomy.skeleton,
-                      placed, found);
+    motion = retarget(read_clip(file, character, options, common, report),
+                      character.anatomy.skeleton, placed, found);
   report.set("motion.frames", int(motion.frames.size()));
   report.set("motion.fps", motion.fps);
   report.set("motion.unit", found.unit);

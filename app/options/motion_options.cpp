@@ -80,6 +80,9 @@ void add_motion_options(CLI::App& verb, MotionOptions& options) {
   verb.add_option("--up", options.up,
                   "Up axis of the file, instead of guessing; for figures that are seldom upright")
       ->check(one_of({"x", "y", "z"}));
+  verb.add_option("--markers", options.markers,
+                  "Where markers of a .trc or .c3d are stuck that have names of your own: a table "
+                  "(CSV: marker, place), places as in data/markers/places.csv");
   verb.add_option("--motion-fps", options.fps,
                   "Frames a second of the file, instead of what it says")
       ->check(between(0.1, 10000));

@@ -18,6 +18,7 @@ namespace ecorche {
 struct MotionOptions {
   std::filesystem::path map_file;              // --map
   std::string up;                              // --up
+  std::filesystem::path markers;               // --markers; empty: names that are known
   double fps = 0;                              // --motion-fps; 0: the file's
   std::string take;                            // --take; empty: the first
   std::filesystem::path skeleton;              // --skeleton; empty: looked for
@@ -45,7 +46,9 @@ void require_settling(bool dynamics, const std::string& method);
 
 // What the help texts say of an argument that is a motion file.
 inline constexpr const char* kMotionFilesHelp =
-    "Motion: .bvh, .glb, .gltf, .fbx, .dae, .amc, .mot, .sto, or DeepMimic's .txt";
+    "Motion: .bvh, .glb, .gltf, .fbx, .dae, .amc, .mot, .sto, markers in .trc or .c3d, or "
+    "DeepMimic's "
+    ".txt";
 // --definition: relief of the anatomy on the skin; `otherwise` says what is done without it.
 // to_definition() is for ActorOptions; it throws UsageError for more than 0 with skinning methods
 // other than "ecorche".

@@ -17,9 +17,17 @@ namespace {
 
 constexpr double kUneven = 0.02;  // of a step: what clocks and rounding do
 
-// First and last frame of a range, counted from 0.
-std::pair<int, int> frames_within(const ClipRange& range, const std::string& name, double fps,
-                                  int count) {
+template <class T>
+void keep_rows(int first, int last, int columns, std::vector<T>& values) {
+  const auto row = [&](int f) { return values.begin() + std::ptrdiff_t(f) * columns; };
+  values =
+      std::vector<T>(std::make_move_iterator(row(first)), std::make_move_iterator(row(last + 1)));
+}
+
+}  // namespace
+
+std::pair<int, int> frames_of_range(const ClipRange& range, const std::string& name, double fps,
+                                    int count) {
   constexpr double kRoundingOfTimes = 1e-6;  // s
   const double lasts = (count - 1) / fps;
   const auto frame_at = [&](const ClipMoment& moment, const char* option) {
@@ -44,15 +52,6 @@ std::pair<int, int> frames_within(const ClipRange& range, const std::string& nam
                     name, count, fps, first + 1, last + 1));
   return {first, std::min(last, count - 1)};
 }
-
-template <class T>
-void keep_rows(int first, int last, int columns, std::vector<T>& values) {
-  const auto row = [&](int f) { return values.begin() + std::ptrdiff_t(f) * columns; };
-  values =
-      std::vector<T>(std::make_move_iterator(row(first)), std::make_move_iterator(row(last + 1)));
-}
-
-}  // namespace
 
 double rate_of(const std::vector<double>& times) {
   std::vector<double> steps;
@@ -128,7 +127,7 @@ ClipMoment read_moment(const std::string& text, const std::string& where) {
 
 void cut_clip(const ClipRange& range, MotionClip& clip) {
   if (!range.from && !range.to) return;
-  const auto [first, last] = frames_within(range, clip.name, clip.fps, clip.frame_count);
+  const auto [first, last] = frames_of_range(range, clip.name, clip.fps, clip.frame_count);
   keep_rows(first, last, clip.rotation_tracks, clip.rotations);
   keep_rows(first, last, clip.translation_tracks, clip.translations);
   clip.frame_count = last - first + 1;
@@ -136,7 +135,7 @@ void cut_clip(const ClipRange& range, MotionClip& clip) {
 
 void cut_motion(const ClipRange& range, const std::string& name, Motion& motion) {
   if (!range.from && !range.to) return;
-  const auto [first, last] = frames_within(range, name, motion.fps, int(motion.frames.size()));
+  const auto [first, last] = frames_of_range(range, name, motion.fps, int(motion.frames.size()));
   keep_rows(first, last, 1, motion.frames);
 }
 

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "anatomy/skeleton.h"
@@ -33,6 +34,11 @@ ClipMoment read_moment(const std::string& text, const std::string& where);
 struct ClipRange {
   std::optional<ClipMoment> from, to;
 };
+
+// First and last frame of a range of `count` frames, counted from 0. Throws UsageError, in the name
+// of the file, where there are none.
+std::pair<int, int> frames_of_range(const ClipRange& range, const std::string& name, double fps,
+                                    int count);
 
 // Keeps the range. Throws UsageError, in the name of the file, where the motion has none of it.
 void cut_clip(const ClipRange& range, MotionClip& clip);
