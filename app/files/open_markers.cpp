@@ -114,6 +114,7 @@ MotionClip open_markers(const std::filesystem::path& file, const Character& char
     const StageTimer timer(report, "markers");
     fit = fit_markers(take, markers, skeleton, wanted);
   }
+  report.set("motion.start", take.start);
   report.set("markers.known", int(markers.size()));
   report.set("markers.up", std::string(1, fit.up));
   std::vector<std::string> warnings, strange;

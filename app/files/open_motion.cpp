@@ -154,6 +154,7 @@ Motion open_motion(const std::filesystem::path& file, const Character& character
   report.set("motion.up", std::string(1, found.up));
   report.set("motion.facing", found.facing);
   report.set("motion.scale", found.scale);
+  report.set("motion.metres_per_unit", found.metres_per_unit);
   report.set_flag("motion.same_rest", found.same_rest);
   report.set_flag("motion.own_rig", found.matching_rig);
   report.set("motion.contacts", int(found.contacts.size()));

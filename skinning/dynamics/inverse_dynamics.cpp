@@ -8,6 +8,7 @@
 
 #include "skinning/constraints/foot_contacts.h"
 #include "skinning/dynamics/smooth_motion.h"
+#include "skinning/dynamics/supported_path.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -16,13 +17,41 @@ constexpr double kShortestFlight = 0.08;  // s
 constexpr double kEnds = 0.05;            // s, without figures
 constexpr double kNoContact = 1e-3;       // of a point's gate
 constexpr double kSpread = 0.12;          // periods of the cut-off, to either side
+constexpr double kSharper = 1.25;         // the force's cut-off over the motion's
+constexpr double kSlowestBelt = 0.6;      // m/s
+constexpr double kLowPoint = 0.03;        // m over the floor: it may stand on a belt
+constexpr double kSteadyBelt = 0.2;       // of its speed: median distance of what stands on it
+constexpr double kMostShift = 0.025;      // m, of a centre of mass that is brought to its support
 
 // Soles over a motion.
 struct Soles {
   std::vector<SolePoint> points;
   std::vector<double> floor;                       // #frames
   std::vector<std::vector<SoleContact>> contacts;  // #frames x #points
+  Vec3 belt = Vec3::Zero();                        // what they stand on moves, m/s
 };
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// On a treadmill low points move backwards, all alike. Nought for a floor.
+Vec3 belt_velocity(const Soles& soles) {
+  std::array<std::vector<double>, 2> speeds;  // along x, z
+  for (std::size_t f = 0; f < soles.contacts.size(); ++f)
+    for (const SoleContact& c : soles.contacts[f])
+      if (c.place.y() - soles.floor[f] < kLowPoint && std::abs(c.velocity.y()) < 0.5 * kSlowestBelt)
+        speeds[0].push_back(c.velocity.x()), speeds[1].push_back(c.velocity.z());
+  if (speeds[0].size() < 10) return Vec3::Zero();
+  const Vec3 belt(median_of(speeds[0]), 0, median_of(speeds[1]));
+  std::vector<double> off;
+  for (std::size_t i = 0; i < speeds[0].size(); ++i)
+    off.push_back(std::hypot(speeds[0][i] - belt.x(), speeds[1][i] - belt.z()));
+  return belt.norm() > kSlowestBelt && median_of(off) < kSteadyBelt * belt.norm() ? belt
+                                                                                  : Vec3::Zero();
+}
 
 Soles find_soles(const Skeleton& skeleton, double sole_height, const Motion& motion) {
   Soles out;
@@ -49,9 +78,12 @@ Soles find_soles(const Skeleton& skeleton, double sole_height, const Motion& mot
       SoleContact& c = out.contacts[f][i];
       c.velocity = (out.contacts[after][i].place - out.contacts[before][i].place) * motion.fps /
                    double(after - before);
-      c.gate = contact_gate(c.place.y() - out.floor[f], c.velocity);
     }
   }
+  out.belt = belt_velocity(out);
+  for (std::size_t f = 0; f < n; ++f)
+    for (SoleContact& c : out.contacts[f])
+      c.gate = contact_gate(c.place.y() - out.floor[f], c.velocity - out.belt);
   return out;
 }
 
@@ -115,6 +147,54 @@ void add_figures(MotionDynamics& out) {
   out.flight_residual_rms = out.flight_frames > 0 ? std::sqrt(flights / out.flight_frames) : 0;
 }
 
+Vec3 center_of(const Skeleton& skeleton, std::span<const BodySegment> segments, const Pose& pose,
+               std::vector<Transform>& X) {
+  forward_kinematics(skeleton, pose, X);
+  Vec3 sum = Vec3::Zero();
+  double mass = 0;
+  for (const BodySegment& segment : segments)
+    sum += segment.mass * (X[segment.joint] * segment.center), mass += segment.mass;
+  return sum / mass;
+}
+
+std::vector<ExternalForce> forces_of(const std::array<FootForce, 2>& feet,
+                                     const std::array<int, 2>& joints) {
+  std::vector<ExternalForce> out;
+  for (std::size_t f = 0; f < 2; ++f)
+    out.push_back({joints[f], feet[f].place, feet[f].force, Vec3(0, feet[f].free_moment, 0)});
+  return out;
+}
+
+// Brings the centre of mass to a path that the contacts can give, where that is near to the one
+// that was recorded: a body that sits or hangs has no such path, and stays where it is.
+double support_center(const Skeleton& skeleton, std::span<const BodySegment> segments,
+                      const Motion& motion, const Soles& soles, double cutoff,
+                      std::vector<MotionState>& states) {
+  std::vector<Vec3> seen, smoothed;
+  std::vector<double> contact;
+  std::vector<Transform> X;
+  for (std::size_t f = 0; f < states.size(); ++f) {
+    seen.push_back(center_of(skeleton, segments, motion.frames[f], X));
+    smoothed.push_back(center_of(skeleton, segments, states[f].pose, X));
+    double most = 0;
+    for (const SoleContact& c : soles.contacts[f]) most = std::max(most, c.gate);
+    contact.push_back(most);
+  }
+  const SupportedPath path = supported_path(seen, contact, motion.fps, cutoff);
+  if (path.moved > kMostShift) return 0;
+  const double rate = motion.fps;
+  for (std::size_t f = 0; f < states.size(); ++f) {
+    const std::size_t at = std::clamp<std::size_t>(f, 1, states.size() - 2);
+    const auto change = [&](std::size_t g) { return Vec3(path.place[g] - smoothed[g]); };
+    MotionState& state = states[f];
+    const Vec3 was = rate * rate * (smoothed[at + 1] - 2 * smoothed[at] + smoothed[at - 1]);
+    state.root_acceleration += path.acceleration[at] - was;
+    state.root_velocity += 0.5 * rate * (change(at + 1) - change(at - 1));
+    state.pose.root += change(f);
+  }
+  return path.moved;
+}
+
 }  // namespace
 
 MotionDynamics inverse_dynamics(const Skeleton& skeleton, std::span<const BodySegment> segments,
@@ -122,6 +202,8 @@ MotionDynamics inverse_dynamics(const Skeleton& skeleton, std::span<const BodySe
                                 const DynamicsOptions& options) {
   if (motion.frames.size() < 3 || !(motion.fps > 0))
     throw std::invalid_argument("inverse_dynamics: a motion of fewer than three frames");
+  if (!options.measured.empty() && options.measured.size() != motion.frames.size())
+    throw std::invalid_argument("inverse_dynamics: measured forces of other frames");
   double mass = 0;
   for (const BodySegment& segment : segments) mass += segment.mass;
   if (!(mass > 0)) throw std::invalid_argument("inverse_dynamics: a body without mass");
@@ -135,8 +217,14 @@ MotionDynamics inverse_dynamics(const Skeleton& skeleton, std::span<const BodySe
   Soles soles;
   if (options.ground) {
     soles = find_soles(skeleton, sole_height, poses_of(out.states, motion.fps));
+    out.belt = soles.belt;
     widen_contacts(out.fps, out.cutoff, soles);
+    if (out.cutoff > 0)
+      out.center_moved =
+          support_center(skeleton, segments, motion, soles, kSharper * out.cutoff, out.states);
   }
+  const std::array<int, 2> feet{find_joint(skeleton, "subtalar_l"),
+                                find_joint(skeleton, "subtalar_r")};
   out.frames.resize(out.states.size());
   tbb::parallel_for(std::size_t{0}, out.frames.size(), [&](std::size_t f) {
     DynamicsFrame& frame = out.frames[f];
@@ -146,9 +234,13 @@ MotionDynamics inverse_dynamics(const Skeleton& skeleton, std::span<const BodySe
       const GroundReaction ground =
           share_ground_reaction(frame.loads.joints[0], frame.loads.X_WJ[0].translation(),
                                 out.weight, soles.floor[f], soles.points, soles.contacts[f]);
-      frame.feet = ground.feet;
-      if (!ground.forces.empty())
+      frame.feet = frame.estimated = ground.feet;
+      if (!ground.forces.empty() && options.measured.empty())
         find_joint_loads(skeleton, segments, out.states[f], ground.forces, frame.loads);
+    }
+    if (!options.measured.empty()) {
+      frame.feet = options.measured[f];
+      find_joint_loads(skeleton, segments, out.states[f], forces_of(frame.feet, feet), frame.loads);
     }
     const JointLoad& left = frame.loads.joints[0];
     frame.residual_force = left.force;

@@ -145,8 +145,8 @@ class FigureMaker {
     add(std::move(turn));
   }
 
-  // Straight is as far as it goes: markers of sets without a point at the joint do not tell how much
-  // of a bend is the joint's and how much is where they were stuck.
+  // Straight is as far as it goes: markers of sets without a point at the joint do not tell how
+  // much of a bend is the joint's and how much is where they were stuck.
   void add_hinge(const std::string& joint, const std::vector<int>& components, const Vec3& spread) {
     add_shared({joint}, components, spread);
     out_.turns.back().low[0] = out_.turns.back().usual[0];
@@ -280,14 +280,19 @@ void point_derivatives(const MarkerFigure& figure, const FigurePose& at,
       by_size->col(figure.sizes_of[frame][std::size_t(k)]) += v[k] * X[frame].linear().col(k);
   };
   if (by_size) by_size->setZero(), add_size(joint, local);
-  Vec3 p = figure_point(figure, X, joint, local, offset);
+  const Vec3 p = figure_point(figure, X, joint, local, offset);
+  int carried = -1;  // a shoulder on the way
   by_coordinate.leftCols<3>().setIdentity();
   for (int j = joint; j >= 0; j = figure.skeleton.joints[j].parent) {
     const int parent = figure.skeleton.joints[j].parent;
     if (by_size && parent >= 0) add_size(parent, figure.offsets[j]);
     if (figure.turn_of[j] >= 0) {
       const FigureTurn& turn = figure.turns[figure.turn_of[j]];
-      const Vec3 arm = p - X[j].translation();
+      // An arm keeps its turn against the thorax when the girdle moves: it carries the shoulder.
+      const bool girdle = j == figure.clavicle[0] || j == figure.clavicle[1];
+      const Vec3 arm =
+          (girdle && carried >= 0 ? Vec3(X[carried].translation()) : p) - X[j].translation();
+      if (j == figure.shoulder[0] || j == figure.shoulder[1]) carried = j;
       if (turn.free) {
         for (int k = 0; k < 3; ++k)
           by_coordinate.col(turn.first + k) =
@@ -307,9 +312,6 @@ void point_derivatives(const MarkerFigure& figure, const FigurePose& at,
         }
       }
     }
-    // Arms keep their turn against the thorax when the girdle moves: it carries the shoulder alone.
-    for (const int shoulder : figure.shoulder)
-      if (j == shoulder) p = X[j].translation();
   }
 }
 

@@ -62,6 +62,10 @@ MotionClip read_one_motion(const fs::path& file, const MotionReadOptions& option
   if (!options.take.empty())
     throw UsageError(printable(file.string()) + ": --take: the file has one motion; leave it out");
   const std::string text = read_input_file(file, limits::kMotionBytes);
+  if (ending == ".trc" || ending == ".c3d")
+    throw UnfitError(name +
+                     ": markers are a motion of one body alone; name the character that wears them "
+                     "(`ecorche retarget FILE CHARACTER -o OUT.bvh`)");
   if (ending == ".asf")
     throw UnfitError(name + ": a skeleton without a motion; name an .amc of it");
   if (ending == ".amc") return read_amc(file, text, options);
@@ -77,8 +81,8 @@ MotionClip read_one_motion(const fs::path& file, const MotionReadOptions& option
 }  // namespace
 
 bool names_motion(const fs::path& file) {
-  constexpr std::array<std::string_view, 6> kEndings = {".bvh", ".amc", ".mot",
-                                                        ".sto", ".txt", ".json"};
+  constexpr std::array<std::string_view, 8> kEndings = {".bvh", ".amc",  ".mot", ".sto",
+                                                        ".txt", ".json", ".trc", ".c3d"};
   return std::ranges::find(kEndings, ending_of(file)) != kEndings.end();
 }
 

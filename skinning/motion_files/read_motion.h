@@ -21,11 +21,12 @@ struct MotionReadOptions {
 
 // FBX, COLLADA and DeepMimic are told by how they begin, .glb and .gltf, .amc, .mot and .sto by
 // their endings; BVH is tried for every other file. Throws as their readers; InputError where a
-// skeleton is needed and not found; UsageError for a take, skeleton or range that the file does not
-// have.
+// skeleton is needed and not found; UnfitError for markers, which read_markers.h reads; UsageError
+// for a take, skeleton or range that the file does not have.
 MotionClip read_motion(const std::filesystem::path& file, const MotionReadOptions& options = {});
 
-// Whether a file has an ending that motions alone have: .bvh, .amc, .mot, .sto, .txt, .json.
+// Whether a file has an ending that motions alone have: .bvh, .amc, .mot, .sto, .txt, .json,
+// .trc, .c3d.
 bool names_motion(const std::filesystem::path& file);
 
 // .glb, .gltf, or what is read as one: FBX, COLLADA.

@@ -44,7 +44,7 @@ class TrcReader {
     read_head();
     read_names();
     while (scan_.next_line())
-      if (!without_blanks(scan_.line()).empty()) read_row();
+      if (scan_.line().find_first_not_of(" \t\r") != std::string_view::npos) read_row();
     if (stated_frames_ && *stated_frames_ != (long long)(out_.frames.size()))
       out_.warnings.push_back(fmt::format("{}: its head says {} frames, it holds {}", out_.name,
                                           *stated_frames_, out_.frames.size()));

@@ -148,6 +148,15 @@ def row_86(t):
             continue
         skeleton = [] if name.endswith(".mot") else ["--skeleton", corpus / ("arm.asf" if name.endswith(".amc") else "character_arm.txt")]
         t.animate(86, name, motion=corpus / name, codes=(2, 3, 4), more=skeleton, names=name)
+    markers = corpus.parent / "markers"
+    for line in (markers / "expected.txt").read_text().splitlines():
+        name, _, outcome = line.partition(" | ")
+        if not line.startswith("#"):  # takes of three markers are read, and tell no pose
+            t.animate(86, name, motion=markers / name, codes=(2, 3, 4), names=name)
+    t.animate(86, "a skeleton for markers", motion=markers / "take.trc", more=["--skeleton", corpus / "person.asf"], codes=2, says="--skeleton")
+    for name, table, says in (("no_place.csv", "marker,place\nLASI,elbow_lefty\n", "no place 'elbow_lefty'"), ("twice.csv", "marker,place\nLASI,asis_l\nlasi,psis_l\n", "twice"),
+                              ("nowhere.csv", "marker,place,joint\nLASI,,\n", "neither a place nor a joint"), ("columns.csv", "name\nLASI\n", "marker")):
+        t.animate(86, name, motion=markers / "take.trc", more=["--markers", t.bench.file(name, table)], codes=3, says=says)
     person = (corpus / "person_01.amc").read_text()
     alone = t.bench.file("person_01.amc", person)
     t.animate(86, "no skeleton beside", motion=alone, codes=3, says="--skeleton")

@@ -357,6 +357,34 @@ def animations(t):
     t.run((0, 8), "bake", "anna-anatomy.glb", "walk.bvh", "-o", "planted.glb", "--morphs", 2, "--helpers", 0, "--samples", 8, "--plant", "--definition", 0)
 
     motions_of_other_formats(t)
+    markers(t)
+
+
+def markers(t):
+    """Markers on our own walk come back as that walk; a table of one's own names them; plates are compared."""
+    t.run((0, 8), "animate", "anna-anatomy.glb", "walk.bvh", "-o", "walk.trc")
+    t.run((0, 8), "retarget", "walk.trc", "anna-anatomy.glb", "-o", "from-markers.bvh", "--report", "from-markers.json")
+    found = t.json("from-markers.json")
+    t.check(found["markers"]["rms"] < 0.012 and abs(found["markers"]["size"]["thigh"] - 1) < 0.08 and found["motion"]["frames"] == 8, f"markers of our own walk: {found['markers']['rms']}")
+    with open(t.path("markers.csv"), "w", encoding="utf-8") as file:
+        file.write("marker,place,joint,out_front,spread_mm\nthelion_l,,thorax,1,60\nbuttock_l,,pelvis,-1,80\nforearm_r,forearm_r,,,\n")
+    own = ("--markers", "markers.csv")
+    t.run((0, 8), "animate", "anna-anatomy.glb", "walk.trc", "-o", "from-markers.mot", *own, "--report", "own-markers.json")
+    t.check(t.json("own-markers.json")["markers"]["known"] == found["markers"]["known"] + 2, "--markers")
+    t.run((0, 8), "retarget", "walk.trc", "anna-anatomy.glb", "-o", "from-markers.glb", *own)
+    t.run((0, 8), "bake", "anna-anatomy.glb", "walk.trc", "-o", "marked.glb", "--morphs", 2, "--helpers", 0, "--samples", 4, *own)
+    t.run((0, 8), "render", "anna-anatomy.glb", "walk.trc", "--at", 0.02, "--size", "96x80", "-o", "marked.png", *own)
+    with open(t.path("plates.mot"), "w", encoding="utf-8") as file:
+        axes = [f"{side}_ground_force_{what}{axis}" for side in "RL" for what in "vp" for axis in "xyz"]
+        file.write("plates\nnRows=3\nnColumns=13\nendheader\ntime\t" + "\t".join(axes) + "\n")
+        for k in range(3):
+            file.write(f"{10 + k / 10}\t" + "\t".join(["0", "300", "0", "0", "0", "0"] * 2) + "\n")
+    t.says(t.run((0, 8), "dynamics", "anna-anatomy.glb", "walk.trc", "-o", "plates.sto", "--html", "plates.html", "--plates", "plates.mot", "--plates-start", 10, *own, "--report", "plates.json"),
+           "beside the plates")
+    t.check(t.json("plates.json")["dynamics"]["plates"]["measured_mean"] > 0.5, "--plates")
+    t.says(t.run(4, "dynamics", "anna-anatomy.glb", "walk.trc", "-o", "no.sto", "--plates", "plates.mot"), "it lasts from 10")
+    t.says(t.run(4, "dynamics", "anna-anatomy.glb", "walk.trc", "-o", "no.sto", "--plates", "legs.mot"), "no force of a plate")
+    t.says(t.run(2, "retarget", "walk.bvh", "anna-anatomy.glb", "-o", "no.bvh", *own), "--markers")
 
 
 def motions_of_other_formats(t):
@@ -661,6 +689,7 @@ def window(t):
         return
     view = lambda *words, codes=0: t.run(codes, "view", *words, under=VIEW)  # noqa: E731
     view("anna-anatomy.glb", "person_01.amc", "--skeleton", "person.asf", "--from", "2f", "--to", "6f", "--frames", 2, "--screenshot", "amc-view.png")
+    view("anna-anatomy.glb", "walk.trc", "--markers", "markers.csv", "--frames", 2, "--screenshot", "marked-view.png")
     view("own.glb", "own-walk.glb", "--take", "1", "--frames", 2, "--screenshot", "own-view.png")
     view("anna-anatomy.glb", "walk.bvh", "--frames", 3, "--screenshot", "a.png", "--pick", "0.5,0.5")
     t.check(t.bytes("a.png")[:4] == b"\x89PNG", "--screenshot")

@@ -31,8 +31,10 @@
 #include "skinning/motion/pose_book.h"
 #include "skinning/motion_files/acclaim_read.h"
 #include "skinning/motion_files/bvh_read.h"
+#include "skinning/motion_files/c3d_read.h"
 #include "skinning/motion_files/deepmimic_read.h"
 #include "skinning/motion_files/opensim_read.h"
+#include "skinning/motion_files/trc_read.h"
 #include "skinning/retarget/joint_map_file.h"
 #include "skinning/retarget/retarget.h"
 #include "tests/skinning/arm.h"
@@ -85,6 +87,18 @@ void motion(std::string_view bytes) {
       "bones", {{"a", -1, Vec3::Zero(), -1, -1, {}}, {"b", 0, Vec3(0, 1, 0), -1, -1, {}}}, {7, 4}};
   attempt([&] { check(parse_deepmimic(bytes, "input.txt", bones, {})); });
   check(clip_from_coordinates(parse_coordinates(bytes, "input.mot"), {}));
+}
+
+void markers(std::string_view bytes) {
+  const MarkerTake take =
+      is_c3d(bytes) ? parse_c3d(bytes, "input.c3d", {}) : parse_trc(bytes, "input.trc", {});
+  require(std::isfinite(take.fps) && take.fps > 0 && !take.frames.empty(), "a take is none");
+  for (const std::string& name : take.markers) require(is_utf8(name), "a name that is not UTF-8");
+  for (const Points& places : take.frames) {
+    require(places.rows() == Eigen::Index(take.markers.size()), "places are missing");
+    for (const auto& p : places.rowwise())
+      require(p.allFinite() || p.array().isNaN().all(), "half a place was let through");
+  }
 }
 
 void bvh(std::string_view bytes) {
@@ -251,6 +265,7 @@ const std::map<std::string, std::function<void(std::string_view)>>& fuzz_targets
       {"cloud", refusing(cloud)},
       {"crowd", refusing(crowd)},
       {"map", refusing(map)},
+      {"markers", refusing(markers)},
       {"mesh", refusing(mesh)},
       {"mjcf", refusing(mjcf)},
       {"motion", refusing(motion)},

@@ -9,8 +9,10 @@
 #include <filesystem>
 #include <numbers>
 
+#include "skinning/dynamics/compare_ground.h"
 #include "skinning/dynamics/segment_inertia.h"
 #include "skinning/dynamics/smooth_motion.h"
+#include "skinning/dynamics/supported_path.h"
 #include "skinning/motion/center_of_mass.h"
 #include "skinning/motion_files/read_motion.h"
 #include "skinning/retarget/retarget.h"
@@ -281,4 +283,61 @@ TEST(InverseDynamics, RecordedWalkHasTwoPeaks) {
     }
   }
   EXPECT_GE(stances, 1);
+}
+
+TEST(SupportedPath, BouncesAreParabolasAndPushes) {
+  // A push of a half sine of 0.25 s, then 0.1 s of flight, again and again.
+  constexpr double kFps = 200, kPush = 0.25, kFlight = 0.1, kStep = kPush + kFlight;
+  const double peak = kGravity * kStep / kPush * std::numbers::pi / 2;
+  const auto push = [&](double t) {
+    const double in = std::fmod(t, kStep);
+    return in < kPush ? peak * std::sin(std::numbers::pi * in / kPush) : 0;
+  };
+  std::vector<Vec3> seen;
+  std::vector<double> contact;
+  constexpr int kSub = 50;
+  double y = 1, v = -0.5 * kGravity * kFlight;
+  for (int f = 0; f < 280; ++f) {
+    seen.emplace_back(0, y, 2 * f / kFps);
+    contact.push_back(std::fmod(f / kFps, kStep) < kPush + 1e-9);
+    for (int k = 0; k < kSub; ++k) {
+      const double h = 1 / (kFps * kSub), a = push(f / kFps + (k + 0.5) * h) - kGravity;
+      y += v * h + 0.5 * a * h * h;
+      v += a * h;
+    }
+  }
+  const SupportedPath path = supported_path(seen, contact, kFps, 15);
+  EXPECT_LT(path.moved, 2e-3);
+  double off = 0;
+  for (std::size_t f = 10; f + 10 < seen.size(); ++f) {
+    if (contact[f] == 0) {
+      EXPECT_NEAR(path.acceleration[f].y(), -kGravity, 1e-9) << f;
+    }
+    off += std::pow(path.acceleration[f].y() + kGravity - push(double(f) / kFps), 2);
+  }
+  EXPECT_LT(std::sqrt(off / double(seen.size() - 20)), 0.1 * kGravity);
+}
+
+TEST(InverseDynamics, ATreadmillIsAFloorThatMoves) {
+  const Skeleton skeleton = plain_skeleton();
+  const Motion walk = retargeted(skeleton, fs::path(ECORCHE_TEST_DIR) / "../data/motions/walk.bvh");
+  const std::vector<BodySegment> segments = winter_segments(skeleton);
+  Motion moved = walk;
+  const Vec3 belt(0.3, 0, -1.4);
+  for (std::size_t f = 0; f < moved.frames.size(); ++f)
+    moved.frames[f].root += double(f) / moved.fps * belt;
+  const MotionDynamics floor = inverse_dynamics(skeleton, segments, kSole, walk),
+                       treadmill = inverse_dynamics(skeleton, segments, kSole, moved);
+  EXPECT_EQ(floor.belt, Vec3(Vec3::Zero()));
+  EXPECT_LT((treadmill.belt - belt).norm(), 0.15);
+  std::vector<std::array<FootForce, 2>> feet;
+  for (const DynamicsFrame& frame : floor.frames) feet.push_back(frame.feet);
+  const GroundComparison same = compare_ground(treadmill, feet);
+  EXPECT_LT(same.both.vertical_rms, 0.05);
+  EXPECT_NEAR(same.measured_mean, 1, 0.05);
+  // measured forces are taken as they are, and are nothing else than the estimate's
+  const MotionDynamics measured =
+      inverse_dynamics(skeleton, segments, kSole, walk, {-1, true, feet});
+  EXPECT_LT(compare_ground(measured, feet).both.vertical_rms, 1e-12);
+  EXPECT_NEAR(measured.residual_force_rms, floor.residual_force_rms, 1e-9);
 }

@@ -4,6 +4,8 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
@@ -12,9 +14,11 @@
 #include "app/files/dynamics_tables.h"
 #include "app/files/open_character.h"
 #include "app/files/open_motion.h"
+#include "app/files/open_plates.h"
 #include "app/options/motion_options.h"
 #include "app/options/option_values.h"
 #include "app/pages/html_page.h"
+#include "skinning/dynamics/compare_ground.h"
 
 namespace ecorche {
 namespace {
@@ -22,9 +26,10 @@ namespace {
 namespace fs = std::filesystem;
 
 struct DynamicsVerbOptions {
-  fs::path character, motion, html;
+  fs::path character, motion, html, plates;
   std::vector<fs::path> outputs;
   double cutoff = -1;
+  std::optional<double> plates_start;
   bool no_ground = false;
   MotionOptions retarget;
 };
@@ -33,6 +38,7 @@ struct Found {
   const Skeleton& skeleton;
   const SegmentInertia& inertia;
   const MotionDynamics& dynamics;
+  const std::optional<GroundComparison>& plates;  // none: without plates
 };
 
 std::vector<double> seconds_of(const MotionDynamics& dynamics) {
@@ -48,18 +54,34 @@ std::vector<double> each_frame(const MotionDynamics& dynamics, const Value& valu
   return out;
 }
 
-void add_ground_plots(const MotionDynamics& dynamics, HtmlPage& page) {
-  const auto force = [&](std::size_t foot, int axis, double sign) {
-    return each_frame(dynamics, [&, foot, axis, sign](const DynamicsFrame& frame) {
-      return sign * frame.feet[foot].force[axis] / dynamics.weight;
-    });
+// Forwards is where the pelvis looks.
+double forwards_of(const DynamicsFrame& frame, const Vec3& force) {
+  Vec3 way = frame.loads.X_WJ[0].linear().col(2);
+  way.y() = 0;
+  return force.dot(way.normalized());
+}
+
+void add_ground_plots(const Found& found, HtmlPage& page) {
+  const MotionDynamics& dynamics = found.dynamics;
+  const auto add = [&](std::string title, const auto& component) {
+    Plot plot{std::move(title), "s", "body weights", seconds_of(dynamics), {}, {}};
+    for (const auto& [foot, word] :
+         {std::pair<std::size_t, const char*>{0, "left"}, {1, "right"}}) {
+      plot.series.push_back({word, each_frame(dynamics, [&, foot = foot](const DynamicsFrame& f) {
+                               return component(f, f.estimated[foot].force) / dynamics.weight;
+                             })});
+      if (found.plates)
+        plot.series.push_back(
+            {fmt::format("{}, plate", word), each_frame(dynamics, [&, foot = foot](const auto& f) {
+               return component(f, f.feet[foot].force) / dynamics.weight;
+             })});
+    }
+    page.add_plot(plot);
   };
-  Plot plot{"Vertical ground reaction", "s", "body weights", seconds_of(dynamics), {}, {}};
-  plot.series = {{"left", force(0, 1, 1)}, {"right", force(1, 1, 1)}};
-  page.add_plot(plot);
-  plot.title = "Ground reaction forwards (braking is negative)";
-  plot.series = {{"left", force(0, 2, 1)}, {"right", force(1, 2, 1)}};
-  page.add_plot(plot);
+  add("Vertical ground reaction",
+      [](const DynamicsFrame&, const Vec3& force) { return force.y(); });
+  add("Ground reaction forwards (braking is negative)", forwards_of);
+  Plot plot{"", "s", "body weights", seconds_of(dynamics), {}, {}};
   plot.title = "Residual: what neither motion nor ground explains";
   plot.series = {
       {"force", each_frame(dynamics,
@@ -103,13 +125,55 @@ void add_joint_plots(const Found& found, HtmlPage& page) {
   }
 }
 
+void add_plate_table(const GroundComparison& c, HtmlPage& page) {
+  const auto row = [](const char* what, const GroundDifference& d) {
+    return std::vector<std::string>{what,
+                                    fmt::format("{:.1f}", 100 * d.vertical_rms),
+                                    fmt::format("{:.1f}", 100 * d.forward_rms),
+                                    fmt::format("{:.1f}", 100 * d.sideways_rms),
+                                    fmt::format("{:.3f}", d.correlation),
+                                    fmt::format("{:.2f} ({:.2f})", d.peak, d.measured_peak)};
+  };
+  page.add_paragraph(fmt::format(
+      "Estimated beside measured, root mean square in % of the body's weight. Plates measured "
+      "{:.2f} "
+      "weights in the mean; feet land {:+.0f} ms and leave {:+.0f} ms after the plates' times.",
+      c.measured_mean, 1e3 * c.landing, 1e3 * c.leaving));
+  const std::vector<std::string> header{"",         "vertical",          "forwards",
+                                        "sideways", "r of the vertical", "peak (plates)"};
+  const std::vector<std::vector<std::string>> rows{row("both feet", c.both), row("left", c.feet[0]),
+                                                   row("right", c.feet[1])};
+  page.add_table(header, rows);
+}
+
+void report_plates(const GroundComparison& c, Report& report) {
+  for (const auto& [name, d] :
+       {std::pair{"both", c.both}, std::pair{"left", c.feet[0]}, std::pair{"right", c.feet[1]}}) {
+    const std::string key = std::string("dynamics.plates.") + name;
+    report.set(key + ".vertical_rms", d.vertical_rms);
+    report.set(key + ".forward_rms", d.forward_rms);
+    report.set(key + ".sideways_rms", d.sideways_rms);
+    report.set(key + ".correlation", d.correlation);
+    report.set(key + ".peak", d.peak);
+    report.set(key + ".measured_peak", d.measured_peak);
+  }
+  report.set("dynamics.plates.measured_mean", c.measured_mean);
+  report.set("dynamics.plates.contacts", c.contacts);
+  report.set("dynamics.plates.landing", c.landing);
+  report.set("dynamics.plates.landing_off", c.landing_off);
+  report.set("dynamics.plates.leaving", c.leaving);
+  report.set("dynamics.plates.leaving_off", c.leaving_off);
+}
+
 std::string page_of(const Found& found, const std::string& title) {
   const MotionDynamics& d = found.dynamics;
   HtmlPage page("Forces of " + title);
   page.add_paragraph(fmt::format(
-      "{:.1f} kg, {} frames at {:.4g} fps, smoothed at {:.3g} Hz. Ground forces are estimated from "
-      "the motion, without plates; feet that push against each other are not seen.",
-      found.inertia.mass, d.frames.size(), d.fps, d.cutoff));
+      "{:.1f} kg, {} frames at {:.4g} fps, smoothed at {:.3g} Hz. {}", found.inertia.mass,
+      d.frames.size(), d.fps, d.cutoff,
+      found.plates ? "Joints and residual are with the forces of the plates."
+                   : "Ground forces are estimated from the motion, without plates; feet that push "
+                     "against each other are not seen."));
   const std::vector<std::string> header{"figure", "value", "of"};
   const std::vector<std::vector<std::string>> rows{
       {"vertical ground reaction, peak", fmt::format("{:.2f}", d.peak_vertical), "weight"},
@@ -121,7 +185,8 @@ std::string page_of(const Found& found, const std::string& title) {
       {"in flight", fmt::format("{}", d.flight_frames), "frames"},
       {"residual force in flight", fmt::format("{:.3f}", d.flight_residual_rms), "weight"}};
   page.add_table(header, rows);
-  add_ground_plots(d, page);
+  if (found.plates) add_plate_table(*found.plates, page);
+  add_ground_plots(found, page);
   add_joint_plots(found, page);
   return page.to_string();
 }
@@ -136,6 +201,29 @@ void report_dynamics(const MotionDynamics& d, Report& report) {
   report.set("dynamics.residual_moment_rms", d.residual_moment_rms);
   report.set("dynamics.flight_frames", d.flight_frames);
   report.set("dynamics.flight_residual_rms", d.flight_residual_rms);
+  report.set("dynamics.center_moved", d.center_moved);
+  report.set("dynamics.belt", d.belt.norm());
+}
+
+// How the motion lies to its file: open_motion() tells.
+PlateFrame plate_frame(const DynamicsVerbOptions& options, const Report& report) {
+  PlateFrame out;
+  const double start = report.number("motion.start"), scale = report.number("motion.scale"),
+               unit = report.number("motion.metres_per_unit");
+  if (std::isfinite(start)) out.start = start;
+  if (std::isfinite(scale) && std::isfinite(unit)) out.scale = scale / unit;
+  if (options.plates_start) out.start = *options.plates_start;
+  return out;
+}
+
+std::string describe_plates(const GroundComparison& c) {
+  return fmt::format(
+      "beside the plates: vertical force {:.1f} % of the weight off (RMS; r {:.3f}), peaks {:.2f} "
+      "({:.2f}), forwards {:.1f} %, sideways {:.1f} %; feet land {:+.0f} ms and leave {:+.0f} ms "
+      "after; plates measured {:.2f} weights in the mean",
+      100 * c.both.vertical_rms, c.both.correlation, c.both.peak, c.both.measured_peak,
+      100 * c.both.forward_rms, 100 * c.both.sideways_rms, 1e3 * c.landing, 1e3 * c.leaving,
+      c.measured_mean);
 }
 
 int run_dynamics(const DynamicsVerbOptions& options, const Common& common, Report& report) {
@@ -145,7 +233,8 @@ int run_dynamics(const DynamicsVerbOptions& options, const Common& common, Repor
   if (!options.html.empty()) require_ending(options.html, {".html"});
   std::vector<fs::path> files = options.outputs;
   files.push_back(options.html);
-  check_outputs(common, files, {options.character, options.motion, options.retarget.map_file});
+  check_outputs(common, files,
+                {options.character, options.motion, options.retarget.map_file, options.plates});
   const Actor actor =
       make_actor(common.assets, open_character(options.character, common, report), report);
   const Motion motion = open_motion(options.motion, actor, options.retarget, common, report);
@@ -154,15 +243,24 @@ int run_dynamics(const DynamicsVerbOptions& options, const Common& common, Repor
                                  options.motion.string(), motion.frames.size()));
   const Character& character = actor.character;
   const SegmentInertia inertia = weigh_character(character, actor.binding, report);
+  DynamicsOptions wanted{options.cutoff, !options.no_ground};
+  if (!options.plates.empty())
+    wanted.measured = open_plates(options.plates, character.anatomy.skeleton, motion,
+                                  plate_frame(options, report));
   MotionDynamics dynamics;
   {
     const StageTimer timer(report, "dynamics");
     dynamics = inverse_dynamics(character.anatomy.skeleton, inertia.segments,
-                                character.body.skin.V.col(1).minCoeff(), motion,
-                                {options.cutoff, !options.no_ground});
+                                character.body.skin.V.col(1).minCoeff(), motion, wanted);
   }
   report_dynamics(dynamics, report);
-  const Found found{character.anatomy.skeleton, inertia, dynamics};
+  std::optional<GroundComparison> plates;
+  if (!wanted.measured.empty()) {
+    plates = compare_ground(dynamics, wanted.measured);
+    report_plates(*plates, report);
+    note(common, describe_plates(*plates));
+  }
+  const Found found{character.anatomy.skeleton, inertia, dynamics, plates};
   for (const fs::path& output : options.outputs) {
     write_motion_table(output, dynamics_table(found.skeleton, inertia.segments, dynamics));
     note(common, fmt::format("{}: {} frames", output.string(), dynamics.frames.size()));
@@ -194,7 +292,7 @@ void add_dynamics_verb(VerbRegistry& registry) {
   verb->add_option("character", options->character,
                    "Character written by `ecorche fit`, or CROWD.glb#NAME")
       ->required();
-  verb->add_option("motion", options->motion, "Motion (.bvh, .glb, .gltf)")->required();
+  verb->add_option("motion", options->motion, kMotionFilesHelp)->required();
   verb->add_option("-o,--output", options->outputs,
                    "Table to write, a row a frame; may be given several times: .csv, .sto, .mot")
       ->allow_extra_args(false);
@@ -206,6 +304,15 @@ void add_dynamics_verb(VerbRegistry& registry) {
       ->check(between(0, 1000));
   verb->add_flag("--no-ground", options->no_ground,
                  "Nothing outside holds the body: all that it needs is residual");
+  CLI::Option* plates = verb->add_option(
+      "--plates", options->plates,
+      "What force plates measured (OpenSim's .mot, .sto): compared with the estimate, and taken in "
+      "its place for the joints");
+  verb->add_option("--plates-start", options->plates_start,
+                   "Seconds of the plates' clock at the motion's first frame; that of a .trc or "
+                   ".c3d when left out")
+      ->check(between(-1e6, 1e6))
+      ->needs(plates);
   add_motion_options(*verb, options->retarget);
 }
 
