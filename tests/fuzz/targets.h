@@ -10,8 +10,8 @@
 namespace ecorche::test {
 
 // By name: bvh, motion, mesh, body, character, crowd, table, poses, weights, activation, osim,
-// mjcf, stl, map, markers. Throws for bytes that a reader let through though they are none of what it
-// promises.
+// mjcf, stl, map, markers. Throws for bytes that a reader let through though they are none of what
+// it promises.
 const std::map<std::string, std::function<void(std::string_view bytes)>>& fuzz_targets();
 
 }  // namespace ecorche::test
