@@ -21,7 +21,10 @@ constexpr double kSharper = 1.25;         // the force's cut-off over the motion
 constexpr double kSlowestBelt = 0.6;      // m/s
 constexpr double kLowPoint = 0.03;        // m over the floor: it may stand on a belt
 constexpr double kSteadyBelt = 0.2;       // of its speed: median distance of what stands on it
-constexpr double kMostShift = 0.025;      // m, of a centre of mass that is brought to its support
+// Root mean square change of its acceleration: more is asked where contacts are seen too short, and
+// the path would bounce higher than the person did.
+constexpr double kMostChange = 0.35 * kGravity;
+constexpr double kMostShift = 0.025;  // m, of a centre of mass that is brought to its support
 
 // Soles over a motion.
 struct Soles {
@@ -165,8 +168,9 @@ std::vector<ExternalForce> forces_of(const std::array<FootForce, 2>& feet,
   return out;
 }
 
-// Brings the centre of mass to a path that the contacts can give, where that is near to the one
-// that was recorded: a body that sits or hangs has no such path, and stays where it is.
+// Brings the centre of mass of a motion with flights to a path that the contacts can give, where
+// that is near to the one that was recorded: a body that sits or hangs has no such path, and stays
+// where it is.
 double support_center(const Skeleton& skeleton, std::span<const BodySegment> segments,
                       const Motion& motion, const Soles& soles, double cutoff,
                       std::vector<MotionState>& states) {
@@ -183,6 +187,12 @@ double support_center(const Skeleton& skeleton, std::span<const BodySegment> seg
   const SupportedPath path = supported_path(seen, contact, motion.fps, cutoff);
   if (path.moved > kMostShift) return 0;
   const double rate = motion.fps;
+  double off = 0;
+  for (std::size_t f = 1; f + 1 < states.size(); ++f)
+    off +=
+        (path.acceleration[f] - rate * rate * (smoothed[f + 1] - 2 * smoothed[f] + smoothed[f - 1]))
+            .squaredNorm();
+  if (off > kMostChange * kMostChange * double(states.size())) return 0;
   for (std::size_t f = 0; f < states.size(); ++f) {
     const std::size_t at = std::clamp<std::size_t>(f, 1, states.size() - 2);
     const auto change = [&](std::size_t g) { return Vec3(path.place[g] - smoothed[g]); };
@@ -219,7 +229,7 @@ MotionDynamics inverse_dynamics(const Skeleton& skeleton, std::span<const BodySe
     soles = find_soles(skeleton, sole_height, poses_of(out.states, motion.fps));
     out.belt = soles.belt;
     widen_contacts(out.fps, out.cutoff, soles);
-    if (out.cutoff > 0)
+    if (out.cutoff > 0 && flies(soles, motion.fps))
       out.center_moved =
           support_center(skeleton, segments, motion, soles, kSharper * out.cutoff, out.states);
   }
