@@ -293,12 +293,13 @@ TEST(SupportedPath, BouncesAreParabolasAndPushes) {
     const double in = std::fmod(t, kStep);
     return in < kPush ? peak * std::sin(std::numbers::pi * in / kPush) : 0;
   };
+  // seen with an error of 1 mm at 8 Hz, which is 2.5 m/s^2
   std::vector<Vec3> seen;
   std::vector<double> contact;
   constexpr int kSub = 50;
   double y = 1, v = -0.5 * kGravity * kFlight;
   for (int f = 0; f < 280; ++f) {
-    seen.emplace_back(0, y, 2 * f / kFps);
+    seen.emplace_back(0, y + 1e-3 * std::sin(16 * std::numbers::pi * f / kFps), 2 * f / kFps);
     contact.push_back(std::fmod(f / kFps, kStep) < kPush + 1e-9);
     for (int k = 0; k < kSub; ++k) {
       const double h = 1 / (kFps * kSub), a = push(f / kFps + (k + 0.5) * h) - kGravity;
@@ -307,15 +308,16 @@ TEST(SupportedPath, BouncesAreParabolasAndPushes) {
     }
   }
   const SupportedPath path = supported_path(seen, contact, kFps, 15);
-  EXPECT_LT(path.moved, 2e-3);
+  EXPECT_LT(path.moved, 3e-3);
   double off = 0;
   for (std::size_t f = 10; f + 10 < seen.size(); ++f) {
-    if (contact[f] == 0) {
-      EXPECT_NEAR(path.acceleration[f].y(), -kGravity, 1e-9) << f;
+    if (contact[f - 1] + contact[f] + contact[f + 1] == 0) {
+      const Vec3 bend = path.place[f + 1] - 2 * path.place[f] + path.place[f - 1];
+      EXPECT_NEAR(kFps * kFps * bend.y(), -kGravity, 0.8) << f;
     }
     off += std::pow(path.acceleration[f].y() + kGravity - push(double(f) / kFps), 2);
   }
-  EXPECT_LT(std::sqrt(off / double(seen.size() - 20)), 0.1 * kGravity);
+  EXPECT_LT(std::sqrt(off / double(seen.size() - 20)), 0.25 * kGravity);
 }
 
 TEST(InverseDynamics, ATreadmillIsAFloorThatMoves) {
