@@ -231,6 +231,7 @@ Muscle describe(const TableMuscle& from, Side side, Sex sex) {
   muscle.fibre_length = from.fibre_length;
   muscle.pennation = from.pennation;
   muscle.tense_thickness = from.tense_thickness;
+  muscle.max_force = from.max_force;
   muscle.sheet = from.sheet;
   return muscle;
 }

@@ -242,6 +242,9 @@ class MuscleReader {
     } else if (keyword == "tendon") {
       m.tendon_fraction = number("tendon fraction", 0, 0.99);
       end_of_line();
+    } else if (keyword == "force") {
+      m.max_force = number("isometric force in N", 0.1, 1e5);
+      end_of_line();
     } else if (keyword == "tense") {
       m.tense_thickness = number("thickness at full effort over the relaxed", 0.5, 3);
       end_of_line();

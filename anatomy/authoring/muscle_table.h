@@ -86,6 +86,7 @@ struct TableMuscle {
   double pennation = 0;                       // rad
   double tendon_fraction = 0;                 // of the length of muscle and tendon
   double tense_thickness = 0;                 // over the relaxed; 0: not measured
+  double max_force = 0;                       // isometric, N; 0: that of volume and fibre length
   bool sheet = false;
   std::vector<TableStrip> strips;
   std::string where;

@@ -38,6 +38,7 @@
 #include "app/verbs/posebook_verb.h"
 #include "app/verbs/render_verb.h"
 #include "app/verbs/shell_verbs.h"
+#include "app/verbs/studio/studio_verb.h"
 #include "app/verbs/template/template_verb.h"
 #include "app/verbs/verb.h"
 #include "app/verbs/view_verb.h"
@@ -126,6 +127,7 @@ void add_verbs(VerbRegistry& registry) {
   add_retarget_verb(registry);
   add_posebook_verb(registry);
   add_render_verb(registry);
+  add_studio_verb(registry);
   add_lift_verb(registry);
   add_lie_verb(registry);
 #ifdef ECORCHE_WINDOW

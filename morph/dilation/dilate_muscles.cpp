@@ -142,9 +142,19 @@ void dilate_paper(std::vector<Muscle>& muscles, const std::vector<Muscle>& origi
 
 // --- ecorche ---------------------------------------------------------------------------
 
-// For each muscle of the right side its partner on the left, -1 for all others and where nothing is
-// to be mirrored.
-std::vector<int> left_partners(const Anatomy& anatomy, const DilateOptions& options) {
+// Whether the sections of two muscles are each other's mirror images, to a millimetre.
+bool are_even(std::span<const Ellipse> left, std::span<const Ellipse> right, double plane) {
+  constexpr double kEven = 1e-3;  // m
+  return std::ranges::equal(left, right, [plane](const Ellipse& a, const Ellipse& b) {
+    const Vec3 image(2 * plane - a.center.x(), a.center.y(), a.center.z());
+    return (image - b.center).norm() < kEven && (a.radii - b.radii).norm() < kEven;
+  });
+}
+
+// For each muscle of the right side its partner on the left, -1 for all others, for those that are
+// no mirror images, and where nothing is to be mirrored.
+std::vector<int> left_partners(const Anatomy& anatomy, Sections& sections,
+                               const DilateOptions& options) {
   std::vector<int> partners(anatomy.muscles.size(), -1);
   if (!options.even_about) return partners;
   for (std::size_t m = 0; m < partners.size(); ++m) {
@@ -152,6 +162,7 @@ std::vector<int> left_partners(const Anatomy& anatomy, const DilateOptions& opti
     if (muscle.side != Side::right) continue;
     const int left = find_muscle(anatomy, muscle.name.substr(0, muscle.name.size() - 1) + "l");
     if (left < 0 || anatomy.muscles[left].strips.size() != muscle.strips.size()) continue;
+    if (!are_even(sections.of(std::size_t(left)), sections.of(m), *options.even_about)) continue;
     partners[m] = left;
   }
   return partners;
@@ -224,7 +235,7 @@ void dilate_ecorche(Anatomy& anatomy, const std::vector<Muscle>& original, Secti
                     const SkinRays& rays, const FatLayer& fat, const DilateOptions& options,
                     std::vector<StripCount>& counts, DilateReport& report) {
   std::vector<Muscle>& muscles = anatomy.muscles;
-  const std::vector<int> partners = left_partners(anatomy, options);
+  const std::vector<int> partners = left_partners(anatomy, sections, options);
   const double plane = options.even_about.value_or(0);
   TissueStretch flesh(anatomy, rays, fat);
   const std::vector<Ellipse> carried = sections.slices;

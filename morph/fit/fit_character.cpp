@@ -1,5 +1,6 @@
 #include "morph/fit/fit_character.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -16,6 +17,15 @@ using Clock = std::chrono::steady_clock;
 // Strips of one muscle overlap: the volumes of all sections add up to more than is drawn. Ratio of
 // the volume of the union of the muscles to the sum over the strips.
 constexpr double kUnionRatio = 0.915;
+
+// The fat of a layer, without its skin, made thicker or thinner.
+void scale_fat(double factor, FatLayer& layer) {
+  for (std::vector<float>* all : {&layer.thickness, &layer.over_muscles})
+    for (std::size_t i = 0; i < all->size(); ++i) {
+      const float skin = i < layer.skin.size() ? layer.skin[i] : 0;
+      (*all)[i] = skin + float(factor) * std::max(0.0f, (*all)[i] - skin);
+    }
+}
 
 }  // namespace
 
@@ -37,6 +47,7 @@ FittedCharacter fit_character(const Template& body_template, const Body& body,
   if (!dilation.most_volume) dilation.most_volume = report.fit.muscle_volume / kUnionRatio;
   const auto start = Clock::now();
   fitted.fat = make_fat_layer(body_template.tables.fat, wall, fitted.anatomy, body);
+  if (options.layer != 1) scale_fat(options.layer, fitted.fat);
   if (options.dilated) {
     report.dilation = dilate_muscles(fitted.anatomy, fitted.undilated.muscles,
                                      body_template.tables.muscles, wall, fitted.fat, dilation);

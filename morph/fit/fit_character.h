@@ -18,6 +18,8 @@ namespace ecorche::inline v1 {
 struct FittingOptions {
   FitOptions fit{};
   DilateOptions dilate{};
+  // times as thick as the build lets expect is the fat over the muscles; the skin is not
+  double layer = 1;
   bool dilated = true;  // false: muscles as they are before they grow to the skin
   // false: what the body is made of is not measured; no target rests on it
   bool tissues = true;

@@ -616,6 +616,28 @@ def templates(t):
     t.check(t.bytes("loft.ply")[:3] == b"ply", "-o of resample")
 
 
+def studio(t):
+    names = [action["name"] for action in json.loads(t.run(0, "studio", "--list-actions", "--json").stdout)]
+    listed = t.run(0, "studio", "--list-actions").stdout
+    t.check(len(names) > 40 and all(f"\n  {name} " in listed for name in names), f"--list-actions: {names}")
+    shutil.copytree(os.path.join(t.source, "docs", "studio"), t.path("studio"))
+    plate = t.write("studio/plate.txt", t.bytes("studio/plate.txt").decode().replace("900x700", "320x240") + "save arm-project\nset_layer 0.9\nwrite_character arm.glb\n")
+    done = t.run((0, 8), "studio", "anna.glb", "--script", plate, "-o", "arm-again.glb", "--report", "studio.json")
+    t.check("my_biceps_l: " in done.stdout and "moment arm" in done.stdout, f"report: {done.stdout}")
+    found = t.json("studio.json")["muscles"]["my_biceps_l"]
+    t.check(found["length"] < found["rest_length"] - 0.01 and 0.01 < found["moment_arm"] < 0.07, f"a bent biceps: {found}")
+    t.there("studio.png")
+    t.check(t.bytes("arm.glb") == t.bytes("arm-again.glb"), "write_character and -o")
+    t.check(b"my_biceps_r" in t.bytes("arm.glb") and b"biceps_brachii_long_l" not in t.bytes("arm.glb"), "the character has the muscle in place of the old one")
+    more = t.write("more.txt", "undo 2\n")
+    t.run(0, "studio", "--project", "arm-project", "--script", more, "--report", "more.json")
+    t.check(t.json("more.json")["recovered"] == 1, "what was not saved is done again")
+    t.run(0, "studio", "arm-project", "--discard", "--script", t.write("last.txt", "pose rest\nsave\n"), "--report", "more.json")
+    t.check(t.bytes("arm-project/journal.txt") == b"" and b"my_biceps" in t.bytes("arm-project/project.txt"), "--discard and save")
+    t.says(t.run(3, "studio", "--script", t.write("wrong.txt", "pick soleus\nmove_pont point=1 by=0,0,1\n")), "wrong.txt:2: 'move_pont' is no action; did you mean move_point")
+    t.says(t.run(2, "studio"), "--script")
+
+
 def one_side(model):
     """An OpenSim model without the right side's muscles."""
     return re.sub(r"<(Thelen2003Muscle|Millard2012EquilibriumMuscle) name=\"[^\"]*_r[^\"]*\">.*?</\1>", "", model, flags=re.S)
@@ -730,7 +752,7 @@ def common_options(t):
 
 def main(program, source):
     t = Runner(program, source)
-    parts = [bodies, units, body_verbs, scans, strangers, fits, animations, forces, pictures, lifts, checks, templates, lists, words, window, common_options, benches, demo]
+    parts = [bodies, units, body_verbs, scans, strangers, fits, animations, forces, pictures, lifts, checks, templates, studio, lists, words, window, common_options, benches, demo]
     chosen = sys.argv[3:]
     for part in parts:
         if chosen and part.__name__ not in chosen:

@@ -1,0 +1,261 @@
+#include "app/edit/body_actions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "anatomy/errors.h"
+#include "anatomy/files/quantity.h"
+#include "anatomy/files/similar_names.h"
+#include "app/edit/edit_muscle.h"
+#include "morph/measures/measure_table.h"
+
+namespace ecorche {
+namespace {
+
+void check_joint(Workshop& workshop, const std::string& name) {
+  const std::vector<Joint>& joints = workshop.source().skeleton.joints;
+  const bool known = std::ranges::any_of(
+      joints, [&](const Joint& joint) { return joint.name == name || joint.name == name + "_l"; });
+  if (known) return;
+  throw InputError(
+      fmt::format("argument 'joint': '{}': there is no such joint{}; `ecorche list "
+                  "joints` names them",
+                  name, did_you_mean(base_name(name).first, workshop.joint_names())));
+}
+
+template <class F>
+Document with_joint(Workshop& workshop, const Document& document, const std::string& name,
+                    const F& change) {
+  check_joint(workshop, name);
+  auto joints = std::make_shared<std::map<std::string, EditedJoint>>(*document.joints);
+  change((*joints)[name]);
+  Document out = document;
+  out.joints = std::move(joints);
+  return out;
+}
+
+template <class F>
+Document with_body(const Document& document, const F& change) {
+  auto body = std::make_shared<EditedBody>(*document.body);
+  change(*body);
+  Document out = document;
+  out.body = std::move(body);
+  return out;
+}
+
+template <class F>
+Document with_trial(const Document& document, const F& change) {
+  auto trial = std::make_shared<Trial>(*document.trial);
+  change(*trial);
+  Document out = document;
+  out.trial = std::move(trial);
+  return out;
+}
+
+void check_file(const std::string& file) {
+  if (file != "none" && !std::filesystem::exists(file))
+    throw InputError(fmt::format("argument 'file': '{}': there is no such file", file));
+}
+
+// The measure's own name and its value in m, or kg.
+std::pair<std::string, double> read_measure(Workshop& workshop, const SetMeasure& x) {
+  const MeasureTable table =
+      read_measure_table(workshop.package(), workshop.package().tables / "body");
+  const Measure& measure = table.measures[std::size_t(table.at(x.measure))];
+  if (measure.kind == MeasureKind::mass)
+    return {measure.id, parse_mass(x.value, "argument 'value'", 1, 500)};
+  const LengthRange range{0.01, 3};
+  return {measure.id, parse_length(x.value, "argument 'value'", range, range)};
+}
+
+}  // namespace
+
+void arguments(Arguments& a, MoveJoint& x) {
+  a.text("joint", "joint", x.joint, Need::required, "whose centre is moved; bones stay");
+  a.vector("by", x.by, ArgumentUnit::millimetre, Need::required, "how far, in the template's body");
+}
+Document apply(Workshop& workshop, const Document& document, const MoveJoint& x) {
+  return with_joint(workshop, document, x.joint, [&](EditedJoint& joint) { joint.moved += x.by; });
+}
+
+void arguments(Arguments& a, TurnAxes& x) {
+  a.text("joint", "joint", x.joint, Need::required, "whose axes are turned");
+  a.number("flexion", x.flexion, {ArgumentUnit::degree, -180, 180}, Need::optional,
+           "about the flexion axis");
+  a.number("abduction", x.abduction, {ArgumentUnit::degree, -180, 180}, Need::optional,
+           "then about that of abduction");
+  a.number("rotation", x.rotation, {ArgumentUnit::degree, -180, 180}, Need::optional,
+           "then about that of rotation");
+}
+Document apply(Workshop& workshop, const Document& document, const TurnAxes& x) {
+  return with_joint(workshop, document, x.joint, [&](EditedJoint& joint) {
+    joint.turned += Vec3(x.flexion, x.abduction, x.rotation);
+  });
+}
+
+void arguments(Arguments& a, SetLimits& x) {
+  a.text("joint", "joint", x.joint, Need::required, "whose range is set");
+  a.choice("angle", x.angle, {"flexion", "abduction", "rotation"}, Need::required,
+           "the axis that is meant");
+  a.number("min", x.min, {ArgumentUnit::degree, -270, 270}, Need::required,
+           "from the anatomical zero");
+  a.number("max", x.max, {ArgumentUnit::degree, -270, 270}, Need::required, "likewise");
+}
+Document apply(Workshop& workshop, const Document& document, const SetLimits& x) {
+  if (x.min >= x.max)
+    throw InputError(
+        fmt::format("argument 'max': '{:g}': expected more than min {:g}", x.max, x.min));
+  const int axis = x.angle == "flexion" ? 0 : x.angle == "abduction" ? 1 : 2;
+  return with_joint(workshop, document, x.joint,
+                    [&](EditedJoint& joint) { joint.limits[axis] = std::pair(x.min, x.max); });
+}
+
+void arguments(Arguments& a, ResetJoint& x) {
+  a.text("joint", "joint", x.joint, Need::required, "that becomes the built-in one again");
+}
+Document apply(Workshop& workshop, const Document& document, const ResetJoint& x) {
+  check_joint(workshop, x.joint);
+  auto joints = std::make_shared<std::map<std::string, EditedJoint>>(*document.joints);
+  joints->erase(x.joint);
+  Document out = document;
+  out.joints = std::move(joints);
+  return out;
+}
+
+void arguments(Arguments& a, SetBody& x) {
+  a.text("file", "file", x.file, Need::required,
+         "body, character or skin on the base mesh; none: the template's own body");
+}
+Document apply(Workshop&, const Document& document, const SetBody& x) {
+  check_file(x.file);
+  return with_body(document, [&](EditedBody& body) {
+    body.file = x.file == "none" ? std::filesystem::path() : std::filesystem::path(x.file);
+  });
+}
+
+void arguments(Arguments& a, SetMeasure& x) {
+  a.text("measure", "measure", x.measure, Need::required, "as `ecorche list measures` names it");
+  a.text("value", "length or mass", x.value, Need::required, "with its unit: 82cm, 70kg");
+}
+Document apply(Workshop& workshop, const Document& document, const SetMeasure& x) {
+  const auto [name, value] = read_measure(workshop, x);
+  return with_body(document, [&](EditedBody& body) { body.targets[name] = value; });
+}
+
+void arguments(Arguments& a, FreeMeasure& x) {
+  a.text("measure", "measure", x.measure, Need::required, "that is not asked for any more");
+}
+Document apply(Workshop&, const Document& document, const FreeMeasure& x) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : document.body->targets) names.push_back(name);
+  if (!document.body->targets.contains(x.measure))
+    throw InputError(fmt::format("argument 'measure': '{}': it is not asked for; there are [{}]",
+                                 x.measure, fmt::join(names, ", ")));
+  return with_body(document, [&](EditedBody& body) { body.targets.erase(x.measure); });
+}
+
+void arguments(Arguments& a, SetLayer& x) {
+  a.number("factor", x.factor, {ArgumentUnit::none, 0.2, 5}, Need::required,
+           "times the fat over the muscles that the build lets expect");
+}
+Document apply(Workshop&, const Document& document, const SetLayer& x) {
+  return with_body(document, [&](EditedBody& body) { body.layer = x.factor; });
+}
+
+void arguments(Arguments& a, SetFit& x) {
+  a.choice("method", x.method, {"ecorche", "paper"}, Need::optional,
+           "each section grows for itself, or each muscle by one factor");
+  a.number("alpha", x.alpha, {ArgumentUnit::none, 0.01, 10},
+           "paper: share of the length's change that muscles start with across");
+  a.number("clearance", x.clearance, {ArgumentUnit::millimetre, 0, 20},
+           "kept between muscles and the layer over them");
+  a.number("rays", x.rays, {ArgumentUnit::none, 8, 64}, "a slice");
+  a.number("slices", x.slices, {ArgumentUnit::none, 0, 24},
+           "of each strip; 0: as many as its length asks");
+}
+Document apply(Workshop&, const Document& document, const SetFit& x) {
+  Document out = document;
+  FitSettings& fit = out.fit;
+  if (!x.method.empty())
+    fit.method = x.method == "paper" ? DilateMethod::paper : DilateMethod::ecorche;
+  if (x.alpha) fit.alpha = *x.alpha;
+  if (x.clearance) fit.clearance = *x.clearance;
+  if (x.rays) fit.rays = int(*x.rays);
+  if (x.slices && *x.slices > 0 && *x.slices < 6)
+    throw InputError(fmt::format("argument 'slices': '{:g}': expected 0 or 6 .. 24", *x.slices));
+  if (x.slices) fit.slices = int(*x.slices);
+  return out;
+}
+
+void arguments(Arguments& a, SetPose& x) {
+  a.text("pose", "pose", x.pose, Need::required,
+         "of the pose book (`ecorche list poses`); rest: the rest pose. Turned joints turn back");
+}
+Document apply(Workshop& workshop, const Document& document, const SetPose& x) {
+  const std::vector<std::string> poses = workshop.pose_names();
+  if (x.pose != "rest" && std::ranges::find(poses, x.pose) == poses.end())
+    throw InputError(fmt::format("argument 'pose': '{}': there is no such pose{}", x.pose,
+                                 did_you_mean(x.pose, poses)));
+  return with_trial(document, [&](Trial& trial) {
+    trial.pose = x.pose == "rest" ? std::string() : x.pose;
+    trial.angles.clear();
+    trial.motion.clear();
+  });
+}
+
+void arguments(Arguments& a, TurnJoint& x) {
+  a.text("joint", "joint", x.joint, Need::required, "that is turned from the pose");
+  a.number("flexion", x.flexion, {ArgumentUnit::degree, -270, 270}, "from the anatomical zero");
+  a.number("abduction", x.abduction, {ArgumentUnit::degree, -270, 270}, "likewise");
+  a.number("rotation", x.rotation, {ArgumentUnit::degree, -270, 270}, "likewise");
+}
+Document apply(Workshop& workshop, const Document& document, const TurnJoint& x) {
+  check_joint(workshop, x.joint);
+  return with_trial(document, [&](Trial& trial) {
+    // not a number: as the pose has it
+    Vec3& angles = trial.angles.try_emplace(x.joint, Vec3::Constant(std::nan(""))).first->second;
+    if (x.flexion) angles.x() = *x.flexion;
+    if (x.abduction) angles.y() = *x.abduction;
+    if (x.rotation) angles.z() = *x.rotation;
+  });
+}
+
+void arguments(Arguments& a, Activate& x) {
+  a.text("muscles", "muscles", x.muscles, Need::required,
+         "a name, * in it for any letters; all: every muscle");
+  a.number("value", x.value, {ArgumentUnit::none, 0, 1}, Need::required,
+           "0 relaxed, 1 full effort");
+}
+Document apply(Workshop&, const Document& document, const Activate& x) {
+  const bool many = x.muscles == "all" || x.muscles.find('*') != std::string::npos;
+  if (!many) meant_muscle(document, x.muscles);
+  return with_trial(document, [&](Trial& trial) {
+    if (x.muscles == "all") trial.activations.clear();
+    trial.activations[x.muscles == "all" ? "*" : x.muscles] = x.value;
+  });
+}
+
+void arguments(Arguments& a, PlayMotion& x) {
+  a.text("file", "file", x.file, Need::required, "motion that is played; none: no motion");
+}
+Document apply(Workshop&, const Document& document, const PlayMotion& x) {
+  check_file(x.file);
+  return with_trial(document, [&](Trial& trial) {
+    trial.motion = x.file == "none" ? std::filesystem::path() : std::filesystem::path(x.file);
+    trial.seconds = 0;
+  });
+}
+
+void arguments(Arguments& a, ShowMoment& x) {
+  a.number("seconds", x.seconds, {ArgumentUnit::second, 0, 1e5}, Need::required, "of the motion");
+}
+Document apply(Workshop&, const Document& document, const ShowMoment& x) {
+  if (document.trial->motion.empty())
+    throw InputError("argument 'seconds': no motion is played; play_motion FILE first");
+  return with_trial(document, [&](Trial& trial) { trial.seconds = x.seconds; });
+}
+
+}  // namespace ecorche

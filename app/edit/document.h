@@ -1,0 +1,101 @@
+// What the studio changes, as one value: the muscle table, joints, body, fit and trial.
+//
+// A copy shares all that is not changed, so that a session keeps every state it has been in.
+// Muscles are kept as their text in data/muscles says them, rounded as it is: a document that is
+// saved and read again is the same.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "anatomy/authoring/muscle_table.h"
+#include "morph/dilation/dilate_muscles.h"
+
+namespace ecorche {
+
+template <class T>
+using Shared = std::shared_ptr<const T>;
+
+struct EditedMuscle {
+  TableMuscle left;
+  // where the sides differ, as seen in a mirror; none: the left one's mirror image
+  std::optional<TableMuscle> right;
+};
+
+// What was changed of a joint, in the units of scripts; both sides under the name without side, one
+// under its own.
+struct EditedJoint {
+  Vec3 moved = Vec3::Zero();   // of its centre: left (of a right joint, right), up, front, mm
+  Vec3 turned = Vec3::Zero();  // of its axes, about flexion, abduction and rotation in turn, deg
+  std::optional<std::pair<double, double>> limits[3];  // flexion, abduction, rotation, deg
+};
+
+struct EditedBody {
+  std::filesystem::path file;             // empty: the template's own
+  std::map<std::string, double> targets;  // by measure, m or kg; beside those of the file's body
+  double layer = 1;                       // times the fat that the build lets expect
+};
+
+struct FitSettings {
+  DilateMethod method = DilateMethod::ecorche;
+  int rays = DilateOptions{}.rays;
+  double alpha = DilateOptions{}.alpha;
+  double clearance = 1e3 * DilateOptions{}.clearance;  // mm
+  int slices = 0;                                      // of every strip; 0: 12 .. 24 by its length
+
+  bool operator==(const FitSettings&) const = default;
+};
+
+// What it is tried in. `angles` come on top of the pose.
+struct Trial {
+  std::string pose;  // of the pose book; empty: rest
+  // by joint: flexion, abduction, rotation, deg; not a number: as the pose has it
+  std::map<std::string, Vec3> angles;
+  std::map<std::string, double> activations;  // by name as muscles_meant() takes it
+  std::filesystem::path motion;
+  double seconds = 0;  // of the motion
+};
+
+struct Document {
+  Shared<MuscleTable> frame;  // landmarks, carriers and wraps; no muscles
+  std::vector<Shared<EditedMuscle>> muscles;
+  Shared<std::map<std::string, EditedJoint>> joints;
+  Shared<EditedBody> body;
+  Shared<Trial> trial;
+  FitSettings fit;
+  std::string picked;  // the muscle that actions without one mean; may be empty
+
+  bool operator==(const Document&) const = default;  // shares all
+};
+
+// The built-in table. `tables`: Assets::tables. Throws as read_muscle_table.
+Document built_in_document(const std::filesystem::path& tables);
+
+int find_entry(const Document& document, std::string_view name);  // without side; index or -1
+
+// Puts a muscle where the built-in table has one of that name, at the end where it has none, in
+// place of one of that name that is there. So the order of a document follows from its muscles.
+void place_entry(Document& document, const Document& built_in, Shared<EditedMuscle> muscle);
+
+// The muscles of `from` as text would give them back: one block, or that of the right side as well.
+// `right`: empty where it is the mirror image.
+struct MuscleBlocks {
+  std::string left, right;
+  bool operator==(const MuscleBlocks&) const = default;
+};
+MuscleBlocks blocks_of(const Document& document, const EditedMuscle& muscle);
+
+// A block read back, with its numbers as they are when it is written again. Throws InputError, of
+// which `name` says what was read.
+TableMuscle read_block(const Document& document, std::string_view text, const std::string& name);
+
+// All that a document says, as text: two documents with the same text are the same.
+std::string document_text(const Document& document);
+
+}  // namespace ecorche

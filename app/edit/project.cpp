@@ -1,0 +1,234 @@
+#include "app/edit/project.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <sstream>
+
+#include "anatomy/authoring/muscle_text.h"
+#include "anatomy/errors.h"
+#include "anatomy/files/atomic_file.h"
+#include "anatomy/files/package_archive.h"
+#include "app/edit/action_list.h"
+#include "app/edit/muscle_file.h"
+#include "morph/template/template_cache.h"
+
+namespace ecorche {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string whole_file(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void write_if_changed(const fs::path& file, const std::string& text) {
+  if (!fs::exists(file) || whole_file(file) != text) write_file_atomically(file, text);
+}
+
+// Versions of the packages and the hash of the tables with the code that builds the template.
+std::vector<std::string> stands_on(Workshop& workshop) {
+  std::vector<std::string> out;
+  for (const PinnedPackage& package : read_pins(workshop.assets().packages.pins))
+    out.push_back(fmt::format("stands_on {} {} {}", package.name, package.version,
+                              package.sha256.substr(0, 16)));
+  out.push_back("stands_on tables " + template_key(workshop.assets().tables).substr(0, 16));
+  return out;
+}
+
+bool holds_other_files(const fs::path& folder) {
+  return std::ranges::any_of(fs::directory_iterator(folder), [](const auto& entry) {
+    return entry.path().filename() != "journal.txt";
+  });
+}
+
+// Those that the project names, within its folder `muscles`.
+std::vector<std::string> muscle_files(const fs::path& folder) {
+  std::vector<std::string> out;
+  std::istringstream lines(whole_file(folder / "project.txt"));
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("muscle muscles/")) out.push_back(fs::path(line).filename().string());
+  return out;
+}
+
+std::vector<std::string> own_wrap_lines(const Document& document, const Document& built_in) {
+  std::set<std::string> known;
+  for (const TableWrap& wrap : built_in.frame->wraps)
+    known.insert(wrap_text(*built_in.frame, wrap));
+  std::vector<std::string> out;
+  for (const TableWrap& wrap : document.frame->wraps)
+    if (std::string text = wrap_text(*document.frame, wrap); !known.contains(text))
+      out.push_back(std::move(text));
+  return out;
+}
+
+std::vector<std::string> names_of_wraps(const Document& document) {
+  std::vector<std::string> out;
+  for (const TableWrap& wrap : document.frame->wraps) out.push_back(wrap.name);
+  return out;
+}
+
+bool as_built_in(const Document& document, const Document& built_in, std::size_t entry) {
+  const auto& muscle = document.muscles[entry];
+  const int own = find_entry(built_in, muscle->left.name);
+  if (own < 0) return false;
+  const auto& before = built_in.muscles[std::size_t(own)];
+  return muscle == before || blocks_of(document, *muscle) == blocks_of(built_in, *before);
+}
+
+void add_joints(const Document& document, std::string& out) {
+  constexpr const char* kAngles[] = {"flexion", "abduction", "rotation"};
+  for (const auto& [name, joint] : *document.joints) {
+    if (!joint.moved.isZero()) out += action_line(MoveJoint{name, joint.moved}) + "\n";
+    if (!joint.turned.isZero())
+      out +=
+          action_line(TurnAxes{name, joint.turned.x(), joint.turned.y(), joint.turned.z()}) + "\n";
+    for (int axis = 0; axis < 3; ++axis)
+      if (const auto& limits = joint.limits[axis])
+        out += action_line(SetLimits{name, kAngles[axis], limits->first, limits->second}) + "\n";
+  }
+}
+
+void add_body(const Document& document, std::string& out) {
+  const EditedBody& body = *document.body;
+  if (!body.file.empty())
+    out += action_line(SetBody{fs::absolute(body.file).lexically_normal().string()}) + "\n";
+  for (const auto& [name, value] : body.targets)
+    out +=
+        action_line(SetMeasure{name, fmt::format("{}{}", value, name == "weight" ? "kg" : "m")}) +
+        "\n";
+  if (body.layer != 1) out += action_line(SetLayer{body.layer}) + "\n";
+  const FitSettings &fit = document.fit, usual;
+  SetFit set;
+  if (fit.method != usual.method) set.method = "paper";
+  if (fit.alpha != usual.alpha) set.alpha = fit.alpha;
+  if (fit.clearance != usual.clearance) set.clearance = fit.clearance;
+  if (fit.rays != usual.rays) set.rays = fit.rays;
+  if (fit.slices != usual.slices) set.slices = fit.slices;
+  if (fit != usual) out += action_line(set) + "\n";
+}
+
+void add_trial(const Document& document, std::string& out) {
+  const Trial& trial = *document.trial;
+  if (!trial.pose.empty()) out += action_line(SetPose{trial.pose}) + "\n";
+  if (!trial.motion.empty()) {
+    out += action_line(PlayMotion{fs::absolute(trial.motion).lexically_normal().string()}) + "\n";
+    out += action_line(ShowMoment{trial.seconds}) + "\n";
+  }
+  for (const auto& [name, angles] : trial.angles) {
+    TurnJoint turn{name, {}, {}, {}};
+    if (std::isfinite(angles.x())) turn.flexion = angles.x();
+    if (std::isfinite(angles.y())) turn.abduction = angles.y();
+    if (std::isfinite(angles.z())) turn.rotation = angles.z();
+    out += action_line(turn) + "\n";
+  }
+  for (const auto& [name, value] : trial.activations)
+    out += action_line(Activate{name == "*" ? "all" : name, value}) + "\n";
+  if (!document.picked.empty()) out += action_line(Pick{document.picked}) + "\n";
+}
+
+void read_wraps_file(const fs::path& file, Document& document) {
+  auto frame = std::make_shared<MuscleTable>(*document.frame);
+  MuscleTable read;
+  read.landmarks = frame->landmarks;
+  read_muscle_text(whole_file(file), file.string(), read);
+  for (TableWrap& wrap : read.wraps) {
+    const auto known = std::ranges::find(frame->wraps, wrap.name, &TableWrap::name);
+    if (known == frame->wraps.end())
+      frame->wraps.push_back(std::move(wrap));
+    else
+      *known = std::move(wrap);
+  }
+  document.frame = std::move(frame);
+}
+
+void read_project_line(Workshop& workshop, const fs::path& folder, const std::string& line,
+                       const std::vector<std::string>& here, OpenedProject& out) {
+  const std::vector<std::string> words = split_words(line);
+  if (words.empty()) return;
+  if (words[0] == "stands_on") {
+    if (std::ranges::find(here, line) == here.end())
+      out.notes.push_back(fmt::format(
+          "the project stands on {}, and here is another; what it does not say may differ",
+          line.substr(line.find(' ') + 1)));
+  } else if (words[0] == "muscle" && words.size() == 2) {
+    const fs::path file = fs::path(words[1]).lexically_normal();
+    if (file.is_absolute() || *file.begin() == "..")
+      throw InputError(fmt::format("'{}': muscles lie within the project's folder", words[1]));
+    out.document = read_muscle_file(out.document, workshop.built_in(), folder / file);
+  } else if (const std::optional<Action> action = read_action(line)) {
+    std::optional<Document> next = applied(workshop, out.document, *action);
+    if (!next) throw InputError(fmt::format("'{}': no action of a project", words[0]));
+    out.document = std::move(*next);
+  }
+}
+
+}  // namespace
+
+bool is_project(const fs::path& folder) { return fs::exists(folder / "project.txt"); }
+
+OpenedProject read_project(Workshop& workshop, const fs::path& folder) {
+  const fs::path file = folder / "project.txt";
+  if (!fs::exists(file))
+    throw InputError(fmt::format("{}: no project; a folder with project.txt is", folder.string()));
+  OpenedProject out{workshop.built_in(), {}};
+  if (fs::exists(folder / "wraps.txt")) read_wraps_file(folder / "wraps.txt", out.document);
+  const std::vector<std::string> here = stands_on(workshop);
+  std::istringstream lines(whole_file(file));
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    try {
+      read_project_line(workshop, folder, line, here, out);
+    } catch (const Error& error) {
+      throw InputError(fmt::format("{}:{}: {}", file.string(), number, error.what()));
+    }
+  }
+  return out;
+}
+
+void write_project(Workshop& workshop, const Document& document, const fs::path& folder) {
+  const Document& built_in = workshop.built_in();
+  if (fs::exists(folder) && !is_project(folder) && holds_other_files(folder))
+    throw OutputError(
+        fmt::format("{}: a folder with other files, and no project; name a new or an empty one",
+                    folder.string()));
+  const std::vector<std::string> before = muscle_files(folder);
+  make_output_folder(folder / "muscles");
+  std::string out =
+      "# A project of `ecorche studio`: what differs from the built-in tables.\n"
+      "# Lines are actions; `ecorche studio --list-actions` explains them.\n";
+  for (const std::string& line : stands_on(workshop)) out += line + "\n";
+  std::set<std::string> own;
+  for (std::size_t m = 0; m < document.muscles.size(); ++m) {
+    if (as_built_in(document, built_in, m)) continue;
+    const std::string file = document.muscles[m]->left.name + ".txt";
+    write_if_changed(folder / "muscles" / file, muscle_file_text(document, built_in, int(m)));
+    out += "muscle muscles/" + file + "\n";
+    own.insert(file);
+  }
+  for (const auto& muscle : built_in.muscles)
+    if (find_entry(document, muscle->left.name) < 0)
+      out += action_line(RemoveMuscle{muscle->left.name}) + "\n";
+  const std::vector<std::string> wraps = names_of_wraps(document);
+  for (const std::string& name : names_of_wraps(built_in))
+    if (std::ranges::find(wraps, name) == wraps.end()) out += action_line(RemoveWrap{name}) + "\n";
+  add_joints(document, out);
+  add_body(document, out);
+  add_trial(document, out);
+  const std::vector<std::string> changed = own_wrap_lines(document, built_in);
+  if (!changed.empty())
+    write_if_changed(folder / "wraps.txt", fmt::format("{}", fmt::join(changed, "")));
+  else
+    fs::remove(folder / "wraps.txt");
+  write_if_changed(folder / "project.txt", out);
+  for (const std::string& file : before)
+    if (!own.contains(file)) fs::remove(folder / "muscles" / file);
+}
+
+}  // namespace ecorche

@@ -1,0 +1,306 @@
+#include "app/edit/session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "anatomy/errors.h"
+#include "anatomy/files/atomic_file.h"
+#include "anatomy/files/similar_names.h"
+#include "app/edit/edit_muscle.h"
+#include "app/edit/muscle_file.h"
+#include "app/edit/project.h"
+#include "app/edit/refit.h"
+#include "app/edit/trial_pose.h"
+#include "app/files/character_file.h"
+#include "app/files/fitted_actor.h"
+#include "app/files/open_motion.h"
+#include "skinning/motion/sample_motion.h"
+
+namespace ecorche {
+namespace {
+
+// First line of a journal that goes on from a document that is kept beside it, and where that is.
+constexpr std::string_view kFrom = "from ";
+constexpr const char* kAside[] = {"unsaved-1", "unsaved-2"};
+constexpr int kMostIncludes = 20;
+constexpr std::size_t kMostScriptBytes = 16u << 20;
+
+}  // namespace
+
+Session::Session(const Common& common, Report& report, const SessionOptions& options, Drawer draw)
+    : common_(common),
+      report_(report),
+      draw_(std::move(draw)),
+      workshop_(common.assets),
+      project_(options.project) {
+  if (project_.empty() || !is_project(project_)) {
+    history_ = begin_history(workshop_.built_in());
+  } else {
+    OpenedProject opened = read_project(workshop_, project_);
+    for (const std::string& text : opened.notes)
+      note(common_, fmt::format("{}: {}", project_.string(), text));
+    history_ = begin_history(std::move(opened.document));
+  }
+  if (project_.empty()) return;
+  make_output_folder(project_);
+  const std::filesystem::path file = project_ / "journal.txt";
+  journal_ = std::make_unique<Journal>(file);
+  if (options.discard)
+    journal_->begin();
+  else
+    recover(file);
+}
+
+void Session::recover(const std::filesystem::path& file) {
+  std::vector<std::string> lines = read_journal(file);
+  if (!lines.empty() && lines.front().starts_with(kFrom)) {
+    aside_ = lines.front().substr(kFrom.size());
+    history_ = begin_history(read_project(workshop_, project_ / aside_).document);
+    lines.front().clear();
+  }
+  recovering_ = true;
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    try {
+      run_line(lines[k]);
+    } catch (const Error& error) {
+      throw InputError(fmt::format("{}:{}: {}; --discard leaves what was not saved", file.string(),
+                                   k + 1, error.what()));
+    }
+  }
+  recovering_ = false;
+  if (!lines.empty())
+    note(common_, fmt::format("{}: {} actions that were not saved are done again; undo takes them "
+                              "back",
+                              file.string(), lines.size()));
+  report_.set("recovered", int(lines.size()) - (aside_.empty() ? 0 : 1));
+}
+
+// Before the document changes, so that what is seen is on disk.
+void Session::note_in_journal(const Action& action) {
+  if (journal_ && !recovering_) journal_->append(action_line(action));
+}
+
+void Session::run(const Action& action) {
+  if (std::optional<Document> next = applied(workshop_, document(), action)) {
+    note_in_journal(action);
+    add_step(history_, std::move(*next), action_line(action));
+    return;
+  }
+  std::visit(
+      [this](const auto& x) {
+        if constexpr (requires { do_beside(x); }) do_beside(x);
+      },
+      action);
+}
+
+void Session::run_line(const std::string& line) {
+  const std::optional<Action> action = read_action(line);
+  if (!action) return;
+  try {
+    run(*action);
+  } catch (const UsageError& error) {
+    throw UsageError(fmt::format("{}: {}", split_words(line).front(), error.what()));
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", split_words(line).front(), error.what()));
+  }
+}
+
+void Session::run_script(const std::filesystem::path& file) { run_script_at(file, 0); }
+
+void Session::run_script_at(const std::filesystem::path& file, int depth) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw InputError(fmt::format("{}: cannot be read", file.string()));
+  const std::string text(std::istreambuf_iterator<char>(in), {});
+  if (text.size() > kMostScriptBytes)
+    throw LimitError(fmt::format("{}: larger than {} bytes", file.string(), kMostScriptBytes));
+  std::istringstream lines(text);
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    const std::string where = fmt::format("{}:{}", file.string(), number);
+    std::filesystem::path included;
+    try {
+      const std::vector<std::string> words = split_words(line);
+      if (words.empty()) continue;
+      if (words[0] != "include") {
+        run_line(line);
+        continue;
+      }
+      if (words.size() != 2) throw InputError("include: expected one file");
+      included = file.parent_path() / words[1];
+      if (depth == kMostIncludes)
+        throw InputError(fmt::format("include: '{}': scripts that include each other", words[1]));
+      if (!std::filesystem::is_regular_file(included))
+        throw InputError(fmt::format("include: '{}': there is no such file", words[1]));
+    } catch (const UnfitError& error) {
+      throw UnfitError(fmt::format("{}: {}", where, error.what()));
+    } catch (const OutputError& error) {
+      throw OutputError(fmt::format("{}: {}", where, error.what()));
+    } catch (const Error& error) {
+      throw InputError(fmt::format("{}: {}", where, error.what()));
+    }
+    run_script_at(included, depth + 1);
+  }
+}
+
+void Session::do_beside(const Undo& x) {
+  if (undo_steps(history_, x.steps) == 0) throw InputError("there is nothing to take back");
+  if (history_.now >= journal_begin_)
+    note_in_journal(x);
+  else if (journal_)
+    begin_journal_here();
+}
+
+// As the actions that are done again: a session that recovers knows none that were undone.
+void Session::do_beside(const Redo& x) {
+  const int done = redo_steps(history_, x.steps);
+  if (done == 0) throw InputError("there is nothing to do again");
+  if (!journal_ || recovering_) return;
+  for (std::size_t k = history_.now + 1 - std::size_t(done); k <= history_.now; ++k)
+    journal_->append(history_.steps[k].line);
+}
+
+// What was saved has been undone, too: the journal goes on from the document as it is, which is
+// kept beside it.
+void Session::begin_journal_here() {
+  const std::string folder = aside_ == kAside[0] ? kAside[1] : kAside[0];
+  std::filesystem::remove_all(project_ / folder);
+  write_project(workshop_, document(), project_ / folder);
+  journal_->begin(std::string(kFrom) + folder);
+  aside_ = folder;
+  journal_begin_ = history_.now;
+}
+
+void Session::do_beside(const Save& x) {
+  const std::filesystem::path folder =
+      x.folder.empty() ? project_ : std::filesystem::path(x.folder);
+  if (folder.empty())
+    throw InputError("argument 'folder' is missing: this session has no project yet");
+  write_project(workshop_, document(), folder);
+  if (folder != project_) {
+    journal_ = std::make_unique<Journal>(folder / "journal.txt");
+    project_ = folder;
+  }
+  journal_->begin();
+  for (const char* aside : kAside) std::filesystem::remove_all(project_ / aside);
+  saved_ = journal_begin_ = history_.now;
+  note(common_, fmt::format("{}: saved", folder.string()));
+}
+
+void Session::do_beside(const ExportMuscle& x) {
+  const MeantMuscle meant = meant_muscle(document(), x.muscle);
+  require_ending(x.file, {".txt"});
+  write_file_atomically(x.file, muscle_file_text(document(), workshop_.built_in(), meant.entry));
+}
+
+void Session::do_beside(const WriteCharacter& x) {
+  for (const std::string& text : write(x.file)) note(common_, "missed: " + text);
+}
+
+std::vector<std::string> Session::write(const std::filesystem::path& file) {
+  require_ending(file, {".glb"});
+  check_outputs(common_, {file});
+  FittedActorOptions options;
+  options.fitting = fitting_of(document());
+  options.fitting.tissues = true;
+  const FittedForFile made = fit_for_file(common_.assets, edited_template(workshop_, document()),
+                                          edited_body(workshop_, document(), common_, report_),
+                                          workshop_.package(), options, report_);
+  write_character_file(common_.assets, file, made.bound.character, made.bound.binding, Detail::full,
+                       workshop_.package());
+  note(common_, fmt::format("{}: {} bones, {} muscles", file.string(),
+                            made.bound.character.anatomy.bones.size(),
+                            made.bound.character.anatomy.muscles.size()));
+  std::vector<std::string> missed;
+  for (const MissedTarget& target : missed_targets(made.report)) missed.push_back(target.what);
+  return missed;
+}
+
+const Character& Session::fitted() {
+  if (fitted_ && fits_alike(*fitted_of_, document())) return *fitted_;
+  const StageTimer timer(report_, "refit");
+  const Body body = edited_body(workshop_, document(), common_, report_);
+  FittedCharacter made = fit_character(edited_template(workshop_, document()), body,
+                                       workshop_.package(), fitting_of(document()));
+  fitted_ = Character{std::move(made.anatomy), body};
+  fitted_of_ = document();
+  return *fitted_;
+}
+
+const Actor& Session::actor() {
+  if (!actor_ || !fits_alike(*acted_of_, document())) {
+    actor_ = std::make_unique<Actor>(
+        make_actor(common_.assets, fitted(), report_, {.refinement = true}));
+    acted_of_ = document();
+  }
+  return *actor_;
+}
+
+// Pose and activation that are tried, as one frame.
+Motion Session::still() {
+  const Skeleton& skeleton = actor().character.anatomy.skeleton;
+  const Trial& trial = *document().trial;
+  Pose start = rest_pose(skeleton);
+  if (!trial.motion.empty())
+    pose_at(open_motion(trial.motion, actor(), MotionOptions{}, common_, report_), trial.seconds,
+            start);
+  Motion out;
+  out.frames.push_back(trial_pose(workshop_, document(), skeleton, start));
+  return out;
+}
+
+void Session::do_beside(const Render& x) {
+  if (!draw_) throw UsageError("this program draws no pictures");
+  require_ending(x.file, {".png"});
+  check_outputs(common_, {x.file});
+  const Motion motion = still();
+  const Anatomy& anatomy = actor().character.anatomy;
+  const std::vector<double> values = trial_activation(document(), anatomy);
+  Activations activations{int(values.size()), {}};
+  for (int m = 0; m < int(values.size()); ++m)
+    if (values[std::size_t(m)] > 0)
+      activations.curves.push_back({{m}, {0}, {values[std::size_t(m)]}});
+  draw_(actor(), motion, activations, x);
+}
+
+void Session::do_beside(const ReportMuscle& x) {
+  const MeantMuscle meant = meant_muscle(document(), x.muscle);
+  const std::string& name = document().muscles[std::size_t(meant.entry)]->left.name;
+  const Anatomy& anatomy = fitted().anatomy;
+  int joint = -1;
+  const char* side = meant.side == Side::right ? "_r" : "_l";
+  if (!x.joint.empty()) {
+    joint = find_joint(anatomy.skeleton, x.joint);
+    if (joint < 0) joint = find_joint(anatomy.skeleton, x.joint + side);
+    if (joint < 0)
+      throw InputError(fmt::format("argument 'joint': '{}': there is no such joint{}", x.joint,
+                                   did_you_mean(x.joint, workshop_.joint_names())));
+  }
+  const int axis = x.angle == "flexion" ? 0 : x.angle == "abduction" ? 1 : 2;
+  const int muscle = find_muscle(anatomy, name + side);
+  Pose start = rest_pose(anatomy.skeleton);
+  if (!document().trial->motion.empty()) start = still().frames.front();
+  const Pose pose = trial_pose(workshop_, document(), anatomy.skeleton, start);
+  const MuscleFigures figures =
+      muscle_figures(anatomy, muscle, pose, trial_activation(document(), anatomy), joint, axis);
+  const std::string key = "muscles." + name + side;
+  report_.set(key + ".length", figures.length);
+  report_.set(key + ".rest_length", figures.rest_length);
+  report_.set(key + ".volume", figures.volume);
+  report_.set(key + ".fibre_length", figures.fibre_length);
+  report_.set(key + ".max_force", figures.force);
+  if (figures.moment_arm) report_.set(key + ".moment_arm", *figures.moment_arm);
+  fmt::print("{}{}: {:.1f} mm long (at rest {:.1f}), {:.1f} ml, fibres {:.1f} mm, {:.0f} N", name,
+             side, 1e3 * figures.length, 1e3 * figures.rest_length, 1e6 * figures.volume,
+             1e3 * figures.fibre_length, figures.force);
+  if (figures.moment_arm)
+    fmt::print(", moment arm {:.1f} mm about {} {}", 1e3 * *figures.moment_arm,
+               anatomy.skeleton.joints[std::size_t(joint)].name, x.angle);
+  fmt::print("\n");
+}
+
+}  // namespace ecorche

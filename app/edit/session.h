@@ -1,0 +1,89 @@
+// A session of the studio: a document with its history, and what actions do beside it. Window and
+// scripts run the same actions through it.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "anatomy/character.h"
+#include "app/common_options.h"
+#include "app/edit/action_list.h"
+#include "app/edit/history.h"
+#include "app/edit/journal.h"
+#include "app/edit/workshop.h"
+#include "app/files/actor.h"
+#include "app/report.h"
+#include "skinning/motion/activation.h"
+
+namespace ecorche {
+
+struct SessionOptions {
+  std::filesystem::path project;  // folder; read where there is one, made by `save`; empty: none
+  bool discard = false;           // actions of its journal that were not saved
+};
+
+class Session {
+ public:
+  // What the drawing of a still needs is told by who may draw: `render` throws UsageError without.
+  using Drawer = std::function<void(const Actor& actor, const Motion& motion,
+                                    const Activations& activations, const Render& render)>;
+
+  // Both are borrowed. Throws as read_project and Journal do; InputError for a journal whose
+  // actions cannot be done again.
+  Session(const Common& common, Report& report, const SessionOptions& options, Drawer draw = {});
+
+  Workshop& workshop() { return workshop_; }
+  const History& history() const { return history_; }
+  const Document& document() const { return document_now(history_); }
+
+  // Throws as the action does; the document is then as it was.
+  void run(const Action& action);
+  // A line of a script. Throws InputError that begins with the action's name.
+  void run_line(const std::string& line);
+  // A script: a line an action, `include FILE` for another script beside it, # for remarks. Throws
+  // InputError that begins with file and line.
+  void run_script(const std::filesystem::path& file);
+
+  // The document's body with its muscles, fitted; made once for each document that needs another.
+  const Character& fitted();
+  // Fits, binds and writes it. Returns what misses the accuracy targets of `ecorche fit`.
+  std::vector<std::string> write(const std::filesystem::path& file);
+
+  bool unsaved() const { return history_.now != saved_; }
+
+ private:
+  void note_in_journal(const Action& action);
+  void do_beside(const Undo& x);
+  void do_beside(const Redo& x);
+  void do_beside(const Save& x);
+  void do_beside(const ExportMuscle& x);
+  void do_beside(const WriteCharacter& x);
+  void do_beside(const Render& x);
+  void do_beside(const ReportMuscle& x);
+  void recover(const std::filesystem::path& file);
+  void begin_journal_here();
+  const Actor& actor();
+  Motion still();
+  void run_script_at(const std::filesystem::path& file, int depth);
+
+  const Common& common_;
+  Report& report_;
+  Drawer draw_;
+  Workshop workshop_;
+  std::filesystem::path project_;
+  std::unique_ptr<Journal> journal_;
+  bool recovering_ = false;
+  History history_;
+  std::size_t saved_ = 0, journal_begin_ = 0;  // steps of the history
+  std::string aside_;                          // folder that the journal goes on from; may be empty
+  std::optional<Document> fitted_of_, acted_of_;
+  std::optional<Character> fitted_;
+  std::unique_ptr<Actor> actor_;
+};
+
+}  // namespace ecorche

@@ -1,0 +1,50 @@
+#include "app/edit/session_actions.h"
+
+namespace ecorche {
+namespace {
+
+constexpr int kMostSteps = 1000000;
+
+}  // namespace
+
+void arguments(Arguments& a, Undo& x) {
+  a.whole("steps", x.steps, 1, kMostSteps, Need::optional, "how many actions are taken back");
+}
+
+void arguments(Arguments& a, Redo& x) {
+  a.whole("steps", x.steps, 1, kMostSteps, Need::optional, "how many are done again");
+}
+
+void arguments(Arguments& a, Save& x) {
+  a.text("folder", "folder", x.folder, Need::optional, "of the project; the one it came from");
+}
+
+void arguments(Arguments& a, ExportMuscle& x) {
+  a.text("muscle", "muscle", x.muscle, Need::required, "that goes to another project");
+  a.text("file", "file", x.file, Need::required, "text to write (.txt), for import_muscle");
+}
+
+void arguments(Arguments& a, WriteCharacter& x) {
+  a.text("file", "file", x.file, Need::required, "character to write (.glb), fitted and bound");
+}
+
+void arguments(Arguments& a, Render& x) {
+  a.text("file", "file", x.file, Need::required, "picture to write (.png)");
+  a.text("camera", "view", x.camera, Need::optional, "front, left, ... or AZIMUTH,ELEVATION");
+  a.text("look_at", "part", x.look_at, Need::optional, "bone, muscle, region or joint, closely");
+  a.text("only", "parts", x.only, Need::optional, "the only parts that are shown");
+  a.text("hide", "parts", x.hide, Need::optional, "parts that are left away");
+  a.text("layers", "layers", x.layers, Need::optional, "skin, muscles, bones");
+  a.text("size", "size", x.size, Need::optional, "WIDTHxHEIGHT in pixels");
+  a.text("background", "colour", x.background, Need::optional,
+         "white, outdoors, transparent or #RRGGBB");
+}
+
+void arguments(Arguments& a, ReportMuscle& x) {
+  a.text("muscle", "muscle", x.muscle, Need::optional, "whose figures are printed");
+  a.text("joint", "joint", x.joint, Need::optional, "about which it has a moment arm");
+  a.choice("angle", x.angle, {"flexion", "abduction", "rotation"}, Need::optional,
+           "the axis of it");
+}
+
+}  // namespace ecorche

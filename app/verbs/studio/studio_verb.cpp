@@ -1,0 +1,141 @@
+#include "app/verbs/studio/studio_verb.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "anatomy/errors.h"
+#include "app/edit/project.h"
+#include "app/edit/session.h"
+#include "app/options/picture_size.h"
+#include "app/pages/actor_film.h"
+#include "viewer/part_names.h"
+
+namespace ecorche {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct StudioOptions {
+  fs::path start, output, project;
+  std::vector<fs::path> scripts;
+  bool list = false, json = false, discard = false;
+};
+
+void set_layers_of(const std::string& text, ActorFilm& film) {
+  film.skin = text.find("skin") != std::string::npos;
+  film.muscles = text.find("muscles") != std::string::npos;
+  film.bones = text.find("bones") != std::string::npos;
+  if (!film.skin && !film.muscles && !film.bones)
+    throw InputError(
+        fmt::format("argument 'layers': '{}': expected some of skin, muscles, bones", text));
+}
+
+void set_ground(const std::string& text, ActorFilm& film) {
+  film.ground.visible = text == "outdoors";
+  film.transparent = text == "transparent";
+  if (film.ground.visible || film.transparent) return;
+  unsigned red = 255, green = 255, blue = 255;
+  char more = 0;
+  if (text != "white" && (text.size() != 7 || std::sscanf(text.c_str(), "#%2x%2x%2x%c", &red,
+                                                          &green, &blue, &more) != 3))
+    throw InputError(fmt::format(
+        "argument 'background': '{}': expected white, outdoors, transparent or #RRGGBB", text));
+  film.background = Vec3f(float(red), float(green), float(blue)) / 255;
+}
+
+// The picture that the action `render` asks for.
+void draw_still(const Actor& actor, const Motion& motion, const Activations& activations,
+                const Render& render, const Common& common) {
+  ActorFilm film;
+  film.activations = activations;
+  film.output = render.file;
+  film.from = film.to = 0;
+  film.legend = false;
+  set_layers_of(render.layers, film);
+  set_ground(render.background, film);
+  if (!read_picture_size(render.size, film.width, film.height))
+    throw InputError(fmt::format("argument 'size': '{}': expected WIDTHxHEIGHT", render.size));
+  const Anatomy& anatomy = actor.character.anatomy;
+  film.hidden = parts_of_list(anatomy, render.hide, "argument 'hide'");
+  if (!render.only.empty()) {
+    const std::vector<std::uint32_t> only = parts_of_list(anatomy, render.only, "argument 'only'");
+    for (const std::uint32_t part : all_parts(anatomy))
+      if (!std::ranges::binary_search(only, part)) film.hidden.push_back(part);
+    std::ranges::sort(film.hidden);
+  }
+  film.view.look_at = render.look_at;
+  film.view.camera = !render.camera.empty()   ? render.camera
+                     : render.look_at.empty() ? "oblique"
+                                              : "follow";
+  film_actor(actor, motion, film, common);
+}
+
+int run_studio(const StudioOptions& options, const Common& common, Report& report) {
+  if (options.json && !options.list) throw UsageError("studio: --json belongs to --list-actions");
+  if (options.list) {
+    fmt::print("{}", options.json ? list_of_actions_json() : list_of_actions());
+    return 0;
+  }
+  if (options.scripts.empty() && options.output.empty())
+    throw UsageError(
+        "studio: say --script FILE, or --list-actions for what it may hold; `ecorche "
+        "view` is the window to look with");
+  if (!options.output.empty()) require_ending(options.output, {".glb"});
+  const bool starts_with_project = !options.start.empty() && is_project(options.start);
+  if (starts_with_project && !options.project.empty())
+    throw UsageError("studio: START is a project already; leave --project away");
+  if (options.discard && options.project.empty() && !starts_with_project)
+    throw UsageError("studio: --discard belongs to a project; name one");
+  check_outputs(common, {options.output}, options.scripts);
+  Session session(
+      common, report, {starts_with_project ? options.start : options.project, options.discard},
+      [&common](const Actor& actor, const Motion& motion, const Activations& activations,
+                const Render& render) { draw_still(actor, motion, activations, render, common); });
+  if (!options.start.empty() && !starts_with_project) session.run(SetBody{options.start.string()});
+  const std::size_t before = session.history().now;
+  for (const fs::path& script : options.scripts) session.run_script(script);
+  report.set("actions", int(session.history().now - before));
+  note(common, fmt::format("{} actions", session.history().now - before));
+  if (options.output.empty()) return 0;
+  const std::vector<std::string> missed = session.write(options.output);
+  for (const std::string& text : missed) note(common, "missed: " + text);
+  return missed.empty() ? 0 : 8;
+}
+
+}  // namespace
+
+void add_studio_verb(VerbRegistry& registry) {
+  auto options = std::make_shared<StudioOptions>();
+  CLI::App* verb =
+      add_verb(registry, registry.app, "studio",
+               "Change muscles, joints and body by actions of a script, undone and saved as text",
+               "ecorche studio --list-actions\n  ecorche studio anna.glb --script arm.txt -o "
+               "anna-arm.glb\n  ecorche studio --project my-arm --script more.txt",
+               [options](const Common& common, Report& report) {
+                 return run_studio(*options, common, report);
+               });
+  verb->add_option("start", options->start,
+                   "Body, character or skin on the base mesh that muscles are fitted into, or a "
+                   "project's folder; the template's own body when left out");
+  verb->add_option("--script", options->scripts,
+                   "Actions, one a line, with # for remarks and `include FILE`; may be repeated");
+  verb->add_option("--project", options->project,
+                   "Folder of the project: read where there is one, written by the action `save`; "
+                   "what was not saved before is done again");
+  verb->add_flag("--discard", options->discard,
+                 "Leave away what was not saved of the project, say after a crash");
+  verb->add_option(
+      "-o,--output", options->output,
+      "Character to write (.glb), fitted and bound as `ecorche fit` does it; ends with "
+      "8 where it misses what `fit` asks");
+  verb->add_flag("--list-actions", options->list,
+                 "Name all actions with their arguments, units and help");
+  verb->add_flag("--json", options->json, "The list as JSON");
+}
+
+}  // namespace ecorche

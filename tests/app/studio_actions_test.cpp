@@ -1,0 +1,359 @@
+// The studio's actions: each by its line and by its value, undone to the first byte, saved and read
+// again, and what is left of a session that was killed.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <set>
+
+#include "anatomy/authoring/muscle_text.h"
+#include "anatomy/errors.h"
+#include "app/edit/edit_muscle.h"
+#include "app/edit/project.h"
+#include "app/edit/session.h"
+#include "tests/test_assets.h"
+
+namespace ecorche {
+namespace {
+
+namespace fs = std::filesystem;
+
+#define NEED_PACKAGES()                           \
+  if (!fs::exists(test_assets().packages.folder)) \
+  GTEST_SKIP() << "no data packages: data/setup.sh --packages fetches them"
+
+class StudioActions : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / ("studio." + std::to_string(getpid()));
+    fs::create_directories(folder_);
+    common_.assets = test_assets();
+    common_.quiet = true;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  Session session(const fs::path& project = {}) {
+    return Session(common_, report_, {project, false});
+  }
+  fs::path file(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+
+  fs::path folder_;
+  Common common_;
+  Report report_;
+};
+
+std::string why(const std::function<void()>& run) {
+  try {
+    run();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+// An edit by chance; some of them cannot be done.
+std::string chance_line(std::mt19937& random, const Document& document) {
+  const auto below = [&](std::size_t n) { return int(random() % n); };
+  const auto name = [&] {
+    std::string out = document.muscles[std::size_t(below(document.muscles.size()))]->left.name;
+    const char* sides[] = {"", "", "", "_l", "_r"};
+    return out + sides[below(5)];
+  };
+  const auto wrap = [&] {
+    return document.frame->wraps[std::size_t(below(document.frame->wraps.size()))].name;
+  };
+  const std::string made = "made_" + std::to_string(below(40));
+  const std::string share = "0." + std::to_string(below(10));
+  switch (below(20)) {
+    case 0:
+      return "move_point " + name() + " point=2 by=1.25,-0.7,3";
+    case 1:
+      return "add_point " + name() + " at=asis+1,2,3 after=1";
+    case 2:
+      return "remove_point " + name() + " point=2";
+    case 3:
+      return "set_section " + name() + " at=" + share + " width=21.3 roll=12";
+    case 4:
+      return "remove_section " + name() + " at=" + share;
+    case 5:
+      return "scale_sections " + name() + " width=1.1 thickness=0.93 roll=-7";
+    case 6:
+      return "set_belly " + name() + " begin=0.11 end=0.87";
+    case 7:
+      return "add_strip " + name() + " by=4,0,1";
+    case 8:
+      return "remove_strip " + name() + " strip=1";
+    case 9:
+      return "use_wrap " + name() + " wrap=" + wrap();
+    case 10:
+      return "copy_muscle " + base_name(name()).first + " as=" + made;
+    case 11:
+      return "remove_muscle " + base_name(name()).first;
+    case 12:
+      return "rename_muscle " + base_name(name()).first + " as=" + made;
+    case 13:
+      return "mirror_muscle " + name() + " from=right";
+    case 14:
+      return "set_muscle " + name() + " volume=31.7 pennation=7 force=212.5";
+    case 15:
+      return "new_wrap " + made + " cylinder at=asis+3,1,1 radius=9 axis=0.3,1,0.2";
+    case 16:
+      return "set_wrap " + wrap() + " radius=13.5 by=0.4,0,0";
+    case 17:
+      return "remove_wrap " + wrap();
+    case 18:
+      return "activate " + base_name(name()).first + " value=" + share;
+    default:
+      return "set_fit rays=" + std::to_string(8 + below(40)) + " alpha=0.37";
+  }
+}
+
+int walk(Session& session, int tries, unsigned seed) {
+  std::mt19937 random(seed);
+  int refused = 0;
+  for (int k = 0; k < tries; ++k) try {
+      session.run_line(chance_line(random, session.document()));
+    } catch (const InputError&) {
+      ++refused;
+    }
+  return refused;
+}
+
+// Arguments of an example with files of the test's own.
+std::string with_files(std::string line, const fs::path& folder) {
+  for (const char* name : {"anna.glb", "walk.bvh", "soleus.txt", "my-arm", "arm.glb", "arm.png"})
+    if (const auto at = line.find(name); at != std::string::npos)
+      line.replace(at, std::string(name).size(), (folder / name).string());
+  return line;
+}
+
+TEST_F(StudioActions, EachHasANameHelpAndAnExampleThatReads) {
+  std::set<std::string> names;
+  std::set<std::size_t> types;
+  for (const ActionKind& kind : action_kinds()) {
+    EXPECT_TRUE(names.insert(kind.name).second) << kind.name;
+    EXPECT_TRUE(types.insert(kind.fresh.index()).second) << kind.name;
+    EXPECT_GT(std::string(kind.help).size(), 10u) << kind.name;
+    const auto action = read_action(std::string(kind.name) + " " + kind.example);
+    ASSERT_TRUE(action) << kind.name;
+    EXPECT_EQ(action->index(), kind.fresh.index()) << kind.name;
+    EXPECT_EQ(action_line(*read_action(action_line(*action))), action_line(*action));
+    for (const ArgumentInfo& each : arguments_of(kind))
+      EXPECT_GT(each.help.size(), 5u) << kind.name << " " << each.key;
+    EXPECT_NE(list_of_actions().find(std::string("\n  ") + kind.name + " "), std::string::npos);
+  }
+  EXPECT_EQ(types.size(), std::variant_size_v<Action>);
+}
+
+TEST_F(StudioActions, EachDoesTheSameByScriptAndByItsValue) {
+  NEED_PACKAGES();
+  // these fit and draw: the command line's test runs them
+  const std::set<std::string> fits{"write_character", "render", "report"};
+  Session by_script = session(), by_value = session();
+  file("anna.glb", "");
+  file("walk.bvh", "");
+  by_script.run_line("export_muscle soleus " + (folder_ / "soleus.txt").string());
+  for (const ActionKind& kind : action_kinds()) {
+    if (fits.contains(kind.name)) continue;
+    const std::string line = with_files(std::string(kind.name) + " " + kind.example, folder_);
+    const std::string before = document_text(by_script.document());
+    ASSERT_NO_THROW(by_script.run_script(file("one.txt", "# one\n" + line + "\n"))) << line;
+    if (std::string(kind.name) != "save") {
+      ASSERT_NO_THROW(by_value.run(*read_action(line))) << line;
+    }
+    EXPECT_EQ(document_text(by_script.document()), document_text(by_value.document())) << line;
+    const bool stays = std::set<std::string>{"save", "export_muscle", "mirror_muscle",
+                                             "free_measure", "reset_joint"}
+                           .contains(kind.name);
+    if (std::string(kind.name) == "reset_joint" || std::string(kind.name) == "free_measure")
+      EXPECT_NE(document_text(by_script.document()), before) << line;
+    else
+      EXPECT_EQ(document_text(by_script.document()) == before, stays) << line;
+  }
+}
+
+TEST_F(StudioActions, AWalkIsUndoneToTheFirstByteAndDoneAgainToTheLast) {
+  Session s = session();
+  const std::string first = document_text(s.document());
+  const int refused = walk(s, 400, 7);
+  EXPECT_LT(refused, 200);
+  const std::string last = document_text(s.document());
+  EXPECT_NE(first, last);
+  const int steps = int(s.history().now);
+  s.run(Undo{steps});
+  EXPECT_EQ(document_text(s.document()), first);
+  EXPECT_EQ(s.document(), s.workshop().built_in());  // shares all with it
+  s.run(Redo{steps});
+  EXPECT_EQ(document_text(s.document()), last);
+}
+
+TEST_F(StudioActions, AMusclesTextReadsBackToTheSameText) {
+  const Document document = built_in_document(test_assets().tables);
+  for (const auto& muscle : document.muscles) {
+    const TableMuscle once = read_block(document, blocks_of(document, *muscle).left, "once");
+    const std::string text = muscle_text(*document.frame, once);
+    EXPECT_EQ(muscle_text(*document.frame, read_block(document, text, "twice")), text);
+    EXPECT_EQ(once.strips.size(), muscle->left.strips.size());
+    EXPECT_NEAR(once.volume_male, muscle->left.volume_male, 1e-10);
+    EXPECT_EQ(once.sources, muscle->left.sources);
+    for (std::size_t k = 0; k < once.strips.size(); ++k)
+      for (std::size_t p = 0; p < once.strips[k].path.size(); ++p)
+        EXPECT_LT((position(*document.frame, once.strips[k].path[p]) -
+                   position(*document.frame, muscle->left.strips[k].path[p]))
+                      .norm(),
+                  2e-7)
+            << once.name;
+  }
+}
+
+TEST_F(StudioActions, AProjectReadsBackAsItWasSaved) {
+  NEED_PACKAGES();
+  Session s = session();
+  walk(s, 150, 3);
+  for (const char* line :
+       {"move_joint elbow by=0.1,2,0.3", "set_limits elbow_l flexion min=1 max=141",
+        "turn_axes knee rotation=3.3", "set_measure waist_girth 78.2cm", "set_layer 0.83",
+        "pose squat", "turn_joint elbow flexion=33.3", "pick soleus_r"})
+    s.run_line(line);
+  s.run(Save{(folder_ / "project").string()});
+  EXPECT_FALSE(s.unsaved());
+  const Document again = read_project(s.workshop(), folder_ / "project").document;
+  EXPECT_EQ(document_text(again), document_text(s.document()));
+  // Muscles that are no longer its own go.
+  s.run(Undo{1000});
+  s.run(Save{});
+  EXPECT_TRUE(fs::is_empty(folder_ / "project" / "muscles"));
+  EXPECT_EQ(document_text(read_project(s.workshop(), folder_ / "project").document),
+            document_text(s.workshop().built_in()));
+}
+
+TEST_F(StudioActions, NothingThatWasDoneIsLostWhenASessionIsKilled) {
+  const fs::path project = folder_ / "killed";
+  for (const int survives : {0, 1, 13, 40}) {
+    fs::remove_all(project);
+    Session whole = session();
+    std::mt19937 random(11);
+    const pid_t child = fork();
+    if (child == 0) {
+      Session s = session(project);
+      while (int(s.history().now) < survives) try {
+          s.run_line(chance_line(random, s.document()));
+        } catch (const InputError&) {
+        }
+      // a line that is torn off in its midst
+      const int journal = open((project / "journal.txt").c_str(), O_WRONLY | O_APPEND);
+      if (write(journal, "move_point sol", 14) == 14) kill(getpid(), SIGKILL);
+      _exit(0);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFSIGNALED(status));
+    while (int(whole.history().now) < survives) try {
+        whole.run_line(chance_line(random, whole.document()));
+      } catch (const InputError&) {
+      }
+    Session recovered = session(project);
+    EXPECT_EQ(int(recovered.history().now), survives);
+    EXPECT_EQ(document_text(recovered.document()), document_text(whole.document()));
+  }
+}
+
+TEST_F(StudioActions, WhatIsUndonePastTheLastSaveIsNotLostEither) {
+  NEED_PACKAGES();
+  const fs::path project = folder_ / "past";
+  std::string text;
+  {
+    Session s = session(project);
+    for (const char* line :
+         {"set_muscle soleus fibre=5", "set_muscle soleus fibre=6", "save", "set_layer 0.9",
+          "undo 2", "redo", "undo 2", "set_layer 0.7", "set_layer 0.6", "undo"})
+      s.run_line(line);
+    text = document_text(s.document());
+  }
+  EXPECT_EQ(document_text(session(project).document()), text);
+}
+
+TEST_F(StudioActions, BothSidesGoTogetherUnlessOneIsNamed) {
+  Session s = session();
+  const auto soleus = [&]() -> const EditedMuscle& {
+    return *s.document().muscles[std::size_t(find_entry(s.document(), "soleus"))];
+  };
+  s.run_line("set_muscle soleus fibre=5");
+  EXPECT_FALSE(soleus().right);
+  s.run_line("set_muscle soleus_r fibre=6");
+  ASSERT_TRUE(soleus().right);
+  EXPECT_DOUBLE_EQ(soleus().left.fibre_length, 0.05);
+  EXPECT_DOUBLE_EQ(soleus().right->fibre_length, 0.06);
+  s.run_line("set_muscle soleus fibre=7");
+  EXPECT_FALSE(soleus().right);  // alike again
+  s.run_line("set_muscle soleus_r fibre=6");
+  s.run_line("mirror_muscle soleus from=right");
+  EXPECT_FALSE(soleus().right);
+  EXPECT_DOUBLE_EQ(soleus().left.fibre_length, 0.06);
+}
+
+TEST_F(StudioActions, AMuscleGoesToAnotherProjectWithItsWraps) {
+  Session here = session(), there = session();
+  here.run_line("new_wrap my_pulley sphere at=asis+0,-20,5 radius=12");
+  here.run_line("new_muscle mine from=asis to=tibia_level_10 volume=60ml label=\"my own # one\"");
+  here.run_line("use_wrap mine wrap=my_pulley");
+  here.run_line("move_point mine_r point=1 by=0,2,0");
+  const std::string file = (folder_ / "mine.txt").string();
+  here.run_line("export_muscle mine " + file);
+  there.run_line("import_muscle " + file);
+  EXPECT_EQ(document_text(there.document()), document_text(here.document()));
+}
+
+TEST_F(StudioActions, APointSnapsOntoABone) {
+  NEED_PACKAGES();
+  Session s = session();
+  s.run_line("move_point biceps_brachii_long point=4 by=3,0,9 snap=humerus");
+  TableMuscle muscle =
+      s.document().muscles[std::size_t(find_entry(s.document(), "biceps_brachii_long"))]->left;
+  const TablePoint& point = point_of(muscle, 1, 4);
+  const Vec3 place = position(*s.document().frame, point);
+  EXPECT_EQ(s.document().frame->landmarks[std::size_t(point.landmark)].carrier, "humerus");
+  EXPECT_LT((s.workshop().on_bone("humerus", place) - place).norm(), 1e-6);
+}
+
+TEST_F(StudioActions, MistakesSayFileLineActionArgumentValueAndTheRightWord) {
+  Session s = session();
+  const std::string start = document_text(s.document());
+  const auto says = [&](const std::string& line, std::initializer_list<const char*> parts) {
+    const fs::path script = file("bad.txt", "\n" + line + "\n");
+    const std::string said = why([&] { s.run_script(script); });
+    EXPECT_NE(said.find("bad.txt:2: "), std::string::npos) << said;
+    for (const char* part : parts) EXPECT_NE(said.find(part), std::string::npos) << said;
+  };
+  says("mvoe_point soleus point=1 by=0,0,1", {"mvoe_point", "move_point"});
+  says("move_point soleus piont=1 by=0,0,1", {"move_point", "piont", "did you mean point"});
+  says("move_point soles point=1 by=0,0,1", {"move_point", "soles", "soleus"});
+  says("move_point soleus point=99 by=0,0,1", {"point", "99"});
+  says("move_point soleus point=30 by=0,0,1", {"'point': '30'", "1 .. "});
+  says("move_point soleus point=1 by=0,0", {"'by': '0,0'", "mm"});
+  says("move_point soleus point=1 by=0,0,1deg", {"'by'", "1deg"});
+  says("set_muscle soleus volume=nan", {"volume", "nan", "ml"});
+  says("set_muscle soleus volume=1e9", {"volume", "5000"});
+  says("mirror_muscle soleus from=lft", {"'from': 'lft'", "left"});
+  says("add_point soleus at=asiss", {"asiss", "asis"});
+  says("set_belly soleus begin=0.9 end=0.2", {"soleus", "belly"});
+  says("copy_muscle soleus as=Soleus2", {"'as': 'Soleus2'", "small letters"});
+  says("copy_muscle soleus as=tibialis_anterior", {"there is a muscle of that name"});
+  says("remove_wrap elbow_front", {"elbow_front", "leave_wrap"});
+  says("undo", {"undo", "nothing to take back"});
+  says("include none.txt", {"none.txt"});
+  says("describe_muscle soleus \"note=never ends", {"quotation"});
+  says("include bad.txt", {"include"});
+  EXPECT_EQ(document_text(s.document()), start);
+}
+
+}  // namespace
+}  // namespace ecorche
