@@ -513,43 +513,47 @@ class MusclePacking {
     return growth > 0 ? now + rate * growth : std::max(end, least);
   }
 
+  // What a vertex of a sheet between its strips keeps of its height, where it ends in another
+  // muscle or a bone. What comes out of another again is free to the layer: that its root lies in
+  // the other, as between strips that a big belly draws apart, is none of this side's making.
+  double kept_between(int v, const StripPlace& own, RayBuffer& buffer) {
+    const auto terms =
+        std::span(surface_.terms)
+            .subspan(std::size_t(surface_.term_begin[v]),
+                     std::size_t(surface_.term_begin[v + 1] - surface_.term_begin[v]));
+    if (terms.size() < 2 || terms[0].w != 0) return 1;
+    Vec3 middle = Vec3::Zero();
+    for (const MuscleSurface::Term& t : terms)
+      middle += double(t.weight) * all_.slices[t.slice].center;
+    const Vec3 out = mesh_.V.row(v).transpose() - middle;
+    const double now = out.norm();
+    if (now < kThinnest || is_settled(v, middle, out / now, now)) return 1;
+    cast(middle, out / now, now + limits_.settled_reach, 1e3, own, buffer);
+    double end = now;
+    for (const RayInterval& interval : buffer.intervals) {
+      if (interval.from >= now) continue;
+      if (interval.solid == kBone) {
+        if (interval.from > 0) end = std::min(end, interval.from - limits_.bone_gap);
+      } else if (interval.to >= now) {
+        end = std::min(end, 0.5 * (interval.from + now) - limits_.gap);
+      }
+    }
+    return std::max(end / now, kMostPress);
+  }
+
   // Sheets are drawn between their strips, too: where they end in others there, the strips on
-  // either side give way. What comes out of another again is free to the layer: that its root lies
-  // in the other, as between strips that a big belly draws apart, is none of this side's making.
+  // either side give way.
   void press_between(std::vector<SliceOutline>& next) {
     std::vector<float> ratios(surface_.vertices(), 1);
     for (const MuscleSurface::Part& sheet : surface_.parts) {
       const std::size_t m = sheet.muscle;
       if (!sheet.sheet || all_.partners[m] >= 0) continue;
+      const StripPlace& own = all_.strips[all_.strip_begin[m]];
       tbb::parallel_for(tbb::blocked_range<int>(sheet.vertex_begin, sheet.vertex_end, 64),
                         [&](const auto& range) {
                           RayBuffer buffer;
-                          for (int v = range.begin(); v < range.end(); ++v) {
-                            const auto terms = std::span(surface_.terms)
-                                                   .subspan(std::size_t(surface_.term_begin[v]),
-                                                            std::size_t(surface_.term_begin[v + 1] -
-                                                                        surface_.term_begin[v]));
-                            if (terms.size() < 2 || terms[0].w != 0) continue;
-                            Vec3 middle = Vec3::Zero();
-                            for (const MuscleSurface::Term& t : terms)
-                              middle += double(t.weight) * all_.slices[t.slice].center;
-                            const Vec3 out = mesh_.V.row(v).transpose() - middle;
-                            const double now = out.norm();
-                            if (now < kThinnest || is_settled(v, middle, out / now, now)) continue;
-                            cast(middle, out / now, now + limits_.settled_reach, 1e3,
-                                 all_.strips[all_.strip_begin[m]], buffer);
-                            double end = now;
-                            for (const RayInterval& interval : buffer.intervals) {
-                              if (interval.from >= now) continue;
-                              if (interval.solid == kBone) {
-                                if (interval.from > 0)
-                                  end = std::min(end, interval.from - limits_.bone_gap);
-                              } else if (interval.to >= now) {
-                                end = std::min(end, 0.5 * (interval.from + now) - limits_.gap);
-                              }
-                            }
-                            ratios[v] = float(std::max(end / now, kMostPress));
-                          }
+                          for (int v = range.begin(); v < range.end(); ++v)
+                            ratios[v] = float(kept_between(v, own, buffer));
                         });
     }
     pressed_.resize(ratios.size());

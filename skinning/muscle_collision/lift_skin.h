@@ -18,7 +18,7 @@ struct LiftParameters {
   int easing_rounds = 4;        // of smoothing about folds
   float liftable_gain = 4;      // skin is lifted freely where it is at least a quarter liftable
   float fold_fraction = 0.12f;  // of the way to where normals of a fold meet
-  float bone_fold_fraction = 0.55f;  // the same over bones
+  float bone_fold_fraction = 0.45f;  // the same over bones
   int raise_rounds = 3;              // of smoothing upwards over bones
 };
 
