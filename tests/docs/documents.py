@@ -24,7 +24,7 @@ from runner import Runner  # noqa: E402
 ROOMS = ("anatomy", "morph", "skinning", "viewer", "app", "data", "docs", "tests")
 HELP_VERBS_NOT_RUN = {"demo": "run by make demo and by the options' test", "bench": "minutes"}
 # Readers have minutes for a film or for sixty poses; here a piece of it says as much. What is added to a command line, unless it says itself.
-SHORTER = [(r"ecorche lift .*\.mp4", "--size", "--size 320x180 --fps 5"), (r"ecorche render .*\.mp4", "--(from|to|frames|at)", "--to 0.4"), (r"ecorche posebook ", "--poses", "--poses my-poses.csv"),
+SHORTER = [(r"ecorche lift .*\.mp4", "--size", "--size 320x180 --fps 5"), (r"ecorche render .*data/motions.*\.mp4", "--(from|to|frames|at)", "--to 0.4"), (r"ecorche posebook ", "--poses", "--poses few-poses.csv"),
            (r"ecorche check (?!bodies)", "--poses", "--poses my-poses.csv --no-sweeps"), (r"ecorche check bodies", "--body", "--body default_male --body heavy_female")]
 
 
@@ -100,6 +100,9 @@ class Reader:
             shutil.copy(os.path.join(self.source, "tests", "corpus", "motion", name), t.path(name))
         t.write("curl.csv", "time,muscle,value\n0,biceps_brachii_*,0\n0.05,biceps_brachii_*,1\n")
         t.write("people.csv", "name,sex,stature,waist_girth\nada,female,168cm,74cm\nbob,male,178cm,90cm\n")
+        t.write("arm.txt", "include biceps.txt\n")
+        t.write("more.txt", "set_belly biceps_brachii_long begin=0.3 end=0.7\nsave\n")
+        t.write("few-poses.csv", "name,label,view,angles\nbent,bent,front,elbow 90\n")
         t.write("my-poses.csv", "pose,joint,flexion,abduction,rotation\nsitting,hip,0.75,0.2,0\n")
         t.write("biceps.obj", spindle())
         for wheel in glob.glob(os.path.join(os.path.dirname(self.program), "packages", "musclemimic_models-*.whl")):
