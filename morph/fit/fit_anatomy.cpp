@@ -421,7 +421,7 @@ Fit fit_anatomy(const Template& body_template, const Body& body, const FitOption
   if (options.interior != Interior::bones)
     flesh = warp_interior(body_template, skin, fit.anatomy.bones, options.interior, fit);
   if (tables.built_in) fit.anatomy.bones = carry_bones(body_template.anatomy.bones, warp);
-  part_bones(fit.anatomy.bones, fit.report.even_about);
+  part_bones(fit.anatomy.bones, body_template.anatomy.bones, fit.report.even_about);
 
   start = Clock::now();
   const Body& own = body_template.body;

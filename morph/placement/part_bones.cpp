@@ -46,22 +46,40 @@ struct Move {
   double most = 0;  // m
 };
 
-// Vertices inside `other` go half of the way out, into their own bone: where surfaces that face
-// each other have crossed, the nearest way out of a thin bone may be through its far side.
-void push_out(const Points& V, const Points& normals, const SkinRays& own, const SkinRays& other,
-              const Box& box, Move& move) {
+// A bone with what rays are cast by.
+struct Probe {
+  std::unique_ptr<SkinRays> rays;
+  Points normals;
+};
+
+// m by which vertex i of a bone lies in another, straight into its own bone; 0 outside. Where
+// surfaces that face each other have crossed, the nearest way out of a thin bone may be through its
+// far side.
+double depth_in(const Points& V, const Points& normals, Eigen::Index i, const SkinRays& other) {
+  const Vec3 inwards = -normals.row(i).transpose();
+  if (inwards.squaredNorm() < 0.5) return 0;
+  const RayHit hit = other.first_hit(V.row(i), inwards, kDeepest);
+  return hit.triangle >= 0 && hit.facing > 0 ? double(hit.distance) : 0;
+}
+
+// Vertices inside `other` go half of the way out. `shared`: what vertex i has in it anyway.
+template <typename Shared>
+void push_out(const Points& V, const Probe& own, const SkinRays& other, const Box& box,
+              const Shared& shared, Move& move) {
   for (Eigen::Index i = 0; i < V.rows(); ++i) {
-    const Vec3 x = V.row(i), inwards = -normals.row(i).transpose();
+    const Vec3 x = V.row(i);
     if ((x.array() < box.low.array()).any() || (x.array() > box.high.array()).any()) continue;
-    if (inwards.squaredNorm() < 0.5) continue;
-    const RayHit hit = other.first_hit(x, inwards, kDeepest);
-    if (hit.triangle < 0 || hit.facing <= 0 || hit.distance <= kLeast) continue;
+    const double depth = depth_in(V, own.normals, i, other);
+    if (depth <= kLeast) continue;
+    const double more = depth - shared(i);
+    if (more <= kLeast) continue;
+    const Vec3 inwards = -own.normals.row(i).transpose();
     double& left = move.left[i];
     if (left < 0) {
-      const RayHit through = own.first_hit(x, inwards, 1, kLeast);
+      const RayHit through = own.rays->first_hit(x, inwards, 1, kLeast);
       left = through.triangle >= 0 ? kOfThickness * double(through.distance) : 0;
     }
-    const double by = std::min(0.5 * (double(hit.distance) + kGap), left);
+    const double by = std::min(0.5 * (more + kGap), left);
     if (by <= move.by.row(i).norm()) continue;
     move.by.row(i) = by * inwards.transpose();
     move.pushed[std::size_t(i)] = true;
@@ -83,9 +101,49 @@ void follow(const std::vector<std::vector<int>>& rings, const Points& normals, M
   }
 }
 
+// What rays are cast by, of bones that others may lie in or that may lie in others.
+std::vector<Probe> probes_of(const std::vector<const Bone*>& bones,
+                             const std::vector<std::vector<std::size_t>>& near) {
+  std::vector<bool> asked(bones.size(), false);
+  for (std::size_t a = 0; a < near.size(); ++a)
+    for (const std::size_t b : near[a]) asked[a] = asked[b] = true;
+  std::vector<Probe> out(bones.size());
+  tbb::parallel_for(std::size_t{0}, bones.size(), [&](std::size_t b) {
+    if (!asked[b] || !bones[b] || mesh_volume(bones[b]->mesh) <= 0) return;
+    out[b] = {std::make_unique<SkinRays>(bones[b]->mesh, RayBuild::quick),
+              vertex_normals(bones[b]->mesh)};
+  });
+  return out;
+}
+
+// The reference's bones of the same names and vertices; null where there is none.
+std::vector<const Bone*> same_bones(const std::vector<Bone>& bones,
+                                    const std::vector<Bone>& reference) {
+  std::vector<const Bone*> out;
+  for (const Bone& bone : bones) {
+    const auto same = std::ranges::find(reference, bone.name, &Bone::name);
+    const bool found = same != reference.end() && same->mesh.V.rows() == bone.mesh.V.rows();
+    out.push_back(found ? &*same : nullptr);
+  }
+  return out;
+}
+
+void mirror_right(double plane, std::vector<Bone>& bones) {
+  for (Bone& right : bones) {
+    if (right.side != Side::right) continue;
+    const auto left = std::ranges::find_if(bones, [&](const Bone& bone) {
+      return bone.side == Side::left && split_side(bone.name).first == split_side(right.name).first;
+    });
+    if (left == bones.end() || left->mesh.V.rows() != right.mesh.V.rows()) continue;
+    right.mesh.V = left->mesh.V;
+    right.mesh.V.col(0) = 2 * plane - right.mesh.V.col(0).array();
+  }
+}
+
 }  // namespace
 
-void part_bones(std::vector<Bone>& bones, std::optional<double> even_about) {
+void part_bones(std::vector<Bone>& bones, const std::vector<Bone>& reference,
+                std::optional<double> even_about) {
   const std::size_t count = bones.size();
   std::vector<std::vector<std::size_t>> near(count);  // that a bone may lie in
   for (std::size_t a = 0; a < count; ++a)
@@ -93,16 +151,14 @@ void part_bones(std::vector<Bone>& bones, std::optional<double> even_about) {
       if (a != b && !share_teeth(bones[a], bones[b]) &&
           meet(box_of(bones[a].mesh.V), box_of(bones[b].mesh.V)))
         near[a].push_back(b);
+  const std::vector<const Bone*> before = same_bones(bones, reference);
+  const std::vector<Probe> probes_before = probes_of(before, near);
   std::vector<std::vector<std::vector<int>>> rings(count);
   std::vector<Move> moves(count);
   for (int round = 0; round < kPartings; ++round) {
-    std::vector<std::unique_ptr<SkinRays>> rays(count);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t b) {
-      const bool asked = std::ranges::any_of(
-          near, [&](const auto& of) { return std::ranges::find(of, b) != of.end(); });
-      if (asked && mesh_volume(bones[b].mesh) > 0)
-        rays[b] = std::make_unique<SkinRays>(bones[b].mesh, RayBuild::quick);
-    });
+    std::vector<const Bone*> now;
+    for (const Bone& bone : bones) now.push_back(&bone);
+    const std::vector<Probe> probes = probes_of(now, near);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t a) {
       const Points& V = bones[a].mesh.V;
       Move& move = moves[a];
@@ -110,18 +166,23 @@ void part_bones(std::vector<Bone>& bones, std::optional<double> even_about) {
       move.pushed.assign(std::size_t(V.rows()), false);
       move.most = 0;
       if (move.left.size() == 0) move.left = Eigen::VectorXd::Constant(V.rows(), -1);
-      if (near[a].empty() || !rays[a]) return;
-      const Points normals = vertex_normals(bones[a].mesh);
+      if (near[a].empty() || !probes[a].rays) return;
       std::erase_if(near[a], [&](std::size_t b) {
-        if (!rays[b]) return true;
-        const double before = move.most;
+        if (!probes[b].rays) return true;
+        const bool known = before[a] && probes_before[a].rays && probes_before[b].rays;
+        const auto shared = [&](Eigen::Index i) {
+          return known ? depth_in(before[a]->mesh.V, probes_before[a].normals, i,
+                                  *probes_before[b].rays)
+                       : 0.0;
+        };
+        const double most = move.most;
         const auto pushed = std::ranges::count(move.pushed, true);
-        push_out(V, normals, *rays[a], *rays[b], box_of(bones[b].mesh.V), move);
-        return move.most == before && std::ranges::count(move.pushed, true) == pushed;
+        push_out(V, probes[a], *probes[b].rays, box_of(bones[b].mesh.V), shared, move);
+        return move.most == most && std::ranges::count(move.pushed, true) == pushed;
       });
       if (move.most <= 0) return;
       if (rings[a].empty()) rings[a] = vertex_neighbours(bones[a].mesh);
-      follow(rings[a], normals, move);
+      follow(rings[a], probes[a].normals, move);
       for (Eigen::Index i = 0; i < V.rows(); ++i)
         if (move.left[i] > 0) move.left[i] = std::max(0.0, move.left[i] - move.by.row(i).norm());
     });
@@ -131,18 +192,8 @@ void part_bones(std::vector<Bone>& bones, std::optional<double> even_about) {
       bones[a].mesh.V += moves[a].by;
       moved = true;
     }
-    if (even_about)
-      for (Bone& right : bones) {
-        if (right.side != Side::right) continue;
-        const auto left = std::ranges::find_if(bones, [&](const Bone& bone) {
-          return bone.side == Side::left &&
-                 split_side(bone.name).first == split_side(right.name).first;
-        });
-        if (left == bones.end() || left->mesh.V.rows() != right.mesh.V.rows()) continue;
-        right.mesh.V = left->mesh.V;
-        right.mesh.V.col(0) = 2 * *even_about - right.mesh.V.col(0).array();
-      }
     if (!moved) break;
+    if (even_about) mirror_right(*even_about, bones);
   }
 }
 

@@ -11,9 +11,12 @@
 namespace ecorche::inline v1 {
 
 // Moves vertices (world, m) of `bones`, closed meshes turned outwards; others are left alone.
+// `reference`: the same bones, vertex by vertex, in the body that they come from, or none: what
+// they share there they may share here, so that bones parted once are not parted again.
 // `even_about`: x of the plane of symmetry; bones of the right stay the images of those of the
 // left, vertex by vertex. What bones share beyond some centimetre of depth stays. Deterministic at
 // any thread count.
-void part_bones(std::vector<Bone>& bones, std::optional<double> even_about);
+void part_bones(std::vector<Bone>& bones, const std::vector<Bone>& reference,
+                std::optional<double> even_about);
 
 }  // namespace ecorche::inline v1

@@ -131,7 +131,7 @@ Template build_template(const Assets& assets) {
 
   // Bones are placed by what the package has of them; muscles lie on their rounded surfaces.
   round_bones(rules, skin, out.anatomy.bones);
-  part_bones(out.anatomy.bones, 0);
+  part_bones(out.anatomy.bones, {}, 0);
   // Its muscles fill its skin, as they do in every body.
   tables.muscles = out.anatomy.muscles;
   const SkinRays rays(capped_skin(package, out.body.skin.V));

@@ -141,7 +141,7 @@ TEST(CheckTargets, AreMetOrNot) {
   EXPECT_EQ(posed, at_rest + 9);
   EXPECT_EQ(check_targets(check).size(), posed + 1);
   check.muscle_points_outside = 6;
-  check.overlap_share = check.bone_share = 0.03;
+  check.overlap_share = check.bone_share = check.bone_overlap.share = 0.03;
   check.filled_share = std::nan("");
   check.loose_ends = check.bone_points_outside = 1;
   check.posed_outside_share = 0.01;

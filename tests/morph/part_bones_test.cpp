@@ -34,7 +34,7 @@ TEST(PartBones, PartsWhatLiesInOneAnother) {
                           ball_at("tibia_l", Side::left, {0.1, -0.05, 0})};
   const std::vector<Bone> before = bones;
   ASSERT_GT(depth(bones[0], bones[1]), 5e-3);
-  part_bones(bones, std::nullopt);
+  part_bones(bones, {}, std::nullopt);
   EXPECT_LT(depth(bones[0], bones[1]), 0.3e-3);
   EXPECT_LT(depth(bones[1], bones[0]), 0.3e-3);
   for (const int b : {0, 1}) {
@@ -56,7 +56,7 @@ TEST(PartBones, KeepsTheSidesImagesOfEachOther) {
   bones[2].mesh.V = bones[1].mesh.V;
   bones[2].mesh.V.col(0) = 2 * kPlane - bones[2].mesh.V.col(0).array();
   bones[2].mesh.F.col(1).swap(bones[2].mesh.F.col(2));
-  part_bones(bones, kPlane);
+  part_bones(bones, {}, kPlane);
   EXPECT_LT(depth(bones[0], bones[1]), 0.3e-3);
   EXPECT_LT(depth(bones[0], bones[2]), 0.3e-3);
   Points image = bones[1].mesh.V;
@@ -64,11 +64,22 @@ TEST(PartBones, KeepsTheSidesImagesOfEachOther) {
   EXPECT_EQ(image, bones[2].mesh.V);
 }
 
+TEST(PartBones, LeavesAloneWhatTheReferenceShares) {
+  std::vector<Bone> bones{ball_at("talus_l", Side::left, {0.1, 0, 0}),
+                          ball_at("calcaneus_l", Side::left, {0.1, -0.036, 0})};
+  const std::vector<Bone> before = bones;
+  part_bones(bones, before, std::nullopt);
+  EXPECT_EQ(bones[0].mesh.V, before[0].mesh.V);
+  bones[1] = ball_at("calcaneus_l", Side::left, {0.1, -0.033, 0});  // deeper by 3 mm
+  part_bones(bones, before, std::nullopt);
+  EXPECT_LT(depth(bones[0], bones[1]), depth(before[0], before[1]) + 0.3e-3);
+}
+
 TEST(PartBones, LeavesTeethBetweenOneAnother) {
   std::vector<Bone> bones{ball_at("skull", Side::middle, {0, 0, 0}),
                           ball_at("mandible", Side::middle, {0, -0.036, 0})};
   const Points before = bones[0].mesh.V;
-  part_bones(bones, std::nullopt);
+  part_bones(bones, {}, std::nullopt);
   EXPECT_EQ(bones[0].mesh.V, before);
 }
 
