@@ -110,7 +110,7 @@ class Reader:
                 prefix = "musclemimic_models/"
                 package.extractall(t.folder, [name for name in package.namelist() if name.startswith(prefix + "model/")])
             os.rename(t.path(prefix + "model"), t.path("model"))
-        for name in ("biceps.txt", "plate.txt"):
+        for name in ("biceps.txt", "plate.txt", "keep.txt"):
             shutil.copy(os.path.join(self.source, "docs", "studio", name), t.path(name))
         os.symlink(os.path.join(self.source, "data"), t.path("data"))
         os.makedirs(t.path("build"))
