@@ -30,7 +30,7 @@ import scans
 import surroundings
 import tables
 
-LEFT_OUT = {20: "zip, gz and 3MF files are not read", 58: "C3D files are not read", 59: "TRC files are not read", 73: "nobody resizes a window here; the viewer's own tests do", 80: "there is no Python interface"}
+LEFT_OUT = {20: "zip, gz and 3MF files are not read", 58: "C3D files are tried in row 86", 59: "TRC files are tried in row 86", 73: "nobody resizes a window here; the viewer's own tests do", 80: "there is no Python interface"}
 MUSCLES = ("biceps_femoris_long_l", "soleus_r", "biceps_brachii_short_r", "rectus_abdominis_l")
 BONES = ("femur_l", "tibia_r", "humerus_l", "scapula_l", "skull")
 FASCIA = ("linea_alba",)
