@@ -120,4 +120,12 @@ double rest_volume(const Muscle& muscle) {
   return volume;
 }
 
+void widen_to_volume(Muscle& muscle) {
+  const double now = rest_volume(muscle);
+  if (now <= 0) return;
+  for (Strip& strip : muscle.strips)
+    scale_radii(strip, Vec2::Constant(std::sqrt(muscle.volume / now)));
+  muscle.volume = rest_volume(muscle);
+}
+
 }  // namespace ecorche::inline v1

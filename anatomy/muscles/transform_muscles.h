@@ -41,4 +41,8 @@ void scale_radii(Strip& strip, const Vec2& factors);
 // Sum of the strips' tube volumes at rest, m^3.
 double rest_volume(const Muscle& muscle);
 
+// Scales all sections alike, so that they hold Muscle::volume, and sets it to what they hold. A
+// muscle whose sections hold nothing stays as it is.
+void widen_to_volume(Muscle& muscle);
+
 }  // namespace ecorche::inline v1

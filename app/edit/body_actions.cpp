@@ -11,6 +11,7 @@
 #include "anatomy/files/similar_names.h"
 #include "app/edit/edit_muscle.h"
 #include "morph/measures/measure_table.h"
+#include "morph/placement/bone_groups.h"
 
 namespace ecorche {
 namespace {
@@ -23,36 +24,14 @@ void check_joint(Workshop& workshop, const std::string& name) {
   throw InputError(
       fmt::format("argument 'joint': '{}': there is no such joint{}; `ecorche list "
                   "joints` names them",
-                  name, did_you_mean(base_name(name).first, workshop.joint_names())));
+                  name, did_you_mean(split_side(name).first, workshop.joint_names())));
 }
 
 template <class F>
 Document with_joint(Workshop& workshop, const Document& document, const std::string& name,
                     const F& change) {
   check_joint(workshop, name);
-  auto joints = std::make_shared<std::map<std::string, EditedJoint>>(*document.joints);
-  change((*joints)[name]);
-  Document out = document;
-  out.joints = std::move(joints);
-  return out;
-}
-
-template <class F>
-Document with_body(const Document& document, const F& change) {
-  auto body = std::make_shared<EditedBody>(*document.body);
-  change(*body);
-  Document out = document;
-  out.body = std::move(body);
-  return out;
-}
-
-template <class F>
-Document with_trial(const Document& document, const F& change) {
-  auto trial = std::make_shared<Trial>(*document.trial);
-  change(*trial);
-  Document out = document;
-  out.trial = std::move(trial);
-  return out;
+  return with_part(document, &Document::joints, [&](auto& joints) { change(joints[name]); });
 }
 
 void check_file(const std::string& file) {
@@ -108,7 +87,7 @@ Document apply(Workshop& workshop, const Document& document, const SetLimits& x)
   if (x.min >= x.max)
     throw InputError(
         fmt::format("argument 'max': '{:g}': expected more than min {:g}", x.max, x.min));
-  const int axis = x.angle == "flexion" ? 0 : x.angle == "abduction" ? 1 : 2;
+  const int axis = angle_index(x.angle);
   return with_joint(workshop, document, x.joint,
                     [&](EditedJoint& joint) { joint.limits[axis] = std::pair(x.min, x.max); });
 }
@@ -118,11 +97,7 @@ void arguments(Arguments& a, ResetJoint& x) {
 }
 Document apply(Workshop& workshop, const Document& document, const ResetJoint& x) {
   check_joint(workshop, x.joint);
-  auto joints = std::make_shared<std::map<std::string, EditedJoint>>(*document.joints);
-  joints->erase(x.joint);
-  Document out = document;
-  out.joints = std::move(joints);
-  return out;
+  return with_part(document, &Document::joints, [&](auto& joints) { joints.erase(x.joint); });
 }
 
 void arguments(Arguments& a, SetBody& x) {
@@ -131,7 +106,7 @@ void arguments(Arguments& a, SetBody& x) {
 }
 Document apply(Workshop&, const Document& document, const SetBody& x) {
   check_file(x.file);
-  return with_body(document, [&](EditedBody& body) {
+  return with_part(document, &Document::body, [&](EditedBody& body) {
     body.file = x.file == "none" ? std::filesystem::path() : std::filesystem::path(x.file);
   });
 }
@@ -142,7 +117,8 @@ void arguments(Arguments& a, SetMeasure& x) {
 }
 Document apply(Workshop& workshop, const Document& document, const SetMeasure& x) {
   const auto [name, value] = read_measure(workshop, x);
-  return with_body(document, [&](EditedBody& body) { body.targets[name] = value; });
+  return with_part(document, &Document::body,
+                   [&](EditedBody& body) { body.targets[name] = value; });
 }
 
 void arguments(Arguments& a, FreeMeasure& x) {
@@ -154,7 +130,8 @@ Document apply(Workshop&, const Document& document, const FreeMeasure& x) {
   if (!document.body->targets.contains(x.measure))
     throw InputError(fmt::format("argument 'measure': '{}': it is not asked for; there are [{}]",
                                  x.measure, fmt::join(names, ", ")));
-  return with_body(document, [&](EditedBody& body) { body.targets.erase(x.measure); });
+  return with_part(document, &Document::body,
+                   [&](EditedBody& body) { body.targets.erase(x.measure); });
 }
 
 void arguments(Arguments& a, SetLayer& x) {
@@ -162,7 +139,7 @@ void arguments(Arguments& a, SetLayer& x) {
            "times the fat over the muscles that the build lets expect");
 }
 Document apply(Workshop&, const Document& document, const SetLayer& x) {
-  return with_body(document, [&](EditedBody& body) { body.layer = x.factor; });
+  return with_part(document, &Document::body, [&](EditedBody& body) { body.layer = x.factor; });
 }
 
 void arguments(Arguments& a, SetFit& x) {
@@ -199,7 +176,7 @@ Document apply(Workshop& workshop, const Document& document, const SetPose& x) {
   if (x.pose != "rest" && std::ranges::find(poses, x.pose) == poses.end())
     throw InputError(fmt::format("argument 'pose': '{}': there is no such pose{}", x.pose,
                                  did_you_mean(x.pose, poses)));
-  return with_trial(document, [&](Trial& trial) {
+  return with_part(document, &Document::trial, [&](Trial& trial) {
     trial.pose = x.pose == "rest" ? std::string() : x.pose;
     trial.angles.clear();
     trial.motion.clear();
@@ -214,7 +191,7 @@ void arguments(Arguments& a, TurnJoint& x) {
 }
 Document apply(Workshop& workshop, const Document& document, const TurnJoint& x) {
   check_joint(workshop, x.joint);
-  return with_trial(document, [&](Trial& trial) {
+  return with_part(document, &Document::trial, [&](Trial& trial) {
     // not a number: as the pose has it
     Vec3& angles = trial.angles.try_emplace(x.joint, Vec3::Constant(std::nan(""))).first->second;
     if (x.flexion) angles.x() = *x.flexion;
@@ -232,7 +209,7 @@ void arguments(Arguments& a, Activate& x) {
 Document apply(Workshop&, const Document& document, const Activate& x) {
   const bool many = x.muscles == "all" || x.muscles.find('*') != std::string::npos;
   if (!many) meant_muscle(document, x.muscles);
-  return with_trial(document, [&](Trial& trial) {
+  return with_part(document, &Document::trial, [&](Trial& trial) {
     if (x.muscles == "all") trial.activations.clear();
     trial.activations[x.muscles == "all" ? "*" : x.muscles] = x.value;
   });
@@ -243,7 +220,7 @@ void arguments(Arguments& a, PlayMotion& x) {
 }
 Document apply(Workshop&, const Document& document, const PlayMotion& x) {
   check_file(x.file);
-  return with_trial(document, [&](Trial& trial) {
+  return with_part(document, &Document::trial, [&](Trial& trial) {
     trial.motion = x.file == "none" ? std::filesystem::path() : std::filesystem::path(x.file);
     trial.seconds = 0;
   });
@@ -255,7 +232,7 @@ void arguments(Arguments& a, ShowMoment& x) {
 Document apply(Workshop&, const Document& document, const ShowMoment& x) {
   if (document.trial->motion.empty())
     throw InputError("argument 'seconds': no motion is played; play_motion FILE first");
-  return with_trial(document, [&](Trial& trial) { trial.seconds = x.seconds; });
+  return with_part(document, &Document::trial, [&](Trial& trial) { trial.seconds = x.seconds; });
 }
 
 }  // namespace ecorche

@@ -13,35 +13,25 @@ namespace {
 
 constexpr int kRounds = 8;  // directions are made unit vectors: rounding settles in two or three
 
-// As their text says them, so that it gives them back to the last digit.
-std::vector<TableMuscle> settled_muscles(const MuscleTable& from) {
-  MuscleTable table = from;
-  std::string written;
-  for (int round = 0;; ++round) {
-    std::string again;
-    for (const TableMuscle& muscle : table.muscles) again += muscle_text(table, muscle);
-    if (again == written || round == kRounds) return std::move(table.muscles);
-    written = std::move(again);
-    table.muscles.clear();
-    read_muscle_text(written, "data/muscles", table);
-  }
-}
-
 }  // namespace
 
 Document built_in_document(const std::filesystem::path& tables) {
   auto frame = std::make_shared<MuscleTable>(read_muscle_table(tables));
-  std::vector<TableMuscle> muscles = settled_muscles(*frame);
+  const std::vector<TableMuscle> muscles = std::move(frame->muscles);
   frame->muscles.clear();
   Document out;
   out.frame = std::move(frame);
-  for (TableMuscle& muscle : muscles)
-    out.muscles.push_back(
-        std::make_shared<EditedMuscle>(EditedMuscle{std::move(muscle), std::nullopt}));
+  for (const TableMuscle& muscle : muscles)
+    out.muscles.push_back(std::make_shared<EditedMuscle>(EditedMuscle{
+        read_block(out, muscle_text(*out.frame, muscle), "data/muscles"), std::nullopt}));
   out.joints = std::make_shared<std::map<std::string, EditedJoint>>();
   out.body = std::make_shared<EditedBody>();
   out.trial = std::make_shared<Trial>();
   return out;
+}
+
+int angle_index(std::string_view name) {
+  return int(std::ranges::find(kAngleNames, name) - kAngleNames.begin());
 }
 
 int find_entry(const Document& document, std::string_view name) {
@@ -63,6 +53,38 @@ void place_entry(Document& document, const Document& built_in, Shared<EditedMusc
       return other < 0 || other > rank;
     });
   document.muscles.insert(at, std::move(muscle));
+}
+
+int find_wrap(const MuscleTable& table, std::string_view name) {
+  const auto at = std::ranges::find(table.wraps, name, &TableWrap::name);
+  return at == table.wraps.end() ? -1 : int(at - table.wraps.begin());
+}
+
+void place_wrap(MuscleTable& table, TableWrap wrap) {
+  const int known = find_wrap(table, wrap.name);
+  if (known < 0)
+    table.wraps.push_back(std::move(wrap));
+  else
+    table.wraps[std::size_t(known)] = std::move(wrap);
+}
+
+std::vector<TableWrap> read_wraps(const MuscleTable& table, std::string_view text,
+                                  const std::string& name) {
+  MuscleTable read;
+  read.landmarks = table.landmarks;
+  read_muscle_text(text, name, read);
+  return std::move(read.wraps);
+}
+
+std::set<int> wraps_of(const EditedMuscle& muscle) {
+  std::set<int> out;
+  const auto add_side = [&out](const TableMuscle& side) {
+    for (const TableStrip& strip : side.strips)
+      for (const TableStrip::WrapUse& use : strip.wraps) out.insert(use.wrap);
+  };
+  add_side(muscle.left);
+  if (muscle.right) add_side(*muscle.right);
+  return out;
 }
 
 MuscleBlocks blocks_of(const Document& document, const EditedMuscle& muscle) {

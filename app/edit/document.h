@@ -5,10 +5,12 @@
 // saved and read again is the same.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -27,6 +29,10 @@ struct EditedMuscle {
   // where the sides differ, as seen in a mirror; none: the left one's mirror image
   std::optional<TableMuscle> right;
 };
+
+// The angles of a joint, in the order of its axes.
+inline constexpr std::array<const char*, 3> kAngleNames{"flexion", "abduction", "rotation"};
+int angle_index(std::string_view name);  // precondition: one of them
 
 // What was changed of a joint, in the units of scripts; both sides under the name without side, one
 // under its own.
@@ -79,9 +85,27 @@ Document built_in_document(const std::filesystem::path& tables);
 
 int find_entry(const Document& document, std::string_view name);  // without side; index or -1
 
+// The document with one of its shared parts changed: joints, body, trial or frame.
+template <class Part, class Change>
+Document with_part(const Document& document, Shared<Part> Document::*part, const Change& change) {
+  auto changed = std::make_shared<Part>(*(document.*part));
+  change(*changed);
+  Document out = document;
+  out.*part = std::move(changed);
+  return out;
+}
+
 // Puts a muscle where the built-in table has one of that name, at the end where it has none, in
 // place of one of that name that is there. So the order of a document follows from its muscles.
 void place_entry(Document& document, const Document& built_in, Shared<EditedMuscle> muscle);
+
+int find_wrap(const MuscleTable& table, std::string_view name);  // index or -1
+// Adds a wrap, or puts it in place of the one of its name.
+void place_wrap(MuscleTable& table, TableWrap wrap);
+// Lines of wraps.txt by the landmarks of the table. Throws as read_muscle_text.
+std::vector<TableWrap> read_wraps(const MuscleTable& table, std::string_view text,
+                                  const std::string& name);
+std::set<int> wraps_of(const EditedMuscle& muscle);  // that its lines of either side slide over
 
 // The muscles of `from` as text would give them back: one block, or that of the right side as well.
 // `right`: empty where it is the mirror image.

@@ -9,6 +9,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/similar_names.h"
 #include "app/edit/arguments.h"
+#include "morph/placement/bone_groups.h"
 
 namespace ecorche {
 namespace {
@@ -44,17 +45,12 @@ MeantMuscle meant_muscle(const Document& document, const std::string& name) {
   if (given.empty())
     throw InputError("argument 'muscle' is missing, and none is picked; say muscle=NAME");
   if (const int whole = find_entry(document, given); whole >= 0) return {whole, Side::middle};
-  const auto [base, side] = base_name(given);
+  const auto [base, side] = split_side(given);
   const int entry = find_entry(document, base);
   if (entry < 0)
     throw InputError(fmt::format("argument 'muscle': '{}': there is no such muscle{}", given,
                                  did_you_mean(base, muscle_names(document))));
   return {entry, side};
-}
-
-const TableMuscle& one_side(const Document& document, const MeantMuscle& meant) {
-  const EditedMuscle& both = *document.muscles[std::size_t(meant.entry)];
-  return meant.side == Side::right && both.right ? *both.right : both.left;
 }
 
 Document with_change(const Document& document, const MeantMuscle& meant,

@@ -17,9 +17,6 @@ struct MeantMuscle {
 };
 MeantMuscle meant_muscle(const Document& document, const std::string& name);
 
-// The muscle as it is on the side that is meant (of both: the left one).
-const TableMuscle& one_side(const Document& document, const MeantMuscle& meant);
-
 using MuscleChange = std::function<void(TableMuscle&)>;
 // Throws InputError, as the reader of the table does, for what is no muscle after the change.
 Document with_change(const Document& document, const MeantMuscle& meant,

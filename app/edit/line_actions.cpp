@@ -71,11 +71,9 @@ TableSection between_neighbours(const TableStrip& strip, double at) {
 }
 
 int meant_wrap(const Document& document, const std::string& name) {
-  const std::vector<TableWrap>& wraps = document.frame->wraps;
-  const auto at = std::ranges::find(wraps, name, &TableWrap::name);
-  if (at != wraps.end()) return int(at - wraps.begin());
+  if (const int known = find_wrap(*document.frame, name); known >= 0) return known;
   std::vector<std::string> names;
-  for (const TableWrap& wrap : wraps) names.push_back(wrap.name);
+  for (const TableWrap& wrap : document.frame->wraps) names.push_back(wrap.name);
   throw InputError(fmt::format("argument 'wrap': '{}': there is no such wrap; there are {}", name,
                                fmt::join(names, ", ")));
 }
@@ -95,28 +93,12 @@ void fill_sizes(const std::optional<double>& radius, const std::optional<double>
 
 // As its line of wraps.txt says it. Throws InputError for what cannot be one.
 TableWrap settled(const Document& document, const TableWrap& wrap) {
-  MuscleTable one;
-  one.landmarks = document.frame->landmarks;
-  read_muscle_text(wrap_text(*document.frame, wrap), wrap.name, one);
-  return one.wraps.front();
+  return read_wraps(*document.frame, wrap_text(*document.frame, wrap), wrap.name).front();
 }
 
 Document with_wraps(const Document& document, std::vector<TableWrap> wraps) {
-  auto frame = std::make_shared<MuscleTable>(*document.frame);
-  frame->wraps = std::move(wraps);
-  Document out = document;
-  out.frame = std::move(frame);
-  return out;
-}
-
-template <class F>
-void for_uses(const EditedMuscle& muscle, const F& f) {
-  const auto side = [&f](const TableMuscle& each) {
-    for (const TableStrip& strip : each.strips)
-      for (const TableStrip::WrapUse& use : strip.wraps) f(use.wrap);
-  };
-  side(muscle.left);
-  if (muscle.right) side(*muscle.right);
+  return with_part(document, &Document::frame,
+                   [&](MuscleTable& frame) { frame.wraps = std::move(wraps); });
 }
 
 }  // namespace
@@ -310,8 +292,7 @@ void arguments(Arguments& a, NewWrap& x) {
 }
 
 Document apply(Workshop& workshop, const Document& document, const NewWrap& x) {
-  if (std::ranges::find(document.frame->wraps, x.name, &TableWrap::name) !=
-      document.frame->wraps.end())
+  if (find_wrap(*document.frame, x.name) >= 0)
     throw InputError(fmt::format("argument 'name': '{}': there is a wrap of that name", x.name));
   if (x.name.find_first_of(" #\t") != std::string::npos)
     throw InputError(fmt::format("argument 'name': '{}': expected one word", x.name));
@@ -361,18 +342,15 @@ void arguments(Arguments& a, RemoveWrap& x) {
 Document apply(Workshop&, const Document& document, const RemoveWrap& x) {
   const int gone = meant_wrap(document, x.wrap);
   for (const auto& muscle : document.muscles)
-    for_uses(*muscle, [&](int wrap) {
-      if (wrap == gone)
-        throw InputError(fmt::format("argument 'wrap': '{}': {} slides over it; leave_wrap first",
-                                     x.wrap, muscle->left.name));
-    });
+    if (wraps_of(*muscle).contains(gone))
+      throw InputError(fmt::format("argument 'wrap': '{}': {} slides over it; leave_wrap first",
+                                   x.wrap, muscle->left.name));
   std::vector<TableWrap> wraps = document.frame->wraps;
   wraps.erase(wraps.begin() + gone);
   Document out = with_wraps(document, std::move(wraps));
   for (auto& muscle : out.muscles) {  // indices behind it go down
-    bool behind = false;
-    for_uses(*muscle, [&](int wrap) { behind = behind || wrap > gone; });
-    if (!behind) continue;
+    const std::set<int> used = wraps_of(*muscle);
+    if (used.upper_bound(gone) == used.end()) continue;
     auto moved = std::make_shared<EditedMuscle>(*muscle);
     const auto lower = [gone](TableMuscle& side) {
       for (TableStrip& strip : side.strips)

@@ -10,6 +10,7 @@
 #include "anatomy/errors.h"
 #include "app/edit/edit_muscle.h"
 #include "app/edit/muscle_file.h"
+#include "morph/placement/bone_groups.h"
 
 namespace ecorche {
 namespace {
@@ -172,7 +173,7 @@ Document apply(Workshop&, const Document& document, const RemoveMuscle& x) {
   Document out = document;
   const std::string name = document.muscles[std::size_t(meant.entry)]->left.name;
   out.muscles.erase(out.muscles.begin() + meant.entry);
-  if (base_name(out.picked).first == name) out.picked.clear();
+  if (split_side(out.picked).first == name) out.picked.clear();
   return out;
 }
 
@@ -186,7 +187,7 @@ Document apply(Workshop& workshop, const Document& document, const RenameMuscle&
   check_name(document, "as", x.as);
   auto renamed = std::make_shared<EditedMuscle>(*document.muscles[std::size_t(meant.entry)]);
   Document out = document;
-  if (base_name(out.picked).first == renamed->left.name) out.picked = x.as;
+  if (split_side(out.picked).first == renamed->left.name) out.picked = x.as;
   renamed->left.name = x.as;
   if (renamed->right) renamed->right->name = x.as;
   out.muscles.erase(out.muscles.begin() + meant.entry);

@@ -2,33 +2,16 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <fstream>
-#include <iterator>
-#include <set>
 #include <sstream>
 
 #include "anatomy/authoring/muscle_text.h"
 #include "anatomy/errors.h"
+#include "anatomy/files/input_file.h"
 
 namespace ecorche {
 namespace {
 
 constexpr std::size_t kMostBytes = 1u << 20;
-
-int find_wrap(const MuscleTable& table, const std::string& name) {
-  const auto at = std::ranges::find(table.wraps, name, &TableWrap::name);
-  return at == table.wraps.end() ? -1 : int(at - table.wraps.begin());
-}
-
-std::string read_text(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw InputError(fmt::format("{}: cannot be read", file.string()));
-  std::string text(std::istreambuf_iterator<char>(in), {});
-  if (text.size() > kMostBytes)
-    throw LimitError(fmt::format("{}: larger than {} bytes", file.string(), kMostBytes));
-  return text;
-}
 
 // Wraps of the text, added or in place of those of their names; takes their lines out of it.
 Shared<MuscleTable> take_wraps(const MuscleTable& frame, const std::string& name,
@@ -42,14 +25,7 @@ Shared<MuscleTable> take_wraps(const MuscleTable& frame, const std::string& name
       continue;
     }
     rest += "#\n";  // line numbers of messages stay
-    MuscleTable one;
-    one.landmarks = frame.landmarks;
-    read_muscle_text(line, name, one);
-    const int known = find_wrap(*out, one.wraps.front().name);
-    if (known < 0)
-      out->wraps.push_back(one.wraps.front());
-    else
-      out->wraps[std::size_t(known)] = one.wraps.front();
+    place_wrap(*out, read_wraps(frame, line, name).front());
   }
   text = rest;
   return out;
@@ -59,15 +35,8 @@ Shared<MuscleTable> take_wraps(const MuscleTable& frame, const std::string& name
 
 std::string muscle_file_text(const Document& document, const Document& built_in, int entry) {
   const EditedMuscle& muscle = *document.muscles[std::size_t(entry)];
-  std::set<int> used;
-  const auto add_used = [&used](const TableMuscle& side) {
-    for (const TableStrip& strip : side.strips)
-      for (const TableStrip::WrapUse& use : strip.wraps) used.insert(use.wrap);
-  };
-  add_used(muscle.left);
-  if (muscle.right) add_used(*muscle.right);
   std::string out;
-  for (const int wrap : used) {
+  for (const int wrap : wraps_of(muscle)) {
     const TableWrap& own = document.frame->wraps[std::size_t(wrap)];
     const int known = find_wrap(*built_in.frame, own.name);
     const std::string text = wrap_text(*document.frame, own);
@@ -85,7 +54,7 @@ std::string muscle_file_text(const Document& document, const Document& built_in,
 Document read_muscle_file(const Document& document, const Document& built_in,
                           const std::filesystem::path& file) {
   const std::string name = file.string();
-  std::string text = read_text(file);
+  std::string text = read_input_file(file, kMostBytes);
   Document out = document;
   out.frame = take_wraps(*document.frame, name, text);
   MuscleTable table = *out.frame;

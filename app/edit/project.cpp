@@ -67,12 +67,6 @@ std::vector<std::string> own_wrap_lines(const Document& document, const Document
   return out;
 }
 
-std::vector<std::string> names_of_wraps(const Document& document) {
-  std::vector<std::string> out;
-  for (const TableWrap& wrap : document.frame->wraps) out.push_back(wrap.name);
-  return out;
-}
-
 bool as_built_in(const Document& document, const Document& built_in, std::size_t entry) {
   const auto& muscle = document.muscles[entry];
   const int own = find_entry(built_in, muscle->left.name);
@@ -82,7 +76,6 @@ bool as_built_in(const Document& document, const Document& built_in, std::size_t
 }
 
 void add_joints(const Document& document, std::string& out) {
-  constexpr const char* kAngles[] = {"flexion", "abduction", "rotation"};
   for (const auto& [name, joint] : *document.joints) {
     if (!joint.moved.isZero()) out += action_line(MoveJoint{name, joint.moved}) + "\n";
     if (!joint.turned.isZero())
@@ -90,7 +83,9 @@ void add_joints(const Document& document, std::string& out) {
           action_line(TurnAxes{name, joint.turned.x(), joint.turned.y(), joint.turned.z()}) + "\n";
     for (int axis = 0; axis < 3; ++axis)
       if (const auto& limits = joint.limits[axis])
-        out += action_line(SetLimits{name, kAngles[axis], limits->first, limits->second}) + "\n";
+        out += action_line(
+                   SetLimits{name, kAngleNames[std::size_t(axis)], limits->first, limits->second}) +
+               "\n";
   }
 }
 
@@ -133,18 +128,10 @@ void add_trial(const Document& document, std::string& out) {
 }
 
 void read_wraps_file(const fs::path& file, Document& document) {
-  auto frame = std::make_shared<MuscleTable>(*document.frame);
-  MuscleTable read;
-  read.landmarks = frame->landmarks;
-  read_muscle_text(whole_file(file), file.string(), read);
-  for (TableWrap& wrap : read.wraps) {
-    const auto known = std::ranges::find(frame->wraps, wrap.name, &TableWrap::name);
-    if (known == frame->wraps.end())
-      frame->wraps.push_back(std::move(wrap));
-    else
-      *known = std::move(wrap);
-  }
-  document.frame = std::move(frame);
+  const std::vector<TableWrap> wraps = read_wraps(*document.frame, whole_file(file), file.string());
+  document = with_part(document, &Document::frame, [&](MuscleTable& frame) {
+    for (const TableWrap& wrap : wraps) place_wrap(frame, wrap);
+  });
 }
 
 void read_project_line(Workshop& workshop, const fs::path& folder, const std::string& line,
@@ -215,9 +202,8 @@ void write_project(Workshop& workshop, const Document& document, const fs::path&
   for (const auto& muscle : built_in.muscles)
     if (find_entry(document, muscle->left.name) < 0)
       out += action_line(RemoveMuscle{muscle->left.name}) + "\n";
-  const std::vector<std::string> wraps = names_of_wraps(document);
-  for (const std::string& name : names_of_wraps(built_in))
-    if (std::ranges::find(wraps, name) == wraps.end()) out += action_line(RemoveWrap{name}) + "\n";
+  for (const TableWrap& wrap : built_in.frame->wraps)
+    if (find_wrap(*document.frame, wrap.name) < 0) out += action_line(RemoveWrap{wrap.name}) + "\n";
   add_joints(document, out);
   add_body(document, out);
   add_trial(document, out);

@@ -11,6 +11,7 @@
 #include "anatomy/muscles/transform_muscles.h"
 #include "app/files/open_body.h"
 #include "morph/fat/muscle_mass.h"
+#include "morph/placement/bone_groups.h"
 #include "morph/shapes/body.h"
 #include "morph/shapes/modify_body.h"
 #include "morph/shapes/shape_space_cache.h"
@@ -44,7 +45,7 @@ void edit_joint(const EditedJoint& edit, const std::string& name, Skeleton& skel
   std::vector<Vec3> moved = rest;
   for (std::size_t j = 0; j < skeleton.joints.size(); ++j) {
     Joint& joint = skeleton.joints[j];
-    const auto [base, side] = base_name(joint.name);
+    const auto [base, side] = split_side(joint.name);
     if (joint.name != name && base != name) continue;
     const double outwards = side == Side::right ? -1 : 1;
     moved[j] += 1e-3 * Vec3(outwards * edit.moved.x(), edit.moved.y(), edit.moved.z());
@@ -67,14 +68,11 @@ void edit_joint(const EditedJoint& edit, const std::string& name, Skeleton& skel
 // Whether the wraps that a muscle slides over are those of the other document.
 bool same_wraps(const Document& a, const Document& b, const EditedMuscle& muscle) {
   if (a.frame == b.frame) return true;
-  for (const TableStrip& strip : muscle.left.strips)
-    for (const TableStrip::WrapUse& use : strip.wraps) {
-      const std::size_t k = std::size_t(use.wrap);
-      if (k >= b.frame->wraps.size() ||
-          wrap_text(*a.frame, a.frame->wraps[k]) != wrap_text(*b.frame, b.frame->wraps[k]))
-        return false;
-    }
-  return true;
+  return std::ranges::all_of(wraps_of(muscle), [&](int wrap) {
+    const std::size_t k = std::size_t(wrap);
+    return k < b.frame->wraps.size() &&
+           wrap_text(*a.frame, a.frame->wraps[k]) == wrap_text(*b.frame, b.frame->wraps[k]);
+  });
 }
 
 bool same_muscles(const Document& a, const Document& b) {
@@ -93,10 +91,7 @@ std::vector<Muscle> placed_entry(Workshop& workshop, const Document& document, i
   const double share = volume_share(workshop);
   for (Muscle& muscle : sides) {
     muscle.volume *= share;
-    const double now = rest_volume(muscle);
-    const double factor = now > 0 ? std::sqrt(muscle.volume / now) : 1;
-    for (Strip& strip : muscle.strips) scale_radii(strip, Vec2::Constant(factor));
-    if (now > 0) muscle.volume = rest_volume(muscle);
+    widen_to_volume(muscle);
   }
   return sides;
 }

@@ -280,7 +280,7 @@ void Session::do_beside(const ReportMuscle& x) {
       throw InputError(fmt::format("argument 'joint': '{}': there is no such joint{}", x.joint,
                                    did_you_mean(x.joint, workshop_.joint_names())));
   }
-  const int axis = x.angle == "flexion" ? 0 : x.angle == "abduction" ? 1 : 2;
+  const int axis = angle_index(x.angle);
   const int muscle = find_muscle(anatomy, name + side);
   Pose start = rest_pose(anatomy.skeleton);
   if (!document().trial->motion.empty()) start = still().frames.front();

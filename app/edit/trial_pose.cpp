@@ -8,6 +8,7 @@
 #include "anatomy/joint_angles.h"
 #include "anatomy/posing/pose_anatomy.h"
 #include "anatomy/posing/posing_table.h"
+#include "morph/placement/bone_groups.h"
 #include "skinning/motion/activation.h"
 #include "skinning/motion/pose_book.h"
 
@@ -51,7 +52,7 @@ Pose trial_pose(Workshop& workshop, const Document& document, const Skeleton& sk
   for (const auto& [name, turned] : trial.angles)
     for (std::size_t j = 0; j < skeleton.joints.size(); ++j) {
       const Joint& joint = skeleton.joints[j];
-      if (joint.name != name && base_name(joint.name).first != name) continue;
+      if (joint.name != name && split_side(joint.name).first != name) continue;
       Vec3 angles = joint_angles_near_limits(joint, out.rotations[j]);
       for (int axis = 0; axis < 3; ++axis)
         if (std::isfinite(turned[axis])) angles[axis] = turned[axis] * kDegree;

@@ -7,6 +7,7 @@
 #include "anatomy/bones/bone_package.h"
 #include "anatomy/errors.h"
 #include "anatomy/files/similar_names.h"
+#include "morph/placement/bone_groups.h"
 #include "morph/template/build_template.h"
 #include "morph/template/template_cache.h"
 #include "skinning/motion/pose_book.h"
@@ -18,19 +19,13 @@ template <class Part>
 std::vector<std::string> names_without_side(const std::vector<Part>& parts) {
   std::vector<std::string> out;
   for (const Part& part : parts) {
-    std::string name = base_name(part.name).first;
+    std::string name = split_side(part.name).first;
     if (std::ranges::find(out, name) == out.end()) out.push_back(std::move(name));
   }
   return out;
 }
 
 }  // namespace
-
-std::pair<std::string, Side> base_name(const std::string& name) {
-  if (name.ends_with("_l")) return {name.substr(0, name.size() - 2), Side::left};
-  if (name.ends_with("_r")) return {name.substr(0, name.size() - 2), Side::right};
-  return {name, Side::middle};
-}
 
 const Document& Workshop::built_in() {
   if (!built_in_) built_in_ = std::make_unique<Document>(built_in_document(assets_.tables));
@@ -79,7 +74,7 @@ Vec3 Workshop::on_bone(const std::string& bone, const Vec3& place) {
   if (found == surfaces_.end()) {
     const std::vector<Bone>& bones = source().bones;
     const auto named = std::ranges::find_if(bones, [&](const Bone& each) {
-      return each.side != Side::right && base_name(each.name).first == bone;
+      return each.side != Side::right && split_side(each.name).first == bone;
     });
     if (named == bones.end())
       throw InputError(fmt::format("'{}': no bone has that name{}; `ecorche list bones` names them",

@@ -48,7 +48,4 @@ class Workshop {
   std::map<std::string, std::unique_ptr<NearestSurface>> surfaces_;
 };
 
-// "femur_l" -> "femur" and left; without an ending: middle.
-std::pair<std::string, Side> base_name(const std::string& name);
-
 }  // namespace ecorche

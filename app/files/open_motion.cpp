@@ -14,7 +14,6 @@
 #include "anatomy/files/input_file.h"
 #include "app/files/open_markers.h"
 #include "skinning/constraints/collision_proxies.h"
-#include "skinning/motion_files/read_markers.h"
 #include "skinning/motion_files/read_motion.h"
 #include "skinning/retarget/rest_alignment.h"
 #include "skinning/retarget/retarget.h"

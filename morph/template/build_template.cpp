@@ -102,10 +102,7 @@ Template build_template(const Assets& assets) {
       muscle_mass(shaped.body.sex, shaped.body.age, shaped.stature, shaped.mass) / kMuscleDensity;
   for (Muscle& muscle : out.anatomy.muscles) {
     muscle.volume *= own / listed;  // the table gives the shares
-    const double now = rest_volume(muscle);
-    const double factor = now > 0 ? std::sqrt(muscle.volume / now) : 1;
-    for (Strip& strip : muscle.strips) scale_radii(strip, Vec2::Constant(factor));
-    if (now > 0) muscle.volume = rest_volume(muscle);
+    widen_to_volume(muscle);
   }
 
   // What other bodies are measured against.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "anatomy/compute/cross_matrix.h"
 #include "skinning/markers/lay_markers.h"
 #include "skinning/motion/require_joint.h"
 #include "skinning/motion/shoulder_rhythm.h"
@@ -52,10 +53,6 @@ Vec3 turn_vector(Quat q) {
   if (q.w() < 0) q.coeffs() = -q.coeffs();
   const double sine = q.vec().norm();
   return sine < 1e-12 ? Vec3(2 * q.vec()) : Vec3(2 * std::atan2(sine, q.w()) / sine * q.vec());
-}
-
-Mat3 cross_matrix(const Vec3& v) {
-  return (Mat3() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
 }
 
 // How a turn by v moves, in axes of the outer frame, when v grows: the left Jacobian of rotations.

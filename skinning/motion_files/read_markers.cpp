@@ -1,7 +1,5 @@
 #include "skinning/motion_files/read_markers.h"
 
-#include <algorithm>
-#include <cctype>
 #include <string>
 
 #include "anatomy/errors.h"
@@ -10,13 +8,6 @@
 #include "skinning/motion_files/trc_read.h"
 
 namespace ecorche::inline v1 {
-
-bool is_marker_file(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  std::ranges::transform(ending, ending.begin(),
-                         [](unsigned char c) { return char(std::tolower(c)); });
-  return ending == ".trc" || ending == ".c3d";
-}
 
 MarkerTake read_markers(const std::filesystem::path& file, const MotionReadOptions& options) {
   if (!options.take.empty())

@@ -8,9 +8,6 @@
 
 namespace ecorche::inline v1 {
 
-// .trc, .c3d.
-bool is_marker_file(const std::filesystem::path& file);
-
 // Throws as parse_trc and parse_c3d; UsageError for a take or a skeleton, which these files do not
 // have, and for a range that the file does not have.
 MarkerTake read_markers(const std::filesystem::path& file, const MotionReadOptions& options = {});

@@ -62,7 +62,7 @@ MotionClip read_one_motion(const fs::path& file, const MotionReadOptions& option
   if (!options.take.empty())
     throw UsageError(printable(file.string()) + ": --take: the file has one motion; leave it out");
   const std::string text = read_input_file(file, limits::kMotionBytes);
-  if (ending == ".trc" || ending == ".c3d")
+  if (is_marker_file(file))
     throw UnfitError(name +
                      ": markers are a motion of one body alone; name the character that wears them "
                      "(`ecorche retarget FILE CHARACTER -o OUT.bvh`)");
@@ -81,9 +81,14 @@ MotionClip read_one_motion(const fs::path& file, const MotionReadOptions& option
 }  // namespace
 
 bool names_motion(const fs::path& file) {
-  constexpr std::array<std::string_view, 8> kEndings = {".bvh", ".amc",  ".mot", ".sto",
-                                                        ".txt", ".json", ".trc", ".c3d"};
-  return std::ranges::find(kEndings, ending_of(file)) != kEndings.end();
+  constexpr std::array<std::string_view, 6> kEndings = {".bvh", ".amc", ".mot",
+                                                        ".sto", ".txt", ".json"};
+  return is_marker_file(file) || std::ranges::find(kEndings, ending_of(file)) != kEndings.end();
+}
+
+bool is_marker_file(const fs::path& file) {
+  const std::string ending = ending_of(file);
+  return ending == ".trc" || ending == ".c3d";
 }
 
 bool is_scene_motion(const fs::path& file) {

@@ -29,6 +29,9 @@ MotionClip read_motion(const std::filesystem::path& file, const MotionReadOption
 // .trc, .c3d.
 bool names_motion(const std::filesystem::path& file);
 
+// .trc, .c3d.
+bool is_marker_file(const std::filesystem::path& file);
+
 // .glb, .gltf, or what is read as one: FBX, COLLADA.
 bool is_scene_motion(const std::filesystem::path& file);
 

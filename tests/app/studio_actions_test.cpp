@@ -94,11 +94,11 @@ std::string chance_line(std::mt19937& random, const Document& document) {
     case 9:
       return "use_wrap " + name() + " wrap=" + wrap();
     case 10:
-      return "copy_muscle " + base_name(name()).first + " as=" + made;
+      return "copy_muscle " + split_side(name()).first + " as=" + made;
     case 11:
-      return "remove_muscle " + base_name(name()).first;
+      return "remove_muscle " + split_side(name()).first;
     case 12:
-      return "rename_muscle " + base_name(name()).first + " as=" + made;
+      return "rename_muscle " + split_side(name()).first + " as=" + made;
     case 13:
       return "mirror_muscle " + name() + " from=right";
     case 14:
@@ -110,7 +110,7 @@ std::string chance_line(std::mt19937& random, const Document& document) {
     case 17:
       return "remove_wrap " + wrap();
     case 18:
-      return "activate " + base_name(name()).first + " value=" + share;
+      return "activate " + split_side(name()).first + " value=" + share;
     default:
       return "set_fit rays=" + std::to_string(8 + below(40)) + " alpha=0.37";
   }
