@@ -6,6 +6,7 @@
 #include <tbb/parallel_for.h>
 
 #include "anatomy/geometry/mesh_measures.h"
+#include "anatomy/geometry/mirror_mesh.h"
 #include "anatomy/geometry/vertex_normals.h"
 #include "anatomy/geometry/vertex_rings.h"
 #include "anatomy/queries/ray_caster.h"
@@ -15,13 +16,13 @@ namespace ecorche::inline v1 {
 namespace {
 
 constexpr int kPartings = 6;
-constexpr double kGap = 0.4e-3;     // m between parted surfaces
+constexpr double kGap = 0.1e-3;     // m between parted surfaces
 constexpr double kDeepest = 15e-3;  // m: deeper points are not looked for
 constexpr double kOfThickness =
-    0.3;                            // of the bone, along a vertex's normal: how far it goes in all
+    0.15;                           // of the bone, along a vertex's normal: how far it goes in all
 constexpr double kLeast = 0.05e-3;  // m: pairs that share less rest
 constexpr int kRings = 12;          // over which a move fades
-constexpr double kFade = 0.9;       // of a move, from one ring to the next
+constexpr double kFade = 0.8;       // of a move, from one ring to the next
 
 struct Box {
   Vec3 low, high;
@@ -135,8 +136,7 @@ void mirror_right(double plane, std::vector<Bone>& bones) {
       return bone.side == Side::left && split_side(bone.name).first == split_side(right.name).first;
     });
     if (left == bones.end() || left->mesh.V.rows() != right.mesh.V.rows()) continue;
-    right.mesh.V = left->mesh.V;
-    right.mesh.V.col(0) = 2 * plane - right.mesh.V.col(0).array();
+    right.mesh.V = mirror_mesh(left->mesh, plane).V;
   }
 }
 
