@@ -23,6 +23,9 @@ constexpr int kOutwardRays = 16;           // a section
 constexpr double kFarthestOutward = 0.25;  // m
 // Least factor of a half axis. Larger: the total volume is not reached; smaller: thin bellies.
 constexpr double kLeastSlimMuscles = 0.7;
+// The same of the belly's wall, behind which lies what is not drawn. Larger: walls of big bellies
+// several times as thick as in life.
+constexpr double kLeastSlimWall = 0.4;
 constexpr double kMostEffort = 6;
 
 // The way out of a section, in its plane: to where the skin is nearest; nought where it is as near
@@ -102,6 +105,17 @@ class Slimmer {
     return sum();
   }
 
+  // The belly's wall to its own volume, whatever the others hold: its room goes on behind it.
+  double shrink_wall() {
+    tbb::parallel_for(std::size_t{0}, muscles_.size(), [&](std::size_t m) {
+      if (!is_wall(muscles_[m]) || !(filled_[m] > own_[m])) return;
+      set(m, std::max(kLeastSlimWall, std::sqrt(own_[m] / filled_[m])));
+    });
+    before_.assign(slices_.begin(), slices_.end());
+    for (std::size_t m = 0; m < muscles_.size(); ++m) filled_[m] = volume(m);
+    return sum();
+  }
+
   double sum() const {
     double all = 0;
     for (std::size_t m = 0; m < muscles_.size(); ++m) all += weighed(m) ? volume(m) : 0;
@@ -112,14 +126,26 @@ class Slimmer {
   // Whole bodies' muscle is measured without the muscles of the skin.
   bool weighed(std::size_t m) const { return !lies_in_fat(muscles_[m]); }
 
+  static bool is_wall(const Muscle& muscle) {
+    return muscle.group == "trunk_abdomen" && muscle.layer == "superficial";
+  }
+
+  // Drawn as one sheet, or joined to its other side.
+  bool is_sheet(std::size_t m) const {
+    const Muscle& muscle = muscles_[m];
+    return (muscle.sheet && muscle.strips.size() > 1) ||
+           std::any_of(muscle.strips.begin(), muscle.strips.end(),
+                       [](const Strip& strip) { return strip.raphe > 0; });
+  }
+
   void set(std::size_t m, double share) {
     const Muscle& muscle = muscles_[m];
-    const bool sheet = muscle.sheet && muscle.strips.size() > 1;
+    const bool sheet = is_sheet(m);
     std::size_t k = begin_[m];
     for (const Strip& strip : muscle.strips)
       for (const Slice& slice : strip.slices) {
         const double left = 1 - (1 - share) * belly_weight(strip, slice.s);
-        slices_[k] = slimmed(before_[k], left, sheet || strip.raphe > 0, outwards_[k]);
+        slices_[k] = slimmed(before_[k], left, sheet, outwards_[k]);
         ++k;
       }
   }
@@ -150,7 +176,7 @@ double slim_muscles(const std::vector<Muscle>& muscles, std::span<Ellipse> slice
                     std::span<const double> wanted, std::span<const int> partners, double total,
                     const SkinRays& skin) {
   Slimmer slimmer(muscles, slices, wanted, partners, total, skin);
-  double now = slimmer.sum();
+  double now = slimmer.shrink_wall();
   if (now <= total) return now;
   double low = 0, high = kMostEffort;
   constexpr int kHalvings = 14;

@@ -212,6 +212,34 @@ TEST(Fit, TheFatLayerHoldsTheBodysFat) {
   }
 }
 
+TEST(Fit, FatSitesFaceAsTheirNamesSay) {
+  NEED_PACKAGES();
+  const Vec3 left = Vec3::UnitX(), up = Vec3::UnitY(), front = Vec3::UnitZ();
+  const std::vector<std::pair<Vec3, std::vector<std::string>>> faces{
+      {front,
+       {"chest_l", "breast_l", "sternum", "abdominal_l", "hypogastric_l", "suprapubic", "groin_l",
+        "front_thigh_l", "knee_patella_l", "biceps_l"}},
+      {-front,
+       {"subscapular_l", "upper_back_t7_l", "lumbar_l3_l", "buttock_l", "posterior_thigh_l",
+        "popliteal_l", "posterior_calf_l", "distal_calf_l", "achilles_l", "triceps_l",
+        "elbow_olecranon_l", "scalp_back", "neck_back"}},
+      {left,
+       {"midaxillary_l", "flank_l", "suprailiac_jp_l", "greater_trochanter_l", "lateral_thigh_l",
+        "lateral_knee_l", "lateral_leg_l", "lateral_ankle_l", "neck_side_l"}},
+      {-left, {"medial_thigh_l", "medial_knee_l", "medial_calf_l", "medial_ankle_l"}},
+      {up, {"scalp", "forehead", "foot_dorsum_l"}},
+      {-up, {"heel_pad_l", "arch_l", "sole_ball_l"}}};
+  const SkinRays rays(capped_skin(package, own.body.skin.V));
+  const FatLayer layer = make_fat_layer(own.tables.fat, rays, own.anatomy, own.body);
+  for (const auto& [direction, names] : faces)
+    for (const std::string& name : names) {
+      const auto site = std::find_if(layer.sites.begin(), layer.sites.end(),
+                                     [&](const FatSite& s) { return s.name == name; });
+      ASSERT_NE(site, layer.sites.end()) << name;
+      EXPECT_GT(site->normal.dot(direction), 0.5) << name;
+    }
+}
+
 // Where a line from `from` first meets the mesh: every triangle tried, by Cramer's rule.
 double depth_by_hand(const TriMesh& mesh, const Vec3& from, const Vec3& direction) {
   double least = 1;

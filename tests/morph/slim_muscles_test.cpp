@@ -54,5 +54,26 @@ TEST(SlimMuscles, KeepTheirOuterSide) {
   }
 }
 
+TEST(SlimMuscles, TheBellysWallHoldsItsOwnVolumeWhateverTheOthersHold) {
+  const SkinRays rays(cylinder(0.06, -0.3, 0.3));
+  std::vector<Muscle> muscles{spindle(Vec3(0, 0, 1)), spindle(Vec3(0, 0, 1))};
+  muscles[0].group = "trunk_abdomen";
+  muscles[1].group = "thigh";
+  Anatomy anatomy;
+  anatomy.muscles = muscles;
+  std::vector<Ellipse> slices = rest_slices(anatomy);
+  const std::vector<Ellipse> before = slices;
+  const double volume = muscles[0].volume;
+  const std::vector<double> wanted{0.5 * volume, volume};
+  const double held =
+      slim_muscles(muscles, slices, wanted, std::vector<int>{-1, -1}, 1.5 * volume, rays);
+  EXPECT_NEAR(held, 1.5 * volume, 0.03 * volume);
+  const std::size_t middle = 8, half = slices.size() / 2;
+  EXPECT_NEAR(slices[middle].radii.prod() / before[middle].radii.prod(), 0.5, 0.01);
+  EXPECT_LT(reach(before[middle], 1) - reach(slices[middle], 1), 2e-3);
+  for (std::size_t k = half; k < slices.size(); ++k)
+    EXPECT_EQ(slices[k].radii, before[k].radii) << k;
+}
+
 }  // namespace
 }  // namespace ecorche
