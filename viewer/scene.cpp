@@ -17,6 +17,7 @@ namespace {
 const Vec3f short_color(0.95f, 0.52f, 0.20f);
 const Vec3f long_color(0.36f, 0.19f, 0.42f);
 const Vec3f selected_color(0.98f, 0.80f, 0.25f);
+const Vec3f marked_color(0.20f, 0.62f, 0.60f);
 // Okabe & Ito's orange, which flesh and light turn yellow, and their blue, with a light grey
 // between them.
 const Vec3f map_short(0.90f, 0.62f, 0.00f);
@@ -129,14 +130,7 @@ void color_muscles(const SceneModel& model, std::span<const float> activity,
   mesh.colors.resize(model.surface.vertices());
   for (const MuscleSurface::Part& part : model.surface.parts) {
     const float a = activity.empty() ? 0 : std::clamp(activity[part.muscle], -1.0f, 1.0f);
-    const bool map = appearance.muscle_colors == MuscleColors::shortening;
-    Vec3f belly = muscle_color(appearance.muscle_colors, a);
-    if (!map) belly *= muscle_tone(part.muscle);
-    Vec3f tendon = tendon_color(appearance.muscle_colors);
-    if (appearance.selected == kFirstMusclePart + std::uint32_t(part.muscle)) {
-      belly = selected_color;
-      tendon = mix(tendon, selected_color, 0.5f);
-    }
+    const auto [belly, tendon] = muscle_tones(appearance, part.muscle, a);
     for (int i = part.vertex_begin; i < part.vertex_end; ++i)
       mesh.colors[i] = mix(tendon, belly, model.surface.belly[i]);
   }
@@ -382,6 +376,17 @@ Vec3f muscle_color(MuscleColors colors, float activity) {
               &end =
                   activity >= 0 ? (map ? map_short : short_color) : (map ? map_long : long_color);
   return mix(rest, end, std::min(std::abs(activity), 1.0f));
+}
+
+MuscleTones muscle_tones(const Appearance& appearance, int muscle, float activity) {
+  const std::uint32_t part = kFirstMusclePart + std::uint32_t(muscle);
+  MuscleTones out{muscle_color(appearance.muscle_colors, activity),
+                  tendon_color(appearance.muscle_colors)};
+  if (appearance.muscle_colors == MuscleColors::flesh) out.belly *= muscle_tone(muscle);
+  if (std::ranges::binary_search(appearance.marked, part))
+    out = {marked_color, mix(out.tendon, marked_color, 0.5f)};
+  if (appearance.selected == part) out = {selected_color, mix(out.tendon, selected_color, 0.5f)};
+  return out;
 }
 
 Part part_of(std::uint32_t number) {

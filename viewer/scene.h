@@ -81,6 +81,8 @@ struct Look {
   float skin_dissolved = 0;
   float muscles = 1;
   float bones = 1;
+
+  bool operator==(const Look&) const = default;
 };
 
 struct Appearance {
@@ -90,7 +92,16 @@ struct Appearance {
   Vec3f bone_color = kBoneLook.color;
   std::uint32_t selected = 0;           // part in the colour of the selection
   std::vector<std::uint32_t> hidden{};  // parts that are not drawn, ascending
+  std::vector<std::uint32_t> marked{};  // muscles in the colour of what has changed, ascending
+
+  bool operator==(const Appearance&) const = default;
 };
+
+// A muscle's colours with these looks, sRGB.
+struct MuscleTones {
+  Vec3f belly, tendon;
+};
+MuscleTones muscle_tones(const Appearance& appearance, int muscle, float activity);
 
 // One frame: the draw list and its workspace.
 struct Scene {

@@ -50,38 +50,11 @@ void layer_slider(const char* name, float& value) {
   ImGui::Text("%3.0f %%  %s", 100 * value, name);
 }
 
-void draw_views(const ViewSubject& subject, const PosedAnatomy& posed, ViewDocument& document) {
-  using A = ViewAction;
-  key_button("front", A::front, subject, posed, document);
-  ImGui::SameLine();
-  key_button("back", A::back, subject, posed, document);
-  ImGui::SameLine();
-  key_button("left", A::left, subject, posed, document);
-  ImGui::SameLine();
-  key_button("right", A::right, subject, posed, document);
-  key_button("top", A::top, subject, posed, document);
-  ImGui::SameLine();
-  key_button("bottom", A::bottom, subject, posed, document);
-  ImGui::SameLine();
-  key_button("oblique", A::oblique, subject, posed, document);
-  ImGui::SameLine();
-  key_button("all", A::frame_all, subject, posed, document);
-}
-
 float draw_layers(const ViewSubject& subject, const PosedAnatomy& posed, ViewDocument& document) {
   ImGui::SetNextWindowPos({kEdge * em_panels(), kEdge * em_panels()}, ImGuiCond_Always);
   ImGui::SetNextWindowSize({kLeftColumn * em_panels(), 0}, ImGuiCond_Always);
   if (ImGui::Begin("View", nullptr, kFixed)) {
-    layer_slider("skin", document.look.skin);
-    layer_slider("dissolve", document.look.skin_dissolved);
-    layer_slider("muscles", document.look.muscles);
-    layer_slider("bones", document.look.bones);
-    draw_colours(document);
-    ImGui::Checkbox("ground", &document.ground);
-    ImGui::SameLine();
-    ImGui::Checkbox("follow", &document.follow);
-    ImGui::SameLine();
-    ImGui::Checkbox("parallel", &document.parallel);
+    draw_look(document);
     draw_views(subject, posed, document);
     if (subject.open) key_button("open...", ViewAction::open, subject, posed, document);
     if (subject.open) ImGui::SameLine();
@@ -169,7 +142,57 @@ void draw_parts(const ViewSubject& subject, const PosedAnatomy& posed, float top
   ImGui::End();
 }
 
-// Its height; 0 where nothing moves.
+// State of the subject, and the last message.
+void draw_state(const ViewDocument& document, float left, float bottom) {
+  if (document.state.empty() && document.message.empty()) return;
+  ImGui::SetNextWindowPos({left, bottom}, ImGuiCond_Always, {0, 1});
+  ImGui::SetNextWindowSizeConstraints(
+      {0, 0}, {std::max(ImGui::GetIO().DisplaySize.x - left - kEdge * em_panels(), 8 * em_panels()),
+               12 * em_panels()});
+  constexpr ImGuiWindowFlags flags = kFixed | ImGuiWindowFlags_NoTitleBar |
+                                     ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs;
+  if (ImGui::Begin("state", nullptr, flags)) {
+    ImGui::PushTextWrapPos(30 * em_panels());
+    if (!document.state.empty()) ImGui::TextUnformatted(document.state.c_str());
+    if (!document.message.empty()) ImGui::TextUnformatted(document.message.c_str());
+    ImGui::PopTextWrapPos();
+  }
+  ImGui::End();
+}
+
+}  // namespace
+
+void draw_look(ViewDocument& document) {
+  layer_slider("skin", document.look.skin);
+  layer_slider("dissolve", document.look.skin_dissolved);
+  layer_slider("muscles", document.look.muscles);
+  layer_slider("bones", document.look.bones);
+  draw_colours(document);
+  ImGui::Checkbox("ground", &document.ground);
+  ImGui::SameLine();
+  ImGui::Checkbox("follow", &document.follow);
+  ImGui::SameLine();
+  ImGui::Checkbox("parallel", &document.parallel);
+}
+
+void draw_views(const ViewSubject& subject, const PosedAnatomy& posed, ViewDocument& document) {
+  using A = ViewAction;
+  key_button("front", A::front, subject, posed, document);
+  ImGui::SameLine();
+  key_button("back", A::back, subject, posed, document);
+  ImGui::SameLine();
+  key_button("left", A::left, subject, posed, document);
+  ImGui::SameLine();
+  key_button("right", A::right, subject, posed, document);
+  key_button("top", A::top, subject, posed, document);
+  ImGui::SameLine();
+  key_button("bottom", A::bottom, subject, posed, document);
+  ImGui::SameLine();
+  key_button("oblique", A::oblique, subject, posed, document);
+  ImGui::SameLine();
+  key_button("all", A::frame_all, subject, posed, document);
+}
+
 float draw_timeline(const ViewSubject& subject, const PosedAnatomy& posed, ViewDocument& document) {
   if (subject.frames < 2) return 0;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
@@ -217,25 +240,7 @@ float draw_timeline(const ViewSubject& subject, const PosedAnatomy& posed, ViewD
   return height + kEdge * em_panels();
 }
 
-// State of the subject, and the last message.
-void draw_state(const ViewDocument& document, float left, float bottom) {
-  if (document.state.empty() && document.message.empty()) return;
-  ImGui::SetNextWindowPos({left, bottom}, ImGuiCond_Always, {0, 1});
-  ImGui::SetNextWindowSizeConstraints(
-      {0, 0}, {std::max(ImGui::GetIO().DisplaySize.x - left - kEdge * em_panels(), 8 * em_panels()),
-               12 * em_panels()});
-  constexpr ImGuiWindowFlags flags = kFixed | ImGuiWindowFlags_NoTitleBar |
-                                     ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs;
-  if (ImGui::Begin("state", nullptr, flags)) {
-    ImGui::PushTextWrapPos(30 * em_panels());
-    if (!document.state.empty()) ImGui::TextUnformatted(document.state.c_str());
-    if (!document.message.empty()) ImGui::TextUnformatted(document.message.c_str());
-    ImGui::PopTextWrapPos();
-  }
-  ImGui::End();
-}
-
-void draw_help(ViewDocument& document) {
+void draw_help(ViewDocument& document, std::span<const KeyLine> more) {
   if (!document.help) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({0.5f * size.x, 0.5f * size.y}, ImGuiCond_Appearing, {0.5f, 0.5f});
@@ -245,6 +250,12 @@ void draw_help(ViewDocument& document) {
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse)) {
     if (ImGui::BeginTable("keys", 2)) {
       ImGui::TableSetupColumn("key", ImGuiTableColumnFlags_WidthFixed, 10 * em_panels());
+      for (const KeyLine& key : more) {
+        ImGui::TableNextColumn();
+        ImGui::TextUnformatted(key.name.c_str());
+        ImGui::TableNextColumn();
+        ImGui::TextWrapped("%s", key.effect.c_str());
+      }
       for (const ViewKey& key : view_keys()) {
         ImGui::TableNextColumn();
         ImGui::TextUnformatted(key.name.data(), key.name.data() + key.name.size());
@@ -256,8 +267,6 @@ void draw_help(ViewDocument& document) {
   }
   ImGui::End();
 }
-
-}  // namespace
 
 PartInfo describe(const ViewSubject& subject, const PosedAnatomy& posed, std::uint32_t number) {
   const Part part = part_of(number);

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "viewer/window/view_document.h"
+#include "viewer/window/window_tool.h"
 
 namespace ecorche {
 
@@ -17,6 +19,15 @@ struct PartInfo {
   double volume = 0;                            // m^3
 };
 PartInfo describe(const ViewSubject& subject, const PosedAnatomy& posed, std::uint32_t part);
+
+// Parts of panels, for tools that have panels of their own; within a window of ImGui.
+void draw_look(ViewDocument& document);  // layers and colours
+void draw_views(const ViewSubject& subject, const PosedAnatomy& posed, ViewDocument& document);
+
+// Windows at the edges. The timeline returns its height, 0 where nothing moves; the list of keys
+// has `more` before those of the view.
+float draw_timeline(const ViewSubject& subject, const PosedAnatomy& posed, ViewDocument& document);
+void draw_help(ViewDocument& document, std::span<const KeyLine> more = {});
 
 // Draws all panels; call between ImGui::NewFrame and ImGui::Render. Returns the room that they
 // leave for the figure, which the panel of the selected part may overlap.

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -72,6 +73,11 @@ struct ViewDocument {
   bool panels = true, help = false, closing = false;
   bool wants_picture = false;
   enum class Asking { nothing, open, save } asking = Asking::nothing;  // for a file's name
+  std::uint64_t touched = 0;  // a new value: a tool has changed what it adds to the picture
+  // Middles of what the last frame showed, pixels, by the names that recorded sessions have for it;
+  // kept while one is played.
+  bool recorded = false;
+  std::map<std::string, Eigen::Vector2f> places{};
 };
 
 // Pixels of the window, top left first, that no panel covers.

@@ -11,12 +11,15 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include "anatomy/errors.h"
 #include "viewer/gl/gl_api.h"
 #include "viewer/gl/renderer.h"
 #include "viewer/image.h"
 #include "viewer/window/panels.h"
+#include "viewer/window/recorded_input.h"
 #include "viewer/window/view_keys.h"
 #include "viewer/window/window_input.h"
 
@@ -106,8 +109,8 @@ class Screen {
 // Poses and draws; keeps the posed values between frames as a cache of the document's time.
 class View {
  public:
-  explicit View(const ViewSubject& subject)
-      : subject_(subject), renderer_(RenderOptions{}, window_proc) {}
+  View(const ViewSubject& subject, const WindowTool& tool)
+      : subject_(subject), tool_(tool), renderer_(RenderOptions{}, window_proc) {}
 
   const PosedAnatomy& pose(const ViewDocument& document) {
     const int frame = frame_of(subject_, document);
@@ -116,34 +119,49 @@ class View {
     muscle_shortening(*subject_.model, posed_, activity_);
     frame_ = frame;
     known_ = subject_.revision;
+    drawn_.reset();
     return posed_;
   }
 
-  void draw(const ViewDocument& document, const ViewRoom& room, int width, int height,
-            float pixels_per_unit, bool fine) {
+  Camera camera(const ViewDocument& document, const ViewRoom& room, float width, float height) {
+    const Vec3f root = pose(document).X_WJ.front().translation().cast<float>();
+    return camera_of(document, root, width, height, room);
+  }
+
+  void draw(const ViewDocument& document, const Camera& camera, int width, int height, bool fine) {
     renderer_.options().supersample = fine ? 2 : 1;
     renderer_.options().ambient_occlusion = fine;
     renderer_.options().shadow_size = fine ? 2048 : 1024;
     const PosedAnatomy& posed = pose(document);
-    update_scene(*subject_.model, posed, skin_.positions.empty() ? nullptr : &skin_, activity_,
-                 appearance_of(document), ++revision_, scene_);
+    Appearance appearance = appearance_of(document);
+    if (tool_.dress) tool_.dress(appearance);
     DrawList& list = scene_.list;
+    // A view that alone turns draws the same meshes.
+    if (drawn_ != appearance) {
+      update_scene(*subject_.model, posed, skin_.positions.empty() ? nullptr : &skin_, activity_,
+                   appearance, ++revision_, scene_);
+      drawn_ = appearance;
+    }
     list.ground.visible = document.ground;
-    const Vec3f root = posed.X_WJ.front().translation().cast<float>();
-    list.camera = camera_of(document, root, float(width) / pixels_per_unit,
-                            float(height) / pixels_per_unit, room);
+    list.camera = camera;
+    const std::size_t meshes = list.meshes.size(), items = list.items.size();
+    if (tool_.add) tool_.add(posed, appearance, list);
     renderer_.render_to(list, width, height, 0);
+    list.meshes.resize(meshes);
+    list.items.resize(items);
   }
 
   std::uint32_t part_at(float x, float y) { return renderer_.part_at(int(x), int(y)); }
 
  private:
   const ViewSubject& subject_;
+  const WindowTool& tool_;
   Renderer renderer_;
   Scene scene_;
   PosedAnatomy posed_;
   SkinFrame skin_;
   std::vector<float> activity_;
+  std::optional<Appearance> drawn_;  // of the scene as it is
   std::uint64_t revision_ = 0, known_ = 0;
   int frame_ = -1;
 };
@@ -237,7 +255,7 @@ bool same_view(const ViewDocument& a, const ViewDocument& b) {
          a.muscle_colors == b.muscle_colors && a.ground == b.ground && a.follow == b.follow &&
          a.selected == b.selected && a.hidden == b.hidden && a.time == b.time &&
          a.center == b.center && a.radius == b.radius && a.azimuth == b.azimuth &&
-         a.elevation == b.elevation && a.parallel == b.parallel;
+         a.elevation == b.elevation && a.parallel == b.parallel && a.touched == b.touched;
 }
 
 bool same_room(const ViewRoom& a, const ViewRoom& b) {
@@ -247,34 +265,59 @@ bool same_room(const ViewRoom& a, const ViewRoom& b) {
 // The loop's memory from one frame to the next.
 struct Session {
   const ViewSubject& subject;
+  const WindowTool& tool;
   const WindowOptions& options;
   Screen& screen;
   View view;
   ViewDocument document, shown;
+  std::optional<RecordedInput> recorded{};
   Mouse mouse{};
   ViewRoom room{};
+  ViewProjection projection{};  // of the frame before
+  std::vector<WindowEvent> events{};
   std::uint64_t framed_revision = ~std::uint64_t{0};
   double changed = glfwGetTime(), clock = changed;
 
   bool is_last(int frame) const { return options.frames > 0 && frame + 1 == options.frames; }
+  bool goes_on(int frame);
   bool is_settled() const { return glfwGetTime() - changed > settle_seconds; }
   void wait_for_events() const;
+  void read_events(float width, float height);
   std::optional<Point> take_input(const PosedAnatomy& posed, float height);
   void frame_view(const ViewRoom& now, bool jumped);
   void show(int frame, int width, int height, Point unit);
 };
 
+// What is not saved may keep a window open that a person closes.
+bool Session::goes_on(int frame) {
+  if (options.frames > 0 && frame >= options.frames) return false;
+  if (recorded && recorded->ended()) return false;
+  const bool asked = document.closing || glfwWindowShouldClose(screen.window());
+  if (!asked) return true;
+  if (!tool.may_close || tool.may_close()) return false;
+  document.closing = false;
+  glfwSetWindowShouldClose(screen.window(), GLFW_FALSE);
+  return true;
+}
+
 void Session::wait_for_events() const {
-  if (document.playing || options.frames > 0 || !is_settled())
+  if (document.playing || options.frames > 0 || recorded || !is_settled())
     glfwPollEvents();
   else
     glfwWaitEventsTimeout(document.busy ? busy_seconds : idle_seconds);
 }
 
+void Session::read_events(float width, float height) {
+  events = screen.input().take();
+  if (recorded) events = recorded->next(document, width, height);
+  document.places.clear();
+}
+
 // Keys first change the document, the mouse after them; the last click counts.
 std::optional<Point> Session::take_input(const PosedAnatomy& posed, float height) {
   std::optional<Point> clicked;
-  for (const WindowEvent& event : screen.input().take()) {
+  for (const WindowEvent& event : events) {
+    if (tool.take && tool.take(event, projection, document)) continue;
     if (event.kind == WindowEvent::Kind::key)
       read_key(event, subject, posed, document);
     else if (event.kind == WindowEvent::Kind::drop && subject.open && !event.files.empty())
@@ -297,10 +340,15 @@ void Session::frame_view(const ViewRoom& now, bool jumped) {
 void Session::show(int frame, int width, int height, Point unit) {
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
+  const double began = glfwGetTime();
+  read_events(float(width) / unit.x, float(height) / unit.y);
   ImGui::NewFrame();
   const PosedAnatomy& posed = view.pose(document);
   const float azimuth = document.azimuth, elevation = document.elevation;
-  const ViewRoom now = draw_panels(subject, posed, document);
+  const ViewRoom now =
+      tool.panels ? tool.panels(posed, document) : draw_panels(subject, posed, document);
+  if (document.recorded)
+    document.places["view"] = {now.x + 0.5f * now.width, now.y + 0.9f * now.height};
   const float turned = document.azimuth, tilted = document.elevation;
   const auto clicked = take_input(posed, now.height);
   const bool dragged = mouse.down && mouse.travelled > 0;
@@ -308,9 +356,16 @@ void Session::show(int frame, int width, int height, Point unit) {
                       (!dragged && (document.azimuth != turned || document.elevation != tilted)));
   if (!same_view(document, shown)) changed = glfwGetTime();
   shown = document;
-  view.draw(document, room, width, height, unit.x,
-            is_last(frame) || document.wants_picture || is_settled());
+  const std::filesystem::path wanted =
+      recorded ? recorded->take_picture() : std::filesystem::path();
+  const float window_width = float(width) / unit.x, window_height = float(height) / unit.y;
+  const Camera camera = view.camera(document, room, window_width, window_height);
+  projection = ViewProjection(camera, window_width, window_height);
+  if (tool.draw_over) tool.draw_over(view.pose(document), projection, document);
+  view.draw(document, camera, width, height,
+            is_last(frame) || document.wants_picture || !wanted.empty() || is_settled());
   if (clicked) document.selected = view.part_at(clicked->x * unit.x, clicked->y * unit.y);
+  if (clicked && tool.picked) tool.picked(document.selected);
   if (frame == 0 && options.pick_x >= 0 && options.pick_y >= 0)
     document.selected = view.part_at(float(options.pick_x * width), float(options.pick_y * height));
   if (document.wants_picture) take_picture(width, height, document);
@@ -318,25 +373,30 @@ void Session::show(int frame, int width, int height, Point unit) {
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   if (is_last(frame) && !options.screenshot.empty())
     write_png(options.screenshot, read_window(width, height));
+  if (!wanted.empty()) write_png(wanted, read_window(width, height));
   glfwSwapBuffers(screen.window());
+  if (tool.shown) tool.shown(began, glfwGetTime() - began, document);
 }
 
 }  // namespace
 
 ViewDocument run_window(const ViewSubject& subject, const WindowOptions& options,
-                        const ViewDocument& start) {
+                        const ViewDocument& start, const WindowTool& tool) {
+  std::optional<RecordedInput> recorded;
+  if (!options.input.empty()) recorded.emplace(options.input);
   Screen screen(options.width, options.height);
   Session session{.subject = subject,
+                  .tool = tool,
                   .options = options,
                   .screen = screen,
-                  .view = View(subject),
+                  .view = View(subject, tool),
                   .document = start,
-                  .shown = start};
+                  .shown = start,
+                  .recorded = std::move(recorded)};
   session.document.closing = false;  // what another window ended with may be shown again
+  session.document.recorded = session.recorded.has_value();
   std::string title;
-  for (int frame = 0; !session.document.closing && !glfwWindowShouldClose(screen.window()) &&
-                      (options.frames <= 0 || frame < options.frames);
-       ++frame) {
+  for (int frame = 0; session.goes_on(frame); ++frame) {
     session.wait_for_events();
     int width = 0, height = 0, window_width = 1, window_height = 1;
     glfwGetFramebufferSize(screen.window(), &width, &height);

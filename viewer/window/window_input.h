@@ -2,21 +2,14 @@
 // they take.
 #pragma once
 
-#include <filesystem>
 #include <utility>
 #include <vector>
+
+#include "viewer/window/window_event.h"
 
 struct GLFWwindow;
 
 namespace ecorche {
-
-struct WindowEvent {
-  enum class Kind { key, press, release, move, scroll, drop } kind = Kind::move;
-  int key = 0;  // GLFW's number; of a mouse button
-  bool ctrl = false, shift = false, alt = false;
-  float x = 0, y = 0;  // pixels of the window from the upper left; of the wheel: clicks
-  std::vector<std::filesystem::path> files{};
-};
 
 // Listens to a window; whoever listens after it (ImGui) passes events on. The window's user pointer
 // is taken.
