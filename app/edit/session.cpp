@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <sstream>
 
 #include "anatomy/errors.h"
@@ -26,6 +27,8 @@ namespace {
 // First line of a journal that goes on from a document that is kept beside it, and where that is.
 constexpr std::string_view kFrom = "from ";
 constexpr const char* kAside[] = {"unsaved-1", "unsaved-2"};
+// The saved state was undone and is forgotten: no step of the history is it.
+constexpr std::size_t kNeverAgain = std::numeric_limits<std::size_t>::max();
 constexpr int kMostIncludes = 20;
 constexpr std::size_t kMostScriptBytes = 16u << 20;
 
@@ -35,9 +38,12 @@ Session::Session(const Common& common, Report& report, const SessionOptions& opt
     : common_(common),
       report_(report),
       draw_(std::move(draw)),
-      workshop_(common.assets),
+      workshop_(options.built_in ? Workshop(common.assets, *options.built_in)
+                                 : Workshop(common.assets)),
       project_(options.project) {
-  if (project_.empty() || !is_project(project_)) {
+  if (options.document) {
+    history_ = begin_history(*options.document);
+  } else if (project_.empty() || !is_project(project_)) {
     history_ = begin_history(workshop_.built_in());
   } else {
     OpenedProject opened = read_project(workshop_, project_);
@@ -45,6 +51,7 @@ Session::Session(const Common& common, Report& report, const SessionOptions& opt
       note(common_, fmt::format("{}: {}", project_.string(), text));
     history_ = begin_history(std::move(opened.document));
   }
+  saved_document_ = document();
   if (project_.empty()) return;
   make_output_folder(project_);
   const std::filesystem::path file = project_ / "journal.txt";
@@ -53,6 +60,11 @@ Session::Session(const Common& common, Report& report, const SessionOptions& opt
     journal_->begin();
   else
     recover(file);
+}
+
+void Session::begin_here() {
+  saved_ = history_.now;
+  saved_document_ = document();
 }
 
 void Session::recover(const std::filesystem::path& file) {
@@ -87,6 +99,7 @@ void Session::note_in_journal(const Action& action) {
 void Session::run(const Action& action) {
   if (std::optional<Document> next = applied(workshop_, document(), action)) {
     note_in_journal(action);
+    if (history_.now < saved_) saved_ = kNeverAgain;
     add_step(history_, std::move(*next), action_line(action));
     return;
   }
@@ -188,6 +201,7 @@ void Session::do_beside(const Save& x) {
   journal_->begin();
   for (const char* aside : kAside) std::filesystem::remove_all(project_ / aside);
   saved_ = journal_begin_ = history_.now;
+  saved_document_ = document();
   note(common_, fmt::format("{}: saved", folder.string()));
 }
 

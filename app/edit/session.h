@@ -23,8 +23,10 @@
 namespace ecorche {
 
 struct SessionOptions {
-  std::filesystem::path project;  // folder; read where there is one, made by `save`; empty: none
+  std::filesystem::path project{};  // folder; read where there is one, made by `save`; empty: none
   bool discard = false;           // actions of its journal that were not saved
+  // Begins with this document instead, of a workshop with this built-in one; both or none.
+  std::optional<Document> document{}, built_in{};
 };
 
 class Session {
@@ -55,6 +57,9 @@ class Session {
   std::vector<std::string> write(const std::filesystem::path& file);
 
   bool unsaved() const { return history_.now != saved_; }
+  void begin_here();                                         // what it was opened with is no change
+  const Document& saved() const { return saved_document_; }  // or as it began
+  bool has_project() const { return !project_.empty(); }
 
  private:
   void note_in_journal(const Action& action);
@@ -80,7 +85,8 @@ class Session {
   bool recovering_ = false;
   History history_;
   std::size_t saved_ = 0, journal_begin_ = 0;  // steps of the history
-  std::string aside_;                          // folder that the journal goes on from; may be empty
+  Document saved_document_;
+  std::string aside_;  // folder that the journal goes on from; may be empty
   std::optional<Document> fitted_of_, acted_of_;
   std::optional<Character> fitted_;
   std::unique_ptr<Actor> actor_;

@@ -22,6 +22,9 @@ namespace ecorche {
 class Workshop {
  public:
   explicit Workshop(Assets assets) : assets_(std::move(assets)) {}
+  // `built_in`: of another workshop of the same assets, whose documents are worked on here
+  Workshop(Assets assets, const Document& built_in)
+      : assets_(std::move(assets)), built_in_(std::make_unique<Document>(built_in)) {}
 
   const Assets& assets() const { return assets_; }
   const Document& built_in();

@@ -635,7 +635,27 @@ def studio(t):
     t.run(0, "studio", "arm-project", "--discard", "--script", t.write("last.txt", "pose rest\nsave\n"), "--report", "more.json")
     t.check(t.bytes("arm-project/journal.txt") == b"" and b"my_biceps" in t.bytes("arm-project/project.txt"), "--discard and save")
     t.says(t.run(3, "studio", "--script", t.write("wrong.txt", "pick soleus\nmove_pont point=1 by=0,0,1\n")), "wrong.txt:2: 'move_pont' is no action; did you mean move_point")
-    t.says(t.run(2, "studio"), "--script")
+    t.says(t.run(2, "studio", "--script", more, "--frames", 2), "--frames belong to the window")
+    studio_window(t)
+
+
+def studio_window(t):
+    """What is done by hand is a script: both give the same project."""
+    if not shutil.which("xvfb-run"):
+        print("skipped: xvfb-run is not installed")
+        t.used.setdefault("studio", set()).update(["--input", "--screenshot", "--frames", "--size"])
+        return
+    t.run(0, "studio", "--input", "studio/insertion.txt", "--size", "1280x720", "--report", "window.json", under=VIEW)
+    t.run(0, "studio", "--project", "by-script", "--script", "studio-0001.txt", "--script", t.write("keep.txt", "save\n"))
+    lines = t.bytes("studio-0001.txt").decode().splitlines()
+    t.check(len(lines) == 2 and lines[0] == "pick muscle=soleus" and lines[1].startswith("move_point muscle=soleus point=6 by="), f"one line a drag, none for what was taken back: {lines}")
+    t.check(t.bytes("by-hand/muscles/soleus.txt") == t.bytes("by-script/muscles/soleus.txt"), "the same muscle by hand and by script")
+    t.check(t.bytes("by-hand/project.txt") == t.bytes("by-script/project.txt"), "the same project by hand and by script")
+    t.check(len(t.bytes("by-hand.png")) > 50000, "a picture of the window")
+    found = t.json("window.json")["window"]
+    t.check(found["editing"]["frames"] > 5 and found["undoing"]["frames"] == 1, f"frames of the window: {found}")
+    t.says(t.run(3, "studio", "--input", t.write("no-such.txt", "click nothing\n"), under=VIEW), "no-such.txt:1: 'nothing': nothing of that name is shown")
+    t.run(0, "studio", "by-hand", t.path("walk.bvh"), "--frames", 2, "--screenshot", "walks.png", "--discard", under=VIEW)
 
 
 def one_side(model):

@@ -110,7 +110,7 @@ class Reader:
                 prefix = "musclemimic_models/"
                 package.extractall(t.folder, [name for name in package.namelist() if name.startswith(prefix + "model/")])
             os.rename(t.path(prefix + "model"), t.path("model"))
-        for name in ("biceps.txt", "plate.txt", "keep.txt"):
+        for name in ("biceps.txt", "plate.txt", "keep.txt", "insertion.txt"):
             shutil.copy(os.path.join(self.source, "docs", "studio", name), t.path(name))
         os.symlink(os.path.join(self.source, "data"), t.path("data"))
         os.makedirs(t.path("build"))
@@ -125,6 +125,8 @@ class Reader:
             return
         self.done[command] = where
         line = re.sub(r"^(build/)?ecorche view\b(.*)", r"xvfb-run -a build/ecorche view\2 --frames 2", shorter(command))
+        if re.match(r"(build/)?ecorche studio\b(?!.* (--script|--list-actions|-o)\b)", line):  # likewise
+            line = "xvfb-run -a build/" + re.sub(r"^build/", "", line) + ("" if " --input " in line else " --frames 2")
         if re.search(r" --(at|from|frames) ", command):  # moments that a short motion has not
             line = re.sub(r" walk\.bvh", " data/motions/walk.bvh", line)
         if line.startswith("xvfb-run ") and not shutil.which("xvfb-run"):

@@ -14,6 +14,9 @@
 #include "app/options/picture_size.h"
 #include "app/pages/actor_film.h"
 #include "viewer/part_names.h"
+#ifdef ECORCHE_WINDOW
+#include "app/studio/design/design_window.h"
+#endif
 
 namespace ecorche {
 namespace {
@@ -21,8 +24,12 @@ namespace {
 namespace fs = std::filesystem;
 
 struct StudioOptions {
-  fs::path start, output, project;
+  fs::path start, motion, output, project;
   std::vector<fs::path> scripts;
+  // of the window
+  fs::path input, screenshot;
+  std::string size = "1280x800";
+  int frames = 0;
   bool list = false, json = false, discard = false;
 };
 
@@ -75,32 +82,66 @@ void draw_still(const Actor& actor, const Motion& motion, const Activations& act
   film_actor(actor, motion, film, common);
 }
 
+bool wants_window(const StudioOptions& options) {
+  return options.scripts.empty() && options.output.empty();
+}
+
+void check_studio_options(const StudioOptions& options, bool starts_with_project) {
+  const bool window = wants_window(options);
+  if (!window && (!options.input.empty() || !options.screenshot.empty() || options.frames > 0))
+    throw UsageError(
+        "studio: --input, --screenshot and --frames belong to the window; leave --script and "
+        "--output away");
+  if (!options.output.empty()) require_ending(options.output, {".glb"});
+  if (!options.screenshot.empty()) require_ending(options.screenshot, {".png"});
+  if (starts_with_project && !options.project.empty())
+    throw UsageError("studio: START is a project already; leave --project away");
+  if (options.discard && options.project.empty() && !starts_with_project)
+    throw UsageError("studio: --discard belongs to a project; name one");
+}
+
+void open_window(const StudioOptions& options, Session& session, const Common& common,
+                 Report& report, const Session::Drawer& draw) {
+#ifdef ECORCHE_WINDOW
+  WindowOptions window{
+      .frames = options.frames, .screenshot = options.screenshot, .input = options.input};
+  if (!read_picture_size(options.size, window.width, window.height))
+    throw UsageError(fmt::format("studio: --size '{}': expected WIDTHxHEIGHT", options.size));
+  if (!session.has_project()) session.begin_here();
+  run_design_window(session, common, report, draw, window);
+#else
+  (void)options, (void)session, (void)common, (void)report, (void)draw;
+  throw UsageError(
+      "studio: this program was built without a window; say --script FILE, or --list-actions for "
+      "what it may hold");
+#endif
+}
+
 int run_studio(const StudioOptions& options, const Common& common, Report& report) {
   if (options.json && !options.list) throw UsageError("studio: --json belongs to --list-actions");
   if (options.list) {
     fmt::print("{}", options.json ? list_of_actions_json() : list_of_actions());
     return 0;
   }
-  if (options.scripts.empty() && options.output.empty())
-    throw UsageError(
-        "studio: say --script FILE, or --list-actions for what it may hold; `ecorche "
-        "view` is the window to look with");
-  if (!options.output.empty()) require_ending(options.output, {".glb"});
   const bool starts_with_project = !options.start.empty() && is_project(options.start);
-  if (starts_with_project && !options.project.empty())
-    throw UsageError("studio: START is a project already; leave --project away");
-  if (options.discard && options.project.empty() && !starts_with_project)
-    throw UsageError("studio: --discard belongs to a project; name one");
-  check_outputs(common, {options.output}, options.scripts);
-  Session session(
-      common, report, {starts_with_project ? options.start : options.project, options.discard},
-      [&common](const Actor& actor, const Motion& motion, const Activations& activations,
-                const Render& render) { draw_still(actor, motion, activations, render, common); });
+  check_studio_options(options, starts_with_project);
+  std::vector<fs::path> inputs = options.scripts;
+  inputs.push_back(options.input);
+  check_outputs(common, {options.output, options.screenshot}, inputs);
+  const Session::Drawer draw = [&common](const Actor& actor, const Motion& motion,
+                                         const Activations& activations, const Render& render) {
+    draw_still(actor, motion, activations, render, common);
+  };
+  Session session(common, report,
+                  {starts_with_project ? options.start : options.project, options.discard}, draw);
   if (!options.start.empty() && !starts_with_project) session.run(SetBody{options.start.string()});
+  if (!options.motion.empty()) session.run(PlayMotion{options.motion.string()});
   const std::size_t before = session.history().now;
   for (const fs::path& script : options.scripts) session.run_script(script);
-  report.set("actions", int(session.history().now - before));
-  note(common, fmt::format("{} actions", session.history().now - before));
+  if (wants_window(options)) open_window(options, session, common, report, draw);
+  const int actions = int(session.history().now) - int(before);
+  report.set("actions", actions);
+  note(common, fmt::format("{} actions", actions));
   if (options.output.empty()) return 0;
   const std::vector<std::string> missed = session.write(options.output);
   for (const std::string& text : missed) note(common, "missed: " + text);
@@ -111,19 +152,24 @@ int run_studio(const StudioOptions& options, const Common& common, Report& repor
 
 void add_studio_verb(VerbRegistry& registry) {
   auto options = std::make_shared<StudioOptions>();
-  CLI::App* verb =
-      add_verb(registry, registry.app, "studio",
-               "Change muscles, joints and body by actions of a script, undone and saved as text",
-               "ecorche studio --list-actions\n  ecorche studio anna.glb --script arm.txt -o "
-               "anna-arm.glb\n  ecorche studio --project my-arm --script more.txt",
-               [options](const Common& common, Report& report) {
-                 return run_studio(*options, common, report);
-               });
+  CLI::App* verb = add_verb(
+      registry, registry.app, "studio",
+      "Change muscles, joints and body by hand in a window, or by actions of a script; undone "
+      "and saved as text",
+      "ecorche studio anna.glb walk.bvh\n  ecorche studio --list-actions\n  ecorche "
+      "studio anna.glb --script arm.txt -o "
+      "anna-arm.glb\n  ecorche studio --project my-arm --script more.txt",
+      [options](const Common& common, Report& report) {
+        return run_studio(*options, common, report);
+      });
   verb->add_option("start", options->start,
                    "Body, character or skin on the base mesh that muscles are fitted into, or a "
                    "project's folder; the template's own body when left out");
-  verb->add_option("--script", options->scripts,
-                   "Actions, one a line, with # for remarks and `include FILE`; may be repeated");
+  verb->add_option("motion", options->motion, "Motion that it is tried in (.bvh, .fbx, ...)");
+  verb->add_option(
+      "--script", options->scripts,
+      "Actions, one a line, with # for remarks and `include FILE`, run without a window; "
+      "may be repeated");
   verb->add_option("--project", options->project,
                    "Folder of the project: read where there is one, written by the action `save`; "
                    "what was not saved before is done again");
@@ -133,6 +179,14 @@ void add_studio_verb(VerbRegistry& registry) {
       "-o,--output", options->output,
       "Character to write (.glb), fitted and bound as `ecorche fit` does it; ends with "
       "8 where it misses what `fit` asks");
+  verb->add_option("--input", options->input,
+                   "Play what a person does at the window from a text (docs/studio.md), and close");
+  verb->add_option("--screenshot", options->screenshot,
+                   "Save the last of --frames, panels included (.png)");
+  verb->add_option("--frames", options->frames,
+                   "Close after so many frames; the last one waits for what is being fitted")
+      ->check(CLI::Range(0, 1000000));
+  verb->add_option("--size", options->size, "Of the window, WIDTHxHEIGHT")->capture_default_str();
   verb->add_flag("--list-actions", options->list,
                  "Name all actions with their arguments, units and help");
   verb->add_flag("--json", options->json, "The list as JSON");

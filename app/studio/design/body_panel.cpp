@@ -1,0 +1,264 @@
+#include "app/studio/design/body_panel.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "anatomy/joint_angles.h"
+#include "app/studio/design/fields.h"
+#include "morph/measures/measure_table.h"
+#include "morph/placement/bone_groups.h"
+
+namespace ecorche {
+namespace {
+
+constexpr const char* kMeasures[] = {
+    "stature",       "weight",      "chest_girth",        "waist_girth",
+    "hip_girth",     "thigh_girth", "calf_girth",         "upper_arm_girth_relaxed",
+    "forearm_girth", "neck_girth",  "biacromial_breadth", "crotch_height"};
+constexpr const char* kMethods[] = {"ecorche", "paper"};
+
+float em_body() { return ImGui::GetFontSize(); }
+
+std::string spaced_name(std::string text) {
+  std::ranges::replace(text, '_', ' ');
+  return text;
+}
+
+void measure_row(DesignSession& session, const std::string& name, ViewDocument& view) {
+  const auto& targets = session.seen().body->targets;
+  const auto own = targets.find(name);
+  ImGui::PushID(name.c_str());
+  ImGui::TableNextColumn();
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted(spaced_name(name).c_str());
+  ImGui::TableNextColumn();
+  const bool mass = name == "weight";
+  const std::string now = own == targets.end() ? std::string("as the body has it")
+                          : mass               ? fmt::format("{:.4g} kg", own->second)
+                                               : fmt::format("{:.4g} cm", 1e2 * own->second);
+  if (const auto text = value_field("##value", now, -1))
+    session.run(fmt::format("set_measure {} {}", name, ecorche::quoted(*text)), "measures");
+  name_place(view, "measure:" + name);
+  ImGui::TableNextColumn();
+  if (own != targets.end() && ImGui::SmallButton("x"))
+    session.run("free_measure " + name, "measures");
+  ImGui::PopID();
+}
+
+void fit_row(DesignSession& session, const char* key, const char* label, const std::string& now,
+             const char* help) {
+  ImGui::TableNextColumn();
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted(label);
+  help_of_last(help);
+  ImGui::TableNextColumn();
+  if (const auto text = value_field(fmt::format("##{}", key), now, -1))
+    session.run(fmt::format("set_fit {}={}", key, ecorche::quoted(*text)), "fit");
+}
+
+void draw_fit(DesignSession& session) {
+  const FitSettings fit = session.seen().fit;
+  const int method = int(fit.method);
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::BeginCombo(
+          "##method",
+          method < 2 ? fmt::format("muscles grow as: {}", kMethods[method]).c_str() : "method")) {
+    for (const char* each : kMethods)
+      if (ImGui::Selectable(each)) session.run(fmt::format("set_fit method={}", each), "fit");
+    ImGui::EndCombo();
+  }
+  if (!ImGui::BeginTable("fit", 2)) return;
+  ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, 8.5f * em_body());
+  fit_row(session, "alpha", "alpha", fmt::format("{:.4g}", fit.alpha),
+          "Of the method paper: share of the length's change that muscles start with across");
+  fit_row(session, "clearance", "clearance", fmt::format("{:.4g} mm", fit.clearance),
+          "Kept between muscles and the layer over them");
+  fit_row(session, "rays", "rays", fmt::format("{}", fit.rays), "Cast around each section");
+  fit_row(session, "slices", "slices", fit.slices > 0 ? fmt::format("{}", fit.slices) : "by length",
+          "Of every strip; 0: 12 to 24 by its length");
+  ImGui::EndTable();
+  show_fault(session, "fit");
+}
+
+// Names of joints that turn, without sides, in the order of the skeleton.
+std::vector<std::string> turning_joints(const Skeleton& skeleton) {
+  std::vector<std::string> out;
+  for (const Joint& joint : skeleton.joints) {
+    std::string name = split_side(joint.name).first;
+    if (std::ranges::find(out, name) == out.end()) out.push_back(std::move(name));
+  }
+  return out;
+}
+
+void joint_choice(const Skeleton& skeleton, PanelState& state) {
+  ImGui::SetNextItemWidth(-1);
+  if (!ImGui::BeginCombo("##joint", state.joint.empty() ? "choose a joint" : state.joint.c_str()))
+    return;
+  for (const std::string& name : turning_joints(skeleton))
+    if (ImGui::Selectable(name.c_str(), name == state.joint)) state.joint = name;
+  ImGui::EndCombo();
+}
+
+const Joint* shown_joint(const Skeleton& skeleton, const std::string& name) {
+  int found = find_joint(skeleton, name);
+  if (found < 0) found = find_joint(skeleton, name + "_l");
+  return found < 0 ? nullptr : &skeleton.joints[std::size_t(found)];
+}
+
+// Sliders of the three angles within their limits.
+void draw_angles(DesignSession& session, const Joint& joint, const std::string& name,
+                 ViewDocument& view) {
+  const auto& angles = session.seen().trial->angles;
+  const auto turned = angles.find(name);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = joint.min[axis] / kDegree, high = joint.max[axis] / kDegree;
+    if (high - low < 2) continue;
+    const bool own = turned != angles.end() && std::isfinite(turned->second[axis]);
+    const double now = own ? turned->second[axis] : joint.zero[axis] / kDegree;
+    ImGui::TextUnformatted(kAngleNames[std::size_t(axis)]);
+    action_slider(session, fmt::format("##turn{}", axis), now, low, high, "%.0f deg",
+                  fmt::format("turn_joint {} {}=", name, kAngleNames[std::size_t(axis)]), "joint");
+    name_place(view, fmt::format("turn:{}", kAngleNames[std::size_t(axis)]));
+  }
+}
+
+void draw_limits(DesignSession& session, const Joint& joint, const std::string& name) {
+  if (!ImGui::BeginTable("limits", 3)) return;
+  ImGui::TableSetupColumn("axis", ImGuiTableColumnFlags_WidthFixed, 6 * em_body());
+  for (int axis = 0; axis < 3; ++axis) {
+    const double ends[] = {joint.min[axis] / kDegree, joint.max[axis] / kDegree};
+    ImGui::TableNextColumn();
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextUnformatted(kAngleNames[std::size_t(axis)]);
+    for (const int end : {0, 1}) {
+      ImGui::TableNextColumn();
+      const auto text =
+          value_field(fmt::format("##{}{}", axis, end), fmt::format("{:.4g} deg", ends[end]), -1);
+      if (!text) continue;
+      session.run(
+          fmt::format("set_limits {} {} min={} max={}", name, kAngleNames[std::size_t(axis)],
+                      end == 0 ? ecorche::quoted(*text) : fmt::format("{:.6g}", ends[0]),
+                      end == 1 ? ecorche::quoted(*text) : fmt::format("{:.6g}", ends[1])),
+          "joint");
+    }
+  }
+  ImGui::EndTable();
+}
+
+}  // namespace
+
+void draw_body_panel(DesignSession& session, PanelState& state, ViewDocument& document) {
+  const EditedBody body = *session.seen().body;
+  ImGui::TextWrapped(
+      "%s", body.file.empty() ? "The template's own body" : body.file.filename().string().c_str());
+  if (text_field("##file", state.body_file, "another body: FILE.glb, Enter", -1) &&
+      !state.body_file.empty())
+    session.run("set_body " + ecorche::quoted(state.body_file), "body");
+  help_of_last("A body, a character, or a skin on the base mesh; none: the template's own");
+  show_fault(session, "body");
+  ImGui::TextUnformatted("fat over the muscles");
+  action_slider(session, "##layer", body.layer, 0.2, 2.5, "%.2f times", "set_layer ", "body");
+  name_place(document, "layer");
+  ImGui::Separator();
+  ImGui::TextUnformatted("Measures");
+  if (ImGui::BeginTable("measures", 3)) {
+    ImGui::TableSetupColumn("name", ImGuiTableColumnFlags_WidthFixed, 9 * em_body());
+    ImGui::TableSetupColumn("value");
+    ImGui::TableSetupColumn("x", ImGuiTableColumnFlags_WidthFixed, 1.6f * em_body());
+    for (const char* name : kMeasures) measure_row(session, name, document);
+    for (const auto& [name, value] : body.targets)
+      if (std::ranges::find(kMeasures, name) == std::end(kMeasures))
+        measure_row(session, name, document);
+    ImGui::EndTable();
+  }
+  quiet_text("What is typed is asked for; all else follows what is most probable with it.");
+  show_fault(session, "measures");
+  ImGui::Separator();
+  ImGui::TextUnformatted("How muscles grow to the skin");
+  draw_fit(session);
+}
+
+void draw_joint_panel(DesignSession& session, PanelState& state, ViewDocument& document) {
+  const Skeleton& skeleton = session.anatomy().skeleton;
+  ImGui::Checkbox("centres in the figure, to drag", &state.joints);
+  name_place(document, "joints");
+  joint_choice(skeleton, state);
+  const Joint* joint = state.joint.empty() ? nullptr : shown_joint(skeleton, state.joint);
+  show_fault(session, "joint");
+  if (!joint) {
+    quiet_text("Choose one, or show the centres and click one.");
+    return;
+  }
+  ImGui::TextUnformatted("Turn it");
+  draw_angles(session, *joint, state.joint, document);
+  if (ImGui::Button("all joints as the pose has them")) {
+    const std::string& pose = session.seen().trial->pose;
+    session.run("pose " + (pose.empty() ? std::string("rest") : pose), "joint");
+  }
+  ImGui::Separator();
+  ImGui::TextUnformatted("Limits, from and to");
+  draw_limits(session, *joint, state.joint);
+  const auto& edits = *session.seen().joints;
+  const auto edit = edits.find(state.joint);
+  ImGui::TextUnformatted("Centre moved by left, up, front (mm)");
+  const Vec3 moved = edit == edits.end() ? Vec3(Vec3::Zero()) : edit->second.moved;
+  const std::string now = fmt::format("{:.4g},{:.4g},{:.4g}", moved.x(), moved.y(), moved.z());
+  if (const auto text = value_field("##moved", now, -1)) {
+    double x = 0, y = 0, z = 0;
+    if (std::sscanf(text->c_str(), "%lf,%lf,%lf", &x, &y, &z) == 3)
+      session.run(fmt::format("move_joint {} by={:.4g},{:.4g},{:.4g}", state.joint, x - moved.x(),
+                              y - moved.y(), z - moved.z()),
+                  "joint");
+    else
+      session.run(fmt::format("move_joint {} by={}", state.joint, ecorche::quoted(*text)), "joint");
+  }
+  if (edit != edits.end() && ImGui::Button("as it was built"))
+    session.run("reset_joint " + state.joint, "joint");
+}
+
+void draw_trial_panel(DesignSession& session, ViewDocument& document) {
+  const Trial trial = *session.seen().trial;
+  ImGui::TextUnformatted("Pose");
+  ImGui::SetNextItemWidth(-1);
+  const std::string now = trial.pose.empty() ? std::string("rest") : trial.pose;
+  if (ImGui::BeginCombo("##pose", spaced_name(now).c_str(), ImGuiComboFlags_HeightLarge)) {
+    if (ImGui::Selectable("rest")) session.run("pose rest", "try");
+    static const std::vector<std::string> poses = session.workshop().pose_names();
+    for (const std::string& pose : poses)
+      if (ImGui::Selectable(spaced_name(pose).c_str(), pose == now))
+        session.run("pose " + pose, "try");
+    ImGui::EndCombo();
+  }
+  name_place(document, "pose");
+  if (!trial.motion.empty()) {
+    ImGui::TextWrapped("Motion: %s", trial.motion.filename().string().c_str());
+    if (ImGui::Button("pose at this moment"))
+      session.run(fmt::format("show_moment {:.4g}s", document.time), "try");
+    help_of_last("What scripts and pictures show of the motion");
+    ImGui::SameLine();
+    if (ImGui::Button("no motion")) session.run("play_motion none", "try");
+  } else {
+    quiet_text("Drop a motion into the window, or Ctrl + O, to play it.");
+  }
+  show_fault(session, "try");
+  ImGui::Separator();
+  ImGui::TextUnformatted("Activation");
+  for (const auto& [name, value] : trial.activations) {
+    ImGui::PushID(name.c_str());
+    ImGui::TextUnformatted(name == "*" ? "every muscle" : name.c_str());
+    action_slider(session, "##value", value, 0, 1, "%.2f",
+                  fmt::format("activate {} value=", name == "*" ? "all" : ecorche::quoted(name)),
+                  "effort");
+    ImGui::PopID();
+  }
+  static std::string wanted;
+  if (text_field("##who", wanted, "a muscle, or biceps*, or all; Enter", -1) && !wanted.empty() &&
+      session.run(fmt::format("activate {} value=1", ecorche::quoted(wanted)), "effort"))
+    wanted.clear();
+  show_fault(session, "effort");
+}
+
+}  // namespace ecorche

@@ -1,0 +1,298 @@
+#include "app/studio/design/design_session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "anatomy/errors.h"
+#include "anatomy/geometry/mesh_measures.h"
+#include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/muscle_surface.h"
+#include "anatomy/posing/pose_anatomy.h"
+
+namespace ecorche {
+namespace {
+
+// Actions that take long: they run beside, on the document as it is.
+bool takes_long(const Action& action) {
+  return std::holds_alternative<WriteCharacter>(action) || std::holds_alternative<Render>(action) ||
+         std::holds_alternative<ReportMuscle>(action);
+}
+
+void stand(const Character& character, PosedAnatomy& posed, SkinFrame& frame) {
+  const Anatomy& anatomy = character.anatomy;
+  forward_kinematics(anatomy.skeleton, rest_pose(anatomy.skeleton), posed.X_WJ);
+  posed.slices = rest_slices(anatomy);
+  posed.lengths.clear();
+  for (const Muscle& muscle : anatomy.muscles)
+    for (const Strip& strip : muscle.strips) posed.lengths.push_back(strip.rest_length);
+  const TriMesh& skin = character.body.skin;
+  const Points normals = vertex_normals(skin);
+  frame.positions.resize(4 * std::size_t(skin.V.rows()));
+  frame.normals.resize(frame.positions.size());
+  for (Eigen::Index v = 0; v < skin.V.rows(); ++v)
+    for (int axis = 0; axis < 4; ++axis) {
+      const std::size_t at = std::size_t(4 * v + axis);
+      frame.positions[at] = axis < 3 ? float(skin.V(v, axis)) : 1;
+      frame.normals[at] = axis < 3 ? float(normals(v, axis)) : 0;
+    }
+}
+
+}  // namespace
+
+DesignSession::DesignSession(Session& session, const Common& common, Session::Drawer draw)
+    : session_(session),
+      common_(common),
+      shown_(
+          unfitted_body(common.assets, session.workshop().base(), session.workshop().built_in())),
+      fit_(common, session.workshop().built_in(), shown_, std::move(draw)) {
+  workshop().warp();  // read before a hand waits for it
+  take_shown(shown_);
+}
+
+void DesignSession::take_shown(std::shared_ptr<const ShownBody> body) {
+  shown_ = std::move(body);
+  state_.reset();
+  if (shown_->actor) state_.emplace(*shown_->actor);
+  maker_.reset();
+  live_ = {};
+  live_of_ = shown_->of;
+  ++revision_;
+}
+
+const BoneCarrier& DesignSession::carrier() {
+  if (!maker_) maker_.emplace(workshop(), shown_->of, anatomy());
+  return maker_->carrier();
+}
+
+void DesignSession::fail(const std::exception& error, const std::string& where) {
+  fault_ = {where, error.what()};
+}
+
+bool DesignSession::run(const std::string& line, const std::string& where) {
+  let_go();
+  fault_ = {};
+  message_.clear();
+  try {
+    const std::optional<Action> action = read_action(line);
+    if (!action) return false;
+    if (takes_long(*action))
+      fit_.run_beside(session_.document(), action_line(*action));
+    else
+      session_.run(*action);
+    if (std::holds_alternative<Save>(*action)) message_ = "saved";
+    return true;
+  } catch (const std::exception& error) {
+    fail(error, where);
+    return false;
+  }
+}
+
+void DesignSession::try_out(const Action& action, const std::string& where) {
+  try {
+    std::optional<Document> next = applied(workshop(), session_.document(), action);
+    if (!next) return;
+    trying_ = std::move(next);
+    tried_line_ = action_line(action);
+    fault_ = {};
+  } catch (const std::exception& error) {
+    fail(error, where);
+  }
+}
+
+void DesignSession::try_line(const std::string& line, const std::string& where) {
+  try {
+    if (const std::optional<Action> action = read_action(line)) try_out(*action, where);
+  } catch (const std::exception& error) {
+    fail(error, where);
+  }
+}
+
+bool DesignSession::keep_tried(const std::string& where) {
+  const std::string line = tried_line_;
+  return !line.empty() && run(line, where);
+}
+
+// Muscles of the document that is seen, where the shown body has others.
+bool DesignSession::make_live() {
+  const Document& wanted = seen();
+  if (wanted.muscles == live_of_.muscles && wanted.frame == live_of_.frame) return false;
+  if (!maker_) maker_.emplace(workshop(), shown_->of, anatomy());
+  try {
+    live_ = maker_->make(wanted);
+  } catch (const std::exception& error) {
+    fail(error, "muscle");
+  }
+  live_of_ = wanted;
+  if (live_.muscles.empty()) return true;
+  live_anatomy_.skeleton = anatomy().skeleton;
+  live_anatomy_.muscles = live_.muscles;
+  try {
+    live_table_ = make_posing_table(live_anatomy_);
+    live_model_ = make_scene_model(live_anatomy_, {});
+  } catch (const std::exception& error) {
+    live_ = {};
+    fail(error, "muscle");
+  }
+  ++live_shape_;
+  return true;
+}
+
+void DesignSession::update() {
+  fit_.ask(session_.document());
+  if (std::string said = fit_.take_message(); !said.empty()) message_ = std::move(said);
+  if (auto newest = fit_.newest(); newest != shown_) take_shown(std::move(newest));
+  if (seen().trial == trial_) return;
+  trial_ = seen().trial;
+  ++revision_;
+}
+
+bool DesignSession::follow() {
+  const bool changed = make_live();
+  if (live_.muscles.empty()) return changed;
+  std::vector<double> activation(live_.muscles.size(), 0);
+  for (std::size_t m = 0; m < activation.size(); ++m) {
+    const int own = find_muscle(anatomy(), live_.muscles[m].name);
+    if (own >= 0 && std::size_t(own) < activation_.size())
+      activation[m] = activation_[std::size_t(own)];
+  }
+  pose_anatomy(live_table_, live_anatomy_.skeleton, pose_, live_posed_, 1, activation);
+  return changed;
+}
+
+const std::string& DesignSession::figures(const std::string& joint) {
+  const std::string of = fmt::format("{} {} {}", revision_, seen().picked, joint);
+  if (of == figures_of_) return figures_;
+  figures_of_ = of;
+  figures_.clear();
+  const int muscle = find_muscle(anatomy(), seen().picked + "_l");
+  if (muscle < 0 || !state_) return figures_;
+  int about = joint.empty() ? -1 : find_joint(anatomy().skeleton, joint + "_l");
+  if (about < 0 && !joint.empty()) about = find_joint(anatomy().skeleton, joint);
+  std::vector<double> effort = activation_;
+  effort.resize(anatomy().muscles.size(), 0);
+  const MuscleFigures f = muscle_figures(anatomy(), muscle, pose_, effort, -1, 0);
+  figures_ = fmt::format("{:.1f} mm long ({:+.1f} % of rest), {:.1f} ml, {:.0f} N", 1e3 * f.length,
+                         100 * (f.length / f.rest_length - 1), 1e6 * f.volume, f.force);
+  for (int axis = 0; axis < 3 && about >= 0; ++axis) {
+    const auto arm = muscle_figures(anatomy(), muscle, pose_, effort, about, axis).moment_arm;
+    if (arm)
+      figures_ += fmt::format("\nmoment arm {:.1f} mm about {} {}", 1e3 * *arm, joint,
+                              kAngleNames[std::size_t(axis)]);
+  }
+  return figures_;
+}
+
+void DesignSession::pose(int frame, PosedAnatomy& posed, SkinFrame& skin) {
+  const Character& character = shown_->character();
+  const Skeleton& skeleton = character.anatomy.skeleton;
+  pose_ = shown_->motion
+              ->frames[std::size_t(std::clamp(frame, 0, int(shown_->motion->frames.size()) - 1))];
+  activation_.clear();
+  if (!state_) {
+    stand(character, posed, skin);
+    return;
+  }
+  try {
+    pose_ = trial_pose(workshop(), seen(), skeleton, pose_);
+    activation_ = trial_activation(seen(), character.anatomy);
+  } catch (const std::exception& error) {
+    fail(error, "try");
+  }
+  std::swap(state_->posed, posed);
+  std::swap(state_->skin, skin);
+  evaluate(*shown_->actor, pose_, {activation_, {}}, *state_);
+  std::swap(state_->posed, posed);
+  std::swap(state_->skin, skin);
+}
+
+bool DesignSession::is_replaced(int muscle) const {
+  return std::ranges::find(live_.replaced, anatomy().muscles[std::size_t(muscle)].name) !=
+         live_.replaced.end();
+}
+
+void DesignSession::add_live(const Appearance& appearance, DrawList& list) {
+  if (live_.muscles.empty() || appearance.looks.front().muscles <= 0) return;
+  std::vector<std::uint32_t> parts(live_.muscles.size());
+  for (std::size_t m = 0; m < parts.size(); ++m) {
+    const int own = find_muscle(anatomy(), live_.muscles[m].name);
+    parts[m] = kFirstMusclePart + std::uint32_t(own >= 0 ? own : int(anatomy().muscles.size() + m));
+  }
+  update_muscle_surface(live_model_.surface, live_posed_, live_positions_, &live_normals_);
+  DrawMesh mesh = live_model_.muscles;
+  mesh.key = live_key_;
+  mesh.shape = live_shape_;
+  mesh.revision = ++live_revision_;
+  const auto take = [](const PointsF& from, std::vector<Vec3f>& to) {
+    to.resize(std::size_t(from.rows()));
+    for (Eigen::Index i = 0; i < from.rows(); ++i) to[std::size_t(i)] = from.row(i).transpose();
+  };
+  take(live_positions_, mesh.positions);
+  take(live_normals_, mesh.normals);
+  mesh.colors.resize(mesh.positions.size());
+  for (const MuscleSurface::Part& part : live_model_.surface.parts) {
+    const std::uint32_t number = parts[std::size_t(part.muscle)];
+    Appearance own = appearance;
+    own.hidden.clear();
+    const MuscleTones tones = muscle_tones(own, int(number - kFirstMusclePart), 0);
+    for (int i = part.vertex_begin; i < part.vertex_end; ++i) {
+      const float belly = live_model_.surface.belly[std::size_t(i)];
+      mesh.colors[std::size_t(i)] = belly * tones.belly + (1 - belly) * tones.tendon;
+      mesh.parts[std::size_t(i)] = number;
+    }
+  }
+  DrawItem item;
+  item.mesh = int(list.meshes.size());
+  item.surface = {
+      .color = kMuscleLook.color, .roughness = kMuscleLook.roughness, .specular = 0.045f};
+  item.surface.opacity = appearance.looks.front().muscles;
+  item.surface.scatter = 0.35f;
+  item.surface.striation = 1;
+  item.closed = true;
+  list.meshes.push_back(std::move(mesh));
+  list.items.push_back(item);
+}
+
+std::vector<DesignSession::SeenMuscle> DesignSession::picked(const PosedAnatomy& posed) const {
+  std::vector<SeenMuscle> out;
+  const std::string& name = seen().picked;
+  if (name.empty()) return out;
+  for (const char* side : {"_l", "_r"}) {
+    const auto live = std::ranges::find(live_.muscles, name + side, &Muscle::name);
+    if (live != live_.muscles.end()) {
+      SeenMuscle one{&*live, {}};
+      for (const SliceRange& range : live_model_.strips)
+        if (range.muscle == int(live - live_.muscles.begin()))
+          for (int k = range.begin; k < range.end && k < int(live_posed_.slices.size()); ++k)
+            one.slices.push_back(live_posed_.slices[std::size_t(k)]);
+      out.push_back(std::move(one));
+      continue;
+    }
+    const int own = find_muscle(anatomy(), name + side);
+    if (own < 0) continue;
+    SeenMuscle one{&anatomy().muscles[std::size_t(own)], {}};
+    for (const SliceRange& range : shown_->model->strips)
+      if (range.muscle == own)
+        for (int k = range.begin; k < range.end && k < int(posed.slices.size()); ++k)
+          one.slices.push_back(posed.slices[std::size_t(k)]);
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
+std::vector<int> DesignSession::changed_since_saved() const {
+  std::vector<int> out;
+  const Document &saved = session_.saved(), &now = seen();
+  for (const auto& muscle : now.muscles) {
+    const int before = find_entry(saved, muscle->left.name);
+    if (before >= 0 && saved.muscles[std::size_t(before)] == muscle) continue;
+    for (const char* side : {"_l", "_r"})
+      if (const int own = find_muscle(anatomy(), muscle->left.name + side); own >= 0)
+        out.push_back(own);
+  }
+  std::ranges::sort(out);
+  return out;
+}
+
+}  // namespace ecorche

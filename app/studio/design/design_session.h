@@ -1,0 +1,115 @@
+// What the studio's window works on: a session of actions, the body that is shown, what is being
+// fitted behind it, and what goes along at once.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "anatomy/posing/posing_table.h"
+#include "app/edit/session.h"
+#include "app/edit/trial_pose.h"
+#include "app/files/actor.h"
+#include "app/studio/design/background_fit.h"
+#include "app/studio/design/handles.h"
+#include "app/studio/design/live_muscles.h"
+#include "viewer/draw_list.h"
+#include "viewer/scene.h"
+
+namespace ecorche {
+
+// An error, and the panel whose line it belongs to.
+struct Fault {
+  std::string where, text;
+};
+
+class DesignSession {
+ public:
+  // All borrowed. Throws as read_template.
+  DesignSession(Session& session, const Common& common, Session::Drawer draw);
+
+  const Session& session() const { return session_; }
+  Workshop& workshop() { return session_.workshop(); }
+  // The document as it is seen: with what is being tried, before it is an action.
+  const Document& seen() const { return trying_ ? *trying_ : session_.document(); }
+  const Anatomy& anatomy() const { return shown_->character().anatomy; }
+  const ShownBody& shown() const { return *shown_; }
+  BackgroundFit& fit() { return fit_; }
+
+  // Runs a line of a script as one step. What fails is said by fault().
+  bool run(const std::string& line, const std::string& where);
+  // Shows what an action would do; the next run() or let_go() ends it.
+  void try_out(const Action& action, const std::string& where);
+  void try_line(const std::string& line, const std::string& where);
+  void let_go() { trying_.reset(), tried_line_.clear(); }
+  const std::string& tried_line() const { return tried_line_; }
+  // Tries nothing any more, and runs what was tried.
+  bool keep_tried(const std::string& where);
+  const Fault& fault() const { return fault_; }
+  void forget_fault() { fault_ = {}; }
+  const std::string& message() const { return message_; }
+  void say(std::string text) { message_ = std::move(text); }
+
+  // Takes over what was finished and begins what is wanted: once a frame, before it.
+  void update();
+  // Lets muscles go along with what is seen, in the pose of the last pose(). Returns whether other
+  // muscles than before are seen.
+  bool follow();
+  std::uint64_t revision() const { return revision_; }
+
+  // Joints, muscles and skin in a frame of the motion, with the pose and activations of the trial.
+  void pose(int frame, PosedAnatomy& posed, SkinFrame& skin);
+
+  // Muscles that go along before the body is fitted, at the pose of the last pose().
+  const LiveMuscles& live() const { return live_; }
+  bool is_replaced(int muscle) const;  // of the shown anatomy
+  void add_live(const Appearance& appearance, DrawList& list);
+
+  // The muscle that was picked, both sides, as it is seen; empty where none is.
+  struct SeenMuscle {
+    const Muscle* muscle = nullptr;
+    std::vector<Ellipse> slices;  // in the pose of the last pose()
+  };
+  std::vector<SeenMuscle> picked(const PosedAnatomy& posed) const;
+  // Muscles of the shown anatomy that are otherwise than when the document was saved, rising.
+  std::vector<int> changed_since_saved() const;
+  // Length, force and the like of the picked muscle as it is posed, and its moment arms about a
+  // joint (without side, may be empty); empty where none is picked, or not yet fitted.
+  const std::string& figures(const std::string& joint);
+  const BoneCarrier& carrier();
+  const std::vector<Vec3>& joint_rest() const { return shown_->model->joint_rest; }
+
+ private:
+  void take_shown(std::shared_ptr<const ShownBody> body);
+  bool make_live();
+  void fail(const std::exception& error, const std::string& where);
+
+  Session& session_;
+  const Common& common_;
+  std::shared_ptr<const ShownBody> shown_;
+  BackgroundFit fit_;
+  std::optional<ActorState> state_;
+  std::optional<LiveMuscleMaker> maker_;
+  LiveMuscles live_;
+  Document live_of_;  // that the live muscles were made for
+  Anatomy live_anatomy_;
+  SceneModel live_model_;
+  PosingTable live_table_;
+  PosedAnatomy live_posed_;
+  PointsF live_positions_, live_normals_;
+  std::uint64_t live_shape_ = 0, live_revision_ = 0, live_key_ = fresh_scene_key() << 32;
+  Pose pose_;
+  std::vector<double> activation_;
+  std::optional<Document> trying_;
+  std::string tried_line_;
+  Shared<Trial> trial_;  // that the last pose was made with
+  std::uint64_t revision_ = 1;
+  std::string figures_, figures_of_;  // and what they were made for
+  Fault fault_;
+  std::string message_;
+};
+
+}  // namespace ecorche

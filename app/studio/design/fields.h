@@ -1,0 +1,30 @@
+// Fields of the studio's panels. A value is typed with a unit and is an action when it is done.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "app/studio/design/design_session.h"
+#include "viewer/window/view_document.h"
+
+namespace ecorche {
+
+constexpr float kQuietGrey = 0.70f;
+
+// Shows a value; returns the text that a person has put in its place, when it is finished.
+std::optional<std::string> value_field(const std::string& id, const std::string& now, float width);
+// A line to write in. Returns whether Enter was pressed.
+bool text_field(const std::string& id, std::string& text, const std::string& hint, float width,
+                bool focus = false);
+// A slider that is an action when it is let go of: while it is held, `line` of its value is tried.
+void action_slider(DesignSession& session, const std::string& id, double value, double low,
+                   double high, const char* format, const std::string& line_before,
+                   const std::string& where);
+void quiet_text(const std::string& text);
+void help_of_last(const std::string& text);  // a tooltip
+// What went wrong with what stands above; nothing where nothing did.
+void show_fault(const DesignSession& session, const std::string& where);
+// Names the middle of the last thing drawn, for recorded sessions.
+void name_place(ViewDocument& document, const std::string& name);
+
+}  // namespace ecorche

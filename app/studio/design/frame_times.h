@@ -1,0 +1,23 @@
+// Times from the reading of events until what they did is on the screen, by what was done.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "app/report.h"
+
+namespace ecorche {
+
+class FrameTimes {
+ public:
+  enum class Doing { still, turning, playing, editing, undoing };
+  void add(Doing doing, double seconds, bool fitting);
+  // window.turning.p50_ms and the like; nothing for what was not done.
+  void report(Report& report) const;
+
+ private:
+  std::array<std::vector<double>, 5> ms_;
+  std::vector<double> fitting_;  // frames while a body was being fitted
+};
+
+}  // namespace ecorche

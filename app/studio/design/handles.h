@@ -1,0 +1,60 @@
+// Where a hand can take hold of a document in the figure, and which action a drag is.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "anatomy/anatomy.h"
+#include "anatomy/posed_anatomy.h"
+#include "app/edit/action_list.h"
+#include "app/edit/workshop.h"
+#include "app/studio/design/live_muscles.h"
+#include "viewer/draw_list.h"
+
+namespace ecorche {
+
+struct Handle {
+  enum class Kind { point, joint } kind = Kind::point;
+  Side side = Side::left;
+  int strip = 0, point = 0, points = 0;  // of a line, from 0; how many the line has
+  int joint = -1;                        // of the skeleton
+  PathPoint at{};                        // at rest, and what carries it
+  Vec3 place = Vec3::Zero();             // now, world
+  std::string name;                      // "point:1:3", "point_r:1:3", "joint:elbow_l"
+};
+
+Vec3 posed_place(const PathPoint& point, std::span<const Vec3> joint_rest,
+                 const PosedAnatomy& posed);
+
+// Points of a muscle's lines.
+void add_points(const Muscle& muscle, std::span<const Vec3> joint_rest, const PosedAnatomy& posed,
+                std::vector<Handle>& out);
+// Centres of joints.
+void add_joints(const Skeleton& skeleton, const PosedAnatomy& posed, std::vector<Handle>& out);
+
+// A muscle's lines, sections and wraps as lines in the world.
+struct WireShape {
+  enum class Kind { line, section, wrap } kind = Kind::line;
+  std::vector<Vec3f> points{};
+  bool closed = false;
+};
+void add_wires(const Muscle& muscle, std::span<const Ellipse> slices,
+               std::span<const Vec3> joint_rest, const PosedAnatomy& posed,
+               std::vector<WireShape>& out);
+
+// A drag of a handle as an action on both sides, or on the handle's alone. `moved`: in the world,
+// m. Rounded to 0.1 mm.
+struct DragInput {
+  const Document& document;
+  Workshop& workshop;
+  const BoneCarrier& carrier;  // from the template's body to the shown one
+  const PosedAnatomy& posed;
+  const Skeleton& skeleton;  // of the shown body
+};
+std::optional<Action> action_of_drag(const DragInput& input, const Handle& handle,
+                                     const Vec3& moved, bool one_side);
+
+}  // namespace ecorche

@@ -1,0 +1,16 @@
+// The card of the picked muscle: what it is, its figures and lines, in fields that are actions.
+#pragma once
+
+#include "app/studio/design/design_session.h"
+#include "app/studio/design/panel_state.h"
+#include "viewer/window/view_document.h"
+
+namespace ecorche {
+
+// "landmark+left,up,front", as scripts write a place.
+std::string place_text(const MuscleTable& frame, int landmark, const Vec3& offset);
+
+// Within a window of ImGui.
+void draw_muscle_card(DesignSession& session, PanelState& state, ViewDocument& document);
+
+}  // namespace ecorche

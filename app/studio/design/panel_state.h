@@ -1,0 +1,40 @@
+// What the studio's panels remember between frames, and where the mouse is in a drag.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/studio/design/handles.h"
+#include "viewer/window/view_keys.h"
+
+namespace ecorche {
+
+struct HandleDrag {
+  Handle handle;
+  Vec3 moved = Vec3::Zero();  // so far, world, m
+  bool begun = false;         // it has travelled
+};
+
+struct PanelState {
+  std::string find;           // over the list of muscles
+  int peel = 0;               // layers of muscles that are taken off, 0 .. 3
+  bool one_side = false;      // drags move the handle's side alone
+  bool mark_changed = false;  // colour what differs from what was saved
+  bool points = true, sections = true, wraps = true, joints = false;
+  bool actions = false;        // the search box of actions is open
+  bool actions_begin = false;  // it opened in this frame
+  std::string typed;           // in it
+  bool asks_folder = false;    // where to save to
+  bool asks_to_close = false, closes = false;
+  std::string folder;
+  std::string joint;  // that the panel of joints shows
+  std::string body_file;
+  std::optional<ViewAction> look;  // that a panel asks the view for
+  std::vector<Handle> handles;     // of the last frame
+  int hovered = -1;                // of them
+  std::optional<HandleDrag> drag;
+  Eigen::Vector2f pressed{0, 0};  // where it began, pixels
+};
+
+}  // namespace ecorche

@@ -1,0 +1,235 @@
+#include "app/studio/design/script_panel.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "anatomy/files/atomic_file.h"
+#include "app/studio/design/fields.h"
+
+namespace ecorche {
+namespace {
+
+constexpr ImGuiWindowFlags kBar = ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                                  ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoTitleBar |
+                                  ImGuiWindowFlags_AlwaysAutoResize;
+
+// Under a name that is free, in the folder that the program was started in.
+void save_script(DesignSession& session) {
+  for (int number = 1; number < 10000; ++number) {
+    const std::filesystem::path file = fmt::format("studio-{:04}.txt", number);
+    if (std::filesystem::exists(file)) continue;
+    try {
+      write_file_atomically(file, script_of(session.session().history()));
+      session.say(fmt::format("script: {}", std::filesystem::absolute(file).string()));
+    } catch (const std::exception& error) {
+      session.say(error.what());
+    }
+    return;
+  }
+}
+
+void draw_fit_state(DesignSession& session) {
+  BackgroundFit& fit = session.fit();
+  if (const std::string problem = fit.problem(); !problem.empty()) {
+    ImGui::TextWrapped("no body for this yet: %s", problem.c_str());
+    return;
+  }
+  if (fit.is_cancelled()) {
+    quiet_text("the body is as it was fitted before");
+    ImGui::SameLine();
+    if (ImGui::SmallButton("fit now")) fit.ask(session.session().document(), true);
+    return;
+  }
+  if (!fit.busy()) return;
+  const std::string stage = fit.stage();
+  ImGui::ProgressBar(float(fit.share()), {12 * ImGui::GetFontSize(), 0}, "");
+  ImGui::SameLine();
+  ImGui::TextUnformatted(stage.empty() ? "waiting ..." : stage.c_str());
+  ImGui::SameLine();
+  if (ImGui::SmallButton("cancel")) fit.cancel();
+  help_of_last("Keep the body that is shown; the muscles that were changed stay as a sketch");
+}
+
+void draw_folder(DesignSession& session, PanelState& state, ViewDocument& document) {
+  if (!state.asks_folder) return;
+  ImGui::TextUnformatted("Save the project as a folder:");
+  const bool entered = text_field("##folder", state.folder, "my-arm", 14 * ImGui::GetFontSize());
+  name_place(document, "folder");
+  ImGui::SameLine();
+  if ((ImGui::Button("save here") || entered) && !state.folder.empty() &&
+      session.run("save " + ecorche::quoted(state.folder), "save")) {
+    state.asks_folder = false;
+    state.closes = state.asks_to_close;
+  }
+  ImGui::SameLine();
+  if (ImGui::Button("not now")) state.asks_folder = state.asks_to_close = false;
+}
+
+void draw_closing(DesignSession& session, PanelState& state) {
+  if (!state.asks_to_close || state.asks_folder) return;
+  ImGui::TextUnformatted("There are changes that are not saved.");
+  if (ImGui::Button("save and close")) {
+    save_or_ask(session, state);
+    state.closes = !state.asks_folder && !session.session().unsaved();
+  }
+  ImGui::SameLine();
+  if (ImGui::Button("close without")) state.closes = true;
+  ImGui::SameLine();
+  if (ImGui::Button("stay")) state.asks_to_close = false;
+}
+
+bool has_word(const ActionKind& kind, const std::string& typed) {
+  const std::string word = typed.substr(0, typed.find(' '));
+  const std::string all = fmt::format("{} {} {}", kind.name, kind.group, kind.help);
+  return word == kind.name ||
+         (typed.find(' ') == std::string::npos && all.find(word) != std::string::npos);
+}
+
+void draw_kind(const ActionKind& kind, PanelState& state, bool alone) {
+  if (ImGui::Selectable(kind.name)) {
+    state.typed = std::string(kind.name) + " ";
+    state.actions_begin = true;
+  }
+  ImGui::SameLine(9.5f * ImGui::GetFontSize());
+  ImGui::TextUnformatted(kind.help);
+  if (*kind.example) {
+    ImGui::SetCursorPosX(ImGui::GetCursorPosX() + 9.5f * ImGui::GetFontSize());
+    quiet_text(fmt::format("{} {}", kind.name, kind.example));
+  }
+  if (!alone) return;
+  for (const ArgumentInfo& each : arguments_of(kind)) {
+    std::string kinds = each.kind;
+    for (std::size_t k = 0; k < each.words.size(); ++k)
+      kinds = (k ? kinds + "|" : "") + each.words[k];
+    if (each.unit != ArgumentUnit::none) kinds += std::string(" ") + unit_name(each.unit);
+    ImGui::BulletText("%s", fmt::format("{} ({}{}): {}", each.key, kinds,
+                                        each.required ? "" : ", optional", each.help)
+                                .c_str());
+  }
+}
+
+}  // namespace
+
+std::string script_of(const History& history) {
+  std::string out;
+  for (std::size_t k = 1; k <= history.now; ++k) out += history.steps[k].line + "\n";
+  return out;
+}
+
+void save_or_ask(DesignSession& session, PanelState& state) {
+  if (session.session().has_project())
+    session.run("save", "save");
+  else
+    state.asks_folder = true;
+}
+
+void draw_script_panel(DesignSession& session, ViewDocument& document) {
+  quiet_text("Every change is a line of a script. Click one to go back to it.");
+  const History& history = session.session().history();
+  if (ImGui::Button("copy")) {
+    ImGui::SetClipboardText(script_of(history).c_str());
+    session.say("the script is on the clipboard");
+  }
+  ImGui::SameLine();
+  if (ImGui::Button("save as script")) save_script(session);
+  name_place(document, "save script");
+  help_of_last("For ecorche studio --script, into the folder in which the program was started");
+  ImGui::BeginChild("lines");
+  const int now = int(history.now), all = int(history.steps.size());
+  int wanted = now;
+  for (int k = 0; k < all; ++k) {
+    const std::string line = k == 0 ? "as it was opened" : history.steps[std::size_t(k)].line;
+    ImGui::PushID(k);
+    if (k > now)
+      ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyle().Colors[ImGuiCol_TextDisabled]);
+    if (ImGui::Selectable(line.c_str(), k == now)) wanted = k;
+    if (k > now) ImGui::PopStyleColor();
+    help_of_last(line);
+    ImGui::PopID();
+  }
+  static std::size_t seen = 0;
+  if (seen != history.steps.size()) ImGui::SetScrollHereY(1);
+  seen = history.steps.size();
+  ImGui::EndChild();
+  if (wanted < now) session.run(fmt::format("undo {}", now - wanted), "script");
+  if (wanted > now) session.run(fmt::format("redo {}", wanted - now), "script");
+}
+
+float draw_top_bar(DesignSession& session, PanelState& state, ViewDocument& document,
+                   const BarPlace& place) {
+  ImGui::SetNextWindowPos({place.left, place.top}, ImGuiCond_Always);
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {place.width, 1000});
+  float bottom = place.top;
+  if (ImGui::Begin("bar", nullptr, kBar)) {
+    const History& history = session.session().history();
+    if (ImGui::Button("undo") && history.now > 0) session.run("undo", "bar");
+    name_place(document, "undo");
+    help_of_last("Ctrl + Z");
+    ImGui::SameLine();
+    if (ImGui::Button("redo") && history.now + 1 < history.steps.size()) session.run("redo", "bar");
+    help_of_last("Ctrl + Shift + Z");
+    ImGui::SameLine();
+    if (ImGui::Button(session.session().unsaved() ? "save *###save" : "save###save"))
+      save_or_ask(session, state);
+    name_place(document, "save");
+    help_of_last("Ctrl + S; the star says that there are changes");
+    ImGui::SameLine();
+    if (ImGui::Button("actions")) state.actions = state.actions_begin = !state.actions;
+    name_place(document, "actions");
+    help_of_last("Ctrl + P: find and run any action");
+    ImGui::SameLine();
+    if (ImGui::Button("keys")) document.help = !document.help;
+    help_of_last("F1");
+    draw_folder(session, state, document);
+    draw_closing(session, state);
+    draw_fit_state(session);
+    show_fault(session, "save");
+    show_fault(session, "bar");
+    show_fault(session, "view");
+    const std::string& tried = session.tried_line();
+    if (!tried.empty()) ImGui::TextWrapped("%s", tried.c_str());
+    for (const std::string& text : {session.message(), document.message})
+      if (tried.empty() && !text.empty()) quiet_text(text);
+    bottom = ImGui::GetWindowPos().y + ImGui::GetWindowHeight();
+  }
+  ImGui::End();
+  return bottom;
+}
+
+void draw_actions_box(DesignSession& session, PanelState& state, ViewDocument& document,
+                      const BarPlace& place) {
+  if (!state.actions) return;
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({place.left, place.top + 0.4f * ImGui::GetFontSize()}, ImGuiCond_Always);
+  ImGui::SetNextWindowSize({place.width, std::min(0.6f * size.y, 26 * ImGui::GetFontSize())},
+                           ImGuiCond_Always);
+  bool open = true;
+  if (ImGui::Begin("Actions", &open,
+                   ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
+                       ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse)) {
+    if (text_field("##typed", state.typed, "search, or type a line as in a script and press Enter",
+                   -1, state.actions_begin) &&
+        !state.typed.empty()) {
+      if (session.run(state.typed, "actions")) state.typed.clear();
+      state.actions_begin = true;
+    } else {
+      state.actions_begin = false;
+    }
+    name_place(document, "action line");
+    show_fault(session, "actions");
+    ImGui::BeginChild("kinds");
+    std::vector<const ActionKind*> found;
+    for (const ActionKind& kind : action_kinds())
+      if (has_word(kind, state.typed)) found.push_back(&kind);
+    for (const ActionKind* kind : found) draw_kind(*kind, state, found.size() == 1);
+    if (found.empty()) quiet_text("no action has this word");
+    ImGui::EndChild();
+  }
+  ImGui::End();
+  if (!open) state.actions = false;
+}
+
+}  // namespace ecorche

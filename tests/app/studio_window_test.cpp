@@ -1,0 +1,149 @@
+// What the studio's window stands on, without a display: muscles that go along at once, names that
+// are found, drags that become actions, sessions that are played.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "anatomy/muscles/action_line.h"
+#include "app/studio/design/live_muscles.h"
+#include "app/studio/design/muscle_list.h"
+#include "app/studio/design/script_panel.h"
+#include "viewer/window/recorded_input.h"
+#include "viewer/window/window_tool.h"
+
+namespace ecorche {
+namespace {
+
+Strip straight(double length, double radius) {
+  std::vector<PathPoint> path(3);
+  for (int i = 0; i < 3; ++i) path[std::size_t(i)].rest = Vec3(0, 0.5 * length * i, 0);
+  std::vector<Station> stations;
+  for (int k = 0; k < 9; ++k)
+    stations.push_back({k / 8.0, Vec3::Zero(), Vec3::UnitX(), Vec2(radius, 0.7 * radius)});
+  return make_strip(path, stations);
+}
+
+Muscle spindle(double length, double radius) {
+  Muscle muscle;
+  muscle.name = "spindle_l";
+  muscle.side = Side::left;
+  muscle.volume = 1e-4;
+  muscle.strips = {straight(length, radius)};
+  return muscle;
+}
+
+Muscle grown(Muscle muscle) {
+  Strip& strip = muscle.strips.front();
+  for (PathPoint& point : strip.path) point.rest += Vec3(0.002, 0.001, -0.003);
+  for (Slice& slice : strip.slices) {
+    slice.radii *= 1.4;
+    slice.roll += 0.2;
+    slice.offset += Vec2(0.001, 0.002);
+    slice.outline[3] = 1.2f;
+  }
+  muscle.volume *= 1.9;
+  return muscle;
+}
+
+TEST(LiveMuscles, AMuscleThatIsAsBeforeIsTheFittedOne) {
+  const Muscle before = spindle(0.3, 0.02), fitted = grown(before);
+  const Muscle live = grown_like(before, before, fitted);
+  const std::vector<Ellipse> a = rest_slices(live.strips[0]), b = rest_slices(fitted.strips[0]);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    EXPECT_LT((a[k].center - b[k].center).norm(), 1e-9);
+    EXPECT_LT((a[k].radii - b[k].radii).norm(), 1e-9);
+    EXPECT_EQ(a[k].outline, b[k].outline);
+  }
+  EXPECT_NEAR(live.volume, fitted.volume, 1e-12);
+}
+
+TEST(LiveMuscles, AMovedEndMovesAndTheGrowthStays) {
+  const Muscle before = spindle(0.3, 0.02), fitted = grown(before);
+  Muscle moved = before;
+  moved.strips[0].path[2].rest += Vec3(0.01, 0, 0);
+  const Muscle live = grown_like(moved, before, fitted);
+  const Vec3 by = live.strips[0].path[2].rest - fitted.strips[0].path[2].rest;
+  EXPECT_LT((by - Vec3(0.01, 0, 0)).norm(), 1e-12);
+  for (std::size_t k = 0; k < live.strips[0].slices.size(); ++k)
+    EXPECT_LT((live.strips[0].slices[k].radii - fitted.strips[0].slices[k].radii).norm(), 1e-9);
+  // Other slices than before: the growth of what lies there.
+  Muscle finer = before;
+  finer.strips[0].slices.erase(finer.strips[0].slices.begin() + 1);
+  for (const Slice& slice : grown_like(finer, before, fitted).strips[0].slices)
+    EXPECT_NEAR(slice.radii.x(), 1.4 * 0.02, 1e-9);
+}
+
+TEST(LiveMuscles, PointsGoWhereTheBonesGo) {
+  Anatomy from;
+  from.skeleton.joints.resize(2);
+  from.skeleton.joints[1].parent = 0;
+  Bone bone{"femur_l", Side::left, 0, {}};
+  bone.mesh.V.resize(64, 3);
+  for (int k = 0; k < 64; ++k) bone.mesh.V.row(k) << k % 4, (k / 4) % 4, 3 * (k / 16);
+  bone.mesh.V *= 0.01;
+  from.bones.push_back(bone);
+  Anatomy to = from;
+  Mat3 stretch;
+  stretch << 1.1, 0.05, 0, 0, 0.9, 0, 0.02, 0, 1.2;
+  to.bones[0].mesh.V =
+      (bone.mesh.V * stretch.transpose()).rowwise() + Eigen::RowVector3d(0.1, 0.2, -0.3);
+  const BoneCarrier carrier(from, to);
+  const Vec3 place(0.02, 0.05, 0.01), wanted = stretch * place + Vec3(0.1, 0.2, -0.3);
+  EXPECT_LT((carrier.carry(place, 0) - wanted).norm(), 1e-4);
+  EXPECT_LT((carrier.carry(place, 1) - carrier.carry(place, 0)).norm(), 1e-12)
+      << "a joint without bones goes with its parent";
+}
+
+TEST(MuscleList, WordsOfBothLanguagesAreFound) {
+  TableMuscle muscle;
+  muscle.name = "biceps_brachii_long";
+  muscle.label = "Biceps of the arm, long head";
+  muscle.insertion = "radial tuberosity";
+  for (const char* words : {"brachii", "BICEPS long", "arm head", "radial", "", "biceps brachii"})
+    EXPECT_TRUE(is_found(muscle, words)) << words;
+  for (const char* words : {"femoris", "biceps femoris"}) EXPECT_FALSE(is_found(muscle, words));
+}
+
+TEST(ViewProjection, AMoveOfPixelsIsSeenAsSuch) {
+  Camera camera;
+  camera.eye = {1, 1.2f, 3};
+  const ViewProjection view(camera, 1280, 720);
+  const Vec3f place(0.1f, 1.1f, 0.2f);
+  const auto before = view.pixel(place), after = view.pixel(place + view.moved(place, 40, -25));
+  ASSERT_TRUE(before && after);
+  EXPECT_NEAR(after->x() - before->x(), 40, 0.3);
+  EXPECT_NEAR(after->y() - before->y(), -25, 0.3);
+  EXPECT_FALSE(view.pixel(Vec3f(1, 1.3f, 9))) << "behind the eye";
+}
+
+TEST(StudioScript, IsWhatHasBeenDoneAndNotTakenBack) {
+  History history = begin_history({});
+  for (const char* line : {"pick soleus", "move_point point=2 by=0,0,1", "pick plantaris"})
+    add_step(history, {}, line);
+  undo_steps(history, 1);
+  EXPECT_EQ(script_of(history), "pick soleus\nmove_point point=2 by=0,0,1\n");
+}
+
+TEST(RecordedInput, MistakesNameFileAndLine) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / fmt::format("ecorche_input_{}.txt", ::getpid());
+  for (const char* line : {"drag point", "klick find", "key Hyper", "frames 0", "picture x.jpg",
+                           "drag find 3", "turn left"}) {
+    std::ofstream(file) << "# a remark\nwait\n" << line << "\n";
+    try {
+      RecordedInput input(file);
+      ADD_FAILURE() << line;
+    } catch (const std::exception& error) {
+      EXPECT_NE(std::string(error.what()).find(file.string() + ":3"), std::string::npos)
+          << error.what();
+    }
+  }
+  std::filesystem::remove(file);
+}
+
+}  // namespace
+}  // namespace ecorche
