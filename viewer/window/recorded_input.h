@@ -30,6 +30,7 @@ class RecordedInput {
   // What happens in the next frame, for us and for ImGui, which reads it in its NewFrame. Throws
   // InputError for a place that is not shown.
   std::vector<WindowEvent> next(ViewDocument& document, float width, float height);
+  bool waits() const { return !ended() && moves_[at_].kind == Move::Kind::wait; }
   bool ended() const { return at_ == moves_.size(); }
   // A picture that the last frame is wanted as; empty: none.
   std::filesystem::path take_picture();

@@ -16,6 +16,7 @@
 
 #include "anatomy/errors.h"
 #include "viewer/gl/gl_api.h"
+#include "viewer/gl/gl_targets.h"
 #include "viewer/gl/renderer.h"
 #include "viewer/image.h"
 #include "viewer/window/panels.h"
@@ -29,6 +30,7 @@ namespace {
 constexpr const char* font_file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 constexpr float letters = 15;            // pixels
 constexpr double settle_seconds = 0.25;  // after the last change the picture is drawn again, finely
+constexpr double slow_seconds = 0.025;   // a picture of what moves
 constexpr double idle_seconds = 0.5, busy_seconds = 0.05;
 
 void* window_proc(const char* name) { return reinterpret_cast<void*>(glfwGetProcAddress(name)); }
@@ -128,35 +130,75 @@ class View {
     return camera_of(document, root, width, height, room);
   }
 
+  // A picture that has not changed is copied, so that panels and jobs do not wait for it.
   void draw(const ViewDocument& document, const Camera& camera, int width, int height, bool fine) {
-    renderer_.options().supersample = fine ? 2 : 1;
-    renderer_.options().ambient_occlusion = fine;
-    renderer_.options().shadow_size = fine ? 2048 : 1024;
     const PosedAnatomy& posed = pose(document);
     Appearance appearance = appearance_of(document);
     if (tool_.dress) tool_.dress(appearance);
-    DrawList& list = scene_.list;
-    // A view that alone turns draws the same meshes.
-    if (drawn_ != appearance) {
-      update_scene(*subject_.model, posed, skin_.positions.empty() ? nullptr : &skin_, activity_,
-                   appearance, ++revision_, scene_);
-      drawn_ = appearance;
+    const bool alike = drawn_ == appearance;
+    const int share = !fine && slow_ ? 2 : 1;
+    const int own_width = std::max(width / share, 1), own_height = std::max(height / share, 1);
+    const bool ready = alike && kept_.width() == own_width && kept_.height() == own_height &&
+                       fine == fine_ && document.touched == touched_ && same_camera(camera) &&
+                       scene_.list.ground.visible == document.ground;
+    if (!ready) {
+      fine_ = fine;
+      touched_ = document.touched;
+      if (!alike) {
+        update_scene(*subject_.model, posed, skin_.positions.empty() ? nullptr : &skin_, activity_,
+                     appearance, ++revision_, scene_);
+        drawn_ = appearance;
+      }
+      kept_.resize(own_width, own_height);
+      rendered_ = true;
+      render(posed, appearance, document, camera);
     }
+    gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, kept_.framebuffer());
+    gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+    gl_.BlitFramebuffer(0, 0, own_width, own_height, 0, 0, width, height, GL_COLOR_BUFFER_BIT,
+                        share > 1 ? GL_LINEAR : GL_NEAREST);
+    gl_.BindFramebuffer(GL_FRAMEBUFFER, 0);
+    share_ = 1 / float(share);
+  }
+  // Where pictures of what moves take too long, they are drawn at half the size, without shadows.
+  void took(double seconds) {
+    if (std::exchange(rendered_, false) && !fine_ && seconds > slow_seconds) slow_ = true;
+  }
+
+  std::uint32_t part_at(float x, float y) {
+    return renderer_.part_at(int(x * share_), int(y * share_));
+  }
+
+ private:
+  void render(const PosedAnatomy& posed, const Appearance& appearance, const ViewDocument& document,
+              const Camera& camera) {
+    renderer_.options().supersample = fine_ ? 2 : 1;
+    renderer_.options().ambient_occlusion = fine_;
+    renderer_.options().shadow_size = fine_ ? 2048 : slow_ ? 0 : 1024;
+    DrawList& list = scene_.list;
     list.ground.visible = document.ground;
     list.camera = camera;
     const std::size_t meshes = list.meshes.size(), items = list.items.size();
     if (tool_.add) tool_.add(posed, appearance, list);
-    renderer_.render_to(list, width, height, 0);
+    renderer_.render_to(list, kept_.width(), kept_.height(), kept_.framebuffer());
     list.meshes.resize(meshes);
     list.items.resize(items);
   }
+  bool same_camera(const Camera& c) const {
+    const Camera& was = scene_.list.camera;
+    return c.eye == was.eye && c.target == was.target && c.up == was.up && c.fov_y == was.fov_y &&
+           c.ortho_height == was.ortho_height && c.near_plane == was.near_plane &&
+           c.far_plane == was.far_plane && c.shift == was.shift;
+  }
 
-  std::uint32_t part_at(float x, float y) { return renderer_.part_at(int(x), int(y)); }
-
- private:
   const ViewSubject& subject_;
   const WindowTool& tool_;
   Renderer renderer_;
+  GlApi gl_ = load_gl(window_proc);
+  GlTarget kept_{gl_, {GL_RGBA8}, false};  // the picture, without panels
+  bool fine_ = false, slow_ = false, rendered_ = false;
+  float share_ = 1;  // of the window's pixels
+  std::uint64_t touched_ = 0;
   Scene scene_;
   PosedAnatomy posed_;
   SkinFrame skin_;
@@ -301,7 +343,8 @@ bool Session::goes_on(int frame) {
 }
 
 void Session::wait_for_events() const {
-  if (document.playing || options.frames > 0 || recorded || !is_settled())
+  const bool waits = recorded && recorded->waits() && document.busy;
+  if (!waits && (document.playing || options.frames > 0 || recorded || !is_settled()))
     glfwPollEvents();
   else
     glfwWaitEventsTimeout(document.busy ? busy_seconds : idle_seconds);
@@ -362,8 +405,9 @@ void Session::show(int frame, int width, int height, Point unit) {
   const Camera camera = view.camera(document, room, window_width, window_height);
   projection = ViewProjection(camera, window_width, window_height);
   if (tool.draw_over) tool.draw_over(view.pose(document), projection, document);
-  view.draw(document, camera, width, height,
-            is_last(frame) || document.wants_picture || !wanted.empty() || is_settled());
+  view.draw(
+      document, camera, width, height,
+      is_last(frame) || document.wants_picture || !wanted.empty() || (!recorded && is_settled()));
   if (clicked) document.selected = view.part_at(clicked->x * unit.x, clicked->y * unit.y);
   if (clicked && tool.picked) tool.picked(document.selected);
   if (frame == 0 && options.pick_x >= 0 && options.pick_y >= 0)
@@ -375,6 +419,7 @@ void Session::show(int frame, int width, int height, Point unit) {
     write_png(options.screenshot, read_window(width, height));
   if (!wanted.empty()) write_png(wanted, read_window(width, height));
   glfwSwapBuffers(screen.window());
+  view.took(glfwGetTime() - began);
   if (tool.shown) tool.shown(began, glfwGetTime() - began, document);
 }
 
@@ -389,7 +434,7 @@ ViewDocument run_window(const ViewSubject& subject, const WindowOptions& options
                   .tool = tool,
                   .options = options,
                   .screen = screen,
-                  .view = View(subject, tool),
+                  .view{subject, tool},
                   .document = start,
                   .shown = start,
                   .recorded = std::move(recorded)};
