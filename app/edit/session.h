@@ -24,7 +24,7 @@ namespace ecorche {
 
 struct SessionOptions {
   std::filesystem::path project{};  // folder; read where there is one, made by `save`; empty: none
-  bool discard = false;           // actions of its journal that were not saved
+  bool discard = false;             // actions of its journal that were not saved
   // Begins with this document instead, of a workshop with this built-in one; both or none.
   std::optional<Document> document{}, built_in{};
 };

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes the picture of docs/studio.md by its script of actions.
+"""Makes the pictures of docs/studio.md: one by its script of actions, one by a session at the window.
 
     studio.py ECORCHE
 """
@@ -17,6 +17,12 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([program, "studio", "--script", os.path.abspath(script)], cwd=folder, check=True)
         convert(os.path.join(folder, "studio.png"), os.path.join(HERE, "studio.jpg"), 760)
+        session = os.path.join(folder, "session.txt")
+        with open(os.path.join(HERE, "..", "studio", "insertion.txt")) as given, open(session, "w") as out:
+            # with the card in view, in the midst of the work
+            out.write(given.read().split("key Ctrl + Z")[0].replace("-30,10", "-10,6") + "wait\nclick tab:Muscle\nframes 5\npicture window.png\n")
+        subprocess.run(["xvfb-run", "-a", "-s", "-screen 0 1600x1000x24", program, "studio", "--input", session, "--size", "1440x900"], cwd=folder, check=True)
+        convert(os.path.join(folder, "window.png"), os.path.join(HERE, "studio-window.jpg"), 1200)
 
 
 if __name__ == "__main__":

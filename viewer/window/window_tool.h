@@ -2,6 +2,7 @@
 // and the keys before the view has them. Every function may be left out.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>

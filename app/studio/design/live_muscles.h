@@ -3,6 +3,7 @@
 // name has.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <string>
 #include <vector>

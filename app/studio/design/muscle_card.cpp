@@ -89,13 +89,6 @@ void draw_first_steps() {
 
 }  // namespace
 
-std::string place_text(const MuscleTable& frame, int landmark, const Vec3& offset) {
-  const std::string& id = frame.landmarks[std::size_t(landmark)].id;
-  if (offset.isZero(5e-5)) return id;
-  const Vec3 mm = 1e3 * offset;
-  return fmt::format("{}+{:.4g},{:.4g},{:.4g}", id, mm.x() + 0.0, mm.y() + 0.0, mm.z() + 0.0);
-}
-
 void draw_muscle_card(DesignSession& session, PanelState& state, ViewDocument& document) {
   const Document held = session.seen();  // stays while fields make a new one
   const int entry = find_entry(held, held.picked);

@@ -7,9 +7,6 @@
 
 namespace ecorche {
 
-// "landmark+left,up,front", as scripts write a place.
-std::string place_text(const MuscleTable& frame, int landmark, const Vec3& offset);
-
 // Within a window of ImGui.
 void draw_muscle_card(DesignSession& session, PanelState& state, ViewDocument& document);
 

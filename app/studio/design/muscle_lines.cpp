@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "app/studio/design/fields.h"
-#include "app/studio/design/muscle_card.h"
 
 namespace ecorche {
 namespace {
@@ -158,6 +157,13 @@ void draw_wraps(const StripAt& at) {
 }
 
 }  // namespace
+
+std::string place_text(const MuscleTable& frame, int landmark, const Vec3& offset) {
+  const std::string& id = frame.landmarks[std::size_t(landmark)].id;
+  if (offset.isZero(5e-5)) return id;
+  const Vec3 mm = 1e3 * offset;
+  return fmt::format("{}+{:.4g},{:.4g},{:.4g}", id, mm.x() + 0.0, mm.y() + 0.0, mm.z() + 0.0);
+}
 
 void draw_muscle_lines(DesignSession& session, PanelState& state, const TableMuscle& muscle,
                        ViewDocument& document) {

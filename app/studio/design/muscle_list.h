@@ -1,6 +1,8 @@
 // The list of muscles: found by English and Latin names, by origin and insertion, by region.
 #pragma once
 
+#include <string>
+
 #include "app/studio/design/design_session.h"
 #include "app/studio/design/panel_state.h"
 #include "viewer/window/view_document.h"

@@ -1,6 +1,8 @@
 // What was done as lines of a script, the search box of actions, and the bars that save and ask.
 #pragma once
 
+#include <string>
+
 #include "app/studio/design/design_session.h"
 #include "app/studio/design/panel_state.h"
 #include "viewer/window/view_document.h"
