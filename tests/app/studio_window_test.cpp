@@ -8,9 +8,11 @@
 #include <fstream>
 
 #include "anatomy/muscles/action_line.h"
+#include "app/studio/design/handles.h"
 #include "app/studio/design/live_muscles.h"
 #include "app/studio/design/muscle_list.h"
 #include "app/studio/design/script_panel.h"
+#include "tests/test_assets.h"
 #include "viewer/window/recorded_input.h"
 #include "viewer/window/window_tool.h"
 
@@ -96,6 +98,41 @@ TEST(LiveMuscles, PointsGoWhereTheBonesGo) {
   EXPECT_LT((carrier.carry(place, 0) - wanted).norm(), 1e-4);
   EXPECT_LT((carrier.carry(place, 1) - carrier.carry(place, 0)).norm(), 1e-12)
       << "a joint without bones goes with its parent";
+}
+
+// In the template's own body, where nothing else has moved.
+TEST(Handles, APointGoesWhereTheHandGoes) {
+  if (!std::filesystem::exists(test_assets().packages.folder))
+    GTEST_SKIP() << "no data packages: data/setup.sh --packages fetches them";
+  Workshop workshop(test_assets());
+  Document document = workshop.built_in();
+  const Anatomy& shown = workshop.base().anatomy;
+  LiveMuscleMaker maker(workshop, workshop.built_in(), shown);
+  EXPECT_TRUE(maker.make(document).muscles.empty()) << "what is as built is not made anew";
+  PosedAnatomy posed;
+  forward_kinematics(shown.skeleton, rest_pose(shown.skeleton), posed.X_WJ);
+  const std::vector<Vec3> rest = rest_positions(shown.skeleton);
+  const Vec3 moved(0.008, 0.006, -0.01);
+  for (const char* name : {"soleus", "biceps_brachii_long", "rectus_abdominis"}) {
+    document.picked = name;
+    for (const char* side : {"_l", "_r"}) {
+      const int own = find_muscle(shown, std::string(name) + side);
+      ASSERT_GE(own, 0);
+      std::vector<Handle> handles;
+      add_points(shown.muscles[std::size_t(own)], rest, posed, handles);
+      const Handle& last = handles.back();
+      const auto action = action_of_drag(
+          {document, workshop, maker.carrier(), posed, shown.skeleton}, last, moved, false);
+      ASSERT_TRUE(action) << name;
+      const LiveMuscles live = maker.make(*applied(workshop, document, *action));
+      ASSERT_EQ(live.muscles.size(), 2u);
+      const Muscle& now = live.muscles[side == std::string("_l") ? 0 : 1];
+      const Vec3 by =
+          now.strips[std::size_t(last.strip)].path[std::size_t(last.point)].rest - last.at.rest;
+      EXPECT_LT((by - moved).norm(), 0.5e-3) << name << side << ": " << by.transpose();
+      EXPECT_EQ(live.replaced.size(), 2u);
+    }
+  }
 }
 
 TEST(MuscleList, WordsOfBothLanguagesAreFound) {

@@ -100,6 +100,7 @@ void DesignWindow::show() {
 }
 
 void DesignWindow::update(ViewDocument& document, bool wait) {
+  times_.begin();
   work_.update();
   while (wait && work_.fit().busy()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -294,7 +295,7 @@ void DesignWindow::shown(double seconds, const ViewDocument& document) {
                       : document.playing ? Doing::playing
                                          : Doing::still;
   undone_ = false;
-  times_.add(doing, seconds, document.busy);
+  times_.end(doing, seconds, document.busy);
 }
 
 WindowTool DesignWindow::tool() {

@@ -22,13 +22,23 @@ void report_times(const std::string& name, std::vector<double> ms, Report& repor
 
 }  // namespace
 
-void FrameTimes::add(Doing doing, double seconds, bool fitting) {
+void FrameTimes::begin() { began_ = std::clock(); }
+
+void FrameTimes::end(Doing doing, double seconds, bool fitting) {
+  if (!fitting)
+    cpu_ms_[std::size_t(doing)].push_back(1e3 * double(std::clock() - began_) / CLOCKS_PER_SEC);
   ms_[std::size_t(doing)].push_back(1e3 * seconds);
   if (fitting) fitting_.push_back(1e3 * seconds);
 }
 
 void FrameTimes::report(Report& report) const {
-  for (std::size_t k = 0; k < ms_.size(); ++k) report_times(kDoing[k], ms_[k], report);
+  for (std::size_t k = 0; k < ms_.size(); ++k) {
+    report_times(kDoing[k], ms_[k], report);
+    std::vector<double> cpu = cpu_ms_[k];
+    if (cpu.empty()) continue;
+    std::ranges::sort(cpu);
+    report.set(fmt::format("window.{}.cpu_ms", kDoing[k]), cpu[cpu.size() / 2]);
+  }
   report_times("while_fitting", fitting_, report);
 }
 
