@@ -8,6 +8,8 @@
 namespace ecorche {
 namespace {
 
+constexpr Eigen::Index kSamples = 400;  // vertices of a bone that its map is fitted to
+
 // The affine map between two lists of points that leaves least over; held near to a shift where the
 // points do not span all directions.
 Eigen::Affine3d best_map(const std::vector<std::pair<Vec3, Vec3>>& pairs) {
@@ -94,7 +96,8 @@ BoneCarrier::BoneCarrier(const Anatomy& from, const Anatomy& to) {
     const Points &x = from.bones[b].mesh.V, &y = to.bones[b].mesh.V;
     if (x.rows() != y.rows()) continue;
     auto& of = pairs[std::size_t(from.bones[b].joint)];
-    for (Eigen::Index i = 0; i < x.rows(); i += 4)
+    const Eigen::Index step = std::max<Eigen::Index>(1, x.rows() / kSamples);
+    for (Eigen::Index i = 0; i < x.rows(); i += step)
       of.emplace_back(x.row(i).transpose(), y.row(i).transpose());
   }
   for (std::size_t j = 0; j < joints; ++j) {
