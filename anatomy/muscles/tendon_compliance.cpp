@@ -3,24 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "anatomy/muscles/force_curves.h"
+
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kMostStrain = 0.049;  // of the tendon under the largest isometric force
-constexpr double kToe = 0.609 * kMostStrain;
 constexpr double kShortest = 0.3, kLongest = 1.7;  // fibre lengths that count, over the optimal one
-
-double active_force(double l) { return std::exp(-(l - 1) * (l - 1) / 0.45); }
-
-double passive_force(double l) {
-  return l <= 1 ? 0 : (std::exp(4 * (l - 1) / 0.6) - 1) / (std::exp(4.0) - 1);
-}
-
-double tendon_force(double strain) {
-  if (strain <= 0) return 0;
-  if (strain < kToe) return 0.33 * (std::exp(3 * strain / kToe) - 1) / (std::exp(3.0) - 1);
-  return 0.33 + 1.712 / kMostStrain * (strain - kToe);
-}
 
 // In units of the optimal fibre length.
 struct Balance {
