@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "skinning/constraints/belt.h"
 #include "skinning/constraints/foot_contacts.h"
 #include "skinning/dynamics/smooth_motion.h"
 #include "skinning/dynamics/supported_path.h"
@@ -18,9 +19,7 @@ constexpr double kEnds = 0.05;            // s, without figures
 constexpr double kNoContact = 1e-3;       // of a point's gate
 constexpr double kSpread = 0.12;          // periods of the cut-off, to either side
 constexpr double kSharper = 1.25;         // the force's cut-off over the motion's
-constexpr double kSlowestBelt = 0.6;      // m/s
 constexpr double kLowPoint = 0.03;        // m over the floor: it may stand on a belt
-constexpr double kSteadyBelt = 0.2;       // of its speed: median distance of what stands on it
 // Root mean square change of its acceleration: more is asked where contacts are seen too short, and
 // the path would bounce higher than the person did.
 constexpr double kMostChange = 0.35 * kGravity;
@@ -34,26 +33,12 @@ struct Soles {
   Vec3 belt = Vec3::Zero();                        // what they stand on moves, m/s
 };
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-// On a treadmill low points move backwards, all alike. Nought for a floor.
-Vec3 belt_velocity(const Soles& soles) {
-  std::array<std::vector<double>, 2> speeds;  // along x, z
+Vec3 belt_under(const Soles& soles) {
+  std::vector<Vec3> low;
   for (std::size_t f = 0; f < soles.contacts.size(); ++f)
     for (const SoleContact& c : soles.contacts[f])
-      if (c.place.y() - soles.floor[f] < kLowPoint && std::abs(c.velocity.y()) < 0.5 * kSlowestBelt)
-        speeds[0].push_back(c.velocity.x()), speeds[1].push_back(c.velocity.z());
-  if (speeds[0].size() < 10) return Vec3::Zero();
-  const Vec3 belt(median_of(speeds[0]), 0, median_of(speeds[1]));
-  std::vector<double> off;
-  for (std::size_t i = 0; i < speeds[0].size(); ++i)
-    off.push_back(std::hypot(speeds[0][i] - belt.x(), speeds[1][i] - belt.z()));
-  return belt.norm() > kSlowestBelt && median_of(off) < kSteadyBelt * belt.norm() ? belt
-                                                                                  : Vec3::Zero();
+      if (c.place.y() - soles.floor[f] < kLowPoint) low.push_back(c.velocity);
+  return belt_velocity(low);
 }
 
 Soles find_soles(const Skeleton& skeleton, double sole_height, const Motion& motion) {
@@ -83,7 +68,7 @@ Soles find_soles(const Skeleton& skeleton, double sole_height, const Motion& mot
                    double(after - before);
     }
   }
-  out.belt = belt_velocity(out);
+  out.belt = belt_under(out);
   for (std::size_t f = 0; f < n; ++f)
     for (SoleContact& c : out.contacts[f])
       c.gate = contact_gate(c.place.y() - out.floor[f], c.velocity - out.belt);

@@ -8,6 +8,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/joint_angles.h"
 #include "skinning/constraints/ballistic_flight.h"
+#include "skinning/constraints/belt.h"
 #include "skinning/constraints/foot_contacts.h"
 #include "skinning/constraints/leg_ik.h"
 #include "skinning/constraints/measure_feet.h"
@@ -221,6 +222,14 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
                const Constraints& wanted, Transferred& moved, RetargetReport& report) {
   const auto [keep, plant, fall, sole] = wanted;
   Motion& motion = moved.motion;
+  // Feet that stand on a treadmill are planted on its belt.
+  const Vec3 belt = plant || fall ? belt_velocity(moved.feet, motion) : Vec3(Vec3::Zero());
+  const bool treadmill = !belt.isZero();
+  if (treadmill) {
+    move_by_belt(belt, moved.feet, motion);
+    report.warnings.push_back(fmt::format(
+        "{}: a treadmill of {:.1f} m/s; feet are planted on its belt", name, belt.norm()));
+  }
   MotionLimiter limiter(
       ours, sole, options.avoid_self_collision && options.proxies ? &*options.proxies : nullptr);
   if (keep) {
@@ -238,6 +247,7 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
   const FootMeasures measured = measure_feet(ours, sole, motion, report.contacts);
   report.slide_p95 = measured.slide_p95;
   report.penetration = measured.penetration;
+  if (treadmill) move_by_belt(-belt, moved.feet, motion);
   unwrap(motion.frames);
   report.limit_breaks = limit_breaks(ours, motion);
   if (!report.self_collisions.empty()) {

@@ -266,3 +266,30 @@ TEST(Retarget, AJointMapGivesForeignNamesTheirMeaning) {
   EXPECT_THROW(read_joint_map(path), InputError);
   fs::remove(path);
 }
+
+TEST(Retarget, FeetArePlantedOnATreadmillsBelt) {
+  const Skeleton skeleton = plain_skeleton();
+  RetargetOptions options;
+  options.plant_feet = true;
+  options.ballistic_flights = false;
+  RetargetReport report;
+  const Motion floor = retarget(read_bvh(fs::path(ECORCHE_TEST_DIR) / "../data/motions/walk.bvh"),
+                                skeleton, options, report);
+  const std::size_t contacts = report.contacts.size();
+  ASSERT_GT(contacts, 8u);
+  Motion treadmill = floor;
+  const Vec3 belt(0.2, 0, -1.4);
+  for (std::size_t f = 0; f < treadmill.frames.size(); ++f)
+    treadmill.frames[f].root += double(f) / treadmill.fps * belt;
+  Motion planted = treadmill;
+  report = {};
+  constrain_own_motion("treadmill", skeleton, options, planted, report);
+  EXPECT_EQ(report.contacts.size(), contacts);
+  EXPECT_LT(report.slide_p95, 3e-3);
+  ASSERT_FALSE(report.warnings.empty());
+  EXPECT_NE(report.warnings.back().find("treadmill"), std::string::npos);
+  // it walked well before: little is changed, and it does not leave its place
+  EXPECT_LT(largest_angle(planted, treadmill), 0.35);
+  for (std::size_t f = 0; f < planted.frames.size(); ++f)
+    EXPECT_LT((planted.frames[f].root - treadmill.frames[f].root).norm(), 0.03) << f;
+}
