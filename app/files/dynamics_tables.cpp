@@ -1,6 +1,8 @@
 #include "app/files/dynamics_tables.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "anatomy/model_files/coordinates.h"
 
@@ -25,10 +27,20 @@ Vec3 angle_axis(const Joint& joint, const Vec3& angles, int axis) {
   return joint.axes * (turned * Vec3::Unit(axis));
 }
 
+// Linear between times.
+double value_at(const std::vector<double>& times, const std::vector<double>& values,
+                double seconds) {
+  const auto next = std::upper_bound(times.begin(), times.end(), seconds);
+  if (next == times.begin()) return values.front();
+  if (next == times.end()) return values.back();
+  const std::size_t k = std::size_t(next - times.begin());
+  return std::lerp(values[k - 1], values[k], (seconds - times[k - 1]) / (times[k] - times[k - 1]));
+}
+
 class TableRows {
  public:
-  explicit TableRows(const MotionDynamics& dynamics) {
-    table_.what = "forces of the motion";
+  TableRows(std::string what, const MotionDynamics& dynamics) {
+    table_.what = std::move(what);
     table_.fps = dynamics.fps;
     table_.rows.resize(dynamics.frames.size());
   }
@@ -75,8 +87,8 @@ std::vector<MomentCurve> moment_curves(const Skeleton& skeleton,
 }
 
 MotionTable dynamics_table(const Skeleton& skeleton, const std::vector<BodySegment>& segments,
-                           const MotionDynamics& dynamics) {
-  TableRows rows(dynamics);
+                           const MotionDynamics& dynamics, const MuscleEfforts* efforts) {
+  TableRows rows("forces of the motion", dynamics);
   const auto& frames = dynamics.frames;
   for (const std::size_t foot : {0, 1}) {
     const std::string side = foot == 0 ? "l" : "r";
@@ -99,6 +111,21 @@ MotionTable dynamics_table(const Skeleton& skeleton, const std::vector<BodySegme
   rows.add_vector("residual_force_", "N", [&](std::size_t f) { return frames[f].residual_force; });
   rows.add_vector("residual_moment_", "N m",
                   [&](std::size_t f) { return frames[f].residual_moment; });
+  if (efforts)
+    for (const MuscleMoment& moment : efforts->moments)
+      rows.add(moment.name + "_reserve", "N m", [&](std::size_t f) {
+        return value_at(efforts->times, moment.reserve, double(f) / dynamics.fps);
+      });
+  return rows.take();
+}
+
+MotionTable activation_table(const Anatomy& anatomy, const MotionDynamics& dynamics,
+                             const MuscleEfforts& efforts) {
+  TableRows rows("activations of muscles", dynamics);
+  for (const ActivationCurve& curve : activations_of(efforts).curves)
+    rows.add(anatomy.muscles[std::size_t(curve.muscles.front())].name, "", [&](std::size_t f) {
+      return value_at(curve.times, curve.values, double(f) / dynamics.fps);
+    });
   return rows.take();
 }
 

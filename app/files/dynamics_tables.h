@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "anatomy/skeleton.h"
-#include "skinning/dynamics/inverse_dynamics.h"
+#include "anatomy/anatomy.h"
+#include "skinning/dynamics/static_optimization.h"
 #include "skinning/motion_files/motion_table.h"
 
 namespace ecorche {
@@ -22,8 +22,13 @@ std::vector<MomentCurve> moment_curves(const Skeleton& skeleton,
                                        const MotionDynamics& dynamics);
 
 // Ground forces, centres of pressure, free moments, moments and power of joints, the centre of mass
-// and the residual, in OpenSim's axes: x forward, y up, z right.
+// and the residual, in OpenSim's axes: x forward, y up, z right. With `efforts` also the part of
+// moments that no muscle gives.
 MotionTable dynamics_table(const Skeleton& skeleton, const std::vector<BodySegment>& segments,
-                           const MotionDynamics& dynamics);
+                           const MotionDynamics& dynamics, const MuscleEfforts* efforts = nullptr);
+
+// A row a frame, a column a muscle that is ever active.
+MotionTable activation_table(const Anatomy& anatomy, const MotionDynamics& dynamics,
+                             const MuscleEfforts& efforts);
 
 }  // namespace ecorche

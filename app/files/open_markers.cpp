@@ -101,7 +101,8 @@ void report_residuals(const MarkerFit& fit, const std::string& name,
 }  // namespace
 
 MotionClip open_markers(const std::filesystem::path& file, const Character& character,
-                        const MotionOptions& options, const Common& common, Report& report) {
+                        const MotionOptions& options, const Common& common, Report& report,
+                        double& start) {
   const MarkerTake take = read_markers(file, to_read_options(options));
   MarkerTables tables = read_marker_tables(common.assets.tables / "markers");
   if (!options.markers.empty()) add_own_markers(options.markers, tables);
@@ -114,6 +115,7 @@ MotionClip open_markers(const std::filesystem::path& file, const Character& char
     const StageTimer timer(report, "markers");
     fit = fit_markers(take, markers, skeleton, wanted);
   }
+  start = take.start;
   report.set("motion.start", take.start);
   report.set("markers.known", int(markers.size()));
   report.set("markers.up", std::string(1, fit.up));

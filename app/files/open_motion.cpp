@@ -122,8 +122,9 @@ std::optional<Motion> open_own_motion(const std::filesystem::path& file, const C
 }
 
 MotionClip read_clip(const std::filesystem::path& file, const Character& character,
-                     const MotionOptions& options, const Common& common, Report& report) {
-  if (is_marker_file(file)) return open_markers(file, character, options, common, report);
+                     const MotionOptions& options, const Common& common, Report& report,
+                     double& start) {
+  if (is_marker_file(file)) return open_markers(file, character, options, common, report, start);
   if (!options.markers.empty())
     throw UsageError(printable(file.string()) +
                      ": --markers: it holds no markers; .trc and .c3d do");
@@ -134,8 +135,9 @@ MotionClip read_clip(const std::filesystem::path& file, const Character& charact
 
 Motion open_motion(const std::filesystem::path& file, const Character& character,
                    const Binding& binding, const MotionOptions& options, const Common& common,
-                   Report& report) {
+                   Report& report, MotionPlace* place) {
   const StageTimer timer(report, "retarget");
+  double start = 0;
   RetargetOptions placed = to_retarget_options(options);
   if (!placed.sole_height) placed.sole_height = character.body.skin.V.col(1).minCoeff();
   if (placed.avoid_self_collision)
@@ -145,8 +147,9 @@ Motion open_motion(const std::filesystem::path& file, const Character& character
   if (std::optional<Motion> own = open_own_motion(file, character, binding, options, placed, found))
     motion = std::move(*own);
   else
-    motion = retarget(read_clip(file, character, options, common, report),
+    motion = retarget(read_clip(file, character, options, common, report, start),
                       character.anatomy.skeleton, placed, found);
+  if (place) *place = {start, found.scale / found.metres_per_unit};
   report.set("motion.frames", int(motion.frames.size()));
   report.set("motion.fps", motion.fps);
   report.set("motion.unit", found.unit);
@@ -171,8 +174,9 @@ Motion open_motion(const std::filesystem::path& file, const Character& character
 }
 
 Motion open_motion(const std::filesystem::path& file, const CharacterModel& model,
-                   const MotionOptions& options, const Common& common, Report& report) {
-  return open_motion(file, model.character, model.binding, options, common, report);
+                   const MotionOptions& options, const Common& common, Report& report,
+                   MotionPlace* place) {
+  return open_motion(file, model.character, model.binding, options, common, report, place);
 }
 
 }  // namespace ecorche

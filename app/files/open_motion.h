@@ -10,13 +10,21 @@
 
 namespace ecorche {
 
+// How a motion lies to its file.
+struct MotionPlace {
+  double start = 0;  // s, of the first frame by the file's clock
+  double scale = 1;  // metres of the file -> ours
+};
+
 // Reads a motion file and retargets it to the character; a motion of its own skin's joints
 // (own_motion.h) is taken over as it is, unless `options` say what is up or which joint is which.
-// What was assumed goes to the report under `motion`, warnings to people too.
+// What was assumed goes to the report under `motion`, warnings to people too; `place` is filled
+// where given.
 Motion open_motion(const std::filesystem::path& file, const Character& character,
                    const Binding& binding, const MotionOptions& options, const Common& common,
-                   Report& report);
+                   Report& report, MotionPlace* place = nullptr);
 Motion open_motion(const std::filesystem::path& file, const CharacterModel& model,
-                   const MotionOptions& options, const Common& common, Report& report);
+                   const MotionOptions& options, const Common& common, Report& report,
+                   MotionPlace* place = nullptr);
 
 }  // namespace ecorche

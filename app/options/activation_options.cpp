@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "anatomy/authoring/muscle_table.h"
-#include "skinning/dynamics/static_optimization.h"
+#include "skinning/dynamics/auto_activations.h"
 #include "skinning/motion/activation_read.h"
 
 namespace ecorche {
@@ -18,6 +18,16 @@ MuscleAliases other_names(const Assets& assets) {
 }
 
 }  // namespace
+
+void report_efforts(const MuscleEfforts& efforts, const Skeleton& skeleton, Report& report) {
+  report.set("activation.samples", int(efforts.times.size()));
+  report.set("activation.reserve_share", efforts.reserve_share);
+  for (const JointReserve& joint : joint_reserves(efforts)) {
+    const std::string key = "activation.joints." + skeleton.joints[joint.joint].name;
+    report.set(key + ".moment", joint.wanted);
+    report.set(key + ".reserve", joint.reserve);
+  }
+}
 
 void add_activation_option(CLI::App& verb, std::string& source) {
   verb.add_option("--activation", source,
@@ -34,12 +44,13 @@ Activations open_activations(const Assets& assets, const std::string& source,
   Activations activations;
   if (source == "auto") {
     const StageTimer timer(report, "activation");
-    AutoActivationReport found;
-    activations =
-        auto_activations(model.muscles.posing, anatomy, model.character.body, motion, found);
-    report.set("activation.samples", found.samples);
-    report.set("activation.reserve_share", found.reserve_share);
+    AutoActivations found = auto_activations(model.muscles.posing, anatomy, model.character.body,
+                                             model.binding.joint_weights, motion);
+    activations = std::move(found.activations);
+    report_efforts(found.efforts, anatomy.skeleton, report);
     report.set("activation.ground_force_peak", found.ground_force_peak);
+    report.set("activation.residual_force", found.residual_force);
+    report.set("activation.masses", found.table_masses ? "table" : "tissues");
   } else {
     activations = read_activations(source, anatomy, other_names(assets));
   }

@@ -6,6 +6,7 @@
 #include "anatomy/files/assets.h"
 #include "app/report.h"
 #include "skinning/character/character_model.h"
+#include "skinning/dynamics/static_optimization.h"
 #include "skinning/motion/activation.h"
 
 namespace CLI {
@@ -22,5 +23,8 @@ void add_activation_option(CLI::App& verb, std::string& source);
 // comparison. Figures go to the report under `activation`. Throws InputError.
 Activations open_activations(const Assets& assets, const std::string& source,
                              const CharacterModel& model, const Motion& motion, Report& report);
+
+// How far muscles give what joints ask for, under `activation`.
+void report_efforts(const MuscleEfforts& efforts, const Skeleton& skeleton, Report& report);
 
 }  // namespace ecorche

@@ -20,6 +20,7 @@ constexpr double kToeLength = 0.5;  // of the big toe beyond its joint, of what 
 constexpr double kForceCost = 1e-4;
 // Friction's moment about the vertical over the vertical force: 0.6 times the arm of a sole, m.
 constexpr double kMostFreeMoment = 0.03;
+constexpr double kPivotOverHips = 0.25, kLeastHeight = 0.5;  // m, of what feet push towards
 constexpr double kMostFriction = 1;  // horizontal over vertical force; beyond it soles slip
 
 // min |A x - b|^2 + cost |x|^2 for x >= 0, by active sets (Lawson and Hanson 1974, chapter 23).
@@ -124,35 +125,51 @@ GroundReaction share_ground_reaction(const JointLoad& wanted, const Vec3& root, 
   const Eigen::VectorXd found = solve_pushing(A, asked, kForceCost);
   std::vector<double> vertical;
   double sum = 0;
-  Vec3 pressed = Vec3::Zero();
   for (std::size_t i = 0; i < points.size(); ++i) {
     vertical.push_back(weight * scales[i] * found[Eigen::Index(i)]);
     sum += vertical.back();
-    pressed += vertical.back() * contacts[i].place;
   }
   if (!(sum > 1e-9 * weight)) return out;
+  std::array<double, 2> carried{};
+  std::array<Vec3, 2> centers{Vec3::Zero(), Vec3::Zero()};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    carried[points[i].foot] += vertical[i];
+    centers[points[i].foot] += vertical[i] * contacts[i].place;
+  }
+  for (std::size_t f = 0; f < 2; ++f)
+    if (carried[f] > 0) centers[f] /= carried[f];
   // Along the floor: as much as is asked for of what the points carry.
   const double share = std::min(1.0, sum / wanted.force.y());
   Vec3 along = share * Vec3(wanted.force.x(), 0, wanted.force.z());
   along *= std::min(1.0, kMostFriction * sum / std::max(along.norm(), 1e-9 * weight));
-  const Vec3 arm = pressed / sum - below;
-  const double free_moment =
-      std::clamp(share * moment.y() - (arm.z() * along.x() - arm.x() * along.z()),
-                 -kMostFreeMoment * sum, kMostFreeMoment * sum);
-  std::array<Vec3, 2> centers{Vec3::Zero(), Vec3::Zero()};
+  // Each foot pushes towards one point over the hips, and does its part of the rest.
+  std::array<Vec3, 2> leaning{Vec3::Zero(), Vec3::Zero()};
+  const double height = std::max(root.y() - floor + kPivotOverHips, kLeastHeight);
+  for (std::size_t f = 0; f < 2; ++f) {
+    leaning[f] = carried[f] / height * (below - centers[f]);
+    leaning[f].y() = 0;
+  }
+  const Vec3 rest = along - leaning[0] - leaning[1];
+  double turned = share * moment.y();
+  for (std::size_t f = 0; f < 2; ++f) {
+    leaning[f] += carried[f] / sum * rest;
+    const Vec3 arm = centers[f] - below;
+    turned -= arm.z() * leaning[f].x() - arm.x() * leaning[f].z();
+  }
+  const double free_moment = std::clamp(turned, -kMostFreeMoment * sum, kMostFreeMoment * sum);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!(vertical[i] > 0)) continue;
     const double part = vertical[i] / sum;
-    const Vec3 force = part * along + Vec3(0, vertical[i], 0);
+    const Vec3 force =
+        vertical[i] / carried[points[i].foot] * leaning[points[i].foot] + Vec3(0, vertical[i], 0);
     const Vec3 place(contacts[i].place.x(), floor, contacts[i].place.z());
     out.forces.push_back({points[i].joint, place, force, Vec3(0, part * free_moment, 0)});
     FootForce& foot = out.feet[points[i].foot];
     foot.force += force;
     foot.free_moment += part * free_moment;
-    centers[points[i].foot] += vertical[i] * place;
   }
   for (std::size_t f = 0; f < 2; ++f)
-    if (out.feet[f].force.y() > 0) out.feet[f].place = centers[f] / out.feet[f].force.y();
+    if (carried[f] > 0) out.feet[f].place = Vec3(centers[f].x(), floor, centers[f].z());
   return out;
 }
 

@@ -4,10 +4,12 @@
 // (after Fluit et al. 2014, 10.1016/j.jbiomech.2014.04.030, and Skals et al. 2017,
 // 10.1007/s11044-016-9537-4); what passes from 1 to 0 does so smoothly. Their vertical forces give
 // the whole body's vertical force and its moments about the horizontal axes with the least sum of
-// squares, so that a foot takes over from the other as the centre of pressure goes across. The
-// horizontal force and the moment about the vertical are shared as the vertical one is: feet that
-// push against each other cannot be told from the motion. Nothing pulls, and what the points cannot
-// give stays a residual.
+// squares, so that a foot takes over from the other as the centre of pressure goes across. How far
+// feet push against each other cannot be told from the motion; in walking both push towards one
+// point of the trunk (Maus et al. 2010, 10.1038/ncomms1073), so that the foot in front brakes. Each
+// foot's force is leaned towards a point 0.25 m over the hips, and what is still missing of the
+// horizontal force is shared as the vertical force is, and so is the moment about the vertical.
+// Nothing pulls, and what the points cannot give stays a residual.
 #pragma once
 
 #include <array>

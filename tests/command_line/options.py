@@ -488,6 +488,11 @@ def forces(t):
     t.run(0, "dynamics", "anna-anatomy.glb", "walk.bvh", "-o", "planted.mot", "--plant")
     t.run(0, "dynamics", "anna-anatomy.glb", "person_01.amc", "-o", "amc.mot", "--skeleton", "person.asf")
     t.run(0, "dynamics", "anna-anatomy.glb", "walk.glb", "--take", "motion", "-o", "take.mot")
+    t.run(0, "dynamics", "anna-anatomy.glb", "walk.bvh", "--activations", "work.sto", "--muscles", "soleus,vastus_*", "--html", "work.html", "--report", "work.json")
+    found = t.json("work.json")["activation"]
+    t.check(found["samples"] > 2 and found["joints"]["knee_l"]["moment"] > 0, f"--activations: {found}")
+    t.check(b"soleus_l" in t.bytes("work.sto") and b"vastus_*" in t.bytes("work.html"), "--activations writes no muscle, or --muscles draws none")
+    t.says(t.run(2, "dynamics", "anna-anatomy.glb", "walk.bvh", "-o", "no.sto", "--muscles", "solaeus"), "soleus")
     t.says(t.run(2, "dynamics", "anna-anatomy.glb", walk), "nothing to write")
     t.run(2, "dynamics", "anna-anatomy.glb", walk, "-o", "forces.xyz")
     t.run(2, "inertia", "anna-anatomy.glb", "-o", "inertia.txt")
@@ -503,10 +508,13 @@ def pictures(t):
     base = ["--size", "96x80", "--fps", 1]
     render("walk.bvh", "-o", "a/%02d.png", *base)
     t.check(struct.unpack(">II", png("a/01.png")[16:24]) == (96, 80), "--size")
-    for name, words in (("skin", ["--layers", "skin"]), ("beside", ["--beside"]), ("colours", ["--colour-map"]), ("top", ["--camera", "top"]),
+    for name, words in (("skin", ["--layers", "skin"]), ("beside", ["--beside"]), ("colours", ["--colour-map"]), ("lengths", ["--colour", "length"]),
+                        ("efforts", ["--activation", "auto", "--colour", "activation"]), ("top", ["--camera", "top"]),
                         ("dissolved", ["--dissolve", "0,0.01", "--layers", "skin,muscles"]), ("lbs", ["--skin", "lbs", "--layers", "skin"])):
         render("walk.bvh", "-o", f"{name}/%02d.png", *base, *words)
         t.check(png(f"{name}/01.png") != png("a/01.png"), f"render {' '.join(words)} changes nothing")
+    t.check(png("colours/01.png") == png("lengths/01.png"), "--colour-map is not --colour length")
+    t.says(render("walk.bvh", "-o", "no/%02d.png", *base, "--colour", "activation", codes=2), "--activation auto")
     large = ["--size", "640x360", "--fps", 1, "--layers", "muscles"]
     render("walk.bvh", "-o", "legend/%02d.png", *large)
     render("walk.bvh", "-o", "bare/%02d.png", *large, "--no-legend")

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "anatomy/errors.h"
-#include "skinning/dynamics/static_optimization.h"
+#include "skinning/dynamics/distribute_moments.h"
 
 using namespace ecorche;
 

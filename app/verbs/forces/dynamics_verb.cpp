@@ -15,9 +15,11 @@
 #include "app/files/open_character.h"
 #include "app/files/open_motion.h"
 #include "app/files/open_plates.h"
+#include "app/options/activation_options.h"
 #include "app/options/motion_options.h"
 #include "app/options/option_values.h"
 #include "app/pages/html_page.h"
+#include "app/verbs/forces/effort_curves.h"
 #include "skinning/dynamics/compare_ground.h"
 
 namespace ecorche {
@@ -26,10 +28,11 @@ namespace {
 namespace fs = std::filesystem;
 
 struct DynamicsVerbOptions {
-  fs::path character, motion, html, plates;
+  fs::path character, motion, html, plates, activations;
   std::vector<fs::path> outputs;
   double cutoff = -1;
   std::optional<double> plates_start;
+  std::string muscles;
   bool no_ground = false;
   MotionOptions retarget;
 };
@@ -39,6 +42,9 @@ struct Found {
   const SegmentInertia& inertia;
   const MotionDynamics& dynamics;
   const std::optional<GroundComparison>& plates;  // none: without plates
+  const Anatomy& anatomy;
+  const std::optional<MuscleEfforts>& efforts;  // none: not asked for
+  const std::vector<ChosenMuscles>& muscles;    // with curves
 };
 
 std::vector<double> seconds_of(const MotionDynamics& dynamics) {
@@ -165,6 +171,17 @@ void report_plates(const GroundComparison& c, Report& report) {
   report.set("dynamics.plates.leaving_off", c.leaving_off);
 }
 
+void add_reserve_table(const Found& found, HtmlPage& page) {
+  page.add_paragraph(
+      "What muscles do not give of the joints' moments is left to reserves (root mean squares).");
+  const std::vector<std::string> header{"joint", "moment, N m", "reserve, N m"};
+  std::vector<std::vector<std::string>> rows;
+  for (const JointReserve& joint : joint_reserves(*found.efforts))
+    rows.push_back({found.skeleton.joints[joint.joint].name, fmt::format("{:.1f}", joint.wanted),
+                    fmt::format("{:.2f}", joint.reserve)});
+  page.add_table(header, rows);
+}
+
 std::string page_of(const Found& found, const std::string& title) {
   const MotionDynamics& d = found.dynamics;
   HtmlPage page("Forces of " + title);
@@ -188,6 +205,10 @@ std::string page_of(const Found& found, const std::string& title) {
   if (found.plates) add_plate_table(*found.plates, page);
   add_ground_plots(found, page);
   add_joint_plots(found, page);
+  if (found.efforts) {
+    add_reserve_table(found, page);
+    add_effort_plots(found.anatomy, *found.efforts, found.muscles, page);
+  }
   return page.to_string();
 }
 
@@ -205,15 +226,15 @@ void report_dynamics(const MotionDynamics& d, Report& report) {
   report.set("dynamics.belt", d.belt.norm());
 }
 
-// How the motion lies to its file: open_motion() tells.
-PlateFrame plate_frame(const DynamicsVerbOptions& options, const Report& report) {
-  PlateFrame out;
-  const double start = report.number("motion.start"), scale = report.number("motion.scale"),
-               unit = report.number("motion.metres_per_unit");
-  if (std::isfinite(start)) out.start = start;
-  if (std::isfinite(scale) && std::isfinite(unit)) out.scale = scale / unit;
-  if (options.plates_start) out.start = *options.plates_start;
-  return out;
+std::string describe_efforts(const MuscleEfforts& efforts, const Skeleton& skeleton) {
+  JointReserve worst;
+  for (const JointReserve& joint : joint_reserves(efforts))
+    if (joint.reserve > worst.reserve) worst = joint;
+  return fmt::format(
+      "muscles give {:.1f} % of the moments in the mean; the largest reserve is {:.1f} N m of "
+      "{:.1f}, {} (root mean squares)",
+      100 * (1 - efforts.reserve_share), worst.reserve, worst.wanted,
+      skeleton.joints[std::size_t(worst.joint)].name);
 }
 
 std::string describe_plates(const GroundComparison& c) {
@@ -227,26 +248,34 @@ std::string describe_plates(const GroundComparison& c) {
 }
 
 int run_dynamics(const DynamicsVerbOptions& options, const Common& common, Report& report) {
-  if (options.outputs.empty() && options.html.empty())
-    throw UsageError("nothing to write: name a table by -o, or a page of curves by --html");
+  if (options.outputs.empty() && options.html.empty() && options.activations.empty())
+    throw UsageError(
+        "nothing to write: name a table by -o, activations by --activations, or a page of curves "
+        "by --html");
   for (const fs::path& output : options.outputs) require_ending(output, {".csv", ".sto", ".mot"});
   if (!options.html.empty()) require_ending(options.html, {".html"});
+  if (!options.activations.empty()) require_ending(options.activations, {".csv", ".sto", ".mot"});
   std::vector<fs::path> files = options.outputs;
+  files.push_back(options.activations);
   files.push_back(options.html);
   check_outputs(common, files,
                 {options.character, options.motion, options.retarget.map_file, options.plates});
   const Actor actor =
       make_actor(common.assets, open_character(options.character, common, report), report);
-  const Motion motion = open_motion(options.motion, actor, options.retarget, common, report);
+  MotionPlace place;
+  const Motion motion =
+      open_motion(options.motion, actor, options.retarget, common, report, &place);
   if (motion.frames.size() < 3)
     throw UnfitError(fmt::format("{}: {} frames have no acceleration; at least 3 are needed",
                                  options.motion.string(), motion.frames.size()));
   const Character& character = actor.character;
+  const std::vector<ChosenMuscles> chosen =
+      choose_muscles(character.anatomy, options.muscles.empty() ? gait_muscles() : options.muscles);
   const SegmentInertia inertia = weigh_character(character, actor.binding, report);
   DynamicsOptions wanted{options.cutoff, !options.no_ground};
   if (!options.plates.empty())
     wanted.measured = open_plates(options.plates, character.anatomy.skeleton, motion,
-                                  plate_frame(options, report));
+                                  {options.plates_start.value_or(place.start), place.scale});
   MotionDynamics dynamics;
   {
     const StageTimer timer(report, "dynamics");
@@ -260,9 +289,23 @@ int run_dynamics(const DynamicsVerbOptions& options, const Common& common, Repor
     report_plates(*plates, report);
     note(common, describe_plates(*plates));
   }
-  const Found found{character.anatomy.skeleton, inertia, dynamics, plates};
+  std::optional<MuscleEfforts> efforts;
+  if (!options.activations.empty() || !options.muscles.empty()) {
+    const StageTimer timer(report, "activation");
+    efforts = static_optimization(actor.muscles.posing, character.anatomy, dynamics);
+    report_efforts(*efforts, character.anatomy.skeleton, report);
+    note(common, describe_efforts(*efforts, character.anatomy.skeleton));
+  }
+  const Found found{character.anatomy.skeleton, inertia, dynamics, plates,
+                    character.anatomy,          efforts, chosen};
+  if (!options.activations.empty()) {
+    write_motion_table(options.activations,
+                       activation_table(character.anatomy, dynamics, *efforts));
+    note(common, fmt::format("{}: activations", options.activations.string()));
+  }
   for (const fs::path& output : options.outputs) {
-    write_motion_table(output, dynamics_table(found.skeleton, inertia.segments, dynamics));
+    write_motion_table(output, dynamics_table(found.skeleton, inertia.segments, dynamics,
+                                              efforts ? &*efforts : nullptr));
     note(common, fmt::format("{}: {} frames", output.string(), dynamics.frames.size()));
   }
   if (!options.html.empty()) {
@@ -285,7 +328,8 @@ void add_dynamics_verb(VerbRegistry& registry) {
   CLI::App* verb = add_verb(
       registry, registry.app, "dynamics",
       "The forces behind a motion: ground reaction, joint moments and power, residual",
-      "ecorche dynamics anna-anatomy.glb walk.bvh -o walk-forces.csv --html walk-forces.html",
+      "ecorche dynamics anna-anatomy.glb walk.bvh -o walk-forces.csv --html walk-forces.html\n"
+      "  ecorche dynamics anna-anatomy.glb walk.bvh --activations walk.sto --html walk.html",
       [options](const Common& common, Report& report) {
         return run_dynamics(*options, common, report);
       });
@@ -298,6 +342,12 @@ void add_dynamics_verb(VerbRegistry& registry) {
       ->allow_extra_args(false);
   verb->add_option("--html", options->html,
                    "Page of curves: ground reaction, moments and power of hip, knee and ankle");
+  verb->add_option("--activations", options->activations,
+                   "Table of muscle activations to write, a row a frame: .csv, .sto, .mot; what "
+                   "muscles do not give is in the table of -o");
+  verb->add_option("--muscles", options->muscles,
+                   "Muscles with curves on the page, with commas between them; * stands for any "
+                   "letters. With --activations those of gait when left out");
   verb->add_option("--cutoff", options->cutoff,
                    "Hz up to which the motion is believed; 0: all of it. Without it 6, or 12 for a "
                    "motion that leaves the ground")
