@@ -23,6 +23,9 @@ const Vec3f marked_color(0.20f, 0.62f, 0.60f);
 const Vec3f map_short(0.90f, 0.62f, 0.00f);
 const Vec3f map_rest(0.88f, 0.87f, 0.85f);
 const Vec3f map_long(0.00f, 0.45f, 0.70f);
+const Vec3f effort_none(0.95f, 0.91f, 0.76f);
+const Vec3f effort_half(0.96f, 0.50f, 0.16f);
+const Vec3f effort_full(0.46f, 0.02f, 0.12f);
 
 // Smooth noise in space: patches in which the skin dissolves.
 float patchiness(const Vec3f& p) {
@@ -122,7 +125,7 @@ void set_fibres(DrawMesh& fascia, const FasciaSurface& surface, double fascicle)
 Vec3f mix(const Vec3f& a, const Vec3f& b, float t) { return a + t * (b - a); }
 
 Vec3f tendon_color(MuscleColors colors) {
-  return colors == MuscleColors::shortening ? Vec3f(0.70f, 0.69f, 0.67f) : kTendonLook.color;
+  return colors != MuscleColors::flesh ? Vec3f(0.70f, 0.69f, 0.67f) : kTendonLook.color;
 }
 
 void color_muscles(const SceneModel& model, std::span<const float> activity,
@@ -371,6 +374,11 @@ DrawMesh make_eye(const Eyeball& eye, std::uint64_t key) {
 }  // namespace
 
 Vec3f muscle_color(MuscleColors colors, float activity) {
+  if (colors == MuscleColors::activation) {
+    const float twice = 2 * std::clamp(activity, 0.0f, 1.0f);
+    return twice < 1 ? mix(effort_none, effort_half, twice)
+                     : mix(effort_half, effort_full, twice - 1);
+  }
   const bool map = colors == MuscleColors::shortening;
   const Vec3f &rest = map ? map_rest : kMuscleLook.color,
               &end =

@@ -65,11 +65,12 @@ SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin,
                             const SceneOptions& options = {});
 
 enum class MuscleColors {
-  flesh,      // towards orange when shortened, towards violet when stretched
-  shortening  // yellow shortened, light grey at rest, blue stretched; safe for colour-blind eyes
+  flesh,       // towards orange when shortened, towards violet when stretched
+  shortening,  // yellow shortened, light grey at rest, blue stretched; safe for colour-blind eyes
+  activation   // pale relaxed, orange, dark red at full effort; ever darker
 };
 
-// The colour of a belly in sRGB. activity: as of muscle_shortening, -1 .. 1.
+// The colour of a belly in sRGB. activity: as of muscle_shortening, -1 .. 1; of activation, 0 .. 1.
 Vec3f muscle_color(MuscleColors colors, float activity);
 
 // One figure of the character; several stand side by side by their offsets.

@@ -140,7 +140,10 @@ FilmReport film_actor(const Actor& actor, const Motion& motion, const ActorFilm&
                        moments[f], state);
     pose_at(motion, moments[f], pose);
     evaluate(actor, pose, {efforts, state.offsets}, frame);
-    muscle_shortening(model, frame.posed, activity);
+    if (film.muscle_colors == MuscleColors::activation)
+      activity.assign(efforts.begin(), efforts.end());
+    else
+      muscle_shortening(model, frame.posed, activity);
     scene.list.camera = cameras[f];
     light(film, scene.list);
     appearance = whole;

@@ -12,15 +12,17 @@ namespace ecorche {
 float draw_muscle_legend(Image& image, float x, float y, float size, MuscleColors colors) {
   constexpr int steps = 64;
   const float width = 17 * size, bar = 0.55f * size, top = y + 1.5f * size;
+  const bool effort = colors == MuscleColors::activation;
   for (int i = 0; i < steps; ++i)
-    fill_field(image, x + width * float(i) / steps, top, width / steps + 0.5f, bar,
-               muscle_color(colors, 2 * (float(i) + 0.5f) / steps - 1));
-  draw_text(image, "muscle length", x, y + size, {.size = size});
+    fill_field(
+        image, x + width * float(i) / steps, top, width / steps + 0.5f, bar,
+        muscle_color(colors, (effort ? 1 : 2) * (float(i) + 0.5f) / steps - (effort ? 0 : 1)));
+  draw_text(image, effort ? "muscle activation" : "muscle length", x, y + size, {.size = size});
   const float baseline = top + bar + 1.05f * size;
-  draw_text(image, "20 % longer", x, baseline, {.size = 0.85f * size});
-  draw_text(image, "at rest", x + 0.5f * width, baseline,
+  draw_text(image, effort ? "relaxed" : "20 % longer", x, baseline, {.size = 0.85f * size});
+  draw_text(image, effort ? "50 %" : "at rest", x + 0.5f * width, baseline,
             {.size = 0.85f * size, .align = Align::center});
-  draw_text(image, "20 % shorter", x + width, baseline,
+  draw_text(image, effort ? "full effort" : "20 % shorter", x + width, baseline,
             {.size = 0.85f * size, .align = Align::right});
   return width;
 }

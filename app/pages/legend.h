@@ -6,8 +6,8 @@
 
 namespace ecorche {
 
-// A bar of the muscles' colours from stretched to shortened, its upper left corner at (x, y),
-// pixels. size: of the letters, pixels. Returns its width.
+// A bar of the muscles' colours from stretched to shortened, or relaxed to full effort, its upper
+// left corner at (x, y), pixels. size: of the letters, pixels. Returns its width.
 float draw_muscle_legend(Image& image, float x, float y, float size, MuscleColors colors);
 
 // A bar of `metres` with its length written over it, its left end at (x, y).

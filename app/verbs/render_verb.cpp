@@ -37,7 +37,7 @@ struct RenderVerbOptions {
   std::optional<std::string> camera;
   std::optional<double> at, definition;
   std::vector<double> dissolve;
-  bool colour_map = false;
+  std::string colour = "flesh";
   MotionOptions retarget;
   ActorFilm film;
 };
@@ -58,6 +58,14 @@ void set_layers(const std::string& text, ActorFilm& film) {
   }
   if (!film.skin && !film.muscles && !film.bones)
     throw UsageError("--layers: none is named; there are skin, muscles and bones");
+}
+
+void set_colour(const RenderVerbOptions& options, ActorFilm& film) {
+  film.muscle_colors = options.colour == "length"       ? MuscleColors::shortening
+                       : options.colour == "activation" ? MuscleColors::activation
+                                                        : MuscleColors::flesh;
+  if (options.colour == "activation" && options.activation == "none")
+    throw UsageError("--colour activation: no muscle works; say --activation auto, or a table");
 }
 
 void set_size(const std::string& text, ActorFilm& film) {
@@ -175,7 +183,7 @@ int run_render(RenderVerbOptions options, const Common& common, Report& report) 
   set_background(options.background, film);
   check_options_render(options);
   if (options.dissolve.size() == 2) film.dissolve = Span{options.dissolve[0], options.dissolve[1]};
-  if (options.colour_map) film.muscle_colors = MuscleColors::shortening;
+  set_colour(options, film);
   if (!options.frames.empty()) film.frames = read_frame_range(options.frames, "--frames");
   if (options.at) film.from = film.to = options.at;
   const bool numbered = film.output.string().find('%') != std::string::npos;
@@ -289,9 +297,16 @@ void add_render_verb(VerbRegistry& registry) {
       ->expected(2)
       ->delimiter(',')
       ->check(between(0.0, 1e5));
-  verb->add_flag(
-      "--colour-map", options->colour_map,
-      "Muscle lengths in yellow (shorter) and blue (longer) that colour-blind eyes tell apart");
+  CLI::Option* colour =
+      verb->add_option(
+              "--colour", options->colour,
+              "What muscles' colours say: flesh; length (yellow shorter, blue longer, told "
+              "apart by colour-blind eyes); activation (pale relaxed, dark red full effort)")
+          ->check(CLI::IsMember({"flesh", "length", "activation"}))
+          ->capture_default_str();
+  verb->add_flag_callback(
+          "--colour-map", [options] { options->colour = "length"; }, "--colour length")
+      ->excludes(colour);
   verb->add_flag("!--no-legend", options->film.legend, "Leave away what the muscles' colours mean");
   verb->add_option("--size", options->size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   verb->add_option("--fps", options->film.fps, "Frames a second")
