@@ -227,8 +227,8 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
   const bool treadmill = !belt.isZero();
   if (treadmill) {
     move_by_belt(belt, moved.feet, motion);
-    report.warnings.push_back(fmt::format(
-        "{}: a treadmill of {:.1f} m/s; feet are planted on its belt", name, belt.norm()));
+    report.warnings.push_back(
+        fmt::format("{}: a treadmill of {:.1f} m/s; feet stand on its belt", name, belt.norm()));
   }
   MotionLimiter limiter(
       ours, sole, options.avoid_self_collision && options.proxies ? &*options.proxies : nullptr);
