@@ -14,6 +14,7 @@
 #include "skinning/constraints/leg_ik.h"
 #include "skinning/motion_files/bvh_read.h"
 #include "skinning/motion_files/bvh_write.h"
+#include "skinning/motion_files/read_motion.h"
 #include "skinning/retarget/joint_map_file.h"
 #include "tests/skinning/plain_skeleton.h"
 
@@ -273,7 +274,7 @@ TEST(Retarget, FeetArePlantedOnATreadmillsBelt) {
   options.plant_feet = true;
   options.ballistic_flights = false;
   RetargetReport report;
-  const Motion floor = retarget(read_bvh(fs::path(ECORCHE_TEST_DIR) / "../data/motions/walk.bvh"),
+  const Motion floor = retarget(read_motion(fs::path(ECORCHE_TEST_DIR) / "../data/motions/walk.bvh"),
                                 skeleton, options, report);
   const std::size_t contacts = report.contacts.size();
   ASSERT_GT(contacts, 8u);
