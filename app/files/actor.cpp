@@ -3,13 +3,20 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include <array>
+#include <cmath>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "anatomy/base_mesh/body_package.h"
 #include "anatomy/base_mesh/refined_skin.h"
+#include "anatomy/base_mesh/skin_texture.h"
 #include "anatomy/errors.h"
+#include "anatomy/geometry/split_edges.h"
+#include "anatomy/geometry/vertex_order.h"
 #include "app/files/definition.h"
+#include "morph/fat/vein_paths.h"
 #include "skinning/bind/painted_weights.h"
 
 namespace ecorche {
@@ -49,15 +56,77 @@ double choose_definition(const Assets& assets, const ActorOptions& options, Char
   return found ? definition : 0;
 }
 
+// Edges of a skin that is drawn with what shows through it, m, and of those near veins; bands of
+// wavelengths and ridges are to be some edges wide.
+constexpr double kDrawnEdge = 0.0048, kVeinEdge = 0.0026, kNearVein = 0.005;
+
+// Is a point near one of the veins? Its cell and those about it are looked up.
+class NearVeins {
+ public:
+  explicit NearVeins(std::span<const VeinPath> veins) {
+    for (const VeinPath& vein : veins)
+      for (const Vec3& p : vein.points)
+        for (int k = 0; k < 27; ++k)
+          cells_.insert(cell(p + kNearVein * Vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1)));
+  }
+  bool operator()(const Vec3& p) const { return cells_.count(cell(p)) > 0; }
+
+ private:
+  static std::array<int, 3> cell(const Vec3& p) {
+    const auto at = [&](int k) { return int(std::floor(p[k] / kNearVein)); };
+    return {at(0), at(1), at(2)};
+  }
+  std::set<std::array<int, 3>> cells_;
+};
+
+// Halves the long edges of a fine skin. Vertices are sorted where no triangle has `corners`.
+void refine_drawn(std::span<const VeinPath> veins, BaseSkin& base, TriMesh& skin,
+                  std::vector<TextureCorner>& corners) {
+  const NearVeins near(veins);
+  base.refinement = split_long_edges(
+      base.refinement, skin.V, [&](const Vec3& p) { return near(p) ? kVeinEdge : kDrawnEdge; },
+      corners);
+  if (corners.empty()) {
+    const std::vector<int> order = spatial_order(skin.V);
+    skin.V = Points(skin.V(order, Eigen::all));
+    base.refinement = reordered(base.refinement, order);
+  }
+  skin.F = base.refinement.F;
+}
+
+std::vector<TextureCorner> texture_corners(const Assets& assets, const Refinement& fine) {
+  const SkinTexture texture = skin_texture(skin_texture(read_body_package(assets)), fine);
+  std::vector<TextureCorner> out;
+  for (Eigen::Index f = 0; f < texture.F.rows(); ++f)
+    for (int k = 0; k < 3; ++k) out.emplace_back(texture.places.row(texture.F(f, k)));
+  return out;
+}
+
+// What the relief of the anatomy is made by, beyond the definition.
+void add_relief_options(const Assets& assets, const ActorOptions& options, Character& character,
+                        std::optional<BaseSkin>& found, std::vector<TextureCorner>& corners,
+                        CompileOptions& out) {
+  if (out.definition <= 0 || character.own || !out.base) return;
+  out.layer = layer_of(assets, character.body.sex, character.body.mass, out.base->mesh.V);
+  TriMesh& skin = character.body.skin;
+  out.veins = vein_paths(assets.tables, character.anatomy.skeleton, skin);
+  if (!options.refinement) return;
+  if (!found) found = *out.base;
+  if (options.texture) corners = texture_corners(assets, found->refinement);
+  refine_drawn(out.veins, *found, skin, corners);
+  out.base = &*found;
+}
+
 // Options of the compiler; `found` keeps the base mesh.
 CompileOptions compile_options(const Assets& assets, Character& character,
                                const ActorOptions& options, std::optional<BaseSkin>& found,
-                               Report& report) {
+                               std::vector<TextureCorner>& corners, Report& report) {
   CompileOptions out;
   out.muscles = options.muscles;
   if (!options.base) found = find_base(assets, character);
   out.base = found ? &*found : options.base;
   out.definition = choose_definition(assets, options, character, out.base, found);
+  add_relief_options(assets, options, character, found, corners, out);
   if (!options.weights.empty()) {
     out.painted = read_painted_weights(
         options.weights, character.anatomy,
@@ -90,12 +159,14 @@ const SkinFrame& move_posed(const Actor& actor, const Pose& pose, const FrameInp
 Actor make_actor(const Assets& assets, Character character, Report& report,
                  const ActorOptions& options) {
   std::optional<BaseSkin> found;
-  CompileOptions compile = compile_options(assets, character, options, found, report);
+  std::vector<TextureCorner> corners;
+  CompileOptions compile = compile_options(assets, character, options, found, corners, report);
   CompileTimes times;
   compile.times = &times;
   report.set("definition", compile.definition);
   Actor actor;
   static_cast<CharacterModel&>(actor) = compile_character(std::move(character), compile);
+  actor.corners = std::move(corners);
   report.set("timings_ms.posing_table", times.muscles_ms);
   report.set("timings_ms.anchoring", times.skin_ms);
   return actor;
@@ -104,7 +175,8 @@ Actor make_actor(const Assets& assets, Character character, Report& report,
 BoundCharacter bind_character(const Assets& assets, Character character, Report& report,
                               const ActorOptions& options) {
   std::optional<BaseSkin> found;
-  CompileOptions compile = compile_options(assets, character, options, found, report);
+  std::vector<TextureCorner> corners;
+  CompileOptions compile = compile_options(assets, character, options, found, corners, report);
   CompileTimes times;
   compile.times = &times;
   BoundCharacter out;

@@ -7,9 +7,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "anatomy/base_mesh/base_skin.h"
 #include "anatomy/files/assets.h"
+#include "anatomy/geometry/split_edges.h"
 #include "app/report.h"
 #include "skinning/character/evaluate.h"
 #include "skinning/evaluation/skin_methods.h"
@@ -19,6 +21,7 @@ namespace ecorche {
 struct Actor : CharacterModel {
   SkinMethod method = SkinMethod::ecorche;         // of evaluate()
   std::shared_ptr<const BaselineSkins> baselines;  // set for every method that is not ours
+  std::vector<TextureCorner> corners;              // of ActorOptions::texture
 };
 
 struct ActorState : CharacterState {
@@ -33,7 +36,9 @@ struct ActorOptions {
   MuscleMotion muscles = MuscleMotion::map;
   // 0 .. 1, relief of the anatomy on a fine skin; left out: by the body's fat, on skins of ours
   std::optional<double> definition = 0;
-  bool refinement = false;  // a skin on the base mesh is refined where the anatomy shows
+  // a skin on the base mesh gets edges below 5 mm, shorter along veins, where the anatomy shows
+  bool refinement = false;
+  bool texture = false;  // with that: where its triangles lie on the texture, into Actor::corners
 };
 
 // Compiles the character. Timings: posing_table, anchoring. Throws InputError for weights (see

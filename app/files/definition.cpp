@@ -1,5 +1,8 @@
 #include "app/files/definition.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "anatomy/base_mesh/body_package.h"
 #include "anatomy/compute/smooth_step.h"
 #include "morph/measures/measure_table.h"
@@ -18,6 +21,21 @@ double definition_of(const Assets& assets, Sex sex, const Points& base_skin) {
   if (base_skin.rows() != package.skin_size) return 0;
   const TapeMeasure tape(package, read_measure_table(package, package.tables / "body"));
   return definition_of(sex, 0.01 * fat_percentage(tape, sex, base_skin));
+}
+
+double layer_of(Sex sex, double fat_share, double mass, double stature) {
+  constexpr double kUnderSkin = 0.8, kDensity = 920, kSkin = 0.0015;
+  const double essential = sex == Sex::male ? 0.03 : 0.08;
+  const double surface = 0.007184 * std::pow(mass, 0.425) * std::pow(100 * stature, 0.725);
+  return kSkin + kUnderSkin * mass * std::max(fat_share - essential, 0.0) / (kDensity * surface);
+}
+
+double layer_of(const Assets& assets, Sex sex, double mass, const Points& base_skin) {
+  const BodyPackage package = read_body_package(assets);
+  if (base_skin.rows() != package.skin_size) return 0;
+  const TapeMeasure tape(package, read_measure_table(package, package.tables / "body"));
+  const double stature = base_skin.col(1).maxCoeff() - base_skin.col(1).minCoeff();
+  return layer_of(sex, 0.01 * fat_percentage(tape, sex, base_skin), mass, stature);
 }
 
 }  // namespace ecorche

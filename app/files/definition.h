@@ -17,4 +17,12 @@ double definition_of(Sex sex, double fat_share);
 // InputError without the body package.
 double definition_of(const Assets& assets, Sex sex, const Points& base_skin);
 
+// m, fat and skin that lie over the body's muscles: what is left of the fat without that of the
+// organs and marrow (essential fat, 3 % of the mass in men and 8 % in women), 80 % of it under the
+// skin, of 920 kg/m^3, spread over the surface of Du Bois and Du Bois (1916), and 1.5 mm of skin.
+double layer_of(Sex sex, double fat_share, double mass, double stature);
+
+// The same of a skin on the base mesh by girths and height; 0 for another.
+double layer_of(const Assets& assets, Sex sex, double mass, const Points& base_skin);
+
 }  // namespace ecorche

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "anatomy/base_mesh/eyes.h"
 #include "anatomy/compute/smooth_step.h"
+#include "app/files/actor_look.h"
 #include "app/pages/legend.h"
 #include "app/progress.h"
 #include "skinning/dynamics/soft_tissue.h"
@@ -114,8 +114,9 @@ FilmReport film_actor(const Actor& actor, const Motion& motion, const ActorFilm&
       film_cameras(common.assets, actor, motion, moments, whole.looks, film.view, film.fps, aspect);
   SceneOptions scene_options;
   scene_options.surface.rows_between = 1;
-  scene_options.eyes = find_eyes(common.assets, body.skin, actor.character.anatomy.skeleton);
-  const SceneModel model = make_scene_model(actor.character.anatomy, body.skin, scene_options);
+  scene_options.eyes = actor_eyes(common.assets, actor);
+  SceneModel model = make_scene_model(actor.character.anatomy, body.skin, scene_options);
+  if (actor.method == SkinMethod::ecorche) model.skin.colors = vein_colors(actor, whole.skin_color);
 
   FilmOptions options;
   options.output = film.output;

@@ -9,6 +9,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
 #include "anatomy/geometry/mesh_measures.h"
+#include "app/files/actor_look.h"
 #include "app/files/fitted_actor.h"
 #include "app/files/open_character.h"
 #include "app/files/open_motion.h"
@@ -146,10 +147,11 @@ std::shared_ptr<ViewSession::Performance> ViewSession::perform(std::shared_ptr<c
   else
     out->motion = open_motion(motion, *out->actor, options_.retarget, common_, report);
   SceneOptions scene;
-  scene.eyes = find_eyes(common_.assets, shown.body.skin, shown.anatomy.skeleton);
+  scene.eyes = actor_eyes(common_.assets, *out->actor);
   scene.surface.rows_between = 1;
   scene.key = fresh_scene_key();
   out->model = make_scene_model(shown.anatomy, shown.body.skin, scene);
+  out->model.skin.colors = vein_colors(*out->actor, Appearance{}.skin_color);
   if (options_.dynamics && !motion.empty()) out->flesh = make_soft_tissue(*out->actor);
   return out;
 }

@@ -13,13 +13,16 @@
 #include "app/files/actor.h"
 #include "app/files/open_character.h"
 #include "app/files/open_motion.h"
+#include "app/files/relief_maps.h"
 #include "app/options/motion_options.h"
 #include "app/options/option_values.h"
 #include "app/options/subject_options.h"
 #include "app/progress.h"
 #include "skinning/bake/bake.h"
 #include "skinning/bake/bake_io.h"
+#include "skinning/files/character_look.h"
 #include "skinning/rigs/own_rig.h"
+#include "viewer/image.h"
 
 namespace ecorche {
 namespace {
@@ -32,7 +35,8 @@ struct BakeVerbOptions {
   std::vector<fs::path> motions;
   MotionOptions retarget;
   BakeOptions bake;
-  std::optional<double> definition = 0;
+  std::optional<double> definition;
+  int maps = 0;  // texels a side; 0: none
 };
 
 constexpr double kAskedRms = 2e-3, kAskedMax = 6e-3;  // m
@@ -107,15 +111,54 @@ int bake_own_rig(const BakeVerbOptions& options, const Actor& actor, const Commo
   return 0;
 }
 
+// NAME-normal.png and NAME-displacement.png beside NAME.glb.
+fs::path map_file(const BakeVerbOptions& options, const char* what) {
+  return options.output.parent_path() /
+         fmt::format("{}-{}.png", options.output.stem().string(), what);
+}
+
+// `channels` bytes a texel.
+Image to_image(const std::vector<std::uint8_t>& texels, int size, std::size_t channels) {
+  Image out = make_image(size, size);
+  for (std::size_t i = 0; i < texels.size() / channels; ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      out.rgba[4 * i + k] = texels[channels * i + (channels == 1 ? 0 : k)];
+  return out;
+}
+
+// What the skin has on its texture; writes the maps beside the bake.
+std::optional<BakeTexture> bake_maps(const BakeVerbOptions& options, const Character& character,
+                                     const Common& common, Report& report) {
+  if (options.maps == 0) return std::nullopt;
+  const StageTimer timer(report, "maps");
+  const SkinMaps maps =
+      relief_maps(common.assets, character, options.definition.value_or(1), options.maps, report);
+  const Image normals = to_image(maps.normals, maps.size, 3);
+  const CharacterLook look =
+      find_look(common.assets, character.body.skin, character.anatomy.skeleton);
+  write_png(map_file(options, "normal"), normals);
+  write_png(map_file(options, "displacement"), to_image(maps.displacement, maps.size, 1));
+  report.set("bake.maps.size", maps.size);
+  report.set("bake.maps.displacement_range", maps.range);
+  note(common, fmt::format("{} texels: normals in the file and in {}, displacement of -{:.2f} .. "
+                           "{:.2f} mm (black .. white) in {}",
+                           maps.size, map_file(options, "normal").string(), 1e3 * maps.range,
+                           1e3 * maps.range, map_file(options, "displacement").string()));
+  return BakeTexture{look.texture, encode_png(normals)};
+}
+
 int run_bake(const BakeVerbOptions& options, const Common& common, Report& report) {
   require_ending(options.output, {".glb"});
   std::vector<fs::path> inputs = options.motions;
   inputs.insert(inputs.end(), {options.character, options.weights, options.retarget.map_file});
-  check_outputs(common, {options.output}, inputs);
+  std::vector<fs::path> outputs{options.output};
+  if (options.maps > 0)
+    outputs.insert(outputs.end(), {map_file(options, "normal"), map_file(options, "displacement")});
+  check_outputs(common, outputs, inputs);
   Actor actor = make_actor(common.assets, open_character(options.character, common, report), report,
                            {.weights = options.weights,
                             .muscles = MuscleMotion::lines,
-                            .definition = options.definition});
+                            .definition = options.maps > 0 ? 0 : options.definition.value_or(0)});
   const Character& character = actor.character;
   if (options.rig == "own" && !character.own)
     throw UnfitError(
@@ -139,8 +182,9 @@ int run_bake(const BakeVerbOptions& options, const Common& common, Report& repor
         std::move(motions), options.bake,
         [&progress](const char* stage, double share) { progress.at(int(100 * share), stage); });
   }
+  const std::optional<BakeTexture> texture = bake_maps(options, character, common, report);
   write_bake(options.output, character.body.name, character.body.skin, character.anatomy.skeleton,
-             bake);
+             bake, texture ? &*texture : nullptr);
   const double bytes = fs::file_size(options.output);
   const double cache = 12.0 * double(character.body.skin.V.rows()) * bake.error.frames;
   report.set("skin_vertices", actor.binding.vertex_count);
@@ -197,7 +241,11 @@ void add_bake_verb(VerbRegistry& registry) {
       ->check(between(2, 2000))
       ->capture_default_str();
   add_weights_option(*verb, options->weights);
-  add_definition_option(*verb, options->definition, "0");
+  add_definition_option(*verb, options->definition, "0, of --maps 1");
+  verb->add_option("--maps", options->maps,
+                   "What shows through the skin as maps of this many texels a side in place of "
+                   "shape: normals in the .glb and beside it, displacement beside it")
+      ->check(between(64, 8192));
   add_motion_options(*verb, options->retarget);
   add_range_options(*verb, options->retarget);
 }

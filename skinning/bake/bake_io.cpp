@@ -129,29 +129,70 @@ void add_curves(gltf::GlbBuilder& glb, const BakedMotion& each, int node, int ti
                     glb.add_normalized_shorts(weights, TINYGLTF_TYPE_SCALAR, 1));
 }
 
+// The mesh with places on the texture, its material with the normal map.
+void add_textured_skin(gltf::GlbBuilder& glb, const TriMesh& skin, const BakeTexture& texture) {
+  const int material = glb.material(kSkinLook);
+  const SkinTexture& at = texture.texture;
+  tinygltf::Primitive primitive = glb.surface(
+      textured_rows(at, skin.V), textured_rows(at, gltf::GlbBuilder::unit_normals(skin)),
+      glb.add_indices(at.F), material);
+  primitive.attributes["TEXCOORD_0"] = glb.add_texture_coordinates(at.places);
+  glb.add_mesh("skin", {std::move(primitive)});
+  tinygltf::Model& model = glb.model();
+  tinygltf::Image image;
+  image.name = "skin_normals";
+  image.mimeType = "image/png";
+  image.bufferView =
+      model
+          .accessors[glb.add_accessor(texture.normals_png, TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE,
+                                      TINYGLTF_TYPE_SCALAR, 1, 0)]
+          .bufferView;
+  model.accessors.pop_back();  // it only brought its view
+  model.images.push_back(std::move(image));
+  tinygltf::Texture map;
+  map.source = int(model.images.size()) - 1;
+  model.textures.push_back(std::move(map));
+  model.materials[material].normalTexture.index = int(model.textures.size()) - 1;
+}
+
+std::vector<std::array<Influence, 4>> split_influences(const Bake& bake,
+                                                       const SkinTexture& texture) {
+  std::vector<std::array<Influence, 4>> out;
+  for (const int v : texture.vertex) out.push_back(bake.influences[std::size_t(v)]);
+  return out;
+}
+
 }  // namespace
 
 void write_bake(const std::filesystem::path& file, const std::string& name, const TriMesh& skin,
-                const Skeleton& skeleton, const Bake& bake) {
+                const Skeleton& skeleton, const Bake& bake, const BakeTexture* texture) {
   if (bake.influences.size() != std::size_t(skin.V.rows()))
     throw std::invalid_argument("write_bake: the bake is of another skin");
   AtomicFile out(file);
   gltf::GlbBuilder glb;
   const Skeleton bones = with_helpers(skeleton, bake);
   gltf::add_joints(glb, bones);
-  glb.add_mesh("skin", skin, glb.material(kSkinLook));
+  if (texture)
+    add_textured_skin(glb, skin, *texture);
+  else
+    glb.add_mesh("skin", skin, glb.material(kSkinLook));
   // By index from here on: adding accessors does not move meshes, but the reference would not
   // outlive another mesh.
   tinygltf::Mesh& mesh = glb.model().meshes.back();
-  glb.add_influences(mesh.primitives[0], bake.influences);
+  const auto rows = [&](const Points& values) {
+    return texture ? textured_rows(texture->texture, values) : values;
+  };
+  glb.add_influences(mesh.primitives[0],
+                     texture ? split_influences(bake, texture->texture) : bake.influences);
   Array names;
-  const bool small = skin.V.rows() <= 65536;
+  const bool small =
+      (texture ? Eigen::Index(texture->texture.vertex.size()) : skin.V.rows()) <= 65536;
   for (std::size_t m = 0; m < bake.morphs.size(); ++m) {
     const auto add = [&](const Points& shape) {
       return small ? add_sparse<std::uint16_t>(glb, shape, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT)
                    : add_sparse<std::uint32_t>(glb, shape, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT);
     };
-    const int places = add(bake.morphs[m]), normals = add(bake.morph_normals[m]);
+    const int places = add(rows(bake.morphs[m])), normals = add(rows(bake.morph_normals[m]));
     mesh.primitives[0].targets.push_back({{"POSITION", places}, {"NORMAL", normals}});
     names.push_back(gltf::text(fmt::format("corrective_{:02}", m + 1)));
   }

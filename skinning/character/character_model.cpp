@@ -47,7 +47,7 @@ CharacterModel compile_character(Character character, const CompileOptions& opti
     out.relief = make_skin_relief(
         anatomy, rest,
         {skin, options.base->mesh, options.base->refinement, out.binding.joint_weights},
-        {.definition = options.definition});
+        {.definition = options.definition, .layer = options.layer, .veins = options.veins});
   if (options.times) options.times->skin_ms = milliseconds_since(bind_start);
   return out;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "anatomy/base_mesh/base_skin.h"
 #include "anatomy/character.h"
@@ -39,6 +40,8 @@ struct CompileOptions {
   MuscleMotion muscles = MuscleMotion::lines;
   PaintedWeights painted{};  // of the base mesh's vertices where there is one
   double definition = 0;     // 0 .. 1, relief of the anatomy on a refined skin; others have none
+  double layer = 0;          // m, ReliefOptions::layer
+  std::vector<VeinPath> veins{};  // that the relief shows, too
   CompileTimes* times = nullptr;  // filled where given
 };
 

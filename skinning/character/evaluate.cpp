@@ -141,13 +141,14 @@ void pose_and_cover(const CharacterModel& model, const Pose& pose, const FrameIn
 }
 
 // The relief of the muscles as they lie in the end.
-void show_anatomy(const CharacterModel& model, CharacterState& state) {
+void show_anatomy(const CharacterModel& model, std::span<const double> activation,
+                  CharacterState& state) {
   const std::vector<int>& order = model.skin.base_blend->mesh.order;
   const std::vector<float>& openness = state.relaxed.openness;
   std::vector<float>& open = state.relief.openness;
   open.assign(openness.begin(), openness.end());
   for (std::size_t s = 0; s < order.size(); ++s) open[std::size_t(order[s])] = openness[s];
-  add_relief(model.relief, state.posed, state.skin, state.relief);
+  add_relief(model.relief, state.posed, activation, state.skin, state.relief);
 }
 
 }  // namespace
@@ -174,7 +175,7 @@ void evaluate(const CharacterModel& model, const Pose& pose, const FrameInputs& 
     push_muscles_below_skin(model.skin.collision, model.muscles, state.relaxed, state.lift,
                             state.posed, state.push,
                             model.interior ? NeighbourContact::left : NeighbourContact::resolved);
-  if (!model.relief.empty()) show_anatomy(model, state);
+  if (!model.relief.empty()) show_anatomy(model, inputs.activation, state);
 }
 
 }  // namespace ecorche::inline v1

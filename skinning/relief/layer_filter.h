@@ -14,7 +14,7 @@ namespace ecorche::inline v1 {
 constexpr int kBands = 5;
 // m, standard deviations of the bands' smoothings; the first is that of the mean by which the depth
 // is measured, of planes, so that it keeps more than a smoothing would.
-constexpr std::array<double, kBands> kBandWidths{0.0035, 0.007, 0.012, 0.022, 0.038};
+constexpr std::array<double, kBands> kBandWidths{0.0035, 0.0075, 0.014, 0.026, 0.048};
 // m, standard deviation of the smoothing that counts as the shape beneath. Larger: bulges of whole
 // muscles are shown twice, by skin and relief. Smaller: only furrows are left.
 constexpr double kShape = kBandWidths[kBands - 1];

@@ -21,38 +21,42 @@ struct Row {
   std::vector<float> weight;
 };
 
-double mean_edge(const TriMesh& skin, int v, const std::vector<int>& ring) {
+}  // namespace
+
+SurfaceGraph graph_of(const TriMesh& skin) {
+  return {skin.V, vertex_neighbours(skin), vertex_areas(skin)};
+}
+
+double mean_edge(const SurfaceGraph& graph, int v) {
+  const std::vector<int>& ring = graph.ring[std::size_t(v)];
   double sum = 0;
-  for (const int other : ring) sum += (skin.V.row(other) - skin.V.row(v)).norm();
+  for (const int other : ring) sum += (graph.at.row(other) - graph.at.row(v)).norm();
   return ring.empty() ? 1 : std::max(sum / double(ring.size()), 1e-6);
 }
 
-}  // namespace
-
-SkinSmoothing make_smoothing(const TriMesh& skin, double width, double most_edges,
+SkinSmoothing make_smoothing(const SurfaceGraph& skin, double width, double most_edges,
                              std::span<const char> wanted) {
-  const std::vector<std::vector<int>> ring = vertex_neighbours(skin);
-  const std::vector<double> area = vertex_areas(skin);
+  const auto& [points, ring, area] = skin;
   std::vector<Row> rows(ring.size());
   parallel_for_ranges(rows.size(), kGrain, Threads::all, [&](std::size_t begin, std::size_t end) {
     std::vector<std::size_t> seen_by(rows.size(), rows.size());
     for (std::size_t v = begin; v < end; ++v) {
       Row& row = rows[v];
-      const Vec3 at = skin.V.row(Eigen::Index(v));
-      const double w = std::min(width, most_edges * mean_edge(skin, int(v), ring[v]));
+      const Vec3 at = points.row(Eigen::Index(v));
+      const double w = std::min(width, most_edges * mean_edge(skin, int(v)));
       const double reach = kCut * kCut * w * w, spread = kUncut * kUncut * w * w;
       double sum = 0;
       seen_by[v] = v;
       row.vertex.push_back(int(v));
       for (std::size_t next = 0; next < row.vertex.size(); ++next) {
         const int u = row.vertex[next];
-        const double far = (Vec3(skin.V.row(u)) - at).squaredNorm();
+        const double far = (Vec3(points.row(u)) - at).squaredNorm();
         const double weight = std::max(area[u], 1e-12) * std::exp(-0.5 * far / spread);
         row.weight.push_back(float(weight));
         sum += weight;
         if (!wanted[v]) break;
         for (const int other : ring[u])
-          if (seen_by[other] != v && (Vec3(skin.V.row(other)) - at).squaredNorm() < reach) {
+          if (seen_by[other] != v && (Vec3(points.row(other)) - at).squaredNorm() < reach) {
             seen_by[other] = v;
             row.vertex.push_back(other);
           }

@@ -77,6 +77,7 @@ SurfaceSamples::Piece piece_of(const MuscleSurface& whole, const std::vector<cha
     out.surface.muscle.push_back(whole.muscle[v]);
     out.surface.along.push_back(whole.along[v]);
     out.surface.slice.push_back(whole.slice[v]);
+    out.surface.belly.push_back(whole.belly[v]);
     if (seen[v]) out.sample.push_back(number[v]);
     return number[v];
   };
@@ -100,6 +101,7 @@ void find_dents(const std::vector<const Strip*>& strip_of, SurfaceSamples::Piece
       dent = std::max(dent, kDent * std::exp(-far * far));
     }
     piece.dent.push_back(float(dent));
+    piece.belly.push_back(piece.surface.belly[v]);
   }
 }
 
@@ -121,14 +123,31 @@ void add_bone(const Bone& bone, const Vec3& joint, const SkinView& view, Surface
   const Points normals = vertex_normals(bone.mesh);
   std::map<Cube, std::pair<Vec3, Vec3>> cubes;
   std::map<Cube, int> members;
-  for (Eigen::Index v = 0; v < bone.mesh.V.rows(); ++v) {
-    const Vec3 p = bone.mesh.V.row(v), n = normals.row(v);
-    if (n.norm() < 0.5 || !view.sees(p, n)) continue;
+  const auto add = [&](const Vec3& p, const Vec3& n) {
+    if (n.norm() < 0.5 || !view.sees(p, n)) return;
     const Cube cube = cube_at(p, kBoneSpacing);
     auto [at, fresh] = cubes.try_emplace(cube, Vec3::Zero(), Vec3::Zero());
     at->second.first += p;
     at->second.second += n;
     ++members[cube];
+  };
+  for (Eigen::Index v = 0; v < bone.mesh.V.rows(); ++v) add(bone.mesh.V.row(v), normals.row(v));
+  // Shafts have triangles of some centimetres.
+  for (Eigen::Index f = 0; f < bone.mesh.F.rows(); ++f) {
+    const auto corner = [&](const Points& of, int k) { return Vec3(of.row(bone.mesh.F(f, k))); };
+    double longest = 0;
+    for (int k = 0; k < 3; ++k)
+      longest =
+          std::max(longest, (corner(bone.mesh.V, k) - corner(bone.mesh.V, (k + 1) % 3)).norm());
+    const int steps = int(std::ceil(longest / kBoneSpacing));
+    for (int i = 0; i < steps && steps > 1; ++i)
+      for (int j = 0; i + j < steps; ++j) {
+        const double s = (i + 1.0 / 3) / steps, t = (j + 1.0 / 3) / steps;
+        const auto at = [&](const Points& of) {
+          return Vec3((1 - s - t) * corner(of, 0) + s * corner(of, 1) + t * corner(of, 2));
+        };
+        add(at(bone.mesh.V), at(normals));
+      }
   }
   for (const auto& [cube, sums] : cubes) {
     if (sums.second.norm() < 1e-6) continue;
@@ -165,7 +184,7 @@ SurfaceSamples sample_surfaces(const Anatomy& anatomy, const PosedAnatomy& rest,
   MuscleSurface muscles;
   Points at(0, 3);
   if (!anatomy.muscles.empty()) {
-    muscles = make_muscle_surface(anatomy, {.rows_between = 1});
+    muscles = make_muscle_surface(anatomy, {.points_per_slice = 24, .rows_between = 3});
     update_muscle_surface(muscles, rest.slices, at);
   }
   out.fascia = make_fascia_surface(anatomy);
@@ -211,7 +230,8 @@ SurfaceSamples sample_surfaces(const Anatomy& anatomy, const PosedAnatomy& rest,
   return out;
 }
 
-void pose_samples(const SurfaceSamples& samples, const PosedAnatomy& posed, PosedSamples& out) {
+void pose_samples(const SurfaceSamples& samples, const PosedAnatomy& posed,
+                  std::span<const double> activation, PosedSamples& out) {
   out.positions.resize(4 * samples.count);
   out.normals.resize(4 * samples.count);
   const std::size_t pieces = samples.pieces.size();
@@ -236,7 +256,12 @@ void pose_samples(const SurfaceSamples& samples, const PosedAnatomy& posed, Pose
         update_muscle_surface(piece.surface, posed, V, &N);
         for (std::size_t k = 0; k < piece.sample.size(); ++k) {
           const Eigen::Vector3f n = N.row(piece.sample[k]);
-          put(i++, V.row(piece.sample[k]).transpose() - piece.dent[k] * n, n);
+          const int muscle = piece.surface.muscle[piece.sample[k]];
+          const float tensed =
+              activation.empty() ? 0 : kTensed * piece.belly[k] * float(activation[muscle]);
+          // Intersections are deeper in a tensed muscle, which rises beside them.
+          const float out_by = tensed - piece.dent[k] * (1 + tensed / kTensed);
+          put(i++, V.row(piece.sample[k]).transpose() + out_by * n, n);
         }
       } else if (p == pieces) {
         update_fascia_surface(samples.fascia, posed, out.fascia_positions, &out.fascia_normals);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "anatomy/muscles/fascia_surface.h"
@@ -17,7 +18,8 @@ struct SurfaceSamples {
   struct Piece {
     MuscleSurface surface;
     std::vector<int> sample;
-    std::vector<float> dent;  // #sample, m, inward: tendinous intersections bind the surface down
+    std::vector<float> dent;   // #sample, m, inward: tendinous intersections bind the surface down
+    std::vector<float> belly;  // #sample, 1 on the belly, 0 on tendon
   };
   struct BoneSample {
     int joint = 0;
@@ -41,6 +43,12 @@ SurfaceSamples sample_surfaces(const Anatomy& anatomy, const PosedAnatomy& rest,
                                const TriMesh& skin);
 
 // `out` is sized once and then reused.
-void pose_samples(const SurfaceSamples& samples, const PosedAnatomy& posed, PosedSamples& out);
+// `activation`: per muscle, empty: all relaxed. A tensed belly rises by up to kTensed.
+void pose_samples(const SurfaceSamples& samples, const PosedAnatomy& posed,
+                  std::span<const double> activation, PosedSamples& out);
+
+// m, that a tensed muscle's belly stands out beyond what it swells: it gets hard, and what lies
+// over it is drawn down beside it, not into it. Judged by eye.
+constexpr float kTensed = 0.0006f;
 
 }  // namespace ecorche::inline v1
