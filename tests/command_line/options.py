@@ -8,6 +8,7 @@ import shutil
 import struct
 import subprocess
 import sys
+import zlib
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from runner import Runner  # noqa: E402
@@ -355,6 +356,8 @@ def animations(t):
     bake = t.json("bake.json")["bake"]
     t.check(bake["morphs"] <= 4 and bake["helpers"] <= 6 and bake["frames"] == 24, "--morphs, --helpers")
     t.run((0, 8), "bake", "anna-anatomy.glb", "walk.bvh", "-o", "planted.glb", "--morphs", 2, "--helpers", 0, "--samples", 8, "--plant", "--definition", 0)
+    t.run((0, 8), "bake", "anna-anatomy.glb", "walk.bvh", "-o", "mapped.glb", "--morphs", 2, "--helpers", 0, "--samples", 4, "--maps", 256, "--definition", 1, "--report", "maps.json")
+    normal_maps(t)
 
     motions_of_other_formats(t)
     markers(t)
@@ -385,6 +388,48 @@ def markers(t):
     t.says(t.run(4, "dynamics", "anna-anatomy.glb", "walk.trc", "-o", "no.sto", "--plates", "plates.mot"), "it lasts from 10")
     t.says(t.run(4, "dynamics", "anna-anatomy.glb", "walk.trc", "-o", "no.sto", "--plates", "legs.mot"), "no force of a plate")
     t.says(t.run(2, "retarget", "walk.bvh", "anna-anatomy.glb", "-o", "no.bvh", *own), "--markers")
+
+
+def normal_maps(t):
+    """The normal map of a bake as glTF has it: an image of the material, unit normals that face outwards, more than one of them."""
+    data = t.bytes("mapped.glb")
+    length = struct.unpack_from("<I", data, 12)[0]
+    doc = json.loads(data[20:20 + length])
+    skin = next(mesh for mesh in doc["meshes"] if mesh["name"] == "skin")["primitives"][0]
+    texture = doc["textures"][doc["materials"][skin["material"]]["normalTexture"]["index"]]
+    image = doc["images"][texture["source"]]
+    view = doc["bufferViews"][image["bufferView"]]
+    png = data[28 + length + view.get("byteOffset", 0):][:view["byteLength"]]
+    t.check(image["mimeType"] == "image/png" and png == t.bytes("mapped-normal.png"), "the normal map inside the bake is the one beside it")
+    t.check(doc["accessors"][skin["attributes"]["TEXCOORD_0"]]["count"] == doc["accessors"][skin["attributes"]["POSITION"]]["count"], "places on the texture")
+    width, rows = png_rows(png)
+    off = max(abs(sum((row[3 * x + k] / 127.5 - 1) ** 2 for k in range(3)) - 1) for row in rows for x in range(width))
+    t.check(width == 256 and off < 0.05, "the map's normals have length 1")
+    t.check(all(row[3 * x + 2] > 128 for row in rows for x in range(width)) and any(row[3 * x] != 128 for row in rows for x in range(width)), "they face outwards and are not all alike")
+    t.check(0 < t.json("maps.json")["bake"]["maps"]["displacement_range"] < 0.02 and png_rows(t.bytes("mapped-displacement.png"))[0] == 256, "the displacement map")
+
+
+def png_rows(png):
+    """Width and rows of an 8-bit RGB PNG."""
+    at, packed, width = 8, b"", 0
+    while at < len(png):
+        length, kind = struct.unpack_from(">I4s", png, at)
+        if kind == b"IHDR":
+            width = struct.unpack_from(">I", png, at + 8)[0]
+        if kind == b"IDAT":
+            packed += png[at + 8:at + 8 + length]
+        at += 12 + length
+    plain, rows, before = zlib.decompress(packed), [], bytearray(3 * width)
+    for start in range(0, len(plain), 3 * width + 1):
+        row = bytearray(plain[start + 1:start + 1 + 3 * width])
+        for i in range(len(row)):
+            left, up, corner = row[i - 3] if i >= 3 else 0, before[i], before[i - 3] if i >= 3 else 0
+            guess = left + up - corner
+            nearest = min((left, up, corner), key=lambda value: abs(guess - value))
+            row[i] = (row[i] + (0, left, up, (left + up) // 2, nearest)[plain[start]]) & 255
+        rows.append(row)
+        before = row
+    return width, rows
 
 
 def motions_of_other_formats(t):

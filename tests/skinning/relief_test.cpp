@@ -7,10 +7,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <stdexcept>
+#include <vector>
 
 #include "anatomy/geometry/mesh_measures.h"
 #include "skinning/relief/layer_filter.h"
+#include "skinning/relief/relief_nodes.h"
 
 namespace ecorche {
 namespace {
@@ -56,9 +59,10 @@ struct Plate {
     forward_kinematics(anatomy.skeleton, rest_pose(anatomy.skeleton), rest.X_WJ);
   }
 
-  SkinRelief relief(double definition) const {
+  SkinRelief relief(double definition, double layer = 0,
+                    std::span<const VeinPath> veins = {}) const {
     return make_skin_relief(anatomy, rest, {fine, base, refinement, weights},
-                            {.definition = definition});
+                            {.definition = definition, .layer = layer, .veins = veins});
   }
 
   SkinFrame frame() const {
@@ -115,7 +119,7 @@ TEST(Relief, ARippleComesThroughAsTheLayerIsThin) {
       const Plate plate(thickness, kAmplitude, wavelength);
       SkinFrame frame = plate.frame();
       ReliefWorkspace workspace;
-      add_relief(plate.relief(1), plate.rest, frame, workspace);
+      add_relief(plate.relief(1), plate.rest, {}, frame, workspace);
       const double share = plate.amplitude(workspace.relief, wavelength) / kAmplitude;
       EXPECT_NEAR(share, transmitted(thickness, wavelength), 0.09)
           << thickness << " " << wavelength;
@@ -126,7 +130,7 @@ TEST(Relief, NothingComesThroughAThickLayer) {
   const Plate plate(0.03, 0.002, 0.04);
   SkinFrame frame = plate.frame();
   ReliefWorkspace workspace;
-  add_relief(plate.relief(1), plate.rest, frame, workspace);
+  add_relief(plate.relief(1), plate.rest, {}, frame, workspace);
   for (Eigen::Index v = 0; v < plate.fine.V.rows(); ++v)
     if (plate.inner(v)) EXPECT_LT(std::abs(workspace.relief[std::size_t(v)]), 0.03f * 0.002f);
 }
@@ -136,11 +140,12 @@ TEST(Relief, HalfADefinitionIsHalfTheRelief) {
   EXPECT_TRUE(plate.relief(0).empty());
   ReliefWorkspace workspace;
   SkinFrame frame = plate.frame();
-  EXPECT_THROW(add_relief(plate.relief(0), plate.rest, frame, workspace), std::invalid_argument);
-  add_relief(plate.relief(1), plate.rest, frame, workspace);
+  EXPECT_THROW(add_relief(plate.relief(0), plate.rest, {}, frame, workspace),
+               std::invalid_argument);
+  add_relief(plate.relief(1), plate.rest, {}, frame, workspace);
   const double whole = plate.amplitude(workspace.relief, 0.05);
   frame = plate.frame();
-  add_relief(plate.relief(0.5), plate.rest, frame, workspace);
+  add_relief(plate.relief(0.5), plate.rest, {}, frame, workspace);
   EXPECT_NEAR(plate.amplitude(workspace.relief, 0.05) / whole, 0.5, 0.02);
 }
 
@@ -154,7 +159,7 @@ TEST(Relief, FollowsWhatSlidesBeneathWithoutLeaps) {
     PosedAnatomy posed = plate.rest;
     for (Transform& X : posed.X_WJ) X.pretranslate(Vec3(2e-4 * step, 0, 0));
     SkinFrame frame = plate.frame();
-    add_relief(relief, posed, frame, workspace);
+    add_relief(relief, posed, {}, frame, workspace);
     for (Eigen::Index v = 0; v < plate.fine.V.rows() && !before.empty(); ++v)
       if (plate.inner(v))
         leap = std::max(leap, std::abs(workspace.relief[std::size_t(v)] - before[std::size_t(v)]));
@@ -171,7 +176,7 @@ TEST(Relief, KeepsTheVolumeBeneathTheSkin) {
   const Plate plate(0.004, 0.004, 0.06);  // so high that bounds are met
   SkinFrame frame = plate.frame();
   ReliefWorkspace workspace;
-  add_relief(plate.relief(1), plate.rest, frame, workspace);
+  add_relief(plate.relief(1), plate.rest, {}, frame, workspace);
   double mean = 0, size = 0, count = 0;
   for (Eigen::Index v = 0; v < plate.fine.V.rows(); ++v) {
     if (!plate.inner(v)) continue;
@@ -181,6 +186,81 @@ TEST(Relief, KeepsTheVolumeBeneathTheSkin) {
   }
   EXPECT_GT(size / count, 5e-4);
   EXPECT_LT(std::abs(mean), 0.02 * size);
+}
+
+TEST(Relief, NothingIsSeenOfWhatIsFlat) {
+  const Plate plate(0.004, 0, 1);
+  SkinFrame frame = plate.frame();
+  ReliefWorkspace workspace;
+  add_relief(plate.relief(1), plate.rest, {}, frame, workspace);
+  for (Eigen::Index v = 0; v < plate.fine.V.rows(); ++v)
+    if (plate.inner(v)) EXPECT_LT(std::abs(workspace.relief[std::size_t(v)]), 1e-5f);
+}
+
+TEST(Relief, MoreIsSeenOfTheThinner) {
+  const Plate plate(0.01, 0.001, 0.05);
+  double before = 0;
+  for (const double layer : {0.0, 0.008, 0.006, 0.004}) {
+    SkinFrame frame = plate.frame();
+    ReliefWorkspace workspace;
+    add_relief(plate.relief(1, layer), plate.rest, {}, frame, workspace);
+    const double now = plate.amplitude(workspace.relief, 0.05);
+    EXPECT_GT(now, 1.05 * before) << layer;
+    before = now;
+  }
+  EXPECT_LT(before, 0.001);
+}
+
+TEST(Relief, TheSkinFollowsWhatSwellsBeneath) {
+  const Plate plate(0.006, 0, 1);
+  const SkinRelief relief = plate.relief(1);
+  PosedAnatomy posed = plate.rest;
+  for (Transform& X : posed.X_WJ) X.pretranslate(Vec3(0, 0.001, 0));
+  SkinFrame frame = plate.frame();
+  ReliefWorkspace workspace;
+  add_relief(relief, posed, {}, frame, workspace);
+  for (Eigen::Index v = 0; v < plate.fine.V.rows(); ++v)
+    if (plate.inner(v)) EXPECT_NEAR(workspace.relief[std::size_t(v)], 0.001, 1e-4);
+}
+
+// A vein along the middle of the sheet.
+VeinPath straight_vein() {
+  return {"straight", {Vec3(0, 1, -0.2), Vec3(0, 1, 0), Vec3(0, 1, 0.2)}, 0.004, 0.001};
+}
+
+TEST(Relief, VeinsAreSeenInTheLeanAndMoreInEffort) {
+  const VeinPath vein = straight_vein();
+  const auto height = [&](double thickness, double activation) {
+    const Plate plate(thickness, 0, 1);
+    SkinFrame frame = plate.frame();
+    ReliefWorkspace workspace;
+    const std::vector<double> muscles(8, activation);
+    add_relief(plate.relief(1, 0, {&vein, 1}), plate.rest, muscles, frame, workspace);
+    float highest = 0;
+    for (Eigen::Index v = 0; v < plate.fine.V.rows(); ++v) {
+      if (!plate.inner(v)) continue;
+      EXPECT_LT(workspace.relief[std::size_t(v)], vein.height);
+      highest = std::max(highest, workspace.relief[std::size_t(v)]);
+    }
+    return double(highest);
+  };
+  const double lean = height(0.002, 0);
+  EXPECT_GT(lean, 2e-4);
+  EXPECT_GT(height(0.002, 0.5), 1.3 * lean);
+  EXPECT_LT(height(0.004, 0), 0.6 * lean);
+  EXPECT_LT(height(0.015, 0), 0.01 * lean);
+}
+
+TEST(Relief, NodesKeepWhatIsConstant) {
+  const TriMesh skin = sheet(0.004, 1, 0.01, 0.1);
+  const std::vector<char> wanted(std::size_t(skin.V.rows()), 1);
+  const ReliefNodes nodes = make_relief_nodes(graph_of(skin), wanted);
+  EXPECT_LT(5 * nodes.vertex.size(), wanted.size() * 2);
+  const std::vector<float> ones(wanted.size(), 1);
+  std::vector<float> at(nodes.vertex.size()), back(wanted.size());
+  smooth(nodes.to, ones, at);
+  smooth(nodes.from, at, back);
+  for (const float value : back) EXPECT_NEAR(value, 1, 1e-5);
 }
 
 }  // namespace
