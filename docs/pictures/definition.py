@@ -11,21 +11,20 @@ import tempfile
 from make import program_in
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-SIZE = (300, 600)
-VIEWS = (("standing", "front"), ("overhead", "oblique"), ("elbow_90", "left"))
+SIZE = (450, 900)
+VIEWS = (("standing", "25,5"), ("elbow_135", "320,5"))
 
 
 def main():
     program = os.path.abspath(sys.argv[1])
     with tempfile.TemporaryDirectory() as folder:
         path, ecorche = program_in(folder, program)
-        ecorche("body", "new", "--sex", "male", "--age", "28", "--height", "1.85", "--mass", "80", "--muscle", "0.8", "-o", path("man.glb"))
-        ecorche("body", "modify", path("man.glb"), "--fat", "8", "-o", path("lean.glb"))
-        ecorche("fit", path("lean.glb"), "--skin", "fine", "-o", path("lean-anatomy.glb"))
+        ecorche("body", "new", "--sex", "male", "--age", "25", "--height", "1.85", "--mass", "78", "--muscle", "0.95", "-o", path("man.glb"))
+        ecorche("fit", path("man.glb"), "--skin", "fine", "-o", path("lean-anatomy.glb"))
         stills = []
         for pose, view in VIEWS:
             for definition in ("0", "1"):
-                stills.append(path(f"{pose}-{view}-{definition}.png"))
+                stills.append(path(f"{pose}-{definition}.png"))
                 ecorche("render", path("lean-anatomy.glb"), "-o", stills[-1], "--pose", pose, "--camera", view, "--definition", definition, "--layers", "skin",
                         "--background", "#30343A", "--size", f"{SIZE[0]}x{SIZE[1]}")
         inputs = [word for still in stills for word in ("-i", still)]
