@@ -15,6 +15,8 @@ namespace {
 
 constexpr int kMargin = 4;            // texels that go on beyond seams
 constexpr double kLeastRange = 1e-4;  // m
+// Cosine between the normals, at least: a map cannot show what faces inwards.
+constexpr double kSteepest = 0.1;
 
 using Row2 = Eigen::RowVector2f;
 
@@ -81,7 +83,7 @@ Details details_of(const DetailedSkin& skin, const Split& split) {
     const Vec3 n = smooth.row(v), m = detailed.row(v);
     const double by = (skin.detailed.row(v) - skin.smooth.V.row(v)).dot(smooth.row(v));
     out.row(Eigen::Index(i)) << float(by), float(m.dot(frames.right[i])),
-        float(m.dot(frames.up[i])), float(m.dot(n));
+        float(m.dot(frames.up[i])), float(std::max(m.dot(n), kSteepest));
   }
   return out;
 }
