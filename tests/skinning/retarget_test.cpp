@@ -274,8 +274,9 @@ TEST(Retarget, FeetArePlantedOnATreadmillsBelt) {
   options.plant_feet = true;
   options.ballistic_flights = false;
   RetargetReport report;
-  const Motion floor = retarget(read_motion(fs::path(ECORCHE_TEST_DIR) / "../data/motions/walk.bvh"),
-                                skeleton, options, report);
+  const Motion floor =
+      retarget(read_motion(fs::path(ECORCHE_TEST_DIR) / "../data/motions/walk.bvh"), skeleton,
+               options, report);
   const std::size_t contacts = report.contacts.size();
   ASSERT_GT(contacts, 8u);
   Motion treadmill = floor;
