@@ -14,6 +14,9 @@ struct SkinFrame {
   std::vector<float> normals;    // #V x 4, unit length
 };
 
+// Positions and unit normals, one row a vertex, as a frame.
+void to_frame(const Points& positions, const Points& normals, SkinFrame& out);
+
 // Positions of a frame as doubles. `out` is resized once and then reused.
 void to_points(const SkinFrame& frame, Points& out);
 

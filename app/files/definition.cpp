@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "anatomy/base_mesh/body_package.h"
 #include "anatomy/compute/smooth_step.h"
@@ -10,6 +11,17 @@
 #include "morph/shapes/modify_body.h"
 
 namespace ecorche {
+namespace {
+
+// By girths and height, 0 .. 1; none of a skin that is not on the base mesh.
+std::optional<double> fat_share_of(const Assets& assets, Sex sex, const Points& base_skin) {
+  const BodyPackage package = read_body_package(assets);
+  if (base_skin.rows() != package.skin_size) return std::nullopt;
+  const TapeMeasure tape(package, read_measure_table(package, package.tables / "body"));
+  return 0.01 * fat_percentage(tape, sex, base_skin);
+}
+
+}  // namespace
 
 double definition_of(Sex sex, double fat_share) {
   const double all = sex == Sex::male ? 0.08 : 0.15, nothing = sex == Sex::male ? 0.18 : 0.25;
@@ -17,10 +29,8 @@ double definition_of(Sex sex, double fat_share) {
 }
 
 double definition_of(const Assets& assets, Sex sex, const Points& base_skin) {
-  const BodyPackage package = read_body_package(assets);
-  if (base_skin.rows() != package.skin_size) return 0;
-  const TapeMeasure tape(package, read_measure_table(package, package.tables / "body"));
-  return definition_of(sex, 0.01 * fat_percentage(tape, sex, base_skin));
+  const std::optional<double> share = fat_share_of(assets, sex, base_skin);
+  return share ? definition_of(sex, *share) : 0;
 }
 
 double layer_of(Sex sex, double fat_share, double mass, double stature) {
@@ -31,11 +41,10 @@ double layer_of(Sex sex, double fat_share, double mass, double stature) {
 }
 
 double layer_of(const Assets& assets, Sex sex, double mass, const Points& base_skin) {
-  const BodyPackage package = read_body_package(assets);
-  if (base_skin.rows() != package.skin_size) return 0;
-  const TapeMeasure tape(package, read_measure_table(package, package.tables / "body"));
+  const std::optional<double> share = fat_share_of(assets, sex, base_skin);
+  if (!share) return 0;
   const double stature = base_skin.col(1).maxCoeff() - base_skin.col(1).minCoeff();
-  return layer_of(sex, 0.01 * fat_percentage(tape, sex, base_skin), mass, stature);
+  return layer_of(sex, *share, mass, stature);
 }
 
 }  // namespace ecorche

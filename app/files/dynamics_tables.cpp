@@ -27,16 +27,6 @@ Vec3 angle_axis(const Joint& joint, const Vec3& angles, int axis) {
   return joint.axes * (turned * Vec3::Unit(axis));
 }
 
-// Linear between times.
-double value_at(const std::vector<double>& times, const std::vector<double>& values,
-                double seconds) {
-  const auto next = std::upper_bound(times.begin(), times.end(), seconds);
-  if (next == times.begin()) return values.front();
-  if (next == times.end()) return values.back();
-  const std::size_t k = std::size_t(next - times.begin());
-  return std::lerp(values[k - 1], values[k], (seconds - times[k - 1]) / (times[k] - times[k - 1]));
-}
-
 class TableRows {
  public:
   TableRows(std::string what, const MotionDynamics& dynamics) {
@@ -114,7 +104,7 @@ MotionTable dynamics_table(const Skeleton& skeleton, const std::vector<BodySegme
   if (efforts)
     for (const MuscleMoment& moment : efforts->moments)
       rows.add(moment.name + "_reserve", "N m", [&](std::size_t f) {
-        return value_at(efforts->times, moment.reserve, double(f) / dynamics.fps);
+        return value_between(efforts->times, moment.reserve, double(f) / dynamics.fps);
       });
   return rows.take();
 }
@@ -124,7 +114,7 @@ MotionTable activation_table(const Anatomy& anatomy, const MotionDynamics& dynam
   TableRows rows("activations of muscles", dynamics);
   for (const ActivationCurve& curve : activations_of(efforts).curves)
     rows.add(anatomy.muscles[std::size_t(curve.muscles.front())].name, "", [&](std::size_t f) {
-      return value_at(curve.times, curve.values, double(f) / dynamics.fps);
+      return value_between(curve.times, curve.values, double(f) / dynamics.fps);
     });
   return rows.take();
 }

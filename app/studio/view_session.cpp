@@ -55,20 +55,6 @@ std::string joined(const std::vector<std::string>& lines) {
   return out;
 }
 
-// The skin at rest as a frame.
-void take_skin(const Character& character, SkinFrame& frame) {
-  const TriMesh& skin = character.body.skin;
-  const Points normals = vertex_normals(skin);
-  frame.positions.resize(4 * std::size_t(skin.V.rows()));
-  frame.normals.resize(frame.positions.size());
-  for (Eigen::Index v = 0; v < skin.V.rows(); ++v)
-    for (int axis = 0; axis < 4; ++axis) {
-      const std::size_t at = 4 * v + axis;
-      frame.positions[at] = axis < 3 ? float(skin.V(v, axis)) : 1;
-      frame.normals[at] = axis < 3 ? float(normals(v, axis)) : 0;
-    }
-}
-
 }  // namespace
 
 ViewSession::ViewSession(const ViewSessionOptions& options, const Common& common, Report& report)
@@ -302,7 +288,7 @@ void ViewSession::show_slid() {
 void ViewSession::pose(int frame, PosedAnatomy& posed, SkinFrame& skin) {
   if (sliders_) {
     posed = slid_->rest;
-    take_skin(slid_->character, skin);
+    to_frame(slid_->character.body.skin.V, vertex_normals(slid_->character.body.skin), skin);
     return;
   }
   const Performance& p = *performance_;

@@ -64,21 +64,22 @@ int edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-double value_at(const ActivationCurve& curve, double seconds) {
-  const auto after = std::upper_bound(curve.times.begin(), curve.times.end(), seconds);
-  if (after == curve.times.begin()) return curve.values.front();
-  if (after == curve.times.end()) return curve.values.back();
-  const std::size_t k = after - curve.times.begin();
-  const double share = (seconds - curve.times[k - 1]) / (curve.times[k] - curve.times[k - 1]);
-  return curve.values[k - 1] + share * (curve.values[k] - curve.values[k - 1]);
-}
-
 }  // namespace
+
+double value_between(std::span<const double> times, std::span<const double> values,
+                     double seconds) {
+  const auto after = std::upper_bound(times.begin(), times.end(), seconds);
+  if (after == times.begin()) return values.front();
+  if (after == times.end()) return values.back();
+  const std::size_t k = std::size_t(after - times.begin());
+  const double share = (seconds - times[k - 1]) / (times[k] - times[k - 1]);
+  return values[k - 1] + share * (values[k] - values[k - 1]);
+}
 
 void activation_at(const Activations& activations, double seconds, std::vector<double>& out) {
   out.assign(std::size_t(activations.muscles), 0.0);
   for (const ActivationCurve& curve : activations.curves) {
-    const double value = value_at(curve, seconds);
+    const double value = value_between(curve.times, curve.values, seconds);
     for (int m : curve.muscles) out[m] = std::max(out[m], value);
   }
 }

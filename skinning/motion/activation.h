@@ -1,6 +1,7 @@
 // Muscle activations over time: curves in [0, 1] by muscle name.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -22,6 +23,10 @@ struct Activations {
   int muscles = 0;  // of the anatomy; 0: everything is relaxed
   std::vector<ActivationCurve> curves;
 };
+
+// Linear between times, constant before the first and after the last. Preconditions: times rise,
+// one value a time, at least one.
+double value_between(std::span<const double> times, std::span<const double> values, double seconds);
 
 // One value a muscle. `out` is resized once and then reused; empty for no activations.
 void activation_at(const Activations& activations, double seconds, std::vector<double>& out);

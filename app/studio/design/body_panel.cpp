@@ -50,12 +50,7 @@ void measure_row(DesignSession& session, const std::string& name, ViewDocument& 
 
 void fit_row(DesignSession& session, const char* key, const char* label, const std::string& now,
              const char* help) {
-  ImGui::TableNextColumn();
-  ImGui::AlignTextToFramePadding();
-  ImGui::TextUnformatted(label);
-  help_of_last(help);
-  ImGui::TableNextColumn();
-  if (const auto text = value_field(fmt::format("##{}", key), now, -1))
+  if (const auto text = value_row(key, label, now, help))
     session.run(fmt::format("set_fit {}={}", key, ecorche::quoted(*text)), "fit");
 }
 

@@ -27,16 +27,7 @@ void stand(const Character& character, PosedAnatomy& posed, SkinFrame& frame) {
   posed.lengths.clear();
   for (const Muscle& muscle : anatomy.muscles)
     for (const Strip& strip : muscle.strips) posed.lengths.push_back(strip.rest_length);
-  const TriMesh& skin = character.body.skin;
-  const Points normals = vertex_normals(skin);
-  frame.positions.resize(4 * std::size_t(skin.V.rows()));
-  frame.normals.resize(frame.positions.size());
-  for (Eigen::Index v = 0; v < skin.V.rows(); ++v)
-    for (int axis = 0; axis < 4; ++axis) {
-      const std::size_t at = std::size_t(4 * v + axis);
-      frame.positions[at] = axis < 3 ? float(skin.V(v, axis)) : 1;
-      frame.normals[at] = axis < 3 ? float(normals(v, axis)) : 0;
-    }
+  to_frame(character.body.skin.V, vertex_normals(character.body.skin), frame);
 }
 
 }  // namespace

@@ -47,6 +47,16 @@ std::optional<std::string> value_field(const std::string& id, const std::string&
   return std::string(text);
 }
 
+std::optional<std::string> value_row(const std::string& key, const char* label,
+                                     const std::string& now, const char* help) {
+  ImGui::TableNextColumn();
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted(label);
+  help_of_last(help);
+  ImGui::TableNextColumn();
+  return value_field("##" + key, now, -1);
+}
+
 bool text_field(const std::string& id, std::string& text, const std::string& hint, float width,
                 bool focus) {
   char buffer[512];

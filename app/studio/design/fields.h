@@ -13,6 +13,9 @@ constexpr float kQuietGrey = 0.70f;
 
 // Shows a value; returns the text that a person has put in its place, when it is finished.
 std::optional<std::string> value_field(const std::string& id, const std::string& now, float width);
+// The same in a table of two columns, its name before it.
+std::optional<std::string> value_row(const std::string& key, const char* label,
+                                     const std::string& now, const char* help);
 // A line to write in. Returns whether Enter was pressed.
 bool text_field(const std::string& id, std::string& text, const std::string& hint, float width,
                 bool focus = false);

@@ -16,12 +16,7 @@ float em_card() { return ImGui::GetFontSize(); }
 // A field of set_muscle, with its name before it.
 void figure_row(DesignSession& session, const std::string& name, const char* key, const char* label,
                 const std::string& now, const char* help, ViewDocument& document) {
-  ImGui::TableNextColumn();
-  ImGui::AlignTextToFramePadding();
-  ImGui::TextUnformatted(label);
-  help_of_last(help);
-  ImGui::TableNextColumn();
-  if (const auto text = value_field(fmt::format("##{}", key), now, -1))
+  if (const auto text = value_row(key, label, now, help))
     session.run(fmt::format("set_muscle {} {}={}", name, key, ecorche::quoted(*text)), "figures");
   name_place(document, fmt::format("field:{}", key));
 }
