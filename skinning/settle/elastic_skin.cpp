@@ -70,6 +70,7 @@ ElasticSkin make_elastic_skin(const Skeleton& skeleton, const TriMesh& skin,
   out.membrane =
       make_membrane(sorted, looseness_of(skeleton, sorted, out.joint_weights, out.tissue));
   out.contact = make_self_contact(out.membrane, positions, triangles, out.tissue);
+  out.folds = make_fold_planes(skeleton, out.rest, out.joint_weights, out.tissue);
   out.volumes = make_volume_regions(skeleton, positions, triangles, out.joint_weights, out.tissue);
   return out;
 }

@@ -1,5 +1,5 @@
-// The skin by itself: a membrane that relaxes, regions that keep their volume, and parts that may
-// not pass through one another. Compiled once; private to the library.
+// The skin by itself: a membrane that relaxes, folds at hinges, regions that keep their volume, and
+// parts that may not pass through one another. Compiled once; private to the library.
 #pragma once
 
 #include <span>
@@ -8,6 +8,7 @@
 #include "anatomy/skeleton.h"
 #include "anatomy/types.h"
 #include "skinning/binding.h"
+#include "skinning/settle/fold_planes.h"
 #include "skinning/settle/membrane.h"
 #include "skinning/settle/self_contact.h"
 #include "skinning/settle/volume_preservation.h"
@@ -27,6 +28,7 @@ struct ElasticParameters {
 struct ElasticSkin {
   Membrane membrane;
   VolumeRegions volumes;
+  std::vector<HingeFold> folds;
   SelfContact contact;
   std::vector<int> triangles;               // 3 indices each
   std::vector<double> tissue;               // #V m, between skin and bone

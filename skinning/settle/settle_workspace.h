@@ -56,6 +56,7 @@ struct SettleWorkspace {
   SelfContactWorkspace contact;
   std::vector<float> half;       // of vertex normals
   std::vector<float> smoothing;  // #V
+  std::vector<float> folded;     // #V m, by how much folds have pressed a vertex
 };
 
 }  // namespace ecorche::inline v1

@@ -206,6 +206,7 @@ VolumeRegions make_volume_regions(const Skeleton& skeleton, std::span<const floa
     for (std::size_t i = 0; i < trunk.size(); ++i) trunk[i] -= head[i];
   }
   out.regions[0] = make_region(0, origins[0], positions, triangles, all, product(trunk), areas);
+  out.regions[0].take = kParametersVolumePreservation.body_take;
   return out;
 }
 
@@ -252,7 +253,8 @@ void restore_volumes(const VolumeRegions& volumes, std::span<const Transform> X_
     for (std::size_t k = 0; k < region.vertices.size(); ++k)
       reach[r] += double(region.swelling[k] * region.area[k] * open[region.vertices[k]]);
     lost[r] = region.volume - region_volume(region, positions, X_WJ[region.origin].translation());
-    if (lost[r] > 0) lost[r] = std::max(0.0, lost[r] - region.give * region.volume);
+    lost[r] = lost[r] > 0 ? std::max(0.0, lost[r] - region.give * region.volume)
+                          : std::min(0.0, lost[r] + region.take * region.volume);
   });
   std::array<double, kMostRegions> gained{};  // by the parts of a region, which come after it
   for (std::size_t r = volumes.regions.size(); r-- > 0;) {

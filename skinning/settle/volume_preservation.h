@@ -30,6 +30,9 @@ struct VolumeParameters {
   double shoulder_end = 0.5, shoulder_fade = 0.4;
   // Fraction of its volume that a shoulder may lose: flesh of a raised arm goes to chest and back.
   double shoulder_give = 0.08;
+  // Fraction of its volume that the whole body may gain: raised arms draw the chest open, and
+  // breath fills it. Were all of it taken back, hips and waist would sink.
+  double body_take = 0.004;
 };
 
 struct VolumeRegion {
@@ -41,7 +44,7 @@ struct VolumeRegion {
   std::vector<float> share;   // a triangle: fraction of it that is the region's
   std::vector<MeshRim> rims;  // edges of cuts that are closed by fans about their middles
   double volume = 0;          // rest, m^3
-  double give = 0;            // fraction of it that it may lose
+  double give = 0, take = 0;  // fractions of it that it may lose and gain
   std::vector<int> vertices;
   std::vector<float> swelling, area;  // a vertex: m a unit; m^2 at rest
 };

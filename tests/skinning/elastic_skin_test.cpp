@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "anatomy/geometry/self_intersections.h"
 #include "anatomy/geometry/vertex_normals.h"
 #include "skinning/settle/elastic_skin.h"
+#include "skinning/settle/fold_planes.h"
 #include "skinning/settle/membrane.h"
 #include "skinning/settle/self_contact.h"
 #include "skinning/settle/skin_looseness.h"
@@ -305,6 +307,83 @@ struct Pair {
     return points(skin.positions);
   }
 };
+
+struct BentLeg {
+  Skeleton skeleton;
+  Tube tube;  // from the ankle, y = 0, to the hip, y = 1; the knee is in the middle
+  std::vector<Vec3> rest;
+  std::vector<JointWeights> weights;
+  std::vector<HingeFold> folds;
+
+  BentLeg() {
+    const auto add = [&](const char* name, int parent, double y) {
+      Joint joint;
+      joint.name = name;
+      joint.parent = parent;
+      joint.X_PJ.translation() = Vec3(0, y, 0);
+      joint.axes.col(0) = Vec3::UnitX();
+      joint.axes.col(1) = Vec3::UnitY();
+      joint.axes.col(2) = Vec3::UnitZ();
+      joint.max.x() = 2.6;
+      skeleton.joints.push_back(joint);
+    };
+    add("pelvis", -1, 1.2);
+    add("hip_l", 0, -0.2);
+    add("knee_l", 1, -0.5);
+    add("ankle_l", 2, -0.5);
+    for (Eigen::Index i = 0; i < tube.mesh.V.rows(); ++i) {
+      rest.push_back(tube.mesh.V.row(i));
+      weights.push_back({{{rest.back().y() > 0.5 ? 1 : 2, 1.0}}});
+    }
+    folds = make_fold_planes(skeleton, rest, weights, std::vector<double>(rest.size(), 0.09));
+  }
+
+  // The skin as it is blended with the knee bent by `angle`, and pressed off the fold's plane.
+  std::pair<Points, Points> pose(double angle) const {
+    Pose pose = rest_pose(skeleton);
+    pose.rotations[2] = Quat(Eigen::AngleAxisd(angle, Vec3::UnitX()));
+    std::vector<Transform> X_WJ;
+    forward_kinematics(skeleton, pose, X_WJ);
+    Points blended = tube.mesh.V;
+    for (Eigen::Index i = 0; i < blended.rows(); ++i) {
+      const int j = weights[std::size_t(i)][0].joint;
+      blended.row(i) =
+          X_WJ[j] * Vec3(rest[std::size_t(i)] - rest_positions(skeleton)[std::size_t(j)]);
+    }
+    RelaxedSkin skin = relaxed_skin(blended, tube.triangles());
+    std::vector<float> moved;
+    press_folds(folds, X_WJ, skin, moved);
+    return {blended, points(skin.positions)};
+  }
+};
+
+TEST(FoldPlanes, FleshOfASharpBendMeetsInAPlane) {
+  const BentLeg leg;
+  const double angle = 2.6, half = (std::numbers::pi - angle) / 2;
+  ASSERT_EQ(leg.folds.size(), 1u);
+  EXPECT_NEAR(leg.folds[0].distal_share, 0.5, 1e-6);
+  const auto [blended, pressed] = leg.pose(angle);
+  // Both segments are alike, so the plane halves the wedge: from the knee up and backwards.
+  const Vec3 along(0, std::cos(half), -std::sin(half)), across(0, -std::sin(half), -std::cos(half));
+  double worst_before = 0, worst = 0;
+  for (Eigen::Index i = 0; i < pressed.rows(); ++i) {
+    const double side = leg.rest[std::size_t(i)].y() > 0.5 ? -1 : 1;
+    const auto crossed = [&](const Points& V) {
+      const Vec3 from = Vec3(V.row(i)) - Vec3(0, 0.5, 0);
+      return along.dot(from) > 0.05 ? -side * across.dot(from) : 0.0;
+    };
+    worst_before = std::max(worst_before, crossed(blended));
+    worst = std::max(worst, crossed(pressed));
+  }
+  EXPECT_GT(worst_before, 0.05);
+  EXPECT_LT(worst, 0.001);
+}
+
+TEST(FoldPlanes, LeaveALittleBentHingesAlone) {
+  const BentLeg leg;
+  const auto [blended, pressed] = leg.pose(1.0);
+  EXPECT_LT((blended - pressed).cwiseAbs().maxCoeff(), 1e-6);
+}
 
 TEST(SkinContact, WhatIsApartStaysAndWhatMeetsIsPressedFlat) {
   const Pair pair;
