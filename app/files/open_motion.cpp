@@ -131,6 +131,32 @@ MotionClip read_clip(const std::filesystem::path& file, const Character& charact
   return read_motion(file, to_read_options(options));
 }
 
+// Retargeted; `start`: s, of the first frame by the file's clock.
+Motion placed_motion(const std::filesystem::path& file, const Character& character,
+                     const Binding& binding, const MotionOptions& options, const Common& common,
+                     Report& report, RetargetReport& found, double& start) {
+  const SecondMotion second = [&](const std::filesystem::path& other) {
+    Report aside;
+    RetargetReport ignored;
+    MotionOptions plain;
+    plain.limits = options.limits;
+    plain.through = options.through;
+    plain.free_feet = options.free_feet;
+    plain.plant_feet = options.plant_feet;
+    double begin = 0;
+    Motion motion = placed_motion(other, character, binding, plain, common, aside, ignored, begin);
+    return FilteredMotion{.motion = std::move(motion), .contacts = std::move(ignored.contacts)};
+  };
+  RetargetOptions placed = to_retarget_options(options, second);
+  if (!placed.sole_height) placed.sole_height = character.body.skin.V.col(1).minCoeff();
+  if (placed.avoid_self_collision)
+    placed.proxies = measure_proxies(character.anatomy.skeleton, character.body.skin.V);
+  if (std::optional<Motion> own = open_own_motion(file, character, binding, options, placed, found))
+    return std::move(*own);
+  return retarget(read_clip(file, character, options, common, report, start),
+                  character.anatomy.skeleton, placed, found);
+}
+
 }  // namespace
 
 Motion open_motion(const std::filesystem::path& file, const Character& character,
@@ -138,17 +164,8 @@ Motion open_motion(const std::filesystem::path& file, const Character& character
                    Report& report, MotionPlace* place) {
   const StageTimer timer(report, "retarget");
   double start = 0;
-  RetargetOptions placed = to_retarget_options(options);
-  if (!placed.sole_height) placed.sole_height = character.body.skin.V.col(1).minCoeff();
-  if (placed.avoid_self_collision)
-    placed.proxies = measure_proxies(character.anatomy.skeleton, character.body.skin.V);
   RetargetReport found;
-  Motion motion;
-  if (std::optional<Motion> own = open_own_motion(file, character, binding, options, placed, found))
-    motion = std::move(*own);
-  else
-    motion = retarget(read_clip(file, character, options, common, report, start),
-                      character.anatomy.skeleton, placed, found);
+  Motion motion = placed_motion(file, character, binding, options, common, report, found, start);
   if (place) *place = {start, found.scale / found.metres_per_unit};
   report.set("motion.frames", int(motion.frames.size()));
   report.set("motion.fps", motion.fps);

@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
+#include <variant>
+
 #include "anatomy/errors.h"
+#include "anatomy/files/input_file.h"
 #include "app/options/option_values.h"
 #include "skinning/retarget/joint_map_file.h"
 
@@ -108,6 +112,7 @@ void add_motion_options(CLI::App& verb, MotionOptions& options) {
                 "Plant the feet even of a file whose rig is this body's own, which is otherwise "
                 "taken over as it is")
       ->excludes(free);
+  add_filter_option(verb, options.filters);
 }
 
 void add_range_options(CLI::App& verb, MotionOptions& options) {
@@ -118,13 +123,23 @@ void add_range_options(CLI::App& verb, MotionOptions& options) {
   verb.add_option("--to", options.to, "Where it ends; this frame is the last one");
 }
 
-RetargetOptions to_retarget_options(const MotionOptions& options) {
+RetargetOptions to_retarget_options(const MotionOptions& options, const SecondMotion& second) {
   RetargetOptions out;
   if (!options.map_file.empty()) out.joint_map = read_joint_map(options.map_file);
   if (!options.up.empty()) out.up = options.up[0];
   if (options.limits != "auto") out.clamp_limits = options.limits == "clamp";
   out.avoid_self_collision = !options.through;
   if (options.free_feet || options.plant_feet) out.plant_feet = options.plant_feet;
+  out.filters = to_filters(
+      options.filters, second ? second : [](const std::filesystem::path& file) {
+        throw UsageError("--filter blend=" + printable(file.string()) +
+                         ": motions of crowds are not blended; name one person, CROWD.glb#NAME");
+        return FilteredMotion{};
+      });
+  const bool locks = std::ranges::any_of(
+      out.filters, [](const MotionFilter& one) { return std::holds_alternative<LockFeet>(one); });
+  if (locks && options.free_feet)
+    throw UsageError("--filter lock: --no-plant leaves the feet where they are; leave one out");
   return out;
 }
 

@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "app/options/filter_options.h"
 #include "skinning/character/character_model.h"
 #include "skinning/motion_files/read_motion.h"
 #include "skinning/retarget/retarget.h"
@@ -26,6 +28,7 @@ struct MotionOptions {
   std::string limits = "auto";                 // --limits
   bool through = false;                        // --no-apart
   bool free_feet = false, plant_feet = false;  // --no-plant, --plant
+  std::vector<std::string> filters;            // --filter
 };
 
 // --skin: the skinning method; for choose_skin().
@@ -46,7 +49,7 @@ void require_settling(bool dynamics, const std::string& method);
 
 // What the help texts say of an argument that is a motion file.
 inline constexpr const char* kMotionFilesHelp =
-    "Motion: .bvh, .glb, .gltf, .fbx, .dae, .amc, .mot, .sto, markers in .trc or .c3d, or "
+    "Motion: .bvh, .glb, .gltf, .fbx, .dae, .amc, .mot, .sto, .npz, markers in .trc or .c3d, or "
     "DeepMimic's "
     ".txt";
 // --definition: relief of the anatomy on the skin; `otherwise` says what is done without it.
@@ -60,7 +63,8 @@ std::optional<double> to_definition(const std::optional<double>& definition,
 void add_motion_options(CLI::App& verb, MotionOptions& options);
 // --from, --to: the part of the motion that is read.
 void add_range_options(CLI::App& verb, MotionOptions& options);
-RetargetOptions to_retarget_options(const MotionOptions& options);
+// `second` opens the motion of a blend; without it a blend is a UsageError.
+RetargetOptions to_retarget_options(const MotionOptions& options, const SecondMotion& second = {});
 // Throws UsageError for what is no moment.
 MotionReadOptions to_read_options(const MotionOptions& options);
 

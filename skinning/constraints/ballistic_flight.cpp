@@ -9,10 +9,9 @@
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kGravity = 9.81;
-constexpr double kTouching = 0.020;            // m; a lower foot is on the ground
-constexpr double kShortest = 0.08;             // s; shorter flights are left as they are
-constexpr double kWeak = 5.0, kStrong = 15.0;  // m/s^2; fitted gravity that is taken for a fall
+constexpr double kTouching = 0.020;             // m; a lower foot is on the ground
+constexpr double kShortest = 0.08;              // s; shorter flights are left as they are
+constexpr double kWeak = 0.51, kStrong = 1.53;  // of gravity, fitted, that is taken for a fall
 // m; largest distance from the fitted parabola, beside 5 % of its height: the mass distribution
 // differs from that of the source.
 constexpr double kRough = 0.02;
@@ -34,7 +33,7 @@ std::pair<double, double> fitted_fall(const std::vector<Vec3>& path, int begin, 
 }  // namespace
 
 std::vector<Flight> make_flights_ballistic(const Skeleton& skeleton, double sole_height,
-                                           Motion& motion) {
+                                           double gravity, Motion& motion) {
   std::vector<Flight> flights;
   const int frames = motion.frames.size();
   const CenterOfMass center(skeleton);
@@ -59,22 +58,23 @@ std::vector<Flight> make_flights_ballistic(const Skeleton& skeleton, double sole
     int end = begin;
     while (end < frames && !standing(end)) ++end;
     if (end == frames || end - begin < std::max(4.0, kShortest * motion.fps)) continue;
-    const double sagitta = kGravity * (end - begin) * (end - begin) / (8 * motion.fps * motion.fps);
-    const auto [gravity, rough] = fitted_fall(path, begin, end, motion.fps);
-    if (gravity < kWeak || gravity > kStrong || rough > kRough + 0.05 * sagitta) continue;
+    const double sagitta = gravity * (end - begin) * (end - begin) / (8 * motion.fps * motion.fps);
+    const auto [before, rough] = fitted_fall(path, begin, end, motion.fps);
+    if (before < kWeak * gravity || before > kStrong * gravity || rough > kRough + 0.05 * sagitta)
+      continue;
     const int first = begin - 1;
     const double span = (end - first) / motion.fps;
     const Vec3 from = path[first],
-               speed = (path[end] - from) / span + Vec3(0, 0.5 * kGravity * span, 0);
+               speed = (path[end] - from) / span + Vec3(0, 0.5 * gravity * span, 0);
     auto fall = [&](int f) {
       const double t = (f - first) / motion.fps;
-      return Vec3(from + t * speed - Vec3(0, 0.5 * kGravity * t * t, 0) - path[f]);
+      return Vec3(from + t * speed - Vec3(0, 0.5 * gravity * t * t, 0) - path[f]);
     };
     bool sinks = false;
     for (int f = begin; f < end; ++f) sinks |= lowest[f] + fall(f).y() < 0;
     if (sinks) continue;  // something else than the feet held the body, or the feet did after all
     for (int f = begin; f < end; ++f) motion.frames[f].root += fall(f);
-    flights.push_back({begin, end, gravity});
+    flights.push_back({begin, end, before});
   }
   return flights;
 }

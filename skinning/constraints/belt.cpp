@@ -43,10 +43,15 @@ Vec3 belt_velocity(const std::array<FootPaths, 2>& feet, const Motion& motion) {
   return belt_velocity(low);
 }
 
+void move_by_belt(const Vec3& belt, Motion& motion) {
+  for (std::size_t f = 0; f < motion.frames.size(); ++f)
+    motion.frames[f].root -= double(f) / motion.fps * belt;
+}
+
 void move_by_belt(const Vec3& belt, std::array<FootPaths, 2>& feet, Motion& motion) {
+  move_by_belt(belt, motion);
   for (std::size_t f = 0; f < motion.frames.size(); ++f) {
     const Vec3 way = -double(f) / motion.fps * belt;
-    motion.frames[f].root += way;
     for (FootPaths& foot : feet) {
       foot.heel[f] += way;
       foot.ball[f] += way;

@@ -17,6 +17,7 @@ Vec3 belt_velocity(std::span<const Vec3> low_points);
 Vec3 belt_velocity(const std::array<FootPaths, 2>& feet, const Motion& motion);
 
 // Sees a motion from the belt, where it is a floor: everything moves by -belt a second.
+void move_by_belt(const Vec3& belt, Motion& motion);
 void move_by_belt(const Vec3& belt, std::array<FootPaths, 2>& feet, Motion& motion);
 
 }  // namespace ecorche::inline v1

@@ -18,7 +18,7 @@ struct Contact {
 // A span in which neither foot touches the ground.
 struct Flight {
   int begin = 0, end = 0;     // frames [begin, end)
-  double gravity_before = 0;  // of the scaled source, m/s^2; 9.81 afterwards
+  double gravity_before = 0;  // of the scaled source, m/s^2
 };
 
 // A joint beyond its limits.

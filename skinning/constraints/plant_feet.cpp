@@ -53,6 +53,22 @@ struct FootPlan {
 
 bool inside(const Interval& i, int f) { return i.begin <= f && f < i.end; }
 
+// A heel contact that spans two contacts of its ball is split between them: the foot was shifted.
+std::vector<Interval> split_heels(const std::vector<Interval>& heels,
+                                  const std::vector<Interval>& balls) {
+  std::vector<Interval> parts;
+  for (Interval heel : heels) {
+    for (size_t k = 0; k + 1 < balls.size(); ++k) {
+      const Interval gap{balls[k].end, balls[k + 1].begin};
+      if (!inside(heel, gap.begin - 1) || !inside(heel, gap.end)) continue;
+      parts.push_back({heel.begin, gap.begin});
+      heel.begin = gap.end;
+    }
+    parts.push_back(heel);
+  }
+  return parts;
+}
+
 const Anchor* anchor_at(const std::vector<Anchor>& anchors, int f) {
   for (const Anchor& a : anchors)
     if (inside(a.when, f)) return &a;
@@ -93,8 +109,11 @@ FootPoints rotated_about(FootPoints points, const Mat3& turn, const Vec3& pivot)
 
 class Planter {
  public:
-  Planter(const Skeleton& skeleton, double sole_height, Motion& motion)
-      : skeleton_(skeleton), motion_(motion), frames_(int(motion.frames.size())) {
+  Planter(const Skeleton& skeleton, double sole_height, double strength, Motion& motion)
+      : skeleton_(skeleton),
+        motion_(motion),
+        frames_(int(motion.frames.size())),
+        strength_(strength) {
     for (int side = 0; side < 2; ++side) {
       feet_[side].shape = foot_shape(skeleton, side == 0 ? Side::left : Side::right, sole_height);
       const FootShape& shape = feet_[side].shape;
@@ -103,46 +122,20 @@ class Planter {
     }
   }
 
-  std::vector<Contact> run(const std::array<FootPaths, 2>& paths) {
-    const std::vector<double> floor = floor_heights(paths, motion_);
-    for (int side = 0; side < 2; ++side) {
-      for (const Interval& i : standing_intervals(paths[side].heel, floor, motion_.fps))
-        feet_[side].heels.push_back({i, Vec3::Zero()});
-      for (const Interval& i : standing_intervals(paths[side].ball, floor, motion_.fps))
-        feet_[side].balls.push_back({i, Vec3::Zero()});
+  void run(const std::vector<Contact>& contacts) {
+    for (const Contact& one : contacts) {
+      FootPlan& foot = feet_[one.side == Side::left ? 0 : 1];
+      (one.heel ? foot.heels : foot.balls).push_back({{one.begin, one.end}, Vec3::Zero()});
     }
-    for (FootPlan& foot : feet_) split_heels(foot);
     read_feet();
     stand_on_ground();
     for (FootPlan& foot : feet_)
       position_anchors(foot), blend_anchors(foot), plan_corrections(foot);
     const std::vector<double> sunk = lower_pelvis();
     for (int f = 0; f < frames_; ++f) plant_frame(f, sunk[f]);
-    std::vector<Contact> contacts;
-    for (int side = 0; side < 2; ++side)
-      for (const auto* anchors : {&feet_[side].heels, &feet_[side].balls})
-        for (const Anchor& anchor : *anchors)
-          contacts.push_back({side == 0 ? Side::left : Side::right, anchors == &feet_[side].heels,
-                              anchor.when.begin, anchor.when.end, 0});
-    return contacts;
   }
 
  private:
-  // A heel contact that spans two contacts of its ball is split between them: the foot was shifted.
-  static void split_heels(FootPlan& foot) {
-    std::vector<Anchor> parts;
-    for (Anchor heel : foot.heels) {
-      for (size_t k = 0; k + 1 < foot.balls.size(); ++k) {
-        const Interval gap{foot.balls[k].when.end, foot.balls[k + 1].when.begin};
-        if (!inside(heel.when, gap.begin - 1) || !inside(heel.when, gap.end)) continue;
-        parts.push_back({{heel.when.begin, gap.begin}, Vec3::Zero()});
-        heel.when.begin = gap.end;
-      }
-      parts.push_back(heel);
-    }
-    foot.heels = parts;
-  }
-
   void read_feet() {
     for (const Pose& pose : motion_.frames) {
       forward_kinematics(skeleton_, pose, X_);
@@ -258,6 +251,9 @@ class Planter {
     fade_out(
         foot.stances, foot.shift, fade, Vec3(Vec3::Zero()),
         [](const Vec3& rest, const Vec3& edge, double share) { return Vec3(rest + share * edge); });
+    if (strength_ == 1) return;
+    for (Quat& turn : foot.rotation) turn = Quat::Identity().slerp(strength_, turn);
+    for (Vec3& shift : foot.shift) shift *= strength_;
   }
 
   // Target of the ball: its anchor, or, with a high heel, rotated up about the tip of the toes.
@@ -378,16 +374,31 @@ class Planter {
   const Skeleton& skeleton_;
   Motion& motion_;
   int frames_;
+  double strength_;
   std::array<FootPlan, 2> feet_;
   std::vector<Transform> X_;
 };
 
 }  // namespace
 
-std::vector<Contact> plant_feet(const Skeleton& skeleton, double sole_height,
-                                const std::array<FootPaths, 2>& paths, Motion& motion) {
-  if (motion.frames.empty()) return {};
-  return Planter(skeleton, sole_height, motion).run(paths);
+std::vector<Contact> find_contacts(const std::array<FootPaths, 2>& paths, const Motion& motion) {
+  std::vector<Contact> out;
+  if (motion.frames.empty()) return out;
+  const std::vector<double> floor = floor_heights(paths, motion);
+  for (size_t s = 0; s < 2; ++s) {
+    const Side side = s == 0 ? Side::left : Side::right;
+    const std::vector<Interval> balls = standing_intervals(paths[s].ball, floor, motion.fps);
+    for (const Interval& i :
+         split_heels(standing_intervals(paths[s].heel, floor, motion.fps), balls))
+      out.push_back({side, true, i.begin, i.end, 0});
+    for (const Interval& i : balls) out.push_back({side, false, i.begin, i.end, 0});
+  }
+  return out;
+}
+
+void plant_feet(const Skeleton& skeleton, double sole_height, const std::vector<Contact>& contacts,
+                double strength, Motion& motion) {
+  if (!motion.frames.empty()) Planter(skeleton, sole_height, strength, motion).run(contacts);
 }
 
 }  // namespace ecorche::inline v1

@@ -10,12 +10,17 @@
 
 namespace ecorche::inline v1 {
 
+// Spans in which heels and balls stand, on the feet's paths as the source had them; not yet
+// measured (measure_feet.h). paths[0] is the left foot.
+std::vector<Contact> find_contacts(const std::array<FootPaths, 2>& paths, const Motion& motion);
+
 // Shifts the motion so that its feet stand on y = 0, then holds each planted heel and ball at its
 // position, levels flat feet, bends the toes where the heel rises, and keeps soles out of the
 // ground. Corrections fade over 0.1 s around each contact. The pelvis is lowered, smoothly, where a
-// planted leg would be too short. paths[0] is the left foot. Returns the contacts, not yet measured
-// (measure_feet.h).
-std::vector<Contact> plant_feet(const Skeleton& skeleton, double sole_height,
-                                const std::array<FootPaths, 2>& paths, Motion& motion);
+// planted leg would be too short. `contacts`: as find_contacts gives them, also of an edited
+// motion. `strength`: share of what feet are off that is corrected, 0 to 1; feet are never left in
+// the ground.
+void plant_feet(const Skeleton& skeleton, double sole_height, const std::vector<Contact>& contacts,
+                double strength, Motion& motion);
 
 }  // namespace ecorche::inline v1

@@ -5,7 +5,11 @@
 namespace ecorche::inline v1 {
 
 void pose_at(const Motion& motion, double time, Pose& out) {
-  const double at = std::clamp(time * motion.fps, 0.0, double(motion.frames.size() - 1));
+  pose_at_frame(motion, time * motion.fps, out);
+}
+
+void pose_at_frame(const Motion& motion, double frame, Pose& out) {
+  const double at = std::clamp(frame, 0.0, double(motion.frames.size() - 1));
   const std::size_t last = motion.frames.size() - 1, f = std::min(std::size_t(at), last);
   const double t = at - double(f);
   const Pose& a = motion.frames[f];

@@ -12,4 +12,7 @@ namespace ecorche::inline v1 {
 // Precondition: the motion has frames.
 void pose_at(const Motion& motion, double time, Pose& out);
 
+// The same at a frame, from 0, or between two; whole ones are the motion's own to the bit.
+void pose_at_frame(const Motion& motion, double frame, Pose& out);
+
 }  // namespace ecorche::inline v1

@@ -14,6 +14,9 @@
 #include "skinning/constraints/measure_feet.h"
 #include "skinning/constraints/motion_limits.h"
 #include "skinning/constraints/plant_feet.h"
+#include "skinning/filters/loop_motion.h"
+#include "skinning/filters/motion_filters.h"
+#include "skinning/filters/slope_ground.h"
 #include "skinning/motion/require_joint.h"
 #include "skinning/retarget/joint_mapping.h"
 #include "skinning/retarget/matching_rig.h"
@@ -25,6 +28,8 @@ namespace {
 constexpr double kLimitTolerance = 0.5 * kDegree;
 // Of limbs after foot planting.
 constexpr LimbTolerance kPlanted{0.5e-3, 1 * kDegree, true};
+// Where the ground is not y = 0.
+constexpr LimbTolerance kOnSlope{0.5e-3, 1 * kDegree, false};
 
 // Number of frames at the start that belong to a calibration pose. Some files begin with a T-pose,
 // or move out of one in a few frames: those five times as fast as the movement that follows that
@@ -238,16 +243,29 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
     limiter.run({}, {}, moved.shifts, motion);
     report.self_collisions = limiter.initial_penetrations();
   }
-  if (plant) report.contacts = plant_feet(ours, sole, moved.feet, motion);
-  if (keep && plant) limiter.run(kPlanted, report.contacts, {}, motion);
+  FilteredMotion filtered{.motion = std::move(motion), .belt = belt};
+  if (plant) filtered.contacts = find_contacts(moved.feet, filtered.motion);
+  apply_filters(name, ours, options.filters, filtered);
+  motion = std::move(filtered.motion);
+  if (plant) plant_feet(ours, sole, filtered.contacts, filtered.lock, motion);
+  if (keep && plant) limiter.run(kPlanted, filtered.contacts, {}, motion);
+  if (keep && !plant && !options.filters.empty()) limiter.run({}, {}, {}, motion);
   if (!keep && plant)
     for (Pose& pose : motion.frames) complete_pose(ours, pose);  // knees have moved
   if (keep) report.ends_moved = limiter.end_moves();
-  if (fall) report.flights = make_flights_ballistic(ours, sole, motion);
-  const FootMeasures measured = measure_feet(ours, sole, motion, report.contacts);
+  if (fall) report.flights = make_flights_ballistic(ours, sole, filtered.gravity, motion);
+  const FootMeasures measured = measure_feet(ours, sole, motion, filtered.contacts);
   report.slide_p95 = measured.slide_p95;
   report.penetration = measured.penetration;
-  if (treadmill) move_by_belt(-belt, moved.feet, motion);
+  if (treadmill) move_by_belt(-filtered.belt, motion);
+  filtered.motion = std::move(motion);
+  if (filtered.loop) close_loop(filtered);
+  motion = std::move(filtered.motion);
+  if (filtered.slope != 0) {
+    put_on_slope(ours, sole, filtered.slope, motion);
+    if (keep) limiter.run(kOnSlope, filtered.contacts, {}, motion);
+  }
+  report.contacts = std::move(filtered.contacts);
   unwrap(motion.frames);
   report.limit_breaks = limit_breaks(ours, motion);
   if (!report.self_collisions.empty()) {
@@ -300,7 +318,7 @@ Motion retarget(const MotionClip& source, const Skeleton& ours, const RetargetOp
     }
   constrain(source.name, ours, options,
             {options.clamp_limits.value_or(!alignment.same_rest),
-             options.plant_feet.value_or(!matching_rig),
+             options.plant_feet.value_or(!matching_rig || moves_feet(options.filters)),
              options.ballistic_flights.value_or(!matching_rig), sole},
             moved, report);
   return std::move(moved.motion);
@@ -324,7 +342,8 @@ void constrain_own_motion(const std::string& name, const Skeleton& ours,
     }
   }
   constrain(name, ours, options,
-            {options.clamp_limits.value_or(false), options.plant_feet.value_or(false),
+            {options.clamp_limits.value_or(false),
+             options.plant_feet.value_or(moves_feet(options.filters)),
              options.ballistic_flights.value_or(false), sole},
             moved, report);
   motion = std::move(moved.motion);

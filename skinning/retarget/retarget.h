@@ -23,6 +23,7 @@
 #include "anatomy/skeleton.h"
 #include "skinning/constraints/collision_proxies.h"
 #include "skinning/constraints/motion_report.h"
+#include "skinning/filters/motion_filters.h"
 #include "skinning/motion_files/motion_clip.h"
 #include "skinning/retarget/joint_mapping.h"
 #include "skinning/retarget/recording_faults.h"
@@ -44,6 +45,9 @@ struct RetargetOptions {
   // The centre of mass in free flight on a parabola of 9.81 m/s^2. Absent: as plant_feet.
   std::optional<bool> ballistic_flights;
   bool shoulder_rhythm = true;
+  // Applied between limits and planting. With filters that move standing feet these are planted
+  // also where a matching rig would leave them.
+  std::vector<MotionFilter> filters;
   // Enforce the joint limits (joint_limits.h); otherwise joints beyond them are only reported.
   // Absent: unless the file's rest pose is ours.
   std::optional<bool> clamp_limits;
