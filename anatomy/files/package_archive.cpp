@@ -1,18 +1,18 @@
 #include "anatomy/files/package_archive.h"
 
 #include <openssl/evp.h>
-#include <zip.h>
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <fstream>
-#include <mutex>
 #include <sstream>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "anatomy/errors.h"
+#include "anatomy/files/zip_archive.h"
 
 namespace ecorche::inline v1 {
 namespace fs = std::filesystem;
@@ -98,13 +98,7 @@ std::string sha256(std::string_view bytes) {
 struct PackageArchive::Impl {
   std::string file;  // name without folder
   std::string hash;
-  std::string bytes;  // libzip reads from here
-  zip_t* zip = nullptr;
-  std::mutex reading;  // a zip_t has one error state and one file position
-
-  ~Impl() {
-    if (zip) zip_discard(zip);
-  }
+  ZipArchive zip;
 };
 
 PackageArchive::PackageArchive(const Packages& packages, std::string_view name) {
@@ -112,8 +106,7 @@ PackageArchive::PackageArchive(const Packages& packages, std::string_view name) 
   *this = PackageArchive(packages.folder / wheel_name(pin), pin);
 }
 
-PackageArchive::PackageArchive(const fs::path& file, const PinnedPackage& pin)
-    : impl_(std::make_unique<Impl>()) {
+PackageArchive::PackageArchive(const fs::path& file, const PinnedPackage& pin) {
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored)) {
     throw InputError(fmt::format(
@@ -122,27 +115,15 @@ PackageArchive::PackageArchive(const fs::path& file, const PinnedPackage& pin)
         "ECORCHE_PACKAGES to the folder that holds it",
         file.string(), pin.name, pin.version, pin.sha256));
   }
-  impl_->file = file.filename().string();
-  impl_->hash = pin.sha256;
-  impl_->bytes = read_bytes(file);
-  if (const std::string found = sha256(impl_->bytes); found != pin.sha256) {
+  std::string bytes = read_bytes(file);
+  if (const std::string found = sha256(bytes); found != pin.sha256) {
     throw InputError(fmt::format(
         "{}: not the pinned data package: expected sha256 {}, found {}; delete the file and run "
         "`make setup`",
         file.string(), pin.sha256, found));
   }
-  zip_error_t error;
-  zip_error_init(&error);
-  zip_source_t* source =
-      zip_source_buffer_create(impl_->bytes.data(), impl_->bytes.size(), 0, &error);
-  if (source) impl_->zip = zip_open_from_source(source, ZIP_RDONLY | ZIP_CHECKCONS, &error);
-  if (!impl_->zip) {
-    const std::string reason = zip_error_strerror(&error);
-    if (source) zip_source_free(source);
-    zip_error_fini(&error);
-    throw InputError(fmt::format("{}: not a readable zip file ({})", file.string(), reason));
-  }
-  zip_error_fini(&error);
+  const std::string name = file.filename().string();
+  impl_ = std::make_unique<Impl>(Impl{name, pin.sha256, ZipArchive(std::move(bytes), name)});
 }
 
 PackageArchive::~PackageArchive() = default;
@@ -153,48 +134,13 @@ const std::string& PackageArchive::file_name() const { return impl_->file; }
 const std::string& PackageArchive::hash() const { return impl_->hash; }
 
 std::vector<std::string> PackageArchive::names(std::string_view prefix) const {
-  const std::scoped_lock lock(impl_->reading);
-  std::vector<std::string> found;
-  const zip_int64_t count = zip_get_num_entries(impl_->zip, 0);
-  for (zip_int64_t i = 0; i < count; ++i) {
-    const char* name = zip_get_name(impl_->zip, static_cast<zip_uint64_t>(i), 0);
-    if (name && std::string_view(name).starts_with(prefix)) found.emplace_back(name);
-  }
-  std::sort(found.begin(), found.end());
-  return found;
+  return impl_->zip.names(prefix);
 }
 
-bool PackageArchive::contains(const std::string& entry) const {
-  const std::scoped_lock lock(impl_->reading);
-  return zip_name_locate(impl_->zip, entry.c_str(), 0) >= 0;
-}
+bool PackageArchive::contains(const std::string& entry) const { return impl_->zip.contains(entry); }
 
 std::string PackageArchive::read(const std::string& entry) const {
-  const std::scoped_lock lock(impl_->reading);
-  zip_stat_t stat;
-  zip_stat_init(&stat);
-  if (zip_stat(impl_->zip, entry.c_str(), 0, &stat) != 0 || !(stat.valid & ZIP_STAT_SIZE)) {
-    throw InputError(fmt::format("{}: entry '{}' is missing", impl_->file, entry));
-  }
-  if (stat.size > kLargestEntry) {
-    throw LimitError(fmt::format("{}: entry '{}' says {} bytes; at most {}", impl_->file, entry,
-                                 stat.size, kLargestEntry));
-  }
-  std::string bytes(stat.size, '\0');
-  zip_file_t* in = zip_fopen(impl_->zip, entry.c_str(), 0);
-  if (!in)
-    throw InputError(
-        fmt::format("{}: entry '{}': {}", impl_->file, entry, zip_strerror(impl_->zip)));
-  const zip_int64_t got = zip_fread(in, bytes.data(), bytes.size());
-  // Reading to the end makes libzip verify the entry's checksum.
-  char beyond = 0;
-  const bool ended = zip_fread(in, &beyond, 1) == 0;
-  zip_fclose(in);
-  if (got != static_cast<zip_int64_t>(stat.size) || !ended) {
-    throw InputError(fmt::format("{}: entry '{}' is damaged: {} of {} bytes could be read",
-                                 impl_->file, entry, got, stat.size));
-  }
-  return bytes;
+  return impl_->zip.read(entry, kLargestEntry);
 }
 
 }  // namespace ecorche::inline v1

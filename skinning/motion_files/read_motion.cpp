@@ -13,6 +13,7 @@
 #include "skinning/motion_files/bvh_read.h"
 #include "skinning/motion_files/deepmimic_read.h"
 #include "skinning/motion_files/gltf_motion.h"
+#include "skinning/motion_files/npz_motion.h"
 #include "skinning/motion_files/opensim_read.h"
 #include "skinning/motion_files/skeleton_beside.h"
 
@@ -56,6 +57,8 @@ MotionClip read_deepmimic(const fs::path& file, const std::string& text,
                          options.fps);
 }
 
+bool is_zip(std::string_view bytes) { return bytes.starts_with("PK\x03\x04"); }
+
 // Formats with one motion a file.
 MotionClip read_one_motion(const fs::path& file, const MotionReadOptions& options) {
   const std::string name = printable(file.filename().string()), ending = ending_of(file);
@@ -73,6 +76,8 @@ MotionClip read_one_motion(const fs::path& file, const MotionReadOptions& option
   if (!options.skeleton.empty())
     throw UsageError(printable(file.string()) +
                      ": --skeleton: the file has its own; only .amc and DeepMimic need one");
+  if (is_zip(text)) return parse_npz_motion(text, name, options.fps);
+  if (ending == ".npz") throw InputError(name + ": no archive of NumPy, or cut short");
   if (ending == ".mot" || ending == ".sto")
     return clip_from_coordinates(parse_coordinates(text, name), options.fps);
   return clip_from_bvh(parse_bvh(text, name, {options.fps}));
@@ -81,8 +86,8 @@ MotionClip read_one_motion(const fs::path& file, const MotionReadOptions& option
 }  // namespace
 
 bool names_motion(const fs::path& file) {
-  constexpr std::array<std::string_view, 6> kEndings = {".bvh", ".amc", ".mot",
-                                                        ".sto", ".txt", ".json"};
+  constexpr std::array<std::string_view, 7> kEndings = {".bvh", ".amc",  ".mot", ".sto",
+                                                        ".txt", ".json", ".npz"};
   return is_marker_file(file) || std::ranges::find(kEndings, ending_of(file)) != kEndings.end();
 }
 

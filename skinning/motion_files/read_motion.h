@@ -19,14 +19,14 @@ struct MotionReadOptions {
   ClipRange range{};  // the part that is kept
 };
 
-// FBX, COLLADA and DeepMimic are told by how they begin, .glb and .gltf, .amc, .mot and .sto by
-// their endings; BVH is tried for every other file. Throws as their readers; InputError where a
-// skeleton is needed and not found; UnfitError for markers, which read_markers.h reads; UsageError
-// for a take, skeleton or range that the file does not have.
+// FBX, COLLADA, DeepMimic and NumPy's archives are told by how they begin, .glb and .gltf, .amc,
+// .mot and .sto by their endings; BVH is tried for every other file. Throws as their readers;
+// InputError where a skeleton is needed and not found; UnfitError for markers, which read_markers.h
+// reads; UsageError for a take, skeleton or range that the file does not have.
 MotionClip read_motion(const std::filesystem::path& file, const MotionReadOptions& options = {});
 
 // Whether a file has an ending that motions alone have: .bvh, .amc, .mot, .sto, .txt, .json,
-// .trc, .c3d.
+// .npz, .trc, .c3d.
 bool names_motion(const std::filesystem::path& file);
 
 // .trc, .c3d.

@@ -432,13 +432,31 @@ def png_rows(png):
     return width, rows
 
 
+def filters(t):
+    """Each filter does what it says, and says what it does not take."""
+    def run(codes, *words, motion="person_01.amc"):
+        more = [part for word in words for part in ("--filter", word)]
+        return t.run(codes, "retarget", motion, "anna-anatomy.glb", "-o", "filtered.bvh", "--report", "filtered.json", *more)
+    frames = lambda: t.json("filtered.json")["motion"]["frames"]  # noqa: E731
+    run((0, 8), "speed=0.5", "smooth=50ms", "lock=80%", "mirror", "turn=90")
+    t.check(frames() == 15, "half the speed")
+    run((0, 8), "blend=walk.bvh,at=20ms,over=10ms", "fps=60")
+    run((0, 8), "blend=walk.bvh,share=0.5", "length=1s", "slope=-5")
+    t.write("way.csv", "x,z\n0,0\n1,1\n1,2\n")
+    t.write("way-short.csv", "x,z\n0,0\n")
+    for word, codes, says in (("lock=2", 2, "from 0 to 1"), ("smooth=fast", 2, "a width"), ("speed=0", 2, "out of range"), ("lenght=3s", 2, "did you mean length"), ("loop=place", 2, "takes no"), ("loop,travel=in", 2, "keep and out"),
+                              ("mirror=x", 2, "takes no"), ("turn", 2, "needs a value"), ("slope=60deg", 2, "from -30 to 30"), ("blend=walk.bvh", 2, "at=1.5s"), ("blend=walk.bvh,at=9s", 4, "begin earlier"),
+                              ("blend=none.bvh,at=0s", 3, "none.bvh"), ("path=none.csv", 3, "none.csv"), ("path=way-short.csv", 3, "two or more"), ("path=way.csv", 4, "the figure goes"), ("loop", 4, "a longer part"), ("length=1e5s", 5, "limit")):
+        t.says(run(codes, word), says)
+
+
 def motions_of_other_formats(t):
     corpus = os.path.join(t.source, "tests", "corpus", "motion")
     for name in ("person.asf", "person_01.amc", "character_person.txt", "person_walk.txt", "legs.mot"):
         shutil.copy(os.path.join(corpus, name), t.path(name))
     frames = lambda name: t.json(name)["motion"]["frames"]  # noqa: E731
     t.run((0, 8), "animate", "anna-anatomy.glb", "person_01.amc", "-o", "amc.mot", "--report", "amc.json")
-    t.run((0, 8), "animate", "anna-anatomy.glb", "person_01.amc", "-o", "part.mot", "--from", "2f", "--to", "5f", "--report", "part.json")
+    t.run((0, 8), "animate", "anna-anatomy.glb", "person_01.amc", "-o", "part.mot", "--filter", "slope=4", "--from", "2f", "--to", "5f", "--report", "part.json")
     t.check(frames("amc.json") == 8 and frames("part.json") == 4, "--from, --to")
     t.run((0, 8), "animate", "anna-anatomy.glb", "person_walk.txt", "--skeleton", "character_person.txt", "-o", "deepmimic.mot", "--report", "deepmimic.json")
     t.check(frames("deepmimic.json") == 8, "--skeleton")
@@ -453,9 +471,12 @@ def motions_of_other_formats(t):
     t.check(frames("some.json") == 3, "--from, --to of retarget")
     t.run((0, 8), "retarget", "person_01.amc", "anna-anatomy.glb", "-o", "planted.bvh", "--skeleton", "person.asf", "--plant")
     t.run((0, 8), "retarget", "alone.glb", "anna-anatomy.glb", "-o", "taken.bvh", "--take", "1")
-    t.says(t.run(2, "retarget", "walk.bvh", "anna-anatomy.glb", "-o", "no.fbx"), "no.glb")
-    t.run((0, 8), "bake", "anna-anatomy.glb", "person_01.amc", "-o", "part.glb", "--morphs", 2, "--helpers", 0, "--samples", 4, "--skeleton", "person.asf", "--from", "1f", "--to", "4f")
-    t.run((0, 8), "render", "anna-anatomy.glb", "person_01.amc", "--skeleton", "person.asf", "--at", 0.02, "--size", "96x80", "-o", "amc.png")
+    t.run((0, 8), "retarget", "walk.bvh", "anna-anatomy.glb", "-o", "alone.fbx")
+    t.run((0, 8), "retarget", "alone.fbx", "anna-anatomy.glb", "-o", "from-fbx.bvh", "--report", "from-fbx.json")
+    t.check(frames("from-fbx.json") == 8 and t.json("from-fbx.json")["motion"]["same_rest"], "alone.fbx is a motion of the same skeleton")
+    filters(t)
+    t.run((0, 8), "bake", "anna-anatomy.glb", "person_01.amc", "-o", "part.glb", "--morphs", 2, "--helpers", 0, "--samples", 4, "--skeleton", "person.asf", "--from", "1f", "--to", "4f", "--filter", "mirror")
+    t.run((0, 8), "render", "anna-anatomy.glb", "person_01.amc", "--skeleton", "person.asf", "--filter", "turn=10", "--at", 0.02, "--size", "96x80", "-o", "amc.png")
 
 
 def channel_columns(text, joint):
@@ -783,7 +804,7 @@ def window(t):
         t.used.setdefault("view", set()).update(name for group in t.options_of("view") for name in group)
         return
     view = lambda *words, codes=0: t.run(codes, "view", *words, under=VIEW)  # noqa: E731
-    view("anna-anatomy.glb", "person_01.amc", "--skeleton", "person.asf", "--from", "2f", "--to", "6f", "--frames", 2, "--screenshot", "amc-view.png")
+    view("anna-anatomy.glb", "person_01.amc", "--skeleton", "person.asf", "--filter", "mirror", "--from", "2f", "--to", "6f", "--frames", 2, "--screenshot", "amc-view.png")
     view("anna-anatomy.glb", "walk.trc", "--markers", "markers.csv", "--frames", 2, "--screenshot", "marked-view.png")
     view("own.glb", "own-walk.glb", "--take", "1", "--frames", 2, "--screenshot", "own-view.png")
     view("anna-anatomy.glb", "walk.bvh", "--frames", 3, "--screenshot", "a.png", "--pick", "0.5,0.5")

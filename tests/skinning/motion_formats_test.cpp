@@ -204,7 +204,9 @@ std::string outcome_of(const std::string& file) {
   if (file.starts_with("character_"))
     return fmt::format("skeleton {}", parse_deepmimic_character(text, file).joints.size());
   MotionClip clip;
-  if (ending == ".amc")
+  if (ending == ".npz")
+    clip = read_motion(kFormats / file);
+  else if (ending == ".amc")
     clip = parse_amc(text, file, parse_asf(read_input_file(kFormats / "arm.asf"), "arm.asf"), {});
   else if (ending == ".txt")
     clip = parse_deepmimic(
@@ -241,10 +243,40 @@ TEST(MotionFormats, EveryFileOfTheCorpusHasItsStatedOutcome) {
       EXPECT_TRUE(message.starts_with(file) || file == "empty.asf") << message;
     }
   }
-  EXPECT_GT(files, 75);
+  EXPECT_GT(files, 95);
   const std::string deep = "{\"Frames\":" + std::string(1000000, '[');
   EXPECT_TRUE(is_deepmimic(deep));
   EXPECT_THROW(parse_deepmimic(deep, "deep.txt", {}, {}), InputError);
+}
+
+// The files' figures kneel a little more each frame, z is up, arms turned down from straight out.
+TEST(ArraysOfRotations, MoveOurBodyAsTheySay) {
+  const Skeleton body = plain_skeleton();
+  const Joint& knee = body.joints[std::size_t(find_joint(body, "knee_l"))];
+  for (const char* file : {"body.npz", "stored.npz", "fingers.npz"}) {
+    SCOPED_TRACE(file);
+    RetargetReport report;
+    const Motion motion = retarget(read_motion(kFormats / file), body, unplanted(), report);
+    ASSERT_EQ(motion.frames.size(), 4u);
+    EXPECT_EQ(report.up, 'z');
+    const auto flexion = [&](int f) {
+      return joint_angles(
+          knee,
+          motion.frames[std::size_t(f)].rotations[std::size_t(find_joint(body, "knee_l"))])[0];
+    };
+    for (int f = 1; f < 4; ++f) EXPECT_NEAR(flexion(f) - flexion(f - 1), 0.1, 0.01);
+    std::vector<Transform> X;
+    forward_kinematics(body, motion.frames[0], X);
+    const auto at = [&](const char* name) {
+      return Vec3(X[std::size_t(find_joint(body, name))].translation());
+    };
+    // 1.2 rad below the level.
+    EXPECT_NEAR((at("elbow_l") - at("shoulder_l")).normalized().y(), -std::sin(1.2), 0.03);
+    EXPECT_GT(at("head").y(), at("pelvis").y() + 0.4);
+    EXPECT_GT(at("elbow_l").x(), at("elbow_r").x());
+    // 1 cm a frame towards -y, which lies in front, in a figure as large as ours.
+    EXPECT_NEAR((motion.frames[3].root - motion.frames[0].root).z(), 0.03 * report.scale, 0.002);
+  }
 }
 
 TEST(Acclaim, RotationsAreAboutFixedAxesOfTheBonesFrame) {

@@ -12,6 +12,7 @@
 #include "app/options/motion_options.h"
 #include "skinning/files/motion_write.h"
 #include "skinning/motion_files/bvh_write.h"
+#include "skinning/motion_files/fbx_write.h"
 
 namespace ecorche {
 namespace {
@@ -25,14 +26,7 @@ struct RetargetVerbOptions {
 };
 
 void check_kinds(const std::vector<fs::path>& outputs) {
-  for (const fs::path& output : outputs) {
-    if (output.extension() == ".fbx")
-      throw UsageError(fmt::format(
-          "{}: FBX is read, not written; name it {} or .bvh, of either of which Blender makes FBX",
-          printable(output.string()),
-          printable(fs::path(output).replace_extension(".glb").string())));
-    require_ending(output, {".bvh", ".glb"});
-  }
+  for (const fs::path& output : outputs) require_ending(output, {".bvh", ".glb", ".fbx"});
 }
 
 int run_retarget(const RetargetVerbOptions& options, const Common& common, Report& report) {
@@ -46,10 +40,13 @@ int run_retarget(const RetargetVerbOptions& options, const Common& common, Repor
       open_motion(options.motion, bound.character, bound.binding, options.retarget, common, report);
   const Skeleton& skeleton = bound.character.anatomy.skeleton;
   for (const fs::path& output : options.outputs) {
+    const std::string take = printable(options.motion.stem().string());
     if (output.extension() == ".bvh")
       write_file_atomically(output, format_bvh(to_bvh(skeleton, motion)));
+    else if (output.extension() == ".fbx")
+      write_file_atomically(output, format_fbx(to_bvh(skeleton, motion), take));
     else
-      write_motion_glb(output, skeleton, motion, printable(options.motion.stem().string()));
+      write_motion_glb(output, skeleton, motion, take);
     note(common, fmt::format("{}: {} frames at {:.4g} fps", output.string(), motion.frames.size(),
                              motion.fps));
   }
@@ -63,8 +60,10 @@ void add_retarget_verb(VerbRegistry& registry) {
   CLI::App* verb = add_verb(
       registry, registry.app, "retarget",
       "Put a motion on a character's skeleton and write it alone, for other programs",
-      "ecorche retarget walk.bvh anna-anatomy.glb -o anna-walk.bvh -o anna-walk.glb --from 1f --to "
-      "0.1s",
+      "ecorche retarget walk.bvh anna-anatomy.glb -o anna-walk.bvh -o anna-walk.fbx --from 1f --to "
+      "0.1s\n"
+      "  ecorche retarget walk.bvh anna-anatomy.glb -o mirrored.glb --filter mirror --filter "
+      "speed=0.5",
       [options](const Common& common, Report& report) {
         return run_retarget(*options, common, report);
       });
@@ -72,9 +71,10 @@ void add_retarget_verb(VerbRegistry& registry) {
   verb->add_option("character", options->character,
                    "Character written by `ecorche fit`, or CROWD.glb#NAME")
       ->required();
-  verb->add_option("-o,--output", options->outputs,
-                   "File to write; may be given several times: .bvh, or .glb with the skeleton and "
-                   "an animation of it")
+  verb->add_option(
+          "-o,--output", options->outputs,
+          "File to write; may be given several times: .bvh, or .glb or .fbx with the skeleton "
+          "and an animation of it")
       ->required()
       ->allow_extra_args(false);
   add_motion_options(*verb, options->retarget);
