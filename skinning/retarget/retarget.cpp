@@ -9,6 +9,7 @@
 #include "anatomy/joint_angles.h"
 #include "skinning/constraints/ballistic_flight.h"
 #include "skinning/constraints/belt.h"
+#include "skinning/constraints/contact_snaps.h"
 #include "skinning/constraints/foot_contacts.h"
 #include "skinning/constraints/leg_ik.h"
 #include "skinning/constraints/measure_feet.h"
@@ -222,6 +223,32 @@ struct Constraints {
   double sole;
 };
 
+// Plants feet, and lets go of those that no leg within its limits keeps without a snap: `rounds`
+// times at most.
+void plant_within_limits(const std::string& name, const Skeleton& ours, double sole,
+                         FilteredMotion& filtered, MotionLimiter& limiter, Motion& motion,
+                         int rounds, std::vector<std::string>& warnings) {
+  const std::vector<Pose> free = motion.frames;
+  std::vector<Contact>& contacts = filtered.contacts;
+  const std::size_t found = contacts.size();
+  for (int round = 0;; ++round) {
+    plant_feet(ours, sole, contacts, filtered.lock, motion);
+    limiter.run(kPlanted, contacts, {}, motion);
+    const std::vector<bool> snaps = snapping_contacts(ours, {motion.fps, free}, motion, contacts);
+    if (round == rounds || std::ranges::find(snaps, true) == snaps.end()) break;
+    std::vector<Contact> kept;
+    for (std::size_t c = 0; c < contacts.size(); ++c)
+      if (!snaps[c]) kept.push_back(contacts[c]);
+    contacts = std::move(kept);
+    motion.frames = free;
+  }
+  if (contacts.size() < found)
+    warnings.push_back(
+        fmt::format("{}: {} of {} contacts are not planted, since legs within their limits would "
+                    "snap; --limits keep plants them",
+                    name, found - contacts.size(), found));
+}
+
 // Limits, planted feet and flights; what was found goes to the report.
 void constrain(const std::string& name, const Skeleton& ours, const RetargetOptions& options,
                const Constraints& wanted, Transferred& moved, RetargetReport& report) {
@@ -247,8 +274,12 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
   if (plant) filtered.contacts = find_contacts(moved.feet, filtered.motion);
   apply_filters(name, ours, options.filters, filtered);
   motion = std::move(filtered.motion);
-  if (plant) plant_feet(ours, sole, filtered.contacts, filtered.lock, motion);
-  if (keep && plant) limiter.run(kPlanted, filtered.contacts, {}, motion);
+  if (keep && plant)
+    // What filters have moved is faster where it is brought back to its place, and is wanted so.
+    plant_within_limits(name, ours, sole, filtered, limiter, motion,
+                        moves_feet(options.filters) ? 0 : 3, report.warnings);
+  else if (plant)
+    plant_feet(ours, sole, filtered.contacts, filtered.lock, motion);
   if (keep && !plant && !options.filters.empty()) limiter.run({}, {}, {}, motion);
   if (!keep && plant)
     for (Pose& pose : motion.frames) complete_pose(ours, pose);  // knees have moved

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "anatomy/errors.h"
+#include "skinning/constraints/contact_snaps.h"
 #include "skinning/constraints/foot_contacts.h"
 #include "skinning/filters/edit_path.h"
 #include "skinning/filters/mirror_motion.h"
@@ -296,4 +297,22 @@ TEST(MotionFilters, FeetOnASlopeStandOnIt) {
     }
     EXPECT_LT(worst, 0.002);
   }
+}
+
+TEST(ContactSnaps, AKneeThatLeapsTellsItsContactAlone) {
+  const Motion still{60, std::vector<Pose>(60, rest_pose(body()))};
+  const std::vector<Contact> contacts = {{Side::left, true, 10, 20, 0},
+                                         {Side::left, false, 40, 50, 0},
+                                         {Side::right, true, 10, 20, 0}};
+  EXPECT_EQ(snapping_contacts(body(), still, still, contacts),
+            std::vector<bool>({false, false, false}));
+  Motion leaps = still;
+  for (std::size_t f = 15; f < 60; ++f)
+    leaps.frames[f].rotations[std::size_t(find_joint(body(), "hip_l"))] =
+        Quat(Eigen::AngleAxisd(0.5, Vec3::UnitX()));
+  EXPECT_EQ(snapping_contacts(body(), still, leaps, contacts),
+            std::vector<bool>({true, false, false}));
+  // What leaps without planting too is the recording's.
+  EXPECT_EQ(snapping_contacts(body(), leaps, leaps, contacts),
+            std::vector<bool>({false, false, false}));
 }

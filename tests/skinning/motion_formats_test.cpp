@@ -18,6 +18,7 @@
 #include "skinning/motion_files/bvh_write.h"
 #include "skinning/motion_files/clip_times.h"
 #include "skinning/motion_files/deepmimic_read.h"
+#include "skinning/motion_files/fbx_write.h"
 #include "skinning/motion_files/opensim_read.h"
 #include "skinning/motion_files/read_motion.h"
 #include "skinning/motion_files/skeleton_beside.h"
@@ -247,6 +248,37 @@ TEST(MotionFormats, EveryFileOfTheCorpusHasItsStatedOutcome) {
   const std::string deep = "{\"Frames\":" + std::string(1000000, '[');
   EXPECT_TRUE(is_deepmimic(deep));
   EXPECT_THROW(parse_deepmimic(deep, "deep.txt", {}, {}), InputError);
+}
+
+// What is written is read by the program that reads everybody's files.
+TEST(Fbx, AMotionComesBackAsItWas) {
+  const Skeleton body = plain_skeleton();
+  RetargetReport report;
+  Motion motion = retarget(read_motion(kOurWalk), body, unplanted(), report);
+  motion.frames.resize(40);
+  const fs::path file = fs::path(testing::TempDir()) / "walk-written.fbx";
+  std::ofstream(file, std::ios::binary) << format_fbx(to_bvh(body, motion), "walk");
+  const MotionClip clip = read_motion(file);
+  fs::remove(file);
+  EXPECT_NEAR(clip.fps, motion.fps, 0.01);
+  ASSERT_EQ(clip.frame_count, 40);
+  std::map<std::string, std::size_t> joints;
+  for (std::size_t j = 0; j < clip.joints.size(); ++j) joints[clip.joints[j].name] = j;
+  std::vector<Transform> X, ours;
+  for (const int f : {0, 17, 39}) {
+    clip_kinematics(clip, f, X);
+    forward_kinematics(body, motion.frames[std::size_t(f)], ours);
+    const Vec3 root = X[joints.at("pelvis")].translation();
+    const double unit =
+        (X[joints.at("head")].translation() - root).norm() /
+        (ours[std::size_t(find_joint(body, "head"))].translation() - ours[0].translation()).norm();
+    EXPECT_TRUE(std::abs(unit - 1) < 1e-4 || std::abs(unit - 100) < 1e-2) << unit;
+    for (std::size_t j = 0; j < ours.size(); ++j)
+      EXPECT_LT(
+          (X[joints.at(body.joints[j].name)].translation() / unit - ours[j].translation()).norm(),
+          1e-3)
+          << body.joints[j].name;
+  }
 }
 
 // The files' figures kneel a little more each frame, z is up, arms turned down from straight out.
