@@ -1,6 +1,8 @@
 // A motion that goes on for ever: its end leads into its beginning.
 #pragma once
 
+#include <string>
+
 #include "skinning/filters/filtered_motion.h"
 
 namespace ecorche::inline v1 {

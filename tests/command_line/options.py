@@ -443,10 +443,11 @@ def filters(t):
     run((0, 8), "blend=walk.bvh,at=20ms,over=10ms", "fps=60")
     run((0, 8), "blend=walk.bvh,share=0.5", "length=1s", "slope=-5")
     t.write("way.csv", "x,z\n0,0\n1,1\n1,2\n")
+    run((0, 8), "path=way.csv")
     t.write("way-short.csv", "x,z\n0,0\n")
     for word, codes, says in (("lock=2", 2, "from 0 to 1"), ("smooth=fast", 2, "a width"), ("speed=0", 2, "out of range"), ("lenght=3s", 2, "did you mean length"), ("loop=place", 2, "takes no"), ("loop,travel=in", 2, "keep and out"),
                               ("mirror=x", 2, "takes no"), ("turn", 2, "needs a value"), ("slope=60deg", 2, "from -30 to 30"), ("blend=walk.bvh", 2, "at=1.5s"), ("blend=walk.bvh,at=9s", 4, "begin earlier"),
-                              ("blend=none.bvh,at=0s", 3, "none.bvh"), ("path=none.csv", 3, "none.csv"), ("path=way-short.csv", 3, "two or more"), ("path=way.csv", 4, "the figure goes"), ("loop", 4, "a longer part"), ("length=1e5s", 5, "limit")):
+                              ("blend=none.bvh,at=0s", 3, "none.bvh"), ("path=none.csv", 3, "none.csv"), ("path=way-short.csv", 3, "two or more"), ("loop", 4, "a longer part"), ("length=1e5s", 5, "limit")):
         t.says(run(codes, word), says)
 
 
