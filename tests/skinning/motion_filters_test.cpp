@@ -123,6 +123,8 @@ TEST(MotionFilters, SlowTimeTakesAsLongAsSaidAndKeepsItsEnds) {
   EXPECT_EQ(slow.motion.frames.size(), 2 * walk().motion.frames.size() - 1);
   EXPECT_LT(apart(slow.motion.frames.back(), walk().motion.frames.back()), 1e-9);
   EXPECT_NEAR(slow.gravity, 9.81 / 4, 1e-9);
+  for (std::size_t c = 0; c < slow.contacts.size(); ++c)
+    EXPECT_EQ(slow.contacts[c].begin, 2 * walk().contacts[c].begin);
   FilteredMotion fitted = walk();
   fit_length(2, fitted);
   EXPECT_NEAR(double(fitted.motion.frames.size() - 1) / fitted.motion.fps, 2, 0.02);
@@ -218,10 +220,16 @@ TEST(MotionFilters, ALoopHasNoSeam) {
 TEST(MotionFilters, ABlendIsItsSourcesOutsideOfItself) {
   FilteredMotion second = walk();
   mirror_motion(body(), second);
+  const Motion in_place = second.motion;
+  turn_motion(1, second);
+  EXPECT_NEAR(std::remainder(ground_place(second.motion.frames[9]).yaw -
+                                 ground_place(in_place.frames[9]).yaw - 1,
+                             6.283185307),
+              0, 1e-6);
   for (const double share : {0.0, 1.0}) {
     FilteredMotion mixed = walk();
     mix_with(second, share, mixed);
-    EXPECT_LT(apart(mixed.motion, share == 0 ? walk().motion : second.motion), 1e-9);
+    EXPECT_LT(apart(mixed.motion, share == 0 ? walk().motion : in_place), 1e-9);
   }
   FilteredMotion both = walk();
   go_over_to("walk", second, {1.0, 0.3}, both);
