@@ -33,6 +33,7 @@
 #include "app/verbs/forces/inertia_verb.h"
 #include "app/verbs/lift/lie_verb.h"
 #include "app/verbs/lift/lift_verb.h"
+#include "app/verbs/lift/sit_verb.h"
 #include "app/verbs/list_verb.h"
 #include "app/verbs/motion/retarget_verb.h"
 #include "app/verbs/posebook_verb.h"
@@ -130,6 +131,7 @@ void add_verbs(VerbRegistry& registry) {
   add_studio_verb(registry);
   add_lift_verb(registry);
   add_lie_verb(registry);
+  add_sit_verb(registry);
 #ifdef ECORCHE_WINDOW
   add_view_verb(registry);
 #endif

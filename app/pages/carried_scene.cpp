@@ -13,6 +13,7 @@
 namespace ecorche {
 namespace {
 
+constexpr double kPadHeight = 0.05;                                     // m
 constexpr double kBedLength = 2.0, kBedWidth = 0.9, kBedHeight = 0.16;  // m
 constexpr double kStrapRadius = 0.008, kBarRadius = 0.018;              // m
 constexpr int kRodSides = 8;
@@ -167,6 +168,15 @@ void carried_scene(const CarryModel& model, const LiftFrame& frame, const Carrie
                       middle + Vec3(kBedWidth / 2, top, kBedLength / 2)),
              bed, here, true, true);
   }
+  for (const Pad& pad : model.pads) {
+    Surface foam;
+    foam.color = kBedColor;
+    foam.roughness = 0.95f;
+    add_item(list,
+             box_mesh(Vec3(-pad.half_width, -kPadHeight, -pad.half_length),
+                      Vec3(pad.half_width, -0.004, pad.half_length)),
+             foam, pad.X_WP.matrix().cast<float>(), true, true);
+  }
   for (DrawMesh& mesh : list.meshes) mesh.key = 0, mesh.revision = revision;
   list.lighting.follows_camera = true;
   list.lighting.key_direction = Vec3f(0.35f, -0.75f, -0.6f);
@@ -203,6 +213,11 @@ Camera carried_camera(const CarryModel& model, const std::vector<LiftFrame>& fra
       points.push_back(
           (bed_middle(model) + Vec3(0, model.mattress.height - kBedHeight, 0.5 * end * kBedLength))
               .cast<float>());
+  for (const Pad& pad : model.pads)
+    for (const int x : {-1, 1})
+      for (const int z : {-1, 1})
+        points.push_back(
+            (pad.X_WP * Vec3(x * pad.half_width, 0, z * pad.half_length)).cast<float>());
   Eigen::AlignedBox3f box;
   for (const Vec3f& p : points) box.extend(p);
   const ViewAngles angles{kAzimuth, kElevation};

@@ -52,6 +52,13 @@ void write_words_lift(const CarryModel& model, const LiftFrame& frame, const Lif
   if (model.sheet)
     lines.push_back(
         fmt::format("straps {:.0f} N    mattress {:.0f} N", frame.strap_lift, frame.mattress_lift));
+  if (!frame.pads.empty()) {
+    std::string pads;
+    for (std::size_t k = 0; k < frame.pads.size(); ++k)
+      pads += fmt::format("{}{} {:.0f} N", k ? "    " : "", model.pads[k].name,
+                          frame.pads[k].dot(model.pads[k].X_WP.linear().col(1)));
+    lines.push_back(pads);
+  }
   lines.push_back("at the right: as seen from below");
   for (std::size_t i = 0; i < lines.size(); ++i)
     draw_text(picture, lines[i], right, edge + size * (1 + 1.35f * float(i)), style);
@@ -72,6 +79,13 @@ void report_figures(const std::string& name, const PressureFigures& figures, Rep
   report.set(name + ".area_cm2", 1e4 * figures.area);
   report.set(name + ".area_over_4_3_kpa_cm2", 1e4 * figures.area_capillary);
   report.set(name + ".area_over_9_3_kpa_cm2", 1e4 * figures.area_high);
+}
+
+// Those of the last frame.
+CarryForces only_pad(CarryForces forces, int pad) {
+  for (std::size_t i = 0; i < forces.pad.size(); ++i)
+    if (forces.pad[i] != pad) forces.pressure[i] = forces.contact_area[i] = 0;
+  return forces;
 }
 
 PressureMap last_map(const CarryModel& model, const LiftResult& result) {
@@ -119,6 +133,11 @@ void write_force_table(const std::filesystem::path& file, const CarryModel& mode
   write_file_atomically(file, out);
 }
 
+PressureFigures pad_figures(const CarryModel& model, const LiftResult& result, int pad) {
+  const CarryForces forces = only_pad(result.last.forces, pad);
+  return measure_pressure(model.patient, forces.pressure, forces.contact_area).whole;
+}
+
 void report_pressure(const std::string& name, const CarryModel& model, const LiftResult& result,
                      Report& report) {
   const PressureMap map = last_map(model, result);
@@ -138,6 +157,10 @@ void report_pressure(const std::string& name, const CarryModel& model, const Lif
   for (std::size_t r = 0; r < map.regions.size(); ++r)
     if (map.regions[r].force > 0)
       report_figures(name + ".regions." + model.patient.regions[r], map.regions[r], report);
+  for (std::size_t k = 0; k < model.pads.size(); ++k) {
+    report_figures(name + "." + model.pads[k].name, pad_figures(model, result, int(k)), report);
+    report.set(name + "." + model.pads[k].name + ".lift", result.last.forces.pads[k].y());
+  }
   double excess = 0;
   for (const LiftFrame& frame : result.frames) excess = std::max(excess, frame.limit_excess);
   report.set(name + ".limit_excess_deg", excess * kDegreesPerRadian);

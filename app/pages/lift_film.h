@@ -29,7 +29,10 @@ FilmReport film_lift(const CarryModel& model, const LiftResult& lift, const Lift
 void write_force_table(const std::filesystem::path& file, const CarryModel& model,
                        const LiftResult& lift);
 
-// Under `name`: weight, forces, peak and areas, whole and by region.
+// Of what presses on one of the model's pads, at the end.
+PressureFigures pad_figures(const CarryModel& model, const LiftResult& result, int pad);
+
+// Under `name`: weight, forces, peak and areas, whole, by region and by pad.
 void report_pressure(const std::string& name, const CarryModel& model, const LiftResult& result,
                      Report& report);
 

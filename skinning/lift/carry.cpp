@@ -164,7 +164,9 @@ void measure_skin(const CarryModel& model, const BodyFrames& frames,
   const double h = model.options.step;
   forces.pressure.assign(std::size_t(state.skin.rows()), 0);
   forces.contact_area.assign(std::size_t(state.skin.rows()), 0);
+  forces.pad.assign(std::size_t(state.skin.rows()), -1);
   forces.region.assign(model.patient.regions.size(), Vec3::Zero());
+  forces.pads.assign(model.pads.size(), Vec3::Zero());
   state.pressed = state.skin;
   for (std::size_t c = 0; c < contacts.size(); ++c) {
     const SkinContact& contact = contacts[c];
@@ -173,10 +175,17 @@ void measure_skin(const CarryModel& model, const BodyFrames& frames,
         sheet_velocity(model, state.node_velocities, contact);
     const Vec3 force = (terms[c].r - terms[c].B * relative) / h;
     const std::size_t i = std::size_t(contact.vertex);
-    forces.pressure[i] = std::max(0.0, force.dot(contact.normal) / contact.area);
-    forces.contact_area[i] = contact.area;
+    // A vertex in a corner of two pads has the mean of both.
+    const double before = forces.pressure[i] * forces.contact_area[i];
+    forces.contact_area[i] += contact.area;
+    forces.pressure[i] =
+        (before + std::max(0.0, force.dot(contact.normal))) / forces.contact_area[i];
     forces.region[std::size_t(model.patient.region[i])] += force;
-    if (contact.triangle < 0) forces.mattress += force;
+    forces.pad[i] = contact.pad;
+    if (contact.pad >= 0)
+      forces.pads[std::size_t(contact.pad)] += force;
+    else if (contact.triangle < 0)
+      forces.mattress += force;
     state.pressed.row(contact.vertex) += contact.depth * contact.normal.transpose();
   }
 }
@@ -257,7 +266,7 @@ void carry(const CarryModel& model, const Vec3& bar_velocity, CarryState& state)
   const Points normals = vertex_normals({state.skin, model.patient.skin.F});
   std::vector<SkinContact> contacts;
   find_contacts(model.patient, state.skin, normals, model.sheet.get(), state.nodes, model.mattress,
-                h, state.memory, contacts);
+                model.pads, h, state.memory, contacts);
 
   ContactSystem& system = *state.system;
   system.clear();

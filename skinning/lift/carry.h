@@ -1,4 +1,4 @@
-// A patient on a mattress and in a sheet, over time.
+// A patient on a mattress, on the pads of a chair and in a sheet, over time.
 //
 // One implicit step has sheet, straps, body, contact and friction in one linear system
 // (contact_system.h). Contact forces are those that acted over the step, so that they add up to
@@ -36,16 +36,19 @@ struct CarryModel {
   Mattress mattress;
   CarryOptions options;
   SkinShaper shaper{};  // empty: the skin is the blend of its joints
+  std::vector<Pad> pads{};
 };
 
 // What acted over the last step.
 struct CarryForces {
   std::vector<double> pressure;      // #V of the skin, Pa; 0 where nothing touches
   std::vector<double> contact_area;  // #V, m^2
+  std::vector<int> pad;              // #V, of the pads; -1: none
   std::vector<Vec3> region;          // #regions, N, on the body, world
   std::vector<double> straps;        // N, tension
   Vec3 strap_sum = Vec3::Zero();     // N, on the sheet
   Vec3 mattress = Vec3::Zero();      // N, on sheet and body
+  std::vector<Vec3> pads;            // #pads, N, on the body
 };
 
 struct CarryState {

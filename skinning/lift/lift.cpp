@@ -75,6 +75,7 @@ void take_frame(const CarryModel& model, const CarryState& state, std::vector<Li
   frame.straps = state.forces.straps;
   frame.strap_lift = state.forces.strap_sum.y();
   frame.mattress_lift = state.forces.mattress.y();
+  frame.pads = state.forces.pads;
   frame.limit_excess = worst_limit_excess(model.patient, state.body.pose);
   frames.push_back(std::move(frame));
 }
@@ -158,14 +159,21 @@ LiftResult lift_patient(const CarryModel& model, const Pose& lying, const LiftOp
   return out;
 }
 
-LiftResult rest_patient(const CarryModel& model, const Pose& pose, double seconds) {
+LiftResult rest_patient(const CarryModel& model, const Pose& pose, double seconds,
+                        double frames_per_second) {
   LiftResult out;
   CarryState state = start_carrying(model, pose, Vec3::Zero(), Vec3::Zero());
   const double start = now(), core_start = core_time();
-  while (state.time < seconds) carry(model, Vec3::Zero(), state);
+  const double h = model.options.step;
+  while (state.time < seconds - 0.5 * h) {
+    carry(model, Vec3::Zero(), state);
+    if (frames_per_second > 0 &&
+        state.time + 0.5 * h >= double(out.frames.size()) / frames_per_second)
+      take_frame(model, state, out.frames);
+  }
   out.seconds = now() - start;
   out.core_seconds = core_time() - core_start;
-  take_frame(model, state, out.frames);
+  if (out.frames.empty()) take_frame(model, state, out.frames);
   out.last = std::move(state);
   return out;
 }

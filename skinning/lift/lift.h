@@ -45,6 +45,7 @@ struct LiftFrame {
   std::vector<Vec3> region;                  // N, by Patient::regions
   std::vector<double> straps;                // N
   double strap_lift = 0, mattress_lift = 0;  // N upwards
+  std::vector<Vec3> pads;                    // N, by CarryModel::pads
   double limit_excess = 0;                   // rad
 };
 
@@ -62,7 +63,9 @@ Vec3 bar_start(const CarryModel& model, const Pose& lying, const LiftOptions& op
 LiftResult lift_patient(const CarryModel& model, const Pose& lying, const LiftOptions& options,
                         const std::function<void(double)>& progress = {});
 
-// The person comes to rest on the mattress, without a sheet or upon one; one frame.
-LiftResult rest_patient(const CarryModel& model, const Pose& pose, double seconds);
+// The person comes to rest on the mattress or the pads, without a sheet or upon one; one frame of
+// the end, or so many a second.
+LiftResult rest_patient(const CarryModel& model, const Pose& pose, double seconds,
+                        double frames_per_second = 0);
 
 }  // namespace ecorche::inline v1

@@ -119,6 +119,22 @@ class Regions {
   std::vector<Vec3> at_;
 };
 
+TriMesh posed_bones(const Anatomy& anatomy, const Pose& pose) {
+  std::vector<Transform> X_WJ;
+  forward_kinematics(anatomy.skeleton, pose, X_WJ);
+  const std::vector<Vec3> rest = rest_positions(anatomy.skeleton);
+  TriMesh out = joined_bones(anatomy);
+  Eigen::Index first = 0;
+  for (const Bone& bone : anatomy.bones) {
+    const Transform& X = X_WJ[std::size_t(bone.joint)];
+    const Vec3 shift = X.translation() - X.linear() * rest[std::size_t(bone.joint)];
+    auto rows = out.V.middleRows(first, bone.mesh.V.rows());
+    rows = ((rows * X.linear().transpose()).rowwise() + shift.transpose()).eval();
+    first += bone.mesh.V.rows();
+  }
+  return out;
+}
+
 int largest_weight(const JointWeights& weights) {
   return std::ranges::max_element(weights, {}, &Influence::weight)->joint;
 }
@@ -151,21 +167,30 @@ Patient make_patient(const Anatomy& anatomy, const TriMesh& skin,
   out.area = vertex_areas(skin);
   out.tissue = tissue;
   out.limbs = make_collision_tables(anatomy.skeleton, measure_proxies(anatomy.skeleton, skin.V));
-  const NearestSurface surface(joined_bones(anatomy));
   const Regions regions(out.skeleton);
-  int hint = -1;
   for (Eigen::Index i = 0; i < skin.V.rows(); ++i) {
     const Vec3 place = skin.V.row(i).transpose();
-    const SurfacePoint nearest = surface.nearest(place, hint);
-    hint = nearest.triangle;
-    out.thickness.push_back(std::clamp(nearest.distance, tissue.thinnest, tissue.thickest));
     out.carrier.push_back(largest_weight(weights[std::size_t(i)]));
     const std::string region = regions.of(out.carrier.back(), place);
     const auto known = std::ranges::find(out.regions, region);
     out.region.push_back(int(known - out.regions.begin()));
     if (known == out.regions.end()) out.regions.push_back(region);
   }
+  measure_tissue(anatomy, rest_pose(out.skeleton), skin.V, out);
   return out;
+}
+
+void measure_tissue(const Anatomy& anatomy, const Pose& pose, const Points& skin,
+                    Patient& patient) {
+  const NearestSurface surface(posed_bones(anatomy, pose));
+  patient.thickness.assign(std::size_t(skin.rows()), 0);
+  int hint = -1;
+  for (Eigen::Index i = 0; i < skin.rows(); ++i) {
+    const SurfacePoint nearest = surface.nearest(skin.row(i).transpose(), hint);
+    hint = nearest.triangle;
+    patient.thickness[std::size_t(i)] =
+        std::clamp(nearest.distance, patient.tissue.thinnest, patient.tissue.thickest);
+  }
 }
 
 Patient make_rigid_patient(const TriMesh& skin, double mass, const Vec3& inertia, double thickness,

@@ -61,6 +61,10 @@ Patient make_patient(const Anatomy& anatomy, const TriMesh& skin,
                      const std::vector<JointWeights>& weights, double mass,
                      const FleshOptions& tissue = {});
 
+// Thickness of the tissue as it is in a pose: over the nearest bone, each where its joint has it.
+// `skin`: as posed, world, #V x 3.
+void measure_tissue(const Anatomy& anatomy, const Pose& pose, const Points& skin, Patient& patient);
+
 // A single rigid body with a skin, kg: for comparison with closed solutions. `inertia` about the
 // centre of the skin's bounding box, where its only joint is.
 Patient make_rigid_patient(const TriMesh& skin, double mass, const Vec3& inertia, double thickness,

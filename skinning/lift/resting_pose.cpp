@@ -41,13 +41,14 @@ Pose lying_pose(const Patient& patient) {
   return pose;
 }
 
-Pose sitting_pose(const Patient& patient) {
+Pose sitting_pose(const Patient& patient, double recline) {
   Pose pose = rest_pose(patient.skeleton);
   fold_arms(patient.skeleton, pose);
   for (const std::string s : {"_l", "_r"}) {
-    set_joint(patient.skeleton, "hip" + s, Vec3(88, 4, 0), pose);
-    set_joint(patient.skeleton, "knee" + s, Vec3(85, 0, 0), pose);
+    set_joint(patient.skeleton, "hip" + s, Vec3(92 - recline, 4, 0), pose);
+    set_joint(patient.skeleton, "knee" + s, Vec3(89, 0, 0), pose);
   }
+  pose.rotations[0] = Quat(Eigen::AngleAxisd(-kDegree * recline, Vec3::UnitX()));
   put_down(patient, pose);
   return pose;
 }

@@ -9,7 +9,9 @@ namespace ecorche::inline v1 {
 // height 0. A skeleton without our joints only turns.
 Pose lying_pose(const Patient& patient);
 
-// Upright, hips and knees bent, forwards towards +Z, hands on the belly, likewise.
-Pose sitting_pose(const Patient& patient);
+// Knees bent and a little higher than level thighs have them, as on a seat 3 cm lower than the
+// hollow of the knee; forwards towards +Z, hands on the belly, likewise. `recline`: of the
+// trunk backwards, degrees.
+Pose sitting_pose(const Patient& patient, double recline = 0);
 
 }  // namespace ecorche::inline v1

@@ -105,19 +105,48 @@ void press_hem(const Vec3& p, const Vec3& n, const Vec3& hem, double area, SkinC
   contact.normal = -n;
 }
 
-void touch_mattress(const Patient& patient, const Vec3& p, const Vec3& n, const Mattress& mattress,
-                    int vertex, std::vector<SkinContact>& out) {
-  SkinContact contact;
-  contact.vertex = vertex;
-  contact.depth = mattress.height - p.y();
-  const double facing = -n.y();
+// Tissue and foam in series, `depth` along the normal.
+void press_foam(const Patient& patient, double depth, const Vec3& n, double stiffness,
+                double bottom, SkinContact& contact, std::vector<SkinContact>& out) {
+  const int vertex = contact.vertex;
+  contact.depth = depth;
+  const double facing = -n.dot(contact.normal);
   if (contact.depth <= 0 || facing < kLeastFacing) return;
   const double thickness = patient.thickness[std::size_t(vertex)];
   const double tissue = patient.tissue.modulus / thickness;
   contact.area = facing * patient.area[std::size_t(vertex)];
-  foundation(tissue * mattress.stiffness / (tissue + mattress.stiffness),
-             mattress.bottom + thickness, contact.depth, contact.pressure, contact.slope);
+  foundation(tissue * stiffness / (tissue + stiffness), bottom + thickness, contact.depth,
+             contact.pressure, contact.slope);
   out.push_back(contact);
+}
+
+void touch_mattress(const Patient& patient, const Vec3& p, const Vec3& n, const Mattress& mattress,
+                    int vertex, std::vector<SkinContact>& out) {
+  SkinContact contact;
+  contact.vertex = vertex;
+  press_foam(patient, mattress.height - p.y(), n, mattress.stiffness, mattress.bottom, contact,
+             out);
+}
+
+// How far the pad's surface falls beside its middle part, `over` m beyond that.
+double fallen(double over, double edge) { return over > 0 ? 0.5 * over * over / edge : 0; }
+
+// A lower bound of the distance from the pad, m.
+double touch_pad(const Patient& patient, const Vec3& p, const Vec3& n, const Pad& pad, int index,
+                 int vertex, std::vector<SkinContact>& out) {
+  const Vec3 at = pad.X_WP.inverse(Eigen::Isometry) * p;
+  const double beside_x = std::abs(at.x()) - pad.half_width,
+               beside_z = std::abs(at.z()) - pad.half_length, beside = std::max(beside_x, beside_z);
+  if (at.y() > 0 || beside > 0) return std::max({at.y(), beside, 0.0});
+  const double depth =
+      -at.y() - fallen(beside_x + pad.edge, pad.edge) - fallen(beside_z + pad.edge, pad.edge);
+  if (depth > kReach) return 0;
+  SkinContact contact;
+  contact.vertex = vertex;
+  contact.pad = index;
+  contact.normal = pad.X_WP.linear().col(1);
+  press_foam(patient, depth, n, pad.stiffness, pad.bottom, contact, out);
+  return 0;
 }
 
 }  // namespace
@@ -130,7 +159,8 @@ void foundation(double stiffness, double thickness, double depth, double& pressu
 
 void find_contacts(const Patient& patient, const Points& skin, const Points& normals,
                    const Sheet* sheet, const Points& nodes, const Mattress& mattress,
-                   double seconds, ContactMemory& memory, std::vector<SkinContact>& out) {
+                   std::span<const Pad> pads, double seconds, ContactMemory& memory,
+                   std::vector<SkinContact>& out) {
   out.clear();
   const std::size_t count = std::size_t(skin.rows());
   Points up;
@@ -167,7 +197,7 @@ void find_contacts(const Patient& patient, const Points& skin, const Points& nor
               .transpose()
               .normalized();
       clear = std::min(clear, std::sqrt(near.squared));
-      SkinContact contact{int(i), near.triangle, shares, normal, 0, 0, 0, 0};
+      SkinContact contact{int(i), near.triangle, -1, shares, normal, 0, 0, 0, 0};
       const double beside = beside_sheet(p, near, normal);
       on_sheet = beside < kHemWidth;
       if (beside > kBeside) {
@@ -186,6 +216,8 @@ void find_contacts(const Patient& patient, const Points& skin, const Points& nor
       }
     }
     if (mattress.present && !on_sheet) touch_mattress(patient, p, n, mattress, int(i), out);
+    for (std::size_t k = 0; k < pads.size(); ++k)
+      clear = std::min(clear, touch_pad(patient, p, n, pads[k], int(k), int(i), out));
     if (clear > 0)
       memory.wait[i] = std::clamp(int(clear / (kFastest * seconds)) - 1, 0, kLongestWait);
   }

@@ -631,6 +631,17 @@ def lifts(t):
     t.run((0, 8), "lie", "anna-anatomy.glb", "-o", "hard.png", "--foam", 400, "--foam-thickness", 0.05, "--tissue", 80, "--scale", 30, "--size", "320x180", "--report", "hard.json")
     t.check(t.json("hard.json")["lie"]["peak_kpa"] > 1.2 * lies["peak_kpa"], "--foam, --foam-thickness, --tissue of lie")
     t.check(t.bytes("hard.png") != t.bytes("lies.png"), "--scale of lie")
+    t.run((0, 8), "sit", "anna-anatomy.glb", "-o", "sits.png", "--size", "320x180", "--report", "sits.json")
+    sits = t.json("sits.json")["sit"]
+    t.check(abs(sits["contact_force"] - sits["weight"]) < 0.01 * sits["weight"] and sits["peak_to_ischium_mm"] < 40, f"sit: {sits['contact_force']} N of {sits['weight']}, peak {sits['peak_to_ischium_mm']} mm from the ischium")
+    t.check(0.7 < sits["seat"]["lift"] / sits["weight"] < 0.98 and sits["back"]["force"] > 0.03 * sits["weight"] and sits["floor"]["lift"] > 0, "seat, back, floor of sit")
+    t.run((0, 8), "sit", "anna-anatomy.glb", "-o", "stool.mp4", "--no-back", "--foam", 10000, "--foam-thickness", 0.02, "--tissue", 80, "--step", 0.02, "--fps", 2, "--scale", 30, "--size", "160x90", "--report", "stool.json")
+    stool = t.json("stool.json")["sit"]
+    t.check("back" not in stool and stool["seat"]["peak_kpa"] > 1.1 * sits["seat"]["peak_kpa"], "--no-back, --foam, --foam-thickness, --tissue of sit")
+    t.there("stool.mp4")
+    t.run((0, 8), "sit", "anna-anatomy.glb", "-o", "leans.png", "--recline", 25, "--no-floor", "--size", "320x180", "--report", "leans.json")
+    leans = t.json("leans.json")["sit"]
+    t.check("floor" not in leans and leans["back"]["force"] > 1.3 * sits["back"]["force"], "--recline, --no-floor of sit")
     coarse = ("--spacing", 0.1, "--size", "320x180")
     t.run((0, 8), "lift", "anna-anatomy.glb", "-o", "lift.mp4", "--fps", 5, "--table", "lift.csv", "--report", "lift.json", *coarse)
     lift = t.json("lift.json")["lift"]

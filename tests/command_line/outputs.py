@@ -34,6 +34,7 @@ FILES = {
     "weights picture": (["anna-anatomy.glb", "--joint", "knee_l"], "--picture", "x.png"),
     "render": (["anna-anatomy.glb", "walk.bvh", "--size", "96x64", "--fps", "2"], "-o", "x.mp4"),
     "lie": (["anna-anatomy.glb", "--size", "96x64"], "-o", "x.png"),
+    "sit": (["anna-anatomy.glb", "--size", "96x64"], "-o", "x.png"),
     "lift": (["anna-anatomy.glb", "--spacing", "0.2"], "--table", "x.csv"),
     "template import": (["anna.osim", "--our-bones"], "-o", "x.glb"),
     "template sweep": (["--step", "40"], "-o", "x.csv"),

@@ -113,6 +113,55 @@ TEST(Carry, MattressCarriesTheWeight) {
   EXPECT_NEAR(map.whole.force, kBallMass * kGravity, 0.01 * kBallMass * kGravity);
 }
 
+// A level cushion as large as the ball is nothing but a mattress.
+Pad level_pad() {
+  Pad pad;
+  pad.half_width = pad.half_length = 1;
+  pad.stiffness = Mattress{}.stiffness;
+  pad.bottom = Mattress{}.bottom;
+  return pad;
+}
+
+CarryModel ball_on_pads(std::vector<Pad> pads, int n = 30) {
+  CarryModel model{ball_patient(n), nullptr, {}, {}, {}, std::move(pads)};
+  model.mattress.present = false;
+  return model;
+}
+
+TEST(Carry, LevelPadIsAMattress) {
+  const CarryModel bed{ball_patient(), nullptr, {}, {}, {}}, chair = ball_on_pads({level_pad()});
+  const CarryState lies = settled(bed, kBallRadius, 2), sits = settled(chair, kBallRadius, 2);
+  EXPECT_NEAR(sits.forces.pads[0].y(), kBallMass * kGravity, 1e-3 * kBallMass * kGravity);
+  EXPECT_NEAR(peak_of(chair, sits), peak_of(bed, lies), 1e-6 * peak_of(bed, lies));
+}
+
+// Two cushions at 45 degrees: each gives half of the weight, and sideways what the other takes.
+TEST(Carry, PadsOfAValleyShareTheWeight) {
+  std::vector<Pad> pads;
+  for (const double side : {1.0, -1.0}) {
+    Pad pad = level_pad();
+    pad.X_WP.linear() = Eigen::AngleAxisd(-side * std::numbers::pi / 4, Vec3::UnitZ()).matrix();
+    pad.X_WP.translation() = -side * pad.X_WP.linear().col(0);
+    pads.push_back(pad);
+  }
+  const CarryModel model = ball_on_pads(pads);
+  const CarryState state = settled(model, kBallRadius * std::numbers::sqrt2, 4);
+  const double weight = kBallMass * kGravity;
+  EXPECT_NEAR(state.forces.region[0].y(), weight, 1e-3 * weight);
+  EXPECT_NEAR(state.forces.pads[0].y(), weight / 2, 0.01 * weight);
+  EXPECT_NEAR(state.forces.pads[0].x(), -state.forces.pads[1].x(), 0.01 * weight);
+  EXPECT_GT(std::abs(state.forces.pads[0].x()), 0.3 * weight);
+}
+
+TEST(Carry, PeakOnAPadHoldsAtTwiceTheNodesAndHalfTheStep) {
+  const CarryModel model = ball_on_pads({level_pad()}), fine = ball_on_pads({level_pad()}, 42);
+  CarryModel half = model;
+  half.options.step /= 2;
+  const double peak = peak_of(model, settled(model, kBallRadius, 2));
+  EXPECT_NEAR(peak_of(fine, settled(fine, kBallRadius, 2)), peak, 0.1 * peak);
+  EXPECT_NEAR(peak_of(half, settled(half, kBallRadius, 2)), peak, 0.01 * peak);
+}
+
 // A ball of radius R that sinks by d into springs of k a unit area: force = k pi d^2 (R - d / 3),
 // peak = k d.
 TEST(Carry, BallSinksAsElasticFoundationSays) {

@@ -1,4 +1,4 @@
-// What lift and lie ask alike: the person, the tissue, the picture.
+// What lift, lie and sit ask alike: the person, the tissue, the picture.
 #pragma once
 
 #include <CLI/CLI.hpp>
