@@ -75,6 +75,20 @@ Soles find_soles(const Skeleton& skeleton, double sole_height, const Motion& mot
   return out;
 }
 
+// Where the feet are rolled over at one moment. `velocity`: of the body over what it stands on.
+std::array<RollOver, 2> find_rolls(const std::array<FootShape, 2>& shapes, double sole_height,
+                                   const std::vector<Vec3>& rest, const std::vector<Transform>& X,
+                                   const Skeleton& skeleton, const Vec3& velocity) {
+  std::array<RollOver, 2> out;
+  for (std::size_t f = 0; f < 2; ++f) {
+    const FootShape& foot = shapes[f];
+    const FootPoints points = foot_points(skeleton, foot, X);
+    out[f] = roll_over(X[foot.knee].translation(), X[foot.ankle].translation(),
+                       rest[foot.ankle].y() - sole_height, points.heel, points.ball, velocity);
+  }
+  return out;
+}
+
 // Smoothing spreads an impact over the time before and after it; contacts last as much longer.
 void widen_contacts(double fps, double cutoff, Soles& soles) {
   const int reach = cutoff > 0 ? int(std::lround(kSpread / cutoff * fps)) : 0,
@@ -220,6 +234,9 @@ MotionDynamics inverse_dynamics(const Skeleton& skeleton, std::span<const BodySe
   }
   const std::array<int, 2> feet{find_joint(skeleton, "subtalar_l"),
                                 find_joint(skeleton, "subtalar_r")};
+  const std::array<FootShape, 2> shapes{foot_shape(skeleton, Side::left, sole_height),
+                                        foot_shape(skeleton, Side::right, sole_height)};
+  const std::vector<Vec3> rest = rest_positions(skeleton);
   out.frames.resize(out.states.size());
   tbb::parallel_for(std::size_t{0}, out.frames.size(), [&](std::size_t f) {
     DynamicsFrame& frame = out.frames[f];
@@ -228,7 +245,9 @@ MotionDynamics inverse_dynamics(const Skeleton& skeleton, std::span<const BodySe
       frame.contact = sum_of_gates(soles.contacts[f]);
       const GroundReaction ground =
           share_ground_reaction(frame.loads.joints[0], frame.loads.X_WJ[0].translation(),
-                                out.weight, soles.floor[f], soles.points, soles.contacts[f]);
+                                out.weight, soles.floor[f], soles.points, soles.contacts[f],
+                                find_rolls(shapes, sole_height, rest, frame.loads.X_WJ, skeleton,
+                                           frame.loads.momentum.velocity - soles.belt));
       frame.feet = frame.estimated = ground.feet;
       if (!ground.forces.empty() && options.measured.empty())
         find_joint_loads(skeleton, segments, out.states[f], ground.forces, frame.loads);

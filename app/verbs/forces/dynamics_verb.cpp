@@ -5,7 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
@@ -26,6 +30,11 @@ namespace ecorche {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Share of the weight that is missed where joints' moments say little; gaps between such frames
+// that do not count, s; spans that are named.
+constexpr double kDoubtful = 0.1, kSpanGap = 0.06;
+constexpr std::size_t kMostSpans = 4;
 
 struct DynamicsVerbOptions {
   fs::path character, motion, html, plates, activations;
@@ -226,6 +235,29 @@ void report_dynamics(const MotionDynamics& d, Report& report) {
   report.set("dynamics.belt", d.belt.norm());
 }
 
+// Spans whose residual force is beyond a share of the weight, "1.20 to 1.35 s", longest first.
+std::string doubtful_spans(const MotionDynamics& d, double& share) {
+  std::vector<std::pair<std::size_t, std::size_t>> spans;
+  std::size_t count = 0;
+  for (std::size_t f = 0; f < d.frames.size(); ++f) {
+    if (d.frames[f].residual_force.norm() <= kDoubtful * d.weight) continue;
+    ++count;
+    if (!spans.empty() && double(f - spans.back().second) <= kSpanGap * d.fps)
+      spans.back().second = f;
+    else
+      spans.emplace_back(f, f);
+  }
+  share = double(count) / double(d.frames.size());
+  std::ranges::stable_sort(spans, std::greater{}, [](const auto& s) { return s.second - s.first; });
+  if (spans.size() > kMostSpans) spans.resize(kMostSpans);
+  std::ranges::sort(spans);
+  std::string out;
+  for (const auto& [begin, end] : spans)
+    out += fmt::format("{}{:.2f} to {:.2f} s", out.empty() ? "" : ", ", double(begin) / d.fps,
+                       double(end) / d.fps);
+  return out;
+}
+
 std::string describe_efforts(const MuscleEfforts& efforts, const Skeleton& skeleton) {
   JointReserve worst;
   for (const JointReserve& joint : joint_reserves(efforts))
@@ -318,6 +350,13 @@ int run_dynamics(const DynamicsVerbOptions& options, const Common& common, Repor
                    inertia.mass, dynamics.peak_vertical, dynamics.mean_vertical,
                    100 * dynamics.residual_force_rms, dynamics.flight_frames,
                    dynamics.frames.size()));
+  double doubtful = 0;
+  const std::string spans = doubtful_spans(dynamics, doubtful);
+  report.set("dynamics.doubtful_share", doubtful);
+  if (!spans.empty())
+    note(common, fmt::format("not to be trusted: {:.0f} % of the frames miss more than {:.0f} % of "
+                             "the weight, most of them {}",
+                             100 * doubtful, 100 * kDoubtful, spans));
   return 0;
 }
 
