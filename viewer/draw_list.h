@@ -26,6 +26,7 @@ struct DrawMesh {
   // a new value: positions, normals and colours have changed; the rest is constant for a key
   std::uint64_t revision = 0;
   std::uint64_t shape = 0;  // a new value: triangles and all other arrays have changed, too
+  std::uint64_t faces = 0;  // a new value: triangles have changed, nothing else
   std::vector<Vec3f> positions;
   std::vector<Vec3f> normals;    // unit
   std::vector<Vec3f> colors;     // empty: the item's colour
@@ -35,6 +36,7 @@ struct DrawMesh {
       fibres;  // cos and sin of the angle around the belly, fibres around it, metres along it
   std::vector<std::uint32_t> parts;   // for picking and outlines; empty: the item's
   std::vector<Triangle32> triangles;  // counter-clockwise seen from outside
+  std::vector<Triangle32> coarse{};   // in their place in quick pictures; empty: the same
 };
 
 // Material of a surface.

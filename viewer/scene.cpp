@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "viewer/coarse_mesh.h"
+
 namespace ecorche {
 namespace {
 
@@ -239,7 +241,7 @@ bool is_hidden(const Appearance& appearance, std::uint32_t part) {
 }
 
 // Hash of the hidden parts; independent of scene and run.
-std::uint64_t shape_without(std::span<const std::uint32_t> parts) {
+std::uint64_t faces_without(std::span<const std::uint32_t> parts) {
   std::uint64_t hash = 0xcbf29ce484222325u;  // Fowler, Noll and Vo's, 1a
   for (const std::uint32_t part : parts) hash = (hash ^ part) * 0x100000001b3u;
   return parts.empty() ? 0 : hash;
@@ -247,13 +249,18 @@ std::uint64_t shape_without(std::span<const std::uint32_t> parts) {
 
 // The triangles of parts that are not hidden.
 template <class Part>
-void take_shown(const std::vector<Part>& parts, const std::vector<Triangle32>& all, auto number,
-                const Appearance& appearance, DrawMesh& mesh) {
+void take_shown(const std::vector<Part>& parts, const DrawMesh& all, std::span<const int> coarse,
+                auto number, const Appearance& appearance, DrawMesh& mesh) {
   mesh.triangles.clear();
-  for (const Part& part : parts)
-    if (!is_hidden(appearance, number(part)))
-      mesh.triangles.insert(mesh.triangles.end(), all.begin() + part.face_begin,
-                            all.begin() + part.face_end);
+  mesh.coarse.clear();
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    if (is_hidden(appearance, number(parts[p]))) continue;
+    mesh.triangles.insert(mesh.triangles.end(), all.triangles.begin() + parts[p].face_begin,
+                          all.triangles.begin() + parts[p].face_end);
+    if (!coarse.empty())
+      mesh.coarse.insert(mesh.coarse.end(), all.coarse.begin() + coarse[p],
+                         all.coarse.begin() + coarse[p + 1]);
+  }
 }
 
 // Removes the triangles of hidden muscles and fascia, which are then neither seen nor picked and
@@ -265,14 +272,14 @@ void remove_hidden(const SceneModel& model, const Appearance& appearance, Scene&
   if (std::ranges::equal(hidden, scene.parts_left_away)) return;
   DrawMesh &muscles = scene.list.meshes[kMuscleMesh], &fascia = scene.list.meshes[kFasciaMesh];
   take_shown(
-      model.surface.parts, model.muscles.triangles,
+      model.surface.parts, model.muscles, model.muscle_coarse,
       [](const MuscleSurface::Part& p) { return kFirstMusclePart + std::uint32_t(p.muscle); },
       appearance, muscles);
   take_shown(
-      model.fascia_surface.parts, model.fascia.triangles,
+      model.fascia_surface.parts, model.fascia, model.fascia_coarse,
       [](const FasciaSurface::Part& p) { return kFirstFasciaPart + std::uint32_t(p.sheet); },
       appearance, fascia);
-  muscles.shape = fascia.shape = shape_without(hidden);
+  muscles.faces = fascia.faces = faces_without(hidden);
   scene.parts_left_away.assign(hidden.begin(), hidden.end());
 }
 
@@ -439,12 +446,16 @@ SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin,
   for (const FasciaSurface::Part& part : model.fascia_surface.parts)
     model.fascia.parts.resize(part.vertex_end, kFirstFasciaPart + std::uint32_t(part.sheet));
   set_fibres(model.fascia, model.fascia_surface, options.fascicle);
-  if (anatomy.muscles.empty()) return model;
+  if (anatomy.muscles.empty()) {
+    if (options.coarse > 0) add_coarse(anatomy, options.coarse, model);
+    return model;
+  }
   model.surface = make_muscle_surface(anatomy, options.surface);
   model.muscles.triangles = to_indices(model.surface.F);
   for (const int m : model.surface.muscle)
     model.muscles.parts.push_back(kFirstMusclePart + std::uint32_t(m));
   set_fibres(model.muscles, model.surface, anatomy, model.strips, options.fascicle);
+  if (options.coarse > 0) add_coarse(anatomy, options.coarse, model);
   return model;
 }
 

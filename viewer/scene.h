@@ -39,6 +39,7 @@ struct SceneOptions {
   double fascicle = 0.0035;   // m, width of the fibre lines on muscles
   std::vector<Eyeball> eyes;  // seen with the skin as well as without it
   std::uint64_t key = 1;      // unique per character while several are drawn with one renderer
+  double coarse = 0;          // m, sides of triangles in quick pictures; 0: none are made
 };
 
 // A number that was not returned before.
@@ -58,6 +59,8 @@ struct SceneModel {
   std::vector<SliceRange> strips;
   std::vector<double> rest_lengths;  // #strips, m
   int muscle_count = 0;
+  // #parts + 1: where a part's coarse triangles begin; empty: there are none
+  std::vector<int> muscle_coarse, fascia_coarse;
 };
 
 // Model of `anatomy`; without a skin layer if `skin` has no vertices.

@@ -35,6 +35,10 @@ glm::vec3 radiance(const Vec3f& srgb, float strength) {
 
 bool is_opaque(const DrawItem& item) { return item.surface.opacity >= 1; }
 bool dissolves(const DrawItem& item) { return item.surface.dissolved > 0; }
+PixelWindow within(const PixelWindow& w, const PixelWindow& all) {
+  const int x0 = std::max(w.x, all.x), x1 = std::min(w.x + w.width, all.x + all.width);
+  return {x0, w.y, std::max(x1 - x0, 0), w.height};
+}
 bool is_hidden(const DrawItem& item) {
   return (item.surface.opacity <= 0 && item.surface.edge_opacity <= 0) ||
          item.surface.dissolved >= 1;
@@ -73,6 +77,7 @@ struct Renderer::Impl {
   const GlProgram& surface_program(const DrawList& list, const DrawItem& item) const;
   void set_surface(const GlProgram& program, const DrawItem& item) const;
   void draw_item(const GlProgram& program, const DrawList& list, const DrawItem& item) const;
+  int shadow_size() const { return options.quick ? 0 : options.shadow_size; }
   void bind_texture(int unit, GLuint texture) const {
     gl.ActiveTexture(GL_TEXTURE0 + unit);
     gl.BindTexture(GL_TEXTURE_2D, texture);
@@ -95,6 +100,7 @@ struct Renderer::Impl {
   PictureFrame frame;
   int samples = 1;
   int width = 0, height = 0;
+  PixelWindow all;  // of the picture, that is drawn
   GpuMeshes meshes{gl};
   GlTarget shadow{gl, {}, true};
   GlTarget ground{gl, {GL_RGBA16F}, true};  // one sample a pixel: it filters itself
@@ -104,6 +110,8 @@ struct Renderer::Impl {
   static constexpr const char* dissolve_define = "#define DISSOLVES\n";
   static constexpr const char* fibre_define = "#define HAS_FIBRES\n";
   GlProgram plain_program{gl, "surface", "", shader_prelude, surface_vertex, surface_fragment};
+  GlProgram quick_program{
+      gl, "quick surface", "#define QUICK\n", shader_prelude, surface_vertex, surface_fragment};
   GlProgram fibre_program{
       gl, "surface with fibres", fibre_define, shader_prelude, surface_vertex, surface_fragment};
   GlProgram dissolve_program{gl,
@@ -129,6 +137,12 @@ struct Renderer::Impl {
                                      shader_prelude,
                                      screen_vertex,
                                      background_fragment};
+  GlProgram background_quick_program{gl,
+                                     "quick background",
+                                     "#define SUNNY\n#define QUICK\n",
+                                     shader_prelude,
+                                     screen_vertex,
+                                     background_fragment};
   GlProgram occlusion_program{
       gl, "occlusion", "", shader_prelude, screen_vertex, occlusion_fragment};
   GlProgram blur_program{
@@ -137,6 +151,12 @@ struct Renderer::Impl {
       gl, "resolve", "#define FIGURE\n", shader_prelude, screen_vertex, resolve_fragment};
   GlProgram resolve_ground_program{
       gl, "resolve ground", "", shader_prelude, screen_vertex, resolve_fragment};
+  GlProgram resolve_quick_program{gl,
+                                  "quick resolve",
+                                  "#define FIGURE\n#define QUICK\n",
+                                  shader_prelude,
+                                  screen_vertex,
+                                  resolve_fragment};
   std::optional<GlProgram> resolve_transparent_program;  // few pictures need it
 };
 
@@ -157,14 +177,15 @@ void Renderer::Impl::set_frame(const GlProgram& program, const DrawList& list) c
   const glm::mat4 to_texture =  // clip -> [0, 1]
       glm::scale(glm::translate(glm::mat4(1), glm::vec3(0.5f)), glm::vec3(0.5f));
   program.set("u_shadow", to_texture * frame.shadow_view_projection);
-  program.set("u_shadow_strength", options.shadow_size > 0 ? light.shadow_strength : 0.0f);
-  program.set("u_shadow_texel", options.shadow_size > 0 ? 1.0f / float(options.shadow_size) : 0.0f);
+  program.set("u_shadow_strength", shadow_size() > 0 ? light.shadow_strength : 0.0f);
+  program.set("u_shadow_texel", shadow_size() > 0 ? 1.0f / float(shadow_size()) : 0.0f);
   program.set("u_shadow_world", frame.shadow_texel_world);
   program.set("u_shadow_map", 0);
 }
 
 const GlProgram& Renderer::Impl::surface_program(const DrawList& list, const DrawItem& item) const {
   if (dissolves(item)) return dissolve_program;
+  if (options.quick) return quick_program;
   return item.surface.striation > 0 && !list.meshes[item.mesh].fibres.empty() ? fibre_program
                                                                               : plain_program;
 }
@@ -191,12 +212,12 @@ void Renderer::Impl::draw_item(const GlProgram& program, const DrawList& list,
   }
   program.set("u_model", to_glm(item.X_WM));
   program.set("u_dissolved", item.surface.dissolved);
-  meshes.draw(list, item);
+  meshes.draw(list, item, options.quick);
 }
 
 void Renderer::Impl::draw_shadows(const DrawList& list) {
-  if (options.shadow_size <= 0 || list.lighting.shadow_strength <= 0) return;
-  const int size = std::min(options.shadow_size, driver_side);
+  if (shadow_size() <= 0 || list.lighting.shadow_strength <= 0) return;
+  const int size = std::min(shadow_size(), driver_side);
   const bool fresh = shadow.width() != size;
   shadow.resize(size, size);
   if (fresh) {
@@ -256,13 +277,15 @@ void Renderer::Impl::draw_background(const DrawList& list) {
     p.set("u_pit", glm::vec3(g.pit_half_width, g.pit_begin, g.pit_end));
     draw_full_screen();
   };
-  const PixelWindow w = g.visible ? frame.shadow : PixelWindow{};
+  const PixelWindow w = g.visible && !options.quick ? frame.shadow : PixelWindow{};
   draw_in(background_program, w);
-  const GlProgram& rest = g.visible ? background_sunny_program : background_empty_program;
-  draw_in(rest, {0, 0, width, w.y});
-  draw_in(rest, {0, w.y + w.height, width, height - w.y - w.height});
-  draw_in(rest, {0, w.y, w.x, w.height});
-  draw_in(rest, {w.x + w.width, w.y, width - w.x - w.width, w.height});
+  const GlProgram& rest = !g.visible      ? background_empty_program
+                          : options.quick ? background_quick_program
+                                          : background_sunny_program;
+  draw_in(rest, within({0, 0, width, w.y}, all));
+  draw_in(rest, within({0, w.y + w.height, width, height - w.y - w.height}, all));
+  draw_in(rest, within({0, w.y, w.x, w.height}, all));
+  draw_in(rest, within({w.x + w.width, w.y, width - w.x - w.width, w.height}, all));
   gl.DepthFunc(GL_LESS);
   gl.Disable(GL_SCISSOR_TEST);
 }
@@ -279,7 +302,7 @@ void Renderer::Impl::draw_opaque(const DrawList& list) {
   gl.ClearBufferfv(GL_COLOR, 2, nothing);
   gl.ClearBufferfv(GL_DEPTH, 0, &far_away);
   set_scissor(frame.figure, samples);
-  for (const GlProgram* program : {&plain_program, &fibre_program, &dissolve_program})
+  for (const GlProgram* program : {&plain_program, &quick_program, &fibre_program, &dissolve_program})
     set_frame(*program, list);
   for (const DrawItem& item : list.items) {
     if (!is_opaque(item) || is_hidden(item)) continue;
@@ -299,7 +322,7 @@ void Renderer::Impl::draw_occlusion(const DrawList& list) {
   const float bright[4] = {1, 1, 1, 1};
   open.bind();
   gl.ClearBufferfv(GL_COLOR, 0, bright);
-  if (options.ambient_occlusion && frame.shaded.width > 0) {
+  if (options.ambient_occlusion && !options.quick && frame.shaded.width > 0) {
     bind_texture(1, scene.depth());
     bind_texture(2, scene.texture(2));
     bind_texture(3, ground.depth());
@@ -338,7 +361,7 @@ void Renderer::Impl::draw_translucent(const DrawList& list) {
     const GlProgram& program = surface_program(list, item);
     set_surface(program, item);
     gl.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    draw_item(dissolves(item) ? program : plain_program, list, item);
+    draw_item(dissolves(item) || options.quick ? program : plain_program, list, item);
     gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     gl.DepthFunc(GL_EQUAL);
     gl.Enable(GL_BLEND);
@@ -363,7 +386,11 @@ void Renderer::Impl::draw_resolved(GLuint framebuffer) {
     resolve_transparent_program.emplace(gl, "resolve without background",
                                         "#define FIGURE\n#define TRANSPARENT\n", shader_prelude,
                                         screen_vertex, resolve_fragment);
-  const GlProgram* over = options.transparent ? &*resolve_transparent_program : &resolve_program;
+  const bool quick = options.quick && samples == 1;
+  const GlProgram* over = options.transparent ? &*resolve_transparent_program
+                          : quick             ? &resolve_quick_program
+                                              : &resolve_program;
+  set_scissor(all, 1);
   for (const GlProgram* program : {options.transparent ? over : &resolve_ground_program, over}) {
     program->use();
     program->set("u_color", 1);
@@ -399,7 +426,11 @@ void Renderer::Impl::draw(const DrawList& list, int out_width, int out_height, G
   gl.Disable(GL_CULL_FACE);
   gl.Disable(GL_SCISSOR_TEST);
   meshes.begin(list);
-  frame = make_picture_frame(list, meshes, width, height, options.shadow_size);
+  frame = make_picture_frame(list, meshes, width, height, shadow_size());
+  all = {0, 0, width, height};
+  if (options.columns > 0)
+    all = within({options.first_column, 0, options.columns, height}, all);
+  for (PixelWindow* w : {&frame.figure, &frame.shadow, &frame.shaded}) *w = within(*w, all);
   draw_shadows(list);
   draw_background(list);
   draw_opaque(list);

@@ -33,6 +33,9 @@ float noise(vec2 p) {
 // Share of the key light that reaches the point, which is first moved along its normal so that a
 // surface does not shade itself.
 float lit(vec3 p, vec3 n) {
+#ifdef QUICK
+  return 1.0;
+#else
   if (u_shadow_strength <= 0.0) return 1.0;
   vec4 s = u_shadow * vec4(p + n * u_shadow_world * 1.8 - u_key_direction * u_shadow_world, 1.0);
   if (any(lessThan(s.xyz, vec3(0.0))) || any(greaterThan(s.xyz, vec3(1.0)))) return 1.0;
@@ -43,6 +46,7 @@ float lit(vec3 p, vec3 n) {
   for (int i = 0; i < 8; ++i)
     sum += texture(u_shadow_map, vec3(s.xy + taps[i] * 1.9 * u_shadow_texel, s.z));
   return mix(1.0, sum / 8.0, u_shadow_strength);
+#endif
 }
 
 vec3 ambient(vec3 n) { return mix(u_floor_color, u_sky_color, 0.5 + 0.5 * n.y); }
@@ -138,6 +142,19 @@ float highlight(vec3 n, vec3 v, vec3 l, float roughness) {
 void main() {
   vec3 n = normalize(v_normal);
   vec3 v = view_direction(v_position);
+#ifdef QUICK
+  // What is left of the light below without shadow and highlight.
+  if (!gl_FrontFacing) n = -n;
+  vec3 soft = u_scatter * vec3(0.45, 0.20, 0.14);
+  vec3 even = clamp((dot(n, -u_key_direction) + soft) / ((1.0 + soft) * (1.0 + soft)), 0.0, 1.0);
+  float aside = 1.0 - max(dot(n, v), 0.0), aside2 = aside * aside;
+  float share = clamp(u_opacity + u_edge_opacity * aside2, 0.0, 1.0);
+  vec3 back = aside2 * aside * max(dot(n, -u_rim_direction) * 0.6 + 0.4, 0.0) * u_rim_color;
+  vec3 seen = v_color * (u_key_color * even + ambient(n)) + back * mix(vec3(0.25), v_color, 0.55);
+  o_color = vec4(seen * share, share);
+  o_part = v_part;
+  o_normal = vec4(0.5 + 0.5 * n, 1.0);
+#else
   if (!gl_FrontFacing) n = -n;
   float edge = 0.0;
 #ifdef DISSOLVES
@@ -173,6 +190,7 @@ void main() {
   o_color = vec4(color * alpha, alpha);
   o_part = v_part;
   o_normal = vec4(0.5 + 0.5 * n, 1.0);
+#endif
 }
 )";
 
@@ -248,7 +266,9 @@ void main() {
   bool sky = t <= 0.0 || t > 190.0 || from.y < u_ground_height;
   vec3 n = vec3(0, 1, 0);
   vec3 base = to_linear(u_ground_color);
+#ifndef QUICK
   base *= 1.0 + 0.05 * (noise(p.xz * 3.0) - 0.5);
+#endif
   if (u_grid > 0.0)
     base *= 1.0 - 0.16 * max(lines(p.x, u_grid, 0.012, fx.x), lines(p.z, u_grid, 0.012, fx.y));
   if (u_track.w > u_track.z) {
@@ -412,9 +432,13 @@ vec3 tone(vec3 c) {
 void main() {
   ivec2 here = ivec2(gl_FragCoord.xy);
   vec3 ground = texelFetch(u_ground, here, 0).rgb;
+#ifdef QUICK
+  const vec3 shade = vec3(1.0);
+#else
   // The shade of flesh stays warm.
   float open = texelFetch(u_open, here, 0).r;
   vec3 shade = pow(vec3(open), vec3(1.05, 1.25, 1.3));
+#endif
 #ifdef FIGURE
   ivec2 origin = here * u_samples;
   ivec2 last = textureSize(u_parts, 0) - 1;

@@ -83,6 +83,7 @@ struct ViewDocument {
 // Pixels of the window, top left first, that no panel covers.
 struct ViewRoom {
   float x = 0, y = 0, width = 1, height = 1;
+  bool alone = false;  // panels cover all that is beside it
 };
 
 // The frame at the document's time.

@@ -16,9 +16,8 @@
 
 #include "anatomy/errors.h"
 #include "viewer/gl/gl_api.h"
-#include "viewer/gl/gl_targets.h"
-#include "viewer/gl/renderer.h"
 #include "viewer/image.h"
+#include "viewer/window/figure_view.h"
 #include "viewer/window/panels.h"
 #include "viewer/window/recorded_input.h"
 #include "viewer/window/view_keys.h"
@@ -30,7 +29,6 @@ namespace {
 constexpr const char* font_file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 constexpr float letters = 15;            // pixels
 constexpr double settle_seconds = 0.25;  // after the last change the picture is drawn again, finely
-constexpr double slow_seconds = 0.025;   // a picture of what moves
 constexpr double idle_seconds = 0.5, busy_seconds = 0.05;
 
 void* window_proc(const char* name) { return reinterpret_cast<void*>(glfwGetProcAddress(name)); }
@@ -85,6 +83,7 @@ class Screen {
     if (std::filesystem::exists(font_file))
       io.Fonts->AddFontFromFileTTF(font_file, std::round(scale * letters));
     ImGui::StyleColorsDark();
+    ImGui::GetStyle().Colors[ImGuiCol_WindowBg].w = 1;  // nothing is drawn behind a panel
     ImGui::GetStyle().WindowRounding = 6;
     ImGui::GetStyle().FrameRounding = 4;
     ImGui::GetStyle().ScaleAllSizes(scale);
@@ -106,106 +105,6 @@ class Screen {
  private:
   GLFWwindow* window_ = nullptr;
   std::unique_ptr<WindowInput> input_;
-};
-
-// Poses and draws; keeps the posed values between frames as a cache of the document's time.
-class View {
- public:
-  View(const ViewSubject& subject, const WindowTool& tool)
-      : subject_(subject), tool_(tool), renderer_(RenderOptions{}, window_proc) {}
-
-  const PosedAnatomy& pose(const ViewDocument& document) {
-    const int frame = frame_of(subject_, document);
-    if (frame == frame_ && subject_.revision == known_) return posed_;
-    subject_.pose(frame, posed_, skin_);
-    muscle_shortening(*subject_.model, posed_, activity_);
-    frame_ = frame;
-    known_ = subject_.revision;
-    drawn_.reset();
-    return posed_;
-  }
-
-  Camera camera(const ViewDocument& document, const ViewRoom& room, float width, float height) {
-    const Vec3f root = pose(document).X_WJ.front().translation().cast<float>();
-    return camera_of(document, root, width, height, room);
-  }
-
-  // A picture that has not changed is copied, so that panels and jobs do not wait for it.
-  void draw(const ViewDocument& document, const Camera& camera, int width, int height, bool fine) {
-    const PosedAnatomy& posed = pose(document);
-    Appearance appearance = appearance_of(document);
-    if (tool_.dress) tool_.dress(appearance);
-    const bool alike = drawn_ == appearance;
-    const int share = !fine && slow_ ? 2 : 1;
-    const int own_width = std::max(width / share, 1), own_height = std::max(height / share, 1);
-    const bool ready = alike && kept_.width() == own_width && kept_.height() == own_height &&
-                       fine == fine_ && document.touched == touched_ && same_camera(camera) &&
-                       scene_.list.ground.visible == document.ground;
-    if (!ready) {
-      fine_ = fine;
-      touched_ = document.touched;
-      if (!alike) {
-        update_scene(*subject_.model, posed, skin_.positions.empty() ? nullptr : &skin_, activity_,
-                     appearance, ++revision_, scene_);
-        drawn_ = appearance;
-      }
-      kept_.resize(own_width, own_height);
-      rendered_ = true;
-      render(posed, appearance, document, camera);
-    }
-    gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, kept_.framebuffer());
-    gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-    gl_.BlitFramebuffer(0, 0, own_width, own_height, 0, 0, width, height, GL_COLOR_BUFFER_BIT,
-                        share > 1 ? GL_LINEAR : GL_NEAREST);
-    gl_.BindFramebuffer(GL_FRAMEBUFFER, 0);
-    share_ = 1 / float(share);
-  }
-  // Where pictures of what moves take too long, they are drawn at half the size, without shadows.
-  void took(double seconds) {
-    if (std::exchange(rendered_, false) && !fine_ && seconds > slow_seconds) slow_ = true;
-  }
-
-  std::uint32_t part_at(float x, float y) {
-    return renderer_.part_at(int(x * share_), int(y * share_));
-  }
-
- private:
-  void render(const PosedAnatomy& posed, const Appearance& appearance, const ViewDocument& document,
-              const Camera& camera) {
-    renderer_.options().supersample = fine_ ? 2 : 1;
-    renderer_.options().ambient_occlusion = fine_;
-    renderer_.options().shadow_size = fine_ ? 2048 : slow_ ? 0 : 1024;
-    DrawList& list = scene_.list;
-    list.ground.visible = document.ground;
-    list.camera = camera;
-    const std::size_t meshes = list.meshes.size(), items = list.items.size();
-    if (tool_.add) tool_.add(posed, appearance, list);
-    renderer_.render_to(list, kept_.width(), kept_.height(), kept_.framebuffer());
-    list.meshes.resize(meshes);
-    list.items.resize(items);
-  }
-  bool same_camera(const Camera& c) const {
-    const Camera& was = scene_.list.camera;
-    return c.eye == was.eye && c.target == was.target && c.up == was.up && c.fov_y == was.fov_y &&
-           c.ortho_height == was.ortho_height && c.near_plane == was.near_plane &&
-           c.far_plane == was.far_plane && c.shift == was.shift;
-  }
-
-  const ViewSubject& subject_;
-  const WindowTool& tool_;
-  Renderer renderer_;
-  GlApi gl_ = load_gl(window_proc);
-  GlTarget kept_{gl_, {GL_RGBA8}, false};  // the picture, without panels
-  bool fine_ = false, slow_ = false, rendered_ = false;
-  float share_ = 1;  // of the window's pixels
-  std::uint64_t touched_ = 0;
-  Scene scene_;
-  PosedAnatomy posed_;
-  SkinFrame skin_;
-  std::vector<float> activity_;
-  std::optional<Appearance> drawn_;  // of the scene as it is
-  std::uint64_t revision_ = 0, known_ = 0;
-  int frame_ = -1;
 };
 
 Image read_window(int width, int height) {
@@ -310,7 +209,7 @@ struct Session {
   const WindowTool& tool;
   const WindowOptions& options;
   Screen& screen;
-  View view;
+  FigureView view;
   ViewDocument document, shown;
   std::optional<RecordedInput> recorded{};
   Mouse mouse{};
@@ -405,9 +304,11 @@ void Session::show(int frame, int width, int height, Point unit) {
   const Camera camera = view.camera(document, room, window_width, window_height);
   projection = ViewProjection(camera, window_width, window_height);
   if (tool.draw_over) tool.draw_over(view.pose(document), projection, document);
-  view.draw(
-      document, camera, width, height,
-      is_last(frame) || document.wants_picture || !wanted.empty() || (!recorded && is_settled()));
+  const bool pictured = is_last(frame) || document.wants_picture || !wanted.empty();
+  view.draw(document, camera, {width, height, unit.x, room},
+            pictured                      ? FigureView::Wish::finest
+            : !recorded && is_settled() ? FigureView::Wish::still
+                                          : FigureView::Wish::moving);
   if (clicked) document.selected = view.part_at(clicked->x * unit.x, clicked->y * unit.y);
   if (clicked && tool.picked) tool.picked(document.selected);
   if (frame == 0 && options.pick_x >= 0 && options.pick_y >= 0)
@@ -434,7 +335,7 @@ ViewDocument run_window(const ViewSubject& subject, const WindowOptions& options
                   .tool = tool,
                   .options = options,
                   .screen = screen,
-                  .view{subject, tool},
+                  .view{subject, tool, window_proc},
                   .document = start,
                   .shown = start,
                   .recorded = std::move(recorded)};

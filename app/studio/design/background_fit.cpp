@@ -27,6 +27,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostKept = 4;                    // bodies of documents before, for undo
 constexpr auto kRest = std::chrono::milliseconds(150);  // without another edit, before it begins
+constexpr double kCoarse = 0.010;  // m, sides of triangles while a hand moves
 constexpr double kGuess = 6;                            // s, before one has been fitted
 
 double seconds_since(Clock::time_point begin) {
@@ -37,6 +38,7 @@ std::shared_ptr<const SceneModel> scene_of(const Assets& assets, const Character
   SceneOptions options;
   options.eyes = find_eyes(assets, character.body.skin, character.anatomy.skeleton);
   options.key = fresh_scene_key();
+  options.coarse = kCoarse;
   return std::make_shared<const SceneModel>(
       make_scene_model(character.anatomy, character.body.skin, options));
 }

@@ -1,0 +1,128 @@
+#include "viewer/window/figure_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace ecorche {
+namespace {
+
+constexpr double kSlow = 0.025;  // s, of a picture of what moves
+constexpr float kBeside[4] = {0.13f, 0.13f, 0.14f, 1};
+
+}  // namespace
+
+FigureView::FigureView(const ViewSubject& subject, const WindowTool& tool,
+                       Renderer::GetProc get_proc)
+    : subject_(subject), tool_(tool), renderer_(RenderOptions{}, get_proc), gl_(load_gl(get_proc)) {}
+
+const PosedAnatomy& FigureView::pose(const ViewDocument& document) {
+  const int frame = frame_of(subject_, document);
+  if (frame == frame_ && subject_.revision == known_) return posed_;
+  subject_.pose(frame, posed_, skin_);
+  muscle_shortening(*subject_.model, posed_, activity_);
+  frame_ = frame;
+  known_ = subject_.revision;
+  drawn_.reset();
+  return posed_;
+}
+
+Camera FigureView::camera(const ViewDocument& document, const ViewRoom& room, float width,
+                          float height) {
+  const Vec3f root = pose(document).X_WJ.front().translation().cast<float>();
+  return camera_of(document, root, width, height, room);
+}
+
+FigureView::Detail FigureView::detail_for(Wish wish, bool busy) const {
+  if (wish == Wish::finest) return Detail::fine;
+  if (!slow_) return wish == Wish::still ? Detail::fine : Detail::plain;
+  if (wish == Wish::moving) return Detail::half;
+  return busy ? Detail::quick : Detail::fine;
+}
+
+void FigureView::draw(const ViewDocument& document, const Camera& camera, const Size& size,
+                      Wish wish) {
+  const PosedAnatomy& posed = pose(document);
+  Appearance appearance = appearance_of(document);
+  if (tool_.dress) tool_.dress(appearance);
+  const bool alike = drawn_ == appearance;
+  const Detail detail = detail_for(wish, document.busy);
+  const int share = detail == Detail::half ? 2 : 1;
+  const int width = std::max(size.width / share, 1), height = std::max(size.height / share, 1);
+  const float scale = size.unit / float(share);
+  const int first = size.room.alone ? int(scale * size.room.x) : 0;
+  const int columns = size.room.alone ? int(std::ceil(scale * size.room.width)) + 1 : 0;
+  const bool ready = alike && kept_.width() == width && kept_.height() == height &&
+                     detail == detail_ && first == first_column_ && columns == columns_ &&
+                     document.touched == touched_ && same_camera(camera) &&
+                     scene_.list.ground.visible == document.ground;
+  if (!ready) {
+    detail_ = detail;
+    touched_ = document.touched;
+    first_column_ = first;
+    columns_ = columns;
+    if (!alike) {
+      update_scene(*subject_.model, posed, skin_.positions.empty() ? nullptr : &skin_, activity_,
+                   appearance, ++revision_, scene_);
+      drawn_ = appearance;
+    }
+    kept_.resize(width, height);
+    rendered_ = true;
+    render(posed, appearance, document, camera);
+  }
+  share_ = 1 / float(share);
+  show(size);
+}
+
+void FigureView::show(const Size& size) {
+  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, kept_.framebuffer());
+  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+  const int begin = first_column_;
+  const int end = columns_ > 0 ? std::min(begin + columns_, kept_.width()) : kept_.width();
+  if (columns_ > 0) {
+    gl_.Disable(GL_SCISSOR_TEST);
+    gl_.ClearBufferfv(GL_COLOR, 0, kBeside);
+  }
+  const int to_begin = int(std::lround(float(begin) / share_)),
+            to_end = std::min(int(std::lround(float(end) / share_)), size.width);
+  gl_.BlitFramebuffer(begin, 0, end, kept_.height(), to_begin, 0, to_end, size.height,
+                      GL_COLOR_BUFFER_BIT, share_ < 1 ? GL_LINEAR : GL_NEAREST);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
+void FigureView::took(double seconds) {
+  if (std::exchange(rendered_, false) && detail_ == Detail::plain && seconds > kSlow) slow_ = true;
+}
+
+std::uint32_t FigureView::part_at(float x, float y) {
+  return renderer_.part_at(int(x * share_), int(y * share_));
+}
+
+void FigureView::render(const PosedAnatomy& posed, const Appearance& appearance,
+                        const ViewDocument& document, const Camera& camera) {
+  const bool fine = detail_ == Detail::fine;
+  RenderOptions& options = renderer_.options();
+  options.supersample = fine ? 2 : 1;
+  options.ambient_occlusion = fine;
+  options.shadow_size = fine ? 2048 : 1024;
+  options.quick = detail_ == Detail::half || detail_ == Detail::quick;
+  options.first_column = first_column_;
+  options.columns = columns_;
+  DrawList& list = scene_.list;
+  list.ground.visible = document.ground;
+  list.camera = camera;
+  const std::size_t meshes = list.meshes.size(), items = list.items.size();
+  if (tool_.add) tool_.add(posed, appearance, list);
+  renderer_.render_to(list, kept_.width(), kept_.height(), kept_.framebuffer());
+  list.meshes.resize(meshes);
+  list.items.resize(items);
+}
+
+bool FigureView::same_camera(const Camera& c) const {
+  const Camera& was = scene_.list.camera;
+  return c.eye == was.eye && c.target == was.target && c.up == was.up && c.fov_y == was.fov_y &&
+         c.ortho_height == was.ortho_height && c.near_plane == was.near_plane &&
+         c.far_plane == was.far_plane && c.shift == was.shift;
+}
+
+}  // namespace ecorche
