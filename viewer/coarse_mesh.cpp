@@ -10,7 +10,7 @@
 namespace ecorche {
 namespace {
 
-constexpr float kLeastTurn = 0.5f;  // cosine between the normals of a vertex and its stand-in
+constexpr float kLeastTurn = 0.2f;  // cosine between the normals of a vertex and its stand-in
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 // Neighbours of all vertices over edges, one after the other.

@@ -11,7 +11,7 @@
 namespace ecorche {
 
 // By vertex the one that stands for it: one of the same stretch of surface, reached over edges
-// without going further than `reach`, m, or turning by more than 60 degrees, so that the two sides
+// without going further than `reach`, m, or turning by more than 78 degrees, so that the two sides
 // of a sheet stay two. A vertex that stands for others stands for itself. Arrays as in DrawMesh.
 std::vector<std::uint32_t> standing_for(std::span<const Vec3f> positions,
                                         std::span<const Vec3f> normals,

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "viewer/coarse_mesh.h"
+#include "viewer/scene_meshes.h"
 
 namespace ecorche {
 namespace {
@@ -207,33 +208,6 @@ Mat4f translation_by(const Vec3f& offset) {
   Mat4f m = Mat4f::Identity();
   m.topRightCorner<3, 1>() = offset;
   return m;
-}
-
-// Where meshes are in the list.
-constexpr int kSkinMesh = 0, kMuscleMesh = 1, kFasciaMesh = 2, kFirstBoneMesh = 3;
-
-// Copies the model's meshes into the list in the order skin, muscles, fascia, bones, eyes, unless
-// they are already there.
-void take_meshes(const SceneModel& model, Scene& scene) {
-  DrawList& list = scene.list;
-  const std::size_t wanted = kFirstBoneMesh + model.bones.size() + model.eyes.size();
-  bool same = list.meshes.size() == wanted && list.meshes[kSkinMesh].key == model.skin.key &&
-              list.meshes[kMuscleMesh].key == model.muscles.key;
-  if (same)
-    same = list.meshes[kSkinMesh].positions.size() == model.skin.positions.size() &&
-           list.meshes[kMuscleMesh].fibres.size() == model.muscles.fibres.size() &&
-           list.meshes[kFasciaMesh].fibres.size() == model.fascia.fibres.size();
-  if (same && !model.bones.empty())
-    same = list.meshes[kFirstBoneMesh].revision == model.bones[0].revision;
-  if (same) return;
-  list.meshes.clear();
-  list.meshes.reserve(wanted);
-  list.meshes.push_back(model.skin);
-  list.meshes.push_back(model.muscles);
-  list.meshes.push_back(model.fascia);
-  list.meshes.insert(list.meshes.end(), model.bones.begin(), model.bones.end());
-  list.meshes.insert(list.meshes.end(), model.eyes.begin(), model.eyes.end());
-  scene.parts_left_away.clear();
 }
 
 bool is_hidden(const Appearance& appearance, std::uint32_t part) {

@@ -304,12 +304,17 @@ void Renderer::Impl::draw_opaque(const DrawList& list) {
   set_scissor(frame.figure, samples);
   for (const GlProgram* program : {&plain_program, &quick_program, &fibre_program, &dissolve_program})
     set_frame(*program, list);
-  for (const DrawItem& item : list.items) {
-    if (!is_opaque(item) || is_hidden(item)) continue;
-    const GlProgram& program = surface_program(list, item);
-    set_surface(program, item);
-    draw_item(program, list, item);
-  }
+  const auto draw_those = [&](const auto& wanted) {
+    for (const DrawItem& item : list.items) {
+      if (!is_opaque(item) || is_hidden(item) || !wanted(item)) continue;
+      const GlProgram& program = surface_program(list, item);
+      set_surface(program, item);
+      draw_item(program, list, item);
+    }
+  };
+  // What lies outside first: what it covers is not coloured.
+  draw_those([](const DrawItem& item) { return item.surface.striation > 0; });
+  draw_those([](const DrawItem& item) { return item.surface.striation <= 0; });
 }
 
 // Ambient occlusion at one sample a pixel, of opaque surfaces; translucent ones are drawn later.

@@ -14,7 +14,11 @@ constexpr float kBeside[4] = {0.13f, 0.13f, 0.14f, 1};
 
 FigureView::FigureView(const ViewSubject& subject, const WindowTool& tool,
                        Renderer::GetProc get_proc)
-    : subject_(subject), tool_(tool), renderer_(RenderOptions{}, get_proc), gl_(load_gl(get_proc)) {}
+    : subject_(subject), tool_(tool), renderer_(RenderOptions{}, get_proc), gl_(load_gl(get_proc)) {
+  const std::string& driver = renderer_.driver();
+  for (const char* slow : {"llvmpipe", "softpipe", "SWR"})
+    if (driver.find(slow) != std::string::npos) slow_ = true;
+}
 
 const PosedAnatomy& FigureView::pose(const ViewDocument& document) {
   const int frame = frame_of(subject_, document);

@@ -19,6 +19,7 @@
 #include "app/edit/session.h"
 #include "app/edit/workshop.h"
 #include "app/files/open_motion.h"
+#include "viewer/scene_meshes.h"
 
 namespace ecorche {
 namespace {
@@ -27,20 +28,22 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostKept = 4;                    // bodies of documents before, for undo
 constexpr auto kRest = std::chrono::milliseconds(150);  // without another edit, before it begins
-constexpr double kCoarse = 0.010;  // m, sides of triangles while a hand moves
+constexpr double kCoarse = 0.016;  // m, sides of triangles while a hand moves
 constexpr double kGuess = 6;                            // s, before one has been fitted
 
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-std::shared_ptr<const SceneModel> scene_of(const Assets& assets, const Character& character) {
+std::shared_ptr<const SceneModel> scene_of(const Assets& assets, const Character& character,
+                                           const SceneModel* before = nullptr) {
   SceneOptions options;
   options.eyes = find_eyes(assets, character.body.skin, character.anatomy.skeleton);
   options.key = fresh_scene_key();
   options.coarse = kCoarse;
-  return std::make_shared<const SceneModel>(
-      make_scene_model(character.anatomy, character.body.skin, options));
+  SceneModel model = make_scene_model(character.anatomy, character.body.skin, options);
+  if (before) keep_alike(*before, model);
+  return std::make_shared<const SceneModel>(std::move(model));
 }
 
 std::shared_ptr<const Motion> standing(const Skeleton& skeleton) {
@@ -131,7 +134,7 @@ void BackgroundFit::Impl::make(const Document& document, long long of) {
     out->actor = std::make_shared<const Actor>(
         make_actor(common.assets, Character{std::move(made.anatomy), body}, aside));
     if (superseded(of)) return;
-    out->model = scene_of(common.assets, out->actor->character);
+    out->model = scene_of(common.assets, out->actor->character, before->model.get());
     out->fit_seconds = seconds_since(start);
   }
   out->motion_file = document.trial->motion;

@@ -10,6 +10,7 @@
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "anatomy/posing/pose_anatomy.h"
+#include "viewer/scene_meshes.h"
 
 namespace ecorche {
 namespace {
@@ -203,7 +204,30 @@ bool DesignSession::is_replaced(int muscle) const {
          live_.replaced.end();
 }
 
-void DesignSession::add_live(const Appearance& appearance, DrawList& list) {
+// Sections of both sides of a muscle alike: as the shown body has them, and as they are now.
+std::vector<MovedSection> DesignSession::moved_sections(const PosedAnatomy& posed) const {
+  std::vector<MovedSection> out;
+  for (const SliceRange& now : live_model_.strips) {
+    const int own = find_muscle(anatomy(), live_.muscles[std::size_t(now.muscle)].name);
+    for (const SliceRange& before : shown_->model->strips) {
+      if (before.muscle != own || before.strip != now.strip) continue;
+      const int count = now.end - now.begin, counted = before.end - before.begin;
+      for (int k = 0; k < count && counted > 0; ++k) {
+        const int was = before.begin + k * (counted - 1) / std::max(count - 1, 1);
+        out.push_back({posed.slices[std::size_t(was)],
+                       live_posed_.slices[std::size_t(now.begin + k)]});
+      }
+    }
+  }
+  return out;
+}
+
+void DesignSession::add_live(const PosedAnatomy& posed, const Appearance& appearance,
+                             DrawList& list) {
+  const std::vector<MovedSection> moved =
+      live_.muscles.empty() ? std::vector<MovedSection>() : moved_sections(posed);
+  for (const int mesh : {kSkinMesh, kMuscleMesh, kFasciaMesh})
+    giving_way_[std::size_t(mesh)].move(moved, list.meshes[std::size_t(mesh)]);
   if (live_.muscles.empty() || appearance.looks.front().muscles <= 0) return;
   std::vector<std::uint32_t> parts(live_.muscles.size());
   for (std::size_t m = 0; m < parts.size(); ++m) {

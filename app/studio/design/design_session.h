@@ -2,6 +2,7 @@
 // fitted behind it, and what goes along at once.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <exception>
 #include <memory>
@@ -15,6 +16,7 @@
 #include "app/edit/trial_pose.h"
 #include "app/files/actor.h"
 #include "app/studio/design/background_fit.h"
+#include "app/studio/design/give_way.h"
 #include "app/studio/design/handles.h"
 #include "app/studio/design/live_muscles.h"
 #include "viewer/draw_list.h"
@@ -67,7 +69,8 @@ class DesignSession {
   // Muscles that go along before the body is fitted, at the pose of the last pose().
   const LiveMuscles& live() const { return live_; }
   bool is_replaced(int muscle) const;  // of the shown anatomy
-  void add_live(const Appearance& appearance, DrawList& list);
+  // Adds them, and lets their neighbours, fasciae and the skin of `posed` give way.
+  void add_live(const PosedAnatomy& posed, const Appearance& appearance, DrawList& list);
 
   // The muscle that was picked, both sides, as it is seen; empty where none is.
   struct SeenMuscle {
@@ -86,6 +89,7 @@ class DesignSession {
  private:
   void take_shown(std::shared_ptr<const ShownBody> body);
   bool make_live();
+  std::vector<MovedSection> moved_sections(const PosedAnatomy& posed) const;
   void fail(const std::exception& error, const std::string& where);
 
   Session& session_;
@@ -102,6 +106,7 @@ class DesignSession {
   PosedAnatomy live_posed_;
   PointsF live_positions_, live_normals_;
   std::uint64_t live_shape_ = 0, live_revision_ = 0, live_key_ = fresh_scene_key() << 32;
+  std::array<GivingWay, 3> giving_way_;  // of skin, muscles and fascia
   Pose pose_;
   std::vector<double> activation_;
   std::optional<Document> trying_;

@@ -305,8 +305,8 @@ WindowTool DesignWindow::tool() {
     return panels(posed, document);
   };
   out.dress = [this](Appearance& appearance) { dress(appearance); };
-  out.add = [this](const PosedAnatomy&, const Appearance& appearance, DrawList& list) {
-    work_.add_live(appearance, list);
+  out.add = [this](const PosedAnatomy& posed, const Appearance& appearance, DrawList& list) {
+    work_.add_live(posed, appearance, list);
   };
   out.draw_over = [this](const PosedAnatomy& posed, const ViewProjection& view,
                          ViewDocument& document) {
