@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -13,8 +14,10 @@
 
 #include "anatomy/authoring/muscle_text.h"
 #include "anatomy/errors.h"
+#include "anatomy/muscles/action_line.h"
 #include "app/edit/edit_muscle.h"
 #include "app/edit/project.h"
+#include "app/edit/refit.h"
 #include "app/edit/session.h"
 #include "tests/test_assets.h"
 
@@ -60,7 +63,9 @@ std::string why(const std::function<void()>& run) {
 }
 
 // An edit by chance; some of them cannot be done.
-std::string chance_line(std::mt19937& random, const Document& document) {
+constexpr std::size_t kOfMuscles = 20, kOfAll = 30;  // kinds of edits
+std::string chance_line(std::mt19937& random, const Document& document,
+                        std::size_t kinds = kOfMuscles) {
   const auto below = [&](std::size_t n) { return int(random() % n); };
   const auto name = [&] {
     std::string out = document.muscles[std::size_t(below(document.muscles.size()))]->left.name;
@@ -72,7 +77,7 @@ std::string chance_line(std::mt19937& random, const Document& document) {
   };
   const std::string made = "made_" + std::to_string(below(40));
   const std::string share = "0." + std::to_string(below(10));
-  switch (below(20)) {
+  switch (below(kinds)) {
     case 0:
       return "move_point " + name() + " point=2 by=1.25,-0.7,3";
     case 1:
@@ -111,6 +116,27 @@ std::string chance_line(std::mt19937& random, const Document& document) {
       return "remove_wrap " + wrap();
     case 18:
       return "activate " + split_side(name()).first + " value=" + share;
+    case 19:
+      return "move_joint elbow by=2,-1,0.5";
+    case 20:
+      return "turn_axes knee flexion=" + std::to_string(below(9) - 4);
+    case 21:
+      return "set_limits hip flexion min=" + std::to_string(-20 - below(9)) +
+             " max=" + std::to_string(100 + below(30));
+    case 22:
+      return "reset_joint elbow";
+    case 23:
+      return "set_layer factor=1." + std::to_string(below(10));
+    case 24:
+      return "turn_joint knee_l flexion=" + std::to_string(below(120));
+    case 25:
+      return "pose rest";
+    case 26:
+      return "undo steps=" + std::to_string(1 + below(5));
+    case 27:
+      return "redo steps=" + std::to_string(1 + below(3));
+    case 28:
+      return "pick " + name();
     default:
       return "set_fit rays=" + std::to_string(8 + below(40)) + " alpha=0.37";
   }
@@ -193,6 +219,47 @@ TEST_F(StudioActions, AWalkIsUndoneToTheFirstByteAndDoneAgainToTheLast) {
   EXPECT_EQ(s.document(), s.workshop().built_in());  // shares all with it
   s.run(Redo{steps});
   EXPECT_EQ(document_text(s.document()), last);
+}
+
+// As many edits of all kinds as ECORCHE_WALK says. Whatever they are, a muscle that is listed can be
+// placed or is refused with a reason, and all of it can be taken back.
+TEST_F(StudioActions, EditsByChanceLeaveEveryMuscleInPlaceOrRefusedWithAReason) {
+  NEED_PACKAGES();
+  const char* wanted = std::getenv("ECORCHE_WALK");
+  const int tries = wanted ? std::atoi(wanted) : 300;
+  Session s = session();
+  std::mt19937 random(20261127);
+  int done = 0, placed = 0, not_placed = 0;
+  for (int k = 0; k < tries; ++k) {
+    const std::string line = chance_line(random, s.document(), kOfAll);
+    SCOPED_TRACE(line);
+    const std::vector<Shared<EditedMuscle>> before = s.document().muscles;
+    try {
+      s.run_line(line);
+      ++done;
+    } catch (const InputError& error) {
+      ASSERT_NE(std::string(error.what()), "");
+      ASSERT_EQ(s.document().muscles, before);
+      continue;
+    }
+    const Document& now = s.document();
+    for (std::size_t m = 0; m < now.muscles.size(); ++m) {
+      if (std::ranges::find(before, now.muscles[m]) != before.end()) continue;
+      try {
+        for (const Muscle& muscle : placed_entry(s.workshop(), now, int(m)))
+          for (const Strip& strip : muscle.strips)
+            for (const Ellipse& section : rest_slices(strip))
+              ASSERT_TRUE(section.center.allFinite() && section.radii.allFinite()) << muscle.name;
+        ++placed;
+      } catch (const InputError&) {
+        ++not_placed;
+      }
+    }
+  }
+  EXPECT_GT(done, tries / 3);
+  EXPECT_LT(20 * not_placed, placed);
+  s.run(Undo{1000000});
+  EXPECT_EQ(document_text(s.document()), document_text(s.workshop().built_in()));
 }
 
 TEST_F(StudioActions, AMusclesTextReadsBackToTheSameText) {

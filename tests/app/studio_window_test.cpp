@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "anatomy/muscles/action_line.h"
+#include "app/studio/design/give_way.h"
 #include "app/studio/design/handles.h"
 #include "app/studio/design/live_muscles.h"
 #include "app/studio/design/muscle_list.h"
@@ -48,6 +49,51 @@ Muscle grown(Muscle muscle) {
   }
   muscle.volume *= 1.9;
   return muscle;
+}
+
+// A straight muscle along y, and what it is after a change.
+std::vector<MovedSection> moved_by(const Vec3& step, double wider) {
+  std::vector<MovedSection> out;
+  for (const Ellipse& section : rest_slices(straight(0.3, 0.02))) {
+    Ellipse now = section;
+    now.center += step;
+    now.radii.array() += wider;
+    out.push_back({section, now});
+  }
+  return out;
+}
+
+TEST(GivingWay, WhatTouchesAMuscleGoesWithItsSurface) {
+  for (const Vec3f& side : {Vec3f(1, 0, 0), Vec3f(-1, 0, 0)}) {
+    const Vec3f place = Vec3f(0, 0.15f, 0) + 0.021f * side;
+    const Vec3f wider = given_way(moved_by(Vec3::Zero(), 0.005), place);
+    EXPECT_LT((wider - 0.005f * side).norm(), 0.4e-3f) << wider.transpose();
+    const Vec3f moved = given_way(moved_by(Vec3(0.006, 0, 0), 0), place);
+    EXPECT_LT((moved - Vec3f(0.006f, 0, 0)).norm(), 0.4e-3f) << moved.transpose();
+  }
+  EXPECT_EQ(given_way(moved_by(Vec3::Zero(), 0), Vec3f(0.02f, 0.15f, 0)), Vec3f::Zero());
+  EXPECT_EQ(given_way(moved_by(Vec3::Zero(), 0.005), Vec3f(0.4f, 0.15f, 0)), Vec3f::Zero());
+}
+
+TEST(GivingWay, EndsWhereItBegan) {
+  DrawMesh mesh;
+  for (int k = 0; k < 50; ++k) mesh.positions.emplace_back(0.003f * float(k), 0.1f, 0.01f);
+  const std::vector<Vec3f> before = mesh.positions;
+  mesh.revision = 7;
+  GivingWay way;
+  for (const double wider : {0.002, 0.009, -0.003}) {
+    way.move(moved_by(Vec3::Zero(), wider), mesh);
+    EXPECT_NE(mesh.positions, before);
+    EXPECT_NE(mesh.revision, 7u) << "it is uploaded again";
+  }
+  way.move({}, mesh);
+  EXPECT_EQ(mesh.positions, before);
+  // A mesh that was written anew is not put back to what was there before.
+  way.move(moved_by(Vec3::Zero(), 0.004), mesh);
+  mesh.positions.assign(50, Vec3f(9, 9, 9));
+  mesh.revision = 8;
+  way.move({}, mesh);
+  EXPECT_EQ(mesh.positions, std::vector<Vec3f>(50, Vec3f(9, 9, 9)));
 }
 
 TEST(LiveMuscles, AMuscleThatIsAsBeforeIsTheFittedOne) {

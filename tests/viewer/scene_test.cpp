@@ -15,9 +15,11 @@
 #include "anatomy/posing/pose_anatomy.h"
 #include "anatomy/posing/posing_table.h"
 #include "viewer/camera.h"
+#include "viewer/coarse_mesh.h"
 #include "viewer/film/film.h"
 #include "viewer/follow_camera.h"
 #include "viewer/part_names.h"
+#include "viewer/scene_meshes.h"
 #include "viewer/window/view_document.h"
 
 namespace ecorche {
@@ -136,12 +138,12 @@ TEST(SceneTest, hidden_parts_are_not_drawn_and_come_back) {
   const std::uint32_t upper = kFirstBonePart, lower = kFirstBonePart + 1, flexor = kFirstMusclePart;
   const std::set<std::uint32_t> all{kSkinPart, upper, lower, flexor};
   EXPECT_EQ(parts({}), all);
-  const std::uint64_t whole = scene.list.meshes[1].shape;
+  const std::uint64_t whole = scene.list.meshes[1].faces;
   EXPECT_EQ(parts({upper}), (std::set<std::uint32_t>{kSkinPart, lower, flexor}));
   EXPECT_EQ(parts({kSkinPart, flexor}), (std::set<std::uint32_t>{upper, lower}));
-  EXPECT_NE(scene.list.meshes[1].shape, whole) << "the renderer has to send it again";
+  EXPECT_NE(scene.list.meshes[1].faces, whole) << "the renderer has to send it again";
   EXPECT_EQ(parts({}), all);
-  EXPECT_EQ(scene.list.meshes[1].shape, whole);
+  EXPECT_EQ(scene.list.meshes[1].faces, whole);
 }
 
 TEST(SceneTest, fascia_is_drawn_with_muscles_and_can_be_hidden) {
@@ -481,6 +483,59 @@ TEST(ViewDocumentTest, the_whole_figure_is_in_its_room_tall_or_short_from_every_
           }
           EXPECT_GT(highest, 0.4f) << "and it fills it";
         }
+}
+
+// Both sides of a sheet, 0.2 mm apart and joined at one edge.
+struct Sheet {
+  std::vector<Vec3f> positions, normals;
+  std::vector<Triangle32> triangles;
+};
+Sheet thin_sheet(int count) {
+  Sheet out;
+  const auto at = [&](int side, int i, int k) { return std::uint32_t((side * count + i) * count + k); };
+  for (const int side : {0, 1})
+    for (int i = 0; i < count; ++i)
+      for (int k = 0; k < count; ++k) {
+        out.positions.emplace_back(0.002f * float(i), 0.0002f * float(side), 0.002f * float(k));
+        out.normals.emplace_back(0, side == 1 ? 1.0f : -1.0f, 0);
+        if (i == 0 || k == 0) continue;
+        out.triangles.emplace_back(at(side, i, k), at(side, i - 1, k), at(side, i, k - 1));
+        out.triangles.emplace_back(at(side, i - 1, k), at(side, i - 1, k - 1), at(side, i, k - 1));
+      }
+  for (int k = 1; k < count; ++k)
+    out.triangles.emplace_back(at(0, 0, k), at(1, 0, k), at(1, 0, k - 1));
+  return out;
+}
+
+TEST(CoarseMesh, HasFewerTrianglesNearbyAndKeepsTheSidesOfASheetApart) {
+  const Sheet sheet = thin_sheet(40);
+  const float reach = 0.012f;
+  const std::vector<std::uint32_t> standing =
+      standing_for(sheet.positions, sheet.normals, sheet.triangles, reach);
+  for (std::size_t v = 0; v < standing.size(); ++v) {
+    const std::uint32_t r = standing[v];
+    EXPECT_EQ(standing[r], r);
+    EXPECT_LE((sheet.positions[v] - sheet.positions[r]).norm(), reach);
+    EXPECT_GT(sheet.normals[v].dot(sheet.normals[r]), 0) << "another side";
+  }
+  const std::vector<Triangle32> coarse = coarse_triangles(sheet.triangles, standing);
+  EXPECT_LT(10 * coarse.size(), sheet.triangles.size());
+  EXPECT_GT(coarse.size(), 20u);
+}
+
+TEST(SceneMeshes, ThoseAlikeAreTakenOverAndOthersAreNot) {
+  SceneOptions first, second;
+  first.key = fresh_scene_key();
+  second.key = fresh_scene_key();
+  const SceneModel before = make_scene_model(arm(), box({-1, -1, -1}, {1, 1, 1}), first);
+  Anatomy other = arm();
+  ASSERT_GE(other.bones.size(), 2u);
+  other.bones[1].mesh.V *= 1.1;
+  SceneModel after = make_scene_model(other, box({-1, -1, -1}, {1, 1, 1}), second);
+  keep_alike(before, after);
+  EXPECT_EQ(after.bones[0].key, before.bones[0].key);
+  EXPECT_NE(after.bones[1].key, before.bones[1].key) << "another shape";
+  EXPECT_EQ(after.skin.key, before.skin.key);
 }
 
 }  // namespace

@@ -151,6 +151,12 @@ struct Renderer::Impl {
       gl, "resolve", "#define FIGURE\n", shader_prelude, screen_vertex, resolve_fragment};
   GlProgram resolve_ground_program{
       gl, "resolve ground", "", shader_prelude, screen_vertex, resolve_fragment};
+  GlProgram resolve_ground_quick_program{gl,
+                                         "quick resolve of the ground",
+                                         "#define QUICK\n",
+                                         shader_prelude,
+                                         screen_vertex,
+                                         resolve_fragment};
   GlProgram resolve_quick_program{gl,
                                   "quick resolve",
                                   "#define FIGURE\n#define QUICK\n",
@@ -319,6 +325,7 @@ void Renderer::Impl::draw_opaque(const DrawList& list) {
 
 // Ambient occlusion at one sample a pixel, of opaque surfaces; translucent ones are drawn later.
 void Renderer::Impl::draw_occlusion(const DrawList& list) {
+  if (options.quick && samples == 1) return;  // nothing reads it
   raw_open.resize(width, height);
   open.resize(width, height);
   gl.Disable(GL_CULL_FACE);
@@ -385,18 +392,21 @@ void Renderer::Impl::draw_resolved(GLuint framebuffer) {
   gl.Disable(GL_SCISSOR_TEST);
   bind_texture(1, scene.texture(0));
   bind_texture(2, scene.texture(1));
-  bind_texture(3, open.texture(0));
+  const bool quick = options.quick && samples == 1;
+  if (!quick) bind_texture(3, open.texture(0));
   bind_texture(4, ground.texture(0));
   if (options.transparent && !resolve_transparent_program)
     resolve_transparent_program.emplace(gl, "resolve without background",
                                         "#define FIGURE\n#define TRANSPARENT\n", shader_prelude,
                                         screen_vertex, resolve_fragment);
-  const bool quick = options.quick && samples == 1;
   const GlProgram* over = options.transparent ? &*resolve_transparent_program
                           : quick             ? &resolve_quick_program
                                               : &resolve_program;
+  const GlProgram* under = options.transparent ? over
+                           : quick             ? &resolve_ground_quick_program
+                                               : &resolve_ground_program;
   set_scissor(all, 1);
-  for (const GlProgram* program : {options.transparent ? over : &resolve_ground_program, over}) {
+  for (const GlProgram* program : {under, over}) {
     program->use();
     program->set("u_color", 1);
     program->set("u_parts", 2);

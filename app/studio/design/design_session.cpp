@@ -214,8 +214,9 @@ std::vector<MovedSection> DesignSession::moved_sections(const PosedAnatomy& pose
       const int count = now.end - now.begin, counted = before.end - before.begin;
       for (int k = 0; k < count && counted > 0; ++k) {
         const int was = before.begin + k * (counted - 1) / std::max(count - 1, 1);
-        out.push_back({posed.slices[std::size_t(was)],
-                       live_posed_.slices[std::size_t(now.begin + k)]});
+        const Ellipse &from = posed.slices[std::size_t(was)],
+                      &to = live_posed_.slices[std::size_t(now.begin + k)];
+        out.push_back({from, to});
       }
     }
   }

@@ -7,49 +7,77 @@
 namespace ecorche {
 namespace {
 
-constexpr float kReach = 0.08f, kDecay = 0.03f;  // m, from the muscle's surface
+constexpr float kReach = 0.08f, kDecay = 0.04f;  // m, from the muscle's surface
+constexpr float kWhole = 0.012f;                 // m, from it: goes as far as the muscle
 constexpr float kBlend = 0.012f;                 // m, between neighbouring sections
-constexpr float kMost = 0.025f;                  // m
+constexpr float kMost = 0.04f;                   // m
 constexpr std::uint64_t kOwnRevisions = std::uint64_t{1} << 62;
 
-// From the centre to the section's edge in a direction of its plane; of a ball about it otherwise.
-float edge(const Ellipse& e, const Vec3f& direction) {
-  const float x = float(e.axes.col(0).dot(direction.cast<double>())),
-              y = float(e.axes.col(1).dot(direction.cast<double>()));
-  const float a = x / std::max(float(e.radii.x()), 1e-4f),
-              b = y / std::max(float(e.radii.y()), 1e-4f);
-  const float along = std::max(1 - x * x - y * y, 0.0f);  // the muscle goes on
-  const float mean = 0.5f * float(e.radii.x() + e.radii.y());
-  return 1 / std::sqrt(a * a + b * b + along / std::max(mean * mean, 1e-8f));
+// A section in the numbers that a vertex needs.
+struct Rim {
+  Vec3f center, across, through;  // width's and thickness' directions over their radii
+  float mean = 0;                 // radius along the muscle, which goes on
+
+  explicit Rim(const Ellipse& e)
+      : center(e.center.cast<float>()),
+        across(e.axes.col(0).cast<float>() / std::max(float(e.radii.x()), 1e-4f)),
+        through(e.axes.col(1).cast<float>() / std::max(float(e.radii.y()), 1e-4f)),
+        width(std::max(float(e.radii.x()), 1e-4f)),
+        thickness(std::max(float(e.radii.y()), 1e-4f)) {
+    mean = std::max(0.5f * (width + thickness), 1e-4f);
+  }
+  // From the centre to the edge in a direction.
+  float edge(const Vec3f& direction) const {
+    const float a = across.dot(direction), b = through.dot(direction);
+    const float x = a * width, y = b * thickness;
+    const float along = std::max(1 - x * x - y * y, 0.0f);
+    return 1 / std::sqrt(a * a + b * b + along / (mean * mean));
+  }
+
+ private:
+  float width, thickness;
+};
+
+struct Step {
+  Rim was, is;
+};
+
+std::vector<Step> steps_of(const std::vector<MovedSection>& sections) {
+  std::vector<Step> out;
+  for (const MovedSection& s : sections) out.push_back({Rim(s.was), Rim(s.is)});
+  return out;
+}
+
+Vec3f way_of(const std::vector<Step>& steps, const Vec3f& place) {
+  constexpr float far = 2 * (kReach + kMost) * (kReach + kMost);
+  constexpr float reached = 7 * kBlend * kBlend;  // beyond it a section has no share
+  float nearest = far;
+  for (const Step& s : steps) nearest = std::min(nearest, (place - s.was.center).squaredNorm());
+  if (nearest >= far) return Vec3f::Zero();
+  Vec3f sum = Vec3f::Zero();
+  float weights = 0;
+  for (const Step& s : steps) {
+    const Vec3f from = place - s.was.center;
+    const float square = from.squaredNorm();
+    if (square > nearest + reached) continue;
+    const float blend = std::exp((nearest - square) / (kBlend * kBlend));
+    const float distance = std::max(std::sqrt(square), 1e-5f);
+    const Vec3f out = from / distance;
+    const float edge = s.was.edge(out), gap = std::max(distance - edge - kWhole, 0.0f);
+    weights += blend;
+    if (gap > kReach) continue;
+    const float step = (s.is.center - s.was.center).dot(out) + s.is.edge(out) - edge;
+    sum += blend * (1 - gap / kReach) * std::exp(-gap / kDecay) * step * out;
+  }
+  sum /= weights;
+  const float length = sum.norm();
+  return length > kMost ? Vec3f(sum * (kMost / length)) : sum;
 }
 
 }  // namespace
 
 Vec3f given_way(const std::vector<MovedSection>& sections, const Vec3f& place) {
-  float nearest = 1e30f;
-  for (const MovedSection& s : sections)
-    nearest = std::min(nearest, (place - s.was.center.cast<float>()).squaredNorm());
-  if (nearest > (kReach + kMost) * (kReach + kMost) * 2) return Vec3f::Zero();
-  Vec3f sum = Vec3f::Zero();
-  float weights = 0;
-  for (const MovedSection& s : sections) {
-    const Vec3f from = place - s.was.center.cast<float>();
-    const float square = from.squaredNorm(), blend = std::exp((nearest - square) / (kBlend * kBlend));
-    if (blend < 1e-3f) continue;
-    const float distance = std::max(std::sqrt(square), 1e-5f);
-    const Vec3f out = from / distance;
-    const float gap = std::max(distance - edge(s.was, out), 0.0f);
-    weights += blend;
-    if (gap > kReach) continue;
-    const float step = float((s.is.center - s.was.center).dot(out.cast<double>())) +
-                       edge(s.is, out) - edge(s.was, out);
-    const float fade = 1 - gap / kReach;
-    sum += blend * fade * std::exp(-gap / kDecay) * step * out;
-  }
-  if (weights <= 0) return Vec3f::Zero();
-  sum /= weights;
-  const float length = sum.norm();
-  return length > kMost ? Vec3f(sum * (kMost / length)) : sum;
+  return way_of(steps_of(sections), place);
 }
 
 void GivingWay::move(const std::vector<MovedSection>& sections, DrawMesh& mesh) {
@@ -68,9 +96,10 @@ void GivingWay::move(const std::vector<MovedSection>& sections, DrawMesh& mesh) 
     const Vec3f reach = Vec3f::Constant(kReach + kMost);
     near = Eigen::AlignedBox3f(near.min() - reach, near.max() + reach);
   }
+  const std::vector<Step> steps = steps_of(sections);
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     if (!near.contains(mesh.positions[v])) continue;
-    const Vec3f step = given_way(sections, mesh.positions[v]);
+    const Vec3f step = way_of(steps, mesh.positions[v]);
     if (step.squaredNorm() < 1e-10f) continue;
     kept_.emplace_back(std::uint32_t(v), mesh.positions[v]);
     mesh.positions[v] += step;

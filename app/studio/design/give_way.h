@@ -16,7 +16,7 @@ struct MovedSection {
   Ellipse was, is;
 };
 
-// How far a place beside the muscle goes, m; at most 25 mm. Zero beyond 80 mm of all sections.
+// How far a place beside the muscle goes, m; at most 40 mm. Zero beyond 80 mm of all sections.
 Vec3f given_way(const std::vector<MovedSection>& sections, const Vec3f& place);
 
 // Meshes that give way, with their places as they were.
