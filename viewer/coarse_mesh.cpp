@@ -4,9 +4,6 @@
 #include <cstdint>
 #include <limits>
 
-#include "anatomy/muscles/action_line.h"
-#include "anatomy/muscles/muscle_surface.h"
-
 namespace ecorche {
 namespace {
 
@@ -30,35 +27,6 @@ struct Neighbours {
       }
   }
 };
-
-std::vector<Vec3f> rows_of(const PointsF& points) {
-  std::vector<Vec3f> out(std::size_t(points.rows()));
-  for (Eigen::Index i = 0; i < points.rows(); ++i) out[std::size_t(i)] = points.row(i).transpose();
-  return out;
-}
-
-// By part, so that parts can be left out; returns where each begins.
-template <class Part>
-std::vector<int> add_by_part(const std::vector<Part>& parts, const PointsF& positions,
-                             const PointsF& normals, float reach, DrawMesh& mesh) {
-  const std::vector<Vec3f> places = rows_of(positions), directions = rows_of(normals);
-  const std::vector<std::uint32_t> standing =
-      standing_for(places, directions, mesh.triangles, reach);
-  std::vector<int> begin{0};
-  for (const Part& part : parts) {
-    const std::span<const Triangle32> own(mesh.triangles.begin() + part.face_begin,
-                                          mesh.triangles.begin() + part.face_end);
-    const std::vector<Triangle32> coarse = coarse_triangles(own, standing);
-    mesh.coarse.insert(mesh.coarse.end(), coarse.begin(), coarse.end());
-    begin.push_back(int(mesh.coarse.size()));
-  }
-  return begin;
-}
-
-void add_whole(float reach, DrawMesh& mesh) {
-  mesh.coarse = coarse_triangles(
-      mesh.triangles, standing_for(mesh.positions, mesh.normals, mesh.triangles, reach));
-}
 
 }  // namespace
 
@@ -95,27 +63,6 @@ std::vector<Triangle32> coarse_triangles(std::span<const Triangle32> triangles,
     if (c[0] != c[1] && c[1] != c[2] && c[2] != c[0]) out.push_back(c);
   }
   return out;
-}
-
-void add_coarse(const Anatomy& anatomy, double reach, SceneModel& model) {
-  const float r = float(reach);
-  add_whole(r, model.skin);
-  for (DrawMesh& bone : model.bones) add_whole(r, bone);
-  for (DrawMesh& eye : model.eyes) add_whole(r, eye);
-  PosedAnatomy rest;
-  forward_kinematics(anatomy.skeleton, rest_pose(anatomy.skeleton), rest.X_WJ);
-  rest.slices = rest_slices(anatomy);
-  PointsF positions, normals;
-  if (!anatomy.muscles.empty()) {
-    update_muscle_surface(model.surface, rest, positions, &normals);
-    model.muscle_coarse =
-        add_by_part(model.surface.parts, positions, normals, r, model.muscles);
-  }
-  if (model.fascia_surface.vertices() > 0) {
-    update_fascia_surface(model.fascia_surface, rest, positions, &normals);
-    model.fascia_coarse =
-        add_by_part(model.fascia_surface.parts, positions, normals, r, model.fascia);
-  }
 }
 
 }  // namespace ecorche

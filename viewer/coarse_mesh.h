@@ -1,12 +1,12 @@
-// Fewer triangles over the vertices that a mesh has, for pictures that are drawn while a hand moves.
+// Fewer triangles over the vertices that a mesh has, for pictures that are drawn while a hand
+// moves.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
-#include "anatomy/anatomy.h"
 #include "viewer/draw_list.h"
-#include "viewer/scene.h"
 
 namespace ecorche {
 
@@ -20,8 +20,5 @@ std::vector<std::uint32_t> standing_for(std::span<const Vec3f> positions,
 // The triangles between vertices that stand for others.
 std::vector<Triangle32> coarse_triangles(std::span<const Triangle32> triangles,
                                          std::span<const std::uint32_t> standing);
-
-// Coarse triangles of all meshes of the model of `anatomy`, by its muscles at rest.
-void add_coarse(const Anatomy& anatomy, double reach, SceneModel& model);
 
 }  // namespace ecorche

@@ -10,8 +10,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "anatomy/muscles/action_line.h"
 #include "viewer/coarse_mesh.h"
-#include "viewer/scene_meshes.h"
+#include "viewer/scene_order.h"
 
 namespace ecorche {
 namespace {
@@ -210,6 +211,29 @@ Mat4f translation_by(const Vec3f& offset) {
   return m;
 }
 
+// Copies the model's meshes into the list in the order skin, muscles, fascia, bones, eyes, unless
+// they are already there.
+void take_meshes(const SceneModel& model, Scene& scene) {
+  std::vector<DrawMesh>& own = scene.list.meshes;
+  std::vector<const DrawMesh*> wanted{&model.skin, &model.muscles, &model.fascia};
+  for (const DrawMesh& bone : model.bones) wanted.push_back(&bone);
+  for (const DrawMesh& eye : model.eyes) wanted.push_back(&eye);
+  const auto is_there = [&](std::size_t k) {
+    const bool moves = k < std::size_t(kFirstBoneMesh);
+    return own[k].key == wanted[k]->key && (moves || own[k].revision == wanted[k]->revision) &&
+           (k != std::size_t(kSkinMesh) ||
+            own[k].positions.size() == wanted[k]->positions.size()) &&
+           own[k].fibres.size() == wanted[k]->fibres.size();
+  };
+  own.resize(wanted.size());
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    if (is_there(k) && wanted[k]->key != 0) continue;
+    own[k] = *wanted[k];
+    if (k == std::size_t(kMuscleMesh) || k == std::size_t(kFasciaMesh))
+      scene.parts_left_away.assign(1, kSkinPart);  // no such part: taken anew
+  }
+}
+
 bool is_hidden(const Appearance& appearance, std::uint32_t part) {
   return std::binary_search(appearance.hidden.begin(), appearance.hidden.end(), part);
 }
@@ -352,6 +376,50 @@ DrawMesh make_eye(const Eyeball& eye, std::uint64_t key) {
   return mesh;
 }
 
+void add_coarse(float reach, DrawMesh& mesh) {
+  mesh.coarse = coarse_triangles(mesh.triangles,
+                                 standing_for(mesh.positions, mesh.normals, mesh.triangles, reach));
+}
+
+// By part, so that parts can be left out; returns where each begins.
+template <class Part>
+std::vector<int> add_coarse(const std::vector<Part>& parts, const PointsF& positions,
+                            const PointsF& normals, float reach, DrawMesh& mesh) {
+  std::vector<Vec3f> places, directions;
+  copy_into(positions, places);
+  copy_into(normals, directions);
+  const std::vector<std::uint32_t> standing =
+      standing_for(places, directions, mesh.triangles, reach);
+  std::vector<int> begin{0};
+  for (const Part& part : parts) {
+    const std::span<const Triangle32> own(mesh.triangles.begin() + part.face_begin,
+                                          mesh.triangles.begin() + part.face_end);
+    const std::vector<Triangle32> coarse = coarse_triangles(own, standing);
+    mesh.coarse.insert(mesh.coarse.end(), coarse.begin(), coarse.end());
+    begin.push_back(int(mesh.coarse.size()));
+  }
+  return begin;
+}
+
+// Coarse triangles of all meshes, by the muscles at rest.
+void add_coarse(const Anatomy& anatomy, float reach, SceneModel& model) {
+  add_coarse(reach, model.skin);
+  for (DrawMesh& bone : model.bones) add_coarse(reach, bone);
+  for (DrawMesh& eye : model.eyes) add_coarse(reach, eye);
+  PosedAnatomy rest;
+  forward_kinematics(anatomy.skeleton, rest_pose(anatomy.skeleton), rest.X_WJ);
+  rest.slices = rest_slices(anatomy);
+  PointsF positions, normals;
+  if (!anatomy.muscles.empty()) {
+    update_muscle_surface(model.surface, rest, positions, &normals);
+    model.muscle_coarse = add_coarse(model.surface.parts, positions, normals, reach, model.muscles);
+  }
+  if (model.fascia_surface.vertices() == 0) return;
+  update_fascia_surface(model.fascia_surface, rest, positions, &normals);
+  model.fascia_coarse =
+      add_coarse(model.fascia_surface.parts, positions, normals, reach, model.fascia);
+}
+
 }  // namespace
 
 Vec3f muscle_color(MuscleColors colors, float activity) {
@@ -421,7 +489,7 @@ SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin,
     model.fascia.parts.resize(part.vertex_end, kFirstFasciaPart + std::uint32_t(part.sheet));
   set_fibres(model.fascia, model.fascia_surface, options.fascicle);
   if (anatomy.muscles.empty()) {
-    if (options.coarse > 0) add_coarse(anatomy, options.coarse, model);
+    if (options.coarse > 0) add_coarse(anatomy, float(options.coarse), model);
     return model;
   }
   model.surface = make_muscle_surface(anatomy, options.surface);
@@ -429,7 +497,7 @@ SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin,
   for (const int m : model.surface.muscle)
     model.muscles.parts.push_back(kFirstMusclePart + std::uint32_t(m));
   set_fibres(model.muscles, model.surface, anatomy, model.strips, options.fascicle);
-  if (options.coarse > 0) add_coarse(anatomy, options.coarse, model);
+  if (options.coarse > 0) add_coarse(anatomy, float(options.coarse), model);
   return model;
 }
 

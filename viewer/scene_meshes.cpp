@@ -1,8 +1,6 @@
 #include "viewer/scene_meshes.h"
 
 #include <cstddef>
-#include <utility>
-#include <vector>
 
 namespace ecorche {
 namespace {
@@ -19,27 +17,6 @@ void keep(const DrawMesh& before, DrawMesh& mesh, bool moves) {
 }
 
 }  // namespace
-
-void take_meshes(const SceneModel& model, Scene& scene) {
-  std::vector<DrawMesh>& own = scene.list.meshes;
-  std::vector<const DrawMesh*> wanted{&model.skin, &model.muscles, &model.fascia};
-  for (const DrawMesh& bone : model.bones) wanted.push_back(&bone);
-  for (const DrawMesh& eye : model.eyes) wanted.push_back(&eye);
-  const auto is_there = [&](std::size_t k) {
-    const bool moves = k < std::size_t(kFirstBoneMesh);
-    return own[k].key == wanted[k]->key && (moves || own[k].revision == wanted[k]->revision) &&
-           (k != std::size_t(kSkinMesh) ||
-            own[k].positions.size() == wanted[k]->positions.size()) &&
-           own[k].fibres.size() == wanted[k]->fibres.size();
-  };
-  own.resize(wanted.size());
-  for (std::size_t k = 0; k < wanted.size(); ++k) {
-    if (is_there(k) && wanted[k]->key != 0) continue;
-    own[k] = *wanted[k];
-    if (k == std::size_t(kMuscleMesh) || k == std::size_t(kFasciaMesh))
-      scene.parts_left_away.assign(1, kSkinPart);  // no such part: taken anew
-  }
-}
 
 void keep_alike(const SceneModel& before, SceneModel& model) {
   keep(before.skin, model.skin, true);

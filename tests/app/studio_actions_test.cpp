@@ -221,8 +221,8 @@ TEST_F(StudioActions, AWalkIsUndoneToTheFirstByteAndDoneAgainToTheLast) {
   EXPECT_EQ(document_text(s.document()), last);
 }
 
-// As many edits of all kinds as ECORCHE_WALK says. Whatever they are, a muscle that is listed can be
-// placed or is refused with a reason, and all of it can be taken back.
+// As many edits of all kinds as ECORCHE_WALK says. Whatever they are, a muscle that is listed can
+// be placed or is refused with a reason, and all of it can be taken back.
 TEST_F(StudioActions, EditsByChanceLeaveEveryMuscleInPlaceOrRefusedWithAReason) {
   NEED_PACKAGES();
   const char* wanted = std::getenv("ECORCHE_WALK");

@@ -492,7 +492,9 @@ struct Sheet {
 };
 Sheet thin_sheet(int count) {
   Sheet out;
-  const auto at = [&](int side, int i, int k) { return std::uint32_t((side * count + i) * count + k); };
+  const auto at = [&](int side, int i, int k) {
+    return std::uint32_t((side * count + i) * count + k);
+  };
   for (const int side : {0, 1})
     for (int i = 0; i < count; ++i)
       for (int k = 0; k < count; ++k) {

@@ -55,11 +55,10 @@ void GpuMeshes::begin(const DrawList& list) {
     keys_.push_back(key);
     const auto [it, fresh] = slots_.try_emplace(key);
     Slot& slot = it->second;
-    const bool whole = fresh || !mesh.key || slot.shape != mesh.shape ||
-                       slot.vertices != mesh.positions.size();
+    const bool whole =
+        fresh || !mesh.key || slot.shape != mesh.shape || slot.vertices != mesh.positions.size();
     const bool faced = whole || slot.faces != mesh.faces ||
-                       slot.triangles != mesh.triangles.size() ||
-                       slot.coarse != mesh.coarse.size();
+                       slot.triangles != mesh.triangles.size() || slot.coarse != mesh.coarse.size();
     if (whole || slot.revision != mesh.revision) {
       check(mesh, int(i));
       upload(slot, mesh, whole);

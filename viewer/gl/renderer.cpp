@@ -308,7 +308,8 @@ void Renderer::Impl::draw_opaque(const DrawList& list) {
   gl.ClearBufferfv(GL_COLOR, 2, nothing);
   gl.ClearBufferfv(GL_DEPTH, 0, &far_away);
   set_scissor(frame.figure, samples);
-  for (const GlProgram* program : {&plain_program, &quick_program, &fibre_program, &dissolve_program})
+  for (const GlProgram* program :
+       {&plain_program, &quick_program, &fibre_program, &dissolve_program})
     set_frame(*program, list);
   const auto draw_those = [&](const auto& wanted) {
     for (const DrawItem& item : list.items) {
@@ -443,8 +444,7 @@ void Renderer::Impl::draw(const DrawList& list, int out_width, int out_height, G
   meshes.begin(list);
   frame = make_picture_frame(list, meshes, width, height, shadow_size());
   all = {0, 0, width, height};
-  if (options.columns > 0)
-    all = within({options.first_column, 0, options.columns, height}, all);
+  if (options.columns > 0) all = within({options.first_column, 0, options.columns, height}, all);
   for (PixelWindow* w : {&frame.figure, &frame.shadow, &frame.shaded}) *w = within(*w, all);
   draw_shadows(list);
   draw_background(list);

@@ -43,8 +43,8 @@ class FigureView {
   // coarse, at half the size; coarse; with shadows; with fine edges and occlusion
   enum class Detail { half, quick, plain, fine };
   Detail detail_for(Wish wish, bool busy) const;
-  void render(const PosedAnatomy& posed, const Appearance& appearance,
-              const ViewDocument& document, const Camera& camera);
+  void render(const PosedAnatomy& posed, const Appearance& appearance, const ViewDocument& document,
+              const Camera& camera);
   void show(const Size& size);
   bool same_camera(const Camera& camera) const;
 

@@ -306,9 +306,9 @@ void Session::show(int frame, int width, int height, Point unit) {
   if (tool.draw_over) tool.draw_over(view.pose(document), projection, document);
   const bool pictured = is_last(frame) || document.wants_picture || !wanted.empty();
   view.draw(document, camera, {width, height, unit.x, room},
-            pictured                      ? FigureView::Wish::finest
+            pictured                    ? FigureView::Wish::finest
             : !recorded && is_settled() ? FigureView::Wish::still
-                                          : FigureView::Wish::moving);
+                                        : FigureView::Wish::moving);
   if (clicked) document.selected = view.part_at(clicked->x * unit.x, clicked->y * unit.y);
   if (clicked && tool.picked) tool.picked(document.selected);
   if (frame == 0 && options.pick_x >= 0 && options.pick_y >= 0)

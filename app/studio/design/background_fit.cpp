@@ -28,7 +28,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostKept = 4;                    // bodies of documents before, for undo
 constexpr auto kRest = std::chrono::milliseconds(150);  // without another edit, before it begins
-constexpr double kCoarse = 0.016;  // m, sides of triangles while a hand moves
+constexpr double kCoarse = 0.016;                       // m, sides of triangles while a hand moves
 constexpr double kGuess = 6;                            // s, before one has been fitted
 
 double seconds_since(Clock::time_point begin) {

@@ -10,7 +10,7 @@
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "anatomy/posing/pose_anatomy.h"
-#include "viewer/scene_meshes.h"
+#include "viewer/scene_order.h"
 
 namespace ecorche {
 namespace {

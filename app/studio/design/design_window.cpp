@@ -225,8 +225,7 @@ ViewRoom DesignWindow::panels(const PosedAnatomy& posed, ViewDocument& document)
   draw_actions_box(work_, state_, document, {bar.left, under, bar.width});
   if (state_.look) act(*std::exchange(state_.look, std::nullopt), subject_, posed, document);
   if (state_.closes) document.closing = true;
-  if (size.x - left - right > 0.3f * size.x) 
-    room = {left, 0, size.x - left - right, 0, true};
+  if (size.x - left - right > 0.3f * size.x) room = {left, 0, size.x - left - right, 0, true};
   room.y = 3 * em();
   room.height = std::max(size.y - timeline - room.y, 0.35f * size.y);
   return room;
