@@ -97,6 +97,7 @@ void press_folds(std::span<const HingeFold> hinges, std::span<const Transform> X
     const double wedge = std::acos(std::clamp(up.dot(down), -1.0, 1.0));
     const double hold = 1 - smooth_step(kParametersFold.holds, kParametersFold.begins, wedge);
     if (hold <= 0 || wedge < 1e-3) continue;
+    const double fill = 1 - smooth_step(kParametersFold.fills, kParametersFold.fill_begins, wedge);
     // From `down` to `up` by the distal segment's share of the angle.
     const double angle = hinge.distal_share * wedge;
     const Vec3 along = (std::sin(wedge - angle) * down + std::sin(angle) * up) / std::sin(wedge);
@@ -111,7 +112,7 @@ void press_folds(std::span<const HingeFold> hinges, std::span<const Transform> X
       if (near <= 0) continue;
       const double depth = kParametersFold.half_gap - hinge.side[k] * across.dot(from);
       if (depth < 0)
-        near *= (1 - smooth_step(0, kParametersFold.filled_along, out)) *
+        near *= fill * (1 - smooth_step(0, kParametersFold.filled_along, out)) *
                 (1 - smooth_step(0, kParametersFold.filled, -depth));
       const double most = hinge.most[k], push = std::clamp(near * depth, -most, most);
       const Vec3 way = hinge.side[k] * push * across;

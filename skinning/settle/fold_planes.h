@@ -21,9 +21,11 @@ struct FoldParameters {
   // Angle between the segments, rad, at which the plane begins to hold, and holds entirely.
   double begins = 1.9, holds = 1.4;
   double near_hinge = 0.03;  // m from the axis, over which it begins to hold
-  // Next to the hinge, flesh fills the wedge: what lies off the plane by less than `filled`, m, is
-  // drawn to it, less and less as far as `filled_along` from the axis.
+  // In sharp bends flesh fills the wedge next to the hinge: what lies off the plane by less than
+  // `filled`, m, is drawn to it, less and less as far as `filled_along` from the axis. Angles
+  // between the segments, rad, at which that begins and is done entirely.
   double filled = 0.06, filled_along = 0.2;
+  double fill_begins = 1.2, fills = 0.7;
   float half_gap = 1e-3f;        // m, left on either side of the plane
   double most_of_tissue = 0.85;  // bound of a push, as a fraction of the tissue beneath
 };

@@ -546,14 +546,14 @@ def forces(t):
     walk = t.data("motions", "walk.bvh")
     t.run(0, "dynamics", "anna-anatomy.glb", walk, "-o", "forces.csv", "-o", "forces.sto", "--html", "forces.html", "--report", "forces.json")
     found = t.json("forces.json")["dynamics"]
-    t.check(found["cutoff"] == 6 and abs(found["mean_vertical"] - 1) < 0.05 and found["residual_force_rms"] < 0.05, f"dynamics of a walk: {found}")
+    t.check(found["cutoff"] == 6 and abs(found["mean_vertical"] - 1) < 0.05 and found["residual_force_rms"] < 0.08 and found["residual_moment_rms"] < 0.02, f"dynamics of a walk: {found}")
     t.check(b"knee_l_flexion_moment" in t.bytes("forces.sto") and b"<svg" in t.bytes("forces.html"), "dynamics writes no moments or curves")
     t.run(0, "dynamics", "anna-anatomy.glb", walk, "-o", "free.csv", "--no-ground", "--cutoff", "10", "--report", "free.json")
     found = t.json("free.json")["dynamics"]
     t.check(found["cutoff"] == 10 and found["peak_vertical"] == 0 and found["residual_force_rms"] > 0.9, f"dynamics without a ground: {found}")
     t.run(0, "dynamics", "anna-anatomy.glb", "bent.bvh", "-o", "bent.mot", "--map", "map.txt", "--up", "y", "--motion-fps", 30, "--limits", "keep", "--no-apart", "--no-plant")
     t.run(0, "dynamics", "anna-anatomy.glb", "walk.bvh", "-o", "planted.mot", "--plant")
-    t.run(0, "dynamics", "anna-anatomy.glb", "person_01.amc", "-o", "amc.mot", "--skeleton", "person.asf")
+    t.run(0, "dynamics", "anna-anatomy.glb", "person_01.amc", "-o", "amc.mot", "--skeleton", "person.asf", "--filter", "smooth=20ms")
     t.run(0, "dynamics", "anna-anatomy.glb", "walk.glb", "--take", "motion", "-o", "take.mot")
     t.run(0, "dynamics", "anna-anatomy.glb", "walk.bvh", "--activations", "work.sto", "--muscles", "soleus,vastus_*", "--html", "work.html", "--report", "work.json")
     found = t.json("work.json")["activation"]
@@ -633,7 +633,7 @@ def lifts(t):
     t.check(t.bytes("hard.png") != t.bytes("lies.png"), "--scale of lie")
     t.run((0, 8), "sit", "anna-anatomy.glb", "-o", "sits.png", "--size", "320x180", "--report", "sits.json")
     sits = t.json("sits.json")["sit"]
-    t.check(abs(sits["contact_force"] - sits["weight"]) < 0.01 * sits["weight"] and sits["peak_to_ischium_mm"] < 40, f"sit: {sits['contact_force']} N of {sits['weight']}, peak {sits['peak_to_ischium_mm']} mm from the ischium")
+    t.check(abs(sits["contact_force"] - sits["weight"]) < 0.01 * sits["weight"] and sits["peak_to_ischium_mm"] < 70, f"sit: {sits['contact_force']} N of {sits['weight']}, peak {sits['peak_to_ischium_mm']} mm from the ischium")
     t.check(0.7 < sits["seat"]["lift"] / sits["weight"] < 0.98 and sits["back"]["force"] > 0.03 * sits["weight"] and sits["floor"]["lift"] > 0, "seat, back, floor of sit")
     t.run((0, 8), "sit", "anna-anatomy.glb", "-o", "stool.mp4", "--no-back", "--foam", 10000, "--foam-thickness", 0.02, "--tissue", 80, "--step", 0.02, "--fps", 2, "--scale", 30, "--size", "160x90", "--report", "stool.json")
     stool = t.json("stool.json")["sit"]

@@ -335,7 +335,7 @@ struct BentLeg {
       rest.push_back(tube.mesh.V.row(i));
       weights.push_back({{{rest.back().y() > 0.5 ? 1 : 2, 1.0}}});
     }
-    folds = make_fold_planes(skeleton, rest, weights, std::vector<double>(rest.size(), 0.09));
+    folds = make_fold_planes(skeleton, rest, weights, std::vector<double>(rest.size(), 0.12));
   }
 
   // The skin as it is blended with the knee bent by `angle`, and pressed off the fold's plane.
