@@ -97,9 +97,9 @@ TEST(Bake, ShapesTakeUpWhatInfluencesLeave) {
   EXPECT_EQ(few.morphs.size(), 3u);
   EXPECT_GT(none.error.max, 1e-4);
   EXPECT_LT(few.error.rms, 0.06 * none.error.rms);
-  EXPECT_LT(
-      all.error.max,
-      1e-4);  // as many shapes as frames: only the offsets that are too small to keep are missing
+  // As many shapes as frames: only the offsets that are too small to keep are missing, a little
+  // more of them where a fold presses its flesh.
+  EXPECT_LT(all.error.max, 2e-4);
   EXPECT_EQ(none.error.frames, 20);
   EXPECT_LE(none.error.p95, none.error.max);
   EXPECT_LE(none.error.mean, none.error.rms);
