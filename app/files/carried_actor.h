@@ -1,6 +1,5 @@
 // A character that lies, sits or is lifted: its patient, and its own skin as the shape that is
-// pressed. Shared by lift, lie
-// and sit.
+// pressed. Shared by lift, lie and sit.
 #pragma once
 
 #include <filesystem>

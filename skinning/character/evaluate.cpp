@@ -16,8 +16,6 @@ namespace {
 constexpr std::size_t kBlock = 4096;  // vertices a task
 // Newton steps that restore volumes where contact or muscles have moved the skin.
 constexpr int kVolumeSteps = 2;
-constexpr float kPressed =
-    1e-3f;  // m, by which a fold presses skin that holds muscles from then on
 
 template <class Do>
 void each_vertex(std::size_t count, const Do& act) {
@@ -52,7 +50,7 @@ void relax_skin(const SkinModel& model, const PosedAnatomy& posed, RelaxedSkin& 
   const bool separated =
       resolve_self_contact(elastic.membrane, elastic.contact, triangles, skin, settle.contact);
   for (std::size_t i = 0; i < settle.folded.size(); ++i)
-    if (settle.folded[i] > kPressed) skin.pressed[i] = 1;
+    if (settle.folded[i] > SelfContactParameters{}.pressed) skin.pressed[i] = 1;
   // Over lifted skin limbs and body alone keep volumes: were the tissue about a hinge to keep its
   // own, a flexed arm would sink where its muscles have just raised it.
   const HingeVolumes hinges = lift.lifted ? HingeVolumes::free : HingeVolumes::kept;

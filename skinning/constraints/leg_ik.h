@@ -21,6 +21,10 @@ double reach_with_leg(const Skeleton& skeleton, const FootShape& foot, const Vec
 double straight_leg(const Skeleton& skeleton, const FootShape& foot,
                     const std::vector<Transform>& X_WJ);
 
+// How far a hip is to sink so that a leg of length `reach` comes down to `ankle`, m; 0 where it
+// does already, or where the ankle is too far aside for any height.
+double hip_drop(const Vec3& hip, const Vec3& ankle, double reach);
+
 // Moves the component of the foot's rotation that ankle and subtalar joint have no axis for,
 // pointing the toes out or in, to an axial rotation of the shin at the knee, within the knee's
 // limits. The ankle's position and the foot's direction are kept. Displaces the subtalar joint by a

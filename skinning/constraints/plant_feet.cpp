@@ -280,11 +280,7 @@ class Planter {
                    pivot = X_[foot.shape.subtalar].translation();
         const Vec3 ankle = pivot + foot.rotation[f] * (above - pivot) + foot.shift[f];
         const double reach = kStraight * straight_leg(skeleton_, foot.shape, X_);
-        const double level = std::hypot(ankle.x() - hip.x(), ankle.z() - hip.z());
-        if (level >= reach) continue;
-        sunk[f] = std::max(
-            sunk[f],
-            std::min(kMostDrop, hip.y() - ankle.y() - std::sqrt(reach * reach - level * level)));
+        sunk[f] = std::max(sunk[f], std::min(kMostDrop, hip_drop(hip, ankle, reach)));
       }
     }
     smooth_maximum(std::max(1, int(std::lround(kSinking * motion_.fps))), sunk, std::greater<>());

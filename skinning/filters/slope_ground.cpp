@@ -68,10 +68,8 @@ void put_on_slope(const Skeleton& skeleton, double sole_height, double angle, Mo
     double low = 0;
     for (std::size_t s = 0; s < 2; ++s) {
       const Vec3 hip = X[std::size_t(feet[s].hip)].translation();
-      const double reach = kStraight * straight_leg(skeleton, feet[s], X),
-                   level = std::hypot(goal[s].ankle.x() - hip.x(), goal[s].ankle.z() - hip.z());
-      if (level < reach)
-        low = std::max(low, hip.y() - goal[s].ankle.y() - std::sqrt(reach * reach - level * level));
+      const double reach = kStraight * straight_leg(skeleton, feet[s], X);
+      low = std::max(low, hip_drop(hip, goal[s].ankle, reach));
     }
     goals.push_back(goal);
     sunk.push_back(low);

@@ -226,8 +226,9 @@ struct Constraints {
 // Plants feet, and lets go of those that no leg within its limits keeps without a snap: `rounds`
 // times at most.
 void plant_within_limits(const std::string& name, const Skeleton& ours, double sole,
-                         FilteredMotion& filtered, MotionLimiter& limiter, Motion& motion,
-                         int rounds, std::vector<std::string>& warnings) {
+                         FilteredMotion& filtered, MotionLimiter& limiter, int rounds,
+                         std::vector<std::string>& warnings) {
+  Motion& motion = filtered.motion;
   const std::vector<Pose> free = motion.frames;
   std::vector<Contact>& contacts = filtered.contacts;
   const std::size_t found = contacts.size();
@@ -253,7 +254,8 @@ void plant_within_limits(const std::string& name, const Skeleton& ours, double s
 void constrain(const std::string& name, const Skeleton& ours, const RetargetOptions& options,
                const Constraints& wanted, Transferred& moved, RetargetReport& report) {
   const auto [keep, plant, fall, sole] = wanted;
-  Motion& motion = moved.motion;
+  FilteredMotion filtered{.motion = std::move(moved.motion)};
+  Motion& motion = filtered.motion;
   // Feet that stand on a treadmill are planted on its belt.
   const Vec3 belt = plant || fall ? belt_velocity(moved.feet, motion) : Vec3(Vec3::Zero());
   const bool treadmill = !belt.isZero();
@@ -270,14 +272,13 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
     limiter.run({}, {}, moved.shifts, motion);
     report.self_collisions = limiter.initial_penetrations();
   }
-  FilteredMotion filtered{.motion = std::move(motion), .belt = belt};
-  if (plant) filtered.contacts = find_contacts(moved.feet, filtered.motion);
+  filtered.belt = belt;
+  if (plant) filtered.contacts = find_contacts(moved.feet, motion);
   apply_filters(name, ours, options.filters, filtered);
-  motion = std::move(filtered.motion);
   if (keep && plant)
     // What filters have moved is faster where it is brought back to its place, and is wanted so.
-    plant_within_limits(name, ours, sole, filtered, limiter, motion,
-                        moves_feet(options.filters) ? 0 : 3, report.warnings);
+    plant_within_limits(name, ours, sole, filtered, limiter, moves_feet(options.filters) ? 0 : 3,
+                        report.warnings);
   else if (plant)
     plant_feet(ours, sole, filtered.contacts, filtered.lock, motion);
   if (keep && !plant && !options.filters.empty()) limiter.run({}, {}, {}, motion);
@@ -289,9 +290,7 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
   report.slide_p95 = measured.slide_p95;
   report.penetration = measured.penetration;
   if (treadmill) move_by_belt(-filtered.belt, motion);
-  filtered.motion = std::move(motion);
   if (filtered.loop) close_loop(filtered);
-  motion = std::move(filtered.motion);
   if (filtered.slope != 0) {
     put_on_slope(ours, sole, filtered.slope, motion);
     if (keep) limiter.run(kOnSlope, filtered.contacts, {}, motion);
@@ -304,6 +303,7 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
     for (size_t k = 0; k < left.size(); ++k) report.self_collisions[k].left = left[k].worst;
     std::erase_if(report.self_collisions, [](const Penetration& one) { return one.frames == 0; });
   }
+  moved.motion = std::move(motion);
 }
 
 }  // namespace

@@ -3,25 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <string>
 
-#include "anatomy/compute/simd_lanes.h"
 #include "anatomy/compute/smooth_step.h"
+#include "skinning/settle/weights_below.h"
 
 namespace ecorche::inline v1 {
 namespace {
 
 constexpr FoldParameters kParametersFold;
-
-// Fraction of a vertex that goes with `joint` and what it carries, without what `without` carries.
-double share_below(const Skeleton& skeleton, const JointWeights& weights, int joint, int without) {
-  double sum = 0;
-  for (const Influence& w : weights)
-    for (int j = w.joint; j >= 0 && j != without; j = skeleton.joints[j].parent)
-      if (j == joint) sum += w.weight;
-  return sum;
-}
 
 // Mean tissue over the flexor side of a segment, from a tenth to a half of its length.
 class FlexorTissue {
@@ -50,9 +40,11 @@ HingeFold make_hinge(const Skeleton& skeleton, const std::vector<Vec3>& origins,
   out.down = down.normalized();
   const Vec3 across = (out.down - out.up).normalized();
   const Vec3 axis = skeleton.joints[joint].axes.col(0);
+  const std::vector<double> limb = weights_below(skeleton, out.proximal, joint_weights),
+                            beyond = weights_below(skeleton, end, joint_weights);
   std::array<FlexorTissue, 2> flesh;  // proximal, distal
   for (std::size_t i = 0; i < rest.size(); ++i) {
-    if (share_below(skeleton, joint_weights[i], out.proximal, end) < 0.5) continue;
+    if (limb[i] - beyond[i] < 0.5) continue;
     const Vec3 from = rest[i] - center;
     const bool distal = across.dot(from) > 0;
     const Vec3& segment = distal ? down : up;

@@ -10,6 +10,7 @@
 #include "anatomy/compute/simd.h"
 #include "anatomy/compute/smooth_step.h"
 #include "skinning/settle/swelling_limits.h"
+#include "skinning/settle/weights_below.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -50,23 +51,6 @@ std::vector<double> vertex_areas(std::span<const float> positions, std::span<con
     for (std::size_t k = 0; k < 3; ++k) areas[triangles[f + k]] += std::sqrt(sum4(n * n)[0]) / 6;
   }
   return areas;
-}
-
-// Weight of a joint and of the joints below it, a vertex.
-std::vector<double> weights_below(const Skeleton& skeleton, int joint,
-                                  std::span<const JointWeights> joint_weights) {
-  std::vector<char> below(skeleton.joints.size(), 0);
-  for (std::size_t j = 0; j < below.size(); ++j) {
-    const int parent = skeleton.joints[j].parent;
-    below[j] = int(j) == joint || (parent >= 0 && below[parent]);
-  }
-  std::vector<double> out;
-  for (const auto& four : joint_weights) {
-    double share = 0;
-    for (const Influence& w : four) share += below[w.joint] ? w.weight : 0;
-    out.push_back(share);
-  }
-  return out;
 }
 
 // 1 about the hinge, falling to 0 between a half and three quarters of the way along both segments.

@@ -23,9 +23,12 @@ struct CarriedOptions {
   FleshOptions flesh() const { return {.modulus = 1e3 * tissue_kpa}; }
 };
 
+void add_step_option(CLI::App& verb, double& step);
 void add_tissue_option(CLI::App& verb, CarriedOptions& options);
 // --scale, --size.
 void add_picture_options(CLI::App& verb, CarriedOptions& options);
+// The pictures', and --fps.
+void add_film_options(CLI::App& verb, CarriedOptions& options);
 // Sets the film's size and scale. Throws UsageError for what is no size.
 void set_picture(CarriedOptions& options);
 

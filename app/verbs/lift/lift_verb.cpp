@@ -140,14 +140,9 @@ void add_lift_verb(VerbRegistry& registry) {
                    "long")
       ->check(between(0.015, 0.2))
       ->capture_default_str();
-  verb->add_option("--step", options->step,
-                   "Seconds of a step of the simulation; 1/60 when left out")
-      ->check(between(0.0005, 0.025));
+  add_step_option(*verb, options->step);
   add_tissue_option(*verb, *options);
-  add_picture_options(*verb, *options);
-  verb->add_option("--fps", options->film.fps, "Frames a second")
-      ->check(between(1.0, 60.0))
-      ->capture_default_str();
+  add_film_options(*verb, *options);
 }
 
 }  // namespace ecorche

@@ -119,14 +119,9 @@ void add_sit_verb(VerbRegistry& registry) {
   verb->add_option("--foam-thickness", options->chair.thickness, "Of the cushions, m")
       ->check(between(0.005, 0.5))
       ->capture_default_str();
-  verb->add_option("--step", options->step,
-                   "Seconds of a step of the simulation; 1/60 when left out")
-      ->check(between(0.0005, 0.025));
+  add_step_option(*verb, options->step);
   add_tissue_option(*verb, *options);
-  add_picture_options(*verb, *options);
-  verb->add_option("--fps", options->film.fps, "Frames a second")
-      ->check(between(1.0, 60.0))
-      ->capture_default_str();
+  add_film_options(*verb, *options);
 }
 
 }  // namespace ecorche
