@@ -35,6 +35,7 @@
 #include "app/verbs/lift/lift_verb.h"
 #include "app/verbs/lift/sit_verb.h"
 #include "app/verbs/list_verb.h"
+#include "app/verbs/motion/fall_verb.h"
 #include "app/verbs/motion/retarget_verb.h"
 #include "app/verbs/posebook_verb.h"
 #include "app/verbs/render_verb.h"
@@ -129,6 +130,7 @@ void add_verbs(VerbRegistry& registry) {
   add_posebook_verb(registry);
   add_render_verb(registry);
   add_studio_verb(registry);
+  add_fall_verb(registry);
   add_lift_verb(registry);
   add_lie_verb(registry);
   add_sit_verb(registry);

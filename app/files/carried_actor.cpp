@@ -12,7 +12,7 @@
 namespace ecorche {
 namespace {
 
-constexpr double kBodyDensity = 985;  // kg/m^3, of a body that has breathed in
+constexpr double kInhaledDensity = 985;  // kg/m^3, of a body that has breathed in
 
 }  // namespace
 
@@ -25,7 +25,7 @@ CarriedActor carried_actor(const std::filesystem::path& file, const FleshOptions
   const Character& character = actor->character;
   const double mass = character.body.mass > 0
                           ? character.body.mass
-                          : kBodyDensity * std::abs(mesh_volume(character.body.skin));
+                          : kInhaledDensity * std::abs(mesh_volume(character.body.skin));
   try {
     out.model.patient = make_patient(character.anatomy, character.body.skin,
                                      actor->binding.joint_weights, mass, tissue);

@@ -19,6 +19,7 @@
 #include "app/options/motion_options.h"
 #include "app/options/option_values.h"
 #include "app/progress.h"
+#include "app/ragdoll/character_ragdoll.h"
 #include "app/verbs/animate_crowd.h"
 #include "skinning/checks/motion_survey.h"
 #include "skinning/crowd/crowd_read.h"
@@ -38,7 +39,7 @@ struct AnimateOptions {
   std::optional<double> definition;
   Detail detail = Detail::full;
   CacheOptions cache;
-  std::vector<std::string> tables;
+  std::vector<std::string> tables, passive;
   double stagger = 0;
   MotionOptions retarget;
 };
@@ -139,10 +140,10 @@ int run_crowd(const AnimateOptions& options, const Common& common, Report& repor
   if (options.outputs.size() != 1 || options.outputs[0].extension() != ".glb" ||
       options.skin != "ecorche" || options.activation != "none" || options.dynamics ||
       !options.weights.empty() || !options.tables.empty() || !options.cache.layers.empty() ||
-      options.detail != Detail::full)
+      !options.passive.empty() || options.detail != Detail::full)
     throw UsageError(
         fmt::format("{}: a crowd moves by its joints, into one .glb, without --skin, --weights, "
-                    "--activation and --dynamics; those are for one "
+                    "--activation, --dynamics and --passive; those are for one "
                     "person of it, {}#NAME",
                     options.character.string(), options.character.string()));
   animate_crowd(options.character, options.motion, options.outputs[0], options.retarget,
@@ -161,7 +162,10 @@ int run_animate(const AnimateOptions& options, const Common& common, Report& rep
       common.assets, open_character(options.character, common, report), report,
       {.weights = options.weights, .definition = to_definition(options.definition, options.skin)});
   choose_skin(common.assets, actor, options.skin);
-  const Motion motion = open_motion(options.motion, actor, options.retarget, common, report);
+  Motion motion = open_motion(options.motion, actor, options.retarget, common, report);
+  if (!options.passive.empty())
+    motion = with_limp_joints(options.character.string(), actor.character, actor.binding,
+                              options.passive, motion, common, report);
   const Activations activations =
       open_activations(common.assets, options.activation, actor, motion, report);
   const MotionQuality quality = write_outputs(options, actor, motion, activations, common, report);
@@ -185,7 +189,8 @@ void add_animate_verb(VerbRegistry& registry) {
   CLI::App* verb = add_verb(
       registry, registry.app, "animate", "Move a character by a motion and write it out",
       "ecorche animate anna-anatomy.glb walk.bvh -o anna-walks.glb -o anna-walks.pc2 --activation "
-      "auto",
+      "auto\n"
+      "  ecorche animate anna-anatomy.glb walk.bvh -o anna-limps.glb --passive shoulder_l",
       [options](const Common& common, Report& report) {
         return run_animate(*options, common, report);
       });
@@ -209,6 +214,11 @@ void add_animate_verb(VerbRegistry& registry) {
   add_cache_options(*verb, options->cache);
   add_table_option(*verb, options->tables);
   add_dynamics_option(*verb, options->dynamics);
+  verb->add_option(
+          "--passive", options->passive,
+          "A joint that goes limp, with all below it: it swings as a damped pendulum, "
+          "within its limits, driven by the rest of the motion; may be given several times")
+      ->allow_extra_args(false);
   add_definition_option(*verb, options->definition);
   add_motion_options(*verb, options->retarget);
   add_range_options(*verb, options->retarget);

@@ -8,11 +8,12 @@
 #include <memory>
 #include <vector>
 
-#include "skinning/lift/articulated_body.h"
 #include "skinning/lift/carried_skin.h"
 #include "skinning/lift/contact_system.h"
+#include "skinning/lift/patient.h"
 #include "skinning/lift/sheet.h"
 #include "skinning/lift/skin_contact.h"
+#include "skinning/multibody/articulated_body.h"
 
 namespace ecorche::inline v1 {
 

@@ -9,8 +9,8 @@
 #include <memory>
 
 #include "anatomy/types.h"
-#include "skinning/lift/articulated_body.h"
 #include "skinning/lift/sheet.h"
+#include "skinning/multibody/articulated_body.h"
 
 namespace ecorche::inline v1 {
 

@@ -141,18 +141,6 @@ int largest_weight(const JointWeights& weights) {
 
 }  // namespace
 
-double Patient::mass() const {
-  double sum = 0;
-  for (const BodySegment& segment : segments) sum += segment.mass;
-  return sum;
-}
-
-int Patient::freedoms() const {
-  int count = 6;
-  for (const PassiveJoint& group : groups) count += group.axes;
-  return count;
-}
-
 Patient make_patient(const Anatomy& anatomy, const TriMesh& skin,
                      const std::vector<JointWeights>& weights, double mass,
                      const FleshOptions& tissue) {

@@ -13,21 +13,11 @@
 #include <vector>
 
 #include "anatomy/anatomy.h"
-#include "anatomy/body_segment.h"
 #include "skinning/binding.h"
 #include "skinning/constraints/self_collision.h"
+#include "skinning/multibody/articulated_body.h"
 
 namespace ecorche::inline v1 {
-
-// Joints that turn together: one of a limb, or all of the spine. Its velocities are turns about the
-// axes of Joint::axes, of which each joint takes its share.
-struct PassiveJoint {
-  std::vector<int> joints;
-  std::vector<Vec3> shares;  // #joints, by axis; sum 1
-  int axes = 3;              // 3, or 1: flexion only
-  double stiffness = 0;      // towards the pose laid down in, Nm/rad
-  double damping = 0;        // Nm s/rad
-};
 
 struct FleshOptions {
   // Modulus of skin, fat and relaxed muscle pressed against bone, Pa. Bulk tissue of the buttocks:
@@ -37,10 +27,7 @@ struct FleshOptions {
   double thinnest = 0.006, thickest = 0.06;  // m, bounds of the thickness that counts
 };
 
-struct Patient {
-  Skeleton skeleton;
-  std::vector<BodySegment> segments;
-  std::vector<PassiveJoint> groups;
+struct Patient : ArticulatedModel {
   TriMesh skin;                       // rest, world
   std::vector<JointWeights> weights;  // #V
   std::vector<int> carrier;           // #V, joint of the largest weight
@@ -50,9 +37,6 @@ struct Patient {
   std::vector<std::string> regions;   // "buttocks", "thigh_l", ...
   SelfCollisionTables limbs;          // that keep out of each other and of the trunk
   FleshOptions tissue;
-
-  double mass() const;
-  int freedoms() const;  // 6 of the root, and those of the groups
 };
 
 // Of a character with our joints. `mass`: kg. Throws std::invalid_argument for a skeleton without

@@ -11,8 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "skinning/lift/articulated_body.h"
+#include "skinning/lift/patient.h"
 #include "skinning/lift/sheet.h"
+#include "skinning/multibody/articulated_body.h"
 
 namespace ecorche::inline v1 {
 

@@ -1,0 +1,47 @@
+// One step of a ragdoll: semi-implicit Euler, with damping and springs of the joints at the step's
+// end, contacts with the ground, limbs that meet, and limits in one convex problem of velocities.
+//
+// A contact or limit that is not reached yet lets through what way is left, so that nothing passes
+// within a step; what is beyond goes back by a share a step (Baumgarte 1972,
+// 10.1016/0045-7825(72)90018-7).
+#pragma once
+
+#include <vector>
+
+#include "skinning/multibody/cone_solver.h"
+#include "skinning/ragdoll/ragdoll.h"
+
+namespace ecorche::inline v1 {
+
+struct RagdollOptions {
+  double step = 1.0 / 600;  // s
+  double gravity = 9.81;    // m/s^2
+  bool ground = true;
+  double ground_height = 0;  // world, m
+  double friction = 0.7;     // of clothed or bare skin on a floor
+  // m that skin is pressed in before the ground holds it: what lies rests on broad places
+  double flesh = 0.006;
+};
+
+struct RagdollState {
+  BodyState body;
+  PassiveRest rest;
+  double time = 0;                   // s
+  Vec3 ground_force = Vec3::Zero();  // N, of the last step
+  // Frames of the pose that the last step began with, and workspace.
+  BodyFrames frames;
+  BodyForces forces;
+  ConeSolver solver;
+  std::vector<ProxyContact> meeting;
+  std::vector<JointMotion> carried;  // joints of driven ones, without own velocities
+  Eigen::MatrixXd system;
+  Eigen::VectorXd pushed;
+  std::vector<int> grounded;  // columns of the ground's contacts
+};
+
+void step_ragdoll(const Ragdoll& ragdoll, const RagdollOptions& options, RagdollState& state);
+
+// World height of the lowest point of the skin.
+double lowest_point(const Ragdoll& ragdoll, const std::vector<Transform>& X_WJ);
+
+}  // namespace ecorche::inline v1
