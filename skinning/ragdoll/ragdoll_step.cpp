@@ -14,7 +14,7 @@ constexpr double kReturnSpeed = 0.3;   // m/s, at most
 constexpr double kReturnTurn = 1;      // rad/s, likewise of joints
 constexpr double kNear = 0.005;        // m from the ground that count as a contact
 constexpr double kLimitNear = 0.1;     // rad from a limit, likewise
-constexpr double kSkinFriction = 0.4;  // of limbs on each other
+constexpr double kSkinFriction = 0.3;  // of limbs on each other
 
 // Velocity across a gap that is left or, below 0, too deep.
 double gap_target(double gap, double step, double most) {

@@ -18,7 +18,7 @@ struct RagdollOptions {
   double gravity = 9.81;    // m/s^2
   bool ground = true;
   double ground_height = 0;  // world, m
-  double friction = 0.7;     // of clothed or bare skin on a floor
+  double friction = 0.5;     // of clothes on a floor
   // m that skin is pressed in before the ground holds it: what lies rests on broad places
   double flesh = 0.006;
 };

@@ -660,6 +660,26 @@ def lifts(t):
     t.check(t.json("own.json")["lift"]["nodes"] == 11 * 15, "--sling")
 
 
+def falls(t):
+    t.run(0, "fall", "anna-anatomy.glb", "-o", "falls.bvh", "-o", "falls.fbx", "--push", "0.3,0,1", "--height", 0.3, "--from", "t_pose", "--seconds", 4, "--fps", 30, "--report", "falls.json")
+    falls = t.json("falls.json")["fall"]
+    t.check(t.bytes("falls.bvh").count(b"\n") > 121 and 0.2 < falls["touch"] < 0.3, f"--seconds, --fps, --height of fall: {falls['touch']}")
+    t.check(abs(falls["end_force"] - falls["weight"]) < 0.02 * falls["weight"] and falls["end_speed"] < 0.02, f"fall: {falls['end_force']} N of {falls['weight']}, {falls['end_speed']} m/s")
+    t.check(falls["deepest"] < 0.02 and falls["overlap"] < 0.02 and falls["limit_excess_deg"] < 5, f"fall: {falls}")
+    t.run(0, "fall", "anna-anatomy.glb", "-o", "stiff.glb", "-o", "stiff.png", "--tone", 1, "--seconds", 0.3, "--size", "96x64", "--camera", "left", "--report", "stiff.json")
+    t.run(0, "fall", "anna-anatomy.glb", "-o", "going/%02d.png", "--from", "walk.bvh", "--at", 0.1, "--seconds", 0.2, "--fps", 10, "--size", "96x64")
+    t.check(len(os.listdir(t.path("going"))) == 4, f"--from a motion, --at: {os.listdir(t.path('going'))}")
+    t.says(t.run(2, "fall", "anna-anatomy.glb", "-o", "no.bvh", "--from", "t_pos"), "t_pose")
+    t.says(t.run(2, "fall", "anna-anatomy.glb", "-o", "no.bvh", "--at", 1), "--from")
+    t.says(t.run(2, "fall", "anna-anatomy.glb", "-o", "no.bvh", "--from", "walk.bvh", "--at", 9), "ends after")
+    t.says(t.run(2, "fall", "anna-anatomy.glb", "-o", "no.bvh", "--size", "wide"), "1280x720")
+    t.run((0, 8), "animate", "anna-anatomy.glb", "walk.bvh", "-o", "limp.mot", "--passive", "shoulder_l", "--passive", "c7", "--report", "limp.json")
+    limp = t.json("limp.json")["limp"]
+    t.check(limp["joints"] == 12 and limp["limit_excess_deg"] < 5, f"--passive: {limp}")
+    t.says(t.run(2, "animate", "anna-anatomy.glb", "walk.bvh", "-o", "no.mot", "--passive", "sholder_l"), "shoulder_l")
+    t.says(t.run(2, "animate", "anna-anatomy.glb", "walk.bvh", "-o", "no.mot", "--passive", "pelvis"), "name a joint of a limb")
+
+
 def checks(t):
     t.write("limits.csv", "pose,joint,flexion,abduction,rotation\nsitting,hip,0.75,0.2,0\n")
     done = t.run((0, 8), "check", "anna-anatomy.glb", "-o", "check", "--poses", "limits.csv", "--no-sweeps", "--no-pictures")
@@ -858,7 +878,7 @@ def common_options(t):
 
 def main(program, source):
     t = Runner(program, source)
-    parts = [bodies, units, body_verbs, scans, strangers, fits, animations, forces, pictures, lifts, checks, templates, studio, lists, words, window, common_options, benches, demo]
+    parts = [bodies, units, body_verbs, scans, strangers, fits, animations, forces, pictures, lifts, falls, checks, templates, studio, lists, words, window, common_options, benches, demo]
     chosen = sys.argv[3:]
     for part in parts:
         if chosen and part.__name__ not in chosen:

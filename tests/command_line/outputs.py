@@ -33,6 +33,7 @@ FILES = {
     "weights": (["anna-anatomy.glb"], "-o", "x.csv"),
     "weights picture": (["anna-anatomy.glb", "--joint", "knee_l"], "--picture", "x.png"),
     "render": (["anna-anatomy.glb", "walk.bvh", "--size", "96x64", "--fps", "2"], "-o", "x.mp4"),
+    "fall": (["anna-anatomy.glb", "--seconds", "0.2"], "-o", "x.bvh"),
     "lie": (["anna-anatomy.glb", "--size", "96x64"], "-o", "x.png"),
     "sit": (["anna-anatomy.glb", "--size", "96x64"], "-o", "x.png"),
     "lift": (["anna-anatomy.glb", "--spacing", "0.2"], "--table", "x.csv"),

@@ -1,4 +1,5 @@
 // Courses of a character's ragdoll, for compare_falls.py: ragdoll_figures CHARACTER.glb FOLDER
+// [STEPS A SECOND]
 //
 // Each case has no resistance in its joints and begins with joints at rest. FOLDER/NAME_start.csv:
 // what moves, `joint,axis x,y,z,velocity` a freedom, the root's first with `root` and `turn` as
@@ -8,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -82,7 +84,7 @@ RagdollState started(Ragdoll& ragdoll) {
   return state;
 }
 
-void write_cases(const std::string& character, const std::string& folder) {
+void write_cases(const std::string& character, const std::string& folder, double step) {
   Report report;
   const BoundCharacter bound = bind_character(test_assets(), read_character(character), report);
   const Ragdoll whole = character_ragdoll(character, bound.character, bound.binding, report);
@@ -94,7 +96,7 @@ void write_cases(const std::string& character, const std::string& folder) {
     for (int k = 0; k < 9; ++k) segments << fmt::format(",{}", each.inertia(k / 3, k % 3));
     segments << "\n";
   }
-  const RagdollOptions air{.step = 1.0 / 2000, .ground = false};
+  const RagdollOptions air{.step = step, .ground = false};
 
   Ragdoll thrown = whole;
   thrown.limbs.pairs.clear();
@@ -134,16 +136,16 @@ void write_cases(const std::string& character, const std::string& folder) {
   }
   dropping.body.pose.rotations[0] = Eigen::AngleAxisd(-80 * kDegree, Vec3::UnitX());
   put_at_height(board, 0.3, dropping.body.pose);
-  run_case(folder + "/drop", board, dropping, {.step = 1.0 / 2000, .flesh = 0}, 1);
+  run_case(folder + "/drop", board, dropping, {.step = step, .flesh = 0}, 1);
 }
 
 }  // namespace
 }  // namespace ecorche
 
 int main(int argc, char** argv) {
-  if (argc != 3) {
-    std::fputs("ragdoll_figures CHARACTER.glb FOLDER\n", stderr);
+  if (argc != 3 && argc != 4) {
+    std::fputs("ragdoll_figures CHARACTER.glb FOLDER [STEPS A SECOND]\n", stderr);
     return 2;
   }
-  ecorche::write_cases(argv[1], argv[2]);
+  ecorche::write_cases(argv[1], argv[2], 1 / (argc == 4 ? std::atof(argv[3]) : 4000.0));
 }

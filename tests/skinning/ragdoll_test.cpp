@@ -152,7 +152,7 @@ TEST(Ragdoll, FrictionStopsASlidingBox) {
   BodyState start = lying(ragdoll, -0.006);
   start.velocity[0] = 2;
   const FallResult fallen = fall(ragdoll, start, seconds(1));
-  const double way = 2 * 2 / (2 * 0.7 * kG);
+  const double way = 2 * 2 / (2 * 0.5 * kG);
   EXPECT_NEAR(fallen.motion.frames.back().root.x(), way, 0.02 * way);
 }
 

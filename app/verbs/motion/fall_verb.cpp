@@ -40,7 +40,7 @@ struct FallVerbOptions {
   std::vector<fs::path> outputs;
   std::string from = "standing", size = "1280x720", camera = "oblique";
   double at = 0, height = 0;
-  std::vector<double> push{0, 0, 0};
+  std::vector<double> push{0.2, 0, 0.4};  // m/s, as one sways
   MotionOptions read;
   FallOptions fall;
 };
@@ -183,7 +183,7 @@ void add_fall_verb(VerbRegistry& registry) {
       registry, registry.app, "fall",
       "Let a person go limp and fall on the ground: film, picture of the end, or motion",
       "ecorche fall anna-anatomy.glb -o anna-falls.mp4 --push 0,0,1\n"
-      "  ecorche fall anna-anatomy.glb -o anna-falls.bvh --from walk.bvh --at 0.5 --tone 0.3\n"
+      "  ecorche fall anna-anatomy.glb -o anna-falls.bvh --from walk.bvh --at 0.1 --tone 0.3\n"
       "  ecorche fall anna-anatomy.glb -o anna-lies.png --from hug --height 1 --seconds 4",
       [options](const Common& common, Report& report) {
         return run_fall(*options, common, report);
@@ -209,7 +209,8 @@ void add_fall_verb(VerbRegistry& registry) {
                    "upwards, forwards")
       ->expected(3)
       ->delimiter(',')
-      ->check(between(-20.0, 20.0));
+      ->check(between(-20.0, 20.0))
+      ->default_str("0.2,0,0.4");
   verb->add_option("--tone", options->fall.tone,
                    "Muscles as springs towards the pose that was let go: 0 limp, 1 tense")
       ->check(between(0.0, 1.0))
