@@ -14,7 +14,9 @@ namespace {
 
 constexpr double kEndSeconds = 0.25;     // at the end, over which force and speed are told
 constexpr double kFingerSeconds = 0.15;  // in which limp fingers curl
-constexpr double kStill = 0.01;          // m/s
+// What is slower for so long stays as it lies.
+constexpr double kAsleepSpeed = 0.004, kAsleepSeconds = 0.5;  // m/s, s
+constexpr double kStill = 0.01;                               // m/s
 
 // The shove's impulse is the least that moves the chest so.
 void shove(const Ragdoll& ragdoll, const FallOptions& options, RagdollState& state) {
@@ -84,17 +86,27 @@ FallResult fall(Ragdoll ragdoll, BodyState start, const FallOptions& given,
   const int frames = int(std::lround(options.seconds * options.fps));
   const double curl =
       options.frictionless ? 0 : (1 - options.tone) * (1 - std::exp(-h / kFingerSeconds));
-  double force_sum = 0;
+  bool awake = true;
+  double slow_seconds = 0, force_sum = 0;
   int force_count = 0;
   for (int f = 1; f <= frames; ++f) {
     double frame_force = 0;
     for (int s = 0; s < steps; ++s) {
-      step_ragdoll(ragdoll, options.world, state);
-      loosen_fingers(ragdoll, curl, state.body.pose);
+      if (awake) {
+        step_ragdoll(ragdoll, options.world, state);
+        loosen_fingers(ragdoll, curl, state.body.pose);
+      } else {
+        state.time += h;
+      }
       const double force = state.ground_force.y();
       if (out.touch < 0 && force > 0) out.touch = state.time - h;
       frame_force += force / steps;
       const double speed = fastest_joint(ragdoll.body, state);
+      slow_seconds = speed < kAsleepSpeed && force > 0 ? slow_seconds + h : 0;
+      if (awake && slow_seconds > kAsleepSeconds) {
+        awake = false;
+        state.body.velocity.setZero();
+      }
       if (speed > kStill) out.rest = -1;
       if (speed <= kStill && out.rest < 0) out.rest = state.time;
       if (state.time < options.seconds - kEndSeconds) continue;

@@ -1,19 +1,23 @@
 #include "skinning/ragdoll/ragdoll_step.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "anatomy/compute/cross_matrix.h"
+#include "anatomy/joint_angles.h"
 
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kSoftness = 0.01;     // of constraints, of what the body itself yields
-constexpr double kReturn = 0.15;       // share of what is too deep that a step takes back
-constexpr double kReturnSpeed = 0.3;   // m/s, at most
-constexpr double kReturnTurn = 1;      // rad/s, likewise of joints
-constexpr double kNear = 0.005;        // m from the ground that count as a contact
-constexpr double kLimitNear = 0.1;     // rad from a limit, likewise
+constexpr double kSoftness = 0.003;   // of constraints, of what the body itself yields
+constexpr double kReturn = 0.15;      // share of what is too deep that a step takes back
+constexpr double kReturnSpeed = 0.3;  // m/s, at most
+constexpr double kReturnTurn = 1;     // rad/s, likewise of joints
+constexpr double kNear = 0.005;       // m from the ground that count as a contact
+constexpr double kLimitNear = 0.1;    // rad from a limit, likewise
+// Beyond a limit by more is how a body began: it returns at kReturnTurn.
+constexpr double kOvershoot = 3 * kDegree;
 constexpr double kSkinFriction = 0.3;  // of limbs on each other
 
 // Velocity across a gap that is left or, below 0, too deep.
@@ -125,6 +129,24 @@ void add_limits(const Ragdoll& ragdoll, double step, RagdollState& state) {
   }
 }
 
+// What a fast joint went too far within the step, since its angles are not straight in its turns.
+void keep_limits(const ArticulatedModel& body, Pose& pose) {
+  for (const PassiveJoint& group : body.groups)
+    for (const int j : group.joints) {
+      const Joint& joint = body.skeleton.joints[std::size_t(j)];
+      Quat& rotation = pose.rotations[std::size_t(j)];
+      Vec3 angles = joint_angles(joint, rotation);
+      bool beyond = false;
+      for (int a = group.first_axis; a < group.first_axis + group.axes; ++a) {
+        const double kept = std::clamp(angles[a], joint.min[a], joint.max[a]);
+        if (kept == angles[a] || std::abs(kept - angles[a]) > kOvershoot) continue;
+        angles[a] = kept;
+        beyond = true;
+      }
+      if (beyond) rotation = joint_rotation(joint, angles).normalized();
+    }
+}
+
 }  // namespace
 
 void step_ragdoll(const Ragdoll& ragdoll, const RagdollOptions& options, RagdollState& state) {
@@ -147,6 +169,7 @@ void step_ragdoll(const Ragdoll& ragdoll, const RagdollOptions& options, Ragdoll
     state.ground_force += Vec3(impulse[1], impulse[0], impulse[2]) / h;
   }
   advance_body(ragdoll.body, h, state.body);
+  keep_limits(ragdoll.body, state.body.pose);
   state.time += h;
 }
 

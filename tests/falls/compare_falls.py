@@ -88,7 +88,7 @@ def build(exported, segments, freedoms, held, points):
         world.remove(part)
     if points is not None:
         # damped far beyond the critical, so that nothing bounces: ours does not
-        near = dict(condim="3", friction="0.5 0.005 0.0001", solref="0.002 5", solimp="0.95 0.99 0.001")
+        near = dict(condim="3", friction="0.5 0.005 0.0001", solref="0.001 10", solimp="0.95 0.99 0.001")
         ET.SubElement(world, "geom", type="plane", size="5 5 1", **near)
         pelvis = next(b for b in root.iter("body") if b.get("name") == "pelvis")
         for point in points:
