@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "anatomy/errors.h"
@@ -49,6 +51,8 @@ bool is_film(const fs::path& output) {
   return output.extension() == ".mp4" || output.extension() == ".png";
 }
 
+bool is_numbered(const fs::path& output) { return output.string().find('%') != std::string::npos; }
+
 bool names_file(const std::string& from) { return fs::path(from).has_extension(); }
 
 Pose pose_named(const fs::path& tables, const std::string& name, const Skeleton& skeleton) {
@@ -64,15 +68,35 @@ Pose pose_named(const fs::path& tables, const std::string& name, const Skeleton&
                   near.empty() ? "" : fmt::format(": did you mean '{}'?", near), book.string()));
 }
 
+// The skin is made ready for pictures where one is asked for.
+struct FallenCharacter {
+  std::optional<Actor> actor;
+  std::optional<BoundCharacter> bound;
+
+  const Character& character() const { return actor ? actor->character : bound->character; }
+  const Binding& binding() const { return actor ? actor->binding : bound->binding; }
+};
+
+FallenCharacter open_fallen(const FallVerbOptions& options, const Common& common, Report& report) {
+  Character character = open_character(options.character, common, report);
+  FallenCharacter out;
+  if (std::ranges::any_of(options.outputs, is_film))
+    out.actor =
+        make_actor(common.assets, std::move(character), report, {.muscles = MuscleMotion::lines});
+  else
+    out.bound = bind_character(common.assets, std::move(character), report);
+  return out;
+}
+
 // What goes before the fall at its frame rate, and the body as it is let go.
 struct FallBeginning {
   std::vector<Pose> before;
   BodyState body;
 };
 
-FallBeginning begin_fall(const FallVerbOptions& options, const Actor& actor, const Ragdoll& ragdoll,
-                         const Common& common, Report& report) {
-  const Skeleton& skeleton = actor.character.anatomy.skeleton;
+FallBeginning begin_fall(const FallVerbOptions& options, const FallenCharacter& person,
+                         const Ragdoll& ragdoll, const Common& common, Report& report) {
+  const Skeleton& skeleton = person.character().anatomy.skeleton;
   FallBeginning out;
   if (!names_file(options.from)) {
     out.body.pose = pose_named(common.assets.tables, options.from, skeleton);
@@ -80,7 +104,8 @@ FallBeginning begin_fall(const FallVerbOptions& options, const Actor& actor, con
     put_at_height(ragdoll, options.fall.world.ground_height + options.height, out.body.pose);
     return out;
   }
-  const Motion motion = open_motion(options.from, actor, options.read, common, report);
+  const Motion motion =
+      open_motion(options.from, person.character(), person.binding(), options.read, common, report);
   const double last = double(motion.frames.size() - 1) / motion.fps;
   if (options.at > last)
     throw UsageError(fmt::format("--at: {} ends after {:.4g} s", options.from, last));
@@ -95,9 +120,9 @@ FallBeginning begin_fall(const FallVerbOptions& options, const Actor& actor, con
   return out;
 }
 
-void write_fall(const FallVerbOptions& options, const Actor& actor, const Motion& motion,
+void write_fall(const FallVerbOptions& options, const FallenCharacter& person, const Motion& motion,
                 const Common& common) {
-  const Skeleton& skeleton = actor.character.anatomy.skeleton;
+  const Skeleton& skeleton = person.character().anatomy.skeleton;
   for (const fs::path& output : options.outputs) {
     if (is_film(output)) {
       ActorFilm film;
@@ -107,10 +132,10 @@ void write_fall(const FallVerbOptions& options, const Actor& actor, const Motion
       film.muscles = film.bones = film.legend = false;
       film.view.camera = options.camera;
       film.ground.visible = true;
-      film.ground.height = float(ground_height(actor.character));
-      if (output.string().find('%') == std::string::npos && output.extension() == ".png")
+      film.ground.height = float(ground_height(person.character()));
+      if (output.extension() == ".png" && !is_numbered(output))
         film.from = film.to = double(motion.frames.size() - 1) / motion.fps;
-      film_actor(actor, motion, film, common);
+      film_actor(*person.actor, motion, film, common);
     } else if (output.extension() == ".bvh") {
       write_file_atomically(output, format_bvh(to_bvh(skeleton, motion)));
     } else if (output.extension() == ".fbx") {
@@ -155,14 +180,15 @@ int run_fall(FallVerbOptions options, const Common& common, Report& report) {
         "--size: '{}' is no size; write WIDTHxHEIGHT, for example 1280x720", options.size));
   if (options.at > 0 && !names_file(options.from))
     throw UsageError("--at: a moment of a motion; name its file with --from");
-  check_outputs(common, options.outputs, {options.character, options.from});
-  const Actor actor = make_actor(common.assets, open_character(options.character, common, report),
-                                 report, {.muscles = MuscleMotion::lines});
+  std::vector<fs::path> files = options.outputs;
+  std::erase_if(files, [](const fs::path& file) { return is_numbered(file); });
+  check_outputs(common, files, {options.character, options.from});
+  const FallenCharacter person = open_fallen(options, common, report);
   const Ragdoll ragdoll =
-      character_ragdoll(options.character.string(), actor.character, actor.binding, report);
+      character_ragdoll(options.character.string(), person.character(), person.binding(), report);
   options.fall.push = Vec3(options.push[0], options.push[1], options.push[2]);
-  options.fall.world.ground_height = ground_height(actor.character);
-  FallBeginning beginning = begin_fall(options, actor, ragdoll, common, report);
+  options.fall.world.ground_height = ground_height(person.character());
+  FallBeginning beginning = begin_fall(options, person, ragdoll, common, report);
   Progress progress(common, "fall", 100);
   const auto start = std::chrono::steady_clock::now();
   FallResult fallen = fall(ragdoll, std::move(beginning.body), options.fall,
@@ -171,7 +197,7 @@ int run_fall(FallVerbOptions options, const Common& common, Report& report) {
   report_fall(fallen, seconds.count(), common, report);
   std::vector<Pose>& frames = fallen.motion.frames;
   frames.insert(frames.begin(), beginning.before.begin(), beginning.before.end());
-  write_fall(options, actor, fallen.motion, common);
+  write_fall(options, person, fallen.motion, common);
   return 0;
 }
 
