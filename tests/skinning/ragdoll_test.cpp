@@ -214,7 +214,7 @@ TEST(Ragdoll, HalfTheStepEndsAlike) {
   forward_kinematics(skeleton, fall(ragdoll, lying(ragdoll, 0), half).motion.frames.back(), other);
   for (const char* name : {"pelvis", "head", "elbow_l", "wrist_r", "knee_l", "ankle_r"}) {
     const std::size_t j = std::size_t(joint_of(skeleton, name));
-    EXPECT_LT((one[j].translation() - other[j].translation()).norm(), 0.1) << name;
+    EXPECT_LT((one[j].translation() - other[j].translation()).norm(), 0.01) << name;
   }
 }
 
