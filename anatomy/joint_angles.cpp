@@ -5,23 +5,10 @@
 #include <limits>
 #include <numbers>
 
+#include "anatomy/joint_turn.h"
+
 namespace ecorche::inline v1 {
 namespace {
-
-bool swings(const Joint& joint) { return joint.max[1] > std::numbers::pi / 2 && joint.parent >= 0; }
-
-Mat3 turned(const Joint& joint, const Vec3& angles) {
-  if (!swings(joint))
-    return (Eigen::AngleAxisd(angles[0], Vec3::UnitX()) *
-            Eigen::AngleAxisd(angles[1], Vec3::UnitY()) *
-            Eigen::AngleAxisd(angles[2], Vec3::UnitZ()))
-        .toRotationMatrix();
-  const Vec3 swing(angles[0], angles[1], 0);
-  const double angle = swing.norm();
-  const Vec3 axis = angle > 0 ? Vec3(swing / angle) : Vec3::UnitX();
-  return (Eigen::AngleAxisd(angle, axis) * Eigen::AngleAxisd(angles[2], Vec3::UnitZ()))
-      .toRotationMatrix();
-}
 
 Vec3 angles_of(const Joint& joint, const Mat3& R) {
   if (!swings(joint))
@@ -46,12 +33,12 @@ double outside(const Joint& joint, int a, double angle) {
 
 Vec3 joint_angles(const Joint& joint, const Quat& rotation) {
   return angles_of(joint, joint.axes.transpose() * rotation.toRotationMatrix() * joint.axes *
-                              turned(joint, joint.zero));
+                              joint_turn(joint, joint.zero));
 }
 
 Quat joint_rotation(const Joint& joint, const Vec3& angles) {
-  return Quat(Mat3(joint.axes * turned(joint, angles) * turned(joint, joint.zero).transpose() *
-                   joint.axes.transpose()));
+  return Quat(Mat3(joint.axes * joint_turn(joint, angles) *
+                   joint_turn(joint, joint.zero).transpose() * joint.axes.transpose()));
 }
 
 Vec3 joint_angles_near_limits(const Joint& joint, const Quat& rotation) {

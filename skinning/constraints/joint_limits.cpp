@@ -9,6 +9,7 @@
 #include "anatomy/compute/cholesky.h"
 #include "anatomy/compute/smooth_step.h"
 #include "anatomy/joint_angles.h"
+#include "anatomy/joint_turn.h"
 #include "skinning/constraints/foot_contacts.h"
 #include "skinning/motion/require_joint.h"
 
@@ -27,7 +28,9 @@ constexpr double kStands = 0.1e-3;     // m; position of a standing point
 // m; position of the ball of a foot whose heel stands alone, height of a heel whose ball stands
 constexpr double kRises = 5e-3;
 constexpr double kTurns = 4 * kDegree;  // rotation of a standing foot
-constexpr double kSinks = 0.2e-3;       // m; heel, ball or toes below the ground
+// Rotation, and way from its position, beyond which a hand or a free foot gives way.
+constexpr double kYields = 8 * kDegree, kStrays = 10e-3;
+constexpr double kSinks = 0.2e-3;  // m; heel, ball or toes below the ground
 // The other parameters.
 constexpr double kLast = 5 * kDegree;  // width of the margin, or a tenth of the range
 constexpr double kRisen = 4e-3;        // m; a heel so high is held sideways half as stiffly
@@ -52,6 +55,7 @@ class LimbSolver {
     for (int k = 0; k < 4; ++k) {
       const Joint& joint = skeleton.joints[chain.joints[k]];
       const Vec3 angles = joint_angles(joint, start.rotations[chain.joints[k]]);
+      from_zero_[k] = joint_turn(joint, joint.zero).transpose() * joint.axes.transpose();
       for (int a = 0; a < 3; ++a) {
         const int i = 3 * k + a;
         const double room = joint.max[a] - joint.min[a], ease = std::min(kLast, room / 10);
@@ -83,58 +87,139 @@ class LimbSolver {
       }
       if (!better) break;
     }
-    for (int k = 0; k < 4; ++k) pose.rotations[joint_at(k)] = rotation(x_, k).normalized();
+    for (int k = 0; k < 4; ++k) {
+      const Joint& turned = joint(k);
+      pose.rotations[joint_at(k)] =
+          Quat(Mat3(turned.axes * joint_turn(turned, x_.segment<3>(3 * k)) * from_zero_[k]))
+              .normalized();
+    }
   }
 
  private:
   static constexpr int kRows = 21;
   using Residual = Eigen::Matrix<double, kRows, 1>;
+  using Jacobian = Eigen::Matrix<double, kRows, kMost>;
 
   int joint_at(int k) const { return chain_.joints[k]; }
   const Joint& joint(int k) const { return skeleton_.joints[joint_at(k)]; }
-  Quat rotation(const Angles& x, int k) const {
-    return joint_rotation(joint(k), x.segment<3>(3 * k));
-  }
 
-  // Scaled residuals. Rows 0-2: the end's point; 3-11: its axes; 12-14: knee or elbow; 15-17: heel
-  // and ball of a standing foot; 18-20: depth of heel, ball and toes below the ground.
-  Residual residuals(const Angles& x) const {
-    Transform X = base_;
-    Residual out = Residual::Zero();
+  // The limb at angles x, and how it goes on as each of them grows: the axis in the world and the
+  // joint on it.
+  struct Posed {
+    Transform end;
+    std::array<Vec3, 4> at;
+    Eigen::Matrix<double, 3, kMost> axes;
+  };
+  Posed posed(const Angles& x) const {
+    Posed out;
+    Transform& X = out.end = base_;
     for (int k = 0; k < 4; ++k) {
       X.translate(joint(k).X_PJ.translation());
-      if (k == 1) out.segment<3>(12) = (X.translation() - middle_) / kMiddle;
-      X.rotate(rotation(x, k));
+      out.at[k] = X.translation();
+      const TurnWithRates turn = joint_turn_with_rates(joint(k), x.segment<3>(3 * k));
+      const Mat3 axes = X.linear() * joint(k).axes;
+      out.axes.middleCols<3>(3 * k) = axes * turn.rates;
+      X.linear() = axes * turn.turn * from_zero_[k];
     }
-    out.head<3>() = (X * chain_.point - wanted_ * chain_.point) / tolerance_.position;
-    for (int a = 0; a < 3; ++a)
-      out.segment<3>(3 + 3 * a) = (X.linear().col(a) - wanted_.linear().col(a)) /
-                                  (std::numbers::sqrt2 * tolerance_.rotation);
-    if (!chain_.leg || !tolerance_.on_ground) return out;
-    const Vec3 ball = X * chain_.point, heel = X * chain_.heel;
-    if (stand_.ball || stand_.heel) out.segment<9>(3) *= tolerance_.rotation / kTurns;
-    const Vec3 ball_wanted = wanted_ * chain_.point, heel_wanted = wanted_ * chain_.heel;
+    return out;
+  }
+
+  // Movement of a point, from the end of the limb or of the k-th joint, a radian of angle i.
+  static Vec3 moves(const Posed& limb, const Vec3& point, int i) {
+    return limb.axes.col(i).cross(point - limb.at[i / 3]);
+  }
+
+  Residual residuals(const Angles& x) const { return residuals(posed(x), nullptr); }
+
+  // Scaled residuals. Rows 0-2: the end's point; 3-11: its axes; 12-14: knee or elbow; 15-17: heel
+  // and ball of a standing foot; 18-20: depth of heel, ball and toes below the ground. `J`: their
+  // derivatives, if wanted.
+  Residual residuals(const Posed& limb, Jacobian* J) const {
+    Residual out = Residual::Zero();
+    if (J != nullptr) J->setZero();
+    const Transform& X = limb.end;
+    // Rows from `row` on: a point's way from its place, each direction by its scale.
+    const auto place = [&](int row, const Vec3& point, const Vec3& wanted, const Vec3& scale,
+                           int angles) {
+      out.segment<3>(row) = (point - wanted).cwiseProduct(scale);
+      if (J == nullptr) return;
+      for (int i = 0; i < angles; ++i)
+        J->block<3, 1>(row, i) = moves(limb, point, i).cwiseProduct(scale);
+    };
+    place(12, limb.at[1], middle_, Vec3::Constant(1 / kMiddle), 3);
+    const bool on_ground = chain_.leg && tolerance_.on_ground;
+    const bool stands = on_ground && (stand_.ball || stand_.heel);
+    turn(limb, stands ? kTurns : tolerance_.rotation, out, J);
+    const Vec3 ball = X * chain_.point, ball_wanted = wanted_ * chain_.point;
+    if (!on_ground) {
+      place(0, ball, ball_wanted, Vec3::Constant(1 / tolerance_.position), kMost);
+      give_way<3>(0, kStrays / tolerance_.position, out, J);
+      return out;
+    }
+    const Vec3 heel = X * chain_.heel, heel_wanted = wanted_ * chain_.heel;
     if (stand_.ball) {
-      out.head<3>() = (ball - ball_wanted) / kStands;
+      place(0, ball, ball_wanted, Vec3::Constant(1 / kStands), kMost);
     } else if (stand_.heel) {
       // The ball yields before the heel, but a lack of ankle flexion must not turn the toes out:
       // the heel rises instead.
-      out.head<3>() = (heel - heel_wanted) / kStands;
-      out[1] *= kStands / kRises;
-      out.segment<3>(15) = (ball - ball_wanted) / kRises;
+      place(0, heel, heel_wanted, Vec3(1 / kStands, 1 / kRises, 1 / kStands), kMost);
+      place(15, ball, ball_wanted, Vec3::Constant(1 / kRises), kMost);
+    } else {
+      place(0, ball, ball_wanted, Vec3::Constant(1 / tolerance_.position), kMost);
+      give_way<3>(0, kStrays / tolerance_.position, out, J);
     }
     if (stand_.ball && stand_.heel) {
       // The heel may rise where the ankle bends no further. It rotates about the ball, and is held
       // sideways less stiffly the higher it is.
       const Vec3 across = Vec3::UnitY().cross(ball_wanted - heel_wanted).normalized();
       const double high = std::max(0.0, heel.y() - heel_wanted.y()) / kRisen;
-      out[15] = (heel - heel_wanted).dot(across) / (kStands * (1 + high * high));
+      const double hold = 1 / (kStands * (1 + high * high)), off = (heel - heel_wanted).dot(across);
+      out[15] = hold * off;
       out[16] = (heel.y() - heel_wanted.y()) / kRises;
+      for (int i = 0; J != nullptr && i < kMost; ++i) {
+        const Vec3 way = moves(limb, heel, i);
+        (*J)(15, i) = hold * way.dot(across) -
+                      2 * kStands * hold * hold * off * high * (high > 0 ? way.y() / kRisen : 0);
+        (*J)(16, i) = way.y() / kRises;
+      }
     }
-    out[18] = std::min(0.0, heel.y()) / kSinks;
-    out[19] = std::min(0.0, ball.y()) / kSinks;
-    out[20] = std::min(0.0, (X * chain_.toes_up).y()) / kSinks;
+    const std::array<Vec3, 3> soles = {heel, ball, X * chain_.toes_up};
+    for (int p = 0; p < 3; ++p) {
+      if (soles[p].y() >= 0) continue;
+      out[18 + p] = soles[p].y() / kSinks;
+      for (int i = 0; J != nullptr && i < kMost; ++i)
+        (*J)(18 + p, i) = moves(limb, soles[p], i).y() / kSinks;
+    }
     return out;
+  }
+
+  // Rows 3-11: the end's rotation.
+  void turn(const Posed& limb, double tolerance, Residual& out, Jacobian* J) const {
+    const double scale = 1 / (std::numbers::sqrt2 * tolerance);
+    const Mat3& R = limb.end.linear();
+    for (int a = 0; a < 3; ++a)
+      out.segment<3>(3 + 3 * a) = scale * (R.col(a) - wanted_.linear().col(a));
+    for (int i = 0; J != nullptr && i < kMost; ++i)
+      for (int a = 0; a < 3; ++a)
+        J->block<3, 1>(3 + 3 * a, i) = scale * limb.axes.col(i).cross(R.col(a));
+    give_way<9>(3, kYields / tolerance, out, J);
+  }
+
+  // Beyond `most` the cost of these rows grows linearly only: a limb whose joints bend no further
+  // keeps its knee or elbow in place and lets the foot or hand move, where a square would spread
+  // the lack over all joints, one way or another by chance.
+  template <int count>
+  static void give_way(int row, double most, Residual& out, Jacobian* J) {
+    const Eigen::Matrix<double, count, 1> off = out.segment<count>(row);
+    const double size = off.norm();
+    if (size <= most) return;
+    const double root = std::sqrt(2 * most * size - most * most), share = root / size;
+    out.segment<count>(row) = share * off;
+    if (J == nullptr) return;
+    // The share shrinks as the residual grows.
+    const double slope = (most / root - share) / (size * size);
+    const Eigen::Matrix<double, 1, kMost> along = off.transpose() * J->middleRows<count>(row);
+    J->middleRows<count>(row) = share * J->middleRows<count>(row) + slope * off * along;
   }
 
   double beyond(double x, int i) const {
@@ -151,15 +236,10 @@ class LimbSolver {
   }
 
   void linearize() {
-    constexpr double kStep = 1e-6;
-    const Residual here = residuals(x_);
-    Eigen::Matrix<double, kRows, kMost> J = Eigen::Matrix<double, kRows, kMost>::Zero();
-    for (int i = 0; i < kMost; ++i) {
-      if (!free_[i]) continue;
-      Angles there = x_;
-      there[i] += kStep;
-      J.col(i) = (residuals(there) - here) / kStep;
-    }
+    Jacobian J;
+    const Residual here = residuals(posed(x_), &J);
+    for (int i = 0; i < kMost; ++i)
+      if (!free_[i]) J.col(i).setZero();
     hessian_ = J.transpose() * J;
     slope_ = J.transpose() * here;
     for (int i = 0; i < kMost; ++i) {
@@ -194,6 +274,7 @@ class LimbSolver {
   const LimbTolerance tolerance_;
   const FootStand stand_;
   std::array<bool, kMost> free_{};
+  std::array<Mat3, 4> from_zero_;  // of each joint: out of its axes at the anatomical zero
   Angles x_, start_, low_, high_, ease_, stray_;
   Eigen::Matrix<double, kMost, kMost> hessian_;
   Angles slope_;

@@ -46,8 +46,8 @@ struct LimitWorkspace {
 // Error of a limb's end that counts as much as 10 degrees of its joint angles. Smaller values make
 // a leg that is slightly too short snap straight; larger ones let hands and feet drift.
 struct LimbTolerance {
-  double position = 4e-3;    // m
-  double rotation = 0.0175;  // rad
+  double position = 4e-3;  // m
+  double rotation = 0.07;  // rad
   // y = 0 is the ground: standing feet keep their position to 0.1 mm, and soles do not sink into it
   bool on_ground = false;
 };

@@ -28,6 +28,8 @@ class MotionLimiter {
   void run(const LimbTolerance& tolerance, const std::vector<Contact>& contacts,
            const std::vector<LimbShifts>& shifts, Motion& motion);
 
+  const LimitTables& tables() const { return tables_; }
+
   // Displacement of the ends of limbs by the limits, over all runs; without self-collision.
   std::vector<EndMove> end_moves() const;
 

@@ -11,10 +11,12 @@
 #include "skinning/constraints/belt.h"
 #include "skinning/constraints/contact_snaps.h"
 #include "skinning/constraints/foot_contacts.h"
+#include "skinning/constraints/ground_lift.h"
 #include "skinning/constraints/leg_ik.h"
 #include "skinning/constraints/measure_feet.h"
 #include "skinning/constraints/motion_limits.h"
 #include "skinning/constraints/plant_feet.h"
+#include "skinning/constraints/steady_limbs.h"
 #include "skinning/filters/loop_motion.h"
 #include "skinning/filters/motion_filters.h"
 #include "skinning/filters/slope_ground.h"
@@ -28,9 +30,9 @@ namespace ecorche::inline v1 {
 namespace {
 constexpr double kLimitTolerance = 0.5 * kDegree;
 // Of limbs after foot planting.
-constexpr LimbTolerance kPlanted{0.5e-3, 1 * kDegree, true};
+constexpr LimbTolerance kPlanted{2e-3, 4 * kDegree, true};
 // Where the ground is not y = 0.
-constexpr LimbTolerance kOnSlope{0.5e-3, 1 * kDegree, false};
+constexpr LimbTolerance kOnSlope{2e-3, 4 * kDegree, false};
 
 // Number of frames at the start that belong to a calibration pose. Some files begin with a T-pose,
 // or move out of one in a few frames: those five times as fast as the movement that follows that
@@ -224,25 +226,27 @@ struct Constraints {
 };
 
 // Plants feet, and lets go of those that no leg within its limits keeps without a snap: `rounds`
-// times at most.
+// times at most. `source`: the motion whose speeds limbs are to keep; null: as it is given.
 void plant_within_limits(const std::string& name, const Skeleton& ours, double sole,
-                         FilteredMotion& filtered, MotionLimiter& limiter, int rounds,
-                         std::vector<std::string>& warnings) {
+                         const Motion* source, FilteredMotion& filtered, MotionLimiter& limiter,
+                         int rounds, std::vector<std::string>& warnings) {
   Motion& motion = filtered.motion;
-  const std::vector<Pose> free = motion.frames;
+  const Motion free = motion;
   std::vector<Contact>& contacts = filtered.contacts;
   const std::size_t found = contacts.size();
   for (int round = 0;; ++round) {
     plant_feet(ours, sole, contacts, filtered.lock, motion);
     limiter.run(kPlanted, contacts, {}, motion);
-    const std::vector<bool> snaps = snapping_contacts(ours, {motion.fps, free}, motion, contacts);
+    const std::vector<bool> snaps = snapping_contacts(ours, free, motion, contacts);
     if (round == rounds || std::ranges::find(snaps, true) == snaps.end()) break;
     std::vector<Contact> kept;
     for (std::size_t c = 0; c < contacts.size(); ++c)
       if (!snaps[c]) kept.push_back(contacts[c]);
     contacts = std::move(kept);
-    motion.frames = free;
+    motion = free;
   }
+  steady_limbs(ours, limiter.tables(), source != nullptr ? *source : free, free, motion);
+  lift_from_ground(ours, sole, motion);
   if (contacts.size() < found)
     warnings.push_back(
         fmt::format("{}: {} of {} contacts are not planted, since legs within their limits would "
@@ -266,10 +270,13 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
   }
   MotionLimiter limiter(
       ours, sole, options.avoid_self_collision && options.proxies ? &*options.proxies : nullptr);
+  Motion given;  // as the source moves
   if (keep) {
     report.limit_breaks_before = limit_breaks(ours, motion);
     warn_of_limited(name, report.limit_breaks_before, report.warnings);
+    given = motion;
     limiter.run({}, {}, moved.shifts, motion);
+    steady_limbs(ours, limiter.tables(), given, given, motion);
     report.self_collisions = limiter.initial_penetrations();
   }
   filtered.belt = belt;
@@ -277,8 +284,8 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
   apply_filters(name, ours, options.filters, filtered);
   if (keep && plant)
     // What filters have moved is faster where it is brought back to its place, and is wanted so.
-    plant_within_limits(name, ours, sole, filtered, limiter, moves_feet(options.filters) ? 0 : 3,
-                        report.warnings);
+    plant_within_limits(name, ours, sole, options.filters.empty() ? &given : nullptr, filtered,
+                        limiter, moves_feet(options.filters) ? 0 : 3, report.warnings);
   else if (plant)
     plant_feet(ours, sole, filtered.contacts, filtered.lock, motion);
   if (keep && !plant && !options.filters.empty()) limiter.run({}, {}, {}, motion);

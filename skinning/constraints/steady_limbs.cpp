@@ -1,0 +1,215 @@
+#include "skinning/constraints/steady_limbs.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+#include "anatomy/joint_angles.h"
+
+namespace ecorche::inline v1 {
+namespace {
+
+constexpr double kFaster = 1.45;                    // times the top speed
+constexpr double kSlow = 0.8;                       // m/s; a joint may always be so fast
+constexpr double kFasterHere = 3, kByMoreHere = 2;  // m/s; than around the step
+constexpr double kAround = 0.15;                    // s
+constexpr double kNarrow = 0.05;                    // s; half the width of the first mean
+constexpr int kRounds = 4;                          // each of twice the width
+
+using Angles = Eigen::VectorXd;  // three a joint
+
+// Joints that move over together, and those whose speed is seen.
+struct Chain {
+  std::vector<std::size_t> joints;
+  std::array<std::size_t, 2> seen{};
+};
+
+// Of the trunk with neck and head, whose leaps limbs would have to make up for, then of limbs.
+std::vector<Chain> chains_of(const Skeleton& skeleton, const LimitTables& tables) {
+  std::vector<Chain> out(1);
+  const int head = find_joint(skeleton, "head");
+  for (int j = head; j > 0; j = skeleton.joints[std::size_t(j)].parent)
+    out[0].joints.push_back(std::size_t(j));
+  out[0].seen = {std::size_t(tables.thorax), std::size_t(head)};
+  for (const LimbChain& limb : tables.limbs) {
+    Chain& chain = out.emplace_back();
+    for (const int j : limb.joints) chain.joints.push_back(std::size_t(j));
+    chain.seen = {chain.joints[1], chain.joints[limb.leg ? 2 : 3]};
+  }
+  return out;
+}
+
+// Positions of what is seen of a chain, from the pelvis.
+using LimbPoints = std::array<Vec3, 2>;
+
+LimbPoints limb_points(const Chain& chain, const std::vector<Transform>& X) {
+  const Vec3 from = X[0].translation();
+  return {X[chain.seen[0]].translation() - from, X[chain.seen[1]].translation() - from};
+}
+
+std::vector<LimbPoints> limb_path(const Skeleton& skeleton, const Chain& chain,
+                                  const Motion& motion) {
+  std::vector<LimbPoints> out;
+  std::vector<Transform> X;
+  for (const Pose& pose : motion.frames) {
+    forward_kinematics(skeleton, pose, X);
+    out.push_back(limb_points(chain, X));
+  }
+  return out;
+}
+
+double step_speed(const std::vector<LimbPoints>& path, std::size_t f, std::size_t point,
+                  double fps) {
+  return fps * (path[f + 1][point] - path[f][point]).norm();
+}
+
+// The speed, m/s, that a limb's middle and end may have in the step from each frame to the next.
+using SpeedLimits = std::vector<std::array<double, 2>>;
+
+SpeedLimits speed_limits(const std::vector<LimbPoints>& path, const Motion& motion) {
+  const double fps = motion.fps;
+  const std::size_t steps = path.size() - 1, around = std::size_t(std::lround(kAround * fps)) + 1;
+  SpeedLimits out(steps);
+  for (std::size_t k = 0; k < 2; ++k) {
+    std::vector<double> speeds;
+    for (std::size_t f = 0; f < steps; ++f) speeds.push_back(step_speed(path, f, k, fps));
+    const double top = std::max(kSlow, kFaster * *std::ranges::max_element(speeds));
+    for (std::size_t f = 0; f < steps; ++f) {
+      const auto begin = speeds.begin() + std::ptrdiff_t(f > around ? f - around : 0),
+                 end = speeds.begin() + std::ptrdiff_t(std::min(steps, f + around + 1));
+      const double here = *std::max_element(begin, end);
+      // What is carried by the pelvis goes with its turn, also where a recording's pelvis leaps.
+      const double carried =
+          fps * path[f][k].norm() *
+          motion.frames[f].rotations[0].angularDistance(motion.frames[f + 1].rotations[0]);
+      out[f][k] =
+          std::max(carried, std::min(top, std::max(kFasterHere * here, here + kByMoreHere)));
+    }
+  }
+  return out;
+}
+
+// One limb over the motion.
+class LimbSteadier {
+ public:
+  LimbSteadier(const Skeleton& skeleton, const Chain& limb, const SpeedLimits& limits,
+               Motion& motion)
+      : skeleton_(skeleton), limb_(limb), limits_(limits), motion_(motion) {}
+
+  // Averages what was added to `base`, by angle, until nothing is too fast. Returns the number of
+  // frames changed. `path`: of the limb, brought up to date.
+  int run(const std::vector<Angles>& base, std::vector<LimbPoints>& path) {
+    width_.assign(motion_.frames.size(), 0.0);
+    std::vector<Angles> change;
+    for (int round = 0; round < kRounds; ++round) {
+      if (!widen(path, kNarrow * std::exp2(round))) break;
+      for (std::size_t f = change.size(); f < base.size(); ++f)
+        change.push_back(angles(motion_.frames[f], false) - base[f]);
+      for (std::size_t f = 0; f < width_.size(); ++f) {
+        if (width_[f] <= 0) continue;
+        set_angles(base[f] + mean(change, f), motion_.frames[f]);
+        forward_kinematics(skeleton_, motion_.frames[f], X_);
+        path[f] = limb_points(limb_, X_);
+      }
+    }
+    return int(std::ranges::count_if(width_, [](double w) { return w > 0; }));
+  }
+
+  // `limited`: brought within limits first.
+  Angles angles(const Pose& pose, bool limited) const {
+    Angles out(3 * Eigen::Index(limb_.joints.size()));
+    for (std::size_t k = 0; k < limb_.joints.size(); ++k) {
+      const std::size_t j = limb_.joints[k];
+      const Quat& turn = pose.rotations[j];
+      out.segment<3>(3 * Eigen::Index(k)) =
+          joint_angles(skeleton_.joints[j], limited ? clamped(skeleton_.joints[j], turn) : turn);
+    }
+    return out;
+  }
+
+ private:
+  // Widens the mean around steps that are too fast: by `width`, s, and less on either side. Whether
+  // there are any.
+  bool widen(const std::vector<LimbPoints>& path, double width) {
+    bool any = false;
+    const int reach = int(std::ceil(2 * width * motion_.fps)), last = int(width_.size()) - 1;
+    for (int step = 0; step < last; ++step) {
+      const auto fast = [&](std::size_t k) {
+        return step_speed(path, std::size_t(step), k, motion_.fps) >
+               limits_[std::size_t(step)][k] * (1 + 1e-9);
+      };
+      if (!fast(0) && !fast(1)) continue;
+      any = true;
+      for (int f = std::max(0, step + 1 - reach); f <= std::min(last, step + reach); ++f) {
+        const double away = std::abs(f - step - 0.5) / motion_.fps;
+        double& here = width_[std::size_t(f)];
+        here = std::max(here, width * std::min(1.0, 2 - away / width));
+      }
+    }
+    return any;
+  }
+
+  // Mean of the values within a frame's width.
+  Angles mean(const std::vector<Angles>& values, std::size_t frame) const {
+    const double width = width_[frame] * motion_.fps;
+    const int last = int(values.size()) - 1, f = int(frame), reach = int(width);
+    Angles sum = Angles::Zero(values.front().size());
+    double weight = 0;
+    for (int g = f - reach; g <= f + reach; ++g) {
+      const double share = 1 + std::cos(std::numbers::pi * (g - f) / (width + 1));
+      sum += share * values[std::size_t(std::clamp(g, 0, last))];
+      weight += share;
+    }
+    return sum / weight;
+  }
+
+  void set_angles(const Angles& wanted, Pose& pose) const {
+    for (std::size_t k = 0; k < limb_.joints.size(); ++k) {
+      const std::size_t j = limb_.joints[k];
+      const Joint& joint = skeleton_.joints[j];
+      pose.rotations[j] =
+          joint_rotation(
+              joint, wanted.segment<3>(3 * Eigen::Index(k)).cwiseMax(joint.min).cwiseMin(joint.max))
+              .normalized();
+    }
+    complete_pose(skeleton_, pose);
+  }
+
+  const Skeleton& skeleton_;
+  const Chain& limb_;
+  const SpeedLimits& limits_;
+  Motion& motion_;
+  std::vector<double> width_;  // s, half of each frame's mean; 0: it stays
+  std::vector<Transform> X_;
+};
+
+}  // namespace
+
+int steady_limbs(const Skeleton& skeleton, const LimitTables& tables, const Motion& source,
+                 const Motion& given, Motion& motion) {
+  const std::size_t frames = motion.frames.size();
+  if (frames < 3) return 0;
+  int changed = 0;
+  for (const Chain& chain : chains_of(skeleton, tables)) {
+    const SpeedLimits limits = speed_limits(limb_path(skeleton, chain, source), source);
+    std::vector<LimbPoints> path = limb_path(skeleton, chain, motion);
+    bool any = false;
+    for (std::size_t f = 0; f + 1 < frames && !any; ++f)
+      any = step_speed(path, f, 0, motion.fps) > limits[f][0] ||
+            step_speed(path, f, 1, motion.fps) > limits[f][1];
+    if (!any) continue;
+    LimbSteadier limb(skeleton, chain, limits, motion);
+    std::vector<Angles> base;
+    for (const Pose& pose : given.frames) base.push_back(limb.angles(pose, true));
+    const int moved = limb.run(base, path);
+    // Where the given motion itself leaps at its limits, the angles are averaged as they are.
+    for (Angles& one : base) one.setZero();
+    changed += std::max(moved, limb.run(base, path));
+  }
+  return changed;
+}
+
+}  // namespace ecorche::inline v1

@@ -1,0 +1,23 @@
+// Limbs that a correction would make snap move over to it in time.
+//
+// Limits and planting find each frame's pose by itself. Where two poses of a limb are equally good,
+// a knee that bends outwards and one that bends inwards, neighbouring frames may take different
+// ones. What the correction changes in the limb's angles is then averaged over time, under a raised
+// cosine that is widened there until nothing goes faster than it should. Angles within a limb's
+// limits have means within them; the limb's end gives way by as much as the time takes.
+#pragma once
+
+#include "anatomy/skeleton.h"
+#include "skinning/constraints/joint_limits.h"
+
+namespace ecorche::inline v1 {
+
+// Slows limbs whose knee or ankle, elbow or wrist, as seen from the pelvis, goes faster than 1.45
+// times its top speed in `source`, or in a step faster than 3 times its speed within 0.15 s there
+// and by more than 2 m/s, unless the pelvis turns as fast. `given`: the motion before the
+// correction, `motion`: after it, within limits; all three of as many frames. Returns the number of
+// frames that were changed, each limb's counted.
+int steady_limbs(const Skeleton& skeleton, const LimitTables& tables, const Motion& source,
+                 const Motion& given, Motion& motion);
+
+}  // namespace ecorche::inline v1
