@@ -20,6 +20,7 @@
 #include "skinning/filters/loop_motion.h"
 #include "skinning/filters/motion_filters.h"
 #include "skinning/filters/slope_ground.h"
+#include "skinning/filters/warp_time.h"
 #include "skinning/motion/require_joint.h"
 #include "skinning/retarget/joint_mapping.h"
 #include "skinning/retarget/matching_rig.h"
@@ -281,18 +282,28 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
   }
   filtered.belt = belt;
   if (plant) filtered.contacts = find_contacts(moved.feet, motion);
-  apply_filters(name, ours, options.filters, filtered);
+  // Feet are planted at the file's own rate; another one only picks times out of the result.
+  std::vector<MotionFilter> filters = options.filters;
+  std::optional<double> rate;
+  std::erase_if(filters, [&](const MotionFilter& one) {
+    const ChangeRate* change = std::get_if<ChangeRate>(&one);
+    if (change != nullptr) rate = change->fps;
+    return change != nullptr;
+  });
+  apply_filters(name, ours, filters, filtered);
   if (keep && plant)
     // What filters have moved is faster where it is brought back to its place, and is wanted so.
-    plant_within_limits(name, ours, sole, options.filters.empty() ? &given : nullptr, filtered,
-                        limiter, moves_feet(options.filters) ? 0 : 3, report.warnings);
+    plant_within_limits(name, ours, sole, filters.empty() ? &given : nullptr, filtered, limiter,
+                        moves_feet(filters) ? 0 : 3, report.warnings);
   else if (plant)
-    plant_feet(ours, sole, filtered.contacts, filtered.lock, motion);
-  if (keep && !plant && !options.filters.empty()) limiter.run({}, {}, {}, motion);
+    plant_feet(ours, sole, filtered.contacts, filtered.lock, motion),
+        lift_from_ground(ours, sole, motion);
+  if (keep && !plant && !filters.empty()) limiter.run({}, {}, {}, motion);
   if (!keep && plant)
     for (Pose& pose : motion.frames) complete_pose(ours, pose);  // knees have moved
   if (keep) report.ends_moved = limiter.end_moves();
   if (fall) report.flights = make_flights_ballistic(ours, sole, filtered.gravity, motion);
+  if (rate) change_rate(*rate, filtered);
   const FootMeasures measured = measure_feet(ours, sole, motion, filtered.contacts);
   report.slide_p95 = measured.slide_p95;
   report.penetration = measured.penetration;
