@@ -31,12 +31,23 @@ Vec3 angles_of(const Mat3& R, const Vec3& near) {
   return (one - near).squaredNorm() <= (other - near).squaredNorm() ? one : other;
 }
 
+// Forward, up, right.
+Mat3 root_axes() {
+  Mat3 axes;
+  axes << 0, 0, -1, 0, 1, 0, 1, 0, 0;
+  return axes;
+}
+
 }  // namespace
 
 Vec3 root_angles(const Quat& rotation, const Vec3& near) {
-  Mat3 axes;  // forward, up, right
-  axes << 0, 0, -1, 0, 1, 0, 1, 0, 0;
+  const Mat3 axes = root_axes();
   return angles_of(axes.transpose() * rotation.toRotationMatrix() * axes, near);
+}
+
+Quat root_rotation(const Vec3& angles) {
+  const Mat3 axes = root_axes();
+  return Quat(Mat3(axes * turned(angles) * axes.transpose()));
 }
 
 std::vector<Coordinate> model_coordinates(const Skeleton& skeleton) {

@@ -33,6 +33,9 @@ inline constexpr std::array<const char*, 6> kRootCoordinates{"list", "turn", "ti
 // `near`.
 Vec3 root_angles(const Quat& rotation, const Vec3& near);
 
+// The rotation that has these.
+Quat root_rotation(const Vec3& angles);
+
 // Flexion, abduction, rotation (rad) of a local rotation that is counted from the rest pose. Of the
 // two triples that mean it the one nearer to `near`, whole turns included; for a motion without
 // leaps give the frame before, at first Joint::zero.

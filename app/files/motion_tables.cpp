@@ -12,6 +12,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/model_files/coordinates.h"
 #include "anatomy/muscles/belly_length.h"
+#include "app/files/joint_angle_table.h"
 #include "app/files/skin_markers.h"
 #include "skinning/motion/activation.h"
 
@@ -194,33 +195,7 @@ MotionTable MotionTables::table_of(const std::string& what) const {
 }
 
 MotionTable MotionTables::angles() const {
-  const Skeleton& skeleton = actor_.character.anatomy.skeleton;
-  const auto coordinates = model_coordinates(skeleton);
-  MotionTable out{"angles of joints", "deg", {}, {}, motion_.fps, {}};
-  for (const char* name : kRootCoordinates) {
-    out.columns.push_back(fmt::format("{}_{}", skeleton.joints[0].name, name));
-    out.units.push_back(out.columns.size() <= 3 ? "deg" : "m");
-  }
-  for (const Coordinate& one : coordinates) {
-    out.columns.push_back(one.name);
-    out.units.push_back("deg");
-  }
-  const Vec3 rest = rest_positions(skeleton)[0];
-  std::vector<Vec3> last;
-  for (const Joint& joint : skeleton.joints) last.push_back(joint.zero);
-  Vec3 root = Vec3::Zero();
-  for (const Pose& pose : motion_.frames) {
-    root = root_angles(pose.rotations[0], root);
-    const Vec3 moved = pose.root - rest;
-    std::vector<double>& row = out.rows.emplace_back();
-    for (const double angle : root) row.push_back(kDegreesPerRadian * angle);
-    row.insert(row.end(), {moved.z(), moved.y(), -moved.x()});
-    for (std::size_t j = 1; j < last.size(); ++j)
-      last[j] = turn_angles(skeleton.joints[j], pose.rotations[j], last[j]);
-    for (const Coordinate& one : coordinates)
-      row.push_back(kDegreesPerRadian * last[one.joint][one.axis]);
-  }
-  return out;
+  return joint_angle_table(actor_.character.anatomy.skeleton, motion_);
 }
 
 MotionTable MotionTables::activation_table() const {

@@ -12,8 +12,11 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
+#include "anatomy/limits.h"
+#include "app/files/joint_angle_table.h"
 #include "app/files/open_markers.h"
 #include "skinning/constraints/collision_proxies.h"
+#include "skinning/motion_files/opensim_read.h"
 #include "skinning/motion_files/read_motion.h"
 #include "skinning/retarget/rest_alignment.h"
 #include "skinning/retarget/retarget.h"
@@ -121,6 +124,29 @@ std::optional<Motion> open_own_motion(const std::filesystem::path& file, const C
   return std::move(own->motion);
 }
 
+// None where the file is no table of our own joints' angles, or people say how to read it.
+std::optional<Motion> open_own_angles(const std::filesystem::path& file, const Character& character,
+                                      const MotionOptions& options, const RetargetOptions& placed,
+                                      RetargetReport& found) {
+  const std::string ending = file.extension().string();
+  const MotionReadOptions read = to_read_options(options);
+  if ((ending != ".mot" && ending != ".sto") || !options.map_file.empty() || !options.up.empty() ||
+      !read.take.empty() || !read.skeleton.empty())
+    return std::nullopt;
+  const std::string name = printable(file.filename().string());
+  const CoordinateTable table =
+      parse_coordinates(read_input_file(file, limits::kMotionBytes), name);
+  if (!has_own_angles(table)) return std::nullopt;
+  const Skeleton& skeleton = character.anatomy.skeleton;
+  found.warnings = table.warnings;
+  Motion motion = motion_of_angles(table, skeleton, read.fps, found.warnings);
+  cut_motion(read.range, name, motion);
+  found.unit = "m";
+  found.facing = "+z";
+  constrain_own_motion(name, skeleton, placed, motion, found);
+  return motion;
+}
+
 MotionClip read_clip(const std::filesystem::path& file, const Character& character,
                      const MotionOptions& options, const Common& common, Report& report,
                      double& start) {
@@ -152,6 +178,8 @@ Motion placed_motion(const std::filesystem::path& file, const Character& charact
   if (placed.avoid_self_collision)
     placed.proxies = measure_proxies(character.anatomy.skeleton, character.body.skin.V);
   if (std::optional<Motion> own = open_own_motion(file, character, binding, options, placed, found))
+    return std::move(*own);
+  if (std::optional<Motion> own = open_own_angles(file, character, options, placed, found))
     return std::move(*own);
   return retarget(read_clip(file, character, options, common, report, start),
                   character.anatomy.skeleton, placed, found);
