@@ -12,9 +12,9 @@
 #include "anatomy/errors.h"
 #include "anatomy/model_files/coordinates.h"
 #include "anatomy/muscles/belly_length.h"
-#include "app/files/joint_angle_table.h"
 #include "app/files/skin_markers.h"
 #include "skinning/motion/activation.h"
+#include "skinning/motion_files/joint_angle_table.h"
 
 namespace ecorche {
 namespace {

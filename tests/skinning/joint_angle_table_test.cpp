@@ -1,5 +1,5 @@
 // Laws of tables of joint angles: a motion comes back from its own table.
-#include "app/files/joint_angle_table.h"
+#include "skinning/motion_files/joint_angle_table.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "app/files/joint_angle_table.h"
+#include "skinning/motion_files/joint_angle_table.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,13 +14,13 @@
 #include "anatomy/model_files/coordinates.h"
 #include "skinning/motion_files/clip_times.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kStill = 1e-5;         // rad; a fixed angle nearer to its zero has no column
-constexpr double kUsualRate = 30;       // frames/s, of a table of one row
-constexpr std::size_t kMostNames = 40;  // in a warning
-constexpr std::array kTurns{"flexion", "abduction", "rotation"};
+constexpr double kAtZero = 1e-5;        // rad; a fixed angle nearer to its zero has no column
+constexpr double kRateOfOneRow = 30;    // frames/s, of a table of one row
+constexpr std::size_t kNamesTold = 40;  // in a warning
+constexpr std::array kTurnNames{"flexion", "abduction", "rotation"};
 
 std::vector<std::string> root_columns(const Skeleton& skeleton) {
   std::vector<std::string> out;
@@ -34,9 +34,9 @@ std::vector<Coordinate> all_angles(const Skeleton& skeleton) {
   std::vector<Coordinate> out;
   for (int j = 1; j < int(skeleton.joints.size()); ++j)
     for (int axis = 0; axis < 3; ++axis)
-      out.push_back(
-          {fmt::format("{}_{}", skeleton.joints[std::size_t(j)].name, kTurns[std::size_t(axis)]), j,
-           axis});
+      out.push_back({fmt::format("{}_{}", skeleton.joints[std::size_t(j)].name,
+                                 kTurnNames[std::size_t(axis)]),
+                     j, axis});
   return out;
 }
 
@@ -64,7 +64,7 @@ MotionTable joint_angle_table(const Skeleton& skeleton, const Motion& motion) {
         std::any_of(columns.begin(), columns.begin() + std::ptrdiff_t(of_models), same))
       continue;
     const auto moves = [&](const std::vector<Vec3>& frame) {
-      return std::abs(frame[std::size_t(one.joint)][one.axis] - joint.zero[one.axis]) > kStill;
+      return std::abs(frame[std::size_t(one.joint)][one.axis] - joint.zero[one.axis]) > kAtZero;
     };
     if (std::ranges::any_of(angles, moves)) columns.push_back(one);
   }
@@ -113,14 +113,14 @@ Motion motion_of_angles(const CoordinateTable& table, const Skeleton& skeleton,
   }
   if (!strange.empty()) {
     const std::size_t count = strange.size();
-    if (count > kMostNames) strange.resize(kMostNames);
+    if (count > kNamesTold) strange.resize(kNamesTold);
     warnings.push_back(fmt::format("{}: {} columns are no angles that are known: {}{}", table.name,
                                    count, fmt::join(strange, ", "),
-                                   count > kMostNames ? ", ..." : ""));
+                                   count > kNamesTold ? ", ..." : ""));
   }
   const double unit = table.degrees ? 1 / kDegreesPerRadian : 1;
   const Vec3 rest = rest_positions(skeleton)[0];
-  Motion out{fps ? *fps : table.times.size() > 1 ? rate_of(table.times) : kUsualRate, {}};
+  Motion out{fps ? *fps : table.times.size() > 1 ? rate_of(table.times) : kRateOfOneRow, {}};
   std::vector<Vec3> turns(skeleton.joints.size());
   for (const std::vector<double>& row : table.rows) {
     for (std::size_t j = 0; j < turns.size(); ++j)
@@ -142,4 +142,4 @@ Motion motion_of_angles(const CoordinateTable& table, const Skeleton& skeleton,
   return out;
 }
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1

@@ -5,12 +5,14 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "anatomy/skeleton.h"
 #include "skinning/motion_files/motion_table.h"
 #include "skinning/motion_files/opensim_read.h"
 
-namespace ecorche {
+namespace ecorche::inline v1 {
 
 // Angles in degrees, the root's way in metres.
 MotionTable joint_angle_table(const Skeleton& skeleton, const Motion& motion);
@@ -25,4 +27,4 @@ bool has_own_angles(const CoordinateTable& table);
 Motion motion_of_angles(const CoordinateTable& table, const Skeleton& skeleton,
                         std::optional<double> fps, std::vector<std::string>& warnings);
 
-}  // namespace ecorche
+}  // namespace ecorche::inline v1
