@@ -246,7 +246,8 @@ void plant_within_limits(const std::string& name, const Skeleton& ours, double s
     contacts = std::move(kept);
     motion = free;
   }
-  steady_limbs(ours, limiter.tables(), source != nullptr ? *source : free, free, motion);
+  if (rounds > 0)
+    steady_limbs(ours, limiter.tables(), source != nullptr ? *source : free, free, motion);
   lift_from_ground(ours, sole, motion);
   if (contacts.size() < found)
     warnings.push_back(
