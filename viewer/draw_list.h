@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -60,6 +61,9 @@ struct DrawItem {
   std::uint32_t part = 0;  // 0: cannot be picked and has no outline
   bool casts_shadow = true;
   bool closed = false;  // its inside is never seen: triangles that face away are left out
+  // The face of a cut: flat, whole where DrawList::cut takes all else away; later triangles lie on
+  // earlier ones.
+  bool cut_face = false;
 };
 
 struct Camera {
@@ -117,6 +121,8 @@ struct DrawList {
   // shadows.
   Vec3f focus{0, 0, 0};
   float focus_radius = 0;
+  // A plane, n . x = w for (n, w): what lies on the eye's side of it is not drawn.
+  std::optional<Vec4f> cut{};
 };
 
 }  // namespace ecorche

@@ -549,6 +549,7 @@ void update_scene(const SceneModel& model, const PosedAnatomy& posed, const Skin
     scene.list.meshes[kSkinMesh].revision = revision;
   }
   scene.list.items.clear();
+  scene.list.cut.reset();
   for (const Look& look : appearance.looks) add_look(model, posed, appearance, look, scene.list);
   set_focus(posed, appearance, scene.list);
 }

@@ -38,6 +38,8 @@ void arguments(Arguments& a, Render& x) {
   a.text("size", "size", x.size, Need::optional, "WIDTHxHEIGHT in pixels");
   a.text("background", "colour", x.background, Need::optional,
          "white, outdoors, transparent or #RRGGBB");
+  a.text("section", "plane", x.section, Need::optional,
+         "transverse:HEIGHT, frontal:BEFORE, sagittal:LEFT or JOINT-JOINT:SHARE");
 }
 
 void arguments(Arguments& a, ReportMuscle& x) {

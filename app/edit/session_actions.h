@@ -25,7 +25,7 @@ struct WriteCharacter {
 };
 struct Render {
   std::string file, camera, look_at, only, hide, layers = "skin,muscles,bones", size = "1280x720";
-  std::string background = "white";
+  std::string background = "white", section;
 };
 struct ReportMuscle {
   std::string muscle, joint, angle = "flexion";

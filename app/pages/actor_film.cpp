@@ -11,6 +11,7 @@
 #include "app/progress.h"
 #include "skinning/dynamics/soft_tissue.h"
 #include "skinning/motion/sample_motion.h"
+#include "viewer/cut_faces.h"
 #include "viewer/lettering.h"
 
 namespace ecorche {
@@ -151,6 +152,9 @@ FilmReport film_actor(const Actor& actor, const Motion& motion, const ActorFilm&
     if (film.dissolve) dissolve(*film.dissolve, moments[f], appearance.looks.front());
     update_scene(model, frame.posed, &frame.skin, activity, appearance, std::uint64_t(f) + 1,
                  scene);
+    if (film.section.kind == SectionPlane::Kind::none) return;
+    const Vec4f plane = plane_of(film.section, actor.character.anatomy.skeleton, frame.posed);
+    add_cut(plane, cut_faces(plane, scene.list), scene.list);
   };
   Progress progress(common, film.output.filename().string(), frames);
   return make_film(options, frames, source, [&](int done) { progress.at(done); });

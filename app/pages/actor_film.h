@@ -12,6 +12,7 @@
 #include "app/pages/film_range.h"
 #include "skinning/motion/activation.h"
 #include "viewer/film/film.h"
+#include "viewer/section_plane.h"
 
 namespace ecorche {
 
@@ -33,6 +34,7 @@ struct ActorFilm {
   MuscleColors muscle_colors = MuscleColors::flesh;
   bool legend = true;  // what the muscles' colours mean, where muscles are seen
   FilmView view;
+  SectionPlane section;             // what lies before it is cut away
   Ground ground;                    // shown as it is
   std::optional<Vec3f> background;  // a sky when left out
   bool transparent = false;         // nothing around the figure; pictures only

@@ -33,7 +33,7 @@ struct RenderVerbOptions {
   fs::path character, motion, weights, poses;
   std::string activation = "none", layers = "skin,muscles,bones", size = "1280x720",
               skin = "ecorche", muscles = "auto";
-  std::string frames, hide, only, pose, background = "outdoors";
+  std::string frames, hide, only, pose, section, background = "outdoors";
   std::optional<std::string> camera;
   std::optional<double> at, definition;
   std::vector<double> dissolve;
@@ -198,6 +198,9 @@ int run_render(RenderVerbOptions options, const Common& common, Report& report) 
                             .refinement = true});
   choose_skin(common.assets, actor, options.skin);
   film.hidden = hidden_parts(options, actor.character.anatomy);
+  if (!options.section.empty())
+    film.section =
+        read_section_plane(options.section, actor.character.anatomy.skeleton, "--section");
   std::string view = "follow";
   const Motion motion = options.motion.empty()
                             ? still_motion(common.assets.tables, actor, options, view)
@@ -240,6 +243,11 @@ void add_view_options(CLI::App& verb, RenderVerbOptions& options) {
                       "...), layers (superficial, ...), with commas between them; * stands for any "
                       "letters, a name without side for both");
   verb.add_option("--only", options.only, "The only parts to show, named likewise")->excludes(hide);
+  verb.add_option("--section", options.section,
+                  "Cut by a plane, what lies before it taken away, as a scan's slice: "
+                  "transverse:HEIGHT, frontal:BEFORE or sagittal:LEFT of the pelvis, or "
+                  "JOINT-JOINT:SHARE, square to the line between two joints (transverse:95cm, "
+                  "hip_l-knee_l:50%)");
   verb.add_option("--background", options.background,
                   "outdoors; white, a colour #RRGGBB, or, for pictures, transparent")
       ->capture_default_str();
@@ -274,7 +282,9 @@ void add_render_verb(VerbRegistry& registry) {
       "ecorche render anna-anatomy.glb walk.bvh -o anna.mp4 --layers muscles,bones --camera left\n"
       "  ecorche render anna-anatomy.glb walk.bvh -o knee.png --at 1.2 --look-at knee_l --hide "
       "skin\n"
-      "  ecorche render anna-anatomy.glb -o squat.png --pose squat --background white",
+      "  ecorche render anna-anatomy.glb -o squat.png --pose squat --background white\n"
+      "  ecorche render anna-anatomy.glb -o slice.png --section hip_l-knee_l:50% --camera top "
+      "--look-at hip_l --background white",
       [options](const Common& common, Report& report) {
         return run_render(*options, common, report);
       });

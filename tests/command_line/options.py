@@ -592,7 +592,7 @@ def pictures(t):
     still = lambda name, *words: render("-o", f"{name}.png", "--size", "160x120", *words)  # noqa: E731
     still("rest")
     for name, words in (("squat", ["--pose", "squat"]), ("torn", ["--pose", "squat", "--muscles", "lines", "--layers", "muscles"]), ("mapped", ["--pose", "squat", "--layers", "muscles"]), ("white", ["--background", "white"]), ("knee", ["--look-at", "knee_l"]), ("hidden", ["--hide", "trunk_back", "--layers", "muscles"]),
-                        ("only", ["--only", "femur_*", "--layers", "bones"])):
+                        ("only", ["--only", "femur_*", "--layers", "bones"]), ("slice", ["--section", "hip_l-knee_l:50%"])):
         still(name, *words)
         t.check(png(f"{name}.png") != png("rest.png"), f"render {' '.join(words)} changes nothing")
     t.check(png("mapped.png") != png("torn.png"), "render --muscles lines changes nothing")
@@ -602,6 +602,7 @@ def pictures(t):
     still("own", "--pose", "bent", "--poses", t.write("own.csv", "name,label,view,angles\nbent,bent,front,elbow 90\n"))
     t.says(t.run(2, "render", "anna-anatomy.glb", "-o", "no.png", "--pose", "sqat"), "squat")
     t.says(t.run(2, "render", "anna-anatomy.glb", "-o", "no.png", "--look-at", "kne_l"), "knee_l")
+    t.says(t.run(2, "render", "anna-anatomy.glb", "-o", "no.png", "--section", "hip_l-kne_l:50%"), "knee_l")
     render("walk.bvh", "-o", "moment.png", "--at", 0.1, "--size", "160x120")
     render("walk.bvh", "-o", "part/%02d.png", "--from", 0.05, "--to", 0.1, "--fps", 60, "--size", "96x80")
     t.check(os.listdir(t.path("part")) and "01.png" in os.listdir(t.path("part")), "--from, --to")

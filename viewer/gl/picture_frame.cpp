@@ -101,6 +101,14 @@ float occlusion_pixels(const PictureFrame& frame, const Camera& camera, int heig
   return 1.5f * frame.occlusion_reach / seen * float(height);
 }
 
+// The side of the cut that is farther from the eye.
+glm::vec4 kept_side(const Vec4f& cut, const Camera& camera) {
+  const Vec3f normal = cut.head<3>();
+  const float beside = camera.ortho_height > 0 ? normal.dot(camera.eye - camera.target)
+                                               : normal.dot(camera.eye) - cut.w();
+  return beside > 0 ? glm::vec4(-to_glm(normal), cut.w()) : glm::vec4(to_glm(normal), -cut.w());
+}
+
 }  // namespace
 
 PictureFrame make_picture_frame(const DrawList& list, const GpuMeshes& meshes, int width,
@@ -111,6 +119,7 @@ PictureFrame make_picture_frame(const DrawList& list, const GpuMeshes& meshes, i
       to_glm(projection_matrix(list.camera, float(width) / float(height))) * view;
   frame.unproject = glm::inverse(frame.view_projection);
   frame.ball = focus_ball(list, meshes);
+  if (list.cut) frame.kept = kept_side(*list.cut, list.camera);
   std::vector<glm::vec3> corners = item_corners(list, meshes);
   frame.figure = pixels_around(corners, frame.view_projection, width, height);
   const glm::mat3 from_eye = glm::transpose(glm::mat3(view));

@@ -4,6 +4,7 @@
 
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 
 #include "viewer/draw_list.h"
 #include "viewer/gl/gpu_mesh.h"
@@ -29,7 +30,9 @@ struct PictureFrame {
   float occlusion_reach = 0;     // m, reach of ambient occlusion
   PixelWindow figure;            // pixels that items can reach
   PixelWindow shadow;            // pixels of the ground that their shadow can reach
-  PixelWindow shaded;            // pixels that ambient occlusion can darken
+  // what the list's cut leaves, n . x + w >= 0; all where there is no cut
+  glm::vec4 kept{0, 0, 0, 1};
+  PixelWindow shaded;  // pixels that ambient occlusion can darken
 };
 
 // Precondition: GpuMeshes::begin(list). width, height: of the picture, pixels; shadow_size: texels

@@ -71,6 +71,7 @@ struct Renderer::Impl {
   void draw_shadows(const DrawList& list);
   void draw_background(const DrawList& list);
   void draw_opaque(const DrawList& list);
+  void draw_cut_faces(const DrawList& list);
   void draw_occlusion(const DrawList& list);
   void draw_translucent(const DrawList& list);
   void draw_resolved(GLuint framebuffer);
@@ -218,6 +219,7 @@ void Renderer::Impl::draw_item(const GlProgram& program, const DrawList& list,
   }
   program.set("u_model", to_glm(item.X_WM));
   program.set("u_dissolved", item.surface.dissolved);
+  program.set("u_cut", item.cut_face ? glm::vec4(0, 0, 0, 1) : frame.kept);
   meshes.draw(list, item, options.quick);
 }
 
@@ -245,7 +247,7 @@ void Renderer::Impl::draw_shadows(const DrawList& list) {
     program->set("u_view_projection", frame.shadow_view_projection);
   }
   for (const DrawItem& item : list.items)
-    if (item.casts_shadow && item.surface.opacity >= 0.5f && !is_hidden(item))
+    if (item.casts_shadow && !item.cut_face && item.surface.opacity >= 0.5f && !is_hidden(item))
       draw_item(dissolves(item) ? shadow_dissolve_program : shadow_program, list, item);
   gl.Disable(GL_POLYGON_OFFSET_FILL);
 }
@@ -313,7 +315,7 @@ void Renderer::Impl::draw_opaque(const DrawList& list) {
     set_frame(*program, list);
   const auto draw_those = [&](const auto& wanted) {
     for (const DrawItem& item : list.items) {
-      if (!is_opaque(item) || is_hidden(item) || !wanted(item)) continue;
+      if (!is_opaque(item) || is_hidden(item) || item.cut_face || !wanted(item)) continue;
       const GlProgram& program = surface_program(list, item);
       set_surface(program, item);
       draw_item(program, list, item);
@@ -322,6 +324,26 @@ void Renderer::Impl::draw_opaque(const DrawList& list) {
   // What lies outside first: what it covers is not coloured.
   draw_those([](const DrawItem& item) { return item.surface.striation > 0; });
   draw_those([](const DrawItem& item) { return item.surface.striation <= 0; });
+  draw_cut_faces(list);
+}
+
+// All that is not in the face's plane lies behind it: the order of triangles decides within it, and
+// depth is written after all of them.
+void Renderer::Impl::draw_cut_faces(const DrawList& list) {
+  for (const DrawItem& item : list.items) {
+    if (!item.cut_face || is_hidden(item)) continue;
+    const GlProgram& program = options.quick ? quick_program : plain_program;
+    set_surface(program, item);
+    gl.Enable(GL_POLYGON_OFFSET_FILL);
+    gl.PolygonOffset(-1, -4);
+    gl.DepthMask(GL_FALSE);
+    draw_item(program, list, item);
+    gl.DepthMask(GL_TRUE);
+    gl.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    draw_item(program, list, item);
+    gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    gl.Disable(GL_POLYGON_OFFSET_FILL);
+  }
 }
 
 // Ambient occlusion at one sample a pixel, of opaque surfaces; translucent ones are drawn later.
@@ -446,11 +468,17 @@ void Renderer::Impl::draw(const DrawList& list, int out_width, int out_height, G
   all = {0, 0, width, height};
   if (options.columns > 0) all = within({options.first_column, 0, options.columns, height}, all);
   for (PixelWindow* w : {&frame.figure, &frame.shadow, &frame.shaded}) *w = within(*w, all);
+  if (list.cut) gl.Enable(GL_CLIP_DISTANCE0);
   draw_shadows(list);
+  gl.Disable(GL_CLIP_DISTANCE0);
   draw_background(list);
+  if (list.cut) gl.Enable(GL_CLIP_DISTANCE0);
   draw_opaque(list);
+  gl.Disable(GL_CLIP_DISTANCE0);
   draw_occlusion(list);
+  if (list.cut) gl.Enable(GL_CLIP_DISTANCE0);
   draw_translucent(list);
+  gl.Disable(GL_CLIP_DISTANCE0);
   draw_resolved(framebuffer);
 }
 

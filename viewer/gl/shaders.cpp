@@ -72,6 +72,7 @@ layout(location = 5) in vec4 a_fibre;
 layout(location = 6) in uint a_part;
 uniform mat4 u_model, u_view_projection;
 uniform mat3 u_normal;
+uniform vec4 u_cut;  // drawn where dot(u_cut, place) is not below 0
 out vec3 v_position, v_normal, v_color;
 out float v_occlusion, v_dissolve;
 out vec4 v_fibre;
@@ -86,6 +87,7 @@ void main() {
   v_fibre = a_fibre;
   v_part = a_part;
   gl_Position = u_view_projection * p;
+  gl_ClipDistance[0] = dot(u_cut, p);
 #ifdef DISSOLVES
   // The remaining surface still covers surfaces that penetrate it by less than 0.03 m.
   vec3 v = view_direction(p.xyz);
@@ -207,10 +209,13 @@ const char* const shadow_vertex = R"(
 layout(location = 0) in vec3 a_position;
 layout(location = 4) in float a_dissolve;
 uniform mat4 u_model, u_view_projection;
+uniform vec4 u_cut;
 out float v_dissolve;
 void main() {
+  vec4 p = u_model * vec4(a_position, 1.0);
   v_dissolve = a_dissolve;
-  gl_Position = u_view_projection * u_model * vec4(a_position, 1.0);
+  gl_Position = u_view_projection * p;
+  gl_ClipDistance[0] = dot(u_cut, p);
 }
 )";
 

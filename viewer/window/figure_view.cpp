@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "viewer/cut_faces.h"
+
 namespace ecorche {
 namespace {
 
@@ -59,10 +61,12 @@ void FigureView::draw(const ViewDocument& document, const Camera& camera, const 
   const bool ready = alike && kept_.width() == width && kept_.height() == height &&
                      detail == detail_ && first == first_column_ && columns == columns_ &&
                      document.touched == touched_ && same_camera(camera) &&
-                     scene_.list.ground.visible == document.ground;
+                     document.section == section_ && scene_.list.ground.visible == document.ground;
   if (!ready) {
+    if (!alike || document.touched != touched_ || document.section != section_) cut_.reset();
     detail_ = detail;
     touched_ = document.touched;
+    section_ = document.section;
     first_column_ = first;
     columns_ = columns;
     if (!alike) {
@@ -117,9 +121,20 @@ void FigureView::render(const PosedAnatomy& posed, const Appearance& appearance,
   list.camera = camera;
   const std::size_t meshes = list.meshes.size(), items = list.items.size();
   if (tool_.add) tool_.add(posed, appearance, list);
+  cut(document, posed);
   renderer_.render_to(list, kept_.width(), kept_.height(), kept_.framebuffer());
   list.meshes.resize(meshes);
   list.items.resize(items);
+  list.cut.reset();
+}
+
+// Faces are found again where what they cut has changed, not where the eye has.
+void FigureView::cut(const ViewDocument& document, const PosedAnatomy& posed) {
+  if (document.section.kind == SectionPlane::Kind::none || posed.X_WJ.empty()) return;
+  const Vec4f plane = plane_of(document.section, subject_.anatomy->skeleton, posed);
+  if (cut_ != plane) faces_ = cut_faces(plane, scene_.list);
+  cut_ = plane;
+  add_cut(plane, faces_, scene_.list);
 }
 
 bool FigureView::same_camera(const Camera& c) const {

@@ -45,6 +45,7 @@ class FigureView {
   Detail detail_for(Wish wish, bool busy) const;
   void render(const PosedAnatomy& posed, const Appearance& appearance, const ViewDocument& document,
               const Camera& camera);
+  void cut(const ViewDocument& document, const PosedAnatomy& posed);
   void show(const Size& size);
   bool same_camera(const Camera& camera) const;
 
@@ -63,6 +64,9 @@ class FigureView {
   SkinFrame skin_;
   std::vector<float> activity_;
   std::optional<Appearance> drawn_;  // of the scene as it is
+  SectionPlane section_;             // that was drawn
+  std::optional<Vec4f> cut_;         // the plane of faces_
+  DrawMesh faces_;
   std::uint64_t revision_ = 0, known_ = 0;
   int frame_ = -1;
 };

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include "viewer/part_names.h"
 #include "viewer/window/file_panel.h"
@@ -55,6 +57,7 @@ float draw_layers(const ViewSubject& subject, const PosedAnatomy& posed, ViewDoc
   ImGui::SetNextWindowSize({kLeftColumn * em_panels(), 0}, ImGuiCond_Always);
   if (ImGui::Begin("View", nullptr, kFixed)) {
     draw_look(document);
+    draw_section(subject, document);
     draw_views(subject, posed, document);
     if (subject.open) key_button("open...", ViewAction::open, subject, posed, document);
     if (subject.open) ImGui::SameLine();
@@ -142,6 +145,24 @@ void draw_parts(const ViewSubject& subject, const PosedAnatomy& posed, float top
   ImGui::End();
 }
 
+// What is not played, darker, over the slider that was drawn last.
+void draw_marks(const ViewSubject& subject, const ViewDocument& document) {
+  const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+  const auto at = [&](int frame) {
+    return low.x + (high.x - low.x) * float(frame) / float(std::max(subject.frames, 1));
+  };
+  constexpr ImU32 shade = IM_COL32(0, 0, 0, 150), line = IM_COL32(250, 205, 60, 255);
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  if (document.in) {
+    list.AddRectFilled(low, {at(*document.in), high.y}, shade);
+    list.AddLine({at(*document.in), low.y}, {at(*document.in), high.y}, line, 2);
+  }
+  if (document.out) {
+    list.AddRectFilled({at(*document.out + 1), low.y}, high, shade);
+    list.AddLine({at(*document.out + 1), low.y}, {at(*document.out + 1), high.y}, line, 2);
+  }
+}
+
 // State of the subject, and the last message.
 void draw_state(const ViewDocument& document, float left, float bottom) {
   if (document.state.empty() && document.message.empty()) return;
@@ -173,6 +194,39 @@ void draw_look(ViewDocument& document) {
   ImGui::Checkbox("follow", &document.follow);
   ImGui::SameLine();
   ImGui::Checkbox("parallel", &document.parallel);
+}
+
+void draw_section(const ViewSubject& subject, ViewDocument& document) {
+  using Kind = SectionPlane::Kind;
+  constexpr std::pair<Kind, const char*> kinds[] = {{Kind::none, "whole"},
+                                                    {Kind::transverse, "across (transverse)"},
+                                                    {Kind::frontal, "from the front (frontal)"},
+                                                    {Kind::sagittal, "from the side (sagittal)"}};
+  SectionPlane& section = document.section;
+  ImGui::TextUnformatted("cut");
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(-1);
+  const auto now = std::ranges::find(kinds, section.kind, &std::pair<Kind, const char*>::first);
+  if (ImGui::BeginCombo("##cut", now != std::end(kinds) ? now->second : "square to a limb")) {
+    for (const auto& [kind, word] : kinds)
+      if (ImGui::Selectable(word, kind == section.kind))
+        while (section.kind != kind) next_section(subject, document);
+    ImGui::EndCombo();
+  }
+  if (document.recorded) {
+    const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+    document.places["cut"] = {0.5f * (low.x + high.x), 0.5f * (low.y + high.y)};
+  }
+  if (section.kind == Kind::none) return;
+  const auto [low, high] = section_range(subject, section.kind);
+  float centimetres = float(100 * section.place);
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::SliderFloat("##place", &centimetres, float(100 * low), float(100 * high), "%.1f cm"))
+    section.place = 0.01 * centimetres;
+  if (document.recorded) {
+    const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
+    document.places["cut:place"] = {0.5f * (from.x + to.x), 0.5f * (from.y + to.y)};
+  }
 }
 
 void draw_views(const ViewSubject& subject, const PosedAnatomy& posed, ViewDocument& document) {
@@ -224,6 +278,10 @@ float draw_timeline(const ViewSubject& subject, const PosedAnatomy& posed, ViewD
     const int frame = frame_of(subject, document);
     int number = frame + 1;
     ImGui::SameLine();
+    if (ImGui::Button("in")) mark(subject, &ViewDocument::in, document);
+    ImGui::SameLine();
+    if (ImGui::Button("out")) mark(subject, &ViewDocument::out, document);
+    ImGui::SameLine();
     ImGui::SetNextItemWidth(4 * em_panels());
     if (ImGui::InputInt("##number", &number, 0, 0, ImGuiInputTextFlags_EnterReturnsTrue))
       go_to(subject, number - 1, document);
@@ -235,6 +293,7 @@ float draw_timeline(const ViewSubject& subject, const PosedAnatomy& posed, ViewD
     ImGui::SetNextItemWidth(-1);
     if (ImGui::SliderInt("##frame", &number, 1, subject.frames, ""))
       go_to(subject, number - 1, document);
+    draw_marks(subject, document);
   }
   ImGui::End();
   return height + kEdge * em_panels();

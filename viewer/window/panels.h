@@ -22,6 +22,8 @@ PartInfo describe(const ViewSubject& subject, const PosedAnatomy& posed, std::ui
 
 // Parts of panels, for tools that have panels of their own; within a window of ImGui.
 void draw_look(ViewDocument& document);  // layers and colours
+// The plane that cuts the figure, and where it lies.
+void draw_section(const ViewSubject& subject, ViewDocument& document);
 void draw_views(const ViewSubject& subject, const PosedAnatomy& posed, ViewDocument& document);
 
 // Windows at the edges. The timeline returns its height, 0 where nothing moves; the list of keys

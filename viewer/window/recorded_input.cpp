@@ -37,10 +37,11 @@ struct NamedKey {
   int key;
 };
 constexpr NamedKey kNamedKeys[] = {
-    {"Escape", GLFW_KEY_ESCAPE}, {"Enter", GLFW_KEY_ENTER}, {"Tab", GLFW_KEY_TAB},
-    {"Space", GLFW_KEY_SPACE},   {"Home", GLFW_KEY_HOME},   {"Left", GLFW_KEY_LEFT},
-    {"Right", GLFW_KEY_RIGHT},   {"Up", GLFW_KEY_UP},       {"Down", GLFW_KEY_DOWN},
-    {"F1", GLFW_KEY_F1},         {"F12", GLFW_KEY_F12},     {".", GLFW_KEY_PERIOD}};
+    {"Escape", GLFW_KEY_ESCAPE},  {"Enter", GLFW_KEY_ENTER},    {"Tab", GLFW_KEY_TAB},
+    {"Space", GLFW_KEY_SPACE},    {"Home", GLFW_KEY_HOME},      {"Left", GLFW_KEY_LEFT},
+    {"Right", GLFW_KEY_RIGHT},    {"Up", GLFW_KEY_UP},          {"Down", GLFW_KEY_DOWN},
+    {"F1", GLFW_KEY_F1},          {"F12", GLFW_KEY_F12},        {".", GLFW_KEY_PERIOD},
+    {"[", GLFW_KEY_LEFT_BRACKET}, {"]", GLFW_KEY_RIGHT_BRACKET}};
 
 // "Ctrl + Shift + Z"; key 0 where there is no such key.
 WindowEvent key_of(const std::string& text) {
@@ -116,10 +117,16 @@ RecordedInput::RecordedInput(const std::filesystem::path& file) {
       for (int k = 0; k < count; ++k) moves_.push_back({Kind::pass, {}, 0, 0, where});
     } else if (word == "wait" && rest.empty()) {
       moves_.push_back({Kind::wait, {}, 0, 0, where});
+    } else if (word == "drop" && !rest.empty()) {
+      moves_.push_back({Kind::drop, rest, 0, 0, where});
+      moves_.push_back({Kind::pass, {}, 0, 0, where});
+    } else if (word == "close" && rest.empty()) {
+      moves_.push_back({Kind::close, {}, 0, 0, where});
+      for (int k = 0; k < 3; ++k) moves_.push_back({Kind::pass, {}, 0, 0, where});
     } else if (word == "picture" && rest.ends_with(".png")) {
       moves_.push_back({Kind::picture, rest, 0, 0, where});
     } else {
-      fail("click, drag, turn, type, key, frames, wait or picture FILE.png");
+      fail("click, drag, turn, type, key, frames, wait, drop FILE, close or picture FILE.png");
     }
   }
 }
@@ -176,6 +183,12 @@ std::vector<WindowEvent> RecordedInput::next(ViewDocument& document, float width
       case Kind::wait:
         if (document.busy && ++move.dx > kMostWait)
           throw InputError(fmt::format("{}: what runs in the background does not end", move.where));
+        break;
+      case Kind::drop:
+        out.push_back({.kind = WindowEvent::Kind::drop, .x = x_, .y = y_, .files = {move.text}});
+        break;
+      case Kind::close:
+        document.closing = true;
         break;
       case Kind::picture:
         picture_ = move.text;

@@ -9,6 +9,8 @@
 //   turn DX,DY             drag the view by so many pixels, a pixel a frame
 //   frames N               let so many frames go by
 //   wait                   until nothing runs in the background
+//   drop FILE              into the window, as from another program
+//   close                  as the window's own button does it; what may keep it open is asked
 //   picture FILE.png       of the window, panels included
 #pragma once
 
@@ -37,7 +39,19 @@ class RecordedInput {
 
  private:
   struct Move {
-    enum class Kind { aim, shift, press, release, type, key, pass, wait, picture } kind{};
+    enum class Kind {
+      aim,
+      shift,
+      press,
+      release,
+      type,
+      key,
+      pass,
+      wait,
+      drop,
+      close,
+      picture
+    } kind{};
     std::string text{};
     float dx = 0, dy = 0;
     std::string where{};

@@ -24,10 +24,20 @@ int frame_of(const ViewSubject& subject, const ViewDocument& document) {
 }
 
 void advance(const ViewSubject& subject, double seconds, ViewDocument& document) {
-  const double end = subject.frames / subject.fps;
-  if (!document.playing || !(end > 0)) return;
-  document.time = std::fmod(document.time + seconds * document.speed, end);
-  if (document.time < 0) document.time += end;
+  const double begin = document.in.value_or(0) / subject.fps,
+               end = (document.out.value_or(subject.frames - 1) + 1) / subject.fps;
+  if (!document.playing || !(end > begin)) return;
+  const double gone = std::fmod(document.time - begin + seconds * document.speed, end - begin);
+  document.time = begin + (gone < 0 ? gone + end - begin : gone);
+}
+
+void mark(const ViewSubject& subject, std::optional<int> ViewDocument::*which,
+          ViewDocument& document) {
+  const int frame = frame_of(subject, document);
+  std::optional<int>& own = document.*which;
+  own = own == frame ? std::nullopt : std::optional(frame);
+  if (document.in && document.out && *document.in > *document.out)
+    (which == &ViewDocument::in ? document.out : document.in).reset();
 }
 
 void go_to(const ViewSubject& subject, int frame, ViewDocument& document) {
@@ -69,6 +79,7 @@ Appearance appearance_of(const ViewDocument& document) {
     appearance.looks[0].skin_edge = std::min(0.45f, 2 * document.look.skin);
   // Opaque skin hides all layers beneath, which are then neither drawn nor picked.
   const bool whole = document.look.skin >= 1 && document.look.skin_dissolved <= 0 &&
+                     document.section.kind == SectionPlane::Kind::none &&
                      !is_hidden(document, kSkinPart);
   if (whole) appearance.looks[0].muscles = appearance.looks[0].bones = 0;
   appearance.muscle_colors = document.muscle_colors;
@@ -124,6 +135,35 @@ void pan(float dx, float dy, float height, ViewDocument& document) {
 void zoom(float clicks, ViewDocument& document) {
   document.radius = std::clamp(document.radius * std::pow(0.88f, clicks), 0.02f, 30.0f);
   document.framed = false;
+}
+
+std::pair<double, double> section_range(const ViewSubject& subject, SectionPlane::Kind kind) {
+  using Kind = SectionPlane::Kind;
+  if (kind == Kind::across) return {0, 1};
+  if (subject.bounds.isEmpty())
+    return kind == Kind::transverse ? std::pair(0, 2) : std::pair(-1, 1);
+  const int axis = kind == Kind::transverse ? 1 : kind == Kind::frontal ? 2 : 0;
+  return {subject.bounds.min()[axis], subject.bounds.max()[axis]};
+}
+
+void next_section(const ViewSubject& subject, ViewDocument& document) {
+  using Kind = SectionPlane::Kind;
+  Kind& kind = document.section.kind;
+  kind = kind == Kind::none         ? Kind::transverse
+         : kind == Kind::transverse ? Kind::frontal
+         : kind == Kind::frontal    ? Kind::sagittal
+                                    : Kind::none;
+  const auto [low, high] = section_range(subject, kind);
+  const int axis = kind == Kind::transverse ? 1 : kind == Kind::frontal ? 2 : 0;
+  document.section.place = std::clamp(double(document.center[axis]), low, high);
+}
+
+void move_section(const ViewSubject& subject, double millimetres, ViewDocument& document) {
+  SectionPlane& section = document.section;
+  if (section.kind == SectionPlane::Kind::none) return;
+  const auto [low, high] = section_range(subject, section.kind);
+  double& value = section.kind == SectionPlane::Kind::across ? section.share : section.place;
+  value = std::clamp(value + 1e-3 * millimetres, low, high);
 }
 
 bool is_hidden(const ViewDocument& document, std::uint32_t part) {

@@ -8,10 +8,12 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "anatomy/anatomy.h"
 #include "viewer/scene.h"
+#include "viewer/section_plane.h"
 
 namespace ecorche {
 
@@ -56,6 +58,8 @@ struct ViewDocument {
   double time = 0;                      // s
   bool playing = false;
   double speed = 1;
+  std::optional<int> in{},
+      out{};  // frames between which it plays; none: from the first, to the last
   // centre and radius show the whole figure, until the user changes them
   bool framed = true;
   Vec3f center{0, 0.9f,
@@ -63,6 +67,7 @@ struct ViewDocument {
   float radius = 1.05f;  // m, of the ball that fills the view
   float azimuth = 0.5f, elevation = 0.1f;      // rad
   bool parallel = false;                       // no perspective
+  SectionPlane section{};                      // what lies before it is cut away
   std::vector<std::optional<double>> asked{};  // #sliders
   std::vector<double> achieved{};              // #sliders, as the subject is now
   bool busy = false;                           // a job of the subject is running
@@ -89,8 +94,12 @@ struct ViewRoom {
 // The frame at the document's time.
 int frame_of(const ViewSubject& subject, const ViewDocument& document);
 
-// Advances the time while the motion plays; it starts again at the end.
+// Advances the time while the motion plays; it starts again at the end, or between its marks.
 void advance(const ViewSubject& subject, double seconds, ViewDocument& document);
+// Sets where it plays from (`in`) or to at the frame that is shown; takes it away where it is
+// there.
+void mark(const ViewSubject& subject, std::optional<int> ViewDocument::*which,
+          ViewDocument& document);
 // Goes to a frame and stops playing.
 void go_to(const ViewSubject& subject, int frame, ViewDocument& document);
 
@@ -110,6 +119,13 @@ void frame_points(const std::vector<Vec3f>& points, ViewDocument& document);
 void orbit(float dx, float dy, ViewDocument& document);
 void pan(float dx, float dy, float height, ViewDocument& document);
 void zoom(float clicks, ViewDocument& document);
+
+// The next of the planes none, transverse, frontal, sagittal, through the middle of the view.
+void next_section(const ViewSubject& subject, ViewDocument& document);
+// Where a plane of this kind can lie so that it meets the figure, lowest and highest.
+std::pair<double, double> section_range(const ViewSubject& subject, SectionPlane::Kind kind);
+// Moves it by millimetres; one across a bone by thousandths of the way.
+void move_section(const ViewSubject& subject, double millimetres, ViewDocument& document);
 
 bool is_hidden(const ViewDocument& document, std::uint32_t part);
 void set_hidden(std::uint32_t part, bool hidden, ViewDocument& document);

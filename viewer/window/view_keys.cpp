@@ -14,6 +14,8 @@ namespace {
 
 using A = ViewAction;
 
+constexpr double kSectionStep = 5;  // mm
+
 // As Blender has them where it has them.
 constexpr ViewKey keys[] = {
     {A::play, "Space", "play and pause", GLFW_KEY_SPACE},
@@ -21,6 +23,8 @@ constexpr ViewKey keys[] = {
     {A::previous_frame, "Left", "one frame back", GLFW_KEY_LEFT},
     {A::first_frame, "Shift + Left", "to the first frame", GLFW_KEY_LEFT, false, true},
     {A::last_frame, "Shift + Right", "to the last frame", GLFW_KEY_RIGHT, false, true},
+    {A::mark_in, "[", "play from here on, and back to the first frame", GLFW_KEY_LEFT_BRACKET},
+    {A::mark_out, "]", "play to here, and back to the last frame", GLFW_KEY_RIGHT_BRACKET},
     {A::front, "Numpad 1", "from the front", GLFW_KEY_KP_1},
     {A::front, "1", "from the front", GLFW_KEY_1},
     {A::back, "Ctrl + Numpad 1", "from behind", GLFW_KEY_KP_1, true},
@@ -55,6 +59,9 @@ constexpr ViewKey keys[] = {
     {A::skin, "S", "skin: glass, whole, none", GLFW_KEY_S},
     {A::muscles, "M", "muscles on and off", GLFW_KEY_M},
     {A::bones, "B", "bones on and off", GLFW_KEY_B},
+    {A::section, "X", "cut: across, from the front, from the side, not at all", GLFW_KEY_X},
+    {A::section_on, "Up", "the cut 5 mm up, to the front or to the left", GLFW_KEY_UP},
+    {A::section_back, "Down", "the cut 5 mm back", GLFW_KEY_DOWN},
     {A::open, "Ctrl + O", "open a character or a motion", GLFW_KEY_O, true},
     {A::save, "Ctrl + S", "write the character that the sliders made", GLFW_KEY_S, true},
     {A::picture, "F12", "take a picture, into the current folder", GLFW_KEY_F12},
@@ -159,6 +166,12 @@ void show_and_hide(ViewAction action, const ViewSubject& subject, ViewDocument& 
     case A::muscles:
       look.muscles = look.muscles > 0 ? 0.0f : 1.0f;
       return;
+    case A::section:
+      return next_section(subject, document);
+    case A::section_on:
+      return move_section(subject, kSectionStep, document);
+    case A::section_back:
+      return move_section(subject, -kSectionStep, document);
     case A::bones:
       look.bones = look.bones > 0 ? 0.0f : 1.0f;
       return;
@@ -193,6 +206,10 @@ void act(ViewAction action, const ViewSubject& subject, const PosedAnatomy& pose
       return go_to(subject, 0, document);
     case A::last_frame:
       return go_to(subject, subject.frames - 1, document);
+    case A::mark_in:
+      return mark(subject, &ViewDocument::in, document);
+    case A::mark_out:
+      return mark(subject, &ViewDocument::out, document);
     case A::frame_selected:
       return frame_points(points_of(subject, posed, document), document);
     case A::open:

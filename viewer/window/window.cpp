@@ -196,7 +196,8 @@ bool same_view(const ViewDocument& a, const ViewDocument& b) {
          a.muscle_colors == b.muscle_colors && a.ground == b.ground && a.follow == b.follow &&
          a.selected == b.selected && a.hidden == b.hidden && a.time == b.time &&
          a.center == b.center && a.radius == b.radius && a.azimuth == b.azimuth &&
-         a.elevation == b.elevation && a.parallel == b.parallel && a.touched == b.touched;
+         a.elevation == b.elevation && a.parallel == b.parallel && a.section == b.section &&
+         a.touched == b.touched;
 }
 
 bool same_room(const ViewRoom& a, const ViewRoom& b) {
@@ -321,7 +322,8 @@ void Session::show(int frame, int width, int height, Point unit) {
   if (!wanted.empty()) write_png(wanted, read_window(width, height));
   glfwSwapBuffers(screen.window());
   view.took(glfwGetTime() - began);
-  if (tool.shown) tool.shown(began, glfwGetTime() - began, document);
+  // A picture of a session is drawn as finely as can be, which a person never waits for.
+  if (tool.shown && wanted.empty()) tool.shown(began, glfwGetTime() - began, document);
 }
 
 }  // namespace

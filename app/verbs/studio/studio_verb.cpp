@@ -75,6 +75,8 @@ void draw_still(const Actor& actor, const Motion& motion, const Activations& act
       if (!std::ranges::binary_search(only, part)) film.hidden.push_back(part);
     std::ranges::sort(film.hidden);
   }
+  if (!render.section.empty())
+    film.section = read_section_plane(render.section, anatomy.skeleton, "argument 'section'");
   film.view.look_at = render.look_at;
   film.view.camera = !render.camera.empty()   ? render.camera
                      : render.look_at.empty() ? "oblique"

@@ -1,0 +1,154 @@
+// Laws of cuts: the faces of what a plane cuts lie in it, under their part's number, as large as
+// the solid is there; what lies before it is gone.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "anatomy/errors.h"
+#include "viewer/camera.h"
+#include "viewer/cut_faces.h"
+#include "viewer/gl/renderer.h"
+#include "viewer/scene.h"
+#include "viewer/section_plane.h"
+
+namespace ecorche {
+namespace {
+
+DrawMesh ball_mesh(int rings) {
+  DrawMesh mesh;
+  const int around = 2 * rings;
+  for (int i = 0; i <= rings; ++i)
+    for (int j = 0; j < around; ++j) {
+      const float t = std::numbers::pi_v<float> * float(i) / float(rings);
+      const float p = 2 * std::numbers::pi_v<float> * float(j) / float(around);
+      mesh.positions.emplace_back(std::sin(t) * std::sin(p), std::cos(t),
+                                  std::sin(t) * std::cos(p));
+    }
+  mesh.normals = mesh.positions;
+  const auto at = [&](int i, int j) { return std::uint32_t(i * around + j % around); };
+  for (int i = 0; i < rings; ++i)
+    for (int j = 0; j < around; ++j) {
+      mesh.triangles.emplace_back(at(i, j), at(i + 1, j), at(i + 1, j + 1));
+      mesh.triangles.emplace_back(at(i, j), at(i + 1, j + 1), at(i, j + 1));
+    }
+  return mesh;
+}
+
+DrawItem ball(float radius, std::uint32_t part, const Vec3f& color) {
+  DrawItem item;
+  item.X_WM.topLeftCorner<3, 3>() *= radius;
+  item.X_WM.topRightCorner<3, 1>() = Vec3f(0.2f, 1, -0.1f);
+  item.part = part;
+  item.surface.color = color;
+  return item;
+}
+
+// A limb: skin around a muscle around a bone.
+DrawList limb() {
+  DrawList list;
+  list.meshes.push_back(ball_mesh(40));
+  list.items.push_back(ball(0.10f, kSkinPart, {0.8f, 0.6f, 0.5f}));
+  list.items.push_back(ball(0.08f, kFirstMusclePart + 3, {0.6f, 0.2f, 0.2f}));
+  list.items.push_back(ball(0.03f, kFirstBonePart + 5, {0.9f, 0.9f, 0.8f}));
+  list.camera = orbit_camera({0.2f, 1, -0.1f}, 0.12f, 0.4f, 0.7f);
+  return list;
+}
+
+double area_of(const DrawMesh& faces, std::uint32_t part) {
+  double area = 0;
+  for (const Triangle32& t : faces.triangles) {
+    if (faces.parts[t[0]] != part) continue;
+    const Vec3f a = faces.positions[t[0]], b = faces.positions[t[1]], c = faces.positions[t[2]];
+    area += 0.5 * double((b - a).cross(c - a).norm());
+  }
+  return area;
+}
+
+Vec4f plane_through(const Vec3f& normal, const Vec3f& at) {
+  Vec4f out;
+  out << normal.normalized(), normal.normalized().dot(at);
+  return out;
+}
+
+TEST(CutFaces, AreAsLargeAsTheSolidsAreThereHoweverThePlaneIsTilted) {
+  const DrawList list = limb();
+  for (const Vec3f& normal : {Vec3f(0, 1, 0), Vec3f(0.3f, -0.9f, 0.4f), Vec3f(-1, 0.2f, 0)}) {
+    const Vec4f plane = plane_through(normal, Vec3f(0.2f, 1, -0.1f) + 0.012f * normal.normalized());
+    const DrawMesh faces = cut_faces(plane, list);
+    const auto disc = [](double radius) {
+      return std::numbers::pi * (radius * radius - 0.012 * 0.012);
+    };
+    EXPECT_NEAR(area_of(faces, kFirstMusclePart + 3) / disc(0.08), 1, 0.01);
+    EXPECT_NEAR(area_of(faces, kFirstBonePart + 5) / disc(0.03), 1, 0.02);
+    // fat over all of it, and the rim of the skin over that
+    EXPECT_NEAR(area_of(faces, kSkinPart) / (disc(0.10) + 2 * std::numbers::pi * 0.098 * 0.002), 1,
+                0.02);
+    for (const Vec3f& p : faces.positions)
+      EXPECT_LT(std::abs(plane.head<3>().dot(p) - plane.w()), 1e-5f);
+  }
+  EXPECT_TRUE(cut_faces(plane_through(Vec3f::UnitY(), {0, 3, 0}), list).triangles.empty());
+}
+
+TEST(CutFaces, ThePictureShowsTheInnermostTissueAndNothingBeforeThePlane) {
+  std::optional<Renderer> renderer;
+  try {
+    renderer.emplace(RenderOptions{.supersample = 1});
+  } catch (const OutputError& error) {
+    GTEST_SKIP() << error.what();
+  }
+  DrawList list = limb();
+  for (const Vec3f& normal : {Vec3f(0, 1, 0), Vec3f(0.1f, -0.95f, 0.2f)}) {
+    const Vec4f plane = plane_through(normal, {0.2f, 1, -0.1f});
+    add_cut(plane, cut_faces(plane, list), list);
+    renderer->render(list, 200, 200);
+    EXPECT_EQ(renderer->part_at(100, 100), kFirstBonePart + 5);
+    int muscle = 0, skin = 0, bone = 0;
+    for (const std::uint32_t part : renderer->parts()) {
+      muscle += part == kFirstMusclePart + 3;
+      bone += part == kFirstBonePart + 5;
+      skin += part == kSkinPart;
+    }
+    EXPECT_NEAR(double(muscle + bone) / bone, 64.0 / 9, 0.5) << "whole discs";
+    EXPECT_GT(skin, muscle / 3);
+    list.meshes.pop_back();
+    list.items.pop_back();
+    list.cut.reset();
+    renderer->render(list, 200, 200);
+    EXPECT_EQ(renderer->part_at(100, 100), kSkinPart) << "nothing of the cut stays";
+  }
+}
+
+Skeleton leg() {
+  Skeleton out;
+  for (const auto& [name, parent, y] :
+       {std::tuple{"pelvis", -1, 1.0}, {"hip_l", 0, -0.1}, {"knee_l", 1, -0.4}}) {
+    Joint joint;
+    joint.name = name;
+    joint.parent = parent;
+    joint.X_PJ.translation() = Vec3(0, y, 0);
+    out.joints.push_back(joint);
+  }
+  return out;
+}
+
+TEST(SectionPlane, IsReadAsPeopleWriteItAndLiesWhereItSays) {
+  const Skeleton skeleton = leg();
+  PosedAnatomy posed;
+  forward_kinematics(skeleton, rest_pose(skeleton), posed.X_WJ);
+  const auto plane = [&](const char* text) {
+    return plane_of(read_section_plane(text, skeleton, "--section"), skeleton, posed);
+  };
+  EXPECT_LT((plane("transverse:95cm") - Vec4f(0, 1, 0, 0.95f)).norm(), 1e-6f);
+  EXPECT_LT((plane("transverse:0.95") - Vec4f(0, 1, 0, 0.95f)).norm(), 1e-6f);
+  EXPECT_LT((plane("frontal:-2cm") - Vec4f(0, 0, 1, -0.02f)).norm(), 1e-6f);
+  EXPECT_LT((plane("sagittal:0") - Vec4f(1, 0, 0, 0)).norm(), 1e-6f);
+  EXPECT_LT((plane("hip_l-knee_l:25%") - Vec4f(0, -1, 0, -0.8f)).norm(), 1e-6f);
+  for (const char* bad : {"", "transverse", "transverse:", "transverse:far", "hip_l:50%",
+                          "hip_l-kne_l:50%", "hip_l-hip_l:50%", "hip_l-knee_l:150%", "frontal:99m"})
+    EXPECT_THROW(read_section_plane(bad, skeleton, "--section"), UsageError) << bad;
+}
+
+}  // namespace
+}  // namespace ecorche
