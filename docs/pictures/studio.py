@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes the pictures of docs/studio.md: one by its script of actions, one by a session at the window.
+"""Makes the pictures of docs/studio.md: one by its script of actions, the others by sessions at the window.
 
     studio.py ECORCHE
 """
@@ -21,8 +21,15 @@ def main():
         with open(os.path.join(HERE, "..", "studio", "insertion.txt")) as given, open(session, "w") as out:
             # with the card in view, in the midst of the work
             out.write(given.read().split("key Ctrl + Z")[0].replace("-30,10", "-10,6") + "wait\nclick tab:Muscle\nframes 5\npicture window.png\n")
-        subprocess.run(["xvfb-run", "-a", "-s", "-screen 0 1600x1000x24", program, "studio", "--input", session, "--size", "1440x900"], cwd=folder, check=True)
+        at_window(program, session, folder)
         convert(os.path.join(folder, "window.png"), os.path.join(HERE, "studio-window.jpg"), 1200)
+        at_window(program, os.path.abspath(os.path.join(HERE, "..", "studio", "tools.txt")), folder)
+        for name in ("shape", "limits", "cut"):
+            convert(os.path.join(folder, name + ".png"), os.path.join(HERE, f"studio-{name}.jpg"), 900)
+
+
+def at_window(program, session, folder):
+    subprocess.run(["xvfb-run", "-a", "-s", "-screen 0 1600x1000x24", program, "studio", "--input", session, "--size", "1280x720"], cwd=folder, check=True)
 
 
 if __name__ == "__main__":

@@ -10,9 +10,11 @@
 #include "anatomy/muscles/action_line.h"
 #include "app/studio/design/give_way.h"
 #include "app/studio/design/handles.h"
+#include "app/studio/design/limit_arcs.h"
 #include "app/studio/design/live_muscles.h"
 #include "app/studio/design/muscle_list.h"
 #include "app/studio/design/script_panel.h"
+#include "app/studio/design/shape_handles.h"
 #include "tests/test_assets.h"
 #include "viewer/window/recorded_input.h"
 #include "viewer/window/window_tool.h"
@@ -181,6 +183,134 @@ TEST(Handles, APointGoesWhereTheHandGoes) {
   }
 }
 
+// A muscle of the template's own body at rest, with its handles of shape.
+struct ShapeBench {
+  Workshop workshop{test_assets()};
+  Document document = workshop.built_in();
+  const Anatomy& shown = workshop.base().anatomy;
+  LiveMuscleMaker maker{workshop, workshop.built_in(), shown};
+  PosedAnatomy posed;
+  std::vector<Vec3> rest = rest_positions(shown.skeleton);
+
+  ShapeBench() { forward_kinematics(shown.skeleton, rest_pose(shown.skeleton), posed.X_WJ); }
+  DragInput input() { return {document, workshop, maker.carrier(), posed, shown.skeleton}; }
+  std::vector<Handle> handles(const Muscle& muscle) {
+    DesignSession::SeenMuscle seen{&muscle, {}};
+    for (const Strip& strip : muscle.strips)
+      for (const Ellipse& each : rest_slices(strip)) seen.slices.push_back(each);
+    std::vector<Handle> out;
+    const int entry = find_entry(document, document.picked);
+    add_section_handles(document.muscles[std::size_t(entry)]->left, seen, out);
+    add_wrap_handles(muscle, rest, posed, out);
+    return out;
+  }
+  const Muscle& muscle(const std::string& side) {
+    return shown.muscles[std::size_t(find_muscle(shown, document.picked + side))];
+  }
+  // After the drag of a handle.
+  Muscle after(const Action& action, const std::string& side) {
+    LiveMuscles live = maker.make(*applied(workshop, document, action));
+    for (Muscle& each : live.muscles)
+      if (each.name == document.picked + side) return std::move(each);
+    throw std::runtime_error("nothing has changed");
+  }
+};
+
+const Handle& handle_named(const std::vector<Handle>& handles, const std::string& name) {
+  const auto found = std::ranges::find(handles, name, &Handle::name);
+  if (found == handles.end()) throw std::runtime_error(name + " is not there");
+  return *found;
+}
+
+TEST(Handles, SectionsWidenAndRollAsTheHandDoes) {
+  if (!std::filesystem::exists(test_assets().packages.folder))
+    GTEST_SKIP() << "no data packages: data/setup.sh --packages fetches them";
+  ShapeBench bench;
+  bench.document.picked = "soleus";
+  for (const std::string side : {"_l", "_r"}) {
+    const std::string suffix = side == "_l" ? "" : "_r";
+    const std::vector<Handle> handles = bench.handles(bench.muscle(side));
+    const Handle& thickness = handle_named(handles, "thickness" + suffix + ":1:0.38");
+    const Vec3 arm = thickness.place - thickness.middle;
+    const auto thicker = action_of_shape(bench.input(), thickness, 0.25 * arm, false);
+    ASSERT_TRUE(thicker);
+    EXPECT_NEAR(*std::get<SetSection>(*thicker).thickness, 1.25 * 34.3, 0.06);
+    EXPECT_FALSE(std::get<SetSection>(*thicker).width);
+
+    const Handle& width = handle_named(handles, "width" + suffix + ":1:0.38");
+    const Vec3 from = width.place - width.middle;
+    const Vec3 to = Eigen::AngleAxisd(20 * kDegree, width.along) * from;
+    const auto rolled = action_of_shape(bench.input(), width, to - from, false);
+    ASSERT_TRUE(rolled);
+    EXPECT_NEAR(std::abs(*std::get<SetSection>(*rolled).roll), 20, 0.6);
+    const Muscle now = bench.after(*rolled, side);
+    const std::vector<Handle> moved = bench.handles(now);
+    const Handle& is = handle_named(moved, width.name);
+    const Vec3 turned = (is.place - is.middle).normalized();
+    EXPECT_LT((turned - to.normalized()).norm(), (turned - from.normalized()).norm())
+        << side << " rolls the way of the hand";
+    EXPECT_FALSE(action_of_shape(bench.input(), width, Vec3::Zero(), false));
+  }
+  const std::vector<Handle> handles = bench.handles(bench.muscle("_l"));
+  const Handle& end = handle_named(handles, "belly:1:end");
+  const auto [share, place] = end.way[end.way.size() / 2];
+  const auto shorter = action_of_shape(bench.input(), end, place - end.place, false);
+  ASSERT_TRUE(shorter);
+  EXPECT_NEAR(*std::get<SetBelly>(*shorter).end, share, 1e-3);
+}
+
+TEST(Handles, AWrapGoesAndGrowsAsTheHandDoes) {
+  if (!std::filesystem::exists(test_assets().packages.folder))
+    GTEST_SKIP() << "no data packages: data/setup.sh --packages fetches them";
+  ShapeBench bench;
+  bench.document.picked = "biceps_brachii_long";
+  for (const std::string side : {"_l", "_r"}) {
+    const std::string suffix = side == "_l" ? "" : "_r";
+    const Muscle& before = bench.muscle(side);
+    const std::vector<Handle> handles = bench.handles(before);
+    const Vec3 by(0.004, -0.003, 0.006);
+    const auto moved =
+        action_of_shape(bench.input(), handle_named(handles, "wrap" + suffix + ":1:2"), by, false);
+    ASSERT_TRUE(moved);
+    const Vec3 gone = bench.after(*moved, side).strips[0].wraps[1].X_WO.translation() -
+                      before.strips[0].wraps[1].X_WO.translation();
+    EXPECT_LT((gone - by).norm(), 0.5e-3) << side << gone.transpose();
+    const Handle& size = handle_named(handles, "size" + suffix + ":1:1:x");
+    const auto larger =
+        action_of_shape(bench.input(), size, 0.3 * (size.place - size.middle), false);
+    ASSERT_TRUE(larger);
+    EXPECT_NEAR(bench.after(*larger, side).strips[0].wraps[0].radii.x() /
+                    before.strips[0].wraps[0].radii.x(),
+                1.3, 0.01);
+  }
+}
+
+TEST(Handles, ALimitGoesToTheAngleThatTheHandShows) {
+  if (!std::filesystem::exists(test_assets().packages.folder))
+    GTEST_SKIP() << "no data packages: data/setup.sh --packages fetches them";
+  ShapeBench bench;
+  const Skeleton& skeleton = bench.shown.skeleton;
+  const int elbow = find_joint(skeleton, "elbow_l");
+  std::vector<Handle> handles;
+  const std::vector<LimitArc> arcs =
+      limit_arcs(skeleton, bench.document, elbow, bench.posed, handles);
+  ASSERT_FALSE(arcs.empty());
+  ASSERT_EQ(handles.size(), 2 * arcs.size());
+  const Handle& most = handle_named(handles, "limit:flexion:max");
+  const auto wanted = most.way[most.way.size() / 2 - 25];
+  const auto action = action_of_limit(bench.input(), most, wanted.second - most.place, false);
+  ASSERT_TRUE(action);
+  const SetLimits& limits = std::get<SetLimits>(*action);
+  EXPECT_EQ(limits.joint, "elbow");
+  EXPECT_NEAR(limits.max, most.value - 25, 1);
+  EXPECT_NEAR(limits.min, skeleton.joints[std::size_t(elbow)].min.x() / kDegree, 0.06);
+  // The arc follows what was set.
+  const Document after = *applied(bench.workshop, bench.document, *action);
+  std::vector<Handle> again;
+  limit_arcs(skeleton, after, elbow, bench.posed, again);
+  EXPECT_LT((handle_named(again, most.name).place - wanted.second).norm(), 2e-3);
+}
+
 TEST(MuscleList, WordsOfBothLanguagesAreFound) {
   TableMuscle muscle;
   muscle.name = "biceps_brachii_long";
@@ -215,7 +345,7 @@ TEST(RecordedInput, MistakesNameFileAndLine) {
   const std::filesystem::path file =
       std::filesystem::temp_directory_path() / fmt::format("ecorche_input_{}.txt", ::getpid());
   for (const char* line : {"drag point", "klick find", "key Hyper", "frames 0", "picture x.jpg",
-                           "drag find 3", "turn left"}) {
+                           "drag find 3", "turn left", "drop", "close it"}) {
     std::ofstream(file) << "# a remark\nwait\n" << line << "\n";
     try {
       RecordedInput input(file);

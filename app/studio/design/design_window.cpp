@@ -166,6 +166,7 @@ void DesignWindow::draw_left(const PosedAnatomy& posed, ViewDocument& document, 
   if (ImGui::Begin("Muscles", nullptr, kPanel)) {
     if (ImGui::CollapsingHeader("View")) {
       draw_look(document);
+      draw_section(subject_, document);
       draw_views(subject_, posed, document);
     }
     ImGui::SetNextItemWidth(9 * em());
@@ -193,6 +194,7 @@ void DesignWindow::draw_right(ViewDocument& document, float bottom) {
       const bool open = ImGui::BeginTabItem(name);
       name_place(document, std::string("tab:") + name);
       if (!open) return;
+      state_.joint_tab = std::string(name) == "Joints";
       ImGui::BeginChild(name);
       draw();
       ImGui::EndChild();

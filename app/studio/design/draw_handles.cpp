@@ -8,6 +8,8 @@
 #include <algorithm>
 
 #include "app/studio/design/fields.h"
+#include "app/studio/design/limit_arcs.h"
+#include "app/studio/design/shape_handles.h"
 
 namespace ecorche {
 namespace {
@@ -18,7 +20,11 @@ constexpr ImU32 kLineColor = IM_COL32(255, 235, 120, 255),
                 kSectionColor = IM_COL32(255, 255, 255, 110),
                 kWrapColor = IM_COL32(90, 200, 255, 220), kPointFill = IM_COL32(250, 205, 60, 255),
                 kEdge = IM_COL32(25, 22, 18, 255), kJointFill = IM_COL32(120, 210, 255, 255),
-                kHover = IM_COL32(255, 255, 255, 255);
+                kHover = IM_COL32(255, 255, 255, 255), kFleshFill = IM_COL32(235, 110, 80, 255);
+// Of flexion, abduction and rotation; letters tell them apart, too.
+constexpr ImU32 kArcColors[] = {IM_COL32(255, 190, 60, 255), IM_COL32(110, 220, 150, 255),
+                                IM_COL32(150, 180, 255, 255)};
+constexpr const char* kArcLetters[] = {"F", "A", "R"};
 
 void draw_wire(const WireShape& shape, const ViewProjection& view, ImDrawList& list) {
   std::vector<ImVec2> pixels;
@@ -36,9 +42,59 @@ void draw_wire(const WireShape& shape, const ViewProjection& view, ImDrawList& l
   list.AddPolyline(pixels.data(), int(pixels.size()), color, closed, line ? 2.0f : 1.4f);
 }
 
+void draw_arc(const LimitArc& arc, const ViewProjection& view, ImDrawList& list) {
+  std::vector<ImVec2> pixels;
+  for (const Vec3& point : arc.points)
+    if (const auto at = view.pixel(point.cast<float>())) pixels.emplace_back(at->x(), at->y());
+  const auto middle = view.pixel(arc.middle.cast<float>()), now = view.pixel(arc.now.cast<float>());
+  if (pixels.size() != arc.points.size() || !middle || !now) return;
+  const ImU32 color = kArcColors[arc.axis];
+  const ImVec2 from(middle->x(), middle->y());
+  list.AddLine(from, pixels.front(), color, 1.2f);
+  list.AddLine(from, pixels.back(), color, 1.2f);
+  list.AddPolyline(pixels.data(), int(pixels.size()), kEdge, ImDrawFlags_None, 4.5f);
+  list.AddPolyline(pixels.data(), int(pixels.size()), color, ImDrawFlags_None, 2.5f);
+  list.AddLine(from, {now->x(), now->y()}, kHover, 1.6f);
+}
+
+// Forms that are neither round nor have letters: what shapes a muscle.
+void draw_shape_handle(const Handle& handle, const ImVec2& at, bool hovered, ImDrawList& list) {
+  using Kind = Handle::Kind;
+  const float r = (hovered ? 0.38f : 0.27f) * ImGui::GetFontSize();
+  const ImU32 edge = hovered ? kHover : kEdge;
+  if (handle.kind == Kind::belly) {
+    list.AddTriangleFilled({at.x - r, at.y + r}, {at.x + r, at.y + r}, {at.x, at.y - r},
+                           kFleshFill);
+    list.AddTriangle({at.x - r, at.y + r}, {at.x + r, at.y + r}, {at.x, at.y - r}, edge, 1.5f);
+    return;
+  }
+  if (handle.kind == Kind::wrap) {
+    list.AddCircleFilled(at, 1.2f * r, kWrapColor);
+    list.AddCircle(at, 1.2f * r, edge, 0, 1.5f);
+    return;
+  }
+  const ImU32 fill = handle.kind == Kind::size        ? kWrapColor
+                     : handle.kind == Kind::thickness ? kSectionColor | IM_COL32(0, 0, 0, 255)
+                                                      : kHover;
+  list.AddRectFilled({at.x - r, at.y - r}, {at.x + r, at.y + r}, fill);
+  list.AddRect({at.x - r, at.y - r}, {at.x + r, at.y + r}, edge, 0, 0, 1.5f);
+}
+
+void draw_limit(const Handle& handle, const ImVec2& at, bool hovered, ImDrawList& list) {
+  const float em = ImGui::GetFontSize(), radius = (hovered ? 0.55f : 0.45f) * em;
+  list.AddCircleFilled(at, radius, kArcColors[handle.axis]);
+  list.AddCircle(at, radius, hovered ? kHover : kEdge, 0, 1.6f);
+  const char* letter = kArcLetters[handle.axis];
+  const ImVec2 size = ImGui::CalcTextSize(letter);
+  list.AddText(nullptr, 0.9f * em, {at.x - 0.45f * size.x, at.y - 0.45f * size.y}, kEdge, letter);
+}
+
 void draw_point(const Handle& handle, const ImVec2& at, bool hovered, ImDrawList& list) {
   const float em = ImGui::GetFontSize(), radius = (hovered ? 1.25f : 1.0f) * kRadius * em;
+  if (handle.kind == Handle::Kind::limit) return draw_limit(handle, at, hovered, list);
   const bool joint = handle.kind == Handle::Kind::joint;
+  if (!joint && handle.kind != Handle::Kind::point)
+    return draw_shape_handle(handle, at, hovered, list);
   if (joint) {
     list.AddNgonFilled(at, 0.8f * radius, kJointFill, 4);
     list.AddNgon(at, 0.8f * radius, hovered ? kHover : kEdge, 4, 1.6f);
@@ -56,9 +112,33 @@ void draw_point(const Handle& handle, const ImVec2& at, bool hovered, ImDrawList
                kEdge, text.c_str());
 }
 
+std::string told_of_shape(const Handle& handle) {
+  using Kind = Handle::Kind;
+  switch (handle.kind) {
+    case Kind::width:
+      return fmt::format("width of the section at {:g}\ndrag: wider; around the line: it rolls",
+                         handle.value);
+    case Kind::thickness:
+      return fmt::format("thickness of the section at {:g}\ndrag: thicker", handle.value);
+    case Kind::belly:
+      return fmt::format("the flesh {} here\ndrag: along the line",
+                         handle.index == 0 ? "begins" : "ends");
+    case Kind::wrap:
+      return "middle of a wrap\ndrag: move it, for all who slide over it";
+    case Kind::size:
+      return "size of a wrap\ndrag: larger or smaller";
+    default:
+      return fmt::format("{}, {} {:.0f} deg\ndrag: how far the joint goes",
+                         kAngleNames[std::size_t(handle.axis)],
+                         handle.index == 0 ? "at least" : "at most", handle.value);
+  }
+}
+
 void tell(const Handle& handle, const DesignSession& session) {
   std::string text;
-  if (handle.kind == Handle::Kind::joint) {
+  if (handle.kind != Handle::Kind::joint && handle.kind != Handle::Kind::point) {
+    text = told_of_shape(handle);
+  } else if (handle.kind == Handle::Kind::joint) {
     text = session.anatomy().skeleton.joints[std::size_t(handle.joint)].name +
            "\ndrag: move its centre; click: its angles and limits";
   } else {
@@ -85,6 +165,38 @@ int handle_at(const PanelState& state, const ViewProjection& view, float x, floa
   return best;
 }
 
+// The arcs of the joint that is chosen, on the left where it is of both sides.
+void draw_limits_of(DesignSession& session, PanelState& state, const PosedAnatomy& posed,
+                    const ViewProjection& view, ImDrawList& list) {
+  const Skeleton& skeleton = session.anatomy().skeleton;
+  int joint = find_joint(skeleton, state.joint);
+  if (joint < 0) joint = find_joint(skeleton, state.joint + "_l");
+  if (joint < 0 || posed.X_WJ.size() != skeleton.joints.size()) return;
+  for (const LimitArc& arc : limit_arcs(skeleton, session.seen(), joint, posed, state.handles))
+    draw_arc(arc, view, list);
+}
+
+// Of the picked muscle, as this side of it is seen.
+void add_shape_handles(const DesignSession& session, PanelState& state,
+                       const DesignSession::SeenMuscle& seen, const PosedAnatomy& posed) {
+  const Document& document = session.seen();
+  const int entry = find_entry(document, document.picked);
+  if (entry < 0) return;
+  const EditedMuscle& edited = *document.muscles[std::size_t(entry)];
+  const bool right = seen.muscle->side == Side::right && edited.right;
+  if (state.sections) add_section_handles(right ? *edited.right : edited.left, seen, state.handles);
+  if (state.wraps) add_wrap_handles(*seen.muscle, session.joint_rest(), posed, state.handles);
+}
+
+std::optional<Action> action_of(const DragInput& input, const HandleDrag& drag, bool one_side) {
+  using Kind = Handle::Kind;
+  const Kind kind = drag.handle.kind;
+  if (kind == Kind::limit) return action_of_limit(input, drag.handle, drag.moved, one_side);
+  if (kind == Kind::point || kind == Kind::joint)
+    return action_of_drag(input, drag.handle, drag.moved, one_side);
+  return action_of_shape(input, drag.handle, drag.moved, one_side);
+}
+
 }  // namespace
 
 void draw_handles(DesignSession& session, PanelState& state, const PosedAnatomy& posed,
@@ -96,7 +208,9 @@ void draw_handles(DesignSession& session, PanelState& state, const PosedAnatomy&
   for (const auto& seen : session.picked(posed)) {
     add_wires(*seen.muscle, seen.slices, session.joint_rest(), posed, wires);
     if (state.points) add_points(*seen.muscle, session.joint_rest(), posed, state.handles);
+    add_shape_handles(session, state, seen, posed);
   }
+  if (state.joint_tab && !state.joint.empty()) draw_limits_of(session, state, posed, view, list);
   for (const WireShape& wire : wires) {
     const bool shown = wire.kind == WireShape::Kind::section ? state.sections
                        : wire.kind == WireShape::Kind::wrap  ? state.wraps
@@ -140,7 +254,7 @@ bool take_handle(DesignSession& session, PanelState& state, const PosedAnatomy& 
   if (!state.drag) return false;
   HandleDrag& drag = *state.drag;
   const bool joint = drag.handle.kind == Handle::Kind::joint;
-  const std::string where = joint ? "joint" : "line";
+  const std::string where = joint || drag.handle.kind == Handle::Kind::limit ? "joint" : "line";
   if (event.kind == Kind::key && event.key == GLFW_KEY_ESCAPE) {
     session.let_go();
     state.drag.reset();
@@ -153,8 +267,7 @@ bool take_handle(DesignSession& session, PanelState& state, const PosedAnatomy& 
     drag.moved = view.moved(drag.handle.place.cast<float>(), by.x(), by.y()).cast<double>();
     const DragInput input{session.session().document(), session.workshop(), session.carrier(),
                           posed, session.anatomy().skeleton};
-    if (const auto action = action_of_drag(input, drag.handle, drag.moved, state.one_side))
-      session.try_out(*action, where);
+    if (const auto action = action_of(input, drag, state.one_side)) session.try_out(*action, where);
     return true;
   }
   if (event.kind == Kind::release && event.key == GLFW_MOUSE_BUTTON_LEFT) {

@@ -85,21 +85,12 @@ std::optional<Action> drag_of_point(const DragInput& input, const Handle& handle
   if (handle.strip >= int(muscle.strips.size())) return std::nullopt;
   const TableStrip& strip = muscle.strips[std::size_t(handle.strip)];
   if (handle.point >= int(strip.path.size())) return std::nullopt;
-  // The table is of the left side; what carries the point there carries the mirror image here.
-  const auto of_left = [&](int joint) {
-    const auto& [base, side] = split_side(input.skeleton.joints[std::size_t(joint)].name);
-    const int left = side == Side::right ? find_joint(input.skeleton, base + "_l") : joint;
-    return left < 0 ? joint : left;
-  };
-  const int joint = of_left(handle.at.joints[0]);
   const Vec3 at = position(*document.frame, strip.path[std::size_t(handle.point)]);
-  const Vec3 mirrored(right ? -rest.x() : rest.x(), rest.y(), rest.z());
-  const Mat3 step = input.carrier.stretch(joint) * placed_by(input.workshop, at, joint);
   MovePoint action;
   action.muscle = document.picked + (one_side ? (right ? "_r" : "_l") : "");
   action.strip = handle.strip + 1;
   action.point = handle.point + 1;
-  action.by = rounded(step.inverse() * mirrored);
+  action.by = step_in_table(input, at, handle.at.joints[0], handle.side, rest);
   return action.by.isZero() ? std::nullopt : std::optional<Action>(action);
 }
 
@@ -115,6 +106,20 @@ std::optional<Action> drag_of_joint(const DragInput& input, const Handle& handle
 }
 
 }  // namespace
+
+// The table is of the left side; what carries a place there carries the mirror image here.
+Vec3 step_in_table(const DragInput& input, const Vec3& at, int joint, Side side, const Vec3& rest) {
+  const auto& [base, own] = split_side(input.skeleton.joints[std::size_t(joint)].name);
+  const int mirror = own == Side::right ? find_joint(input.skeleton, base + "_l") : joint;
+  const int left = mirror < 0 ? joint : mirror;
+  const Vec3 mirrored(side == Side::right ? -rest.x() : rest.x(), rest.y(), rest.z());
+  const Mat3 step = input.carrier.stretch(left) * placed_by(input.workshop, at, left);
+  return rounded(step.inverse() * mirrored);
+}
+
+Vec3 rest_step(const PathPoint& at, const PosedAnatomy& posed, const Vec3& moved) {
+  return turn_of(at, posed).inverse() * moved;
+}
 
 Vec3 posed_place(const PathPoint& point, std::span<const Vec3> joint_rest,
                  const PosedAnatomy& posed) {
@@ -182,7 +187,7 @@ void add_wires(const Muscle& muscle, std::span<const Ellipse> slices,
 
 std::optional<Action> action_of_drag(const DragInput& input, const Handle& handle,
                                      const Vec3& moved, bool one_side) {
-  const Vec3 rest = turn_of(handle.at, input.posed).inverse() * moved;
+  const Vec3 rest = rest_step(handle.at, input.posed, moved);
   return handle.kind == Handle::Kind::point ? drag_of_point(input, handle, rest, one_side)
                                             : drag_of_joint(input, handle, rest, one_side);
 }

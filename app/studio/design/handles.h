@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "anatomy/anatomy.h"
@@ -17,13 +18,25 @@
 namespace ecorche {
 
 struct Handle {
-  enum class Kind { point, joint } kind = Kind::point;
+  // belly: an end of the flesh; wrap: its middle; size: a radius or half length of a wrap; limit:
+  // of a joint's angle
+  enum class Kind { point, joint, width, thickness, belly, wrap, size, limit } kind = Kind::point;
   Side side = Side::left;
   int strip = 0, point = 0, points = 0;  // of a line, from 0; how many the line has
   int joint = -1;                        // of the skeleton
   PathPoint at{};                        // at rest, and what carries it
   Vec3 place = Vec3::Zero();             // now, world
-  std::string name;                      // "point:1:3", "point_r:1:3", "joint:elbow_l"
+  std::string name{};                    // "point:1:3", "point_r:1:3", "joint:elbow_l"
+  // width, thickness, size, limit: from there to `place`, now, world
+  Vec3 middle = Vec3::Zero();
+  Vec3 along = Vec3::Zero();  // width: of the line, towards the insertion, unit
+  // width, thickness: of the section, as a share of the line; limit: as it is, deg
+  double value = 0;
+  // belly, limit: 0 the lower, 1 the upper; wrap, size: of the strip's wraps, from 0
+  int index = 0;
+  int axis = 0;  // size: of the wrap's frame; limit: flexion, abduction, rotation
+  // belly: the line by its shares; limit: where the bone points, by degrees
+  std::vector<std::pair<double, Vec3>> way{};
 };
 
 Vec3 posed_place(const PathPoint& point, std::span<const Vec3> joint_rest,
@@ -34,6 +47,13 @@ void add_points(const Muscle& muscle, std::span<const Vec3> joint_rest, const Po
                 std::vector<Handle>& out);
 // Centres of joints.
 void add_joints(const Skeleton& skeleton, const PosedAnatomy& posed, std::vector<Handle>& out);
+
+// A step of the table's left side, mm, that a step at rest in the shown body is there. `at`: the
+// place in the table, m.
+struct DragInput;
+Vec3 step_in_table(const DragInput& input, const Vec3& at, int joint, Side side, const Vec3& rest);
+// How far a step now goes at rest.
+Vec3 rest_step(const PathPoint& at, const PosedAnatomy& posed, const Vec3& moved);
 
 // A muscle's lines, sections and wraps as lines in the world.
 struct WireShape {
@@ -54,6 +74,7 @@ struct DragInput {
   const PosedAnatomy& posed;
   const Skeleton& skeleton;  // of the shown body
 };
+// Of a point or a joint.
 std::optional<Action> action_of_drag(const DragInput& input, const Handle& handle,
                                      const Vec3& moved, bool one_side);
 

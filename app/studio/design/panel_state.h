@@ -22,6 +22,7 @@ struct PanelState {
   bool one_side = false;      // drags move the handle's side alone
   bool mark_changed = false;  // colour what differs from what was saved
   bool points = true, sections = true, wraps = true, joints = false;
+  bool joint_tab = false;      // its panel is open: the chosen joint's limits are seen
   bool actions = false;        // the search box of actions is open
   bool actions_begin = false;  // it opened in this frame
   std::string typed;           // in it

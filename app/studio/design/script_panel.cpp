@@ -31,7 +31,7 @@ void save_script(DesignSession& session) {
   }
 }
 
-void draw_fit_state(DesignSession& session) {
+void draw_fit_state(DesignSession& session, ViewDocument& document) {
   BackgroundFit& fit = session.fit();
   if (const std::string problem = fit.problem(); !problem.empty()) {
     ImGui::TextWrapped("no body for this yet: %s", problem.c_str());
@@ -41,6 +41,7 @@ void draw_fit_state(DesignSession& session) {
     quiet_text("the body is as it was fitted before");
     ImGui::SameLine();
     if (ImGui::SmallButton("fit now")) fit.ask(session.session().document(), true);
+    name_place(document, "fit now");
     return;
   }
   if (!fit.busy()) return;
@@ -50,6 +51,7 @@ void draw_fit_state(DesignSession& session) {
   ImGui::TextUnformatted(stage.empty() ? "waiting ..." : stage.c_str());
   ImGui::SameLine();
   if (ImGui::SmallButton("cancel")) fit.cancel();
+  name_place(document, "cancel");
   help_of_last("Keep the body that is shown; the muscles that were changed stay as a sketch");
 }
 
@@ -68,7 +70,7 @@ void draw_folder(DesignSession& session, PanelState& state, ViewDocument& docume
   if (ImGui::Button("not now")) state.asks_folder = state.asks_to_close = false;
 }
 
-void draw_closing(DesignSession& session, PanelState& state) {
+void draw_closing(DesignSession& session, PanelState& state, ViewDocument& document) {
   if (!state.asks_to_close || state.asks_folder) return;
   ImGui::TextUnformatted("There are changes that are not saved.");
   if (ImGui::Button("save and close")) {
@@ -77,8 +79,10 @@ void draw_closing(DesignSession& session, PanelState& state) {
   }
   ImGui::SameLine();
   if (ImGui::Button("close without")) state.closes = true;
+  name_place(document, "close without");
   ImGui::SameLine();
   if (ImGui::Button("stay")) state.asks_to_close = false;
+  name_place(document, "stay");
 }
 
 bool has_word(const ActionKind& kind, const std::string& typed) {
@@ -184,8 +188,8 @@ float draw_top_bar(DesignSession& session, PanelState& state, ViewDocument& docu
     if (ImGui::Button("keys")) document.help = !document.help;
     help_of_last("F1");
     draw_folder(session, state, document);
-    draw_closing(session, state);
-    draw_fit_state(session);
+    draw_closing(session, state, document);
+    draw_fit_state(session, document);
     show_fault(session, "save");
     show_fault(session, "bar");
     show_fault(session, "view");
