@@ -446,6 +446,48 @@ Eigen::Vector2f seen_at(const Camera& camera, const Vec3f& p, float width, float
   return {0.5f * (1 + clip.x() / clip.w()) * width, 0.5f * (1 - clip.y() / clip.w()) * height};
 }
 
+TEST(ViewDocumentTest, a_motion_plays_between_its_marks) {
+  ViewSubject subject;
+  subject.frames = 100;
+  subject.fps = 10;
+  ViewDocument document;
+  go_to(subject, 20, document);
+  mark(subject, &ViewDocument::in, document);
+  go_to(subject, 29, document);
+  mark(subject, &ViewDocument::out, document);
+  document.playing = true;
+  for (int k = 0; k < 40; ++k) {
+    advance(subject, 0.17, document);
+    EXPECT_GE(frame_of(subject, document), 20);
+    EXPECT_LE(frame_of(subject, document), 29);
+  }
+  go_to(subject, 10, document);
+  mark(subject, &ViewDocument::out, document);
+  EXPECT_FALSE(document.in) << "nothing lies between";
+  mark(subject, &ViewDocument::out, document);
+  EXPECT_FALSE(document.out) << "the same again takes it away";
+}
+
+TEST(ViewDocumentTest, a_cut_goes_through_the_middle_of_the_view_and_stays_within_the_figure) {
+  ViewSubject subject;
+  subject.bounds = {Vec3f(-0.5f, 0, -0.2f), Vec3f(0.5f, 1.8f, 0.2f)};
+  ViewDocument document;
+  document.center = {0.1f, 0.4f, -0.05f};
+  using Kind = SectionPlane::Kind;
+  for (const auto& [kind, place] :
+       {std::pair{Kind::transverse, 0.4}, {Kind::frontal, -0.05}, {Kind::sagittal, 0.1}}) {
+    next_section(subject, document);
+    EXPECT_EQ(document.section.kind, kind);
+    EXPECT_NEAR(document.section.place, place, 1e-6);
+  }
+  move_section(subject, 5, document);
+  EXPECT_NEAR(document.section.place, 0.105, 1e-6);
+  for (int k = 0; k < 100; ++k) move_section(subject, 5, document);
+  EXPECT_NEAR(document.section.place, 0.5, 1e-6);
+  next_section(subject, document);
+  EXPECT_EQ(document.section.kind, Kind::none);
+}
+
 TEST(ViewDocumentTest, the_whole_figure_is_in_its_room_tall_or_short_from_every_side) {
   const Anatomy a = arm();
   const SceneModel model = make_scene_model(a, arm_skin);

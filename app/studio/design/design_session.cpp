@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <thread>
 #include <utility>
 
 #include "anatomy/errors.h"
@@ -176,7 +177,7 @@ const std::string& DesignSession::figures(const std::string& joint) {
   return figures_;
 }
 
-void DesignSession::pose(int frame, PosedAnatomy& posed, SkinFrame& skin) {
+void DesignSession::pose(int frame, bool quick, PosedAnatomy& posed, SkinFrame& skin) {
   const Character& character = shown_->character();
   const Skeleton& skeleton = character.anatomy.skeleton;
   pose_ = shown_->motion
@@ -194,7 +195,14 @@ void DesignSession::pose(int frame, PosedAnatomy& posed, SkinFrame& skin) {
   }
   std::swap(state_->posed, posed);
   std::swap(state_->skin, skin);
-  evaluate(*shown_->actor, pose_, {activation_, {}}, *state_);
+  const Actor& actor = *shown_->actor;
+  if (quick) {
+    pose_muscles(actor.muscles, skeleton, pose_, state_->posed, state_->contact,
+                 int(std::thread::hardware_concurrency()), activation_);
+    evaluate_posed_skin(actor, SkinMethod::anchors, *state_);
+  } else {
+    evaluate(actor, pose_, {activation_, {}}, *state_);
+  }
   std::swap(state_->posed, posed);
   std::swap(state_->skin, skin);
 }

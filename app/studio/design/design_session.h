@@ -64,7 +64,8 @@ class DesignSession {
   std::uint64_t revision() const { return revision_; }
 
   // Joints, muscles and skin in a frame of the motion, with the pose and activations of the trial.
-  void pose(int frame, PosedAnatomy& posed, SkinFrame& skin);
+  // quick: the skin is blended over the muscles and does not settle, nor do muscles give way to it.
+  void pose(int frame, bool quick, PosedAnatomy& posed, SkinFrame& skin);
 
   // Muscles that go along before the body is fitted, at the pose of the last pose().
   const LiveMuscles& live() const { return live_; }

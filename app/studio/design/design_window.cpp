@@ -31,6 +31,7 @@ namespace {
 constexpr float kMargin = 0.5f, kLeft = 17.5f, kRight = 22.5f;  // of a letter's height
 constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse;
+constexpr float kFaint = 0.5f;  // of the skin's opacity
 constexpr const char* kPeeled[] = {"all layers", "without the superficial",
                                    "without those between, too", "no muscles"};
 
@@ -43,7 +44,7 @@ class DesignWindow {
       : work_(session, common, draw) {
     subject_.update = [this](ViewDocument& document, bool wait) { update(document, wait); };
     subject_.pose = [this](int frame, PosedAnatomy& posed, SkinFrame& skin) {
-      work_.pose(frame, posed, skin);
+      work_.pose(frame, quick_, posed, skin);
     };
     subject_.open = [this](const std::filesystem::path& file) {
       work_.run(
@@ -77,6 +78,8 @@ class DesignWindow {
   std::uint64_t revision_ = 0;
   std::string followed_;  // the muscle that the view has selected
   const char* side_ = "_l";
+  // A motion plays under a faint skin, which then is not worth the time that it takes to settle.
+  bool quick_ = false;
   bool undone_ = false, edited_ = false;
   float azimuth_ = 0, elevation_ = 0;
   std::string tried_;
@@ -114,6 +117,10 @@ void DesignWindow::update(ViewDocument& document, bool wait) {
     ++subject_.revision;
     ++document.touched;
     revision_ = work_.revision();
+  }
+  if (quick_ != (document.playing && document.look.skin < kFaint)) {
+    quick_ = !quick_;
+    ++subject_.revision;
   }
   document.busy = work_.fit().busy();
   follow_pick(document);

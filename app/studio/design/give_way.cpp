@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace ecorche {
 namespace {
@@ -11,6 +12,7 @@ constexpr float kReach = 0.08f, kDecay = 0.04f;  // m, from the muscle's surface
 constexpr float kWhole = 0.012f;                 // m, from it: goes as far as the muscle
 constexpr float kBlend = 0.012f;                 // m, between neighbouring sections
 constexpr float kMost = 0.04f;                   // m
+constexpr std::size_t kMostRows = 63;            // those behind count as one
 constexpr std::uint64_t kOwnRevisions = std::uint64_t{1} << 62;
 
 // A section in the numbers that a vertex needs.
@@ -48,12 +50,34 @@ std::vector<Step> steps_of(const std::vector<MovedSection>& sections) {
   return out;
 }
 
-Vec3f way_of(const std::vector<Step>& steps, const Vec3f& place) {
-  constexpr float far = 2 * (kReach + kMost) * (kReach + kMost);
+constexpr float kFar = 2 * (kReach + kMost) * (kReach + kMost);  // m^2, from all sections
+
+// Sections in a row, and the box beyond which none of them moves anything.
+struct Row {
+  std::size_t begin = 0, end = 0;
+  Eigen::AlignedBox3f box{};
+};
+
+// A new row begins where sections lie far apart: at the next strip, or on the other side.
+std::vector<Row> rows_of(const std::vector<Step>& steps) {
+  constexpr float apart = 0.08f;  // m
+  std::vector<Row> out;
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    const Vec3f& at = steps[k].was.center;
+    if (k == 0 || (at - steps[k - 1].was.center).norm() > apart) out.push_back({k, k, {}});
+    out.back().box.extend(at);
+    out.back().end = k + 1;
+  }
+  const Vec3f reach = Vec3f::Constant(std::sqrt(kFar));
+  for (Row& row : out) row.box = Eigen::AlignedBox3f(row.box.min() - reach, row.box.max() + reach);
+  return out;
+}
+
+Vec3f way_of(std::span<const Step> steps, const Vec3f& place) {
   constexpr float reached = 7 * kBlend * kBlend;  // beyond it a section has no share
-  float nearest = far;
+  float nearest = kFar;
   for (const Step& s : steps) nearest = std::min(nearest, (place - s.was.center).squaredNorm());
-  if (nearest >= far) return Vec3f::Zero();
+  if (nearest >= kFar) return Vec3f::Zero();
   Vec3f sum = Vec3f::Zero();
   float weights = 0;
   for (const Step& s : steps) {
@@ -87,19 +111,25 @@ void GivingWay::move(const std::vector<MovedSection>& sections, DrawMesh& mesh) 
     for (const auto& [v, place] : kept_) mesh.positions[v] = place;
   const bool moved_before = own && !kept_.empty();
   kept_.clear();
-  Eigen::AlignedBox3f near;
-  for (const MovedSection& s : sections) {
-    near.extend(s.was.center.cast<float>());
-    near.extend(s.is.center.cast<float>());
-  }
-  if (!near.isEmpty()) {
-    const Vec3f reach = Vec3f::Constant(kReach + kMost);
-    near = Eigen::AlignedBox3f(near.min() - reach, near.max() + reach);
-  }
   const std::vector<Step> steps = steps_of(sections);
+  const std::vector<Row> rows = rows_of(steps);
+  std::vector<Step> near;
+  std::uint64_t near_rows = 0, all = 0;  // of `near`, by bits
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    if (!near.contains(mesh.positions[v])) continue;
-    const Vec3f step = way_of(steps, mesh.positions[v]);
+    all = 0;
+    for (std::size_t r = 0; r < rows.size(); ++r)
+      if (rows[r].box.contains(mesh.positions[v]))
+        all |= std::uint64_t{1} << std::min(r, kMostRows);
+    if (all == 0) continue;
+    if (all != near_rows) {
+      near.clear();
+      for (std::size_t r = 0; r < rows.size(); ++r)
+        if (all >> std::min(r, kMostRows) & 1)
+          near.insert(near.end(), steps.begin() + long(rows[r].begin),
+                      steps.begin() + long(rows[r].end));
+      near_rows = all;
+    }
+    const Vec3f step = way_of(near, mesh.positions[v]);
     if (step.squaredNorm() < 1e-10f) continue;
     kept_.emplace_back(std::uint32_t(v), mesh.positions[v]);
     mesh.positions[v] += step;
