@@ -10,7 +10,8 @@
 namespace ecorche {
 namespace {
 
-constexpr float room_angle = 0.45f;  // rad, of the room's height as the eye sees it
+constexpr float room_angle = 0.45f;   // rad, of the room's height as the eye sees it
+constexpr double kFrameShare = 1e-6;  // of a frame; so near to the next one it is shown
 constexpr float free_margin = 0.04f;
 
 float aspect_of(const ViewRoom& room) {
@@ -20,7 +21,8 @@ float aspect_of(const ViewRoom& room) {
 }  // namespace
 
 int frame_of(const ViewSubject& subject, const ViewDocument& document) {
-  return std::clamp(int(std::floor(document.time * subject.fps + 1e-6)), 0, subject.frames - 1);
+  return std::clamp(int(std::floor(document.time * subject.fps + kFrameShare)), 0,
+                    subject.frames - 1);
 }
 
 void advance(const ViewSubject& subject, double seconds, ViewDocument& document) {
@@ -29,6 +31,7 @@ void advance(const ViewSubject& subject, double seconds, ViewDocument& document)
   if (!document.playing || !(end > begin)) return;
   const double gone = std::fmod(document.time - begin + seconds * document.speed, end - begin);
   document.time = begin + (gone < 0 ? gone + end - begin : gone);
+  if (document.time * subject.fps + kFrameShare >= end * subject.fps) document.time = begin;
 }
 
 void mark(const ViewSubject& subject, std::optional<int> ViewDocument::*which,

@@ -16,12 +16,21 @@ constexpr double kFixed = 2;      // deg; what moves less is no movement
 constexpr int kWay = 100;         // deg on either side of a limit that a drag looks at
 constexpr double kMostArc = 2.5;  // deg from one point of an arc to the next
 
-// From the joint along its bone, at rest.
+// From the joint along its bone, at rest: to the farthest joint that hangs on it, or where that is
+// near (the forearm's turn beside the elbow), to the next.
 Vec3 bone_arm(const Skeleton& skeleton, int joint) {
+  constexpr double near = 0.08;  // m
   Vec3 best = Vec3::Zero();
-  for (const Joint& child : skeleton.joints)
-    if (child.parent == joint && child.X_PJ.translation().norm() > best.norm())
-      best = child.X_PJ.translation();
+  for (int c = 0; c < int(skeleton.joints.size()); ++c) {
+    const Joint& child = skeleton.joints[std::size_t(c)];
+    if (child.parent != joint) continue;
+    Vec3 arm = child.X_PJ.translation();
+    for (const Joint& next : skeleton.joints)
+      if (next.parent == c && child.X_PJ.translation().norm() < near &&
+          (child.X_PJ.translation() + next.X_PJ.translation()).norm() > arm.norm())
+        arm = child.X_PJ.translation() + next.X_PJ.translation();
+    if (arm.norm() > best.norm()) best = arm;
+  }
   if (best.norm() > 1e-3) return best;
   return kShortest * skeleton.joints[std::size_t(joint)].axes.col(2);
 }
