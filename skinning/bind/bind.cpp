@@ -73,8 +73,9 @@ FrameWeights find_frame_weights(const Anatomy& anatomy, const TriMesh& skin, con
   for (std::size_t k = 0; k < painted.vertices.size(); ++k)
     rows[painted.vertices[k]] = painted.weights[k];
   spread_twist(skeleton, skin, painted.vertices, rows, tables.twists);
+  let_arm_skin_slide(skeleton, skin, tables, rows);
   out.joints = four_joint_weights(rows, tables);
-  tables.pairs = add_frame_pairs(skeleton, skin, tables.twists, rows);
+  tables.pairs = add_frame_pairs(skeleton, skin, tables, rows);
   return out;
 }
 

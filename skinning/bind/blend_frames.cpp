@@ -53,7 +53,7 @@ SwingTwist split(const Quat& local, const Vec3& axis) {
 void chain_rotations(const FrameTables& tables, std::span<const Transform> X_WJ,
                      std::vector<Quat>& rotations) {
   const std::size_t joints = tables.joint_count();
-  rotations.resize(joints + tables.twists.size());
+  rotations.resize(std::size_t(tables.first_pair()));
   for (std::size_t j = 0; j < joints; ++j) {
     const int parent = tables.parents[j];
     const Mat3 R = X_WJ[j].linear();
@@ -72,12 +72,15 @@ void chain_rotations(const FrameTables& tables, std::span<const Transform> X_WJ,
     const Mat3 local = X_WJ[p].linear().transpose() * X_WJ[twist.joint].linear();
     rotations[joints + k] = rotations[p] * split(Quat(local), twist.axis).swing;
   }
+  for (std::size_t k = 0; k < tables.slides.size(); ++k)
+    rotations[std::size_t(tables.first_slide()) + k] =
+        rotations[std::size_t(tables.slides[k].limb)];
 }
 
 void pose_blend_frames(const FrameTables& tables, std::span<const Transform> X_WJ,
                        FrameWorkspace& frames) {
   const std::size_t joints = tables.joint_count();
-  frames.joints.resize(joints + tables.twists.size());
+  frames.joints.resize(std::size_t(tables.first_pair()));
   frames.maps.resize(16 * std::size_t(tables.frame_count()));
   chain_rotations(tables, X_WJ, frames.rotations);
   const Vec3 rest_root = tables.origins[0], root = X_WJ[0].translation();
@@ -94,6 +97,16 @@ void pose_blend_frames(const FrameTables& tables, std::span<const Transform> X_W
     frames.joints[joints + k].linear() = R;
     frames.joints[joints + k].translation() =
         X_WJ[j].translation() - root - R * (tables.origins[j] - rest_root);
+  }
+  for (std::size_t k = 0; k < tables.slides.size(); ++k) {
+    const SlideFrame& slide = tables.slides[k];
+    const Transform& limb = frames.joints[std::size_t(slide.limb)];
+    const Transform& carrier = frames.joints[std::size_t(slide.carrier)];
+    const Vec3 axis = limb.linear() * slide.axis;
+    const Mat3 along = axis * axis.transpose();
+    Transform& out = frames.joints[std::size_t(tables.first_slide()) + k];
+    out.linear() = limb.linear() + along * (carrier.linear() - limb.linear());
+    out.translation() = limb.translation() + along * (carrier.translation() - limb.translation());
   }
   for (std::size_t c = 0; c < frames.joints.size(); ++c)
     write_columns(frames.joints[c].linear(), frames.joints[c].translation(), &frames.maps[16 * c]);

@@ -5,6 +5,8 @@
 //   0 .. #joints  T_j, the joint frames
 //   then #twists  a joint without its rotation about the axis of its own bone, so that upper arm
 //                 and thigh turn gradually along their length
+//   then #slides  a limb's joint across the limb and a joint above it along the limb: skin that
+//                 the trunk draws up slides on the limb's flesh and does not sink into it
 //   then #pairs   D = 2 H - (T_a + T_b), H = the half-way rotation of the two about `center`
 // A vertex is sum w_a T_a X + sum w_ab D_ab X with w_ab = 2 w_a w_b: the parabola through T_a, H
 // and T_b, which is smooth in the weights for any number of joints and keeps the girth that the
@@ -27,6 +29,13 @@ struct TwistFrame {
   Vec3 axis = Vec3::UnitY();  // world, rest
 };
 
+// The frame of `limb` plus what the frame of `carrier` differs from it along the limb's axis.
+struct SlideFrame {
+  int limb = 0;               // joint that the skin lies on
+  int carrier = 0;            // joint above it that draws the skin
+  Vec3 axis = Vec3::UnitY();  // of the limb, world, rest
+};
+
 // The half-way correction of two blend frames.
 struct FramePair {
   int a = 0, b = 0;            // joints or twist frames
@@ -41,11 +50,20 @@ struct FrameTables {
   // #joints, world, rest: axes that tell a joint's twist from its swing
   std::vector<Vec3> long_axes;
   std::vector<TwistFrame> twists;
+  std::vector<SlideFrame> slides;
   std::vector<FramePair> pairs;
 
   int joint_count() const { return int(origins.size()); }
-  int first_pair() const { return joint_count() + int(twists.size()); }
+  int first_slide() const { return joint_count() + int(twists.size()); }
+  int first_pair() const { return first_slide() + int(slides.size()); }
   int frame_count() const { return first_pair() + int(pairs.size()); }
+
+  // The joint whose bone skin with this frame lies on. Precondition: frame < first_pair().
+  int joint_of(int frame) const {
+    if (frame < joint_count()) return frame;
+    return frame < first_slide() ? twists[frame - joint_count()].joint
+                                 : slides[frame - first_slide()].limb;
+  }
 };
 
 // A place on a strip of muscle.

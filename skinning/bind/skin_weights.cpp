@@ -11,8 +11,7 @@ JointWeights four_joint_weights(const WeightRow& row, const FrameTables& tables)
   WeightRow joints;
   for (Influence w : row) {
     if (w.joint >= tables.first_pair()) continue;
-    if (w.joint >= tables.joint_count())
-      w.joint = tables.twists[w.joint - tables.joint_count()].joint;
+    w.joint = tables.joint_of(w.joint);
     const auto it = std::find_if(joints.begin(), joints.end(),
                                  [&](const Influence& o) { return o.joint == w.joint; });
     if (it == joints.end())

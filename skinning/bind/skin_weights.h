@@ -13,7 +13,7 @@ namespace ecorche::inline v1 {
 using WeightRow = std::vector<Influence>;
 
 struct SkinWeights {
-  std::vector<WeightRow> frames;   // #V, of blend frames; joints and twist frames sum to 1
+  std::vector<WeightRow> frames;   // #V, of blend frames; joints, twist and slide frames sum to 1
   std::vector<WeightRow> handles;  // #V, of muscle handles; empty: there are none
 };
 
@@ -26,8 +26,8 @@ inline constexpr int kMostJoints = 6, kMostPairs = 4, kMostHandles = 3;
 // and keeps at most `most` a row.
 void thin_weights(std::vector<WeightRow>& rows, double least, int most);
 
-// The four largest joint weights of each row. Twist frames count for their joint, frame pairs for
-// nothing.
+// The four largest joint weights of each row. Twist frames count for their joint, slides for their
+// limb, frame pairs for nothing.
 std::vector<JointWeights> four_joint_weights(const std::vector<WeightRow>& frames,
                                              const FrameTables& tables);
 

@@ -17,6 +17,11 @@ constexpr double kLeastRange = 0.6;   // rad, joints that move less are blended 
 constexpr double kLeastPair = 0.01;   // 2 w_a w_b below it is not worth a frame
 constexpr double kGirdleShare = 0.4;  // of a pair's weight about a joint of the girdle
 constexpr double kHingeSlack = 0.2;   // rad, of abduction
+// Fractions of the upper arm between which its skin comes to slide, below the armpit's folds, and
+// the arm's own weight between which it does: skin of the flank that lies beside a hanging arm is
+// none of it.
+constexpr double kSlideFrom = 0.1, kSlideTo = 0.45;
+constexpr double kLeastArm = 0.35, kMostLeastArm = 0.65;
 constexpr double kReachQuantile = 0.5, kReachSlack = 1.35;
 
 double* find_weight(WeightRow& row, int joint) {
@@ -39,6 +44,11 @@ void move_weight(WeightRow& row, int from, int to, double fraction) {
 // Position along the segment from joint a to joint b, 0 at a and 1 at b.
 double along(const Vec3& p, const Vec3& a, const Vec3& b) {
   return (p - a).dot(b - a) / (b - a).squaredNorm();
+}
+
+bool descends_from(const Skeleton& skeleton, int joint, int ancestor) {
+  while (joint >= 0 && joint != ancestor) joint = skeleton.joints[joint].parent;
+  return joint == ancestor;
 }
 
 double range_of_motion(const Joint& joint) { return (joint.max - joint.min).maxCoeff(); }
@@ -185,14 +195,39 @@ void let_scapula_glide(const Skeleton& skeleton, const TriMesh& skin,
   }
 }
 
+void let_arm_skin_slide(const Skeleton& skeleton, const TriMesh& skin, FrameTables& tables,
+                        std::vector<WeightRow>& rows) {
+  for (const std::string side : {"_l", "_r"}) {
+    const int shoulder = find_joint(skeleton, "shoulder" + side),
+              elbow = find_joint(skeleton, "elbow" + side);
+    if (shoulder < 0 || elbow < 0) continue;
+    const Vec3 from = tables.origins[std::size_t(shoulder)],
+               to = tables.origins[std::size_t(elbow)];
+    const auto is_of_arm = [&](int frame) {
+      return descends_from(skeleton, tables.joint_of(frame), shoulder);
+    };
+    std::map<int, int> slide_of;  // carrier -> frame
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      double arm = 0;
+      for (const Influence& w : rows[i])
+        if (is_of_arm(w.joint)) arm += w.weight;
+      const double share = smooth_step(kSlideFrom, kSlideTo, along(skin.V.row(i), from, to)) *
+                           smooth_step(kLeastArm, kMostLeastArm, arm);
+      if (share <= 0) continue;
+      const WeightRow before = rows[i];
+      for (const Influence& w : before) {
+        if (w.joint >= tables.joint_count() || is_of_arm(w.joint)) continue;
+        const auto [it, added] = slide_of.emplace(w.joint, tables.first_pair());
+        if (added) tables.slides.push_back({shoulder, w.joint, (to - from).normalized()});
+        move_weight(rows[i], w.joint, it->second, share);
+      }
+    }
+  }
+}
+
 std::vector<FramePair> add_frame_pairs(const Skeleton& skeleton, const TriMesh& skin,
-                                       const std::vector<TwistFrame>& twists,
-                                       std::vector<WeightRow>& rows) {
-  const int joints = int(skeleton.joints.size()), first_pair = joints + int(twists.size());
-  const std::vector<Vec3> origins = rest_positions(skeleton);
-  const auto joint_of = [&](int frame) {
-    return frame < joints ? frame : twists[frame - joints].joint;
-  };
+                                       const FrameTables& tables, std::vector<WeightRow>& rows) {
+  const std::vector<Vec3>& origins = tables.origins;
   std::map<std::pair<int, int>, int> index;  // -1: blended linearly
   std::vector<FramePair> pairs;
   std::vector<WeightRow> found(rows.size());
@@ -200,15 +235,19 @@ std::vector<FramePair> add_frame_pairs(const Skeleton& skeleton, const TriMesh& 
     WeightRow& row = rows[i];
     std::sort(row.begin(), row.end(),
               [](const Influence& a, const Influence& b) { return a.joint < b.joint; });
-    for (std::size_t x = 0; x < row.size(); ++x)
-      for (std::size_t y = x + 1; y < row.size(); ++y) {
+    const std::size_t rigid =  // frames that are no slides, which come last
+        std::size_t(std::count_if(row.begin(), row.end(), [&](const Influence& w) {
+          return w.joint < tables.first_slide();
+        }));
+    for (std::size_t x = 0; x < rigid; ++x)
+      for (std::size_t y = x + 1; y < rigid; ++y) {
         const double product = 2 * row[x].weight * row[y].weight;
         if (product < kLeastPair) continue;
         const std::pair<int, int> key{row[x].joint, row[y].joint};
         auto it = index.find(key);
         if (it == index.end()) {
           FramePair pair{key.first, key.second, Vec3::Zero()};
-          const int a = joint_of(key.first), b = joint_of(key.second);
+          const int a = tables.joint_of(key.first), b = tables.joint_of(key.second);
           if (a == b) pair.center = origins[a];
           const bool hinged =
               a == b || find_center(skeleton, origins, a, b, pair.center, pair.hinge);
@@ -223,7 +262,8 @@ std::vector<FramePair> add_frame_pairs(const Skeleton& skeleton, const TriMesh& 
     std::stable_sort(found[i].begin(), found[i].end(),
                      [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
     if (int(found[i].size()) > kMostPairs) found[i].resize(kMostPairs);
-    for (const Influence& w : found[i]) rows[i].push_back({first_pair + w.joint, w.weight});
+    for (const Influence& w : found[i])
+      rows[i].push_back({tables.first_pair() + w.joint, w.weight});
   }
   return pairs;
 }

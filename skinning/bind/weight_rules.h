@@ -25,17 +25,24 @@ void part_lips(const Anatomy& anatomy, const TriMesh& skin, SkinDepth& depth);
 void spread_twist(const Skeleton& skeleton, const TriMesh& skin, std::span<const int> painted,
                   std::vector<WeightRow>& rows, std::vector<TwistFrame>& twists);
 
+// Upper arm: where the skin has left the armpit, what joints above the shoulder hold of it is moved
+// to slide frames. A raised arm's skin is drawn towards the trunk along the arm and stays about its
+// bone; were it drawn across as well, the arm's flesh would lie beside its bone. Appends the frames
+// to tables.slides; rows then refer to frames (tables.first_slide() + k). Precondition: tables have
+// origins and all twists, rows no pairs.
+void let_arm_skin_slide(const Skeleton& skeleton, const TriMesh& skin, FrameTables& tables,
+                        std::vector<WeightRow>& rows);
+
 // Away from the acromion most of the skin over the shoulder blade stays with the ribs while the
 // blade slides beneath it (30 to 70 mm by upright tomography, 10.3390/s22176502).
 void let_scapula_glide(const Skeleton& skeleton, const TriMesh& skin, std::vector<WeightRow>& rows);
 
-// Pairs of frames that both move some vertex and turn much against each other, with weight
-// 2 w_a w_b for every vertex; see blend_tables.h. Sorts the rows by frame and appends their pairs
-// (#joints + #twists + k). Far from the hinge the weight fades: no bone pushes the skin of the
-// groin out to the full circle. About joints of the girdle they count less, at any distance: the
-// armpit's web is drawn straighter.
+// Pairs of joint and twist frames that both move some vertex and turn much against each other, with
+// weight 2 w_a w_b for every vertex; see blend_tables.h. Sorts the rows by frame and appends their
+// pairs (tables.first_pair() + k). Far from the hinge the weight fades: no bone pushes the skin of
+// the groin out to the full circle. About joints of the girdle they count less, at any distance:
+// the armpit's web is drawn straighter.
 std::vector<FramePair> add_frame_pairs(const Skeleton& skeleton, const TriMesh& skin,
-                                       const std::vector<TwistFrame>& twists,
-                                       std::vector<WeightRow>& rows);
+                                       const FrameTables& tables, std::vector<WeightRow>& rows);
 
 }  // namespace ecorche::inline v1

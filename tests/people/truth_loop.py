@@ -26,7 +26,7 @@ def read_options():
         ap.add_argument(name, required=True)
     ap.add_argument("-o", "--out", required=True)
     ap.add_argument("--start", help="folder of an earlier run, whose rest skins and poses are taken")
-    ap.add_argument("--rounds", type=int, help="rounds of Gauss-Newton on the poses; 3, and 0 with --start")
+    ap.add_argument("--rounds", type=int, help="rounds of Gauss-Newton on the poses; 3, and 2 with --start")
     ap.add_argument("--unpose", type=int, default=2, help="rounds in which the rest skin is corrected by pose 0")
     ap.add_argument("--people", type=int, nargs="*", default=list(range(5)))
     ap.add_argument("--skin", default="ecorche")
@@ -71,7 +71,7 @@ def predict(options, model, person, folder):
             shutil.copy(os.path.join(before, "rest.obj"), folder)
         tool.run("fit", f"{folder}/rest.obj", "-o", f"{folder}/fit.glb")
         poses = np.load(os.path.join(before, "poses.npy"))
-        rounds = rounds or 0
+        rounds = 2 if rounds is None else rounds
     else:
         poses = np.tile(unposed(tool, z, model, options.unpose), (10, 1))
         rounds = 3 if rounds is None else rounds

@@ -155,6 +155,44 @@ TEST_F(BodySkin, ShouldersOfRaisedArmsLoseALittleAndGainNothing) {
   }
 }
 
+// A raised arm's skin is drawn towards the trunk, but its flesh stays about its bone: rings of skin
+// from the middle of the upper arm on keep their centre on the humerus.
+TEST_F(BodySkin, RaisedArmsStayAboutTheirBone) {
+  // m, at the middle; two thirds of it farther down. Loose fat lags more.
+  for (const auto& [name, most] : {std::pair{"default_male", 0.018}, {"heavy_male", 0.032}}) {
+    Figure body = figure(standard_body(name));
+    const Skeleton& skeleton = body.anatomy.skeleton;
+    const std::vector<Vec3> at = rest_positions(skeleton);
+    const size_t shoulder = body.joint("shoulder_l"), elbow = body.joint("elbow_l");
+    const Vec3 axis = (at[elbow] - at[shoulder]).normalized();
+    const double length = (at[elbow] - at[shoulder]).norm();
+    for (const char* arms : {"arm 90 90", "arm 110 45", "arm 150 0"}) {
+      const Pose pose = pose_of_angles(arms, skeleton, name);
+      Points V;
+      to_points(body.play(pose), V);
+      std::vector<Transform> X_WJ;
+      forward_kinematics(skeleton, pose, X_WJ);
+      const Transform back = Eigen::Translation3d(at[shoulder]) * X_WJ[shoulder].inverse();
+      for (const double from : {0.45, 0.6}) {
+        Vec3 shift = Vec3::Zero();
+        int count = 0;
+        for (Eigen::Index i = 0; i < V.rows(); ++i) {
+          const Vec3 rest = body.skin.V.row(i), arm = rest - at[shoulder];
+          const double t = arm.dot(axis) / length;
+          if (t < from || t > from + 0.15 || (arm - arm.dot(axis) * axis).norm() > 0.1) continue;
+          shift += back * Vec3(V.row(i)) - rest;
+          ++count;
+        }
+        ASSERT_GT(count, 10);
+        shift /= count;
+        const Vec3 across = shift - shift.dot(axis) * axis;
+        EXPECT_LT(across.norm(), from < 0.5 ? most : most / 1.5)
+            << name << ' ' << arms << ' ' << from;
+      }
+    }
+  }
+}
+
 TEST_F(BodySkin, WhatContactPressesAwaySwellsElsewhere) {
   Figure body = figure(standard_body("default_male"));
   for (const char* angles : {"knee 150", "elbow 150", "hip 110; knee 140; trunk 40 0 0"}) {
