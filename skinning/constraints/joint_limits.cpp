@@ -399,4 +399,19 @@ void enforce_limits(const Skeleton& skeleton, const LimitTables& tables,
   forward_kinematics(skeleton, pose, is);
 }
 
+void stand_with_leg(const Skeleton& skeleton, const LimitTables& tables, Side side,
+                    const LimbTolerance& tolerance, const FootStand& stand, const Transform& foot,
+                    Pose& pose, LimitWorkspace& workspace) {
+  const std::size_t s = side == Side::left ? 0 : 1;
+  const LimbChain& leg = tables.limbs[s];
+  const std::size_t pelvis = skeleton.joints[leg.joints[0]].parent;
+  std::vector<Transform>& X = workspace.before;
+  forward_kinematics(skeleton, pose, X);
+  LimbSolver(skeleton, leg, X[pelvis], foot, X[leg.joints[1]].translation(), tolerance, stand, pose)
+      .solve(pose);
+  forward_kinematics(skeleton, pose, X);
+  if (tolerance.on_ground) raise_toes(skeleton, tables.feet[s], pose, X);
+  complete_pose(skeleton, pose);
+}
+
 }  // namespace ecorche::inline v1

@@ -71,4 +71,11 @@ void enforce_limits(const Skeleton& skeleton, const LimitTables& tables,
                     const LimbTolerance& tolerance, const std::array<FootStand, 2>& stands,
                     const LimbShifts& shifts, Pose& pose, LimitWorkspace& workspace);
 
+// Brings a foot to the world frame `foot` by its leg's joints alone, within limits, from the angles
+// that `pose` has, whose knee it keeps near; toes that would be in the ground extend. A point that
+// stands comes to 0.1 mm where the leg reaches. Overwrites `workspace`.
+void stand_with_leg(const Skeleton& skeleton, const LimitTables& tables, Side side,
+                    const LimbTolerance& tolerance, const FootStand& stand, const Transform& foot,
+                    Pose& pose, LimitWorkspace& workspace);
+
 }  // namespace ecorche::inline v1

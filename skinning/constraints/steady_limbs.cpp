@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "anatomy/compute/smooth_step.h"
 #include "anatomy/joint_angles.h"
 
 namespace ecorche::inline v1 {
@@ -18,6 +19,9 @@ constexpr double kFasterHere = 3, kByMoreHere = 2;  // m/s; than around the step
 constexpr double kAround = 0.15;                    // s
 constexpr double kNarrow = 0.05;                    // s; half the width of the first mean
 constexpr int kRounds = 4;                          // each of twice the width
+constexpr double kFade = 0.1;                       // s; around a stance, as planting fades
+constexpr double kMostRise = 8 * kDegree;           // of a heel whose ball stands
+constexpr LimbTolerance kStanding{2e-3, 4 * kDegree, true};
 
 using Angles = Eigen::VectorXd;  // three a joint
 
@@ -25,10 +29,13 @@ using Angles = Eigen::VectorXd;  // three a joint
 struct Chain {
   std::vector<std::size_t> joints;
   std::array<std::size_t, 2> seen{};
+  const LimbChain* leg = nullptr;   // itself, of a leg
+  std::vector<FootStand> standing;  // a frame; of a leg, else none
 };
 
 // Of the trunk with neck and head, whose leaps limbs would have to make up for, then of limbs.
-std::vector<Chain> chains_of(const Skeleton& skeleton, const LimitTables& tables) {
+std::vector<Chain> chains_of(const Skeleton& skeleton, const LimitTables& tables,
+                             const std::vector<Contact>& contacts, std::size_t frames) {
   std::vector<Chain> out(1);
   const int head = find_joint(skeleton, "head");
   for (int j = head; j > 0; j = skeleton.joints[std::size_t(j)].parent)
@@ -38,7 +45,15 @@ std::vector<Chain> chains_of(const Skeleton& skeleton, const LimitTables& tables
     Chain& chain = out.emplace_back();
     for (const int j : limb.joints) chain.joints.push_back(std::size_t(j));
     chain.seen = {chain.joints[1], chain.joints[limb.leg ? 2 : 3]};
+    if (!limb.leg) continue;
+    chain.leg = &limb;
+    chain.standing.resize(frames);
   }
+  for (const Contact& contact : contacts)  // legs come after the trunk
+    for (int f = contact.begin; f < contact.end; ++f) {
+      FootStand& foot = out[contact.side == Side::left ? 1 : 2].standing[std::size_t(f)];
+      (contact.heel ? foot.heel : foot.ball) = true;
+    }
   return out;
 }
 
@@ -95,27 +110,37 @@ SpeedLimits speed_limits(const std::vector<LimbPoints>& path, const Motion& moti
 // One limb over the motion.
 class LimbSteadier {
  public:
-  LimbSteadier(const Skeleton& skeleton, const Chain& limb, const SpeedLimits& limits,
-               Motion& motion)
-      : skeleton_(skeleton), limb_(limb), limits_(limits), motion_(motion) {}
+  LimbSteadier(const Skeleton& skeleton, const LimitTables& tables, const Chain& limb,
+               const SpeedLimits& limits, Motion& motion)
+      : skeleton_(skeleton), tables_(tables), limb_(limb), limits_(limits), motion_(motion) {
+    fade_ = std::ceil(kFade * motion.fps) + 1;
+    if (limb.leg == nullptr) return;
+    for (const Pose& pose : motion.frames) planted_.push_back(foot_of(pose));
+  }
 
-  // Averages what was added to `base`, by angle, until nothing is too fast. Returns the number of
-  // frames changed. `path`: of the limb, brought up to date.
+  // Averages what was added to `base`, by angle, until nothing is too fast; planted feet stay.
+  // Returns the number of frames changed. `path`: of the limb, brought up to date.
   int run(const std::vector<Angles>& base, std::vector<LimbPoints>& path) {
     width_.assign(motion_.frames.size(), 0.0);
+    std::vector<bool> changed(width_.size(), false);
     std::vector<Angles> change;
     for (int round = 0; round < kRounds; ++round) {
       if (!widen(path, kNarrow * std::exp2(round))) break;
       for (std::size_t f = change.size(); f < base.size(); ++f)
         change.push_back(angles(motion_.frames[f], false) - base[f]);
+      for (std::size_t f = 0; f < width_.size(); ++f)
+        if (width_[f] > 0 || changed[f]) {
+          set_angles(base[f] + mean(change, f), motion_.frames[f]);
+          changed[f] = true;
+        }
+      if (limb_.leg != nullptr) put_back(changed);
       for (std::size_t f = 0; f < width_.size(); ++f) {
-        if (width_[f] <= 0) continue;
-        set_angles(base[f] + mean(change, f), motion_.frames[f]);
+        if (!changed[f]) continue;
         forward_kinematics(skeleton_, motion_.frames[f], X_);
         path[f] = limb_points(limb_, X_);
       }
     }
-    return int(std::ranges::count_if(width_, [](double w) { return w > 0; }));
+    return int(std::ranges::count(changed, true));
   }
 
   // `limited`: brought within limits first.
@@ -131,6 +156,70 @@ class LimbSteadier {
   }
 
  private:
+  Transform foot_of(const Pose& pose) {
+    forward_kinematics(skeleton_, pose, X_);
+    return X_[std::size_t(limb_.leg->joints[3])];
+  }
+
+  bool stands(std::size_t f) const { return limb_.standing[f].heel || limb_.standing[f].ball; }
+
+  // Frames from `frame` to the nearest stance in a direction; fade_ if there is none so near.
+  double to_stance(int frame, int way) const {
+    int f = frame;
+    while (std::abs(f - frame) < fade_)
+      if (f += way; f < 0 || f >= int(planted_.size()))
+        return fade_;
+      else if (stands(std::size_t(f)))
+        return std::abs(f - frame);
+    return fade_;
+  }
+
+  // The planted foot at its place; the heel of a flat one as high as that of `averaged`, up to
+  // kMostRise.
+  Transform planted_with_rise(std::size_t f, const Transform& averaged) const {
+    Transform out = planted_[f];
+    if (!limb_.standing[f].ball || !limb_.standing[f].heel) return out;
+    const LimbChain& leg = *limb_.leg;
+    const Vec3 sole = (leg.point - leg.heel).normalized(), along = out.linear() * sole,
+               ball = out * leg.point;
+    const auto risen = [&](const Transform& X) {
+      return -std::asin(std::clamp((X.linear() * sole).y(), -1.0, 1.0));
+    };
+    const double rise = std::max(0.0, std::min(kMostRise, risen(averaged)) - risen(out));
+    out.linear() = Eigen::AngleAxisd(rise, Vec3::UnitY().cross(along).normalized()) * out.linear();
+    out.translation() = ball - out.linear() * leg.point;
+    return out;
+  }
+
+  // Brings a leg whose foot is planted back to its place. What brings the foot back at a stance's
+  // edge fades out around it.
+  void put_back(std::vector<bool>& changed) {
+    const Side side = limb_.leg == tables_.limbs.data() ? Side::left : Side::right;
+    const std::vector<bool> averaged = changed;
+    std::vector<Transform> now;
+    for (const Pose& pose : motion_.frames) now.push_back(foot_of(pose));
+    for (std::size_t f = 0; f < now.size(); ++f) {
+      Transform goal = now[f];
+      bool moves = averaged[f] && stands(f);
+      if (moves) goal = planted_with_rise(f, now[f]);
+      const std::array<double, 2> away = {to_stance(int(f), -1), to_stance(int(f), 1)};
+      for (std::size_t k = 0; k < 2 && !stands(f); ++k) {
+        const std::size_t edge = k == 0 ? f - std::size_t(away[k]) : f + std::size_t(away[k]);
+        if (away[k] >= fade_ || !averaged[edge]) continue;
+        const double share = 1 - smooth_step(away[k] / std::min(fade_, 0.5 * (away[0] + away[1])));
+        const Mat3 turn = planted_[edge].linear() * now[edge].linear().transpose();
+        goal.linear() =
+            Quat::Identity().slerp(share, Quat(turn)).toRotationMatrix() * goal.linear();
+        goal.translation() += share * (planted_[edge].translation() - now[edge].translation());
+        moves |= share > 0;
+      }
+      if (!moves) continue;
+      stand_with_leg(skeleton_, tables_, side, kStanding, limb_.standing[f], goal,
+                     motion_.frames[f], workspace_);
+      changed[f] = true;
+    }
+  }
+
   // Widens the mean around steps that are too fast: by `width`, s, and less on either side. Whether
   // there are any.
   bool widen(const std::vector<LimbPoints>& path, double width) {
@@ -179,9 +268,13 @@ class LimbSteadier {
   }
 
   const Skeleton& skeleton_;
+  const LimitTables& tables_;
   const Chain& limb_;
   const SpeedLimits& limits_;
   Motion& motion_;
+  double fade_ = 0;                 // frames
+  std::vector<Transform> planted_;  // a leg's foot as it was, a frame
+  LimitWorkspace workspace_;
   std::vector<double> width_;  // s, half of each frame's mean; 0: it stays
   std::vector<Transform> X_;
 };
@@ -189,11 +282,11 @@ class LimbSteadier {
 }  // namespace
 
 int steady_limbs(const Skeleton& skeleton, const LimitTables& tables, const Motion& source,
-                 const Motion& given, Motion& motion) {
+                 const Motion& given, const std::vector<Contact>& contacts, Motion& motion) {
   const std::size_t frames = motion.frames.size();
   if (frames < 3) return 0;
   int changed = 0;
-  for (const Chain& chain : chains_of(skeleton, tables)) {
+  for (const Chain& chain : chains_of(skeleton, tables, contacts, frames)) {
     const SpeedLimits limits = speed_limits(limb_path(skeleton, chain, source), source);
     std::vector<LimbPoints> path = limb_path(skeleton, chain, motion);
     bool any = false;
@@ -201,7 +294,7 @@ int steady_limbs(const Skeleton& skeleton, const LimitTables& tables, const Moti
       any = step_speed(path, f, 0, motion.fps) > limits[f][0] ||
             step_speed(path, f, 1, motion.fps) > limits[f][1];
     if (!any) continue;
-    LimbSteadier limb(skeleton, chain, limits, motion);
+    LimbSteadier limb(skeleton, tables, chain, limits, motion);
     std::vector<Angles> base;
     for (const Pose& pose : given.frames) base.push_back(limb.angles(pose, true));
     const int moved = limb.run(base, path);

@@ -247,7 +247,8 @@ void plant_within_limits(const std::string& name, const Skeleton& ours, double s
     motion = free;
   }
   if (rounds > 0)
-    steady_limbs(ours, limiter.tables(), source != nullptr ? *source : free, free, motion);
+    steady_limbs(ours, limiter.tables(), source != nullptr ? *source : free, free, contacts,
+                 motion);
   lift_from_ground(ours, sole, motion);
   if (contacts.size() < found)
     warnings.push_back(
@@ -278,7 +279,7 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
     warn_of_limited(name, report.limit_breaks_before, report.warnings);
     given = motion;
     limiter.run({}, {}, moved.shifts, motion);
-    steady_limbs(ours, limiter.tables(), given, given, motion);
+    steady_limbs(ours, limiter.tables(), given, given, {}, motion);
     report.self_collisions = limiter.initial_penetrations();
   }
   filtered.belt = belt;
