@@ -58,11 +58,12 @@ struct FrameTables {
   int first_pair() const { return first_slide() + int(slides.size()); }
   int frame_count() const { return first_pair() + int(pairs.size()); }
 
-  // The joint whose bone skin with this frame lies on. Precondition: frame < first_pair().
+  // The joint that a frame's weight counts for: a twist's own, a slide's carrier. Precondition:
+  // frame < first_pair().
   int joint_of(int frame) const {
     if (frame < joint_count()) return frame;
     return frame < first_slide() ? twists[frame - joint_count()].joint
-                                 : slides[frame - first_slide()].limb;
+                                 : slides[frame - first_slide()].carrier;
   }
 };
 

@@ -102,11 +102,7 @@ std::vector<std::vector<Influence>> joint_weights_of(const BlendTables& tables) 
         const std::size_t entry = run.frame_entry + std::size_t((e - run.begin) * run.frames + k);
         const int frame = mesh.frame[entry];
         if (frame >= frames.first_pair()) continue;
-        // A slide's weight is its carrier's: read back, it becomes a slide's again.
-        const int joint = frame < frames.first_slide()
-                              ? frames.joint_of(frame)
-                              : frames.slides[std::size_t(frame - frames.first_slide())].carrier;
-        weights[joint] += double(mesh.frame_weight[entry]);
+        weights[frames.joint_of(frame)] += double(mesh.frame_weight[entry]);
       }
       std::vector<Influence>& row = out[mesh.order.empty() ? sorted : mesh.order[sorted]];
       for (const auto& [joint, weight] : weights) row.push_back({joint, weight});

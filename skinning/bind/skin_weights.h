@@ -27,7 +27,7 @@ inline constexpr int kMostJoints = 6, kMostPairs = 4, kMostHandles = 3;
 void thin_weights(std::vector<WeightRow>& rows, double least, int most);
 
 // The four largest joint weights of each row. Twist frames count for their joint, slides for their
-// limb, frame pairs for nothing.
+// carrier, frame pairs for nothing.
 std::vector<JointWeights> four_joint_weights(const std::vector<WeightRow>& frames,
                                              const FrameTables& tables);
 

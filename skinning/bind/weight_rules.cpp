@@ -21,7 +21,7 @@ constexpr double kHingeSlack = 0.2;   // rad, of abduction
 // the arm's own weight between which it does: skin of the flank that lies beside a hanging arm is
 // none of it.
 constexpr double kSlideFrom = 0.1, kSlideTo = 0.45;
-constexpr double kLeastArm = 0.35, kMostLeastArm = 0.65;
+constexpr double kLeastArm = 0.05, kMostLeastArm = 0.6;
 constexpr double kReachQuantile = 0.5, kReachSlack = 1.35;
 
 double* find_weight(WeightRow& row, int joint) {

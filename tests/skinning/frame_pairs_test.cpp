@@ -24,7 +24,7 @@ TEST(SlideFrames, DrawTheSkinAlongTheArmAlone) {
   std::vector<WeightRow> rows = {{{thorax, 0.25}, {shoulder, 0.75}}};
   let_arm_skin_slide(skeleton, skin, tables, rows);
   ASSERT_EQ(tables.slides.size(), 1u);
-  EXPECT_EQ(tables.joint_of(tables.first_slide()), shoulder);
+  EXPECT_EQ(tables.joint_of(tables.first_slide()), thorax);
 
   Pose pose = rest_pose(skeleton);
   pose.rotations[std::size_t(shoulder)] = Quat(Eigen::AngleAxisd(1.2, Vec3::UnitX()));
