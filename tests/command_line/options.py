@@ -662,7 +662,7 @@ def lifts(t):
 
 
 def falls(t):
-    t.run(0, "fall", "anna-anatomy.glb", "-o", "falls.bvh", "-o", "falls.fbx", "--push", "0.3,0,1", "--height", 0.3, "--from", "t_pose", "--seconds", 4, "--fps", 30, "--report", "falls.json")
+    t.run(0, "fall", "anna-anatomy.glb", "-o", "falls.bvh", "-o", "falls.fbx", "--push", "0.3,0,1", "--height", 0.3, "--from", "t_pose", "--seconds", 8, "--fps", 30, "--report", "falls.json")
     falls = t.json("falls.json")["fall"]
     t.check(t.bytes("falls.bvh").count(b"\n") > 121 and 0.2 < falls["touch"] < 0.3, f"--seconds, --fps, --height of fall: {falls['touch']}")
     t.check(abs(falls["end_force"] - falls["weight"]) < 0.02 * falls["weight"] and falls["end_speed"] < 0.02, f"fall: {falls['end_force']} N of {falls['weight']}, {falls['end_speed']} m/s")
