@@ -8,6 +8,7 @@
 #include <string>
 
 #include "anatomy/compute/smooth_step.h"
+#include "anatomy/joints_below.h"
 #include "anatomy/queries/mouth_line.h"
 
 namespace ecorche::inline v1 {
@@ -44,11 +45,6 @@ void move_weight(WeightRow& row, int from, int to, double fraction) {
 // Position along the segment from joint a to joint b, 0 at a and 1 at b.
 double along(const Vec3& p, const Vec3& a, const Vec3& b) {
   return (p - a).dot(b - a) / (b - a).squaredNorm();
-}
-
-bool descends_from(const Skeleton& skeleton, int joint, int ancestor) {
-  while (joint >= 0 && joint != ancestor) joint = skeleton.joints[joint].parent;
-  return joint == ancestor;
 }
 
 double range_of_motion(const Joint& joint) { return (joint.max - joint.min).maxCoeff(); }
@@ -203,8 +199,9 @@ void let_arm_skin_slide(const Skeleton& skeleton, const TriMesh& skin, FrameTabl
     if (shoulder < 0 || elbow < 0) continue;
     const Vec3 from = tables.origins[std::size_t(shoulder)],
                to = tables.origins[std::size_t(elbow)];
+    const std::vector<char> below = joints_below(skeleton, shoulder);
     const auto is_of_arm = [&](int frame) {
-      return descends_from(skeleton, tables.joint_of(frame), shoulder);
+      return below[std::size_t(tables.joint_of(frame))] != 0;
     };
     std::map<int, int> slide_of;  // carrier -> frame
     for (std::size_t i = 0; i < rows.size(); ++i) {

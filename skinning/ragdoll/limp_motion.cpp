@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "anatomy/joints_below.h"
 #include "skinning/motion/require_joint.h"
 #include "skinning/motion/sample_motion.h"
 #include "skinning/ragdoll/moving_body.h"
@@ -35,9 +36,7 @@ void let_go(const std::vector<std::string>& limp, ArticulatedModel& body) {
     const int first = joint_of(skeleton, name);
     if (first == 0)
       throw std::invalid_argument(name + " carries all of the body, which would fall");
-    std::vector<char> below(skeleton.joints.size(), 0);
-    for (std::size_t j = 1; j < below.size(); ++j)
-      below[j] = int(j) == first || below[std::size_t(skeleton.joints[j].parent)];
+    const std::vector<char> below = joints_below(skeleton, first);
     bool swings = false;
     for (const PassiveJoint& group : body.groups)
       for (const int j : group.joints) swings |= below[std::size_t(j)] != 0;

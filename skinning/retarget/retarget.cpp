@@ -297,9 +297,10 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
     // What filters have moved is faster where it is brought back to its place, and is wanted so.
     plant_within_limits(name, ours, sole, filters.empty() ? &given : nullptr, filtered, limiter,
                         moves_feet(filters) ? 0 : 3, report.warnings);
-  else if (plant)
-    plant_feet(ours, sole, filtered.contacts, filtered.lock, motion),
-        lift_from_ground(ours, sole, motion);
+  else if (plant) {
+    plant_feet(ours, sole, filtered.contacts, filtered.lock, motion);
+    lift_from_ground(ours, sole, motion);
+  }
   if (keep && !plant && !filters.empty()) limiter.run({}, {}, {}, motion);
   if (!keep && plant)
     for (Pose& pose : motion.frames) complete_pose(ours, pose);  // knees have moved

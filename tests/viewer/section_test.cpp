@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "anatomy/errors.h"
+#include "tests/viewer/balls.h"
 #include "viewer/camera.h"
 #include "viewer/cut_faces.h"
 #include "viewer/gl/renderer.h"
@@ -16,42 +17,15 @@
 namespace ecorche {
 namespace {
 
-DrawMesh ball_mesh(int rings) {
-  DrawMesh mesh;
-  const int around = 2 * rings;
-  for (int i = 0; i <= rings; ++i)
-    for (int j = 0; j < around; ++j) {
-      const float t = std::numbers::pi_v<float> * float(i) / float(rings);
-      const float p = 2 * std::numbers::pi_v<float> * float(j) / float(around);
-      mesh.positions.emplace_back(std::sin(t) * std::sin(p), std::cos(t),
-                                  std::sin(t) * std::cos(p));
-    }
-  mesh.normals = mesh.positions;
-  const auto at = [&](int i, int j) { return std::uint32_t(i * around + j % around); };
-  for (int i = 0; i < rings; ++i)
-    for (int j = 0; j < around; ++j) {
-      mesh.triangles.emplace_back(at(i, j), at(i + 1, j), at(i + 1, j + 1));
-      mesh.triangles.emplace_back(at(i, j), at(i + 1, j + 1), at(i, j + 1));
-    }
-  return mesh;
-}
-
-DrawItem ball(float radius, std::uint32_t part, const Vec3f& color) {
-  DrawItem item;
-  item.X_WM.topLeftCorner<3, 3>() *= radius;
-  item.X_WM.topRightCorner<3, 1>() = Vec3f(0.2f, 1, -0.1f);
-  item.part = part;
-  item.surface.color = color;
-  return item;
-}
+const Vec3f kMiddle(0.2f, 1, -0.1f);
 
 // A limb: skin around a muscle around a bone.
 DrawList limb() {
   DrawList list;
-  list.meshes.push_back(ball_mesh(40));
-  list.items.push_back(ball(0.10f, kSkinPart, {0.8f, 0.6f, 0.5f}));
-  list.items.push_back(ball(0.08f, kFirstMusclePart + 3, {0.6f, 0.2f, 0.2f}));
-  list.items.push_back(ball(0.03f, kFirstBonePart + 5, {0.9f, 0.9f, 0.8f}));
+  list.meshes.push_back(sphere(40));
+  list.items.push_back(ball({0.8f, 0.6f, 0.5f}, kSkinPart, kMiddle, 0.10f));
+  list.items.push_back(ball({0.6f, 0.2f, 0.2f}, kFirstMusclePart + 3, kMiddle, 0.08f));
+  list.items.push_back(ball({0.9f, 0.9f, 0.8f}, kFirstBonePart + 5, kMiddle, 0.03f));
   list.camera = orbit_camera({0.2f, 1, -0.1f}, 0.12f, 0.4f, 0.7f);
   return list;
 }

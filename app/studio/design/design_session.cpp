@@ -1,9 +1,9 @@
 #include "app/studio/design/design_session.h"
 
 #include <fmt/format.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
-#include <thread>
 #include <utility>
 
 #include "anatomy/errors.h"
@@ -198,7 +198,7 @@ void DesignSession::pose(int frame, bool quick, PosedAnatomy& posed, SkinFrame& 
   const Actor& actor = *shown_->actor;
   if (quick) {
     pose_muscles(actor.muscles, skeleton, pose_, state_->posed, state_->contact,
-                 int(std::thread::hardware_concurrency()), activation_);
+                 tbb::this_task_arena::max_concurrency(), activation_);
     evaluate_posed_skin(actor, SkinMethod::anchors, *state_);
   } else {
     evaluate(actor, pose_, {activation_, {}}, *state_);

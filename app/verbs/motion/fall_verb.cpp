@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "anatomy/errors.h"
-#include "anatomy/files/atomic_file.h"
 #include "app/files/actor.h"
 #include "app/files/open_character.h"
 #include "app/files/open_motion.h"
@@ -23,11 +22,9 @@
 #include "app/pages/actor_film.h"
 #include "app/progress.h"
 #include "app/ragdoll/character_ragdoll.h"
-#include "skinning/files/motion_write.h"
+#include "app/verbs/motion/write_motion.h"
 #include "skinning/motion/pose_book.h"
 #include "skinning/motion/sample_motion.h"
-#include "skinning/motion_files/bvh_write.h"
-#include "skinning/motion_files/fbx_write.h"
 #include "skinning/ragdoll/fall.h"
 #include "skinning/ragdoll/moving_body.h"
 #include "viewer/part_names.h"
@@ -124,27 +121,22 @@ void write_fall(const FallVerbOptions& options, const FallenCharacter& person, c
                 const Common& common) {
   const Skeleton& skeleton = person.character().anatomy.skeleton;
   for (const fs::path& output : options.outputs) {
-    if (is_film(output)) {
-      ActorFilm film;
-      film.output = output;
-      read_picture_size(options.size, film.width, film.height);
-      film.fps = motion.fps;
-      film.muscles = film.bones = film.legend = false;
-      film.view.camera = options.camera;
-      film.ground.visible = true;
-      film.ground.height = float(ground_height(person.character()));
-      if (output.extension() == ".png" && !is_numbered(output))
-        film.from = film.to = double(motion.frames.size() - 1) / motion.fps;
-      film_actor(*person.actor, motion, film, common);
-    } else if (output.extension() == ".bvh") {
-      write_file_atomically(output, format_bvh(to_bvh(skeleton, motion)));
-    } else if (output.extension() == ".fbx") {
-      write_file_atomically(output, format_fbx(to_bvh(skeleton, motion), "fall"));
-    } else {
-      write_motion_glb(output, skeleton, motion, "fall");
+    if (!is_film(output)) {
+      write_motion(output, skeleton, motion, "fall", common);
+      continue;
     }
-    note(common, fmt::format("{}: {} frames at {:.4g} fps", output.string(), motion.frames.size(),
-                             motion.fps));
+    ActorFilm film;
+    film.output = output;
+    read_picture_size(options.size, film.width, film.height);
+    film.fps = motion.fps;
+    film.muscles = film.bones = film.legend = false;
+    film.view.camera = options.camera;
+    film.ground.visible = true;
+    film.ground.height = float(ground_height(person.character()));
+    if (output.extension() == ".png" && !is_numbered(output))
+      film.from = film.to = double(motion.frames.size() - 1) / motion.fps;
+    film_actor(*person.actor, motion, film, common);
+    note_written(output, motion, common);
   }
 }
 

@@ -1,18 +1,14 @@
 #include "app/verbs/motion/retarget_verb.h"
 
-#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include "anatomy/errors.h"
-#include "anatomy/files/atomic_file.h"
 #include "anatomy/files/input_file.h"
 #include "app/files/actor.h"
 #include "app/files/open_character.h"
 #include "app/files/open_motion.h"
 #include "app/options/motion_options.h"
-#include "skinning/files/motion_write.h"
-#include "skinning/motion_files/bvh_write.h"
-#include "skinning/motion_files/fbx_write.h"
+#include "app/verbs/motion/write_motion.h"
 
 namespace ecorche {
 namespace {
@@ -39,17 +35,9 @@ int run_retarget(const RetargetVerbOptions& options, const Common& common, Repor
   const Motion motion =
       open_motion(options.motion, bound.character, bound.binding, options.retarget, common, report);
   const Skeleton& skeleton = bound.character.anatomy.skeleton;
-  for (const fs::path& output : options.outputs) {
-    const std::string take = printable(options.motion.stem().string());
-    if (output.extension() == ".bvh")
-      write_file_atomically(output, format_bvh(to_bvh(skeleton, motion)));
-    else if (output.extension() == ".fbx")
-      write_file_atomically(output, format_fbx(to_bvh(skeleton, motion), take));
-    else
-      write_motion_glb(output, skeleton, motion, take);
-    note(common, fmt::format("{}: {} frames at {:.4g} fps", output.string(), motion.frames.size(),
-                             motion.fps));
-  }
+  const std::string take = printable(options.motion.stem().string());
+  for (const fs::path& output : options.outputs)
+    write_motion(output, skeleton, motion, take, common);
   return 0;
 }
 
