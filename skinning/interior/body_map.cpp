@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <set>
 #include <utility>
 
 #include "anatomy/compute/angle_between.h"
@@ -15,6 +14,7 @@
 #include "anatomy/geometry/join_meshes.h"
 #include "anatomy/geometry/mesh_measures.h"
 #include "skinning/interior/map_weights.h"
+#include "skinning/interior/strip_joints.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -22,7 +22,6 @@ namespace {
 constexpr double kControlSpacing = 0.03;  // m
 constexpr double kLeastReach = 0.002;     // m, of an outline, so that tendons have axes, too
 constexpr double kStretched = 1.6;        // of volume, from which on lines are straight
-constexpr double kHeld = 0.05;            // m from an end, over which its bone holds a strip
 constexpr double kLeastFilled = 0.1, kFilled = 0.6;  // of a cell, where it begins to keep volume
 constexpr int kFlowRounds = 2;
 constexpr int kTendonRounds = 10, kBellyRounds = 1;  // of evening a strip's shifts from its line
@@ -31,47 +30,6 @@ constexpr double kMostStretch = 2;                   // of a section's width or 
 constexpr double kMostLean = 0.7;  // rad, of a section's normal from the line of centres
 constexpr std::size_t kRight = 0, kUp = kOutlinePoints / 4, kLeft = kOutlinePoints / 2,
                       kDown = 3 * kOutlinePoints / 4;
-
-// How far the bones of a strip's ends hold each of its sections: wholly at an end, fading along the
-// strip. Ends in fascia are held by none.
-std::vector<BoneHold> bone_holds(const Muscle& muscle, const Strip& strip,
-                                 std::span<const Ellipse> slices) {
-  std::vector<double> along(slices.size(), 0.0);
-  for (std::size_t k = 1; k < slices.size(); ++k)
-    along[k] = along[k - 1] + (slices[k].center - slices[k - 1].center).norm();
-  const double fade = std::min(kHeld, 0.5 * along.back());
-  std::vector<BoneHold> out(slices.size());
-  const auto hold = [&](int joint, bool insertion) {
-    if (joint < 0) return;
-    for (std::size_t k = 0; k < out.size(); ++k) {
-      const double distance = insertion ? along.back() - along[k] : along[k];
-      if (distance < fade) out[k] = {joint, 1 - smooth_step(0.0, fade, distance)};
-    }
-  };
-  const auto [origin, insertion] = end_joints(muscle, strip);
-  hold(origin, false);
-  hold(insertion, true);
-  return out;
-}
-
-// Joints of the bones that carry a strip's line, and those between them.
-std::vector<char> joints_of(const Strip& strip, std::span<const int> parents) {
-  std::set<int> carriers;
-  for (const PathPoint& point : strip.path)
-    for (const int j : point.joints)
-      if (j >= 0) carriers.insert(j);
-  std::vector<std::size_t> carried(parents.size(), 0);  // carriers that move with each joint
-  for (const int carrier : carriers)
-    for (int j = carrier; j >= 0; j = parents[j]) ++carried[j];
-  std::vector<char> out(parents.size(), 0);
-  int common = 0;  // parents precede children
-  for (std::size_t j = 0; j < parents.size(); ++j) {
-    out[j] = carried[j] > 0 && carried[j] < carriers.size();
-    if (carried[j] == carriers.size()) common = int(j);
-  }
-  out[common] = 1;
-  return out;
-}
 
 // A section's places at rest: its centre, right, left, up and down on its outline.
 std::array<Vec3, 5> places_of(const Ellipse& rest) {
@@ -323,14 +281,16 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
     const SliceRange& range = strips[s];
     const Muscle& muscle = anatomy.muscles[range.muscle];
     const Strip& strip = muscle.strips[range.strip];
-    const std::vector<char> own = joints_of(strip, out.parents);
-    const std::vector<BoneHold> holds = bone_holds(
-        muscle, strip,
-        std::span(rest.slices).subspan(range.begin, std::size_t(range.end - range.begin)));
+    const std::span<const Ellipse> slices =
+        std::span(rest.slices).subspan(range.begin, std::size_t(range.end - range.begin));
+    const std::vector<BoneHold> holds = bone_holds(muscle, strip, slices);
+    const std::vector<std::vector<double>> owns =
+        own_joints(strip, muscle.sheet, out.parents, slices);
     for (int k = range.begin; k < range.end; ++k) {
       MapSection& section = out.sections[k];
       const auto [center, right, left, up, down] = places_of(rest.slices[k]);
       const BoneHold& hold = holds[std::size_t(k - range.begin)];
+      const std::span<const double> own = owns[std::size_t(k - range.begin)];
       section.held = hold.share;
       points[k] = place_point(weights, rays, center, own, hold);
       for (const auto& [side, place] : {std::pair(0, right), {1, left}, {2, up}, {3, down}})

@@ -84,12 +84,14 @@ std::vector<SourceWeights> solve(const MapWeights& lattices, const SkinRays& ski
   return harmonic_weights(fine, on_fine, sources, start, kFineRounds);
 }
 
-// Weights of more than `least`. Sources that are not among `own` (empty: all are) count less.
-SourceWeights kept_weights(const SourceWeights& all, double least, std::span<const char> own = {}) {
+// Weights of more than `least`. Sources that are not `own` (empty: all are) count less.
+SourceWeights kept_weights(const SourceWeights& all, double least,
+                           std::span<const double> own = {}) {
   std::vector<std::pair<int, double>> weights;
   for (int k = 0; k < all.count; ++k) {
     const int source = all.source[k];
-    const double weight = double(all.weight[k]) * (own.empty() || own[source] ? 1 : kForeign);
+    const double share = own.empty() ? 1 : kForeign + (1 - kForeign) * own[source];
+    const double weight = share * double(all.weight[k]);
     if (weight > least) weights.emplace_back(source, weight);
   }
   return largest_weights(weights);
@@ -139,7 +141,7 @@ MapWeights make_map_weights(const Anatomy& anatomy, const SkinRays& skin,
 }
 
 MapPoint place_point(const MapWeights& weights, const SkinRays& skin, const Vec3& point,
-                     std::span<const char> own, const BoneHold& hold) {
+                     std::span<const double> own, const BoneHold& hold) {
   const auto shares = lattice_shares(weights.fine, skin, point);
   MapPoint out;
   out.rest = point;

@@ -30,8 +30,9 @@ struct BoneHold {
   double share = 0;
 };
 
-// `own`: #joints, those that move the point; others count less. Empty: all move it alike.
+// `own`: #joints, from 0, others, which count less, to 1, those that move the point. Empty: all
+// move it alike.
 MapPoint place_point(const MapWeights& weights, const SkinRays& skin, const Vec3& point,
-                     std::span<const char> own = {}, const BoneHold& hold = {});
+                     std::span<const double> own = {}, const BoneHold& hold = {});
 
 }  // namespace ecorche::inline v1

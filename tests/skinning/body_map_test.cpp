@@ -114,6 +114,40 @@ TEST(BodyMap, HoldsEndsOnTheirBones) {
   }
 }
 
+// How far sections of a muscle behind the forearm lie, 1 to 6 cm below a bent elbow, from where the
+// forearm alone brings them. Its line comes from the upper arm, straight at rest. `tied`: to the
+// forearm next to the elbow, too.
+double off_forearm(bool tied, bool sheet) {
+  test::Arm arm = test::make_arm();
+  const Vec3 elbow(0.2, 1.1, 0), from = elbow + Vec3(0, 0.03, -0.02),
+                                 to = elbow + Vec3(0, -0.16, -0.02);
+  Muscle& muscle = arm.anatomy.muscles.front();
+  muscle.sheet = sheet;
+  std::vector<PathPoint>& path = muscle.strips[0].path;
+  path = {{from, {2, -1}, 1}, {to, {3, -1}, 1}};
+  if (tied) path.insert(path.begin() + 1, {elbow + Vec3(0, -0.01, -0.02), {3, -1}, 1});
+  for (Slice& slice : muscle.strips[0].slices) slice.radii = {0.008, 0.006};
+  const CharacterModel model =
+      test::compile_figure(arm.anatomy, arm.skin, {.muscles = MuscleMotion::map});
+  CharacterState rest(model), state(model);
+  evaluate(model, rest_pose(arm.anatomy.skeleton), {}, rest);
+  evaluate(model, bent(model, 2.1), {}, state);
+  const Transform motion = state.posed.X_WJ[3] * rest.posed.X_WJ[3].inverse();
+  double sum = 0;
+  for (std::size_t k = 0; k < rest.posed.slices.size(); ++k) {
+    const Vec3 at = rest.posed.slices[k].center;
+    if (at.y() < elbow.y() - 0.01 && at.y() > elbow.y() - 0.06)
+      sum += (state.posed.slices[k].center - motion * at).norm();
+  }
+  return sum;
+}
+
+TEST(BodyMap, CarriesABellyByTheJointsThatItsLinePassesThere) {
+  const double tied = off_forearm(true, false), loose = off_forearm(false, false);
+  EXPECT_LT(tied, 0.85 * loose) << loose;
+  EXPECT_GT(off_forearm(true, true), 0.9 * loose) << "sheets stay with those beside them";
+}
+
 // A lobe beside the forearm that no bone reaches, as a lip is parted by the mouth's slit.
 TEST(BodyMap, WhatNoBoneReachesGoesWithTheNearest) {
   test::Arm arm = test::make_arm();

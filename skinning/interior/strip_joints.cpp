@@ -1,0 +1,102 @@
+#include "skinning/interior/strip_joints.h"
+
+#include <algorithm>
+#include <set>
+
+#include "anatomy/compute/smooth_step.h"
+
+namespace ecorche::inline v1 {
+namespace {
+
+constexpr double kHeld = 0.05;     // m from an end, over which its bone holds a strip
+constexpr double kOwnFade = 0.03;  // m, over which joints of a piece of the line fade beyond it
+
+// How far along a strip its sections lie, m.
+std::vector<double> distances_along(std::span<const Ellipse> slices) {
+  std::vector<double> out(slices.size(), 0.0);
+  for (std::size_t k = 1; k < slices.size(); ++k)
+    out[k] = out[k - 1] + (slices[k].center - slices[k - 1].center).norm();
+  return out;
+}
+
+// Joints of the bones that carry a piece of a line, and those between them.
+std::vector<char> joints_of(std::span<const PathPoint> line, std::span<const int> parents) {
+  std::set<int> carriers;
+  for (const PathPoint& point : line)
+    for (const int j : point.joints)
+      if (j >= 0) carriers.insert(j);
+  std::vector<std::size_t> carried(parents.size(), 0);  // carriers that move with each joint
+  for (const int carrier : carriers)
+    for (int j = carrier; j >= 0; j = parents[j]) ++carried[j];
+  std::vector<char> out(parents.size(), 0);
+  int common = 0;  // parents precede children
+  for (std::size_t j = 0; j < parents.size(); ++j) {
+    out[j] = carried[j] > 0 && carried[j] < carriers.size();
+    if (carried[j] == carriers.size()) common = int(j);
+  }
+  out[common] = 1;
+  return out;
+}
+
+// How far along a strip the sections next to its line's points lie, m, rising.
+std::vector<double> points_along(const Strip& strip, std::span<const Ellipse> slices,
+                                 std::span<const double> along) {
+  std::vector<double> out;
+  std::size_t from = 0;
+  for (const PathPoint& point : strip.path) {
+    for (std::size_t k = from + 1; k < slices.size(); ++k)
+      if ((slices[k].center - point.rest).norm() < (slices[from].center - point.rest).norm())
+        from = k;
+    out.push_back(along[from]);
+  }
+  out.front() = 0;
+  out.back() = along.back();
+  return out;
+}
+
+}  // namespace
+
+std::vector<BoneHold> bone_holds(const Muscle& muscle, const Strip& strip,
+                                 std::span<const Ellipse> slices) {
+  const std::vector<double> along = distances_along(slices);
+  const double fade = std::min(kHeld, 0.5 * along.back());
+  std::vector<BoneHold> out(along.size());
+  const auto hold = [&](int joint, bool insertion) {
+    if (joint < 0) return;
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      const double distance = insertion ? along.back() - along[k] : along[k];
+      if (distance < fade) out[k] = {joint, 1 - smooth_step(0.0, fade, distance)};
+    }
+  };
+  const auto [origin, insertion] = end_joints(muscle, strip);
+  hold(origin, false);
+  hold(insertion, true);
+  return out;
+}
+
+std::vector<std::vector<double>> own_joints(const Strip& strip, bool sheet,
+                                            std::span<const int> parents,
+                                            std::span<const Ellipse> slices) {
+  const std::vector<double> along = distances_along(slices);
+  std::vector<std::vector<double>> out(slices.size(), std::vector<double>(parents.size(), 0.0));
+  const auto add = [&](std::span<const PathPoint> piece, double begin, double end) {
+    const std::vector<char> joints = joints_of(piece, parents);
+    for (std::size_t k = 0; k < slices.size(); ++k) {
+      const double beyond = std::max({0.0, begin - along[k], along[k] - end}),
+                   share = 1 - smooth_step(0.0, kOwnFade, beyond);
+      for (std::size_t j = 0; j < parents.size(); ++j)
+        if (joints[j]) out[k][j] = std::max(out[k][j], share);
+    }
+  };
+  const std::span<const PathPoint> line = strip.path;
+  if (sheet) {
+    add(line, 0, along.back());
+    return out;
+  }
+  const std::vector<double> points = points_along(strip, slices, along);
+  for (std::size_t i = 0; i + 1 < points.size(); ++i)
+    add(line.subspan(i, 2), points[i], points[i + 1]);
+  return out;
+}
+
+}  // namespace ecorche::inline v1
