@@ -4,8 +4,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <set>
+#include <string_view>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
@@ -50,6 +52,9 @@ class JointMapper {
 
   void name_parts(const std::map<std::string, std::string>& joint_map, const Skeleton& ours) {
     how_.assign(parts_.size(), "name");
+    std::vector<std::string> names;
+    for (const ClipJoint& joint : source_.joints) names.push_back(joint.name);
+    const std::vector<NamedPart> named = named_parts(names);
     std::set<std::string> unused;
     for (const auto& [file_joint, our_joint] : joint_map) unused.insert(file_joint);
     for (size_t j = 0; j < parts_.size(); ++j) {
@@ -65,9 +70,8 @@ class JointMapper {
         unused.erase(name);
       } else if (mapping_.ours) {
         parts_[j] = find_joint(ours, name) >= 0 ? name : "";
-      } else {
-        const NamedPart named = named_part(name);
-        if (!named.part.empty()) parts_[j] = named.part + side_suffix(named.side);
+      } else if (!named[j].part.empty()) {
+        parts_[j] = named[j].part + side_suffix(named[j].side);
       }
     }
     for (const std::string& name : unused)
@@ -82,12 +86,16 @@ class JointMapper {
         if (!parts_[j].empty()) set(parts_[j], int(j), int(j));
       return;
     }
-    for (const char* part : {"knee", "ankle", "elbow", "wrist"})
-      for (const char* side : {"_l", "_r"}) runs(std::string(part) + side);
+    for (const char* side : {"_l", "_r"}) {
+      feet_and_hands(side);
+      for (const char* part : {"knee", "ankle", "elbow", "wrist"}) runs(std::string(part) + side);
+    }
     if (int head = first_with(parts_, "head"); head >= 0) set("head", head, head);
     if (get("head") < 0)
       if (const int neck = last_neck(); neck >= 0) set("head", neck, neck);
     if (int jaw = first_with(parts_, "jaw"); jaw >= 0) set("jaw", jaw, jaw);
+    if (get("head") < 0)
+      if (const int top = top_of_chest(); top >= 0) set("head", top, top);
     trunk();
     for (const std::string side : {"_l", "_r"}) {
       if (mapping_.position_joint.count("elbow" + side) &&
@@ -154,6 +162,64 @@ class JointMapper {
   int get(const std::string& ours) const {
     const auto found = mapping_.position_joint.find(ours);
     return found == mapping_.position_joint.end() ? -1 : found->second;
+  }
+
+  // Of a figure with no name for the head: the end of the chain that rises between its arms.
+  int top_of_chest() const {
+    if (get("elbow_l") < 0 || get("elbow_r") < 0) return -1;
+    const int chest = common_ancestor(source_, get("elbow_l"), get("elbow_r"));
+    const auto children = [&](int joint) {
+      std::vector<int> out;
+      for (size_t j = 0; j < source_.joints.size(); ++j)
+        if (source_.joints[j].parent == joint) out.push_back(int(j));
+      return out;
+    };
+    const auto leads_to_arm = [&](int joint) {
+      return std::ranges::any_of(std::array{"elbow_l", "elbow_r"}, [&](const char* elbow) {
+        return std::ranges::count(path_up(source_, get(elbow)), joint) > 0;
+      });
+    };
+    int top = -1;
+    std::size_t longest = 1;  // a single joint is no neck with a head
+    for (const int child : children(chest)) {
+      if (chest < 0 || leads_to_arm(child)) continue;
+      std::vector<int> chain{child};
+      for (std::vector<int> next = children(child); next.size() == 1; next = children(next[0]))
+        chain.push_back(next[0]);
+      if (chain.size() > longest) longest = chain.size(), top = chain.back();
+    }
+    return top;
+  }
+
+  // A foot beyond an ankle is its toes, unless toes follow; a hand beyond a wrist is its fingers,
+  // unless fingers do.
+  void feet_and_hands(const std::string& side) {
+    const auto above = [&](int joint, std::string_view part) {
+      for (const int j : path_up(source_, source_.joints[joint].parent))
+        if (parts_[j] == part) return true;
+      return false;
+    };
+    const auto carries = [&](int joint, const auto& beyond) {
+      for (size_t j = 0; j < parts_.size(); ++j)
+        if (parts_[j].ends_with(side) && beyond(parts_[j]) &&
+            common_ancestor(source_, joint, int(j)) == joint && joint != int(j))
+          return true;
+      return false;
+    };
+    const auto is_toe = [](std::string_view part) {
+      return part.starts_with("toe") || part.starts_with("mtp");
+    };
+    const auto is_finger = [](std::string_view part) {
+      return part.find("mcp") != part.npos || part.find("pip") != part.npos ||
+             part.starts_with("fingers");
+    };
+    const std::string foot = "foot?" + side, ankle = "ankle" + side, wrist = "wrist" + side;
+    for (size_t j = 0; j < parts_.size(); ++j) {
+      if (parts_[j] == foot)
+        parts_[j] = above(int(j), ankle) && !carries(int(j), is_toe) ? "toes" + side : ankle;
+      else if (parts_[j] == wrist && above(int(j), wrist) && !carries(int(j), is_finger))
+        parts_[j] = "fingers" + side;
+    }
   }
 
   // A part that the file splits into a chain of joints (lowerarm01, lowerarm02): the first has the

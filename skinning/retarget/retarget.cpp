@@ -22,6 +22,7 @@
 #include "skinning/filters/slope_ground.h"
 #include "skinning/filters/warp_time.h"
 #include "skinning/motion/require_joint.h"
+#include "skinning/retarget/handedness.h"
 #include "skinning/retarget/joint_mapping.h"
 #include "skinning/retarget/matching_rig.h"
 #include "skinning/retarget/pose_transfer.h"
@@ -35,11 +36,19 @@ constexpr LimbTolerance kPlanted{2e-3, 4 * kDegree, true};
 // Where the ground is not y = 0.
 constexpr LimbTolerance kOnSlope{2e-3, 4 * kDegree, false};
 
+// Does the figure leap from a frame to the next, as no body can?
+bool leaps(const Motion& motion, std::size_t frame) {
+  constexpr double kFastest = 30, kShortest = 0.5;  // m/s, m
+  const double way = (motion.frames[frame + 1].root - motion.frames[frame].root).norm();
+  return way >= kShortest && way * motion.fps >= kFastest;
+}
+
 // Number of frames at the start that belong to a calibration pose. Some files begin with a T-pose,
 // or move out of one in a few frames: those five times as fast as the movement that follows that
-// together rotate some joint by more than 30 deg, and the next ones in which these joints settle,
-// likewise five times as fast as later.
-int calibration_frames(const std::vector<Pose>& frames) {
+// together rotate some joint by more than 30 deg, or those before a leap of the figure to another
+// place; and the next ones in which these joints settle, likewise five times as fast as later.
+int calibration_frames(const Motion& motion) {
+  const std::vector<Pose>& frames = motion.frames;
   constexpr size_t kAtMost = 6, kSettled = 6, kLookAhead = 30;
   if (frames.size() < 2 * kAtMost + 1) return 0;
   const size_t steps = std::min(frames.size() - 1, kAtMost + kLookAhead);
@@ -60,8 +69,12 @@ int calibration_frames(const std::vector<Pose>& frames) {
   const double fast = 5 * usual(kAtMost, fastest);
   size_t count = 0;
   double total = 0;
-  while (count < kAtMost && fastest(count) > fast) total += fastest(count++);
-  if (count == kAtMost || total <= 30 * kDegree) return 0;
+  for (size_t f = 0; f < kAtMost; ++f)
+    if (leaps(motion, f)) count = f + 1;
+  const bool elsewhere = count > 0;
+  while (count < (elsewhere ? 2 : 1) * kAtMost && fastest(count) > fast)
+    total += fastest(count++);
+  if (!elsewhere && (count == kAtMost || total <= 30 * kDegree)) return 0;
   size_t settled = count;
   for (size_t j = 0; j < frames[0].rotations.size(); ++j) {
     double turned = 0;
@@ -148,21 +161,20 @@ void check_nearness(const std::string& name, const Motion& motion, double metres
 // Leaps that no body makes are a fault of the recording: reported, not corrected.
 void warn_of_leaps(const std::string& name, const Motion& motion,
                    std::vector<std::string>& warnings) {
-  constexpr double kFastest = 30, kShortest = 0.5;  // m/s, m
-  int leaps = 0;
+  int count = 0;
   size_t worst_frame = 0;
   double worst = 0;
   for (size_t f = 1; f < motion.frames.size(); ++f) {
+    if (!leaps(motion, f - 1)) continue;
     const double way = (motion.frames[f].root - motion.frames[f - 1].root).norm();
-    if (way < kShortest || way * motion.fps < kFastest) continue;
-    ++leaps;
+    ++count;
     if (way > worst) worst = way, worst_frame = f;
   }
-  if (leaps > 0)
+  if (count > 0)
     warnings.push_back(
         fmt::format("{}: the figure leaps {} times from one frame to the next, the furthest by "
                     "{:.3g} m into frame {}",
-                    name, leaps, worst, worst_frame));
+                    name, count, worst, worst_frame));
 }
 
 // Small excesses are in most recordings and are not worth a warning.
@@ -210,7 +222,7 @@ Transferred transfer_frames(const MotionClip& source, const Skeleton& ours, doub
 }
 
 void drop_calibration(const std::string& name, Transferred& moved, RetargetReport& report) {
-  const int n = report.dropped_frames = calibration_frames(moved.motion.frames);
+  const int n = report.dropped_frames = calibration_frames(moved.motion);
   if (n == 0) return;
   moved.motion.frames.erase(moved.motion.frames.begin(), moved.motion.frames.begin() + n);
   moved.shifts.erase(moved.shifts.begin(), moved.shifts.begin() + n);
@@ -329,11 +341,20 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
 
 }  // namespace
 
-Motion retarget(const MotionClip& source, const Skeleton& ours, const RetargetOptions& options,
+Motion retarget(const MotionClip& given, const Skeleton& ours, const RetargetOptions& options,
                 RetargetReport& report) {
   report = RetargetReport{};
-  report.warnings = source.warnings;
-  const JointMapping mapping = map_joints(source, ours, options.joint_map);
+  report.warnings = given.warnings;
+  const JointMapping mapping = map_joints(given, ours, options.joint_map);
+  std::optional<MotionClip> turned_over;
+  if (is_mirrored(given, mapping)) {
+    turned_over = mirrored(given);
+    report.warnings.push_back(
+        fmt::format("{}: its toes and knees tell left-handed axes; it is read in a mirror, so that "
+                    "left is left (swapped names look the same: --filter mirror undoes it)",
+                    given.name));
+  }
+  const MotionClip& source = turned_over ? *turned_over : given;
   const RestAlignment alignment = align_rest(source, mapping, ours, options.up);
   report.matches = mapping.matches;
   report.warnings.insert(report.warnings.end(), mapping.warnings.begin(), mapping.warnings.end());
@@ -358,8 +379,8 @@ Motion retarget(const MotionClip& source, const Skeleton& ours, const RetargetOp
   const double sole = options.sole_height.value_or(guess_sole_height(ours));
   Transferred moved = transfer_frames(source, ours, sole, transfer);
   check_nearness(source.name, moved.motion, report.metres_per_unit);
-  warn_of_leaps(source.name, moved.motion, report.warnings);
   drop_calibration(source.name, moved, report);
+  warn_of_leaps(source.name, moved.motion, report.warnings);
   report.faults = find_faults(source, mapping, report.dropped_frames);
   for (std::string& line : describe_faults(source.name, source.fps, report.faults))
     report.warnings.push_back(std::move(line));

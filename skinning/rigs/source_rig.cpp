@@ -268,15 +268,13 @@ std::vector<NamedPart> named_joints(const SourceRig& rig) {
   std::vector<std::string> names;
   for (const SourceJoint& joint : rig.joints) names.push_back(joint.name);
   drop_numbers(names);
-  std::vector<NamedPart> parts;
+  std::vector<NamedPart> parts = named_parts(names);
   std::set<std::pair<std::string, Side>> known;
-  for (const std::string& name : names) {
-    parts.push_back(named_part(name));
-    known.insert({parts.back().part, parts.back().side});
-  }
+  for (const NamedPart& one : parts) known.insert({one.part, one.side});
   for (auto& [part, side] : parts) {
     if (part == "hip?") part = known.contains({"hip", side}) ? "" : "hip";
     if (part.empty()) side = Side::middle;
+    if (part == "foot?") part = known.contains({"ankle", side}) ? "toes" : "ankle";
     if (part == "shoulder?") part = known.contains({"shoulder", side}) ? "clavicle" : "shoulder";
   }
   return parts;

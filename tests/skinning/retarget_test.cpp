@@ -7,7 +7,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <random>
+#include <set>
 
 #include "anatomy/errors.h"
 #include "anatomy/joint_angles.h"
@@ -15,7 +17,10 @@
 #include "skinning/motion_files/bvh_read.h"
 #include "skinning/motion_files/bvh_write.h"
 #include "skinning/motion_files/read_motion.h"
+#include "skinning/retarget/handedness.h"
 #include "skinning/retarget/joint_map_file.h"
+#include "skinning/retarget/joint_mapping.h"
+#include "skinning/retarget/joint_names.h"
 #include "tests/skinning/plain_skeleton.h"
 
 using namespace ecorche;
@@ -229,9 +234,92 @@ TEST(Retarget, AMarkerPoseIsLeftOutWithTheFramesInWhichArmsSettle) {
   EXPECT_EQ(report.dropped_frames, 0);
 }
 
+TEST(Retarget, JointsOfOtherProgramsAreKnownByName) {
+  const std::vector<std::string> ours = {"clavicle_l", "shoulder_l", "elbow_l", "wrist_l", "hip_l",
+                                         "knee_l",     "ankle_l",    "toes_l",  "head"};
+  // In that order; what follows is a helper.
+  const std::vector<std::vector<std::string>> figures = {
+      {"Character1_LeftShoulder", "Character1_LeftArm", "Character1_LeftForeArm",
+       "Character1_LeftHand", "Character1_LeftUpLeg", "Character1_LeftLeg", "Character1_LeftFoot",
+       "Character1_LeftToeBase", "Character1_Head", "Character1_LeftArmRoll"},
+      {"J_Bip_L_Shoulder", "J_Bip_L_UpperArm", "J_Bip_L_LowerArm", "J_Bip_L_Hand",
+       "J_Bip_L_UpperLeg", "J_Bip_L_LowerLeg", "J_Bip_L_Foot", "J_Bip_L_ToeBase", "J_Bip_C_Head",
+       "J_Sec_Hair1_01"},
+      {"ValveBiped.Bip01_L_Clavicle", "ValveBiped.Bip01_L_UpperArm", "ValveBiped.Bip01_L_Forearm",
+       "ValveBiped.Bip01_L_Hand", "ValveBiped.Bip01_L_Thigh", "ValveBiped.Bip01_L_Calf",
+       "ValveBiped.Bip01_L_Foot", "ValveBiped.Bip01_L_Toe0", "ValveBiped.Bip01_Head",
+       "ValveBiped.weapon_bone"},
+      {"CC_Base_L_Clavicle", "CC_Base_L_Upperarm", "CC_Base_L_Forearm", "CC_Base_L_Hand",
+       "CC_Base_L_Thigh", "CC_Base_L_Calf", "CC_Base_L_Foot", "CC_Base_L_ToeBase", "CC_Base_Head",
+       "CC_Base_L_KneeShareBone"},
+      {"lCollar", "lShldrBend", "lForearmBend", "lHand", "lThighBend", "lShin", "lFoot", "lToe",
+       "head", "lThighTwist"},
+      {"Skeleton:LShoulder", "Skeleton:LUArm", "Skeleton:LFArm", "Skeleton:LHand",
+       "Skeleton:LThigh", "Skeleton:LShin", "Skeleton:LFoot", "Skeleton:LToe", "Skeleton:Head",
+       "Skeleton:LHandIK"},
+      {"left_shoulder_1_joint", "left_arm_joint", "left_forearm_joint", "left_hand_joint",
+       "left_upLeg_joint", "left_leg_joint", "left_foot_joint", "left_toes_joint", "head_joint",
+       "root_joint"},
+      {"shoulder.l", "arm_stretch.l", "forearm_stretch.l", "hand.l", "thigh_stretch.l",
+       "leg_stretch.l", "foot.l", "toes_01.l", "head.x", "arm_twist.l"},
+      {"Scapula_L", "Shoulder_L", "Elbow_L", "Wrist_L", "Hip_L", "Knee_L", "Ankle_L", "Toes_L",
+       "Head_M", "HipPart1_L"}};
+  const std::map<std::string, std::set<std::string>> also = {
+      {"clavicle_l", {"shoulder?_l", "scapula_l"}},
+      {"shoulder_l", {"shoulder?_l"}},
+      {"hip_l", {"hip?_l"}},
+      {"ankle_l", {"foot?_l"}}};
+  for (const std::vector<std::string>& names : figures) {
+    const std::vector<NamedPart> parts = named_parts(names);
+    for (size_t j = 0; j < ours.size(); ++j) {
+      const std::string part = parts[j].part + side_suffix(parts[j].side);
+      const auto other = also.find(ours[j]);
+      EXPECT_TRUE(part == ours[j] || (other != also.end() && other->second.contains(part)))
+          << names[j] << " is '" << part << "'";
+    }
+    EXPECT_EQ(parts.back().part, "") << names.back();
+  }
+}
+
+TEST(Retarget, FingersOfOtherProgramsAreKnownByName) {
+  for (const auto& [name, part] : std::map<std::string, std::string>{
+           {"L Finger0", "cmc1"}, {"L Finger02", "ip1"}, {"L Finger1", "mcp2"},
+           {"L Finger42", "dip5"}, {"LeftFinger1Metacarpal", "cmc1"},
+           {"LeftFinger2Proximal", "mcp2"}, {"LeftFinger5Distal", "dip5"},
+           {"leftThumbProximal", "mcp1"}, {"leftLittleIntermediate", "pip5"},
+           {"finger2-1.L", "mcp2"}, {"index_metacarpal_l", ""}, {"LeftHandIndex3", "dip2"}})
+    EXPECT_EQ(named_part(name).part, part) << name;
+}
+
+TEST(Retarget, AFootBeyondAnAnkleIsItsToes) {
+  const Skeleton skeleton = plain_skeleton();
+  BvhMotion file = to_bvh(skeleton, wiggle(skeleton, 2, 0.1));
+  for (BvhJoint& joint : file.joints) {
+    if (joint.name == "mtp3_l") joint.name = "L_Foot";
+    if (joint.name == "mtp3_r") joint.name = "R_Foot";
+    if (joint.name.starts_with("mtp") || joint.name.starts_with("toe")) joint.name = "x" + joint.name;
+    if (joint.name.ends_with("_l") || joint.name.ends_with("_r")) joint.name += "_jnt";
+    if (joint.name.starts_with("subtalar")) joint.name = "rear_" + joint.name;
+  }
+  const JointMapping mapping = map_joints(clip_from_bvh(file), skeleton, {});
+  EXPECT_EQ(file.joints[size_t(mapping.rotation_joint.at("toes_l"))].name, "L_Foot");
+  EXPECT_EQ(file.joints[size_t(mapping.rotation_joint.at("ankle_l"))].name, "ankle_l_jnt");
+}
+
+TEST(Retarget, AFileWithLeftHandedAxesComesBack) {
+  const Skeleton skeleton = plain_skeleton();
+  const Motion motion = wiggle(skeleton, 20, 0.1);
+  const MotionClip file = clip_from_bvh(to_bvh(skeleton, motion));
+  RetargetReport report;
+  const Motion out = retarget(mirrored(file), skeleton, as_is(), report);
+  EXPECT_LT(largest_angle(motion, out), 1e-6);
+  ASSERT_FALSE(report.warnings.empty());
+  EXPECT_NE(report.warnings[0].find("left-handed"), std::string::npos) << report.warnings[0];
+}
+
 TEST(Retarget, WhatIsMissingIsListed) {
   BvhMotion file = to_bvh(plain_skeleton(), wiggle(plain_skeleton(), 2, 0.1));
-  for (BvhJoint& joint : file.joints) joint.name = "x_" + joint.name;
+  for (size_t j = 0; j < file.joints.size(); ++j) file.joints[j].name = fmt::format("joint{}", j);
   file.joints[3].name = "head";
   RetargetReport report;
   try {
