@@ -18,6 +18,8 @@ constexpr double kNear = 0.005;       // m from the ground that count as a conta
 constexpr double kLimitNear = 0.1;    // rad from a limit, likewise
 // Beyond a limit by more is how a body began: it returns at kReturnTurn.
 constexpr double kOvershoot = 3 * kDegree;
+constexpr double kStrike = 0.5;  // m/s
+constexpr int kParts = 6;        // of a step in which skin strikes the ground
 constexpr double kSkinFriction = 0.3;  // of limbs on each other
 
 // Velocity across a gap that is left or, below 0, too deep.
@@ -147,30 +149,72 @@ void keep_limits(const ArticulatedModel& body, Pose& pose) {
     }
 }
 
-}  // namespace
-
-void step_ragdoll(const Ragdoll& ragdoll, const RagdollOptions& options, RagdollState& state) {
-  const double h = options.step;
+// One part of a step, of options.step.
+void make_step(const Ragdoll& ragdoll, const RagdollOptions& options, RagdollState& state) {
+  const double h = options.step, pushed = 0.5 * (state.last_step + h);
   body_frames(ragdoll.body, state.body.pose, state.frames);
+  const Eigen::VectorXd before = state.body.velocity;
+  state.body.velocity = pose_velocity(state);
   body_forces(ragdoll.body, state.rest, state.body, state.frames, options.gravity, state.forces);
+  state.body.velocity = before;
   const BodyForces& forces = state.forces;
   state.system = forces.inertia + h * forces.damping + h * h * forces.stiffness;
-  state.pushed.noalias() = forces.inertia * state.body.velocity;
-  state.pushed += h * forces.force;
+  state.pushed.noalias() = forces.inertia * before;
+  state.pushed += pushed * forces.force;
   state.solver.begin(state.system, state.pushed);
   find_carried(ragdoll, h, state);
   add_ground(ragdoll, options, state);
   add_meeting_limbs(ragdoll, options, state);
   add_limits(ragdoll, h, state);
   state.solver.solve(kSoftness, state.body.velocity);
-  state.ground_force.setZero();
-  for (const int first : state.grounded) {
-    const auto impulse = state.solver.impulses().segment<3>(first);
-    state.ground_force += Vec3(impulse[1], impulse[0], impulse[2]) / h;
-  }
+  // What an impulse changes does not go on.
+  if (state.solver.impulses().isZero(0))
+    state.acceleration = (state.body.velocity - before) / pushed;
+  else
+    state.acceleration.setZero(before.size());
+  state.last_step = h;
   advance_body(ragdoll.body, h, state.body);
   keep_limits(ragdoll.body, state.body.pose);
   state.time += h;
+}
+
+// Does skin come down on the ground within a step, faster than it settles? As it moved in the step
+// before.
+bool strikes_ground(const Ragdoll& ragdoll, const RagdollOptions& options,
+                    const RagdollState& state) {
+  if (!options.ground || state.forces.motion.empty()) return false;
+  for (const CarriedPoint& point : ragdoll.points) {
+    if (!moves(ragdoll, point.joint)) continue;
+    const Transform& X = state.frames.X_WJ[std::size_t(point.joint)];
+    const Vec3 arm = X.linear() * point.place;
+    const JointMotion& motion = state.forces.motion[std::size_t(point.joint)];
+    const double sinking = -(motion.origin + motion.turn.cross(arm)).y();
+    if (sinking < kStrike) continue;
+    const double gap = X.translation().y() + arm.y() - options.ground_height + options.flesh;
+    if (gap > 0 && gap < 2.5 * options.step * sinking) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+void step_ragdoll(const Ragdoll& ragdoll, const RagdollOptions& options, RagdollState& state) {
+  const int parts = strikes_ground(ragdoll, options, state) ? kParts : 1;
+  RagdollOptions part = options;
+  part.step /= parts;
+  state.ground_force.setZero();
+  for (int k = 0; k < parts; ++k) {
+    make_step(ragdoll, part, state);
+    for (const int first : state.grounded) {
+      const auto impulse = state.solver.impulses().segment<3>(first);
+      state.ground_force += Vec3(impulse[1], impulse[0], impulse[2]) / options.step;
+    }
+  }
+}
+
+Eigen::VectorXd pose_velocity(const RagdollState& state) {
+  if (state.acceleration.size() == 0) return state.body.velocity;
+  return state.body.velocity + 0.5 * state.last_step * state.acceleration;
 }
 
 double lowest_point(const Ragdoll& ragdoll, const std::vector<Transform>& X_WJ) {

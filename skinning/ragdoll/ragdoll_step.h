@@ -1,5 +1,9 @@
-// One step of a ragdoll: semi-implicit Euler, with damping and springs of the joints at the step's
-// end, contacts with the ground, limbs that meet, and limits in one convex problem of velocities.
+// One step of a ragdoll: velocities halfway between poses (leapfrog, after Verlet 1967,
+// 10.1103/PhysRev.159.98), with damping and springs of the joints at the step's end, contacts with
+// the ground, limbs that meet, and limits in one convex problem of velocities. The first step
+// pushes for half its time, so that it begins with the pose's own velocities; forces that depend on
+// velocities see those of the pose, as the step before lets expect them. A step in which skin
+// strikes the ground is made in several parts.
 //
 // A contact or limit that is not reached yet lets through what way is left, so that nothing passes
 // within a step; what is beyond goes back by a share a step (Baumgarte 1972,
@@ -24,7 +28,10 @@ struct RagdollOptions {
 };
 
 struct RagdollState {
-  BodyState body;
+  BodyState body;        // velocities: of half a step before the pose, once a step was made
+  double last_step = 0;  // s, of the step before
+  // Of velocities, in the step before; 0 where something met, empty before the first one.
+  Eigen::VectorXd acceleration;
   PassiveRest rest;
   double time = 0;                   // s
   Vec3 ground_force = Vec3::Zero();  // N, of the last step
@@ -40,6 +47,9 @@ struct RagdollState {
 };
 
 void step_ragdoll(const Ragdoll& ragdoll, const RagdollOptions& options, RagdollState& state);
+
+// Velocities of the pose, from those of half a step before.
+Eigen::VectorXd pose_velocity(const RagdollState& state);
 
 // World height of the lowest point of the skin.
 double lowest_point(const Ragdoll& ragdoll, const std::vector<Transform>& X_WJ);

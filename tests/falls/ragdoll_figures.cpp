@@ -56,8 +56,10 @@ void run_case(const std::string& name, const Ragdoll& ragdoll, RagdollState stat
   for (int step = 0; state.time < seconds + options.step / 2; ++step) {
     if (step % every == 0) {
       body_frames(ragdoll.body, state.body.pose, state.frames);
+      BodyState now = state.body;
+      now.velocity = pose_velocity(state);
       out << fmt::format("\n{},{}", state.time,
-                         body_energy(ragdoll.body, state.body, state.frames, options.gravity));
+                         body_energy(ragdoll.body, now, state.frames, options.gravity));
       for (const std::string& joint : kSeen) {
         const Vec3 at =
             state.frames.X_WJ[std::size_t(joint_of(ragdoll.body.skeleton, joint))].translation();
