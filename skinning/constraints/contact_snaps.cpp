@@ -13,27 +13,30 @@ namespace {
 constexpr double kFaster = 1.5, kByMore = 0.8;      // m/s; than anywhere in the motion
 constexpr double kFasterHere = 3, kByMoreHere = 2;  // m/s; than around the contact
 constexpr double kAround = 0.15;                    // s: corrections fade around a contact
+constexpr double kSpan = 1.0 / 30;                  // s; speeds are means over it, at any rate
 constexpr std::size_t kSeen = 4;                    // knee and ankle, left and right
 
-// Speeds, m/s, by frame of what leads to the next one.
+// Speeds, m/s, by frame of what leads from the span before to the next one.
 using Speeds = std::vector<std::array<double, kSeen>>;
 
 Speeds leg_speeds(const Skeleton& skeleton, const Motion& motion) {
   const std::array<int, kSeen> seen = {joint_of(skeleton, "knee_l"), joint_of(skeleton, "ankle_l"),
                                        joint_of(skeleton, "knee_r"), joint_of(skeleton, "ankle_r")};
-  Speeds out;
-  std::array<Vec3, kSeen> last;
-  last.fill(Vec3::Zero());
+  const std::size_t span = std::max<std::size_t>(1, std::size_t(std::lround(kSpan * motion.fps)));
+  std::vector<std::array<Vec3, kSeen>> path;
   std::vector<Transform> X;
-  for (std::size_t f = 0; f < motion.frames.size(); ++f) {
-    forward_kinematics(skeleton, motion.frames[f], X);
-    std::array<double, kSeen> speeds{};
-    for (std::size_t k = 0; k < kSeen; ++k) {
-      const Vec3 here = X[std::size_t(seen[k])].translation() - X[0].translation();
-      speeds[k] = f == 0 ? 0 : motion.fps * (here - last[k]).norm();
-      last[k] = here;
-    }
-    if (f > 0) out.push_back(speeds);
+  for (const Pose& pose : motion.frames) {
+    forward_kinematics(skeleton, pose, X);
+    std::array<Vec3, kSeen>& here = path.emplace_back();
+    for (std::size_t k = 0; k < kSeen; ++k)
+      here[k] = X[std::size_t(seen[k])].translation() - X[0].translation();
+  }
+  Speeds out;
+  for (std::size_t f = 1; f < path.size(); ++f) {
+    const std::size_t from = f > span ? f - span : 0;
+    std::array<double, kSeen>& speeds = out.emplace_back();
+    for (std::size_t k = 0; k < kSeen; ++k)
+      speeds[k] = motion.fps * (path[f][k] - path[from][k]).norm() / double(f - from);
   }
   return out;
 }

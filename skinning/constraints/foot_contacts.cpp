@@ -16,6 +16,25 @@ constexpr double kLowHeight = 0.025, kHighHeight = 0.040;  // m over the floor
 constexpr double kSlow = 0.35, kFast = 0.60;               // m/s
 constexpr double kShortestFootContacts = 0.060;            // s; shorter contacts are dropped
 constexpr double kGap = 0.060, kSamePlace = 0.03;          // s, m; smaller gaps are closed
+constexpr double kSampled = 240;                           // a second, of the path's curve
+constexpr double kSpeedSpan = 1.0 / 48;                    // s; speeds are means over it
+
+// A Catmull-Rom curve through the points, `fine` samples from each to the next.
+std::vector<Vec3> sampled_curve(const std::vector<Vec3>& points, int fine) {
+  const int last = int(points.size()) - 1;
+  std::vector<Vec3> out;
+  for (int f = 0; f < last; ++f) {
+    const Vec3 &a = points[f], &b = points[f + 1];
+    const Vec3 at_a = f > 0 ? Vec3(0.5 * (b - points[f - 1])) : Vec3(b - a),
+               at_b = f + 1 < last ? Vec3(0.5 * (points[f + 2] - a)) : Vec3(b - a);
+    for (int k = 0; k < fine; ++k) {
+      const double t = double(k) / fine, u = 1 - t;
+      out.push_back(u * u * (1 + 2 * t) * a + t * t * (3 - 2 * t) * b + t * u * (u * at_a - t * at_b));
+    }
+  }
+  out.push_back(points[last]);
+  return out;
+}
 
 }  // namespace
 
@@ -100,33 +119,45 @@ std::vector<double> floor_heights(const std::array<FootPaths, 2>& paths, const M
 
 std::vector<Interval> standing_intervals(const std::vector<Vec3>& path,
                                          const std::vector<double>& floor, double fps) {
-  const int n = path.size();
-  // The slower of the ways to the neighbouring frames: the first and last frame on the ground count
-  // as standing.
-  auto speed = [&](int f) {
-    const double before = f > 0 ? (path[f] - path[f - 1]).norm() : HUGE_VAL,
-                 after = f + 1 < n ? (path[f + 1] - path[f]).norm() : HUGE_VAL;
-    return n > 1 ? std::min(before, after) * fps : 0.0;
+  const int n = int(path.size());
+  const int fine = std::max(1, int(std::lround(kSampled / fps)));  // samples a frame
+  const double rate = fine * fps;
+  const std::vector<Vec3> curve = n > 1 ? sampled_curve(path, fine) : path;
+  const int samples = int(curve.size()), apart = std::max(1, int(std::lround(kSpeedSpan * rate)));
+  // The slower of the ways before and after: the first and last sample on the ground count as
+  // standing.
+  auto speed = [&](int k) {
+    const int from = std::max(0, k - apart), to = std::min(samples - 1, k + apart);
+    const double before = from < k ? (curve[k] - curve[from]).norm() / (k - from) : HUGE_VAL,
+                 after = k < to ? (curve[to] - curve[k]).norm() / (to - k) : HUGE_VAL;
+    return samples > 1 ? std::min(before, after) * rate : 0.0;
   };
-  std::vector<Interval> out;
-  for (int f = 0; f < n; ++f) {
-    Interval run{f, f};
+  std::vector<Interval> runs;  // of samples
+  for (int k = 0; k < samples; ++k) {
+    Interval run{k, k};
     bool sure = false;
-    for (; run.end < n; ++run.end) {
-      const double height = path[run.end].y() - floor[run.end], v = speed(run.end);
+    for (; run.end < samples; ++run.end) {
+      const double height = curve[run.end].y() - floor[run.end / fine], v = speed(run.end);
       if (height > kHighHeight || v > kFast) break;
       sure |= height < kLowHeight && v < kSlow;
     }
-    f = run.end;
+    k = run.end;
     if (!sure) continue;
-    if (!out.empty() && run.begin - out.back().end < kGap * fps &&
-        (path[run.begin] - path[out.back().end - 1]).norm() < kSamePlace)
-      out.back().end = run.end;
+    if (!runs.empty() && run.begin - runs.back().end < kGap * rate &&
+        (curve[run.begin] - curve[runs.back().end - 1]).norm() < kSamePlace)
+      runs.back().end = run.end;
     else
-      out.push_back(run);
+      runs.push_back(run);
   }
-  std::erase_if(out,
-                [&](const Interval& i) { return i.end - i.begin < kShortestFootContacts * fps; });
+  std::vector<Interval> out;
+  for (const Interval& run : runs) {
+    if (run.end - run.begin < kShortestFootContacts * rate) continue;
+    const double onset = double(run.begin) / fine, lift = double(run.end - 1) / fine;
+    Interval span{int(std::ceil(onset)), int(std::floor(lift)) + 1};
+    span.early = span.begin - onset;
+    span.late = lift - (span.end - 1);
+    if (span.begin < span.end) out.push_back(span);
+  }
   return out;
 }
 

@@ -41,13 +41,18 @@ struct FootPaths {
 // whose floor drifts).
 std::vector<double> floor_heights(const std::array<FootPaths, 2>& paths, const Motion& motion);
 
+// A span of time and the frames in it: it begins between two frames and ends between two.
 struct Interval {
-  int begin = 0, end = 0;  // frames [begin, end)
+  int begin = 0, end = 0;      // frames [begin, end)
+  double early = 0, late = 0;  // parts of a frame before the first one, beyond the last one
+  double onset() const { return begin - early; }
+  double lift() const { return end - 1 + late; }
 };
 
-// Runs of frames in which a point stands: lower than 40 mm over the floor and slower than 0.6 m/s
-// throughout, somewhere lower than 35 mm and slower than 0.35 m/s, at least 60 ms long; gaps
-// shorter than 60 ms at one position are closed.
+// Spans in which a point stands: lower than 40 mm over the floor and slower than 0.6 m/s
+// throughout, somewhere lower than 25 mm and slower than 0.35 m/s, at least 60 ms long; gaps
+// shorter than 60 ms at one position are closed. The path is seen as a smooth curve through its
+// frames, and speeds over one time, so that spans hardly depend on the rate.
 std::vector<Interval> standing_intervals(const std::vector<Vec3>& path,
                                          const std::vector<double>& floor, double fps);
 

@@ -13,6 +13,8 @@ struct Contact {
   bool heel = false;       // else the ball of the foot
   int begin = 0, end = 0;  // frames [begin, end)
   double slide = 0;        // largest horizontal distance of the planted point from its position, m
+  // Parts of a frame by which it begins before its first one and lasts beyond its last one.
+  double early = 0, late = 0;
 };
 
 // A span in which neither foot touches the ground.

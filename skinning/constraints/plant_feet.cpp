@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kFade = 0.10;      // s; corrections fade around a stance. Shorter: feet snap
 constexpr double kHandOver = 0.05;  // s; transition of the fixed point between heel and ball
+constexpr double kShortFlat = 0.01;  // s; feet that are flat for less are not levelled
+constexpr double kSampled = 240;    // a second, of medians
 constexpr double kStep = 0.06;      // m; a higher contact stands on an object and is not lowered
 constexpr double kMostDrop = 0.10;  // m; the pelvis is lowered by at most so much
 constexpr double kSinking = 0.06;   // s; width of the pelvis' temporal smoothing
@@ -23,12 +25,22 @@ constexpr double kStraight = 0.9985;
 constexpr double kToeExtension = 0.61;
 constexpr double kMostBent = 0.75;  // rad; largest extension of the toes
 
+// Values over a span, `fine` a frame, of what is linear between frames.
 template <typename Get>
-double median(int begin, int end, Get get) {
-  std::vector<double> values;
-  for (int f = begin; f < end; ++f) values.push_back(get(f));
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
+void add_samples(const Interval& when, int fine, Get get, std::vector<double>& values) {
+  const int steps = int(std::lround((when.lift() - when.onset()) * fine));
+  for (int k = 0; k <= steps; ++k) {
+    const double at = when.onset() + double(k) / fine;
+    const int f = int(at);
+    const double share = at - f;
+    values.push_back(share > 1e-9 ? (1 - share) * get(f) + share * get(f + 1) : get(f));
+  }
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 struct Anchor {
@@ -53,6 +65,14 @@ struct FootPlan {
 
 bool inside(const Interval& i, int f) { return i.begin <= f && f < i.end; }
 
+// What both spans have; it may be empty.
+Interval common(const Interval& a, const Interval& b) {
+  Interval out{std::max(a.begin, b.begin), std::min(a.end, b.end)};
+  out.early = out.begin - std::max(a.onset(), b.onset());
+  out.late = std::min(a.lift(), b.lift()) - (out.end - 1);
+  return out;
+}
+
 // A heel contact that spans two contacts of its ball is split between them: the foot was shifted.
 std::vector<Interval> split_heels(const std::vector<Interval>& heels,
                                   const std::vector<Interval>& balls) {
@@ -61,8 +81,9 @@ std::vector<Interval> split_heels(const std::vector<Interval>& heels,
     for (size_t k = 0; k + 1 < balls.size(); ++k) {
       const Interval gap{balls[k].end, balls[k + 1].begin};
       if (!inside(heel, gap.begin - 1) || !inside(heel, gap.end)) continue;
-      parts.push_back({heel.begin, gap.begin});
+      parts.push_back({heel.begin, gap.begin, heel.early, balls[k].late});
       heel.begin = gap.end;
+      heel.early = balls[k + 1].early;
     }
     parts.push_back(heel);
   }
@@ -76,29 +97,29 @@ const Anchor* anchor_at(const std::vector<Anchor>& anchors, int f) {
 }
 
 // Extends values that are known inside of intervals into the gaps: each edge's value fades out
-// within `fade` frames, or half the gap.
+// within `fade` frames, or half the gap. `edges`: values at the intervals' onsets and lifts.
 template <typename Value, typename Blend>
-void fade_out(const std::vector<Interval>& known, std::vector<Value>& values, double fade,
-              const Value& nothing, Blend blend) {
+void fade_out(const std::vector<Interval>& known, const std::vector<std::array<Value, 2>>& edges,
+              std::vector<Value>& values, double fade, const Value& nothing, Blend blend) {
   for (int f = 0; f < int(values.size()); ++f) {
-    const Interval *before = nullptr, *after = nullptr;
+    int before = -1, after = -1;
     bool is_known = false;
-    for (const Interval& i : known) {
-      if (i.end <= f && (before == nullptr || i.end > before->end)) before = &i;
-      if (i.begin > f && (after == nullptr || i.begin < after->begin)) after = &i;
-      is_known |= inside(i, f);
+    for (int i = 0; i < int(known.size()); ++i) {
+      if (known[i].end <= f && (before < 0 || known[i].end > known[before].end)) before = i;
+      if (known[i].begin > f && (after < 0 || known[i].begin < known[after].begin)) after = i;
+      is_known |= inside(known[i], f);
     }
     if (is_known) continue;
     const double gap =
-        before != nullptr && after != nullptr ? after->begin - before->end + 1 : HUGE_VAL;
-    const double reach = std::min(fade, 0.5 * gap);
+        before >= 0 && after >= 0 ? known[after].onset() - known[before].lift() : HUGE_VAL;
+    const double reach = std::max(1e-9, std::min(fade, 0.5 * gap));
     values[f] = nothing;
-    if (before != nullptr)
+    if (before >= 0)
       values[f] =
-          blend(values[f], values[before->end - 1], 1 - smooth_step((f - before->end + 1) / reach));
-    if (after != nullptr)
+          blend(values[f], edges[before][1], 1 - smooth_step((f - known[before].lift()) / reach));
+    if (after >= 0)
       values[f] =
-          blend(values[f], values[after->begin], 1 - smooth_step((after->begin - f) / reach));
+          blend(values[f], edges[after][0], 1 - smooth_step((known[after].onset() - f) / reach));
   }
 }
 
@@ -113,6 +134,7 @@ class Planter {
       : skeleton_(skeleton),
         motion_(motion),
         frames_(int(motion.frames.size())),
+        fine_(std::max(1, int(std::lround(kSampled / motion.fps)))),
         strength_(strength) {
     for (int side = 0; side < 2; ++side) {
       feet_[side].shape = foot_shape(skeleton, side == 0 ? Side::left : Side::right, sole_height);
@@ -125,7 +147,9 @@ class Planter {
   void run(const std::vector<Contact>& contacts) {
     for (const Contact& one : contacts) {
       FootPlan& foot = feet_[one.side == Side::left ? 0 : 1];
-      (one.heel ? foot.heels : foot.balls).push_back({{one.begin, one.end}, Vec3::Zero()});
+      (one.heel ? foot.heels : foot.balls).push_back(
+          {{one.begin, one.end, one.begin > 0 ? one.early : 0, one.end < frames_ ? one.late : 0},
+           Vec3::Zero()});
     }
     read_feet();
     stand_on_ground();
@@ -148,17 +172,14 @@ class Planter {
     std::vector<double> heights;
     for (const FootPlan& foot : feet_) {
       for (const Anchor& a : foot.heels)
-        heights.push_back(
-            median(a.when.begin, a.when.end, [&](int f) { return foot.before[f].heel.y(); }));
+        add_samples(a.when, fine_, [&](int f) { return foot.before[f].heel.y(); }, heights);
       for (const Anchor& a : foot.balls)
-        heights.push_back(
-            median(a.when.begin, a.when.end, [&](int f) { return foot.before[f].ball.y(); }));
+        add_samples(a.when, fine_, [&](int f) { return foot.before[f].ball.y(); }, heights);
     }
     if (heights.empty())
       for (int f = 0; f < frames_; ++f)
         heights.push_back(std::min(feet_[0].before[f].ball.y(), feet_[1].before[f].ball.y()));
-    std::nth_element(heights.begin(), heights.begin() + heights.size() / 2, heights.end());
-    const Vec3 shift(0, -heights[heights.size() / 2], 0);
+    const Vec3 shift(0, -median(heights), 0);
     for (Pose& pose : motion_.frames) pose.root += shift;
     for (FootPlan& foot : feet_)
       for (FootPoints& p : foot.before) p.heel += shift, p.ball += shift, p.tip += shift;
@@ -166,9 +187,11 @@ class Planter {
 
   void position_anchors(FootPlan& foot) const {
     auto place = [&](Anchor& anchor, auto point) {
-      for (int k = 0; k < 3; ++k)
-        anchor.position[k] = median(anchor.when.begin, anchor.when.end,
-                                    [&](int f) { return point(foot.before[f])[k]; });
+      for (int k = 0; k < 3; ++k) {
+        std::vector<double> values;
+        add_samples(anchor.when, fine_, [&](int f) { return point(foot.before[f])[k]; }, values);
+        anchor.position[k] = median(std::move(values));
+      }
       if (std::abs(anchor.position.y()) < kStep) anchor.position.y() = 0;
     };
     for (Anchor& a : foot.heels) place(a, [](const FootPoints& p) { return p.heel; });
@@ -177,9 +200,9 @@ class Planter {
     const double length = (foot.shape.ball - foot.shape.heel).norm();
     for (Anchor& heel : foot.heels)
       for (const Anchor& ball : foot.balls) {
-        const Interval both{std::max(heel.when.begin, ball.when.begin),
-                            std::min(heel.when.end, ball.when.end)};
-        if (both.end - both.begin < 2) continue;
+        const Interval both = common(heel.when, ball.when);
+        if (both.begin >= both.end || both.lift() - both.onset() < kShortFlat * motion_.fps)
+          continue;
         foot.flat.push_back(both);
         Vec3 along = Vec3::Zero();
         for (int f = both.begin; f < both.end; ++f)
@@ -191,35 +214,42 @@ class Planter {
 
   // Stances, and the blend between the anchors of heel and ball while both stand.
   void blend_anchors(FootPlan& foot) const {
-    const double hand_over = kHandOver * motion_.fps + 1;
+    const double hand_over = kHandOver * motion_.fps;
     foot.heel_weight.assign(frames_, 0);
     foot.heel_position.assign(frames_, Vec3::Zero());
     foot.ball_position.assign(frames_, Vec3::Zero());
     for (int f = 0; f < frames_; ++f) {
       const Anchor *heel = anchor_at(foot.heels, f), *ball = anchor_at(foot.balls, f);
       if (heel == nullptr && ball == nullptr) continue;
-      if (foot.stances.empty() || foot.stances.back().end != f) foot.stances.push_back({f, f});
+      const auto begins = [&](const Anchor* a) { return a && a->when.begin == f ? a->when.early : 0; };
+      const auto ends = [&](const Anchor* a) { return a && a->when.end == f + 1 ? a->when.late : 0; };
+      if (foot.stances.empty() || foot.stances.back().end != f)
+        foot.stances.push_back({f, f, std::max(begins(heel), begins(ball)), 0});
       foot.stances.back().end = f + 1;
+      foot.stances.back().late = std::max(ends(heel), ends(ball));
       if (heel != nullptr) foot.heel_position[f] = heel->position;
       if (ball != nullptr) foot.ball_position[f] = ball->position;
       auto share = [&](const Anchor* mine, const std::vector<Anchor>& other) {
         if (mine == nullptr) return 0.0;
         double in = 1;
         if (anchor_at(other, mine->when.begin - 1) != nullptr)
-          in = std::min(in, smooth_step((f - mine->when.begin + 1) / hand_over));
+          in = std::min(in, smooth_step((f - mine->when.onset()) / hand_over));
         if (anchor_at(other, mine->when.end) != nullptr)
-          in = std::min(in, smooth_step((mine->when.end - f) / hand_over));
+          in = std::min(in, smooth_step((mine->when.lift() - f) / hand_over));
         return in;
       };
       const double h = share(heel, foot.balls), b = share(ball, foot.heels);
-      foot.heel_weight[f] = heel == nullptr ? 0 : ball == nullptr ? 1 : h / std::max(1e-9, h + b);
+      foot.heel_weight[f] = heel == nullptr  ? 0
+                            : ball == nullptr ? 1
+                            : h + b > 1e-9    ? h / (h + b)
+                                              : 0.5;
     }
   }
 
   // Rotation and shift of every frame: in stances from the anchors, between them fading.
   void plan_corrections(FootPlan& foot) {
     const Vec3 own = foot.shape.ball - foot.shape.heel;
-    const double fade = kFade * motion_.fps + 1;
+    const double fade = kFade * motion_.fps;
     std::vector<Mat3> rotation;
     std::vector<Vec3> pivot;
     for (const Pose& pose : motion_.frames) {
@@ -227,33 +257,52 @@ class Planter {
       rotation.push_back(X_[foot.shape.subtalar].linear());
       pivot.push_back(X_[foot.shape.subtalar].translation());
     }
+    // What puts the foot as it is in frame f where it stands in frame `stands`.
+    const auto standing_turn = [&](int f, int stands) {
+      const Vec3 along = foot.ball_position[stands] - foot.heel_position[stands];
+      const double heading = std::atan2(along.x(), along.z()) - std::atan2(own.x(), own.z());
+      return Quat(Mat3(Eigen::AngleAxisd(heading, Vec3::UnitY()).toRotationMatrix() *
+                       rotation[f].transpose()));
+    };
+    const auto standing_shift = [&](int f, int stands) {
+      const FootPoints now =
+          rotated_about(foot.before[f], foot.rotation[f].toRotationMatrix(), pivot[f]);
+      const double h = foot.heel_weight[stands];
+      Vec3 out = Vec3::Zero();
+      if (h > 0) out += h * (foot.heel_position[stands] - now.heel);
+      if (h < 1) out += (1 - h) * (ball_goal(foot, stands, now) - now.ball);
+      return out;
+    };
     foot.rotation.assign(frames_, Quat::Identity());
-    for (const Interval& i : foot.flat)
-      for (int f = i.begin; f < i.end; ++f) {
-        const Vec3 along = foot.ball_position[f] - foot.heel_position[f];
-        const double heading = std::atan2(along.x(), along.z()) - std::atan2(own.x(), own.z());
-        foot.rotation[f] = Quat(Mat3(Eigen::AngleAxisd(heading, Vec3::UnitY()).toRotationMatrix() *
-                                     rotation[f].transpose()));
-      }
-    fade_out(foot.flat, foot.rotation, fade, Quat(Quat::Identity()),
-             [](const Quat& rest, const Quat& edge, double share) {
-               return (Quat::Identity().slerp(share, edge) * rest).normalized();
-             });
+    correct(
+        foot.flat, standing_turn, foot.rotation, fade, Quat(Quat::Identity()),
+        [](const Quat& a, const Quat& b, double t) { return a.slerp(t, b); },
+        [](const Quat& rest, const Quat& edge, double share) {
+          return (Quat::Identity().slerp(share, edge) * rest).normalized();
+        });
     foot.shift.assign(frames_, Vec3::Zero());
-    for (const Interval& i : foot.stances)
-      for (int f = i.begin; f < i.end; ++f) {
-        const FootPoints now =
-            rotated_about(foot.before[f], foot.rotation[f].toRotationMatrix(), pivot[f]);
-        const double h = foot.heel_weight[f];
-        if (h > 0) foot.shift[f] += h * (foot.heel_position[f] - now.heel);
-        if (h < 1) foot.shift[f] += (1 - h) * (ball_goal(foot, f, now) - now.ball);
-      }
-    fade_out(
-        foot.stances, foot.shift, fade, Vec3(Vec3::Zero()),
+    correct(
+        foot.stances, standing_shift, foot.shift, fade, Vec3(Vec3::Zero()),
+        [](const Vec3& a, const Vec3& b, double t) { return Vec3((1 - t) * a + t * b); },
         [](const Vec3& rest, const Vec3& edge, double share) { return Vec3(rest + share * edge); });
     if (strength_ == 1) return;
     for (Quat& turn : foot.rotation) turn = Quat::Identity().slerp(strength_, turn);
     for (Vec3& shift : foot.shift) shift *= strength_;
+  }
+
+  // Values of every frame: of `value` inside of the intervals, fading from its edges between them.
+  template <typename Get, typename Value, typename Mix, typename Blend>
+  void correct(const std::vector<Interval>& intervals, Get value, std::vector<Value>& values,
+               double fade, const Value& nothing, Mix mix, Blend blend) const {
+    std::vector<std::array<Value, 2>> edges;
+    for (const Interval& i : intervals) {
+      const int first = i.begin, last = i.end - 1;
+      for (int f = first; f <= last; ++f) values[f] = value(f, f);
+      edges.push_back({values[first], values[last]});
+      if (i.early > 0) edges.back()[0] = mix(values[first], value(first - 1, first), i.early);
+      if (i.late > 0) edges.back()[1] = mix(values[last], value(last + 1, last), i.late);
+    }
+    fade_out(intervals, edges, values, fade, nothing, blend);
   }
 
   // Target of the ball: its anchor, or, with a high heel, rotated up about the tip of the toes.
@@ -370,6 +419,7 @@ class Planter {
   const Skeleton& skeleton_;
   Motion& motion_;
   int frames_;
+  int fine_;  // samples a frame, of medians
   double strength_;
   std::array<FootPlan, 2> feet_;
   std::vector<Transform> X_;
@@ -386,8 +436,9 @@ std::vector<Contact> find_contacts(const std::array<FootPaths, 2>& paths, const 
     const std::vector<Interval> balls = standing_intervals(paths[s].ball, floor, motion.fps);
     for (const Interval& i :
          split_heels(standing_intervals(paths[s].heel, floor, motion.fps), balls))
-      out.push_back({side, true, i.begin, i.end, 0});
-    for (const Interval& i : balls) out.push_back({side, false, i.begin, i.end, 0});
+      out.push_back({side, true, i.begin, i.end, 0, i.early, i.late});
+    for (const Interval& i : balls)
+      out.push_back({side, false, i.begin, i.end, 0, i.early, i.late});
   }
   return out;
 }

@@ -17,6 +17,7 @@ constexpr double kFaster = 1.45;                    // times the top speed
 constexpr double kSlow = 0.8;                       // m/s; a joint may always be so fast
 constexpr double kFasterHere = 3, kByMoreHere = 2;  // m/s; than around the step
 constexpr double kAround = 0.15;                    // s
+constexpr double kSpan = 1.0 / 120;                 // s, of a speed
 constexpr double kNarrow = 0.05;                    // s; half the width of the first mean
 constexpr int kRounds = 4;                          // each of twice the width
 constexpr double kFade = 0.1;                       // s; around a stance, as planting fades
@@ -76,9 +77,12 @@ std::vector<LimbPoints> limb_path(const Skeleton& skeleton, const Chain& chain,
   return out;
 }
 
+// Of the step into frame f + 1, with those before it where frames are closer than kSpan.
 double step_speed(const std::vector<LimbPoints>& path, std::size_t f, std::size_t point,
                   double fps) {
-  return fps * (path[f + 1][point] - path[f][point]).norm();
+  const std::size_t span = std::max<std::size_t>(1, std::size_t(std::lround(kSpan * fps)));
+  const std::size_t from = f + 1 > span ? f + 1 - span : 0;
+  return fps * (path[f + 1][point] - path[from][point]).norm() / double(f + 1 - from);
 }
 
 // The speed, m/s, that a limb's middle and end may have in the step from each frame to the next.

@@ -1,0 +1,46 @@
+// Laws of foot contacts: when a foot touches the ground and leaves it does not depend on the rate
+// of the frames.
+#include "skinning/constraints/foot_contacts.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+using namespace ecorche;
+
+namespace {
+
+constexpr double kTouch = 0.413, kLeave = 0.977, kEnd = 1.5;  // s
+
+// A foot that comes from behind and above, stands, and goes on.
+Vec3 foot_at(double t) {
+  const double away = t < kTouch ? t - kTouch : std::max(0.0, t - kLeave);
+  return {0, 0.9 * away * away, 6 * away * std::abs(away)};
+}
+
+std::vector<Interval> standing_at(double fps) {
+  std::vector<Vec3> path;
+  for (int f = 0; f <= int(kEnd * fps); ++f) path.push_back(foot_at(f / fps));
+  return standing_intervals(path, std::vector<double>(path.size(), 0.0), fps);
+}
+
+}  // namespace
+
+TEST(FootContacts, BeginAndEndBetweenFrames) {
+  const std::vector<Interval> exact = standing_at(2400);
+  ASSERT_EQ(exact.size(), 1u);
+  const double onset = exact[0].onset() / 2400, lift = exact[0].lift() / 2400;
+  EXPECT_NEAR(onset, kTouch, 0.06);
+  EXPECT_NEAR(lift, kLeave, 0.06);
+  for (const double fps : {24.0, 29.97, 60.0, 240.0}) {
+    const std::vector<Interval> found = standing_at(fps);
+    ASSERT_EQ(found.size(), 1u) << fps;
+    EXPECT_NEAR(found[0].onset() / fps, onset, 0.008) << fps;
+    EXPECT_NEAR(found[0].lift() / fps, lift, 0.008) << fps;
+    EXPECT_GE(found[0].early, 0);
+    EXPECT_LT(found[0].early, 1);
+    EXPECT_GE(found[0].late, 0);
+    EXPECT_LT(found[0].late, 1);
+  }
+}
