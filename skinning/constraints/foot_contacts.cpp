@@ -29,7 +29,8 @@ std::vector<Vec3> sampled_curve(const std::vector<Vec3>& points, int fine) {
                at_b = f + 1 < last ? Vec3(0.5 * (points[f + 2] - a)) : Vec3(b - a);
     for (int k = 0; k < fine; ++k) {
       const double t = double(k) / fine, u = 1 - t;
-      out.push_back(u * u * (1 + 2 * t) * a + t * t * (3 - 2 * t) * b + t * u * (u * at_a - t * at_b));
+      out.push_back(u * u * (1 + 2 * t) * a + t * t * (3 - 2 * t) * b +
+                    t * u * (u * at_a - t * at_b));
     }
   }
   out.push_back(points[last]);

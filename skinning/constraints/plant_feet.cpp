@@ -11,13 +11,13 @@
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kFade = 0.10;      // s; corrections fade around a stance. Shorter: feet snap
-constexpr double kHandOver = 0.05;  // s; transition of the fixed point between heel and ball
+constexpr double kFade = 0.10;       // s; corrections fade around a stance. Shorter: feet snap
+constexpr double kHandOver = 0.05;   // s; transition of the fixed point between heel and ball
 constexpr double kShortFlat = 0.01;  // s; feet that are flat for less are not levelled
-constexpr double kSampled = 240;    // a second, of medians
-constexpr double kStep = 0.06;      // m; a higher contact stands on an object and is not lowered
-constexpr double kMostDrop = 0.10;  // m; the pelvis is lowered by at most so much
-constexpr double kSinking = 0.06;   // s; width of the pelvis' temporal smoothing
+constexpr double kSampled = 240;     // a second, of medians
+constexpr double kStep = 0.06;       // m; a higher contact stands on an object and is not lowered
+constexpr double kMostDrop = 0.10;   // m; the pelvis is lowered by at most so much
+constexpr double kSinking = 0.06;    // s; width of the pelvis' temporal smoothing
 // Fraction of its length to which a planted leg extends: 6 deg of knee flexion.
 constexpr double kStraight = 0.9985;
 // rad (35 deg); a foot with more pitch, or more than its toes extend, rolls over the tip of its
@@ -147,9 +147,10 @@ class Planter {
   void run(const std::vector<Contact>& contacts) {
     for (const Contact& one : contacts) {
       FootPlan& foot = feet_[one.side == Side::left ? 0 : 1];
-      (one.heel ? foot.heels : foot.balls).push_back(
-          {{one.begin, one.end, one.begin > 0 ? one.early : 0, one.end < frames_ ? one.late : 0},
-           Vec3::Zero()});
+      (one.heel ? foot.heels : foot.balls)
+          .push_back({{one.begin, one.end, one.begin > 0 ? one.early : 0,
+                       one.end < frames_ ? one.late : 0},
+                      Vec3::Zero()});
     }
     read_feet();
     stand_on_ground();
@@ -172,9 +173,11 @@ class Planter {
     std::vector<double> heights;
     for (const FootPlan& foot : feet_) {
       for (const Anchor& a : foot.heels)
-        add_samples(a.when, fine_, [&](int f) { return foot.before[f].heel.y(); }, heights);
+        add_samples(
+            a.when, fine_, [&](int f) { return foot.before[f].heel.y(); }, heights);
       for (const Anchor& a : foot.balls)
-        add_samples(a.when, fine_, [&](int f) { return foot.before[f].ball.y(); }, heights);
+        add_samples(
+            a.when, fine_, [&](int f) { return foot.before[f].ball.y(); }, heights);
     }
     if (heights.empty())
       for (int f = 0; f < frames_; ++f)
@@ -189,7 +192,8 @@ class Planter {
     auto place = [&](Anchor& anchor, auto point) {
       for (int k = 0; k < 3; ++k) {
         std::vector<double> values;
-        add_samples(anchor.when, fine_, [&](int f) { return point(foot.before[f])[k]; }, values);
+        add_samples(
+            anchor.when, fine_, [&](int f) { return point(foot.before[f])[k]; }, values);
         anchor.position[k] = median(std::move(values));
       }
       if (std::abs(anchor.position.y()) < kStep) anchor.position.y() = 0;
@@ -221,8 +225,12 @@ class Planter {
     for (int f = 0; f < frames_; ++f) {
       const Anchor *heel = anchor_at(foot.heels, f), *ball = anchor_at(foot.balls, f);
       if (heel == nullptr && ball == nullptr) continue;
-      const auto begins = [&](const Anchor* a) { return a && a->when.begin == f ? a->when.early : 0; };
-      const auto ends = [&](const Anchor* a) { return a && a->when.end == f + 1 ? a->when.late : 0; };
+      const auto begins = [&](const Anchor* a) {
+        return a && a->when.begin == f ? a->when.early : 0;
+      };
+      const auto ends = [&](const Anchor* a) {
+        return a && a->when.end == f + 1 ? a->when.late : 0;
+      };
       if (foot.stances.empty() || foot.stances.back().end != f)
         foot.stances.push_back({f, f, std::max(begins(heel), begins(ball)), 0});
       foot.stances.back().end = f + 1;
@@ -239,7 +247,7 @@ class Planter {
         return in;
       };
       const double h = share(heel, foot.balls), b = share(ball, foot.heels);
-      foot.heel_weight[f] = heel == nullptr  ? 0
+      foot.heel_weight[f] = heel == nullptr   ? 0
                             : ball == nullptr ? 1
                             : h + b > 1e-9    ? h / (h + b)
                                               : 0.5;

@@ -18,8 +18,8 @@ constexpr double kNear = 0.005;       // m from the ground that count as a conta
 constexpr double kLimitNear = 0.1;    // rad from a limit, likewise
 // Beyond a limit by more is how a body began: it returns at kReturnTurn.
 constexpr double kOvershoot = 3 * kDegree;
-constexpr double kStrike = 0.5;  // m/s
-constexpr int kParts = 6;        // of a step in which skin strikes the ground
+constexpr double kStrike = 0.5;        // m/s
+constexpr int kParts = 6;              // of a step in which skin strikes the ground
 constexpr double kSkinFriction = 0.3;  // of limbs on each other
 
 // Velocity across a gap that is left or, below 0, too deep.

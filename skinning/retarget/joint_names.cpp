@@ -42,12 +42,11 @@ Tokens split(std::string_view name) {
     } else if (upper(c) || lower(c)) {
       const bool last_capital = upper(c) && k + 1 < name.size() && lower(name[k + 1]);
       // LUArm is left, upper arm
-      const bool after_side =
-          upper(c) && k == 1 && (name[0] == 'L' || name[0] == 'R') && name.size() > 3 &&
-          upper(name[2]) && lower(name[3]);
+      const bool after_side = upper(c) && k == 1 && (name[0] == 'L' || name[0] == 'R') &&
+                              name.size() > 3 && upper(name[2]) && lower(name[3]);
       const bool starts_word =
-          after_side || (upper(c) && k > 0 &&
-                         (lower(name[k - 1]) || (upper(name[k - 1]) && last_capital)));
+          after_side ||
+          (upper(c) && k > 0 && (lower(name[k - 1]) || (upper(name[k - 1]) && last_capital)));
       if (starts_word) flush();
       word += char(std::tolower(static_cast<unsigned char>(c)));
     } else {
@@ -78,9 +77,7 @@ std::string toe_joint(int toe, int number) {
   return kToe[number - 1] + std::to_string(toe);
 }
 
-int value(const std::string& number) {
-  return number.size() > 5 ? -1 : std::stoi(number);
-}
+int value(const std::string& number) { return number.size() > 5 ? -1 : std::stoi(number); }
 
 // The bone of a finger from the palm on that a word names, 0 for none. A thumb's first bone is its
 // metacarpal.
@@ -102,7 +99,7 @@ std::string finger_part(const std::string& joined, const std::vector<std::string
   for (const auto& [word, finger] : kFingers)
     if (joined.find(word) != std::string::npos) {
       const int bone = named_bone(joined, finger == 1);
-      return phalanx(finger, bone > 0           ? bone
+      return phalanx(finger, bone > 0          ? bone
                              : numbers.empty() ? (finger == 1 ? 1 : 0)
                                                : value(numbers.back()));
     }
@@ -200,7 +197,8 @@ std::string common_prefix(std::span<const std::string> joint_names) {
   };
   const auto shared = [&](std::string_view prefix) {
     size_t count = 0;
-    for (const std::string& name : joint_names) count += without_namespace(name).starts_with(prefix);
+    for (const std::string& name : joint_names)
+      count += without_namespace(name).starts_with(prefix);
     return 4 * count >= 3 * joint_names.size();
   };
   std::string out;

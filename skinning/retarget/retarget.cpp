@@ -72,8 +72,7 @@ int calibration_frames(const Motion& motion) {
   for (size_t f = 0; f < kAtMost; ++f)
     if (leaps(motion, f)) count = f + 1;
   const bool elsewhere = count > 0;
-  while (count < (elsewhere ? 2 : 1) * kAtMost && fastest(count) > fast)
-    total += fastest(count++);
+  while (count < (elsewhere ? 2 : 1) * kAtMost && fastest(count) > fast) total += fastest(count++);
   if (!elsewhere && (count == kAtMost || total <= 30 * kDegree)) return 0;
   size_t settled = count;
   for (size_t j = 0; j < frames[0].rotations.size(); ++j) {

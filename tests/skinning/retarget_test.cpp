@@ -282,12 +282,19 @@ TEST(Retarget, JointsOfOtherProgramsAreKnownByName) {
 }
 
 TEST(Retarget, FingersOfOtherProgramsAreKnownByName) {
-  for (const auto& [name, part] : std::map<std::string, std::string>{
-           {"L Finger0", "cmc1"}, {"L Finger02", "ip1"}, {"L Finger1", "mcp2"},
-           {"L Finger42", "dip5"}, {"LeftFinger1Metacarpal", "cmc1"},
-           {"LeftFinger2Proximal", "mcp2"}, {"LeftFinger5Distal", "dip5"},
-           {"leftThumbProximal", "mcp1"}, {"leftLittleIntermediate", "pip5"},
-           {"finger2-1.L", "mcp2"}, {"index_metacarpal_l", ""}, {"LeftHandIndex3", "dip2"}})
+  for (const auto& [name, part] :
+       std::map<std::string, std::string>{{"L Finger0", "cmc1"},
+                                          {"L Finger02", "ip1"},
+                                          {"L Finger1", "mcp2"},
+                                          {"L Finger42", "dip5"},
+                                          {"LeftFinger1Metacarpal", "cmc1"},
+                                          {"LeftFinger2Proximal", "mcp2"},
+                                          {"LeftFinger5Distal", "dip5"},
+                                          {"leftThumbProximal", "mcp1"},
+                                          {"leftLittleIntermediate", "pip5"},
+                                          {"finger2-1.L", "mcp2"},
+                                          {"index_metacarpal_l", ""},
+                                          {"LeftHandIndex3", "dip2"}})
     EXPECT_EQ(named_part(name).part, part) << name;
 }
 
@@ -297,7 +304,8 @@ TEST(Retarget, AFootBeyondAnAnkleIsItsToes) {
   for (BvhJoint& joint : file.joints) {
     if (joint.name == "mtp3_l") joint.name = "L_Foot";
     if (joint.name == "mtp3_r") joint.name = "R_Foot";
-    if (joint.name.starts_with("mtp") || joint.name.starts_with("toe")) joint.name = "x" + joint.name;
+    if (joint.name.starts_with("mtp") || joint.name.starts_with("toe"))
+      joint.name = "x" + joint.name;
     if (joint.name.ends_with("_l") || joint.name.ends_with("_r")) joint.name += "_jnt";
     if (joint.name.starts_with("subtalar")) joint.name = "rear_" + joint.name;
   }
