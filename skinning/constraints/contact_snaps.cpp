@@ -13,7 +13,7 @@ namespace {
 constexpr double kFaster = 1.5, kByMore = 0.8;      // m/s; than anywhere in the motion
 constexpr double kFasterHere = 3, kByMoreHere = 2;  // m/s; than around the contact
 constexpr double kAround = 0.15;                    // s: corrections fade around a contact
-constexpr double kSpan = 1.0 / 30;                  // s; speeds are means over it, at any rate
+constexpr double kSpan = 1.0 / 120;                 // s; speeds are means over it
 constexpr std::size_t kSeen = 4;                    // knee and ankle, left and right
 
 // Speeds, m/s, by frame of what leads from the span before to the next one.
