@@ -13,6 +13,7 @@
 #include "app/edit/line_actions.h"
 #include "app/edit/muscle_actions.h"
 #include "app/edit/session_actions.h"
+#include "app/edit/skeleton_actions.h"
 
 namespace ecorche {
 
@@ -21,9 +22,10 @@ using Action =
                  DescribeMuscle, ImportMuscle, MovePoint, AddPoint, RemovePoint, SetSection,
                  RemoveSection, ScaleSections, SetBelly, AddStrip, RemoveStrip, NewWrap, SetWrap,
                  RemoveWrap, UseWrap, LeaveWrap, MoveJoint, TurnAxes, SetLimits, ResetJoint,
-                 SetBody, SetMeasure, FreeMeasure, SetLayer, SetFit, SetPose, TurnJoint, Activate,
-                 PlayMotion, ShowMoment, Undo, Redo, Save, ExportMuscle, WriteCharacter, Render,
-                 ReportMuscle>;
+                 SnapJoint, SetGroup, ResetGroup, AddJoint, RemoveJoint, RestoreJoint, AddBone,
+                 SetBone, RemoveBone, SetBody, SetMeasure, FreeMeasure, SetLayer, SetFit, SetPose,
+                 TurnJoint, Activate, PlayMotion, ShowMoment, Undo, Redo, Save, ExportMuscle,
+                 WriteCharacter, Render, ReportMuscle>;
 
 struct ActionKind {
   const char *name, *group, *help;

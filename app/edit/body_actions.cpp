@@ -10,27 +10,35 @@
 #include "anatomy/files/quantity.h"
 #include "anatomy/files/similar_names.h"
 #include "app/edit/edit_muscle.h"
+#include "app/edit/edited_skeleton.h"
 #include "morph/measures/measure_table.h"
 #include "morph/placement/bone_groups.h"
 
 namespace ecorche {
 namespace {
 
-void check_joint(Workshop& workshop, const std::string& name) {
-  const std::vector<Joint>& joints = workshop.source().skeleton.joints;
-  const bool known = std::ranges::any_of(
-      joints, [&](const Joint& joint) { return joint.name == name || joint.name == name + "_l"; });
-  if (known) return;
+void check_joint(Workshop& workshop, const Document& document, const std::string& name) {
+  const std::vector<std::string> names = joint_names(workshop, document);
+  const auto has = [&](const std::string& each) {
+    return std::ranges::find(names, each) != names.end();
+  };
+  const auto [base, side] = split_side(name);
+  const bool sided = side != Side::middle && has(base) &&
+                     (find_joint(workshop.source().skeleton, name) >= 0 ||
+                      std::ranges::any_of(document.skeleton->joints, [&](const OwnJoint& own) {
+                        return own.name == base && own.paired;
+                      }));
+  if (has(name) || sided) return;
   throw InputError(
       fmt::format("argument 'joint': '{}': there is no such joint{}; `ecorche list "
                   "joints` names them",
-                  name, did_you_mean(split_side(name).first, workshop.joint_names())));
+                  name, did_you_mean(base, names)));
 }
 
 template <class F>
 Document with_joint(Workshop& workshop, const Document& document, const std::string& name,
                     const F& change) {
-  check_joint(workshop, name);
+  check_joint(workshop, document, name);
   return with_part(document, &Document::joints, [&](auto& joints) { change(joints[name]); });
 }
 
@@ -96,7 +104,7 @@ void arguments(Arguments& a, ResetJoint& x) {
   a.text("joint", "joint", x.joint, Need::required, "that becomes the built-in one again");
 }
 Document apply(Workshop& workshop, const Document& document, const ResetJoint& x) {
-  check_joint(workshop, x.joint);
+  check_joint(workshop, document, x.joint);
   return with_part(document, &Document::joints, [&](auto& joints) { joints.erase(x.joint); });
 }
 
@@ -190,7 +198,7 @@ void arguments(Arguments& a, TurnJoint& x) {
   a.number("rotation", x.rotation, {ArgumentUnit::degree, -270, 270}, "likewise");
 }
 Document apply(Workshop& workshop, const Document& document, const TurnJoint& x) {
-  check_joint(workshop, x.joint);
+  check_joint(workshop, document, x.joint);
   return with_part(document, &Document::trial, [&](Trial& trial) {
     // not a number: as the pose has it
     Vec3& angles = trial.angles.try_emplace(x.joint, Vec3::Constant(std::nan(""))).first->second;

@@ -1,6 +1,7 @@
 #include "app/edit/document.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -12,6 +13,28 @@ namespace ecorche {
 namespace {
 
 constexpr int kRounds = 8;  // directions are made unit vectors: rounding settles in two or three
+
+std::string skeleton_text(const EditedSkeleton& skeleton) {
+  std::string out;
+  for (const auto& [name, values] : skeleton.groups)
+    out += fmt::format("group {} {}\n", name, fmt::join(values, " "));
+  for (const OwnJoint& joint : skeleton.joints)
+    out += fmt::format("own joint {} {} '{}' {} '{}' '{}'\n", joint.name, joint.parent, joint.child,
+                       joint.paired, joint.at, joint.to);
+  for (const OwnBone& bone : skeleton.bones) {
+    out += fmt::format("own bone {} {} {} {} {} {} {} {} {}\n", bone.name, bone.joint, bone.at.x(),
+                       bone.at.y(), bone.at.z(), bone.turn.x(), bone.turn.y(), bone.turn.z(),
+                       bone.scale);
+    for (Eigen::Index i = 0; i < bone.mesh->V.rows(); ++i)
+      out +=
+          fmt::format("v {} {} {}\n", bone.mesh->V(i, 0), bone.mesh->V(i, 1), bone.mesh->V(i, 2));
+    for (Eigen::Index f = 0; f < bone.mesh->F.rows(); ++f)
+      out +=
+          fmt::format("f {} {} {}\n", bone.mesh->F(f, 0), bone.mesh->F(f, 1), bone.mesh->F(f, 2));
+  }
+  for (const std::string& name : skeleton.removed) out += fmt::format("removed {}\n", name);
+  return out;
+}
 
 }  // namespace
 
@@ -25,6 +48,7 @@ Document built_in_document(const std::filesystem::path& tables) {
     out.muscles.push_back(std::make_shared<EditedMuscle>(EditedMuscle{
         read_block(out, muscle_text(*out.frame, muscle), "data/muscles"), std::nullopt}));
   out.joints = std::make_shared<std::map<std::string, EditedJoint>>();
+  out.skeleton = std::make_shared<EditedSkeleton>();
   out.body = std::make_shared<EditedBody>();
   out.trial = std::make_shared<Trial>();
   return out;
@@ -123,6 +147,7 @@ std::string document_text(const Document& document) {
       out += limits ? fmt::format(" {} {}", limits->first, limits->second) : " - -";
     out += "\n";
   }
+  out += skeleton_text(*document.skeleton);
   const EditedBody& body = *document.body;
   out += fmt::format("body '{}' layer {}\n", body.file.string(), body.layer);
   for (const auto& [name, value] : body.targets) out += fmt::format("measure {} {}\n", name, value);

@@ -1,4 +1,4 @@
-// What the studio changes, as one value: the muscle table, joints, body, fit and trial.
+// What the studio changes, as one value: the muscle table, joints, bones, body, fit and trial.
 //
 // A copy shares all that is not changed, so that a session keeps every state it has been in.
 // Muscles are kept as their text in data/muscles says them, rounded as it is: a document that is
@@ -18,6 +18,7 @@
 
 #include "anatomy/authoring/muscle_table.h"
 #include "morph/dilation/dilate_muscles.h"
+#include "morph/placement/scale_groups.h"
 
 namespace ecorche {
 
@@ -40,6 +41,34 @@ struct EditedJoint {
   Vec3 moved = Vec3::Zero();   // of its centre: left (of a right joint, right), up, front, mm
   Vec3 turned = Vec3::Zero();  // of its axes, about flexion, abduction and rotation in turn, deg
   std::optional<std::pair<double, double>> limits[3];  // flexion, abduction, rotation, deg
+};
+
+// What a hand has added to the skeleton, taken from it, or scaled. Places are of the left side, as
+// scripts write them.
+struct OwnJoint {
+  std::string name;     // without side, or with the only side that has it
+  std::string parent;   // likewise
+  std::string child;    // of the parent, between which and it the joint stands; may be empty
+  bool paired = false;  // _l and _r
+  std::string at, to;   // its centre; where its long axis points to, may be empty
+};
+
+struct OwnBone {
+  std::string name, joint;   // as OwnJoint::name; on both sides where the joint is
+  Shared<TriMesh> mesh;      // as in its file, in m and +Y up
+  std::string file;          // for people
+  Vec3 at = Vec3::Zero();    // of the mesh's origin, from the joint's centre: left, up, front, mm
+  Vec3 turn = Vec3::Zero();  // about left, up, front in turn, deg
+  double scale = 1;
+};
+
+struct EditedSkeleton {
+  // by group of bones: its measures, in the order of group_measures(), factors and mm
+  std::map<std::string, std::array<double, kGroupMeasures>> groups;
+  std::vector<OwnJoint> joints;  // parents first
+  std::vector<OwnBone> bones;
+  std::set<std::string>
+      removed;  // built-in joints, as EditedJoint's names; with what hangs on them
 };
 
 struct EditedBody {
@@ -72,6 +101,7 @@ struct Document {
   Shared<MuscleTable> frame;  // landmarks, carriers and wraps; no muscles
   std::vector<Shared<EditedMuscle>> muscles;
   Shared<std::map<std::string, EditedJoint>> joints;
+  Shared<EditedSkeleton> skeleton;
   Shared<EditedBody> body;
   Shared<Trial> trial;
   FitSettings fit;
@@ -85,7 +115,7 @@ Document built_in_document(const std::filesystem::path& tables);
 
 int find_entry(const Document& document, std::string_view name);  // without side; index or -1
 
-// The document with one of its shared parts changed: joints, body, trial or frame.
+// The document with one of its shared parts changed: joints, skeleton, body, trial or frame.
 template <class Part, class Change>
 Document with_part(const Document& document, Shared<Part> Document::*part, const Change& change) {
   auto changed = std::make_shared<Part>(*(document.*part));

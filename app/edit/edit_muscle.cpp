@@ -9,6 +9,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/similar_names.h"
 #include "app/edit/arguments.h"
+#include "app/edit/edited_skeleton.h"
 #include "morph/placement/bone_groups.h"
 
 namespace ecorche {
@@ -87,7 +88,13 @@ TablePoint& point_of(TableMuscle& muscle, int strip, int point) {
 
 TablePoint place_on_bone(Workshop& workshop, const Document& document, const std::string& bone,
                          const Vec3& place) {
-  const Vec3 snapped = workshop.on_bone(bone, place);
+  const auto own = std::ranges::find_if(document.skeleton->bones, [&](const OwnBone& each) {
+    return split_side(each.name).first == bone;
+  });
+  const Vec3 snapped =
+      own == document.skeleton->bones.end()
+          ? workshop.on_bone(bone, place)
+          : NearestSurface(placed_bone(workshop, document, *own)).nearest(place).point;
   const std::vector<SourceLandmark>& all = document.frame->landmarks;
   int best = -1;
   for (int i = 0; i < int(all.size()); ++i) {

@@ -13,6 +13,7 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
 #include "anatomy/files/package_archive.h"
+#include "anatomy/mesh_files/mesh_io.h"
 #include "app/edit/action_list.h"
 #include "app/edit/muscle_file.h"
 #include "morph/template/template_cache.h"
@@ -89,6 +90,65 @@ void add_joints(const Document& document, std::string& out) {
   }
 }
 
+// `mm` values are written as add_bone and set_group read them.
+void add_skeleton(const Document& document, std::string& out) {
+  const EditedSkeleton& skeleton = *document.skeleton;
+  // what hangs on what: a joint may be placed by a bone, a bone hang on a joint
+  std::set<std::string> written;
+  const auto bones_on = [&](const std::string& joint) {
+    for (const OwnBone& bone : skeleton.bones)
+      if (bone.joint == joint && written.insert(bone.name).second)
+        out += action_line(AddBone{bone.name, bone.joint, "bones/" + bone.name + ".obj", "m", "y",
+                                   bone.at, bone.turn, bone.scale}) +
+               "\n";
+  };
+  std::set<std::string> own;
+  for (const OwnJoint& joint : skeleton.joints) own.insert(joint.name);
+  for (const OwnBone& bone : skeleton.bones)
+    if (!own.contains(bone.joint)) bones_on(bone.joint);
+  for (const OwnJoint& joint : skeleton.joints) {
+    const bool one_side = joint.name.ends_with("_l") || joint.name.ends_with("_r");
+    out += action_line(AddJoint{joint.name, joint.parent, joint.at, joint.to, joint.child,
+                                one_side       ? ""
+                                : joint.paired ? "yes"
+                                               : "no"}) +
+           "\n";
+    bones_on(joint.name);
+  }
+  for (const std::string& name : skeleton.removed)
+    out += action_line(RemoveJoint{name, "remove"}) + "\n";
+  for (const auto& [name, values] : skeleton.groups) {
+    SetGroup set{name, {}};
+    for (std::size_t k = 0; k < values.size(); ++k)
+      if (values[k] != GroupScale::unchanged()[k]) set.values[k] = values[k];
+    out += action_line(set) + "\n";
+  }
+}
+
+void write_bones(const Document& document, const fs::path& folder) {
+  std::set<std::string> own;
+  for (const OwnBone& bone : document.skeleton->bones) {
+    const fs::path file = folder / "bones" / (bone.name + ".obj");
+    own.insert(file.filename().string());
+    make_output_folder(folder / "bones");
+    const fs::path fresh = folder / "bones" / (bone.name + ".new.obj");
+    write_obj(fresh, *bone.mesh);
+    write_if_changed(file, whole_file(fresh));
+    fs::remove(fresh);
+  }
+  if (!fs::exists(folder / "bones")) return;
+  std::vector<fs::path> left;
+  for (const auto& entry : fs::directory_iterator(folder / "bones"))
+    if (entry.path().extension() == ".obj" && !own.contains(entry.path().filename().string()))
+      left.push_back(entry.path());
+  for (const fs::path& file : left) fs::remove(file);
+}
+
+// Joints and bones come before what stands on them: wraps and muscles.
+bool is_of_skeleton(const std::string& line) {
+  return line.starts_with("add_joint ") || line.starts_with("add_bone ");
+}
+
 void add_body(const Document& document, std::string& out) {
   const EditedBody& body = *document.body;
   if (!body.file.empty())
@@ -148,7 +208,8 @@ void read_project_line(Workshop& workshop, const fs::path& folder, const std::st
     if (file.is_absolute() || *file.begin() == "..")
       throw InputError(fmt::format("'{}': muscles lie within the project's folder", words[1]));
     out.document = read_muscle_file(out.document, workshop.built_in(), folder / file);
-  } else if (const std::optional<Action> action = read_action(line)) {
+  } else if (std::optional<Action> action = read_action(line)) {
+    if (auto* bone = std::get_if<AddBone>(&*action)) bone->file = (folder / bone->file).string();
     std::optional<Document> next = applied(workshop, out.document, *action);
     if (!next) throw InputError(fmt::format("'{}': no action of a project", words[0]));
     out.document = std::move(*next);
@@ -164,18 +225,23 @@ OpenedProject read_project(Workshop& workshop, const fs::path& folder) {
   if (!fs::exists(file))
     throw InputError(fmt::format("{}: no project; a folder with project.txt is", folder.string()));
   OpenedProject out{workshop.built_in(), {}};
-  if (fs::exists(folder / "wraps.txt")) read_wraps_file(folder / "wraps.txt", out.document);
   const std::vector<std::string> here = stands_on(workshop);
-  std::istringstream lines(whole_file(file));
-  int number = 0;
-  for (std::string line; std::getline(lines, line);) {
-    ++number;
-    try {
-      read_project_line(workshop, folder, line, here, out);
-    } catch (const Error& error) {
-      throw InputError(fmt::format("{}:{}: {}", file.string(), number, error.what()));
+  const auto read_lines = [&](bool of_skeleton) {
+    std::istringstream lines(whole_file(file));
+    int number = 0;
+    for (std::string line; std::getline(lines, line);) {
+      ++number;
+      if (is_of_skeleton(line) != of_skeleton) continue;
+      try {
+        read_project_line(workshop, folder, line, here, out);
+      } catch (const Error& error) {
+        throw InputError(fmt::format("{}:{}: {}", file.string(), number, error.what()));
+      }
     }
-  }
+  };
+  read_lines(true);
+  if (fs::exists(folder / "wraps.txt")) read_wraps_file(folder / "wraps.txt", out.document);
+  read_lines(false);
   return out;
 }
 
@@ -204,6 +270,8 @@ void write_project(Workshop& workshop, const Document& document, const fs::path&
       out += action_line(RemoveMuscle{muscle->left.name}) + "\n";
   for (const TableWrap& wrap : built_in.frame->wraps)
     if (find_wrap(*document.frame, wrap.name) < 0) out += action_line(RemoveWrap{wrap.name}) + "\n";
+  add_skeleton(document, out);
+  write_bones(document, folder);
   add_joints(document, out);
   add_body(document, out);
   add_trial(document, out);

@@ -5,6 +5,7 @@
 //                      of a script
 //   muscles/NAME.txt   a muscle that is new or changed, as export_muscle writes it
 //   wraps.txt          wraps that are new or changed
+//   bones/NAME.obj     meshes of bones of one's own, m
 //   journal.txt        the actions since it was last saved
 #pragma once
 

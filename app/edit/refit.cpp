@@ -9,9 +9,11 @@
 #include "anatomy/authoring/muscle_text.h"
 #include "anatomy/errors.h"
 #include "anatomy/muscles/transform_muscles.h"
+#include "app/edit/edited_skeleton.h"
 #include "app/files/open_body.h"
 #include "morph/fat/muscle_mass.h"
 #include "morph/placement/bone_groups.h"
+#include "morph/placement/own_parts.h"
 #include "morph/shapes/body.h"
 #include "morph/shapes/modify_body.h"
 #include "morph/shapes/shape_space_cache.h"
@@ -30,39 +32,14 @@ double volume_share(Workshop& workshop) {
 }
 
 // One side of an entry on the source skeleton.
-Muscle placed_side(Workshop& workshop, const Document& document, const TableMuscle& muscle,
+Muscle placed_side(const Anatomy& source, const Document& document, const TableMuscle& muscle,
                    Side side) {
   MuscleTable table = *document.frame;
   table.muscles = {muscle};
   PlaceOptions options;
   if (document.fit.slices > 0) options.min_slices = options.max_slices = document.fit.slices;
-  std::vector<Muscle> both = place_muscles(table, workshop.source(), options);
+  std::vector<Muscle> both = place_muscles(table, source, options);
   return std::move(both[side == Side::right]);
-}
-
-void edit_joint(const EditedJoint& edit, const std::string& name, Skeleton& skeleton) {
-  const std::vector<Vec3> rest = rest_positions(skeleton);
-  std::vector<Vec3> moved = rest;
-  for (std::size_t j = 0; j < skeleton.joints.size(); ++j) {
-    Joint& joint = skeleton.joints[j];
-    const auto [base, side] = split_side(joint.name);
-    if (joint.name != name && base != name) continue;
-    const double outwards = side == Side::right ? -1 : 1;
-    moved[j] += 1e-3 * Vec3(outwards * edit.moved.x(), edit.moved.y(), edit.moved.z());
-    for (int axis = 0; axis < 3; ++axis) {
-      // axes of both sides are right-handed frames that mean the same to either side
-      joint.axes =
-          Eigen::AngleAxisd(edit.turned[axis] * kDegree, joint.axes.col(axis)) * joint.axes;
-      if (!edit.limits[axis]) continue;
-      joint.min[axis] = edit.limits[axis]->first * kDegree;
-      joint.max[axis] = edit.limits[axis]->second * kDegree;
-    }
-  }
-  for (std::size_t j = 0; j < skeleton.joints.size(); ++j) {
-    Joint& joint = skeleton.joints[j];
-    joint.X_PJ.translation() =
-        joint.parent >= 0 ? Vec3(moved[j] - moved[std::size_t(joint.parent)]) : moved[j];
-  }
 }
 
 // Whether the wraps that a muscle slides over are those of the other document.
@@ -83,11 +60,14 @@ bool same_muscles(const Document& a, const Document& b) {
 
 std::vector<Muscle> placed_entry(Workshop& workshop, const Document& document, int entry) {
   const EditedMuscle& edited = *document.muscles[std::size_t(entry)];
+  std::optional<Anatomy> own;
+  if (has_own_parts(document)) own = edited_source(workshop, document);
+  const Anatomy& source = own ? *own : workshop.source();
   std::vector<Muscle> sides{
-      placed_side(workshop, document, edited.left, Side::left),
-      placed_side(workshop, document, edited.right.value_or(edited.left), Side::right)};
-  const SkeletonWarp& warp = workshop.warp();
-  sides = carry_muscles(sides, [&](const Vec3& x, int joint) { return warp.by_joint(joint, x); });
+      placed_side(source, document, edited.left, Side::left),
+      placed_side(source, document, edited.right.value_or(edited.left), Side::right)};
+  const OwnParts parts(source, workshop.source(), workshop.warp());
+  sides = carry_muscles(sides, [&](const Vec3& x, int joint) { return parts.carry(x, joint); });
   const double share = volume_share(workshop);
   for (Muscle& muscle : sides) {
     muscle.volume *= share;
@@ -121,7 +101,7 @@ Template edited_template(Workshop& workshop, const Document& document) {
     out.tables.muscles = std::move(lean);
     out.anatomy.muscles = std::move(grown);
   }
-  for (const auto& [name, edit] : *document.joints) edit_joint(edit, name, out.anatomy.skeleton);
+  edit_skeleton(workshop, document, out);
   return out;
 }
 
@@ -150,8 +130,14 @@ Body edited_body(Workshop& workshop, const Document& document, const Common& com
   return body;
 }
 
-FittingOptions fitting_of(const Document& document) {
+FittingOptions fitting_of(Workshop& workshop, const Document& document) {
   FittingOptions out;
+  for (const auto& [group, values] : document.skeleton->groups) {
+    GroupScale& scale = out.fit.scales.emplace_back(GroupScale{group, values});
+    for (std::size_t k = 0; k < values.size(); ++k)
+      if (!group_measures()[k].factor) scale.values[k] *= 1e-3;
+  }
+  out.joints = joint_tree_change(workshop, document);
   out.layer = document.body->layer;
   out.dilate.method = document.fit.method;
   out.dilate.alpha = document.fit.alpha;
@@ -162,7 +148,8 @@ FittingOptions fitting_of(const Document& document) {
 }
 
 bool fits_alike(const Document& a, const Document& b) {
-  return same_muscles(a, b) && a.joints == b.joints && a.body == b.body && a.fit == b.fit;
+  return same_muscles(a, b) && a.joints == b.joints && a.skeleton == b.skeleton &&
+         a.body == b.body && a.fit == b.fit;
 }
 
 }  // namespace ecorche

@@ -12,7 +12,8 @@
 
 namespace ecorche {
 
-// The muscles of one entry, left and right, placed in the template's body before they grow.
+// The muscles of one entry, left and right, placed in the template's body before they grow. Joints
+// are those of edited_source().
 std::vector<Muscle> placed_entry(Workshop& workshop, const Document& document, int entry);
 
 // The built-in template with the document's muscles and joints. Muscles that the document shares
@@ -24,7 +25,8 @@ Template edited_template(Workshop& workshop, const Document& document);
 Body edited_body(Workshop& workshop, const Document& document, const Common& common,
                  Report& report);
 
-FittingOptions fitting_of(const Document& document);
+// `workshop` knows the built-in joints.
+FittingOptions fitting_of(Workshop& workshop, const Document& document);
 
 // Whether the same character comes of both.
 bool fits_alike(const Document& a, const Document& b);

@@ -4,6 +4,7 @@
     studio.py ECORCHE
 """
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -17,6 +18,9 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([program, "studio", "--script", os.path.abspath(script)], cwd=folder, check=True)
         convert(os.path.join(folder, "studio.png"), os.path.join(HERE, "studio.jpg"), 760)
+        shutil.copy(os.path.join(HERE, "..", "studio", "tail.obj"), folder)
+        subprocess.run([program, "studio", "--script", os.path.abspath(os.path.join(HERE, "..", "studio", "skeleton.txt"))], cwd=folder, check=True)
+        convert(os.path.join(folder, "studio-skeleton.png"), os.path.join(HERE, "studio-skeleton.jpg"), 520)
         session = os.path.join(folder, "session.txt")
         with open(os.path.join(HERE, "..", "studio", "insertion.txt")) as given, open(session, "w") as out:
             # with the card in view, in the midst of the work

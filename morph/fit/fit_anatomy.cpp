@@ -25,6 +25,7 @@
 #include "morph/fat/muscle_mass.h"
 #include "morph/fit/template_tissue.h"
 #include "morph/placement/fitted_skeleton.h"
+#include "morph/placement/own_parts.h"
 #include "morph/placement/part_bones.h"
 #include "morph/shapes/body.h"
 #include "morph/tissue/interior_warp.h"
@@ -383,15 +384,6 @@ void carry_all(const std::vector<Muscle>& muscles, const CarryMap& map, const In
   });
 }
 
-// Bones that are not the built-in ones go with the joint that carries them.
-std::vector<Bone> carry_bones(const std::vector<Bone>& bones, const SkeletonWarp& warp) {
-  std::vector<Bone> out = bones;
-  for (Bone& bone : out)
-    for (Eigen::Index i = 0; i < bone.mesh.V.rows(); ++i)
-      bone.mesh.V.row(i) = warp.by_joint(bone.joint, bone.mesh.V.row(i));
-  return out;
-}
-
 }  // namespace
 
 Fit fit_anatomy(const Template& body_template, const Body& body, const FitOptions& options) {
@@ -412,6 +404,7 @@ Fit fit_anatomy(const Template& body_template, const Body& body, const FitOption
   const std::vector<Bracket> brackets = brackets_of(tables, body, fit.report.stature);
   BothSides sides =
       place_straight(body_template, skin, field, fit.report.stature, symmetry, brackets);
+  scale_groups(options.scales, tables.rules, table_anatomy(body_template), sides.placement);
   settle(body_template, field, symmetry.largest < kSymmetric, brackets, sides.placement,
          fit.report);
   const SkeletonWarp warp(table_anatomy(body_template), tables.rules, sides.placement);
@@ -420,7 +413,8 @@ Fit fit_anatomy(const Template& body_template, const Body& body, const FitOption
   InteriorMap flesh;
   if (options.interior != Interior::bones)
     flesh = warp_interior(body_template, skin, fit.anatomy.bones, options.interior, fit);
-  if (tables.built_in) fit.anatomy.bones = carry_bones(body_template.anatomy.bones, warp);
+  const OwnParts parts(body_template.anatomy, table_anatomy(body_template), warp);
+  parts.add_to(fit.anatomy);
   part_bones(fit.anatomy.bones, body_template.anatomy.bones, fit.report.even_about);
 
   start = Clock::now();
@@ -434,7 +428,7 @@ Fit fit_anatomy(const Template& body_template, const Body& body, const FitOption
       fat_in_muscles(own);
   std::optional<SkinCarrier> with_skin;
   if (std::ranges::any_of(tables.muscles, lies_in_fat)) with_skin.emplace(body_template, skin);
-  const CarryMap by_joint = [&](const Vec3& x, int joint) { return warp.by_joint(joint, x); };
+  const CarryMap by_joint = [&](const Vec3& x, int joint) { return parts.carry(x, joint); };
   carry_all(tables.muscles, by_joint, flesh, with_skin ? &*with_skin : nullptr,
             fit.report.muscle_volume / in_template, fit.report.stature / tables.stature,
             fit.anatomy.muscles);

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "anatomy/anatomy.h"
+#include "morph/placement/scale_groups.h"
 #include "morph/template/template.h"
 #include "morph/tissue/interior_warp.h"
 #include "morph/tissue/tissue_mesh.h"
@@ -23,6 +24,7 @@ namespace ecorche::inline v1 {
 
 struct FitOptions {
   Interior interior = Interior::bones;
+  std::vector<GroupScale> scales{};  // on top of what the skin says
 };
 
 // What a warp of the soft tissue did.

@@ -64,6 +64,8 @@ FittedCharacter fit_character(const Template& body_template, const Body& body,
         measure_torn(fitted.anatomy, body_template.anatomy.muscles, report.fill);
   if (options.tissues)
     report.tissues = measure_tissues(fitted.anatomy, closed_skin, wall.mesh(), fitted.fat);
+  rearrange_joints(options.joints, fitted.anatomy);
+  rearrange_joints(options.joints, fitted.undilated);
   return fitted;
 }
 

@@ -6,6 +6,7 @@
 #include "anatomy/anatomy.h"
 #include "anatomy/base_mesh/body_package.h"
 #include "anatomy/base_mesh/body_rig.h"
+#include "anatomy/rearrange_joints.h"
 #include "morph/dilation/dilate_muscles.h"
 #include "morph/fat/fat_layer.h"
 #include "morph/fit/fit_anatomy.h"
@@ -17,6 +18,7 @@ namespace ecorche::inline v1 {
 
 struct FittingOptions {
   FitOptions fit{};
+  JointTreeChange joints{};  // made at last: until then the anatomy has the template's joints
   DilateOptions dilate{};
   // times as thick as the build lets expect is the fat over the muscles; the skin is not
   double layer = 1;

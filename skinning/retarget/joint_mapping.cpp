@@ -45,6 +45,22 @@ int first_with(const Parts& parts, const std::string& part) {
   return found == parts.end() ? -1 : int(found - parts.begin());
 }
 
+// Whether a name can be that of a joint beside those of data/joints.csv, which other files may have
+// as something else.
+bool is_own(const std::string& name) {
+  std::string stem = name.substr(0, name.find_last_not_of("0123456789") + 1);
+  if (name.ends_with("_l") || name.ends_with("_r")) {
+    stem = name.substr(0, name.size() - 2);
+    stem.resize(stem.find_last_not_of("0123456789") + 1);
+  }
+  static const std::set<std::string> kBuiltIn{
+      "pelvis",   "l",        "t",        "thorax", "c",       "head",    "jaw",
+      "clavicle", "scapula",  "shoulder", "elbow",  "forearm", "wrist",   "cmc",
+      "mcp",      "ip",       "pip",      "dip",    "hip",     "patella", "knee",
+      "ankle",    "subtalar", "mtp",      "toe_ip", "toe_pip", "toe_dip"};
+  return !stem.empty() && !kBuiltIn.contains(stem);
+}
+
 class JointMapper {
  public:
   JointMapper(const MotionClip& source, JointMapping& mapping)
@@ -67,16 +83,26 @@ class JointMapper {
               printable(name), printable(mapped->second), printable(mapped->second)));
         parts_[j] = mapped->second;
         how_[j] = "map";
+        if (is_own(mapped->second)) own_.push_back(int(j));
         unused.erase(name);
       } else if (mapping_.ours) {
         parts_[j] = find_joint(ours, name) >= 0 ? name : "";
       } else if (!named[j].part.empty()) {
         parts_[j] = named[j].part + side_suffix(named[j].side);
+      } else if (is_own(name) && find_joint(ours, name) >= 0) {
+        parts_[j] = name;
+        own_.push_back(int(j));
       }
     }
     for (const std::string& name : unused)
       mapping_.warnings.push_back(
           fmt::format("joint map: the file has no joint '{}'", printable(name)));
+  }
+
+  // Joints of the character that the file has by the same name, beside those of a figure.
+  void take_own() {
+    for (const int j : own_)
+      if (get(parts_[std::size_t(j)]) < 0) set(parts_[std::size_t(j)], j, j);
   }
 
   // Joints that only the tree can tell, once the names have given elbows, knees and head.
@@ -86,6 +112,7 @@ class JointMapper {
         if (!parts_[j].empty()) set(parts_[j], int(j), int(j));
       return;
     }
+    take_own();
     for (const char* side : {"_l", "_r"}) {
       feet_and_hands(side);
       for (const char* part : {"knee", "ankle", "elbow", "wrist"}) runs(std::string(part) + side);
@@ -308,6 +335,7 @@ class JointMapper {
   JointMapping& mapping_;
   Parts parts_;
   std::vector<std::string> how_;
+  std::vector<int> own_;  // joints of the file that are a character's own: a tail, a wing
 };
 
 bool has_our_names(const MotionClip& source, const Skeleton& ours) {

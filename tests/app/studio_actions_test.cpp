@@ -63,7 +63,7 @@ std::string why(const std::function<void()>& run) {
 }
 
 // An edit by chance; some of them cannot be done.
-constexpr std::size_t kOfMuscles = 20, kOfAll = 30;  // kinds of edits
+constexpr std::size_t kOfMuscles = 20, kOfAll = 34;  // kinds of edits
 std::string chance_line(std::mt19937& random, const Document& document,
                         std::size_t kinds = kOfMuscles) {
   const auto below = [&](std::size_t n) { return int(random() % n); };
@@ -137,6 +137,15 @@ std::string chance_line(std::mt19937& random, const Document& document,
       return "redo steps=" + std::to_string(1 + below(3));
     case 28:
       return "pick " + name();
+    case 29:
+      return "set_group " + std::string(below(2) ? "femur" : "thorax") + " length=0.9" +
+             std::to_string(below(9)) + " bow_depth=" + std::to_string(below(9));
+    case 30:
+      return "add_joint " + made + " pelvis at=coccyx+0,-" + std::to_string(below(40)) + ",-9";
+    case 31:
+      return "remove_joint " + (below(2) ? made : "toe_dip" + std::to_string(1 + below(5)));
+    case 32:
+      return "snap_joint " + std::string(below(2) ? "hip" : "elbow");
     default:
       return "set_fit rays=" + std::to_string(8 + below(40)) + " alpha=0.37";
   }
@@ -155,7 +164,7 @@ int walk(Session& session, int tries, unsigned seed) {
 
 // Arguments of an example with files of the test's own.
 std::string with_files(std::string line, const fs::path& folder) {
-  for (const char* name : {"anna.glb", "walk.bvh", "soleus.txt", "my-arm", "arm.glb", "arm.png"})
+  for (const char* name : {"anna.glb", "walk.bvh", "soleus.txt", "my-arm", "arm.glb", "arm.png", "tail.obj"})
     if (const auto at = line.find(name); at != std::string::npos)
       line.replace(at, std::string(name).size(), (folder / name).string());
   return line;
@@ -186,6 +195,7 @@ TEST_F(StudioActions, EachDoesTheSameByScriptAndByItsValue) {
   Session by_script = session(), by_value = session();
   file("anna.glb", "");
   file("walk.bvh", "");
+  file("tail.obj", "v 0 0 0\nv 9 -80 0\nv -9 -80 0\nv 0 -80 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   by_script.run_line("export_muscle soleus " + (folder_ / "soleus.txt").string());
   for (const ActionKind& kind : action_kinds()) {
     if (fits.contains(kind.name)) continue;

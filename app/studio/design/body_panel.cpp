@@ -8,6 +8,7 @@
 
 #include "anatomy/joint_angles.h"
 #include "app/studio/design/fields.h"
+#include "app/studio/design/skeleton_panel.h"
 #include "morph/measures/measure_table.h"
 #include "morph/placement/bone_groups.h"
 
@@ -143,6 +144,45 @@ void draw_limits(DesignSession& session, const Joint& joint, const std::string& 
   ImGui::EndTable();
 }
 
+void draw_chosen_joint(DesignSession& session, const Joint& joint, PanelState& state,
+                       ViewDocument& document) {
+  ImGui::TextUnformatted("Turn it");
+  draw_angles(session, joint, state.joint, document);
+  if (ImGui::Button("all joints as the pose has them")) {
+    const std::string& pose = session.seen().trial->pose;
+    session.run("pose " + (pose.empty() ? std::string("rest") : pose), "joint");
+  }
+  ImGui::Separator();
+  ImGui::TextUnformatted("Limits, from and to");
+  draw_limits(session, joint, state.joint);
+  const auto& edits = *session.seen().joints;
+  const auto edit = edits.find(state.joint);
+  ImGui::TextUnformatted("Centre moved by left, up, front (mm)");
+  const Vec3 moved = edit == edits.end() ? Vec3(Vec3::Zero()) : edit->second.moved;
+  const std::string now = fmt::format("{:.4g},{:.4g},{:.4g}", moved.x(), moved.y(), moved.z());
+  if (const auto text = value_field("##moved", now, -1)) {
+    double x = 0, y = 0, z = 0;
+    if (std::sscanf(text->c_str(), "%lf,%lf,%lf", &x, &y, &z) == 3)
+      session.run(fmt::format("move_joint {} by={:.4g},{:.4g},{:.4g}", state.joint, x - moved.x(),
+                              y - moved.y(), z - moved.z()),
+                  "joint");
+    else
+      session.run(fmt::format("move_joint {} by={}", state.joint, ecorche::quoted(*text)), "joint");
+  }
+  if (ImGui::Button("where the skin says")) session.run("snap_joint " + state.joint, "joint");
+  name_place(document, "snap");
+  help_of_last("The centre goes where the skin's measures have it, as every fit takes it");
+  ImGui::SameLine();
+  ImGui::Checkbox("axes, to drag", &state.axes);
+  name_place(document, "axes");
+  if (edit != edits.end() && ImGui::Button("as it was built"))
+    session.run("reset_joint " + state.joint, "joint");
+  if (edit != edits.end()) ImGui::SameLine();
+  if (ImGui::Button("take it away")) session.run("remove_joint " + state.joint, "joint");
+  name_place(document, "take away");
+  help_of_last("A finger, a toe, or a joint of one's own that nothing hangs on");
+}
+
 }  // namespace
 
 void draw_body_panel(DesignSession& session, PanelState& state, ViewDocument& document) {
@@ -181,37 +221,15 @@ void draw_joint_panel(DesignSession& session, PanelState& state, ViewDocument& d
   ImGui::Checkbox("centres in the figure, to drag", &state.joints);
   name_place(document, "joints");
   joint_choice(skeleton, state);
+  name_place(document, "joint");
   const Joint* joint = state.joint.empty() ? nullptr : shown_joint(skeleton, state.joint);
   show_fault(session, "joint");
-  if (!joint) {
+  if (joint)
+    draw_chosen_joint(session, *joint, state, document);
+  else
     quiet_text("Choose one, or show the centres and click one.");
-    return;
-  }
-  ImGui::TextUnformatted("Turn it");
-  draw_angles(session, *joint, state.joint, document);
-  if (ImGui::Button("all joints as the pose has them")) {
-    const std::string& pose = session.seen().trial->pose;
-    session.run("pose " + (pose.empty() ? std::string("rest") : pose), "joint");
-  }
   ImGui::Separator();
-  ImGui::TextUnformatted("Limits, from and to");
-  draw_limits(session, *joint, state.joint);
-  const auto& edits = *session.seen().joints;
-  const auto edit = edits.find(state.joint);
-  ImGui::TextUnformatted("Centre moved by left, up, front (mm)");
-  const Vec3 moved = edit == edits.end() ? Vec3(Vec3::Zero()) : edit->second.moved;
-  const std::string now = fmt::format("{:.4g},{:.4g},{:.4g}", moved.x(), moved.y(), moved.z());
-  if (const auto text = value_field("##moved", now, -1)) {
-    double x = 0, y = 0, z = 0;
-    if (std::sscanf(text->c_str(), "%lf,%lf,%lf", &x, &y, &z) == 3)
-      session.run(fmt::format("move_joint {} by={:.4g},{:.4g},{:.4g}", state.joint, x - moved.x(),
-                              y - moved.y(), z - moved.z()),
-                  "joint");
-    else
-      session.run(fmt::format("move_joint {} by={}", state.joint, ecorche::quoted(*text)), "joint");
-  }
-  if (edit != edits.end() && ImGui::Button("as it was built"))
-    session.run("reset_joint " + state.joint, "joint");
+  draw_skeleton_panel(session, state, document);
 }
 
 void draw_trial_panel(DesignSession& session, ViewDocument& document) {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 
+#include "app/studio/design/axis_handles.h"
 #include "app/studio/design/fields.h"
 #include "app/studio/design/limit_arcs.h"
 #include "app/studio/design/shape_handles.h"
@@ -57,6 +58,14 @@ void draw_arc(const LimitArc& arc, const ViewProjection& view, ImDrawList& list)
   list.AddLine(from, {now->x(), now->y()}, kHover, 1.6f);
 }
 
+void draw_axis(const Handle& handle, const ViewProjection& view, ImDrawList& list) {
+  const auto from = view.pixel(handle.middle.cast<float>()),
+             to = view.pixel(handle.place.cast<float>());
+  if (!from || !to) return;
+  list.AddLine({from->x(), from->y()}, {to->x(), to->y()}, kEdge, 4.5f);
+  list.AddLine({from->x(), from->y()}, {to->x(), to->y()}, kArcColors[handle.axis], 2.5f);
+}
+
 // Forms that are neither round nor have letters: what shapes a muscle.
 void draw_shape_handle(const Handle& handle, const ImVec2& at, bool hovered, ImDrawList& list) {
   using Kind = Handle::Kind;
@@ -66,6 +75,15 @@ void draw_shape_handle(const Handle& handle, const ImVec2& at, bool hovered, ImD
     list.AddTriangleFilled({at.x - r, at.y + r}, {at.x + r, at.y + r}, {at.x, at.y - r},
                            kFleshFill);
     list.AddTriangle({at.x - r, at.y + r}, {at.x + r, at.y + r}, {at.x, at.y - r}, edge, 1.5f);
+    return;
+  }
+  if (handle.kind == Kind::axis) {
+    const ImVec2 points[] = {{at.x - 1.4f * r, at.y},
+                             {at.x, at.y - 1.4f * r},
+                             {at.x + 1.4f * r, at.y},
+                             {at.x, at.y + 1.4f * r}};
+    list.AddConvexPolyFilled(points, 4, kArcColors[handle.axis]);
+    list.AddPolyline(points, 4, edge, ImDrawFlags_Closed, 1.6f);
     return;
   }
   if (handle.kind == Kind::wrap) {
@@ -125,6 +143,9 @@ std::string told_of_shape(const Handle& handle) {
                          handle.index == 0 ? "begins" : "ends");
     case Kind::wrap:
       return "middle of a wrap\ndrag: move it, for all who slide over it";
+    case Kind::axis:
+      return fmt::format("axis of {}\ndrag: turn the joint's axes",
+                         kAngleNames[std::size_t(handle.axis)]);
     case Kind::size:
       return "size of a wrap\ndrag: larger or smaller";
     default:
@@ -174,6 +195,11 @@ void draw_limits_of(DesignSession& session, PanelState& state, const PosedAnatom
   if (joint < 0 || posed.X_WJ.size() != skeleton.joints.size()) return;
   for (const LimitArc& arc : limit_arcs(skeleton, session.seen(), joint, posed, state.handles))
     draw_arc(arc, view, list);
+  if (!state.axes) return;
+  const std::size_t first = state.handles.size();
+  add_axes(skeleton, session.shown().of, session.seen(), joint, posed, state.handles);
+  for (std::size_t k = first; k < state.handles.size(); ++k)
+    draw_axis(state.handles[k], view, list);
 }
 
 // Of the picked muscle, as this side of it is seen.
@@ -191,6 +217,7 @@ void add_shape_handles(const DesignSession& session, PanelState& state,
 std::optional<Action> action_of(const DragInput& input, const HandleDrag& drag, bool one_side) {
   using Kind = Handle::Kind;
   const Kind kind = drag.handle.kind;
+  if (kind == Kind::axis) return action_of_axis(input, drag.handle, drag.moved, one_side);
   if (kind == Kind::limit) return action_of_limit(input, drag.handle, drag.moved, one_side);
   if (kind == Kind::point || kind == Kind::joint)
     return action_of_drag(input, drag.handle, drag.moved, one_side);
@@ -254,7 +281,9 @@ bool take_handle(DesignSession& session, PanelState& state, const PosedAnatomy& 
   if (!state.drag) return false;
   HandleDrag& drag = *state.drag;
   const bool joint = drag.handle.kind == Handle::Kind::joint;
-  const std::string where = joint || drag.handle.kind == Handle::Kind::limit ? "joint" : "line";
+  const bool of_joint =
+      joint || drag.handle.kind == Handle::Kind::limit || drag.handle.kind == Handle::Kind::axis;
+  const std::string where = of_joint ? "joint" : "line";
   if (event.kind == Kind::key && event.key == GLFW_KEY_ESCAPE) {
     session.let_go();
     state.drag.reset();

@@ -27,8 +27,14 @@ Mat3 turn_of(const PathPoint& point, const PosedAnatomy& posed) {
 }
 
 // A step in the template's body and in the bone package's skeleton, by what a step of 2 mm does.
-Mat3 placed_by(Workshop& workshop, const Vec3& place, int joint) {
+Mat3 placed_by(const DragInput& input, const Vec3& place, int of) {
   constexpr double step = 2e-3;
+  Workshop& workshop = input.workshop;
+  // a joint of one's own goes with the built-in one that it hangs on
+  int joint = -1;
+  for (; joint < 0 && of >= 0; of = input.skeleton.joints[std::size_t(of)].parent)
+    joint = find_joint(workshop.source().skeleton, input.skeleton.joints[std::size_t(of)].name);
+  joint = std::max(joint, 0);
   Mat3 out;
   for (int axis = 0; axis < 3; ++axis) {
     const Vec3 to_side = step * Vec3::Unit(axis);
@@ -113,7 +119,7 @@ Vec3 step_in_table(const DragInput& input, const Vec3& at, int joint, Side side,
   const int mirror = own == Side::right ? find_joint(input.skeleton, base + "_l") : joint;
   const int left = mirror < 0 ? joint : mirror;
   const Vec3 mirrored(side == Side::right ? -rest.x() : rest.x(), rest.y(), rest.z());
-  const Mat3 step = input.carrier.stretch(left) * placed_by(input.workshop, at, left);
+  const Mat3 step = input.carrier.stretch(left) * placed_by(input, at, left);
   return rounded(step.inverse() * mirrored);
 }
 

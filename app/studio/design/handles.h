@@ -19,22 +19,33 @@ namespace ecorche {
 
 struct Handle {
   // belly: an end of the flesh; wrap: its middle; size: a radius or half length of a wrap; limit:
-  // of a joint's angle
-  enum class Kind { point, joint, width, thickness, belly, wrap, size, limit } kind = Kind::point;
+  // of a joint's angle; axis: an end of one of a joint's axes
+  enum class Kind {
+    point,
+    joint,
+    width,
+    thickness,
+    belly,
+    wrap,
+    size,
+    limit,
+    axis
+  } kind = Kind::point;
   Side side = Side::left;
   int strip = 0, point = 0, points = 0;  // of a line, from 0; how many the line has
   int joint = -1;                        // of the skeleton
   PathPoint at{};                        // at rest, and what carries it
   Vec3 place = Vec3::Zero();             // now, world
   std::string name{};                    // "point:1:3", "point_r:1:3", "joint:elbow_l"
-  // width, thickness, size, limit: from there to `place`, now, world
+  // width, thickness, size, limit, axis: from there to `place`, now, world
   Vec3 middle = Vec3::Zero();
   Vec3 along = Vec3::Zero();  // width: of the line, towards the insertion, unit
   // width, thickness: of the section, as a share of the line; limit: as it is, deg
   double value = 0;
   // belly, limit: 0 the lower, 1 the upper; wrap, size: of the strip's wraps, from 0
   int index = 0;
-  int axis = 0;  // size: of the wrap's frame; limit: flexion, abduction, rotation
+  int axis = 0;  // size: of the wrap's frame; limit, axis: flexion, abduction, rotation
+  Mat3 built = Mat3::Identity();  // axis: all three before a hand turned them, at rest
   // belly: the line by its shares; limit: where the bone points, by degrees
   std::vector<std::pair<double, Vec3>> way{};
 };

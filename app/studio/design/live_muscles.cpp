@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "anatomy/muscles/action_line.h"
+#include "app/edit/edited_skeleton.h"
 #include "app/edit/refit.h"
 
 namespace ecorche {
@@ -90,21 +91,40 @@ bool alike(const Document& a, const Document& b, const EditedMuscle& muscle) {
 }  // namespace
 
 BoneCarrier::BoneCarrier(const Anatomy& from, const Anatomy& to) {
-  const std::size_t joints = from.skeleton.joints.size();
+  const std::size_t joints = to.skeleton.joints.size();
+  std::map<std::string_view, const Bone*> before;
+  for (const Bone& bone : from.bones) before[bone.name] = &bone;
   std::vector<std::vector<std::pair<Vec3, Vec3>>> pairs(joints);
-  for (std::size_t b = 0; b < from.bones.size() && b < to.bones.size(); ++b) {
-    const Points &x = from.bones[b].mesh.V, &y = to.bones[b].mesh.V;
-    if (x.rows() != y.rows()) continue;
-    auto& of = pairs[std::size_t(from.bones[b].joint)];
+  for (const Bone& bone : to.bones) {
+    const auto same = before.find(bone.name);
+    if (same == before.end() || same->second->mesh.V.rows() != bone.mesh.V.rows()) continue;
+    const Points &x = same->second->mesh.V, &y = bone.mesh.V;
+    auto& of = pairs[std::size_t(bone.joint)];
     const Eigen::Index step = std::max<Eigen::Index>(1, x.rows() / kSamples);
     for (Eigen::Index i = 0; i < x.rows(); i += step)
       of.emplace_back(x.row(i).transpose(), y.row(i).transpose());
   }
   for (std::size_t j = 0; j < joints; ++j) {
-    const int parent = from.skeleton.joints[j].parent;
+    const int parent = to.skeleton.joints[j].parent;
     maps_.push_back(pairs[j].empty() && parent >= 0 ? maps_[std::size_t(parent)]
                                                     : best_map(pairs[j]));
   }
+}
+
+void rename_joints(const Skeleton& from, const Skeleton& to, std::vector<Muscle>& muscles) {
+  std::vector<int> number;
+  for (const Joint& joint : from.joints) {
+    const int same = find_joint(to, joint.name);
+    number.push_back(same >= 0 || joint.parent < 0 ? std::max(same, 0)
+                                                   : number[std::size_t(joint.parent)]);
+  }
+  for (Muscle& muscle : muscles)
+    for (Strip& strip : muscle.strips) {
+      for (PathPoint& point : strip.path)
+        for (int& joint : point.joints)
+          if (joint >= 0) joint = number[std::size_t(joint)];
+      for (Wrap& wrap : strip.wraps) wrap.joint = number[std::size_t(wrap.joint)];
+    }
 }
 
 Muscle grown_like(Muscle placed, const Muscle& before, const Muscle& fitted) {
@@ -121,9 +141,19 @@ Muscle grown_like(Muscle placed, const Muscle& before, const Muscle& fitted) {
 LiveMuscleMaker::LiveMuscleMaker(Workshop& workshop, const Document& of, const Anatomy& shown)
     : workshop_(workshop), of_(of), shown_(shown), carrier_(workshop.base().anatomy, shown) {}
 
+std::vector<Muscle> LiveMuscleMaker::placed(const Document& document, int entry) {
+  std::vector<Muscle> sides = placed_entry(workshop_, document, entry);
+  const Skeleton& source = workshop_.source().skeleton;
+  if (has_own_parts(document))
+    rename_joints(edited_source(workshop_, document).skeleton, shown_.skeleton, sides);
+  else if (has_own_parts(of_))
+    rename_joints(source, shown_.skeleton, sides);
+  return carry_muscles(sides,
+                       [this](const Vec3& x, int joint) { return carrier_.carry(x, joint); });
+}
+
 LiveMuscles LiveMuscleMaker::make(const Document& wanted, int most) {
   LiveMuscles out;
-  const CarryMap map = [this](const Vec3& x, int joint) { return carrier_.carry(x, joint); };
   for (std::size_t m = 0; m < wanted.muscles.size(); ++m) {
     const int before = find_entry(of_, wanted.muscles[m]->left.name);
     if (before < 0 || wanted.muscles[m] != of_.muscles[std::size_t(before)] ||
@@ -132,11 +162,10 @@ LiveMuscles LiveMuscleMaker::make(const Document& wanted, int most) {
   }
   if (int(out.entries.size()) > most) return {};
   for (const int entry : out.entries) {
-    std::vector<Muscle> sides = carry_muscles(placed_entry(workshop_, wanted, entry), map);
+    std::vector<Muscle> sides = placed(wanted, entry);
     const std::string& name = wanted.muscles[std::size_t(entry)]->left.name;
     const int own = find_entry(of_, name);
-    if (own >= 0 && !before_.contains(name))
-      before_[name] = carry_muscles(placed_entry(workshop_, of_, own), map);
+    if (own >= 0 && !before_.contains(name)) before_[name] = placed(of_, own);
     for (std::size_t side = 0; side < sides.size(); ++side) {
       const int fitted = find_muscle(shown_, sides[side].name);
       if (fitted >= 0) out.replaced.push_back(sides[side].name);

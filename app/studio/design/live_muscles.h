@@ -14,8 +14,8 @@
 
 namespace ecorche {
 
-// Where rest points of one skeleton lie in another that has the same bones with the same vertices:
-// by joint, the affine map that fits its bones best.
+// Where rest points of one skeleton lie in another that has bones of the same names and vertices:
+// by joint of the other, the affine map that fits its bones best.
 class BoneCarrier {
  public:
   BoneCarrier(const Anatomy& from, const Anatomy& to);
@@ -24,8 +24,12 @@ class BoneCarrier {
   Mat3 stretch(int joint) const { return maps_[std::size_t(joint)].linear(); }
 
  private:
-  std::vector<Eigen::Affine3d> maps_;  // #joints
+  std::vector<Eigen::Affine3d> maps_;  // #joints of `to`
 };
+
+// Joints of muscles by their names: those of `from` become those of `to`, or the nearest above that
+// it has.
+void rename_joints(const Skeleton& from, const Skeleton& to, std::vector<Muscle>& muscles);
 
 // `placed`, grown as `fitted` has from `before`, which was placed and carried in the same way:
 // where `placed` is `before`, the result is `fitted`.
@@ -48,6 +52,8 @@ class LiveMuscleMaker {
   const BoneCarrier& carrier() const { return carrier_; }
 
  private:
+  std::vector<Muscle> placed(const Document& document, int entry);
+
   Workshop& workshop_;
   const Document& of_;
   const Anatomy& shown_;

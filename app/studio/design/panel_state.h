@@ -22,6 +22,7 @@ struct PanelState {
   bool one_side = false;      // drags move the handle's side alone
   bool mark_changed = false;  // colour what differs from what was saved
   bool points = true, sections = true, wraps = true, joints = false;
+  bool axes = false;           // ends of the chosen joint's axes, to drag
   bool joint_tab = false;      // its panel is open: the chosen joint's limits are seen
   bool actions = false;        // the search box of actions is open
   bool actions_begin = false;  // it opened in this frame
@@ -30,10 +31,12 @@ struct PanelState {
   bool asks_to_close = false, closes = false;
   std::string folder;
   std::string joint;  // that the panel of joints shows
+  std::string group;  // of bones, that the panel of joints shows
   std::string body_file;
-  std::optional<ViewAction> look;  // that a panel asks the view for
-  std::vector<Handle> handles;     // of the last frame
-  int hovered = -1;                // of them
+  std::string joint_name, joint_place, bone_name, bone_file;  // of what is being added
+  std::optional<ViewAction> look;                             // that a panel asks the view for
+  std::vector<Handle> handles;                                // of the last frame
+  int hovered = -1;                                           // of them
   std::optional<HandleDrag> drag;
   Eigen::Vector2f pressed{0, 0};  // where it began, pixels
 };

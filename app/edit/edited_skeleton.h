@@ -1,0 +1,39 @@
+// The skeleton of a document: the built-in one with joints and bones added, taken away and changed.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "anatomy/rearrange_joints.h"
+#include "app/edit/workshop.h"
+
+namespace ecorche {
+
+// Whether it has joints or bones of its own, or lacks built-in ones.
+bool has_own_parts(const Document& document);
+
+// Names with sides of a joint as documents name it: NAME_l and NAME_r where a skeleton has these.
+std::vector<std::string> sided_names(const Skeleton& skeleton, const std::string& name);
+// Names without sides, in the order of the tree: what is added at the end, what is removed left
+// out.
+std::vector<std::string> joint_names(Workshop& workshop, const Document& document);
+
+// The source skeleton (Workshop::source) with joints and bones of its own behind the built-in ones,
+// where a joint between others hangs as a leaf; bones that are removed are left out, their joints
+// are not. Throws InputError for places that do not read.
+Anatomy edited_source(Workshop& workshop, const Document& document);
+
+// A bone of one's own in the source frame, left side or middle.
+TriMesh placed_bone(Workshop& workshop, const Document& document, const OwnBone& bone);
+
+// Changes a built-in template's skeleton and bones; its muscles stay. Precondition: as
+// Workshop::base.
+void edit_skeleton(Workshop& workshop, const Document& document, Template& out);
+
+// What is left to do once a body is fitted: removed joints taken out, others set between.
+JointTreeChange joint_tree_change(Workshop& workshop, const Document& document);
+
+// Names of a built-in joint, and of all built-in ones that hang on it, without sides.
+std::vector<std::string> joints_with(Workshop& workshop, const std::string& joint);
+
+}  // namespace ecorche
