@@ -41,7 +41,6 @@ void require_own_joints(const std::filesystem::path& tables, const Skeleton& ske
       const std::string name = sided(table, table.text(row, "name"), side),
                         parent = sided(table, table.text(row, "parent"), side);
       const int j = find_joint(skeleton, name);
-      if (j < 0 && is_of_digit(name)) continue;
       if (j < 0)
         throw UnfitError(fmt::format(
             "{}: its skeleton has no joint '{}'; `ecorche fit` makes characters with all of ours",

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "anatomy/authoring/muscle_text.h"
 #include "anatomy/errors.h"
@@ -14,13 +15,15 @@ namespace {
 
 constexpr int kRounds = 8;  // directions are made unit vectors: rounding settles in two or three
 
-std::string skeleton_text(const EditedSkeleton& skeleton) {
+std::string skeleton_text(const Document& document) {
+  const EditedSkeleton& skeleton = *document.skeleton;
   std::string out;
   for (const auto& [name, values] : skeleton.groups)
     out += fmt::format("group {} {}\n", name, fmt::join(values, " "));
   for (const OwnJoint& joint : skeleton.joints)
-    out += fmt::format("own joint {} {} '{}' {} '{}' '{}'\n", joint.name, joint.parent, joint.child,
-                       joint.paired, joint.at, joint.to);
+    out += fmt::format("own joint {} {} '{}' {} {} {}\n", joint.name, joint.parent, joint.child,
+                       joint.paired, place_text(*document.frame, joint.at),
+                       joint.to ? place_text(*document.frame, *joint.to) : "-");
   for (const OwnBone& bone : skeleton.bones) {
     out += fmt::format("own bone {} {} {} {} {} {} {} {} {}\n", bone.name, bone.joint, bone.at.x(),
                        bone.at.y(), bone.at.z(), bone.turn.x(), bone.turn.y(), bone.turn.z(),
@@ -100,6 +103,13 @@ std::vector<TableWrap> read_wraps(const MuscleTable& table, std::string_view tex
   return std::move(read.wraps);
 }
 
+std::string place_text(const MuscleTable& table, const TablePoint& point) {
+  const Vec3 offset = 1e3 * point.offset;
+  const auto shown = [](double mm) { return std::round(1e4 * mm) / 1e4 + 0.0; };
+  return fmt::format("{}+{},{},{}", table.landmarks[std::size_t(point.landmark)].id,
+                     shown(offset.x()), shown(offset.y()), shown(offset.z()));
+}
+
 std::set<int> wraps_of(const EditedMuscle& muscle) {
   std::set<int> out;
   const auto add_side = [&out](const TableMuscle& side) {
@@ -147,7 +157,7 @@ std::string document_text(const Document& document) {
       out += limits ? fmt::format(" {} {}", limits->first, limits->second) : " - -";
     out += "\n";
   }
-  out += skeleton_text(*document.skeleton);
+  out += skeleton_text(document);
   const EditedBody& body = *document.body;
   out += fmt::format("body '{}' layer {}\n", body.file.string(), body.layer);
   for (const auto& [name, value] : body.targets) out += fmt::format("measure {} {}\n", name, value);

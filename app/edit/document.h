@@ -43,14 +43,14 @@ struct EditedJoint {
   std::optional<std::pair<double, double>> limits[3];  // flexion, abduction, rotation, deg
 };
 
-// What a hand has added to the skeleton, taken from it, or scaled. Places are of the left side, as
-// scripts write them.
+// What a hand has added to the skeleton, taken from it, or scaled. Places are of the left side.
 struct OwnJoint {
   std::string name;     // without side, or with the only side that has it
   std::string parent;   // likewise
   std::string child;    // of the parent, between which and it the joint stands; may be empty
   bool paired = false;  // _l and _r
-  std::string at, to;   // its centre; where its long axis points to, may be empty
+  TablePoint at;        // its centre
+  std::optional<TablePoint> to{};  // where its long axis points to; none: away from its parent
 };
 
 struct OwnBone {
@@ -135,6 +135,8 @@ void place_wrap(MuscleTable& table, TableWrap wrap);
 // Lines of wraps.txt by the landmarks of the table. Throws as read_muscle_text.
 std::vector<TableWrap> read_wraps(const MuscleTable& table, std::string_view text,
                                   const std::string& name);
+// A place as scripts write it: LANDMARK+LEFT,UP,FRONT, mm.
+std::string place_text(const MuscleTable& table, const TablePoint& point);
 std::set<int> wraps_of(const EditedMuscle& muscle);  // that its lines of either side slide over
 
 // The muscles of `from` as text would give them back: one block, or that of the right side as well.

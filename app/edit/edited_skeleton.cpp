@@ -9,7 +9,6 @@
 #include "anatomy/errors.h"
 #include "anatomy/geometry/mirror_mesh.h"
 #include "anatomy/joints_below.h"
-#include "app/edit/edit_muscle.h"
 #include "morph/placement/bone_groups.h"
 #include "morph/placement/own_parts.h"
 
@@ -38,10 +37,6 @@ int joint_on_side(const Skeleton& skeleton, const std::string& name, const std::
   return whole >= 0 ? whole : find_joint(skeleton, name + side);
 }
 
-Vec3 place_of(Workshop& workshop, const Document& document, const std::string& text) {
-  return position(*document.frame, read_place(workshop, document, text));
-}
-
 // Flexion from side to side as far as the long axis lets it, rotation about the long axis.
 Mat3 own_axes(const Vec3& along) {
   const Vec3 rotation = along.norm() > 1e-9 ? Vec3(along.normalized()) : Vec3(-Vec3::UnitY());
@@ -54,8 +49,7 @@ Mat3 own_axes(const Vec3& along) {
   return out;
 }
 
-void add_joint(Workshop& workshop, const Document& document, const OwnJoint& own,
-               Skeleton& skeleton) {
+void add_joint(const Document& document, const OwnJoint& own, Skeleton& skeleton) {
   const std::vector<std::string> sides =
       own.paired ? std::vector<std::string>{"_l", "_r"} : std::vector<std::string>{""};
   for (const std::string& side : sides) {
@@ -67,10 +61,10 @@ void add_joint(Workshop& workshop, const Document& document, const OwnJoint& own
       throw InputError(
           fmt::format("joint '{}': its parent '{}' is not there", joint.name, own.parent));
     const Vec3 above = rest_positions(skeleton)[std::size_t(joint.parent)];
-    Vec3 centre = place_of(workshop, document, own.at);
-    Vec3 tip = own.to.empty() ? centre : place_of(workshop, document, own.to);
+    Vec3 centre = position(*document.frame, own.at);
+    Vec3 tip = own.to ? position(*document.frame, *own.to) : centre;
     if (of == Side::right) centre = mirror_point(centre), tip = mirror_point(tip);
-    joint.axes = own_axes(own.to.empty() ? Vec3(centre - above) : Vec3(tip - centre));
+    joint.axes = own_axes(own.to ? Vec3(tip - centre) : Vec3(centre - above));
     // angles mean the same on either side, as those of the built-in joints
     if (of == Side::right) {
       Vec3 mirrored = joint.axes.col(2);
@@ -104,7 +98,7 @@ void add_bone(Workshop& workshop, const Document& document, const OwnBone& own, 
 Vec3 left_centre(Workshop& workshop, const Document& document, const std::string& name) {
   for (const OwnJoint& own : document.skeleton->joints)
     if (own.name == name || own.name == split_side(name).first)
-      return place_of(workshop, document, own.at);
+      return position(*document.frame, own.at);
   const Skeleton& skeleton = workshop.source().skeleton;
   const int joint = joint_on_side(skeleton, split_side(name).first, "_l");
   if (joint < 0) throw InputError(fmt::format("there is no joint '{}'", name));
@@ -175,8 +169,7 @@ std::vector<std::string> joint_names(Workshop& workshop, const Document& documen
 
 Anatomy edited_source(Workshop& workshop, const Document& document) {
   Anatomy out = workshop.source();
-  for (const OwnJoint& own : document.skeleton->joints)
-    add_joint(workshop, document, own, out.skeleton);
+  for (const OwnJoint& own : document.skeleton->joints) add_joint(document, own, out.skeleton);
   for (const OwnBone& own : document.skeleton->bones) add_bone(workshop, document, own, out);
   const std::vector<char> removed = removed_joints(workshop, document);
   std::erase_if(out.bones, [&](const Bone& bone) {
@@ -187,7 +180,7 @@ Anatomy edited_source(Workshop& workshop, const Document& document) {
 
 TriMesh placed_bone(Workshop& workshop, const Document& document, const OwnBone& bone) {
   TriMesh out = *bone.mesh;
-  const Vec3 origin = left_centre(workshop, document, bone.joint) + metres(bone.at);
+  const Vec3 origin = left_centre(workshop, document, bone.joint) + 1e-3 * bone.at;
   const Mat3 turn = (Eigen::AngleAxisd(bone.turn.z() * kDegree, Vec3::UnitZ()) *
                      Eigen::AngleAxisd(bone.turn.y() * kDegree, Vec3::UnitY()) *
                      Eigen::AngleAxisd(bone.turn.x() * kDegree, Vec3::UnitX()))
@@ -211,17 +204,13 @@ void edit_skeleton(Workshop& workshop, const Document& document, Template& out) 
   edit_all(true);
 }
 
-JointTreeChange joint_tree_change(Workshop& workshop, const Document& document) {
-  JointTreeChange out;
-  const Skeleton& skeleton = workshop.source().skeleton;
-  const std::vector<char> removed = removed_joints(workshop, document);
-  for (std::size_t j = 0; j < removed.size(); ++j)
-    if (removed[j]) out.removed.push_back(skeleton.joints[j].name);
+JointParents joint_parents(const Document& document) {
+  JointParents out;
   for (const OwnJoint& own : document.skeleton->joints) {
     if (own.child.empty()) continue;
-    if (!own.paired) out.parents[own.child] = own.name;
+    if (!own.paired) out[own.child] = own.name;
     for (const char* side : {"_l", "_r"})
-      if (own.paired) out.parents[own.child + side] = own.name + side;
+      if (own.paired) out[own.child + side] = own.name + side;
   }
   return out;
 }

@@ -14,13 +14,14 @@ bool has_own_parts(const Document& document);
 
 // Names with sides of a joint as documents name it: NAME_l and NAME_r where a skeleton has these.
 std::vector<std::string> sided_names(const Skeleton& skeleton, const std::string& name);
-// Names without sides, in the order of the tree: what is added at the end, what is removed left
+// Names without sides, in the order of the tree: what is added at the end, what is taken away left
 // out.
 std::vector<std::string> joint_names(Workshop& workshop, const Document& document);
 
 // The source skeleton (Workshop::source) with joints and bones of its own behind the built-in ones,
-// where a joint between others hangs as a leaf; bones that are removed are left out, their joints
-// are not. Throws InputError for places that do not read.
+// where a joint between others hangs as a leaf. Of a finger or toe that is taken away the bones are
+// left out; its joints stay, since motions and feet go by them. Throws InputError for places that
+// do not read.
 Anatomy edited_source(Workshop& workshop, const Document& document);
 
 // A bone of one's own in the source frame, left side or middle.
@@ -30,8 +31,8 @@ TriMesh placed_bone(Workshop& workshop, const Document& document, const OwnBone&
 // Workshop::base.
 void edit_skeleton(Workshop& workshop, const Document& document, Template& out);
 
-// What is left to do once a body is fitted: removed joints taken out, others set between.
-JointTreeChange joint_tree_change(Workshop& workshop, const Document& document);
+// What is left to do once a body is fitted: joints that stand between two others.
+JointParents joint_parents(const Document& document);
 
 // Names of a built-in joint, and of all built-in ones that hang on it, without sides.
 std::vector<std::string> joints_with(Workshop& workshop, const std::string& joint);

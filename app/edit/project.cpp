@@ -108,7 +108,8 @@ void add_skeleton(const Document& document, std::string& out) {
     if (!own.contains(bone.joint)) bones_on(bone.joint);
   for (const OwnJoint& joint : skeleton.joints) {
     const bool one_side = joint.name.ends_with("_l") || joint.name.ends_with("_r");
-    out += action_line(AddJoint{joint.name, joint.parent, joint.at, joint.to, joint.child,
+    out += action_line(AddJoint{joint.name, joint.parent, place_text(*document.frame, joint.at),
+                                joint.to ? place_text(*document.frame, *joint.to) : "", joint.child,
                                 one_side       ? ""
                                 : joint.paired ? "yes"
                                                : "no"}) +

@@ -130,14 +130,14 @@ Body edited_body(Workshop& workshop, const Document& document, const Common& com
   return body;
 }
 
-FittingOptions fitting_of(Workshop& workshop, const Document& document) {
+FittingOptions fitting_of(const Document& document) {
   FittingOptions out;
   for (const auto& [group, values] : document.skeleton->groups) {
     GroupScale& scale = out.fit.scales.emplace_back(GroupScale{group, values});
     for (std::size_t k = 0; k < values.size(); ++k)
       if (!group_measures()[k].factor) scale.values[k] *= 1e-3;
   }
-  out.joints = joint_tree_change(workshop, document);
+  out.joints = joint_parents(document);
   out.layer = document.body->layer;
   out.dilate.method = document.fit.method;
   out.dilate.alpha = document.fit.alpha;

@@ -25,8 +25,7 @@ Template edited_template(Workshop& workshop, const Document& document);
 Body edited_body(Workshop& workshop, const Document& document, const Common& common,
                  Report& report);
 
-// `workshop` knows the built-in joints.
-FittingOptions fitting_of(Workshop& workshop, const Document& document);
+FittingOptions fitting_of(const Document& document);
 
 // Whether the same character comes of both.
 bool fits_alike(const Document& a, const Document& b);

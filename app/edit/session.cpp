@@ -219,7 +219,7 @@ std::vector<std::string> Session::write(const std::filesystem::path& file) {
   require_ending(file, {".glb"});
   check_outputs(common_, {file});
   FittedActorOptions options;
-  options.fitting = fitting_of(workshop_, document());
+  options.fitting = fitting_of(document());
   options.fitting.tissues = true;
   const FittedForFile made = fit_for_file(common_.assets, edited_template(workshop_, document()),
                                           edited_body(workshop_, document(), common_, report_),
@@ -239,7 +239,7 @@ const Character& Session::fitted() {
   const StageTimer timer(report_, "refit");
   const Body body = edited_body(workshop_, document(), common_, report_);
   FittedCharacter made = fit_character(edited_template(workshop_, document()), body,
-                                       workshop_.package(), fitting_of(workshop_, document()));
+                                       workshop_.package(), fitting_of(document()));
   fitted_ = Character{std::move(made.anatomy), body};
   fitted_of_ = document();
   return *fitted_;

@@ -103,6 +103,12 @@ const OwnBone& own_bone(const Document& document, const std::string& name) {
                   name, did_you_mean(name, names)));
 }
 
+// As it reads back from a project.
+TablePoint rounded_place(Workshop& workshop, const Document& document, const std::string& text) {
+  const TablePoint place = read_place(workshop, document, text);
+  return read_place(workshop, document, place_text(*document.frame, place));
+}
+
 double unit_of(const std::string& name) {
   for (const auto& [unit, metres] : kUnits)
     if (name == unit) return metres;
@@ -201,7 +207,8 @@ Document apply(Workshop& workshop, const Document& document, const AddJoint& x) 
   check_own_name(x.name, joint_names(workshop, document));
   check_own_name(x.name, workshop.joint_names());
   check_known_joint(workshop, document, "parent", x.parent);
-  OwnJoint joint{x.name, x.parent, x.child, false, x.at, x.to};
+  OwnJoint joint{x.name, x.parent, x.child, false, rounded_place(workshop, document, x.at)};
+  if (!x.to.empty()) joint.to = rounded_place(workshop, document, x.to);
   const bool one_side = split_side(x.name).second != Side::middle;
   const bool by_parent = is_paired(workshop, document, x.parent);
   joint.paired = !one_side && (x.paired.empty() ? by_parent : x.paired == "yes");
@@ -220,8 +227,6 @@ Document apply(Workshop& workshop, const Document& document, const AddJoint& x) 
       throw InputError(
           fmt::format("argument 'child': '{}': expected a joint of as many sides", x.child));
   }
-  for (const std::string& place : {x.at, x.to})
-    if (!place.empty()) read_place(workshop, document, place);
   return with_part(document, &Document::skeleton,
                    [&](EditedSkeleton& skeleton) { skeleton.joints.push_back(joint); });
 }
@@ -381,13 +386,14 @@ Document apply(Workshop&, const Document& document, const RemoveBone& x) {
           fmt::format("argument 'bone': '{}': wrap '{}' rides on it; remove_wrap {} "
                       "first",
                       x.bone, wrap.name, wrap.name));
+  const auto lies_on_it = [&](const TablePoint& place) {
+    return document.frame->landmarks[std::size_t(place.landmark)].carrier == name;
+  };
   for (const OwnJoint& joint : document.skeleton->joints)
-    for (const std::string& place : {joint.at, joint.to})
-      if (place.starts_with(name + "@") || place.starts_with(name + "+") || place == name)
-        throw InputError(
-            fmt::format("argument 'bone': '{}': joint '{}' is placed by it; "
-                        "remove_joint {} first",
-                        x.bone, joint.name, joint.name));
+    if (lies_on_it(joint.at) || (joint.to && lies_on_it(*joint.to)))
+      throw InputError(
+          fmt::format("argument 'bone': '{}': joint '{}' is placed by it; remove_joint {} first",
+                      x.bone, joint.name, joint.name));
   Document out = with_part(document, &Document::skeleton, [&](EditedSkeleton& skeleton) {
     std::erase_if(skeleton.bones, [&](const OwnBone& bone) { return bone.name == x.bone; });
   });

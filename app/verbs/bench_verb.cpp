@@ -14,6 +14,7 @@
 #include "anatomy/base_mesh/body_rig.h"
 #include "anatomy/base_mesh/chest_wall.h"
 #include "anatomy/base_mesh/refined_skin.h"
+#include "anatomy/errors.h"
 #include "anatomy/geometry/subdivide.h"
 #include "anatomy/muscles/action_line.h"
 #include "app/bench/bench_measures.h"
@@ -22,6 +23,9 @@
 #include "app/files/fitted_actor.h"
 #include "app/files/open_motion.h"
 #include "app/options/option_values.h"
+#ifdef ECORCHE_WINDOW
+#include "app/studio/design/bench_window.h"
+#endif
 #include "morph/dilation/slice_clearance.h"
 #include "morph/registration/attached_skin.h"
 #include "morph/shapes/standard_bodies.h"
@@ -195,10 +199,25 @@ std::vector<Ratio> bench_dilation(const Template& body_template, const FittedAct
 
 struct BenchVerbOptions {
   int rounds = 9;
-  bool muscles = false;
+  bool muscles = false, studio = false;
 };
 
+int run_studio_bench(const Common& common, Report& report) {
+#ifdef ECORCHE_WINDOW
+  fmt::print("{:<66} {:>10} {:>7} {:>7}\n", "", "ms", "", "asked");
+  for (const WindowLine& line : bench_window(common, report)) {
+    report.set("bench." + line.name + ".ms", line.ms);
+    fmt::print("{:<66} {:>10.1f} {:>7} {:>7.1f}\n", line.what, line.ms, "", line.asked);
+  }
+  return 0;
+#else
+  (void)common, (void)report;
+  throw UsageError("bench: this program was built without a window; leave --studio away");
+#endif
+}
+
 int run_bench(const BenchVerbOptions& options, const Common& common, Report& report) {
+  if (options.studio) return run_studio_bench(common, report);
   const int rounds = options.rounds;
   const BodyPackage package = read_body_package(common.assets);
   const Template body_template = read_template(common.assets);
@@ -277,6 +296,8 @@ void add_bench_verb(VerbRegistry& registry) {
       "ecorche bench --report bench.json", [options](const Common& common, Report& report) {
         return run_bench(*options, common, report);
       });
+  verb->add_flag("--studio", options->studio,
+                 "Only the studio's window, by a session of 1280x720 (needs a display)");
   verb->add_flag("--muscles", options->muscles, "Only the posing of all muscles, pose after pose");
   verb->add_option("--rounds", options->rounds,
                    "Interleaved repetitions; the least time of each case counts")

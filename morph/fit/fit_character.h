@@ -18,7 +18,7 @@ namespace ecorche::inline v1 {
 
 struct FittingOptions {
   FitOptions fit{};
-  JointTreeChange joints{};  // made at last: until then the anatomy has the template's joints
+  JointParents joints{};  // hung at last: until then the anatomy has the template's joints
   DilateOptions dilate{};
   // times as thick as the build lets expect is the fat over the muscles; the skin is not
   double layer = 1;

@@ -1,6 +1,7 @@
 // Joints and bones of a template that the built-in skeleton lacks: they go with what they hang on.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "anatomy/anatomy.h"

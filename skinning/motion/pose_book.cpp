@@ -106,11 +106,8 @@ class Poser {
       fail("fingers need three angles: of the joints next to the palm, in the middle, at the tips");
     constexpr std::array rows{"mcp", "pip", "dip"};
     for (std::size_t row = 0; row < 3; ++row)
-      for (int finger = 2; finger <= 5; ++finger) {
-        const std::string name = fmt::format("{}{}{}", rows[row], finger, side);
-        if (find_joint(skeleton_, name) >= 0)
-          turn(name, {item.angles[row]});  // a hand may lack one
-      }
+      for (int finger = 2; finger <= 5; ++finger)
+        turn(fmt::format("{}{}{}", rows[row], finger, side), {item.angles[row]});
   }
 
   const Skeleton& skeleton_;

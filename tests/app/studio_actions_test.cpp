@@ -164,7 +164,8 @@ int walk(Session& session, int tries, unsigned seed) {
 
 // Arguments of an example with files of the test's own.
 std::string with_files(std::string line, const fs::path& folder) {
-  for (const char* name : {"anna.glb", "walk.bvh", "soleus.txt", "my-arm", "arm.glb", "arm.png", "tail.obj"})
+  for (const char* name :
+       {"anna.glb", "walk.bvh", "soleus.txt", "my-arm", "arm.glb", "arm.png", "tail.obj"})
     if (const auto at = line.find(name); at != std::string::npos)
       line.replace(at, std::string(name).size(), (folder / name).string());
   return line;
@@ -195,7 +196,8 @@ TEST_F(StudioActions, EachDoesTheSameByScriptAndByItsValue) {
   Session by_script = session(), by_value = session();
   file("anna.glb", "");
   file("walk.bvh", "");
-  file("tail.obj", "v 0 0 0\nv 9 -80 0\nv -9 -80 0\nv 0 -80 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  file("tail.obj",
+       "v 0 0 0\nv 9 -80 0\nv -9 -80 0\nv 0 -80 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
   by_script.run_line("export_muscle soleus " + (folder_ / "soleus.txt").string());
   for (const ActionKind& kind : action_kinds()) {
     if (fits.contains(kind.name)) continue;

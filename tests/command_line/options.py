@@ -856,6 +856,11 @@ def window(t):
 def benches(t):
     out = t.run((0, 8), "bench", "--rounds", 3, "--muscles").stdout
     t.check("mu" in out, "bench --muscles")
+    if not shutil.which("xvfb-run"):
+        t.used.setdefault("bench", set()).add("--studio")
+        return
+    out = t.run(0, "bench", "--studio", "--report", "studio-bench.json", under=VIEW).stdout
+    t.check("dragged till drawn" in out and t.json("studio-bench.json")["bench"]["studio_undo"]["ms"] > 0, "bench --studio")
 
 
 def demo(t):

@@ -18,6 +18,7 @@
 #include "viewer/gl/gl_api.h"
 #include "viewer/image.h"
 #include "viewer/window/figure_view.h"
+#include "viewer/window/panel_pixels.h"
 #include "viewer/window/panels.h"
 #include "viewer/window/recorded_input.h"
 #include "viewer/window/view_keys.h"
@@ -211,6 +212,7 @@ struct Session {
   const WindowOptions& options;
   Screen& screen;
   FigureView view;
+  PanelPixels panels;
   ViewDocument document, shown;
   std::optional<RecordedInput> recorded{};
   Mouse mouse{};
@@ -316,7 +318,7 @@ void Session::show(int frame, int width, int height, Point unit) {
     document.selected = view.part_at(float(options.pick_x * width), float(options.pick_y * height));
   if (document.wants_picture) take_picture(width, height, document);
   ImGui::Render();
-  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  panels.draw(*ImGui::GetDrawData(), width, height);
   if (is_last(frame) && !options.screenshot.empty())
     write_png(options.screenshot, read_window(width, height));
   if (!wanted.empty()) write_png(wanted, read_window(width, height));
@@ -338,6 +340,7 @@ ViewDocument run_window(const ViewSubject& subject, const WindowOptions& options
                   .options = options,
                   .screen = screen,
                   .view{subject, tool, window_proc},
+                  .panels = PanelPixels(window_proc),
                   .document = start,
                   .shown = start,
                   .recorded = std::move(recorded)};

@@ -128,8 +128,7 @@ void BackgroundFit::Impl::make(const Document& document, long long of) {
     const Template edited = edited_template(workshop, document);
     if (superseded(of)) return;
     say("growing the muscles to the skin");
-    FittedCharacter made =
-        fit_character(edited, body, workshop.package(), fitting_of(workshop, document));
+    FittedCharacter made = fit_character(edited, body, workshop.package(), fitting_of(document));
     if (superseded(of)) return;
     say("binding the skin");
     out->actor = std::make_shared<const Actor>(

@@ -47,6 +47,7 @@ void muscle_row(DesignSession& session, const TableMuscle& muscle, ViewDocument&
 }  // namespace
 
 bool is_found(const TableMuscle& muscle, const std::string& find) {
+  if (find.empty()) return true;
   const std::string all =
       lowered(fmt::format("{} {} {} {} {} {}", muscle.name, spaced(muscle.name), muscle.label,
                           spaced(muscle.group), muscle.origin, muscle.insertion));
