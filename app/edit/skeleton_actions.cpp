@@ -321,7 +321,13 @@ Document apply(Workshop& workshop, const Document& document, const SnapJoint& x)
   const Vec3 rest = rest_positions(base.anatomy.skeleton)[std::size_t(joint)];
   Vec3 by = 1e3 * (centre->second - rest);
   for (double& value : by) value = std::round(100 * value) / 100 + 0.0;
-  return with_part(document, &Document::joints, [&](auto& joints) { joints[x.joint].moved = by; });
+  return with_part(document, &Document::joints, [&](auto& joints) {
+    EditedJoint& joint = joints[x.joint];
+    joint.moved = by;
+    const bool limited =
+        std::ranges::any_of(joint.limits, [](const auto& each) { return each.has_value(); });
+    if (by.isZero() && joint.turned.isZero() && !limited) joints.erase(x.joint);
+  });
 }
 
 void arguments(Arguments& a, AddBone& x) {

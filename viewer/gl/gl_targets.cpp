@@ -17,6 +17,8 @@ Transfer transfer(GLenum internal) {
       return {GL_RED_INTEGER, GL_UNSIGNED_INT};
     case GL_R8:
       return {GL_RED, GL_UNSIGNED_BYTE};
+    case GL_RGBA:  // as windows have it, so that pixels are copied as they are
+      return {GL_BGRA, GL_UNSIGNED_BYTE};
     case GL_RGBA16F:
       return {GL_RGBA, GL_HALF_FLOAT};
     default:

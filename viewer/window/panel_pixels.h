@@ -43,7 +43,7 @@ class PanelPixels {
   void copy(const Box& box, unsigned from, unsigned to) const;
 
   GlApi gl_;
-  GlTarget store_{gl_, {GL_RGBA8}, false};
+  GlTarget store_{gl_, {GL_RGBA}, false};
   std::map<std::string, Kept> kept_;  // by the panel's name
 };
 
