@@ -15,7 +15,10 @@ constexpr double kShare = 0.5;  // of what feet or knees tell, how much has to a
 // What many poses say of one question: the sum of signed votes, and of their sizes.
 struct Votes {
   double sum = 0, size = 0;
-  void add(double vote) { sum += vote, size += std::abs(vote); }
+  void add(double vote) {
+    sum += vote;
+    size += std::abs(vote);
+  }
   // 1 yes, -1 no, 0 not told. `least`: of the sizes' sum.
   int answer(double least) const {
     if (size < least || std::abs(sum) < kShare * size) return 0;
