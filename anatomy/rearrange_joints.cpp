@@ -62,7 +62,11 @@ void rearrange_joints(const JointParents& wanted, Anatomy& anatomy) {
   skeleton = std::move(out);
 
   for (Bone& bone : anatomy.bones) bone.joint = number[std::size_t(bone.joint)];
-  for (Muscle& muscle : anatomy.muscles)
+  renumber_joints(number, anatomy.muscles);
+}
+
+void renumber_joints(std::span<const int> number, std::vector<Muscle>& muscles) {
+  for (Muscle& muscle : muscles)
     for (Strip& strip : muscle.strips) {
       for (PathPoint& point : strip.path)
         for (int& joint : point.joints)

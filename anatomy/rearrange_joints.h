@@ -2,7 +2,9 @@
 #pragma once
 
 #include <map>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "anatomy/anatomy.h"
 
@@ -14,5 +16,8 @@ using JointParents = std::map<std::string, std::string>;  // by the name of a jo
 // and wraps go with their joints. Throws UnfitError for joints that the anatomy lacks, and for a
 // circle.
 void rearrange_joints(const JointParents& parents, Anatomy& anatomy);
+
+// Path points and wraps: joint j becomes number[j].
+void renumber_joints(std::span<const int> number, std::vector<Muscle>& muscles);
 
 }  // namespace ecorche::inline v1

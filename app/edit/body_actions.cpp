@@ -18,21 +18,10 @@ namespace ecorche {
 namespace {
 
 void check_joint(Workshop& workshop, const Document& document, const std::string& name) {
-  const std::vector<std::string> names = joint_names(workshop, document);
-  const auto has = [&](const std::string& each) {
-    return std::ranges::find(names, each) != names.end();
-  };
-  const auto [base, side] = split_side(name);
-  const bool sided = side != Side::middle && has(base) &&
-                     (find_joint(workshop.source().skeleton, name) >= 0 ||
-                      std::ranges::any_of(document.skeleton->joints, [&](const OwnJoint& own) {
-                        return own.name == base && own.paired;
-                      }));
-  if (has(name) || sided) return;
-  throw InputError(
-      fmt::format("argument 'joint': '{}': there is no such joint{}; `ecorche list "
-                  "joints` names them",
-                  name, did_you_mean(base, names)));
+  if (has_joint(workshop, document, name)) return;
+  throw InputError(fmt::format(
+      "argument 'joint': '{}': there is no such joint{}; `ecorche list joints` names them", name,
+      did_you_mean(split_side(name).first, joint_names(workshop, document))));
 }
 
 template <class F>

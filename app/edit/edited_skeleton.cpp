@@ -167,9 +167,30 @@ std::vector<std::string> joint_names(Workshop& workshop, const Document& documen
   return out;
 }
 
+bool is_paired(Workshop& workshop, const Document& document, const std::string& joint) {
+  for (const OwnJoint& own : document.skeleton->joints)
+    if (own.name == joint) return own.paired;
+  return find_joint(workshop.source().skeleton, joint + "_l") >= 0;
+}
+
+bool has_joint(Workshop& workshop, const Document& document, const std::string& name) {
+  const std::vector<std::string> names = joint_names(workshop, document);
+  const auto has = [&](const std::string& each) {
+    return std::ranges::find(names, each) != names.end();
+  };
+  const auto [base, side] = split_side(name);
+  return has(name) || (side != Side::middle && has(base) && is_paired(workshop, document, base));
+}
+
+Skeleton edited_joints(Workshop& workshop, const Document& document) {
+  Skeleton out = workshop.source().skeleton;
+  for (const OwnJoint& own : document.skeleton->joints) add_joint(document, own, out);
+  return out;
+}
+
 Anatomy edited_source(Workshop& workshop, const Document& document) {
   Anatomy out = workshop.source();
-  for (const OwnJoint& own : document.skeleton->joints) add_joint(document, own, out.skeleton);
+  out.skeleton = edited_joints(workshop, document);
   for (const OwnBone& own : document.skeleton->bones) add_bone(workshop, document, own, out);
   const std::vector<char> removed = removed_joints(workshop, document);
   std::erase_if(out.bones, [&](const Bone& bone) {

@@ -18,10 +18,18 @@ std::vector<std::string> sided_names(const Skeleton& skeleton, const std::string
 // out.
 std::vector<std::string> joint_names(Workshop& workshop, const Document& document);
 
-// The source skeleton (Workshop::source) with joints and bones of its own behind the built-in ones,
-// where a joint between others hangs as a leaf. Of a finger or toe that is taken away the bones are
-// left out; its joints stay, since motions and feet go by them. Throws InputError for places that
-// do not read.
+// Whether a joint, by its name without side, is one of a pair.
+bool is_paired(Workshop& workshop, const Document& document, const std::string& joint);
+// Whether a name, with a side or without, is a joint's.
+bool has_joint(Workshop& workshop, const Document& document, const std::string& name);
+
+// Built-in joints and those of one's own behind them, where one between others hangs as a leaf.
+// Throws InputError for places that do not read.
+Skeleton edited_joints(Workshop& workshop, const Document& document);
+
+// The source skeleton (Workshop::source) with edited_joints() and bones of its own behind the
+// built-in ones. Of a finger or toe that is taken away the bones are left out; its joints stay,
+// since motions and feet go by them. Throws as edited_joints().
 Anatomy edited_source(Workshop& workshop, const Document& document);
 
 // A bone of one's own in the source frame, left side or middle.

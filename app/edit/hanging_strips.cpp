@@ -12,14 +12,21 @@
 namespace ecorche {
 namespace {
 
+bool is_on(const MuscleTable& frame, int landmark, const std::set<std::string>& bones) {
+  return bones.contains(frame.landmarks[std::size_t(landmark)].carrier);
+}
+
+bool rides_on(const MuscleTable& frame, const TableStrip::WrapUse& use,
+              const std::set<std::string>& bones) {
+  return is_on(frame, frame.wraps[std::size_t(use.wrap)].landmark, bones);
+}
+
 bool lies_on(const MuscleTable& frame, const TableStrip& strip, const std::set<std::string>& bones,
              bool with_wraps) {
-  const auto on = [&](int landmark) {
-    return bones.contains(frame.landmarks[std::size_t(landmark)].carrier);
-  };
-  return std::ranges::any_of(strip.path, [&](const auto& point) { return on(point.landmark); }) ||
+  return std::ranges::any_of(
+             strip.path, [&](const auto& point) { return is_on(frame, point.landmark, bones); }) ||
          (with_wraps && std::ranges::any_of(strip.wraps, [&](const auto& use) {
-            return on(frame.wraps[std::size_t(use.wrap)].landmark);
+            return rides_on(frame, use, bones);
           }));
 }
 
@@ -84,10 +91,8 @@ Document without_strips_on(Document document, const std::set<std::string>& bones
         return lies_on(*document.frame, strip, bones, false);
       });
       for (TableStrip& strip : one.strips)
-        std::erase_if(strip.wraps, [&](const auto& use) {
-          const int landmark = document.frame->wraps[std::size_t(use.wrap)].landmark;
-          return bones.contains(document.frame->landmarks[std::size_t(landmark)].carrier);
-        });
+        std::erase_if(strip.wraps,
+                      [&](const auto& use) { return rides_on(*document.frame, use, bones); });
     });
   }
   return document;

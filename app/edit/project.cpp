@@ -16,6 +16,7 @@
 #include "anatomy/mesh_files/mesh_io.h"
 #include "app/edit/action_list.h"
 #include "app/edit/muscle_file.h"
+#include "morph/placement/bone_groups.h"
 #include "morph/template/template_cache.h"
 
 namespace ecorche {
@@ -107,7 +108,7 @@ void add_skeleton(const Document& document, std::string& out) {
   for (const OwnBone& bone : skeleton.bones)
     if (!own.contains(bone.joint)) bones_on(bone.joint);
   for (const OwnJoint& joint : skeleton.joints) {
-    const bool one_side = joint.name.ends_with("_l") || joint.name.ends_with("_r");
+    const bool one_side = split_side(joint.name).second != Side::middle;
     out += action_line(AddJoint{joint.name, joint.parent, place_text(*document.frame, joint.at),
                                 joint.to ? place_text(*document.frame, *joint.to) : "", joint.child,
                                 one_side       ? ""

@@ -56,13 +56,10 @@ bool same_muscles(const Document& a, const Document& b) {
   return a.muscles == b.muscles && a.frame == b.frame;
 }
 
-}  // namespace
-
-std::vector<Muscle> placed_entry(Workshop& workshop, const Document& document, int entry) {
+// `source`: edited_source(), or the workshop's where the document has no parts of its own.
+std::vector<Muscle> placed_on(const Anatomy& source, Workshop& workshop, const Document& document,
+                              int entry) {
   const EditedMuscle& edited = *document.muscles[std::size_t(entry)];
-  std::optional<Anatomy> own;
-  if (has_own_parts(document)) own = edited_source(workshop, document);
-  const Anatomy& source = own ? *own : workshop.source();
   std::vector<Muscle> sides{
       placed_side(source, document, edited.left, Side::left),
       placed_side(source, document, edited.right.value_or(edited.left), Side::right)};
@@ -76,10 +73,20 @@ std::vector<Muscle> placed_entry(Workshop& workshop, const Document& document, i
   return sides;
 }
 
+}  // namespace
+
+std::vector<Muscle> placed_entry(Workshop& workshop, const Document& document, int entry) {
+  if (!has_own_parts(document)) return placed_on(workshop.source(), workshop, document, entry);
+  return placed_on(edited_source(workshop, document), workshop, document, entry);
+}
+
 Template edited_template(Workshop& workshop, const Document& document) {
   Template out = workshop.base();
   const Document& built_in = workshop.built_in();
   if (!same_muscles(document, built_in) || document.fit.slices > 0) {
+    std::optional<Anatomy> own_source;
+    if (has_own_parts(document)) own_source = edited_source(workshop, document);
+    const Anatomy& source = own_source ? *own_source : workshop.source();
     std::vector<Muscle> lean, grown;
     for (std::size_t m = 0; m < document.muscles.size(); ++m) {
       const int own = find_entry(built_in, document.muscles[m]->left.name);
@@ -93,7 +100,7 @@ Template edited_template(Workshop& workshop, const Document& document) {
         }
         continue;
       }
-      for (Muscle& muscle : placed_entry(workshop, document, int(m))) {
+      for (Muscle& muscle : placed_on(source, workshop, document, int(m))) {
         lean.push_back(muscle);
         grown.push_back(std::move(muscle));
       }

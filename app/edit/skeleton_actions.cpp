@@ -55,25 +55,13 @@ void check_own_name(const std::string& name, const std::vector<std::string>& tak
     throw InputError(fmt::format("argument 'name': '{}': there is one of that name", name));
 }
 
-bool is_paired(Workshop& workshop, const Document& document, const std::string& joint) {
-  for (const OwnJoint& own : document.skeleton->joints)
-    if (own.name == joint) return own.paired;
-  return find_joint(workshop.source().skeleton, joint + "_l") >= 0;
-}
-
 void check_known_joint(Workshop& workshop, const Document& document, const char* key,
                        const std::string& name) {
-  const std::vector<std::string> names = joint_names(workshop, document);
-  const auto [base, side] = split_side(name);
-  const auto has = [&](const std::string& each) {
-    return std::ranges::find(names, each) != names.end();
-  };
-  if (has(name) || (side != Side::middle && has(base) && is_paired(workshop, document, base)))
-    return;
-  throw InputError(
-      fmt::format("argument '{}': '{}': there is no such joint{}; `ecorche list "
-                  "joints` names the built-in ones",
-                  key, name, did_you_mean(base, names)));
+  if (has_joint(workshop, document, name)) return;
+  throw InputError(fmt::format(
+      "argument '{}': '{}': there is no such joint{}; `ecorche list joints` names the built-in "
+      "ones",
+      key, name, did_you_mean(split_side(name).first, joint_names(workshop, document))));
 }
 
 // What a joint hangs on now, as documents name it.

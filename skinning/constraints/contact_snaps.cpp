@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "skinning/constraints/span_speed.h"
 #include "skinning/motion/require_joint.h"
 
 namespace ecorche::inline v1 {
@@ -13,7 +14,6 @@ namespace {
 constexpr double kFaster = 1.5, kByMore = 0.8;      // m/s; than anywhere in the motion
 constexpr double kFasterHere = 3, kByMoreHere = 2;  // m/s; than around the contact
 constexpr double kAround = 0.15;                    // s: corrections fade around a contact
-constexpr double kSpan = 1.0 / 120;                 // s; speeds are means over it
 constexpr std::size_t kSeen = 4;                    // knee and ankle, left and right
 
 // Speeds, m/s, by frame of what leads from the span before to the next one.
@@ -22,7 +22,6 @@ using Speeds = std::vector<std::array<double, kSeen>>;
 Speeds leg_speeds(const Skeleton& skeleton, const Motion& motion) {
   const std::array<int, kSeen> seen = {joint_of(skeleton, "knee_l"), joint_of(skeleton, "ankle_l"),
                                        joint_of(skeleton, "knee_r"), joint_of(skeleton, "ankle_r")};
-  const std::size_t span = std::max<std::size_t>(1, std::size_t(std::lround(kSpan * motion.fps)));
   std::vector<std::array<Vec3, kSeen>> path;
   std::vector<Transform> X;
   for (const Pose& pose : motion.frames) {
@@ -33,10 +32,8 @@ Speeds leg_speeds(const Skeleton& skeleton, const Motion& motion) {
   }
   Speeds out;
   for (std::size_t f = 1; f < path.size(); ++f) {
-    const std::size_t from = f > span ? f - span : 0;
     std::array<double, kSeen>& speeds = out.emplace_back();
-    for (std::size_t k = 0; k < kSeen; ++k)
-      speeds[k] = motion.fps * (path[f][k] - path[from][k]).norm() / double(f - from);
+    for (std::size_t k = 0; k < kSeen; ++k) speeds[k] = span_speed(path, f, k, motion.fps);
   }
   return out;
 }

@@ -9,6 +9,7 @@
 
 #include "anatomy/compute/smooth_step.h"
 #include "anatomy/joint_angles.h"
+#include "skinning/constraints/span_speed.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -17,7 +18,6 @@ constexpr double kFaster = 1.45;                    // times the top speed
 constexpr double kSlow = 0.8;                       // m/s; a joint may always be so fast
 constexpr double kFasterHere = 3, kByMoreHere = 2;  // m/s; than around the step
 constexpr double kAround = 0.15;                    // s
-constexpr double kSpan = 1.0 / 120;                 // s, of a speed
 constexpr double kNarrow = 0.05;                    // s; half the width of the first mean
 constexpr int kRounds = 4;                          // each of twice the width
 constexpr double kFade = 0.1;                       // s; around a stance, as planting fades
@@ -77,14 +77,6 @@ std::vector<LimbPoints> limb_path(const Skeleton& skeleton, const Chain& chain,
   return out;
 }
 
-// Of the step into frame f + 1, with those before it where frames are closer than kSpan.
-double step_speed(const std::vector<LimbPoints>& path, std::size_t f, std::size_t point,
-                  double fps) {
-  const std::size_t span = std::max<std::size_t>(1, std::size_t(std::lround(kSpan * fps)));
-  const std::size_t from = f + 1 > span ? f + 1 - span : 0;
-  return fps * (path[f + 1][point] - path[from][point]).norm() / double(f + 1 - from);
-}
-
 // The speed, m/s, that a limb's middle and end may have in the step from each frame to the next.
 using SpeedLimits = std::vector<std::array<double, 2>>;
 
@@ -94,7 +86,7 @@ SpeedLimits speed_limits(const std::vector<LimbPoints>& path, const Motion& moti
   SpeedLimits out(steps);
   for (std::size_t k = 0; k < 2; ++k) {
     std::vector<double> speeds;
-    for (std::size_t f = 0; f < steps; ++f) speeds.push_back(step_speed(path, f, k, fps));
+    for (std::size_t f = 0; f < steps; ++f) speeds.push_back(span_speed(path, f + 1, k, fps));
     const double top = std::max(kSlow, kFaster * *std::ranges::max_element(speeds));
     for (std::size_t f = 0; f < steps; ++f) {
       const auto begin = speeds.begin() + std::ptrdiff_t(f > around ? f - around : 0),
@@ -231,7 +223,7 @@ class LimbSteadier {
     const int reach = int(std::ceil(2 * width * motion_.fps)), last = int(width_.size()) - 1;
     for (int step = 0; step < last; ++step) {
       const auto fast = [&](std::size_t k) {
-        return step_speed(path, std::size_t(step), k, motion_.fps) >
+        return span_speed(path, std::size_t(step) + 1, k, motion_.fps) >
                limits_[std::size_t(step)][k] * (1 + 1e-9);
       };
       if (!fast(0) && !fast(1)) continue;
@@ -295,8 +287,8 @@ int steady_limbs(const Skeleton& skeleton, const LimitTables& tables, const Moti
     std::vector<LimbPoints> path = limb_path(skeleton, chain, motion);
     bool any = false;
     for (std::size_t f = 0; f + 1 < frames && !any; ++f)
-      any = step_speed(path, f, 0, motion.fps) > limits[f][0] ||
-            step_speed(path, f, 1, motion.fps) > limits[f][1];
+      any = span_speed(path, f + 1, 0, motion.fps) > limits[f][0] ||
+            span_speed(path, f + 1, 1, motion.fps) > limits[f][1];
     if (!any) continue;
     LimbSteadier limb(skeleton, tables, chain, limits, motion);
     std::vector<Angles> base;

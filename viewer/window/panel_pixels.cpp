@@ -134,7 +134,7 @@ void PanelPixels::draw(ImDrawData& data, int width, int height) {
       continue;
     }
     if (same) to_store.push_back(&panel.box);
-    kept = {panel.hash, panel.box, same};
+    kept = {panel.hash, same};
   }
 
   const auto draw_lists = [&](std::vector<ImDrawList*>& lists) {

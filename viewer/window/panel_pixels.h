@@ -35,7 +35,6 @@ class PanelPixels {
   };
   struct Kept {
     std::uint64_t hash = 0;
-    Box box;
     bool stored = false;
   };
 

@@ -23,18 +23,13 @@ constexpr const char* kMethods[] = {"ecorche", "paper"};
 
 float em_body() { return ImGui::GetFontSize(); }
 
-std::string spaced_name(std::string text) {
-  std::ranges::replace(text, '_', ' ');
-  return text;
-}
-
 void measure_row(DesignSession& session, const std::string& name, ViewDocument& view) {
   const auto& targets = session.seen().body->targets;
   const auto own = targets.find(name);
   ImGui::PushID(name.c_str());
   ImGui::TableNextColumn();
   ImGui::AlignTextToFramePadding();
-  ImGui::TextUnformatted(spaced_name(name).c_str());
+  ImGui::TextUnformatted(spaced(name).c_str());
   ImGui::TableNextColumn();
   const bool mass = name == "weight";
   const std::string now = own == targets.end() ? std::string("as the body has it")
@@ -237,12 +232,11 @@ void draw_trial_panel(DesignSession& session, ViewDocument& document) {
   ImGui::TextUnformatted("Pose");
   ImGui::SetNextItemWidth(-1);
   const std::string now = trial.pose.empty() ? std::string("rest") : trial.pose;
-  if (ImGui::BeginCombo("##pose", spaced_name(now).c_str(), ImGuiComboFlags_HeightLarge)) {
+  if (ImGui::BeginCombo("##pose", spaced(now).c_str(), ImGuiComboFlags_HeightLarge)) {
     if (ImGui::Selectable("rest")) session.run("pose rest", "try");
     static const std::vector<std::string> poses = session.workshop().pose_names();
     for (const std::string& pose : poses)
-      if (ImGui::Selectable(spaced_name(pose).c_str(), pose == now))
-        session.run("pose " + pose, "try");
+      if (ImGui::Selectable(spaced(pose).c_str(), pose == now)) session.run("pose " + pose, "try");
     ImGui::EndCombo();
   }
   name_place(document, "pose");

@@ -85,6 +85,11 @@ void action_slider(DesignSession& session, const std::string& id, double value, 
   if (ImGui::IsItemDeactivatedAfterEdit()) session.keep_tried(where);
 }
 
+std::string spaced(std::string name) {
+  std::ranges::replace(name, '_', ' ');
+  return name;
+}
+
 void quiet_text(const std::string& text) {
   ImGui::PushStyleColor(ImGuiCol_Text, quiet_color);
   ImGui::TextWrapped("%s", text.c_str());

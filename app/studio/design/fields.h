@@ -24,6 +24,7 @@ void action_slider(DesignSession& session, const std::string& id, double value, 
                    double high, const char* format, const std::string& line_before,
                    const std::string& where);
 void quiet_text(const std::string& text);
+std::string spaced(std::string name);        // a name's words, without underscores
 void help_of_last(const std::string& text);  // a tooltip
 // What went wrong with what stands above; nothing where nothing did.
 void show_fault(const DesignSession& session, const std::string& where);

@@ -118,13 +118,7 @@ void rename_joints(const Skeleton& from, const Skeleton& to, std::vector<Muscle>
     number.push_back(same >= 0 || joint.parent < 0 ? std::max(same, 0)
                                                    : number[std::size_t(joint.parent)]);
   }
-  for (Muscle& muscle : muscles)
-    for (Strip& strip : muscle.strips) {
-      for (PathPoint& point : strip.path)
-        for (int& joint : point.joints)
-          if (joint >= 0) joint = number[std::size_t(joint)];
-      for (Wrap& wrap : strip.wraps) wrap.joint = number[std::size_t(wrap.joint)];
-    }
+  renumber_joints(number, muscles);
 }
 
 Muscle grown_like(Muscle placed, const Muscle& before, const Muscle& fitted) {
@@ -143,11 +137,8 @@ LiveMuscleMaker::LiveMuscleMaker(Workshop& workshop, const Document& of, const A
 
 std::vector<Muscle> LiveMuscleMaker::placed(const Document& document, int entry) {
   std::vector<Muscle> sides = placed_entry(workshop_, document, entry);
-  const Skeleton& source = workshop_.source().skeleton;
-  if (has_own_parts(document))
-    rename_joints(edited_source(workshop_, document).skeleton, shown_.skeleton, sides);
-  else if (has_own_parts(of_))
-    rename_joints(source, shown_.skeleton, sides);
+  if (has_own_parts(document) || has_own_parts(of_))
+    rename_joints(edited_joints(workshop_, document), shown_.skeleton, sides);
   return carry_muscles(sides,
                        [this](const Vec3& x, int joint) { return carrier_.carry(x, joint); });
 }

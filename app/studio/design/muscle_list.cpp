@@ -19,11 +19,6 @@ std::string lowered(std::string text) {
   return text;
 }
 
-std::string spaced(std::string text) {
-  std::ranges::replace(text, '_', ' ');
-  return text;
-}
-
 void muscle_row(DesignSession& session, const TableMuscle& muscle, ViewDocument& document) {
   ImGui::PushID(muscle.name.c_str());
   std::vector<std::uint32_t> parts;

@@ -11,17 +11,12 @@
 namespace ecorche {
 namespace {
 
-std::string shown_words(std::string name) {
-  std::ranges::replace(name, '_', ' ');
-  return name;
-}
-
 void draw_groups(DesignSession& session, PanelState& state, ViewDocument& document) {
   ImGui::SetNextItemWidth(-1);
   if (ImGui::BeginCombo("##group", state.group.empty() ? "choose a group of bones"
-                                                       : shown_words(state.group).c_str())) {
+                                                       : spaced(state.group).c_str())) {
     for (const GroupRule& rule : session.workshop().base().tables.rules.groups)
-      if (ImGui::Selectable(shown_words(rule.name).c_str(), rule.name == state.group))
+      if (ImGui::Selectable(spaced(rule.name).c_str(), rule.name == state.group))
         state.group = rule.name;
     ImGui::EndCombo();
   }
@@ -39,7 +34,7 @@ void draw_groups(DesignSession& session, PanelState& state, ViewDocument& docume
     for (std::size_t k = 0; k < values.size(); ++k) {
       const GroupMeasure& measure = group_measures()[k];
       const std::string now = fmt::format("{:.4g} {}", values[k], measure.factor ? "times" : "mm");
-      auto text = value_row(measure.name, shown_words(measure.name).c_str(), now, measure.help);
+      auto text = value_row(measure.name, spaced(measure.name).c_str(), now, measure.help);
       name_place(document, fmt::format("group:{}", measure.name));
       if (!text) continue;
       if (const auto word = text->find(" times"); word != std::string::npos) text->resize(word);
@@ -59,14 +54,14 @@ void draw_own_joints(DesignSession& session, PanelState& state, ViewDocument& do
     ImGui::PushID(joint.name.c_str());
     if (ImGui::SmallButton("x")) session.run("remove_joint " + joint.name, "own");
     ImGui::SameLine();
-    ImGui::Text("%s, on %s", shown_words(joint.name).c_str(), shown_words(joint.parent).c_str());
+    ImGui::Text("%s, on %s", spaced(joint.name).c_str(), spaced(joint.parent).c_str());
     ImGui::PopID();
   }
   for (const std::string& name : own.removed) {
     ImGui::PushID(name.c_str());
     if (ImGui::SmallButton("bring back")) session.run("restore_joint " + name, "own");
     ImGui::SameLine();
-    ImGui::Text("%s was taken away", shown_words(name).c_str());
+    ImGui::Text("%s was taken away", spaced(name).c_str());
     ImGui::PopID();
   }
   if (state.joint.empty()) {
@@ -93,7 +88,7 @@ void draw_own_bones(DesignSession& session, PanelState& state, ViewDocument& doc
     ImGui::PushID(bone.name.c_str());
     if (ImGui::SmallButton("x")) session.run("remove_bone " + bone.name, "bone");
     ImGui::SameLine();
-    ImGui::Text("%s, on %s", shown_words(bone.name).c_str(), shown_words(bone.joint).c_str());
+    ImGui::Text("%s, on %s", spaced(bone.name).c_str(), spaced(bone.joint).c_str());
     const std::string at =
         fmt::format("{:.4g},{:.4g},{:.4g}", bone.at.x(), bone.at.y(), bone.at.z());
     if (const auto text = value_field("##at", at, -1)) {
