@@ -106,6 +106,15 @@ fs::path temporary_for(const fs::path& file) {
                                        temporary_suffix(file));
 }
 
+// Locks a new temporary. False if it was swept between its creation and its lock.
+bool lock_in_place(int descriptor, const fs::path& temporary) {
+  while (::flock(descriptor, LOCK_EX) != 0)  // waits for a sweep under way
+    if (errno != EINTR) return true;  // where a file system knows no locks, nothing is swept either
+  struct stat held, found;
+  return ::fstat(descriptor, &held) == 0 && ::stat(temporary.c_str(), &found) == 0 &&
+         held.st_dev == found.st_dev && held.st_ino == found.st_ino;
+}
+
 void flush_to_disk(const fs::path& written, const fs::path& file) {
   const int descriptor = ::open(written.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) refuse(file, errno);
@@ -128,12 +137,14 @@ bool same_place(const fs::path& a, const fs::path& b) {
 AtomicFile::AtomicFile(fs::path file) : named_(std::move(file)), file_(follow_links(named_)) {
   check_output(named_);
   sweep_temporaries(file_);
-  temporary_ = temporary_for(file_);
   const std::lock_guard lock(
       open_files().mutex);  // which abandon_writing() keeps: nothing is begun after it
-  lock_ = ::open(temporary_.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (lock_ < 0) refuse(named_, errno);
-  ::flock(lock_, LOCK_EX | LOCK_NB);  // where a file system knows no locks, nothing is swept either
+  do {
+    if (lock_ >= 0) ::close(lock_);
+    temporary_ = temporary_for(file_);
+    lock_ = ::open(temporary_.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (lock_ < 0) refuse(named_, errno);
+  } while (!lock_in_place(lock_, temporary_));
   stream_.open(temporary_, std::ios::binary | std::ios::trunc);
   if (!stream_) {
     const int error = errno;

@@ -101,6 +101,29 @@ TEST(AtomicFile, SweepsWhatTheKilledHaveLeft) {
   EXPECT_EQ(read(folder.path / "a.txt"), "second");
 }
 
+// A temporary that has just been made and has no lock yet looks like one of the killed.
+TEST(AtomicFile, WritersOfOneFileNeverSweepEachOther) {
+  const Folder folder;
+  constexpr int kWriters = 4, kFiles = 300;
+  pid_t children[kWriters];
+  for (pid_t& child : children)
+    if ((child = fork()) == 0) {
+      try {
+        for (int i = 0; i < kFiles; ++i) write_file_atomically(folder.path / "a.txt", "whole");
+      } catch (const OutputError&) {
+        _exit(1);
+      }
+      _exit(0);
+    }
+  for (const pid_t child : children) {
+    int status = 0;
+    waitpid(child, &status, 0);
+    EXPECT_EQ(status, 0) << "a writer's temporary was gone before it was renamed";
+  }
+  EXPECT_EQ(read(folder.path / "a.txt"), "whole");
+  EXPECT_EQ(folder.count(), 1);
+}
+
 TEST(AtomicFile, TellsTheSystemsReason) {
   const Folder folder;
   rlimit before{};
