@@ -15,32 +15,59 @@ constexpr std::size_t kRuns = 32;  // a task
 using Eight = Eigen::Array<float, 8, 1>;
 using Four = Eigen::Array<float, 4, 1>;
 
-// All vertices of a run blend the same number of frames, so the inner loop has a constant length.
-template <int kFrames>
-void blend_run(const BlendMesh& mesh, const VertexRun& run, const float* maps, const float* offsets,
-               const Four& root, float* out) {
+// Sum of the frames at a vertex.
+struct BlendedMap {
+  Eight low = Eight::Zero(), high = Eight::Zero();  // columns 0 and 1; columns 2 and 3
+
+  Four turn(const float* X) const {
+    return low.head<4>() * X[0] + low.tail<4>() * X[1] + high.head<4>() * X[2];
+  }
+};
+
+// Calls act(e, map) for the vertices of a run. All of them blend the same number of frames, so that
+// the inner loop has a constant length.
+template <int kFrames, class Act>
+void blend_maps(const BlendMesh& mesh, const VertexRun& run, const float* maps, const Act& act) {
   const int count = kFrames > 0 ? kFrames : run.frames;
   const std::uint16_t* frame = &mesh.frame[run.frame_entry];
   const float* weight = &mesh.frame_weight[run.frame_entry];
-  const std::uint16_t* handle = mesh.handle.data() + run.handle_entry;
-  const float* handle_weight = mesh.handle_weight.data() + run.handle_entry;
   for (int e = run.begin; e < run.end; ++e, frame += count, weight += count) {
-    Eight low = Eight::Zero(), high = Eight::Zero();  // columns 0 and 1; columns 2 and 3
+    BlendedMap sum;
     for (int k = 0; k < count; ++k) {
       const float* map = maps + 16 * frame[k];
-      low += weight[k] * Eigen::Map<const Eight>(map);
-      high += weight[k] * Eigen::Map<const Eight>(map + 8);
+      sum.low += weight[k] * Eigen::Map<const Eight>(map);
+      sum.high += weight[k] * Eigen::Map<const Eight>(map + 8);
     }
-    const float* X = &mesh.rest[4 * e];
-    Four p =
-        root + low.head<4>() * X[0] + low.tail<4>() * X[1] + high.head<4>() * X[2] + high.tail<4>();
-    for (int k = 0; k < run.handles; ++k)
-      p += handle_weight[k] * Eigen::Map<const Four>(offsets + 4 * handle[k]);
-    handle += run.handles;
-    handle_weight += run.handles;
-    Eigen::Map<Four> target(out + 4 * std::size_t(mesh.sorted_index[e]));
-    target = p;
+    act(e, sum);
   }
+}
+
+template <class Act>
+void blend_run(const BlendMesh& mesh, const VertexRun& run, const float* maps, const Act& act) {
+  switch (run.frames) {
+    case 1:
+      return blend_maps<1>(mesh, run, maps, act);
+    case 2:
+      return blend_maps<2>(mesh, run, maps, act);
+    case 3:
+      return blend_maps<3>(mesh, run, maps, act);
+    case 4:
+      return blend_maps<4>(mesh, run, maps, act);
+    case 5:
+      return blend_maps<5>(mesh, run, maps, act);
+    case 6:
+      return blend_maps<6>(mesh, run, maps, act);
+    default:
+      return blend_maps<0>(mesh, run, maps, act);
+  }
+}
+
+template <class Act>
+void each_run(const BlendMesh& mesh, const Act& act) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.runs.size(), kRuns),
+                    [&](const auto& range) {
+                      for (std::size_t r = range.begin(); r < range.end(); ++r) act(mesh.runs[r]);
+                    });
 }
 
 }  // namespace
@@ -60,29 +87,30 @@ void blend_skin(const BlendMesh& mesh, const BlendPose& pose, std::span<float> p
   const float* maps = pose.frames.maps.data();
   const float* offsets = pose.handles.offsets.data();
   const Four root(float(pose.root.x()), float(pose.root.y()), float(pose.root.z()), 1.0f);
-  float* out = positions.data();
-  const auto blend = [&](const VertexRun& run) {
-    switch (run.frames) {
-      case 1:
-        return blend_run<1>(mesh, run, maps, offsets, root, out);
-      case 2:
-        return blend_run<2>(mesh, run, maps, offsets, root, out);
-      case 3:
-        return blend_run<3>(mesh, run, maps, offsets, root, out);
-      case 4:
-        return blend_run<4>(mesh, run, maps, offsets, root, out);
-      case 5:
-        return blend_run<5>(mesh, run, maps, offsets, root, out);
-      case 6:
-        return blend_run<6>(mesh, run, maps, offsets, root, out);
-      default:
-        return blend_run<0>(mesh, run, maps, offsets, root, out);
-    }
-  };
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.runs.size(), kRuns),
-                    [&](const auto& range) {
-                      for (std::size_t r = range.begin(); r < range.end(); ++r) blend(mesh.runs[r]);
-                    });
+  each_run(mesh, [&](const VertexRun& run) {
+    const std::uint16_t* handle = mesh.handle.data() + run.handle_entry;
+    const float* handle_weight = mesh.handle_weight.data() + run.handle_entry;
+    blend_run(mesh, run, maps, [&](int e, const BlendedMap& map) {
+      Four p = root + map.turn(&mesh.rest[4 * e]) + map.high.tail<4>();
+      for (int k = 0; k < run.handles; ++k)
+        p += handle_weight[k] * Eigen::Map<const Four>(offsets + 4 * handle[k]);
+      handle += run.handles;
+      handle_weight += run.handles;
+      Eigen::Map<Four> target(&positions[4 * std::size_t(mesh.sorted_index[e])]);
+      target = p;
+    });
+  });
+}
+
+void add_blended_offsets(const BlendMesh& mesh, const BlendPose& pose,
+                         std::span<const float> offsets, std::span<float> positions) {
+  const float* maps = pose.frames.maps.data();
+  each_run(mesh, [&](const VertexRun& run) {
+    blend_run(mesh, run, maps, [&](int e, const BlendedMap& map) {
+      Eigen::Map<Four> target(&positions[4 * std::size_t(mesh.sorted_index[e])]);
+      target += map.turn(&offsets[4 * e]);
+    });
+  });
 }
 
 }  // namespace ecorche::inline v1

@@ -24,4 +24,9 @@ void pose_blend(const BlendTables& tables, const PosedAnatomy& posed, BlendPose&
 // handles of the pose. Same input, same bytes, at any number of threads.
 void blend_skin(const BlendMesh& mesh, const BlendPose& pose, std::span<float> positions);
 
+// Adds offsets from the mesh, turned as the frames at each vertex turn, to positions in the sorted
+// order. `offsets`: #V x 4, rest pose, evaluation order.
+void add_blended_offsets(const BlendMesh& mesh, const BlendPose& pose,
+                         std::span<const float> offsets, std::span<float> positions);
+
 }  // namespace ecorche::inline v1

@@ -27,9 +27,8 @@ struct CharacterState {
   SkinFrame skin;
 
   // From stage to stage.
-  BlendPose blend;             // frames and handle offsets
-  std::vector<float> blended;  // of a refined skin's base mesh: #V x 4, as the blend has placed it
-  RelaxedSkin relaxed;         // the mesh that relaxes
+  BlendPose blend;      // frames and handle offsets
+  RelaxedSkin relaxed;  // the mesh that relaxes
   SkinLift lift;
 
   // Workspaces: no meaning between calls.

@@ -79,29 +79,35 @@ void write_skin(const BlendMesh& mesh, std::span<const float> positions,
   });
 }
 
-// Moves a refined skin from its blended positions by the displacements of its base mesh.
-void displace(const DisplacementMap& map, std::span<const float> displacements,
-              std::span<float> positions) {
-  each_vertex(positions.size() / 4, [&](std::size_t s) {
-    Float4 sum = load4(&positions[4 * s]);
-    for (int k = map.first[s]; k < map.first[s + 1]; ++k)
-      sum += map.weight[k] * load4(&displacements[4 * map.base[k]]);
-    store4(&positions[4 * s], sum);
-  });
-}
-
-// Fills state.skin with the blended skin, displaced where `displacements` are given.
-void write_blended(const SkinModel& model, const DisplacementMap* map,
-                   std::span<const float> displacements, CharacterState& state) {
-  const BlendMesh& mesh = model.blend->mesh;
+// Where `place` puts the positions of the skin's vertices, in its sorted order.
+template <class Place>
+void fill_skin(const BlendMesh& mesh, const Place& place, CharacterState& state) {
   const bool sorted = mesh.order.empty();  // then written at once
   SkinFrame& frame = sorted ? state.skin : state.sorted;
   frame.positions.resize(4 * std::size_t(mesh.vertex_count));
   frame.normals.resize(frame.positions.size());
-  blend_skin(mesh, state.blend, frame.positions);
-  if (map) displace(*map, displacements, frame.positions);
+  place(frame.positions);
   vertex_normals(frame.positions, mesh.triangles, frame.normals, state.settle.half);
   if (!sorted) write_skin(mesh, frame.positions, frame.normals, state.skin);
+}
+
+// The refined skin of a base mesh that has settled.
+void refine_skin(const SkinModel& model, CharacterState& state) {
+  const BlendMesh& mesh = model.blend->mesh;
+  const RefinedMap& map = *model.refined;
+  const std::vector<float>& base = state.relaxed.positions;
+  fill_skin(
+      mesh,
+      [&](std::span<float> positions) {
+        each_vertex(std::size_t(mesh.vertex_count), [&](std::size_t s) {
+          Float4 sum{};
+          for (int k = map.first[s]; k < map.first[s + 1]; ++k)
+            sum += map.weight[k] * load4(&base[4 * map.base[k]]);
+          store4(&positions[4 * s], sum);
+        });
+        if (!map.offset.empty()) add_blended_offsets(mesh, state.blend, map.offset, positions);
+      },
+      state);
 }
 
 }  // namespace
@@ -113,24 +119,22 @@ const SkinFrame& evaluate_posed_skin(const SkinModel& model, std::span<const flo
   pose_blend(*model.blend, state.posed, state.blend);
   relaxed.positions.resize(4 * std::size_t(base.vertex_count));
   blend_skin(base, state.blend, relaxed.positions);
-  if (model.refined) state.blended.assign(relaxed.positions.begin(), relaxed.positions.end());
   add(soft_tissue, relaxed.positions);
   relax_skin(model, state.posed, relaxed, state.lift, state.settle, state.lifting);
-  if (model.refined) {
-    std::vector<float>& displacements = state.blended;
-    for (std::size_t k = 0; k < displacements.size(); k += 4)
-      store4(&displacements[k], load4(&relaxed.positions[k]) - load4(&displacements[k]));
-    write_blended(model, model.refined.get(), displacements, state);
-  } else {
+  if (model.refined)
+    refine_skin(model, state);
+  else
     write_skin(base, relaxed.positions, relaxed.normals, state.skin);
-  }
   return state.skin;
 }
 
 const SkinFrame& evaluate_blended_skin(const SkinModel& model, CharacterState& state) {
   pose_blend(*model.blend, state.posed, state.blend);
   state.lift.exposed.clear();
-  write_blended(model, nullptr, {}, state);
+  fill_skin(
+      model.blend->mesh,
+      [&](std::span<float> positions) { blend_skin(model.blend->mesh, state.blend, positions); },
+      state);
   return state.skin;
 }
 

@@ -1,6 +1,7 @@
 #include "skinning/character/skin_model.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace ecorche::inline v1 {
 namespace {
@@ -13,12 +14,15 @@ TriMesh sorted_mesh(const ElasticSkin& elastic) {
   return skin;
 }
 
-DisplacementMap make_displacement_map(const Refinement& refinement, const BlendMesh& base,
-                                      const BlendMesh& fine) {
+constexpr float kNoOffset = 2e-6f;  // m, rounding of single precision at a body's size
+
+// `root`: origin of the rest positions that the meshes hold.
+RefinedMap make_refined_map(const Refinement& refinement, const BlendMesh& base,
+                            const BlendMesh& fine, const Points& base_rest, const Vec3& root) {
   std::vector<int> place(base.vertex_count);
   for (int s = 0; s < base.vertex_count; ++s)
     place[base.order.empty() ? std::size_t(s) : std::size_t(base.order[s])] = s;
-  DisplacementMap out;
+  RefinedMap out;
   out.first.push_back(0);
   for (int s = 0; s < fine.vertex_count; ++s) {
     const int v = fine.order.empty() ? s : fine.order[s];
@@ -29,6 +33,19 @@ DisplacementMap make_displacement_map(const Refinement& refinement, const BlendM
     }
     out.first.push_back(int(out.base.size()));
   }
+  const Points means = refine_points(refinement, base_rest);
+  out.offset.assign(fine.rest.size(), 0);
+  float most = 0;
+  for (int e = 0; e < fine.vertex_count; ++e) {
+    const int s = fine.sorted_index[std::size_t(e)];
+    const int v = fine.order.empty() ? s : fine.order[std::size_t(s)];
+    for (int c = 0; c < 3; ++c) {
+      float& offset = out.offset[std::size_t(4 * e + c)];
+      offset = float(fine.rest[std::size_t(4 * e + c)] + root[c] - means(v, c));
+      most = std::max(most, std::abs(offset));
+    }
+  }
+  if (most < kNoOffset) out.offset.clear();
   return out;
 }
 
@@ -52,8 +69,9 @@ SkinModel make_refined_skin_model(const Anatomy& anatomy, const PosedAnatomy& re
                                   const BoundRefinedSkin& bound) {
   SkinModel out = make_skin_model(anatomy, rest, base, bound.base);
   out.blend = bound.blend;
-  out.refined = std::make_shared<const DisplacementMap>(
-      make_displacement_map(refinement, bound.base.blend->mesh, bound.blend->mesh));
+  out.refined = std::make_shared<const RefinedMap>(
+      make_refined_map(refinement, bound.base.blend->mesh, bound.blend->mesh, base.V,
+                       rest.X_WJ[0].translation()));
   return out;
 }
 

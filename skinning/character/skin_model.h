@@ -13,12 +13,15 @@
 
 namespace ecorche::inline v1 {
 
-// Interpolation of the base mesh's displacements at the vertices of a refined skin. Both meshes in
-// their sorted order.
-struct DisplacementMap {
+// A refined skin as means of vertices of the posed base mesh, so that it is as smooth as a
+// subdivision of that is. Both meshes in their sorted order.
+struct RefinedMap {
   std::vector<int> first;     // #V + 1 into base, weight
   std::vector<int> base;      // vertices of the base mesh
-  std::vector<float> weight;  // as of their positions
+  std::vector<float> weight;  // as of their positions at rest
+  // #V x 4, m, rest pose, evaluation order: what the skin differs from these means by at rest, as
+  // clothes do; empty where it is them.
+  std::vector<float> offset;
 };
 
 struct SkinModel {
@@ -26,8 +29,8 @@ struct SkinModel {
   // Of the mesh that relaxes: the skin itself, or the base mesh of a refined one.
   std::shared_ptr<const BlendTables> base_blend;
   std::shared_ptr<const ElasticSkin> elastic;
-  MuscleCollision collision;                       // empty: muscles do not lift the skin
-  std::shared_ptr<const DisplacementMap> refined;  // null: the skin itself relaxes
+  MuscleCollision collision;                  // empty: muscles do not lift the skin
+  std::shared_ptr<const RefinedMap> refined;  // null: the skin itself relaxes
 };
 
 // `rest`: the anatomy's rest pose. `skin`: that was bound.
