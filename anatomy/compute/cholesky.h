@@ -31,6 +31,7 @@ class CholeskyFactor {
   explicit CholeskyFactor(const Eigen::MatrixXd& A);
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
   Eigen::MatrixXd solve_columns(const Eigen::MatrixXd& B) const;
+  double log_determinant() const;
 
  private:
   Eigen::MatrixXd lower_;

@@ -8,10 +8,23 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/input_file.h"
 #include "app/options/option_values.h"
+#include "morph/shapes/tell_sex.h"
 #include "skinning/crowd/crowd_read.h"
 #include "skinning/files/character_read.h"
 
 namespace ecorche {
+namespace {
+
+// Of a skin that measures can be taken of.
+std::optional<TriMesh> base_mesh_of(const TriMesh& skin, const BodyPackage& package,
+                                    const Common& common) {
+  if (skin.V.rows() == package.skin_size) return skin;
+  std::optional<BaseSkin> base = find_base(common.assets, skin);
+  if (!base) return std::nullopt;
+  return std::move(base->mesh);
+}
+
+}  // namespace
 
 Body open_body(const std::filesystem::path& file, const BodyPackage& package, const Common& common,
                Report& report, const std::string& unit) {
@@ -26,20 +39,23 @@ Body open_body(const std::filesystem::path& file, const BodyPackage& package, co
   report.set("body.unit", bare.unit);
   report.set("body.up", bare.up);
   report.set("body.front", bare.front);
+  if (const std::optional<TriMesh> base = base_mesh_of(bare.body.skin, package, common)) {
+    bare.body.sex = told_sex(make_sex_laws(BodyModel(common.assets)), base->V);
+    report.set("body.sex", bare.body.sex == Sex::male ? "male" : "female");
+  }
   return std::move(bare.body);
 }
 
 Body open_base_body(const std::filesystem::path& file, const BodyPackage& package,
                     const Common& common, Report& report, const std::string& unit) {
   Body body = open_body(file, package, common, report, unit);
-  if (body.skin.V.rows() == package.skin_size) return body;
-  std::optional<BaseSkin> base = find_base(common.assets, body.skin);
+  std::optional<TriMesh> base = base_mesh_of(body.skin, package, common);
   if (!base)
     throw UnfitError(
         fmt::format("{}: {} skin vertices, but measures are tied to the base mesh's {}; "
                     "bring the skin onto the base mesh first",
                     printable(file.string()), body.skin.V.rows(), package.skin_size));
-  body.skin = std::move(base->mesh);
+  body.skin = std::move(*base);
   return body;
 }
 

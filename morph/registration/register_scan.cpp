@@ -151,7 +151,7 @@ void place(const RegistrationModel& model, const Scan& scan, const std::optional
   const double floor = rest.col(1).minCoeff();
   rest.col(1).array() -= floor;
   out.body.skin = {rest, body.F};
-  out.body.sex = state.z[0] > 0 ? Sex::male : Sex::female;
+  out.body.sex = told_sex(model.sexes, rest);
   out.body.age = 0;
   out.body.mass = kBodyDensity * skin_volume(model.package, rest);
   for (std::size_t j = 0; j < body.joints.size(); ++j) {
@@ -209,7 +209,7 @@ Registration register_known(const RegistrationModel& model, const Scan& scan,
 
 RegistrationModel make_registration_model(const Assets& assets) {
   const BodyModel model(assets);
-  return {model.package(), make_articulated_body(model)};
+  return {model.package(), make_articulated_body(model), make_sex_laws(model)};
 }
 
 std::vector<std::pair<std::string, int>> registration_landmarks(const RegistrationModel& model) {

@@ -11,12 +11,14 @@
 #include "anatomy/files/assets.h"
 #include "morph/registration/articulated_body.h"
 #include "morph/registration/registration.h"
+#include "morph/shapes/tell_sex.h"
 
 namespace ecorche::inline v1 {
 
 struct RegistrationModel {
   BodyPackage package;
   ArticulatedBody body;
+  SexLaws sexes;
 };
 
 // Throws InputError for missing or damaged packages and tables.
