@@ -66,11 +66,10 @@ void Journal::append(const std::string& line) {
   if (fdatasync(descriptor_) != 0) fail_journal(file_, std::strerror(errno));
 }
 
-void Journal::begin(const std::string& line) {
+void Journal::begin() {
   if (ftruncate(descriptor_, 0) != 0 || lseek(descriptor_, 0, SEEK_SET) < 0 ||
       fdatasync(descriptor_) != 0)
     fail_journal(file_, std::strerror(errno));
-  if (!line.empty()) append(line);
 }
 
 }  // namespace ecorche

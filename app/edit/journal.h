@@ -22,8 +22,7 @@ class Journal {
   Journal& operator=(const Journal&) = delete;
 
   void append(const std::string& line);  // on disk when it returns
-  // Forgets all lines; the first one, where it is given, is on disk when it returns.
-  void begin(const std::string& line = {});
+  void begin();                          // forgets all lines
 
  private:
   std::filesystem::path file_;

@@ -45,7 +45,9 @@ std::vector<std::string> stands_on(Workshop& workshop) {
 
 bool holds_other_files(const fs::path& folder) {
   return std::ranges::any_of(fs::directory_iterator(folder), [](const auto& entry) {
-    return entry.path().filename() != "journal.txt";
+    const std::string name = entry.path().filename().string();
+    return name != "journal.txt" &&
+           std::ranges::find(kAsideFolders, name) == std::end(kAsideFolders);
   });
 }
 
@@ -220,6 +222,17 @@ void read_project_line(Workshop& workshop, const fs::path& folder, const std::st
 
 }  // namespace
 
+// One that was killed while it was saved for the first time has a copy beside.
+void check_project_folder(const fs::path& folder) {
+  const auto copied = [&](const char* aside) { return is_project(folder / aside); };
+  if (!fs::exists(folder) || is_project(folder) || std::ranges::any_of(kAsideFolders, copied) ||
+      !holds_other_files(folder))
+    return;
+  throw OutputError(
+      fmt::format("{}: a folder with other files, and no project; name a new or an empty one",
+                  folder.string()));
+}
+
 bool is_project(const fs::path& folder) { return fs::exists(folder / "project.txt"); }
 
 OpenedProject read_project(Workshop& workshop, const fs::path& folder) {
@@ -249,10 +262,7 @@ OpenedProject read_project(Workshop& workshop, const fs::path& folder) {
 
 void write_project(Workshop& workshop, const Document& document, const fs::path& folder) {
   const Document& built_in = workshop.built_in();
-  if (fs::exists(folder) && !is_project(folder) && holds_other_files(folder))
-    throw OutputError(
-        fmt::format("{}: a folder with other files, and no project; name a new or an empty one",
-                    folder.string()));
+  check_project_folder(folder);
   const std::vector<std::string> before = muscle_files(folder);
   make_output_folder(folder / "muscles");
   std::string out =

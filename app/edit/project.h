@@ -18,6 +18,9 @@
 
 namespace ecorche {
 
+// Within a project's folder: what its journal goes on from, as projects of their own.
+inline constexpr const char* kAsideFolders[] = {"unsaved-1", "unsaved-2"};
+
 // A folder with a project.txt.
 bool is_project(const std::filesystem::path& folder);
 
@@ -28,8 +31,11 @@ struct OpenedProject {
 // Throws InputError that names file and line for what cannot be read, or is no such text.
 OpenedProject read_project(Workshop& workshop, const std::filesystem::path& folder);
 
+// Throws OutputError for a folder that holds other files, and no project.
+void check_project_folder(const std::filesystem::path& folder);
+
 // Files that did not change are left as they are, those of muscles that are no longer its own are
-// removed. Throws OutputError.
+// removed; project.txt comes last. Throws OutputError, as check_project_folder().
 void write_project(Workshop& workshop, const Document& document,
                    const std::filesystem::path& folder);
 

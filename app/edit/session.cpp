@@ -24,13 +24,27 @@
 namespace ecorche {
 namespace {
 
-// First line of a journal that goes on from a document that is kept beside it, and where that is.
-constexpr std::string_view kFrom = "from ";
-constexpr const char* kAside[] = {"unsaved-1", "unsaved-2"};
+// Lines of a journal from which on it goes on from a document that is kept beside it, and where
+// that is; what stands before them counts no more. `saves`: it was being saved.
+constexpr std::string_view kFrom = "from ", kSaves = "saves ";
 // The saved state was undone and is forgotten: no step of the history is it.
 constexpr std::size_t kNeverAgain = std::numeric_limits<std::size_t>::max();
 constexpr int kMostIncludes = 20;
 constexpr std::size_t kMostScriptBytes = 16u << 20;
+
+// The first line of a journal that counts, and the folder that it goes on from; empty: from the
+// project. `saves_only`: as if all that was not saved were not there.
+struct JournalBegin {
+  std::size_t line = 0;
+  std::string folder;
+};
+JournalBegin begin_of(const std::vector<std::string>& journal, bool saves_only) {
+  for (std::size_t k = journal.size(); k > 0; --k)
+    for (const std::string_view word : {kFrom, kSaves})
+      if (journal[k - 1].starts_with(word) && !(saves_only && word == kFrom))
+        return {k, journal[k - 1].substr(word.size())};
+  return {};
+}
 
 }  // namespace
 
@@ -43,23 +57,20 @@ Session::Session(const Common& common, Report& report, const SessionOptions& opt
       project_(options.project) {
   if (options.document) {
     history_ = begin_history(*options.document);
-  } else if (project_.empty() || !is_project(project_)) {
+  } else if (project_.empty() || !open_project(options.discard)) {
     history_ = begin_history(workshop_.built_in());
-  } else {
-    OpenedProject opened = read_project(workshop_, project_);
-    for (const std::string& text : opened.notes)
-      note(common_, fmt::format("{}: {}", project_.string(), text));
-    history_ = begin_history(std::move(opened.document));
   }
-  saved_document_ = document();
+  if (saved_document_.muscles.empty()) saved_document_ = document();
   if (project_.empty()) return;
   make_output_folder(project_);
   const std::filesystem::path file = project_ / "journal.txt";
   journal_ = std::make_unique<Journal>(file);
-  if (options.discard)
+  if (!options.discard)
+    recover(file);
+  else if (aside_.empty())
     journal_->begin();
   else
-    recover(file);
+    journal_->append(std::string(kSaves) + aside_);
 }
 
 void Session::begin_here() {
@@ -67,15 +78,30 @@ void Session::begin_here() {
   saved_document_ = document();
 }
 
-void Session::recover(const std::filesystem::path& file) {
-  std::vector<std::string> lines = read_journal(file);
-  if (!lines.empty() && lines.front().starts_with(kFrom)) {
-    aside_ = lines.front().substr(kFrom.size());
-    history_ = begin_history(read_project(workshop_, project_ / aside_).document);
-    lines.front().clear();
+// As it was saved, or as the journal goes on from it: a session that was killed while it saved has
+// written the project in part.
+bool Session::open_project(bool discard) {
+  aside_ = begin_of(read_journal(project_ / "journal.txt"), discard).folder;
+  if (aside_.empty() && !is_project(project_)) return false;
+  OpenedProject opened = read_project(workshop_, project_ / aside_);
+  for (const std::string& text : opened.notes)
+    note(common_, fmt::format("{}: {}", project_.string(), text));
+  history_ = begin_history(std::move(opened.document));
+  if (aside_.empty()) return true;
+  saved_ = kNeverAgain;
+  try {
+    saved_document_ = read_project(workshop_, project_).document;
+  } catch (const Error&) {
+    saved_document_ = document();
   }
+  return true;
+}
+
+void Session::recover(const std::filesystem::path& file) {
+  const std::vector<std::string> lines = read_journal(file);
+  const std::size_t before = begin_of(lines, false).line;
   recovering_ = true;
-  for (std::size_t k = 0; k < lines.size(); ++k) {
+  for (std::size_t k = before; k < lines.size(); ++k) {
     try {
       run_line(lines[k]);
     } catch (const Error& error) {
@@ -84,11 +110,12 @@ void Session::recover(const std::filesystem::path& file) {
     }
   }
   recovering_ = false;
-  if (!lines.empty())
+  const int again = int(lines.size()) - int(before);
+  if (again > 0)
     note(common_, fmt::format("{}: {} actions that were not saved are done again; undo takes them "
                               "back",
-                              file.string(), lines.size()));
-  report_.set("recovered", int(lines.size()) - (aside_.empty() ? 0 : 1));
+                              file.string(), again));
+  report_.set("recovered", again);
 }
 
 // Before the document changes, so that what is seen is on disk.
@@ -165,7 +192,7 @@ void Session::do_beside(const Undo& x) {
   if (history_.now >= journal_begin_)
     note_in_journal(x);
   else if (journal_)
-    begin_journal_here();
+    begin_journal_here(kFrom);
 }
 
 // As the actions that are done again: a session that recovers knows none that were undone.
@@ -177,13 +204,12 @@ void Session::do_beside(const Redo& x) {
     journal_->append(history_.steps[k].line);
 }
 
-// What was saved has been undone, too: the journal goes on from the document as it is, which is
-// kept beside it.
-void Session::begin_journal_here() {
-  const std::string folder = aside_ == kAside[0] ? kAside[1] : kAside[0];
+// The journal goes on from the document as it is, which is kept beside it.
+void Session::begin_journal_here(std::string_view word) {
+  const std::string folder = aside_ == kAsideFolders[0] ? kAsideFolders[1] : kAsideFolders[0];
   std::filesystem::remove_all(project_ / folder);
   write_project(workshop_, document(), project_ / folder);
-  journal_->begin(std::string(kFrom) + folder);
+  journal_->append(std::string(word) + folder);
   aside_ = folder;
   journal_begin_ = history_.now;
 }
@@ -193,13 +219,19 @@ void Session::do_beside(const Save& x) {
       x.folder.empty() ? project_ : std::filesystem::path(x.folder);
   if (folder.empty())
     throw InputError("argument 'folder' is missing: this session has no project yet");
-  write_project(workshop_, document(), folder);
+  check_project_folder(folder);
   if (folder != project_) {
+    make_output_folder(folder);
     journal_ = std::make_unique<Journal>(folder / "journal.txt");
     project_ = folder;
+    aside_.clear();
   }
+  // Whenever it is killed, either the copy beside or the project is whole.
+  begin_journal_here(kSaves);
+  write_project(workshop_, document(), folder);
   journal_->begin();
-  for (const char* aside : kAside) std::filesystem::remove_all(project_ / aside);
+  for (const char* aside : kAsideFolders) std::filesystem::remove_all(project_ / aside);
+  aside_.clear();
   saved_ = journal_begin_ = history_.now;
   saved_document_ = document();
   note(common_, fmt::format("{}: saved", folder.string()));

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "anatomy/character.h"
@@ -70,8 +71,9 @@ class Session {
   void do_beside(const WriteCharacter& x);
   void do_beside(const Render& x);
   void do_beside(const ReportMuscle& x);
+  bool open_project(bool discard);  // false: there is none
   void recover(const std::filesystem::path& file);
-  void begin_journal_here();
+  void begin_journal_here(std::string_view word);
   const Actor& actor();
   Motion still();
   void run_script_at(const std::filesystem::path& file, int depth);

@@ -345,6 +345,88 @@ TEST_F(StudioActions, NothingThatWasDoneIsLostWhenASessionIsKilled) {
   }
 }
 
+// Moves are steps from where a point is: one that was done twice would show.
+TEST_F(StudioActions, ASessionThatIsKilledWhileItSavesIsWholeAndDoesNothingTwice) {
+  NEED_PACKAGES();
+  constexpr int most = 60;
+  const auto line = [](int k) {
+    return "move_point " + std::string(k % 2 ? "soleus" : "plantaris") + " point=2 by=0,0,0.5";
+  };
+  std::vector<std::string> texts;  // after so many moves
+  {
+    Session whole = session();
+    texts.push_back(document_text(whole.document()));
+    for (int k = 0; k < most; ++k) {
+      whole.run_line(line(k));
+      texts.push_back(document_text(whole.document()));
+    }
+  }
+  std::mt19937 random(5);
+  for (int round = 0; round < 6; ++round) {
+    const fs::path project = folder_ / ("saving" + std::to_string(round));
+    int told[2];
+    ASSERT_EQ(pipe(told), 0);
+    const pid_t child = fork();
+    if (child == 0) {
+      Session s = session(project);
+      for (char k = 0; k < most; ++k) {
+        s.run_line(line(k));
+        if (write(told[1], &k, 1) != 1) _exit(1);
+        s.run_line("save");
+      }
+      pause();
+    }
+    close(told[1]);
+    char k = -1;
+    const int wanted = 1 + int(random() % 5);
+    while (k + 1 < wanted && read(told[0], &k, 1) == 1) {
+    }
+    usleep(random() % 30000);  // somewhere in a save, or between two
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+    while (read(told[0], &k, 1) == 1) {
+    }
+    close(told[0]);
+    std::string text;
+    {
+      Session recovered = session(project);
+      text = document_text(recovered.document());
+      EXPECT_TRUE(text == texts[std::size_t(k + 1)] || text == texts[std::size_t(k + 2)])
+          << "killed after move " << int(k);
+      recovered.run_line("save");
+    }
+    EXPECT_EQ(document_text(session(project).document()), text);
+  }
+}
+
+// What a kill leaves between the files of a project: some new, the journal still there.
+TEST_F(StudioActions, AProjectThatIsSavedInPartOpensAsItWas) {
+  NEED_PACKAGES();
+  const fs::path project = folder_ / "part";
+  std::string text;
+  {
+    Session s = session(project);
+    s.run_line("set_muscle soleus fibre=5");
+    s.run_line("save");
+    s.run_line("move_point soleus point=2 by=0,0,1");
+    text = document_text(s.document());
+  }
+  // as save begins: the copy is there, and the journal says so; then the project's own files
+  {
+    Session copy = session();
+    copy.run_line("set_muscle soleus fibre=5");
+    copy.run_line("move_point soleus point=2 by=0,0,1");
+    write_project(copy.workshop(), copy.document(), project / kAsideFolders[0]);
+    std::ofstream(project / "journal.txt", std::ios::app) << "saves unsaved-1\n";
+    std::ofstream(project / "project.txt") << "muscle muscles/not-yet-written.txt\n";
+  }
+  EXPECT_EQ(document_text(session(project).document()), text);
+  Session again = session(project);
+  EXPECT_TRUE(again.unsaved());
+  again.run_line("save");
+  EXPECT_FALSE(fs::exists(project / kAsideFolders[0]));
+}
+
 TEST_F(StudioActions, WhatIsUndonePastTheLastSaveIsNotLostEither) {
   NEED_PACKAGES();
   const fs::path project = folder_ / "past";
