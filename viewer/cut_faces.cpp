@@ -1,7 +1,9 @@
 #include "viewer/cut_faces.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <unordered_map>
 #include <utility>
@@ -16,10 +18,14 @@ namespace {
 // Of fresh fat. Dermis is 1 to 4 mm thick, sheets of fascia about one (Laurent and others 2007,
 // Stecco 2015).
 const Vec3f kFatColor(0.93f, 0.80f, 0.50f);
-constexpr float kSkinRim = 0.002f, kSheet = 0.0012f;  // m
+const Vec3f kMarrowColor(0.82f, 0.54f, 0.40f);
+constexpr float kShell = 0.001f, kShaftShare = 0.45f;  // m, compact bone; of a shaft's radius
+constexpr double kWidest = 0.03;                       // m, half of the widest shaft
+constexpr float kSlender = 6;                          // of a shaft's radius, lengths of long bones
+constexpr float kSkinRim = 0.002f, kSheet = 0.0012f;   // m
 
 // In which order tissues lie over each other.
-enum Rank { fat, muscle, sheet, bone, rim };
+enum Rank { fat, room, muscle, sheet, bone, shell, skull_room, rim };
 
 // Where a plane meets a mesh: points with colours, and segments with the inside on their left.
 struct Outline {
@@ -117,6 +123,109 @@ void add_band(const Outline& outline, float inner, float outer, std::uint32_t pa
   }
 }
 
+// Where along a bone its shaft is: 1 there, 0 at the ends and in bones without one.
+class BoneShaft {
+ public:
+  explicit BoneShaft(const std::vector<Vec3f>& positions) {
+    for (const Vec3f& p : positions) middle_ += p / float(positions.size());
+    Eigen::Matrix3f spread = Eigen::Matrix3f::Zero();
+    for (const Vec3f& p : positions) spread += (p - middle_) * (p - middle_).transpose();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver(spread);
+    axis_ = solver.eigenvectors().col(2);
+    float low = 0, high = 0;
+    for (const Vec3f& p : positions) {
+      low = std::min(low, axis_.dot(p - middle_));
+      high = std::max(high, axis_.dot(p - middle_));
+    }
+    middle_ += 0.5f * (low + high) * axis_;
+    half_ = std::max(0.5f * (high - low), 1e-4f);
+    slender_ = 2 * half_ > kSlender * width_of(positions);
+  }
+  float at(const Vec3f& place) const {  // of the mesh
+    if (!slender_) return 0;
+    const float away = std::abs(axis_.dot(place - middle_)) / half_;
+    const float t = std::clamp((0.85f - away) / 0.3f, 0.0f, 1.0f);
+    return t * t * (3 - 2 * t);
+  }
+
+ private:
+  // The mean distance from its own middle line, which may be bowed, over the half about the middle.
+  float width_of(const std::vector<Vec3f>& positions) const {
+    constexpr int pieces = 6;
+    std::array<Vec3f, pieces> middles;
+    std::array<int, pieces> counts{};
+    middles.fill(Vec3f::Zero());
+    const auto piece_of = [&](const Vec3f& p) {
+      return int(std::floor(float(pieces) * (axis_.dot(p - middle_) / half_ + 0.5f)));
+    };
+    const auto across = [&](const Vec3f& p) { return Vec3f(p - axis_.dot(p) * axis_); };
+    for (const Vec3f& p : positions)
+      if (const int k = piece_of(p); k >= 0 && k < pieces)
+        middles[std::size_t(k)] += across(p), ++counts[std::size_t(k)];
+    float sum = 0;
+    int count = 0;
+    for (const Vec3f& p : positions)
+      if (const int k = piece_of(p); k >= 0 && k < pieces) {
+        sum += (across(p) - middles[std::size_t(k)] / float(counts[std::size_t(k)])).norm();
+        ++count;
+      }
+    return count > 0 ? sum / float(count) : half_;
+  }
+
+  Vec3f middle_ = Vec3f::Zero(), axis_ = Vec3f::UnitY();
+  float half_ = 1;
+  bool slender_ = false;
+};
+
+// How far a point can go inwards until it is half way to another side of the outline.
+double half_way(const Outline& outline, const Vec2& from, const Vec2& inwards, double most) {
+  double out = most;
+  for (const auto& [i, j] : outline.segments) {
+    const Vec2 &a = outline.points[std::size_t(i)], &b = outline.points[std::size_t(j)];
+    const Vec2 along = b - a, to = a - from;
+    if (to.norm() > 2 * most + along.norm()) continue;
+    const double across = inwards.x() * along.y() - inwards.y() * along.x();
+    if (std::abs(across) < 1e-12) continue;
+    const double distance = (to.x() * along.y() - to.y() * along.x()) / across,
+                 share = (to.x() * inwards.y() - to.y() * inwards.x()) / across;
+    if (share >= 0 && share <= 1 && distance > 1e-5) out = std::min(out, 0.5 * distance);
+  }
+  return out;
+}
+
+// A band within the outline, of a thickness by place, that goes round its corners whole.
+void add_shell(const Outline& outline, const BoneShaft& shaft, const DrawItem& item,
+               std::uint32_t part, Faces& faces) {
+  std::vector<Vec2> inwards(outline.points.size(), Vec2::Zero());
+  for (const auto& [from, to] : outline.segments) {
+    const Vec2 along = outline.points[std::size_t(to)] - outline.points[std::size_t(from)];
+    const Vec2 left(-along.y(), along.x());
+    if (left.norm() < 1e-9) continue;
+    inwards[std::size_t(from)] += left.normalized();
+    inwards[std::size_t(to)] += left.normalized();
+  }
+  const Mat4f X_MW = item.X_WM.inverse();
+  const auto first = std::uint32_t(faces.mesh.positions.size());
+  for (std::size_t i = 0; i < outline.points.size(); ++i) {
+    const Vec2& at = outline.points[i];
+    const Vec3f place = (X_MW * faces.frame.place(at).homogeneous()).head<3>();
+    Vec2 inner = at;
+    if (inwards[i].norm() > 1e-6) {
+      const Vec2 way = inwards[i].normalized();
+      const double half = half_way(outline, at, way, kWidest);
+      const double thick = std::max(double(kShell), kShaftShare * half * double(shaft.at(place)));
+      inner += std::min(thick, half) * way;
+    }
+    faces.add_vertex(at, outline.colors[i], part);
+    faces.add_vertex(inner, outline.colors[i], part);
+  }
+  for (const auto& [from, to] : outline.segments) {
+    const std::uint32_t a = first + 2 * std::uint32_t(from), b = first + 2 * std::uint32_t(to);
+    faces.mesh.triangles.emplace_back(a, b, b + 1);
+    faces.mesh.triangles.emplace_back(a, b + 1, a + 1);
+  }
+}
+
 Rank rank_of(std::uint32_t part) {
   switch (part_of(part).kind) {
     case Part::Kind::skin:
@@ -125,6 +234,8 @@ Rank rank_of(std::uint32_t part) {
       return muscle;
     case Part::Kind::fascia:
       return sheet;
+    case Part::Kind::room:
+      return part == kFirstRoomPart ? skull_room : room;
     default:
       return bone;
   }
@@ -132,11 +243,12 @@ Rank rank_of(std::uint32_t part) {
 
 }  // namespace
 
-DrawMesh cut_faces(const Vec4f& plane, const DrawList& list) {
+DrawMesh cut_faces(const Vec4f& plane, const DrawList& list, std::span<const DrawMesh> rooms) {
   struct Piece {
     Rank rank;
     std::uint32_t part;
     Outline outline;
+    const DrawItem* item = nullptr;
   };
   Faces faces{PlaneFrame(plane), {}};
   std::vector<Piece> pieces;
@@ -146,19 +258,54 @@ DrawMesh cut_faces(const Vec4f& plane, const DrawList& list) {
     for (auto& [part, outline] : outlines_of(faces.frame, mesh, item)) {
       const Rank rank = rank_of(part);
       if (rank == fat) pieces.push_back({rim, part, outline});
-      pieces.push_back({rank, part, std::move(outline)});
+      if (rank == bone && part_of(part).kind == Part::Kind::bone)
+        pieces.push_back({shell, part, outline, &item});
+      pieces.push_back({rank, part, std::move(outline), &item});
     }
   }
+  const bool skinned = std::ranges::any_of(pieces, [](const Piece& p) { return p.rank == fat; });
+  for (const DrawMesh& room : rooms)
+    for (auto& [part, outline] : outlines_of(faces.frame, room, {}))
+      if (skinned) pieces.push_back({rank_of(part), part, std::move(outline)});
   std::ranges::stable_sort(pieces, {}, [](const Piece& p) { return std::pair(p.rank, p.part); });
   for (const Piece& piece : pieces) {
     if (piece.rank == rim)
       add_band(piece.outline, kSkinRim, 0, piece.part, faces);
+    else if (piece.rank == shell)
+      add_shell(piece.outline, BoneShaft(list.meshes[std::size_t(piece.item->mesh)].positions),
+                *piece.item, piece.part, faces);
     else if (piece.rank == sheet)
       add_band(piece.outline, kSheet / 2, kSheet / 2, piece.part, faces);
     else
-      add_filled(piece.outline, piece.rank == fat ? &kFatColor : nullptr, piece.part, faces);
+      add_filled(piece.outline,
+                 piece.rank == fat ? &kFatColor
+                 : piece.rank == bone && part_of(piece.part).kind == Part::Kind::bone
+                     ? &kMarrowColor
+                     : nullptr,
+                 piece.part, faces);
   }
   return std::move(faces.mesh);
+}
+
+std::vector<FacePlace> room_places(const DrawMesh& faces) {
+  std::map<std::uint32_t, FacePlace> places;
+  for (const Triangle32& t : faces.triangles) {
+    const std::uint32_t part = faces.parts[t[0]];
+    if (part_of(part).kind != Part::Kind::room) continue;
+    const Vec3f &a = faces.positions[t[0]], &b = faces.positions[t[1]], &c = faces.positions[t[2]];
+    const float area = 0.5f * (b - a).cross(c - a).norm();
+    FacePlace& place = places[part];
+    place.part = part;
+    place.middle += area * (a + b + c) / 3;
+    place.area += area;
+  }
+  std::vector<FacePlace> out;
+  for (auto& [part, place] : places) {
+    if (place.area <= 0) continue;
+    place.middle /= place.area;
+    out.push_back(place);
+  }
+  return out;
 }
 
 void add_cut(const Vec4f& plane, DrawMesh faces, DrawList& list) {

@@ -9,6 +9,7 @@
 
 #include "anatomy/errors.h"
 #include "skinning/motion/name_pattern.h"
+#include "viewer/organ_rooms.h"
 #include "viewer/scene.h"
 
 namespace ecorche {
@@ -99,6 +100,8 @@ std::string part_name(const Anatomy& anatomy, std::uint32_t number) {
     return anatomy.muscles[index].name;
   if (part.kind == Part::Kind::fascia && index < anatomy.fascia.size())
     return anatomy.fascia[index].name;
+  if (part.kind == Part::Kind::room && index < std::size(kOrganRooms))
+    return kOrganRooms[index].name;
   return {};
 }
 
@@ -113,6 +116,7 @@ std::string part_label(const Anatomy& anatomy, std::uint32_t number) {
   }
   if (part.kind == Part::Kind::fascia)
     return anatomy.fascia[part.index].label + side_word(anatomy.fascia[part.index].side);
+  if (part.kind == Part::Kind::room) return kOrganRooms[part.index].label;
   if (part.kind != Part::Kind::bone) return name;
   std::string label(without_side(name));
   std::replace(label.begin(), label.end(), '_', ' ');

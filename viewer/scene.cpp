@@ -447,6 +447,7 @@ MuscleTones muscle_tones(const Appearance& appearance, int muscle, float activit
 }
 
 Part part_of(std::uint32_t number) {
+  if (number >= kFirstRoomPart) return {Part::Kind::room, int(number - kFirstRoomPart)};
   if (number >= kFirstFasciaPart) return {Part::Kind::fascia, int(number - kFirstFasciaPart)};
   if (number >= kFirstMusclePart) return {Part::Kind::muscle, int(number - kFirstMusclePart)};
   if (number >= kFirstBonePart) return {Part::Kind::bone, int(number - kFirstBonePart)};
@@ -463,6 +464,7 @@ std::uint64_t fresh_scene_key() {
 SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin,
                             const SceneOptions& options) {
   SceneModel model;
+  model.number = fresh_scene_key();
   const std::uint64_t key = options.key << 32;
   model.skin = make_mesh(skin, key + 1);
   set_dissolve_order(model.skin);

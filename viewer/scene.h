@@ -26,11 +26,12 @@ inline constexpr std::uint32_t kEyesPart = 2;  // can be hidden, not picked
 inline constexpr std::uint32_t kFirstBonePart = 1000;
 inline constexpr std::uint32_t kFirstMusclePart = 100000;
 inline constexpr std::uint32_t kFirstFasciaPart = 200000;
+inline constexpr std::uint32_t kFirstRoomPart = 300000;  // of kOrganRooms; seen in cuts alone
 
 struct Part {
-  enum class Kind { none, skin, eyes, bone, muscle, fascia };
+  enum class Kind { none, skin, eyes, bone, muscle, fascia, room };
   Kind kind = Kind::none;
-  int index = -1;  // of the bone, muscle or sheet of fascia
+  int index = -1;  // of the bone, muscle, sheet of fascia or room of organs
 };
 Part part_of(std::uint32_t number);
 
@@ -46,6 +47,7 @@ struct SceneOptions {
 std::uint64_t fresh_scene_key();
 
 struct SceneModel {
+  std::uint64_t number = 0;  // no other model has it
   MuscleSurface surface;
   FasciaSurface fascia_surface;
   DrawMesh skin, muscles, fascia;  // at rest; fascia is seen where muscles are

@@ -13,6 +13,7 @@
 #include "skinning/motion/sample_motion.h"
 #include "viewer/cut_faces.h"
 #include "viewer/lettering.h"
+#include "viewer/organ_rooms.h"
 
 namespace ecorche {
 namespace {
@@ -135,6 +136,9 @@ FilmReport film_actor(const Actor& actor, const Motion& motion, const ActorFilm&
   const SoftTissueTables flesh = film.dynamics ? make_soft_tissue(actor) : SoftTissueTables{};
   SoftTissueState state;
   Pose pose;
+  std::vector<OrganRoom> rooms;
+  if (film.section.kind != SectionPlane::Kind::none)
+    rooms = find_organ_rooms(actor.character.anatomy, model.surface);
   const FrameSource source = [&](int f, Scene& scene) {
     activation_at(film.activations, moments[f], efforts);
     if (!flesh.vertices.empty())
@@ -154,7 +158,8 @@ FilmReport film_actor(const Actor& actor, const Motion& motion, const ActorFilm&
                  scene);
     if (film.section.kind == SectionPlane::Kind::none) return;
     const Vec4f plane = plane_of(film.section, actor.character.anatomy.skeleton, frame.posed);
-    add_cut(plane, cut_faces(plane, scene.list), scene.list);
+    const auto left_free = posed_rooms(rooms, model.joint_rest, frame.posed);
+    add_cut(plane, cut_faces(plane, scene.list, left_free), scene.list);
   };
   Progress progress(common, film.output.filename().string(), frames);
   return make_film(options, frames, source, [&](int done) { progress.at(done); });
