@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 
@@ -13,6 +15,7 @@
 #include "app/edit/refit.h"
 #include "app/edit/session.h"
 #include "app/studio/design/axis_handles.h"
+#include "app/studio/design/dropped_bone.h"
 #include "tests/test_assets.h"
 
 namespace ecorche {
@@ -227,6 +230,120 @@ TEST_F(StudioSkeleton, AnAxisThatIsDraggedPointsToWhereTheHandIs) {
       EXPECT_GT(to.dot(wanted), 0);
     }
   }
+}
+
+// A bone of 16 x 80 x 8 mm, in mm, as the formats that people have bones in.
+void write_tails(const fs::path& folder) {
+  const TriMesh mesh = read_mesh(folder / "tail.obj");
+  write_ply(folder / "tail.ply", mesh);
+  std::ofstream stl(folder / "tail.stl", std::ios::binary);
+  stl.write(std::string(80, ' ').data(), 80);
+  const auto put = [&](const auto& value) {
+    stl.write(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  put(std::uint32_t(mesh.F.rows()));
+  for (Eigen::Index f = 0; f < mesh.F.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) put(0.0f);
+    for (int k = 0; k < 3; ++k)
+      for (int c = 0; c < 3; ++c) put(float(mesh.V(mesh.F(f, k), c)));
+    put(std::uint16_t(0));
+  }
+  std::ofstream(folder / "tail.off") << "OFF\n4 4 0\n0 0 0\n8 -80 0\n-8 -80 0\n0 -80 8\n"
+                                        "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+  // in metres, as the format has it, under a node that moves it by 1 m and back
+  std::string bytes;
+  const auto add = [&](auto value) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  for (Eigen::Index v = 0; v < 4; ++v)
+    for (int c = 0; c < 3; ++c) add(float(1e-3 * mesh.V(v, c) - (c == 0 ? 1 : 0)));
+  for (Eigen::Index f = 0; f < 4; ++f)
+    for (int k = 0; k < 3; ++k) add(std::uint32_t(mesh.F(f, k)));
+  std::string json =
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)"
+      R"("nodes":[{"mesh":0,"translation":[1,0,0]}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)"
+      R"("accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3",)"
+      R"("min":[-1.008,-0.08,0],"max":[-0.992,0,0.008]},)"
+      R"({"bufferView":1,"componentType":5125,"count":12,"type":"SCALAR"}],)"
+      R"("bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":48},)"
+      R"({"buffer":0,"byteOffset":48,"byteLength":48}],"buffers":[{"byteLength":96}]})";
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  std::ofstream glb(folder / "tail.glb", std::ios::binary);
+  const auto word = [&](std::uint32_t value) {
+    glb.write(reinterpret_cast<const char*>(&value), 4);
+  };
+  glb << "glTF";
+  word(2), word(std::uint32_t(12 + 8 + json.size() + 8 + bytes.size()));
+  word(std::uint32_t(json.size())), glb << "JSON" << json;
+  word(std::uint32_t(bytes.size())), glb << "BIN" << '\0' << bytes;
+}
+
+TEST_F(StudioSkeleton, ABoneOfEveryFormatIsTheSameByScriptAndByDrop) {
+  NEED_BONES();
+  write_tails(folder_);
+  const std::vector<std::string> taken{"tail", "tail_2"};
+  std::string text;
+  {
+    Session s = session();
+    for (const std::string kind : {"obj", "ply", "stl", "off", "glb"}) {
+      const fs::path file = folder_ / ("tail." + kind);
+      s.run_line("add_bone of_" + kind + " pelvis " + std::string(kind == "glb" ? "" : "unit=mm ") +
+                 "file=" + file.string());
+      const TriMesh by_script =
+          placed_bone(s.workshop(), s.document(), s.document().skeleton->bones.back());
+      const TriMesh& bone = *s.document().skeleton->bones.back().mesh;
+      const Vec3 low = bone.V.colwise().minCoeff(), high = bone.V.colwise().maxCoeff();
+      EXPECT_LT((low - Vec3(-0.008, -0.08, 0)).norm(), 1e-6) << kind << low.transpose();
+      EXPECT_LT((high - Vec3(0.008, 0, 0.008)).norm(), 1e-6) << kind << high.transpose();
+      EXPECT_EQ(bone.F.rows(), 4) << kind;
+
+      DroppedBone dropped = dropped_bone(file, read_mesh_file(file), taken);
+      EXPECT_EQ(dropped.name, "tail_3");
+      EXPECT_EQ(dropped.unit, kind == "glb" ? "m" : "mm");
+      EXPECT_FALSE(dropped.centred);
+      dropped.name = "dropped_" + kind;
+      s.run_line(line_of(dropped, "pelvis"));
+      const TriMesh by_drop =
+          placed_bone(s.workshop(), s.document(), s.document().skeleton->bones.back());
+      EXPECT_LT((by_drop.V - by_script.V).cwiseAbs().maxCoeff(), 1e-9) << kind;
+    }
+    s.run_line("save " + (folder_ / "kept").string());
+    text = document_text(s.document());
+  }
+  Session again(common_, report_, {folder_ / "kept"});
+  EXPECT_EQ(document_text(again.document()), text);
+}
+
+TEST_F(StudioSkeleton, ADroppedBoneFarFromItsOriginComesToTheJoint) {
+  NEED_BONES();
+  std::ofstream(folder_ / "My Bone-7.obj")
+      << "v 900 400 100\nv 908 320 100\nv 892 320 100\nv 900 320 108\nf 1 3 2\nf 1 2 4\n"
+         "f 1 4 3\nf 2 3 4\n";
+  const fs::path file = folder_ / "My Bone-7.obj";
+  const DroppedBone dropped = dropped_bone(file, read_mesh_file(file), {});
+  EXPECT_EQ(dropped.name, "my_bone_7");
+  EXPECT_TRUE(dropped.centred);
+  Session s = session();
+  s.run_line(line_of(dropped, "pelvis"));
+  const TriMesh placed = placed_bone(s.workshop(), s.document(), s.document().skeleton->bones[0]);
+  const Vec3 middle = 0.5 * (placed.V.colwise().minCoeff() + placed.V.colwise().maxCoeff());
+  const Skeleton& skeleton = s.workshop().source().skeleton;
+  const Vec3 pelvis = rest_positions(skeleton)[std::size_t(find_joint(skeleton, "pelvis"))];
+  EXPECT_LT((middle - pelvis).norm(), 2e-4);
+}
+
+TEST_F(StudioSkeleton, AFingerThatWasTakenAwayIsListedNoMore) {
+  NEED_BONES();
+  Session s = session();
+  const auto lists = [&](const char* joint) {
+    const auto names = joint_names(s.workshop(), s.document());
+    return std::ranges::find(names, joint) != names.end();
+  };
+  EXPECT_TRUE(lists("mcp5") && lists("dip5"));
+  s.run_line("remove_joint mcp5 muscles=remove");
+  EXPECT_FALSE(lists("mcp5") || lists("pip5") || lists("dip5"));
+  EXPECT_TRUE(lists("mcp4"));
 }
 
 }  // namespace

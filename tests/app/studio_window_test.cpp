@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 
 #include "anatomy/muscles/action_line.h"
 #include "app/studio/design/give_way.h"
@@ -16,6 +18,8 @@
 #include "app/studio/design/script_panel.h"
 #include "app/studio/design/shape_handles.h"
 #include "tests/test_assets.h"
+#include "viewer/organ_rooms.h"
+#include "viewer/scene.h"
 #include "viewer/window/recorded_input.h"
 #include "viewer/window/window_tool.h"
 
@@ -180,6 +184,48 @@ TEST(Handles, APointGoesWhereTheHandGoes) {
       EXPECT_LT((by - moved).norm(), 0.5e-3) << name << side << ": " << by.transpose();
       EXPECT_EQ(live.replaced.size(), 2u);
     }
+  }
+}
+
+double winding(const OrganRoom& room, const Vec3& p) {
+  double sum = 0;
+  for (const Triangle32& t : room.triangles) {
+    const Vec3 a = room.rest[t[0]].cast<double>() - p, b = room.rest[t[1]].cast<double>() - p,
+               c = room.rest[t[2]].cast<double>() - p;
+    const double x = a.norm(), y = b.norm(), z = c.norm();
+    sum +=
+        2 * std::atan2(a.dot(b.cross(c)), x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y);
+  }
+  return sum / (4 * std::numbers::pi);
+}
+
+// Cranial capacity of adults is 1.1 to 1.7 l; lungs that have breathed out, heart and vessels take
+// some 3 to 6 l.
+TEST(OrganRooms, AreAsLargeAsTheOrgansThatAreNotThereAndLeaveTheBonesOut) {
+  if (!std::filesystem::exists(test_assets().packages.folder))
+    GTEST_SKIP() << "no data packages: data/setup.sh --packages fetches them";
+  Workshop workshop(test_assets());
+  const Anatomy& shown = workshop.base().anatomy;
+  const std::vector<OrganRoom> rooms = find_organ_rooms(shown, make_muscle_surface(shown));
+  ASSERT_EQ(rooms.size(), 3u);
+  const double brain = 1e3 * volume_of(rooms[0]), chest = 1e3 * volume_of(rooms[1]),
+               belly = 1e3 * volume_of(rooms[2]);
+  EXPECT_TRUE(brain > 1.1 && brain < 1.7) << brain;
+  EXPECT_TRUE(chest > 3 && chest < 8) << chest;
+  EXPECT_TRUE(belly > 3 && belly < 12) << belly;
+  int inside = 0, all = 0;
+  for (const Bone& bone : shown.bones) {
+    if (!bone.name.starts_with("rib") && bone.name != "sternum" && bone.name != "l3") continue;
+    for (Eigen::Index v = 0; v < bone.mesh.V.rows(); v += 7, ++all)
+      for (const int k : {1, 2})
+        inside += winding(rooms[std::size_t(k)], bone.mesh.V.row(v).transpose()) > 0.5;
+  }
+  EXPECT_LT(inside, 0.02 * all) << inside << " of " << all;
+  for (const OrganRoom& room : rooms) {
+    Vec3 middle = Vec3::Zero();
+    for (const Vec3f& p : room.rest) middle += p.cast<double>() / double(room.rest.size());
+    EXPECT_NEAR(winding(room, middle), 1, 1e-6) << "closed, outwards";
+    EXPECT_NEAR(winding(room, middle + Vec3(0, 1, 0)), 0, 1e-6);
   }
 }
 

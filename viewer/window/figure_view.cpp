@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "viewer/cut_faces.h"
-
 namespace ecorche {
 namespace {
 
@@ -132,9 +130,19 @@ void FigureView::render(const PosedAnatomy& posed, const Appearance& appearance,
 void FigureView::cut(const ViewDocument& document, const PosedAnatomy& posed) {
   if (document.section.kind == SectionPlane::Kind::none || posed.X_WJ.empty()) return;
   const Vec4f plane = plane_of(document.section, subject_.anatomy->skeleton, posed);
-  if (cut_ != plane) faces_ = cut_faces(plane, scene_.list);
+  if (cut_ != plane) {
+    if (rooms_of_ != subject_.model->number) {
+      rooms_ = find_organ_rooms(*subject_.anatomy, subject_.model->surface);
+      rooms_of_ = subject_.model->number;
+    }
+    faces_ = cut_faces(plane, scene_.list, posed_rooms(rooms_, subject_.model->joint_rest, posed));
+  }
   cut_ = plane;
   add_cut(plane, faces_, scene_.list);
+}
+
+std::vector<FacePlace> FigureView::cut_rooms() const {
+  return cut_ ? room_places(faces_) : std::vector<FacePlace>();
 }
 
 bool FigureView::same_camera(const Camera& c) const {

@@ -5,9 +5,11 @@
 #include <optional>
 #include <vector>
 
+#include "viewer/cut_faces.h"
 #include "viewer/gl/gl_api.h"
 #include "viewer/gl/gl_targets.h"
 #include "viewer/gl/renderer.h"
+#include "viewer/organ_rooms.h"
 #include "viewer/scene.h"
 #include "viewer/window/view_document.h"
 #include "viewer/window/window_tool.h"
@@ -37,6 +39,8 @@ class FigureView {
   // quickly from then on.
   void took(double seconds);
 
+  // Rooms of organs that the last picture has cut.
+  std::vector<FacePlace> cut_rooms() const;
   std::uint32_t part_at(float x, float y);  // pixels of the window, from the upper left
 
  private:
@@ -67,6 +71,8 @@ class FigureView {
   SectionPlane section_;             // that was drawn
   std::optional<Vec4f> cut_;         // the plane of faces_
   DrawMesh faces_;
+  std::vector<OrganRoom> rooms_;
+  std::uint64_t rooms_of_ = 0;  // SceneModel::number
   std::uint64_t revision_ = 0, known_ = 0;
   int frame_ = -1;
 };

@@ -183,6 +183,12 @@ void draw_state(const ViewDocument& document, float left, float bottom) {
 
 }  // namespace
 
+void name_place(ViewDocument& document, const std::string& name) {
+  if (!document.recorded) return;
+  const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+  document.places[name] = {0.5f * (low.x + high.x), 0.5f * (low.y + high.y)};
+}
+
 void draw_look(ViewDocument& document) {
   layer_slider("skin", document.look.skin);
   layer_slider("dissolve", document.look.skin_dissolved);
@@ -213,20 +219,14 @@ void draw_section(const ViewSubject& subject, ViewDocument& document) {
         while (section.kind != kind) next_section(subject, document);
     ImGui::EndCombo();
   }
-  if (document.recorded) {
-    const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
-    document.places["cut"] = {0.5f * (low.x + high.x), 0.5f * (low.y + high.y)};
-  }
+  name_place(document, "cut");
   if (section.kind == Kind::none) return;
   const auto [low, high] = section_range(subject, section.kind);
   float centimetres = float(100 * section.place);
   ImGui::SetNextItemWidth(-1);
   if (ImGui::SliderFloat("##place", &centimetres, float(100 * low), float(100 * high), "%.1f cm"))
     section.place = 0.01 * centimetres;
-  if (document.recorded) {
-    const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
-    document.places["cut:place"] = {0.5f * (from.x + to.x), 0.5f * (from.y + to.y)};
-  }
+  name_place(document, "cut:place");
 }
 
 void draw_views(const ViewSubject& subject, const PosedAnatomy& posed, ViewDocument& document) {
@@ -268,6 +268,7 @@ float draw_timeline(const ViewSubject& subject, const PosedAnatomy& posed, ViewD
                                                   : word,
                         {plays ? 4 * em_panels() : 0, 0}))
         act(action, subject, posed, document);
+      name_place(document, plays ? "play" : word);
       ImGui::SameLine();
     }
     ImGui::SetNextItemWidth(5 * em_panels());
@@ -293,6 +294,7 @@ float draw_timeline(const ViewSubject& subject, const PosedAnatomy& posed, ViewD
     ImGui::SetNextItemWidth(-1);
     if (ImGui::SliderInt("##frame", &number, 1, subject.frames, ""))
       go_to(subject, number - 1, document);
+    name_place(document, "time");
     draw_marks(subject, document);
   }
   ImGui::End();

@@ -20,6 +20,9 @@ struct PartInfo {
 };
 PartInfo describe(const ViewSubject& subject, const PosedAnatomy& posed, std::uint32_t part);
 
+// Names the middle of the last thing drawn, for recorded sessions.
+void name_place(ViewDocument& document, const std::string& name);
+
 // Parts of panels, for tools that have panels of their own; within a window of ImGui.
 void draw_look(ViewDocument& document);  // layers and colours
 // The plane that cuts the figure, and where it lies.

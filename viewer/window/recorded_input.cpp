@@ -123,10 +123,14 @@ RecordedInput::RecordedInput(const std::filesystem::path& file) {
     } else if (word == "close" && rest.empty()) {
       moves_.push_back({Kind::close, {}, 0, 0, where});
       for (int k = 0; k < 3; ++k) moves_.push_back({Kind::pass, {}, 0, 0, where});
+    } else if (word == "say" && !rest.empty()) {
+      moves_.push_back({Kind::say, rest, 0, 0, where});
     } else if (word == "picture" && rest.ends_with(".png")) {
       moves_.push_back({Kind::picture, rest, 0, 0, where});
     } else {
-      fail("click, drag, turn, type, key, frames, wait, drop FILE, close or picture FILE.png");
+      fail(
+          "click, drag, turn, type, key, frames, wait, drop FILE, say WORDS, close or "
+          "picture FILE.png");
     }
   }
 }
@@ -189,6 +193,10 @@ std::vector<WindowEvent> RecordedInput::next(ViewDocument& document, float width
         break;
       case Kind::close:
         document.closing = true;
+        break;
+      case Kind::say:
+        fmt::print("{}\n", move.text);
+        std::fflush(stdout);
         break;
       case Kind::picture:
         picture_ = move.text;

@@ -50,6 +50,7 @@ class RecordedInput {
       wait,
       drop,
       close,
+      say,
       picture
     } kind{};
     std::string text{};

@@ -17,6 +17,7 @@
 #include "anatomy/errors.h"
 #include "viewer/gl/gl_api.h"
 #include "viewer/image.h"
+#include "viewer/part_names.h"
 #include "viewer/window/figure_view.h"
 #include "viewer/window/panel_pixels.h"
 #include "viewer/window/panels.h"
@@ -28,7 +29,8 @@ namespace ecorche {
 namespace {
 
 constexpr const char* font_file = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
-constexpr float letters = 15;            // pixels
+// Letters of 13 points at 96 dots an inch, which the font's lines exceed by what hangs below.
+constexpr float letters = 21;            // pixels
 constexpr double settle_seconds = 0.25;  // after the last change the picture is drawn again, finely
 constexpr double idle_seconds = 0.5, busy_seconds = 0.05;
 
@@ -118,6 +120,23 @@ Image read_window(int width, int height) {
   for (int y = 0; y < height; ++y)
     std::copy_n(upside_down.pixel(0, height - 1 - y), 4 * std::size_t(width), image.pixel(0, y));
   return image;
+}
+
+// Over the rooms of organs in a cut.
+void write_names(const std::vector<FacePlace>& places, const Anatomy& anatomy,
+                 const ViewProjection& view) {
+  constexpr float least = 2e-3f;  // m^2
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  for (const FacePlace& place : places) {
+    const auto at = view.pixel(place.middle);
+    if (!at || place.area < least) continue;
+    const std::string label = part_label(anatomy, place.part);
+    const ImVec2 size = ImGui::CalcTextSize(label.c_str());
+    const ImVec2 from(at->x() - 0.5f * size.x, at->y() - 0.5f * size.y);
+    list.AddRectFilled({from.x - 4, from.y - 2}, {from.x + size.x + 4, from.y + size.y + 2},
+                       IM_COL32(20, 20, 24, 190), 4);
+    list.AddText(from, IM_COL32(255, 255, 255, 255), label.c_str());
+  }
 }
 
 // Into the folder that the program was started in, under a name that is free.
@@ -312,6 +331,7 @@ void Session::show(int frame, int width, int height, Point unit) {
             pictured                    ? FigureView::Wish::finest
             : !recorded && is_settled() ? FigureView::Wish::still
                                         : FigureView::Wish::moving);
+  write_names(view.cut_rooms(), *subject.anatomy, projection);
   if (clicked) document.selected = view.part_at(clicked->x * unit.x, clicked->y * unit.y);
   if (clicked && tool.picked) tool.picked(document.selected);
   if (frame == 0 && options.pick_x >= 0 && options.pick_y >= 0)

@@ -45,7 +45,7 @@ void on_scroll(GLFWwindow* window, double x, double y) {
 }
 
 void on_drop(GLFWwindow* window, int count, const char** files) {
-  WindowEvent event{.kind = Kind::drop};
+  WindowEvent event = made(Kind::drop, window, 0);
   for (int i = 0; i < count; ++i) event.files.emplace_back(files[i]);
   input_of(window).add(std::move(event));
 }

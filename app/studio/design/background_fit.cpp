@@ -101,7 +101,8 @@ struct BackgroundFit::Impl {
   Clock::time_point asked_at{}, began{};
   double usual = kGuess;
   bool making = false, running_line = false, cancelled = false;
-  std::string stage, problem, message;
+  std::string stage, problem;
+  Said message;
   std::deque<std::pair<Document, std::string>> lines;
   std::vector<std::shared_ptr<const ShownBody>> kept;
   std::shared_ptr<const ShownBody> shown;
@@ -155,14 +156,21 @@ void BackgroundFit::Impl::make(const Document& document, long long of) {
 }
 
 void BackgroundFit::Impl::run_line(const Document& document, const std::string& line) {
-  std::string said;
+  Said said;
   try {
     Report aside;
     Session session(common, aside, {.document = document, .built_in = workshop.built_in()}, draw);
     session.run_line(line);
-    said = "done: " + line;
+    said.text = std::visit(
+        [&](const auto& action) {
+          if constexpr (requires { action.file; })
+            return "written: " + std::filesystem::absolute(action.file).string();
+          else
+            return "done: " + line;
+        },
+        *read_action(line));
   } catch (const std::exception& error) {
-    said = error.what();
+    said = {error.what(), true};
   }
   const std::lock_guard lock(mutex);
   message = said;
@@ -282,7 +290,7 @@ std::string BackgroundFit::problem() const {
   return impl_->problem;
 }
 
-std::string BackgroundFit::take_message() {
+BackgroundFit::Said BackgroundFit::take_message() {
   const std::lock_guard lock(impl_->mutex);
   return std::exchange(impl_->message, {});
 }

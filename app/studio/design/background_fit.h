@@ -56,7 +56,12 @@ class BackgroundFit {
   std::string stage() const;
   double share() const;
   std::string problem() const;  // why the document has no body; empty: it has
-  std::string take_message();   // of a line of run_beside that has ended; empty: none
+  // Of a line of run_beside that has ended; without text: none has.
+  struct Said {
+    std::string text;
+    bool failed = false;
+  };
+  Said take_message();
 
  private:
   struct Impl;

@@ -65,9 +65,12 @@ std::vector<WindowLine> bench_window(const Common& common, Report& report) {
       {"studio_edit_p50", "studio: a muscle dragged till drawn, median", ms("editing.p50_ms"), 50},
       {"studio_edit_p95", "the same, 95 of 100", ms("editing.p95_ms"), 50},
       {"studio_edit_cpu", "the same, CPU time of all threads, median", ms("editing.cpu_ms"), 50},
+      {"studio_edit_cpu_p95", "the same, 95 of 100", ms("editing.cpu_p95_ms"), 50},
       {"studio_undo", "studio: an edit taken back, longest", ms("undoing.most_ms"), 30},
       {"studio_stall", "studio: longest frame while a body is fitted", ms("while_fitting.most_ms"),
-       100}};
+       100},
+      {"studio_stall_own", "the same, CPU time of the window's thread",
+       ms("while_fitting.own_most_ms"), 100}};
 }
 
 }  // namespace ecorche

@@ -74,25 +74,6 @@ void draw_fit(DesignSession& session) {
   show_fault(session, "fit");
 }
 
-// Names of joints that turn, without sides, in the order of the skeleton.
-std::vector<std::string> turning_joints(const Skeleton& skeleton) {
-  std::vector<std::string> out;
-  for (const Joint& joint : skeleton.joints) {
-    std::string name = split_side(joint.name).first;
-    if (std::ranges::find(out, name) == out.end()) out.push_back(std::move(name));
-  }
-  return out;
-}
-
-void joint_choice(const Skeleton& skeleton, PanelState& state) {
-  ImGui::SetNextItemWidth(-1);
-  if (!ImGui::BeginCombo("##joint", state.joint.empty() ? "choose a joint" : state.joint.c_str()))
-    return;
-  for (const std::string& name : turning_joints(skeleton))
-    if (ImGui::Selectable(name.c_str(), name == state.joint)) state.joint = name;
-  ImGui::EndCombo();
-}
-
 const Joint* shown_joint(const Skeleton& skeleton, const std::string& name) {
   int found = find_joint(skeleton, name);
   if (found < 0) found = find_joint(skeleton, name + "_l");
@@ -154,16 +135,14 @@ void draw_chosen_joint(DesignSession& session, const Joint& joint, PanelState& s
   const auto edit = edits.find(state.joint);
   ImGui::TextUnformatted("Centre moved by left, up, front (mm)");
   const Vec3 moved = edit == edits.end() ? Vec3(Vec3::Zero()) : edit->second.moved;
-  const std::string now = fmt::format("{:.4g},{:.4g},{:.4g}", moved.x(), moved.y(), moved.z());
-  if (const auto text = value_field("##moved", now, -1)) {
-    double x = 0, y = 0, z = 0;
-    if (std::sscanf(text->c_str(), "%lf,%lf,%lf", &x, &y, &z) == 3)
-      session.run(fmt::format("move_joint {} by={:.4g},{:.4g},{:.4g}", state.joint, x - moved.x(),
-                              y - moved.y(), z - moved.z()),
-                  "joint");
-    else
-      session.run(fmt::format("move_joint {} by={}", state.joint, ecorche::quoted(*text)), "joint");
+  if (const auto to = place_field(session, "##moved", moved, ArgumentUnit::millimetre, "centre")) {
+    const Vec3 by = *to - moved;
+    session.run(
+        fmt::format("move_joint {} by={:.4g},{:.4g},{:.4g}", state.joint, by.x(), by.y(), by.z()),
+        "centre");
   }
+  name_place(document, "centre");
+  show_fault(session, "centre");
   if (ImGui::Button("where the skin says")) session.run("snap_joint " + state.joint, "joint");
   name_place(document, "snap");
   help_of_last("The centre goes where the skin's measures have it, as every fit takes it");
@@ -173,9 +152,16 @@ void draw_chosen_joint(DesignSession& session, const Joint& joint, PanelState& s
   if (edit != edits.end() && ImGui::Button("as it was built"))
     session.run("reset_joint " + state.joint, "joint");
   if (edit != edits.end()) ImGui::SameLine();
-  if (ImGui::Button("take it away")) session.run("remove_joint " + state.joint, "joint");
+  if (ImGui::Button("take it away")) session.run("remove_joint " + state.joint, "take away");
   name_place(document, "take away");
   help_of_last("A finger, a toe, or a joint of one's own that nothing hangs on");
+  show_fault(session, "take away");
+  if (session.fault().where == "take away" &&
+      session.fault().text.find("muscles=remove") != std::string::npos) {
+    if (ImGui::Button("take its muscles away, too"))
+      session.run(fmt::format("remove_joint {} muscles=remove", state.joint), "take away");
+    name_place(document, "take muscles");
+  }
 }
 
 }  // namespace
@@ -212,17 +198,20 @@ void draw_body_panel(DesignSession& session, PanelState& state, ViewDocument& do
 }
 
 void draw_joint_panel(DesignSession& session, PanelState& state, ViewDocument& document) {
+  draw_dropped_bone(session, state, document);
   const Skeleton& skeleton = session.anatomy().skeleton;
   ImGui::Checkbox("centres in the figure, to drag", &state.joints);
   name_place(document, "joints");
-  joint_choice(skeleton, state);
+  draw_joint_choice(session, state);
   name_place(document, "joint");
   const Joint* joint = state.joint.empty() ? nullptr : shown_joint(skeleton, state.joint);
   show_fault(session, "joint");
   if (joint)
     draw_chosen_joint(session, *joint, state, document);
-  else
+  else if (state.joint.empty())
     quiet_text("Choose one, or show the centres and click one.");
+  else
+    quiet_text("It is there as soon as the body is fitted.");
   ImGui::Separator();
   draw_skeleton_panel(session, state, document);
 }

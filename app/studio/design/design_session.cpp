@@ -11,6 +11,8 @@
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "anatomy/posing/pose_anatomy.h"
+#include "app/edit/edited_skeleton.h"
+#include "morph/placement/bone_groups.h"
 #include "viewer/scene_order.h"
 
 namespace ecorche {
@@ -59,8 +61,24 @@ const BoneCarrier& DesignSession::carrier() {
   return maker_->carrier();
 }
 
-void DesignSession::fail(const std::exception& error, const std::string& where) {
+void DesignSession::refuse(const std::exception& error, const std::string& where) {
   fault_ = {where, error.what()};
+}
+
+const std::vector<std::string>& DesignSession::joint_names() {
+  if (joint_names_of_ != seen().skeleton) {
+    joint_names_of_ = seen().skeleton;
+    joint_names_ = ecorche::joint_names(workshop(), seen());
+  }
+  return joint_names_;
+}
+
+bool DesignSession::has_joint(const std::string& sided) {
+  const std::vector<std::string>& names = joint_names();
+  const auto has = [&](const std::string& name) {
+    return std::ranges::find(names, name) != names.end();
+  };
+  return has(sided) || has(split_side(sided).first);
 }
 
 bool DesignSession::run(const std::string& line, const std::string& where) {
@@ -77,7 +95,7 @@ bool DesignSession::run(const std::string& line, const std::string& where) {
     if (std::holds_alternative<Save>(*action)) message_ = "saved";
     return true;
   } catch (const std::exception& error) {
-    fail(error, where);
+    refuse(error, where);
     return false;
   }
 }
@@ -90,7 +108,7 @@ void DesignSession::try_out(const Action& action, const std::string& where) {
     tried_line_ = action_line(action);
     fault_ = {};
   } catch (const std::exception& error) {
-    fail(error, where);
+    refuse(error, where);
   }
 }
 
@@ -98,7 +116,7 @@ void DesignSession::try_line(const std::string& line, const std::string& where) 
   try {
     if (const std::optional<Action> action = read_action(line)) try_out(*action, where);
   } catch (const std::exception& error) {
-    fail(error, where);
+    refuse(error, where);
   }
 }
 
@@ -115,7 +133,7 @@ bool DesignSession::make_live() {
   try {
     live_ = maker_->make(wanted);
   } catch (const std::exception& error) {
-    fail(error, "muscle");
+    refuse(error, "muscle");
   }
   live_of_ = wanted;
   if (live_.muscles.empty()) return true;
@@ -126,7 +144,7 @@ bool DesignSession::make_live() {
     live_model_ = make_scene_model(live_anatomy_, {});
   } catch (const std::exception& error) {
     live_ = {};
-    fail(error, "muscle");
+    refuse(error, "muscle");
   }
   ++live_shape_;
   return true;
@@ -134,7 +152,10 @@ bool DesignSession::make_live() {
 
 void DesignSession::update() {
   fit_.ask(session_.document());
-  if (std::string said = fit_.take_message(); !said.empty()) message_ = std::move(said);
+  if (BackgroundFit::Said said = fit_.take_message(); said.failed)
+    fault_ = {"beside", std::move(said.text)};
+  else if (!said.text.empty())
+    message_ = std::move(said.text);
   if (auto newest = fit_.newest(); newest != shown_) take_shown(std::move(newest));
   if (seen().trial == trial_) return;
   trial_ = seen().trial;
@@ -191,7 +212,7 @@ void DesignSession::pose(int frame, bool quick, PosedAnatomy& posed, SkinFrame& 
     pose_ = trial_pose(workshop(), seen(), skeleton, pose_);
     activation_ = trial_activation(seen(), character.anatomy);
   } catch (const std::exception& error) {
-    fail(error, "try");
+    refuse(error, "try");
   }
   std::swap(state_->posed, posed);
   std::swap(state_->skin, skin);

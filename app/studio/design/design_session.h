@@ -53,6 +53,10 @@ class DesignSession {
   bool keep_tried(const std::string& where);
   const Fault& fault() const { return fault_; }
   void forget_fault() { fault_ = {}; }
+  void refuse(const std::exception& error, const std::string& where);
+  // Whether a panel in sight has shown it in this frame.
+  bool is_fault_seen() const { return fault_seen_; }
+  void note_fault_seen(bool seen = true) { fault_seen_ = seen; }
   const std::string& message() const { return message_; }
   void say(std::string text) { message_ = std::move(text); }
 
@@ -85,13 +89,15 @@ class DesignSession {
   // joint (without side, may be empty); empty where none is picked, or not yet fitted.
   const std::string& figures(const std::string& joint);
   const BoneCarrier& carrier();
+  // Names without sides of the joints that the document has, and whether a side's name is of one.
+  const std::vector<std::string>& joint_names();
+  bool has_joint(const std::string& sided);
   const std::vector<Vec3>& joint_rest() const { return shown_->model->joint_rest; }
 
  private:
   void take_shown(std::shared_ptr<const ShownBody> body);
   bool make_live();
   std::vector<MovedSection> moved_sections(const PosedAnatomy& posed) const;
-  void fail(const std::exception& error, const std::string& where);
 
   Session& session_;
   const Common& common_;
@@ -114,8 +120,11 @@ class DesignSession {
   std::string tried_line_;
   Shared<Trial> trial_;  // that the last pose was made with
   std::uint64_t revision_ = 1;
+  Shared<EditedSkeleton> joint_names_of_;
+  std::vector<std::string> joint_names_;
   std::string figures_, figures_of_;  // and what they were made for
   Fault fault_;
+  bool fault_seen_ = false;
   std::string message_;
 };
 

@@ -11,16 +11,22 @@
 #include <thread>
 #include <utility>
 
+#include "anatomy/base_mesh/skin_import.h"
+#include "anatomy/mesh_files/mesh_io.h"
+#include "app/edit/project.h"
 #include "app/files/open_motion.h"
 #include "app/studio/design/body_panel.h"
 #include "app/studio/design/design_session.h"
 #include "app/studio/design/draw_handles.h"
+#include "app/studio/design/dropped_bone.h"
 #include "app/studio/design/fields.h"
 #include "app/studio/design/frame_times.h"
 #include "app/studio/design/muscle_card.h"
 #include "app/studio/design/muscle_list.h"
 #include "app/studio/design/panel_state.h"
 #include "app/studio/design/script_panel.h"
+#include "morph/placement/bone_groups.h"
+#include "skinning/files/character_read.h"
 #include "skinning/motion_files/read_motion.h"
 #include "viewer/window/file_panel.h"
 #include "viewer/window/panels.h"
@@ -28,7 +34,7 @@
 namespace ecorche {
 namespace {
 
-constexpr float kMargin = 0.5f, kLeft = 17.5f, kRight = 22.5f;  // of a letter's height
+constexpr float kMargin = 0.5f, kLeft = 14.5f, kRight = 19.5f;  // of a letter's height
 constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse;
 constexpr float kFaint = 0.5f;  // of the skin's opacity
@@ -46,11 +52,7 @@ class DesignWindow {
     subject_.pose = [this](int frame, PosedAnatomy& posed, SkinFrame& skin) {
       work_.pose(frame, quick_, posed, skin);
     };
-    subject_.open = [this](const std::filesystem::path& file) {
-      work_.run(
-          (names_motion(file) ? "play_motion " : "set_body ") + ecorche::quoted(file.string()),
-          "view");
-    };
+    subject_.open = [this](const std::filesystem::path& file) { open(file); };
     show();
   }
 
@@ -67,6 +69,8 @@ class DesignWindow {
   void dress(Appearance& appearance) const;
   bool take(const WindowEvent& event, const ViewProjection& view, ViewDocument& document);
   bool take_key(const WindowEvent& event, ViewDocument& document);
+  void open(const std::filesystem::path& file);
+  void guess_joint(const WindowEvent& event, const ViewProjection& view);
   void pick(std::uint32_t part);
   void follow_pick(ViewDocument& document);
   void shown(double seconds, const ViewDocument& document);
@@ -147,6 +151,47 @@ void DesignWindow::pick(std::uint32_t part) {
   followed_ = name;
 }
 
+// A motion, a body, or a mesh that may become a bone.
+void DesignWindow::open(const std::filesystem::path& file) {
+  if (names_motion(file) || is_project(file) || has_body_notes(file)) {
+    work_.run((names_motion(file) ? "play_motion " : "set_body ") + ecorche::quoted(file.string()),
+              "view");
+    return;
+  }
+  work_.forget_fault();
+  try {
+    const MeshFile mesh = read_mesh_file(file);
+    if (has_base_skin(mesh, work_.workshop().package())) {
+      work_.run("set_body " + ecorche::quoted(file.string()), "view");
+      return;
+    }
+    std::vector<std::string> taken = work_.workshop().bone_names();
+    for (const SourceLandmark& landmark : work_.seen().frame->landmarks)
+      taken.push_back(landmark.id);
+    state_.dropped = dropped_bone(file, mesh, taken);
+    state_.asks_tab = "Joints";
+  } catch (const std::exception& error) {
+    work_.refuse(error, "view");
+  }
+}
+
+// Of what is dropped onto the figure: the joint that is seen nearest to it.
+void DesignWindow::guess_joint(const WindowEvent& event, const ViewProjection& view) {
+  if (!posed_ || !state_.joint.empty() || ImGui::GetIO().WantCaptureMouse) return;
+  std::vector<Handle> joints;
+  add_joints(work_.anatomy().skeleton, *posed_, joints);
+  float least = 6 * em();
+  for (const Handle& handle : joints) {
+    const auto at = view.pixel(handle.place.cast<float>());
+    const std::string& name = work_.anatomy().skeleton.joints[std::size_t(handle.joint)].name;
+    if (!at || !work_.has_joint(name)) continue;
+    const float distance = (*at - Vec2f(event.x, event.y)).norm();
+    if (distance >= least) continue;
+    least = distance;
+    state_.joint = split_side(name).first;
+  }
+}
+
 void DesignWindow::dress(Appearance& appearance) const {
   std::set<std::uint32_t> hidden(appearance.hidden.begin(), appearance.hidden.end());
   const Anatomy& anatomy = work_.anatomy();
@@ -171,12 +216,14 @@ void DesignWindow::draw_left(const PosedAnatomy& posed, ViewDocument& document, 
   ImGui::SetNextWindowPos({edge, edge}, ImGuiCond_Always);
   ImGui::SetNextWindowSize({kLeft * em(), bottom - edge}, ImGuiCond_Always);
   if (ImGui::Begin("Muscles", nullptr, kPanel)) {
-    if (ImGui::CollapsingHeader("View")) {
+    const bool open = ImGui::CollapsingHeader("View: cut, layers, sides");
+    name_place(document, "section:View");
+    if (open) {
       draw_look(document);
       draw_section(subject_, document);
       draw_views(subject_, posed, document);
     }
-    ImGui::SetNextItemWidth(9 * em());
+    ImGui::SetNextItemWidth(7 * em());
     ImGui::SliderInt("##peel", &state_.peel, 0, 3, "");
     name_place(document, "peel");
     ImGui::SameLine();
@@ -198,7 +245,10 @@ void DesignWindow::draw_right(ViewDocument& document, float bottom) {
   if (ImGui::Begin("Design", nullptr, kPanel | ImGuiWindowFlags_NoTitleBar) &&
       ImGui::BeginTabBar("tabs")) {
     const auto tab = [&](const char* name, const auto& draw) {
-      const bool open = ImGui::BeginTabItem(name);
+      const bool asked = state_.asks_tab == name;
+      if (asked) state_.asks_tab.clear();
+      const bool open = ImGui::BeginTabItem(
+          name, nullptr, asked ? ImGuiTabItemFlags_SetSelected : ImGuiTabItemFlags_None);
       name_place(document, std::string("tab:") + name);
       if (!open) return;
       state_.joint_tab = std::string(name) == "Joints";
@@ -224,10 +274,12 @@ ViewRoom DesignWindow::panels(const PosedAnatomy& posed, ViewDocument& document)
   draw_file_panel(subject_, document);
   ViewRoom room{0, 0, size.x, size.y};
   if (!document.panels) return room;
+  work_.note_fault_seen(false);
   const float timeline = draw_timeline(subject_, posed, document), edge = kMargin * em();
   const float bottom = size.y - timeline - edge;
   draw_left(posed, document, bottom);
   draw_right(document, bottom);
+  if (!state_.joint.empty() && !work_.has_joint(state_.joint)) state_.joint.clear();
   const float left = (kLeft + 2 * kMargin) * em(), right = (kRight + 2 * kMargin) * em();
   const BarPlace bar{left, edge, std::max(size.x - left - right, 20 * em())};
   const float under = draw_top_bar(work_, state_, document, bar);
@@ -281,6 +333,11 @@ bool DesignWindow::take_key(const WindowEvent& event, ViewDocument& document) {
 
 bool DesignWindow::take(const WindowEvent& event, const ViewProjection& view,
                         ViewDocument& document) {
+  if (event.kind == WindowEvent::Kind::drop) {
+    guess_joint(event, view);
+    for (const std::filesystem::path& file : event.files) open(file);
+    return true;
+  }
   if (posed_ && take_handle(work_, state_, *posed_, event, view)) {
     ++document.touched;
     return true;

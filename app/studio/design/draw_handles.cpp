@@ -15,7 +15,7 @@
 namespace ecorche {
 namespace {
 
-constexpr float kReach = 0.85f, kRadius = 0.5f;  // of a letter's height
+constexpr float kReach = 0.85f, kRadius = 0.55f;  // of a letter's height
 // Told apart by form and lightness, not by hue alone.
 constexpr ImU32 kLineColor = IM_COL32(255, 235, 120, 255),
                 kSectionColor = IM_COL32(255, 255, 255, 110),
@@ -99,12 +99,12 @@ void draw_shape_handle(const Handle& handle, const ImVec2& at, bool hovered, ImD
 }
 
 void draw_limit(const Handle& handle, const ImVec2& at, bool hovered, ImDrawList& list) {
-  const float em = ImGui::GetFontSize(), radius = (hovered ? 0.55f : 0.45f) * em;
+  const float em = ImGui::GetFontSize(), radius = (hovered ? 0.6f : 0.55f) * em;
   list.AddCircleFilled(at, radius, kArcColors[handle.axis]);
   list.AddCircle(at, radius, hovered ? kHover : kEdge, 0, 1.6f);
   const char* letter = kArcLetters[handle.axis];
   const ImVec2 size = ImGui::CalcTextSize(letter);
-  list.AddText(nullptr, 0.9f * em, {at.x - 0.45f * size.x, at.y - 0.45f * size.y}, kEdge, letter);
+  list.AddText({at.x - 0.5f * size.x, at.y - 0.5f * size.y}, kEdge, letter);
 }
 
 void draw_point(const Handle& handle, const ImVec2& at, bool hovered, ImDrawList& list) {
@@ -125,9 +125,7 @@ void draw_point(const Handle& handle, const ImVec2& at, bool hovered, ImDrawList
                                ? "I"
                                : fmt::format("{}", handle.point + 1);
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
-  const float scale = 0.9f;
-  list.AddText(nullptr, scale * em, {at.x - 0.5f * scale * size.x, at.y - 0.5f * scale * size.y},
-               kEdge, text.c_str());
+  list.AddText({at.x - 0.5f * size.x, at.y - 0.5f * size.y}, kEdge, text.c_str());
 }
 
 std::string told_of_shape(const Handle& handle) {
@@ -231,8 +229,15 @@ void draw_handles(DesignSession& session, PanelState& state, const PosedAnatomy&
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   std::vector<WireShape> wires;
   state.handles.clear();
-  if (state.joints) add_joints(session.anatomy().skeleton, posed, state.handles);
+  if (state.joints) {
+    const Skeleton& skeleton = session.anatomy().skeleton;
+    add_joints(skeleton, posed, state.handles);
+    std::erase_if(state.handles, [&](const Handle& handle) {
+      return !session.has_joint(skeleton.joints[std::size_t(handle.joint)].name);
+    });
+  }
   for (const auto& seen : session.picked(posed)) {
+    if (state.joint_tab) break;  // its own handles are enough
     add_wires(*seen.muscle, seen.slices, session.joint_rest(), posed, wires);
     if (state.points) add_points(*seen.muscle, session.joint_rest(), posed, state.handles);
     add_shape_handles(session, state, seen, posed);

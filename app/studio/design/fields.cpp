@@ -47,6 +47,22 @@ std::optional<std::string> value_field(const std::string& id, const std::string&
   return std::string(text);
 }
 
+std::optional<Vec3> place_field(DesignSession& session, const std::string& id, const Vec3& now,
+                                ArgumentUnit unit, const std::string& where) {
+  auto text = value_field(id, fmt::format("{:.4g},{:.4g},{:.4g}", now.x(), now.y(), now.z()), -1);
+  if (!text) return std::nullopt;
+  std::erase(*text, ' ');
+  session.forget_fault();
+  try {
+    Vec3 out = now;
+    ArgumentReader({"place=" + *text}).vector("place", out, unit, Need::required, "left,up,front");
+    return out;
+  } catch (const std::exception& error) {
+    session.refuse(error, where);
+    return std::nullopt;
+  }
+}
+
 std::optional<std::string> value_row(const std::string& key, const char* label,
                                      const std::string& now, const char* help) {
   ImGui::TableNextColumn();
@@ -96,6 +112,12 @@ void quiet_text(const std::string& text) {
   ImGui::PopStyleColor();
 }
 
+void fault_text(const std::string& text) {
+  ImGui::PushStyleColor(ImGuiCol_Text, fault_color);
+  ImGui::TextWrapped("%s", text.c_str());
+  ImGui::PopStyleColor();
+}
+
 void help_of_last(const std::string& text) {
   if (!ImGui::IsItemHovered()) return;
   ImGui::BeginTooltip();
@@ -105,18 +127,16 @@ void help_of_last(const std::string& text) {
   ImGui::EndTooltip();
 }
 
-void show_fault(const DesignSession& session, const std::string& where) {
+void show_fault(DesignSession& session, const std::string& where) {
   const Fault& fault = session.fault();
   if (fault.text.empty() || fault.where != where) return;
-  ImGui::PushStyleColor(ImGuiCol_Text, fault_color);
-  ImGui::TextWrapped("%s", fault.text.c_str());
-  ImGui::PopStyleColor();
+  fault_text(fault.text);
+  if (ImGui::IsItemVisible()) session.note_fault_seen();
 }
 
-void name_place(ViewDocument& document, const std::string& name) {
-  if (!document.recorded) return;
-  const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
-  document.places[name] = {0.5f * (low.x + high.x), 0.5f * (low.y + high.y)};
+void show_unseen_fault(DesignSession& session) {
+  const Fault& fault = session.fault();
+  if (!fault.text.empty() && !session.is_fault_seen()) fault_text(fault.text);
 }
 
 }  // namespace ecorche

@@ -111,6 +111,7 @@ void GivingWay::move(const std::vector<MovedSection>& sections, DrawMesh& mesh) 
     for (const auto& [v, place] : kept_) mesh.positions[v] = place;
   const bool moved_before = own && !kept_.empty();
   kept_.clear();
+  if (sections.empty() && !moved_before) return;
   const std::vector<Step> steps = steps_of(sections);
   const std::vector<Row> rows = rows_of(steps);
   std::vector<Step> near;

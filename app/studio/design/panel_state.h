@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/studio/design/dropped_bone.h"
 #include "app/studio/design/handles.h"
 #include "viewer/window/view_keys.h"
 
@@ -34,9 +35,14 @@ struct PanelState {
   std::string group;  // of bones, that the panel of joints shows
   std::string body_file;
   std::string joint_name, joint_place, bone_name, bone_file;  // of what is being added
-  std::optional<ViewAction> look;                             // that a panel asks the view for
-  std::vector<Handle> handles;                                // of the last frame
-  int hovered = -1;                                           // of them
+  std::optional<DroppedBone> dropped;                         // that waits for its joint
+  bool shows_bones = false;                                   // they are to be scrolled to
+  std::string asks_tab;                                       // that is to be opened
+  bool asks_export = false;                                   // where to write what
+  std::string export_file;
+  std::optional<ViewAction> look;  // that a panel asks the view for
+  std::vector<Handle> handles;     // of the last frame
+  int hovered = -1;                // of them
   std::optional<HandleDrag> drag;
   Eigen::Vector2f pressed{0, 0};  // where it began, pixels
 };

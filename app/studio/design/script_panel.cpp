@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
 #include "app/studio/design/fields.h"
 
@@ -34,7 +35,7 @@ void save_script(DesignSession& session) {
 void draw_fit_state(DesignSession& session, ViewDocument& document) {
   BackgroundFit& fit = session.fit();
   if (const std::string problem = fit.problem(); !problem.empty()) {
-    ImGui::TextWrapped("no body for this yet: %s", problem.c_str());
+    fault_text("no body for this yet: " + problem);
     return;
   }
   if (fit.is_cancelled()) {
@@ -46,19 +47,19 @@ void draw_fit_state(DesignSession& session, ViewDocument& document) {
   }
   if (!fit.busy()) return;
   const std::string stage = fit.stage();
-  ImGui::ProgressBar(float(fit.share()), {12 * ImGui::GetFontSize(), 0}, "");
+  ImGui::ProgressBar(float(fit.share()), {6 * ImGui::GetFontSize(), 0}, "");
   ImGui::SameLine();
-  ImGui::TextUnformatted(stage.empty() ? "waiting ..." : stage.c_str());
-  ImGui::SameLine();
-  if (ImGui::SmallButton("cancel")) fit.cancel();
+  if (ImGui::Button("cancel")) fit.cancel();
   name_place(document, "cancel");
   help_of_last("Keep the body that is shown; the muscles that were changed stay as a sketch");
+  ImGui::SameLine();
+  ImGui::TextUnformatted(stage.empty() ? "waiting ..." : stage.c_str());
 }
 
 void draw_folder(DesignSession& session, PanelState& state, ViewDocument& document) {
   if (!state.asks_folder) return;
   ImGui::TextUnformatted("Save the project as a folder:");
-  const bool entered = text_field("##folder", state.folder, "my-arm", 14 * ImGui::GetFontSize());
+  const bool entered = text_field("##folder", state.folder, "my-arm", 9 * ImGui::GetFontSize());
   name_place(document, "folder");
   ImGui::SameLine();
   if ((ImGui::Button("save here") || entered) && !state.folder.empty() &&
@@ -68,6 +69,41 @@ void draw_folder(DesignSession& session, PanelState& state, ViewDocument& docume
   }
   ImGui::SameLine();
   if (ImGui::Button("not now")) state.asks_folder = state.asks_to_close = false;
+}
+
+// What a file's ending asks for, as a line of a script; empty for another one.
+std::string export_line(const std::string& file) {
+  const std::filesystem::path kind = std::filesystem::path(file).extension();
+  const char* action = kind == ".glb"   ? "write_character file="
+                       : kind == ".png" ? "render file="
+                       : kind == ".txt" ? "export_muscle file="
+                                        : nullptr;
+  return action ? action + ecorche::quoted(file) : std::string();
+}
+
+void draw_export(DesignSession& session, PanelState& state, ViewDocument& document) {
+  if (!state.asks_export) return;
+  ImGui::TextWrapped(
+      "Write FILE.glb: the character, FILE.png: a picture, FILE.txt: the muscle that is picked");
+  const bool entered =
+      text_field("##export", state.export_file, "my-arm.glb", 9 * ImGui::GetFontSize());
+  name_place(document, "export file");
+  ImGui::SameLine();
+  if ((ImGui::Button("write it") || entered) && !state.export_file.empty()) {
+    const std::string line = export_line(state.export_file);
+    if (line.empty())
+      session.refuse(InputError(state.export_file + ": expected a name with .glb, .png or .txt"),
+                     "export");
+    else if (session.run(line, "export")) {
+      state.asks_export = false;
+      session.say(
+          fmt::format("writing {} ...", std::filesystem::absolute(state.export_file).string()));
+    }
+  }
+  name_place(document, "write it");
+  ImGui::SameLine();
+  if (ImGui::Button("not now###no export")) state.asks_export = false;
+  show_fault(session, "export");
 }
 
 void draw_closing(DesignSession& session, PanelState& state, ViewDocument& document) {
@@ -165,7 +201,7 @@ void draw_script_panel(DesignSession& session, ViewDocument& document) {
 float draw_top_bar(DesignSession& session, PanelState& state, ViewDocument& document,
                    const BarPlace& place) {
   ImGui::SetNextWindowPos({place.left, place.top}, ImGuiCond_Always);
-  ImGui::SetNextWindowSizeConstraints({0, 0}, {place.width, 1000});
+  ImGui::SetNextWindowSizeConstraints({place.width, 0}, {place.width, 1000});
   float bottom = place.top;
   if (ImGui::Begin("bar", nullptr, kBar)) {
     const History& history = session.session().history();
@@ -181,18 +217,22 @@ float draw_top_bar(DesignSession& session, PanelState& state, ViewDocument& docu
     name_place(document, "save");
     help_of_last("Ctrl + S; the star says that there are changes");
     ImGui::SameLine();
+    if (ImGui::Button("export")) state.asks_export = !state.asks_export;
+    name_place(document, "export");
+    help_of_last("The character, a picture or a muscle into a file; F12: a picture of this view");
+    ImGui::SameLine();
     if (ImGui::Button("actions")) state.actions = state.actions_begin = !state.actions;
     name_place(document, "actions");
     help_of_last("Ctrl + P: find and run any action");
     ImGui::SameLine();
     if (ImGui::Button("keys")) document.help = !document.help;
+    name_place(document, "keys");
     help_of_last("F1");
     draw_folder(session, state, document);
+    draw_export(session, state, document);
     draw_closing(session, state, document);
     draw_fit_state(session, document);
-    show_fault(session, "save");
-    show_fault(session, "bar");
-    show_fault(session, "view");
+    show_unseen_fault(session);
     const std::string& tried = session.tried_line();
     if (!tried.empty()) ImGui::TextWrapped("%s", tried.c_str());
     for (const std::string& text : {session.message(), document.message})

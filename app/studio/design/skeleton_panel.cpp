@@ -64,8 +64,9 @@ void draw_own_joints(DesignSession& session, PanelState& state, ViewDocument& do
     ImGui::Text("%s was taken away", spaced(name).c_str());
     ImGui::PopID();
   }
+  show_fault(session, "own");
   if (state.joint.empty()) {
-    quiet_text("Choose a joint above to hang a new one or a bone on it.");
+    quiet_text("Choose a joint above to hang a new one on it.");
     return;
   }
   text_field("##joint name", state.joint_name, "name of a new joint: tail", -1);
@@ -77,9 +78,9 @@ void draw_own_joints(DesignSession& session, PanelState& state, ViewDocument& do
   if (entered && !state.joint_name.empty() && !state.joint_place.empty() &&
       session.run(fmt::format("add_joint {} {} at={}", ecorche::quoted(state.joint_name),
                               state.joint, ecorche::quoted(state.joint_place)),
-                  "own"))
+                  "new joint"))
     state.joint_name.clear(), state.joint_place.clear();
-  show_fault(session, "own");
+  show_fault(session, "new joint");
 }
 
 void draw_own_bones(DesignSession& session, PanelState& state, ViewDocument& document) {
@@ -89,18 +90,19 @@ void draw_own_bones(DesignSession& session, PanelState& state, ViewDocument& doc
     if (ImGui::SmallButton("x")) session.run("remove_bone " + bone.name, "bone");
     ImGui::SameLine();
     ImGui::Text("%s, on %s", spaced(bone.name).c_str(), spaced(bone.joint).c_str());
-    const std::string at =
-        fmt::format("{:.4g},{:.4g},{:.4g}", bone.at.x(), bone.at.y(), bone.at.z());
-    if (const auto text = value_field("##at", at, -1)) {
-      double x = 0, y = 0, z = 0;
-      if (std::sscanf(text->c_str(), "%lf,%lf,%lf", &x, &y, &z) == 3)
-        session.run(fmt::format("set_bone {} by={:.4g},{:.4g},{:.4g}", bone.name, x - bone.at.x(),
-                                y - bone.at.y(), z - bone.at.z()),
-                    "bone");
+    const std::string where = "bone:" + bone.name;
+    if (const auto at = place_field(session, "##at", bone.at, ArgumentUnit::millimetre, where)) {
+      const Vec3 by = *at - bone.at;
+      session.run(
+          fmt::format("set_bone {} by={:.4g},{:.4g},{:.4g}", bone.name, by.x(), by.y(), by.z()),
+          where);
     }
+    name_place(document, "bone:" + bone.name);
     help_of_last("From the joint's centre to the left, up, to the front, mm");
+    show_fault(session, where);
     ImGui::PopID();
   }
+  quiet_text("Drop a mesh of a bone into the window: OBJ, PLY, STL, OFF or GLB.");
   if (!state.joint.empty()) {
     text_field("##bone name", state.bone_name, "name of a new bone: tail_bone", -1);
     name_place(document, "new bone");
@@ -118,15 +120,76 @@ void draw_own_bones(DesignSession& session, PanelState& state, ViewDocument& doc
 
 }  // namespace
 
+void draw_joint_choice(DesignSession& session, PanelState& state) {
+  ImGui::SetNextItemWidth(-1);
+  if (!ImGui::BeginCombo("##joint",
+                         state.joint.empty() ? "choose a joint" : spaced(state.joint).c_str()))
+    return;
+  for (const std::string& name : session.joint_names())
+    if (ImGui::Selectable(spaced(name).c_str(), name == state.joint)) state.joint = name;
+  ImGui::EndCombo();
+}
+
+void draw_dropped_bone(DesignSession& session, PanelState& state, ViewDocument& document) {
+  if (!state.dropped) return;
+  DroppedBone& bone = *state.dropped;
+  ImGui::TextWrapped("%s",
+                     fmt::format("{}: a bone of your own?", bone.file.filename().string()).c_str());
+  quiet_text("Which joint carries it?");
+  ImGui::PushID("dropped");
+  draw_joint_choice(session, state);
+  ImGui::PopID();
+  text_field("##dropped name", bone.name, "its name", -1);
+  name_place(document, "dropped name");
+  const auto large = [&](const char* unit) {
+    const Vec3 mm = millimetres(bone, unit);
+    return fmt::format("{}: {:.3g} x {:.3g} x {:.3g} mm large", unit, mm.x(), mm.y(), mm.z());
+  };
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::BeginCombo("##unit", large(bone.unit.c_str()).c_str())) {
+    for (const BoneUnit& unit : kBoneUnits)
+      if (ImGui::Selectable(large(unit.name).c_str(), bone.unit == unit.name))
+        bone.unit = unit.name;
+    ImGui::EndCombo();
+  }
+  help_of_last("The unit of the file, and how large the bone is with it");
+  ImGui::Checkbox("its middle at the joint", &bone.centred);
+  help_of_last("Otherwise the file's origin lies at the joint's centre");
+  bool done = false;
+  if (state.joint.empty()) {
+    quiet_text("Choose the joint to go on.");
+  } else {
+    if (ImGui::Button("hang it on")) done = session.run(line_of(bone, state.joint), "dropped");
+    name_place(document, "hang it on");
+    if (done) {
+      session.say(fmt::format("{} hangs on {}: its place is under Bones of one's own",
+                              spaced(bone.name), spaced(state.joint)));
+      state.shows_bones = true;
+    }
+    ImGui::SameLine();
+  }
+  if (ImGui::Button("leave it")) done = true;
+  name_place(document, "leave it");
+  ImGui::SameLine();
+  if (ImGui::Button("it is a body"))
+    done = session.run("set_body " + ecorche::quoted(bone.file.string()), "dropped");
+  show_fault(session, "dropped");
+  ImGui::Separator();
+  if (done) state.dropped.reset();
+}
+
 void draw_skeleton_panel(DesignSession& session, PanelState& state, ViewDocument& document) {
-  const auto section = [&](const char* name, const auto& draw) {
+  const auto section = [&](const char* name, const auto& draw, bool shown = false) {
+    if (shown) ImGui::SetNextItemOpen(true);
     const bool open = ImGui::CollapsingHeader(name);
     name_place(document, std::string("section:") + name);
     if (open) draw(session, state, document);
   };
   section("Measures of bones", draw_groups);
   section("Joints added and taken away", draw_own_joints);
-  section("Bones of one's own", draw_own_bones);
+  section("Bones of one's own", draw_own_bones, state.shows_bones);
+  if (state.shows_bones) ImGui::SetScrollHereY(1);
+  state.shows_bones = false;
 }
 
 }  // namespace ecorche

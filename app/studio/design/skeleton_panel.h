@@ -10,4 +10,9 @@ namespace ecorche {
 
 void draw_skeleton_panel(DesignSession& session, PanelState& state, ViewDocument& document);
 
+// Asks for the joint of a mesh that was dropped; nothing where none was.
+void draw_dropped_bone(DesignSession& session, PanelState& state, ViewDocument& document);
+// A choice of the joint that the panels show.
+void draw_joint_choice(DesignSession& session, PanelState& state);
+
 }  // namespace ecorche
