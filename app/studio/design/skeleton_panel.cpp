@@ -98,7 +98,8 @@ void draw_own_bones(DesignSession& session, PanelState& state, ViewDocument& doc
           where);
     }
     name_place(document, "bone:" + bone.name);
-    help_of_last("From the joint's centre to the left, up, to the front, mm");
+    if (session.fault().where != where)  // which stands where the tooltip would
+      help_of_last("From the joint's centre to the left, up, to the front, mm");
     show_fault(session, where);
     ImGui::PopID();
   }
