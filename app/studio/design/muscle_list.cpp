@@ -53,8 +53,8 @@ bool is_found(const TableMuscle& muscle, const std::string& find) {
 }
 
 void draw_muscle_list(DesignSession& session, PanelState& state, ViewDocument& document) {
-  const bool entered = text_field("##find", state.find, "find a muscle, as soleus or heel bone",
-                                  ImGui::GetContentRegionAvail().x);
+  const bool entered =
+      text_field("##find", state.find, "find: soleus, heel bone", ImGui::GetContentRegionAvail().x);
   name_place(document, "find");
   help_of_last("Words of its English or Latin name, its region, its origin or insertion");
   std::map<std::string, std::vector<const TableMuscle*>> regions;
