@@ -246,13 +246,16 @@ void DesignWindow::draw_right(ViewDocument& document, float bottom) {
       ImGui::BeginTabBar("tabs")) {
     const auto tab = [&](const char* name, const auto& draw) {
       const bool asked = state_.asks_tab == name;
-      if (asked) state_.asks_tab.clear();
       const bool open = ImGui::BeginTabItem(
           name, nullptr, asked ? ImGuiTabItemFlags_SetSelected : ImGuiTabItemFlags_None);
       name_place(document, std::string("tab:") + name);
       if (!open) return;
       state_.joint_tab = std::string(name) == "Joints";
       ImGui::BeginChild(name);
+      if (asked) {
+        ImGui::SetScrollY(0);
+        state_.asks_tab.clear();
+      }
       draw();
       ImGui::EndChild();
       ImGui::EndTabItem();
