@@ -15,6 +15,7 @@
 #include "morph/dilation/bone_rays.h"
 #include "morph/dilation/close_raphes.h"
 #include "morph/dilation/dilate_strip.h"
+#include "morph/dilation/lay_wall.h"
 #include "morph/dilation/lift_off_bones.h"
 #include "morph/dilation/pack_muscles.h"
 #include "morph/dilation/packed_sections.h"
@@ -209,6 +210,9 @@ void share_room(Anatomy& anatomy, const std::vector<Muscle>& original,
     straighten_strips(muscles, original, partners, sections.slices);
     mirror_sections(partners, options.even_about.value_or(0), sections);
     close_raphes(muscles, sections.slices);
+    write_sections(sections, muscles);
+    lay_wall(anatomy, sections.slices, partners, rays);
+    mirror_sections(partners, options.even_about.value_or(0), sections);
     write_sections(sections, muscles);
     report.rays += pack_muscles(anatomy, sections.slices, wanted, partners, rays, fat).rays;
   }

@@ -17,6 +17,7 @@
 #include "anatomy/queries/occupancy_grid.h"
 #include "anatomy/queries/ray_crossings.h"
 #include "morph/dilation/fill_gaps.h"
+#include "morph/dilation/lay_wall.h"
 #include "morph/dilation/packed_sections.h"
 #include "morph/dilation/spoke_limits.h"
 
@@ -100,7 +101,8 @@ class MusclePacking {
         underside_(underside(skin.mesh(), fat)) {
     for (const Muscle& muscle : anatomy.muscles)
       thickening_.push_back(muscle.group == "face_jaw" || lies_in_fat(muscle)),
-          staying_.push_back(thickening_.back() || muscle.layer == "deep");
+          staying_.push_back(thickening_.back() || muscle.layer == "deep"),
+          depth_in_wall_.push_back(depth_in_wall(muscle));
     limit_by_skin(skin, fat);
     add_bones();
   }
@@ -457,6 +459,14 @@ class MusclePacking {
   // grows for its volume's sake alone.
   bool does_stay(const StripPlace& strip) const { return staying_[strip.muscle]; }
 
+  // Whether a ray of a sheet of the belly's wall comes out over one that covers it: where a big
+  // belly draws the outer one's strips apart, it lies lower between them.
+  bool comes_through(int muscle, const RayInterval& cover, double now) const {
+    const int own = depth_in_wall_[std::size_t(muscle)],
+              over = cover.solid == kBone ? 0 : depth_in_wall_[std::size_t(cover.solid)];
+    return over > 0 && own > over && cover.from > 0 && cover.to < now;
+  }
+
   // The new radius in a direction, m.
   double reach(std::size_t k, std::size_t i, const StripPlace& strip, Round kind,
                RayBuffer& buffer) const {
@@ -481,6 +491,8 @@ class MusclePacking {
           deep = std::min(deep, interval.from - limits_.bone_gap);
         else if (interval.to >= now)
           end = 0;
+      } else if (comes_through(strip.muscle, interval, now)) {
+        end = std::min(end, interval.from - limits_.gap);
       } else if (interval.from >= now) {
         const double theirs = needs_[interval.solid];
         const double push = std::clamp((need - theirs) / (need + theirs), 0.0, 0.5) * kPush * now;
@@ -534,6 +546,8 @@ class MusclePacking {
       if (interval.from >= now) continue;
       if (interval.solid == kBone) {
         if (interval.from > 0) end = std::min(end, interval.from - limits_.bone_gap);
+      } else if (comes_through(own.muscle, interval, now)) {
+        end = std::min(end, interval.from - limits_.gap);
       } else if (interval.to >= now) {
         end = std::min(end, 0.5 * (interval.from + now) - limits_.gap);
       }
@@ -663,8 +677,9 @@ class MusclePacking {
   std::vector<char> pressed_along_;  // #slices x #directions, from each to the next
   Eigen::AlignedBox3d seen_;         // within sight
   std::optional<TouchedCells> touched_;
-  std::vector<char> thickening_;  // #muscles
-  std::vector<char> staying_;     // #muscles: that do not come up to the layer
+  std::vector<char> thickening_;    // #muscles
+  std::vector<char> staying_;       // #muscles: that do not come up to the layer
+  std::vector<int> depth_in_wall_;  // #muscles
   Underside underside_;
   TriMesh mesh_;                       // muscles, then bones; triangles within sight
   Points positions_;                   // of the muscles' surface
