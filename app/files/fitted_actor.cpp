@@ -117,6 +117,9 @@ void report_fit(const FittingReport& fitted, double skin_gap_median, Report& rep
   report.set("fit.muscle_overlap_share", fitted.fill.overlap_share);
   report.set("fit.muscle_in_bone_share", fitted.fill.bone_share);
   report.set("fit.filled_share", fitted.fill.filled_share);
+  report.set("fit.shown_through", fitted.fill.shown);
+  report.set("fit.shown_through_by_one", fitted.fill.shown_by_one);
+  report.set("fit.shown_through_most", fitted.fill.shown_most);
   report.set("fit.loose_ends", fitted.fill.loose_ends);
   report.set("fit.torn_muscles", int(fitted.fill.torn.size()));
   report.set("fit.torn_muscle", fitted.fill.torn.empty() ? "" : fitted.fill.torn.front());

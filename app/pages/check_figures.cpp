@@ -37,6 +37,9 @@ void report_anatomy_check(const AnatomyCheck& check, Report& report) {
   report.set("check.filled_share", check.filled_share);
   report.set("check.slits", check.slits);
   report.set("check.slit_muscle", check.slit_muscle);
+  report.set("check.shown_through", check.shown);
+  report.set("check.shown_through_by_one", check.shown_by_one);
+  report.set("check.shown_through_most", check.shown_most);
   report.set("check.fat_gap_median", check.gap_median);
   report.set("check.fat_gap_p95", check.gap_p95);
   report.set("check.ends", check.ends);

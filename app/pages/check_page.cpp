@@ -181,6 +181,12 @@ void add_muscles(HtmlPage& page, const AnatomyCheck& check, const Anatomy& anato
         return std::vector<std::string>{name(m), share(c.in_bone)};
       });
   add_worst(
+      page, check, "Muscles that show through what covers them at rest", {"muscle", "cm2"},
+      [](const MuscleCheck& m) { return m.shown; },
+      [&](int m, const MuscleCheck& c) {
+        return std::vector<std::string>{name(m), fmt::format("{:.1f}", 1e4 * c.shown)};
+      });
+  add_worst(
       page, check, "Muscles that leave the skin when posed", {"muscle", "of its points", "pose"},
       [](const MuscleCheck& m) { return m.posed_outside; },
       [&](int m, const MuscleCheck& c) {
@@ -292,7 +298,7 @@ std::string slits_row(const AnatomyCheck& check) {
 std::string check_csv(const AnatomyCheck& check, const Anatomy& anatomy) {
   std::string out =
       "muscle,group,layer,volume_ml,outside_share,overlap_share,neighbour,neighbour_ml,bone_share,"
-      "needles_at_rest,raised_at_rest,needle_at_rest_mm,kink_at_rest_mm,slits_cm2,"
+      "needles_at_rest,raised_at_rest,needle_at_rest_mm,kink_at_rest_mm,slits_cm2,shown_cm2,"
       "posed_outside_share,outside_pose,posed_overlap_share,overlap_pose,"
       "posed_bone_share,volume_drift,path_jump_mm,path_jump_at,end_distance_mm,"
       "creased_share,creased_pose,needles,needles_pose,daylight_cm2,daylight_pose,stretch,"
@@ -301,7 +307,8 @@ std::string check_csv(const AnatomyCheck& check, const Anatomy& anatomy) {
     const MuscleCheck& m = check.muscles[i];
     const Muscle& muscle = anatomy.muscles[i];
     out += fmt::format(
-        "{},{},{},{:.2f},{:.5f},{:.5f},{},{:.3f},{:.5f},{},{},{:.1f},{:.1f},{:.2f},{:.5f},{},{:.5f}"
+        "{},{},{},{:.2f},{:.5f},{:.5f},{},{:.3f},{:.5f},{},{},{:.1f},{:.1f},{:.2f},{:.2f},{:.5f},{}"
+        ",{:.5f}"
         ",{},{:."
         "5f},{:.2e},"
         "{:.3f},{},{:.2f},{:.5f},{},{},{},{:.1f},{},{:.2f},{},{:.1f},{},{:.1f},{}\n",
@@ -309,8 +316,8 @@ std::string check_csv(const AnatomyCheck& check, const Anatomy& anatomy) {
         m.points > 0 ? double(m.points_outside) / m.points : 0.0, m.overlap,
         m.neighbour < 0 ? "" : anatomy.muscles[m.neighbour].name, 1e6 * m.neighbour_volume,
         m.in_bone, m.tear.needles, m.tear.raised, 1e3 * m.tear.needle, 1e3 * m.tear.kink,
-        1e4 * m.slits, m.posed_outside, pose_name(check, m.outside_pose), m.posed_overlap,
-        pose_name(check, m.overlap_pose), m.posed_in_bone, m.drift, 1e3 * m.jump,
+        1e4 * m.slits, 1e4 * m.shown, m.posed_outside, pose_name(check, m.outside_pose),
+        m.posed_overlap, pose_name(check, m.overlap_pose), m.posed_in_bone, m.drift, 1e3 * m.jump,
         jump_place(m, anatomy), 1e3 * m.end_distance, m.creased, pose_name(check, m.creased_pose),
         m.needles, pose_name(check, m.needles_pose), 1e4 * m.daylight,
         pose_name(check, m.daylight_pose), m.stretch, pose_name(check, m.stretch_pose),

@@ -123,7 +123,7 @@ int run_check(const CheckVerbOptions& options, const Common& common, Report& rep
   CheckOptions how;
   if (options.no_sweeps) how.sweep_step = 0;
   const Template body_template = read_template(common.assets);
-  how.reference = &body_template.anatomy.muscles;
+  how.reference = &body_template;
   AnatomyCheck check;
   {
     const StageTimer timer(report, "check");

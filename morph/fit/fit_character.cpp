@@ -61,7 +61,9 @@ FittedCharacter fit_character(const Template& body_template, const Body& body,
   report.fill = measure_fill(fitted.anatomy, closed_skin, wall, fitted.fat, parts);
   if (options.dilated && dilation.method == DilateMethod::ecorche && dilation.share)
     measure_rest(fitted.anatomy, wall.mesh(), fitted.fat, parts, report.fill),
-        measure_torn(fitted.anatomy, body_template.anatomy.muscles, report.fill);
+        measure_torn(fitted.anatomy, body_template.anatomy.muscles, report.fill),
+        measure_shown(template_layers(body_template, package),
+                      {fitted.anatomy, wall.mesh(), fitted.fat, parts}, report.fill);
   if (options.tissues)
     report.tissues = measure_tissues(fitted.anatomy, closed_skin, wall.mesh(), fitted.fat);
   rearrange_joints(options.joints, fitted.anatomy);

@@ -184,6 +184,13 @@ void measure_rest(const Anatomy& anatomy, const TriMesh& wall, const FatLayer& f
       measure_layer_gaps(wall, fat, parts, flesh.mesh(), fascia_mesh(anatomy)).filled_share;
 }
 
+void measure_shown(const LayerOrder& layers, const LayeredBody& body, FillReport& fill) {
+  const ShownThrough shown = measure_shown_through(layers, body);
+  fill.shown = shown.area;
+  fill.shown_most = shown.most;
+  fill.shown_by_one = shown.by_one;
+}
+
 void measure_torn(const Anatomy& anatomy, const std::vector<Muscle>& reference, FillReport& fill) {
   const std::vector<MuscleTear> tears = measure_tears(anatomy.muscles, reference);
   fill.torn.clear();
@@ -243,6 +250,11 @@ std::vector<MissedTarget> missed_targets(const FittingReport& report) {
         {"layer_unfilled", fmt::format("under the fat layer {:.1f} % of the area is within 5 mm of "
                                        "muscle, bone or fascia; at least 95 % was asked",
                                        100 * fill.filled_share)});
+  if (fill.shown_by_one > kShownAsked)
+    missed.push_back({"shown_through",
+                      fmt::format("{} shows through what covers it by {:.1f} cm2; at most "
+                                  "{:.0f} cm2 was asked",
+                                  fill.shown_most, 1e4 * fill.shown_by_one, 1e4 * kShownAsked)});
   if (fill.pierced_share > kPiercedLimit)
     missed.push_back({"muscle_pierced",
                       fmt::format("bones take {:.1f} % of {}; at most 5 % of a muscle was asked",

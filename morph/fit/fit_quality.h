@@ -12,6 +12,7 @@
 #include "morph/dilation/dilate_muscles.h"
 #include "morph/fat/fat_layer.h"
 #include "morph/fit/fit_anatomy.h"
+#include "morph/fit/shown_through.h"
 
 namespace ecorche::inline v1 {
 
@@ -30,6 +31,10 @@ struct FillReport {
   std::string pierced_muscle;
   int loose_ends = 0;
   double filled_share = 1;
+  // m^2 where muscles and bones show through what covers them in the template; of it the one that
+  // shows most
+  double shown = 0, shown_by_one = 0;
+  std::string shown_most;
   // muscles that are torn at rest, the worst first, and needles of all (torn_muscles.h)
   std::vector<std::string> torn;
   int needles = 0;
@@ -70,6 +75,8 @@ FillReport measure_fill(const Anatomy& anatomy, const TriMesh& closed_skin, cons
 // `parts` as for measure_fill.
 void measure_rest(const Anatomy& anatomy, const TriMesh& wall, const FatLayer& fat,
                   const std::vector<VertexPart>& parts, FillReport& fill);
+// Against what lies over what in the template.
+void measure_shown(const LayerOrder& layers, const LayeredBody& body, FillReport& fill);
 // Against the template's muscles, grown to its own skin.
 void measure_torn(const Anatomy& anatomy, const std::vector<Muscle>& reference, FillReport& fill);
 Tissues measure_tissues(const Anatomy& anatomy, const TriMesh& closed_skin, const TriMesh& wall,
@@ -77,8 +84,8 @@ Tissues measure_tissues(const Anatomy& anatomy, const TriMesh& closed_skin, cons
 
 struct MissedTarget {
   // bones_outside, muscles_outside, muscles_overlap, muscles_in_bones, muscle_pierced, ends_loose,
-  // layer_unfilled, muscles_torn, superficial_gap, muscles_collapsed, or a landmark of
-  // data/palpable.csv
+  // layer_unfilled, shown_through, muscles_torn, superficial_gap, muscles_collapsed, or a landmark
+  // of data/palpable.csv
   std::string name;
   std::string what;  // with the figures
 };

@@ -22,27 +22,33 @@ bool is_filled_part(BodyPart part) {
 
 }  // namespace
 
+std::vector<int> vertices_over_flesh(const TriMesh& wall, const std::vector<VertexPart>& parts) {
+  const std::vector<double> areas = vertex_areas(wall);
+  std::vector<int> out;
+  for (int i = 0; i < int(parts.size()); ++i)
+    if (areas[std::size_t(i)] > 0 && is_filled_part(parts[std::size_t(i)].part)) out.push_back(i);
+  return out;
+}
+
 LayerGaps measure_layer_gaps(const TriMesh& wall, const FatLayer& fat,
                              const std::vector<VertexPart>& parts, const TriMesh& flesh,
                              const TriMesh& fascia) {
   const Points normals = vertex_normals(wall);
   const std::vector<double> areas = vertex_areas(wall);
   LayerGaps out;
-  for (int i = 0; i < int(parts.size()); ++i)
-    if (areas[std::size_t(i)] > 0 && is_filled_part(parts[std::size_t(i)].part))
-      out.vertices.push_back(i);
-  Points under(out.vertices.size(), 3);
-  for (std::size_t k = 0; k < out.vertices.size(); ++k) {
-    const int i = out.vertices[k];
+  const std::vector<int> vertices = vertices_over_flesh(wall, parts);
+  Points under(vertices.size(), 3);
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    const int i = vertices[k];
     under.row(Eigen::Index(k)) =
         wall.V.row(i) - double(fat.thickness[std::size_t(i)]) * normals.row(i);
   }
   const std::vector<int> winding = winding_numbers(flesh, under);
   const NearestSurface nearest(join_meshes({&flesh, &fascia}));
-  std::vector<std::pair<double, double>> gaps(out.vertices.size());  // gap, area
+  std::vector<std::pair<double, double>> gaps(vertices.size());  // gap, area
   tbb::parallel_for(std::size_t{0}, gaps.size(), [&](std::size_t k) {
     const double gap = winding[k] != 0 ? 0 : nearest.nearest(under.row(Eigen::Index(k))).distance;
-    gaps[k] = {gap, areas[std::size_t(out.vertices[k])]};
+    gaps[k] = {gap, areas[std::size_t(vertices[k])]};
   });
   std::sort(gaps.begin(), gaps.end());
   double area = 0, near = 0, sum = 0;

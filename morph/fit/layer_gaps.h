@@ -13,10 +13,12 @@ namespace ecorche::inline v1 {
 inline constexpr double kFilledAsked = 0.95;
 
 struct LayerGaps {
-  double filled_share = 0;      // of the area: within 5 mm of muscle, bone or fascia, or in it
-  double median = 0, p95 = 0;   // m, of the gaps by area
-  std::vector<int> vertices{};  // of the wall that were looked at: limbs and trunk
+  double filled_share = 0;     // of the area: within 5 mm of muscle, bone or fascia, or in it
+  double median = 0, p95 = 0;  // m, of the gaps by area
 };
+
+// Vertices of the wall over limbs and trunk. `parts`: vertex_parts of its package.
+std::vector<int> vertices_over_flesh(const TriMesh& wall, const std::vector<VertexPart>& parts);
 
 // `wall`: of chest_wall_skin; `fat`: of its vertices; `parts`: vertex_parts of its package.
 // `flesh`: muscles and bones as drawn; `fascia`: may have no triangles.

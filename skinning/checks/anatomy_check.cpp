@@ -24,6 +24,7 @@
 #include "morph/fat/fat_layer.h"
 #include "morph/fit/layer_gaps.h"
 #include "morph/fit/muscle_ends.h"
+#include "morph/fit/shown_through.h"
 #include "skinning/character/evaluate.h"
 #include "skinning/checks/slits.h"
 #include "skinning/checks/wholeness.h"
@@ -189,7 +190,7 @@ TriMesh flesh_of(const Subject& subject, const Shape& shape) {
 void check_torn(const Subject& subject, const CheckOptions& options, AnatomyCheck& check) {
   if (!options.reference) return;
   const std::vector<Muscle>& muscles = subject.anatomy().muscles;
-  const std::vector<MuscleTear> tears = measure_tears(muscles, *options.reference);
+  const std::vector<MuscleTear> tears = measure_tears(muscles, options.reference->anatomy.muscles);
   for (std::size_t m = 0; m < tears.size(); ++m) {
     check.compared = check.compared || tears[m].known;
     check.needles_at_rest += tears[m].needles;
@@ -200,7 +201,16 @@ void check_torn(const Subject& subject, const CheckOptions& options, AnatomyChec
   if (!torn.empty()) check.torn_muscle = muscles[torn.front()].name;
 }
 
-void check_voids(const Subject& subject, const Shape& shape, AnatomyCheck& check) {
+void check_shown(const LayerOrder& layers, const LayeredBody& body, AnatomyCheck& check) {
+  const ShownThrough shown = measure_shown_through(layers, body);
+  check.shown = shown.area;
+  check.shown_most = shown.most;
+  check.shown_by_one = shown.by_one;
+  for (std::size_t m = 0; m < shown.muscles.size(); ++m) check.muscles[m].shown = shown.muscles[m];
+}
+
+void check_voids(const Subject& subject, const Shape& shape, const CheckOptions& options,
+                 AnatomyCheck& check) {
   check.filled_share = check.slits = std::numeric_limits<double>::quiet_NaN();
   if (!subject.packaged) return;
   const Body& body = subject.model.character.body;
@@ -209,14 +219,15 @@ void check_voids(const Subject& subject, const Shape& shape, AnatomyCheck& check
   const FatLayer fat =
       make_fat_layer(FatTables(subject.package.tables), rays, subject.anatomy(), body);
   const TriMesh flesh = flesh_of(subject, shape);
-  const LayerGaps gaps = measure_layer_gaps(wall, fat, vertex_parts(subject.package), flesh,
-                                            {shape.fascia, subject.fascia.F});
+  const std::vector<VertexPart> parts = vertex_parts(subject.package);
+  const LayerGaps gaps =
+      measure_layer_gaps(wall, fat, parts, flesh, {shape.fascia, subject.fascia.F});
   check.filled_share = gaps.filled_share;
   check.gap_median = gaps.median;
   check.gap_p95 = gaps.p95;
 
   std::vector<char> looked_at(std::size_t(wall.V.rows()), 0);
-  for (const int i : gaps.vertices) looked_at[std::size_t(i)] = 1;
+  for (const int i : vertices_over_flesh(wall, parts)) looked_at[std::size_t(i)] = 1;
   const std::vector<double> slits = slit_areas(wall, fat.thickness, looked_at, flesh);
   check.slits = 0;
   double most = 0;
@@ -231,6 +242,9 @@ void check_voids(const Subject& subject, const Shape& shape, AnatomyCheck& check
     most = check.muscles[m].slits;
     check.slit_muscle = subject.anatomy().muscles[m].name;
   }
+  if (options.reference)
+    check_shown(template_layers(*options.reference, subject.package),
+                {subject.anatomy(), wall, fat, parts}, check);
 }
 
 void check_ends(const Subject& subject, AnatomyCheck& check) {
@@ -450,7 +464,7 @@ AnatomyCheck check_anatomy(const CharacterModel& model, const BodyPackage& packa
   check_rest(subject, rest, options, check);
   check.bone_overlap = measure_bone_overlap(anatomy.bones, options.rest_spacing);
   check_torn(subject, options, check);
-  check_voids(subject, rest, check);
+  check_voids(subject, rest, options, check);
   check_ends(subject, check);
   check_poses(subject, poses, options, progress, check);
   check.swept = options.sweep_step > 0;

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "anatomy/base_mesh/body_package.h"
 #include "anatomy/muscles/torn_muscles.h"
+#include "morph/template/template.h"
 #include "skinning/character/character_model.h"
 #include "skinning/checks/bone_overlap.h"
 #include "skinning/checks/fascia_check.h"
@@ -23,9 +25,9 @@ struct CheckOptions {
   double rest_spacing = 0.0015;  // m, between the lines that volumes are measured along
   double pose_spacing = 0.0025;
   double sweep_step = 0.017453292519943295;  // rad; not above 0: no sweeps
-  // Muscles that these were made from, in the body they were made for: the template's. Null:
-  // nothing is known of muscles torn at rest.
-  const std::vector<Muscle>* reference = nullptr;
+  // What the muscles were made from, in its own body. Null: nothing is known of muscles torn at
+  // rest, nor of what shows through.
+  const Template* reference = nullptr;
 };
 
 // Of one muscle. Shares are of its volume, or of the points of its surface.
@@ -35,6 +37,7 @@ struct MuscleCheck {
   double overlap = 0, in_bone = 0;     // shares at rest
   MuscleTear tear;                     // at rest, against the reference
   double slits = 0;                    // m^2 open beside it at rest
+  double shown = 0;                    // m^2 by which it shows through what covers it, at rest
   int neighbour = -1;                  // the muscle it shares most with, -1 none
   double neighbour_volume = 0;         // m^3
   double posed_outside = 0, posed_overlap = 0, posed_in_bone = 0;  // shares, each in its worst pose
@@ -104,6 +107,10 @@ struct AnatomyCheck {
   // most of it is beside; NaN: not known
   double slits = 0;
   std::string slit_muscle;
+  // m^2 of that area where a muscle or bone is met first that others cover in the reference, and
+  // of it the one that shows most (shown_through.h); NaN: not known
+  double shown = std::numeric_limits<double>::quiet_NaN(), shown_by_one = 0;
+  std::string shown_most;
   std::vector<PoseCheck> poses;
   double posed_outside_share = 0;  // of muscle points, mean over the poses
   double posed_outside_worst = 0;

@@ -48,7 +48,7 @@ std::vector<BodyCheck> check_bodies(const Assets& assets, const std::vector<Body
         compile_character({std::move(fitted.anatomy), made}, {.muscles = MuscleMotion::map});
     CheckOptions options;
     options.sweep_step = 0;
-    options.reference = &body_template.anatomy.muscles;
+    options.reference = &body_template;
     BodyCheck body;
     body.name = bodies[checks.size()].name;
     body.mass = made.mass;
@@ -90,17 +90,20 @@ std::string bodies_table(const std::vector<BodyCheck>& checks) {
 std::string bodies_csv(const std::vector<BodyCheck>& checks) {
   std::string out =
       "body,stature_m,mass_kg,bone_points_outside,muscle_outside_share,muscle_overlap_share,bone_"
-      "overlap_share,filled_share,gap_p95_m,muscle_l,wanted_l,bone_l,layer_l,rest_l,dilation_"
+      "overlap_share,filled_share,shown_m2,shown_most_m2,shown_most,gap_p95_m,muscle_l,wanted_l,"
+      "bone_l,layer_l,rest_l,dilation_"
       "ms,posed_outside_share,posed_overlap_worst\n";
   for (const BodyCheck& body : checks) {
     const AnatomyCheck& c = body.check;
     const Tissues& t = body.tissues;
     out += fmt::format(
-        "{},{:.4f},{:.2f},{},{:.6f},{:.5f},{:.5f},{:.5f},{:.5f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},"
+        "{},{:.4f},{:.2f},{},{:.6f},{:.5f},{:.5f},{:.5f},{:.5f},{:.5f},{},{:.5f},{:.3f},{:.3f},{:."
+        "3f},{:.3f},{:.3f},"
         "{:.0f},",
         body.name, body.stature, body.mass, c.bone_points_outside, outside_share(c),
-        c.overlap_share, c.bone_share, c.filled_share, c.gap_p95, 1e3 * t.muscles,
-        1e3 * body.target_volume, 1e3 * t.bones, 1e3 * t.layer, 1e3 * t.rest, body.dilation_ms);
+        c.overlap_share, c.bone_share, c.filled_share, c.shown, c.shown_by_one, c.shown_most,
+        c.gap_p95, 1e3 * t.muscles, 1e3 * body.target_volume, 1e3 * t.bones, 1e3 * t.layer,
+        1e3 * t.rest, body.dilation_ms);
     out += c.poses.empty()
                ? ",\n"
                : fmt::format("{:.6f},{:.5f}\n", c.posed_outside_share, c.posed_overlap_worst);

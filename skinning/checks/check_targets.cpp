@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "morph/fit/layer_gaps.h"
+#include "morph/fit/shown_through.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -18,6 +19,11 @@ std::string millimetres(double metres) { return fmt::format("{:.1f} mm", 1e3 * m
 std::string pierced_most(const AnatomyCheck& check) {
   return percent(check.pierced_share, 1) +
          (check.pierced_muscle.empty() ? "" : " (" + check.pierced_muscle + ")");
+}
+
+std::string shown_most(const AnatomyCheck& check) {
+  return fmt::format("{:.1f} cm2", 1e4 * check.shown_by_one) +
+         (check.shown_most.empty() ? "" : " (" + check.shown_most + ")");
 }
 
 }  // namespace
@@ -48,6 +54,10 @@ std::vector<Target> check_targets(const AnatomyCheck& check) {
                        std::to_string(check.torn) +
                            (check.torn_muscle.empty() ? "" : " (" + check.torn_muscle + ")"),
                        check.torn == 0});
+  if (std::isfinite(check.shown))
+    targets.push_back({"muscle or bone that shows most through what covers it",
+                       fmt::format("<= {:.0f} cm2", 1e4 * kShownAsked), shown_most(check),
+                       check.shown_by_one <= kShownAsked});
   if (!check.poses.empty()) {
     targets.push_back({"posed: muscle points outside the skin, mean", "<= 0.2 %",
                        percent(check.posed_outside_share), check.posed_outside_share <= 0.002});

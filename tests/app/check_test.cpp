@@ -133,6 +133,7 @@ TEST(CheckTargets, AreMetOrNot) {
   AnatomyCheck check;
   check.bone_points = check.muscle_points = 10000;
   check.filled_share = 0.97;
+  check.shown = 0;
   for (const Target& target : check_targets(check)) EXPECT_TRUE(target.met) << target.what;
   const std::size_t at_rest = check_targets(check).size();  // what was not measured is not listed
   check.poses.resize(1);
@@ -151,6 +152,7 @@ TEST(CheckTargets, AreMetOrNot) {
   check.drift_max = 0.01;
   check.jump_max = 0.002;
   check.pierced_share = 0.1;
+  check.shown_by_one = 30e-4;
   check.poses[0].bone_points_outside = 1;
   for (const Target& target : check_targets(check)) EXPECT_FALSE(target.met) << target.what;
 }
@@ -161,11 +163,12 @@ TEST(CheckTargets, AreThoseOfAFitAtRest) {
     return std::ranges::all_of(check_targets(check), &Target::met);
   };
   const auto agree = [&](double outside, double overlap, double in_bone, double pierced,
-                         double filled, int loose, int torn, int bones) {
+                         double filled, int loose, int torn, int bones, double shown = 0) {
     AnatomyCheck check;
     check.bone_points = check.muscle_points = 100000;
     check.compared = true;
     FittingReport fit;
+    check.shown = fit.fill.shown = check.shown_by_one = fit.fill.shown_by_one = shown;
     check.muscle_points_outside = fit.fill.points_outside = int(100000 * outside);
     fit.fill.points = 100000;
     check.overlap_share = fit.fill.overlap_share = overlap;
@@ -188,6 +191,8 @@ TEST(CheckTargets, AreThoseOfAFitAtRest) {
   EXPECT_FALSE(agree(0.0005, 0.02, 0.01, 0.05, 0.95, 1, 0, 0));
   EXPECT_FALSE(agree(0.0005, 0.02, 0.01, 0.05, 0.95, 0, 1, 0));
   EXPECT_FALSE(agree(0.0005, 0.02, 0.01, 0.05, 0.95, 0, 0, 1));
+  EXPECT_TRUE(agree(0.0005, 0.02, 0.01, 0.05, 0.95, 0, 0, 0, 23.9e-4));
+  EXPECT_FALSE(agree(0.0005, 0.02, 0.01, 0.05, 0.95, 0, 0, 0, 24.1e-4));
 }
 
 TEST(CheckBodies, AreTwentyWithNamesOfTheirOwn) {
