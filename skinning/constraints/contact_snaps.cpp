@@ -14,6 +14,7 @@ namespace {
 constexpr double kFaster = 1.5, kByMore = 0.8;      // m/s; than anywhere in the motion
 constexpr double kFasterHere = 3, kByMoreHere = 2;  // m/s; than around the contact
 constexpr double kAround = 0.15;                    // s: corrections fade around a contact
+constexpr double kShortest = 0.06;                  // s; of what is left of a contact
 constexpr std::size_t kSeen = 4;                    // knee and ankle, left and right
 
 // Speeds, m/s, by frame of what leads from the span before to the next one.
@@ -40,9 +41,10 @@ Speeds leg_speeds(const Skeleton& skeleton, const Motion& motion) {
 
 }  // namespace
 
-std::vector<bool> snapping_contacts(const Skeleton& skeleton, const Motion& before,
-                                    const Motion& planted, const std::vector<Contact>& contacts) {
-  std::vector<bool> out(contacts.size(), false);
+std::vector<std::vector<int>> contact_snaps(const Skeleton& skeleton, const Motion& before,
+                                            const Motion& planted,
+                                            const std::vector<Contact>& contacts) {
+  std::vector<std::vector<int>> out(contacts.size());
   const Speeds free = leg_speeds(skeleton, before), held = leg_speeds(skeleton, planted);
   std::array<double, kSeen> top{};
   for (const auto& speeds : free)
@@ -53,16 +55,47 @@ std::vector<bool> snapping_contacts(const Skeleton& skeleton, const Motion& befo
               end = std::min(int(free.size()), contacts[c].end + around);
     const std::size_t first = contacts[c].side == Side::left ? 0 : 2;
     for (std::size_t k = first; k < first + 2; ++k) {
-      double with = 0, without = 0;
+      double without = 0;
+      for (int f = begin; f < end; ++f) without = std::max(without, free[std::size_t(f)][k]);
       for (int f = begin; f < end; ++f) {
-        with = std::max(with, held[std::size_t(f)][k]);
-        without = std::max(without, free[std::size_t(f)][k]);
+        const double with = held[std::size_t(f)][k];
+        const auto beyond = [&](double usual, double factor, double more) {
+          return with > factor * usual && with > usual + more;
+        };
+        if (beyond(top[k], kFaster, kByMore) || beyond(without, kFasterHere, kByMoreHere))
+          out[c].push_back(f);
       }
-      const auto beyond = [&](double usual, double factor, double more) {
-        return with > factor * usual && with > usual + more;
-      };
-      if (beyond(top[k], kFaster, kByMore) || beyond(without, kFasterHere, kByMoreHere))
-        out[c] = true;
+    }
+  }
+  return out;
+}
+
+std::vector<Contact> contacts_between_snaps(const std::vector<Contact>& contacts,
+                                            const std::vector<std::vector<int>>& snaps, bool whole,
+                                            double fps) {
+  const int around = 1 + int(std::lround(kAround * fps));
+  const double shortest = kShortest * fps;
+  std::vector<Contact> out;
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    const Contact& given = contacts[c];
+    if (snaps[c].empty()) out.push_back(given);
+    if (snaps[c].empty() || whole) continue;
+    std::vector<char> stands(std::size_t(given.end - given.begin), 1);
+    for (const int snap : snaps[c])
+      for (int f = std::max(given.begin, snap - around); f < std::min(given.end, snap + around + 1);
+           ++f)
+        stands[std::size_t(f - given.begin)] = 0;
+    for (int begin = given.begin; begin < given.end;) {
+      int end = begin;
+      while (end < given.end && stands[std::size_t(end - given.begin)] != 0) ++end;
+      if (end - begin >= shortest) {
+        Contact part = given;
+        part.begin = begin, part.end = end;
+        if (begin > given.begin) part.early = 0;
+        if (end < given.end) part.late = 0;
+        out.push_back(part);
+      }
+      begin = end + 1;
     }
   }
   return out;

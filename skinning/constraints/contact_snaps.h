@@ -8,12 +8,19 @@
 
 namespace ecorche::inline v1 {
 
-// Which contacts make knee or ankle, seen from the pelvis, go much faster than without them: over
+// Where contacts make knee or ankle, seen from the pelvis, go much faster than without them: over
 // 1.5 times their top speed in the motion, and by more than 0.8 m/s; or over 3 times what it is
 // around the contact, and by more than 2 m/s. So it is where a foot stands as no leg
 // within its limits can: each frame has its solution, and they lie on different sides. `before`:
-// the motion without planting, `planted`: with it, of as many frames. #contacts
-std::vector<bool> snapping_contacts(const Skeleton& skeleton, const Motion& before,
-                                    const Motion& planted, const std::vector<Contact>& contacts);
+// the motion without planting, `planted`: with it, of as many frames. #contacts, frames each
+std::vector<std::vector<int>> contact_snaps(const Skeleton& skeleton, const Motion& before,
+                                            const Motion& planted,
+                                            const std::vector<Contact>& contacts);
+
+// The contacts without 0.15 s to either side of their snaps; parts below 60 ms are dropped.
+// `whole`: those with snaps are dropped as they are. Precondition: #snaps == #contacts.
+std::vector<Contact> contacts_between_snaps(const std::vector<Contact>& contacts,
+                                            const std::vector<std::vector<int>>& snaps, bool whole,
+                                            double fps);
 
 }  // namespace ecorche::inline v1

@@ -222,6 +222,7 @@ class Reader {
       for (const auto& [node, tracks] : tracks_)
         for (int up = int(node); up >= 0; up = tree_.parents()[std::size_t(up)])
           chosen.insert(std::size_t(up));
+    if (inverse.empty()) choose_still(chosen);
     if (chosen.size() > limits::kMotionJoints)
       throw LimitError(fmt::format("{}: {} joints; the limit is {}", file_.name(), chosen.size(),
                                    limits::kMotionJoints));
@@ -242,6 +243,25 @@ class Reader {
       rest_.push_back(rest);
     }
     keep_standing_rest();
+  }
+
+  // Joints that a take leaves as they are have no tracks in it: nodes below those that move, but
+  // for what they carry.
+  void choose_still(std::set<std::size_t>& chosen) const {
+    for (const std::size_t node : tree_.order()) {
+      const int up = tree_.parents()[node];
+      const Json& item = file_.item("nodes", node);
+      const bool carried =
+          item.contains("mesh") || item.contains("camera") || item.contains("extensions");
+      if (up >= 0 && !carried && chosen.contains(std::size_t(up)) && below_track(node))
+        chosen.insert(node);
+    }
+  }
+
+  bool below_track(std::size_t node) const {
+    for (int up = tree_.parents()[node]; up >= 0; up = tree_.parents()[std::size_t(up)])
+      if (tracks_.contains(std::size_t(up))) return true;
+    return false;
   }
 
   // Where the file stands as it was bound, by whatever map, that is the rest pose: bindings may be

@@ -28,9 +28,20 @@ std::string ending_of(const fs::path& file) {
   return out;
 }
 
+// Up to `size` bytes of its beginning.
+std::string head_of(const fs::path& file, std::size_t size) {
+  check_input_file(file);
+  std::string head(size, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(head.data(), std::streamsize(head.size()));
+  head.resize(std::size_t(in.gcount()));
+  return head;
+}
+
+// Binary glTF has endings of its own where it holds one thing alone (.vrma).
 bool is_gltf(const fs::path& file) {
   const std::string ending = ending_of(file);
-  return ending == ".glb" || ending == ".gltf";
+  return ending == ".glb" || ending == ".gltf" || head_of(file, 4) == "glTF";
 }
 
 MotionClip read_amc(const fs::path& file, const std::string& text,
@@ -97,13 +108,7 @@ bool is_marker_file(const fs::path& file) {
 }
 
 bool is_scene_motion(const fs::path& file) {
-  if (is_gltf(file)) return true;
-  check_input_file(file);
-  std::string head(65536, '\0');
-  std::ifstream in(file, std::ios::binary);
-  in.read(head.data(), std::streamsize(head.size()));
-  head.resize(std::size_t(in.gcount()));
-  return scene_format(head).has_value();
+  return is_gltf(file) || scene_format(head_of(file, 65536)).has_value();
 }
 
 std::string read_scene_motion(const fs::path& file) {

@@ -10,7 +10,8 @@ namespace ecorche::inline v1 {
 namespace {
 
 constexpr int kMostFrames = 100;
-constexpr double kShare = 0.5;  // of what feet or knees tell, how much has to agree
+constexpr double kAcross = 0.5;  // sine of the least angle between a bone and the hips' line
+constexpr double kShare = 0.5;   // of what feet or knees tell, how much has to agree
 
 // What many poses say of one question: the sum of signed votes, and of their sizes.
 struct Votes {
@@ -32,21 +33,17 @@ class Poses {
 
   void look_at(int frame) {
     clip_kinematics(clip_, frame, X_);
-    const Vec3 hips = 0.5 * (at("hip_l") + at("hip_r")), left = at("hip_l") - at("hip_r");
-    const Vec3 up = 0.5 * (at("shoulder_l") + at("shoulder_r")) - hips;
-    const Vec3 forward = left.cross(up);
-    if (forward.norm() < 1e-3 * left.norm() * up.norm()) return;
-    const Vec3 f = forward.normalized();
+    const Vec3 left = at("hip_l") - at("hip_r");
     ++poses;
     for (const std::string s : {"_l", "_r"}) {
       const Vec3 thigh = at("knee" + s) - at("hip" + s), shin = at("ankle" + s) - at("knee" + s);
       const double leg = thigh.norm() + shin.norm();
       if (!(leg > 0)) continue;
-      // A shin behind the thigh's line, and toes before the shin, as the thigh's turn sees them.
-      const Vec3 down = thigh.normalized(),
-                 ahead = (f - f.dot(down) * down) / std::max(1e-6, (f - f.dot(down) * down).norm());
-      knees.add(-ahead.dot(shin) / leg);
-      if (const auto toes = toes_of(s)) feet.add(ahead.dot(*toes) / leg);
+      // A shin behind the thigh's line, and toes before the shin. What is in front of a bone is
+      // told by the hips' line: the thigh of someone who sits looks up.
+      if (const auto front = front_of(thigh, left)) knees.add(-front->dot(shin) / leg);
+      const auto front = front_of(shin, left), toes = toes_of(s);
+      if (front && toes) feet.add(front->dot(*toes) / leg);
     }
   }
 
@@ -56,6 +53,11 @@ class Poses {
  private:
   Vec3 at(const std::string& part) const {
     return X_[std::size_t(mapping_.position_joint.at(part))].translation();
+  }
+  static std::optional<Vec3> front_of(const Vec3& down, const Vec3& left) {
+    const Vec3 front = down.cross(left);
+    if (!(front.norm() > kAcross * down.norm() * left.norm())) return std::nullopt;
+    return front.normalized();
   }
   std::optional<Vec3> toes_of(const std::string& s) const {
     for (const char* part : {"toes", "mtp3", "mtp2", "mtp1"})

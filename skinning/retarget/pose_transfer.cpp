@@ -13,6 +13,7 @@
 namespace ecorche::inline v1 {
 namespace {
 constexpr std::array<const char*, 2> kSides = {"_l", "_r"};
+constexpr double kLean = 0.3;  // sine of a bend; below it the lower bone's bearing is damped
 constexpr std::array<const char*, 8> kSpine = {"l5", "l4",  "l3",  "l2",
                                                "l1", "t12", "t11", "thorax"};
 constexpr std::array<const char*, 8> kNeck = {"c7", "c6", "c5", "c4", "c3", "c2", "c1", "head"};
@@ -188,8 +189,10 @@ Mat3 PoseTransfer::spread(const std::vector<Transform>& X, const std::vector<Kno
 }
 
 // Elbow and knee bend about one axis: where they are bent, upper arm and thigh are rotated about
-// their length so that the hinge is perpendicular to both bones. Straight limbs keep the file's
-// rotation.
+// their length so that the hinge takes the lower bone to where it is in the file. Neither bone need
+// be perpendicular to the hinge: a forearm of ours bears outwards. What that takes beyond a hinge
+// across both bones is damped for small bends, where a large turn gains little. Straight limbs keep
+// the file's rotation.
 void PoseTransfer::limb_rotations(const std::vector<Transform>& X) {
   for (const std::string s : kSides)
     for (const auto& [upper, middle, lower] :
@@ -203,11 +206,18 @@ void PoseTransfer::limb_rotations(const std::vector<Transform>& X) {
       const Vec3 h = hinge - a.dot(hinge) * a;
       if (!alignment_.same_rest && h.norm() > 0.5) {
         const double angle = std::atan2(a.dot(h.cross(wanted)), h.dot(wanted));
+        // The hinge leans on both bones at rest as it does now.
+        const Vec3 axis = skeleton_.joints[ours(middle + s)].axes.col(0);
+        const double lean = rest_lower.normalized().dot(axis) - a.dot(hinge) * a.dot(b),
+                     sine = wanted.norm();
+        const double more = sine * lean / (h.norm() * (sine * sine + kLean * kLean));
         // More than 60 deg is a limb bent the wrong way, which is left to the report.
         const double share =
             smooth_step(std::sin(4 * kDegree), std::sin(20 * kDegree), wanted.norm()) *
             (1 - smooth_step(50 * kDegree, 70 * kDegree, std::abs(angle)));
-        R = Eigen::AngleAxisd(share * angle, a).toRotationMatrix() * R;
+        // A hinge across both bones comes towards the lower one by a turn backwards about the
+        // upper.
+        R = Eigen::AngleAxisd(share * (angle - more), a).toRotationMatrix() * R;
       }
       limb_[upper + s] = R;
     }
@@ -253,10 +263,18 @@ Mat3 PoseTransfer::rotate_joint(const std::vector<Transform>& X, int j) const {
     }
     case Rule::elbow: {
       // The ulna only bends; the axial rotation of the file's forearm goes to the radius.
-      const Vec3 along = (rest_[ours("wrist" + s)] - rest_[j]).normalized();
-      return parent *
-             Quat::FromTwoVectors(along, parent.transpose() * file_rotation(X, "elbow" + s) * along)
-                 .toRotationMatrix();
+      // It bends about its hinge, which the forearm need not be perpendicular to; what is left over
+      // is for the limits.
+      const Vec3 along = (rest_[ours("wrist" + s)] - rest_[j]).normalized(),
+                 wanted = parent.transpose() * file_rotation(X, "elbow" + s) * along;
+      const Vec3 hinge = joint.axes.col(0);
+      const double bend =
+          alignment_.same_rest
+              ? 0
+              : std::atan2(hinge.dot(along.cross(wanted)),
+                           along.dot(wanted) - hinge.dot(along) * hinge.dot(wanted));
+      const Mat3 bent = Eigen::AngleAxisd(bend, hinge).toRotationMatrix();
+      return parent * Quat::FromTwoVectors(bent * along, wanted).toRotationMatrix() * bent;
     }
     case Rule::forearm: {
       if (alignment_.same_rest) return file_rotation(X, "elbow" + s);

@@ -228,7 +228,12 @@ class Aligner {
                        moving_up.cwiseAbs().maxCoeff() < 0.8 * moving_up.norm();
     if (lying && !sampled_.empty())
       out.warnings.push_back("the figure is seldom upright; up is taken from the rest pose");
+    const Vec3 up_of_rest = snapped(rest_up, degrees(30));
+    const Vec3 left = rest.at("hip_l") - rest.at("hip_r");
+    const bool rest_stands =
+        standing_cost(rest, up_of_rest) < 1.0 && angle_between(left, up_of_rest) > degrees(60);
     Vec3 up = snapped(lying ? rest_up : moving_up, 4);
+    if (!lying && rest_stands && is_ground(up_of_rest, up)) up = up_of_rest;
     if (given_up && !lying && nearest_axis(up).first != *given_up - 'x')
       throw UnfitError(
           fmt::format("{}: --up {}: the figure stands along {}; leave --up out, or name that axis",
@@ -237,9 +242,7 @@ class Aligner {
       up = Vec3::Unit(*given_up - 'x') * (moving_up[*given_up - 'x'] < 0 && !lying ? -1.0 : 1.0);
     out.up = "xyz"[nearest_axis(up).first];
 
-    const Vec3 up_of_rest = snapped(rest_up, degrees(30));
-    const Vec3 left = rest.at("hip_l") - rest.at("hip_r");
-    if (standing_cost(rest, up_of_rest) < 1.0 && angle_between(left, up_of_rest) > degrees(60)) {
+    if (rest_stands) {
       Vec3 level = left - left.dot(up_of_rest) * up_of_rest;
       W_ref_ = axes_from(snapped(level, degrees(20)), up_of_rest);
       out.W =
@@ -264,6 +267,26 @@ class Aligner {
     }
     out.facing = axis_name(W_ref_.transpose() * facing());
     check_handedness(out);
+  }
+
+  // Who crawls or lies on his front with the head ahead looks like one who stands, along another
+  // axis. The rest pose's up is right where the lowest point of most frames is at nought along it,
+  // as files have their ground, and far from nought along the other one.
+  bool is_ground(const Vec3& up_of_rest, const Vec3& other) const {
+    constexpr double kOnGround = 0.15, kTimes = 2;  // of the leg's length
+    if (angle_between(up_of_rest, other) < degrees(45)) return false;
+    double by_rest = 0, by_other = 0;
+    for (const Frames& X : sampled_) {
+      double low = HUGE_VAL, other_low = HUGE_VAL;
+      for (const auto& [part, joint] : mapping_.position_joint) {
+        low = std::min(low, up_of_rest.dot(X[std::size_t(joint)].translation()));
+        other_low = std::min(other_low, other.dot(X[std::size_t(joint)].translation()));
+      }
+      by_rest += std::abs(low);
+      by_other += std::abs(other_low);
+    }
+    return by_rest < kOnGround * figure(rest_).leg() * double(sampled_.size()) &&
+           kTimes * by_rest < by_other;
   }
 
   // Level direction the reference figure faces, our axes.

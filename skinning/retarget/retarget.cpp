@@ -232,40 +232,46 @@ void drop_calibration(const std::string& name, Transferred& moved, RetargetRepor
       fmt::format("{}: a marker pose at the start is left out ({} frames)", name, n));
 }
 
+// That heels and balls stand, together.
+double frames_of(const std::vector<Contact>& contacts) {
+  double out = 0;
+  for (const Contact& one : contacts) out += one.end - one.begin;
+  return out;
+}
+
 struct Constraints {
   bool keep, plant, fall;
   double sole;
 };
 
-// Plants feet, and lets go of those that no leg within its limits keeps without a snap: `rounds`
-// times at most. `source`: the motion whose speeds limbs are to keep; null: as it is given.
+// Plants feet, and lets go of them for as long as no leg within its limits keeps them without a
+// snap: `rounds` times at most, the last two times of whole contacts. `source`: the
+// motion whose speeds limbs are to keep; null: as it is given.
 void plant_within_limits(const std::string& name, const Skeleton& ours, double sole,
                          const Motion* source, FilteredMotion& filtered, MotionLimiter& limiter,
                          int rounds, std::vector<std::string>& warnings) {
   Motion& motion = filtered.motion;
   const Motion free = motion;
   std::vector<Contact>& contacts = filtered.contacts;
-  const std::size_t found = contacts.size();
+  const double found = frames_of(contacts);
   for (int round = 0;; ++round) {
     plant_feet(ours, sole, contacts, filtered.lock, motion);
     limiter.run(kPlanted, contacts, {}, motion);
-    const std::vector<bool> snaps = snapping_contacts(ours, free, motion, contacts);
-    if (round == rounds || std::ranges::find(snaps, true) == snaps.end()) break;
-    std::vector<Contact> kept;
-    for (std::size_t c = 0; c < contacts.size(); ++c)
-      if (!snaps[c]) kept.push_back(contacts[c]);
-    contacts = std::move(kept);
+    if (round >= rounds) break;
+    const std::vector<std::vector<int>> snaps = contact_snaps(ours, free, motion, contacts);
+    if (std::ranges::all_of(snaps, [](const auto& one) { return one.empty(); })) break;
+    contacts = contacts_between_snaps(contacts, snaps, round + 2 >= rounds, motion.fps);
     motion = free;
   }
   if (rounds > 0)
     steady_limbs(ours, limiter.tables(), source != nullptr ? *source : free, free, contacts,
                  motion);
   lift_from_ground(ours, sole, motion);
-  if (contacts.size() < found)
+  if (const double left = frames_of(contacts); left < found)
     warnings.push_back(
-        fmt::format("{}: {} of {} contacts are not planted, since legs within their limits would "
-                    "snap; --limits keep plants them",
-                    name, found - contacts.size(), found));
+        fmt::format("{}: {:.0f} % of the time that feet stand they are not planted, since legs "
+                    "within their limits would snap; --limits keep plants them",
+                    name, std::max(1.0, 100 * (1 - left / found))));
 }
 
 // Limits, planted feet and flights; what was found goes to the report.
@@ -307,7 +313,7 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
   if (keep && plant)
     // What filters have moved is faster where it is brought back to its place, and is wanted so.
     plant_within_limits(name, ours, sole, filters.empty() ? &given : nullptr, filtered, limiter,
-                        moves_feet(filters) ? 0 : 3, report.warnings);
+                        moves_feet(filters) ? 0 : 5, report.warnings);
   else if (plant) {
     plant_feet(ours, sole, filtered.contacts, filtered.lock, motion);
     lift_from_ground(ours, sole, motion);

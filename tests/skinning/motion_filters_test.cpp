@@ -308,19 +308,39 @@ TEST(MotionFilters, FeetOnASlopeStandOnIt) {
 }
 
 TEST(ContactSnaps, AKneeThatLeapsTellsItsContactAlone) {
+  using Snaps = std::vector<std::vector<int>>;
   const Motion still{60, std::vector<Pose>(60, rest_pose(body()))};
   const std::vector<Contact> contacts = {{Side::left, true, 10, 20, 0},
                                          {Side::left, false, 40, 50, 0},
                                          {Side::right, true, 10, 20, 0}};
-  EXPECT_EQ(snapping_contacts(body(), still, still, contacts),
-            std::vector<bool>({false, false, false}));
+  EXPECT_EQ(contact_snaps(body(), still, still, contacts), Snaps(3));
   Motion leaps = still;
   for (std::size_t f = 15; f < 60; ++f)
     leaps.frames[f].rotations[std::size_t(find_joint(body(), "hip_l"))] =
         Quat(Eigen::AngleAxisd(0.5, Vec3::UnitX()));
-  EXPECT_EQ(snapping_contacts(body(), still, leaps, contacts),
-            std::vector<bool>({true, false, false}));
+  const Snaps snaps = contact_snaps(body(), still, leaps, contacts);
+  ASSERT_FALSE(snaps[0].empty());
+  for (const int f : snaps[0]) EXPECT_EQ(f, 14);
+  EXPECT_TRUE(snaps[1].empty());
+  EXPECT_TRUE(snaps[2].empty());
   // What leaps without planting too is the recording's.
-  EXPECT_EQ(snapping_contacts(body(), leaps, leaps, contacts),
-            std::vector<bool>({false, false, false}));
+  EXPECT_EQ(contact_snaps(body(), leaps, leaps, contacts), Snaps(3));
+}
+
+TEST(ContactSnaps, OnlyWhatIsAroundASnapIsLetGo) {
+  const std::vector<Contact> contacts = {
+      {Side::left, true, 0, 120, 0, 0.3, 0.4}, {Side::right, true, 50, 60}, {Side::right, false}};
+  const std::vector<std::vector<int>> snaps = {{60}, {55}, {}};
+  const std::vector<Contact> left = contacts_between_snaps(contacts, snaps, false, 60);
+  ASSERT_EQ(left.size(), 3);
+  EXPECT_EQ(left[0].begin, 0);
+  EXPECT_EQ(left[0].end, 50);  // 0.15 s and a frame before the snap
+  EXPECT_EQ(left[0].early, 0.3);
+  EXPECT_EQ(left[0].late, 0);
+  EXPECT_EQ(left[1].begin, 71);
+  EXPECT_EQ(left[1].end, 120);
+  EXPECT_EQ(left[1].late, 0.4);
+  EXPECT_EQ(left[2].side, Side::right);
+  EXPECT_FALSE(left[2].heel);
+  EXPECT_EQ(contacts_between_snaps(contacts, snaps, true, 60).size(), 1);
 }
