@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <utility>
@@ -18,6 +19,7 @@
 #include "anatomy/geometry/subdivide.h"
 #include "anatomy/muscles/action_line.h"
 #include "app/bench/bench_measures.h"
+#include "app/bench/bench_retarget.h"
 #include "app/bench/bench_timer.h"
 #include "app/files/actor.h"
 #include "app/files/fitted_actor.h"
@@ -199,6 +201,7 @@ std::vector<Ratio> bench_dilation(const Template& body_template, const FittedAct
 
 struct BenchVerbOptions {
   int rounds = 9;
+  std::filesystem::path motion;
   bool muscles = false, studio = false;
 };
 
@@ -216,6 +219,16 @@ int run_studio_bench(const Common& common, Report& report) {
 #endif
 }
 
+int run_retarget_bench(const BenchVerbOptions& options, const Character& character,
+                       Report& report) {
+  const RetargetPace pace = bench_retarget(options.motion, character, options.rounds);
+  report.set("bench.retarget.frames_per_second", pace.frames_per_second);
+  report.set("bench.retarget.ratio", pace.ratio);
+  fmt::print("retargeting: {:.0f} frames/s of a core, {:.0f} times the kinematics of its poses\n",
+             pace.frames_per_second, pace.ratio);
+  return 0;
+}
+
 int run_bench(const BenchVerbOptions& options, const Common& common, Report& report) {
   if (options.studio) return run_studio_bench(common, report);
   const int rounds = options.rounds;
@@ -223,6 +236,8 @@ int run_bench(const BenchVerbOptions& options, const Common& common, Report& rep
   const Template body_template = read_template(common.assets);
   const FittedActor fitted =
       fit_actor(common.assets, body_template, make_body(package, athlete()), package, {}, report);
+  if (!options.motion.empty())
+    return run_retarget_bench(options, fitted.actor.character, report);
   const Motion motion = open_motion(common.assets.tables / "motions" / "long_jump.bvh",
                                     fitted.actor, {}, common, report);
 
@@ -299,6 +314,8 @@ void add_bench_verb(VerbRegistry& registry) {
   verb->add_flag("--studio", options->studio,
                  "Only the studio's window, by a session of 1280x720 (needs a display)");
   verb->add_flag("--muscles", options->muscles, "Only the posing of all muscles, pose after pose");
+  verb->add_option("--motion", options->motion,
+                   "Only the retargeting of this motion. Example: --motion walk.bvh");
   verb->add_option("--rounds", options->rounds,
                    "Interleaved repetitions; the least time of each case counts")
       ->check(between(3, 1000))

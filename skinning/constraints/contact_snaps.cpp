@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "anatomy/chain_kinematics.h"
 #include "skinning/constraints/span_speed.h"
 #include "skinning/motion/require_joint.h"
 
@@ -23,10 +24,11 @@ using Speeds = std::vector<std::array<double, kSeen>>;
 Speeds leg_speeds(const Skeleton& skeleton, const Motion& motion) {
   const std::array<int, kSeen> seen = {joint_of(skeleton, "knee_l"), joint_of(skeleton, "ankle_l"),
                                        joint_of(skeleton, "knee_r"), joint_of(skeleton, "ankle_r")};
+  const std::vector<int> joints = joints_up_from(skeleton, {seen[1], seen[3]});
   std::vector<std::array<Vec3, kSeen>> path;
   std::vector<Transform> X;
   for (const Pose& pose : motion.frames) {
-    forward_kinematics(skeleton, pose, X);
+    chain_kinematics(skeleton, joints, pose, X);
     std::array<Vec3, kSeen>& here = path.emplace_back();
     for (std::size_t k = 0; k < kSeen; ++k)
       here[k] = X[std::size_t(seen[k])].translation() - X[0].translation();

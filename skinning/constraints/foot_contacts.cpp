@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "anatomy/chain_kinematics.h"
 #include "anatomy/joint_angles.h"
 #include "skinning/motion/require_joint.h"
 
@@ -76,6 +77,14 @@ FootShape foot_shape(const Skeleton& skeleton, Side side, double sole_height) {
                                                             toe.zero[1], toe.zero[2])) *
                                        (foot.tip - at[foot.mtp[1]]);
   return foot;
+}
+
+std::vector<int> feet_joints(const Skeleton& skeleton) {
+  std::vector<int> ends;
+  for (const Side side : {Side::left, Side::right})
+    for (int k = 1; k <= 5; ++k)
+      ends.push_back(joint_of(skeleton, "mtp" + std::to_string(k) + side_suffix(side)));
+  return joints_up_from(skeleton, ends);
 }
 
 FootPoints foot_points(const Skeleton& skeleton, const FootShape& foot,

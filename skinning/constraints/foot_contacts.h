@@ -23,6 +23,9 @@ FootShape foot_shape(const Skeleton& skeleton, Side side, double sole_height);
 // A guess from the toe joints, for a skeleton without its skin.
 double guess_sole_height(const Skeleton& skeleton);
 
+// The joints that carry the points of both feet, and all above them (joints_up_from()).
+std::vector<int> feet_joints(const Skeleton& skeleton);
+
 // The points of a posed foot.
 struct FootPoints {
   Vec3 heel, ball, tip;

@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "anatomy/chain_kinematics.h"
 #include "skinning/constraints/foot_contacts.h"
 #include "skinning/constraints/temporal_smoothing.h"
 
@@ -21,10 +22,11 @@ constexpr double kRising = 0.12;  // s to either side
 double lift_from_ground(const Skeleton& skeleton, double sole_height, Motion& motion) {
   const std::array<FootShape, 2> feet = {foot_shape(skeleton, Side::left, sole_height),
                                          foot_shape(skeleton, Side::right, sole_height)};
+  const std::vector<int> joints = feet_joints(skeleton);
   std::vector<double> lift;
   std::vector<Transform> X;
   for (const Pose& pose : motion.frames) {
-    forward_kinematics(skeleton, pose, X);
+    chain_kinematics(skeleton, joints, pose, X);
     double low = 0;
     for (const FootShape& foot : feet) {
       const FootPoints at = foot_points(skeleton, foot, X);

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "anatomy/chain_kinematics.h"
 #include "anatomy/compute/cholesky.h"
 #include "anatomy/compute/smooth_step.h"
 #include "anatomy/joint_angles.h"
@@ -350,13 +351,17 @@ LimitTables make_limit_tables(const Skeleton& skeleton, double sole_height) {
     for (const LimbChain* limb : {&leg, &arm})
       for (const int j : limb->joints) tables.kept[j] = 2;
   }
+  std::vector<int> moved;
+  for (std::size_t j = 0; j < tables.kept.size(); ++j)
+    if (tables.kept[j] != 0) moved.push_back(int(j));
+  tables.needed = joints_up_from(skeleton, moved);
   return tables;
 }
 
 void enforce_limits(const Skeleton& skeleton, const LimitTables& tables,
                     const LimbTolerance& tolerance, const std::array<FootStand, 2>& stands,
                     const LimbShifts& shifts, Pose& pose, LimitWorkspace& workspace) {
-  forward_kinematics(skeleton, pose, workspace.before);
+  chain_kinematics(skeleton, tables.needed, pose, workspace.before);
   const std::vector<Transform>& was = workspace.before;
   std::vector<Transform>& is = workspace.after;
   is = was;
@@ -391,12 +396,13 @@ void enforce_limits(const Skeleton& skeleton, const LimitTables& tables,
       wanted.pretranslate(shifts[l].end);
       LimbSolver(skeleton, limb, is[parent], wanted, middle, tolerance, stand, pose).solve(pose);
     }
-    is[j] = child_frame(skeleton, is, pose, j);
+    if (std::ranges::binary_search(tables.needed, int(j)))
+      is[j] = child_frame(skeleton, is, pose, j);
   }
   if (tolerance.on_ground)
     for (const FootShape& foot : tables.feet) raise_toes(skeleton, foot, pose, is);
   complete_pose(skeleton, pose);
-  forward_kinematics(skeleton, pose, is);
+  chain_kinematics(skeleton, tables.needed, pose, is);
 }
 
 void stand_with_leg(const Skeleton& skeleton, const LimitTables& tables, Side side,
@@ -406,10 +412,10 @@ void stand_with_leg(const Skeleton& skeleton, const LimitTables& tables, Side si
   const LimbChain& leg = tables.limbs[s];
   const std::size_t pelvis = skeleton.joints[leg.joints[0]].parent;
   std::vector<Transform>& X = workspace.before;
-  forward_kinematics(skeleton, pose, X);
+  chain_kinematics(skeleton, tables.needed, pose, X);
   LimbSolver(skeleton, leg, X[pelvis], foot, X[leg.joints[1]].translation(), tolerance, stand, pose)
       .solve(pose);
-  forward_kinematics(skeleton, pose, X);
+  chain_kinematics(skeleton, tables.needed, pose, X);
   if (tolerance.on_ground) raise_toes(skeleton, tables.feet[s], pose, X);
   complete_pose(skeleton, pose);
 }

@@ -34,6 +34,7 @@ struct LimitTables {
   // limb, 3 toe
   std::vector<char> kept;
   int thorax = -1;
+  std::vector<int> needed;  // joints whose frames matter: trunk, head, limbs, toes' first ones
 };
 
 // sole_height: world y of the soles at rest. Precondition: the skeleton has our joints.
@@ -66,7 +67,7 @@ struct FootStand {
 
 // Brings `pose` inside the limits. Its root stays. `stands`: left and right foot; used if
 // tolerance.on_ground is set. Afterwards workspace.before and workspace.after are the world frames
-// of the given and the new pose.
+// of the given and the new pose, of LimitTables::needed.
 void enforce_limits(const Skeleton& skeleton, const LimitTables& tables,
                     const LimbTolerance& tolerance, const std::array<FootStand, 2>& stands,
                     const LimbShifts& shifts, Pose& pose, LimitWorkspace& workspace);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "anatomy/chain_kinematics.h"
 #include "skinning/constraints/foot_contacts.h"
 
 namespace ecorche::inline v1 {
@@ -17,11 +18,12 @@ FootMeasures measure_feet(const Skeleton& skeleton, double sole_height, const Mo
                           std::vector<Contact>& contacts) {
   const std::array<FootShape, 2> shapes = {foot_shape(skeleton, Side::left, sole_height),
                                            foot_shape(skeleton, Side::right, sole_height)};
+  const std::vector<int> joints = feet_joints(skeleton);
   std::array<std::vector<FootPoints>, 2> points;
   std::vector<Transform> X;
   FootMeasures out;
   for (const Pose& pose : motion.frames) {
-    forward_kinematics(skeleton, pose, X);
+    chain_kinematics(skeleton, joints, pose, X);
     for (int side = 0; side < 2; ++side) {
       points[side].push_back(foot_points(skeleton, shapes[side], X));
       const FootPoints& p = points[side].back();

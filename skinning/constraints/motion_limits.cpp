@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "anatomy/chain_kinematics.h"
+
 namespace ecorche::inline v1 {
 namespace {
 
@@ -71,11 +73,18 @@ void MotionLimiter::raise_pelvis(std::vector<Pose>& given, std::vector<LimbShift
   constexpr double kMaxRaise = 0.1;         // m, all passes together
   std::vector<Transform> before, after;
   std::vector<double> raised(given.size(), 0.0);
+  const std::vector<int> joints = joints_up_from(
+      skeleton_, {tables_.limbs[0].joints[1], tables_.limbs[1].joints[1]});
+  std::vector<LimbShifts> more(given.size());
   for (int pass = 0; pass < kPasses; ++pass) {
-    std::vector<LimbShifts> more(given.size());
     for (std::size_t f = 0; f < given.size(); ++f) {
-      forward_kinematics(skeleton_, given[f], before);
-      forward_kinematics(skeleton_, motion.frames[f], after);
+      // A frame that has not moved has its knees where they were.
+      if (pass > 0 && !moves_any(more[f])) continue;
+      more[f] = {};
+      if (!stands_[f][0].heel && !stands_[f][0].ball && !stands_[f][1].heel && !stands_[f][1].ball)
+        continue;
+      chain_kinematics(skeleton_, joints, given[f], before);
+      chain_kinematics(skeleton_, joints, motion.frames[f], after);
       double off = 0;
       for (std::size_t l = 0; l < 2; ++l) {
         if (!stands_[f][l].heel && !stands_[f][l].ball) continue;
@@ -106,7 +115,9 @@ void MotionLimiter::separate(const std::vector<Pose>& given, const std::vector<L
   std::vector<Transform> X;
   for (int pass = 0; pass < kPasses; ++pass) {
     for (std::size_t f = 0; f < given.size(); ++f) {
-      forward_kinematics(skeleton_, motion.frames[f], X);
+      // A pose that has not moved is apart as it was.
+      if (pass > 0 && !moves_any(more[f])) continue;
+      chain_kinematics(skeleton_, tables_.needed, motion.frames[f], X);
       more[f] = separate_limbs(*collision_, X);
       if (tolerance_.on_ground) more[f][0].end.setZero(), more[f][1].end.setZero();
     }
@@ -133,7 +144,7 @@ std::vector<Penetration> MotionLimiter::penetrations(const Motion& motion) const
   for (const char* name : kCollisionNames) out.push_back({.what = name});
   std::vector<Transform> X;
   for (std::size_t f = 0; f < motion.frames.size(); ++f) {
-    forward_kinematics(skeleton_, motion.frames[f], X);
+    chain_kinematics(skeleton_, tables_.needed, motion.frames[f], X);
     const PenetrationDepths depths = penetration_depths(*collision_, X);
     for (std::size_t k = 0; k < depths.size(); ++k) {
       out[k].frames += depths[k] > kReported;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "anatomy/chain_kinematics.h"
 #include "anatomy/compute/smooth_step.h"
 #include "skinning/constraints/leg_ik.h"
 #include "skinning/constraints/temporal_smoothing.h"
@@ -132,6 +133,7 @@ class Planter {
  public:
   Planter(const Skeleton& skeleton, double sole_height, double strength, Motion& motion)
       : skeleton_(skeleton),
+        joints_(feet_joints(skeleton)),
         motion_(motion),
         frames_(int(motion.frames.size())),
         fine_(std::max(1, int(std::lround(kSampled / motion.fps)))),
@@ -163,7 +165,7 @@ class Planter {
  private:
   void read_feet() {
     for (const Pose& pose : motion_.frames) {
-      forward_kinematics(skeleton_, pose, X_);
+      chain_kinematics(skeleton_, joints_, pose, X_);
       for (FootPlan& foot : feet_) foot.before.push_back(foot_points(skeleton_, foot.shape, X_));
     }
   }
@@ -261,7 +263,7 @@ class Planter {
     std::vector<Mat3> rotation;
     std::vector<Vec3> pivot;
     for (const Pose& pose : motion_.frames) {
-      forward_kinematics(skeleton_, pose, X_);
+      chain_kinematics(skeleton_, joints_, pose, X_);
       rotation.push_back(X_[foot.shape.subtalar].linear());
       pivot.push_back(X_[foot.shape.subtalar].translation());
     }
@@ -329,7 +331,7 @@ class Planter {
   std::vector<double> lower_pelvis() {
     std::vector<double> sunk(frames_, 0.0);
     for (int f = 0; f < frames_; ++f) {
-      forward_kinematics(skeleton_, motion_.frames[f], X_);
+      chain_kinematics(skeleton_, joints_, motion_.frames[f], X_);
       for (const FootPlan& foot : feet_) {
         if (anchor_at(foot.heels, f) == nullptr && anchor_at(foot.balls, f) == nullptr) continue;
         const Vec3 hip = X_[foot.shape.hip].translation();
@@ -348,7 +350,7 @@ class Planter {
   // `sunk`: amount by which the pelvis was lowered, which the feet do not follow, m.
   void plant_frame(int f, double sunk) {
     Pose& pose = motion_.frames[f];
-    forward_kinematics(skeleton_, pose, X_);
+    chain_kinematics(skeleton_, joints_, pose, X_);
     for (FootPlan& foot : feet_) {
       const FootShape& shape = foot.shape;
       const Mat3 turn = foot.rotation[f].toRotationMatrix();
@@ -425,6 +427,7 @@ class Planter {
   }
 
   const Skeleton& skeleton_;
+  const std::vector<int> joints_;  // whose frames are needed
   Motion& motion_;
   int frames_;
   int fine_;  // samples a frame, of medians

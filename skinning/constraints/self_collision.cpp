@@ -32,8 +32,10 @@ Vec3 sphere_centre(const LimbSphere& sphere, const std::vector<Transform>& X,
 
 // Penetration of a sphere in another proxy, m, and the direction of separation.
 double depth_of(const Vec3& centre, double radius, const Ellipsoid& other, Vec3& out) {
-  const Vec3 half = other.half.array() + radius,
-             p = other.axes.transpose() * (centre - other.centre);
+  const Vec3 half = other.half.array() + radius;
+  const double reach = half.maxCoeff();
+  if ((centre - other.centre).squaredNorm() >= reach * reach) return 0;
+  const Vec3 p = other.axes.transpose() * (centre - other.centre);
   const Vec3 q = p.cwiseQuotient(half);
   const double inside = q.norm();
   if (inside >= 1) return 0;

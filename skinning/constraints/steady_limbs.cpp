@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "anatomy/chain_kinematics.h"
 #include "anatomy/compute/smooth_step.h"
 #include "anatomy/joint_angles.h"
 #include "skinning/constraints/span_speed.h"
@@ -30,6 +31,7 @@ using Angles = Eigen::VectorXd;  // three a joint
 struct Chain {
   std::vector<std::size_t> joints;
   std::array<std::size_t, 2> seen{};
+  std::vector<int> above;           // those joints and all above them
   const LimbChain* leg = nullptr;   // itself, of a leg
   std::vector<FootStand> standing;  // a frame; of a leg, else none
 };
@@ -50,6 +52,9 @@ std::vector<Chain> chains_of(const Skeleton& skeleton, const LimitTables& tables
     chain.leg = &limb;
     chain.standing.resize(frames);
   }
+  for (Chain& chain : out)
+    chain.above = joints_up_from(
+        skeleton, std::vector<int>(chain.joints.begin(), chain.joints.end()));
   for (const Contact& contact : contacts)  // legs come after the trunk
     for (int f = contact.begin; f < contact.end; ++f) {
       FootStand& foot = out[contact.side == Side::left ? 1 : 2].standing[std::size_t(f)];
@@ -71,7 +76,7 @@ std::vector<LimbPoints> limb_path(const Skeleton& skeleton, const Chain& chain,
   std::vector<LimbPoints> out;
   std::vector<Transform> X;
   for (const Pose& pose : motion.frames) {
-    forward_kinematics(skeleton, pose, X);
+    chain_kinematics(skeleton, chain.above, pose, X);
     out.push_back(limb_points(chain, X));
   }
   return out;
@@ -141,7 +146,7 @@ class LimbSteadier {
       if (limb_.leg != nullptr) put_back(changed);
       for (std::size_t f = 0; f < width_.size(); ++f) {
         if (!changed[f]) continue;
-        forward_kinematics(skeleton_, motion_.frames[f], X_);
+        chain_kinematics(skeleton_, limb_.above, motion_.frames[f], X_);
         path[f] = limb_points(limb_, X_);
       }
     }
@@ -162,7 +167,7 @@ class LimbSteadier {
 
  private:
   Transform foot_of(const Pose& pose) {
-    forward_kinematics(skeleton_, pose, X_);
+    chain_kinematics(skeleton_, limb_.above, pose, X_);
     return X_[std::size_t(limb_.leg->joints[3])];
   }
 

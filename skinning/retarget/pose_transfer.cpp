@@ -77,6 +77,12 @@ PoseTransfer::PoseTransfer(const MotionClip& source, const JointMapping& mapping
     if (has(skeleton_.joints[j].name)) plans_[j] = Plan{Rule::direct, skeleton_.joints[j].name};
   plan_trunk();
   plan_limbs();
+  for (size_t j = 0; j < plans_.size(); ++j) {
+    Plan& p = plans_[j];
+    if (p.rule == Rule::finger) p.still = p.relaxed.toRotationMatrix();
+    if ((p.rule == Rule::finger || p.rule == Rule::follow) && !alignment_.same_rest)
+      p.still = without_locked_axes(skeleton_.joints[j], Quat(p.still)).toRotationMatrix();
+  }
 }
 
 int PoseTransfer::ours(const std::string& name) const {
@@ -290,9 +296,8 @@ Mat3 PoseTransfer::rotate_joint(const std::vector<Transform>& X, int j) const {
     case Rule::subtalar:
       return file_rotation(X, "ankle" + s);
     case Rule::finger:
-      return parent * plan.relaxed.toRotationMatrix();
     case Rule::follow:
-      return parent;
+      return parent * plan.still;
   }
   return parent;
 }
@@ -304,8 +309,9 @@ void PoseTransfer::transfer(const std::vector<Transform>& X, Pose& pose) {
     R_[j] = rotate_joint(X, int(j));
     const int parent = skeleton_.joints[j].parent;
     // The foot keeps its rotation from the file, since standing soles are conspicuous.
-    if (parent >= 0 && !alignment_.same_rest && plans_[j].rule != Rule::subtalar &&
-        plans_[j].rule != Rule::ankle)
+    const Rule rule = plans_[j].rule;
+    if (parent >= 0 && !alignment_.same_rest && rule != Rule::subtalar && rule != Rule::ankle &&
+        rule != Rule::finger && rule != Rule::follow)
       R_[j] = R_[parent] *
               without_locked_axes(skeleton_.joints[j], Quat(Mat3(R_[parent].transpose() * R_[j])))
                   .toRotationMatrix();

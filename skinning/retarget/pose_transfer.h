@@ -58,6 +58,8 @@ class PoseTransfer {
     // fraction of bending and axial rotation of spine or neck up to here, from below
     double bending = 0, turning = 0;
     Quat relaxed = Quat::Identity();
+    // of a joint that only goes with its parent: its turn on it, within its locked axes
+    Mat3 still = Mat3::Identity();
   };
   struct Knot {
     double s = 0;

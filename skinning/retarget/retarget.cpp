@@ -22,6 +22,7 @@
 #include "skinning/filters/slope_ground.h"
 #include "skinning/filters/warp_time.h"
 #include "skinning/motion/require_joint.h"
+#include "skinning/motion/sample_motion.h"
 #include "skinning/retarget/handedness.h"
 #include "skinning/retarget/joint_mapping.h"
 #include "skinning/retarget/matching_rig.h"
@@ -113,13 +114,11 @@ LimbShifts stance_shifts(const PoseTransfer& transfer, const std::vector<Transfo
   return out;
 }
 
-// Heel and ball of our foot placed at the file's ankle.
-void add_foot(const PoseTransfer& transfer, const std::vector<Transform>& X, const Skeleton& ours,
-              Side side, double sole, FootPaths& foot) {
-  const FootShape shape = foot_shape(ours, side, sole);
-  const std::string s = side_suffix(side);
-  const Vec3 ankle = transfer.file_ankle(X, side), rest = rest_positions(ours)[shape.ankle];
-  const Mat3 R = transfer.file_rotation(X, "ankle" + s);
+// Heel and ball of our foot placed at the file's ankle. `rest`: our ankle at rest.
+void add_foot(const PoseTransfer& transfer, const std::vector<Transform>& X, Side side,
+              const FootShape& shape, const Vec3& rest, FootPaths& foot) {
+  const Vec3 ankle = transfer.file_ankle(X, side);
+  const Mat3 R = transfer.file_rotation(X, std::string("ankle") + side_suffix(side));
   foot.heel.push_back(ankle + R * (shape.heel - rest));
   foot.ball.push_back(ankle + R * (shape.ball - rest));
 }
@@ -209,15 +208,81 @@ Transferred transfer_frames(const MotionClip& source, const Skeleton& ours, doub
   const std::vector<Vec3> rest = rest_positions(ours);
   const std::array<Vec3, 2> hips{rest[joint_of(ours, "hip_l")] - rest[0],
                                  rest[joint_of(ours, "hip_r")] - rest[0]};
+  const std::array<FootShape, 2> shapes{foot_shape(ours, Side::left, sole),
+                                        foot_shape(ours, Side::right, sole)};
   std::vector<Transform> X;
   for (size_t f = 0; f < out.motion.frames.size(); ++f) {
     clip_kinematics(source, source.frame_count == 0 ? -1 : int(f), X);
     transfer.transfer(X, out.motion.frames[f]);
     out.shifts.push_back(stance_shifts(transfer, X, hips, out.motion.frames[f]));
     for (int side = 0; side < 2; ++side)
-      add_foot(transfer, X, ours, side == 0 ? Side::left : Side::right, sole, out.feet[side]);
+      add_foot(transfer, X, side == 0 ? Side::left : Side::right, shapes[side],
+               rest[shapes[side].ankle], out.feet[side]);
   }
   return out;
+}
+
+// Frames in which constraints are worked out, to each of the file's: contacts, their fading, snaps
+// and what is averaged over time must not depend on how often a recording was looked at.
+int finer_frames(double fps) {
+  constexpr double kWorked = 120;  // a second
+  return std::max(1, int(std::lround(kWorked / fps)));
+}
+
+// A point's path as a motion of a root alone.
+Motion path_as_motion(const std::vector<Vec3>& path) {
+  Motion out;
+  for (const Vec3& point : path) out.frames.push_back({.root = point, .rotations = {}});
+  return out;
+}
+
+// The motion in so many times its frames, on smooth curves through them.
+void refine(int times, Transferred& moved) {
+  if (times == 1 || moved.motion.frames.size() < 2) return;
+  const Motion given = std::move(moved.motion);
+  std::array<Motion, 2> heels, balls;
+  for (std::size_t side = 0; side < 2; ++side) {
+    heels[side] = path_as_motion(moved.feet[side].heel);
+    balls[side] = path_as_motion(moved.feet[side].ball);
+  }
+  const std::vector<LimbShifts> shifts = std::move(moved.shifts);
+  const int count = int(given.frames.size() - 1) * times + 1;
+  moved = {.motion = {given.fps * times, std::vector<Pose>(std::size_t(count))},
+           .feet = {},
+           .shifts = {}};
+  Pose place;
+  for (int f = 0; f < count; ++f) {
+    const double at = double(f) / times;
+    pose_at_frame(given, at, moved.motion.frames[std::size_t(f)]);
+    for (std::size_t side = 0; side < 2; ++side) {
+      pose_at_frame(heels[side], at, place);
+      moved.feet[side].heel.push_back(place.root);
+      pose_at_frame(balls[side], at, place);
+      moved.feet[side].ball.push_back(place.root);
+    }
+    if (shifts.empty()) continue;
+    const std::size_t before = std::size_t(f / times),
+                      after = std::min(before + 1, shifts.size() - 1);
+    const double share = at - double(before);
+    LimbShifts& here = moved.shifts.emplace_back();
+    for (std::size_t l = 0; l < here.size(); ++l) {
+      const LimbShift &a = shifts[before][l], &b = shifts[after][l];
+      here[l] = {(1 - share) * a.middle + share * b.middle, (1 - share) * a.end + share * b.end};
+    }
+  }
+}
+
+// What the report counts in frames, in those of another rate: `step` of the first ones each.
+void count_in_frames(double step, RetargetReport& report) {
+  const auto first_from = [&](int frame) { return int(std::ceil(frame / step - 1e-9)); };
+  const auto nearest = [&](int frame) { return int(std::lround(frame / step)); };
+  for (Flight& one : report.flights)
+    one.begin = first_from(one.begin), one.end = first_from(one.end);
+  for (EndMove& one : report.ends_moved) one.worst_frame = nearest(one.worst_frame);
+  for (Penetration& one : report.self_collisions) {
+    one.frames = first_from(one.frames);
+    one.worst_frame = nearest(one.worst_frame);
+  }
 }
 
 void drop_calibration(const std::string& name, Transferred& moved, RetargetReport& report) {
@@ -278,6 +343,12 @@ void plant_within_limits(const std::string& name, const Skeleton& ours, double s
 void constrain(const std::string& name, const Skeleton& ours, const RetargetOptions& options,
                const Constraints& wanted, Transferred& moved, RetargetReport& report) {
   const auto [keep, plant, fall, sole] = wanted;
+  if (keep) {
+    report.limit_breaks_before = limit_breaks(ours, moved.motion);
+    warn_of_limited(name, report.limit_breaks_before, report.warnings);
+  }
+  const double file_rate = moved.motion.fps;
+  if (keep || plant || fall) refine(finer_frames(file_rate), moved);
   FilteredMotion filtered{.motion = std::move(moved.motion)};
   Motion& motion = filtered.motion;
   // Feet that stand on a treadmill are planted on its belt.
@@ -292,8 +363,6 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
       ours, sole, options.avoid_self_collision && options.proxies ? &*options.proxies : nullptr);
   Motion given;  // as the source moves
   if (keep) {
-    report.limit_breaks_before = limit_breaks(ours, motion);
-    warn_of_limited(name, report.limit_breaks_before, report.warnings);
     given = motion;
     limiter.run({}, {}, moved.shifts, motion);
     steady_limbs(ours, limiter.tables(), given, given, {}, motion);
@@ -301,14 +370,22 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
   }
   filtered.belt = belt;
   if (plant) filtered.contacts = find_contacts(moved.feet, motion);
-  // Feet are planted at the file's own rate; another one only picks times out of the result.
+  // The file's own rate, as another one, only picks times out of the result.
   std::vector<MotionFilter> filters = options.filters;
   std::optional<double> rate;
+  if (motion.fps != file_rate) rate = file_rate;
   std::erase_if(filters, [&](const MotionFilter& one) {
     const ChangeRate* change = std::get_if<ChangeRate>(&one);
     if (change != nullptr) rate = change->fps;
     return change != nullptr;
   });
+  // Feet that are locked wholly are planted as they are without it.
+  const auto is_lock = [](const MotionFilter& one, bool partly) {
+    const LockFeet* lock = std::get_if<LockFeet>(&one);
+    return lock != nullptr && (lock->strength < 1) == partly;
+  };
+  if (std::ranges::none_of(filters, [&](const auto& one) { return is_lock(one, true); }))
+    std::erase_if(filters, [&](const auto& one) { return is_lock(one, false); });
   apply_filters(name, ours, filters, filtered);
   if (keep && plant)
     // What filters have moved is faster where it is brought back to its place, and is wanted so.
@@ -323,7 +400,10 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
     for (Pose& pose : motion.frames) complete_pose(ours, pose);  // knees have moved
   if (keep) report.ends_moved = limiter.end_moves();
   if (fall) report.flights = make_flights_ballistic(ours, sole, filtered.gravity, motion);
-  if (rate) change_rate(*rate, filtered);
+  if (rate) {
+    count_in_frames(motion.fps / *rate, report);
+    change_rate(*rate, filtered);
+  }
   const FootMeasures measured = measure_feet(ours, sole, motion, filtered.contacts);
   report.slide_p95 = measured.slide_p95;
   report.penetration = measured.penetration;

@@ -1,11 +1,15 @@
 // Motions as other people's programs write them: people who sit or crawl, arms that bear nothing
 // outwards, takes without tracks for what stays, binary glTF under other endings.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <string>
 
@@ -16,7 +20,7 @@
 #include "skinning/retarget/handedness.h"
 #include "skinning/retarget/joint_mapping.h"
 #include "skinning/retarget/retarget.h"
-#include "tests/skinning/plain_skeleton.h"
+#include "tests/skinning/plain_legs.h"
 
 namespace ecorche {
 namespace {
@@ -24,11 +28,20 @@ namespace {
 // Degrees about x, y and z of a joint, applied as BVH's channels Z X Y.
 using Turns = std::map<std::string, Vec3>;
 
-// A figure of straight limbs in centimetres that stands with its arms out, and one pose in every
-// frame.
+struct FigurePose {
+  Turns turns;
+  Vec3 root = {0, 95, 0};
+};
+
+// A figure of straight limbs in centimetres that stands with its arms out at rest.
 class Figure {
  public:
-  explicit Figure(Turns turns, const Vec3& root = {0, 95, 0}) : turns_(std::move(turns)) {
+  // One pose in every frame.
+  explicit Figure(const Turns& turns, const Vec3& root = {0, 95, 0})
+      : Figure(30, 40, [&](double) { return FigurePose{turns, root}; }) {}
+
+  // `pose`: by time, s.
+  Figure(double fps, int frames, const std::function<FigurePose(double)>& pose) {
     text_ = "HIERARCHY\n";
     open("ROOT", "Hips", {0, 0, 0});
     open("JOINT", "Spine", {0, 20, 0});
@@ -55,14 +68,15 @@ class Figure {
       close(4);
     }
     close(1);
-    constexpr int kFrames = 40;
-    text_ += "MOTION\nFrames: " + std::to_string(kFrames) + "\nFrame Time: 0.0333333\n";
-    for (int f = 0; f < kFrames; ++f) {
-      for (int k = 0; k < 3; ++k) text_ += std::to_string(root[k]) + " ";
+    text_ += "MOTION\nFrames: " + std::to_string(frames) +
+             "\nFrame Time: " + fmt::format("{:.9f}", 1 / fps) + "\n";
+    for (int f = 0; f < frames; ++f) {
+      const FigurePose now = pose(f / fps);
+      for (int k = 0; k < 3; ++k) text_ += fmt::format("{:.6f} ", now.root[k]);
       for (const std::string& name : order_) {
-        const auto found = turns_.find(name);
-        const Vec3 t = found == turns_.end() ? Vec3(Vec3::Zero()) : found->second;
-        for (const int k : {2, 0, 1}) text_ += std::to_string(t[k]) + " ";
+        const auto found = now.turns.find(name);
+        const Vec3 t = found == now.turns.end() ? Vec3(Vec3::Zero()) : found->second;
+        for (const int k : {2, 0, 1}) text_ += fmt::format("{:.6f} ", t[k]);
       }
       text_ += "\n";
     }
@@ -79,8 +93,8 @@ class Figure {
   void open(const std::string& kind, const std::string& name, const Vec3& at) {
     text_ += kind + " " + name + "\n{\n";
     offset(at);
-    text_ += kind == "ROOT" ? "CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
-                            : "CHANNELS 3 Zrotation Xrotation Yrotation\n";
+    const std::string places = kind == "ROOT" ? "6 Xposition Yposition Zposition" : "3";
+    text_ += "CHANNELS " + places + " Zrotation Xrotation Yrotation\n";
     order_.push_back(name);
   }
   void end(const Vec3& at) {
@@ -92,12 +106,11 @@ class Figure {
     for (int k = 0; k < count; ++k) text_ += "}\n";
   }
 
-  Turns turns_;
   std::string text_;
   std::vector<std::string> order_;
 };
 
-RetargetOptions free() {
+RetargetOptions as_it_is() {
   RetargetOptions options;
   options.plant_feet = options.ballistic_flights = options.clamp_limits = false;
   return options;
@@ -131,12 +144,12 @@ TEST(StrangeMotions, WhoCrawlsIsNotStoodUp) {
   turns["RightArm"] = {0, 90, 0};
   RetargetReport report;
   // Knees and hands are on the ground.
-  const Motion moved = retarget(Figure(turns, {0, 46, 0}).clip(), ours, free(), report);
+  const Motion moved = retarget(Figure(turns, {0, 46, 0}).clip(), ours, as_it_is(), report);
   EXPECT_EQ(report.up, 'y');
   EXPECT_LT((moved.frames[0].rotations[0] * Vec3::UnitY()).y(), 0.3);
   // A file that stands along another axis than its rest pose still does.
   const Motion stands =
-      retarget(Figure({{"Hips", {90, 0, 0}}}, {0, 0, 95}).clip(), ours, free(), report);
+      retarget(Figure({{"Hips", {90, 0, 0}}}, {0, 0, 95}).clip(), ours, as_it_is(), report);
   EXPECT_EQ(report.up, 'z');
   EXPECT_GT((stands.frames[0].rotations[0] * Vec3::UnitY()).y(), 0.9);
 }
@@ -162,7 +175,7 @@ TEST(StrangeMotions, BentForearmsPointWhereTheFilesDo) {
                          {"RightForeArm", {0, bend, 0}}};
     const MotionClip clip = Figure(turns).clip();
     RetargetReport report;
-    const Motion moved = retarget(clip, ours, free(), report);
+    const Motion moved = retarget(clip, ours, as_it_is(), report);
     std::vector<Transform> X, source;
     forward_kinematics(ours, moved.frames[0], X);
     clip_kinematics(clip, 0, source);
@@ -180,6 +193,49 @@ TEST(StrangeMotions, BentForearmsPointWhereTheFilesDo) {
       EXPECT_LT(std::acos(std::min(1.0, got.dot(wanted))), 3 * kDegree);
     }
   }
+}
+
+// Knees go up in turn, the standing leg bends a little, so that feet lift off and land.
+FigurePose marching(double t) {
+  FigurePose out;
+  double lowest = 0;
+  for (const double side : {1.0, -1.0}) {
+    const std::string s = side > 0 ? "Left" : "Right";
+    const double up = std::max(0.0, side * std::sin(2 * 3.14159265 * 1.1 * t + 0.4));
+    const double thigh = (12 + 45 * up * up) * kDegree, knee = (24 + 60 * up * up) * kDegree;
+    out.turns[s + "UpLeg"] = {-thigh / kDegree, 0, 0};
+    out.turns[s + "Leg"] = {knee / kDegree, 0, 0};
+    out.turns[s + "Foot"] = {(thigh - knee) / kDegree, 0, 0};
+    lowest = std::max(lowest, 5 + 42 * std::cos(thigh) + 40 * std::cos(knee - thigh) + 6);
+  }
+  out.root = {3 * std::sin(2 * t), lowest, 10 * t};
+  return out;
+}
+
+TEST(StrangeMotions, TheRateOfTheFramesHardlyMatters) {
+  const Skeleton ours = skeleton_with_legs();
+  std::map<int, Motion> moved;
+  for (const int fps : {24, 60, 240}) {
+    RetargetReport report;
+    moved[fps] = retarget(Figure(fps, 3 * fps + 1, marching).clip(), ours, {}, report);
+    ASSERT_EQ(moved[fps].fps, fps);
+    ASSERT_EQ(moved[fps].frames.size(), 3 * fps + 1);
+    EXPECT_GE(report.contacts.size(), 6);
+    for (const Contact& one : report.contacts) EXPECT_LE(one.end, 3 * fps + 1);
+  }
+  std::vector<Transform> X, Y;
+  for (const int fps : {24, 60})
+    for (const char* joint : {"pelvis", "knee_l", "knee_r", "ankle_l", "ankle_r"}) {
+      double sum = 0;
+      constexpr int kCommon = 36;  // twelfths of a second
+      for (int k = 0; k < kCommon; ++k) {
+        forward_kinematics(ours, moved[fps].frames[std::size_t(k * fps / 12)], X);
+        forward_kinematics(ours, moved[240].frames[std::size_t(k * 20)], Y);
+        const std::size_t j = std::size_t(find_joint(ours, joint));
+        sum += (X[j].translation() - Y[j].translation()).norm() / kCommon;
+      }
+      EXPECT_LT(sum, 0.003) << fps << " " << joint;
+    }
 }
 
 TEST(StrangeMotions, JointsWithoutTracksAreReadFromAnyBinaryGltf) {
