@@ -83,8 +83,7 @@ Quat clamped(const Joint& joint, const Quat& rotation) {
     const double ease = limit_ease(joint, a);
     return angles[a] >= joint.min[a] + ease && angles[a] <= joint.max[a] - ease;
   };
-  if (deep(0) && deep(1) && deep(2))
-    return rotation.w() < 0 ? Quat(-rotation.coeffs()) : rotation;
+  if (deep(0) && deep(1) && deep(2)) return rotation.w() < 0 ? Quat(-rotation.coeffs()) : rotation;
   for (int a = 0; a < 3; ++a) {
     const double room = joint.max[a] - joint.min[a], ease = limit_ease(joint, a);
     const double far = std::numbers::pi - room / 2;  // beyond one limit as beyond the other

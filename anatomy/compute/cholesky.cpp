@@ -46,8 +46,6 @@ Eigen::MatrixXd CholeskyFactor::solve_columns(const Eigen::MatrixXd& B) const {
   return X;
 }
 
-double CholeskyFactor::log_determinant() const {
-  return 2 * lower_.diagonal().array().log().sum();
-}
+double CholeskyFactor::log_determinant() const { return 2 * lower_.diagonal().array().log().sum(); }
 
 }  // namespace ecorche::inline v1

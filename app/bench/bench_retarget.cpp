@@ -20,7 +20,8 @@ RetargetPace bench_retarget(const std::filesystem::path& file, const Character& 
   const Motion motion = retarget(clip, skeleton, options, report);
   std::vector<Transform> X_WJ;
   const std::vector<BenchCase> cases{
-      {"retarget", [&] { retarget(clip, skeleton, options, report); }}, {"kinematics", [&] {
+      {"retarget", [&] { retarget(clip, skeleton, options, report); }},
+      {"kinematics", [&] {
          for (const Pose& pose : motion.frames) forward_kinematics(skeleton, pose, X_WJ);
        }}};
   const std::vector<double> times = least_cpu_times(cases, rounds);

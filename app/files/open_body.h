@@ -17,8 +17,8 @@ namespace ecorche {
 
 // A body or character of ours (.glb), "crowd.glb#ada", or a bare skin
 // (anatomy/base_mesh/skin_import.h), whose sex its measures tell. What was found out about the
-// latter's units and axes goes to people and to the report under `body`. `unit`: of a bare skin, by its short name; found out when
-// empty. Throws InputError or UnfitError.
+// latter's units and axes goes to people and to the report under `body`. `unit`: of a bare skin, by
+// its short name; found out when empty. Throws InputError or UnfitError.
 Body open_body(const std::filesystem::path& file, const BodyPackage& package, const Common& common,
                Report& report, const std::string& unit = {});
 

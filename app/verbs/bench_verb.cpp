@@ -236,8 +236,7 @@ int run_bench(const BenchVerbOptions& options, const Common& common, Report& rep
   const Template body_template = read_template(common.assets);
   const FittedActor fitted =
       fit_actor(common.assets, body_template, make_body(package, athlete()), package, {}, report);
-  if (!options.motion.empty())
-    return run_retarget_bench(options, fitted.actor.character, report);
+  if (!options.motion.empty()) return run_retarget_bench(options, fitted.actor.character, report);
   const Motion motion = open_motion(common.assets.tables / "motions" / "long_jump.bvh",
                                     fitted.actor, {}, common, report);
 

@@ -200,9 +200,9 @@ void add_fit_verb(VerbRegistry& registry) {
                                "start with across [{}]",
                                DilateOptions{}.alpha))
       ->check(between(0.01, 10.0));
-  add_sex_option(
-      *verb, options->sex,
-      "Of a skin that does not say it; decides the layer of fat (told by its measures when left out)");
+  add_sex_option(*verb, options->sex,
+                 "Of a skin that does not say it; decides the layer of fat (told by its measures "
+                 "when left out)");
   add_registration_options(*verb, options->registration);
   add_skin_unit_option(*verb, "--unit", options->registration.unit);
 }

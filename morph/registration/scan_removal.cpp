@@ -296,7 +296,7 @@ int level_spikes(Scan& scan) {
 std::vector<char> without_planes(Scan& scan, const CloudNeighbours& near) {
   constexpr int kSample = 6000, kPlanes = 12;
   constexpr double kFloorArea = 0.05, kFloorWidth = 0.2, kWallArea = 0.35, kOneSide = 0.25;
-  constexpr double kOutline = 0.05, kSoles = 0.12;
+  constexpr double kOutline = 0.05;
   std::vector<char> keep(scan.points.rows(), 1);
   std::mt19937 random(1);
   double floor_area = 0, wall_area = 0;
@@ -315,10 +315,9 @@ std::vector<char> without_planes(Scan& scan, const CloudNeighbours& near) {
     const Plane plane = largest_plane(scan, sample, random, depth);
     const PlanePiece piece = largest_piece(scan, near, plane, keep, depth);
     const std::array<double, 2> side = sides(scan, plane, keep, depth);
-    // The soles of a mesh are a plane, too; who stands on a floor is on the side that it faces.
-    const bool faces = side[0] > side[1] || piece.area > kSoles;
-    const bool stands = faces && std::min(side[0], side[1]) < kOneSide && piece.area > kFloorArea &&
-                        piece.width > kFloorWidth;
+    // Who stands on a floor is on the side that it faces; soles and a flat back face away from him.
+    const bool stands = side[0] > side[1] && std::min(side[0], side[1]) < kOneSide &&
+                        piece.area > kFloorArea && piece.width > kFloorWidth;
     if (!stands && piece.area < kWallArea) break;
     // What hangs below a floor's or pedestal's plane within its outline is its rim.
     const double smaller = side[0] < side[1] ? 1 : -1;

@@ -69,9 +69,8 @@ SkinModel make_refined_skin_model(const Anatomy& anatomy, const PosedAnatomy& re
                                   const BoundRefinedSkin& bound) {
   SkinModel out = make_skin_model(anatomy, rest, base, bound.base);
   out.blend = bound.blend;
-  out.refined = std::make_shared<const RefinedMap>(
-      make_refined_map(refinement, bound.base.blend->mesh, bound.blend->mesh, base.V,
-                       rest.X_WJ[0].translation()));
+  out.refined = std::make_shared<const RefinedMap>(make_refined_map(
+      refinement, bound.base.blend->mesh, bound.blend->mesh, base.V, rest.X_WJ[0].translation()));
   return out;
 }
 

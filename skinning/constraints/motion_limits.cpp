@@ -73,8 +73,8 @@ void MotionLimiter::raise_pelvis(std::vector<Pose>& given, std::vector<LimbShift
   constexpr double kMaxRaise = 0.1;         // m, all passes together
   std::vector<Transform> before, after;
   std::vector<double> raised(given.size(), 0.0);
-  const std::vector<int> joints = joints_up_from(
-      skeleton_, {tables_.limbs[0].joints[1], tables_.limbs[1].joints[1]});
+  const std::vector<int> joints =
+      joints_up_from(skeleton_, {tables_.limbs[0].joints[1], tables_.limbs[1].joints[1]});
   std::vector<LimbShifts> more(given.size());
   for (int pass = 0; pass < kPasses; ++pass) {
     for (std::size_t f = 0; f < given.size(); ++f) {

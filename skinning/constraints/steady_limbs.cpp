@@ -53,8 +53,8 @@ std::vector<Chain> chains_of(const Skeleton& skeleton, const LimitTables& tables
     chain.standing.resize(frames);
   }
   for (Chain& chain : out)
-    chain.above = joints_up_from(
-        skeleton, std::vector<int>(chain.joints.begin(), chain.joints.end()));
+    chain.above =
+        joints_up_from(skeleton, std::vector<int>(chain.joints.begin(), chain.joints.end()));
   for (const Contact& contact : contacts)  // legs come after the trunk
     for (int f = contact.begin; f < contact.end; ++f) {
       FootStand& foot = out[contact.side == Side::left ? 1 : 2].standing[std::size_t(f)];

@@ -233,7 +233,8 @@ class Aligner {
     const bool rest_stands =
         standing_cost(rest, up_of_rest) < 1.0 && angle_between(left, up_of_rest) > degrees(60);
     Vec3 up = snapped(lying ? rest_up : moving_up, 4);
-    if (!lying && rest_stands && is_ground(up_of_rest, up)) up = up_of_rest;
+    // A file with our own joint names was written by us, in axes that its rest pose tells.
+    if (!lying && rest_stands && (mapping_.ours || is_ground(up_of_rest, up))) up = up_of_rest;
     if (given_up && !lying && nearest_axis(up).first != *given_up - 'x')
       throw UnfitError(
           fmt::format("{}: --up {}: the figure stands along {}; leave --up out, or name that axis",

@@ -12,6 +12,7 @@
 #include "morph/shapes/muscularity.h"
 #include "morph/shapes/shape_age.h"
 #include "morph/shapes/standard_bodies.h"
+#include "morph/shapes/tell_sex.h"
 #include "tests/body_fixture.h"
 #include "tests/test_assets.h"
 
@@ -65,6 +66,32 @@ TEST_F(BodyModelTest, OneWishIsOnePersonHoweverItIsSpelt) {
     EXPECT_LT(apart(a, b), 1e-4) << height << " m " << mass << " kg";
     EXPECT_NEAR(take("stature", a), height, 0.0005);
     EXPECT_NEAR(take("weight", a), mass, 0.05);
+  }
+}
+
+TEST_F(BodyModelTest, MeasuresTellTheSex) {
+  constexpr int kPeople = 60;
+  const SexLaws laws = make_sex_laws(model());
+  std::normal_distribution<> usual;
+  for (const Sex sex : kSexes) {
+    const ShapeSpace& space = model().adults(sex);
+    Eigen::VectorXd z(space.basis.cols());
+    int told = 0;
+    for (int i = 0; i < kPeople; ++i) {
+      for (double& coefficient : z) coefficient = usual(random);
+      Points skin = space_points(space, z);
+      skin.col(1).array() -= skin.col(1).minCoeff();
+      told += told_sex(laws, skin) == sex;
+    }
+    EXPECT_GE(told, 0.97 * kPeople);
+    // The package's own average build, of which no survey knows.
+    EXPECT_EQ(told_sex(laws, shape_body(package(), {.sex = sex}).body.skin.V), sex);
+    for (const double mass_index : {18.0, 25.0, 33.0, 40.0}) {
+      const Body body =
+          most_probable_body(model(), {.sex = sex, .height = 1.7, .mass = mass_index * 1.7 * 1.7})
+              .body;
+      EXPECT_EQ(told_sex(laws, body.skin.V), sex) << mass_index;
+    }
   }
 }
 

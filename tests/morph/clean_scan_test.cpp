@@ -107,6 +107,18 @@ TEST_F(CleanScanTest, SmallMeshesStayAsTheyAre) {
   EXPECT_EQ(std::accumulate(scan.border.begin(), scan.border.end(), 0), 0);
 }
 
+TEST_F(CleanScanTest, AFlatBackIsNoFloor) {
+  TriMesh flat = man();
+  double back = 0;
+  for (Eigen::Index v = 0; v < flat.V.rows(); ++v)
+    if (flat.V(v, 1) > 1.2 && flat.V(v, 1) < 1.4) back = std::min(back, flat.V(v, 2));
+  for (Eigen::Index v = 0; v < flat.V.rows(); ++v)
+    if (flat.V(v, 1) > 0.8) flat.V(v, 2) = std::max(flat.V(v, 2), back + 0.03);
+  const Scan scan = clean_scan(file_of(flat));
+  EXPECT_FALSE(says(scan, "floor"));
+  EXPECT_EQ(scan.points.rows(), flat.V.rows());
+}
+
 TEST_F(CleanScanTest, TellsTheUnitByHumanSize) {
   for (const double unit : {0.001, 0.01, 0.0254, 0.3048, 1.0}) {
     const Scan scan = clean_scan(file_of(scaled(man(), 1 / unit)));

@@ -102,6 +102,20 @@ TEST(Retarget, OurOwnFileInOtherUnitsAndAxesComesBack) {
   EXPECT_LT(largest_angle(motion, again), 1e-6);
 }
 
+// Who crawls all the time looks like one who stands along another axis.
+TEST(Retarget, OurOwnFileOfACrawlComesBack) {
+  const Skeleton skeleton = plain_skeleton();
+  Motion motion = wiggle(skeleton, 40, 0.1);
+  for (Pose& pose : motion.frames) {
+    pose.rotations[0] = Quat(Eigen::AngleAxisd(85 * kDegree, Vec3::UnitX()));
+    pose.root.y() += 1;
+  }
+  RetargetReport report;
+  const Motion again = retarget(clip_from_bvh(to_bvh(skeleton, motion)), skeleton, as_is(), report);
+  EXPECT_EQ(report.up, 'y');
+  EXPECT_LT(largest_angle(motion, again), 1e-6);
+}
+
 TEST(Retarget, TheSizeOfTheSourceDoesNotMatter) {
   if (!fs::exists(kCaptures)) GTEST_SKIP() << kCaptures << " is absent";
   const Skeleton skeleton = plain_skeleton();

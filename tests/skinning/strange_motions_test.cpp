@@ -38,7 +38,9 @@ class Figure {
  public:
   // One pose in every frame.
   explicit Figure(const Turns& turns, const Vec3& root = {0, 95, 0})
-      : Figure(30, 40, [&](double) { return FigurePose{turns, root}; }) {}
+      : Figure(30, 40, [&](double) {
+          return FigurePose{turns, root};
+        }) {}
 
   // `pose`: by time, s.
   Figure(double fps, int frames, const std::function<FigurePose(double)>& pose) {
@@ -160,10 +162,9 @@ TEST(StrangeMotions, BentForearmsPointWhereTheFilesDo) {
     Joint& elbow = ours.joints[std::size_t(find_joint(ours, "elbow" + s))];
     elbow.min[1] = elbow.min[2] = -1 * kDegree;
     elbow.max[1] = elbow.max[2] = 1 * kDegree;
-    const Vec3 along =
-        (rest_positions(ours)[std::size_t(find_joint(ours, "wrist" + s))] -
-         rest_positions(ours)[std::size_t(find_joint(ours, "elbow" + s))])
-            .normalized();
+    const Vec3 along = (rest_positions(ours)[std::size_t(find_joint(ours, "wrist" + s))] -
+                        rest_positions(ours)[std::size_t(find_joint(ours, "elbow" + s))])
+                           .normalized();
     const Vec3 aside = along.cross(elbow.axes.col(0)).normalized();
     elbow.axes = Eigen::AngleAxisd(12 * kDegree, aside).toRotationMatrix() * elbow.axes;
   }
