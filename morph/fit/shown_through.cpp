@@ -26,6 +26,11 @@ constexpr double kBeneath = 0.080;      // m below it, to where rays go
 constexpr float kFaded = 0.5f;          // into a belly, from where on fascia covers nothing
 constexpr int kNone = -1;
 
+// Borders of superficial muscles shift from body to body, and nobody sees it.
+bool lies_deep(const Muscle& muscle) {
+  return muscle.layer == "intermediate" || muscle.layer == "deep";
+}
+
 // Muscles in order, then bones, as solids; and fascia.
 class LayeredFlesh {
  public:
@@ -228,7 +233,8 @@ ShownThrough measure_shown_through(const LayerOrder& reference, const LayeredBod
   const auto note = [&](double area, const std::string& name) {
     if (area > out.by_one) out.by_one = area, out.most = name;
   };
-  for (std::size_t m = 0; m < muscles; ++m) note(out.muscles[m], body.anatomy.muscles[m].name);
+  for (std::size_t m = 0; m < muscles; ++m)
+    if (lies_deep(body.anatomy.muscles[m])) note(out.muscles[m], body.anatomy.muscles[m].name);
   for (std::size_t b = 0; b < out.bones.size(); ++b) note(out.bones[b], body.anatomy.bones[b].name);
   return out;
 }

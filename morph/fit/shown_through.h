@@ -19,8 +19,8 @@
 
 namespace ecorche::inline v1 {
 
-// Asked at most of one muscle or bone, m^2.
-inline constexpr double kShownAsked = 24e-4;
+// Asked at most of one bone, or muscle below the superficial layer, m^2.
+inline constexpr double kShownAsked = 20e-4;
 
 // A body at rest, and its layer of fat.
 struct LayeredBody {
@@ -49,8 +49,9 @@ LayerOrder template_layers(const Template& body_template, const BodyPackage& pac
 struct ShownThrough {
   double area = 0;                     // m^2 of the layer's underside
   std::vector<double> muscles, bones;  // of it, in the anatomy's order
-  std::string most;                    // the one that shows most,
-  double by_one = 0;                   // and how much, m^2
+  // The bone, or muscle below the superficial layer, that shows most, and how much, m^2.
+  std::string most;
+  double by_one = 0;
 };
 // Precondition: a wall of as many triangles as the reference's.
 ShownThrough measure_shown_through(const LayerOrder& reference, const LayeredBody& body);

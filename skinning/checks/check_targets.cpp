@@ -55,7 +55,7 @@ std::vector<Target> check_targets(const AnatomyCheck& check) {
                            (check.torn_muscle.empty() ? "" : " (" + check.torn_muscle + ")"),
                        check.torn == 0});
   if (std::isfinite(check.shown))
-    targets.push_back({"muscle or bone that shows most through what covers it",
+    targets.push_back({"bone or deep muscle that shows most through what covers it",
                        fmt::format("<= {:.0f} cm2", 1e4 * kShownAsked), shown_most(check),
                        check.shown_by_one <= kShownAsked});
   if (!check.poses.empty()) {

@@ -80,7 +80,9 @@ TEST(ShownThrough, IsNothingInTheReferenceItself) {
 }
 
 TEST(ShownThrough, IsWhatHasComeOverItsCover) {
-  const Scene reference = layers(-0.015, -0.025), through = layers(-0.022, -0.015);
+  const Scene reference = layers(-0.015, -0.025);
+  Scene through = layers(-0.022, -0.015);
+  through.anatomy.muscles[1].layer = "deep";
   const ShownThrough found =
       measure_shown_through(order_of_layers(reference.body()), through.body());
   EXPECT_NEAR(found.area, 0.03 * kSide, 0.1 * 0.03 * kSide);
@@ -88,6 +90,12 @@ TEST(ShownThrough, IsWhatHasComeOverItsCover) {
   EXPECT_EQ(found.by_one, found.area);
   EXPECT_EQ(found.muscles[0], 0);
   EXPECT_EQ(found.muscles[1], found.area);
+  // Of a superficial one the area is told, and nothing asked.
+  through.anatomy.muscles[1].layer = "superficial";
+  const ShownThrough border =
+      measure_shown_through(order_of_layers(reference.body()), through.body());
+  EXPECT_EQ(border.muscles[1], found.area);
+  EXPECT_EQ(border.by_one, 0);
 }
 
 TEST(ShownThrough, KnowsNothingOfBordersThatMove) {
