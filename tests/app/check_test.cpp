@@ -191,8 +191,8 @@ TEST(CheckTargets, AreThoseOfAFitAtRest) {
   EXPECT_FALSE(agree(0.0005, 0.02, 0.01, 0.05, 0.95, 1, 0, 0));
   EXPECT_FALSE(agree(0.0005, 0.02, 0.01, 0.05, 0.95, 0, 1, 0));
   EXPECT_FALSE(agree(0.0005, 0.02, 0.01, 0.05, 0.95, 0, 0, 1));
-  EXPECT_TRUE(agree(0.0005, 0.02, 0.01, 0.05, 0.95, 0, 0, 0, 23.9e-4));
-  EXPECT_FALSE(agree(0.0005, 0.02, 0.01, 0.05, 0.95, 0, 0, 0, 24.1e-4));
+  EXPECT_TRUE(agree(0.0005, 0.02, 0.01, 0.05, 0.95, 0, 0, 0, 19.9e-4));
+  EXPECT_FALSE(agree(0.0005, 0.02, 0.01, 0.05, 0.95, 0, 0, 0, 20.1e-4));
 }
 
 TEST(CheckBodies, AreTwentyWithNamesOfTheirOwn) {
