@@ -8,6 +8,7 @@
 #include <cmath>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <thread>
 
@@ -88,6 +89,7 @@ struct BodySliders::Impl {
   Impl(const Assets& opened, Character character, Template body_template);
   ~Impl();
 
+  FittingOptions fitting() const;
   Points solve(const Asked& asked) const;
   std::vector<double> measure(const Points& skin) const;
   Body body_of(const Points& skin) const;
@@ -108,6 +110,8 @@ struct BodySliders::Impl {
   BodyPackage package = read_body_package(assets);
   TapeMeasure tape{package, read_measure_table(package, package.tables / "body")};
   std::vector<VertexPart> parts = vertex_parts(package);
+  mutable std::optional<LayerOrder> layers;  // of the template, from the first whole fit on
+  mutable std::once_flag layers_made;
   ShapeSpace space;
   BodyStatistics statistics;
   std::vector<int> shown_measures;
@@ -224,10 +228,16 @@ std::shared_ptr<SlidBody> BodySliders::Impl::fit_first(const Points& skin) const
   return out;
 }
 
+FittingOptions BodySliders::Impl::fitting() const {
+  std::call_once(layers_made, [&] { layers = template_layers(body_template, package); });
+  return {.parts = &parts, .layers = &*layers};
+}
+
 std::shared_ptr<SlidBody> BodySliders::Impl::fit_whole(const Points& skin) const {
   const Body fitted_body = body_of(skin);
-  FittedCharacter fitted =
-      fit_character(body_template, fitted_body, package, {.tissues = false, .parts = &parts});
+  FittingOptions options = fitting();
+  options.tissues = false;
+  FittedCharacter fitted = fit_character(body_template, fitted_body, package, options);
   std::vector<std::string> missed;
   for (const MissedTarget& target : missed_targets(fitted.report)) missed.push_back(target.what);
   std::shared_ptr<SlidBody> out = show({std::move(fitted.anatomy), fitted_body});
@@ -390,7 +400,7 @@ std::vector<MissedTarget> BodySliders::write(const Asked& asked, const std::file
     return {};
   }
   const FittedForFile fitted = fit_for_file(s.assets, s.body_template, solve(asked), s.package,
-                                            {.fitting = {.parts = &s.parts}}, report);
+                                            {.fitting = s.fitting()}, report);
   write_character_file(s.assets, file, fitted.bound.character, fitted.bound.binding, Detail::full,
                        s.package);
   return missed_targets(fitted.report);

@@ -60,6 +60,7 @@ struct Workshop {
   std::vector<VertexPart> parts = vertex_parts(package);
   std::optional<ShapeSpace> spaces[2];
   std::optional<Template> body_template;
+  std::optional<LayerOrder> layers;         // of it, where muscles are fitted
   std::optional<CrowdPrototype> prototype;  // of a crowd
 
   void prepare(Sex sex) {
@@ -120,9 +121,9 @@ std::string make_files(const Workshop& shop, const Person& person, const Populat
   } else if (options.skins) {
     write_body(file, body);
   } else {
-    const FittedForFile fitted =
-        fit_for_file(shop.assets, *shop.body_template, body, shop.package,
-                     {.fitting = {.tissues = false, .parts = &shop.parts}}, own);
+    const FittedForFile fitted = fit_for_file(
+        shop.assets, *shop.body_template, body, shop.package,
+        {.fitting = {.tissues = false, .parts = &shop.parts, .layers = &*shop.layers}}, own);
     const std::vector<MissedTarget> missed = missed_targets(fitted.report);
     anatomy = missed.empty() ? "met" : fmt::format("{} targets missed", missed.size());
     for (const MissedTarget& target : missed) names += (names.empty() ? "" : ";") + target.name;
@@ -253,6 +254,7 @@ int run_population(const PopulationOptions& options, const Common& common, Repor
     throw InputError(fmt::format("{} ({} rows, none of which can be used)", people.bad.front().what,
                                  people.bad.size()));
   if (!options.skins || !options.crowd.empty()) shop.body_template = read_template(common.assets);
+  if (!options.skins) shop.layers = template_layers(*shop.body_template, shop.package);
   const fs::path notes = options.folder / ".rows";
   make_output_folder(notes);
   if (!options.crowd.empty()) {

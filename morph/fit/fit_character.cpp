@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 #include <utility>
 
 #include "anatomy/base_mesh/chest_wall.h"
@@ -25,6 +26,25 @@ void scale_fat(double factor, FatLayer& layer) {
       const float skin = i < layer.skin.size() ? layer.skin[i] : 0;
       (*all)[i] = skin + float(factor) * std::max(0.0f, (*all)[i] - skin);
     }
+}
+
+// What is told of how the muscles of a fitted body lie.
+FillReport judge(const Template& body_template, const FittedCharacter& fitted,
+                 const BodyPackage& package, const FittingOptions& options,
+                 const TriMesh& closed_skin, const SkinRays& wall) {
+  std::vector<VertexPart> read;
+  if (!options.parts) read = vertex_parts(package);
+  const std::vector<VertexPart>& parts = options.parts ? *options.parts : read;
+  FillReport out = measure_fill(fitted.anatomy, closed_skin, wall, fitted.fat, parts);
+  if (!options.dilated || options.dilate.method != DilateMethod::ecorche || !options.dilate.share)
+    return out;
+  measure_rest(fitted.anatomy, wall.mesh(), fitted.fat, parts, out);
+  measure_torn(fitted.anatomy, body_template.anatomy.muscles, out);
+  const LayeredBody body{fitted.anatomy, wall.mesh(), fitted.fat, parts};
+  std::optional<LayerOrder> made;
+  if (!options.layers) made = template_layers(body_template, package);
+  measure_shown(made ? *made : *options.layers, body, out);
+  return out;
 }
 
 }  // namespace
@@ -55,15 +75,8 @@ FittedCharacter fit_character(const Template& body_template, const Body& body,
   }
   report.dilation_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 
-  std::vector<VertexPart> read;
-  if (!options.parts) read = vertex_parts(package);
-  const std::vector<VertexPart>& parts = options.parts ? *options.parts : read;
-  report.fill = measure_fill(fitted.anatomy, closed_skin, wall, fitted.fat, parts);
-  if (options.dilated && dilation.method == DilateMethod::ecorche && dilation.share)
-    measure_rest(fitted.anatomy, wall.mesh(), fitted.fat, parts, report.fill),
-        measure_torn(fitted.anatomy, body_template.anatomy.muscles, report.fill),
-        measure_shown(template_layers(body_template, package),
-                      {fitted.anatomy, wall.mesh(), fitted.fat, parts}, report.fill);
+  if (options.judged)
+    report.fill = judge(body_template, fitted, package, options, closed_skin, wall);
   if (options.tissues)
     report.tissues = measure_tissues(fitted.anatomy, closed_skin, wall.mesh(), fitted.fat);
   rearrange_joints(options.joints, fitted.anatomy);

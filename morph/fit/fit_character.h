@@ -25,8 +25,11 @@ struct FittingOptions {
   bool dilated = true;  // false: muscles as they are before they grow to the skin
   // false: what the body is made of is not measured; no target rests on it
   bool tissues = true;
-  // vertex_parts of the package, where they are at hand; read otherwise
+  // vertex_parts of the package and template_layers, where they are at hand; made anew otherwise
   const std::vector<VertexPart>* parts = nullptr;
+  const LayerOrder* layers = nullptr;
+  // false: nothing is measured of how the muscles lie; the report's `fill` stays empty
+  bool judged = true;
 };
 
 struct FittedCharacter {

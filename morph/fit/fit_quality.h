@@ -31,8 +31,8 @@ struct FillReport {
   std::string pierced_muscle;
   int loose_ends = 0;
   double filled_share = 1;
-  // m^2 where muscles and bones show through what covers them in the template; of it the one that
-  // shows most
+  // m^2 where muscles and bones show through what covers them in the template; of it the bone or
+  // deep muscle that shows most (shown_through.h)
   double shown = 0, shown_by_one = 0;
   std::string shown_most;
   // muscles that are torn at rest, the worst first, and needles of all (torn_muscles.h)

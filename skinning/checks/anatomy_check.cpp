@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <span>
 
 #include "anatomy/base_mesh/body_rig.h"
@@ -242,9 +243,10 @@ void check_voids(const Subject& subject, const Shape& shape, const CheckOptions&
     most = check.muscles[m].slits;
     check.slit_muscle = subject.anatomy().muscles[m].name;
   }
-  if (options.reference)
-    check_shown(template_layers(*options.reference, subject.package),
-                {subject.anatomy(), wall, fat, parts}, check);
+  if (!options.reference) return;
+  std::optional<LayerOrder> made;
+  if (!options.layers) made = template_layers(*options.reference, subject.package);
+  check_shown(made ? *made : *options.layers, {subject.anatomy(), wall, fat, parts}, check);
 }
 
 void check_ends(const Subject& subject, AnatomyCheck& check) {

@@ -9,6 +9,7 @@
 
 #include "anatomy/base_mesh/body_package.h"
 #include "anatomy/muscles/torn_muscles.h"
+#include "morph/fit/shown_through.h"
 #include "morph/template/template.h"
 #include "skinning/character/character_model.h"
 #include "skinning/checks/bone_overlap.h"
@@ -28,6 +29,7 @@ struct CheckOptions {
   // What the muscles were made from, in its own body. Null: nothing is known of muscles torn at
   // rest, nor of what shows through.
   const Template* reference = nullptr;
+  const LayerOrder* layers = nullptr;  // of it, where it is at hand; made anew otherwise
 };
 
 // Of one muscle. Shares are of its volume, or of the points of its surface.
@@ -108,7 +110,7 @@ struct AnatomyCheck {
   double slits = 0;
   std::string slit_muscle;
   // m^2 of that area where a muscle or bone is met first that others cover in the reference, and
-  // of it the one that shows most (shown_through.h); NaN: not known
+  // of it the bone or deep muscle that shows most (shown_through.h); NaN: not known
   double shown = std::numeric_limits<double>::quiet_NaN(), shown_by_one = 0;
   std::string shown_most;
   std::vector<PoseCheck> poses;

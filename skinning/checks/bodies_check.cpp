@@ -38,17 +38,19 @@ std::vector<BodyCheck> check_bodies(const Assets& assets, const std::vector<Body
   const BodyModel model(assets);
   const BodyPackage& package = model.package();
   const Template body_template = read_template(assets);
+  const LayerOrder layers = template_layers(body_template, package);
   std::vector<Body> all;  // before any is fitted: one that cannot be had is told at once
   for (const BodySpec& spec : bodies) all.push_back(make_body(model, spec));
   std::vector<BodyCheck> checks;
   if (progress) progress(0, int(bodies.size()));
   for (const Body& made : all) {
-    FittedCharacter fitted = fit_character(body_template, made, package);
+    FittedCharacter fitted = fit_character(body_template, made, package, {.layers = &layers});
     const CharacterModel compiled =
         compile_character({std::move(fitted.anatomy), made}, {.muscles = MuscleMotion::map});
     CheckOptions options;
     options.sweep_step = 0;
     options.reference = &body_template;
+    options.layers = &layers;
     BodyCheck body;
     body.name = bodies[checks.size()].name;
     body.mass = made.mass;

@@ -129,7 +129,9 @@ void BackgroundFit::Impl::make(const Document& document, long long of) {
     const Template edited = edited_template(workshop, document);
     if (superseded(of)) return;
     say("growing the muscles to the skin");
-    FittedCharacter made = fit_character(edited, body, workshop.package(), fitting_of(document));
+    FittingOptions fitting = fitting_of(document);
+    fitting.judged = fitting.tissues = false;
+    FittedCharacter made = fit_character(edited, body, workshop.package(), fitting);
     if (superseded(of)) return;
     say("binding the skin");
     out->actor = std::make_shared<const Actor>(
