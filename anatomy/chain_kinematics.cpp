@@ -18,14 +18,7 @@ std::vector<int> joints_up_from(const Skeleton& skeleton, const std::vector<int>
 void chain_kinematics(const Skeleton& skeleton, const std::vector<int>& joints, const Pose& pose,
                       std::vector<Transform>& out) {
   out.resize(skeleton.joints.size());
-  for (const int number : joints) {
-    const std::size_t j = std::size_t(number);
-    const Joint& joint = skeleton.joints[j];
-    Transform local = Transform::Identity();
-    local.linear() = pose.rotations[j].toRotationMatrix();
-    local.translation() = joint.parent < 0 ? pose.root : Vec3(joint.X_PJ.translation());
-    out[j] = joint.parent < 0 ? local : out[std::size_t(joint.parent)] * local;
-  }
+  for (const int j : joints) out[std::size_t(j)] = joint_frame(skeleton, pose, out, std::size_t(j));
 }
 
 }  // namespace ecorche::inline v1

@@ -27,24 +27,22 @@ Pose rest_pose(const Skeleton& skeleton) {
   return pose;
 }
 
+Transform joint_frame(const Skeleton& skeleton, const Pose& pose,
+                      const std::vector<Transform>& X_WJ, std::size_t j) {
+  const Joint& joint = skeleton.joints[j];
+  Transform local = Transform::Identity();
+  local.linear() = pose.rotations[j].toRotationMatrix();
+  local.translation() = joint.parent < 0 ? pose.root : Vec3(joint.X_PJ.translation());
+  return joint.parent < 0 ? local : X_WJ[std::size_t(joint.parent)] * local;
+}
+
 void forward_kinematics(const Skeleton& skeleton, const Pose& pose, std::vector<Transform>& out) {
   if (pose.rotations.size() != skeleton.joints.size())
     throw std::invalid_argument("forward_kinematics: " + std::to_string(pose.rotations.size()) +
                                 " rotations for " + std::to_string(skeleton.joints.size()) +
                                 " joints");
   out.resize(skeleton.joints.size());
-  for (size_t j = 0; j < out.size(); ++j) {
-    const Joint& joint = skeleton.joints[j];
-    Transform local = Transform::Identity();
-    local.linear() = pose.rotations[j].toRotationMatrix();
-    if (joint.parent < 0) {
-      local.translation() = pose.root;
-      out[j] = local;
-    } else {
-      local.translation() = joint.X_PJ.translation();
-      out[j] = out[joint.parent] * local;
-    }
-  }
+  for (size_t j = 0; j < out.size(); ++j) out[j] = joint_frame(skeleton, pose, out, j);
 }
 
 void complete_pose(const Skeleton& skeleton, Pose& pose) {

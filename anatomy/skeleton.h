@@ -5,6 +5,7 @@
 // anatomical axes that limits refer to are stored beside it.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -53,6 +54,10 @@ std::vector<Vec3> rest_positions(const Skeleton& skeleton);
 
 // The rest pose: root at its rest position, no rotation anywhere.
 Pose rest_pose(const Skeleton& skeleton);
+
+// World frame of joint j, from that of its parent in X_WJ.
+Transform joint_frame(const Skeleton& skeleton, const Pose& pose,
+                      const std::vector<Transform>& X_WJ, std::size_t j);
 
 // World frames X_WJ of all joints. `out` is resized once and then reused.
 // Precondition: pose.rotations has one entry a joint.

@@ -6,7 +6,9 @@
 #include <numbers>
 #include <optional>
 #include <string_view>
+#include <utility>
 
+#include "anatomy/geometry/join_meshes.h"
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/queries/ray_caster.h"
 #include "viewer/scene.h"
@@ -23,12 +25,6 @@ constexpr int kBridgedRows = 2, kBridgedColumns = 1;
 // Unlike any tissue: what is there is not modelled.
 const Vec3f kRoomColors[] = {{0.42f, 0.45f, 0.54f}, {0.42f, 0.45f, 0.54f}, {0.50f, 0.46f, 0.45f}};
 
-const Bone* bone_named(const Anatomy& anatomy, std::string_view name) {
-  for (const Bone& bone : anatomy.bones)
-    if (bone.name == name) return &bone;
-  return nullptr;
-}
-
 bool is_of_spine(std::string_view name) {
   return name == "sacrum" || ((name[0] == 't' || name[0] == 'l') && name.size() <= 3 &&
                               name.size() > 1 && std::isdigit(static_cast<unsigned char>(name[1])));
@@ -41,34 +37,23 @@ bool is_of_wall(std::string_view name) {
 
 // What a room can grow against: bones of the trunk's wall and the muscles around.
 TriMesh wall_of(const Anatomy& anatomy, const MuscleSurface& surface) {
-  std::vector<const TriMesh*> bones;
+  TriMesh muscles;
+  std::vector<const TriMesh*> wall{&muscles};
   Eigen::AlignedBox3d box;
   for (const Bone& bone : anatomy.bones) {
     if (!is_of_wall(bone.name)) continue;
-    bones.push_back(&bone.mesh);
+    wall.push_back(&bone.mesh);
     for (Eigen::Index v = 0; v < bone.mesh.V.rows(); ++v)
       box.extend(Vec3(bone.mesh.V.row(v).transpose()));
   }
-  Points muscles;
-  if (surface.vertices() > 0) update_muscle_surface(surface, rest_slices(anatomy), muscles);
-  TriMesh out;
-  Eigen::Index vertices = muscles.rows(), faces = 0;
-  for (const TriMesh* bone : bones) vertices += bone->V.rows(), faces += bone->F.rows();
-  std::vector<Eigen::Index> near;
+  if (surface.vertices() > 0) update_muscle_surface(surface, rest_slices(anatomy), muscles.V);
+  muscles.F.resize(surface.F.rows(), 3);
+  Eigen::Index near = 0;
   for (Eigen::Index f = 0; f < surface.F.rows(); ++f)
-    if (box.contains(Vec3(muscles.row(surface.F(f, 0)).transpose()))) near.push_back(f);
-  out.V.resize(vertices, 3);
-  out.F.resize(faces + Eigen::Index(near.size()), 3);
-  out.V.topRows(muscles.rows()) = muscles;
-  Eigen::Index v = muscles.rows(), f = 0;
-  for (const Eigen::Index each : near) out.F.row(f++) = surface.F.row(each);
-  for (const TriMesh* bone : bones) {
-    out.V.middleRows(v, bone->V.rows()) = bone->V;
-    out.F.middleRows(f, bone->F.rows()) = bone->F.array() + int(v);
-    v += bone->V.rows();
-    f += bone->F.rows();
-  }
-  return out;
+    if (box.contains(Vec3(muscles.V.row(surface.F(f, 0)).transpose())))
+      muscles.F.row(near++) = surface.F.row(f);
+  muscles.F.conservativeResize(near, 3);
+  return join_meshes(wall);
 }
 
 // Distances from an axis to a wall, by height and direction; a gap in the wall is not a number.
@@ -81,19 +66,21 @@ struct Shaft {
     const double angle = 2 * std::numbers::pi * column / kAround;
     return {std::sin(angle), 0, std::cos(angle)};  // 0: to the front
   }
+  // The row below a height, and the share of the way to the next one.
+  std::pair<std::size_t, double> row_at(double height) const {
+    const double row = std::clamp((height - low) / kStep, 0.0, double(axis.size()) - 1);
+    const std::size_t k = std::min(std::size_t(row), axis.size() - 2);
+    return {k, row - double(k)};
+  }
   // On the wall at a height between rows.
   Vec3 at(double height, int column) const {
-    const double row = std::clamp((height - low) / kStep, 0.0, double(axis.size()) - 1);
-    const std::size_t k = std::min(std::size_t(row), axis.size() - 2);
-    const double u = row - double(k);
+    const auto [k, u] = row_at(height);
     const std::size_t c = std::size_t(column % kAround);
-    const Vec3 middle = (1 - u) * axis[k] + u * axis[k + 1];
-    return middle + ((1 - u) * reach[k][c] + u * reach[k + 1][c]) * direction(column);
+    return middle(height) + ((1 - u) * reach[k][c] + u * reach[k + 1][c]) * direction(column);
   }
   Vec3 middle(double height) const {
-    const double row = std::clamp((height - low) / kStep, 0.0, double(axis.size()) - 1);
-    const std::size_t k = std::min(std::size_t(row), axis.size() - 2);
-    return axis[k] + (row - double(k)) * (axis[k + 1] - axis[k]);
+    const auto [k, u] = row_at(height);
+    return axis[k] + u * (axis[k + 1] - axis[k]);
   }
 };
 
@@ -302,12 +289,13 @@ void add_trunk(const Anatomy& anatomy, const MuscleSurface& surface, std::vector
 }
 
 void add_skull(const Anatomy& anatomy, std::vector<OrganRoom>& out) {
-  const Bone* skull = bone_named(anatomy, "skull");
-  if (!skull || skull->mesh.F.rows() == 0) return;
-  const Vec3 low = skull->mesh.V.colwise().minCoeff(), high = skull->mesh.V.colwise().maxCoeff();
+  const int found = find_bone(anatomy, "skull");
+  if (found < 0 || anatomy.bones[std::size_t(found)].mesh.F.rows() == 0) return;
+  const Bone& skull = anatomy.bones[std::size_t(found)];
+  const Vec3 low = skull.mesh.V.colwise().minCoeff(), high = skull.mesh.V.colwise().maxCoeff();
   const double up = 0.37 * (high.y() - low.y());
   const Vec3 middle(0.5 * (low.x() + high.x()), high.y() - up, 0.5 * (low.z() + high.z()));
-  const SkinRays rays(skull->mesh, RayBuild::quick);
+  const SkinRays rays(skull.mesh, RayBuild::quick);
   const auto reach = [&](const Vec3& to) {
     const RayHit hit = rays.first_hit(middle, to, 0.2);
     return hit.triangle < 0 ? 0.2 : double(hit.distance);
@@ -328,7 +316,7 @@ void add_skull(const Anatomy& anatomy, std::vector<OrganRoom>& out) {
     rings.push_back(std::move(ring));
   }
   OrganRoom room = closed(0, rings);
-  room.holds.assign(room.rest.size(), {skull->joint, skull->joint, 0});
+  room.holds.assign(room.rest.size(), {skull.joint, skull.joint, 0});
   out.push_back(std::move(room));
 }
 

@@ -197,12 +197,12 @@ std::array<double, 2> sides(const Scan& scan, const Plane& plane, const std::vec
   return {above / all, below / all};
 }
 
-// Everything on the plane that faces its way, and what lies beyond it.
-void take_plane(const Scan& scan, const Plane& plane, double depth, double beyond,
+// Everything on the plane that faces its way; with `rim`, what lies behind it, too.
+void take_plane(const Scan& scan, const Plane& plane, double depth, bool rim,
                 std::vector<char>& keep) {
   for (Eigen::Index i = 0; i < scan.points.rows(); ++i) {
     if (keep[i] == 0) continue;
-    if (on_plane(scan, plane, int(i), depth) || beyond * plane.height(scan.points.row(i)) > depth)
+    if (on_plane(scan, plane, int(i), depth) || (rim && -plane.height(scan.points.row(i)) > depth))
       keep[i] = 0;
   }
 }
@@ -314,14 +314,13 @@ std::vector<char> without_planes(Scan& scan, const CloudNeighbours& near) {
     const double depth = std::max(kPlaneDepth, scan.one_view ? 0.02 : 0.0);
     const Plane plane = largest_plane(scan, sample, random, depth);
     const PlanePiece piece = largest_piece(scan, near, plane, keep, depth);
-    const std::array<double, 2> side = sides(scan, plane, keep, depth);
+    const auto [above, below] = sides(scan, plane, keep, depth);
     // Who stands on a floor is on the side that it faces; soles and a flat back face away from him.
-    const bool stands = side[0] > side[1] && std::min(side[0], side[1]) < kOneSide &&
-                        piece.area > kFloorArea && piece.width > kFloorWidth;
+    const bool stands =
+        above > below && below < kOneSide && piece.area > kFloorArea && piece.width > kFloorWidth;
     if (!stands && piece.area < kWallArea) break;
     // What hangs below a floor's or pedestal's plane within its outline is its rim.
-    const double smaller = side[0] < side[1] ? 1 : -1;
-    bool rim = stands && std::min(side[0], side[1]) > 0;
+    bool rim = stands && below > 0;
     if (rim) {
       Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
       for (const int i : piece.points) {
@@ -329,17 +328,17 @@ std::vector<char> without_planes(Scan& scan, const CloudNeighbours& near) {
         high = high.cwiseMax(scan.points.row(i).transpose());
       }
       for (Eigen::Index i = 0; i < scan.points.rows() && rim; ++i) {
-        if (keep[i] == 0 || smaller * plane.height(scan.points.row(i)) < depth) continue;
+        if (keep[i] == 0 || -plane.height(scan.points.row(i)) < depth) continue;
         const Vec3 at =
             scan.points.row(i).transpose() - plane.height(scan.points.row(i)) * plane.normal;
         rim = (at.array() > low.array() - kOutline).all() &&
               (at.array() < high.array() + kOutline).all();
       }
     }
-    if (stands && !rim && std::min(side[0], side[1]) > 0.03 && piece.area < kWallArea) break;
-    take_plane(scan, plane, depth, rim ? smaller : 0, keep);
+    if (stands && !rim && below > 0.03 && piece.area < kWallArea) break;
+    take_plane(scan, plane, depth, rim, keep);
     (stands ? floor_area : wall_area) += piece.area;
-    if (stands && !scan.up && !scan.one_view) scan.up = -smaller * plane.normal;
+    if (stands && !scan.up && !scan.one_view) scan.up = plane.normal;
   }
   if (floor_area > 0)
     scan.notes.push_back(

@@ -313,14 +313,6 @@ void raise_toes(const Skeleton& skeleton, const FootShape& foot, Pose& pose,
   }
 }
 
-Transform child_frame(const Skeleton& skeleton, const std::vector<Transform>& X, const Pose& pose,
-                      std::size_t j) {
-  Transform out = X[skeleton.joints[j].parent];
-  out.translate(skeleton.joints[j].X_PJ.translation());
-  out.rotate(pose.rotations[j]);
-  return out;
-}
-
 }  // namespace
 
 LimitTables make_limit_tables(const Skeleton& skeleton, double sole_height) {
@@ -397,7 +389,7 @@ void enforce_limits(const Skeleton& skeleton, const LimitTables& tables,
       LimbSolver(skeleton, limb, is[parent], wanted, middle, tolerance, stand, pose).solve(pose);
     }
     if (std::ranges::binary_search(tables.needed, int(j)))
-      is[j] = child_frame(skeleton, is, pose, j);
+      is[j] = joint_frame(skeleton, pose, is, j);
   }
   if (tolerance.on_ground)
     for (const FootShape& foot : tables.feet) raise_toes(skeleton, foot, pose, is);

@@ -23,8 +23,7 @@ namespace ecorche::inline v1 {
 // and by more than 2 m/s, unless the pelvis turns as fast; other limbs are returned as they are.
 // `given`: the motion before the correction, `motion`: after it, within limits; all three of as
 // many frames. `contacts`: of feet that are planted in `motion`. A limb whose worst step would not
-// get slower is left as it is. Returns the number of frames that
-// were changed, each limb's counted.
+// get slower is left as it is. Returns the number of frames that were changed, each limb's counted.
 int steady_limbs(const Skeleton& skeleton, const LimitTables& tables, const Motion& source,
                  const Motion& given, const std::vector<Contact>& contacts, Motion& motion);
 

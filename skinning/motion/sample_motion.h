@@ -1,6 +1,8 @@
 // A motion's pose at any time.
 #pragma once
 
+#include <span>
+
 #include "anatomy/skeleton.h"
 
 namespace ecorche::inline v1 {
@@ -14,5 +16,8 @@ void pose_at(const Motion& motion, double time, Pose& out);
 
 // The same at a frame, from 0, or between two; whole ones are the motion's own to the bit.
 void pose_at_frame(const Motion& motion, double frame, Pose& out);
+
+// The same of a point's path, a place a frame. Precondition: the path has frames.
+Vec3 place_at_frame(std::span<const Vec3> path, double frame);
 
 }  // namespace ecorche::inline v1

@@ -22,11 +22,11 @@
 #include "skinning/filters/slope_ground.h"
 #include "skinning/filters/warp_time.h"
 #include "skinning/motion/require_joint.h"
-#include "skinning/motion/sample_motion.h"
 #include "skinning/retarget/handedness.h"
 #include "skinning/retarget/joint_mapping.h"
 #include "skinning/retarget/matching_rig.h"
 #include "skinning/retarget/pose_transfer.h"
+#include "skinning/retarget/refine_frames.h"
 #include "skinning/retarget/rest_alignment.h"
 
 namespace ecorche::inline v1 {
@@ -222,56 +222,6 @@ Transferred transfer_frames(const MotionClip& source, const Skeleton& ours, doub
   return out;
 }
 
-// Frames in which constraints are worked out, to each of the file's: contacts, their fading, snaps
-// and what is averaged over time must not depend on how often a recording was looked at.
-int finer_frames(double fps) {
-  constexpr double kWorked = 120;  // a second
-  return std::max(1, int(std::lround(kWorked / fps)));
-}
-
-// A point's path as a motion of a root alone.
-Motion path_as_motion(const std::vector<Vec3>& path) {
-  Motion out;
-  for (const Vec3& point : path) out.frames.push_back({.root = point, .rotations = {}});
-  return out;
-}
-
-// The motion in so many times its frames, on smooth curves through them.
-void refine(int times, Transferred& moved) {
-  if (times == 1 || moved.motion.frames.size() < 2) return;
-  const Motion given = std::move(moved.motion);
-  std::array<Motion, 2> heels, balls;
-  for (std::size_t side = 0; side < 2; ++side) {
-    heels[side] = path_as_motion(moved.feet[side].heel);
-    balls[side] = path_as_motion(moved.feet[side].ball);
-  }
-  const std::vector<LimbShifts> shifts = std::move(moved.shifts);
-  const int count = int(given.frames.size() - 1) * times + 1;
-  moved = {.motion = {given.fps * times, std::vector<Pose>(std::size_t(count))},
-           .feet = {},
-           .shifts = {}};
-  Pose place;
-  for (int f = 0; f < count; ++f) {
-    const double at = double(f) / times;
-    pose_at_frame(given, at, moved.motion.frames[std::size_t(f)]);
-    for (std::size_t side = 0; side < 2; ++side) {
-      pose_at_frame(heels[side], at, place);
-      moved.feet[side].heel.push_back(place.root);
-      pose_at_frame(balls[side], at, place);
-      moved.feet[side].ball.push_back(place.root);
-    }
-    if (shifts.empty()) continue;
-    const std::size_t before = std::size_t(f / times),
-                      after = std::min(before + 1, shifts.size() - 1);
-    const double share = at - double(before);
-    LimbShifts& here = moved.shifts.emplace_back();
-    for (std::size_t l = 0; l < here.size(); ++l) {
-      const LimbShift &a = shifts[before][l], &b = shifts[after][l];
-      here[l] = {(1 - share) * a.middle + share * b.middle, (1 - share) * a.end + share * b.end};
-    }
-  }
-}
-
 // What the report counts in frames, in those of another rate: `step` of the first ones each.
 void count_in_frames(double step, RetargetReport& report) {
   const auto first_from = [&](int frame) { return int(std::ceil(frame / step - 1e-9)); };
@@ -348,7 +298,7 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
     warn_of_limited(name, report.limit_breaks_before, report.warnings);
   }
   const double file_rate = moved.motion.fps;
-  if (keep || plant || fall) refine(finer_frames(file_rate), moved);
+  if (keep || plant || fall) refine_frames(moved.motion, moved.feet, moved.shifts);
   FilteredMotion filtered{.motion = std::move(moved.motion)};
   Motion& motion = filtered.motion;
   // Feet that stand on a treadmill are planted on its belt.

@@ -856,6 +856,8 @@ def window(t):
 def benches(t):
     out = t.run((0, 8), "bench", "--rounds", 3, "--muscles").stdout
     t.check("mu" in out, "bench --muscles")
+    out = t.run(0, "bench", "--rounds", 3, "--motion", t.data("motions", "walk.bvh"), "--report", "pace.json").stdout
+    t.check("frames/s of a core" in out and t.json("pace.json")["bench"]["retarget"]["frames_per_second"] > 0, "bench --motion")
     if not shutil.which("xvfb-run"):
         t.used.setdefault("bench", set()).add("--studio")
         return
