@@ -6,6 +6,7 @@
 
 #include "anatomy/base_mesh/body_package.h"
 #include "anatomy/compute/smooth_step.h"
+#include "morph/measures/body_volume.h"
 #include "morph/measures/measure_table.h"
 #include "morph/measures/tape_measure.h"
 #include "morph/shapes/modify_body.h"
@@ -14,8 +15,7 @@ namespace ecorche {
 namespace {
 
 // By girths and height, 0 .. 1; none of a skin that is not on the base mesh.
-std::optional<double> fat_share_of(const Assets& assets, Sex sex, const Points& base_skin) {
-  const BodyPackage package = read_body_package(assets);
+std::optional<double> fat_share_of(const BodyPackage& package, Sex sex, const Points& base_skin) {
   if (base_skin.rows() != package.skin_size) return std::nullopt;
   const TapeMeasure tape(package, read_measure_table(package, package.tables / "body"));
   return 0.01 * fat_percentage(tape, sex, base_skin);
@@ -29,7 +29,7 @@ double definition_of(Sex sex, double fat_share) {
 }
 
 double definition_of(const Assets& assets, Sex sex, const Points& base_skin) {
-  const std::optional<double> share = fat_share_of(assets, sex, base_skin);
+  const std::optional<double> share = fat_share_of(read_body_package(assets), sex, base_skin);
   return share ? definition_of(sex, *share) : 0;
 }
 
@@ -41,10 +41,11 @@ double layer_of(Sex sex, double fat_share, double mass, double stature) {
 }
 
 double layer_of(const Assets& assets, Sex sex, double mass, const Points& base_skin) {
-  const std::optional<double> share = fat_share_of(assets, sex, base_skin);
+  const BodyPackage package = read_body_package(assets);
+  const std::optional<double> share = fat_share_of(package, sex, base_skin);
   if (!share) return 0;
-  const double stature = base_skin.col(1).maxCoeff() - base_skin.col(1).minCoeff();
-  return layer_of(sex, *share, mass, stature);
+  if (mass <= 0) mass = kBodyDensity * skin_volume(package, base_skin);
+  return layer_of(sex, *share, mass, stature(package, base_skin));
 }
 
 }  // namespace ecorche

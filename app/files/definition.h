@@ -22,7 +22,8 @@ double definition_of(const Assets& assets, Sex sex, const Points& base_skin);
 // skin, of 920 kg/m^3, spread over the surface of Du Bois and Du Bois (1916), and 1.5 mm of skin.
 double layer_of(Sex sex, double fat_share, double mass, double stature);
 
-// The same of a skin on the base mesh by girths and height; 0 for another.
+// The same of a skin on the base mesh by girths and height; 0 for another. `mass`: 0 where unknown,
+// as of a scanned skin; then the mass of its volume counts.
 double layer_of(const Assets& assets, Sex sex, double mass, const Points& base_skin);
 
 }  // namespace ecorche

@@ -244,6 +244,8 @@ def fits(t):
     obj = write_obj(t, "anna.obj", 100 / 2.54)
     t.run((0, 8), "fit", obj, "--unit", "in", "--sex", "female", "-o", "from-obj.glb", "--report", "obj.json")
     t.check(abs(t.json("obj.json")["fit"]["stature"] - 1.68) < 0.002, "--unit in")
+    # A bare skin comes without a mass.
+    t.run(0, "render", "from-obj.glb", "--pose", "standing", "--definition", 0.5, "--size", "64x64", "-o", "from-obj.png")
     inches = json.loads(t.run(0, "body", "measure", obj, "--skin-unit", "in", "--json").stdout)
     t.check(abs(inches["stature"] - 1.68) < 0.002 and abs(inches["waist_girth"] - measures(t, "anna.glb")["waist_girth"]) < 0.002, "body measure of a bare skin")
     t.run(0, "body", "size", obj, "--skin-unit", "in", "--sex", "female")
