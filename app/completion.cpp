@@ -228,6 +228,10 @@ Folder of the data packages.
 .TP
 .B XDG_CACHE_HOME
 Where what takes long to make is kept, in the folder ecorche; ~/.cache when not set.
+.TP
+.B XDG_STATE_HOME
+Where sessions of the studio that are not saved are kept until they end, in the folder
+ecorche/studio; ~/.local/state when not set.
 )";
 
 }  // namespace

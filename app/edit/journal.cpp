@@ -39,13 +39,29 @@ std::vector<std::string> read_journal(const std::filesystem::path& file) {
   return out;
 }
 
+JournalBegin begin_of_journal(const std::vector<std::string>& lines, bool saves_only) {
+  for (std::size_t k = lines.size(); k > 0; --k)
+    for (const std::string_view word : {kFrom, kSaves})
+      if (lines[k - 1].starts_with(word) && !(saves_only && word == kFrom))
+        return {k, lines[k - 1].substr(word.size())};
+  return {};
+}
+
+bool is_journal_held(const std::filesystem::path& file) {
+  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  const bool held = flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  close(descriptor);
+  return held;
+}
+
 Journal::Journal(std::filesystem::path file) : file_(std::move(file)) {
   descriptor_ = open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (descriptor_ < 0) fail_journal(file_, std::strerror(errno));
   const std::string whole = text_of_journal(file_);
   const char* why = nullptr;
   if (flock(descriptor_, LOCK_EX | LOCK_NB) != 0)
-    why = "another session has this project open; close it, or work on a copy";
+    why = "another session has it open; close that one, or work on a copy";
   else if (ftruncate(descriptor_, off_t(whole.size())) != 0 || lseek(descriptor_, 0, SEEK_END) < 0)
     why = std::strerror(errno);
   if (!why) return;

@@ -15,6 +15,7 @@
 #include "anatomy/files/package_archive.h"
 #include "anatomy/mesh_files/mesh_io.h"
 #include "app/edit/action_list.h"
+#include "app/edit/journal.h"
 #include "app/edit/muscle_file.h"
 #include "morph/placement/bone_groups.h"
 #include "morph/template/template_cache.h"
@@ -46,7 +47,7 @@ std::vector<std::string> stands_on(Workshop& workshop) {
 bool holds_other_files(const fs::path& folder) {
   return std::ranges::any_of(fs::directory_iterator(folder), [](const auto& entry) {
     const std::string name = entry.path().filename().string();
-    return name != "journal.txt" &&
+    return name != kJournalFile &&
            std::ranges::find(kAsideFolders, name) == std::end(kAsideFolders);
   });
 }

@@ -7,6 +7,8 @@
 #include <iterator>
 #include <limits>
 #include <sstream>
+#include <type_traits>
+#include <utility>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
@@ -16,6 +18,7 @@
 #include "app/edit/project.h"
 #include "app/edit/refit.h"
 #include "app/edit/trial_pose.h"
+#include "app/edit/unsaved_sessions.h"
 #include "app/files/character_file.h"
 #include "app/files/fitted_actor.h"
 #include "app/files/open_motion.h"
@@ -24,26 +27,22 @@
 namespace ecorche {
 namespace {
 
-// Lines of a journal from which on it goes on from a document that is kept beside it, and where
-// that is; what stands before them counts no more. `saves`: it was being saved.
-constexpr std::string_view kFrom = "from ", kSaves = "saves ";
 // The saved state was undone and is forgotten: no step of the history is it.
 constexpr std::size_t kNeverAgain = std::numeric_limits<std::size_t>::max();
 constexpr int kMostIncludes = 20;
 constexpr std::size_t kMostScriptBytes = 16u << 20;
 
-// The first line of a journal that counts, and the folder that it goes on from; empty: from the
-// project. `saves_only`: as if all that was not saved were not there.
-struct JournalBegin {
-  std::size_t line = 0;
-  std::string folder;
-};
-JournalBegin begin_of(const std::vector<std::string>& journal, bool saves_only) {
-  for (std::size_t k = journal.size(); k > 0; --k)
-    for (const std::string_view word : {kFrom, kSaves})
-      if (journal[k - 1].starts_with(word) && !(saves_only && word == kFrom))
-        return {k, journal[k - 1].substr(word.size())};
-  return {};
+// With its input named so that it is found from every folder.
+Action with_absolute_file(Action action) {
+  std::visit(
+      [](auto& x) {
+        using T = std::decay_t<decltype(x)>;
+        if constexpr (std::is_same_v<T, SetBody> || std::is_same_v<T, PlayMotion> ||
+                      std::is_same_v<T, ImportMuscle> || std::is_same_v<T, AddBone>)
+          if (!x.file.empty()) x.file = std::filesystem::absolute(x.file).lexically_normal();
+      },
+      action);
+  return action;
 }
 
 }  // namespace
@@ -63,7 +62,8 @@ Session::Session(const Common& common, Report& report, const SessionOptions& opt
   if (saved_document_.muscles.empty()) saved_document_ = document();
   if (project_.empty()) return;
   make_output_folder(project_);
-  const std::filesystem::path file = project_ / "journal.txt";
+  kept_in_ = project_;
+  const std::filesystem::path file = project_ / kJournalFile;
   journal_ = std::make_unique<Journal>(file);
   if (!options.discard)
     recover(file);
@@ -81,7 +81,7 @@ void Session::begin_here() {
 // As it was saved, or as the journal goes on from it: a session that was killed while it saved has
 // written the project in part.
 bool Session::open_project(bool discard) {
-  aside_ = begin_of(read_journal(project_ / "journal.txt"), discard).folder;
+  aside_ = begin_of_journal(read_journal(project_ / kJournalFile), discard).folder;
   if (aside_.empty() && !is_project(project_)) return false;
   OpenedProject opened = read_project(workshop_, project_ / aside_);
   for (const std::string& text : opened.notes)
@@ -99,28 +99,95 @@ bool Session::open_project(bool discard) {
 
 void Session::recover(const std::filesystem::path& file) {
   const std::vector<std::string> lines = read_journal(file);
-  const std::size_t before = begin_of(lines, false).line;
+  if (const std::string fault = do_again(file, lines); !fault.empty())
+    throw InputError(fault + "; --discard leaves what was not saved");
+}
+
+// Returns what was wrong with the first line that could not be done again.
+std::string Session::do_again(const std::filesystem::path& file,
+                              const std::vector<std::string>& lines) {
+  const std::size_t before = begin_of_journal(lines).line;
+  std::string fault;
+  std::size_t k = before;
   recovering_ = true;
-  for (std::size_t k = before; k < lines.size(); ++k) {
+  for (; k < lines.size() && fault.empty(); ++k) {
     try {
       run_line(lines[k]);
     } catch (const Error& error) {
-      throw InputError(fmt::format("{}:{}: {}; --discard leaves what was not saved", file.string(),
-                                   k + 1, error.what()));
+      fault = fmt::format("{}:{}: {}", file.string(), k + 1, error.what());
     }
   }
   recovering_ = false;
-  const int again = int(lines.size()) - int(before);
+  const int again = int(k) - int(before) - (fault.empty() ? 0 : 1);
   if (again > 0)
     note(common_, fmt::format("{}: {} actions that were not saved are done again; undo takes them "
                               "back",
                               file.string(), again));
   report_.set("recovered", again);
+  return fault;
+}
+
+void Session::keep_unsaved(const std::filesystem::path& folder) { states_ = folder; }
+
+std::string Session::take_up(const std::filesystem::path& session) {
+  const std::filesystem::path file = session / kJournalFile;
+  auto journal = std::make_unique<Journal>(file);
+  const std::vector<std::string> lines = read_journal(file);
+  const std::string aside = begin_of_journal(lines).folder;
+  History begin = begin_history(aside.empty() ? workshop_.built_in()
+                                              : read_project(workshop_, session / aside).document);
+  forget_unsaved();
+  journal_ = std::move(journal);
+  kept_in_ = session;
+  aside_ = aside;
+  history_ = std::move(begin);
+  journal_begin_ = 0;
+  saved_ = kNeverAgain;
+  saved_document_ = workshop_.built_in();
+  std::string fault = do_again(file, lines);
+  // the line would stop the next one that takes it up, too
+  if (!fault.empty()) begin_journal_here(kFrom);
+  return fault;
+}
+
+void Session::forget_unsaved() {
+  if (has_project() || !journal_) return;
+  journal_.reset();
+  forget_unsaved_session(kept_in_);
+}
+
+// A session without a project has a journal from its first action on, and none where it cannot be
+// written: then that is said, and the session goes on.
+bool Session::begin_unsaved() {
+  if (states_.empty() || has_project() || !no_journal_.empty()) return false;
+  try {
+    kept_in_ = make_unsaved_session(states_);
+    journal_ = std::make_unique<Journal>(kept_in_ / kJournalFile);
+    for (std::size_t k = 1; k < history_.steps.size(); ++k)
+      journal_->append(
+          action_line(with_absolute_file(read_action(history_.steps[k].line).value())));
+    return true;
+  } catch (const OutputError& error) {
+    lose_journal(error);
+    return false;
+  }
+}
+
+void Session::lose_journal(const OutputError& error) {
+  journal_.reset();
+  no_journal_ = fmt::format("what is not saved would be lost by a crash: {}", error.what());
+  note(common_, no_journal_);
 }
 
 // Before the document changes, so that what is seen is on disk.
 void Session::note_in_journal(const Action& action) {
-  if (journal_ && !recovering_) journal_->append(action_line(action));
+  if (recovering_ || (!journal_ && !begin_unsaved())) return;
+  try {
+    journal_->append(action_line(with_absolute_file(action)));
+  } catch (const OutputError& error) {
+    if (has_project()) throw;
+    lose_journal(error);
+  }
 }
 
 void Session::run(const Action& action) {
@@ -201,14 +268,14 @@ void Session::do_beside(const Redo& x) {
   if (done == 0) throw InputError("there is nothing to do again");
   if (!journal_ || recovering_) return;
   for (std::size_t k = history_.now + 1 - std::size_t(done); k <= history_.now; ++k)
-    journal_->append(history_.steps[k].line);
+    note_in_journal(read_action(history_.steps[k].line).value());
 }
 
 // The journal goes on from the document as it is, which is kept beside it.
 void Session::begin_journal_here(std::string_view word) {
   const std::string folder = aside_ == kAsideFolders[0] ? kAsideFolders[1] : kAsideFolders[0];
-  std::filesystem::remove_all(project_ / folder);
-  write_project(workshop_, document(), project_ / folder);
+  std::filesystem::remove_all(kept_in_ / folder);
+  write_project(workshop_, document(), kept_in_ / folder);
   journal_->append(std::string(word) + folder);
   aside_ = folder;
   journal_begin_ = history_.now;
@@ -220,10 +287,12 @@ void Session::do_beside(const Save& x) {
   if (folder.empty())
     throw InputError("argument 'folder' is missing: this session has no project yet");
   check_project_folder(folder);
+  const std::filesystem::path unsaved = has_project() || !journal_ ? "" : kept_in_;
   if (folder != project_) {
     make_output_folder(folder);
-    journal_ = std::make_unique<Journal>(folder / "journal.txt");
-    project_ = folder;
+    auto journal = std::make_unique<Journal>(folder / kJournalFile);
+    std::swap(journal_, journal);
+    project_ = kept_in_ = folder;
     aside_.clear();
   }
   // Whenever it is killed, either the copy beside or the project is whole.
@@ -231,6 +300,8 @@ void Session::do_beside(const Save& x) {
   write_project(workshop_, document(), folder);
   journal_->begin();
   for (const char* aside : kAsideFolders) std::filesystem::remove_all(project_ / aside);
+  if (!unsaved.empty()) forget_unsaved_session(unsaved);
+  no_journal_.clear();
   aside_.clear();
   saved_ = journal_begin_ = history_.now;
   saved_document_ = document();

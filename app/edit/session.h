@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "anatomy/character.h"
+#include "anatomy/errors.h"
 #include "app/common_options.h"
 #include "app/edit/action_list.h"
 #include "app/edit/history.h"
@@ -44,6 +45,19 @@ class Session {
   const History& history() const { return history_; }
   const Document& document() const { return document_now(history_); }
 
+  // From now on, while it has no project: its journal goes there, from the first action on.
+  void keep_unsaved(const std::filesystem::path& folder);
+  const std::filesystem::path& kept_unsaved() const { return states_; }  // empty: nowhere
+  // Does again what another session without a project has left, and goes on with its journal, in
+  // place of all that this one has done. Returns what is wrong with the first line that cannot be
+  // done again; the document is then as it was before that. Throws OutputError where a session
+  // that runs has it, InputError where it cannot be read; nothing has changed then.
+  std::string take_up(const std::filesystem::path& session);
+  // Ends well without a project: nobody is to take it up.
+  void forget_unsaved();
+  // Why there is no journal; empty where there is one, or none is wanted yet.
+  const std::string& no_journal() const { return no_journal_; }
+
   // Throws as the action does; the document is then as it was.
   void run(const Action& action);
   // A line of a script. Throws InputError that begins with the action's name.
@@ -73,6 +87,9 @@ class Session {
   void do_beside(const ReportMuscle& x);
   bool open_project(bool discard);  // false: there is none
   void recover(const std::filesystem::path& file);
+  std::string do_again(const std::filesystem::path& file, const std::vector<std::string>& lines);
+  bool begin_unsaved();
+  void lose_journal(const OutputError& error);
   void begin_journal_here(std::string_view word);
   const Actor& actor();
   Motion still();
@@ -82,7 +99,8 @@ class Session {
   Report& report_;
   Drawer draw_;
   Workshop workshop_;
-  std::filesystem::path project_;
+  std::filesystem::path project_, kept_in_, states_;  // kept_in_: the journal's folder
+  std::string no_journal_;
   std::unique_ptr<Journal> journal_;
   bool recovering_ = false;
   History history_;

@@ -745,7 +745,31 @@ def studio(t):
     t.check(t.bytes("arm-project/journal.txt") == b"" and b"my_biceps" in t.bytes("arm-project/project.txt"), "--discard and save")
     t.says(t.run(3, "studio", "--script", t.write("wrong.txt", "pick soleus\nmove_pont point=1 by=0,0,1\n")), "wrong.txt:2: 'move_pont' is no action; did you mean move_point")
     t.says(t.run(2, "studio", "--script", more, "--frames", 2), "--frames belong to the window")
+    unsaved_sessions(t)
     studio_window(t)
+
+
+def left_session(t, name):
+    folder = f"state/ecorche/studio/{name}"
+    os.makedirs(t.path(folder))
+    t.write(f"{folder}/journal.txt", "move_point soleus point=2 by=0,0,1\nset_layer 0.9\n")
+    os.utime(t.path(f"{folder}/journal.txt"), (0, ord(name[-1])))
+    return t.path(folder)
+
+
+def unsaved_sessions(t):
+    """What a session without a project has left is told of, and taken up or removed."""
+    state = {"XDG_STATE_HOME": t.path("state")}
+    first, second = left_session(t, "20260101-000000-aaaaaa"), left_session(t, "20260101-000000-bbbbbb")
+    save = t.write("save-left.txt", "save left-project\n")
+    t.says(t.run(0, "studio", "--script", t.write("nothing.txt", ""), env=state), "2 actions): --recover 20260101-000000-aaaaaa goes on")
+    t.says(t.run(2, "studio", "anna.glb", "--recover", "last", "--script", save, env=state), "leave START and --project away")
+    t.says(t.run(3, "studio", "--recover", "20250101", "--script", save, env=state), "there are 20260101-000000-bbbbbb, 20260101-000000-aaaaaa")
+    t.run(0, "studio", "--recover", "20260101-000000-aaaaaa", "--script", save, "--report", "left.json", env=state)
+    t.check(t.json("left.json")["recovered"] == 2 and b"set_layer" in t.bytes("left-project/project.txt"), "--recover")
+    t.check(not os.path.exists(first) and os.path.exists(second), "what is saved is left no more")
+    t.run(0, "studio", "--forget", "all", env=state)
+    t.check(not os.path.exists(second), "--forget")
 
 
 def studio_window(t):
@@ -755,6 +779,10 @@ def studio_window(t):
         t.used.setdefault("studio", set()).update(["--input", "--screenshot", "--frames", "--size"])
         return
     t.run(0, "studio", "--input", "studio/insertion.txt", "--size", "1280x720", "--report", "window.json", under=VIEW)
+    left = left_session(t, "20260101-000000-cccccc")
+    go_on = t.write("go-on.txt", "frames 3\nclick go on with it\nframes 3\nclick save\nclick folder\ntype gone-on\nkey Enter\nframes 3\n")
+    t.run(0, "studio", "--input", go_on, under=VIEW, env={"XDG_STATE_HOME": t.path("state")})
+    t.check(b"soleus" in t.bytes("gone-on/project.txt") and not os.path.exists(left), "a session that was left is gone on with in the window")
     t.run(0, "studio", "--project", "by-script", "--script", "studio-0001.txt", "--script", t.write("keep.txt", "save\n"))
     lines = t.bytes("studio-0001.txt").decode().splitlines()
     t.check(len(lines) == 2 and lines[0] == "pick muscle=soleus" and lines[1].startswith("move_point muscle=soleus point=6 by="), f"one line a drag, none for what was taken back: {lines}")

@@ -100,6 +100,19 @@ bool DesignSession::run(const std::string& line, const std::string& where) {
   }
 }
 
+void DesignSession::take_up(const std::filesystem::path& session) {
+  let_go();
+  fault_ = {};
+  message_ = "done again; undo takes it back";
+  try {
+    const std::string fault = session_.take_up(session);
+    if (!fault.empty()) fault_ = {"bar", "done again up to a line that is refused: " + fault};
+  } catch (const std::exception& error) {
+    message_.clear();
+    refuse(error, "bar");
+  }
+}
+
 void DesignSession::try_out(const Action& action, const std::string& where) {
   try {
     std::optional<Document> next = applied(workshop(), session_.document(), action);

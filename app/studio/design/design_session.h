@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <exception>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -44,6 +45,8 @@ class DesignSession {
 
   // Runs a line of a script as one step. What fails is said by fault().
   bool run(const std::string& line, const std::string& where);
+  // Goes on with a session that was left; what fails is said by fault() as of the bar.
+  void take_up(const std::filesystem::path& session);
   // Shows what an action would do; the next run() or let_go() ends it.
   void try_out(const Action& action, const std::string& where);
   void try_line(const std::string& line, const std::string& where);

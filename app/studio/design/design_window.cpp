@@ -48,6 +48,7 @@ class DesignWindow {
  public:
   DesignWindow(Session& session, const Common& common, const Session::Drawer& draw)
       : work_(session, common, draw) {
+    if (!session.has_project()) state_.left = unsaved_sessions(session.kept_unsaved());
     subject_.update = [this](ViewDocument& document, bool wait) { update(document, wait); };
     subject_.pose = [this](int frame, PosedAnatomy& posed, SkinFrame& skin) {
       work_.pose(frame, quick_, posed, skin);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/edit/unsaved_sessions.h"
 #include "app/studio/design/dropped_bone.h"
 #include "app/studio/design/handles.h"
 #include "viewer/window/view_keys.h"
@@ -18,10 +19,11 @@ struct HandleDrag {
 };
 
 struct PanelState {
-  std::string find;           // over the list of muscles
-  int peel = 0;               // layers of muscles that are taken off, 0 .. 3
-  bool one_side = false;      // drags move the handle's side alone
-  bool mark_changed = false;  // colour what differs from what was saved
+  std::vector<UnsavedSession> left;  // by sessions that were killed, to go on with
+  std::string find;                  // over the list of muscles
+  int peel = 0;                      // layers of muscles that are taken off, 0 .. 3
+  bool one_side = false;             // drags move the handle's side alone
+  bool mark_changed = false;         // colour what differs from what was saved
   bool points = true, sections = true, wraps = true, joints = false;
   bool axes = false;           // ends of the chosen joint's axes, to drag
   bool joint_tab = false;      // its panel is open: the chosen joint's limits are seen

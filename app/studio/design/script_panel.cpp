@@ -121,6 +121,26 @@ void draw_closing(DesignSession& session, PanelState& state, ViewDocument& docum
   name_place(document, "stay");
 }
 
+// Until this session has actions of its own, which it would take the place of.
+void draw_left_sessions(DesignSession& session, PanelState& state, ViewDocument& document) {
+  if (state.left.empty() || session.session().has_project() || session.session().unsaved()) return;
+  const UnsavedSession& first = state.left.front();
+  ImGui::TextWrapped("A session ended before it was saved (%s).",
+                     unsaved_session_text(first).c_str());
+  const bool taken = ImGui::Button("go on with it");
+  name_place(document, "go on with it");
+  ImGui::SameLine();
+  const bool forgotten = ImGui::Button("forget it");
+  name_place(document, "forget it");
+  ImGui::SameLine();
+  const bool later = ImGui::Button("not now###no session");
+  if (!taken && !forgotten && !later) return;
+  const std::filesystem::path folder = first.folder;
+  state.left.erase(state.left.begin());
+  if (taken) session.take_up(folder);
+  if (forgotten) forget_unsaved_session(folder);
+}
+
 bool has_word(const ActionKind& kind, const std::string& typed) {
   const std::string word = typed.substr(0, typed.find(' '));
   const std::string all = fmt::format("{} {} {}", kind.name, kind.group, kind.help);
@@ -228,6 +248,8 @@ float draw_top_bar(DesignSession& session, PanelState& state, ViewDocument& docu
     if (ImGui::Button("keys")) document.help = !document.help;
     name_place(document, "keys");
     help_of_last("F1");
+    draw_left_sessions(session, state, document);
+    if (!session.session().no_journal().empty()) fault_text(session.session().no_journal());
     draw_folder(session, state, document);
     draw_export(session, state, document);
     draw_closing(session, state, document);

@@ -11,6 +11,7 @@
 #include "anatomy/errors.h"
 #include "app/edit/project.h"
 #include "app/edit/session.h"
+#include "app/edit/unsaved_sessions.h"
 #include "app/options/picture_size.h"
 #include "app/pages/actor_film.h"
 #include "viewer/part_names.h"
@@ -25,6 +26,7 @@ namespace fs = std::filesystem;
 
 struct StudioOptions {
   fs::path start, motion, output, project;
+  std::string recover, forget;
   std::vector<fs::path> scripts;
   // of the window
   fs::path input, screenshot;
@@ -98,6 +100,10 @@ void check_studio_options(const StudioOptions& options, bool starts_with_project
   if (!options.screenshot.empty()) require_ending(options.screenshot, {".png"});
   if (starts_with_project && !options.project.empty())
     throw UsageError("studio: START is a project already; leave --project away");
+  if (!options.recover.empty() && !(options.start.empty() && options.project.empty()))
+    throw UsageError(
+        "studio: --recover goes on with a session that had no project; leave START and --project "
+        "away");
   if (options.discard && options.project.empty() && !starts_with_project)
     throw UsageError("studio: --discard belongs to a project; name one");
 }
@@ -109,7 +115,7 @@ void open_window(const StudioOptions& options, Session& session, const Common& c
       .frames = options.frames, .screenshot = options.screenshot, .input = options.input};
   if (!read_picture_size(options.size, window.width, window.height))
     throw UsageError(fmt::format("studio: --size '{}': expected WIDTHxHEIGHT", options.size));
-  if (!session.has_project()) session.begin_here();
+  if (!session.has_project() && options.recover.empty()) session.begin_here();
   run_design_window(session, common, report, draw, window);
 #else
   (void)options, (void)session, (void)common, (void)report, (void)draw;
@@ -119,10 +125,51 @@ void open_window(const StudioOptions& options, Session& session, const Common& c
 #endif
 }
 
+void forget_sessions(const std::string& name, const Common& common) {
+  const fs::path folder = unsaved_sessions_folder();
+  std::vector<UnsavedSession> all = unsaved_sessions(folder);
+  if (name != "all") all = {find_unsaved_session(folder, name)};
+  for (const UnsavedSession& session : all) {
+    forget_unsaved_session(session.folder);
+    note(common, fmt::format("forgotten: {} ({})", session.name, unsaved_session_text(session)));
+  }
+}
+
+// Goes on with one that was left, or tells of those there are. A window asks by itself.
+void take_up_or_tell(const StudioOptions& options, Session& session, const Common& common,
+                     Report& report) {
+  const fs::path folder = unsaved_sessions_folder();
+  if (!options.recover.empty()) {
+    const std::string fault = session.take_up(find_unsaved_session(folder, options.recover).folder);
+    if (!fault.empty()) note(common, "done again up to a line that this version refuses: " + fault);
+    return;
+  }
+  const std::vector<UnsavedSession> left = unsaved_sessions(folder);
+  report.set("unsaved_sessions", int(left.size()));
+  for (const UnsavedSession& each : left)
+    note(common, fmt::format("a session that was not saved is left ({}): --recover {} goes on "
+                             "with it, --forget {} removes it",
+                             unsaved_session_text(each), each.name, each.name));
+}
+
+// What a script did can be done again by it; a window that fails leaves its journal.
+void run_scripts(const StudioOptions& options, Session& session) {
+  try {
+    for (const fs::path& script : options.scripts) session.run_script(script);
+  } catch (...) {
+    if (options.recover.empty()) session.forget_unsaved();
+    throw;
+  }
+}
+
 int run_studio(const StudioOptions& options, const Common& common, Report& report) {
   if (options.json && !options.list) throw UsageError("studio: --json belongs to --list-actions");
   if (options.list) {
     fmt::print("{}", options.json ? list_of_actions_json() : list_of_actions());
+    return 0;
+  }
+  if (!options.forget.empty()) {
+    forget_sessions(options.forget, common);
     return 0;
   }
   const bool starts_with_project = !options.start.empty() && is_project(options.start);
@@ -138,14 +185,17 @@ int run_studio(const StudioOptions& options, const Common& common, Report& repor
                   {starts_with_project ? options.start : options.project, options.discard}, draw);
   if (!options.start.empty() && !starts_with_project) session.run(SetBody{options.start.string()});
   if (!options.motion.empty()) session.run(PlayMotion{options.motion.string()});
+  session.keep_unsaved(unsaved_sessions_folder());
+  take_up_or_tell(options, session, common, report);
   const std::size_t before = session.history().now;
-  for (const fs::path& script : options.scripts) session.run_script(script);
+  run_scripts(options, session);
   if (wants_window(options)) open_window(options, session, common, report, draw);
   const int actions = int(session.history().now) - int(before);
   report.set("actions", actions);
   note(common, fmt::format("{} actions", actions));
-  if (options.output.empty()) return 0;
-  const std::vector<std::string> missed = session.write(options.output);
+  std::vector<std::string> missed;
+  if (!options.output.empty()) missed = session.write(options.output);
+  session.forget_unsaved();
   for (const std::string& text : missed) note(common, "missed: " + text);
   return missed.empty() ? 0 : 8;
 }
@@ -177,6 +227,11 @@ void add_studio_verb(VerbRegistry& registry) {
                    "what was not saved before is done again");
   verb->add_flag("--discard", options->discard,
                  "Leave away what was not saved of the project, say after a crash");
+  verb->add_option("--recover", options->recover,
+                   "Go on with a session that was killed before it was saved as a project: its "
+                   "name, or `last`; a start tells which there are");
+  verb->add_option("--forget", options->forget,
+                   "Remove what such a session left, by its name, `last` or `all`, and end");
   verb->add_option(
       "-o,--output", options->output,
       "Character to write (.glb), fitted and bound as `ecorche fit` does it; ends with "
