@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 
+#include <cmath>
+
 namespace ecorche::inline v1 {
 
 template <int kSize>
@@ -20,6 +22,26 @@ Eigen::MatrixXd solve_ldlt_columns(const Eigen::MatrixXd& A, const Eigen::Matrix
 RowMatrix3 solve_ldlt_columns3(const Eigen::Matrix3d& A, const RowMatrix3& B) {
   return A.ldlt().solve(B);
 }
+
+// Columns one after the other; Eigen's code for small sizes goes through the calls of large ones.
+template <int kSize>
+ColumnVector<kSize> solve_llt_small(SquareMatrix<kSize> A, ColumnVector<kSize> b) {
+  for (int k = 0; k < kSize; ++k) {
+    const double pivot = 1 / std::sqrt(A(k, k));
+    for (int i = k; i < kSize; ++i) A(i, k) *= pivot;
+    b[k] *= pivot;
+    for (int i = k + 1; i < kSize; ++i) b[i] -= A(i, k) * b[k];
+    for (int j = k + 1; j < kSize; ++j)
+      for (int i = j; i < kSize; ++i) A(i, j) -= A(i, k) * A(j, k);
+    A(k, k) = pivot;
+  }
+  for (int k = kSize - 1; k >= 0; --k) {
+    for (int i = k + 1; i < kSize; ++i) b[k] -= A(i, k) * b[i];
+    b[k] *= A(k, k);
+  }
+  return b;
+}
+template ColumnVector<12> solve_llt_small<12>(SquareMatrix<12>, ColumnVector<12>);
 
 Eigen::VectorXd solve_llt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
   return A.llt().solve(b);

@@ -72,21 +72,22 @@ class LimbSolver {
 
   void solve(Pose& pose) {
     constexpr int kSteps = 40;
-    double damping = 1e-3, now = cost(x_);
+    Posed here = posed(x_);
+    double damping = 1e-3, now = cost(x_, here);
     for (int step = 0; step < kSteps && now > 1e-12; ++step) {
-      linearize();
-      bool better = false;
+      linearize(here);
+      bool better = false, done = false;
       while (!better && damping < 1e9) {
         const Angles next = (x_ + descent(damping)).cwiseMax(low_).cwiseMin(high_);
-        const double then = cost(next);
+        const Posed there = posed(next);
+        const double then = cost(next, there);
         better = then < now;
         damping = std::max(1e-9, better ? damping * 0.2 : damping * 5);
         if (!better) continue;
-        const bool done = now - then < 1e-9 * now;
-        x_ = next, now = then;
-        if (done) step = kSteps;
+        done = now - then < 1e-9 * now;
+        x_ = next, now = then, here = there;
       }
-      if (!better) break;
+      if (!better || done) break;
     }
     for (int k = 0; k < 4; ++k) {
       const Joint& turned = joint(k);
@@ -97,7 +98,7 @@ class LimbSolver {
   }
 
  private:
-  static constexpr int kRows = 21;
+  static constexpr int kRows = 21, kAlways = 15;  // of the latter: also of what is off the ground
   using Residual = Eigen::Matrix<double, kRows, 1>;
   using Jacobian = Eigen::Matrix<double, kRows, kMost>;
 
@@ -129,8 +130,6 @@ class LimbSolver {
   static Vec3 moves(const Posed& limb, const Vec3& point, int i) {
     return limb.axes.col(i).cross(point - limb.at[i / 3]);
   }
-
-  Residual residuals(const Angles& x) const { return residuals(posed(x), nullptr); }
 
   // Scaled residuals. Rows 0-2: the end's point; 3-11: its axes; 12-14: knee or elbow; 15-17: heel
   // and ball of a standing foot; 18-20: depth of heel, ball and toes below the ground. `J`: their
@@ -227,8 +226,8 @@ class LimbSolver {
     return std::max(0.0, x - (high_[i] - ease_[i])) - std::max(0.0, low_[i] + ease_[i] - x);
   }
 
-  double cost(const Angles& x) const {
-    double sum = residuals(x).squaredNorm();
+  double cost(const Angles& x, const Posed& limb) const {
+    double sum = residuals(limb, nullptr).squaredNorm();
     for (int i = 0; i < kMost; ++i)
       sum += free_[i] ? std::pow((x[i] - start_[i]) / stray_[i], 2) +
                             std::pow(beyond(x[i], i) / kNear, 2)
@@ -236,18 +235,29 @@ class LimbSolver {
     return sum;
   }
 
-  void linearize() {
+  void linearize(const Posed& limb) {
     Jacobian J;
-    const Residual here = residuals(posed(x_), &J);
+    const Residual here = residuals(limb, &J);
     for (int i = 0; i < kMost; ++i)
       if (!free_[i]) J.col(i).setZero();
-    hessian_ = J.transpose() * J;
-    slope_ = J.transpose() * here;
+    // Eigen's blocked product costs more than it saves at this size.
+    if (chain_.leg && tolerance_.on_ground)
+      set_normal_equations(J, here);
+    else
+      set_normal_equations(J.topRows<kAlways>(), here.head<kAlways>());
     for (int i = 0; i < kMost; ++i) {
       if (!free_[i]) continue;
       const double off = beyond(x_[i], i);
       hessian_(i, i) += 1 / (stray_[i] * stray_[i]) + (off != 0 ? 1 / (kNear * kNear) : 0);
       slope_[i] += (x_[i] - start_[i]) / (stray_[i] * stray_[i]) + off / (kNear * kNear);
+    }
+  }
+
+  template <typename Rows, typename Values>
+  void set_normal_equations(const Rows& J, const Values& here) {
+    for (int i = 0; i < kMost; ++i) {
+      for (int j = 0; j <= i; ++j) hessian_(i, j) = hessian_(j, i) = J.col(i).dot(J.col(j));
+      slope_[i] = J.col(i).dot(here);
     }
   }
 
@@ -265,7 +275,7 @@ class LimbSolver {
       H.row(i).setZero(), H.col(i).setZero();
       H(i, i) = 1, g[i] = 0;
     }
-    return -solve_ldlt(H, g);
+    return -solve_llt_small(H, g);
   }
 
   const Skeleton& skeleton_;
