@@ -11,7 +11,6 @@ ColumnVector<kSize> solve_ldlt(const SquareMatrix<kSize>& A, const ColumnVector<
   return A.ldlt().solve(b);
 }
 template ColumnVector<3> solve_ldlt<3>(const SquareMatrix<3>&, const ColumnVector<3>&);
-template ColumnVector<12> solve_ldlt<12>(const SquareMatrix<12>&, const ColumnVector<12>&);
 template ColumnVector<16> solve_ldlt<16>(const SquareMatrix<16>&, const ColumnVector<16>&);
 template Eigen::VectorXd solve_ldlt<Eigen::Dynamic>(const Eigen::MatrixXd&, const Eigen::VectorXd&);
 

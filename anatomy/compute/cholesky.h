@@ -12,7 +12,7 @@
 namespace ecorche::inline v1 {
 
 // A symmetric and definite or semi-definite (robust Cholesky, L D L'). Components along which D is
-// zero become zero. kSize: 3, 12, 16 or Eigen::Dynamic.
+// zero become zero. kSize: 3, 16 or Eigen::Dynamic.
 template <int kSize>
 ColumnVector<kSize> solve_ldlt(const SquareMatrix<kSize>& A, const ColumnVector<kSize>& b);
 Eigen::MatrixXd solve_ldlt_columns(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);

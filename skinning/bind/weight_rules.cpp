@@ -18,11 +18,11 @@ constexpr double kLeastRange = 0.6;   // rad, joints that move less are blended 
 constexpr double kLeastPair = 0.01;   // 2 w_a w_b below it is not worth a frame
 constexpr double kGirdleShare = 0.4;  // of a pair's weight about a joint of the girdle
 constexpr double kHingeSlack = 0.2;   // rad, of abduction
-// Fractions of the upper arm between which its skin comes to slide, below the armpit's folds, and
-// the arm's own weight between which it does: skin of the flank that lies beside a hanging arm is
-// none of it.
-constexpr double kSlideFrom = 0.1, kSlideTo = 0.45;
-constexpr double kLeastArm = 0.05, kMostLeastArm = 0.6;
+// Fractions of the upper arm between which its skin comes to slide, and the arm's own weight
+// between which it does: the web before and behind the armpit stays with the trunk. Were it to
+// slide, it would be folded over the front of a raised arm.
+constexpr double kSlideFrom = -0.3, kSlideTo = 0.3;
+constexpr double kLeastArm = 0.3, kMostLeastArm = 0.8;
 constexpr double kReachQuantile = 0.5, kReachSlack = 1.35;
 
 double* find_weight(WeightRow& row, int joint) {

@@ -25,11 +25,11 @@ void part_lips(const Anatomy& anatomy, const TriMesh& skin, SkinDepth& depth);
 void spread_twist(const Skeleton& skeleton, const TriMesh& skin, std::span<const int> painted,
                   std::vector<WeightRow>& rows, std::vector<TwistFrame>& twists);
 
-// Upper arm: where the skin has left the armpit, what joints above the shoulder hold of it is moved
-// to slide frames. A raised arm's skin is drawn towards the trunk along the arm and stays about its
-// bone; were it drawn across as well, the arm's flesh would lie beside its bone. Appends the frames
-// to tables.slides; rows then refer to frames (tables.first_slide() + k). Precondition: tables have
-// origins and all twists, rows no pairs.
+// Upper arm: where the skin is more of the arm than of the armpit, what joints above the shoulder
+// hold of it is moved to slide frames. A raised arm's skin is drawn towards the trunk along the arm
+// and stays about its bone; were it drawn across as well, the arm's flesh would lie beside its
+// bone. Appends the frames to tables.slides; rows then refer to frames (tables.first_slide() + k).
+// Precondition: tables have origins and all twists, rows no pairs.
 void let_arm_skin_slide(const Skeleton& skeleton, const TriMesh& skin, FrameTables& tables,
                         std::vector<WeightRow>& rows);
 

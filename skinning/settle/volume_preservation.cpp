@@ -66,6 +66,7 @@ VolumeRegion make_region(int origin, const Vec3& apex, std::span<const float> po
                          std::span<const double> swelling, std::span<const double> areas) {
   VolumeRegion out;
   out.origin = origin;
+  out.most_swelling = kParametersVolumePreservation.most_swelling;
   for (std::size_t f = 0; f < triangles.size(); f += 3) {
     double sum = 0;
     for (std::size_t k = 0; k < 3; ++k) sum += share[triangles[f + k]] / 3;
@@ -154,6 +155,7 @@ VolumeRegions make_volume_regions(const Skeleton& skeleton, std::span<const floa
         make_closed_region(joint, shoulder, positions, triangles, inside, swelling, areas));
     out.regions.back().within = 0;
     out.regions.back().give = kParametersVolumePreservation.shoulder_give;
+    out.regions.back().most_swelling = kParametersVolumePreservation.most_shoulder_swelling;
   };
   for (const auto& [root, hinge, end] :
        {std::array{"shoulder", "elbow", "wrist"}, std::array{"hip", "knee", "ankle"}})
@@ -244,7 +246,7 @@ void restore_volumes(const VolumeRegions& volumes, std::span<const Transform> X_
   for (std::size_t r = volumes.regions.size(); r-- > 0;) {
     const VolumeRegion& region = volumes.regions[r];
     const double own = reach[r] > 0 ? lost[r] - gained[r] : 0;
-    const double most = kParametersVolumePreservation.most_swelling,
+    const double most = region.most_swelling,
                  units = own != 0 ? std::clamp(own / reach[r], -most, most) : 0;
     if (region.within >= 0) gained[region.within] += units * reach[r] + gained[r];
     if (units == 0) continue;

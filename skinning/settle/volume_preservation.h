@@ -25,6 +25,8 @@ struct VolumeParameters {
   // Bound of the swelling, in units of VolumeRegion::swelling: no edge changes by more than this
   // fraction of its length.
   double most_swelling = 0.4;
+  // The same of a shoulder: what a raised arm's loses at its top would make a ball of its back.
+  double most_shoulder_swelling = 0.2;
   // Fraction of the upper arm at which the shoulder's region ends, and over which its swelling
   // fades.
   double shoulder_end = 0.5, shoulder_fade = 0.4;
@@ -45,6 +47,7 @@ struct VolumeRegion {
   std::vector<MeshRim> rims;  // edges of cuts that are closed by fans about their middles
   double volume = 0;          // rest, m^3
   double give = 0, take = 0;  // fractions of it that it may lose and gain
+  double most_swelling = 0;   // units a step
   std::vector<int> vertices;
   std::vector<float> swelling, area;  // a vertex: m a unit; m^2 at rest
 };
