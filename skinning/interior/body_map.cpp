@@ -26,6 +26,7 @@ constexpr double kLeastFilled = 0.1, kFilled = 0.6;  // of a cell, where it begi
 constexpr int kFlowRounds = 2;
 constexpr int kTendonRounds = 10, kBellyRounds = 1;  // of evening a strip's shifts from its line
 constexpr int kGradientRounds = 4;                   // and the map's gradients along it
+constexpr double kSlideReach = 0.06;                 // m
 constexpr double kMostStretch = 2;                   // of a section's width or thickness
 constexpr double kMostLean = 0.7;  // rad, of a section's normal from the line of centres
 constexpr std::size_t kRight = 0, kUp = kOutlinePoints / 4, kLeft = kOutlinePoints / 2,
@@ -299,6 +300,8 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
       section.rest = rest.slices[k];
       section.width = (right - left).norm();
       section.thickness = (up - down).norm();
+      if (k + 1 < range.end)
+        section.gap = (rest.slices[k + 1].center - rest.slices[k].center).norm();
       section.strip = int(s);
       section.begin = range.begin;
       section.end = range.end;
@@ -368,10 +371,22 @@ void carry_muscles(const BodyMap& map, std::span<const float> positions,
   each_strip([&](std::size_t begin, std::size_t sections) {
     even_gradients(std::span(workspace.gradients).subspan(begin, sections));
   });
+  workspace.mapped.resize(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+    workspace.mapped[k] = {posed.slices[k].center,
+                           workspace.gradients[k] * map.sections[k].rest.axes.leftCols<2>()};
+  });
+  each_strip([&](std::size_t begin, std::size_t sections) {
+    if (map.sections[begin].bonds >= 0) return;  // it goes with the skin
+    std::array<double, kMaxStripSlices> gaps{};
+    for (std::size_t k = 0; k < sections; ++k) gaps[k] = map.sections[begin + k].gap;
+    slide_sections(gaps, kSlideReach, std::span(workspace.mapped).subspan(begin, sections));
+    for (std::size_t k = begin; k < begin + sections; ++k)
+      posed.slices[k].center = workspace.mapped[k].center;
+  });
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     const MapSection& section = map.sections[k];
-    const Eigen::Matrix<double, 3, 2> stretched =
-        workspace.gradients[k] * section.rest.axes.leftCols<2>();
+    const Eigen::Matrix<double, 3, 2>& stretched = workspace.mapped[k].axes;
     const Vec3 line = line_at(posed.slices, section.begin, section.end, k);
     Ellipse& out = posed.slices[k];
     Eigen::Matrix<double, 3, 2> axes;

@@ -28,11 +28,13 @@
 #include "anatomy/queries/skin_bonds.h"
 #include "skinning/interior/map_points.h"
 #include "skinning/interior/pressure_projection.h"
+#include "skinning/interior/slide_sections.h"
 
 namespace ecorche::inline v1 {
 
 struct MapSection {
   double width = 0, thickness = 0;  // from left to right, from down to up, at rest, m
+  double gap = 0;                   // to the strip's next section at rest, m; 0 at the last
   double lean = 0;                  // of its normal from the line of centres at most, rad
   Ellipse rest;
   int strip = 0, begin = 0, end = 0;  // and the strip's sections
@@ -60,14 +62,15 @@ struct BodyMap {
 // Memory of carry_muscles(). Its content has no meaning between calls.
 struct BodyMapWorkspace {
   JointMotions motions;
-  std::vector<Vec3> controls;       // #controls, where the map alone brings them
-  std::vector<float> shifts;        // (#controls + 1) x 4, m
-  std::vector<Vec3> lines;          // #sections, centres by their action lines
-  std::vector<Mat3> gradients;      // #sections, of the map
-  std::vector<Vec3> before, after;  // #nodes, world; without and with flow
-  std::vector<float> flow;          // #nodes x 4, m
-  std::vector<Mat3> turns;          // #nodes
-  std::vector<float> straight;      // #nodes, share of straight lines
+  std::vector<Vec3> controls;         // #controls, where the map alone brings them
+  std::vector<float> shifts;          // (#controls + 1) x 4, m
+  std::vector<Vec3> lines;            // #sections, centres by their action lines
+  std::vector<Mat3> gradients;        // #sections, of the map
+  std::vector<MappedSection> mapped;  // #sections
+  std::vector<Vec3> before, after;    // #nodes, world; without and with flow
+  std::vector<float> flow;            // #nodes x 4, m
+  std::vector<Mat3> turns;            // #nodes
+  std::vector<float> straight;        // #nodes, share of straight lines
   PressureWorkspace pressure;
 };
 
