@@ -368,25 +368,31 @@ void carry_muscles(const BodyMap& map, std::span<const float> positions,
         map_gradient((side(0) - side(1)) / section.width, (side(2) - side(3)) / section.thickness,
                      section.rest.axes);
   });
-  each_strip([&](std::size_t begin, std::size_t sections) {
-    even_gradients(std::span(workspace.gradients).subspan(begin, sections));
-  });
   workspace.mapped.resize(count);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
-    workspace.mapped[k] = {posed.slices[k].center,
-                           workspace.gradients[k] * map.sections[k].rest.axes.leftCols<2>()};
-  });
   each_strip([&](std::size_t begin, std::size_t sections) {
+    const std::span<Mat3> gradients = std::span(workspace.gradients).subspan(begin, sections);
+    even_gradients(gradients);
     if (map.sections[begin].bonds >= 0) return;  // it goes with the skin
+    const std::span<MappedSection> mapped = std::span(workspace.mapped).subspan(begin, sections);
     std::array<double, kMaxStripSlices> gaps{};
-    for (std::size_t k = 0; k < sections; ++k) gaps[k] = map.sections[begin + k].gap;
-    slide_sections(gaps, kSlideReach, std::span(workspace.mapped).subspan(begin, sections));
-    for (std::size_t k = begin; k < begin + sections; ++k)
-      posed.slices[k].center = workspace.mapped[k].center;
+    for (std::size_t k = 0; k < sections; ++k) {
+      const MapSection& section = map.sections[begin + k];
+      gaps[k] = section.gap;
+      mapped[k] = {posed.slices[begin + k].center,
+                   gradients[k] * section.rest.axes.leftCols<2>()};
+    }
+    slide_sections(gaps, kSlideReach, mapped);
+    for (std::size_t k = 0; k < sections; ++k) {
+      posed.slices[begin + k].center = mapped[k].center;
+      gradients[k] = map_gradient(mapped[k].axes.col(0), mapped[k].axes.col(1),
+                                  map.sections[begin + k].rest.axes);
+    }
+    even_gradients(gradients);  // sections slid apart turn more from one to the next
   });
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     const MapSection& section = map.sections[k];
-    const Eigen::Matrix<double, 3, 2>& stretched = workspace.mapped[k].axes;
+    const Eigen::Matrix<double, 3, 2> stretched =
+        workspace.gradients[k] * section.rest.axes.leftCols<2>();
     const Vec3 line = line_at(posed.slices, section.begin, section.end, k);
     Ellipse& out = posed.slices[k];
     Eigen::Matrix<double, 3, 2> axes;

@@ -16,8 +16,9 @@
 //
 // A muscle is moved less by joints that its line does not pass: layers slide over one another.
 // Within 5 cm of an end on a bone that bone carries it, wholly at the end.
-// Sections take centre and axes from the map, evened along each strip, and from pose_anatomy() the
-// share by which their substance has slid along the line, bulged or turned rounder. Volumes of
+// Sections take centre and axes from the map, evened along each strip; where the strip has opened
+// or closed more than it may, they slide along it (slide_sections.h). From pose_anatomy() they take
+// the share by which their substance has slid along the line, bulged or turned rounder. Volumes of
 // bellies are kept but for what cells are too coarse for: restore_volumes() brings the rest.
 #pragma once
 

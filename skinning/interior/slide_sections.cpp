@@ -6,7 +6,7 @@
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kMostGrown = 1.2, kLeastLeft = 0.85;  // of gaps; what is between stays
+constexpr double kMostGrown = 1.25, kLeastLeft = 0.8;  // of gaps; what is between stays
 
 using Places = std::array<double, kMaxStripSlices>;
 

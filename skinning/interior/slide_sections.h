@@ -15,9 +15,9 @@ struct MappedSection {
 };
 
 // `gaps`: from each section to the next at rest, m, #sections - 1 or more. The ends stay, the
-// others go along the line, so that a gap that has grown by more than a fifth, or shrunk by more
-// than 0.15, shares that with those about it, over `reach`, m. Others stay. At most kMaxStripSlices
-// sections.
+// others go along the line, so that a gap that has grown by more than a quarter, or shrunk by more
+// than a fifth, shares that with those about it, over `reach`, m. Others stay. At most
+// kMaxStripSlices sections.
 void slide_sections(std::span<const double> gaps, double reach, std::span<MappedSection> strip);
 
 }  // namespace ecorche::inline v1

@@ -47,7 +47,7 @@ double strain(std::span<const double> gaps, std::span<const MappedSection> was,
   for (std::size_t k = 0; k + 1 < was.size(); ++k) {
     const double gap = now[k + 1].center.x() - now[k].center.x();
     const double wanted =
-        std::clamp(was[k + 1].center.x() - was[k].center.x(), 0.85 * gaps[k], 1.2 * gaps[k]);
+        std::clamp(was[k + 1].center.x() - was[k].center.x(), 0.8 * gaps[k], 1.25 * gaps[k]);
     out += std::pow(gap - wanted, 2) / gaps[k];
   }
   for (std::size_t k = 1; k + 1 < was.size(); ++k)
