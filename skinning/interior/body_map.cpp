@@ -378,8 +378,7 @@ void carry_muscles(const BodyMap& map, std::span<const float> positions,
     for (std::size_t k = 0; k < sections; ++k) {
       const MapSection& section = map.sections[begin + k];
       gaps[k] = section.gap;
-      mapped[k] = {posed.slices[begin + k].center,
-                   gradients[k] * section.rest.axes.leftCols<2>()};
+      mapped[k] = {posed.slices[begin + k].center, gradients[k] * section.rest.axes.leftCols<2>()};
     }
     slide_sections(gaps, kSlideReach, mapped);
     for (std::size_t k = 0; k < sections; ++k) {

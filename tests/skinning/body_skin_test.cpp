@@ -193,6 +193,18 @@ TEST_F(BodySkin, RaisedArmsStayAboutTheirBone) {
   }
 }
 
+// The web before the armpit is not folded over the arm: there was a knob there in heavy bodies.
+TEST_F(BodySkin, ArmsOverheadFoldNoKnobBeforeTheShoulder) {
+  Figure body = figure(standard_body("heavy_male"));
+  for (const char* arms : {"arm 175 45; elbow 5", "arm 160 90; elbow 5"}) {
+    const SkinFrame frame = body.play(pose_of_angles(arms, body.anatomy.skeleton, "this test"));
+    EXPECT_LT(
+        measure_pose(body.skin, *body.model->skin.blend, body.posed.X_WJ, frame).flipped_outside,
+        75)
+        << arms;
+  }
+}
+
 TEST_F(BodySkin, WhatContactPressesAwaySwellsElsewhere) {
   Figure body = figure(standard_body("default_male"));
   for (const char* angles : {"knee 150", "elbow 150", "hip 110; knee 140; trunk 40 0 0"}) {

@@ -21,7 +21,7 @@ TEST(SlideFrames, DrawTheSkinAlongTheArmAlone) {
   const Vec3 axis = (to - from).normalized(), middle = 0.5 * (from + to) + Vec3(0, 0, 0.04);
   TriMesh skin{Points(1, 3), Triangles(0, 3)};
   skin.V.row(0) = middle;
-  std::vector<WeightRow> rows = {{{thorax, 0.25}, {shoulder, 0.75}}};
+  std::vector<WeightRow> rows = {{{thorax, 0.15}, {shoulder, 0.85}}};
   let_arm_skin_slide(skeleton, skin, tables, rows);
   ASSERT_EQ(tables.slides.size(), 1u);
   EXPECT_EQ(tables.joint_of(tables.first_slide()), thorax);
@@ -38,12 +38,28 @@ TEST(SlideFrames, DrawTheSkinAlongTheArmAlone) {
       out += w.weight * (frames.joints[std::size_t(w.joint)] * (middle - tables.origins[0]));
     return out;
   };
-  const Vec3 alone = place({{shoulder, 1.0}}), both = place({{thorax, 0.25}, {shoulder, 0.75}}),
+  const Vec3 alone = place({{shoulder, 1.0}}), both = place({{thorax, 0.15}, {shoulder, 0.85}}),
              slid = place(rows[0]);
   const Vec3 along = X_WJ[std::size_t(shoulder)].linear() * axis;
   EXPECT_NEAR((slid - alone).cross(along).norm(), 0, 1e-9);
   EXPECT_NEAR((slid - both).dot(along), 0, 1e-9);
   EXPECT_GT((both - alone).cross(along).norm(), 0.01);
+}
+
+// The web before and behind the armpit, of which the arm holds little, stays with the trunk.
+TEST(SlideFrames, LeaveTheArmpitsWebAlone) {
+  const Skeleton skeleton = plain_skeleton();
+  FrameTables tables;
+  tables.origins = rest_positions(skeleton);
+  const int thorax = find_joint(skeleton, "thorax"), shoulder = find_joint(skeleton, "shoulder_l"),
+            elbow = find_joint(skeleton, "elbow_l");
+  TriMesh skin{Points(1, 3), Triangles(0, 3)};
+  skin.V.row(0) =
+      0.5 * (tables.origins[std::size_t(shoulder)] + tables.origins[std::size_t(elbow)]);
+  std::vector<WeightRow> rows = {{{thorax, 0.72}, {shoulder, 0.28}}};
+  let_arm_skin_slide(skeleton, skin, tables, rows);
+  EXPECT_TRUE(tables.slides.empty());
+  EXPECT_EQ(rows[0].size(), 2u);
 }
 
 // In people a raised arm narrows its root: half-way frames count less there than at a hip.
