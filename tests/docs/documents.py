@@ -112,6 +112,9 @@ class Reader:
             os.rename(t.path(prefix + "model"), t.path("model"))
         for name in ("biceps.txt", "plate.txt", "keep.txt", "insertion.txt"):
             shutil.copy(os.path.join(self.source, "docs", "studio", name), t.path(name))
+        left = ".local/state/ecorche/studio/20260101-000000-aaaaaa"  # by a session that was killed
+        os.makedirs(t.path(left))
+        t.write(f"{left}/journal.txt", "set_layer 0.9\n")
         os.symlink(os.path.join(self.source, "data"), t.path("data"))
         os.makedirs(t.path("build"))
         os.makedirs(t.path("out"))
@@ -134,7 +137,7 @@ class Reader:
             return
         path = self.folder + "/build:" + os.environ["PATH"]
         begin = time.monotonic()
-        found = subprocess.run(["bash", "-c", line], cwd=self.folder, capture_output=True, text=True, timeout=1500, env={**os.environ, "PATH": path, "HOME": self.folder}, errors="replace")
+        found = subprocess.run(["bash", "-c", line], cwd=self.folder, capture_output=True, text=True, timeout=1500, env={**os.environ, "PATH": path, "HOME": self.folder, "XDG_STATE_HOME": self.folder + "/.local/state"}, errors="replace")
         self.tools.times.append((time.monotonic() - begin, f"{where}: {command}"))
         self.tools.check(found.returncode in (0, 8), f"{where}: {command}: exit {found.returncode}\n{found.stderr[-600:]}")
 
