@@ -2,8 +2,6 @@
 
 #include <Eigen/Cholesky>
 
-#include <cmath>
-
 namespace ecorche::inline v1 {
 
 template <int kSize>
@@ -22,25 +20,11 @@ RowMatrix3 solve_ldlt_columns3(const Eigen::Matrix3d& A, const RowMatrix3& B) {
   return A.ldlt().solve(B);
 }
 
-// Columns one after the other; Eigen's code for small sizes goes through the calls of large ones.
 template <int kSize>
-ColumnVector<kSize> solve_llt_small(SquareMatrix<kSize> A, ColumnVector<kSize> b) {
-  for (int k = 0; k < kSize; ++k) {
-    const double pivot = 1 / std::sqrt(A(k, k));
-    for (int i = k; i < kSize; ++i) A(i, k) *= pivot;
-    b[k] *= pivot;
-    for (int i = k + 1; i < kSize; ++i) b[i] -= A(i, k) * b[k];
-    for (int j = k + 1; j < kSize; ++j)
-      for (int i = j; i < kSize; ++i) A(i, j) -= A(i, k) * A(j, k);
-    A(k, k) = pivot;
-  }
-  for (int k = kSize - 1; k >= 0; --k) {
-    for (int i = k + 1; i < kSize; ++i) b[k] -= A(i, k) * b[i];
-    b[k] *= A(k, k);
-  }
-  return b;
+ColumnVector<kSize> solve_llt_small(const SquareMatrix<kSize>& A, const ColumnVector<kSize>& b) {
+  return A.llt().solve(b);
 }
-template ColumnVector<12> solve_llt_small<12>(SquareMatrix<12>, ColumnVector<12>);
+template ColumnVector<12> solve_llt_small<12>(const SquareMatrix<12>&, const ColumnVector<12>&);
 
 Eigen::VectorXd solve_llt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
   return A.llt().solve(b);

@@ -24,7 +24,7 @@ RowMatrix3 solve_ldlt_columns3(const Eigen::Matrix3d& A, const RowMatrix3& B);
 Eigen::VectorXd solve_llt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 // The same of a size that is known in advance. kSize: 12.
 template <int kSize>
-ColumnVector<kSize> solve_llt_small(SquareMatrix<kSize> A, ColumnVector<kSize> b);
+ColumnVector<kSize> solve_llt_small(const SquareMatrix<kSize>& A, const ColumnVector<kSize>& b);
 // The same; the factor replaces the lower half of A.
 Eigen::VectorXd solve_llt_in_place(Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 

@@ -127,8 +127,8 @@ void open_window(const StudioOptions& options, Session& session, const Common& c
 
 void forget_sessions(const std::string& name, const Common& common) {
   const fs::path folder = unsaved_sessions_folder();
-  std::vector<UnsavedSession> all = unsaved_sessions(folder);
-  if (name != "all") all = {find_unsaved_session(folder, name)};
+  const std::vector<UnsavedSession> all =
+      name == "all" ? unsaved_sessions(folder) : std::vector{find_unsaved_session(folder, name)};
   for (const UnsavedSession& session : all) {
     forget_unsaved_session(session.folder);
     note(common, fmt::format("forgotten: {} ({})", session.name, unsaved_session_text(session)));
