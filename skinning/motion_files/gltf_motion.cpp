@@ -265,7 +265,8 @@ class Reader {
   }
 
   // Where the file stands as it was bound, by whatever map, that is the rest pose: bindings may be
-  // in units of their own.
+  // in units of their own. Bindings that put all joints in one place, as those of a skin that has
+  // none, tell nothing.
   void keep_standing_rest() {
     double size = 0, bound_size = 0, miss = 0;
     for (std::size_t j = 1; j < joints_.size(); ++j) {
@@ -274,12 +275,13 @@ class Reader {
       size += a;
       bound_size += b;
     }
-    if (!(size > 0 && bound_size > 0)) return;
-    for (std::size_t j = 1; j < joints_.size(); ++j)
+    if (!(size > 0)) return;
+    const bool bound = bound_size > 1e-6 * size;
+    for (std::size_t j = 1; j < joints_.size() && bound; ++j)
       miss += std::abs((origin(j) - origin(0)).norm() / size -
                        (rest_[j].translation() - rest_[0].translation()).norm() / bound_size);
     const bool same_size = std::abs(bound_size / size - 1) < 0.02;
-    if (miss < 1e-3 || !same_size)
+    if (!bound || miss < 1e-3 || !same_size)
       for (std::size_t j = 0; j < joints_.size(); ++j) rest_[j] = tree_.world()[joints_[j]];
   }
 

@@ -156,11 +156,12 @@ Mat3 rotation_between(const Vec3& from, const Vec3& to) {
   return Quat::FromTwoVectors(from, to).toRotationMatrix();
 }
 
-// Rotates C about the bone's direction so that `axis`, rotated by C, comes nearest to `wanted`.
+// Rotates C about the bone's direction so that `axis`, rotated by C, comes nearest to `wanted`; not
+// at all where that is zero, which tells nothing.
 Mat3 twist_onto(const Mat3& C, const Vec3& direction, const Vec3& axis, const Vec3& wanted) {
   const Vec3 d = direction.normalized();
   const Vec3 a = C * axis - d.dot(C * axis) * d, w = wanted - d.dot(wanted) * d;
-  if (a.norm() < 0.1 || w.norm() < 0.1 * wanted.norm()) return C;
+  if (a.norm() < 0.1 || !(w.norm() > 0.1 * wanted.norm())) return C;
   return Eigen::AngleAxisd(std::atan2(d.dot(a.cross(w)), a.dot(w)), d).toRotationMatrix() * C;
 }
 

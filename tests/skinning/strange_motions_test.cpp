@@ -11,6 +11,7 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "anatomy/joint_angles.h"
@@ -118,6 +119,26 @@ RetargetOptions as_it_is() {
   return options;
 }
 
+MotionClip read_binary_gltf(std::string json) {
+  while (json.size() % 4 != 0) json += ' ';
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / "ecorche_strange_motion.vrma";
+  {
+    std::ofstream out(file, std::ios::binary);
+    const auto word = [&](std::uint32_t value) {
+      char bytes[4];
+      std::memcpy(bytes, &value, 4);
+      out.write(bytes, 4);
+    };
+    out << "glTF";
+    word(2), word(std::uint32_t(20 + json.size())), word(std::uint32_t(json.size()));
+    out << "JSON" << json;
+  }
+  MotionClip clip = read_motion(file, {});
+  std::filesystem::remove(file);
+  return clip;
+}
+
 }  // namespace
 
 TEST(StrangeMotions, WhoSitsWithHighKneesIsNotMirrored) {
@@ -196,6 +217,35 @@ TEST(StrangeMotions, BentForearmsPointWhereTheFilesDo) {
   }
 }
 
+// Arms that never bend tell nothing of where their elbows' hinges lie.
+TEST(StrangeMotions, StraightArmsDoNotTurnAboutTheirLength) {
+  MotionClip clip =
+      Figure({{"LeftArm", {20, 10, -70}}, {"RightArm", {0, -15, 60}}, {"Spine", {5, 20, 0}}})
+          .clip();
+  // It faces a little aside, so that no arm lies along an axis.
+  const Mat3 aside = Eigen::AngleAxisd(10 * kDegree, Vec3::UnitY()).toRotationMatrix();
+  for (ClipJoint& joint : clip.joints) joint.offset = aside * joint.offset;
+  for (Mat3& turn : clip.rotations) turn = aside * turn * aside.transpose();
+  for (const std::string s : {"_l", "_r"}) {
+    std::optional<Quat> usual;
+    for (double hinge = 0; hinge < 360; hinge += 15) {
+      SCOPED_TRACE(fmt::format("shoulder{}, hinge at {} deg", s, hinge));
+      Skeleton ours = plain_skeleton();
+      Joint& elbow = ours.joints[std::size_t(find_joint(ours, "elbow" + s))];
+      const std::vector<Vec3> rest = rest_positions(ours);
+      const Vec3 along = (rest[std::size_t(find_joint(ours, "wrist" + s))] -
+                          rest[std::size_t(find_joint(ours, "elbow" + s))])
+                             .normalized();
+      elbow.axes = Eigen::AngleAxisd(hinge * kDegree, along).toRotationMatrix() * elbow.axes;
+      RetargetReport report;
+      const Motion moved = retarget(clip, ours, as_it_is(), report);
+      const std::size_t shoulder = std::size_t(find_joint(ours, "shoulder" + s));
+      if (!usual) usual = moved.frames[0].rotations[shoulder];
+      EXPECT_LT(usual->angularDistance(moved.frames[0].rotations[shoulder]), 1 * kDegree);
+    }
+  }
+}
+
 // Knees go up in turn, the standing leg bends a little, so that feet lift off and land.
 FigurePose marching(double t) {
   FigurePose out;
@@ -254,25 +304,32 @@ TEST(StrangeMotions, JointsWithoutTracksAreReadFromAnyBinaryGltf) {
       R"({"bufferView":1,"componentType":5126,"count":2,"type":"VEC4"}],)"
       R"("animations":[{"samplers":[{"input":0,"output":1}],)"
       R"("channels":[{"sampler":0,"target":{"node":0,"path":"rotation"}}]}]})";
-  while (json.size() % 4 != 0) json += ' ';
-  const std::filesystem::path file =
-      std::filesystem::temp_directory_path() / "ecorche_strange_motion.vrma";
-  {
-    std::ofstream out(file, std::ios::binary);
-    const auto word = [&](std::uint32_t value) {
-      char bytes[4];
-      std::memcpy(bytes, &value, 4);
-      out.write(bytes, 4);
-    };
-    out << "glTF";
-    word(2), word(std::uint32_t(20 + json.size())), word(std::uint32_t(json.size()));
-    out << "JSON" << json;
-  }
-  const MotionClip clip = read_motion(file, {});
-  std::filesystem::remove(file);
+  const MotionClip clip = read_binary_gltf(json);
   std::vector<std::string> names;
   for (const ClipJoint& joint : clip.joints) names.push_back(joint.name);
   EXPECT_EQ(names, std::vector<std::string>({"Hips", "Spine", "Head"}));
+}
+
+// A skin may say of its joints where they are bound, or nothing: then they stand as they are.
+TEST(StrangeMotions, JointsOfASkinWithoutBindingsStandAsTheyAre) {
+  const MotionClip clip = read_binary_gltf(
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[3]}],"nodes":[)"
+      R"({"name":"Hips","children":[1],"translation":[0,90,0]},)"
+      R"({"name":"Spine","children":[2],"translation":[0,20,5]},)"
+      R"({"name":"Head","translation":[0,50,0]},)"
+      R"({"name":"Armature","children":[0],"scale":[0.01,0.01,0.01]}],)"
+      R"("skins":[{"joints":[0,1,2]}],)"
+      R"("buffers":[{"byteLength":40,"uri":"data:application/octet-stream;base64,)"
+      R"(AAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAACAPw=="}],)"
+      R"("bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":8},)"
+      R"({"buffer":0,"byteOffset":8,"byteLength":32}],)"
+      R"("accessors":[{"bufferView":0,"componentType":5126,"count":2,"type":"SCALAR"},)"
+      R"({"bufferView":1,"componentType":5126,"count":2,"type":"VEC4"}],)"
+      R"("animations":[{"samplers":[{"input":0,"output":1}],)"
+      R"("channels":[{"sampler":0,"target":{"node":0,"path":"rotation"}}]}]})");
+  ASSERT_EQ(clip.joints.size(), 3);
+  EXPECT_LT((clip.joints[1].offset - Vec3(0, 0.2, 0.05)).norm(), 1e-6);
+  EXPECT_LT((clip.joints[2].offset - Vec3(0, 0.5, 0)).norm(), 1e-6);
 }
 
 }  // namespace ecorche
