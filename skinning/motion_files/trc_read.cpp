@@ -24,13 +24,33 @@ std::string_view without_blanks(std::string_view text) {
   return begin == std::string_view::npos ? std::string_view() : text.substr(begin, end - begin + 1);
 }
 
-std::vector<std::string_view> cells_of(std::string_view line) {
+// What stands between cells: tabulators, or the semicolons or commas of a spreadsheet.
+char separator_of(std::string_view line) {
+  for (const char one : {'\t', ';', ','})
+    if (line.find(one) != std::string_view::npos) return one;
+  return '\t';
+}
+
+std::vector<std::string_view> cells_of(std::string_view line, char separator) {
   std::vector<std::string_view> out;
   for (;;) {
-    const std::size_t tab = line.find('\t');
-    out.push_back(without_blanks(line.substr(0, tab)));
-    if (tab == std::string_view::npos) return out;
-    line.remove_prefix(tab + 1);
+    const std::size_t end = line.find(separator);
+    out.push_back(without_blanks(line.substr(0, end)));
+    if (end == std::string_view::npos) return out;
+    line.remove_prefix(end + 1);
+  }
+}
+
+// Cells of the head, which blanks may separate too.
+std::vector<std::string> words_of(std::string_view line) {
+  const std::string ends = {' ', '\r', '\n', separator_of(line)};
+  std::vector<std::string> out;
+  for (;;) {
+    const std::size_t begin = line.find_first_not_of(ends);
+    if (begin == std::string_view::npos) return out;
+    line.remove_prefix(begin);
+    out.emplace_back(line.substr(0, line.find_first_of(ends)));
+    line.remove_prefix(out.back().size());
   }
 }
 
@@ -65,15 +85,15 @@ class TrcReader {
     if (!scan_.next_line() || !scan_.line().starts_with("PathFileType"))
       scan_.fail("a .trc begins with PathFileType");
     if (!scan_.next_line()) scan_.fail("it ends before its DataRate");
-    std::vector<std::string> keys, values;
-    while (!scan_.at_line_end()) keys.emplace_back(scan_.word());
+    separator_ = separator_of(scan_.line());
+    const std::vector<std::string> keys = words_of(scan_.line());
     if (!scan_.next_line()) scan_.fail("it ends before the values of its head");
-    while (!scan_.at_line_end()) values.emplace_back(scan_.word());
+    const std::vector<std::string> values = words_of(scan_.line());
     for (std::size_t k = 0; k < std::min(keys.size(), values.size()); ++k) {
       double number = 0;
       long long whole = 0;
       if (keys[k] == "DataRate") {
-        if (!parse_number(values[k], number) || !(number > 0) || number > 1e5)
+        if (!number_of(values[k], number) || !(number > 0) || number > 1e5)
           scan_.fail(
               fmt::format("DataRate: '{}' is no rate; --motion-fps sets it", printable(values[k])));
         rate_ = number;
@@ -86,9 +106,12 @@ class TrcReader {
 
   void read_names() {
     if (!scan_.next_line()) scan_.fail("it ends before the names of its markers");
-    const std::vector<std::string_view> cells = cells_of(scan_.line());
+    separator_ = separator_of(scan_.line());
+    const std::vector<std::string_view> cells = cells_of(scan_.line(), separator_);
     if (cells.size() < 3 || !cells[0].starts_with("Frame") || cells[1] != "Time")
-      scan_.fail("a line 'Frame#', 'Time' and names of markers is expected, by tabulators");
+      scan_.fail(
+          "a line 'Frame#', 'Time' and names of markers is expected, by tabulators, commas or "
+          "semicolons");
     std::set<std::string> known;
     std::size_t twice = 0;
     for (std::size_t c = 2; c < cells.size(); ++c) {
@@ -113,11 +136,19 @@ class TrcReader {
                                           *stated_markers_, out_.markers.size()));
   }
 
+  // Between semicolons a decimal comma is one.
+  bool number_of(std::string_view cell, double& value) const {
+    if (separator_ != ';') return parse_number(cell, value);
+    std::string plain(cell);
+    std::ranges::replace(plain, ',', '.');
+    return parse_number(plain, value);
+  }
+
   void read_row() {
-    const std::vector<std::string_view> cells = cells_of(scan_.line());
+    const std::vector<std::string_view> cells = cells_of(scan_.line(), separator_);
     if (times_.empty() && cells[0].empty() && cells.size() > 2 && cells[2].starts_with("X")) return;
     double time = 0;
-    if (cells.size() < 2 || !parse_number(cells[1], time))
+    if (cells.size() < 2 || !number_of(cells[1], time))
       scan_.fail(fmt::format("the second column should be a time, not '{}'",
                              cells.size() < 2 ? "" : printable(cells[1].substr(0, 80))));
     if (!times_.empty() && !(time > times_.back()))
@@ -137,7 +168,7 @@ class TrcReader {
   double coordinate(std::string_view cell, std::size_t marker) const {
     double value = std::numeric_limits<double>::quiet_NaN();
     if (cell.empty() || cell == "NaN" || cell == "nan" || cell == "NAN") return value;
-    if (!parse_number(cell, value) || std::abs(value) > kFarthestMarker)
+    if (!number_of(cell, value) || std::abs(value) > kFarthestMarker)
       scan_.fail(fmt::format("marker '{}': '{}' is no place", out_.markers[marker],
                              printable(cell.substr(0, 80))));
     return value;
@@ -165,6 +196,7 @@ class TrcReader {
   }
 
   TextScan scan_;
+  char separator_ = '\t';
   MarkerTake out_;
   std::optional<double> rate_;
   std::optional<long long> stated_frames_, stated_markers_;

@@ -246,6 +246,25 @@ TEST(Markers, GapsAreBridged) {
   EXPECT_LT(worst_centre(own, fit), 0.02);
 }
 
+TEST(Markers, DecimalCommasStandBetweenSemicolons) {
+  const MarkerTake take = read_markers(kMarkerCorpus / "semicolons.trc");
+  EXPECT_NEAR(take.frames[1](0, 1), 1.5105, 1e-9);
+  EXPECT_NEAR(take.frames[1](2, 2), -0.21, 1e-9);
+}
+
+TEST(Markers, NamesOfPalpatedPointsAreKnown) {
+  const MarkerTables tables = our_tables();
+  const std::vector<std::string> markers = {"L_IAS",         "R_FTC", "LFLE",
+                                            "subject:R_TAM", "CV7",   "L_HM5"};
+  const std::vector<std::string> places = {"asis_l",         "trochanter_r", "knee_lateral_l",
+                                           "ankle_medial_r", "cervicale",    "knuckle5_l"};
+  const std::vector<const MarkerPlace*> found = find_marker_places(tables, markers);
+  for (std::size_t k = 0; k < markers.size(); ++k) {
+    ASSERT_NE(found[k], nullptr) << markers[k];
+    EXPECT_EQ(found[k]->name, places[k]) << markers[k];
+  }
+}
+
 TEST(Markers, ATakeWithoutKnownMarkersIsRefused) {
   MarkerTake take = plug_in_names();
   for (std::string& name : take.markers) name = "Q" + name;
