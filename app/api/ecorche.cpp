@@ -27,6 +27,7 @@ Retargeted retarget(const MotionClip& clip, const Character& character, Retarget
   if (!options.sole_height) options.sole_height = skin.col(1).minCoeff();
   if (options.avoid_self_collision && !options.proxies)
     options.proxies = measure_proxies(character.anatomy.skeleton, skin);
+  if (!options.ground) options.ground = measure_ground_points(character.anatomy.skeleton, skin);
   Retargeted out;
   out.motion = retarget(clip, character.anatomy.skeleton, options, out.report);
   return out;

@@ -16,6 +16,7 @@ RetargetPace bench_retarget(const std::filesystem::path& file, const Character& 
   RetargetOptions options;
   options.sole_height = character.body.skin.V.col(1).minCoeff();
   options.proxies = measure_proxies(skeleton, character.body.skin.V);
+  options.ground = measure_ground_points(skeleton, character.body.skin.V);
   RetargetReport report;
   const Motion motion = retarget(clip, skeleton, options, report);
   std::vector<Transform> X_WJ;

@@ -177,6 +177,7 @@ Motion placed_motion(const std::filesystem::path& file, const Character& charact
   if (!placed.sole_height) placed.sole_height = character.body.skin.V.col(1).minCoeff();
   if (placed.avoid_self_collision)
     placed.proxies = measure_proxies(character.anatomy.skeleton, character.body.skin.V);
+  placed.ground = measure_ground_points(character.anatomy.skeleton, character.body.skin.V);
   if (std::optional<Motion> own = open_own_motion(file, character, binding, options, placed, found))
     return std::move(*own);
   if (std::optional<Motion> own = open_own_angles(file, character, options, placed, found))

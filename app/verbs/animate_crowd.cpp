@@ -29,6 +29,7 @@ void animate_crowd(const std::filesystem::path& crowd, const std::filesystem::pa
     if (!own.sole_height) own.sole_height = person.body.skin.V.col(1).minCoeff();
     if (own.avoid_self_collision)
       own.proxies = measure_proxies(person.skeleton, person.body.skin.V);
+    own.ground = measure_ground_points(person.skeleton, person.body.skin.V);
     RetargetReport found;
     Motion out = retarget(source, person.skeleton, own, found);
     slide = std::max(slide, found.slide_p95),

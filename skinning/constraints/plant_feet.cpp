@@ -24,17 +24,19 @@ constexpr double kStraight = 0.9985;
 // rad (35 deg); a foot with more pitch, or more than its toes extend, rolls over the tip of its
 // toes
 constexpr double kToeExtension = 0.61;
+constexpr double kOnTips = 0.87;    // sine of a foot's pitch that no walk has: 60 deg
 constexpr double kMostBent = 0.75;  // rad; largest extension of the toes
 
-// Values over a span, `fine` a frame, of what is linear between frames.
-template <typename Get>
-void add_samples(const Interval& when, int fine, Get get, std::vector<double>& values) {
+// Values over a span, `fine` a frame, of what is linear between frames; `values`: by frame, where
+// they go.
+template <typename Get, typename Values>
+void add_samples(const Interval& when, int fine, Get get, Values values) {
   const int steps = int(std::lround((when.lift() - when.onset()) * fine));
   for (int k = 0; k <= steps; ++k) {
     const double at = when.onset() + double(k) / fine;
     const int f = int(at);
     const double share = at - f;
-    values.push_back(share > 1e-9 ? (1 - share) * get(f) + share * get(f + 1) : get(f));
+    values(f).push_back(share > 1e-9 ? (1 - share) * get(f) + share * get(f + 1) : get(f));
   }
 }
 
@@ -146,7 +148,7 @@ class Planter {
     }
   }
 
-  void run(const std::vector<Contact>& contacts) {
+  void run(const std::vector<Contact>& contacts, const std::vector<double>& lift) {
     for (const Contact& one : contacts) {
       FootPlan& foot = feet_[one.side == Side::left ? 0 : 1];
       (one.heel ? foot.heels : foot.balls)
@@ -156,8 +158,9 @@ class Planter {
     }
     read_feet();
     stand_on_ground();
-    for (FootPlan& foot : feet_)
-      position_anchors(foot), blend_anchors(foot), plan_corrections(foot);
+    for (FootPlan& foot : feet_) position_anchors(foot);
+    if (!lift.empty()) rise(lift);
+    for (FootPlan& foot : feet_) blend_anchors(foot), plan_corrections(foot);
     const std::vector<double> sunk = lower_pelvis();
     for (int f = 0; f < frames_; ++f) plant_frame(f, sunk[f]);
   }
@@ -170,17 +173,25 @@ class Planter {
     }
   }
 
-  // Moves the whole motion up or down so that the contacts lie at 0.
+  // Moves the whole motion up or down so that the contacts lie at 0. How high a foot is that stands
+  // on the tips of its toes, as one who kneels has it, depends on its length: it counts only where
+  // none stands otherwise.
   void stand_on_ground() {
-    std::vector<double> heights;
+    std::vector<double> flatter, steep;
     for (const FootPlan& foot : feet_) {
-      for (const Anchor& a : foot.heels)
-        add_samples(
-            a.when, fine_, [&](int f) { return foot.before[f].heel.y(); }, heights);
-      for (const Anchor& a : foot.balls)
-        add_samples(
-            a.when, fine_, [&](int f) { return foot.before[f].ball.y(); }, heights);
+      const auto add = [&](const std::vector<Anchor>& anchors, auto point) {
+        for (const Anchor& a : anchors)
+          add_samples(
+              a.when, fine_, [&](int f) { return point(foot.before[f]).y(); },
+              [&](int f) -> std::vector<double>& {
+                const FootPoints& p = foot.before[f];
+                return -(p.ball - p.heel).normalized().y() > kOnTips ? steep : flatter;
+              });
+      };
+      add(foot.heels, [](const FootPoints& p) { return p.heel; });
+      add(foot.balls, [](const FootPoints& p) { return p.ball; });
     }
+    std::vector<double>& heights = flatter.empty() ? steep : flatter;
     if (heights.empty())
       for (int f = 0; f < frames_; ++f)
         heights.push_back(std::min(feet_[0].before[f].ball.y(), feet_[1].before[f].ball.y()));
@@ -190,12 +201,22 @@ class Planter {
       for (FootPoints& p : foot.before) p.heel += shift, p.ball += shift, p.tip += shift;
   }
 
+  void rise(const std::vector<double>& lift) {
+    for (int f = 0; f < frames_; ++f) {
+      const Vec3 up(0, lift[std::size_t(f)], 0);
+      motion_.frames[f].root += up;
+      for (FootPlan& foot : feet_)
+        for (Vec3* p : {&foot.before[f].heel, &foot.before[f].ball, &foot.before[f].tip}) *p += up;
+    }
+  }
+
   void position_anchors(FootPlan& foot) const {
     auto place = [&](Anchor& anchor, auto point) {
       for (int k = 0; k < 3; ++k) {
         std::vector<double> values;
         add_samples(
-            anchor.when, fine_, [&](int f) { return point(foot.before[f])[k]; }, values);
+            anchor.when, fine_, [&](int f) { return point(foot.before[f])[k]; },
+            [&](int) -> std::vector<double>& { return values; });
         anchor.position[k] = median(std::move(values));
       }
       if (std::abs(anchor.position.y()) < kStep) anchor.position.y() = 0;
@@ -455,8 +476,8 @@ std::vector<Contact> find_contacts(const std::array<FootPaths, 2>& paths, const 
 }
 
 void plant_feet(const Skeleton& skeleton, double sole_height, const std::vector<Contact>& contacts,
-                double strength, Motion& motion) {
-  if (!motion.frames.empty()) Planter(skeleton, sole_height, strength, motion).run(contacts);
+                double strength, const std::vector<double>& lift, Motion& motion) {
+  if (!motion.frames.empty()) Planter(skeleton, sole_height, strength, motion).run(contacts, lift);
 }
 
 }  // namespace ecorche::inline v1

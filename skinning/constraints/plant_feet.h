@@ -19,8 +19,8 @@ std::vector<Contact> find_contacts(const std::array<FootPaths, 2>& paths, const 
 // ground. Corrections fade over 0.1 s around each contact. The pelvis is lowered, smoothly, where a
 // planted leg would be too short. `contacts`: as find_contacts gives them, also of an edited
 // motion. `strength`: share of what feet are off that is corrected, 0 to 1; feet are never left in
-// the ground.
+// the ground. `lift`: m, by frame, by which the figure then rises from its planted feet; or empty.
 void plant_feet(const Skeleton& skeleton, double sole_height, const std::vector<Contact>& contacts,
-                double strength, Motion& motion);
+                double strength, const std::vector<double>& lift, Motion& motion);
 
 }  // namespace ecorche::inline v1

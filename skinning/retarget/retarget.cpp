@@ -12,6 +12,7 @@
 #include "skinning/constraints/contact_snaps.h"
 #include "skinning/constraints/foot_contacts.h"
 #include "skinning/constraints/ground_lift.h"
+#include "skinning/constraints/keep_off_ground.h"
 #include "skinning/constraints/leg_ik.h"
 #include "skinning/constraints/measure_feet.h"
 #include "skinning/constraints/motion_limits.h"
@@ -36,6 +37,8 @@ constexpr double kLimitTolerance = 0.5 * kDegree;
 constexpr LimbTolerance kPlanted{2e-3, 4 * kDegree, true};
 // Where the ground is not y = 0.
 constexpr LimbTolerance kOnSlope{2e-3, 4 * kDegree, false};
+
+constexpr int kGroundPasses = 4;  // what is still in the ground before the last lifts the figure
 
 // Does the figure leap from a frame to the next, as no body can?
 bool leaps(const Motion& motion, std::size_t frame) {
@@ -263,25 +266,38 @@ struct Constraints {
 // snap: `rounds` times at most, the last two times of whole contacts. `source`: the
 // motion whose speeds limbs are to keep; null: as it is given.
 void plant_within_limits(const std::string& name, const Skeleton& ours, double sole,
-                         const Motion* source, FilteredMotion& filtered, MotionLimiter& limiter,
-                         int rounds, std::vector<std::string>& warnings) {
+                         const std::optional<GroundPoints>& ground, const Motion* source,
+                         FilteredMotion& filtered, MotionLimiter& limiter, int rounds,
+                         std::vector<std::string>& warnings) {
   Motion& motion = filtered.motion;
   const Motion free = motion;
   std::vector<Contact>& contacts = filtered.contacts;
   const double found = frames_of(contacts);
+  GroundClearance clearance;
+  const auto plant = [&] {
+    plant_feet(ours, sole, contacts, filtered.lock, clearance.lift, motion);
+    limiter.run(kPlanted, contacts, clearance.shifts, motion);
+  };
   for (int round = 0;; ++round) {
-    plant_feet(ours, sole, contacts, filtered.lock, motion);
-    limiter.run(kPlanted, contacts, {}, motion);
+    plant();
     if (round >= rounds) break;
     const std::vector<std::vector<int>> snaps = contact_snaps(ours, free, motion, contacts);
     if (std::ranges::all_of(snaps, [](const auto& one) { return one.empty(); })) break;
     contacts = contacts_between_snaps(contacts, snaps, round + 2 >= rounds, motion.fps);
     motion = free;
   }
+  for (int pass = 0; ground && pass < kGroundPasses; ++pass) {
+    std::vector<GroundHeights> heights = ground_heights(ours, *ground, motion);
+    if (open_hands(ours, *ground, heights, motion)) heights = ground_heights(ours, *ground, motion);
+    if (!renew_clearance(heights, pass + 1 == kGroundPasses, motion.fps, clearance)) break;
+    motion = free;
+    plant();
+  }
   if (rounds > 0)
     steady_limbs(ours, limiter.tables(), source != nullptr ? *source : free, free, contacts,
                  motion);
-  lift_from_ground(ours, sole, motion);
+  if (ground) open_hands(ours, *ground, ground_heights(ours, *ground, motion), motion);
+  lift_from_ground(ours, sole, ground ? &*ground : nullptr, motion);
   if (const double left = frames_of(contacts); left < found)
     warnings.push_back(
         fmt::format("{}: {:.0f} % of the time that feet stand they are not planted, since legs "
@@ -339,11 +355,11 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
   apply_filters(name, ours, filters, filtered);
   if (keep && plant)
     // What filters have moved is faster where it is brought back to its place, and is wanted so.
-    plant_within_limits(name, ours, sole, filters.empty() ? &given : nullptr, filtered, limiter,
-                        moves_feet(filters) ? 0 : 5, report.warnings);
+    plant_within_limits(name, ours, sole, options.ground, filters.empty() ? &given : nullptr,
+                        filtered, limiter, moves_feet(filters) ? 0 : 5, report.warnings);
   else if (plant) {
-    plant_feet(ours, sole, filtered.contacts, filtered.lock, motion);
-    lift_from_ground(ours, sole, motion);
+    plant_feet(ours, sole, filtered.contacts, filtered.lock, {}, motion);
+    lift_from_ground(ours, sole, nullptr, motion);
   }
   if (keep && !plant && !filters.empty()) limiter.run({}, {}, {}, motion);
   if (!keep && plant)

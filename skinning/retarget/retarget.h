@@ -22,6 +22,7 @@
 
 #include "anatomy/skeleton.h"
 #include "skinning/constraints/collision_proxies.h"
+#include "skinning/constraints/ground_points.h"
 #include "skinning/constraints/motion_report.h"
 #include "skinning/filters/motion_filters.h"
 #include "skinning/motion_files/motion_clip.h"
@@ -55,6 +56,9 @@ struct RetargetOptions {
   // (self_collision.h).
   bool avoid_self_collision = true;
   std::optional<CollisionProxies> proxies;
+  // Where limits are enforced and feet planted, other parts stay out of the ground, too
+  // (keep_off_ground.h).
+  std::optional<GroundPoints> ground;
 };
 
 struct RetargetReport {

@@ -310,6 +310,104 @@ TEST(StrangeMotions, JointsWithoutTracksAreReadFromAnyBinaryGltf) {
   EXPECT_EQ(names, std::vector<std::string>({"Hips", "Spine", "Head"}));
 }
 
+// Stands, then kneels on the tips of its toes.
+FigurePose kneeling(double t) {
+  const double w = std::clamp((t - 1) / 0.1, 0.0, 1.0), down = w * w * (3 - 2 * w),
+               bow = std::sin(3.14159265 * down);
+  FigurePose out;
+  for (const std::string s : {"Left", "Right"}) {
+    out.turns[s + "UpLeg"] = {-40 * bow, 0, 0};
+    out.turns[s + "Leg"] = {104.5 * down + 30 * bow, 0, 0};
+    out.turns[s + "Foot"] = {-32.5 * down, 0, 0};
+  }
+  out.root = {0, 93 + (50.5 - 93) * down, 20 * down};
+  return out;
+}
+
+// How high toes are that a foot stands on depends on its length, and says nothing of the ground.
+TEST(StrangeMotions, WhoKneelsLaterStandsAsTallBefore) {
+  const Skeleton ours = skeleton_with_legs();
+  RetargetReport report;
+  const Motion stands = retarget(Figure(60, 20, kneeling).clip(), ours, {}, report),
+               kneels = retarget(Figure(60, 361, kneeling).clip(), ours, {}, report);
+  EXPECT_EQ(std::ranges::count_if(report.contacts,
+                                  [](const Contact& one) { return !one.heel && one.begin > 60; }),
+            2);
+  EXPECT_NEAR(kneels.frames[10].root.y(), stands.frames[10].root.y(), 2e-3);
+}
+
+// Points on spheres around knees, wrists, and the fingers' ends of a body whose joints are thick.
+GroundPoints round_flesh(const Skeleton& skeleton) {
+  const auto ball = [&](const std::string& joint, const Vec3& centre, double radius) {
+    GroundPatch out{find_joint(skeleton, joint), {}, centre.norm() + radius};
+    for (int x = -1; x <= 1; ++x)
+      for (int y = -1; y <= 1; ++y)
+        for (int z = -1; z <= 1; ++z)
+          if (x != 0 || y != 0 || z != 0)
+            out.points.emplace_back(centre + radius * Vec3(x, y, z).normalized());
+    return out;
+  };
+  GroundPoints out;
+  for (std::size_t side = 0; side < 2; ++side) {
+    const std::string s = side == 0 ? "_l" : "_r";
+    out.body.push_back(ball("knee" + s, Vec3::Zero(), 0.05));
+    out.hands[side].push_back(ball("wrist" + s, Vec3::Zero(), 0.025));
+    out.fingers[side].push_back(ball("pip3" + s, Vec3(0, -0.02, 0), 0.01));
+  }
+  return out;
+}
+
+// Height of the lowest of these points in any frame, and the furthest step of a joint in a frame.
+std::pair<double, double> low_and_step(const Skeleton& skeleton, const GroundPoints& points,
+                                       const Motion& motion) {
+  double low = HUGE_VAL, step = 0;
+  std::vector<Transform> X, before;
+  for (const Pose& pose : motion.frames) {
+    forward_kinematics(skeleton, pose, X);
+    for (const auto* patches :
+         {&points.body, &points.hands[0], &points.hands[1], &points.fingers[0], &points.fingers[1]})
+      for (const GroundPatch& patch : *patches)
+        for (const Vec3& p : patch.points)
+          low = std::min(low, (X[std::size_t(patch.joint)] * p).y());
+    for (std::size_t j = 0; j < before.size(); ++j)
+      step = std::max(step, (X[j].translation() - before[j].translation()).norm());
+    before = X;
+  }
+  return {low, step};
+}
+
+// Stands, and within a second comes down on knees and hands, which end as points on the ground.
+FigurePose falling(double t) {
+  const double w = std::clamp(t - 0.3, 0.0, 1.0), down = w * w * (3 - 2 * w),
+               bow = std::sin(3.14159265 * down);
+  FigurePose out;
+  out.turns["Hips"] = {80 * down, 0, 0};
+  for (const double side : {1.0, -1.0}) {
+    const std::string s = side > 0 ? "Left" : "Right";
+    out.turns[s + "UpLeg"] = {-80 * down - 40 * bow, 0, 0};
+    out.turns[s + "Leg"] = {90 * down + 50 * bow, 0, 0};
+    out.turns[s + "Foot"] = {-20 * bow, 0, 0};
+    out.turns[s + "Arm"] = {0, -80 * down * side, -70 * (1 - down) * side};
+  }
+  out.root = {0, 95 + (43 - 95) * down, 0};
+  return out;
+}
+
+TEST(StrangeMotions, KneesAndHandsOfWhoFallsStayOutOfTheGround) {
+  const Skeleton ours = skeleton_with_legs();
+  const GroundPoints flesh = round_flesh(ours);
+  const MotionClip clip = Figure(60, 121, falling).clip();
+  RetargetReport report;
+  RetargetOptions options;
+  const auto [deep, usual] = low_and_step(ours, flesh, retarget(clip, ours, options, report));
+  EXPECT_LT(deep, -0.03);
+  options.ground = flesh;
+  const auto [low, step] = low_and_step(ours, flesh, retarget(clip, ours, options, report));
+  EXPECT_GT(low, -0.003);
+  EXPECT_LT(low, 0.01);
+  EXPECT_LT(step, 1.5 * usual);
+}
+
 // A skin may say of its joints where they are bound, or nothing: then they stand as they are.
 TEST(StrangeMotions, JointsOfASkinWithoutBindingsStandAsTheyAre) {
   const MotionClip clip = read_binary_gltf(
