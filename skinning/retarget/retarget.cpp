@@ -53,7 +53,8 @@ bool leaps(const Motion& motion, std::size_t frame) {
 // place; and the next ones in which these joints settle, likewise five times as fast as later.
 int calibration_frames(const Motion& motion) {
   const std::vector<Pose>& frames = motion.frames;
-  constexpr size_t kAtMost = 6, kSettled = 6, kLookAhead = 30;
+  constexpr size_t kAtMost = 6, kLookAhead = 30;
+  constexpr double kSettling = 0.05;  // s
   if (frames.size() < 2 * kAtMost + 1) return 0;
   const size_t steps = std::min(frames.size() - 1, kAtMost + kLookAhead);
   const auto step = [&](size_t f, size_t j) {
@@ -83,7 +84,8 @@ int calibration_frames(const Motion& motion) {
     double turned = 0;
     for (size_t f = 0; f < count; ++f) turned += step(f, j);
     if (turned <= 30 * kDegree) continue;
-    const size_t last = std::min(count + kSettled, steps);
+    const size_t settling = size_t(std::lround(kSettling * motion.fps)),
+                 last = std::min(count + std::clamp(settling, size_t(1), kAtMost), steps);
     const double slow =
         std::max(0.5 * kDegree, 5 * usual(last - 1, [&](size_t f) { return step(f, j); }));
     for (size_t f = settled; f < last; ++f)

@@ -15,6 +15,8 @@
 #include <string>
 
 #include "anatomy/joint_angles.h"
+#include "skinning/constraints/ballistic_flight.h"
+#include "skinning/constraints/foot_contacts.h"
 #include "skinning/motion_files/bvh_motion.h"
 #include "skinning/motion_files/bvh_read.h"
 #include "skinning/motion_files/read_motion.h"
@@ -334,6 +336,50 @@ TEST(StrangeMotions, WhoKneelsLaterStandsAsTallBefore) {
                                   [](const Contact& one) { return !one.heel && one.begin > 60; }),
             2);
   EXPECT_NEAR(kneels.frames[10].root.y(), stands.frames[10].root.y(), 2e-3);
+}
+
+// A marker pose, arms out, and a figure that sways, whose arms still swing down for a while.
+TEST(StrangeMotions, AMarkerPoseTakesNoMoreOfACoarseTake) {
+  const auto pose = [](double t) {
+    FigurePose out;
+    const double sway = 15 * std::sin(3.14159265 * t),
+                 hang = t == 0 ? 0 : 80 - 40 * std::exp(-t / 0.08);
+    out.turns["LeftUpLeg"] = {-sway, 0, 0};
+    out.turns["RightUpLeg"] = {sway, 0, 0};
+    out.turns["LeftArm"] = {0, 0, -hang};
+    out.turns["RightArm"] = {0, 0, hang};
+    return out;
+  };
+  RetargetReport report;
+  retarget(Figure(24, 72, pose).clip(), skeleton_with_legs(), {}, report);
+  EXPECT_GE(report.dropped_frames, 1);
+  EXPECT_LE(report.dropped_frames, 3);
+}
+
+// Two flights that differ by a trifle, about as weak as flights may be, come out alike.
+TEST(StrangeMotions, AFlightAtABoundDoesNotLeap) {
+  const Skeleton ours = skeleton_with_legs();
+  const double sole = guess_sole_height(ours);
+  std::vector<double> highest;
+  for (double pull = 0.40; pull < 0.60; pull += 0.005) {
+    Motion motion{120, {}};
+    for (int f = 0; f < 120; ++f) {
+      Pose pose;
+      pose.rotations.assign(ours.joints.size(), Quat::Identity());
+      const double t = std::clamp((f - 40) / 120.0, 0.0, 0.4);
+      pose.root = Vec3(0, rest_positions(ours)[0].y() - sole + pull * 9.81 * t * (0.4 - t) / 2, 0);
+      motion.frames.push_back(pose);
+    }
+    make_flights_ballistic(ours, sole, 9.81, motion);
+    double most = 0;
+    for (const Pose& one : motion.frames) most = std::max(most, one.root.y());
+    highest.push_back(most);
+  }
+  double step = 0;
+  for (std::size_t k = 1; k < highest.size(); ++k)
+    step = std::max(step, std::abs(highest[k] - highest[k - 1]));
+  EXPECT_GT(highest.back() - highest.front(), 0.05);  // the strongest falls, the weakest does not
+  EXPECT_LT(step, 0.02);
 }
 
 // Points on spheres around knees, wrists, and the fingers' ends of a body whose joints are thick.
