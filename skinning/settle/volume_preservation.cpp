@@ -16,7 +16,7 @@ namespace ecorche::inline v1 {
 namespace {
 
 constexpr VolumeParameters kParametersVolumePreservation;
-constexpr std::size_t kMostRegions = 11;  // the body, four limbs, four hinges, two shoulders
+constexpr std::size_t kMostRegions = 12;  // body, lower body, limbs, their hinges, shoulders
 constexpr std::size_t kBlockVolumePreservation = 1024;  // vertices a task
 
 // Six times the volume of the cones over the region's triangles.
@@ -126,14 +126,16 @@ VolumeRegions make_volume_regions(const Skeleton& skeleton, std::span<const floa
   const std::vector<Vec3> origins = rest_positions(skeleton);
   const std::vector<double> areas = vertex_areas(positions, triangles);
   const std::vector<double> unit = find_swelling_limits(positions, triangles, tissue);
-  std::vector<double> trunk(tissue.size(), 1);
+  std::vector<double> trunk(tissue.size(), 1), legs(tissue.size(), 0);
   const auto product = [&](const std::vector<double>& share) {
     std::vector<double> out(share.size());
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = share[i] * unit[i];
     return out;
   };
+  const int thorax = find_joint(skeleton, "thorax");
+  const bool has_waist = thorax >= 0 && skeleton.joints[thorax].parent >= 0;
   VolumeRegions out;
-  out.regions.emplace_back();
+  out.regions.resize(has_waist ? 2 : 1);  // filled when it is known what limbs leave of them
   const auto add = [&](int joint, int within, const std::vector<double>& share) {
     out.regions.push_back(
         make_region(joint, origins[joint], positions, triangles, share, product(share), areas));
@@ -164,10 +166,14 @@ VolumeRegions make_volume_regions(const Skeleton& skeleton, std::span<const floa
                 middle = find_joint(skeleton, hinge + side),
                 last = find_joint(skeleton, end + side);
       if (joint < 0) continue;
+      const bool leg = root == std::string("hip");
       std::vector<double> share = weights_below(skeleton, joint, joint_weights);
-      for (std::size_t i = 0; i < trunk.size(); ++i) trunk[i] -= share[i];
+      for (std::size_t i = 0; i < trunk.size(); ++i) {
+        trunk[i] -= share[i];
+        if (leg) legs[i] += share[i];
+      }
       const int limb = out.regions.size();
-      add(joint, 0, share);
+      add(joint, leg && has_waist ? 1 : 0, share);
       if (middle < 0 || last < 0) continue;
       const auto at = [&](int j) { return origins[j]; };
       for (std::size_t i = 0; i < share.size(); ++i)
@@ -190,6 +196,17 @@ VolumeRegions make_volume_regions(const Skeleton& skeleton, std::span<const floa
   if (const int neck = find_joint(skeleton, "c5"); neck >= 0) {  // the head is mostly bone
     const std::vector<double> head = weights_below(skeleton, neck, joint_weights);
     for (std::size_t i = 0; i < trunk.size(); ++i) trunk[i] -= head[i];
+  }
+  if (has_waist) {
+    std::vector<double> lower = weights_below(skeleton, thorax, joint_weights), own(lower.size());
+    for (std::size_t i = 0; i < lower.size(); ++i) {
+      lower[i] = 1 - lower[i];
+      own[i] = lower[i] - legs[i];
+      trunk[i] -= own[i];
+    }
+    out.regions[1] =
+        make_region(thorax, origins[thorax], positions, triangles, lower, product(own), areas);
+    out.regions[1].within = 0;
   }
   out.regions[0] = make_region(0, origins[0], positions, triangles, all, product(trunk), areas);
   out.regions[0].take = kParametersVolumePreservation.body_take;

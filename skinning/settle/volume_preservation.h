@@ -1,5 +1,8 @@
-// Volume preservation for trunk, limbs, elbows and knees, shoulders. Private to the library.
+// Volume preservation for the body, the lower body, limbs, elbows and knees, shoulders. Private to
+// the library.
 //
+// What is lost is given back where it was lost: belly and hips keep the volume below the chest, and
+// only the chest pays for what shoulders take and give.
 // Volume lost to bending or to the membrane's tension is restored by moving vertices along their
 // normals, in proportion to the soft tissue beneath and less where the surface is strongly curved
 // (swelling_limits.h). One Newton step a region, which suffices for changes of a few per cent;
@@ -53,8 +56,9 @@ struct VolumeRegion {
 };
 
 struct VolumeRegions {
-  // The whole body first, to which the trunk swells; then arms and legs, each followed by its
-  // hinge; then the shoulders with their girdles.
+  // The whole body first, to which the chest swells; then all below the chest, to which belly and
+  // hips do (without a joint "thorax" the trunk swells to the body as one); then arms and legs,
+  // each followed by its hinge; then the shoulders with their girdles.
   std::vector<VolumeRegion> regions;
 };
 
