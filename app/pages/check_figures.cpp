@@ -58,6 +58,7 @@ void report_anatomy_check(const AnatomyCheck& check, Report& report) {
   report.set("check.posed_creased_share_max", check.posed_creased_worst);
   report.set("check.posed_needles_mean", check.posed_needles);
   report.set("check.posed_daylight_mean", check.posed_daylight);
+  report.set("check.posed_buried_mean", check.posed_buried);
   report.set("check.posed_stretch_max", check.posed_stretch_max);
   report.set("check.posed_tendon_kink_max", check.posed_kink_max);
   report.set("check.posed_loose_ends_mean", check.posed_loose_ends);
@@ -66,6 +67,7 @@ void report_anatomy_check(const AnatomyCheck& check, Report& report) {
     report.set(key + "creased_share", pose.creased_share);
     report.set(key + "needles", pose.needles);
     report.set(key + "daylight", pose.daylight);
+    report.set(key + "buried", pose.buried);
     report.set(key + "stretch", pose.stretch);
     report.set(key + "tendon_kink", pose.kink);
     report.set(key + "loose_ends", pose.loose_ends);

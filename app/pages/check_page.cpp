@@ -224,6 +224,13 @@ void add_muscles(HtmlPage& page, const AnatomyCheck& check, const Anatomy& anato
                                         pose_name(check, c.daylight_pose)};
       });
   add_worst(
+      page, check, "Muscles whose outer face sinks into others", {"muscle", "cm2", "pose"},
+      [](const MuscleCheck& m) { return m.buried; },
+      [&](int m, const MuscleCheck& c) {
+        return std::vector<std::string>{name(m), fmt::format("{:.0f}", 1e4 * c.buried),
+                                        pose_name(check, c.buried_pose)};
+      });
+  add_worst(
       page, check, "Tendons that kink", {"muscle", "degrees in a centimetre", "pose"},
       [](const MuscleCheck& m) { return m.kink; },
       [&](int m, const MuscleCheck& c) {
@@ -301,7 +308,8 @@ std::string check_csv(const AnatomyCheck& check, const Anatomy& anatomy) {
       "needles_at_rest,raised_at_rest,needle_at_rest_mm,kink_at_rest_mm,slits_cm2,shown_cm2,"
       "posed_outside_share,outside_pose,posed_overlap_share,overlap_pose,"
       "posed_bone_share,volume_drift,path_jump_mm,path_jump_at,end_distance_mm,"
-      "creased_share,creased_pose,needles,needles_pose,daylight_cm2,daylight_pose,stretch,"
+      "creased_share,creased_pose,needles,needles_pose,daylight_cm2,daylight_pose,buried_cm2,"
+      "buried_pose,stretch,"
       "stretch_pose,tendon_kink_deg_cm,tendon_kink_pose,end_off_mm,end_off_pose\n";
   for (std::size_t i = 0; i < check.muscles.size(); ++i) {
     const MuscleCheck& m = check.muscles[i];
@@ -311,7 +319,7 @@ std::string check_csv(const AnatomyCheck& check, const Anatomy& anatomy) {
         ",{:.5f}"
         ",{},{:."
         "5f},{:.2e},"
-        "{:.3f},{},{:.2f},{:.5f},{},{},{},{:.1f},{},{:.2f},{},{:.1f},{},{:.1f},{}\n",
+        "{:.3f},{},{:.2f},{:.5f},{},{},{},{:.1f},{},{:.1f},{},{:.2f},{},{:.1f},{},{:.1f},{}\n",
         muscle.name, muscle.group, muscle.layer, 1e6 * m.volume,
         m.points > 0 ? double(m.points_outside) / m.points : 0.0, m.overlap,
         m.neighbour < 0 ? "" : anatomy.muscles[m.neighbour].name, 1e6 * m.neighbour_volume,
@@ -320,9 +328,9 @@ std::string check_csv(const AnatomyCheck& check, const Anatomy& anatomy) {
         m.posed_overlap, pose_name(check, m.overlap_pose), m.posed_in_bone, m.drift, 1e3 * m.jump,
         jump_place(m, anatomy), 1e3 * m.end_distance, m.creased, pose_name(check, m.creased_pose),
         m.needles, pose_name(check, m.needles_pose), 1e4 * m.daylight,
-        pose_name(check, m.daylight_pose), m.stretch, pose_name(check, m.stretch_pose),
-        0.01 * kDegreesPerRadian * m.kink, pose_name(check, m.kink_pose), 1e3 * m.end_off,
-        pose_name(check, m.end_off_pose));
+        pose_name(check, m.daylight_pose), 1e4 * m.buried, pose_name(check, m.buried_pose),
+        m.stretch, pose_name(check, m.stretch_pose), 0.01 * kDegreesPerRadian * m.kink,
+        pose_name(check, m.kink_pose), 1e3 * m.end_off, pose_name(check, m.end_off_pose));
   }
   return out;
 }

@@ -327,6 +327,7 @@ PoseCheck check_pose(const Subject& subject, const LimitPose& pose, double spaci
     creased += muscle.creased_length;
     out.needles += muscle.needles;
     out.daylight += muscle.daylight;
+    out.buried += muscle.buried;
     out.stretch = std::max(out.stretch, muscle.stretch);
     out.kink = std::max(out.kink, muscle.kink);
     out.loose_ends += muscle.end_off > kLooseEnd;
@@ -355,6 +356,7 @@ void note_wholeness(const MuscleWholeness& whole, int pose, MuscleCheck& muscle)
   if (whole.needles > muscle.needles) muscle.needles = whole.needles, muscle.needles_pose = pose;
   if (whole.daylight > muscle.daylight)
     muscle.daylight = whole.daylight, muscle.daylight_pose = pose;
+  if (whole.buried > muscle.buried) muscle.buried = whole.buried, muscle.buried_pose = pose;
   if (whole.stretch > muscle.stretch) muscle.stretch = whole.stretch, muscle.stretch_pose = pose;
   if (whole.kink > muscle.kink) muscle.kink = whole.kink, muscle.kink_pose = pose;
   if (whole.end_off > muscle.end_off) muscle.end_off = whole.end_off, muscle.end_off_pose = pose;
@@ -390,6 +392,7 @@ void check_poses(const Subject& subject, const std::vector<LimitPose>& poses,
     check.posed_creased_worst = std::max(check.posed_creased_worst, pose.creased_share);
     check.posed_needles += double(pose.needles) / double(poses.size());
     check.posed_daylight += pose.daylight / double(poses.size());
+    check.posed_buried += pose.buried / double(poses.size());
     check.posed_stretch_max = std::max(check.posed_stretch_max, pose.stretch);
     check.posed_kink_max = std::max(check.posed_kink_max, pose.kink);
     check.posed_loose_ends += double(pose.loose_ends) / double(poses.size());

@@ -53,11 +53,12 @@ struct MuscleCheck {
   double spike = 0;
   int spike_pose = -1;
   // How whole it stays (wholeness.h), each in its worst pose: share of its edges' length that is
-  // creased, needles, m^2 of daylight, stretch, kink of tendons in rad/m, m of ends off bones.
-  double creased = 0, daylight = 0, stretch = 1, kink = 0, end_off = 0;
+  // creased, needles, m^2 of daylight and buried, stretch, kink of tendons in rad/m, m of ends off
+  // bones.
+  double creased = 0, daylight = 0, buried = 0, stretch = 1, kink = 0, end_off = 0;
   int needles = 0;
-  int creased_pose = -1, daylight_pose = -1, stretch_pose = -1, kink_pose = -1, needles_pose = -1,
-      end_off_pose = -1;
+  int creased_pose = -1, daylight_pose = -1, buried_pose = -1, stretch_pose = -1, kink_pose = -1,
+      needles_pose = -1, end_off_pose = -1;
   // m, of its ends on bones, the farthest from the bones of the joint that carries it
   double end_distance = 0;
 };
@@ -80,7 +81,7 @@ struct PoseCheck {
   // How whole the muscles are (wholeness.h): over all of them; stretch and kink of the worst.
   double creased_share = 0;
   int needles = 0;
-  double daylight = 0;  // m^2
+  double daylight = 0, buried = 0;  // m^2
   double stretch = 1;
   double kink = 0;     // rad/m
   int loose_ends = 0;  // muscles with an end off its bone by more than 10 mm
@@ -124,7 +125,7 @@ struct AnatomyCheck {
   // How whole the muscles stay: means over the poses, and of the worst pose.
   double posed_creased_mean = 0, posed_creased_worst = 0;  // shares
   double posed_needles = 0;
-  double posed_daylight = 0;                         // m^2
+  double posed_daylight = 0, posed_buried = 0;       // m^2
   double posed_stretch_max = 1, posed_kink_max = 0;  // rad/m
   double posed_loose_ends = 0;                       // muscles
   bool swept = false;  // joints were swept; otherwise nothing is known of jumps

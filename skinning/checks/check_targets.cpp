@@ -79,6 +79,9 @@ std::vector<Target> check_targets(const AnatomyCheck& check) {
     targets.push_back({"posed: daylight over 2 cm2 between what touched, mean", "0",
                        fmt::format("{:.0f} cm2", 1e4 * check.posed_daylight),
                        check.posed_daylight <= 2e-4});
+    targets.push_back({"posed: outer faces within other muscles or bones, mean", "<= 2 cm2",
+                       fmt::format("{:.0f} cm2", 1e4 * check.posed_buried),
+                       check.posed_buried <= 2e-4});
     targets.push_back({"posed: stretch of a muscle's surface, worst", "<= 3 times",
                        fmt::format("{:.1f}", check.posed_stretch_max),
                        check.posed_stretch_max <= 3});

@@ -1,6 +1,7 @@
 #include "skinning/checks/wholeness.h"
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -15,22 +16,25 @@ constexpr double kCrease = 0.25 * std::numbers::pi;
 constexpr double kNeedle = 0.010;    // m
 constexpr double kTouching = 0.005;  // m, at rest
 constexpr double kApart = 0.010;     // m, in a pose
+constexpr double kBare = 0.020;      // m, at rest
 constexpr double kLift = 1e-4;       // m, of a ray's origin off its own surface
 constexpr double kShortEdge = 1e-3;  // m; shorter ones say nothing about stretch
 constexpr float kTendon = 0.3f;      // share of belly below which a section is tendon
 
-// Whether each vertex of the muscles has something before it within a distance, or lies in it.
-std::vector<char> covered_within(const TriMesh& flesh, int vertices, double distance) {
+// How far each vertex of the muscles is, along its normal, from what lies over it: 0 within another
+// muscle or bone; infinite where nothing does.
+std::vector<double> cover_distances(const TriMesh& flesh, int vertices) {
+  constexpr double kNothing = std::numeric_limits<double>::infinity();
   const SkinRays rays(flesh, RayBuild::quick);
   const Points normals = vertex_normals(flesh);
-  std::vector<char> out(vertices, 0);
+  std::vector<double> out(vertices, kNothing);
   for (int v = 0; v < vertices; ++v) {
     const Vec3 normal = normals.row(v);
     if (!(normal.squaredNorm() > 0.5)) continue;
     const Vec3 origin = flesh.V.row(v).transpose() + kLift * normal;
     // From within another solid the first surface that is met is left, however far it is.
     const RayHit hit = rays.first_hit(origin, normal);
-    out[v] = hit.triangle >= 0 && (hit.facing > 0 || hit.distance <= distance);
+    if (hit.triangle >= 0) out[v] = hit.facing > 0 ? 0 : double(hit.distance);
   }
   return out;
 }
@@ -75,7 +79,7 @@ RestSurface make_rest_surface(const Anatomy& anatomy, const MuscleSurface& surfa
   RestSurface out;
   out.edges = inner_edges(surface, flesh.V);
   out.standing_off = standing_off(surface, out.edges, flesh.V).off;
-  out.covered = covered_within(flesh, surface.vertices(), kTouching);
+  out.cover = cover_distances(flesh, surface.vertices());
   out.tendon_turns = turns_of_tendons(ranges, rest);
   out.ends = ends_on_bones(anatomy, ranges, rest);
   return out;
@@ -101,12 +105,13 @@ std::vector<MuscleWholeness> measure_wholeness(const RestSurface& rest,
     out[m].stretch = *at;
   }
   const std::vector<double> off = standing_off(surface, rest.edges, flesh.V).off;
-  const std::vector<char> covered = covered_within(flesh, surface.vertices(), kApart);
+  const std::vector<double> cover = cover_distances(flesh, surface.vertices());
   const std::vector<double> areas = vertex_areas(flesh);
   for (int v = 0; v < surface.vertices(); ++v) {
     MuscleWholeness& muscle = out[surface.muscle[v]];
     muscle.needles += off[v] > rest.standing_off[v] + kNeedle;
-    if (rest.covered[v] && !covered[v]) muscle.daylight += areas[v];
+    if (rest.cover[v] <= kTouching && cover[v] > kApart) muscle.daylight += areas[v];
+    if (rest.cover[v] > kBare && cover[v] == 0) muscle.buried += areas[v];
   }
   const std::vector<double> turns = turns_of_tendons(ranges, posed);
   for (const SliceRange& strip : ranges)

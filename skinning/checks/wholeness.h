@@ -4,8 +4,9 @@
 // - creased: share of the edges' length where the surface turns by 45 degrees more than at rest;
 // - needles: vertices that stand off the mean of their neighbours by 10 mm more than at rest;
 // - daylight: area that at rest lay in a muscle or bone or had one within 5 mm along its normal,
-// and
-//   now has nothing within 10 mm;
+//   and now has nothing within 10 mm;
+// - buried: area over which at rest nothing lay within 20 mm, and which now lies in another muscle
+//   or bone, as where a superficial muscle sinks into one below it;
 // - stretch: the 99th percentile of the edges' lengths over those at rest;
 // - kink: the most that a tendon turns in a centimetre beyond its turn at rest;
 // - end off: how far an end on a bone lies from where that bone brings it.
@@ -24,7 +25,7 @@ namespace ecorche::inline v1 {
 struct MuscleWholeness {
   double edge_length = 0, creased_length = 0;  // m
   int needles = 0;
-  double daylight = 0;  // m^2
+  double daylight = 0, buried = 0;  // m^2
   double stretch = 1;
   double kink = 0;     // rad/m
   double end_off = 0;  // m
@@ -40,7 +41,7 @@ struct StripEnd {
 struct RestSurface {
   std::vector<SurfaceEdge> edges;    // ascending by muscle
   std::vector<double> standing_off;  // #V, m
-  std::vector<char> covered;         // #V, something lay within 5 mm
+  std::vector<double> cover;         // #V, m to what lay over it; 0 within it, infinite: nothing
   std::vector<double> tendon_turns;  // #slices, rad/m; below 0: not in a tendon
   std::vector<StripEnd> ends;
 };

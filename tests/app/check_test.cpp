@@ -147,7 +147,7 @@ TEST(CheckTargets, AreMetOrNot) {
   check.loose_ends = check.bone_points_outside = 1;
   check.posed_outside_share = 0.01;
   check.posed_overlap_worst = check.posed_bone_share_worst = 0.06;
-  check.posed_loose_ends = check.posed_needles = check.posed_daylight = 0.1;
+  check.posed_loose_ends = check.posed_needles = check.posed_daylight = check.posed_buried = 0.1;
   check.posed_stretch_max = 3.1;
   check.drift_max = 0.01;
   check.jump_max = 0.002;

@@ -63,6 +63,7 @@ TEST(Wholeness, FindsNothingInWhatOnlyMoves) {
       EXPECT_EQ(muscle.creased_length, 0);
       EXPECT_EQ(muscle.needles, 0);
       EXPECT_EQ(muscle.daylight, 0);
+      EXPECT_EQ(muscle.buried, 0);
       EXPECT_NEAR(muscle.stretch, 1, 1e-6);
       EXPECT_NEAR(muscle.kink, 0, 1e-6);
       EXPECT_NEAR(muscle.end_off, 0, 1e-9);
@@ -80,6 +81,19 @@ TEST(Wholeness, FindsDaylightBetweenMusclesThatPart) {
   for (const MuscleWholeness& muscle : pair.measure(posed)) {
     EXPECT_GT(muscle.daylight, 0.008);
     EXPECT_LT(muscle.daylight, 0.030);
+  }
+}
+
+TEST(Wholeness, FindsOuterFacesThatSinkIntoOthers) {
+  const Pair pair;
+  PosedAnatomy posed = pair.rest;
+  for (std::size_t k = 31; k < 62; ++k) posed.slices[k].center.z() -= 0.010;
+  for (const MuscleWholeness& muscle : pair.measure(posed))  // the outer faces are still free
+    EXPECT_LT(muscle.buried, 0.001);
+  for (std::size_t k = 31; k < 62; ++k) posed.slices[k].center.z() -= 0.015;
+  for (const MuscleWholeness& muscle : pair.measure(posed)) {  // of some 80 x 300 mm
+    EXPECT_GT(muscle.buried, 0.008);
+    EXPECT_LT(muscle.buried, 0.030);
   }
 }
 
