@@ -18,6 +18,8 @@ void validate_strip(const std::string& where, const Strip& strip, int joints) {
             where + ": joint " + std::to_string(p.joints[0]) + " of " + std::to_string(joints));
     require(p.joints[1] >= -1 && p.joints[1] < joints,
             where + ": joint " + std::to_string(p.joints[1]) + " of " + std::to_string(joints));
+    require(p.placing_joint >= -1 && p.placing_joint < joints,
+            where + ": joint " + std::to_string(p.placing_joint) + " of " + std::to_string(joints));
     require(p.rest.allFinite() && std::isfinite(p.share), where + ": path point is not finite");
   }
   double last = -1;

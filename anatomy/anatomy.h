@@ -30,6 +30,8 @@ struct PathPoint {
   Vec3 rest = Vec3::Zero();          // world, rest pose
   std::array<int, 2> joints{0, -1};  // joints[1] = -1: one carrier only
   double share = 1;
+  // whose bones place the point in another body, where it glides on them; -1: its carriers'
+  int placing_joint = -1;
 };
 
 // A section's outline: factors of its ellipse at even eccentric angles from the width axis on,

@@ -69,8 +69,8 @@ void renumber_joints(std::span<const int> number, std::vector<Muscle>& muscles) 
   for (Muscle& muscle : muscles)
     for (Strip& strip : muscle.strips) {
       for (PathPoint& point : strip.path)
-        for (int& joint : point.joints)
-          if (joint >= 0) joint = number[std::size_t(joint)];
+        for (int* joint : {&point.joints[0], &point.joints[1], &point.placing_joint})
+          if (*joint >= 0) *joint = number[std::size_t(*joint)];
       for (Wrap& wrap : strip.wraps) wrap.joint = number[std::size_t(wrap.joint)];
     }
 }

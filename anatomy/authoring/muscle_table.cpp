@@ -1,5 +1,6 @@
 #include "anatomy/authoring/muscle_table.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -128,12 +129,22 @@ class MuscleReader {
   }
 
   Vec3 optional_offset() {
-    if (scan_.at_line_end()) return Vec3::Zero();
-    const std::string_view line = scan_.line();
-    const auto hash = line.find('#');
     TextScan probe = scan_;
-    if (hash != std::string_view::npos && probe.word().starts_with('#')) return Vec3::Zero();
+    const std::string_view next = probe.word();
+    if (next.empty() || next.starts_with('#') || next == "with") return Vec3::Zero();
     return vector("offset", kFar) * kMillimetre;
+  }
+
+  // Of `with CARRIER`, which may be left away.
+  std::string optional_carrier() {
+    TextScan probe = scan_;
+    if (probe.word() != "with") return {};
+    scan_ = probe;
+    const std::string name = name_word("a carrier");
+    if (std::ranges::none_of(table_.carriers,
+                             [&](const JointBlend& soft) { return soft.name == name; }))
+      fail(fmt::format("unknown carrier '{}'; carriers.txt lists them", name));
+    return name;
   }
 
   void read_carrier() {
@@ -310,6 +321,7 @@ class MuscleReader {
     TablePoint point;
     point.landmark = landmark_word();
     point.offset = optional_offset();
+    if (keyword == "via") point.glides = optional_carrier();
     end_of_line();
     if (!first && (position(table_, point) - position(table_, strip.path.back())).norm() < 1e-4)
       fail(fmt::format("the {} lies on the point before it", keyword));

@@ -52,6 +52,7 @@ struct TableWrap {
 struct TablePoint {
   int landmark = 0;
   Vec3 offset = Vec3::Zero();
+  std::string glides = {};  // the joint blend that carries it; empty: its landmark's carrier
 };
 
 struct TableSection {

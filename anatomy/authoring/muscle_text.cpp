@@ -26,6 +26,7 @@ std::string point_text(const MuscleTable& table, const TablePoint& point) {
   std::string out = table.landmarks[std::size_t(point.landmark)].id;
   const std::string offset = offset_text(point.offset);
   if (offset != "0 0 0") out += " " + offset;
+  if (!point.glides.empty()) out += " with " + point.glides;
   return out;
 }
 

@@ -32,7 +32,13 @@ PathPoint PathCarriers::carry(const std::string& carrier, const Vec3& rest,
 
 PathPoint PathCarriers::carry(const TablePoint& point) const {
   const SourceLandmark& landmark = table_.landmarks[point.landmark];
-  return carry(landmark.carrier, position(table_, point), landmark.where);
+  const Vec3 place = position(table_, point);
+  PathPoint out = carry(landmark.carrier, place, landmark.where);
+  if (point.glides.empty()) return out;
+  const int placing_joint = out.joints[0];
+  out = carry(point.glides, place, landmark.where);
+  out.placing_joint = placing_joint;
+  return out;
 }
 
 std::string PathCarriers::bone_name(const std::string& carrier) const {

@@ -45,6 +45,7 @@ Wrap carry_wrap(const Wrap& wrap, const CarryMap& map) {
 }  // namespace
 
 Vec3 carry_point(const Vec3& point, const PathPoint& carrier, const CarryMap& map) {
+  if (carrier.placing_joint >= 0) return map(point, carrier.placing_joint);
   Vec3 p = map(point, carrier.joints[0]);
   if (carrier.joints[1] >= 0 && carrier.share < 1)
     p = carrier.share * p + (1 - carrier.share) * map(point, carrier.joints[1]);

@@ -14,7 +14,8 @@ namespace ecorche::inline v1 {
 // mm).
 using CarryMap = std::function<Vec3(const Vec3& point, int joint)>;
 
-// A point that is carried as `carrier` is: by the map of its joint, or the blend of both.
+// A point that is carried as `carrier` is: by the map of its joint, or the blend of both; one that
+// glides by the map of the joint that places it.
 Vec3 carry_point(const Vec3& point, const PathPoint& carrier, const CarryMap& map);
 
 // Which ends of a strip lie on no bone and go with the flesh around them.
@@ -22,7 +23,7 @@ struct EndsInFlesh {
   bool origin = false, insertion = false;
 };
 
-// Path points by the map of their joint (blended ones by the blend of both); the reference and each
+// Path points by the map of their joint (as carry_point()); the reference and each
 // slice's width direction by the map's local turn, wraps by its local turn and mean stretch;
 // offsets by the local stretch. Slices keep s, radii and outline (see scale_radii); rest_length is
 // measured anew. `inner`: where the flesh between goes, if that is not where the bones would carry

@@ -131,7 +131,7 @@ void field(A& a, Bone& x) {
 }
 template <class A>
 void field(A& a, PathPoint& x) {
-  fields(a, x.rest, x.joints, x.share);
+  fields(a, x.rest, x.joints, x.share, x.placing_joint);
 }
 template <class A>
 void field(A& a, Slice& x) {

@@ -114,6 +114,14 @@ Strip read_strip(const Json& value, const std::string& where) {
     point.share = p[5];
     strip.path.push_back(point);
   }
+  if (in.has("gliding"))  // a path point and the joint that places it; few strips have some
+    for (const Json& v : in.list("gliding")) {
+      const auto row = in.row(v, "gliding", 2);
+      const int point = in.as_integer(row[0], "gliding");
+      if (point < 0 || point >= int(strip.path.size()))
+        in.fail(fmt::format("'gliding' names point {} of {}", point, strip.path.size()));
+      strip.path[std::size_t(point)].placing_joint = in.as_integer(row[1], "gliding");
+    }
   for (const Json& v : in.list("slices")) {
     const bool outlined = v.is_array() && v.size() != 6;
     const auto k = in.row(v, "slices", outlined ? 6 + kOutlinePoints : 6);

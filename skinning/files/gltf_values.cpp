@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <initializer_list>
 #include <iterator>
+#include <vector>
 
 namespace ecorche::inline v1::gltf {
 namespace {
@@ -45,6 +47,14 @@ void append_strip(std::string& out, const Strip& strip) {
     fmt::format_to(std::back_inserter(out), R"(,"intersections":[{}])",
                    fmt::join(strip.intersections, ","));
   if (strip.raphe > 0) fmt::format_to(std::back_inserter(out), R"(,"raphe":{})", strip.raphe);
+  std::vector<std::array<double, 2>> gliding;  // path points, and the joints that place them
+  for (std::size_t k = 0; k < strip.path.size(); ++k)
+    if (strip.path[k].placing_joint >= 0)
+      gliding.push_back({double(k), double(strip.path[k].placing_joint)});
+  if (!gliding.empty()) {
+    out += R"(,"gliding":)";
+    append_list(out, gliding, [&](const auto& row) { append_row(out, {row[0], row[1]}); });
+  }
   out += R"(,"path":)";
   append_list(out, strip.path, [&](const PathPoint& p) {
     append_row(out, {p.rest.x(), p.rest.y(), p.rest.z(), double(p.joints[0]), double(p.joints[1]),

@@ -285,6 +285,7 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
     const std::span<const Ellipse> slices =
         std::span(rest.slices).subspan(range.begin, std::size_t(range.end - range.begin));
     const std::vector<BoneHold> holds = bone_holds(muscle, strip, slices);
+    const std::vector<GlideHold> glides = glide_holds(strip, slices);
     const std::vector<std::vector<double>> owns =
         own_joints(strip, muscle.sheet, out.parents, slices);
     for (int k = range.begin; k < range.end; ++k) {
@@ -292,11 +293,12 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
       const auto [center, right, left, up, down] = places_of(rest.slices[k]);
       const BoneHold& hold = holds[std::size_t(k - range.begin)];
       const std::span<const double> own = owns[std::size_t(k - range.begin)];
+      const GlideHold& glide = glides[std::size_t(k - range.begin)];
       section.held = hold.share;
-      points[k] = place_point(weights, rays, center, own, hold);
+      points[k] = place_point(weights, rays, center, own, hold, glide);
       for (const auto& [side, place] : {std::pair(0, right), {1, left}, {2, up}, {3, down}})
         outlines[4 * std::size_t(k) + std::size_t(side)] =
-            place_point(weights, rays, place, own, hold);
+            place_point(weights, rays, place, own, hold, glide);
       section.rest = rest.slices[k];
       section.width = (right - left).norm();
       section.thickness = (up - down).norm();

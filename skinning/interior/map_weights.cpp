@@ -97,16 +97,13 @@ SourceWeights kept_weights(const SourceWeights& all, double least,
   return largest_weights(weights);
 }
 
-// Weights of which a share goes to one source.
-SourceWeights held(const SourceWeights& all, int source, double share) {
+// Weights of which a share is others'.
+SourceWeights mixed(const SourceWeights& all, const SourceWeights& others, double share) {
   if (share <= 0) return all;
-  std::vector<std::pair<int, double>> weights{{source, share}};
-  for (int k = 0; k < all.count; ++k) {
-    if (all.source[k] == source)
-      weights[0].second += (1 - share) * double(all.weight[k]);
-    else if (share < 1)
-      weights.emplace_back(all.source[k], (1 - share) * double(all.weight[k]));
-  }
+  std::vector<std::pair<int, double>> weights;
+  for (const auto& [from, times] : {std::pair(&all, 1 - share), std::pair(&others, share)})
+    for (int k = 0; k < from->count; ++k)
+      weights.emplace_back(from->source[k], times * double(from->weight[k]));
   return largest_weights(weights);
 }
 
@@ -141,15 +138,16 @@ MapWeights make_map_weights(const Anatomy& anatomy, const SkinRays& skin,
 }
 
 MapPoint place_point(const MapWeights& weights, const SkinRays& skin, const Vec3& point,
-                     std::span<const double> own, const BoneHold& hold) {
+                     std::span<const double> own, const BoneHold& hold, const GlideHold& glide) {
   const auto shares = lattice_shares(weights.fine, skin, point);
   MapPoint out;
   out.rest = point;
   SourceWeights joints = mix_weights(shares, weights.joints);
   if (joints.count == 0) joints = nearest_joints(weights, point);
-  out.joints = held(kept_weights(joints, kLeastWeight, own), hold.joint, hold.share);
-  out.skin = held(kept_weights(mix_weights(shares, weights.skin), kLeastSkinWeight),
-                  weights.skin_bone, hold.share);
+  joints = mixed(kept_weights(joints, kLeastWeight, own), glide.joints, glide.share);
+  out.joints = mixed(joints, one_source(hold.joint), hold.share);
+  out.skin = mixed(kept_weights(mix_weights(shares, weights.skin), kLeastSkinWeight),
+                   one_source(weights.skin_bone), hold.share);
   out.cells = lattice_shares(weights.coarse, skin, point);
   for (LatticeShare& share : out.cells) share.weight *= 1 - hold.share;
   return out;

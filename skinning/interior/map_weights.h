@@ -30,9 +30,17 @@ struct BoneHold {
   double share = 0;
 };
 
+// Joints that carry a point by a share instead of those about it, as where its muscle glides on a
+// bone.
+struct GlideHold {
+  SourceWeights joints;
+  double share = 0;
+};
+
 // `own`: #joints, from 0, others, which count less, to 1, those that move the point. Empty: all
 // move it alike.
 MapPoint place_point(const MapWeights& weights, const SkinRays& skin, const Vec3& point,
-                     std::span<const double> own = {}, const BoneHold& hold = {});
+                     std::span<const double> own = {}, const BoneHold& hold = {},
+                     const GlideHold& glide = {});
 
 }  // namespace ecorche::inline v1

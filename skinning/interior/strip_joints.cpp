@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "anatomy/compute/smooth_step.h"
 
@@ -71,6 +72,31 @@ std::vector<BoneHold> bone_holds(const Muscle& muscle, const Strip& strip,
   const auto [origin, insertion] = end_joints(muscle, strip);
   hold(origin, false);
   hold(insertion, true);
+  return out;
+}
+
+std::vector<GlideHold> glide_holds(const Strip& strip, std::span<const Ellipse> slices) {
+  std::vector<GlideHold> out(slices.size());
+  const std::span<const PathPoint> line = strip.path;
+  if (std::ranges::none_of(line, [](const PathPoint& p) { return p.placing_joint >= 0; }))
+    return out;
+  const std::vector<double> along = distances_along(slices),
+                            points = points_along(strip, slices, along);
+  for (std::size_t k = 0; k < slices.size(); ++k) {
+    std::size_t i = 0;  // the piece of the line that the section is in
+    while (i + 2 < line.size() && along[k] > points[i + 1]) ++i;
+    const double length = points[i + 1] - points[i],
+                 t = length > 0 ? std::clamp((along[k] - points[i]) / length, 0.0, 1.0) : 0;
+    std::vector<std::pair<int, double>> weights;
+    for (const auto& [point, weight] : {std::pair(&line[i], 1 - t), std::pair(&line[i + 1], t)}) {
+      if (point->placing_joint < 0) continue;
+      out[k].share += weight;
+      weights.emplace_back(point->joints[0], weight * point->share);
+      if (point->joints[1] >= 0)
+        weights.emplace_back(point->joints[1], weight * (1 - point->share));
+    }
+    if (out[k].share > 0) out[k].joints = largest_weights(weights);
+  }
   return out;
 }
 

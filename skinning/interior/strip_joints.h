@@ -14,6 +14,11 @@ namespace ecorche::inline v1 {
 std::vector<BoneHold> bone_holds(const Muscle& muscle, const Strip& strip,
                                  std::span<const Ellipse> slices);
 
+// How far the carriers of a line's gliding points (PathPoint::placing_joint) move its sections in
+// place of the bone below them: wholly at such a point, not at all at the next point that does not
+// glide.
+std::vector<GlideHold> glide_holds(const Strip& strip, std::span<const Ellipse> slices);
+
 // Joints that move each section as its own, #sections x #joints, 0 .. 1: those that the line passes
 // from the point before the section to the point after it, fading beyond. A belly on a shin goes
 // with the shin, though its tendon comes from the thigh. A sheet's are those of its whole line, so

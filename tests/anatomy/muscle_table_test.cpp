@@ -295,6 +295,13 @@ constexpr const char* kHeadMuscleTable =
 
 constexpr const char* kSections = "    section 0 10 10  0 0 1\n    section 1 10 10  0 0 1\n";
 
+constexpr const char* kGliding =
+    "carrier bed between hip knee share 0.5\n"
+    "muscle two\n"
+    "  label two\n  group thigh\n  layer deep\n  from femur: top\n  to tibia: top\n"
+    "  volume 100 70\n  fibre 10\n  pennation 5\n  tendon 0.2\n"
+    "  strip\n    origin high\n    via low 1 2 3 with bed\n    insertion shin\n";
+
 MuscleTable read_text(const std::string& text) {
   MuscleTable table;
   read_landmark_text(kLandmarks, "marks.csv", table);
@@ -318,6 +325,26 @@ TEST(MuscleText, ReadsItsOwnFormat) {
   EXPECT_EQ(strip.raphe, 0.1);
   EXPECT_EQ(strip.sections.at(0).radii.x(), 0.005);
   EXPECT_EQ(table.muscles[0].tense_thickness, 1.4);
+}
+
+TEST(MuscleText, AViaPointMayGlideOnItsBone) {
+  const MuscleTable table = read_text(std::string(kGliding) + kSections);
+  const Anatomy anatomy = named_skeleton(table);
+  for (const Muscle& muscle : place_muscles(table, anatomy)) {
+    const char* side = side_suffix(muscle.side);
+    const PathPoint& via = muscle.strips[0].path[1];
+    EXPECT_EQ(via.joints, (std::array{find_joint(anatomy.skeleton, "hip"),
+                                      find_joint(anatomy.skeleton, "knee")}));
+    EXPECT_EQ(via.share, 0.5);
+    const int femur = find_bone(anatomy, std::string("femur") + side);
+    EXPECT_EQ(via.placing_joint, anatomy.bones[femur].joint);
+    EXPECT_EQ(muscle.strips[0].path[0].placing_joint, -1);
+    // Another body places it as it places its bone.
+    const Vec3 moved = carry_point(via.rest, via, [&](const Vec3& p, int j) -> Vec3 {
+      return p + (j == via.placing_joint ? Vec3(0, 1, 0) : Vec3(9, 9, 9));
+    });
+    EXPECT_EQ(moved, via.rest + Vec3(0, 1, 0));
+  }
 }
 
 struct BadText {
@@ -392,6 +419,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadText{kGood + "muscle one\n" + kGood, "bad.txt:17: one: the muscle is given twice"},
         BadText{kGood + "muscle two\n" + kGood, "two: no volume"},
         BadText{kGood + "wrap knob sphere at low 0 0 0 radius 12\n", "wrap 'knob' is given twice"},
+        BadText{"  strip\n    origin high\n    via low with moon\n    insertion shin\n" +
+                    std::string(kSections),
+                "unknown carrier 'moon'; carriers.txt lists them"},
         BadText{"wrap \n", "one: no strip"}));
 
 TEST(BadMuscleTable, OutsideAMuscle) {

@@ -205,6 +205,28 @@ TEST_F(BodySkin, ArmsOverheadFoldNoKnobBeforeTheShoulder) {
   }
 }
 
+// The shoulder blade turns its medial border down; the trapezius glides over it.
+TEST_F(BodySkin, MiddleTrapeziusShortensAsArmsRise) {
+  for (const char* name : {"default_male", "heavy_male", "default_female"}) {
+    Figure body = figure(standard_body(name));
+    const auto lengths = [&](const char* arms) {
+      body.play(pose_of_angles(arms, body.anatomy.skeleton, "this test"));
+      std::vector<double> out;
+      const std::vector<SliceRange> strips = slice_ranges(body.anatomy);
+      for (std::size_t s = 0; s < strips.size(); ++s)
+        if (body.anatomy.muscles[std::size_t(strips[s].muscle)].name.starts_with(
+                "trapezius_middle"))
+          out.push_back(body.posed.lengths[s]);
+      return out;
+    };
+    const std::vector<double> hanging = lengths("arm 8 0"), raised = lengths("arm 150 30");
+    ASSERT_EQ(hanging.size(), 8u);
+    for (std::size_t s = 0; s < hanging.size(); ++s)
+      if (s % 4 < 3)  // the lowest strip goes to the root of the spine, which turns outwards
+        EXPECT_LT(raised[s], hanging[s]) << name << ' ' << s;
+  }
+}
+
 TEST_F(BodySkin, WhatContactPressesAwaySwellsElsewhere) {
   Figure body = figure(standard_body("default_male"));
   for (const char* angles : {"knee 150", "elbow 150", "hip 110; knee 140; trunk 40 0 0"}) {

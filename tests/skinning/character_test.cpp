@@ -57,6 +57,7 @@ Character arm() {
   path[2].rest = Vec3(0.35, 1.42, 0);
   path[1].joints = {0, 1};
   path[1].share = 0.7;
+  path[1].placing_joint = 1;
   path[2].joints = {1, -1};
   std::vector<Station> stations(5);
   for (int k = 0; k < 5; ++k)
@@ -180,6 +181,8 @@ TEST(Character, ComesBackAsItWentIn) {
   EXPECT_EQ(b.strips[0].path[1].rest, a.strips[0].path[1].rest);
   EXPECT_EQ(b.strips[0].path[1].joints, a.strips[0].path[1].joints);
   EXPECT_EQ(b.strips[0].path[1].share, a.strips[0].path[1].share);
+  for (std::size_t k = 0; k < a.strips[0].path.size(); ++k)
+    EXPECT_EQ(b.strips[0].path[k].placing_joint, a.strips[0].path[k].placing_joint);
   ASSERT_EQ(b.strips[0].slices.size(), 5u);
   EXPECT_EQ(b.strips[0].slices[3].radii, a.strips[0].slices[3].radii);
   EXPECT_EQ(b.strips[0].slices[3].roll, a.strips[0].slices[3].roll);
