@@ -148,6 +148,35 @@ TEST(BodyMap, CarriesABellyByTheJointsThatItsLinePassesThere) {
   EXPECT_GT(off_forearm(true, true), 0.9 * loose) << "sheets stay with those beside them";
 }
 
+// A muscle over the forearm whose line is held by the upper arm.
+TEST(BodyMap, SectionsGlideWhereTheirLineDoes) {
+  const auto forearm_share = [](int placing_joint) {
+    test::Arm arm = test::make_arm();
+    Muscle& muscle = arm.anatomy.muscles.front();
+    const Vec3 elbow(0.2, 1.1, 0);
+    muscle.strips[0].path = {{elbow + Vec3(0, 0.05, -0.02), {2, -1}, 1},
+                             {elbow + Vec3(0, -0.06, -0.02), {2, 3}, 0.75, placing_joint},
+                             {elbow + Vec3(0, -0.16, -0.02), {3, -1}, 1}};
+    const CharacterModel model =
+        test::compile_figure(arm.anatomy, arm.skin, {.muscles = MuscleMotion::map});
+    const MapPoints& centers = model.interior->centers;
+    std::size_t nearest = 0;
+    for (std::size_t k = 0; k < centers.size(); ++k) {
+      const auto height = [&](std::size_t i) {
+        return std::abs(double(centers.heads[i].rest.y()) - (elbow.y() - 0.06));
+      };
+      if (height(k) < height(nearest)) nearest = k;
+    }
+    double share = 0;
+    for (int s = centers.heads[nearest].joints; s < centers.heads[nearest].skin; ++s)
+      if (centers.shares[std::size_t(s)].source == 3)
+        share += double(centers.shares[std::size_t(s)].weight);
+    return share;
+  };
+  EXPECT_GT(forearm_share(-1), 0.9);
+  EXPECT_NEAR(forearm_share(3), 0.25, 0.15);
+}
+
 // A lobe beside the forearm that no bone reaches, as a lip is parted by the mouth's slit.
 TEST(BodyMap, WhatNoBoneReachesGoesWithTheNearest) {
   test::Arm arm = test::make_arm();
@@ -346,7 +375,9 @@ TEST(PressureProjection, BringsVolumesBackAndLeavesBone) {
   EXPECT_GT(block.missed(block.squeezed), 0.15);
   EXPECT_LT(block.missed(at), 0.2 * block.missed(block.squeezed));
   for (std::size_t i = 0; i < at.size(); ++i)
-    if (block.bone[i]) EXPECT_EQ(at[i], block.squeezed[i]) << i;
+    if (block.bone[i]) {
+      EXPECT_EQ(at[i], block.squeezed[i]) << i;
+    }
 }
 
 TEST(PressureProjection, LeavesWhatKeepsNoVolumeAndWhatHasIt) {
