@@ -139,7 +139,7 @@ TEST(CheckTargets, AreMetOrNot) {
   check.poses.resize(1);
   const std::size_t posed = check_targets(check).size();
   check.swept = true;
-  EXPECT_EQ(posed, at_rest + 9);
+  EXPECT_EQ(posed, at_rest + 10);
   EXPECT_EQ(check_targets(check).size(), posed + 1);
   check.muscle_points_outside = 6;
   check.overlap_share = check.bone_share = check.bone_overlap.share = 0.03;
