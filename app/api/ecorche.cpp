@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "skinning/constraints/collision_proxies.h"
 #include "skinning/files/character_look.h"
 
 namespace ecorche::inline v1 {
@@ -23,11 +22,7 @@ CharacterModel compile(const FittedCharacter& fitted, const Body& body) {
 }
 
 Retargeted retarget(const MotionClip& clip, const Character& character, RetargetOptions options) {
-  const Points& skin = character.body.skin.V;
-  if (!options.sole_height) options.sole_height = skin.col(1).minCoeff();
-  if (options.avoid_self_collision && !options.proxies)
-    options.proxies = measure_proxies(character.anatomy.skeleton, skin);
-  if (!options.ground) options.ground = measure_ground_points(character.anatomy.skeleton, skin);
+  measure_body(character.anatomy.skeleton, character.body.skin.V, options);
   Retargeted out;
   out.motion = retarget(clip, character.anatomy.skeleton, options, out.report);
   return out;

@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "app/bench/bench_timer.h"
-#include "skinning/constraints/collision_proxies.h"
 #include "skinning/motion_files/read_motion.h"
 #include "skinning/retarget/retarget.h"
 
@@ -14,9 +13,7 @@ RetargetPace bench_retarget(const std::filesystem::path& file, const Character& 
   const Skeleton& skeleton = character.anatomy.skeleton;
   const MotionClip clip = read_motion(file, {});
   RetargetOptions options;
-  options.sole_height = character.body.skin.V.col(1).minCoeff();
-  options.proxies = measure_proxies(skeleton, character.body.skin.V);
-  options.ground = measure_ground_points(skeleton, character.body.skin.V);
+  measure_body(skeleton, character.body.skin.V, options);
   RetargetReport report;
   const Motion motion = retarget(clip, skeleton, options, report);
   std::vector<Transform> X_WJ;

@@ -14,7 +14,6 @@
 #include "anatomy/files/input_file.h"
 #include "anatomy/limits.h"
 #include "app/files/open_markers.h"
-#include "skinning/constraints/collision_proxies.h"
 #include "skinning/motion_files/joint_angle_table.h"
 #include "skinning/motion_files/opensim_read.h"
 #include "skinning/motion_files/read_motion.h"
@@ -174,10 +173,7 @@ Motion placed_motion(const std::filesystem::path& file, const Character& charact
     return FilteredMotion{.motion = std::move(motion), .contacts = std::move(ignored.contacts)};
   };
   RetargetOptions placed = to_retarget_options(options, second);
-  if (!placed.sole_height) placed.sole_height = character.body.skin.V.col(1).minCoeff();
-  if (placed.avoid_self_collision)
-    placed.proxies = measure_proxies(character.anatomy.skeleton, character.body.skin.V);
-  placed.ground = measure_ground_points(character.anatomy.skeleton, character.body.skin.V);
+  measure_body(character.anatomy.skeleton, character.body.skin.V, placed);
   if (std::optional<Motion> own = open_own_motion(file, character, binding, options, placed, found))
     return std::move(*own);
   if (std::optional<Motion> own = open_own_angles(file, character, options, placed, found))

@@ -216,20 +216,20 @@ void add_muscles(HtmlPage& page, const AnatomyCheck& check, const Anatomy& anato
         return std::vector<std::string>{name(m), fmt::format("{}", c.needles),
                                         pose_name(check, c.needles_pose)};
       });
-  add_worst(
-      page, check, "Muscles that part from what they touched at rest",
-      {"muscle", "cm2 of daylight", "pose"}, [](const MuscleCheck& m) { return m.daylight; },
-      [&](int m, const MuscleCheck& c) {
-        return std::vector<std::string>{name(m), fmt::format("{:.0f}", 1e4 * c.daylight),
-                                        pose_name(check, c.daylight_pose)};
-      });
-  add_worst(
-      page, check, "Muscles whose outer face sinks into others", {"muscle", "cm2", "pose"},
-      [](const MuscleCheck& m) { return m.buried; },
-      [&](int m, const MuscleCheck& c) {
-        return std::vector<std::string>{name(m), fmt::format("{:.0f}", 1e4 * c.buried),
-                                        pose_name(check, c.buried_pose)};
-      });
+  const auto add_worst_area = [&](const char* heading, const char* column,
+                                  double MuscleCheck::*area, int MuscleCheck::*pose) {
+    add_worst(
+        page, check, heading, {"muscle", column, "pose"},
+        [&](const MuscleCheck& m) { return m.*area; },
+        [&](int m, const MuscleCheck& c) {
+          return std::vector<std::string>{name(m), fmt::format("{:.0f}", 1e4 * c.*area),
+                                          pose_name(check, c.*pose)};
+        });
+  };
+  add_worst_area("Muscles that part from what they touched at rest", "cm2 of daylight",
+                 &MuscleCheck::daylight, &MuscleCheck::daylight_pose);
+  add_worst_area("Muscles whose outer face sinks into others", "cm2", &MuscleCheck::buried,
+                 &MuscleCheck::buried_pose);
   add_worst(
       page, check, "Tendons that kink", {"muscle", "degrees in a centimetre", "pose"},
       [](const MuscleCheck& m) { return m.kink; },

@@ -26,10 +26,7 @@ void animate_crowd(const std::filesystem::path& crowd, const std::filesystem::pa
   const auto move = [&](const CrowdPerson& person) {
     require_own_joints(common.assets.tables, person.skeleton, printable(crowd.string()));
     RetargetOptions own = to_retarget_options(options);
-    if (!own.sole_height) own.sole_height = person.body.skin.V.col(1).minCoeff();
-    if (own.avoid_self_collision)
-      own.proxies = measure_proxies(person.skeleton, person.body.skin.V);
-    own.ground = measure_ground_points(person.skeleton, person.body.skin.V);
+    measure_body(person.skeleton, person.body.skin.V, own);
     RetargetReport found;
     Motion out = retarget(source, person.skeleton, own, found);
     slide = std::max(slide, found.slide_p95),

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "anatomy/compute/parallel_ranges.h"
+#include "anatomy/compute/sphere_directions.h"
 #include "anatomy/queries/ray_caster.h"
 #include "morph/registration/scan_points.h"
 
@@ -17,17 +18,6 @@ namespace {
 
 constexpr int kRays = 24;
 constexpr double kJustOff = 2e-4, kOverNoise = 0.004;  // m, where rays begin
-
-// Directions over the sphere, evenly (Fibonacci).
-std::vector<Vec3> sphere_directions(int count) {
-  std::vector<Vec3> out(count);
-  const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
-  for (int k = 0; k < count; ++k) {
-    const double z = 1 - (2 * k + 1.0) / count, r = std::sqrt(1 - z * z);
-    out[k] = {r * std::cos(golden * k), r * std::sin(golden * k), z};
-  }
-  return out;
-}
 
 struct HalfEdge {
   int low, high, face;

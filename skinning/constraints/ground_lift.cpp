@@ -8,7 +8,6 @@
 
 #include "anatomy/chain_kinematics.h"
 #include "skinning/constraints/foot_contacts.h"
-#include "skinning/constraints/keep_off_ground.h"
 #include "skinning/constraints/temporal_smoothing.h"
 
 namespace ecorche::inline v1 {
@@ -20,8 +19,8 @@ constexpr double kRising = 0.12;  // s to either side
 
 }  // namespace
 
-double lift_from_ground(const Skeleton& skeleton, double sole_height, const GroundPoints* ground,
-                        Motion& motion) {
+double lift_from_ground(const Skeleton& skeleton, double sole_height,
+                        std::span<const GroundHeights> heights, Motion& motion) {
   const std::array<FootShape, 2> feet = {foot_shape(skeleton, Side::left, sole_height),
                                          foot_shape(skeleton, Side::right, sole_height)};
   const std::vector<int> joints = feet_joints(skeleton);
@@ -36,10 +35,7 @@ double lift_from_ground(const Skeleton& skeleton, double sole_height, const Grou
     }
     lift.push_back(-low);
   }
-  if (ground != nullptr) {
-    const std::vector<GroundHeights> heights = ground_heights(skeleton, *ground, motion);
-    for (std::size_t f = 0; f < lift.size(); ++f) lift[f] = std::max(lift[f], -heights[f].least());
-  }
+  for (std::size_t f = 0; f < heights.size(); ++f) lift[f] = std::max(lift[f], -heights[f].least());
   for (double& one : lift) one = one > kLeft ? std::min(kMost, one) : 0;
   const double most = lift.empty() ? 0 : *std::ranges::max_element(lift);
   if (most == 0) return 0;

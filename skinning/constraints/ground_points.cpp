@@ -5,12 +5,12 @@
 #include <cstddef>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <set>
 #include <string>
 #include <tuple>
 #include <utility>
 
+#include "anatomy/compute/sphere_directions.h"
 #include "skinning/motion/require_joint.h"
 
 namespace ecorche::inline v1 {
@@ -34,17 +34,6 @@ struct BoneAxis {
   GroundPart later_part = GroundPart::body;
   std::size_t side = 0;
 };
-
-// Directions spread evenly over a sphere, along a spiral.
-std::vector<Vec3> even_directions(int count) {
-  const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
-  std::vector<Vec3> out;
-  for (int k = 0; k < count; ++k) {
-    const double z = 1 - (2 * k + 1.0) / count, r = std::sqrt(1 - z * z);
-    out.emplace_back(r * std::cos(golden * k), r * std::sin(golden * k), z);
-  }
-  return out;
-}
 
 class GroundMeasurer {
  public:
@@ -135,7 +124,17 @@ class GroundMeasurer {
     }
   }
 
+  // Skin before a knee goes with the patella.
+  struct Knee {
+    Vec3 centre;
+    int thigh, shank, patella;
+  };
+
   void assign_vertices() {
+    std::vector<Knee> knees;
+    for (const std::string s : {"_l", "_r"})
+      knees.push_back({at("knee" + s), int(joint("hip" + s)), int(joint("knee" + s)),
+                       int(joint("patella" + s))});
     for (Eigen::Index i = 0; i < skin_.rows(); ++i) {
       const Vec3 p = skin_.row(i);
       double least = std::numeric_limits<double>::infinity(), along = 0;
@@ -149,18 +148,16 @@ class GroundMeasurer {
       const bool later = along > nearest->share;
       const GroundPart part = later ? nearest->later_part : nearest->part;
       int moves = later ? nearest->later_joint : nearest->joint;
-      for (const std::string s : {"_l", "_r"}) {
-        const Vec3 knee = at("knee" + s);
-        const bool of_leg = moves == int(joint("hip" + s)) || moves == int(joint("knee" + s));
-        if (of_leg && std::abs(p.y() - knee.y()) < kKnee && p.z() > knee.z())
-          moves = int(joint("patella" + s));
-      }
+      for (const Knee& knee : knees)
+        if ((moves == knee.thigh || moves == knee.shank) &&
+            std::abs(p.y() - knee.centre.y()) < kKnee && p.z() > knee.centre.z())
+          moves = knee.patella;
       parts_[{part, nearest->side, moves}].push_back(p);
     }
   }
 
   GroundPatch outermost(int moves, const std::vector<Vec3>& points) const {
-    static const std::vector<Vec3> directions = even_directions(kDirections);
+    static const std::vector<Vec3> directions = sphere_directions(kDirections);
     std::set<std::size_t> chosen;
     for (const Vec3& u : directions)
       chosen.insert(std::size_t(

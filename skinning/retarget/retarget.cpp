@@ -288,18 +288,23 @@ void plant_within_limits(const std::string& name, const Skeleton& ours, double s
     contacts = contacts_between_snaps(contacts, snaps, round + 2 >= rounds, motion.fps);
     motion = free;
   }
+  // Of the motion with its hands open; none where nothing is known of the body.
+  const auto opened_heights = [&] {
+    std::vector<GroundHeights> out;
+    if (ground) out = ground_heights(ours, *ground, motion);
+    if (ground && open_hands(ours, *ground, out, motion))
+      out = ground_heights(ours, *ground, motion);
+    return out;
+  };
   for (int pass = 0; ground && pass < kGroundPasses; ++pass) {
-    std::vector<GroundHeights> heights = ground_heights(ours, *ground, motion);
-    if (open_hands(ours, *ground, heights, motion)) heights = ground_heights(ours, *ground, motion);
-    if (!renew_clearance(heights, pass + 1 == kGroundPasses, motion.fps, clearance)) break;
+    if (!renew_clearance(opened_heights(), pass + 1 == kGroundPasses, motion.fps, clearance)) break;
     motion = free;
     plant();
   }
   if (rounds > 0)
     steady_limbs(ours, limiter.tables(), source != nullptr ? *source : free, free, contacts,
                  motion);
-  if (ground) open_hands(ours, *ground, ground_heights(ours, *ground, motion), motion);
-  lift_from_ground(ours, sole, ground ? &*ground : nullptr, motion);
+  lift_from_ground(ours, sole, opened_heights(), motion);
   if (const double left = frames_of(contacts); left < found)
     warnings.push_back(
         fmt::format("{}: {:.0f} % of the time that feet stand they are not planted, since legs "
@@ -361,7 +366,7 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
                         filtered, limiter, moves_feet(filters) ? 0 : 5, report.warnings);
   else if (plant) {
     plant_feet(ours, sole, filtered.contacts, filtered.lock, {}, motion);
-    lift_from_ground(ours, sole, nullptr, motion);
+    lift_from_ground(ours, sole, {}, motion);
   }
   if (keep && !plant && !filters.empty()) limiter.run({}, {}, {}, motion);
   if (!keep && plant)
@@ -393,6 +398,13 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
 }
 
 }  // namespace
+
+void measure_body(const Skeleton& ours, const Points& skin, RetargetOptions& options) {
+  if (!options.sole_height) options.sole_height = skin.col(1).minCoeff();
+  if (options.avoid_self_collision && !options.proxies)
+    options.proxies = measure_proxies(ours, skin);
+  if (!options.ground) options.ground = measure_ground_points(ours, skin);
+}
 
 Motion retarget(const MotionClip& given, const Skeleton& ours, const RetargetOptions& options,
                 RetargetReport& report) {

@@ -89,6 +89,11 @@ struct RetargetReport {
   std::vector<Penetration> self_collisions;  // before and after their correction; empty if none
 };
 
+// Measures what `options` leave open of a skin at rest, #V x 3: the height of the soles, the limbs'
+// proxies where they are to be kept apart, the points that may come down on the ground.
+// Precondition (std::invalid_argument): the skeleton has our joints.
+void measure_body(const Skeleton& ours, const Points& skin, RetargetOptions& options);
+
 // Throws UnfitError that lists the parts that could not be mapped (hips, chest, head, both arms,
 // both legs are needed) with the table so far, or names the first frame in which the figure is more
 // than 10 km away. Precondition (std::invalid_argument): `ours` has the joints of data/joints.csv.

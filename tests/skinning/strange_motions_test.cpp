@@ -121,6 +121,18 @@ RetargetOptions as_it_is() {
   return options;
 }
 
+// A glTF of these nodes whose first has a track of two equal rotations, 1 s apart.
+std::string turning_node(const std::string& nodes) {
+  return nodes + R"("buffers":[{"byteLength":40,"uri":"data:application/octet-stream;base64,)"
+                 R"(AAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAACAPw=="}],)"
+                 R"("bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":8},)"
+                 R"({"buffer":0,"byteOffset":8,"byteLength":32}],)"
+                 R"("accessors":[{"bufferView":0,"componentType":5126,"count":2,"type":"SCALAR"},)"
+                 R"({"bufferView":1,"componentType":5126,"count":2,"type":"VEC4"}],)"
+                 R"("animations":[{"samplers":[{"input":0,"output":1}],)"
+                 R"("channels":[{"sampler":0,"target":{"node":0,"path":"rotation"}}]}]})";
+}
+
 MotionClip read_binary_gltf(std::string json) {
   while (json.size() % 4 != 0) json += ' ';
   const std::filesystem::path file =
@@ -292,21 +304,12 @@ TEST(StrangeMotions, TheRateOfTheFramesHardlyMatters) {
 }
 
 TEST(StrangeMotions, JointsWithoutTracksAreReadFromAnyBinaryGltf) {
-  std::string json =
-      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[)"
-      R"({"name":"Hips","children":[1,3],"translation":[0,0.9,0]},)"
-      R"({"name":"Spine","children":[2],"translation":[0,0.2,0]},)"
-      R"({"name":"Head","translation":[0,0.5,0]},{"name":"Cape","mesh":0}],)"
-      R"("meshes":[{"primitives":[]}],)"
-      R"("buffers":[{"byteLength":40,"uri":"data:application/octet-stream;base64,)"
-      R"(AAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAACAPw=="}],)"
-      R"("bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":8},)"
-      R"({"buffer":0,"byteOffset":8,"byteLength":32}],)"
-      R"("accessors":[{"bufferView":0,"componentType":5126,"count":2,"type":"SCALAR"},)"
-      R"({"bufferView":1,"componentType":5126,"count":2,"type":"VEC4"}],)"
-      R"("animations":[{"samplers":[{"input":0,"output":1}],)"
-      R"("channels":[{"sampler":0,"target":{"node":0,"path":"rotation"}}]}]})";
-  const MotionClip clip = read_binary_gltf(json);
+  const MotionClip clip = read_binary_gltf(
+      turning_node(R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[)"
+                   R"({"name":"Hips","children":[1,3],"translation":[0,0.9,0]},)"
+                   R"({"name":"Spine","children":[2],"translation":[0,0.2,0]},)"
+                   R"({"name":"Head","translation":[0,0.5,0]},{"name":"Cape","mesh":0}],)"
+                   R"("meshes":[{"primitives":[]}],)"));
   std::vector<std::string> names;
   for (const ClipJoint& joint : clip.joints) names.push_back(joint.name);
   EXPECT_EQ(names, std::vector<std::string>({"Hips", "Spine", "Head"}));
@@ -457,20 +460,12 @@ TEST(StrangeMotions, KneesAndHandsOfWhoFallsStayOutOfTheGround) {
 // A skin may say of its joints where they are bound, or nothing: then they stand as they are.
 TEST(StrangeMotions, JointsOfASkinWithoutBindingsStandAsTheyAre) {
   const MotionClip clip = read_binary_gltf(
-      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[3]}],"nodes":[)"
-      R"({"name":"Hips","children":[1],"translation":[0,90,0]},)"
-      R"({"name":"Spine","children":[2],"translation":[0,20,5]},)"
-      R"({"name":"Head","translation":[0,50,0]},)"
-      R"({"name":"Armature","children":[0],"scale":[0.01,0.01,0.01]}],)"
-      R"("skins":[{"joints":[0,1,2]}],)"
-      R"("buffers":[{"byteLength":40,"uri":"data:application/octet-stream;base64,)"
-      R"(AAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAACAPw=="}],)"
-      R"("bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":8},)"
-      R"({"buffer":0,"byteOffset":8,"byteLength":32}],)"
-      R"("accessors":[{"bufferView":0,"componentType":5126,"count":2,"type":"SCALAR"},)"
-      R"({"bufferView":1,"componentType":5126,"count":2,"type":"VEC4"}],)"
-      R"("animations":[{"samplers":[{"input":0,"output":1}],)"
-      R"("channels":[{"sampler":0,"target":{"node":0,"path":"rotation"}}]}]})");
+      turning_node(R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[3]}],"nodes":[)"
+                   R"({"name":"Hips","children":[1],"translation":[0,90,0]},)"
+                   R"({"name":"Spine","children":[2],"translation":[0,20,5]},)"
+                   R"({"name":"Head","translation":[0,50,0]},)"
+                   R"({"name":"Armature","children":[0],"scale":[0.01,0.01,0.01]}],)"
+                   R"("skins":[{"joints":[0,1,2]}],)"));
   ASSERT_EQ(clip.joints.size(), 3);
   EXPECT_LT((clip.joints[1].offset - Vec3(0, 0.2, 0.05)).norm(), 1e-6);
   EXPECT_LT((clip.joints[2].offset - Vec3(0, 0.5, 0)).norm(), 1e-6);
