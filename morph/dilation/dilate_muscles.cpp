@@ -22,6 +22,7 @@
 #include "morph/dilation/part_from_bones.h"
 #include "morph/dilation/pull_inside_skin.h"
 #include "morph/dilation/remove_spikes.h"
+#include "morph/dilation/restore_layers.h"
 #include "morph/dilation/slim_muscles.h"
 #include "morph/dilation/straighten_strips.h"
 #include "morph/dilation/tissue_stretch.h"
@@ -226,6 +227,9 @@ void share_room(Anatomy& anatomy, const std::vector<Muscle>& original,
   const std::vector<char> all(muscles.size(), 1);
   report.rays += pull_inside_skin(muscles, sections.slices, all, rays).rays;
   part_from_bones(muscles, sections.slices, partners, *bones);
+  mirror_outlines_of(partners, sections);
+  write_sections(sections, muscles);
+  report.rays += restore_layers(anatomy, sections.slices, partners, rays, fat);
   mirror_outlines_of(partners, sections);
   // Which of two triangles a ray meets in their common edge depends on how the search tree was
   // built: what that leaves in the last digits goes.

@@ -78,6 +78,28 @@ Underside underside(const TriMesh& skin, const FatLayer& fat) {
   return out;
 }
 
+std::vector<float> asked_of_sections(const PackedSections& sections, const MuscleSurface& surface,
+                                     const Triangles& F, std::span<const Raise> raises) {
+  std::vector<float> asked(sections.slices.size() * kDirections, 0);
+  for (const Raise& raise : raises) {
+    if (raise.triangle < 0) continue;
+    for (int corner = 0; corner < 3; ++corner) {
+      const std::size_t vertex = F(raise.triangle, corner);
+      for (int j = surface.term_begin[vertex]; j < surface.term_begin[vertex + 1]; ++j) {
+        const MuscleSurface::Term& t = surface.terms[j];
+        if (t.weight < kMainTerm || (t.u == 0 && t.v == 0)) continue;
+        const std::size_t k = std::size_t(t.slice), i = outline_place(t);
+        const double cosine = -sections.edge(k, i).normalized().dot(raise.direction);
+        if (cosine < kLeastCosine) continue;
+        float& most = asked[k * kDirections + i];
+        most = std::max(most, float(double(raise.by) / cosine));
+      }
+    }
+  }
+  spread(sections, asked);
+  return asked;
+}
+
 std::vector<float> find_gaps(const PackedSections& sections, const MuscleSurface& surface,
                              const Underside& underside, const CrossingRays& flesh,
                              const Triangles& F, std::span<const int> solids, bool around) {
@@ -101,25 +123,12 @@ std::vector<float> find_gaps(const PackedSections& sections, const MuscleSurface
       }
     }
   });
-  std::vector<float> asked(sections.slices.size() * kDirections, 0);
+  std::vector<Raise> raises;
   for (const auto& group : finds)
-    for (const Find& find : group) {
-      if (find.triangle < 0 || find.gap < kLeastGap || solids[find.triangle] < 0) continue;
-      for (int corner = 0; corner < 3; ++corner) {
-        const std::size_t vertex = F(find.triangle, corner);
-        for (int j = surface.term_begin[vertex]; j < surface.term_begin[vertex + 1]; ++j) {
-          const MuscleSurface::Term& t = surface.terms[j];
-          if (t.weight < kMainTerm || (t.u == 0 && t.v == 0)) continue;
-          const std::size_t k = std::size_t(t.slice), i = outline_place(t);
-          const double cosine = -sections.edge(k, i).normalized().dot(find.direction);
-          if (cosine < kLeastCosine) continue;
-          float& most = asked[k * kDirections + i];
-          most = std::max(most, float(double(find.gap) / cosine));
-        }
-      }
-    }
-  spread(sections, asked);
-  return asked;
+    for (const Find& find : group)
+      if (find.triangle >= 0 && find.gap >= kLeastGap && solids[find.triangle] >= 0)
+        raises.push_back({find.triangle, find.gap, find.direction});
+  return asked_of_sections(sections, surface, F, raises);
 }
 
 }  // namespace ecorche::inline v1

@@ -120,20 +120,26 @@ SitesMean mean_of_sites(const std::vector<FatSite>& sites, const Vec3& point, co
   return mean;
 }
 
-// Muscle lies over every rib: where ribs come near to the skin the layer is thinner, by no more
-// than to a share of it.
-void leave_room_over_ribs(const SkinRays& rays, const Anatomy& anatomy,
-                          std::vector<float>& thickness) {
-  // m in a body of 1.75 m. Larger: layers of fat thinner than the table's; smaller: ribs come
-  // through pectorals.
-  constexpr double kOverRibs = 0.009, kFarthest = 0.06;
-  constexpr float kLeastLayer = 0.35f;
-  constexpr int kSpreads = 2;  // rings of vertices: rays pass between ribs
-  std::vector<const TriMesh*> ribs;
+// Bones over which muscle lies that the layer has to leave room for.
+struct CoveredBone {
+  const char* prefix;
+  double room;  // m in a body of 1.75 m. Smaller: the bone comes through its muscles
+  float least;  // share of the table's thickness that is left at least
+  int spreads;  // rings of vertices about those above it: rays pass between ribs
+};
+constexpr std::array kCovered = {CoveredBone{"rib", 0.009, 0.35f, 2},
+                                 CoveredBone{"scapula", 0.016, 0.5f, 0}};
+
+// Muscle lies over every rib and over the blades: where they come near to the skin the layer is
+// thinner, by no more than to a share of it.
+void leave_room_over(const CoveredBone& covered, const SkinRays& rays, const Anatomy& anatomy,
+                     std::vector<float>& thickness) {
+  constexpr double kFarthest = 0.06;
+  std::vector<const TriMesh*> bones;
   for (const Bone& bone : anatomy.bones)
-    if (bone.name.starts_with("rib")) ribs.push_back(&bone.mesh);
-  if (ribs.empty()) return;
-  const SkinRays rib_rays(join_meshes(ribs), RayBuild::quick);
+    if (bone.name.starts_with(covered.prefix)) bones.push_back(&bone.mesh);
+  if (bones.empty()) return;
+  const SkinRays bone_rays(join_meshes(bones), RayBuild::quick);
   const TriMesh& skin = rays.mesh();
   const std::vector<Vec3> normals = area_normals(skin);
   const double size = (skin.V.col(1).maxCoeff() - skin.V.col(1).minCoeff()) / 1.75;
@@ -141,11 +147,11 @@ void leave_room_over_ribs(const SkinRays& rays, const Anatomy& anatomy,
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, most.size(), 512), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       if (!(normals[i].squaredNorm() > 0.5)) continue;
-      const RayHit hit = rib_rays.first_hit(skin.V.row(i), -normals[i], kFarthest);
-      if (hit.triangle >= 0) most[i] = hit.distance - float(kOverRibs * size);
+      const RayHit hit = bone_rays.first_hit(skin.V.row(i), -normals[i], kFarthest);
+      if (hit.triangle >= 0) most[i] = hit.distance - float(covered.room * size);
     }
   });
-  for (int spread = 0; spread < kSpreads; ++spread) {
+  for (int spread = 0; spread < covered.spreads; ++spread) {
     const std::vector<float> before = most;
     for (Eigen::Index f = 0; f < skin.F.rows(); ++f)
       for (int k = 0; k < 3; ++k)
@@ -153,7 +159,7 @@ void leave_room_over_ribs(const SkinRays& rays, const Anatomy& anatomy,
           most[skin.F(f, k)] = std::min(most[skin.F(f, k)], before[skin.F(f, j)]);
   }
   for (std::size_t i = 0; i < thickness.size(); ++i)
-    thickness[i] = std::max(std::min(thickness[i], most[i]), kLeastLayer * thickness[i]);
+    thickness[i] = std::max(std::min(thickness[i], most[i]), covered.least * thickness[i]);
 }
 
 // m^3 between the skin and a surface below it.
@@ -269,7 +275,8 @@ FatLayer make_fat_layer(const FatTables& tables, const SkinRays& rays, const Ana
   std::vector<float> fatter(layer.thickness.size());
   for (std::size_t i = 0; i < fatter.size(); ++i)
     fatter[i] = layer.thickness[i] - average.thickness[i];
-  leave_room_over_ribs(rays, anatomy, layer.thickness);
+  for (const CoveredBone& covered : kCovered)
+    leave_room_over(covered, rays, anatomy, layer.thickness);
   layer.over_muscles = layer.thickness;
   reach_subcutaneous_bone(tables.subcutaneous_bone, rays, anatomy, fatter, layer.thickness);
   return layer;

@@ -246,10 +246,11 @@ std::vector<MissedTarget> missed_targets(const FittingReport& report) {
                                                 "bones",
                                                 fill.loose_ends)});
   if (fill.filled_share < kFilledAsked)
-    missed.push_back(
-        {"layer_unfilled", fmt::format("under the fat layer {:.1f} % of the area is within 5 mm of "
-                                       "muscle, bone or fascia; at least 95 % was asked",
-                                       100 * fill.filled_share)});
+    missed.push_back({"layer_unfilled",
+                      fmt::format("under the fat layer {:.1f} % of the area is within 5 mm, or a "
+                                  "quarter of the layer, of muscle, bone or fascia; at least "
+                                  "95 % was asked",
+                                  100 * fill.filled_share)});
   if (fill.shown_by_one > kShownAsked)
     missed.push_back({"shown_through",
                       fmt::format("{} shows through what covers it by {:.1f} cm2; at most "

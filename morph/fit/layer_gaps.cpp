@@ -3,7 +3,6 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
-#include <utility>
 
 #include "anatomy/geometry/join_meshes.h"
 #include "anatomy/geometry/mesh_measures.h"
@@ -13,7 +12,9 @@
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kNear = 0.005;  // m, between the fat layer and what lies beneath
+// Between the fat layer and what lies beneath: m, and the share of the layer, whose thicknesses are
+// a table's for builds; single people differ by more.
+constexpr double kNear = 0.005, kNearOfLayer = 0.25;
 
 bool is_filled_part(BodyPart part) {
   return part == BodyPart::trunk || part == BodyPart::upper_arm || part == BodyPart::forearm ||
@@ -45,18 +46,23 @@ LayerGaps measure_layer_gaps(const TriMesh& wall, const FatLayer& fat,
   }
   const std::vector<int> winding = winding_numbers(flesh, under);
   const NearestSurface nearest(join_meshes({&flesh, &fascia}));
-  std::vector<std::pair<double, double>> gaps(vertices.size());  // gap, area
+  struct Gap {
+    double gap = 0, area = 0;
+    bool filled = false;
+  };
+  std::vector<Gap> gaps(vertices.size());
   tbb::parallel_for(std::size_t{0}, gaps.size(), [&](std::size_t k) {
+    const std::size_t i = std::size_t(vertices[k]);
     const double gap = winding[k] != 0 ? 0 : nearest.nearest(under.row(Eigen::Index(k))).distance;
-    gaps[k] = {gap, areas[std::size_t(vertices[k])]};
+    gaps[k] = {gap, areas[i], gap <= std::max(kNear, kNearOfLayer * double(fat.thickness[i]))};
   });
-  std::sort(gaps.begin(), gaps.end());
+  std::ranges::sort(gaps, {}, &Gap::gap);
   double area = 0, near = 0, sum = 0;
-  for (const auto& [gap, a] : gaps) area += a, near += gap <= kNear ? a : 0;
-  for (const auto& [gap, a] : gaps) {
-    if (sum < 0.5 * area) out.median = gap;
-    if (sum < 0.95 * area) out.p95 = gap;
-    sum += a;
+  for (const Gap& one : gaps) area += one.area, near += one.filled ? one.area : 0;
+  for (const Gap& one : gaps) {
+    if (sum < 0.5 * area) out.median = one.gap;
+    if (sum < 0.95 * area) out.p95 = one.gap;
+    sum += one.area;
   }
   out.filled_share = near / area;
   return out;

@@ -12,8 +12,10 @@ namespace ecorche::inline v1 {
 // At least this share of the area is asked to be filled.
 inline constexpr double kFilledAsked = 0.95;
 
+// Filled: within 5 mm of muscle, bone or fascia, within a quarter of the layer's thickness, or in
+// it.
 struct LayerGaps {
-  double filled_share = 0;     // of the area: within 5 mm of muscle, bone or fascia, or in it
+  double filled_share = 0;     // of the area
   double median = 0, p95 = 0;  // m, of the gaps by area
 };
 

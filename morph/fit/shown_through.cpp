@@ -13,8 +13,8 @@
 #include "anatomy/muscles/muscle_surface.h"
 #include "anatomy/queries/ray_caster.h"
 #include "anatomy/queries/ray_crossings.h"
+#include "morph/fat/underside_samples.h"
 #include "morph/fit/layer_gaps.h"
-#include "morph/fit/underside_samples.h"
 
 namespace ecorche::inline v1 {
 namespace {

@@ -102,8 +102,8 @@ struct AnatomyCheck {
   bool compared = false;              // with the reference
   int torn = 0, needles_at_rest = 0;  // muscles, points (torn_muscles.h)
   std::string torn_muscle;            // the worst
-  // of the area under the fat layer of limbs and trunk within 5 mm of muscle, bone or fascia; NaN:
-  // not known
+  // of the area under the fat layer of limbs and trunk, what muscle, bone or fascia fills
+  // (layer_gaps.h); NaN: not known
   double filled_share = 0;
   double gap_median = 0, gap_p95 = 0;  // m, from there to one of these
   // m^2 of that area that is open between muscles or bones beside it (slits.h), and the muscle that

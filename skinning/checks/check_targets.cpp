@@ -44,7 +44,7 @@ std::vector<Target> check_targets(const AnatomyCheck& check) {
        check.pierced_share <= 0.05},
       {"bones within bones, of their volume", "<= 0.3 %", percent(check.bone_overlap.share),
        check.bone_overlap.share <= 0.003},
-      {"under the fat layer, within 5 mm of muscle, bone or fascia", ">= 95 %",
+      {"under the fat layer, near muscle, bone or fascia", ">= 95 %",
        percent(check.filled_share, 1), check.filled_share >= kFilledAsked},
       {"muscle ends more than 10 mm from their bones", "0",
        fmt::format("{} of {}", check.loose_ends, check.ends), check.loose_ends == 0},

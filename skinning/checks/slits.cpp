@@ -6,7 +6,7 @@
 
 #include "anatomy/queries/nearest_surface.h"
 #include "anatomy/queries/ray_caster.h"
-#include "morph/fit/underside_samples.h"
+#include "morph/fat/underside_samples.h"
 
 namespace ecorche::inline v1 {
 namespace {

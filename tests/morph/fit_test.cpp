@@ -213,6 +213,34 @@ TEST(Fit, TheFatLayerHoldsTheBodysFat) {
   }
 }
 
+// Of a heavy person the table's layer reaches down to the blades; muscle lies over them.
+TEST(Fit, TheFatLayerLeavesRoomOverTheBlades) {
+  NEED_PACKAGES();
+  const Body body =
+      make_body(package, {.sex = Sex::female, .age = 57, .height = 1.58, .mass = 102});
+  const Fit fit = fit_anatomy(own, body);
+  const SkinRays rays(capped_skin(package, body.skin.V));
+  Anatomy bladeless = fit.anatomy;
+  std::erase_if(bladeless.bones, [](const Bone& bone) { return bone.name.starts_with("scapula"); });
+  const FatLayer table = make_fat_layer(own.tables.fat, rays, bladeless, body),
+                 layer = make_fat_layer(own.tables.fat, rays, fit.anatomy, body);
+  const SkinRays blade(fit.anatomy.bones[std::size_t(find_bone(fit.anatomy, "scapula_l"))].mesh);
+  const Points normals = vertex_normals(rays.mesh());
+  int over = 0, thinner = 0;
+  for (Eigen::Index i = 0; i < normals.rows(); ++i) {
+    const RayHit hit = blade.first_hit(rays.mesh().V.row(i), -normals.row(i), 0.06);
+    if (hit.triangle < 0) continue;
+    const std::size_t v = std::size_t(i);
+    ++over;
+    thinner += layer.thickness[v] < table.thickness[v];
+    EXPECT_GE(layer.thickness[v], 0.499f * table.thickness[v]);
+    EXPECT_LE(layer.thickness[v],
+              std::max(0.501 * double(table.thickness[v]), double(hit.distance) - 0.014));
+  }
+  EXPECT_GT(over, 20);
+  EXPECT_GT(thinner, 10);
+}
+
 TEST(Fit, FatSitesFaceAsTheirNamesSay) {
   NEED_PACKAGES();
   const Vec3 left = Vec3::UnitX(), up = Vec3::UnitY(), front = Vec3::UnitZ();

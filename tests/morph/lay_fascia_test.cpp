@@ -39,6 +39,27 @@ TEST(LaidFascia, LiesBetweenMusclesAndSkin) {
   EXPECT_LT(sunk, 0.01 * inner);
 }
 
+// The tensor's tendon is the tract, which is drawn as a sheet: a band of its own would come out of
+// the thigh as the hip bends.
+TEST(LaidFascia, NoBandOfTheTensorLiesBesideTheTract) {
+  NEED_TEMPLATE();
+  const auto tensor =
+      std::ranges::find(tmpl.anatomy.muscles, "tensor_fasciae_latae_l", &Muscle::name);
+  ASSERT_NE(tensor, tmpl.anatomy.muscles.end());
+  int below = 0;
+  for (const Slice& slice : tensor->strips.at(0).slices) {
+    if (slice.s < 0.5) continue;
+    ++below;
+    EXPECT_LT(slice.radii.maxCoeff(), 0.006) << slice.s;
+  }
+  EXPECT_GT(below, 3);
+  const auto tract =
+      std::ranges::find(tmpl.anatomy.fascia, "iliotibial_tract_l", &FasciaSheet::name);
+  ASSERT_NE(tract, tmpl.anatomy.fascia.end());
+  const TriMesh sheet{tract->V, grid_triangles(tract->rows, tract->columns)};
+  EXPECT_LT(NearestSurface(sheet).nearest(tensor->strips[0].path[1].rest).distance, 0.03);
+}
+
 TEST(LaidFascia, RightIsTheMirrorImageOfLeft) {
   NEED_TEMPLATE();
   const auto& sheets = tmpl.anatomy.fascia;

@@ -1,4 +1,4 @@
-#include "morph/fit/underside_samples.h"
+#include "morph/fat/underside_samples.h"
 
 #include <algorithm>
 #include <cmath>
