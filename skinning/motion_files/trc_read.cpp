@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kFarthestMarker = 1e7;  // in the file's unit
 constexpr double kMostUneven = 0.5;      // frames off an even clock
+constexpr int kNamedGaps = 8;            // in a line for people
 
 std::string_view without_blanks(std::string_view text) {
   const std::size_t begin = text.find_first_not_of(" \r\n"), end = text.find_last_not_of(" \r\n");
@@ -179,6 +180,8 @@ class TrcReader {
     if (!times_.empty()) out_.start = times_[0];
     out_.fps = fps.value_or(rate_.value_or(100));
     if (fps || times_.size() < 2) return;
+    for (const double rate : {rate_.value_or(0), rate_of(times_)})
+      if (insert_lost_frames(rate)) return;
     const double steps = double(times_.size() - 1), mean = steps / (times_.back() - times_[0]);
     if (!rate_ || std::abs(*rate_ - mean) * (times_.back() - times_[0]) > kMostUneven)
       out_.fps = rate_of(times_);
@@ -193,6 +196,41 @@ class TrcReader {
       out_.warnings.push_back(
           fmt::format("{}: its times are uneven by up to {:.2g} frames; they are taken as even",
                       out_.name, worst));
+  }
+
+  // Where the times are those of an even clock that leaps over whole frames, these are put in,
+  // unseen. Whether they are.
+  bool insert_lost_frames(double rate) {
+    if (!(rate > 0)) return false;
+    std::vector<std::size_t> place;  // of each frame by that clock
+    for (const double time : times_) {
+      const double at = (time - times_[0]) * rate, nearest = std::round(at);
+      if (std::abs(at - nearest) > kMostUneven / 2) return false;
+      if (nearest > limits::kMotionFrames || (!place.empty() && nearest <= double(place.back())))
+        return false;
+      place.push_back(std::size_t(nearest));
+    }
+    const std::size_t lost = place.back() + 1 - place.size();
+    if (lost == 0 || 2 * lost > place.size()) return false;
+    std::vector<Points> frames(place.back() + 1,
+                               Points::Constant(Eigen::Index(columns_.size()), 3,
+                                                std::numeric_limits<double>::quiet_NaN()));
+    std::string where;
+    int gaps = 0;
+    for (std::size_t f = 0; f < place.size(); ++f) {
+      frames[place[f]] = std::move(out_.frames[f]);
+      const std::size_t first = f == 0 ? 0 : place[f - 1] + 1;
+      if (place[f] == first || ++gaps > kNamedGaps) continue;
+      where += where.empty() ? "" : ", ";
+      where += place[f] == first + 1 ? fmt::format("{}f", first + 1)
+                                     : fmt::format("{}f to {}f", first + 1, place[f]);
+    }
+    out_.frames = std::move(frames);
+    out_.fps = rate;
+    out_.warnings.push_back(fmt::format(
+        "{}: its times leap over {} frames, which are taken as not seen: {}{}", out_.name, lost,
+        where, gaps > kNamedGaps ? fmt::format(" and {} more", gaps - kNamedGaps) : ""));
+    return true;
   }
 
   TextScan scan_;

@@ -25,6 +25,7 @@
 #include "skinning/motion/require_joint.h"
 #include "skinning/retarget/handedness.h"
 #include "skinning/retarget/joint_mapping.h"
+#include "skinning/retarget/lost_frames.h"
 #include "skinning/retarget/matching_rig.h"
 #include "skinning/retarget/pose_transfer.h"
 #include "skinning/retarget/refine_frames.h"
@@ -448,6 +449,9 @@ Motion retarget(const MotionClip& given, const Skeleton& ours, const RetargetOpt
   warn_of_leaps(source.name, moved.motion, report.warnings);
   report.faults = find_faults(source, mapping, report.dropped_frames);
   for (std::string& line : describe_faults(source.name, source.fps, report.faults))
+    report.warnings.push_back(std::move(line));
+  for (std::string& line : describe_uneven_steps(
+           source.name, find_uneven_steps(source, mapping, report.dropped_frames)))
     report.warnings.push_back(std::move(line));
   if (!alignment.same_rest)
     for (const Side side : {Side::left, Side::right}) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -17,6 +18,7 @@
 #include "skinning/markers/marker_pose.h"
 #include "skinning/motion_files/opensim_read.h"
 #include "skinning/motion_files/read_markers.h"
+#include "skinning/motion_files/trc_read.h"
 #include "tests/skinning/plain_skeleton.h"
 
 using namespace ecorche;
@@ -250,6 +252,33 @@ TEST(Markers, DecimalCommasStandBetweenSemicolons) {
   const MarkerTake take = read_markers(kMarkerCorpus / "semicolons.trc");
   EXPECT_NEAR(take.frames[1](0, 1), 1.5105, 1e-9);
   EXPECT_NEAR(take.frames[1](2, 2), -0.21, 1e-9);
+}
+
+// Frames that the times leap over are there, unseen; a clock that only trembles has none.
+TEST(Markers, TimesThatLeapTellOfLostFrames) {
+  const auto take_at = [](const std::vector<int>& places, double tremble) {
+    std::string text =
+        "PathFileType\t4\t(X/Y/Z)\ta.trc\nDataRate\tNumFrames\tNumMarkers\tUnits\n"
+        "240\t9\t2\tm\nFrame#\tTime\tA\t\t\tB\t\t\n\t\tX1\tY1\tZ1\tX2\tY2\tZ2\n";
+    for (std::size_t f = 0; f < places.size(); ++f)  // times to a millisecond
+      text += fmt::format("{}\t{:.3f}\t0\t{}\t0\t0.5\t0\t1\n", f + 1,
+                          (places[f] + (f % 2 == 0 ? 0 : tremble)) / 240.0, 0.1 * (places[f] + 1));
+    return parse_trc(text, "a.trc", {});
+  };
+  const MarkerTake lost = take_at({0, 1, 2, 5, 6, 7, 8, 10, 11, 12, 13}, 0);
+  EXPECT_EQ(lost.fps, 240);
+  ASSERT_EQ(lost.frames.size(), 14u);
+  for (std::size_t f = 0; f < 14; ++f) {
+    const bool unseen = f == 3 || f == 4 || f == 9;
+    EXPECT_EQ(lost.frames[f].array().isNaN().all(), unseen) << f;
+    if (!unseen) EXPECT_NEAR(lost.frames[f](0, 1), 0.1 * double(f + 1), 1e-9) << f;
+  }
+  EXPECT_TRUE(std::ranges::any_of(lost.warnings, [](const std::string& line) {
+    return line.find("3 frames") != std::string::npos &&
+           line.find("4f to 5f, 10f") != std::string::npos;
+  }));
+  EXPECT_EQ(take_at({0, 1, 2, 3, 4, 5, 6, 7, 8}, 0).frames.size(), 9u);
+  EXPECT_EQ(take_at({0, 1, 2, 3, 5, 6, 7, 8, 9}, 0.4).frames.size(), 9u);
 }
 
 TEST(Markers, NamesOfPalpatedPointsAreKnown) {

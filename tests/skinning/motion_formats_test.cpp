@@ -22,6 +22,7 @@
 #include "skinning/motion_files/opensim_read.h"
 #include "skinning/motion_files/read_motion.h"
 #include "skinning/motion_files/skeleton_beside.h"
+#include "skinning/retarget/lost_frames.h"
 #include "skinning/retarget/recording_faults.h"
 #include "skinning/retarget/retarget.h"
 #include "tests/skinning/plain_skeleton.h"
@@ -534,6 +535,56 @@ TEST(RecordingFaults, AreFoundWhereTheyAreAndNowhereElse) {
   EXPECT_EQ(spikes[0].last, 40);
   EXPECT_EQ(spikes[0].joint, "knee_l");
   EXPECT_EQ(spikes[1].first, 40);
+}
+
+TEST(RecordingFaults, LostAndRepeatedFramesAreTold) {
+  const MotionClip good = our_walk();
+  const Skeleton ours = plain_skeleton();
+  const JointMapping mapping = map_joints(good, ours, {});
+  const auto steps_of = [&](const MotionClip& clip) { return find_uneven_steps(clip, mapping); };
+  ASSERT_TRUE(steps_of(good).empty());
+  const auto put = [](MotionClip& clip, int frame, const MotionClip& from, int row) {
+    std::copy_n(from.rotations.begin() + std::ptrdiff_t(row) * from.rotation_tracks,
+                from.rotation_tracks,
+                clip.rotations.begin() + std::ptrdiff_t(frame) * clip.rotation_tracks);
+    std::copy_n(from.translations.begin() + std::ptrdiff_t(row) * from.translation_tracks,
+                from.translation_tracks,
+                clip.translations.begin() + std::ptrdiff_t(frame) * clip.translation_tracks);
+  };
+  MotionClip lacks = good;  // every twentieth
+  lacks.frame_count = 0;
+  std::vector<int> expected;
+  for (int f = 0; f < good.frame_count; ++f) {
+    if (f % 20 == 19)
+      expected.push_back(lacks.frame_count);
+    else
+      put(lacks, lacks.frame_count++, good, f);
+  }
+  if (expected.back() + 1 >= lacks.frame_count) expected.pop_back();
+  std::vector<int> found;
+  for (const UnevenStep& one : steps_of(lacks)) {
+    EXPECT_EQ(one.lost, 1) << one.frame;
+    EXPECT_FALSE(one.joint.empty());
+    found.push_back(one.frame);
+  }
+  // Where most joints turn back, a longer step is not seen.
+  EXPECT_GE(found.size(), expected.size() * 4 / 5);
+  for (const int frame : found) EXPECT_TRUE(std::ranges::count(expected, frame)) << frame;
+  const auto lines = describe_uneven_steps("walk.bvh", steps_of(lacks));
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_NE(lines[0].find("20f, 39f, 58f"), std::string::npos) << lines[0];
+
+  MotionClip again = good;
+  put(again, 40, good, 39);
+  const auto repeated = steps_of(again);
+  ASSERT_EQ(repeated.size(), 1u);  // that the next step goes twice as far follows from it
+  EXPECT_EQ(repeated[0].frame, 40);
+  EXPECT_EQ(repeated[0].lost, 0);
+  RetargetReport report;
+  retarget(again, ours, unplanted(), report);
+  EXPECT_TRUE(std::ranges::any_of(report.warnings, [](const std::string& line) {
+    return line.find("once more: 41f") != std::string::npos;
+  }));
 }
 
 // Files that hold the same joint centres give the same; a conversion onto a figure whose bones
