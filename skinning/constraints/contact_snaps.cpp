@@ -73,9 +73,10 @@ std::vector<std::vector<int>> contact_snaps(const Skeleton& skeleton, const Moti
 }
 
 std::vector<Contact> contacts_between_snaps(const std::vector<Contact>& contacts,
-                                            const std::vector<std::vector<int>>& snaps, bool whole,
-                                            double fps) {
-  const int around = 1 + int(std::lround(kAround * fps));
+                                            const std::vector<std::vector<int>>& snaps,
+                                            double around, double fps) {
+  const bool whole = std::isinf(around);
+  const int reach = whole ? 0 : 1 + int(std::lround(around * fps));
   const double shortest = kShortest * fps;
   std::vector<Contact> out;
   for (std::size_t c = 0; c < contacts.size(); ++c) {
@@ -83,10 +84,11 @@ std::vector<Contact> contacts_between_snaps(const std::vector<Contact>& contacts
     if (snaps[c].empty()) out.push_back(given);
     if (snaps[c].empty() || whole) continue;
     std::vector<char> stands(std::size_t(given.end - given.begin), 1);
-    for (const int snap : snaps[c])
-      for (int f = std::max(given.begin, snap - around); f < std::min(given.end, snap + around + 1);
-           ++f)
+    for (const int snap : snaps[c]) {
+      const int at = std::clamp(snap, given.begin, given.end - 1);
+      for (int f = std::max(given.begin, at - reach); f < std::min(given.end, at + reach + 1); ++f)
         stands[std::size_t(f - given.begin)] = 0;
+    }
     for (int begin = given.begin; begin < given.end;) {
       int end = begin;
       while (end < given.end && stands[std::size_t(end - given.begin)] != 0) ++end;

@@ -17,10 +17,11 @@ std::vector<std::vector<int>> contact_snaps(const Skeleton& skeleton, const Moti
                                             const Motion& planted,
                                             const std::vector<Contact>& contacts);
 
-// The contacts without 0.15 s to either side of their snaps; parts below 60 ms are dropped.
-// `whole`: those with snaps are dropped as they are. Precondition: #snaps == #contacts.
+// The contacts without `around`, s, to either side of their snaps, of one outside of a contact
+// without as much of its end; parts below 60 ms are dropped. Infinite: those with snaps are dropped
+// as they are. Precondition: #snaps == #contacts.
 std::vector<Contact> contacts_between_snaps(const std::vector<Contact>& contacts,
-                                            const std::vector<std::vector<int>>& snaps, bool whole,
-                                            double fps);
+                                            const std::vector<std::vector<int>>& snaps,
+                                            double around, double fps);
 
 }  // namespace ecorche::inline v1

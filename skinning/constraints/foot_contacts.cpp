@@ -128,7 +128,8 @@ std::vector<double> floor_heights(const std::array<FootPaths, 2>& paths, const M
 }
 
 std::vector<Interval> standing_intervals(const std::vector<Vec3>& path,
-                                         const std::vector<double>& floor, double fps) {
+                                         const std::vector<double>& floor, double fps,
+                                         std::span<const Interval> beside) {
   const int n = int(path.size());
   const int fine = std::max(1, int(std::lround(kSampled / fps)));  // samples a frame
   const double rate = fine * fps;
@@ -152,6 +153,10 @@ std::vector<Interval> standing_intervals(const std::vector<Vec3>& path,
       sure |= height < kLowHeight && v < kSlow;
     }
     k = run.end;
+    for (const Interval& other : beside)
+      sure |= std::min(other.lift(), double(run.end - 1) / fine) -
+                  std::max(other.onset(), double(run.begin) / fine) >=
+              kShortestFootContacts * fps;
     if (!sure) continue;
     if (!runs.empty() && run.begin - runs.back().end < kGap * rate &&
         (curve[run.begin] - curve[runs.back().end - 1]).norm() < kSamePlace)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "anatomy/skeleton.h"
@@ -55,8 +56,11 @@ struct Interval {
 // Spans in which a point stands: lower than 40 mm over the floor and slower than 0.6 m/s
 // throughout, somewhere lower than 25 mm and slower than 0.35 m/s, at least 60 ms long; gaps
 // shorter than 60 ms at one position are closed. The path is seen as a smooth curve through its
-// frames, and speeds over one time, so that spans hardly depend on the rate.
+// frames, and speeds over one time, so that spans hardly depend on the rate. `beside`: spans in
+// which another point of that foot stands. Where they overlap by 60 ms this one stands, too, though
+// it comes nowhere so low and slow.
 std::vector<Interval> standing_intervals(const std::vector<Vec3>& path,
-                                         const std::vector<double>& floor, double fps);
+                                         const std::vector<double>& floor, double fps,
+                                         std::span<const Interval> beside = {});
 
 }  // namespace ecorche::inline v1

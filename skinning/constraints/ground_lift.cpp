@@ -35,7 +35,8 @@ double lift_from_ground(const Skeleton& skeleton, double sole_height,
     }
     lift.push_back(-low);
   }
-  for (std::size_t f = 0; f < heights.size(); ++f) lift[f] = std::max(lift[f], -heights[f].least());
+  for (std::size_t f = 0; f < heights.size(); ++f)
+    lift[f] = -std::min({-lift[f], heights[f].least(), heights[f].feet[0], heights[f].feet[1]});
   for (double& one : lift) one = one > kLeft ? std::min(kMost, one) : 0;
   const double most = lift.empty() ? 0 : *std::ranges::max_element(lift);
   if (most == 0) return 0;

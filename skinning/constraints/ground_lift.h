@@ -4,7 +4,7 @@
 #include <span>
 
 #include "anatomy/skeleton.h"
-#include "skinning/constraints/keep_off_ground.h"
+#include "skinning/constraints/ground_heights.h"
 
 namespace ecorche::inline v1 {
 

@@ -4,11 +4,9 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
-#include <initializer_list>
 #include <string>
 
 #include "anatomy/chain_kinematics.h"
-#include "anatomy/compute/smooth_step.h"
 #include "anatomy/joint_angles.h"
 #include "skinning/constraints/self_collision.h"
 #include "skinning/constraints/temporal_smoothing.h"
@@ -17,36 +15,15 @@
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kLeft = 0.002;             // m; what is shallower stays
-constexpr double kArm = 0.06;               // m; an arm gives way by so much
-constexpr double kAside = 0, kDown = 0.25;  // cosines of a sole's tilt; toes that push off: 0.4
-constexpr double kSeen = 0.3;               // m
-constexpr double kMost = 0.2;               // m
-constexpr double kRising = 0.12;            // s to either side
-constexpr double kOpening = 0.1;            // s to either side
-constexpr int kHalvings = 6;                // of the share by which fingers are straightened
-constexpr double kBack = -20 * kDegree;     // flexion of a knuckle that is straightened wholly
+constexpr double kLeft = 0.002;          // m; what is shallower stays
+constexpr double kArm = 0.06;            // m; an arm gives way by so much
+constexpr double kMost = 0.2;            // m
+constexpr double kRising = 0.12;         // s to either side
+constexpr double kOpening = 0.1;         // s to either side
+constexpr int kHalvings = 6;             // of the share by which fingers are straightened
+constexpr double kBack = -20 * kDegree;  // flexion of a knuckle that is straightened wholly
 
 using Patches = std::vector<GroundPatch>;
-
-double height_of(const Patches& patches, const std::vector<Transform>& X) {
-  double low = kSeen;
-  for (const GroundPatch& patch : patches) {
-    const Transform& here = X[std::size_t(patch.joint)];
-    const double height = here.translation().y();
-    if (height > patch.reach + kSeen) continue;
-    const Vec3 up = here.linear().row(1);
-    for (const Vec3& p : patch.points) low = std::min(low, height + up.dot(p));
-  }
-  return low;
-}
-
-std::vector<int> joints_of(const Skeleton& skeleton, std::initializer_list<const Patches*> all) {
-  std::vector<int> out;
-  for (const Patches* patches : all)
-    for (const GroundPatch& patch : *patches) out.push_back(patch.joint);
-  return joints_up_from(skeleton, out);
-}
 
 // Fingers and thumb of a hand from how they are to straight, then the hand to where its wrist is
 // bent back, as one who leans on it has it.
@@ -90,7 +67,7 @@ class HandOpener {
     Pose trial = pose;
     open(share, trial);
     chain_kinematics(skeleton_, above_, trial, X_);
-    return std::min(height_of(hand_, X_), height_of(fingers_, X_));
+    return std::min(height_over_ground(hand_, X_), height_over_ground(fingers_, X_));
   }
 
   void extend(std::size_t j, double share, double flexion, Pose& pose) const {
@@ -110,38 +87,6 @@ class HandOpener {
 };
 
 }  // namespace
-
-double GroundHeights::least() const {
-  return std::min({body, elbows[0], elbows[1], hands[0], hands[1]});
-}
-
-std::vector<GroundHeights> ground_heights(const Skeleton& skeleton, const GroundPoints& points,
-                                          const Motion& motion) {
-  const std::vector<int> joints =
-      joints_of(skeleton, {&points.body, &points.elbows[0], &points.elbows[1], &points.hands[0],
-                           &points.hands[1], &points.fingers[0], &points.fingers[1],
-                           &points.feet[0], &points.feet[1]});
-  std::vector<GroundHeights> out;
-  std::vector<Transform> X;
-  for (const Pose& pose : motion.frames) {
-    chain_kinematics(skeleton, joints, pose, X);
-    GroundHeights& here = out.emplace_back();
-    here.body = height_of(points.body, X);
-    for (const Patches& foot : points.feet) {
-      if (foot.empty()) continue;
-      // A sole that looks down is planted (plant_feet.h).
-      const double up = X[std::size_t(foot.front().joint)].linear()(1, 1),
-                   aside = 1 - smooth_step(kAside, kDown, up), height = height_of(foot, X);
-      here.body = std::min(here.body, aside * height + (1 - aside) * kSeen);
-    }
-    for (std::size_t side = 0; side < 2; ++side) {
-      here.elbows[side] = height_of(points.elbows[side], X);
-      here.hands[side] =
-          std::min(height_of(points.hands[side], X), height_of(points.fingers[side], X));
-    }
-  }
-  return out;
-}
 
 bool renew_clearance(const std::vector<GroundHeights>& heights, bool whole, double fps,
                      GroundClearance& clearance) {

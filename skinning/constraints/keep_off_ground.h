@@ -6,24 +6,14 @@
 // begin before they are needed and fade after it (temporal_smoothing.h).
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "anatomy/skeleton.h"
+#include "skinning/constraints/ground_heights.h"
 #include "skinning/constraints/ground_points.h"
 #include "skinning/constraints/joint_limits.h"
 
 namespace ecorche::inline v1 {
-
-// Height of the lowest point of a pose's parts over y = 0, m. Beyond 0.3 m it may be more.
-struct GroundHeights {
-  double body = 0;
-  std::array<double, 2> elbows{}, hands{};  // left, right; hands with their fingers
-  double least() const;
-};
-
-std::vector<GroundHeights> ground_heights(const Skeleton& skeleton, const GroundPoints& points,
-                                          const Motion& motion);
 
 // What a motion is corrected by, an entry a frame.
 struct GroundClearance {

@@ -6,6 +6,7 @@
 
 #include "anatomy/chain_kinematics.h"
 #include "anatomy/compute/smooth_step.h"
+#include "skinning/constraints/ground_heights.h"
 #include "skinning/constraints/leg_ik.h"
 #include "skinning/constraints/temporal_smoothing.h"
 
@@ -14,6 +15,7 @@ namespace {
 
 constexpr double kFade = 0.10;       // s; corrections fade around a stance. Shorter: feet snap
 constexpr double kHandOver = 0.05;   // s; transition of the fixed point between heel and ball
+constexpr double kSunk = 0.001;      // m; flesh that is shallower stays in the ground
 constexpr double kShortFlat = 0.01;  // s; feet that are flat for less are not levelled
 constexpr double kSampled = 240;     // a second, of medians
 constexpr double kStep = 0.06;       // m; a higher contact stands on an object and is not lowered
@@ -133,8 +135,10 @@ FootPoints rotated_about(FootPoints points, const Mat3& turn, const Vec3& pivot)
 
 class Planter {
  public:
-  Planter(const Skeleton& skeleton, double sole_height, double strength, Motion& motion)
+  Planter(const Skeleton& skeleton, double sole_height, double strength, const GroundPoints* flesh,
+          Motion& motion)
       : skeleton_(skeleton),
+        flesh_(flesh),
         joints_(feet_joints(skeleton)),
         motion_(motion),
         frames_(int(motion.frames.size())),
@@ -383,11 +387,20 @@ class Planter {
       keep_above_ground(foot, f, goal, R);
       for (int lift = 0; lift < 3; ++lift) {
         put_foot(shape, goal, R, pose);
-        const double low = bend_toes(shape, pose);
+        double low = bend_toes(shape, pose);
+        low = std::min(low, flesh_depth(foot));
         if (low > -1e-4) break;
         goal.heel.y() -= low, goal.ball.y() -= low;
       }
     }
+  }
+
+  // How much deeper than it may be a sole's skin is (negative), m.
+  double flesh_depth(const FootPlan& foot) const {
+    if (flesh_ == nullptr) return 0;
+    const std::size_t side = &foot == feet_.data() ? 0 : 1;
+    const double low = height_over_ground(flesh_->feet[side], X_) + kSunk;
+    return low < 0 ? share_on_sole(X_[foot.shape.subtalar]) * low : 0;
   }
 
   // Solves leg and foot so that the foot has rotation R and its sole lies at `goal`. Iterates,
@@ -448,6 +461,7 @@ class Planter {
   }
 
   const Skeleton& skeleton_;
+  const GroundPoints* flesh_;
   const std::vector<int> joints_;  // whose frames are needed
   Motion& motion_;
   int frames_;
@@ -465,9 +479,10 @@ std::vector<Contact> find_contacts(const std::array<FootPaths, 2>& paths, const 
   const std::vector<double> floor = floor_heights(paths, motion);
   for (size_t s = 0; s < 2; ++s) {
     const Side side = s == 0 ? Side::left : Side::right;
-    const std::vector<Interval> balls = standing_intervals(paths[s].ball, floor, motion.fps);
-    for (const Interval& i :
-         split_heels(standing_intervals(paths[s].heel, floor, motion.fps), balls))
+    // A low ball beside a heel that stands does, too; a low heel beside a ball may be raised.
+    const std::vector<Interval> heels = standing_intervals(paths[s].heel, floor, motion.fps),
+                                balls = standing_intervals(paths[s].ball, floor, motion.fps, heels);
+    for (const Interval& i : split_heels(heels, balls))
       out.push_back({side, true, i.begin, i.end, 0, i.early, i.late});
     for (const Interval& i : balls)
       out.push_back({side, false, i.begin, i.end, 0, i.early, i.late});
@@ -476,8 +491,10 @@ std::vector<Contact> find_contacts(const std::array<FootPaths, 2>& paths, const 
 }
 
 void plant_feet(const Skeleton& skeleton, double sole_height, const std::vector<Contact>& contacts,
-                double strength, const std::vector<double>& lift, Motion& motion) {
-  if (!motion.frames.empty()) Planter(skeleton, sole_height, strength, motion).run(contacts, lift);
+                double strength, const std::vector<double>& lift, const GroundPoints* flesh,
+                Motion& motion) {
+  if (!motion.frames.empty())
+    Planter(skeleton, sole_height, strength, flesh, motion).run(contacts, lift);
 }
 
 }  // namespace ecorche::inline v1

@@ -39,6 +39,9 @@ constexpr LimbTolerance kPlanted{2e-3, 4 * kDegree, true};
 // Where the ground is not y = 0.
 constexpr LimbTolerance kOnSlope{2e-3, 4 * kDegree, false};
 
+// s to either side of a snap in which a foot is let go, by round: little, since another rate of
+// frames may just not show the snap; at last altogether.
+constexpr std::array<double, 5> kLetGo{0.04, 0.08, 0.15, HUGE_VAL, HUGE_VAL};
 constexpr int kGroundPasses = 4;  // what is still in the ground before the last lifts the figure
 
 // Does the figure leap from a frame to the next, as no body can?
@@ -266,8 +269,8 @@ struct Constraints {
 };
 
 // Plants feet, and lets go of them for as long as no leg within its limits keeps them without a
-// snap: `rounds` times at most, the last two times of whole contacts. `source`: the
-// motion whose speeds limbs are to keep; null: as it is given.
+// snap: `rounds` times at most, none or those of kLetGo. `source`: the motion whose speeds limbs
+// are to keep; null: as it is given.
 void plant_within_limits(const std::string& name, const Skeleton& ours, double sole,
                          const std::optional<GroundPoints>& ground, const Motion* source,
                          FilteredMotion& filtered, MotionLimiter& limiter, int rounds,
@@ -278,7 +281,8 @@ void plant_within_limits(const std::string& name, const Skeleton& ours, double s
   const double found = frames_of(contacts);
   GroundClearance clearance;
   const auto plant = [&] {
-    plant_feet(ours, sole, contacts, filtered.lock, clearance.lift, motion);
+    plant_feet(ours, sole, contacts, filtered.lock, clearance.lift, ground ? &*ground : nullptr,
+               motion);
     limiter.run(kPlanted, contacts, clearance.shifts, motion);
   };
   for (int round = 0;; ++round) {
@@ -286,7 +290,7 @@ void plant_within_limits(const std::string& name, const Skeleton& ours, double s
     if (round >= rounds) break;
     const std::vector<std::vector<int>> snaps = contact_snaps(ours, free, motion, contacts);
     if (std::ranges::all_of(snaps, [](const auto& one) { return one.empty(); })) break;
-    contacts = contacts_between_snaps(contacts, snaps, round + 2 >= rounds, motion.fps);
+    contacts = contacts_between_snaps(contacts, snaps, kLetGo[std::size_t(round)], motion.fps);
     motion = free;
   }
   // Of the motion with its hands open; none where nothing is known of the body.
@@ -364,9 +368,11 @@ void constrain(const std::string& name, const Skeleton& ours, const RetargetOpti
   if (keep && plant)
     // What filters have moved is faster where it is brought back to its place, and is wanted so.
     plant_within_limits(name, ours, sole, options.ground, filters.empty() ? &given : nullptr,
-                        filtered, limiter, moves_feet(filters) ? 0 : 5, report.warnings);
+                        filtered, limiter, moves_feet(filters) ? 0 : int(kLetGo.size()),
+                        report.warnings);
   else if (plant) {
-    plant_feet(ours, sole, filtered.contacts, filtered.lock, {}, motion);
+    plant_feet(ours, sole, filtered.contacts, filtered.lock, {},
+               options.ground ? &*options.ground : nullptr, motion);
     lift_from_ground(ours, sole, {}, motion);
   }
   if (keep && !plant && !filters.empty()) limiter.run({}, {}, {}, motion);

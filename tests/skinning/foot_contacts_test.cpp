@@ -27,6 +27,22 @@ std::vector<Interval> standing_at(double fps) {
 
 }  // namespace
 
+// A point that comes near the ground, but not so near that it stands for certain, stands where
+// another of its foot does for as long as a contact takes.
+TEST(FootContacts, WhatIsLowBesideAStandingPointStands) {
+  const std::vector<Vec3> path(61, Vec3(0, 0.03, 0));
+  const std::vector<double> floor(path.size(), 0.0);
+  EXPECT_TRUE(standing_intervals(path, floor, 60).empty());
+  const std::vector<Interval> heel = {{20, 30}}, brief = {{20, 23}};
+  const std::vector<Interval> found = standing_intervals(path, floor, 60, heel);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].begin, 0);
+  EXPECT_EQ(found[0].end, 61);
+  EXPECT_TRUE(standing_intervals(path, floor, 60, brief).empty());
+  const std::vector<Vec3> high(61, Vec3(0, 0.05, 0));
+  EXPECT_TRUE(standing_intervals(high, floor, 60, heel).empty());
+}
+
 TEST(FootContacts, BeginAndEndBetweenFrames) {
   const std::vector<Interval> exact = standing_at(2400);
   ASSERT_EQ(exact.size(), 1u);

@@ -331,7 +331,7 @@ TEST(ContactSnaps, OnlyWhatIsAroundASnapIsLetGo) {
   const std::vector<Contact> contacts = {
       {Side::left, true, 0, 120, 0, 0.3, 0.4}, {Side::right, true, 50, 60}, {Side::right, false}};
   const std::vector<std::vector<int>> snaps = {{60}, {55}, {}};
-  const std::vector<Contact> left = contacts_between_snaps(contacts, snaps, false, 60);
+  const std::vector<Contact> left = contacts_between_snaps(contacts, snaps, 0.15, 60);
   ASSERT_EQ(left.size(), 3);
   EXPECT_EQ(left[0].begin, 0);
   EXPECT_EQ(left[0].end, 50);  // 0.15 s and a frame before the snap
@@ -342,5 +342,10 @@ TEST(ContactSnaps, OnlyWhatIsAroundASnapIsLetGo) {
   EXPECT_EQ(left[1].late, 0.4);
   EXPECT_EQ(left[2].side, Side::right);
   EXPECT_FALSE(left[2].heel);
-  EXPECT_EQ(contacts_between_snaps(contacts, snaps, true, 60).size(), 1);
+  // Of a snap after its end, where it fades out, the end is let go.
+  const std::vector<Contact> ends = contacts_between_snaps(contacts, {{130}, {}, {}}, 0.05, 60);
+  ASSERT_EQ(ends.size(), 3);
+  EXPECT_EQ(ends[0].end, 115);
+  EXPECT_EQ(ends[0].late, 0);
+  EXPECT_EQ(contacts_between_snaps(contacts, snaps, HUGE_VAL, 60).size(), 1);
 }

@@ -17,6 +17,8 @@
 #include "anatomy/joint_angles.h"
 #include "skinning/constraints/ballistic_flight.h"
 #include "skinning/constraints/foot_contacts.h"
+#include "skinning/constraints/ground_heights.h"
+#include "skinning/constraints/ground_lift.h"
 #include "skinning/motion_files/bvh_motion.h"
 #include "skinning/motion_files/bvh_read.h"
 #include "skinning/motion_files/read_motion.h"
@@ -455,6 +457,78 @@ TEST(StrangeMotions, KneesAndHandsOfWhoFallsStayOutOfTheGround) {
   EXPECT_GT(low, -0.003);
   EXPECT_LT(low, 0.01);
   EXPECT_LT(step, 1.5 * usual);
+}
+
+// Corners of soles and toes, 4.5 cm to either side of the middle of each foot.
+GroundPoints broad_soles(const Skeleton& skeleton) {
+  GroundPoints out;
+  const std::vector<Vec3> rest = rest_positions(skeleton);
+  for (std::size_t side = 0; side < 2; ++side) {
+    const FootShape foot =
+        foot_shape(skeleton, side == 0 ? Side::left : Side::right, guess_sole_height(skeleton));
+    const auto strip = [&](int joint, const Vec3& from, const Vec3& to) {
+      GroundPatch patch{joint, {}, 0.3};
+      for (const Vec3& end : {from, to})
+        for (const double aside : {-0.045, 0.045})
+          patch.points.push_back(end + Vec3(aside, 0, 0) - rest[std::size_t(joint)]);
+      out.feet[side].push_back(patch);
+    };
+    strip(foot.subtalar, foot.heel, foot.ball);
+    strip(foot.mtp[2], foot.ball, foot.tip);
+  }
+  return out;
+}
+
+// Stands, then rises on the balls of its feet, which then lean outwards by so many degrees.
+FigurePose on_edges(double t, double lean) {
+  const double w = std::clamp((t - 0.5) / 0.5, 0.0, 1.0), up = w * w * (3 - 2 * w);
+  const double pitch = 30 * kDegree * up;
+  FigurePose out;
+  out.turns["LeftFoot"] = {pitch / kDegree, 0, lean * up};
+  out.turns["RightFoot"] = {pitch / kDegree, 0, -lean * up};
+  out.root = {0, 93 + 6 * (std::cos(pitch) - 1) + 14 * std::sin(pitch), 0};
+  return out;
+}
+
+TEST(StrangeMotions, EdgesOfSolesStayOutOfTheGround) {
+  const Skeleton ours = skeleton_with_legs();
+  const GroundPoints soles = broad_soles(ours);
+  const auto lowest = [&](const Motion& motion) {
+    double low = HUGE_VAL;
+    for (const GroundHeights& here : ground_heights(ours, soles, motion))
+      low = std::min({low, here.feet[0], here.feet[1]});
+    return low;
+  };
+  for (const double lean : {15.0, 30.0}) {
+    SCOPED_TRACE(lean);
+    const MotionClip clip = Figure(60, 121, [&](double t) { return on_edges(t, lean); }).clip();
+    RetargetReport report;
+    RetargetOptions options;
+    const Motion before = retarget(clip, ours, options, report);
+    EXPECT_LT(lowest(before), lean == 15 ? -0.008 : -0.012);
+    options.ground = soles;
+    const Motion after = retarget(clip, ours, options, report);
+    const double low = lowest(after);
+    EXPECT_GT(low, -0.003);
+    EXPECT_LT(low, 0.003);
+    // Legs bend for it, the figure stays as high.
+    EXPECT_NEAR(after.frames[100].root.y(), before.frames[100].root.y(), 0.003);
+  }
+}
+
+// What neither leg nor arm has taken out of the ground lifts the figure, its soles' edges, too.
+TEST(StrangeMotions, ASunkenEdgeOfASoleLiftsTheFigure) {
+  const Skeleton ours = skeleton_with_legs();
+  const double sole = guess_sole_height(ours);
+  Motion motion{60, std::vector<Pose>(30)};
+  for (Pose& pose : motion.frames) {
+    pose.rotations.assign(ours.joints.size(), Quat::Identity());
+    pose.root = rest_positions(ours)[0] + Vec3(0, 0.001 - sole, 0);
+  }
+  std::vector<GroundHeights> heights(30);
+  heights[15].feet = {0.01, -0.02};
+  EXPECT_NEAR(lift_from_ground(ours, sole, heights, motion), 0.02, 1e-9);
+  EXPECT_NEAR(motion.frames[15].root.y() - motion.frames[0].root.y(), 0.02, 1e-9);
 }
 
 // A skin may say of its joints where they are bound, or nothing: then they stand as they are.
