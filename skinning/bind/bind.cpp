@@ -69,11 +69,13 @@ FrameWeights find_frame_weights(const Anatomy& anatomy, const TriMesh& skin, con
   std::vector<WeightRow>& rows = out.skin.frames;
   rows = diffuse_joint_weights(skeleton, skin, depth, options.blend_width);
   let_scapula_glide(skeleton, skin, rows);
+  release_thigh(skeleton, skin, rows);
   thin_weights(rows, kLeastWeight, kMostJoints);
   for (std::size_t k = 0; k < painted.vertices.size(); ++k)
     rows[painted.vertices[k]] = painted.weights[k];
   spread_twist(skeleton, skin, painted.vertices, rows, tables.twists);
   let_arm_skin_slide(skeleton, skin, tables, rows);
+  let_thigh_skin_slide(skeleton, skin, tables, rows);
   out.joints = four_joint_weights(rows, tables);
   tables.pairs = add_frame_pairs(skeleton, skin, tables, rows);
   return out;

@@ -5,14 +5,15 @@
 //   0 .. #joints  T_j, the joint frames
 //   then #twists  a joint without its rotation about the axis of its own bone, so that upper arm
 //                 and thigh turn gradually along their length
-//   then #slides  a limb's joint across the limb and a joint above it along the limb: skin that
-//                 the trunk draws up slides on the limb's flesh and does not sink into it
+//   then #slides  a limb's joint across the limb and another one along it: skin that the trunk
+//                 draws up, or the shin down, slides on the limb and does not sink into it
 //   then #pairs   D = 2 H - (T_a + T_b), H = the half-way rotation of the two about `center`
 // A vertex is sum w_a T_a X + sum w_ab D_ab X with w_ab = 2 w_a w_b: the parabola through T_a, H
 // and T_b, which is smooth in the weights for any number of joints and keeps the girth that the
 // plain sum loses.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -32,7 +33,7 @@ struct TwistFrame {
 // The frame of `limb` plus what the frame of `carrier` differs from it along the limb's axis.
 struct SlideFrame {
   int limb = 0;               // joint that the skin lies on
-  int carrier = 0;            // joint above it that draws the skin
+  int carrier = 0;            // joint above or below it that draws the skin
   Vec3 axis = Vec3::UnitY();  // of the limb, world, rest
 };
 
@@ -58,12 +59,13 @@ struct FrameTables {
   int first_pair() const { return first_slide() + int(slides.size()); }
   int frame_count() const { return first_pair() + int(pairs.size()); }
 
-  // The joint that a frame's weight counts for: a twist's own, a slide's carrier. Precondition:
-  // frame < first_pair().
+  // The joint that a frame's weight counts for: a twist's own, of a slide's two the one nearer to
+  // the root. Precondition: frame < first_pair().
   int joint_of(int frame) const {
     if (frame < joint_count()) return frame;
-    return frame < first_slide() ? twists[frame - joint_count()].joint
-                                 : slides[frame - first_slide()].carrier;
+    if (frame < first_slide()) return twists[frame - joint_count()].joint;
+    const SlideFrame& slide = slides[frame - first_slide()];
+    return std::min(slide.limb, slide.carrier);
   }
 };
 

@@ -26,8 +26,8 @@ inline constexpr int kMostJoints = 6, kMostPairs = 4, kMostHandles = 3;
 // and keeps at most `most` a row.
 void thin_weights(std::vector<WeightRow>& rows, double least, int most);
 
-// The four largest joint weights of each row. Twist frames count for their joint, slides for their
-// carrier, frame pairs for nothing.
+// The four largest joint weights of each row. Twist frames and slides count for
+// FrameTables::joint_of(), frame pairs for nothing.
 std::vector<JointWeights> four_joint_weights(const std::vector<WeightRow>& frames,
                                              const FrameTables& tables);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
@@ -23,6 +24,13 @@ constexpr double kHingeSlack = 0.2;   // rad, of abduction
 // slide, it would be folded over the front of a raised arm.
 constexpr double kSlideFrom = -0.3, kSlideTo = 0.3;
 constexpr double kLeastArm = 0.3, kMostLeastArm = 0.8;
+// Fractions of the thigh between which the trunk lets go of its skin, how much of it, and what the
+// leg must hold of a vertex that is its own.
+constexpr double kReleaseFrom = 0.25, kReleaseTo = 0.6, kReleased = 0.8;
+constexpr double kLeastLeg = 0.2;
+// Of the thigh's skin in front, next to the knee: what the shin draws along; and the fraction of it
+// behind.
+constexpr double kDrawnByShin = 0.6, kDrawnBehind = 0.2;
 constexpr double kReachQuantile = 0.5, kReachSlack = 1.35;
 
 double* find_weight(WeightRow& row, int joint) {
@@ -191,6 +199,31 @@ void let_scapula_glide(const Skeleton& skeleton, const TriMesh& skin,
   }
 }
 
+void release_thigh(const Skeleton& skeleton, const TriMesh& skin, std::vector<WeightRow>& rows) {
+  const std::vector<Vec3> origins = rest_positions(skeleton);
+  std::vector<char> of_leg(skeleton.joints.size(), 0);
+  for (const char* hip : {"hip_l", "hip_r"})
+    if (const int j = find_joint(skeleton, hip); j >= 0) {
+      const std::vector<char> below = joints_below(skeleton, j);
+      std::transform(below.begin(), below.end(), of_leg.begin(), of_leg.begin(), std::bit_or<>());
+    }
+  for (const std::string side : {"_l", "_r"}) {
+    const int hip = find_joint(skeleton, "hip" + side), knee = find_joint(skeleton, "knee" + side);
+    if (hip < 0 || knee < 0) continue;
+    const Vec3 from = origins[hip], to = origins[knee];
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const double* own = find_weight(rows[i], hip);
+      if (own == nullptr) continue;
+      const double share = kReleased * smooth_step(0, kLeastLeg, *own) *
+                           smooth_step(kReleaseFrom, kReleaseTo, along(skin.V.row(i), from, to));
+      if (share <= 0) continue;
+      const WeightRow before = rows[i];
+      for (const Influence& w : before)
+        if (!of_leg[std::size_t(w.joint)]) move_weight(rows[i], w.joint, hip, share);
+    }
+  }
+}
+
 void let_arm_skin_slide(const Skeleton& skeleton, const TriMesh& skin, FrameTables& tables,
                         std::vector<WeightRow>& rows) {
   for (const std::string side : {"_l", "_r"}) {
@@ -218,6 +251,29 @@ void let_arm_skin_slide(const Skeleton& skeleton, const TriMesh& skin, FrameTabl
         if (added) tables.slides.push_back({shoulder, w.joint, (to - from).normalized()});
         move_weight(rows[i], w.joint, it->second, share);
       }
+    }
+  }
+}
+
+void let_thigh_skin_slide(const Skeleton& skeleton, const TriMesh& skin, FrameTables& tables,
+                          std::vector<WeightRow>& rows) {
+  for (const std::string side : {"_l", "_r"}) {
+    const int hip = find_joint(skeleton, "hip" + side), knee = find_joint(skeleton, "knee" + side);
+    if (hip < 0 || knee < 0) continue;
+    const Vec3 from = tables.origins[std::size_t(hip)], to = tables.origins[std::size_t(knee)];
+    const Vec3 bone = (to - from).normalized(),
+               back = skeleton.joints[std::size_t(knee)].axes.col(0).cross(bone).normalized();
+    const int slide = tables.first_pair();
+    tables.slides.push_back({hip, knee, bone});
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const Vec3 p = skin.V.row(i), off = (p - from) - (p - from).dot(bone) * bone;
+      const double t = std::clamp(along(p, from, to), 0.0, 1.0),
+                   behind = 0.5 + 0.5 * back.dot(off) / std::max(off.norm(), 1e-6);
+      const double share = kDrawnByShin * t * t * (1 - (1 - kDrawnBehind) * behind);
+      const WeightRow before = rows[i];
+      for (const Influence& w : before)
+        if (w.joint < tables.first_slide() && tables.joint_of(w.joint) == hip)
+          move_weight(rows[i], w.joint, slide, share);
     }
   }
 }

@@ -1,5 +1,6 @@
-// Rules by which skin departs from the bone beneath it: it turns gradually along limbs, slides over
-// the shoulder blade, and goes with the jaw below the mouth. Private to the room.
+// Rules by which skin departs from the bone beneath it: it turns gradually along limbs, slides
+// along upper arm and thigh and over the shoulder blade, and goes with the jaw below the mouth.
+// Private to the room.
 #pragma once
 
 #include <span>
@@ -32,6 +33,17 @@ void spread_twist(const Skeleton& skeleton, const TriMesh& skin, std::span<const
 // Precondition: tables have origins and all twists, rows no pairs.
 void let_arm_skin_slide(const Skeleton& skeleton, const TriMesh& skin, FrameTables& tables,
                         std::vector<WeightRow>& rows);
+
+// Thigh: from its upper third on, most of what joints of no leg hold of its skin goes to the hip.
+// Where flesh is thick a diffusion leaves them a quarter of it there, and flesh of a raised thigh
+// would lag behind the femur.
+void release_thigh(const Skeleton& skeleton, const TriMesh& skin, std::vector<WeightRow>& rows);
+
+// Thigh: a part of what the hip holds is moved to a slide frame that the knee carries. A bent knee
+// draws skin and quadriceps down along the femur, the more the nearer to the knee, and little
+// behind. Else as let_arm_skin_slide().
+void let_thigh_skin_slide(const Skeleton& skeleton, const TriMesh& skin, FrameTables& tables,
+                          std::vector<WeightRow>& rows);
 
 // Away from the acromion most of the skin over the shoulder blade stays with the ribs while the
 // blade slides beneath it (30 to 70 mm by upright tomography, 10.3390/s22176502).

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "plain_skeleton.h"
 #include "skinning/bind/blend_frames.h"
 #include "skinning/bind/weight_rules.h"
@@ -60,6 +62,80 @@ TEST(SlideFrames, LeaveTheArmpitsWebAlone) {
   let_arm_skin_slide(skeleton, skin, tables, rows);
   EXPECT_TRUE(tables.slides.empty());
   EXPECT_EQ(rows[0].size(), 2u);
+}
+
+// Vertices before and behind the thigh at these fractions of its length, held by hip and trunk.
+struct ThighSkin {
+  Skeleton skeleton = plain_skeleton();
+  FrameTables tables;
+  TriMesh skin{Points(4, 3), Triangles(0, 3)};
+  std::vector<WeightRow> rows;
+  int pelvis = find_joint(skeleton, "pelvis"), hip = find_joint(skeleton, "hip_l"),
+      knee = find_joint(skeleton, "knee_l");
+
+  ThighSkin(double upper, double lower, double of_trunk) {
+    tables.origins = rest_positions(skeleton);
+    for (const Joint& joint : skeleton.joints) {
+      tables.parents.push_back(joint.parent);
+      tables.long_axes.push_back(joint.axes.col(2));
+    }
+    const Vec3 from = tables.origins[std::size_t(hip)], to = tables.origins[std::size_t(knee)];
+    for (int v = 0; v < 4; ++v)
+      skin.V.row(v) =
+          from + (v < 2 ? upper : lower) * (to - from) + Vec3(0, 0, v % 2 == 0 ? 0.07 : -0.07);
+    rows.assign(4, {{hip, 1 - of_trunk}, {pelvis, of_trunk}});
+  }
+
+  double weight(int vertex, int frame) const {
+    double out = 0;
+    for (const Influence& w : rows[std::size_t(vertex)])
+      if (w.joint == frame) out += w.weight;
+    return out;
+  }
+};
+
+// A bent knee draws the thigh's skin along the femur and not across, more in front than behind and
+// more near the knee; weights of joints stay.
+TEST(SlideFrames, DrawTheThighsSkinToTheKnee) {
+  ThighSkin thigh(0.4, 0.8, 0);
+  let_thigh_skin_slide(thigh.skeleton, thigh.skin, thigh.tables, thigh.rows);
+  ASSERT_EQ(thigh.tables.slides.size(), 2u);
+  EXPECT_EQ(thigh.tables.joint_of(thigh.tables.first_slide()), thigh.hip);
+  Pose pose = rest_pose(thigh.skeleton);
+  pose.rotations[std::size_t(thigh.knee)] =
+      Quat(Eigen::AngleAxisd(2.0, thigh.skeleton.joints[std::size_t(thigh.knee)].axes.col(0)));
+  std::vector<Transform> X_WJ;
+  forward_kinematics(thigh.skeleton, pose, X_WJ);
+  FrameWorkspace frames;
+  pose_blend_frames(thigh.tables, X_WJ, frames);
+  const Vec3 bone =
+      (thigh.tables.origins[std::size_t(thigh.knee)] - thigh.tables.origins[std::size_t(thigh.hip)])
+          .normalized();
+  std::array<double, 4> drawn{};
+  for (int v = 0; v < 4; ++v) {
+    const Vec3 p = Vec3(thigh.skin.V.row(v)) - thigh.tables.origins[0];
+    Vec3 moved = -p;
+    for (const Influence& w : thigh.rows[std::size_t(v)])
+      moved += w.weight * (frames.joints[std::size_t(w.joint)] * p);
+    EXPECT_NEAR(moved.cross(bone).norm(), 0, 1e-9);
+    drawn[std::size_t(v)] = moved.dot(bone);
+  }
+  EXPECT_GT(drawn[0], 0.01);
+  EXPECT_GT(drawn[2], drawn[0]);
+  EXPECT_LT(drawn[2], 0.08);
+  EXPECT_LT(drawn[1], 0.5 * drawn[0]);
+  EXPECT_LT(drawn[3], 0.5 * drawn[2]);
+}
+
+// At mid-thigh the trunk holds little of the skin, next to the groin what it held.
+TEST(WeightRules, TheTrunkLetsGoOfTheThigh) {
+  ThighSkin thigh(0.1, 0.6, 0.25);
+  release_thigh(thigh.skeleton, thigh.skin, thigh.rows);
+  EXPECT_EQ(thigh.weight(0, thigh.pelvis), 0.25);
+  for (const int v : {2, 3}) {
+    EXPECT_LT(thigh.weight(v, thigh.pelvis), 0.06);
+    EXPECT_NEAR(thigh.weight(v, thigh.pelvis) + thigh.weight(v, thigh.hip), 1, 1e-12);
+  }
 }
 
 // In people a raised arm narrows its root: half-way frames count less there than at a hip.
