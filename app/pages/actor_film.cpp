@@ -82,13 +82,17 @@ Appearance appearance_of(const ActorFilm& film) {
   return appearance;
 }
 
-// A sports ground on a bright day, or the same light before a plain colour.
-void light(const ActorFilm& film, DrawList& list) {
+// A sports ground on a bright day, or the same light before a plain colour; a still before one has
+// a studio's, so that no side lies in the dark.
+void light(const ActorFilm& film, bool still, DrawList& list) {
   list.ground = film.ground;
   list.background_top = film.background.value_or(Vec3f(0.50f, 0.64f, 0.78f));
   list.background_bottom = film.background.value_or(Vec3f(0.90f, 0.93f, 0.94f));
   list.lighting.key_strength = 1.5f;
   list.lighting.ambient_strength = 0.5f;
+  if (!still || film.ground.visible) return;
+  list.lighting.follows_camera = true;
+  list.lighting.key_direction = Vec3f(0.45f, -0.6f, -0.75f);
 }
 
 void write_words(const ActorFilm& film, double seconds, Image& picture) {
@@ -151,7 +155,7 @@ FilmReport film_actor(const Actor& actor, const Motion& motion, const ActorFilm&
     else
       muscle_shortening(model, frame.posed, activity);
     scene.list.camera = cameras[f];
-    light(film, scene.list);
+    light(film, frames == 1, scene.list);
     appearance = whole;
     if (film.dissolve) dissolve(*film.dissolve, moments[f], appearance.looks.front());
     update_scene(model, frame.posed, &frame.skin, activity, appearance, std::uint64_t(f) + 1,

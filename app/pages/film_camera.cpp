@@ -72,7 +72,10 @@ Target find_target(const Assets& assets, const Actor& actor, const std::string& 
     target.vertices = vertices_named(assets, actor, name, known);
   if (target.bones.empty() && target.muscles.empty()) target.least = kJointBall;
   if (!target.joints.empty() || !target.vertices.empty() || target.least == 0) return target;
-  for (const std::uint32_t part : all_parts(anatomy)) known.push_back(part_name(anatomy, part));
+  for (const std::uint32_t part : all_parts(anatomy))
+    if (const Part::Kind kind = part_of(part).kind;
+        kind == Part::Kind::bone || kind == Part::Kind::muscle)
+      known.push_back(part_name(anatomy, part));
   const std::string near = nearest_name(name, known);
   throw UsageError(
       fmt::format("--look-at: nothing is called '{}'{}; name a bone, a muscle, a region of "

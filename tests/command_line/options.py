@@ -601,6 +601,13 @@ def pictures(t):
     still("near", "--look-at", "knee_l", "--zoom", 3)
     still("nearer", "--look-at", "knee_l", "--distance", 0.3)
     t.check(len({png(f"{name}.png") for name in ("knee", "near", "nearer")}) == 3, "--zoom, --distance")
+    light = {}
+    for side, camera in (("before", "0,5"), ("behind", "180,5")):
+        still(side, "--background", "white", "--layers", "skin", f"--camera={camera}")
+        width, rows = png_rows(png(f"{side}.png"))
+        dark = [sum(row[3 * x:3 * x + 3]) for row in rows for x in range(width) if row[3 * x + 2] < 180]
+        light[side] = sum(dark) / max(1, len(dark))
+    t.check(light["behind"] > 0.85 * light["before"], f"a still from behind lies in the dark: {light}")
     still("own", "--pose", "bent", "--poses", t.write("own.csv", "name,label,view,angles\nbent,bent,front,elbow 90\n"))
     t.says(t.run(2, "render", "anna-anatomy.glb", "-o", "no.png", "--pose", "sqat"), "squat")
     t.says(t.run(2, "render", "anna-anatomy.glb", "-o", "no.png", "--look-at", "kne_l"), "knee_l")
