@@ -22,6 +22,7 @@
 #include "skinning/checks/bodies_check.h"
 #include "skinning/checks/bulges.h"
 #include "skinning/checks/check_targets.h"
+#include "skinning/motion/pose_table.h"
 
 namespace ecorche {
 namespace {
@@ -74,8 +75,7 @@ int run_bodies(const CheckVerbOptions& options, const Common& common, Report& re
     });
   std::vector<LimitPose> poses;
   if (!options.poses.empty() && options.poses != "none")
-    poses = read_limit_poses(options.poses, read_template(common.assets).anatomy.skeleton,
-                             UnknownJoints::refuse);
+    poses = read_check_poses(options.poses, read_template(common.assets).anatomy.skeleton);
   const std::vector<BodyCheck> checks =
       check_bodies(common.assets, bodies, poses, progress_of(common, "bodies"));
   std::fputs(bodies_table(checks).c_str(), stdout);
@@ -119,7 +119,7 @@ int run_check(const CheckVerbOptions& options, const Common& common, Report& rep
   if (options.poses.empty())
     poses = standard_limit_poses(common.assets.tables, skeleton);
   else if (options.poses != "none")
-    poses = read_limit_poses(options.poses, skeleton, UnknownJoints::refuse);
+    poses = read_check_poses(options.poses, skeleton);
   CheckOptions how;
   if (options.no_sweeps) how.sweep_step = 0;
   const Template body_template = read_template(common.assets);
@@ -175,9 +175,11 @@ void add_check_verb(VerbRegistry& registry) {
   verb->add_option(
       "-o,--output", options->folder,
       "Folder for check.html, check.csv (a row a muscle) and check.json; made where it is missing");
-  verb->add_option("--poses", options->poses,
-                   "Table of poses (columns pose,joint,flexion,abduction,rotation: shares of the "
-                   "way to the limit); none; those of data/poses.csv when left out");
+  verb->add_option(
+      "--poses", options->poses,
+      "Table of poses (columns pose,joint,flexion,abduction,rotation: shares of the "
+      "way to the limit; or name,label,view,angles as posebook takes them); none; those "
+      "of data/poses.csv when left out");
   add_muscles_option(*verb, options->muscles);
   verb->add_flag(
       "--no-sweeps", options->no_sweeps,

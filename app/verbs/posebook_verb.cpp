@@ -18,6 +18,7 @@
 #include "app/pages/pose_sheet.h"
 #include "app/progress.h"
 #include "skinning/evaluation/pose_figures.h"
+#include "skinning/motion/pose_table.h"
 
 namespace ecorche {
 namespace {
@@ -266,7 +267,7 @@ int run_posebook(const PoseBookOptions& options, const Common& common, Report& r
   for (const fs::path& file : options.characters) {
     Actor actor = make_actor(common.assets, open_character(file, common, report), report);
     const Skeleton& skeleton = actor.character.anatomy.skeleton;
-    book = read_pose_book(
+    book = read_pose_table(
         options.poses.empty() ? common.assets.tables / "poses" / "poses.csv" : options.poses,
         skeleton);
     volumes = volume_poses(skeleton);

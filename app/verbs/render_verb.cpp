@@ -19,8 +19,7 @@
 #include "app/options/picture_size.h"
 #include "app/options/subject_options.h"
 #include "app/pages/actor_film.h"
-#include "skinning/motion/limit_poses.h"
-#include "skinning/motion/pose_book.h"
+#include "skinning/motion/pose_table.h"
 #include "viewer/camera.h"
 #include "viewer/part_names.h"
 
@@ -141,7 +140,7 @@ Posture find_posture(const fs::path& tables, const RenderVerbOptions& options,
                      const Skeleton& skeleton) {
   std::vector<std::string> known;
   const fs::path book = options.poses.empty() ? tables / "poses" / "poses.csv" : options.poses;
-  for (NamedPose& each : read_pose_book(book, skeleton)) {
+  for (NamedPose& each : read_pose_table(book, skeleton)) {
     if (each.name == options.pose) return {std::move(each.pose), each.view};
     known.push_back(each.name);
   }
@@ -259,8 +258,10 @@ void add_moment_options(CLI::App& verb, RenderVerbOptions& options) {
   verb.add_option("--pose", options.pose,
                   "A still without motion: a pose of data/poses/poses.csv or data/poses.csv; at "
                   "rest when left out");
-  verb.add_option("--poses", options.poses,
-                  "Table of poses like data/poses/poses.csv that --pose is looked up in");
+  verb.add_option(
+      "--poses", options.poses,
+      "Table of poses like data/poses/poses.csv or data/poses.csv that --pose is looked up "
+      "in");
   CLI::Option* from = verb.add_option("--from", options.film.from,
                                       "Where the film begins, in seconds of the motion")
                           ->check(between(0.0, 1e5));

@@ -1,13 +1,17 @@
 #include "skinning/motion/pose_book.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <filesystem>
 #include <fstream>
 #include <numbers>
 
 #include "anatomy/errors.h"
 #include "anatomy/geometry/self_intersections.h"
 #include "anatomy/joint_angles.h"
+#include "skinning/motion/pose_table.h"
 #include "tests/skinning/arm.h"
 #include "tests/skinning/plain_skeleton.h"
 
@@ -86,6 +90,31 @@ TEST_F(PoseBook, OurOwnBookIsSixtyDifferentPosesWithinReach) {
     }
     EXPECT_GT(turned, 0.1) << each.name;
   }
+}
+
+// Either kind of table is read by its columns, for `check` and for pictures alike.
+TEST_F(PoseBook, TablesOfSharesAndOfAnglesAreTakenAlike) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("ecorche_table_" + std::to_string(::getpid()));
+  const Joint& elbow = skeleton_.joints[joint("elbow_l")];
+  const auto both = [&](const std::string& text) {
+    std::ofstream(file) << text;
+    const std::vector<NamedPose> named = read_pose_table(file, skeleton_);
+    const std::vector<LimitPose> checked = read_check_poses(file, skeleton_);
+    std::filesystem::remove(file);
+    EXPECT_EQ(named.size(), 1u);
+    EXPECT_EQ(checked.size(), 1u);
+    EXPECT_EQ(named.at(0).name, "bent");
+    EXPECT_EQ(checked.at(0).name, "bent");
+    const Quat q = named.at(0).pose.rotations[joint("elbow_l")];
+    EXPECT_LT(q.angularDistance(checked.at(0).pose.rotations[joint("elbow_l")]), 1e-12);
+    return joint_angles(elbow, q)[0];
+  };
+  const double limit = elbow.max[0];
+  EXPECT_NEAR(both("pose,joint,flexion,abduction,rotation\nbent,elbow,1,0,0\n"), limit, 1e-9);
+  EXPECT_NEAR(
+      both(fmt::format("name,label,view,angles\nbent,b,front,elbow {:.12f}\n", limit / kDegree)),
+      limit, 1e-9);
 }
 
 TEST(SelfIntersections, AreCountedInTrianglesAndGoneWhenMovedApart) {
