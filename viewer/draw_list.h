@@ -93,6 +93,13 @@ struct Lighting {
   bool follows_camera = false;
 };
 
+// A studio's light, which comes over the camera's shoulder: no side lies in the dark.
+inline void light_from_camera(float ambient_strength, Lighting& lighting) {
+  lighting.follows_camera = true;
+  lighting.key_direction = Vec3f(0.45f, -0.6f, -0.75f);
+  lighting.ambient_strength = ambient_strength;
+}
+
 // A runway along +Z that ends in a pit of sand. Track and pit are left out if their interval is
 // empty (end <= begin).
 struct Ground {

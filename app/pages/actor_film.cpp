@@ -90,9 +90,8 @@ void light(const ActorFilm& film, bool still, DrawList& list) {
   list.background_bottom = film.background.value_or(Vec3f(0.90f, 0.93f, 0.94f));
   list.lighting.key_strength = 1.5f;
   list.lighting.ambient_strength = 0.5f;
-  if (!still || film.ground.visible) return;
-  list.lighting.follows_camera = true;
-  list.lighting.key_direction = Vec3f(0.45f, -0.6f, -0.75f);
+  if (still && !film.ground.visible)
+    light_from_camera(list.lighting.ambient_strength, list.lighting);
 }
 
 void write_words(const ActorFilm& film, double seconds, Image& picture) {

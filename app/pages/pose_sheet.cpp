@@ -51,9 +51,7 @@ Image sheet_of_poses(Renderer& renderer, const Actor& actor, const SceneModel& m
   for (std::size_t i = 0; i < poses.size(); ++i) {
     evaluate(actor, poses[i].pose, {}, frame);
     update_scene(model, frame.posed, &frame.skin, {}, appearance, i + 1, scene);
-    scene.list.lighting.follows_camera = true;
-    scene.list.lighting.key_direction = Vec3f(0.45f, -0.6f, -0.75f);
-    scene.list.lighting.ambient_strength = 0.5f;
+    light_from_camera(0.5f, scene.list.lighting);
     scene.list.background_top = scene.list.background_bottom = Vec3f(1.2f, 1.2f, 1.2f);
     scene.list.camera = camera_on(frame.skin, poses[i].view, float(w) / float(h));
     const Image cell = renderer.render(scene.list, w, h);

@@ -43,9 +43,7 @@ SceneModel model_of(const Anatomy& anatomy, const TriMesh& skin, std::span<const
 
 // The background is white after the renderer's tone curve.
 void light_studio(DrawList& list) {
-  list.lighting.follows_camera = true;
-  list.lighting.key_direction = Vec3f(0.45f, -0.6f, -0.75f);
-  list.lighting.ambient_strength = 0.55f;
+  light_from_camera(0.55f, list.lighting);
   list.background_top = list.background_bottom = Vec3f(1.2f, 1.2f, 1.2f);
 }
 

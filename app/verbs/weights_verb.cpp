@@ -59,9 +59,7 @@ Image picture_of(const TriMesh& skin, const Skeleton& skeleton,
   list.meshes.push_back(make_draw_mesh(skin));
   list.items.push_back(
       {.mesh = 0, .surface = {.roughness = 0.8f}, .casts_shadow = false, .closed = true});
-  list.lighting.follows_camera = true;
-  list.lighting.key_direction = Vec3f(0.45f, -0.6f, -0.75f);
-  list.lighting.ambient_strength = 0.6f;
+  light_from_camera(0.6f, list.lighting);
   list.background_top = list.background_bottom = Vec3f(1.2f, 1.2f, 1.2f);
   const Vec3 low = skin.V.colwise().minCoeff(), high = skin.V.colwise().maxCoeff();
   for (size_t j = 0; j < joints.size(); ++j) {

@@ -132,7 +132,8 @@ constexpr std::array kCovered = {CoveredBone{"rib", 0.009, 0.35f, 2},
 
 // Muscle lies over every rib and over the blades: where they come near to the skin the layer is
 // thinner, by no more than to a share of it.
-void leave_room_over(const CoveredBone& covered, const SkinRays& rays, const Anatomy& anatomy,
+void leave_room_over(const CoveredBone& covered, const SkinRays& rays,
+                     const std::vector<Vec3>& normals, const Anatomy& anatomy,
                      std::vector<float>& thickness) {
   constexpr double kFarthest = 0.06;
   std::vector<const TriMesh*> bones;
@@ -141,7 +142,6 @@ void leave_room_over(const CoveredBone& covered, const SkinRays& rays, const Ana
   if (bones.empty()) return;
   const SkinRays bone_rays(join_meshes(bones), RayBuild::quick);
   const TriMesh& skin = rays.mesh();
-  const std::vector<Vec3> normals = area_normals(skin);
   const double size = (skin.V.col(1).maxCoeff() - skin.V.col(1).minCoeff()) / 1.75;
   std::vector<float> most(thickness.size(), 1e3f);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, most.size(), 512), [&](const auto& range) {
@@ -275,8 +275,9 @@ FatLayer make_fat_layer(const FatTables& tables, const SkinRays& rays, const Ana
   std::vector<float> fatter(layer.thickness.size());
   for (std::size_t i = 0; i < fatter.size(); ++i)
     fatter[i] = layer.thickness[i] - average.thickness[i];
+  const std::vector<Vec3> normals = area_normals(rays.mesh());
   for (const CoveredBone& covered : kCovered)
-    leave_room_over(covered, rays, anatomy, layer.thickness);
+    leave_room_over(covered, rays, normals, anatomy, layer.thickness);
   layer.over_muscles = layer.thickness;
   reach_subcutaneous_bone(tables.subcutaneous_bone, rays, anatomy, fatter, layer.thickness);
   return layer;

@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "anatomy/errors.h"
-#include "anatomy/files/csv_table.h"
 #include "anatomy/files/input_file.h"
 #include "anatomy/files/package_archive.h"
 #include "anatomy/joint_angles.h"
@@ -53,7 +52,11 @@ Quat limit_rotation(const Joint& joint, const Vec3& shares) {
 
 std::vector<LimitPose> read_limit_poses(const std::filesystem::path& file, const Skeleton& skeleton,
                                         UnknownJoints unknown) {
-  const Table table(file);
+  return limit_poses(Table(file), printable(file.string()), skeleton, unknown);
+}
+
+std::vector<LimitPose> limit_poses(const Table& table, const std::string& name_of_table,
+                                   const Skeleton& skeleton, UnknownJoints unknown) {
   std::vector<LimitPose> poses;
   for (int row = 0; row < table.rows(); ++row) {
     const Vec3 shares(share(table, row, "flexion"), share(table, row, "abduction"),
@@ -83,7 +86,7 @@ std::vector<LimitPose> read_limit_poses(const std::filesystem::path& file, const
     if (!meant && unknown == UnknownJoints::refuse)
       throw InputError(fmt::format("{}: {}", table.where(row), no_such_joint(skeleton, pattern)));
   }
-  if (poses.empty()) throw InputError(fmt::format("{}: holds no poses", printable(file.string())));
+  if (poses.empty()) throw InputError(fmt::format("{}: holds no poses", name_of_table));
   for (LimitPose& pose : poses) complete_pose(skeleton, pose.pose);
   return poses;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "anatomy/files/assets.h"
+#include "anatomy/files/csv_table.h"
 #include "anatomy/skeleton.h"
 
 namespace ecorche::inline v1 {
@@ -27,6 +28,9 @@ enum class UnknownJoints { refuse, pass_over };
 // none and is to be refused, no pose at all.
 std::vector<LimitPose> read_limit_poses(const std::filesystem::path& file, const Skeleton& skeleton,
                                         UnknownJoints unknown);
+// `name_of_table`: its file, for messages.
+std::vector<LimitPose> limit_poses(const Table& table, const std::string& name_of_table,
+                                   const Skeleton& skeleton, UnknownJoints unknown);
 
 // Those of data/poses.csv that the skeleton can take.
 // `tables`: Assets::tables.

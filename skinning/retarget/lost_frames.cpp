@@ -119,8 +119,10 @@ std::vector<std::string> describe_uneven_steps(const std::string& name,
   const UnevenStep* worst = nullptr;
   int lost = 0, repeated = 0;
   for (const UnevenStep& one : steps) {
-    if (one.lost == 0) ++repeated;
-    if (one.lost == 0) continue;
+    if (one.lost == 0) {
+      ++repeated;
+      continue;
+    }
     lost += one.lost;
     if (worst == nullptr || one.angle > worst->angle) worst = &one;
   }
