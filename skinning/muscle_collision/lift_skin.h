@@ -11,8 +11,10 @@
 namespace ecorche::inline v1 {
 
 struct LiftParameters {
-  float most_depth = 0.06f;     // m, bound of a penetration
-  float skin_fraction = 0.85f;  // of the penetration that the skin is lifted; muscles give the rest
+  float most_depth = 0.06f;  // m, bound of a penetration
+  // Of a penetration that the skin is lifted; muscles give the rest. Larger: with arms held
+  // forwards the back rises by a finger's breadth, and the belly sinks for its volume.
+  float skin_fraction = 0.6f;
   int clearance_rounds = 2;     // of smoothing
   int spread_rounds = 8;        // of smoothing, the first half of them only upwards
   int easing_rounds = 4;        // of smoothing about folds

@@ -201,12 +201,13 @@ VolumeRegions make_volume_regions(const Skeleton& skeleton, std::span<const floa
     std::vector<double> lower = weights_below(skeleton, thorax, joint_weights), own(lower.size());
     for (std::size_t i = 0; i < lower.size(); ++i) {
       lower[i] = 1 - lower[i];
-      own[i] = lower[i] - legs[i];
+      own[i] = std::min(trunk[i], (lower[i] - legs[i]) / kParametersVolumePreservation.belly_share);
       trunk[i] -= own[i];
     }
     out.regions[1] =
         make_region(thorax, origins[thorax], positions, triangles, lower, product(own), areas);
     out.regions[1].within = 0;
+    out.regions[1].take = kParametersVolumePreservation.lower_body_take;
   }
   out.regions[0] = make_region(0, origins[0], positions, triangles, all, product(trunk), areas);
   out.regions[0].take = kParametersVolumePreservation.body_take;

@@ -34,10 +34,16 @@ struct VolumeParameters {
   // fades.
   double shoulder_end = 0.5, shoulder_fade = 0.4;
   // Fraction of its volume that a shoulder may lose: flesh of a raised arm goes to chest and back.
-  double shoulder_give = 0.08;
+  double shoulder_give = 0.02;
   // Fraction of its volume that the whole body may gain: raised arms draw the chest open, and
   // breath fills it. Were all of it taken back, hips and waist would sink.
   double body_take = 0.004;
+  // The same of the lower body: breath and raised arms draw the belly's flesh up.
+  double lower_body_take = 0.02;
+  // Share of the skin that the lower body must hold for all of its swelling to be the lower body's.
+  // Larger: where the belly's skin begins, which has the thickest flesh of the trunk, it pays for
+  // what arms and chest have gained.
+  double belly_share = 0.5;
 };
 
 struct VolumeRegion {

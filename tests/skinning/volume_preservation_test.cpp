@@ -100,5 +100,29 @@ TEST(BodyVolumes, ChestAloneGivesBackWhatItHasLost) { expect_given_back(is_chest
 
 TEST(BodyVolumes, BellyAloneGivesBackWhatItHasLost) { expect_given_back(is_belly, is_chest, 2e-4); }
 
+// Where half of the skin is the belly's its thick flesh does not pay for the chest.
+TEST(BodyVolumes, SkinThatIsHalfTheBellysLeavesTheChestAlone) {
+  const auto is_passage = [](double y) { return y < kWaist && y > kWaist - kPassage; };
+  expect_given_back(is_chest, is_passage, 1e-5);
+}
+
+// A belly keeps what it gains, within bounds.
+TEST(BodyVolumes, BellyMayGainALittle) {
+  const Trunk trunk;
+  const auto gained = [&](double girth) {
+    Points V = trunk.mesh.V;
+    for (Eigen::Index i = 0; i < V.rows(); ++i)
+      if (is_belly(V(i, 1))) V(i, 0) *= girth, V(i, 2) *= girth;
+    const double rest = trunk.volume(trunk.mesh.V);
+    return std::pair{trunk.volume(V) / rest - 1, trunk.volume(trunk.restored(V)) / rest - 1};
+  };
+  const auto [little, left] = gained(1.004);
+  EXPECT_GT(little, 0.002);
+  EXPECT_NEAR(left, little, 1e-6);
+  const auto [much, bounded] = gained(1.04);
+  EXPECT_GT(much, 0.03);
+  EXPECT_LT(bounded, 0.012);
+}
+
 }  // namespace
 }  // namespace ecorche
