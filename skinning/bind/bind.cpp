@@ -70,7 +70,6 @@ FrameWeights find_frame_weights(const Anatomy& anatomy, const TriMesh& skin, con
   rows = diffuse_joint_weights(skeleton, skin, depth, options.blend_width);
   let_scapula_glide(skeleton, skin, rows);
   release_thigh(skeleton, skin, rows);
-  sharpen_elbow(skeleton, rows);
   thin_weights(rows, kLeastWeight, kMostJoints);
   for (std::size_t k = 0; k < painted.vertices.size(); ++k)
     rows[painted.vertices[k]] = painted.weights[k];

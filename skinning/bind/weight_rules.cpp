@@ -24,9 +24,6 @@ constexpr double kHingeSlack = 0.2;   // rad, of abduction
 // slide, it would be folded over the front of a raised arm.
 constexpr double kSlideFrom = -0.3, kSlideTo = 0.3;
 constexpr double kLeastArm = 0.3, kMostLeastArm = 0.8;
-// Exponent of the weights on both sides of the elbow: they pass over the joint in a shorter way
-// than a diffusion has them.
-constexpr double kElbowSharpness = 1.4;
 // Fractions of the thigh between which the trunk lets go of its skin, how much of it, and what the
 // leg must hold of a vertex that is its own.
 constexpr double kReleaseFrom = 0.25, kReleaseTo = 0.6, kReleased = 0.8;
@@ -223,23 +220,6 @@ void release_thigh(const Skeleton& skeleton, const TriMesh& skin, std::vector<We
       const WeightRow before = rows[i];
       for (const Influence& w : before)
         if (!of_leg[std::size_t(w.joint)]) move_weight(rows[i], w.joint, hip, share);
-    }
-  }
-}
-
-void sharpen_elbow(const Skeleton& skeleton, std::vector<WeightRow>& rows) {
-  for (const char* name : {"elbow_l", "elbow_r"}) {
-    const int elbow = find_joint(skeleton, name);
-    if (elbow < 0) continue;
-    const std::vector<char> below = joints_below(skeleton, elbow);
-    const auto is_below = [&](const Influence& w) { return below[std::size_t(w.joint)] != 0; };
-    for (WeightRow& row : rows) {
-      double lower = 0, upper = 0;
-      for (const Influence& w : row) (is_below(w) ? lower : upper) += w.weight;
-      if (lower <= 0 || upper <= 0) continue;
-      const double down = std::pow(lower, kElbowSharpness), up = std::pow(upper, kElbowSharpness),
-                   whole = (lower + upper) / (down + up);
-      for (Influence& w : row) w.weight *= whole * (is_below(w) ? down / lower : up / upper);
     }
   }
 }

@@ -26,10 +26,6 @@ void part_lips(const Anatomy& anatomy, const TriMesh& skin, SkinDepth& depth);
 void spread_twist(const Skeleton& skeleton, const TriMesh& skin, std::span<const int> painted,
                   std::vector<WeightRow>& rows, std::vector<TwistFrame>& twists);
 
-// Elbow: forearm and upper arm hand their skin over within a shorter way than a diffusion does, so
-// that the tip of a bent elbow stays a corner.
-void sharpen_elbow(const Skeleton& skeleton, std::vector<WeightRow>& rows);
-
 // Upper arm: where the skin is more of the arm than of the armpit, what joints above the shoulder
 // hold of it is moved to slide frames. A raised arm's skin is drawn towards the trunk along the arm
 // and stays about its bone; were it drawn across as well, the arm's flesh would lie beside its

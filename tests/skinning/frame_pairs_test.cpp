@@ -64,25 +64,6 @@ TEST(SlideFrames, LeaveTheArmpitsWebAlone) {
   EXPECT_EQ(rows[0].size(), 2u);
 }
 
-// Where forearm and upper arm share the skin the greater share grows, what each side holds keeps
-// its proportions, and skin of one side alone stays.
-TEST(ElbowWeights, PassOverTheJointInAShorterWay) {
-  const Skeleton skeleton = plain_skeleton();
-  const int shoulder = find_joint(skeleton, "shoulder_l"), elbow = find_joint(skeleton, "elbow_l"),
-            thorax = find_joint(skeleton, "thorax");
-  const std::vector<WeightRow> before = {{{thorax, 0.1}, {shoulder, 0.2}, {elbow, 0.7}},
-                                         {{shoulder, 0.5}, {elbow, 0.5}},
-                                         {{thorax, 0.4}, {shoulder, 0.6}}};
-  std::vector<WeightRow> rows = before;
-  sharpen_elbow(skeleton, rows);
-  EXPECT_GT(rows[0][2].weight, 0.75);
-  EXPECT_LT(rows[0][2].weight, 0.85);
-  EXPECT_NEAR(rows[0][0].weight / rows[0][1].weight, 0.5, 1e-12);
-  EXPECT_NEAR(rows[0][0].weight + rows[0][1].weight + rows[0][2].weight, 1, 1e-12);
-  for (std::size_t v : {1u, 2u})
-    for (std::size_t k = 0; k < 2; ++k) EXPECT_NEAR(rows[v][k].weight, before[v][k].weight, 1e-12);
-}
-
 // Vertices before and behind the thigh at these fractions of its length, held by hip and trunk.
 struct ThighSkin {
   Skeleton skeleton = plain_skeleton();
