@@ -37,7 +37,6 @@ struct DrawMesh {
       fibres;  // cos and sin of the angle around the belly, fibres around it, metres along it
   std::vector<std::uint32_t> parts;   // for picking and outlines; empty: the item's
   std::vector<Triangle32> triangles;  // counter-clockwise seen from outside
-  std::vector<Triangle32> coarse{};   // in their place in quick pictures; empty: the same
 };
 
 // Material of a surface.

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "anatomy/muscles/action_line.h"
-#include "viewer/coarse_mesh.h"
 #include "viewer/scene_order.h"
 
 namespace ecorche {
@@ -144,14 +143,19 @@ void color_muscles(const SceneModel& model, std::span<const float> activity,
 }
 
 void color_fascia(const SceneModel& model, const Appearance& appearance, DrawMesh& mesh) {
-  mesh.colors.resize(model.fascia_surface.vertices());
-  const Vec3f belly = muscle_color(appearance.muscle_colors, 0);
-  for (const FasciaSurface::Part& part : model.fascia_surface.parts) {
-    Vec3f sheet = tendon_color(appearance.muscle_colors);
-    if (appearance.selected == kFirstFasciaPart + std::uint32_t(part.sheet)) sheet = selected_color;
-    for (int i = part.vertex_begin; i < part.vertex_end; ++i)
-      mesh.colors[i] = mix(sheet, belly, model.fascia_surface.belly[i]);
+  mesh.colors.resize(mesh.parts.size());
+  const Vec3f belly = muscle_color(appearance.muscle_colors, 0),
+              sheet = tendon_color(appearance.muscle_colors);
+  for (std::size_t i = 0; i < mesh.colors.size(); ++i) {
+    const std::size_t k = model.fascia_from.empty() ? i : model.fascia_from[i];
+    mesh.colors[i] = mix(mesh.parts[i] == appearance.selected ? selected_color : sheet, belly,
+                         model.fascia_surface.belly[k]);
   }
+}
+
+void copy_rows(const PointsF& from, std::span<const std::uint32_t> rows, std::vector<Vec3f>& to) {
+  to.resize(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) to[i] = from.row(rows[i]).transpose();
 }
 
 void copy_into(const PointsF& from, std::vector<Vec3f>& to) {
@@ -159,16 +163,19 @@ void copy_into(const PointsF& from, std::vector<Vec3f>& to) {
   std::copy_n(from.data(), from.size(), to.empty() ? nullptr : to.front().data());
 }
 
-void take_skin(const SkinFrame& frame, DrawMesh& mesh) {
-  if (frame.positions.size() != 4 * mesh.positions.size() ||
-      frame.normals.size() != frame.positions.size())
+void take_skin(const SkinFrame& frame, std::span<const std::uint32_t> from, DrawMesh& mesh) {
+  const bool fits = from.empty() ? frame.positions.size() == 4 * mesh.positions.size()
+                                 : frame.positions.size() > 4 * std::size_t(from.back());
+  if (!fits || frame.normals.size() != frame.positions.size())
     throw std::invalid_argument(fmt::format("update_scene: {} skin coordinates for {} vertices",
                                             frame.positions.size(), mesh.positions.size()));
+  const auto at = [](const auto& values, std::size_t k) {
+    return Vec3f(values[4 * k], values[4 * k + 1], values[4 * k + 2]);
+  };
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-    mesh.positions[i] =
-        Vec3f(frame.positions[4 * i], frame.positions[4 * i + 1], frame.positions[4 * i + 2]);
-    mesh.normals[i] =
-        Vec3f(frame.normals[4 * i], frame.normals[4 * i + 1], frame.normals[4 * i + 2]);
+    const std::size_t k = from.empty() ? i : from[i];
+    mesh.positions[i] = at(frame.positions, k);
+    mesh.normals[i] = at(frame.normals, k);
   }
 }
 
@@ -219,7 +226,8 @@ void take_meshes(const SceneModel& model, Scene& scene) {
   for (const DrawMesh& bone : model.bones) wanted.push_back(&bone);
   for (const DrawMesh& eye : model.eyes) wanted.push_back(&eye);
   const auto is_there = [&](std::size_t k) {
-    const bool moves = k < std::size_t(kFirstBoneMesh);
+    const bool moves = k < std::size_t(kFirstBoneMesh) ||
+                       (k == std::size_t(kFirstBoneMesh) && !model.together_joints.empty());
     return own[k].key == wanted[k]->key && (moves || own[k].revision == wanted[k]->revision) &&
            (k != std::size_t(kSkinMesh) ||
             own[k].positions.size() == wanted[k]->positions.size()) &&
@@ -229,7 +237,8 @@ void take_meshes(const SceneModel& model, Scene& scene) {
   for (std::size_t k = 0; k < wanted.size(); ++k) {
     if (is_there(k) && wanted[k]->key != 0) continue;
     own[k] = *wanted[k];
-    if (k == std::size_t(kMuscleMesh) || k == std::size_t(kFasciaMesh))
+    if (k == std::size_t(kMuscleMesh) || k == std::size_t(kFasciaMesh) ||
+        k == std::size_t(kFirstBoneMesh))
       scene.parts_left_away.assign(1, kSkinPart);  // no such part: taken anew
   }
 }
@@ -246,38 +255,30 @@ std::uint64_t faces_without(std::span<const std::uint32_t> parts) {
 }
 
 // The triangles of parts that are not hidden.
-template <class Part>
-void take_shown(const std::vector<Part>& parts, const DrawMesh& all, std::span<const int> coarse,
-                auto number, const Appearance& appearance, DrawMesh& mesh) {
+void take_shown(const DrawMesh& all, const std::vector<PartFaces>& parts,
+                const Appearance& appearance, std::uint64_t faces, DrawMesh& mesh) {
   mesh.triangles.clear();
-  mesh.coarse.clear();
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    if (is_hidden(appearance, number(parts[p]))) continue;
-    mesh.triangles.insert(mesh.triangles.end(), all.triangles.begin() + parts[p].face_begin,
-                          all.triangles.begin() + parts[p].face_end);
-    if (!coarse.empty())
-      mesh.coarse.insert(mesh.coarse.end(), all.coarse.begin() + coarse[p],
-                         all.coarse.begin() + coarse[p + 1]);
-  }
+  for (const PartFaces& part : parts)
+    if (!is_hidden(appearance, part.part))
+      mesh.triangles.insert(mesh.triangles.end(), all.triangles.begin() + long(part.begin),
+                            all.triangles.begin() + long(part.end));
+  mesh.faces = faces;
 }
 
-// Removes the triangles of hidden muscles and fascia, which are then neither seen nor picked and
-// cast no shadows.
+// Removes the triangles of hidden parts of shared meshes, which are then neither seen nor picked
+// and cast no shadows.
 void remove_hidden(const SceneModel& model, const Appearance& appearance, Scene& scene) {
-  const auto first =
-      std::lower_bound(appearance.hidden.begin(), appearance.hidden.end(), kFirstMusclePart);
+  const bool together = !model.together_joints.empty();
+  const auto first = std::lower_bound(appearance.hidden.begin(), appearance.hidden.end(),
+                                      together ? kFirstBonePart : kFirstMusclePart);
   const std::span<const std::uint32_t> hidden(first, appearance.hidden.end());
   if (std::ranges::equal(hidden, scene.parts_left_away)) return;
-  DrawMesh &muscles = scene.list.meshes[kMuscleMesh], &fascia = scene.list.meshes[kFasciaMesh];
-  take_shown(
-      model.surface.parts, model.muscles, model.muscle_coarse,
-      [](const MuscleSurface::Part& p) { return kFirstMusclePart + std::uint32_t(p.muscle); },
-      appearance, muscles);
-  take_shown(
-      model.fascia_surface.parts, model.fascia, model.fascia_coarse,
-      [](const FasciaSurface::Part& p) { return kFirstFasciaPart + std::uint32_t(p.sheet); },
-      appearance, fascia);
-  muscles.faces = fascia.faces = faces_without(hidden);
+  const std::uint64_t faces = faces_without(hidden);
+  std::vector<DrawMesh>& own = scene.list.meshes;
+  take_shown(model.muscles, model.muscle_faces, appearance, faces, own[kMuscleMesh]);
+  take_shown(model.fascia, model.fascia_faces, appearance, faces, own[kFasciaMesh]);
+  if (together)
+    take_shown(model.bones[0], model.bone_faces, appearance, faces, own[kFirstBoneMesh]);
   scene.parts_left_away.assign(hidden.begin(), hidden.end());
 }
 
@@ -291,7 +292,15 @@ Mat4f joint_motion(const SceneModel& model, const PosedAnatomy& posed, int joint
 void add_look(const SceneModel& model, const PosedAnatomy& posed, const Appearance& appearance,
               const Look& look, DrawList& list) {
   const Mat4f offset = translation_by(look.offset);
-  if (look.bones > 0) {
+  const bool together = !model.together_joints.empty();
+  if (look.bones > 0 && together && !list.meshes[kFirstBoneMesh].triangles.empty()) {
+    DrawItem& item = list.items.emplace_back();
+    item.mesh = kFirstBoneMesh;
+    item.X_WM = offset;
+    item.surface = bone_surface(appearance, look.bones);
+    item.closed = true;
+  }
+  if (look.bones > 0 && !together) {
     for (std::size_t b = 0; b < model.bones.size(); ++b) {
       const std::uint32_t part = kFirstBonePart + std::uint32_t(b);
       if (is_hidden(appearance, part)) continue;
@@ -341,6 +350,7 @@ void add_look(const SceneModel& model, const PosedAnatomy& posed, const Appearan
     item.mesh = kSkinMesh;
     item.X_WM = offset;
     item.surface = skin_surface(appearance, look);
+    item.closed = !model.skin_from.empty();  // what quick pictures show of its inside is no loss
     item.part = kSkinPart;
   }
 }
@@ -376,48 +386,21 @@ DrawMesh make_eye(const Eyeball& eye, std::uint64_t key) {
   return mesh;
 }
 
-void add_coarse(float reach, DrawMesh& mesh) {
-  mesh.coarse = coarse_triangles(mesh.triangles,
-                                 standing_for(mesh.positions, mesh.normals, mesh.triangles, reach));
-}
-
-// By part, so that parts can be left out; returns where each begins.
-template <class Part>
-std::vector<int> add_coarse(const std::vector<Part>& parts, const PointsF& positions,
-                            const PointsF& normals, float reach, DrawMesh& mesh) {
-  std::vector<Vec3f> places, directions;
-  copy_into(positions, places);
-  copy_into(normals, directions);
-  const std::vector<std::uint32_t> standing =
-      standing_for(places, directions, mesh.triangles, reach);
-  std::vector<int> begin{0};
-  for (const Part& part : parts) {
-    const std::span<const Triangle32> own(mesh.triangles.begin() + part.face_begin,
-                                          mesh.triangles.begin() + part.face_end);
-    const std::vector<Triangle32> coarse = coarse_triangles(own, standing);
-    mesh.coarse.insert(mesh.coarse.end(), coarse.begin(), coarse.end());
-    begin.push_back(int(mesh.coarse.size()));
+// All bones in the pose, in one mesh.
+void pose_bones(const SceneModel& model, const PosedAnatomy& posed, const Appearance& appearance,
+                DrawMesh& mesh) {
+  const DrawMesh& rest = model.bones[0];
+  Mat4f X = Mat4f::Identity();
+  int of = -1;
+  mesh.colors.resize(rest.positions.size());
+  for (std::size_t i = 0; i < rest.positions.size(); ++i) {
+    if (const int joint = model.together_joints[i]; joint != of)
+      X = joint_motion(model, posed, of = joint);
+    const Eigen::Matrix3f turn = X.topLeftCorner<3, 3>();
+    mesh.positions[i] = turn * rest.positions[i] + X.topRightCorner<3, 1>();
+    mesh.normals[i] = turn * rest.normals[i];
+    mesh.colors[i] = rest.parts[i] == appearance.selected ? selected_color : appearance.bone_color;
   }
-  return begin;
-}
-
-// Coarse triangles of all meshes, by the muscles at rest.
-void add_coarse(const Anatomy& anatomy, float reach, SceneModel& model) {
-  add_coarse(reach, model.skin);
-  for (DrawMesh& bone : model.bones) add_coarse(reach, bone);
-  for (DrawMesh& eye : model.eyes) add_coarse(reach, eye);
-  PosedAnatomy rest;
-  forward_kinematics(anatomy.skeleton, rest_pose(anatomy.skeleton), rest.X_WJ);
-  rest.slices = rest_slices(anatomy);
-  PointsF positions, normals;
-  if (!anatomy.muscles.empty()) {
-    update_muscle_surface(model.surface, rest, positions, &normals);
-    model.muscle_coarse = add_coarse(model.surface.parts, positions, normals, reach, model.muscles);
-  }
-  if (model.fascia_surface.vertices() == 0) return;
-  update_fascia_surface(model.fascia_surface, rest, positions, &normals);
-  model.fascia_coarse =
-      add_coarse(model.fascia_surface.parts, positions, normals, reach, model.fascia);
 }
 
 }  // namespace
@@ -487,11 +470,14 @@ SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin,
   model.fascia.key = key + 3;
   model.fascia_surface = make_fascia_surface(anatomy);
   model.fascia.triangles = to_indices(model.fascia_surface.F);
-  for (const FasciaSurface::Part& part : model.fascia_surface.parts)
-    model.fascia.parts.resize(part.vertex_end, kFirstFasciaPart + std::uint32_t(part.sheet));
+  for (const FasciaSurface::Part& part : model.fascia_surface.parts) {
+    const std::uint32_t number = kFirstFasciaPart + std::uint32_t(part.sheet);
+    model.fascia.parts.resize(part.vertex_end, number);
+    model.fascia_faces.push_back(
+        {number, std::size_t(part.face_begin), std::size_t(part.face_end)});
+  }
   set_fibres(model.fascia, model.fascia_surface, options.fascicle);
   if (anatomy.muscles.empty()) {
-    if (options.coarse > 0) add_coarse(anatomy, float(options.coarse), model);
     return model;
   }
   model.surface = make_muscle_surface(anatomy, options.surface);
@@ -499,7 +485,9 @@ SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin,
   for (const int m : model.surface.muscle)
     model.muscles.parts.push_back(kFirstMusclePart + std::uint32_t(m));
   set_fibres(model.muscles, model.surface, anatomy, model.strips, options.fascicle);
-  if (options.coarse > 0) add_coarse(anatomy, float(options.coarse), model);
+  for (const MuscleSurface::Part& part : model.surface.parts)
+    model.muscle_faces.push_back({kFirstMusclePart + std::uint32_t(part.muscle),
+                                  std::size_t(part.face_begin), std::size_t(part.face_end)});
   return model;
 }
 
@@ -541,14 +529,23 @@ void update_scene(const SceneModel& model, const PosedAnatomy& posed, const Skin
     DrawMesh& fascia = scene.list.meshes[kFasciaMesh];
     update_fascia_surface(model.fascia_surface, posed, scene.fascia_positions,
                           &scene.fascia_normals);
-    copy_into(scene.fascia_positions, fascia.positions);
-    copy_into(scene.fascia_normals, fascia.normals);
+    if (model.fascia_from.empty()) {
+      copy_into(scene.fascia_positions, fascia.positions);
+      copy_into(scene.fascia_normals, fascia.normals);
+    } else {
+      copy_rows(scene.fascia_positions, model.fascia_from, fascia.positions);
+      copy_rows(scene.fascia_normals, model.fascia_from, fascia.normals);
+    }
     color_fascia(model, appearance, fascia);
     fascia.revision = revision;
   }
   if (skin) {
-    take_skin(*skin, scene.list.meshes[kSkinMesh]);
+    take_skin(*skin, model.skin_from, scene.list.meshes[kSkinMesh]);
     scene.list.meshes[kSkinMesh].revision = revision;
+  }
+  if (!model.together_joints.empty()) {
+    pose_bones(model, posed, appearance, scene.list.meshes[kFirstBoneMesh]);
+    scene.list.meshes[kFirstBoneMesh].revision = revision;
   }
   scene.list.items.clear();
   scene.list.cut.reset();

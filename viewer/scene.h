@@ -4,7 +4,9 @@
 // update_scene() writes one frame.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -40,11 +42,16 @@ struct SceneOptions {
   double fascicle = 0.0035;   // m, width of the fibre lines on muscles
   std::vector<Eyeball> eyes;  // seen with the skin as well as without it
   std::uint64_t key = 1;      // unique per character while several are drawn with one renderer
-  double coarse = 0;          // m, sides of triangles in quick pictures; 0: none are made
 };
 
 // A number that was not returned before.
 std::uint64_t fresh_scene_key();
+
+// A part's triangles in a mesh.
+struct PartFaces {
+  std::uint32_t part = 0;
+  std::size_t begin = 0, end = 0;
+};
 
 struct SceneModel {
   std::uint64_t number = 0;  // no other model has it
@@ -61,8 +68,16 @@ struct SceneModel {
   std::vector<SliceRange> strips;
   std::vector<double> rest_lengths;  // #strips, m
   int muscle_count = 0;
-  // #parts + 1: where a part's coarse triangles begin; empty: there are none
-  std::vector<int> muscle_coarse, fascia_coarse;
+  // Triangles of parts in the meshes, in the order of parts.
+  std::vector<PartFaces> muscle_faces, fascia_faces;
+  // Of quick pictures, with the same parts over fewer vertices (coarse_scene.h); null: this one.
+  std::shared_ptr<const SceneModel> coarse;
+  // In such a model: by vertex of the mesh, the vertex of the skin's frame and of the fascia's
+  // surface that it is; empty: the same.
+  std::vector<std::uint32_t> skin_from, fascia_from;
+  // In such a model: all bones are the mesh bones[0], a vertex of it carried by its joint here.
+  std::vector<int> together_joints;
+  std::vector<PartFaces> bone_faces;
 };
 
 // Model of `anatomy`; without a skin layer if `skin` has no vertices.
@@ -113,7 +128,7 @@ MuscleTones muscle_tones(const Appearance& appearance, int muscle, float activit
 struct Scene {
   DrawList list;
   PointsF muscle_positions, muscle_normals, fascia_positions, fascia_normals;
-  // muscle and fascia parts without triangles in `list`
+  // parts without triangles in `list` that others of their mesh have
   std::vector<std::uint32_t> parts_left_away;
 };
 

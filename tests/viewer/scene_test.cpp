@@ -16,6 +16,7 @@
 #include "anatomy/posing/posing_table.h"
 #include "viewer/camera.h"
 #include "viewer/coarse_mesh.h"
+#include "viewer/coarse_scene.h"
 #include "viewer/film/film.h"
 #include "viewer/follow_camera.h"
 #include "viewer/part_names.h"
@@ -565,6 +566,45 @@ TEST(CoarseMesh, HasFewerTrianglesNearbyAndKeepsTheSidesOfASheetApart) {
   const std::vector<Triangle32> coarse = coarse_triangles(sheet.triangles, standing);
   EXPECT_LT(10 * coarse.size(), sheet.triangles.size());
   EXPECT_GT(coarse.size(), 20u);
+}
+
+// In a pose, with the parts that the fine one has: a coarse vertex lies on one of the fine mesh.
+TEST(CoarseScene, HasTheSamePartsInTheSamePlacesOverFewerVertices) {
+  const Anatomy a = arm();
+  SceneModel model = make_scene_model(a, arm_skin);
+  model.coarse = make_coarse(a, model, 0.02);
+  const PosedAnatomy posed = posed_arm(a, 0.8);
+  Appearance all, without;
+  without.hidden = {kFirstBonePart};
+  Scene fine, coarse;
+  update_scene(model, posed, nullptr, {}, all, 1, fine);
+  update_scene(*model.coarse, posed, nullptr, {}, all, 2, coarse);
+  const DrawMesh &muscles = fine.list.meshes[1], &fewer = coarse.list.meshes[1];
+  EXPECT_LT(2 * fewer.triangles.size(), muscles.triangles.size());
+  EXPECT_GT(fewer.triangles.size(), 20u);
+  std::vector<std::pair<Vec3f, std::uint32_t>> bones;  // of the fine scene, and their parts
+  for (const DrawItem& item : fine.list.items)
+    if (part_of(item.part).kind == Part::Kind::bone)
+      for (const Vec3f& p : fine.list.meshes[std::size_t(item.mesh)].positions)
+        bones.emplace_back((item.X_WM * p.homogeneous()).head<3>(), item.part);
+  ASSERT_FALSE(bones.empty());
+  const auto is_there = [](const Vec3f& place, const auto& all_places, const auto& where) {
+    return std::ranges::any_of(
+        all_places, [&](const auto& one) { return (where(one) - place).norm() < 1e-6f; });
+  };
+  for (const Vec3f& p : fewer.positions)
+    EXPECT_TRUE(is_there(p, muscles.positions, [](const Vec3f& q) { return q; })) << p.transpose();
+  const DrawMesh& together = coarse.list.meshes[3];
+  ASSERT_EQ(together.parts.size(), together.positions.size());
+  for (std::size_t v = 0; v < together.positions.size(); ++v)
+    EXPECT_TRUE(is_there(together.positions[v], bones, [&](const auto& bone) {
+      return bone.second == together.parts[v] ? bone.first : Vec3f(9, 9, 9);
+    })) << v;
+  const std::size_t before = together.triangles.size();
+  update_scene(*model.coarse, posed, nullptr, {}, without, 3, coarse);
+  EXPECT_LT(coarse.list.meshes[3].triangles.size(), before) << "a hidden bone";
+  EXPECT_GT(coarse.list.meshes[3].triangles.size(), 0u) << "the other bone";
+  EXPECT_EQ(coarse.list.meshes[1].triangles.size(), fewer.triangles.size());
 }
 
 TEST(SceneMeshes, ThoseAlikeAreTakenOverAndOthersAreNot) {

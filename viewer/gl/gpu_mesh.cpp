@@ -27,11 +27,10 @@ void check(const DrawMesh& mesh, int index) {
 }
 
 void check_triangles(const DrawMesh& mesh, int index) {
-  for (const std::vector<Triangle32>* triangles : {&mesh.triangles, &mesh.coarse})
-    for (const Triangle32& t : *triangles)
-      if (t.maxCoeff() >= mesh.positions.size())
-        throw std::invalid_argument(fmt::format("draw list: mesh {}: vertex {} of {}", index,
-                                                t.maxCoeff(), mesh.positions.size()));
+  for (const Triangle32& t : mesh.triangles)
+    if (t.maxCoeff() >= mesh.positions.size())
+      throw std::invalid_argument(fmt::format("draw list: mesh {}: vertex {} of {}", index,
+                                              t.maxCoeff(), mesh.positions.size()));
 }
 
 }  // namespace
@@ -57,8 +56,7 @@ void GpuMeshes::begin(const DrawList& list) {
     Slot& slot = it->second;
     const bool whole =
         fresh || !mesh.key || slot.shape != mesh.shape || slot.vertices != mesh.positions.size();
-    const bool faced = whole || slot.faces != mesh.faces ||
-                       slot.triangles != mesh.triangles.size() || slot.coarse != mesh.coarse.size();
+    const bool faced = whole || slot.faces != mesh.faces || slot.triangles != mesh.triangles.size();
     if (whole || slot.revision != mesh.revision) {
       check(mesh, int(i));
       upload(slot, mesh, whole);
@@ -122,23 +120,16 @@ void GpuMeshes::upload(Slot& slot, const DrawMesh& mesh, bool fresh) const {
   }
 }
 
-// The coarse ones behind the others, in one buffer.
 void GpuMeshes::upload_triangles(Slot& slot, const DrawMesh& mesh) const {
   slot.triangles = mesh.triangles.size();
-  slot.coarse = mesh.coarse.size();
-  const auto bytes = [](std::size_t count) {
-    return static_cast<GLsizeiptr>(count * sizeof(Triangle32));
-  };
   gl_.BindVertexArray(slot.vertex_array);
   gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, slot.indices);
-  gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER, bytes(slot.triangles + slot.coarse), nullptr,
-                 GL_STATIC_DRAW);
-  gl_.BufferSubData(GL_ELEMENT_ARRAY_BUFFER, 0, bytes(slot.triangles), mesh.triangles.data());
-  gl_.BufferSubData(GL_ELEMENT_ARRAY_BUFFER, bytes(slot.triangles), bytes(slot.coarse),
-                    mesh.coarse.data());
+  gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER,
+                 static_cast<GLsizeiptr>(slot.triangles * sizeof(Triangle32)),
+                 mesh.triangles.data(), GL_STATIC_DRAW);
 }
 
-void GpuMeshes::draw(const DrawList& list, const DrawItem& item, bool coarse) const {
+void GpuMeshes::draw(const DrawList& list, const DrawItem& item) const {
   const DrawMesh& mesh = list.meshes[item.mesh];
   const Slot& slot = slots_.at(keys_[item.mesh]);
   if (slot.triangles == 0) return;
@@ -149,10 +140,8 @@ void GpuMeshes::draw(const DrawList& list, const DrawItem& item, bool coarse) co
   if (mesh.dissolve.empty()) gl_.VertexAttrib1f(4, 1);
   if (mesh.fibres.empty()) gl_.VertexAttrib4f(5, 1, 0, 0, 0);
   if (mesh.parts.empty()) gl_.VertexAttribI1ui(6, item.part);
-  const bool fewer = coarse && slot.coarse > 0;
-  const std::size_t first = fewer ? slot.triangles * sizeof(Triangle32) : 0;
-  gl_.DrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * (fewer ? slot.coarse : slot.triangles)),
-                   GL_UNSIGNED_INT, reinterpret_cast<const void*>(first));
+  gl_.DrawElements(GL_TRIANGLES, static_cast<GLsizei>(3 * slot.triangles), GL_UNSIGNED_INT,
+                   nullptr);
 }
 
 }  // namespace ecorche

@@ -25,8 +25,7 @@ class GpuMeshes {
   // Throws std::invalid_argument naming the mesh: arrays of unequal length, indices out of range.
   void begin(const DrawList& list);
   // Draws the item's mesh of that list; missing arrays take the item's values.
-  // `coarse`: the triangles of quick pictures.
-  void draw(const DrawList& list, const DrawItem& item, bool coarse) const;
+  void draw(const DrawList& list, const DrawItem& item) const;
   // Box around mesh `index` of that list, in its own frame; empty for a mesh without vertices.
   const Eigen::AlignedBox3f& box(int index) const { return slots_.at(keys_[index]).box; }
 
@@ -37,7 +36,7 @@ class GpuMeshes {
     std::array<GLuint, attribute_count> buffers{};
     Eigen::AlignedBox3f box;
     std::uint64_t revision = 0, shape = 0, faces = 0;
-    std::size_t vertices = 0, triangles = 0, coarse = 0;
+    std::size_t vertices = 0, triangles = 0;
     int last_frame = 0;
   };
   void upload(Slot& slot, const DrawMesh& mesh, bool fresh) const;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <glm/ext/matrix_transform.hpp>
 #include <glm/gtc/color_space.hpp>
 #include <glm/gtc/matrix_inverse.hpp>
@@ -33,6 +34,8 @@ glm::vec3 radiance(const Vec3f& srgb, float strength) {
   return glm::convertSRGBToLinear(to_glm(srgb)) * strength;
 }
 
+// Neither track nor pit.
+bool is_plain(const Ground& g) { return g.track_end <= g.track_begin && g.pit_end <= g.pit_begin; }
 bool is_opaque(const DrawItem& item) { return item.surface.opacity >= 1; }
 bool dissolves(const DrawItem& item) { return item.surface.dissolved > 0; }
 PixelWindow within(const PixelWindow& w, const PixelWindow& all) {
@@ -87,6 +90,13 @@ struct Renderer::Impl {
     gl.BindVertexArray(empty_array);
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
   }
+  // The strips below, above and beside it, as far as they are drawn.
+  std::array<PixelWindow, 4> around(const PixelWindow& w) const {
+    return {within({0, 0, width, w.y}, all),
+            within({0, w.y + w.height, width, height - w.y - w.height}, all),
+            within({0, w.y, w.x, w.height}, all),
+            within({w.x + w.width, w.y, width - w.x - w.width, w.height}, all)};
+  }
   void set_scissor(const PixelWindow& w, int scale) const {
     gl.Enable(GL_SCISSOR_TEST);
     gl.Scissor(w.x * scale, w.y * scale, w.width * scale, w.height * scale);
@@ -140,7 +150,7 @@ struct Renderer::Impl {
                                      background_fragment};
   GlProgram background_quick_program{gl,
                                      "quick background",
-                                     "#define SUNNY\n#define QUICK\n",
+                                     "#define SUNNY\n#define QUICK\n#define PLAIN\n",
                                      shader_prelude,
                                      screen_vertex,
                                      background_fragment};
@@ -220,7 +230,7 @@ void Renderer::Impl::draw_item(const GlProgram& program, const DrawList& list,
   program.set("u_model", to_glm(item.X_WM));
   program.set("u_dissolved", item.surface.dissolved);
   program.set("u_cut", item.cut_face ? glm::vec4(0, 0, 0, 1) : frame.kept);
-  meshes.draw(list, item, options.quick);
+  meshes.draw(list, item);
 }
 
 void Renderer::Impl::draw_shadows(const DrawList& list) {
@@ -261,8 +271,9 @@ void Renderer::Impl::draw_background(const DrawList& list) {
   gl.Disable(GL_CULL_FACE);
   gl.Enable(GL_DEPTH_TEST);
   gl.DepthFunc(GL_ALWAYS);
-  gl.DepthMask(GL_TRUE);
+  gl.DepthMask(options.quick ? GL_FALSE : GL_TRUE);  // nothing reads it then
   if (options.transparent) {
+    gl.DepthMask(GL_TRUE);
     const float nothing[4] = {0, 0, 0, 0}, far_away = 1;
     gl.ClearBufferfv(GL_COLOR, 0, nothing);
     gl.ClearBufferfv(GL_DEPTH, 0, &far_away);
@@ -287,27 +298,25 @@ void Renderer::Impl::draw_background(const DrawList& list) {
   };
   const PixelWindow w = g.visible && !options.quick ? frame.shadow : PixelWindow{};
   draw_in(background_program, w);
-  const GlProgram& rest = !g.visible      ? background_empty_program
-                          : options.quick ? background_quick_program
-                                          : background_sunny_program;
-  draw_in(rest, within({0, 0, width, w.y}, all));
-  draw_in(rest, within({0, w.y + w.height, width, height - w.y - w.height}, all));
-  draw_in(rest, within({0, w.y, w.x, w.height}, all));
-  draw_in(rest, within({w.x + w.width, w.y, width - w.x - w.width, w.height}, all));
+  const GlProgram& rest = !g.visible                     ? background_empty_program
+                          : options.quick && is_plain(g) ? background_quick_program
+                                                         : background_sunny_program;
+  for (const PixelWindow& strip : around(w)) draw_in(rest, strip);
   gl.DepthFunc(GL_LESS);
   gl.Disable(GL_SCISSOR_TEST);
 }
 
 void Renderer::Impl::draw_opaque(const DrawList& list) {
   scene.resize(width * samples, height * samples);
-  scene.bind();
+  const bool quick = options.quick && samples == 1;
+  scene.bind(quick ? 2 : 3);  // nothing reads the normals then
   bind_texture(0, shadow.depth());
   const float nothing[4] = {0, 0, 0, 0}, far_away = 1;
   const GLuint no_part[4] = {0, 0, 0, 0};
   gl.DepthMask(GL_TRUE);
   gl.ClearBufferfv(GL_COLOR, 0, nothing);
   gl.ClearBufferuiv(GL_COLOR, 1, no_part);
-  gl.ClearBufferfv(GL_COLOR, 2, nothing);
+  if (!quick) gl.ClearBufferfv(GL_COLOR, 2, nothing);
   gl.ClearBufferfv(GL_DEPTH, 0, &far_away);
   set_scissor(frame.figure, samples);
   for (const GlProgram* program :
@@ -428,18 +437,20 @@ void Renderer::Impl::draw_resolved(GLuint framebuffer) {
   const GlProgram* under = options.transparent ? over
                            : quick             ? &resolve_ground_quick_program
                                                : &resolve_ground_program;
-  set_scissor(all, 1);
-  for (const GlProgram* program : {under, over}) {
-    program->use();
-    program->set("u_color", 1);
-    program->set("u_parts", 2);
-    program->set("u_open", 3);
-    program->set("u_ground", 4);
-    program->set("u_samples", samples);
-    program->set("u_outline", options.outline);
+  const auto draw_in = [&](const GlProgram& program, const PixelWindow& w) {
+    if (w.width <= 0 || w.height <= 0) return;
+    set_scissor(w, 1);
+    program.use();
+    program.set("u_color", 1);
+    program.set("u_parts", 2);
+    program.set("u_open", 3);
+    program.set("u_ground", 4);
+    program.set("u_samples", samples);
+    program.set("u_outline", options.outline);
     draw_full_screen();
-    set_scissor(frame.figure, 1);
-  }
+  };
+  for (const PixelWindow& strip : around(frame.figure)) draw_in(*under, strip);
+  draw_in(*over, frame.figure);
   gl.Disable(GL_SCISSOR_TEST);
 }
 

@@ -21,7 +21,7 @@ struct RenderOptions {
   bool ambient_occlusion =
       true;               // of the screen; costs about 40 ms at 1280x720 on a software driver
   float outline = 0.35f;  // darkness of the line between neighbouring parts, 0..1
-  // for what moves: coarse triangles, plain flesh and ground, no shadows
+  // for what moves: plain flesh and ground, no shadows
   bool quick = false;
   // of the picture, from the left, the columns that are drawn, others keep what they had; 0: all
   int first_column = 0, columns = 0;

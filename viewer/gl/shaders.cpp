@@ -285,6 +285,7 @@ void main() {
 #endif
   if (u_grid > 0.0)
     base *= 1.0 - 0.16 * max(lines(p.x, u_grid, 0.012, fx.x), lines(p.z, u_grid, 0.012, fx.y));
+#ifndef PLAIN
   if (u_track.w > u_track.z) {
     float x = abs(p.x - u_track.x);
     float on = band(p.z, u_track.z, u_track.w, fx.y);
@@ -321,6 +322,7 @@ void main() {
     vec3 ripple = normalize(vec3(-0.035 * slope.x * detail, 1.0, -0.035 * slope.y * detail));
     n = normalize(mix(n, ripple, in_pit));
   }
+#endif
 #ifdef SUNNY
   float shade = 1.0;
 #else
@@ -331,9 +333,11 @@ void main() {
   float distance_ = length(p - u_eye);
   color = mix(color, back, smoothstep(0.35, 1.0, distance_ / u_fade_distance));
   o_color = vec4(sky ? back : color, 1.0);
+#ifndef QUICK
   vec4 clip = u_view_projection * vec4(p, 1.0);
   float depth = 0.5 + 0.5 * clip.z / clip.w;
   gl_FragDepth = sky || depth > 0.999998 ? 1.0 : max(depth, 0.0);
+#endif
 #endif
 }
 )";
@@ -454,14 +458,19 @@ void main() {
   vec3 shade = pow(vec3(open), vec3(1.05, 1.25, 1.3));
 #endif
 #ifdef FIGURE
-  ivec2 origin = here * u_samples;
+#ifdef QUICK
+  const int samples = 1;
+#else
+  int samples = u_samples;
+#endif
+  ivec2 origin = here * samples;
   ivec2 last = textureSize(u_parts, 0) - 1;
   vec3 sum = vec3(0.0);
 #ifdef TRANSPARENT
   float covered = 0.0;
 #endif
-  for (int y = 0; y < u_samples; ++y)
-    for (int x = 0; x < u_samples; ++x) {
+  for (int y = 0; y < samples; ++y)
+    for (int x = 0; x < samples; ++x) {
       ivec2 at = origin + ivec2(x, y);
       vec4 c = texelFetch(u_color, at, 0);
 #ifdef TRANSPARENT
@@ -478,9 +487,9 @@ void main() {
     }
 #ifdef TRANSPARENT
   sum /= max(covered, 1e-4);
-  float alpha = covered / float(u_samples * u_samples);
+  float alpha = covered / float(samples * samples);
 #else
-  sum /= float(u_samples * u_samples);
+  sum /= float(samples * samples);
   const float alpha = 1.0;
 #endif
 #else

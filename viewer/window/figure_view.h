@@ -9,6 +9,7 @@
 #include "viewer/gl/gl_api.h"
 #include "viewer/gl/gl_targets.h"
 #include "viewer/gl/renderer.h"
+#include "viewer/gl/window_copies.h"
 #include "viewer/organ_rooms.h"
 #include "viewer/scene.h"
 #include "viewer/window/view_document.h"
@@ -47,10 +48,18 @@ class FigureView {
   // coarse, at half the size; coarse; with shadows; with fine edges and occlusion
   enum class Detail { half, quick, plain, fine };
   Detail detail_for(Wish wish, bool busy) const;
+  // A scene of the subject's model, or of its coarse one.
+  struct Shown {
+    Scene scene;
+    std::optional<Appearance> drawn;  // of the scene as it is
+  };
+  void bring_up(const SceneModel& model, const PosedAnatomy& posed, const Appearance& appearance,
+                Shown& shown);
   void render(const PosedAnatomy& posed, const Appearance& appearance, const ViewDocument& document,
-              const Camera& camera);
-  void cut(const ViewDocument& document, const PosedAnatomy& posed);
-  void show(const Size& size);
+              Shown& shown);
+  void cut(const ViewDocument& document, const PosedAnatomy& posed, const Appearance& appearance,
+           DrawList& list);
+  void show(const Size& size, bool again);
   bool same_camera(const Camera& camera) const;
 
   const ViewSubject& subject_;
@@ -58,18 +67,22 @@ class FigureView {
   Renderer renderer_;
   GlApi gl_;
   GlTarget kept_{gl_, {GL_RGBA8}, false};  // the picture, without panels
+  GlTarget store_{gl_, {GL_RGBA}, false};  // the window's pixels of it, where it is seen again
+  bool stored_ = false;
   Detail detail_ = Detail::plain;
   bool slow_ = false, rendered_ = false;
   int first_column_ = 0, columns_ = 0;  // of the kept picture, that were drawn
   float share_ = 1;                     // of the window's pixels
   std::uint64_t touched_ = 0;
-  Scene scene_;
+  Shown fine_, coarse_;
+  Camera camera_;  // of the kept picture
+  bool ground_ = false;
   PosedAnatomy posed_;
   SkinFrame skin_;
   std::vector<float> activity_;
-  std::optional<Appearance> drawn_;  // of the scene as it is
-  SectionPlane section_;             // that was drawn
-  std::optional<Vec4f> cut_;         // the plane of faces_
+  std::optional<Appearance> pictured_;  // that the kept picture has
+  SectionPlane section_;                // that was drawn
+  std::optional<Vec4f> cut_;            // the plane of faces_
   DrawMesh faces_;
   std::vector<OrganRoom> rooms_;
   std::uint64_t rooms_of_ = 0;  // SceneModel::number

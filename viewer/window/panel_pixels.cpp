@@ -80,21 +80,11 @@ std::map<std::string, PanelPixels::Panel> PanelPixels::panels_of(const ImDrawDat
       panel.box.x1 = std::max(panel.box.x1, int(std::ceil(seen.z * scale.x)));
       panel.box.y1 = std::max(panel.box.y1, int(std::ceil(seen.w * scale.y)));
     }
-    Box& box = panel.box;
+    PixelBox& box = panel.box;
     box.x0 = std::max(box.x0, 0), box.y0 = std::max(box.y0, 0);
     box.x1 = std::min(box.x1, width), box.y1 = std::min(box.y1, height);
   }
   return out;
-}
-
-void PanelPixels::copy(const Box& box, unsigned from, unsigned to) const {
-  const int top = store_.height() - box.y0, bottom = store_.height() - box.y1;
-  gl_.Disable(GL_SCISSOR_TEST);
-  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, from);
-  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, to);
-  gl_.BlitFramebuffer(box.x0, bottom, box.x1, top, box.x0, bottom, box.x1, top, GL_COLOR_BUFFER_BIT,
-                      GL_NEAREST);
-  gl_.BindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 
 void PanelPixels::draw(ImDrawData& data, int width, int height) {
@@ -108,7 +98,7 @@ void PanelPixels::draw(ImDrawData& data, int width, int height) {
   for (auto& [name, panel] : panels) {
     if (name == over) continue;
     for (const auto& [other_name, other] : panels) {
-      const Box &a = panel.box, &b = other.box;
+      const PixelBox &a = panel.box, &b = other.box;
       if (other_name != name && other_name != over && a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 &&
           b.y0 < a.y1)
         panel.passing = true;
@@ -116,7 +106,7 @@ void PanelPixels::draw(ImDrawData& data, int width, int height) {
   }
 
   std::vector<ImDrawList*> behind, anew;
-  std::vector<const Box*> copied, to_store;
+  std::vector<const PixelBox*> copied, to_store;
   for (int k = 0; k < data.CmdListsCount; ++k) {
     ImDrawList* const list = data.CmdLists[k];
     const std::string name = panel_name(*list);
@@ -147,9 +137,9 @@ void PanelPixels::draw(ImDrawData& data, int width, int height) {
     data.CmdListsCount = all.second;
   };
   draw_lists(behind);
-  for (const Box* box : copied) copy(*box, store_.framebuffer(), 0);
+  for (const PixelBox* box : copied) put_pixels(gl_, *box, store_);
   draw_lists(anew);
-  for (const Box* box : to_store) copy(*box, 0, store_.framebuffer());
+  for (const PixelBox* box : to_store) keep_pixels(gl_, *box, store_);
 }
 
 }  // namespace ecorche

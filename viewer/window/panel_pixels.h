@@ -10,6 +10,7 @@
 #include "viewer/gl/gl_api.h"
 #include "viewer/gl/gl_targets.h"
 #include "viewer/gl/renderer.h"
+#include "viewer/gl/window_copies.h"
 
 struct ImDrawData;
 
@@ -24,11 +25,8 @@ class PanelPixels {
   void draw(ImDrawData& data, int width, int height);
 
  private:
-  struct Box {
-    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // pixels, from the upper left
-  };
   struct Panel {
-    Box box;
+    PixelBox box;
     std::uint64_t hash = 0;  // of all that it draws
     std::vector<int> lists;  // of the draw data
     bool passing = false;    // a tooltip, a menu
@@ -39,7 +37,6 @@ class PanelPixels {
   };
 
   std::map<std::string, Panel> panels_of(const ImDrawData& data, int width, int height) const;
-  void copy(const Box& box, unsigned from, unsigned to) const;
 
   GlApi gl_;
   GlTarget store_{gl_, {GL_RGBA}, false};

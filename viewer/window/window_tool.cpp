@@ -21,6 +21,11 @@ std::optional<Vec2f> ViewProjection::pixel(const Vec3f& place) const {
                (0.5f - 0.5f * clip.y() / clip.w()) * height_);
 }
 
+float ViewProjection::depth(const Vec3f& place) const {
+  const Eigen::Vector4f clip = clip_from_world_ * place.homogeneous();
+  return clip.z() / clip.w();
+}
+
 Vec3f ViewProjection::moved(const Vec3f& place, float dx, float dy) const {
   // What a pixel is worth there, by what a millimetre to the side does.
   constexpr float step = 1e-3f;

@@ -23,6 +23,7 @@ class ViewProjection {
   ViewProjection(const Camera& camera, float width, float height);
 
   std::optional<Vec2f> pixel(const Vec3f& place) const;  // none behind the eye
+  float depth(const Vec3f& place) const;  // larger farther from the eye, linear in the picture
   // How far a place has moved, m, that goes so many pixels in the plane of the picture.
   Vec3f moved(const Vec3f& place, float dx, float dy) const;
 

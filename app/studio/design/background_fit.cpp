@@ -19,6 +19,7 @@
 #include "app/edit/session.h"
 #include "app/edit/workshop.h"
 #include "app/files/open_motion.h"
+#include "viewer/coarse_scene.h"
 #include "viewer/scene_meshes.h"
 
 namespace ecorche {
@@ -28,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostKept = 4;                    // bodies of documents before, for undo
 constexpr auto kRest = std::chrono::milliseconds(150);  // without another edit, before it begins
-constexpr double kCoarse = 0.016;                       // m, sides of triangles while a hand moves
+constexpr double kCoarse = 0.022;                       // m, sides of triangles while a hand moves
 constexpr double kGuess = 6;                            // s, before one has been fitted
 
 double seconds_since(Clock::time_point begin) {
@@ -40,8 +41,8 @@ std::shared_ptr<const SceneModel> scene_of(const Assets& assets, const Character
   SceneOptions options;
   options.eyes = find_eyes(assets, character.body.skin, character.anatomy.skeleton);
   options.key = fresh_scene_key();
-  options.coarse = kCoarse;
   SceneModel model = make_scene_model(character.anatomy, character.body.skin, options);
+  model.coarse = make_coarse(character.anatomy, model, kCoarse);
   if (before) keep_alike(*before, model);
   return std::make_shared<const SceneModel>(std::move(model));
 }
