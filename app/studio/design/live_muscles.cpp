@@ -136,11 +136,21 @@ LiveMuscleMaker::LiveMuscleMaker(Workshop& workshop, const Document& of, const A
     : workshop_(workshop), of_(of), shown_(shown), carrier_(workshop.base().anatomy, shown) {}
 
 std::vector<Muscle> LiveMuscleMaker::placed(const Document& document, int entry) {
+  const Shared<EditedMuscle>& muscle = document.muscles[std::size_t(entry)];
+  if (const auto last = placed_.find(muscle->left.name); last != placed_.end()) {
+    const Document& of = last->second.of;
+    const int then = find_entry(of, muscle->left.name);
+    if (of.muscles[std::size_t(then)] == muscle && of.frame == document.frame &&
+        of.skeleton == document.skeleton && of.joints == document.joints && of.fit == document.fit)
+      return last->second.sides;
+  }
   std::vector<Muscle> sides = placed_entry(workshop_, document, entry);
   if (has_own_parts(document) || has_own_parts(of_))
     rename_joints(edited_joints(workshop_, document), shown_.skeleton, sides);
-  return carry_muscles(sides,
-                       [this](const Vec3& x, int joint) { return carrier_.carry(x, joint); });
+  sides =
+      carry_muscles(sides, [this](const Vec3& x, int joint) { return carrier_.carry(x, joint); });
+  placed_[muscle->left.name] = {document, sides};
+  return sides;
 }
 
 LiveMuscles LiveMuscleMaker::make(const Document& wanted, int most) {

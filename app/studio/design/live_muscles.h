@@ -59,6 +59,12 @@ class LiveMuscleMaker {
   const Anatomy& shown_;
   BoneCarrier carrier_;  // from the template's body
   std::map<std::string, std::vector<Muscle>> before_;
+  // The last of each name, which stands as long as nothing that it was made of is another.
+  struct Placed {
+    Document of;
+    std::vector<Muscle> sides;
+  };
+  std::map<std::string, Placed> placed_;
 };
 
 }  // namespace ecorche
