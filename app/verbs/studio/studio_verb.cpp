@@ -172,7 +172,10 @@ int run_studio(const StudioOptions& options, const Common& common, Report& repor
     forget_sessions(options.forget, common);
     return 0;
   }
-  const bool starts_with_project = !options.start.empty() && is_project(options.start);
+  // a project that was never saved is its journal alone
+  const bool starts_with_project =
+      !options.start.empty() &&
+      (is_project(options.start) || fs::is_regular_file(options.start / kJournalFile));
   check_studio_options(options, starts_with_project);
   std::vector<fs::path> inputs = options.scripts;
   inputs.push_back(options.input);
