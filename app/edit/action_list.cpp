@@ -102,6 +102,8 @@ const std::vector<ActionKind>& kinds() {
        "arm.png look_at=biceps_brachii_long_l layers=muscles,bones", Render{}},
       {"report", kSession, "Print a muscle's length, volume, force, and moment arm",
        "biceps_brachii_long joint=elbow", ReportMuscle{}},
+      {"curves", kSession, "Write a muscle's length, speed and moment arm over the motion",
+       "curves.csv biceps_brachii_long joint=elbow", WriteCurves{}},
   };
   return all;
 }

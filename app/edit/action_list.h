@@ -25,7 +25,7 @@ using Action =
                  SnapJoint, SetGroup, ResetGroup, AddJoint, RemoveJoint, RestoreJoint, AddBone,
                  SetBone, RemoveBone, SetBody, SetMeasure, FreeMeasure, SetLayer, SetFit, SetPose,
                  TurnJoint, Activate, PlayMotion, ShowMoment, Undo, Redo, Save, ExportMuscle,
-                 WriteCharacter, Render, ReportMuscle>;
+                 WriteCharacter, Render, ReportMuscle, WriteCurves>;
 
 struct ActionKind {
   const char *name, *group, *help;

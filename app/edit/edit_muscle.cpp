@@ -110,6 +110,11 @@ TablePoint place_on_bone(Workshop& workshop, const Document& document, const std
   return {best, snapped - all[std::size_t(best)].position};
 }
 
+Vec3 table_place(const Vec3& source, Side side) {
+  const double left = source.x() - kSourceMidPlane;
+  return {side == Side::right ? -left : left, source.y(), source.z()};
+}
+
 TablePoint read_place(Workshop& workshop, const Document& document, const std::string& text) {
   if (const auto at = text.find('@'); at != std::string::npos) {
     const Vec3 place = triple(text, text.substr(at + 1)) + Vec3(kSourceMidPlane, 0, 0);

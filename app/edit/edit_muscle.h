@@ -26,6 +26,10 @@ Document with_change(const Document& document, const MeantMuscle& meant,
 TableStrip& strip_of(TableMuscle& muscle, int strip);
 TablePoint& point_of(TableMuscle& muscle, int strip, int point);
 
+// A place of the source skeleton as the table has it: m to the left of the mid-plane (of the right
+// side: to the right), up and front.
+Vec3 table_place(const Vec3& source, Side side);
+
 // A place as scripts write it:
 //   LANDMARK                of data/landmarks
 //   LANDMARK+LEFT,UP,FRONT  and so far from it, mm

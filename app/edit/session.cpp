@@ -384,19 +384,23 @@ void Session::do_beside(const Render& x) {
   draw_(actor(), motion, activations, x);
 }
 
+int Session::joint_meant(const std::string& joint, const std::string& side) {
+  if (joint.empty()) return -1;
+  const Skeleton& skeleton = fitted().anatomy.skeleton;
+  int found = find_joint(skeleton, joint);
+  if (found < 0) found = find_joint(skeleton, joint + side);
+  if (found < 0)
+    throw InputError(fmt::format("argument 'joint': '{}': there is no such joint{}", joint,
+                                 did_you_mean(joint, workshop_.joint_names())));
+  return found;
+}
+
 void Session::do_beside(const ReportMuscle& x) {
   const MeantMuscle meant = meant_muscle(document(), x.muscle);
   const std::string& name = document().muscles[std::size_t(meant.entry)]->left.name;
   const Anatomy& anatomy = fitted().anatomy;
-  int joint = -1;
   const char* side = meant.side == Side::right ? "_r" : "_l";
-  if (!x.joint.empty()) {
-    joint = find_joint(anatomy.skeleton, x.joint);
-    if (joint < 0) joint = find_joint(anatomy.skeleton, x.joint + side);
-    if (joint < 0)
-      throw InputError(fmt::format("argument 'joint': '{}': there is no such joint{}", x.joint,
-                                   did_you_mean(x.joint, workshop_.joint_names())));
-  }
+  const int joint = joint_meant(x.joint, side);
   const int axis = angle_index(x.angle);
   const int muscle = find_muscle(anatomy, name + side);
   Pose start = rest_pose(anatomy.skeleton);
@@ -418,6 +422,36 @@ void Session::do_beside(const ReportMuscle& x) {
     fmt::print(", moment arm {:.1f} mm about {} {}", 1e3 * *figures.moment_arm,
                anatomy.skeleton.joints[std::size_t(joint)].name, x.angle);
   fmt::print("\n");
+}
+
+void Session::do_beside(const WriteCurves& x) {
+  require_ending(x.file, {".csv"});
+  check_outputs(common_, {x.file});
+  if (document().trial->motion.empty())
+    throw InputError("there is no motion; play_motion FILE takes one");
+  const MeantMuscle meant = meant_muscle(document(), x.muscle);
+  const char* side = meant.side == Side::right ? "_r" : "_l";
+  const Anatomy& anatomy = actor().character.anatomy;
+  const int muscle =
+      find_muscle(anatomy, document().muscles[std::size_t(meant.entry)]->left.name + side);
+  const MuscleGauge gauge(anatomy, muscle,
+                          trial_activation(document(), anatomy)[std::size_t(muscle)],
+                          joint_meant(x.joint, side), angle_index(x.angle));
+  const Motion motion =
+      open_motion(document().trial->motion, actor(), MotionOptions{}, common_, report_);
+  std::vector<double> lengths;
+  std::vector<std::optional<double>> arms;
+  for (const Pose& frame : motion.frames) {
+    const Pose pose = trial_pose(workshop_, document(), anatomy.skeleton, frame);
+    lengths.push_back(gauge.length(pose));
+    arms.push_back(gauge.moment_arm(pose));
+  }
+  const std::vector<double> speeds = speeds_of(lengths, motion.fps);
+  std::string table = "seconds,length_mm,speed_mm_s,moment_arm_mm\n";
+  for (std::size_t k = 0; k < lengths.size(); ++k)
+    table += fmt::format("{:.4f},{:.3f},{:.2f},{}\n", double(k) / motion.fps, 1e3 * lengths[k],
+                         1e3 * speeds[k], arms[k] ? fmt::format("{:.3f}", 1e3 * *arms[k]) : "");
+  write_file_atomically(x.file, table);
 }
 
 }  // namespace ecorche

@@ -85,7 +85,9 @@ class Session {
   void do_beside(const WriteCharacter& x);
   void do_beside(const Render& x);
   void do_beside(const ReportMuscle& x);
-  bool open_project(bool discard);  // false: there is none
+  void do_beside(const WriteCurves& x);
+  int joint_meant(const std::string& joint, const std::string& side);  // -1: none is named
+  bool open_project(bool discard);                                     // false: there is none
   void recover(const std::filesystem::path& file);
   std::string do_again(const std::filesystem::path& file, const std::vector<std::string>& lines);
   bool begin_unsaved();

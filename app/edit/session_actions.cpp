@@ -49,4 +49,12 @@ void arguments(Arguments& a, ReportMuscle& x) {
            "the axis of it");
 }
 
+void arguments(Arguments& a, WriteCurves& x) {
+  a.text("file", "file", x.file, Need::required, "table to write (.csv), a row a frame");
+  a.text("muscle", "muscle", x.muscle, Need::optional, "whose length and speed are written");
+  a.text("joint", "joint", x.joint, Need::optional, "about which it has a moment arm");
+  a.choice("angle", x.angle, {"flexion", "abduction", "rotation"}, Need::optional,
+           "the axis of it");
+}
+
 }  // namespace ecorche

@@ -31,6 +31,10 @@ struct ReportMuscle {
   std::string muscle, joint, angle = "flexion";
 };
 
+struct WriteCurves {
+  std::string file, muscle, joint, angle = "flexion";
+};
+
 void arguments(Arguments& a, Undo& x);
 void arguments(Arguments& a, Redo& x);
 void arguments(Arguments& a, Save& x);
@@ -38,5 +42,6 @@ void arguments(Arguments& a, ExportMuscle& x);
 void arguments(Arguments& a, WriteCharacter& x);
 void arguments(Arguments& a, Render& x);
 void arguments(Arguments& a, ReportMuscle& x);
+void arguments(Arguments& a, WriteCurves& x);
 
 }  // namespace ecorche

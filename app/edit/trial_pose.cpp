@@ -69,36 +69,57 @@ std::vector<double> trial_activation(const Document& document, const Anatomy& an
   return out;
 }
 
-MuscleFigures muscle_figures(const Anatomy& anatomy, int muscle, const Pose& pose,
-                             const std::vector<double>& activation, int joint, int axis) {
+MuscleGauge::MuscleGauge(const Anatomy& anatomy, int muscle, double activation, int joint, int axis)
+    : one_(alone(anatomy, muscle)),
+      table_(make_posing_table(one_)),
+      activation_(activation),
+      joint_(joint),
+      axis_(axis) {}
+
+double MuscleGauge::length(const Pose& pose) const {
+  return std::ranges::max(lengths_in(table_, one_.skeleton, pose, -1, 0, 0, activation_));
+}
+
+std::optional<double> MuscleGauge::moment_arm(const Pose& pose) const {
   constexpr double kStep = 0.2 * kDegree;  // to either side, as docs/tables.md has it
   constexpr double kStill = 0.1e-3;        // m: arms below are none
-  const Anatomy one = alone(anatomy, muscle);
-  const PosingTable table = make_posing_table(one);
-  const Muscle& of = one.muscles.front();
-  const double effort = activation[std::size_t(muscle)];
-  MuscleFigures out;
-  for (const Strip& strip : of.strips)
-    out.rest_length = std::max(out.rest_length, strip.rest_length);
-  const std::vector<double> now = lengths_in(table, one.skeleton, pose, -1, 0, 0, effort);
-  out.length = *std::ranges::max_element(now);
-  out.volume = of.volume;
-  out.fibre_length = of.fibre_length;
-  out.force = of.max_force;
-  if (joint < 0) return out;
-  const std::vector<double> less =
-      lengths_in(table, one.skeleton, pose, joint, axis, -kStep, effort);
-  const std::vector<double> more =
-      lengths_in(table, one.skeleton, pose, joint, axis, kStep, effort);
+  if (joint_ < 0) return std::nullopt;
+  const auto turned = [&](double by) {
+    return lengths_in(table_, one_.skeleton, pose, joint_, axis_, by, activation_);
+  };
+  const std::vector<double> less = turned(-kStep), more = turned(kStep);
   double sum = 0;
   int crossing = 0;
-  for (std::size_t k = 0; k < now.size(); ++k) {
+  for (std::size_t k = 0; k < less.size(); ++k) {
     const double arm = (less[k] - more[k]) / (2 * kStep);
     if (std::abs(arm) < kStill) continue;
     sum += arm;
     ++crossing;
   }
-  if (crossing > 0) out.moment_arm = sum / crossing;
+  return crossing > 0 ? std::optional<double>(sum / crossing) : std::nullopt;
+}
+
+std::vector<double> speeds_of(const std::vector<double>& values, double fps) {
+  std::vector<double> out(values.size(), 0);
+  for (std::size_t k = 0; k < values.size() && values.size() > 1; ++k) {
+    const std::size_t before = k > 0 ? k - 1 : 0, after = std::min(k + 1, values.size() - 1);
+    out[k] = (values[after] - values[before]) * fps / double(after - before);
+  }
+  return out;
+}
+
+MuscleFigures muscle_figures(const Anatomy& anatomy, int muscle, const Pose& pose,
+                             const std::vector<double>& activation, int joint, int axis) {
+  const Muscle& of = anatomy.muscles[std::size_t(muscle)];
+  const MuscleGauge gauge(anatomy, muscle, activation[std::size_t(muscle)], joint, axis);
+  MuscleFigures out;
+  for (const Strip& strip : of.strips)
+    out.rest_length = std::max(out.rest_length, strip.rest_length);
+  out.length = gauge.length(pose);
+  out.volume = of.volume;
+  out.fibre_length = of.fibre_length;
+  out.force = of.max_force;
+  out.moment_arm = gauge.moment_arm(pose);
   return out;
 }
 

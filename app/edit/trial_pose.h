@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "anatomy/anatomy.h"
+#include "anatomy/posing/posing_table.h"
 #include "app/edit/workshop.h"
 
 namespace ecorche {
@@ -29,5 +30,24 @@ struct MuscleFigures {
 // `joint`, `axis`: about which a moment arm is wanted; -1: none.
 MuscleFigures muscle_figures(const Anatomy& anatomy, int muscle, const Pose& pose,
                              const std::vector<double>& activation, int joint, int axis);
+
+// One muscle with the skeleton that it moves with, measured pose after pose.
+class MuscleGauge {
+ public:
+  // `joint`, `axis`: as of muscle_figures().
+  MuscleGauge(const Anatomy& anatomy, int muscle, double activation, int joint, int axis);
+
+  double length(const Pose& pose) const;  // of the longest strip, m
+  std::optional<double> moment_arm(const Pose& pose) const;
+
+ private:
+  Anatomy one_;
+  PosingTable table_;
+  double activation_;
+  int joint_, axis_;
+};
+
+// How fast values that lie 1 / fps apart change, a second: from the one before to the one after.
+std::vector<double> speeds_of(const std::vector<double>& values, double fps);
 
 }  // namespace ecorche

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "anatomy/bones/bone_package.h"
+#include "anatomy/bones/bone_surface.h"
 #include "anatomy/errors.h"
 #include "anatomy/files/similar_names.h"
 #include "morph/placement/bone_groups.h"
@@ -66,6 +67,16 @@ std::vector<std::string> Workshop::pose_names() {
   for (const NamedPose& pose :
        read_pose_book(assets_.tables / "poses" / "poses.csv", source().skeleton))
     out.push_back(pose.name);
+  return out;
+}
+
+std::optional<TriMesh> Workshop::source_mesh(const Bone& of_body) {
+  const std::vector<Bone>& bones = source().bones;
+  const auto same = std::ranges::find(bones, of_body.name, &Bone::name);
+  if (same == bones.end()) return std::nullopt;
+  const Eigen::Index wanted = of_body.mesh.V.rows();
+  TriMesh out = same->mesh.V.rows() == wanted ? same->mesh : rounded_bone(same->mesh);
+  if (out.V.rows() != wanted) return std::nullopt;
   return out;
 }
 

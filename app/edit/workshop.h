@@ -4,6 +4,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,6 +41,9 @@ class Workshop {
   // The nearest point of a bone's surface, left side or middle, source frame. Throws InputError for
   // another name.
   Vec3 on_bone(const std::string& bone, const Vec3& place);
+  // The source skeleton's mesh of a bone, with the vertices that a body's bone of that name has:
+  // coarse ones are rounded once they are placed. None for a bone of one's own.
+  std::optional<TriMesh> source_mesh(const Bone& of_body);
 
  private:
   Assets assets_;

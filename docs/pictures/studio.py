@@ -28,7 +28,10 @@ def main():
         at_window(program, session, folder)
         convert(os.path.join(folder, "window.png"), os.path.join(HERE, "studio-window.jpg"), 1200)
         at_window(program, os.path.abspath(os.path.join(HERE, "..", "studio", "tools.txt")), folder)
-        for name in ("shape", "limits", "cut"):
+        shutil.copy(os.path.join(HERE, "..", "..", "data", "motions", "walk.bvh"), folder)
+        for name in ("new-muscle", "curves"):
+            at_window(program, os.path.abspath(os.path.join(HERE, "..", "studio", name + ".txt")), folder)
+        for name in ("shape", "limits", "cut", "draw", "curves"):
             convert(os.path.join(folder, name + ".png"), os.path.join(HERE, f"studio-{name}.jpg"), 900)
 
 

@@ -10,6 +10,8 @@
 #include <numbers>
 
 #include "anatomy/muscles/action_line.h"
+#include "app/edit/refit.h"
+#include "app/studio/design/bone_clicks.h"
 #include "app/studio/design/give_way.h"
 #include "app/studio/design/handles.h"
 #include "app/studio/design/limit_arcs.h"
@@ -185,6 +187,58 @@ TEST(Handles, APointGoesWhereTheHandGoes) {
       EXPECT_EQ(live.replaced.size(), 2u);
     }
   }
+}
+
+// A muscle that is drawn by clicks begins and ends, placed anew, where the bones were clicked.
+TEST(BoneClicks, AMuscleBeginsAndEndsWhereTheBonesAreClicked) {
+  if (!std::filesystem::exists(test_assets().packages.folder))
+    GTEST_SKIP() << "no data packages: data/setup.sh --packages fetches them";
+  Workshop workshop(test_assets());
+  const Anatomy& shown = workshop.base().anatomy;
+  const std::vector<Vec3> rest = rest_positions(shown.skeleton);
+  Pose pose = rest_pose(shown.skeleton);
+  pose.rotations[std::size_t(find_joint(shown.skeleton, "elbow_l"))] =
+      Quat(Eigen::AngleAxisd(0.7, Vec3::UnitX()));
+  PosedAnatomy posed;
+  forward_kinematics(shown.skeleton, pose, posed.X_WJ);
+  Camera camera;
+  camera.eye = Vec3f(0.6f, 1.2f, 3);
+  camera.target = Vec3f(0, 1, 0);
+  const ViewProjection view(camera, 1200, 900);
+  for (const std::string side : {"_l", "_r"}) {
+    std::vector<BonePlace> places;
+    for (const std::string name : {"humerus", "radius"}) {
+      const auto bone = std::ranges::find(shown.bones, name + side, &Bone::name);
+      ASSERT_NE(bone, shown.bones.end());
+      const auto seen_at = [&](const Vec3& at) {
+        return posed_place({at, {bone->joint, -1}, 1}, rest, posed).cast<float>().eval();
+      };
+      // the middle of the triangle that is nearest to the eye
+      Vec3 nearest = bone->mesh.V.row(0).transpose();
+      for (Eigen::Index f = 0; f < bone->mesh.F.rows(); ++f) {
+        Vec3 middle = Vec3::Zero();
+        for (int k = 0; k < 3; ++k) middle += bone->mesh.V.row(bone->mesh.F(f, k)).transpose() / 3;
+        if (view.depth(seen_at(middle)) < view.depth(seen_at(nearest))) nearest = middle;
+      }
+      const auto pixel = view.pixel(seen_at(nearest));
+      ASSERT_TRUE(pixel);
+      const auto place = bone_under(shown, rest, posed, view, *pixel, workshop);
+      ASSERT_TRUE(place) << name << side;
+      EXPECT_TRUE(place->text.starts_with(name + "@")) << place->text;
+      EXPECT_LT((place->rest - nearest).norm(), 1e-3) << "another place of the bone";
+      places.push_back(*place);
+    }
+    const BoneClick click{.what = BoneClick::For::insertion, .origin = places[0]};
+    const std::string line = line_of_click(click, places[1], workshop.built_in());
+    const auto document = applied(workshop, workshop.built_in(), *read_action(line));
+    ASSERT_TRUE(document) << line;
+    const std::vector<Muscle> made =
+        placed_entry(workshop, *document, find_entry(*document, "own_muscle_1"));
+    const std::vector<PathPoint>& path = made[side == "_l" ? 0 : 1].strips[0].path;
+    EXPECT_LT((path.front().rest - places[0].rest).norm(), 2e-3) << side << " " << line;
+    EXPECT_LT((path.back().rest - places[1].rest).norm(), 2e-3) << side << " " << line;
+  }
+  EXPECT_FALSE(bone_under(shown, rest, posed, view, Vec2f(3, 3), workshop)) << "no bone there";
 }
 
 double winding(const OrganRoom& room, const Vec3& p) {

@@ -754,6 +754,13 @@ def studio(t):
     t.run(0, "studio", "arm-project", "--discard", "--script", t.write("last.txt", "pose rest\nsave\n"), "--report", "more.json")
     t.check(t.bytes("arm-project/journal.txt") == b"" and b"my_biceps" in t.bytes("arm-project/project.txt"), "--discard and save")
     t.says(t.run(3, "studio", "--script", t.write("wrong.txt", "pick soleus\nmove_pont point=1 by=0,0,1\n")), "wrong.txt:2: 'move_pont' is no action; did you mean move_point")
+    curves = t.write("curves.txt", f"play_motion {t.path('walk.bvh')}\npick rectus_femoris\nturn_joint hip flexion=20\ncurves curves.csv joint=knee\nshow_moment 0.5s\nreport joint=knee\n")
+    t.run(0, "studio", "--script", curves, "--report", "curves.json")
+    rows = [[float(value) for value in line.split(",")] for line in t.bytes("curves.csv").decode().splitlines()[1:]]
+    one, now = t.json("curves.json")["muscles"]["rectus_femoris_l"], min(rows, key=lambda row: abs(row[0] - 0.5))
+    t.check(abs(now[1] - 1e3 * one["length"]) < 0.01 and abs(now[3] - 1e3 * one["moment_arm"]) < 0.01, f"the curves' row is what is reported at that moment: {now}, {one}")
+    t.check(all(abs((b[1] - a[1]) / (b[0] - a[0]) - at[2]) < 2 for a, at, b in zip(rows, rows[1:], rows[2:])) and rows[-1][0] > 1, "speeds are those of the lengths")
+    t.says(t.run(3, "studio", "--script", t.write("no-motion.txt", "pick soleus\ncurves none.csv\n")), "play_motion FILE takes one")
     t.says(t.run(2, "studio", "--script", more, "--frames", 2), "--frames belong to the window")
     unsaved_sessions(t)
     studio_window(t)
@@ -801,6 +808,17 @@ def studio_window(t):
     t.check(len(t.bytes("by-hand.png")) > 50000, "a picture of the window")
     found = t.json("window.json")["window"]
     t.check(found["editing"]["frames"] > 5 and found["undoing"]["frames"] == 1, f"frames of the window: {found}")
+    compare = t.write("compare.txt", "wait\nclick find\ntype soleus\nframes 3\nclick list:soleus\nwait\nkey 9\nkey 9\nclick section:View\nclick tab:Script\nframes 2\npicture before.png\ndrag point:1:6 40,-40\nwait\npicture after.png\nkey C\nwait\npicture again.png\nkey C\nwait\npicture after-again.png\n")
+    t.run(0, "studio", "--input", compare, "--size", "1280x720", under=VIEW)
+    figure = {name: [bytes(row[3 * 330:3 * 840]) for row in png_rows(t.bytes(f"{name}.png"))[1][150:700]] for name in ("before", "after", "again", "after-again")}
+    differ = lambda a, b: sum(x != y for x, y in zip(figure[a], figure[b]))  # noqa: E731
+    t.check(differ("before", "after") > 20 and differ("before", "again") == 0 and differ("after", "after-again") == 0, "as it was saved, and as it is")
+    t.run(0, "studio", "--input", "studio/new-muscle.txt", "--size", "1280x720", under=VIEW)
+    lines = t.bytes("studio-0002.txt").decode().splitlines()
+    t.check(len(lines) == 3 and lines[0].startswith("new_muscle name=own_muscle_1 from=humerus@") and " to=radius@" in lines[0] and lines[1] == "pick muscle=own_muscle_1" and re.search(r"point=2 to=(ulna|radius)@", lines[2]), f"a muscle drawn by clicks: {lines}")
+    t.run(0, "studio", "--project", "drawn", "--script", "studio-0002.txt")
+    t.run(0, "studio", "drawn", "--script", t.write("keep-drawn.txt", "save\n"), "--report", "drawn.json")
+    t.check(t.json("drawn.json")["recovered"] == 3, "a project that was never saved opens by its folder")
     t.says(t.run(3, "studio", "--input", t.write("no-such.txt", "click nothing\n"), under=VIEW), "no-such.txt:1: 'nothing': nothing of that name is shown")
     t.run(0, "studio", "by-hand", t.path("walk.bvh"), "--frames", 2, "--screenshot", "walks.png", "--discard", under=VIEW)
 

@@ -21,7 +21,8 @@ namespace {
 // Actions that take long: they run beside, on the document as it is.
 bool takes_long(const Action& action) {
   return std::holds_alternative<WriteCharacter>(action) || std::holds_alternative<Render>(action) ||
-         std::holds_alternative<ReportMuscle>(action);
+         std::holds_alternative<ReportMuscle>(action) ||
+         std::holds_alternative<WriteCurves>(action);
 }
 
 void stand(const Character& character, PosedAnatomy& posed, SkinFrame& frame) {
@@ -53,6 +54,7 @@ void DesignSession::take_shown(std::shared_ptr<const ShownBody> body) {
   maker_.reset();
   live_ = {};
   live_of_ = shown_->of;
+  giving_way_.clear();
   ++revision_;
 }
 
@@ -81,8 +83,18 @@ bool DesignSession::has_joint(const std::string& sided) {
   return has(sided) || has(split_side(sided).first);
 }
 
+void DesignSession::show_saved(bool on) {
+  let_go();
+  compared_.reset();
+  if (!on) return;
+  compared_ = session_.saved();
+  compared_->trial = session_.document().trial;
+  compared_->picked = session_.document().picked;
+}
+
 bool DesignSession::run(const std::string& line, const std::string& where) {
   let_go();
+  compared_.reset();
   fault_ = {};
   message_.clear();
   try {
@@ -102,6 +114,7 @@ bool DesignSession::run(const std::string& line, const std::string& where) {
 
 void DesignSession::take_up(const std::filesystem::path& session) {
   let_go();
+  compared_.reset();
   fault_ = {};
   message_ = "done again; undo takes it back";
   try {
@@ -117,6 +130,7 @@ void DesignSession::try_out(const Action& action, const std::string& where) {
   try {
     std::optional<Document> next = applied(workshop(), session_.document(), action);
     if (!next) return;
+    compared_.reset();
     trying_ = std::move(next);
     tried_line_ = action_line(action);
     fault_ = {};
@@ -164,7 +178,7 @@ bool DesignSession::make_live() {
 }
 
 void DesignSession::update() {
-  fit_.ask(session_.document());
+  fit_.ask(to_fit());
   if (BackgroundFit::Said said = fit_.take_message(); said.failed)
     fault_ = {"beside", std::move(said.text)};
   else if (!said.text.empty())
@@ -188,10 +202,11 @@ bool DesignSession::follow() {
   return changed;
 }
 
-const std::string& DesignSession::figures(const std::string& joint) {
+const std::string& DesignSession::figures(const std::string& joint, bool playing) {
   const std::string of = fmt::format("{} {} {}", revision_, seen().picked, joint);
-  if (of == figures_of_) return figures_;
+  if (of == figures_of_ && (playing || figures_pose_ == pose_number_)) return figures_;
   figures_of_ = of;
+  figures_pose_ = pose_number_;
   figures_.clear();
   const int muscle = find_muscle(anatomy(), seen().picked + "_l");
   if (muscle < 0 || !state_) return figures_;
@@ -211,9 +226,37 @@ const std::string& DesignSession::figures(const std::string& joint) {
   return figures_;
 }
 
+const DesignSession::Curves& DesignSession::curves(const std::string& joint, int axis) {
+  constexpr std::size_t at_once = 40;  // frames, so that no picture waits
+  const Motion& motion = *shown_->motion;
+  const std::string of = fmt::format("{} {} {} {}", revision_, seen().picked, joint, axis);
+  if (of != curves_of_) {
+    curves_of_ = of;
+    curves_ = {};
+    gauge_.reset();
+    const int muscle = find_muscle(anatomy(), seen().picked + "_l");
+    if (muscle < 0 || !state_) return curves_;
+    int about = joint.empty() ? -1 : find_joint(anatomy().skeleton, joint + "_l");
+    if (about < 0 && !joint.empty()) about = find_joint(anatomy().skeleton, joint);
+    const std::vector<double> effort = trial_activation(seen(), anatomy());
+    gauge_.emplace(anatomy(), muscle, effort[std::size_t(muscle)], about, axis);
+  }
+  if (!gauge_) return curves_;
+  const std::size_t end = std::min(curves_.lengths.size() + at_once, motion.frames.size());
+  for (std::size_t k = curves_.lengths.size(); k < end; ++k) {
+    const Pose pose = trial_pose(workshop(), seen(), anatomy().skeleton, motion.frames[k]);
+    curves_.lengths.push_back(gauge_->length(pose));
+    curves_.moment_arms.push_back(gauge_->moment_arm(pose).value_or(0));
+  }
+  if (end == motion.frames.size() && curves_.speeds.size() != end)
+    curves_.speeds = speeds_of(curves_.lengths, motion.fps);
+  return curves_;
+}
+
 void DesignSession::pose(int frame, bool quick, PosedAnatomy& posed, SkinFrame& skin) {
   const Character& character = shown_->character();
   const Skeleton& skeleton = character.anatomy.skeleton;
+  ++pose_number_;
   pose_ = shown_->motion
               ->frames[std::size_t(std::clamp(frame, 0, int(shown_->motion->frames.size()) - 1))];
   activation_.clear();
@@ -269,8 +312,10 @@ void DesignSession::add_live(const PosedAnatomy& posed, const Appearance& appear
                              DrawList& list) {
   const std::vector<MovedSection> moved =
       live_.muscles.empty() ? std::vector<MovedSection>() : moved_sections(posed);
-  for (const int mesh : {kSkinMesh, kMuscleMesh, kFasciaMesh})
-    giving_way_[std::size_t(mesh)].move(moved, list.meshes[std::size_t(mesh)]);
+  for (const int index : {kSkinMesh, kMuscleMesh, kFasciaMesh}) {
+    DrawMesh& mesh = list.meshes[std::size_t(index)];
+    giving_way_[mesh.key].move(moved, mesh);
+  }
   if (live_.muscles.empty() || appearance.looks.front().muscles <= 0) return;
   std::vector<std::uint32_t> parts(live_.muscles.size());
   for (std::size_t m = 0; m < parts.size(); ++m) {

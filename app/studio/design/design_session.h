@@ -2,10 +2,10 @@
 // fitted behind it, and what goes along at once.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,7 +38,14 @@ class DesignSession {
   const Session& session() const { return session_; }
   Workshop& workshop() { return session_.workshop(); }
   // The document as it is seen: with what is being tried, before it is an action.
-  const Document& seen() const { return trying_ ? *trying_ : session_.document(); }
+  const Document& seen() const {
+    return compared_ ? *compared_ : trying_ ? *trying_ : session_.document();
+  }
+  // Shows it as it was saved, in the pose of now, until an action is run or tried.
+  void show_saved(bool on);
+  // What the body is fitted to: without what is being tried.
+  const Document& to_fit() const { return compared_ ? *compared_ : session_.document(); }
+  bool shows_saved() const { return compared_.has_value(); }
   const Anatomy& anatomy() const { return shown_->character().anatomy; }
   const ShownBody& shown() const { return *shown_; }
   BackgroundFit& fit() { return fit_; }
@@ -89,8 +96,14 @@ class DesignSession {
   // Muscles of the shown anatomy that are otherwise than when the document was saved, rising.
   std::vector<int> changed_since_saved() const;
   // Length, force and the like of the picked muscle as it is posed, and its moment arms about a
-  // joint (without side, may be empty); empty where none is picked, or not yet fitted.
-  const std::string& figures(const std::string& joint);
+  // joint (without side, may be empty); while a motion plays, as they were.
+  const std::string& figures(const std::string& joint, bool playing);
+  // The left picked muscle over the motion, as far as it has been measured; some more with each
+  // call.
+  struct Curves {
+    std::vector<double> lengths, speeds, moment_arms;  // m, m/s (once all are there), m
+  };
+  const Curves& curves(const std::string& joint, int axis);
   const BoneCarrier& carrier();
   // Names without sides of the joints that the document has, and whether a side's name is of one.
   const std::vector<std::string>& joint_names();
@@ -116,16 +129,21 @@ class DesignSession {
   PosedAnatomy live_posed_;
   PointsF live_positions_, live_normals_;
   std::uint64_t live_shape_ = 0, live_revision_ = 0, live_key_ = fresh_scene_key() << 32;
-  std::array<GivingWay, 3> giving_way_;  // of skin, muscles and fascia
+  std::map<std::uint64_t, GivingWay> giving_way_;  // by the keys of skin, muscles and fascia
   Pose pose_;
   std::vector<double> activation_;
   std::optional<Document> trying_;
+  std::optional<Document> compared_;  // what was saved, in the trial of now
   std::string tried_line_;
   Shared<Trial> trial_;  // that the last pose was made with
   std::uint64_t revision_ = 1;
   Shared<EditedSkeleton> joint_names_of_;
   std::vector<std::string> joint_names_;
-  std::string figures_, figures_of_;  // and what they were made for
+  std::optional<MuscleGauge> gauge_;
+  Curves curves_;
+  std::string curves_of_;
+  std::string figures_, figures_of_;                  // and what they were made for
+  std::uint64_t pose_number_ = 0, figures_pose_ = 0;  // of pose_
   Fault fault_;
   bool fault_seen_ = false;
   std::string message_;

@@ -69,6 +69,7 @@ class DesignWindow {
   void draw_right(ViewDocument& document, float bottom);
   void dress(Appearance& appearance) const;
   bool take(const WindowEvent& event, const ViewProjection& view, ViewDocument& document);
+  bool take_bone_click(const WindowEvent& event, const ViewProjection& view);
   bool take_key(const WindowEvent& event, ViewDocument& document);
   void open(const std::filesystem::path& file);
   void guess_joint(const WindowEvent& event, const ViewProjection& view);
@@ -142,6 +143,7 @@ void DesignWindow::follow_pick(ViewDocument& document) {
 }
 
 void DesignWindow::pick(std::uint32_t part) {
+  if (std::exchange(state_.bone_clicked, false)) return;
   const Part found = part_of(part);
   if (found.kind != Part::Kind::muscle || found.index >= int(work_.anatomy().muscles.size()))
     return;
@@ -150,6 +152,39 @@ void DesignWindow::pick(std::uint32_t part) {
   side_ = muscle.side == Side::right ? "_r" : "_l";
   if (work_.seen().picked != name) work_.run("pick " + name, "view");
   followed_ = name;
+}
+
+// A press that does not travel is a click on a bone; others turn the view as ever.
+bool DesignWindow::take_bone_click(const WindowEvent& event, const ViewProjection& view) {
+  using Kind = WindowEvent::Kind;
+  const Vec2f at(event.x, event.y);
+  if (event.kind == Kind::key && event.key == GLFW_KEY_ESCAPE) {
+    state_.bone_click.reset();
+    return true;
+  }
+  if (event.kind == Kind::press) state_.pressed = at;
+  if (event.kind != Kind::release || event.key != GLFW_MOUSE_BUTTON_LEFT || !posed_ ||
+      ImGui::GetIO().WantCaptureMouse || (at - state_.pressed).norm() > 3)
+    return false;
+  state_.bone_clicked = true;
+  const auto place =
+      bone_under(work_.anatomy(), work_.joint_rest(), *posed_, view, at, work_.workshop());
+  if (!place) {
+    work_.say("there is no bone of the built-in skeleton; click on one");
+    return false;
+  }
+  work_.say({});
+  if (state_.bone_click->what == BoneClick::For::origin) {
+    state_.bone_click->what = BoneClick::For::insertion;
+    state_.bone_click->origin = place;
+    return false;
+  }
+  const std::string line = line_of_click(*state_.bone_click, *place, work_.session().document());
+  if (!work_.run(line, "bar")) return false;
+  if (state_.bone_click->what == BoneClick::For::insertion)
+    work_.run("pick " + split_words(line)[1], "bar");
+  state_.bone_click.reset();
+  return false;
 }
 
 // A motion, a body, or a mesh that may become a bone.
@@ -201,10 +236,10 @@ void DesignWindow::dress(Appearance& appearance) const {
     const Muscle& muscle = anatomy.muscles[std::size_t(m)];
     const bool own = muscle.name.size() == picked.size() + 2 && muscle.name.starts_with(picked);
     const int depth = muscle.layer == "deep" ? 3 : muscle.layer == "intermediate" ? 2 : 1;
-    if (work_.is_replaced(m) || (depth <= state_.peel && !own))
+    if (work_.is_replaced(m) || state_.bone_click || (depth <= state_.peel && !own))
       hidden.insert(kFirstMusclePart + std::uint32_t(m));
   }
-  for (std::size_t f = 0; state_.peel > 0 && f < anatomy.fascia.size(); ++f)
+  for (std::size_t f = 0; (state_.peel > 0 || state_.bone_click) && f < anatomy.fascia.size(); ++f)
     hidden.insert(kFirstFasciaPart + std::uint32_t(f));
   appearance.hidden.assign(hidden.begin(), hidden.end());
   if (state_.mark_changed)
@@ -232,6 +267,10 @@ void DesignWindow::draw_left(const PosedAnatomy& posed, ViewDocument& document, 
     help_of_last("Take layers of muscles off, superficial to deep (key L)");
     if (state_.peel > 0) quiet_text(kPeeled[state_.peel]);
     ImGui::Checkbox("colour what is not saved", &state_.mark_changed);
+    bool saved = work_.shows_saved();
+    if (ImGui::Checkbox("as it was saved", &saved)) work_.show_saved(saved);
+    name_place(document, "as it was saved");
+    help_of_last("Before and after what is not saved, in the same pose (key C)");
     ImGui::Separator();
     draw_muscle_list(work_, state_, document);
   }
@@ -327,6 +366,10 @@ bool DesignWindow::take_key(const WindowEvent& event, ViewDocument& document) {
     state_.peel = (state_.peel + 1) % 4;
     return true;
   }
+  if (event.key == GLFW_KEY_C) {
+    work_.show_saved(!work_.shows_saved());
+    return true;
+  }
   if (event.key == GLFW_KEY_J) {
     state_.joints = !state_.joints;
     return true;
@@ -342,7 +385,8 @@ bool DesignWindow::take(const WindowEvent& event, const ViewProjection& view,
     for (const std::filesystem::path& file : event.files) open(file);
     return true;
   }
-  if (posed_ && take_handle(work_, state_, *posed_, event, view)) {
+  if (state_.bone_click && take_bone_click(event, view)) return true;
+  if (posed_ && !state_.bone_click && take_handle(work_, state_, *posed_, event, view)) {
     ++document.touched;
     return true;
   }
@@ -402,6 +446,7 @@ WindowTool DesignWindow::tool() {
               {"Ctrl + S", "save the project"},
               {"Ctrl + P", "find and run an action"},
               {"L", "peel a layer of muscles, superficial to deep"},
+              {"C", "as it was saved, and as it is"},
               {"J", "centres of joints on and off"}};
   return out;
 }

@@ -222,6 +222,25 @@ std::optional<Action> action_of(const DragInput& input, const HandleDrag& drag, 
   return action_of_shape(input, drag.handle, drag.moved, one_side);
 }
 
+// Where a new muscle begins, until it is clicked where it ends.
+void draw_bone_click(DesignSession& session, const BoneClick& click, const PosedAnatomy& posed,
+                     const ViewProjection& view, ViewDocument& document, ImDrawList& list) {
+  const auto seen = [&](const Vec3& rest, int joint) {
+    const PathPoint at{rest, {joint, -1}, 1};
+    return view.pixel(posed_place(at, session.joint_rest(), posed).cast<float>());
+  };
+  if (document.recorded)
+    for (const Bone& bone : session.anatomy().bones)
+      if (const auto at = seen(bone.mesh.V.colwise().mean().transpose(), bone.joint))
+        document.places["bone:" + bone.name] = *at;
+  if (!click.origin) return;
+  const auto from = seen(click.origin->rest, click.origin->joint);
+  if (!from) return;
+  const ImVec2 begin(from->x(), from->y()), mouse = ImGui::GetIO().MousePos;
+  list.AddLine(begin, mouse, kPointFill, 2);
+  list.AddCircleFilled(begin, 0.4f * ImGui::GetFontSize(), kPointFill);
+}
+
 }  // namespace
 
 void draw_handles(DesignSession& session, PanelState& state, const PosedAnatomy& posed,
@@ -229,6 +248,10 @@ void draw_handles(DesignSession& session, PanelState& state, const PosedAnatomy&
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   std::vector<WireShape> wires;
   state.handles.clear();
+  if (state.bone_click) {
+    draw_bone_click(session, *state.bone_click, posed, view, document, list);
+    return;
+  }
   if (state.joints) {
     const Skeleton& skeleton = session.anatomy().skeleton;
     add_joints(skeleton, posed, state.handles);

@@ -67,6 +67,14 @@ void draw_points(const StripAt& at, PanelState& state) {
           "line");
     }
     if (!last) help_of_last("one more point between this and the next");
+    if (first || last) {
+      if (first) ImGui::SameLine();
+      if (ImGui::SmallButton("@"))
+        state.bone_click =
+            BoneClick{.what = BoneClick::For::point, .strip = at.strip, .point = i + 1};
+      name_place(at.view, fmt::format("click:{}:{}", at.strip, i + 1));
+      help_of_last("put it where you click on a bone");
+    }
     if (!first && !last) {
       ImGui::SameLine();
       if (ImGui::SmallButton("x"))

@@ -57,6 +57,12 @@ void draw_muscle_list(DesignSession& session, PanelState& state, ViewDocument& d
       text_field("##find", state.find, "find: soleus, heel bone", ImGui::GetContentRegionAvail().x);
   name_place(document, "find");
   help_of_last("Words of its English or Latin name, its region, its origin or insertion");
+  if (ImGui::Button("new muscle")) {
+    state.bone_click = BoneClick{};
+    session.forget_fault();
+  }
+  name_place(document, "new muscle");
+  help_of_last("Draw one: click on a bone where it begins, then where it ends");
   std::map<std::string, std::vector<const TableMuscle*>> regions;
   const Document& seen = session.seen();
   int found = 0;

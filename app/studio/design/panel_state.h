@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/edit/unsaved_sessions.h"
+#include "app/studio/design/bone_clicks.h"
 #include "app/studio/design/dropped_bone.h"
 #include "app/studio/design/handles.h"
 #include "viewer/window/view_keys.h"
@@ -33,8 +34,9 @@ struct PanelState {
   bool asks_folder = false;    // where to save to
   bool asks_to_close = false, closes = false;
   std::string folder;
-  std::string joint;  // that the panel of joints shows
-  std::string group;  // of bones, that the panel of joints shows
+  std::string joint;   // that the panel of joints shows
+  int curve_axis = 0;  // of the moment arm over the motion: flexion, abduction, rotation
+  std::string group;   // of bones, that the panel of joints shows
   std::string body_file;
   std::string joint_name, joint_place, bone_name, bone_file;  // of what is being added
   std::optional<DroppedBone> dropped;                         // that waits for its joint
@@ -46,7 +48,9 @@ struct PanelState {
   std::vector<Handle> handles;     // of the last frame
   int hovered = -1;                // of them
   std::optional<HandleDrag> drag;
-  Eigen::Vector2f pressed{0, 0};  // where it began, pixels
+  Eigen::Vector2f pressed{0, 0};        // where it began, pixels
+  std::optional<BoneClick> bone_click;  // what the next click on a bone is for
+  bool bone_clicked = false;            // one of this frame was for it
 };
 
 }  // namespace ecorche

@@ -41,7 +41,7 @@ void draw_fit_state(DesignSession& session, ViewDocument& document) {
   if (fit.is_cancelled()) {
     quiet_text("the body is as it was fitted before");
     ImGui::SameLine();
-    if (ImGui::SmallButton("fit now")) fit.ask(session.session().document(), true);
+    if (ImGui::SmallButton("fit now")) fit.ask(session.to_fit(), true);
     name_place(document, "fit now");
     return;
   }
@@ -71,12 +71,25 @@ void draw_folder(DesignSession& session, PanelState& state, ViewDocument& docume
   if (ImGui::Button("not now")) state.asks_folder = state.asks_to_close = false;
 }
 
+void draw_asked_click(PanelState& state, ViewDocument& document) {
+  using For = BoneClick::For;
+  const For what = state.bone_click->what;
+  ImGui::TextWrapped(
+      "%s", what == For::origin      ? "A new muscle: click on a bone where it begins (its origin)."
+            : what == For::insertion ? "Now click on a bone where it ends (its insertion)."
+                                     : "Click on a bone where the point is to lie.");
+  if (ImGui::Button("leave it###no click")) state.bone_click.reset();
+  name_place(document, "no click");
+  help_of_last("Escape");
+}
+
 // What a file's ending asks for, as a line of a script; empty for another one.
 std::string export_line(const std::string& file) {
   const std::filesystem::path kind = std::filesystem::path(file).extension();
   const char* action = kind == ".glb"   ? "write_character file="
                        : kind == ".png" ? "render file="
                        : kind == ".txt" ? "export_muscle file="
+                       : kind == ".csv" ? "curves file="
                                         : nullptr;
   return action ? action + ecorche::quoted(file) : std::string();
 }
@@ -84,7 +97,8 @@ std::string export_line(const std::string& file) {
 void draw_export(DesignSession& session, PanelState& state, ViewDocument& document) {
   if (!state.asks_export) return;
   ImGui::TextWrapped(
-      "Write FILE.glb: the character, FILE.png: a picture, FILE.txt: the muscle that is picked");
+      "Write FILE.glb: the character, FILE.png: a picture, FILE.txt: the picked muscle, "
+      "FILE.csv: its curves over the motion");
   const bool entered =
       text_field("##export", state.export_file, "my-arm.glb", 9 * ImGui::GetFontSize());
   name_place(document, "export file");
@@ -92,8 +106,9 @@ void draw_export(DesignSession& session, PanelState& state, ViewDocument& docume
   if ((ImGui::Button("write it") || entered) && !state.export_file.empty()) {
     const std::string line = export_line(state.export_file);
     if (line.empty())
-      session.refuse(InputError(state.export_file + ": expected a name with .glb, .png or .txt"),
-                     "export");
+      session.refuse(
+          InputError(state.export_file + ": expected a name with .glb, .png, .txt or .csv"),
+          "export");
     else if (session.run(line, "export")) {
       state.asks_export = false;
       session.say(
@@ -250,6 +265,8 @@ float draw_top_bar(DesignSession& session, PanelState& state, ViewDocument& docu
     help_of_last("F1");
     draw_left_sessions(session, state, document);
     if (!session.session().no_journal().empty()) fault_text(session.session().no_journal());
+    if (session.shows_saved()) ImGui::TextUnformatted("as it was saved; C: as it is");
+    if (state.bone_click) draw_asked_click(state, document);
     draw_folder(session, state, document);
     draw_export(session, state, document);
     draw_closing(session, state, document);
