@@ -192,7 +192,7 @@ TEST_F(StudioActions, EachHasANameHelpAndAnExampleThatReads) {
 TEST_F(StudioActions, EachDoesTheSameByScriptAndByItsValue) {
   NEED_PACKAGES();
   // these fit and draw: the command line's test runs them
-  const std::set<std::string> fits{"write_character", "render", "report"};
+  const std::set<std::string> fits{"write_character", "render", "report", "curves"};
   Session by_script = session(), by_value = session();
   file("anna.glb", "");
   file("walk.bvh", "");
