@@ -9,7 +9,10 @@
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kHeld = 0.05;     // m from an end, over which its bone holds a strip
+constexpr double kHeld = 0.05;  // m from an end, over which its bone holds a strip
+// A deep strip most of which lies along the bone of its end is bedded on it.
+constexpr double kBedded = 0.8, kLong = 0.6;  // by which share; from which share of its length on
+constexpr double kBed = 0.1;                  // m from that end
 constexpr double kOwnFade = 0.03;  // m, over which joints of a piece of the line fade beyond it
 
 // How far along a strip its sections lie, m.
@@ -72,6 +75,26 @@ std::vector<BoneHold> bone_holds(const Muscle& muscle, const Strip& strip,
   const auto [origin, insertion] = end_joints(muscle, strip);
   hold(origin, false);
   hold(insertion, true);
+  if (muscle.layer != "deep" || muscle.sheet) return out;
+  const std::span<const PathPoint> line = strip.path;
+  const std::vector<double> points = points_along(strip, slices, along);
+  const auto on_end = [&](const PathPoint& p, int joint) {
+    return p.joints[1] < 0 && p.joints[0] == joint;
+  };
+  std::size_t first = 0, last = line.size() - 1;
+  while (first + 1 < line.size() && on_end(line[first + 1], origin)) ++first;
+  while (last > 0 && on_end(line[last - 1], insertion)) --last;
+  const auto lay = [&](int joint, double reach, bool from_last) {
+    if (joint < 0 || reach < kLong * along.back()) return;
+    reach = std::min(reach, kBed);
+    for (std::size_t k = 0; k < out.size(); ++k) {
+      const double distance = from_last ? along.back() - along[k] : along[k],
+                   share = kBedded * (1 - smooth_step(reach, reach + kOwnFade, distance));
+      if (share > out[k].share) out[k] = {joint, share};
+    }
+  };
+  lay(origin, points[first], false);
+  lay(insertion, along.back() - points[last], true);
   return out;
 }
 

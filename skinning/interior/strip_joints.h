@@ -10,7 +10,8 @@
 namespace ecorche::inline v1 {
 
 // How far the bones of a strip's ends hold each of its sections: wholly at an end, fading along the
-// strip. Ends in fascia are held by none. `slices`: the strip's, at rest.
+// strip. Ends in fascia are held by none. A deep strip whose line lies along the bone of an end for
+// most of its length is bedded on that bone. `slices`: the strip's, at rest.
 std::vector<BoneHold> bone_holds(const Muscle& muscle, const Strip& strip,
                                  std::span<const Ellipse> slices);
 

@@ -117,12 +117,13 @@ TEST(BodyMap, HoldsEndsOnTheirBones) {
 // How far sections of a muscle behind the forearm lie, 1 to 6 cm below a bent elbow, from where the
 // forearm alone brings them. Its line comes from the upper arm, straight at rest. `tied`: to the
 // forearm next to the elbow, too.
-double off_forearm(bool tied, bool sheet) {
+double off_forearm(bool tied, bool sheet, const char* layer = "superficial") {
   test::Arm arm = test::make_arm();
   const Vec3 elbow(0.2, 1.1, 0), from = elbow + Vec3(0, 0.03, -0.02),
-                                 to = elbow + Vec3(0, -0.16, -0.02);
+                                 to = elbow + Vec3(0, -0.11, -0.02);
   Muscle& muscle = arm.anatomy.muscles.front();
   muscle.sheet = sheet;
+  muscle.layer = layer;
   std::vector<PathPoint>& path = muscle.strips[0].path;
   path = {{from, {2, -1}, 1}, {to, {3, -1}, 1}};
   if (tied) path.insert(path.begin() + 1, {elbow + Vec3(0, -0.01, -0.02), {3, -1}, 1});
@@ -146,6 +147,13 @@ TEST(BodyMap, CarriesABellyByTheJointsThatItsLinePassesThere) {
   const double tied = off_forearm(true, false), loose = off_forearm(false, false);
   EXPECT_LT(tied, 0.85 * loose) << loose;
   EXPECT_GT(off_forearm(true, true), 0.9 * loose) << "sheets stay with those beside them";
+}
+
+TEST(BodyMap, BedsADeepMuscleOnTheBoneThatItLiesAlong) {
+  const double on_top = off_forearm(true, false), bedded = off_forearm(true, false, "deep");
+  EXPECT_LT(bedded, 0.65 * on_top);
+  EXPECT_NEAR(off_forearm(false, false, "deep"), off_forearm(false, false), 1e-9)
+      << "its line does not say that it lies there";
 }
 
 // A muscle over the forearm whose line is held by the upper arm.
