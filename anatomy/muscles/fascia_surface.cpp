@@ -240,13 +240,14 @@ std::vector<BoneReach> reaches_in(const Anatomy& anatomy, std::span<const Vec3> 
   return out;
 }
 
-// A band over a joint names both bones that its capsule ends on.
+// A band along more than two bones passes over a joint where it names both that the capsule ends
+// on.
 bool passes_over(const FasciaSheet& band, const FasciaSheet& capsule) {
   const auto has = [&](const std::string& bone) {
     return std::ranges::find(band.bones, bone) != band.bones.end();
   };
-  return !is_sleeve(band) && is_sleeve(capsule) && has(capsule.bones.front()) &&
-         has(capsule.bones.back());
+  return !is_sleeve(band) && band.bones.size() > 2 && is_sleeve(capsule) &&
+         has(capsule.bones.front()) && has(capsule.bones.back());
 }
 
 // From the middle of the joint that a bone's reach is seen from, at rest.
@@ -281,6 +282,33 @@ void add_reaches(const Anatomy& anatomy, std::span<const Vec3> joints, FasciaSur
         out.clearances.push_back(edge ? -1 : std::min(kClear, over));
       }
   }
+}
+
+// Bands along more than two bones, as over knuckles, are pushed out of these instead.
+bool rises_over_muscles(const FasciaSheet& sheet) {
+  return !is_sleeve(sheet) && sheet.bones.size() <= 2;
+}
+
+// Directions of the terms' points outwards, and what may come over them.
+void add_lift(const Anatomy& anatomy, std::span<const Ellipse> slices, FasciaSurface& out) {
+  PointsF at(out.vertices(), 3), normals;
+  for (const FasciaSurface::Part& part : out.parts)
+    at.middleRows(part.vertex_begin, part.vertex_end - part.vertex_begin) =
+        anatomy.fascia[std::size_t(part.sheet)].V.cast<float>();
+  find_normals(out.F, at, normals);
+  for (int i = 0; i < out.vertices(); ++i)
+    for (int t = out.term_begin[i]; t < out.term_begin[i + 1]; ++t) {
+      FasciaSurface::Term& term = out.terms[t];
+      const Eigen::Vector3f outwards = normals.row(i);
+      term.out =
+          term.carrier < out.slices
+              ? Eigen::Vector3f(slices[term.carrier].axes.transpose().cast<float>() * outwards)
+              : outwards;
+    }
+  const std::vector<SliceRange> strips = slice_ranges(anatomy);
+  for (const FasciaSurface::Part& part : out.parts)
+    add_covers(strips, slices, at, normals, part.vertex_begin, part.vertex_end, part.rises,
+               out.lift);
 }
 
 }  // namespace
@@ -328,8 +356,10 @@ FasciaSurface make_fascia_surface(const Anatomy& anatomy) {
                          out.vertices(),
                          int(face_count),
                          int(face_count + faces.back().rows()),
+                         sheet.rows,
                          sheet.columns,
                          is_sleeve(sheet),
+                         rises_over_muscles(sheet),
                          {},
                          0});
     face_count += faces.back().rows();
@@ -338,6 +368,7 @@ FasciaSurface make_fascia_surface(const Anatomy& anatomy) {
   for (std::size_t n = 0; n < faces.size(); ++n)
     out.F.middleRows(out.parts[n].face_begin, faces[n].rows()) = faces[n];
   add_reaches(anatomy, joints, out);
+  add_lift(anatomy, slices, out);
   return out;
 }
 
@@ -362,6 +393,39 @@ Eigen::Vector3f carried(const FasciaSurface& surface, const PosedAnatomy& posed,
     p += term.weight * (section.center.cast<float>() + section.axes.cast<float>() * local);
   }
   return p;
+}
+
+// Outwards at a point, as the sections and joints turn it.
+Vec3 outwards(const FasciaSurface& surface, const PosedAnatomy& posed, int i) {
+  Vec3 out = Vec3::Zero();
+  for (int t = surface.term_begin[i]; t < surface.term_begin[i + 1]; ++t) {
+    const FasciaSurface::Term& term = surface.terms[t];
+    const Vec3 own = double(term.weight) * term.out.cast<double>();
+    if (term.carrier < surface.slices)
+      out += posed.slices[term.carrier].axes * own;
+    else
+      out += posed.X_WJ[std::size_t(term.carrier - surface.slices)].linear() * own;
+  }
+  return out.stableNormalized();
+}
+
+// A sheet over the muscles that have come out through it.
+void lift_sheet(const FasciaSurface& surface, const PosedAnatomy& posed,
+                const FasciaSurface::Part& part, PointsF& positions) {
+  const std::size_t count = std::size_t(part.vertex_end - part.vertex_begin);
+  std::vector<float> heights(count), wanted(count);
+  bool any = false;
+  for (int i = part.vertex_begin; i < part.vertex_end; ++i) {
+    float& height = heights[std::size_t(i - part.vertex_begin)];
+    height = wanted_lift(surface.lift, posed, i, positions.row(i).transpose().cast<double>(),
+                         outwards(surface, posed, i));
+    any = any || height != 0;
+  }
+  if (!any) return;
+  spread_lift(part.rows, part.columns, heights, wanted);
+  for (int i = part.vertex_begin; i < part.vertex_end; ++i)
+    positions.row(i) += heights[std::size_t(i - part.vertex_begin)] *
+                        outwards(surface, posed, i).cast<float>().transpose();
 }
 
 // Where the bones that push a sheet are in a pose.
@@ -438,6 +502,7 @@ void update_fascia_surface(const FasciaSurface& surface, const PosedAnatomy& pos
       if (!part.reaches.empty()) push_out(surface, reaches, part, i, p);
       positions.row(i) = p;
     }
+    if (part.rises) lift_sheet(surface, posed, part, positions);
   });
   if (!normals) return;
   find_normals(surface.F, positions, *normals);

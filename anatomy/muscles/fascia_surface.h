@@ -7,11 +7,14 @@
 // Capsules of joints are sleeves whose rows are carried by the bone at either end, in proportion;
 // what that sinks into the ends of the bones is pushed out of them again, away from the middle of
 // the joint, and so are bands that both bones carry over the joint (tendons over knuckles).
+//
+// Sheets rise where a muscle comes out through them (fascia_lift.h).
 #pragma once
 
 #include <vector>
 
 #include "anatomy/muscles/bone_reach.h"
+#include "anatomy/muscles/fascia_lift.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "anatomy/posed_anatomy.h"
 
@@ -29,13 +32,15 @@ struct FasciaSurface {
     Eigen::Vector2f toward = Eigen::Vector2f::Zero();   // cos and sin of it
     Eigen::Vector2f outline = Eigen::Vector2f::Zero();  // m, the outline there at rest
     float share = 0;                                    // by which the point follows the outline
+    Eigen::Vector3f out = Eigen::Vector3f::Zero();      // outwards at rest, in the same frame as at
   };
   struct Part {
     int sheet = 0;
     int vertex_begin = 0, vertex_end = 0;
     int face_begin = 0, face_end = 0;
-    int columns = 0;
+    int rows = 0, columns = 0;
     bool sleeve = false;
+    bool rises = false;        // over muscles
     std::vector<int> reaches;  // of bones that push it
     int push_begin = 0;        // of its points' clearances, point after point
   };
@@ -48,6 +53,7 @@ struct FasciaSurface {
   std::vector<BoneReach> reaches;    // of bones in capsules
   // m that a point keeps over a bone's reach; negative: it lies within at rest and is not pushed
   std::vector<float> clearances;
+  FasciaLift lift;
   int slices = 0;  // of all muscles
   int vertices() const { return int(belly.size()); }
 };

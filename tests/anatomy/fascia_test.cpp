@@ -205,6 +205,39 @@ TEST(FasciaSurface, StandsOutOfAMuscleThatSwells) {
     EXPECT_GT(std::hypot(at(i, 0), at(i, 2)), 0.028f - 2e-4f) << i;
 }
 
+TEST(FasciaLift, IsTheWayOutOfARoundStripAlongADirection) {
+  const std::vector<Ellipse> sections = rest_slices(figure(true));  // a cylinder of 20 mm
+  for (const double off : {0.0, 0.005, 0.015})
+    for (const double deep : {0.001, 0.008, 0.015}) {
+      const double edge = std::sqrt(0.02 * 0.02 - off * off);
+      EXPECT_NEAR(height_over_strip(sections, Vec3(off, 0.8, edge - deep), Vec3::UnitZ()), deep,
+                  4e-4)
+          << off << " " << deep;  // outlines are polygons
+    }
+  EXPECT_EQ(height_over_strip(sections, Vec3(0, 0.8, 0.0205), Vec3::UnitZ()), 0);
+  EXPECT_EQ(height_over_strip(sections, Vec3(0, 1.1, 0), Vec3::UnitZ()), 0) << "beyond its end";
+  EXPECT_EQ(height_over_strip(sections, Vec3(0, 0.8, 0), Vec3::UnitY()), 0) << "along the strip";
+  EXPECT_EQ(height_over_strip(sections, Vec3(0, 0.8, -0.019), Vec3::UnitZ()), kMostFasciaLift);
+}
+
+TEST(FasciaSurface, RisesOverAMuscleThatComesOutThroughIt) {
+  const Anatomy anatomy = figure(true);  // bones carry the sheet
+  const FasciaSurface surface = make_fascia_surface(anatomy);
+  PosedAnatomy posed = at_rest(anatomy);
+  for (Ellipse& slice : posed.slices)  // a bulge that ends above the sheet's last rows
+    slice.center.z() += 0.008 * std::clamp((slice.center.y() - 0.72) / 0.04, 0.0, 1.0);
+  PointsF at;
+  update_fascia_surface(surface, posed, at);
+  double highest = 0;
+  for (Eigen::Index i = 0; i < at.rows(); ++i) {
+    if (at(i, 1) > 0.77f) {
+      EXPECT_GT(std::hypot(at(i, 0), at(i, 2) - 0.008f), 0.019f) << i;
+    }
+    highest = std::max(highest, double(at(i, 2)) - anatomy.fascia[0].V(i, 2));
+  }
+  EXPECT_LT(highest, 0.011);
+}
+
 TEST(FasciaSurface, BetweenTwoBonesIsDrawnStraight) {
   const Anatomy anatomy = figure(true);
   PosedAnatomy posed = at_rest(anatomy);
