@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "anatomy/muscles/slice_outline.h"
 
@@ -84,9 +85,21 @@ void add_covers(std::span<const SliceRange> strips, std::span<const Ellipse> sli
                 const PointsF& points, const PointsF& normals, int begin, int end, bool rises,
                 FasciaLift& lift) {
   std::vector<std::vector<FasciaLift::Cover>> found(std::size_t(end - begin));
-  for (std::size_t s = 0; s < strips.size() && rises; ++s) {
-    const SliceRange& strip = strips[s];
+  const auto sheet = points.middleRows(begin, end - begin);
+  const Vec3 low = sheet.colwise().minCoeff().transpose().cast<double>().array() - kReach,
+             high = sheet.colwise().maxCoeff().transpose().cast<double>().array() + kReach;
+  const auto near_sheet = [&](const Ellipse& section) {
+    const double reach = section.radii.maxCoeff();
+    return (section.center.array() + reach >= low.array()).all() &&
+           (section.center.array() - reach <= high.array()).all();
+  };
+  std::vector<std::pair<std::size_t, FasciaLift::Cover>> by_strip;  // of points of the sheet
+  for (const SliceRange& strip : strips) {
+    if (!rises) break;
+    const auto own = slices.subspan(std::size_t(strip.begin), std::size_t(strip.end - strip.begin));
+    if (std::ranges::none_of(own, near_sheet)) continue;
     bool below = false;
+    by_strip.clear();
     for (int i = begin; i < end; ++i) {
       const Vec3 at = points.row(i).transpose().cast<double>(),
                  up = normals.row(i).transpose().cast<double>();
@@ -103,12 +116,10 @@ void add_covers(std::span<const SliceRange> strips, std::span<const Ellipse> sli
       const double height = height_of_strip(sections_of(cover, slices), at, up).value_or(0);
       below = below || (height < 0 && height > -kBelow);
       cover.rest = float(std::max(0.0, height));
-      found[std::size_t(i - begin)].push_back(cover);
+      by_strip.emplace_back(std::size_t(i - begin), cover);
     }
-    if (below) continue;
-    for (std::vector<FasciaLift::Cover>& covers : found)  // those of this strip
-      if (!covers.empty() && covers.back().begin >= strip.begin && covers.back().end <= strip.end)
-        covers.pop_back();
+    if (!below) continue;
+    for (const auto& [point, cover] : by_strip) found[point].push_back(cover);
   }
   for (const std::vector<FasciaLift::Cover>& covers : found) {
     lift.covers.insert(lift.covers.end(), covers.begin(), covers.end());

@@ -413,19 +413,18 @@ Vec3 outwards(const FasciaSurface& surface, const PosedAnatomy& posed, int i) {
 void lift_sheet(const FasciaSurface& surface, const PosedAnatomy& posed,
                 const FasciaSurface::Part& part, PointsF& positions) {
   const std::size_t count = std::size_t(part.vertex_end - part.vertex_begin);
+  std::vector<Vec3> out(count);
   std::vector<float> heights(count), wanted(count);
-  bool any = false;
-  for (int i = part.vertex_begin; i < part.vertex_end; ++i) {
-    float& height = heights[std::size_t(i - part.vertex_begin)];
-    height = wanted_lift(surface.lift, posed, i, positions.row(i).transpose().cast<double>(),
-                         outwards(surface, posed, i));
-    any = any || height != 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const int i = part.vertex_begin + int(k);
+    out[k] = outwards(surface, posed, i);
+    heights[k] =
+        wanted_lift(surface.lift, posed, i, positions.row(i).transpose().cast<double>(), out[k]);
   }
-  if (!any) return;
+  if (std::ranges::all_of(heights, [](float height) { return height <= 0; })) return;
   spread_lift(part.rows, part.columns, heights, wanted);
-  for (int i = part.vertex_begin; i < part.vertex_end; ++i)
-    positions.row(i) += heights[std::size_t(i - part.vertex_begin)] *
-                        outwards(surface, posed, i).cast<float>().transpose();
+  for (std::size_t k = 0; k < count; ++k)
+    positions.row(part.vertex_begin + int(k)) += heights[k] * out[k].cast<float>().transpose();
 }
 
 // Where the bones that push a sheet are in a pose.

@@ -65,16 +65,18 @@ std::vector<BoneHold> bone_holds(const Muscle& muscle, const Strip& strip,
   const std::vector<double> along = distances_along(slices);
   const double fade = std::min(kHeld, 0.5 * along.back());
   std::vector<BoneHold> out(along.size());
-  const auto hold = [&](int joint, bool insertion) {
+  // By a share up to `reach` from an end, fading beyond; the larger share counts.
+  const auto hold = [&](int joint, bool from_last, double share, double reach, double over) {
     if (joint < 0) return;
     for (std::size_t k = 0; k < out.size(); ++k) {
-      const double distance = insertion ? along.back() - along[k] : along[k];
-      if (distance < fade) out[k] = {joint, 1 - smooth_step(0.0, fade, distance)};
+      const double distance = from_last ? along.back() - along[k] : along[k],
+                   here = share * (1 - smooth_step(reach, reach + over, distance));
+      if (here > out[k].share) out[k] = {joint, here};
     }
   };
   const auto [origin, insertion] = end_joints(muscle, strip);
-  hold(origin, false);
-  hold(insertion, true);
+  hold(origin, false, 1, 0, fade);
+  hold(insertion, true, 1, 0, fade);
   if (muscle.layer != "deep" || muscle.sheet) return out;
   const std::span<const PathPoint> line = strip.path;
   const std::vector<double> points = points_along(strip, slices, along);
@@ -84,17 +86,12 @@ std::vector<BoneHold> bone_holds(const Muscle& muscle, const Strip& strip,
   std::size_t first = 0, last = line.size() - 1;
   while (first + 1 < line.size() && on_end(line[first + 1], origin)) ++first;
   while (last > 0 && on_end(line[last - 1], insertion)) --last;
-  const auto lay = [&](int joint, double reach, bool from_last) {
-    if (joint < 0 || reach < kLong * along.back()) return;
-    reach = std::min(reach, kBed);
-    for (std::size_t k = 0; k < out.size(); ++k) {
-      const double distance = from_last ? along.back() - along[k] : along[k],
-                   share = kBedded * (1 - smooth_step(reach, reach + kOwnFade, distance));
-      if (share > out[k].share) out[k] = {joint, share};
-    }
+  const auto bed = [&](int joint, bool from_last, double length) {
+    if (length >= kLong * along.back())
+      hold(joint, from_last, kBedded, std::min(length, kBed), kOwnFade);
   };
-  lay(origin, points[first], false);
-  lay(insertion, along.back() - points[last], true);
+  bed(origin, false, points[first]);
+  bed(insertion, true, along.back() - points[last]);
   return out;
 }
 
