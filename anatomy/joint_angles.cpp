@@ -29,21 +29,27 @@ double outside(const Joint& joint, int a, double angle) {
   return std::max({0.0, joint.min[a] - angle, angle - joint.max[a]});
 }
 
+double worst_excess(const Joint& joint, const Vec3& angles) {
+  return std::max(
+      {outside(joint, 0, angles[0]), outside(joint, 1, angles[1]), outside(joint, 2, angles[2])});
+}
+
 }  // namespace
 
-Vec3 joint_angles(const Joint& joint, const Quat& rotation) {
-  return angles_of(joint, joint.axes.transpose() * rotation.toRotationMatrix() * joint.axes *
-                              joint_turn(joint, joint.zero));
+Mat3 joint_zero(const Joint& joint) { return joint.axes * joint_turn(joint, joint.zero); }
+
+Vec3 joint_angles(const Joint& joint, const Quat& rotation, const Mat3& zero) {
+  return angles_of(joint, joint.axes.transpose() * rotation.toRotationMatrix() * zero);
 }
 
-Quat joint_rotation(const Joint& joint, const Vec3& angles) {
-  return Quat(Mat3(joint.axes * joint_turn(joint, angles) *
-                   joint_turn(joint, joint.zero).transpose() * joint.axes.transpose()));
+Quat joint_rotation(const Joint& joint, const Vec3& angles, const Mat3& zero) {
+  return Quat(Mat3(joint.axes * joint_turn(joint, angles) * zero.transpose()));
 }
 
-Vec3 joint_angles_near_limits(const Joint& joint, const Quat& rotation) {
+Vec3 joint_angles_near_limits(const Joint& joint, const Quat& rotation, const Mat3& zero) {
   constexpr double pi = std::numbers::pi;
-  const Vec3 first = joint_angles(joint, rotation);
+  const Vec3 first = joint_angles(joint, rotation, zero);
+  if (worst_excess(joint, first) == 0) return first;
   Vec3 other;
   if (!swings(joint)) {
     other = {first[0] + pi, pi - first[1], first[2] + pi};
@@ -60,25 +66,22 @@ Vec3 joint_angles_near_limits(const Joint& joint, const Quat& rotation) {
       for (const double turn : {-2 * pi, 2 * pi})
         if (outside(joint, a, angles[a] + turn) < outside(joint, a, angles[a])) angles[a] += turn;
     }
-    const double most = std::max(
-        {outside(joint, 0, angles[0]), outside(joint, 1, angles[1]), outside(joint, 2, angles[2])});
+    const double most = worst_excess(joint, angles);
     if (most < least) least = most, best = angles;
   }
   return best;
 }
 
-double limit_excess(const Joint& joint, const Quat& rotation) {
-  const Vec3 angles = joint_angles_near_limits(joint, rotation);
-  return std::max(
-      {outside(joint, 0, angles[0]), outside(joint, 1, angles[1]), outside(joint, 2, angles[2])});
+double limit_excess(const Joint& joint, const Quat& rotation, const Mat3& zero) {
+  return worst_excess(joint, joint_angles_near_limits(joint, rotation, zero));
 }
 
 double limit_ease(const Joint& joint, int angle) {
   return std::min(3 * std::numbers::pi / 180, (joint.max[angle] - joint.min[angle]) / 10);
 }
 
-Quat clamped(const Joint& joint, const Quat& rotation) {
-  Vec3 angles = joint_angles_near_limits(joint, rotation);
+Quat clamped(const Joint& joint, const Quat& rotation, const Mat3& zero) {
+  Vec3 angles = joint_angles_near_limits(joint, rotation, zero);
   const auto deep = [&](int a) {
     const double ease = limit_ease(joint, a);
     return angles[a] >= joint.min[a] + ease && angles[a] <= joint.max[a] - ease;
@@ -96,7 +99,27 @@ Quat clamped(const Joint& joint, const Quat& rotation) {
     angles[a] = std::clamp(angles[a], joint.min[a], joint.max[a]);
     angles[a] += share * share * (3 - 2 * share) * (joint.min[a] + room / 2 - angles[a]);
   }
-  return joint_rotation(joint, angles);
+  return joint_rotation(joint, angles, zero);
+}
+
+Vec3 joint_angles(const Joint& joint, const Quat& rotation) {
+  return joint_angles(joint, rotation, joint_zero(joint));
+}
+
+Quat joint_rotation(const Joint& joint, const Vec3& angles) {
+  return joint_rotation(joint, angles, joint_zero(joint));
+}
+
+Vec3 joint_angles_near_limits(const Joint& joint, const Quat& rotation) {
+  return joint_angles_near_limits(joint, rotation, joint_zero(joint));
+}
+
+double limit_excess(const Joint& joint, const Quat& rotation) {
+  return limit_excess(joint, rotation, joint_zero(joint));
+}
+
+Quat clamped(const Joint& joint, const Quat& rotation) {
+  return clamped(joint, rotation, joint_zero(joint));
 }
 
 }  // namespace ecorche::inline v1

@@ -34,4 +34,13 @@ double limit_ease(const Joint& joint, int angle);
 // leap from limit to limit.
 Quat clamped(const Joint& joint, const Quat& rotation);
 
+// axes * R(zero); see Joint::zero. The same functions with it worked out once, for loops over
+// frames.
+Mat3 joint_zero(const Joint& joint);
+Vec3 joint_angles(const Joint& joint, const Quat& rotation, const Mat3& zero);
+Quat joint_rotation(const Joint& joint, const Vec3& angles, const Mat3& zero);
+Vec3 joint_angles_near_limits(const Joint& joint, const Quat& rotation, const Mat3& zero);
+double limit_excess(const Joint& joint, const Quat& rotation, const Mat3& zero);
+Quat clamped(const Joint& joint, const Quat& rotation, const Mat3& zero);
+
 }  // namespace ecorche::inline v1

@@ -30,10 +30,17 @@ Pose rest_pose(const Skeleton& skeleton) {
 Transform joint_frame(const Skeleton& skeleton, const Pose& pose,
                       const std::vector<Transform>& X_WJ, std::size_t j) {
   const Joint& joint = skeleton.joints[j];
-  Transform local = Transform::Identity();
-  local.linear() = pose.rotations[j].toRotationMatrix();
-  local.translation() = joint.parent < 0 ? pose.root : Vec3(joint.X_PJ.translation());
-  return joint.parent < 0 ? local : X_WJ[std::size_t(joint.parent)] * local;
+  const Mat3 turn = pose.rotations[j].toRotationMatrix();
+  Transform out = Transform::Identity();
+  if (joint.parent < 0) {
+    out.linear() = turn;
+    out.translation() = pose.root;
+    return out;
+  }
+  const Transform& parent = X_WJ[std::size_t(joint.parent)];
+  out.linear().noalias() = parent.linear() * turn;
+  out.translation() = parent.linear() * joint.X_PJ.translation() + parent.translation();
+  return out;
 }
 
 void forward_kinematics(const Skeleton& skeleton, const Pose& pose, std::vector<Transform>& out) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "anatomy/muscles/thinned_fascia.h"
 #include "anatomy/posing/pose_anatomy.h"
 #include "viewer/coarse_mesh.h"
 
@@ -162,16 +163,8 @@ std::shared_ptr<const SceneModel> make_coarse(const Anatomy& anatomy, const Scen
     out->muscle_faces = left.faces;
     out->muscles = taken(fine.muscles, left);
   }
-  out->fascia_surface = fine.fascia_surface;
   out->fascia.key = fine.fascia.key + kCoarseKeys;
-  if (fine.fascia_surface.vertices() > 0) {
-    update_fascia_surface(fine.fascia_surface, rest, positions, &normals);
-    Thinned left = thin(values_of(positions), values_of(normals), fine.fascia.triangles,
-                        fine.fascia_faces, sides);
-    out->fascia_from = left.from;
-    out->fascia_faces = left.faces;
-    out->fascia = taken(fine.fascia, left);
-  }
+  set_fascia(thinned_fascia(fine.fascia_surface, reach), *out);
   return out;
 }
 

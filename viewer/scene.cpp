@@ -147,15 +147,9 @@ void color_fascia(const SceneModel& model, const Appearance& appearance, DrawMes
   const Vec3f belly = muscle_color(appearance.muscle_colors, 0),
               sheet = tendon_color(appearance.muscle_colors);
   for (std::size_t i = 0; i < mesh.colors.size(); ++i) {
-    const std::size_t k = model.fascia_from.empty() ? i : model.fascia_from[i];
     mesh.colors[i] = mix(mesh.parts[i] == appearance.selected ? selected_color : sheet, belly,
-                         model.fascia_surface.belly[k]);
+                         model.fascia_surface.belly[i]);
   }
-}
-
-void copy_rows(const PointsF& from, std::span<const std::uint32_t> rows, std::vector<Vec3f>& to) {
-  to.resize(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) to[i] = from.row(rows[i]).transpose();
 }
 
 void copy_into(const PointsF& from, std::vector<Vec3f>& to) {
@@ -444,6 +438,17 @@ std::uint64_t fresh_scene_key() {
   return ++last;
 }
 
+void set_fascia(FasciaSurface surface, SceneModel& model) {
+  model.fascia.triangles = to_indices(surface.F);
+  for (const FasciaSurface::Part& part : surface.parts) {
+    const std::uint32_t number = kFirstFasciaPart + std::uint32_t(part.sheet);
+    model.fascia.parts.resize(part.vertex_end, number);
+    model.fascia_faces.push_back(
+        {number, std::size_t(part.face_begin), std::size_t(part.face_end)});
+  }
+  model.fascia_surface = std::move(surface);
+}
+
 SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin,
                             const SceneOptions& options) {
   SceneModel model;
@@ -468,14 +473,7 @@ SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin,
   model.muscle_count = anatomy.muscles.size();
   model.muscles.key = key + 2;
   model.fascia.key = key + 3;
-  model.fascia_surface = make_fascia_surface(anatomy);
-  model.fascia.triangles = to_indices(model.fascia_surface.F);
-  for (const FasciaSurface::Part& part : model.fascia_surface.parts) {
-    const std::uint32_t number = kFirstFasciaPart + std::uint32_t(part.sheet);
-    model.fascia.parts.resize(part.vertex_end, number);
-    model.fascia_faces.push_back(
-        {number, std::size_t(part.face_begin), std::size_t(part.face_end)});
-  }
+  set_fascia(make_fascia_again(anatomy, options.before), model);
   set_fibres(model.fascia, model.fascia_surface, options.fascicle);
   if (anatomy.muscles.empty()) {
     return model;
@@ -529,13 +527,8 @@ void update_scene(const SceneModel& model, const PosedAnatomy& posed, const Skin
     DrawMesh& fascia = scene.list.meshes[kFasciaMesh];
     update_fascia_surface(model.fascia_surface, posed, scene.fascia_positions,
                           &scene.fascia_normals);
-    if (model.fascia_from.empty()) {
-      copy_into(scene.fascia_positions, fascia.positions);
-      copy_into(scene.fascia_normals, fascia.normals);
-    } else {
-      copy_rows(scene.fascia_positions, model.fascia_from, fascia.positions);
-      copy_rows(scene.fascia_normals, model.fascia_from, fascia.normals);
-    }
+    copy_into(scene.fascia_positions, fascia.positions);
+    copy_into(scene.fascia_normals, fascia.normals);
     color_fascia(model, appearance, fascia);
     fascia.revision = revision;
   }

@@ -14,7 +14,7 @@
 #include "anatomy/anatomy.h"
 #include "anatomy/base_mesh/eyes.h"
 #include "anatomy/base_mesh/tissue_look.h"
-#include "anatomy/muscles/fascia_surface.h"
+#include "anatomy/muscles/fascia_again.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "anatomy/posing/pose_anatomy.h"
 #include "skinning/skin_frame.h"
@@ -42,6 +42,7 @@ struct SceneOptions {
   double fascicle = 0.0035;   // m, width of the fibre lines on muscles
   std::vector<Eyeball> eyes;  // seen with the skin as well as without it
   std::uint64_t key = 1;      // unique per character while several are drawn with one renderer
+  FasciaBefore before{};      // whose sheets are taken over where they are the same
 };
 
 // A number that was not returned before.
@@ -72,9 +73,9 @@ struct SceneModel {
   std::vector<PartFaces> muscle_faces, fascia_faces;
   // Of quick pictures, with the same parts over fewer vertices (coarse_scene.h); null: this one.
   std::shared_ptr<const SceneModel> coarse;
-  // In such a model: by vertex of the mesh, the vertex of the skin's frame and of the fascia's
-  // surface that it is; empty: the same.
-  std::vector<std::uint32_t> skin_from, fascia_from;
+  // In such a model: by vertex of the mesh, the vertex of the skin's frame that it is; empty: the
+  // same.
+  std::vector<std::uint32_t> skin_from;
   // In such a model: all bones are the mesh bones[0], a vertex of it carried by its joint here.
   std::vector<int> together_joints;
   std::vector<PartFaces> bone_faces;
@@ -83,6 +84,9 @@ struct SceneModel {
 // Model of `anatomy`; without a skin layer if `skin` has no vertices.
 SceneModel make_scene_model(const Anatomy& anatomy, const TriMesh& skin,
                             const SceneOptions& options = {});
+
+// The model's sheets of fascia, and their mesh but for fibres.
+void set_fascia(FasciaSurface surface, SceneModel& model);
 
 enum class MuscleColors {
   flesh,       // towards orange when shortened, towards violet when stretched

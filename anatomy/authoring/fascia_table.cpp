@@ -138,8 +138,6 @@ class FasciaReader {
     if (sheet.rows < 2) fail("a sheet needs two rows or more");
     if (sheet.label.empty()) fail("no 'label'");
     if (sheet.group.empty()) fail("no 'group'");
-    if (sheet.middle && !sheet.bones.empty())
-      fail("'middle' and 'on': a sheet across the mid-plane lies on what is there");
   }
 
   TextScan scan_;
@@ -164,15 +162,26 @@ FasciaPlan described(const TableFascia& from, Side side) {
           0};
 }
 
+std::vector<std::string> bones_of(const TableFascia& from, const PathCarriers& carriers) {
+  std::vector<std::string> out;
+  for (const std::string& bone : from.bones) {
+    out.push_back(carriers.bone_name(bone));
+    if (out.back().empty())
+      throw InputError(fmt::format("{}: no bone '{}' in the skeleton", from.where, bone));
+    if (from.middle && out.back() != bone)
+      throw InputError(
+          fmt::format("{}: 'middle' and 'on {}': a sheet across the mid-plane is carried by bones "
+                      "that lie on it; name vertebrae, the sacrum or the sternum",
+                      from.where, bone));
+  }
+  return out;
+}
+
 FasciaPlan place(const TableFascia& from, const MuscleTable& landmarks, const Anatomy& source,
                  Side side) {
   const PathCarriers carriers(landmarks, source, side);
   FasciaPlan plan = described(from, side);
-  for (const std::string& bone : from.bones) {
-    plan.bones.push_back(carriers.bone_name(bone));
-    if (plan.bones.back().empty())
-      throw InputError(fmt::format("{}: no bone '{}' in the skeleton", from.where, bone));
-  }
+  plan.bones = bones_of(from, carriers);
   for (const TablePoint& point : from.points) plan.points.push_back(carriers.carry(point));
   return plan;
 }
@@ -183,6 +192,7 @@ FasciaPlan place_across(const TableFascia& from, const MuscleTable& landmarks,
   const PathCarriers on_left(landmarks, source, Side::left),
       on_right(landmarks, source, Side::right);
   FasciaPlan plan = described(from, Side::middle);
+  plan.bones = bones_of(from, on_left);
   plan.columns = 2 * from.columns - 1;
   for (int r = 0; r < from.rows; ++r) {
     const auto row = std::span(from.points).subspan(std::size_t(r * from.columns), from.columns);

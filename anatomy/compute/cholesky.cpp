@@ -1,6 +1,7 @@
 #include "anatomy/compute/cholesky.h"
 
 #include <Eigen/Cholesky>
+#include <cmath>
 
 namespace ecorche::inline v1 {
 
@@ -21,10 +22,30 @@ RowMatrix3 solve_ldlt_columns3(const Eigen::Matrix3d& A, const RowMatrix3& B) {
 }
 
 template <int kSize>
-ColumnVector<kSize> solve_llt_small(const SquareMatrix<kSize>& A, const ColumnVector<kSize>& b) {
-  return A.llt().solve(b);
+ColumnVector<kSize> solve_llt_first(int count, const SquareMatrix<kSize>& A,
+                                    const ColumnVector<kSize>& b) {
+  SquareMatrix<kSize> L;
+  ColumnVector<kSize> x, scale;  // one over the factor's diagonal
+  for (int i = 0; i < count; ++i) {
+    double corner = A(i, i), right = b[i];
+    for (int j = 0; j < i; ++j) {
+      double sum = A(i, j);
+      for (int k = 0; k < j; ++k) sum -= L(i, k) * L(j, k);
+      L(i, j) = sum * scale[j];
+      corner -= L(i, j) * L(i, j);
+      right -= L(i, j) * x[j];
+    }
+    scale[i] = 1 / std::sqrt(corner);
+    x[i] = right * scale[i];
+  }
+  for (int i = count - 1; i >= 0; --i) {
+    for (int k = i + 1; k < count; ++k) x[i] -= L(k, i) * x[k];
+    x[i] *= scale[i];
+  }
+  return x;
 }
-template ColumnVector<12> solve_llt_small<12>(const SquareMatrix<12>&, const ColumnVector<12>&);
+template ColumnVector<12> solve_llt_first<12>(int, const SquareMatrix<12>&,
+                                              const ColumnVector<12>&);
 
 Eigen::VectorXd solve_llt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
   return A.llt().solve(b);

@@ -22,9 +22,11 @@ RowMatrix3 solve_ldlt_columns3(const Eigen::Matrix3d& A, const RowMatrix3& B);
 // A symmetric and positive definite (Cholesky, L L'); only its lower half is read. The result is
 // meaningless where A is not positive definite.
 Eigen::VectorXd solve_llt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
-// The same of a size that is known in advance. kSize: 12.
+// The same of the first `count` unknowns alone, 0 .. kSize; the others of the result mean nothing.
+// kSize: 12.
 template <int kSize>
-ColumnVector<kSize> solve_llt_small(const SquareMatrix<kSize>& A, const ColumnVector<kSize>& b);
+ColumnVector<kSize> solve_llt_first(int count, const SquareMatrix<kSize>& A,
+                                    const ColumnVector<kSize>& b);
 // The same; the factor replaces the lower half of A.
 Eigen::VectorXd solve_llt_in_place(Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 

@@ -6,14 +6,18 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <numeric>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "anatomy/contact/section_contact.h"
 #include "anatomy/contact/section_shape.h"
 #include "anatomy/joint_angles.h"
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/muscle_surface.h"
+#include "anatomy/muscles/same_muscle.h"
 #include "anatomy/posing/pose_anatomy.h"
 
 namespace ecorche::inline v1 {
@@ -32,6 +36,7 @@ constexpr double kMajorOverlap = 1e-4;
 constexpr double kLeastOverlap = 5e-6;
 // Pairs that are evaluated together: what is known of them stays in the nearest cache.
 constexpr int kBlock = 128;
+constexpr float kImage = 3e-3f;     // m, by which a section may lie off another's mirror image
 constexpr float kRounding = 1e-5f;  // of a factor, in single precision
 
 struct Box {
@@ -133,14 +138,64 @@ struct OverlapLimits {
   float major = 0, least = 0;
 };
 
-struct FoundPairs {
-  Pairs major, all;
+// Where strips were before.
+struct Known {
+  std::vector<char> strips;   // #strips of Places: whether its sections were the same
+  std::vector<int> sections;  // of each section before, where it is now; -1: nowhere
 };
 
-// Pairs of sections that overlap by so much.
+Known known_strips(const Anatomy& anatomy, const std::vector<SliceRange>& strips,
+                   const ContactBefore& before) {
+  Known out{std::vector<char>(strips.size(), 0), {}};
+  if (!before.table) return out;
+  SharedSections shared = shared_sections(anatomy, *before.anatomy);
+  for (std::size_t s = 0; s < strips.size(); ++s)
+    out.strips[s] = shared.before[std::size_t(strips[s].begin)] >= 0;
+  out.sections = std::move(shared.now);
+  return out;
+}
+
+// Those of before whose strips are both known.
+Pairs known_pairs(const Pairs& before, const Known& known) {
+  Pairs out;
+  for (const std::uint64_t pair : before) {
+    const int own = known.sections[pair >> 32], other = known.sections[pair & 0xffffffffu];
+    if (own >= 0 && other >= 0) out.push_back(std::uint64_t(own) << 32 | std::uint64_t(other));
+  }
+  return out;
+}
+
+// Which strips lie at rest as the mirror images of others do, and which of those come second.
+struct Images {
+  std::vector<char> alike, second;  // #strips of Places
+};
+
+Images find_images(const Places& places, const SectionContactWorkspace& rest) {
+  Images out;
+  for (const SliceRange& strip : places.strips) {
+    bool alike = true;
+    for (int k = strip.begin; k < strip.end && alike; ++k) {
+      const ContactSection &here = rest.sections[k], &there = rest.sections[places.mirrored[k]];
+      float apart = 0;
+      for (int r = 0; r < 3; ++r) {
+        const float image = r == 0 ? -there.center[r] : there.center[r];
+        apart += (here.center[r] - image) * (here.center[r] - image);
+      }
+      alike = apart < kImage * kImage;
+    }
+    out.alike.push_back(alike);
+    out.second.push_back(alike && places.mirrored[strip.begin] < strip.begin);
+  }
+  return out;
+}
+
+// Pairs of sections that overlap by so much, but for those of which both strips are known, and for
+// second images with others that have images: poses are the same on both sides, and gather() adds
+// the images of what is found on one.
 FoundPairs find_pairs(const ContactCandidates& table, const Places& places,
                       const SectionContactWorkspace& posed, const SectionContactWorkspace& rest,
-                      const OverlapLimits& limits) {
+                      const OverlapLimits& limits, std::span<const char> known,
+                      const Images& images) {
   const std::size_t n = places.strips.size();
   std::vector<Box> near(n), wide(n);  // about outlines, about the regions that they block
   for (std::size_t s = 0; s < n; ++s)
@@ -152,7 +207,9 @@ FoundPairs find_pairs(const ContactCandidates& table, const Places& places,
   FoundPairs out;
   for (std::size_t s = 0; s < n; ++s)
     for (std::size_t t = 0; t < n; ++t) {
-      if (places.strips[s].muscle == places.strips[t].muscle || !near[s].meets(wide[t])) continue;
+      if (places.strips[s].muscle == places.strips[t].muscle || !near[s].meets(wide[t]) ||
+          (known[s] && known[t]) || (images.second[s] && images.alike[t]))
+        continue;
       for (int a = places.strips[s].begin; a < places.strips[s].end; ++a) {
         const ContactSection& own = posed.sections[a];
         Box box;
@@ -310,7 +367,8 @@ Pairs gather(std::span<const FoundPairs> found, Pairs FoundPairs::*kind, const P
 
 }  // namespace
 
-ContactTable make_contact_table(const Anatomy& anatomy, const PosingTable& posing) {
+ContactTable make_contact_table(const Anatomy& anatomy, const PosingTable& posing,
+                                const ContactBefore& before) {
   ContactCandidates all;
   const std::vector<SliceRange> ranges = slice_ranges(anatomy);
   add_members(anatomy, ranges, all);
@@ -328,6 +386,8 @@ ContactTable make_contact_table(const Anatomy& anatomy, const PosingTable& posin
   double whole = 0;
   for (const SliceRange& range : ranges) whole += strip_volume(standing, range);
   const OverlapLimits limits{float(kMajorOverlap * whole), float(kLeastOverlap * whole)};
+  const Known known = known_strips(anatomy, places.strips, before);
+  const Images images = find_images(places, rest);
   std::vector<FoundPairs> found(kPoses);
   tbb::parallel_for(0, kPoses, [&](int i) {
     PosedAnatomy posed;
@@ -335,7 +395,14 @@ ContactTable make_contact_table(const Anatomy& anatomy, const PosingTable& posin
     pose_anatomy(posing, skeleton, limit_pose(skeleton, limit_pose_of(i)), posed);
     place_sections(all, posed.slices, posed.X_WJ[0].translation(), sections);
     FoundPairs& pairs = found[i];
-    pairs = find_pairs(all, places, sections, rest, limits);
+    pairs = find_pairs(all, places, sections, rest, limits, known.strips, images);
+    if (before.table) {
+      const FoundPairs& was = (*before.table->found)[std::size_t(i)];
+      for (const auto kind : {&FoundPairs::major, &FoundPairs::all}) {
+        const Pairs kept = known_pairs(was.*kind, known);
+        (pairs.*kind).insert((pairs.*kind).end(), kept.begin(), kept.end());
+      }
+    }
     if (i >= kLimitPoses)
       // a later pass is enough: what hardly overlaps at the limits would cost every pose more than
       // it gives
@@ -350,7 +417,8 @@ ContactTable make_contact_table(const Anatomy& anatomy, const PosingTable& posin
     table.total_volume = float(whole);
     return table;
   };
-  return {table_of(&FoundPairs::major), table_of(&FoundPairs::all)};
+  return {table_of(&FoundPairs::major), table_of(&FoundPairs::all),
+          std::make_shared<const std::vector<FoundPairs>>(std::move(found))};
 }
 
 }  // namespace ecorche::inline v1

@@ -7,8 +7,15 @@
 
 namespace ecorche::inline v1 {
 
+// A body's contact on the same skeleton, with which many strips are shared.
+struct ContactBefore {
+  const Anatomy* anatomy = nullptr;
+  const ContactTable* table = nullptr;  // null: there is none
+};
+
 // `posing`: made of the same anatomy. Some tenths of a second for a whole body. The same bytes at
-// any number of threads.
-ContactTable make_contact_table(const Anatomy& anatomy, const PosingTable& posing);
+// any number of threads. Strips that `before` has, too, are not compared with one another again.
+ContactTable make_contact_table(const Anatomy& anatomy, const PosingTable& posing,
+                                const ContactBefore& before = {});
 
 }  // namespace ecorche::inline v1

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "anatomy/anatomy.h"
@@ -74,9 +76,15 @@ struct ContactCandidates {
   bool empty() const { return groups.empty(); }
 };
 
+// Pairs of sections, own << 32 | other, that overlap in one of the poses at the joints' limits.
+struct FoundPairs {
+  std::vector<std::uint64_t> major, all;
+};
+
 struct ContactTable {
   ContactCandidates major;  // pairs with much overlap in some pose: resolved right after posing
   ContactCandidates all;    // pairs with any overlap worth resolving: for later passes
+  std::shared_ptr<const std::vector<FoundPairs>> found;  // of each pose, that both are made of
 };
 
 }  // namespace ecorche::inline v1

@@ -4,10 +4,10 @@
 
 namespace ecorche::inline v1 {
 
-MuscleModel make_muscle_model(const Anatomy& anatomy) {
+MuscleModel make_muscle_model(const Anatomy& anatomy, const ContactBefore& before) {
   MuscleModel model;
   model.posing = make_posing_table(anatomy);
-  model.contact = make_contact_table(anatomy, model.posing);
+  model.contact = make_contact_table(anatomy, model.posing, before);
   return model;
 }
 

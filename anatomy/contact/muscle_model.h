@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "anatomy/contact/contact_candidates.h"
 #include "anatomy/contact/contact_table.h"
 #include "anatomy/contact/muscle_contact.h"
 #include "anatomy/posing/pose_anatomy.h"
@@ -15,8 +16,8 @@ struct MuscleModel {
   ContactTable contact;
 };
 
-// Throws as make_posing_table(). Some tenths of a second for a whole body.
-MuscleModel make_muscle_model(const Anatomy& anatomy);
+// Throws as make_posing_table(). Some tenths of a second for a whole body. `before`: see there.
+MuscleModel make_muscle_model(const Anatomy& anatomy, const ContactBefore& before = {});
 
 // pose_anatomy(), then resolve_posed_contact(). No allocation once `posed` and `workspace` have
 // been used. The same bytes at any number of threads.

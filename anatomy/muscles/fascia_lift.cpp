@@ -11,7 +11,6 @@
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kReach = 0.05;        // m, of strips that may come over a point
 constexpr double kBelow = 5e-3;        // m, of what lies right below a sheet
 constexpr double kLeastAcross = 0.05;  // squared, of a direction, across a strip
 constexpr int kBeside = 6;             // sections before and after the nearest
@@ -86,8 +85,9 @@ void add_covers(std::span<const SliceRange> strips, std::span<const Ellipse> sli
                 FasciaLift& lift) {
   std::vector<std::vector<FasciaLift::Cover>> found(std::size_t(end - begin));
   const auto sheet = points.middleRows(begin, end - begin);
-  const Vec3 low = sheet.colwise().minCoeff().transpose().cast<double>().array() - kReach,
-             high = sheet.colwise().maxCoeff().transpose().cast<double>().array() + kReach;
+  const Vec3 low = sheet.colwise().minCoeff().transpose().cast<double>().array() - kFasciaLiftReach,
+             high =
+                 sheet.colwise().maxCoeff().transpose().cast<double>().array() + kFasciaLiftReach;
   const auto near_sheet = [&](const Ellipse& section) {
     const double reach = section.radii.maxCoeff();
     return (section.center.array() + reach >= low.array()).all() &&
@@ -103,7 +103,7 @@ void add_covers(std::span<const SliceRange> strips, std::span<const Ellipse> sli
     for (int i = begin; i < end; ++i) {
       const Vec3 at = points.row(i).transpose().cast<double>(),
                  up = normals.row(i).transpose().cast<double>();
-      double least = kReach;
+      double least = kFasciaLiftReach;
       int nearest = -1;
       for (int k = strip.begin; k < strip.end; ++k) {
         const Ellipse& section = slices[std::size_t(k)];

@@ -27,6 +27,8 @@ struct FasciaLift {
 // How far a point must move along the unit direction `out` until it lies outside the strip that
 // runs through the sections, m; 0 where it does, at most kMostFasciaLift.
 constexpr float kMostFasciaLift = 0.025f;
+// m from a section, at which its strip may come over a point.
+constexpr double kFasciaLiftReach = 0.05;
 float height_over_strip(std::span<const Ellipse> sections, const Vec3& point, const Vec3& out);
 
 // Adds the points of one sheet at rest, the rows [begin, end) of `points` and `normals`. Without

@@ -6,10 +6,13 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <map>
+#include <functional>
 #include <numbers>
+#include <numeric>
 #include <set>
 #include <span>
+#include <string>
+#include <utility>
 
 #include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/slice_outline.h"
@@ -17,9 +20,9 @@
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kWidth = 8e-3;  // m, of the weights about what is nearest
-constexpr double kReach = 0.03;  // m, what is farther carries nothing
-constexpr double kTouch = 1e-3;  // m, added to distances from bones that carry alone
+constexpr double kWidth = 8e-3;     // m, of the weights about what is nearest
+constexpr double kRounding = 1e-9;  // m
+constexpr double kTouch = 1e-3;     // m, added to distances from bones that carry alone
 constexpr int kMostTerms = 8;
 constexpr int kSmoothRounds = 6;
 constexpr double kBeyond = 1.15;          // of a sleeve's radius: bones farther out push nothing
@@ -27,7 +30,22 @@ constexpr float kClear = 1.5e-3f;         // m, the most that a point keeps over
 constexpr std::size_t kMostReaches = 16;  // that push one sheet
 constexpr int kPushRounds = 2;            // out of one bone may be into the other
 
-using Weights = std::map<int, double>;  // of carriers
+// Of carriers, which rise.
+using Weights = std::vector<std::pair<int, double>>;
+
+// Of each carrier once: what `join` makes of its values, in their order.
+template <class Join>
+void sort_and_join(Weights& weights, const Join& join) {
+  std::ranges::stable_sort(weights, {}, &Weights::value_type::first);
+  std::size_t kept = 0;
+  for (const auto& [carrier, value] : weights) {
+    if (kept > 0 && weights[kept - 1].first == carrier)
+      weights[kept - 1].second = join(weights[kept - 1].second, value);
+    else
+      weights[kept++] = {carrier, value};
+  }
+  weights.resize(kept);
+}
 
 // The outline of a section in the direction of a point of its plane.
 struct OutlinePlace {
@@ -45,9 +63,13 @@ OutlinePlace outline_toward(const Ellipse& section, const Vec2& at) {
   return out;
 }
 
-double distance_to(const Ellipse& section, const Vec3& p) {
+// m; kFasciaReach or more where that is plain without its outline in the point's direction.
+// `widest`: as far as that goes anywhere.
+double distance_to(const Ellipse& section, double widest, const Vec3& p) {
   const Vec3 local = section.axes.transpose() * (p - section.center);
   const Vec2 flat = local.head<2>();
+  const double least = std::max(std::abs(local.z()), flat.norm() - widest);
+  if (least >= kFasciaReach) return least;
   const double outside = std::max(0.0, flat.norm() - outline_toward(section, flat).point.norm());
   return std::hypot(outside, local.z());
 }
@@ -55,16 +77,20 @@ double distance_to(const Ellipse& section, const Vec3& p) {
 // Sections and bones near a sheet.
 struct Nearby {
   std::vector<int> slices, bones;
+  std::vector<double> widest;  // #slices, m, from their centres
 };
 Nearby nearby(const Anatomy& anatomy, std::span<const Ellipse> slices, const FasciaSheet& sheet) {
   Nearby out;
-  const Eigen::RowVector3d low = sheet.V.colwise().minCoeff().array() - kReach,
-                           high = sheet.V.colwise().maxCoeff().array() + kReach;
+  const Eigen::RowVector3d low = sheet.V.colwise().minCoeff().array() - kFasciaReach,
+                           high = sheet.V.colwise().maxCoeff().array() + kFasciaReach;
   for (std::size_t k = 0; k < slices.size(); ++k) {
     const double reach = slices[k].radii.maxCoeff();
     const Eigen::RowVector3d c = slices[k].center.transpose();
-    if ((c.array() + reach >= low.array()).all() && (c.array() - reach <= high.array()).all())
+    if ((c.array() + reach >= low.array()).all() && (c.array() - reach <= high.array()).all()) {
       out.slices.push_back(int(k));
+      out.widest.push_back(reach * double(*std::ranges::max_element(slices[k].outline)) +
+                           kRounding);
+    }
   }
   for (std::size_t b = 0; b < anatomy.bones.size(); ++b) {
     const Points& V = anatomy.bones[b].mesh.V;
@@ -81,25 +107,23 @@ double distance_to(const Bone& bone, const Vec3& p) {
 
 Weights by_nearness(const Anatomy& anatomy, std::span<const Ellipse> slices, const Nearby& near,
                     const Vec3& p) {
-  std::map<int, double> distances;
-  for (const int k : near.slices) {
-    if ((slices[k].center - p).norm() > slices[k].radii.maxCoeff() * 2 + kReach) continue;
-    const double d = distance_to(slices[k], p);
-    if (d < kReach) distances.emplace(k, d);
+  Weights out;
+  for (std::size_t i = 0; i < near.slices.size(); ++i) {
+    const int k = near.slices[i];
+    if ((slices[k].center - p).norm() > slices[k].radii.maxCoeff() * 2 + kFasciaReach) continue;
+    const double d = distance_to(slices[k], near.widest[i], p);
+    if (d < kFasciaReach) out.emplace_back(k, d);
   }
   for (const int b : near.bones) {
     const double d = distance_to(anatomy.bones[b], p);
-    if (d > kReach) continue;
-    const int carrier = int(slices.size()) + anatomy.bones[b].joint;
-    const auto [at, is_new] = distances.emplace(carrier, d);
-    if (!is_new) at->second = std::min(at->second, d);
+    if (d <= kFasciaReach) out.emplace_back(int(slices.size()) + anatomy.bones[b].joint, d);
   }
-  double least = kReach;
-  for (const auto& [carrier, d] : distances) least = std::min(least, d);
-  Weights out;
-  for (const auto& [carrier, d] : distances) {
-    const double beyond = (d - least) / kWidth;
-    out[carrier] = std::exp(-0.5 * beyond * beyond);
+  sort_and_join(out, [](double a, double b) { return std::min(a, b); });
+  double least = kFasciaReach;
+  for (const auto& [carrier, d] : out) least = std::min(least, d);
+  for (auto& [carrier, w] : out) {
+    const double beyond = (w - least) / kWidth;
+    w = std::exp(-0.5 * beyond * beyond);
   }
   return out;
 }
@@ -112,8 +136,10 @@ Weights by_bones(const Anatomy& anatomy, std::span<const Ellipse> slices, const 
   for (const std::string& name : sheet.bones) {
     const Bone& bone = anatomy.bones[find_bone(anatomy, name)];
     const double near = 1 / (distance_to(bone, p) + kTouch);
-    out[int(slices.size()) + bone.joint] += sheet.bones.size() > 2 ? near * near * near : near;
+    out.emplace_back(int(slices.size()) + bone.joint,
+                     sheet.bones.size() > 2 ? near * near * near : near);
   }
+  sort_and_join(out, std::plus<>());
   return out;
 }
 
@@ -126,8 +152,9 @@ Weights by_row(const Anatomy& anatomy, std::span<const Ellipse> slices, const Fa
     return int(slices.size()) + anatomy.bones[std::size_t(find_bone(anatomy, name))].joint;
   };
   Weights out;
-  if (share < 1) out[joint(sheet.bones.front())] += 1 - share;
-  if (share > 0) out[joint(sheet.bones.back())] += share;
+  if (share < 1) out.emplace_back(joint(sheet.bones.front()), 1 - share);
+  if (share > 0) out.emplace_back(joint(sheet.bones.back()), share);
+  sort_and_join(out, std::plus<>());
   return out;
 }
 
@@ -137,26 +164,41 @@ void normalize(Weights& weights) {
   for (auto& [carrier, w] : weights) w /= sum;
 }
 
+// Evens weights along a sheet: of all its carriers at every point, since most get to most of it.
 void smooth(const FasciaSheet& sheet, std::vector<Weights>& weights) {
+  std::vector<int> carriers;
+  for (const Weights& own : weights)
+    for (const auto& [carrier, w] : own) carriers.push_back(carrier);
+  std::ranges::sort(carriers);
+  carriers.erase(std::unique(carriers.begin(), carriers.end()), carriers.end());
+  Eigen::MatrixXd now =
+      Eigen::MatrixXd::Zero(Eigen::Index(carriers.size()), Eigen::Index(weights.size()));
+  for (std::size_t i = 0; i < weights.size(); ++i)
+    for (const auto& [carrier, w] : weights[i])
+      now(std::ranges::lower_bound(carriers, carrier) - carriers.begin(), Eigen::Index(i)) = w;
   for (int round = 0; round < kSmoothRounds; ++round) {
-    const std::vector<Weights> before = weights;
+    const Eigen::MatrixXd before = now;
     for (int r = 0; r < sheet.rows; ++r)
       for (int c = 0; c < sheet.columns; ++c) {
-        Weights& own = weights[std::size_t(r) * sheet.columns + c];
+        auto own = now.col(Eigen::Index(r) * sheet.columns + c);
         const auto add = [&](int row, int column) {
           if (row < 0 || column < 0 || row >= sheet.rows || column >= sheet.columns) return;
-          for (const auto& [carrier, w] : before[std::size_t(row) * sheet.columns + column])
-            own[carrier] += 0.5 * w;
+          own += 0.5 * before.col(Eigen::Index(row) * sheet.columns + column);
         };
         add(r - 1, c), add(r + 1, c), add(r, c - 1), add(r, c + 1);
-        normalize(own);
+        own /= std::accumulate(own.begin(), own.end(), 0.0);
       }
+  }
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    weights[i].clear();
+    for (std::size_t k = 0; k < carriers.size(); ++k)
+      if (const double w = now(Eigen::Index(k), Eigen::Index(i)); w > 0)
+        weights[i].emplace_back(carriers[k], w);
   }
 }
 
 // The largest, which sum to 1.
-std::vector<std::pair<int, double>> largest(const Weights& weights) {
-  std::vector<std::pair<int, double>> out(weights.begin(), weights.end());
+Weights largest(Weights out) {
   std::ranges::stable_sort(out, [](const auto& l, const auto& r) { return l.second > r.second; });
   if (out.size() > kMostTerms) out.resize(kMostTerms);
   double sum = 0;
@@ -196,7 +238,8 @@ std::vector<Weights> weights_of(const Anatomy& anatomy, std::span<const Ellipse>
              : sheet.bones.empty() ? by_nearness(anatomy, slices, near, p)
                                    : by_bones(anatomy, slices, sheet, p);
     if (out[i].empty())
-      out[i][int(slices.size())] = 1e-9;  // the root, until neighbours give theirs
+      // the root, until neighbours give theirs
+      out[i].emplace_back(int(slices.size()), 1e-9);
     normalize(out[i]);
   }
   if (sheet.bones.empty()) smooth(sheet, out);
@@ -328,6 +371,32 @@ int cells_from_edge(int rows, int columns, int point, bool sleeve) {
   return sleeve ? from_ends : std::min(from_ends, std::min(column, columns - 1 - column));
 }
 
+void append_point(const FasciaSurface& from, int point, FasciaSurface& to) {
+  const std::size_t i = std::size_t(point);
+  to.terms.insert(to.terms.end(), from.terms.begin() + from.term_begin[i],
+                  from.terms.begin() + from.term_begin[i + 1]);
+  to.term_begin.push_back(int(to.terms.size()));
+  to.belly.push_back(from.belly[i]);
+  to.across.push_back(from.across[i]);
+  to.along.push_back(from.along[i]);
+  to.lift.covers.insert(to.lift.covers.end(), from.lift.covers.begin() + from.lift.begin[i],
+                        from.lift.covers.begin() + from.lift.begin[i + 1]);
+  to.lift.begin.push_back(int(to.lift.covers.size()));
+}
+
+void triangulate(FasciaSurface& surface) {
+  std::vector<Triangles> faces;
+  int count = 0;
+  for (FasciaSurface::Part& part : surface.parts) {
+    faces.push_back(grid_triangles(part.rows, part.columns).array() + part.vertex_begin);
+    part.face_begin = count;
+    part.face_end = count += int(faces.back().rows());
+  }
+  surface.F.resize(count, 3);
+  for (std::size_t n = 0; n < faces.size(); ++n)
+    surface.F.middleRows(surface.parts[n].face_begin, faces[n].rows()) = faces[n];
+}
+
 FasciaSurface make_fascia_surface(const Anatomy& anatomy) {
   FasciaSurface out;
   const std::vector<Ellipse> slices = rest_slices(anatomy);
@@ -338,8 +407,6 @@ FasciaSurface make_fascia_surface(const Anatomy& anatomy) {
     weights[n] = weights_of(anatomy, slices, anatomy.fascia[n]);
   });
   out.term_begin.push_back(0);
-  std::vector<Triangles> faces;
-  Eigen::Index face_count = 0;
   for (std::size_t n = 0; n < weights.size(); ++n) {
     const FasciaSheet& sheet = anatomy.fascia[n];
     const int begin = out.vertices();
@@ -350,23 +417,15 @@ FasciaSurface make_fascia_surface(const Anatomy& anatomy) {
     }
     out.belly.insert(out.belly.end(), sheet.belly.begin(), sheet.belly.end());
     add_places(sheet, out);
-    faces.push_back(grid_triangles(sheet.rows, sheet.columns).array() + begin);
-    out.parts.push_back({int(n),
-                         begin,
-                         out.vertices(),
-                         int(face_count),
-                         int(face_count + faces.back().rows()),
-                         sheet.rows,
-                         sheet.columns,
-                         is_sleeve(sheet),
-                         rises_over_muscles(sheet),
-                         {},
-                         0});
-    face_count += faces.back().rows();
+    out.parts.push_back({.sheet = int(n),
+                         .vertex_begin = begin,
+                         .vertex_end = out.vertices(),
+                         .rows = sheet.rows,
+                         .columns = sheet.columns,
+                         .sleeve = is_sleeve(sheet),
+                         .rises = rises_over_muscles(sheet)});
   }
-  out.F.resize(face_count, 3);
-  for (std::size_t n = 0; n < faces.size(); ++n)
-    out.F.middleRows(out.parts[n].face_begin, faces[n].rows()) = faces[n];
+  triangulate(out);
   add_reaches(anatomy, joints, out);
   add_lift(anatomy, slices, out);
   return out;

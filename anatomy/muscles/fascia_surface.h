@@ -58,12 +58,21 @@ struct FasciaSurface {
   int vertices() const { return int(belly.size()); }
 };
 
+// m from a section or bone, beyond which it carries no point.
+constexpr double kFasciaReach = 0.03;
+
 // A sleeve: the last column lies on the first. Its first row is carried by the first of its bones,
 // its last row by the last.
 bool is_sleeve(const FasciaSheet& sheet);
 
 // Cells between a point of a grid, counted row after row, and the nearest edge.
 int cells_from_edge(int rows, int columns, int point, bool sleeve = false);
+
+// Adds a point with what carries it and comes over it, but for its clearances.
+void append_point(const FasciaSurface& from, int point, FasciaSurface& to);
+
+// Makes F, and the parts' faces, of their rows and columns.
+void triangulate(FasciaSurface& surface);
 
 // Precondition: a valid anatomy.
 FasciaSurface make_fascia_surface(const Anatomy& anatomy);

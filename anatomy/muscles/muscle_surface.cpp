@@ -1,9 +1,13 @@
 #include "anatomy/muscles/muscle_surface.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <stdexcept>
 
 #include "anatomy/muscles/action_line.h"
@@ -13,7 +17,8 @@ namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kCapRings = 2;  // between the last slice and the pole
+constexpr int kAtOnce = 4096;  // vertices that one thread places
+constexpr int kCapRings = 2;   // between the last slice and the pole
 constexpr int kRimSteps =
     kOutlinePoints / 2;      // of a sheet's rounded edge, from its upper to its lower side
 constexpr int kBetween = 2;  // columns between two neighbouring strips of a sheet
@@ -370,20 +375,23 @@ template <typename Positions>
 void evaluate(const MuscleSurface& surface, std::span<const Ellipse> slices, Positions& positions) {
   using Scalar = typename Positions::Scalar;
   positions.resize(surface.vertices(), 3);
-  int last = -1;
-  Frame f = frame_of(Ellipse());
-  for (int i = 0; i < surface.vertices(); ++i) {
-    Vec3 p = Vec3::Zero();
-    for (int j = surface.term_begin[i]; j < surface.term_begin[i + 1]; ++j) {
-      const MuscleSurface::Term& t = surface.terms[j];
-      if (t.slice != last) f = frame_of(slices[last = t.slice]);
-      const double factor = outline_factor(slices[t.slice].outline, double(t.place));
-      p += double(t.weight) *
-           (f.center + factor * (double(t.u) * f.width + double(t.v) * f.thickness) +
-            double(t.w) * f.tangent);
+  const tbb::blocked_range<int> all(0, surface.vertices(), kAtOnce);
+  tbb::parallel_for(all, [&](const tbb::blocked_range<int>& range) {
+    int last = -1;
+    Frame f = frame_of(Ellipse());
+    for (int i = range.begin(); i < range.end(); ++i) {
+      Vec3 p = Vec3::Zero();
+      for (int j = surface.term_begin[i]; j < surface.term_begin[i + 1]; ++j) {
+        const MuscleSurface::Term& t = surface.terms[j];
+        if (t.slice != last) f = frame_of(slices[last = t.slice]);
+        const double factor = outline_factor(slices[t.slice].outline, double(t.place));
+        p += double(t.weight) *
+             (f.center + factor * (double(t.u) * f.width + double(t.v) * f.thickness) +
+              double(t.w) * f.tangent);
+      }
+      positions.row(i) = p.transpose().cast<Scalar>();
     }
-    positions.row(i) = p.transpose().cast<Scalar>();
-  }
+  });
 }
 
 // Thickness that gives the sheet its strips' volume at rest: the enclosed volume is nearly a line
@@ -415,6 +423,69 @@ double sheet_thickness(const Muscle& muscle, const std::vector<std::vector<Ellip
   return std::clamp(0.5 + 0.5 * (wanted - half) / (whole - half), 0.4, 1.5);
 }
 
+// Of one muscle, whose slices begin at `slice`.
+MuscleSurface surface_of(const Muscle& muscle, int number, int slice,
+                         const MuscleSurfaceOptions& options) {
+  MuscleSurface surface;
+  surface.term_begin.push_back(0);
+  Builder build(surface);
+  std::vector<std::vector<Ellipse>> rest;
+  std::vector<int> first;
+  for (const Strip& strip : muscle.strips) {
+    rest.push_back(rest_slices(strip));
+    first.push_back(slice);
+    slice += int(strip.slices.size());
+  }
+  MuscleSurface::Part part;
+  part.muscle = number;
+  part.sheet = options.loft_sheets && muscle.sheet && muscle.strips.size() > 1;
+  if (part.sheet) {
+    part.thickness = float(sheet_thickness(muscle, rest));
+    Sheet(muscle, rest, first, double(part.thickness), options.rows_between)
+        .add(build, part.muscle);
+  } else {
+    for (size_t i = 0; i < muscle.strips.size(); ++i)
+      add_tube(build, part.muscle, muscle.side, muscle.strips[i], first[i], options);
+  }
+  part.vertex_end = build.vertex_count();
+  part.face_end = build.face_count();
+  surface.parts.push_back(part);
+  build.finish();
+  return surface;
+}
+
+// One surface behind the other.
+MuscleSurface joined(std::span<const MuscleSurface> surfaces) {
+  MuscleSurface out;
+  out.term_begin.push_back(0);
+  Eigen::Index faces = 0;
+  for (const MuscleSurface& own : surfaces) faces += own.F.rows();
+  out.F.resize(faces, 3);
+  faces = 0;
+  const auto append = [](const auto& from, auto& to) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  for (const MuscleSurface& own : surfaces) {
+    const int vertices = out.vertices(), terms = int(out.terms.size());
+    for (std::size_t v = 1; v < own.term_begin.size(); ++v)
+      out.term_begin.push_back(terms + own.term_begin[v]);
+    append(own.terms, out.terms);
+    append(own.muscle, out.muscle);
+    append(own.slice, out.slice);
+    append(own.angle, out.angle);
+    append(own.belly, out.belly);
+    append(own.along, out.along);
+    for (MuscleSurface::Part part : own.parts) {
+      part.vertex_begin += vertices, part.vertex_end += vertices;
+      part.face_begin += int(faces), part.face_end += int(faces);
+      out.parts.push_back(part);
+    }
+    out.F.middleRows(faces, own.F.rows()) = own.F.array() + vertices;
+    faces += own.F.rows();
+  }
+  return out;
+}
+
 }  // namespace
 
 MuscleSurface make_muscle_surface(const Anatomy& anatomy, const MuscleSurfaceOptions& options) {
@@ -425,38 +496,16 @@ MuscleSurface make_muscle_surface(const Anatomy& anatomy, const MuscleSurfaceOpt
   if (options.rows_between < 0 || options.rows_between > 8)
     throw std::invalid_argument("make_muscle_surface: " + std::to_string(options.rows_between) +
                                 " rows between slices, need 0 .. 8");
-  MuscleSurface surface;
-  surface.term_begin.push_back(0);
-  Builder build(surface);
-  int slice = 0;
-  for (size_t m = 0; m < anatomy.muscles.size(); ++m) {
-    const Muscle& muscle = anatomy.muscles[m];
-    std::vector<std::vector<Ellipse>> rest;
-    std::vector<int> first;
-    for (const Strip& strip : muscle.strips) {
-      rest.push_back(rest_slices(strip));
-      first.push_back(slice);
-      slice += strip.slices.size();
-    }
-    MuscleSurface::Part part;
-    part.muscle = int(m);
-    part.vertex_begin = build.vertex_count();
-    part.face_begin = build.face_count();
-    part.sheet = options.loft_sheets && muscle.sheet && muscle.strips.size() > 1;
-    if (part.sheet) {
-      part.thickness = float(sheet_thickness(muscle, rest));
-      Sheet(muscle, rest, first, double(part.thickness), options.rows_between)
-          .add(build, part.muscle);
-    } else {
-      for (size_t i = 0; i < muscle.strips.size(); ++i)
-        add_tube(build, part.muscle, muscle.side, muscle.strips[i], first[i], options);
-    }
-    part.vertex_end = build.vertex_count();
-    part.face_end = build.face_count();
-    surface.parts.push_back(part);
+  std::vector<int> slices{0};
+  for (const Muscle& muscle : anatomy.muscles) {
+    slices.push_back(slices.back());
+    for (const Strip& strip : muscle.strips) slices.back() += int(strip.slices.size());
   }
-  build.finish();
-  return surface;
+  std::vector<MuscleSurface> own(anatomy.muscles.size());
+  tbb::parallel_for(std::size_t{0}, own.size(), [&](std::size_t m) {
+    own[m] = surface_of(anatomy.muscles[m], int(m), slices[m], options);
+  });
+  return joined(own);
 }
 
 void update_muscle_surface(const MuscleSurface& surface, const PosedAnatomy& posed,

@@ -1,5 +1,7 @@
 #include "anatomy/muscles/surface_edges.h"
 
+#include <tbb/parallel_for.h>
+
 #include <cmath>
 #include <unordered_map>
 #include <utility>
@@ -26,8 +28,9 @@ SurfaceEdge edge_at(const SurfaceEdge& edge, const MuscleSurface& surface,
 }
 
 std::vector<SurfaceEdge> inner_edges(const MuscleSurface& surface, const Points& positions) {
-  std::vector<SurfaceEdge> out;
-  for (const MuscleSurface::Part& part : surface.parts) {
+  std::vector<std::vector<SurfaceEdge>> found(surface.parts.size());
+  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t p) {
+    const MuscleSurface::Part& part = surface.parts[p];
     std::unordered_map<long long, int> sides;
     for (int f = part.face_begin; f < part.face_end; ++f)
       for (int k = 0; k < 3; ++k) {
@@ -37,9 +40,13 @@ std::vector<SurfaceEdge> inner_edges(const MuscleSurface& surface, const Points&
         if (other == sides.end())
           sides[key(a, b)] = f;
         else
-          out.push_back(edge_at({part.muscle, a, b, f, other->second, 0, 0}, surface, positions));
+          found[p].push_back(
+              edge_at({part.muscle, a, b, f, other->second, 0, 0}, surface, positions));
       }
-  }
+  });
+  std::vector<SurfaceEdge> out;
+  for (const std::vector<SurfaceEdge>& edges : found)
+    out.insert(out.end(), edges.begin(), edges.end());
   return out;
 }
 
@@ -54,8 +61,11 @@ Standing standing_off(const MuscleSurface& surface, std::span<const SurfaceEdge>
       sum[own] += positions.row(other).transpose();
       ++count[own];
     }
-  for (int f = 0; f < int(surface.F.rows()); ++f)
-    for (int k = 0; k < 3; ++k) normals[surface.F(f, k)] += face_normal(positions, surface.F, f);
+  for (int f = 0; f < int(surface.F.rows()); ++f) {
+    if (count[std::size_t(surface.F(f, 0))] == 0) continue;
+    const Vec3 normal = face_normal(positions, surface.F, f);
+    for (int k = 0; k < 3; ++k) normals[surface.F(f, k)] += normal;
+  }
   Standing out{std::vector<double>(vertices, 0.0), std::vector<double>(vertices, 0.0)};
   for (std::size_t v = 0; v < vertices; ++v) {
     if (count[v] == 0) continue;

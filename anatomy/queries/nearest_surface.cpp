@@ -53,6 +53,13 @@ bool visit(RTCPointQueryFunctionArguments* args) {
   return true;
 }
 
+void find_nearest(RTCScene scene, float radius, Query& query) {
+  RTCPointQuery sphere{float(query.p.x()), float(query.p.y()), float(query.p.z()), 0.0f, radius};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(scene, &sphere, &context, visit, &query);
+}
+
 RTCRayHit make_ray(const Vec3& origin, const Vec3& direction, double far_limit) {
   RTCRayHit ray{};
   ray.ray.org_x = float(origin.x()), ray.ray.org_y = float(origin.y()),
@@ -127,13 +134,17 @@ NearestSurface::~NearestSurface() = default;
 
 SurfacePoint NearestSurface::nearest(const Vec3& p, int hint) const {
   Query query{&scene_->mesh, p, std::numeric_limits<double>::infinity(), {}};
-  RTCPointQuery sphere{float(p.x()), float(p.y()), float(p.z()), 0.0f,
-                       std::numeric_limits<float>::infinity()};
+  float radius = std::numeric_limits<float>::infinity();
   if (hint >= 0 && hint < scene_->mesh.F.rows() && improve(query, hint))
-    sphere.radius = search_radius(query.out.distance);
-  RTCPointQueryContext context;
-  rtcInitPointQueryContext(&context);
-  rtcPointQuery(scene_->scene, &sphere, &context, visit, &query);
+    radius = search_radius(query.out.distance);
+  find_nearest(scene_->scene, radius, query);
+  return query.out;
+}
+
+std::optional<SurfacePoint> NearestSurface::nearest_within(const Vec3& p, double distance) const {
+  Query query{&scene_->mesh, p, distance * distance, {}};
+  find_nearest(scene_->scene, search_radius(distance), query);
+  if (query.out.triangle < 0) return std::nullopt;
   return query.out;
 }
 

@@ -33,6 +33,8 @@ class NearestSurface {
   // `hint`: a triangle that may be near, such as the answer for a neighbouring point; it saves time
   // and changes nothing else.
   SurfacePoint nearest(const Vec3& p, int hint = -1) const;
+  // None where the nearest point is farther.
+  std::optional<SurfacePoint> nearest_within(const Vec3& p, double distance) const;
   // Whether the open segment meets a triangle.
   bool blocked(const Vec3& from, const Vec3& to) const;
   // Distance along the unit direction to the first triangle.

@@ -8,24 +8,27 @@
 #include <variant>
 #include <vector>
 
-#include "app/edit/arguments.h"
+#include "app/edit/attachment_actions.h"
 #include "app/edit/body_actions.h"
+#include "app/edit/document/arguments.h"
 #include "app/edit/line_actions.h"
 #include "app/edit/muscle_actions.h"
 #include "app/edit/session_actions.h"
 #include "app/edit/skeleton_actions.h"
+#include "app/edit/trial_actions.h"
 
 namespace ecorche {
 
 using Action =
     std::variant<Pick, NewMuscle, CopyMuscle, RemoveMuscle, RenameMuscle, MirrorMuscle, SetMuscle,
-                 DescribeMuscle, ImportMuscle, MovePoint, AddPoint, RemovePoint, SetSection,
-                 RemoveSection, ScaleSections, SetBelly, AddStrip, RemoveStrip, NewWrap, SetWrap,
-                 RemoveWrap, UseWrap, LeaveWrap, MoveJoint, TurnAxes, SetLimits, ResetJoint,
-                 SnapJoint, SetGroup, ResetGroup, AddJoint, RemoveJoint, RestoreJoint, AddBone,
-                 SetBone, RemoveBone, SetBody, SetMeasure, FreeMeasure, SetLayer, SetFit, SetPose,
-                 TurnJoint, Activate, PlayMotion, ShowMoment, Undo, Redo, Save, ExportMuscle,
-                 WriteCharacter, Render, ReportMuscle, WriteCurves>;
+                 DescribeMuscle, ImportMuscle, PaintEnd, ResampleMesh, MovePoint, AddPoint,
+                 RemovePoint, SetSection, RemoveSection, ScaleSections, SetBelly, AddStrip,
+                 RemoveStrip, NewWrap, SetWrap, RemoveWrap, UseWrap, LeaveWrap, MoveJoint, TurnAxes,
+                 SetLimits, ResetJoint, SnapJoint, SetGroup, ResetGroup, AddJoint, RemoveJoint,
+                 RestoreJoint, AddBone, SetBone, RemoveBone, SetBody, SetMeasure, FreeMeasure,
+                 SetLayer, SetFit, SetPose, TurnJoint, Activate, Relax, PlayMotion, ShowMoment,
+                 Compare, Undo, Redo, Save, ExportMuscle, WriteCharacter, WriteTemplate, WriteModel,
+                 Render, Film, ReportMuscle, WriteCurves, CheckBones>;
 
 struct ActionKind {
   const char *name, *group, *help;

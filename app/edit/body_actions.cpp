@@ -9,20 +9,13 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/quantity.h"
 #include "anatomy/files/similar_names.h"
-#include "app/edit/edit_muscle.h"
-#include "app/edit/edited_skeleton.h"
+#include "app/edit/document/edit_muscle.h"
+#include "app/edit/document/edited_skeleton.h"
 #include "morph/measures/measure_table.h"
 #include "morph/placement/bone_groups.h"
 
 namespace ecorche {
 namespace {
-
-void check_joint(Workshop& workshop, const Document& document, const std::string& name) {
-  if (has_joint(workshop, document, name)) return;
-  throw InputError(fmt::format(
-      "argument 'joint': '{}': there is no such joint{}; `ecorche list joints` names them", name,
-      did_you_mean(split_side(name).first, joint_names(workshop, document))));
-}
 
 template <class F>
 Document with_joint(Workshop& workshop, const Document& document, const std::string& name,
@@ -31,9 +24,14 @@ Document with_joint(Workshop& workshop, const Document& document, const std::str
   return with_part(document, &Document::joints, [&](auto& joints) { change(joints[name]); });
 }
 
-void check_file(const std::string& file) {
-  if (file != "none" && !std::filesystem::exists(file))
-    throw InputError(fmt::format("argument 'file': '{}': there is no such file", file));
+void check_body_file(const std::string& file) {
+  if (file == "none" || std::filesystem::is_regular_file(file)) return;
+  if (std::filesystem::is_directory(file))
+    throw InputError(
+        fmt::format("argument 'file': '{}': a folder; a body is a file, and a project's folder is "
+                    "opened by `ecorche studio FOLDER`",
+                    file));
+  throw InputError(fmt::format("argument 'file': '{}': there is no such file", file));
 }
 
 // The measure's own name and its value in m, or kg.
@@ -102,7 +100,7 @@ void arguments(Arguments& a, SetBody& x) {
          "body, character or skin on the base mesh; none: the template's own body");
 }
 Document apply(Workshop&, const Document& document, const SetBody& x) {
-  check_file(x.file);
+  check_body_file(x.file);
   return with_part(document, &Document::body, [&](EditedBody& body) {
     body.file = x.file == "none" ? std::filesystem::path() : std::filesystem::path(x.file);
   });
@@ -134,9 +132,22 @@ Document apply(Workshop&, const Document& document, const FreeMeasure& x) {
 void arguments(Arguments& a, SetLayer& x) {
   a.number("factor", x.factor, {ArgumentUnit::none, 0.2, 5}, Need::required,
            "times the fat over the muscles that the build lets expect");
+  a.text("site", "site", x.site, Need::optional,
+         "of data/fat.csv, about which alone, on top of all: abdominal, front_thigh, ...");
 }
-Document apply(Workshop&, const Document& document, const SetLayer& x) {
-  return with_part(document, &Document::body, [&](EditedBody& body) { body.layer = x.factor; });
+Document apply(Workshop& workshop, const Document& document, const SetLayer& x) {
+  if (x.site.empty())
+    return with_part(document, &Document::body, [&](EditedBody& body) { body.layer = x.factor; });
+  const std::vector<std::string>& sites = workshop.fat_sites();
+  if (std::ranges::find(sites, x.site) == sites.end())
+    throw InputError(fmt::format("argument 'site': '{}': there is no such site{}", x.site,
+                                 did_you_mean(x.site, sites)));
+  return with_part(document, &Document::body, [&](EditedBody& body) {
+    if (x.factor == 1)
+      body.layer_sites.erase(x.site);
+    else
+      body.layer_sites[x.site] = x.factor;
+  });
 }
 
 void arguments(Arguments& a, SetFit& x) {
@@ -162,74 +173,6 @@ Document apply(Workshop&, const Document& document, const SetFit& x) {
     throw InputError(fmt::format("argument 'slices': '{:g}': expected 0 or 6 .. 24", *x.slices));
   if (x.slices) fit.slices = int(*x.slices);
   return out;
-}
-
-void arguments(Arguments& a, SetPose& x) {
-  a.text("pose", "pose", x.pose, Need::required,
-         "of the pose book (`ecorche list poses`); rest: the rest pose. Turned joints turn back");
-}
-Document apply(Workshop& workshop, const Document& document, const SetPose& x) {
-  const std::vector<std::string> poses = workshop.pose_names();
-  if (x.pose != "rest" && std::ranges::find(poses, x.pose) == poses.end())
-    throw InputError(fmt::format("argument 'pose': '{}': there is no such pose{}", x.pose,
-                                 did_you_mean(x.pose, poses)));
-  return with_part(document, &Document::trial, [&](Trial& trial) {
-    trial.pose = x.pose == "rest" ? std::string() : x.pose;
-    trial.angles.clear();
-    trial.motion.clear();
-  });
-}
-
-void arguments(Arguments& a, TurnJoint& x) {
-  a.text("joint", "joint", x.joint, Need::required, "that is turned from the pose");
-  a.number("flexion", x.flexion, {ArgumentUnit::degree, -270, 270}, "from the anatomical zero");
-  a.number("abduction", x.abduction, {ArgumentUnit::degree, -270, 270}, "likewise");
-  a.number("rotation", x.rotation, {ArgumentUnit::degree, -270, 270}, "likewise");
-}
-Document apply(Workshop& workshop, const Document& document, const TurnJoint& x) {
-  check_joint(workshop, document, x.joint);
-  return with_part(document, &Document::trial, [&](Trial& trial) {
-    // not a number: as the pose has it
-    Vec3& angles = trial.angles.try_emplace(x.joint, Vec3::Constant(std::nan(""))).first->second;
-    if (x.flexion) angles.x() = *x.flexion;
-    if (x.abduction) angles.y() = *x.abduction;
-    if (x.rotation) angles.z() = *x.rotation;
-  });
-}
-
-void arguments(Arguments& a, Activate& x) {
-  a.text("muscles", "muscles", x.muscles, Need::required,
-         "a name, * in it for any letters; all: every muscle");
-  a.number("value", x.value, {ArgumentUnit::none, 0, 1}, Need::required,
-           "0 relaxed, 1 full effort");
-}
-Document apply(Workshop&, const Document& document, const Activate& x) {
-  const bool many = x.muscles == "all" || x.muscles.find('*') != std::string::npos;
-  if (!many) meant_muscle(document, x.muscles);
-  return with_part(document, &Document::trial, [&](Trial& trial) {
-    if (x.muscles == "all") trial.activations.clear();
-    trial.activations[x.muscles == "all" ? "*" : x.muscles] = x.value;
-  });
-}
-
-void arguments(Arguments& a, PlayMotion& x) {
-  a.text("file", "file", x.file, Need::required, "motion that is played; none: no motion");
-}
-Document apply(Workshop&, const Document& document, const PlayMotion& x) {
-  check_file(x.file);
-  return with_part(document, &Document::trial, [&](Trial& trial) {
-    trial.motion = x.file == "none" ? std::filesystem::path() : std::filesystem::path(x.file);
-    trial.seconds = 0;
-  });
-}
-
-void arguments(Arguments& a, ShowMoment& x) {
-  a.number("seconds", x.seconds, {ArgumentUnit::second, 0, 1e5}, Need::required, "of the motion");
-}
-Document apply(Workshop&, const Document& document, const ShowMoment& x) {
-  if (document.trial->motion.empty())
-    throw InputError("argument 'seconds': no motion is played; play_motion FILE first");
-  return with_part(document, &Document::trial, [&](Trial& trial) { trial.seconds = x.seconds; });
 }
 
 }  // namespace ecorche

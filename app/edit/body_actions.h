@@ -1,12 +1,12 @@
-// Actions on joints, on the body that muscles are fitted into and how, and on what is tried with
-// them. Conventions as in muscle_actions.h; a joint without _l or _r is both.
+// Actions on joints, and on the body that muscles are fitted into and how. Conventions as in
+// muscle_actions.h; a joint without _l or _r is both.
 #pragma once
 
 #include <optional>
 #include <string>
 
-#include "app/edit/arguments.h"
-#include "app/edit/workshop.h"
+#include "app/edit/document/arguments.h"
+#include "app/edit/document/workshop.h"
 
 namespace ecorche {
 
@@ -37,27 +37,11 @@ struct FreeMeasure {
 };
 struct SetLayer {
   double factor = 1;
+  std::string site;  // of data/fat.csv; empty: all of it
 };
 struct SetFit {
   std::string method;
   std::optional<double> alpha, clearance, rays, slices;
-};
-struct SetPose {
-  std::string pose;
-};
-struct TurnJoint {
-  std::string joint;
-  std::optional<double> flexion, abduction, rotation;  // deg
-};
-struct Activate {
-  std::string muscles;
-  double value = 0;
-};
-struct PlayMotion {
-  std::string file;
-};
-struct ShowMoment {
-  double seconds = 0;
 };
 
 void arguments(Arguments& a, MoveJoint& x);
@@ -69,11 +53,6 @@ void arguments(Arguments& a, SetMeasure& x);
 void arguments(Arguments& a, FreeMeasure& x);
 void arguments(Arguments& a, SetLayer& x);
 void arguments(Arguments& a, SetFit& x);
-void arguments(Arguments& a, SetPose& x);
-void arguments(Arguments& a, TurnJoint& x);
-void arguments(Arguments& a, Activate& x);
-void arguments(Arguments& a, PlayMotion& x);
-void arguments(Arguments& a, ShowMoment& x);
 
 Document apply(Workshop& workshop, const Document& document, const MoveJoint& x);
 Document apply(Workshop& workshop, const Document& document, const TurnAxes& x);
@@ -84,10 +63,5 @@ Document apply(Workshop& workshop, const Document& document, const SetMeasure& x
 Document apply(Workshop& workshop, const Document& document, const FreeMeasure& x);
 Document apply(Workshop& workshop, const Document& document, const SetLayer& x);
 Document apply(Workshop& workshop, const Document& document, const SetFit& x);
-Document apply(Workshop& workshop, const Document& document, const SetPose& x);
-Document apply(Workshop& workshop, const Document& document, const TurnJoint& x);
-Document apply(Workshop& workshop, const Document& document, const Activate& x);
-Document apply(Workshop& workshop, const Document& document, const PlayMotion& x);
-Document apply(Workshop& workshop, const Document& document, const ShowMoment& x);
 
 }  // namespace ecorche

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "anatomy/errors.h"
-#include "app/edit/edit_muscle.h"
+#include "app/edit/document/edit_muscle.h"
 #include "morph/placement/bone_groups.h"
 
 namespace ecorche {

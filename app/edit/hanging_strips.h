@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/edit/workshop.h"
+#include "app/edit/document/workshop.h"
 
 namespace ecorche {
 

@@ -7,7 +7,7 @@
 
 #include "anatomy/authoring/muscle_text.h"
 #include "anatomy/errors.h"
-#include "app/edit/edit_muscle.h"
+#include "app/edit/document/edit_muscle.h"
 
 namespace ecorche {
 namespace {

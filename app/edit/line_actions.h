@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "app/edit/arguments.h"
-#include "app/edit/workshop.h"
+#include "app/edit/document/arguments.h"
+#include "app/edit/document/workshop.h"
 
 namespace ecorche {
 

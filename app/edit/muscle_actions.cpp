@@ -8,7 +8,7 @@
 
 #include "anatomy/authoring/muscle_text.h"
 #include "anatomy/errors.h"
-#include "app/edit/edit_muscle.h"
+#include "app/edit/document/edit_muscle.h"
 #include "app/edit/muscle_file.h"
 #include "morph/placement/bone_groups.h"
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "app/edit/document.h"
+#include "app/edit/document/document.h"
 
 namespace ecorche {
 

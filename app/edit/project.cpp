@@ -15,6 +15,7 @@
 #include "anatomy/files/package_archive.h"
 #include "anatomy/mesh_files/mesh_io.h"
 #include "app/edit/action_list.h"
+#include "app/edit/comparison.h"
 #include "app/edit/journal.h"
 #include "app/edit/muscle_file.h"
 #include "morph/placement/bone_groups.h"
@@ -162,7 +163,9 @@ void add_body(const Document& document, std::string& out) {
     out +=
         action_line(SetMeasure{name, fmt::format("{}{}", value, name == "weight" ? "kg" : "m")}) +
         "\n";
-  if (body.layer != 1) out += action_line(SetLayer{body.layer}) + "\n";
+  if (body.layer != 1) out += action_line(SetLayer{body.layer, {}}) + "\n";
+  for (const auto& [site, factor] : body.layer_sites)
+    out += action_line(SetLayer{factor, site}) + "\n";
   const FitSettings &fit = document.fit, usual;
   SetFit set;
   if (fit.method != usual.method) set.method = "paper";
@@ -187,8 +190,19 @@ void add_trial(const Document& document, std::string& out) {
     if (std::isfinite(angles.z())) turn.rotation = angles.z();
     out += action_line(turn) + "\n";
   }
-  for (const auto& [name, value] : trial.activations)
-    out += action_line(Activate{name == "*" ? "all" : name, value}) + "\n";
+  for (const auto& [name, effort] : trial.activations) {
+    const std::string muscles = name == "*" ? "all" : name;
+    if (effort.keys.empty() || effort.value != 0)
+      out += action_line(Activate{muscles, effort.value, {}, {}}) + "\n";
+    for (const auto& [at, value] : effort.keys)
+      out += action_line(Activate{muscles, value, at, {}}) + "\n";
+  }
+  if (const Comparison& beside = trial.comparison; !beside.with.empty())
+    out += action_line(Compare{names_file(beside.with)
+                                   ? fs::absolute(beside.with).lexically_normal().string()
+                                   : beside.with,
+                               beside.wiped ? "wiped" : "beside", beside.share}) +
+           "\n";
   if (!document.picked.empty()) out += action_line(Pick{document.picked}) + "\n";
 }
 

@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "app/edit/document.h"
-#include "app/edit/workshop.h"
+#include "app/edit/document/document.h"
+#include "app/edit/document/workshop.h"
 
 namespace ecorche {
 

@@ -9,7 +9,7 @@
 #include "anatomy/authoring/muscle_text.h"
 #include "anatomy/errors.h"
 #include "anatomy/muscles/transform_muscles.h"
-#include "app/edit/edited_skeleton.h"
+#include "app/edit/document/edited_skeleton.h"
 #include "app/files/open_body.h"
 #include "morph/fat/muscle_mass.h"
 #include "morph/placement/bone_groups.h"
@@ -146,6 +146,7 @@ FittingOptions fitting_of(const Document& document) {
   }
   out.joints = joint_parents(document);
   out.layer = document.body->layer;
+  out.layer_sites = document.body->layer_sites;
   out.dilate.method = document.fit.method;
   out.dilate.alpha = document.fit.alpha;
   out.dilate.rays = document.fit.rays;
@@ -155,8 +156,11 @@ FittingOptions fitting_of(const Document& document) {
 }
 
 bool fits_alike(const Document& a, const Document& b) {
-  return same_muscles(a, b) && a.joints == b.joints && a.skeleton == b.skeleton &&
-         a.body == b.body && a.fit == b.fit;
+  return same_muscles(a, b) && differs_in_muscles_alone(a, b);
+}
+
+bool differs_in_muscles_alone(const Document& a, const Document& b) {
+  return a.joints == b.joints && a.skeleton == b.skeleton && a.body == b.body && a.fit == b.fit;
 }
 
 }  // namespace ecorche

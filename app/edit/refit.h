@@ -5,7 +5,7 @@
 
 #include "anatomy/character.h"
 #include "app/common_options.h"
-#include "app/edit/workshop.h"
+#include "app/edit/document/workshop.h"
 #include "app/report.h"
 #include "morph/fit/fit_character.h"
 #include "morph/template/template.h"
@@ -29,5 +29,7 @@ FittingOptions fitting_of(const Document& document);
 
 // Whether the same character comes of both.
 bool fits_alike(const Document& a, const Document& b);
+// Or one that differs in muscles, in the same body on the same skeleton.
+bool differs_in_muscles_alone(const Document& a, const Document& b);
 
 }  // namespace ecorche

@@ -13,16 +13,18 @@
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
 #include "anatomy/files/similar_names.h"
-#include "app/edit/edit_muscle.h"
+#include "app/edit/comparison.h"
+#include "app/edit/document/edit_muscle.h"
+#include "app/edit/model_outputs.h"
 #include "app/edit/muscle_file.h"
+#include "app/edit/muscle_gauge.h"
+#include "app/edit/palpable_points.h"
 #include "app/edit/project.h"
 #include "app/edit/refit.h"
 #include "app/edit/trial_pose.h"
 #include "app/edit/unsaved_sessions.h"
 #include "app/files/character_file.h"
 #include "app/files/fitted_actor.h"
-#include "app/files/open_motion.h"
-#include "skinning/motion/sample_motion.h"
 
 namespace ecorche {
 namespace {
@@ -38,11 +40,22 @@ Action with_absolute_file(Action action) {
       [](auto& x) {
         using T = std::decay_t<decltype(x)>;
         if constexpr (std::is_same_v<T, SetBody> || std::is_same_v<T, PlayMotion> ||
-                      std::is_same_v<T, ImportMuscle> || std::is_same_v<T, AddBone>)
+                      std::is_same_v<T, ImportMuscle> || std::is_same_v<T, AddBone> ||
+                      std::is_same_v<T, ResampleMesh>) {
           if (!x.file.empty()) x.file = std::filesystem::absolute(x.file).lexically_normal();
+        } else if constexpr (std::is_same_v<T, Compare>) {
+          if (names_file(x.with)) x.with = std::filesystem::absolute(x.with).lexically_normal();
+        }
       },
       action);
   return action;
+}
+
+// nerve:NAME and function:NAME among the parts of a picture.
+Render with_groups_spelled(Workshop& workshop, Render picture) {
+  for (std::string* names : {&picture.only, &picture.hide, &picture.labels})
+    if (names->find(':') != std::string::npos) *names = spelled_groups(workshop.groups(), *names);
+  return picture;
 }
 
 }  // namespace
@@ -53,7 +66,9 @@ Session::Session(const Common& common, Report& report, const SessionOptions& opt
       draw_(std::move(draw)),
       workshop_(options.built_in ? Workshop(common.assets, *options.built_in)
                                  : Workshop(common.assets)),
-      project_(options.project) {
+      project_(options.project),
+      given_other_(options.other),
+      bodies_(workshop_, common, report) {
   if (options.document) {
     history_ = begin_history(*options.document);
   } else if (project_.empty() || !open_project(options.discard)) {
@@ -337,58 +352,45 @@ std::vector<std::string> Session::write(const std::filesystem::path& file) {
   return missed;
 }
 
-const Character& Session::fitted() {
-  if (fitted_ && fits_alike(*fitted_of_, document())) return *fitted_;
-  const StageTimer timer(report_, "refit");
-  const Body body = edited_body(workshop_, document(), common_, report_);
-  FittedCharacter made = fit_character(edited_template(workshop_, document()), body,
-                                       workshop_.package(), fitting_of(document()));
-  fitted_ = Character{std::move(made.anatomy), body};
-  fitted_of_ = document();
-  return *fitted_;
+const Character& Session::fitted() { return bodies_.fitted(document()); }
+
+std::optional<Document> Session::compared() const {
+  return given_other_ ? given_other_ : compared_document(history_, saved_document_);
 }
 
-const Actor& Session::actor() {
-  if (!actor_ || !fits_alike(*acted_of_, document())) {
-    actor_ = std::make_unique<Actor>(
-        make_actor(common_.assets, fitted(), report_, {.refinement = true}));
-    acted_of_ = document();
-  }
-  return *actor_;
+void Session::do_beside(const WriteTemplate& x) {
+  require_ending(x.file, {".glb"});
+  check_outputs(common_, {x.file});
+  write_template_file(workshop_, document(), x.file, common_, report_);
 }
 
-// Pose and activation that are tried, as one frame.
-Motion Session::still() {
-  const Skeleton& skeleton = actor().character.anatomy.skeleton;
-  const Trial& trial = *document().trial;
-  Pose start = rest_pose(skeleton);
-  if (!trial.motion.empty())
-    pose_at(open_motion(trial.motion, actor(), MotionOptions{}, common_, report_), trial.seconds,
-            start);
-  Motion out;
-  out.frames.push_back(trial_pose(workshop_, document(), skeleton, start));
-  return out;
+void Session::do_beside(const WriteModel& x) {
+  require_ending(x.file, {".osim", ".xml"});
+  check_outputs(common_, {x.file});
+  write_fitted_model(workshop_, document(), x.file,
+                     {.meshes = x.meshes == "yes", .ground = x.ground == "yes"}, common_, report_);
 }
 
 void Session::do_beside(const Render& x) {
   if (!draw_) throw UsageError("this program draws no pictures");
   require_ending(x.file, {".png"});
   check_outputs(common_, {x.file});
-  const Motion motion = still();
-  const Anatomy& anatomy = actor().character.anatomy;
-  const std::vector<double> values = trial_activation(document(), anatomy);
-  Activations activations{int(values.size()), {}};
-  for (int m = 0; m < int(values.size()); ++m)
-    if (values[std::size_t(m)] > 0)
-      activations.curves.push_back({{m}, {0}, {values[std::size_t(m)]}});
-  draw_(actor(), motion, activations, x);
+  draw_(bodies_.tried(document(), compared(), false),
+        Film{.picture = with_groups_spelled(workshop_, x), .shots = {}});
 }
 
-int Session::joint_meant(const std::string& joint, const std::string& side) {
+void Session::do_beside(const Film& x) {
+  if (!draw_) throw UsageError("this program draws no films");
+  require_ending(x.picture.file, {".mp4", ".png"});
+  if (x.picture.file.find('%') == std::string::npos) check_outputs(common_, {x.picture.file});
+  draw_(bodies_.tried(document(), compared(), true),
+        Film{with_groups_spelled(workshop_, x.picture), x.shots, x.fps});
+}
+
+int Session::joint_meant(const Skeleton& skeleton, const std::string& joint,
+                         const std::string& side) {
   if (joint.empty()) return -1;
-  const Skeleton& skeleton = fitted().anatomy.skeleton;
-  int found = find_joint(skeleton, joint);
-  if (found < 0) found = find_joint(skeleton, joint + side);
+  const int found = joint_beside(skeleton, joint, side);
   if (found < 0)
     throw InputError(fmt::format("argument 'joint': '{}': there is no such joint{}", joint,
                                  did_you_mean(joint, workshop_.joint_names())));
@@ -400,14 +402,17 @@ void Session::do_beside(const ReportMuscle& x) {
   const std::string& name = document().muscles[std::size_t(meant.entry)]->left.name;
   const Anatomy& anatomy = fitted().anatomy;
   const char* side = meant.side == Side::right ? "_r" : "_l";
-  const int joint = joint_meant(x.joint, side);
+  const int joint = joint_meant(anatomy.skeleton, x.joint, side);
   const int axis = angle_index(x.angle);
   const int muscle = find_muscle(anatomy, name + side);
-  Pose start = rest_pose(anatomy.skeleton);
-  if (!document().trial->motion.empty()) start = still().frames.front();
-  const Pose pose = trial_pose(workshop_, document(), anatomy.skeleton, start);
+  // a motion is read for an actor
+  const Pose pose =
+      document().trial->motion.empty()
+          ? trial_pose(workshop_, document(), anatomy.skeleton, rest_pose(anatomy.skeleton))
+          : bodies_.still(document(), bodies_.actor(document())).frames.front();
   const MuscleFigures figures =
-      muscle_figures(anatomy, muscle, pose, trial_activation(document(), anatomy), joint, axis);
+      muscle_figures(anatomy, muscle, pose,
+                     trial_activation(document(), anatomy, document().trial->seconds), joint, axis);
   const std::string key = "muscles." + name + side;
   report_.set(key + ".length", figures.length);
   report_.set(key + ".rest_length", figures.rest_length);
@@ -424,6 +429,15 @@ void Session::do_beside(const ReportMuscle& x) {
   fmt::print("\n");
 }
 
+void Session::do_beside(const CheckBones&) {
+  fitted();
+  const std::vector<LandmarkDepth> off = points_off(bodies_.landmarks());
+  report_.set("studio.points_off", int(off.size()));
+  for (const LandmarkDepth& point : off) fmt::print("{}\n", point_text(point));
+  fmt::print("{} of {} palpable points lie otherwise than people's\n", off.size(),
+             bodies_.landmarks().size());
+}
+
 void Session::do_beside(const WriteCurves& x) {
   require_ending(x.file, {".csv"});
   check_outputs(common_, {x.file});
@@ -431,27 +445,22 @@ void Session::do_beside(const WriteCurves& x) {
     throw InputError("there is no motion; play_motion FILE takes one");
   const MeantMuscle meant = meant_muscle(document(), x.muscle);
   const char* side = meant.side == Side::right ? "_r" : "_l";
-  const Anatomy& anatomy = actor().character.anatomy;
+  const Actor& actor = bodies_.actor(document());
+  const Anatomy& anatomy = actor.character.anatomy;
   const int muscle =
       find_muscle(anatomy, document().muscles[std::size_t(meant.entry)]->left.name + side);
-  const MuscleGauge gauge(anatomy, muscle,
-                          trial_activation(document(), anatomy)[std::size_t(muscle)],
-                          joint_meant(x.joint, side), angle_index(x.angle));
-  const Motion motion =
-      open_motion(document().trial->motion, actor(), MotionOptions{}, common_, report_);
-  std::vector<double> lengths;
-  std::vector<std::optional<double>> arms;
-  for (const Pose& frame : motion.frames) {
-    const Pose pose = trial_pose(workshop_, document(), anatomy.skeleton, frame);
-    lengths.push_back(gauge.length(pose));
-    arms.push_back(gauge.moment_arm(pose));
+  const MuscleGauge gauge(anatomy, muscle, joint_meant(anatomy.skeleton, x.joint, side),
+                          angle_index(x.angle));
+  const Activations efforts = trial_activations(document(), anatomy);
+  const Motion motion = bodies_.motion(document(), actor);
+  MuscleCurves curves;
+  std::vector<double> effort;
+  for (std::size_t k = 0; k < motion.frames.size(); ++k) {
+    activation_at(efforts, double(k) / motion.fps, effort);
+    add_frame(gauge, motion.frames[k], effort.empty() ? 0 : effort[std::size_t(muscle)], curves);
   }
-  const std::vector<double> speeds = speeds_of(lengths, motion.fps);
-  std::string table = "seconds,length_mm,speed_mm_s,moment_arm_mm\n";
-  for (std::size_t k = 0; k < lengths.size(); ++k)
-    table += fmt::format("{:.4f},{:.3f},{:.2f},{}\n", double(k) / motion.fps, 1e3 * lengths[k],
-                         1e3 * speeds[k], arms[k] ? fmt::format("{:.3f}", 1e3 * *arms[k]) : "");
-  write_file_atomically(x.file, table);
+  finish(gauge, motion.fps, curves);
+  write_file_atomically(x.file, table_of(curves, motion.fps));
 }
 
 }  // namespace ecorche

@@ -15,12 +15,11 @@
 #include "anatomy/errors.h"
 #include "app/common_options.h"
 #include "app/edit/action_list.h"
-#include "app/edit/history.h"
+#include "app/edit/document/history.h"
+#include "app/edit/document/workshop.h"
 #include "app/edit/journal.h"
-#include "app/edit/workshop.h"
-#include "app/files/actor.h"
+#include "app/edit/tried_bodies.h"
 #include "app/report.h"
-#include "skinning/motion/activation.h"
 
 namespace ecorche {
 
@@ -29,13 +28,13 @@ struct SessionOptions {
   bool discard = false;             // actions of its journal that were not saved
   // Begins with this document instead, of a workshop with this built-in one; both or none.
   std::optional<Document> document{}, built_in{};
+  std::optional<Document> other{};  // that it is compared with; else as its own history has it
 };
 
 class Session {
  public:
-  // What the drawing of a still needs is told by who may draw: `render` throws UsageError without.
-  using Drawer = std::function<void(const Actor& actor, const Motion& motion,
-                                    const Activations& activations, const Render& render)>;
+  // Draws a film, or a still where it has no shots. Without, `render` and `film` throw UsageError.
+  using Drawer = std::function<void(const Tried& tried, const Film& film)>;
 
   // Both are borrowed. Throws as read_project and Journal do; InputError for a journal whose
   // actions cannot be done again.
@@ -68,6 +67,8 @@ class Session {
 
   // The document's body with its muscles, fitted; made once for each document that needs another.
   const Character& fitted();
+  // What the trial compares it with, where that is another document.
+  std::optional<Document> compared() const;
   // Fits, binds and writes it. Returns what misses the accuracy targets of `ecorche fit`.
   std::vector<std::string> write(const std::filesystem::path& file);
 
@@ -83,18 +84,21 @@ class Session {
   void do_beside(const Save& x);
   void do_beside(const ExportMuscle& x);
   void do_beside(const WriteCharacter& x);
+  void do_beside(const WriteTemplate& x);
+  void do_beside(const WriteModel& x);
   void do_beside(const Render& x);
+  void do_beside(const Film& x);
   void do_beside(const ReportMuscle& x);
   void do_beside(const WriteCurves& x);
-  int joint_meant(const std::string& joint, const std::string& side);  // -1: none is named
-  bool open_project(bool discard);                                     // false: there is none
+  void do_beside(const CheckBones& x);
+  // -1: none is named
+  int joint_meant(const Skeleton& skeleton, const std::string& joint, const std::string& side);
+  bool open_project(bool discard);  // false: there is none
   void recover(const std::filesystem::path& file);
   std::string do_again(const std::filesystem::path& file, const std::vector<std::string>& lines);
   bool begin_unsaved();
   void lose_journal(const OutputError& error);
   void begin_journal_here(std::string_view word);
-  const Actor& actor();
-  Motion still();
   void run_script_at(const std::filesystem::path& file, int depth);
 
   const Common& common_;
@@ -109,9 +113,8 @@ class Session {
   std::size_t saved_ = 0, journal_begin_ = 0;  // steps of the history
   Document saved_document_;
   std::string aside_;  // folder that the journal goes on from; may be empty
-  std::optional<Document> fitted_of_, acted_of_;
-  std::optional<Character> fitted_;
-  std::unique_ptr<Actor> actor_;
+  std::optional<Document> given_other_;
+  TriedBodies bodies_;
 };
 
 }  // namespace ecorche

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "app/edit/arguments.h"
+#include "app/edit/document/arguments.h"
 
 namespace ecorche {
 
@@ -25,11 +25,26 @@ struct WriteCharacter {
 };
 struct Render {
   std::string file, camera, look_at, only, hide, layers = "skin,muscles,bones", size = "1280x720";
-  std::string background = "white", section;
+  std::string background = "white", section, labels, colour = "flesh";
+};
+// Shots one after another, as a film or numbered pictures.
+struct Film {
+  Render picture;
+  std::string shots = "around 8s";
+  double fps = 30;
+};
+struct WriteTemplate {
+  std::string file;
+};
+struct WriteModel {
+  std::string file, ground = "no", meshes = "yes";
 };
 struct ReportMuscle {
   std::string muscle, joint, angle = "flexion";
 };
+
+// Palpable points that leave their bracket.
+struct CheckBones {};
 
 struct WriteCurves {
   std::string file, muscle, joint, angle = "flexion";
@@ -41,7 +56,11 @@ void arguments(Arguments& a, Save& x);
 void arguments(Arguments& a, ExportMuscle& x);
 void arguments(Arguments& a, WriteCharacter& x);
 void arguments(Arguments& a, Render& x);
+void arguments(Arguments& a, Film& x);
+void arguments(Arguments& a, WriteTemplate& x);
+void arguments(Arguments& a, WriteModel& x);
 void arguments(Arguments& a, ReportMuscle& x);
+void arguments(Arguments& a, CheckBones& x);
 void arguments(Arguments& a, WriteCurves& x);
 
 }  // namespace ecorche

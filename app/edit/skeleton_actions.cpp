@@ -10,10 +10,9 @@
 #include "anatomy/bones/own_joints.h"
 #include "anatomy/errors.h"
 #include "anatomy/files/similar_names.h"
-#include "anatomy/geometry/mesh_measures.h"
-#include "anatomy/mesh_files/mesh_io.h"
-#include "app/edit/edit_muscle.h"
-#include "app/edit/edited_skeleton.h"
+#include "app/edit/document/edit_muscle.h"
+#include "app/edit/document/edited_skeleton.h"
+#include "app/edit/document/own_mesh.h"
 #include "app/edit/hanging_strips.h"
 #include "morph/placement/bone_groups.h"
 #include "morph/placement/joint_regressor.h"
@@ -22,10 +21,6 @@ namespace ecorche {
 namespace {
 
 constexpr double kLeastFactor = 0.5, kMostFactor = 2, kMostLength = 60;  // mm
-constexpr Eigen::Index kMostTriangles = 100000;
-constexpr double kSmallest = 1e-3, kLargest = 2;  // m, of a bone
-const std::vector<std::pair<const char*, double>> kUnits{
-    {"m", 1}, {"cm", 1e-2}, {"mm", 1e-3}, {"in", 0.0254}};
 
 std::vector<std::string> group_names(Workshop& workshop) {
   std::vector<std::string> out;
@@ -53,15 +48,6 @@ void check_own_name(const std::string& name, const std::vector<std::string>& tak
   if (std::ranges::find(taken, base) != taken.end() ||
       std::ranges::find(taken, name) != taken.end())
     throw InputError(fmt::format("argument 'name': '{}': there is one of that name", name));
-}
-
-void check_known_joint(Workshop& workshop, const Document& document, const char* key,
-                       const std::string& name) {
-  if (has_joint(workshop, document, name)) return;
-  throw InputError(fmt::format(
-      "argument '{}': '{}': there is no such joint{}; `ecorche list joints` names the built-in "
-      "ones",
-      key, name, did_you_mean(split_side(name).first, joint_names(workshop, document))));
 }
 
 // What a joint hangs on now, as documents name it.
@@ -95,35 +81,6 @@ const OwnBone& own_bone(const Document& document, const std::string& name) {
 TablePoint rounded_place(Workshop& workshop, const Document& document, const std::string& text) {
   const TablePoint place = read_place(workshop, document, text);
   return read_place(workshop, document, place_text(*document.frame, place));
-}
-
-double unit_of(const std::string& name) {
-  for (const auto& [unit, metres] : kUnits)
-    if (name == unit) return metres;
-  return 1;
-}
-
-std::shared_ptr<const TriMesh> read_bone(const AddBone& x) {
-  const MeshFile file = read_mesh_file(x.file);
-  auto mesh = std::make_shared<TriMesh>(all_parts(file));
-  const double unit = x.unit.empty() ? file.unit.value_or(1) : unit_of(x.unit);
-  const bool z_up = x.up.empty() ? file.up && file.up->z() > 0.5 : x.up == "z";
-  if (mesh->F.rows() > kMostTriangles)
-    throw InputError(
-        fmt::format("argument 'file': '{}': {} triangles; at most {} are taken: make "
-                    "it coarser first",
-                    x.file, mesh->F.rows(), kMostTriangles));
-  mesh->V *= unit;
-  for (Eigen::Index i = 0; z_up && i < mesh->V.rows(); ++i)
-    mesh->V.row(i) = Vec3(mesh->V(i, 0), mesh->V(i, 2), -mesh->V(i, 1)).transpose();
-  const double size = (mesh->V.colwise().maxCoeff() - mesh->V.colwise().minCoeff()).maxCoeff();
-  if (size < kSmallest || size > kLargest)
-    throw InputError(
-        fmt::format("argument 'file': '{}': it is {:.3g} m large; expected {:g} m to "
-                    "{:g} m: say unit=mm, cm, m or in",
-                    x.file, size, kSmallest, kLargest));
-  if (mesh_volume(*mesh) < 0) mesh->F.col(1).swap(mesh->F.col(2));
-  return mesh;
 }
 
 // In place of one whose bone is taken away: the others keep their index. No place can name it.
@@ -194,7 +151,7 @@ void arguments(Arguments& a, AddJoint& x) {
 Document apply(Workshop& workshop, const Document& document, const AddJoint& x) {
   check_own_name(x.name, joint_names(workshop, document));
   check_own_name(x.name, workshop.joint_names());
-  check_known_joint(workshop, document, "parent", x.parent);
+  check_joint(workshop, document, x.parent, "parent");
   OwnJoint joint{x.name, x.parent, x.child, false, rounded_place(workshop, document, x.at)};
   if (!x.to.empty()) joint.to = rounded_place(workshop, document, x.to);
   const bool one_side = split_side(x.name).second != Side::middle;
@@ -206,7 +163,7 @@ Document apply(Workshop& workshop, const Document& document, const AddJoint& x) 
                     "a joint on one of them",
                     x.parent, x.name, x.name));
   if (!x.child.empty()) {
-    check_known_joint(workshop, document, "child", x.child);
+    check_joint(workshop, document, x.child, "child");
     const std::string now = parent_now(workshop, document, x.child);
     if (now != x.parent)
       throw InputError(fmt::format("argument 'child': '{}': it hangs on '{}', not on '{}'", x.child,
@@ -226,7 +183,7 @@ void arguments(Arguments& a, RemoveJoint& x) {
            "what hangs on it: refused, or its strips are taken away, too");
 }
 Document apply(Workshop& workshop, const Document& document, const RemoveJoint& x) {
-  check_known_joint(workshop, document, "joint", x.joint);
+  check_joint(workshop, document, x.joint);
   const EditedSkeleton& now = *document.skeleton;
   const auto own = std::ranges::find(now.joints, x.joint, &OwnJoint::name);
   const auto [base, side] = split_side(x.joint);
@@ -291,7 +248,7 @@ void arguments(Arguments& a, SnapJoint& x) {
          "whose centre goes where the skin says that it is");
 }
 Document apply(Workshop& workshop, const Document& document, const SnapJoint& x) {
-  check_known_joint(workshop, document, "joint", x.joint);
+  check_joint(workshop, document, x.joint);
   const Template& base = workshop.base();
   const NamedPoints centres = joint_centres(
       base.tables.regressor, base.body.skin.V.topRows(base.tables.topology.skin_size));
@@ -310,11 +267,11 @@ Document apply(Workshop& workshop, const Document& document, const SnapJoint& x)
   Vec3 by = 1e3 * (centre->second - rest);
   for (double& value : by) value = std::round(100 * value) / 100 + 0.0;
   return with_part(document, &Document::joints, [&](auto& joints) {
-    EditedJoint& joint = joints[x.joint];
-    joint.moved = by;
+    EditedJoint& edited = joints[x.joint];
+    edited.moved = by;
     const bool limited =
-        std::ranges::any_of(joint.limits, [](const auto& each) { return each.has_value(); });
-    if (by.isZero() && joint.turned.isZero() && !limited) joints.erase(x.joint);
+        std::ranges::any_of(edited.limits, [](const auto& each) { return each.has_value(); });
+    if (by.isZero() && edited.turned.isZero() && !limited) joints.erase(x.joint);
   });
 }
 
@@ -323,9 +280,7 @@ void arguments(Arguments& a, AddBone& x) {
          "small letters, digits and _; on both sides where the joint is");
   a.text("joint", "joint", x.joint, Need::required, "that carries it");
   a.text("file", "file", x.file, Need::required, "mesh: OBJ, PLY, STL, OFF, GLB");
-  a.choice("unit", x.unit, {"m", "cm", "mm", "in"}, Need::optional,
-           "of the file; left out: as it says, or m");
-  a.choice("up", x.up, {"y", "z"}, Need::optional, "of the file; left out: as it says, or y");
+  unit_and_up(a, x.unit, x.up);
   a.vector("at", x.at, ArgumentUnit::millimetre, Need::optional,
            "of the mesh's origin, from the joint's centre");
   a.vector("turn", x.turn, ArgumentUnit::degree, Need::optional, "about left, then up, then front");
@@ -336,8 +291,10 @@ Document apply(Workshop& workshop, const Document& document, const AddBone& x) {
   for (const OwnBone& bone : document.skeleton->bones) taken.push_back(bone.name);
   for (const SourceLandmark& landmark : document.frame->landmarks) taken.push_back(landmark.id);
   check_own_name(x.name, taken);
-  check_known_joint(workshop, document, "joint", x.joint);
-  const OwnBone bone{x.name, x.joint, read_bone(x), x.file, x.at, x.turn, x.scale};
+  check_joint(workshop, document, x.joint);
+  const OwnBone bone{
+      x.name, x.joint, std::make_shared<TriMesh>(read_own_mesh(x.file, x.unit, x.up)), x.file, x.at,
+      x.turn, x.scale};
   Document out = with_part(document, &Document::skeleton,
                            [&](EditedSkeleton& skeleton) { skeleton.bones.push_back(bone); });
   set_landmark(workshop, bone, out);

@@ -123,6 +123,7 @@ CompileOptions compile_options(const Assets& assets, Character& character,
                                std::vector<TextureCorner>& corners, Report& report) {
   CompileOptions out;
   out.muscles = options.muscles;
+  out.before = options.before;
   if (!options.base) found = find_base(assets, character);
   out.base = found ? &*found : options.base;
   out.definition = choose_definition(assets, options, character, out.base, found);

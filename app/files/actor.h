@@ -39,6 +39,7 @@ struct ActorOptions {
   // a skin on the base mesh gets edges below 5 mm, shorter along veins, where the anatomy shows
   bool refinement = false;
   bool texture = false;  // with that: where its triangles lie on the texture, into Actor::corners
+  const CharacterModel* before = nullptr;  // CompileOptions::before
 };
 
 // Compiles the character. Timings: posing_table, anchoring. Throws InputError for weights (see

@@ -191,7 +191,7 @@ Motion open_motion(const std::filesystem::path& file, const Character& character
   double start = 0;
   RetargetReport found;
   Motion motion = placed_motion(file, character, binding, options, common, report, found, start);
-  if (place) *place = {start, found.scale / found.metres_per_unit};
+  if (place) *place = {start, found.scale / found.metres_per_unit, found.turn};
   report.set("motion.frames", int(motion.frames.size()));
   report.set("motion.fps", motion.fps);
   report.set("motion.unit", found.unit);
@@ -219,6 +219,17 @@ Motion open_motion(const std::filesystem::path& file, const CharacterModel& mode
                    const MotionOptions& options, const Common& common, Report& report,
                    MotionPlace* place) {
   return open_motion(file, model.character, model.binding, options, common, report, place);
+}
+
+MovedActor open_moved_actor(const std::filesystem::path& file, Character character,
+                            const ActorOptions& how, const MotionOptions& options,
+                            const Common& common, Report& report) {
+  std::optional<Motion> early;
+  if (!character.own) early = open_motion(file, character, Binding{}, options, common, report);
+  MovedActor out;
+  out.actor = make_actor(common.assets, std::move(character), report, how);
+  out.motion = early ? std::move(*early) : open_motion(file, out.actor, options, common, report);
+  return out;
 }
 
 }  // namespace ecorche

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "app/common_options.h"
+#include "app/files/actor.h"
 #include "app/options/motion_options.h"
 #include "app/report.h"
 #include "skinning/character/character_model.h"
@@ -12,8 +13,9 @@ namespace ecorche {
 
 // How a motion lies to its file.
 struct MotionPlace {
-  double start = 0;  // s, of the first frame by the file's clock
-  double scale = 1;  // metres of the file -> ours
+  double start = 0;              // s, of the first frame by the file's clock
+  double scale = 1;              // metres of the file -> ours
+  Mat3 turn = Mat3::Identity();  // axes of the file -> ours
 };
 
 // Reads a motion file and retargets it to the character; a motion of its own skin's joints
@@ -26,5 +28,17 @@ Motion open_motion(const std::filesystem::path& file, const Character& character
 Motion open_motion(const std::filesystem::path& file, const CharacterModel& model,
                    const MotionOptions& options, const Common& common, Report& report,
                    MotionPlace* place = nullptr);
+
+struct MovedActor {
+  Actor actor;
+  Motion motion;
+};
+
+// Reads the motion before it compiles the character, which takes seconds: what cannot be read is
+// said at once. Motions of own skins alone need the compiled character. Throws as open_motion()
+// and make_actor().
+MovedActor open_moved_actor(const std::filesystem::path& file, Character character,
+                            const ActorOptions& how, const MotionOptions& options,
+                            const Common& common, Report& report);
 
 }  // namespace ecorche

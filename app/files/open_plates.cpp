@@ -108,7 +108,8 @@ std::vector<std::array<FootForce, 2>> open_plates(const std::filesystem::path& f
     std::vector<FootForce> forces;
     for (int f = 0; f < n; ++f) {
       forces.push_back(force_at(table, plate, frame.start + f / motion.fps, 0.5 / motion.fps));
-      forces.back().place *= frame.scale;
+      forces.back().force = frame.turn * forces.back().force;
+      forces.back().place = frame.scale * (frame.turn * forces.back().place);
       forces.back().place.y() += frame.floor;
     }
     for (int f = 0; f < n; ++f) {

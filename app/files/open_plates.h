@@ -13,9 +13,10 @@ namespace ecorche {
 
 // How a motion lies to its file: plates are in the file's clock and places.
 struct PlateFrame {
-  double start = 0;  // s, of the motion's first frame by the file's clock
-  double scale = 1;  // places of the file -> ours
-  double floor = 0;  // m, ours
+  double start = 0;              // s, of the motion's first frame by the file's clock
+  double scale = 1;              // places of the file -> ours
+  Mat3 turn = Mat3::Identity();  // axes of the file -> ours
+  double floor = 0;              // m, ours
 };
 
 // Reads OpenSim's table of ground forces (.mot, .sto; columns NAME_vx .. _vz, NAME_px .. _pz, and

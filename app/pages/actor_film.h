@@ -4,17 +4,30 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "app/common_options.h"
 #include "app/files/actor.h"
 #include "app/pages/film_camera.h"
 #include "app/pages/film_range.h"
+#include "app/pages/film_shots.h"
 #include "skinning/motion/activation.h"
 #include "viewer/film/film.h"
 #include "viewer/section_plane.h"
 
 namespace ecorche {
+
+// Another figure in the same picture, with the same layers and looks. All are borrowed.
+struct SecondFigure {
+  const Actor* actor = nullptr;
+  const Motion* motion = nullptr;
+  Activations activations;
+  std::vector<std::uint32_t> hidden;  // of its own parts, rising
+  Pairing pairing = Pairing::beside;
+  float wipe = 0.5f;
+  std::string first_name, name;  // written over the two
+};
 
 struct ActorFilm {
   std::filesystem::path output;  // FILM.mp4, DIR/%04d.png, or STILL.png for one moment
@@ -32,6 +45,9 @@ struct ActorFilm {
   std::optional<Span> slow;  // goes by more slowly
   double slowness = 2.5;     // by this factor
   MuscleColors muscle_colors = MuscleColors::flesh;
+  std::vector<FilmShot> shots;        // in place of from, to, frames and view; empty: one shot
+  std::vector<std::uint32_t> labels;  // parts with names and lines to them, rising
+  std::optional<SecondFigure> second;
   bool legend = true;  // what the muscles' colours mean, where muscles are seen
   FilmView view;
   SectionPlane section;             // what lies before it is cut away

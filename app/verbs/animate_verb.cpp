@@ -158,11 +158,11 @@ int run_animate(const AnimateOptions& options, const Common& common, Report& rep
   if (options.stagger > 0)
     throw UsageError("--stagger: for crowds, whose people then begin one after the other");
   require_settling(options.dynamics, options.skin);
-  Actor actor = make_actor(
-      common.assets, open_character(options.character, common, report), report,
-      {.weights = options.weights, .definition = to_definition(options.definition, options.skin)});
+  auto [actor, motion] = open_moved_actor(
+      options.motion, open_character(options.character, common, report),
+      {.weights = options.weights, .definition = to_definition(options.definition, options.skin)},
+      options.retarget, common, report);
   choose_skin(common.assets, actor, options.skin);
-  Motion motion = open_motion(options.motion, actor, options.retarget, common, report);
   if (!options.passive.empty())
     motion = with_limp_joints(options.character.string(), actor.character, actor.binding,
                               options.passive, motion, common, report);

@@ -12,6 +12,7 @@
 #include "app/files/motion_figures.h"
 #include "app/files/open_motion.h"
 #include "app/options/activation_options.h"
+#include "app/options/picture_size.h"
 #include "app/pages/actor_film.h"
 #include "app/pages/demo_page.h"
 #include "app/pages/demo_pictures.h"
@@ -29,7 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct DemoOptions {
-  std::string activation = "none";
+  std::string activation = "none", size = "1280x720";
   fs::path folder = "out/long-jump";
 };
 
@@ -190,6 +191,8 @@ Template timed_template(const Assets& assets, Report& report) {
 }
 
 int run_demo(const DemoOptions& options, const Common& common, Report& report) {
+  ActorFilm film;
+  require_picture_size(options.size, film.width, film.height);
   make_output_folder(options.folder);
   note(common, "template");
   const Template body_template = timed_template(common.assets, report);
@@ -223,7 +226,6 @@ int run_demo(const DemoOptions& options, const Common& common, Report& report) {
                   find_look(package, actor.character.body.skin, anatomy.skeleton), &shapes);
   report_quality(quality, "quality", report);
 
-  ActorFilm film;
   film.output = options.folder / "long-jump.mp4";
   film.beside = true;
   film.activations = activations;
@@ -267,6 +269,9 @@ void add_demo_verb(VerbRegistry& registry) {
                  return run_demo(*options, common, report);
                });
   verb->add_option("-o,--output", options->folder, "Folder to write to; made where it is missing")
+      ->capture_default_str();
+  verb->add_option("--size", options->size,
+                   "Of the film, WIDTHxHEIGHT in pixels; smaller ones are made sooner")
       ->capture_default_str();
   add_activation_option(*verb, options->activation);
 }

@@ -67,12 +67,6 @@ void set_colour(const RenderVerbOptions& options, ActorFilm& film) {
     throw UsageError("--colour activation: no muscle works; say --activation auto, or a table");
 }
 
-void set_size(const std::string& text, ActorFilm& film) {
-  if (!read_picture_size(text, film.width, film.height))
-    throw UsageError(
-        fmt::format("--size: '{}' is no size; write WIDTHxHEIGHT, for example 1280x720", text));
-}
-
 void set_background(const std::string& text, ActorFilm& film) {
   film.ground.visible = text == "outdoors";
   film.transparent = text == "transparent";
@@ -178,7 +172,7 @@ Motion still_motion(const fs::path& tables, const Actor& actor, const RenderVerb
 int run_render(RenderVerbOptions options, const Common& common, Report& report) {
   ActorFilm& film = options.film;
   set_layers(options.layers, film);
-  set_size(options.size, film);
+  require_picture_size(options.size, film.width, film.height);
   set_background(options.background, film);
   check_options_render(options);
   if (options.dissolve.size() == 2) film.dissolve = Span{options.dissolve[0], options.dissolve[1]};
@@ -190,20 +184,23 @@ int run_render(RenderVerbOptions options, const Common& common, Report& report) 
                 {options.character, options.motion, options.weights, options.activation,
                  options.poses, options.retarget.map_file});
   require_settling(film.dynamics, options.skin);
-  Actor actor = make_actor(common.assets, open_character(options.character, common, report), report,
-                           {.weights = options.weights,
-                            .muscles = to_muscle_motion(options.muscles, options.skin),
-                            .definition = to_definition(options.definition, options.skin),
-                            .refinement = true});
+  const ActorOptions how{.weights = options.weights,
+                         .muscles = to_muscle_motion(options.muscles, options.skin),
+                         .definition = to_definition(options.definition, options.skin),
+                         .refinement = true};
+  Character character = open_character(options.character, common, report);
+  auto [actor, motion] =
+      options.motion.empty()
+          ? MovedActor{make_actor(common.assets, std::move(character), report, how), Motion{}}
+          : open_moved_actor(options.motion, std::move(character), how, options.retarget, common,
+                             report);
   choose_skin(common.assets, actor, options.skin);
   film.hidden = hidden_parts(options, actor.character.anatomy);
   if (!options.section.empty())
     film.section =
         read_section_plane(options.section, actor.character.anatomy.skeleton, "--section");
   std::string view = "follow";
-  const Motion motion = options.motion.empty()
-                            ? still_motion(common.assets.tables, actor, options, view)
-                            : open_motion(options.motion, actor, options.retarget, common, report);
+  if (options.motion.empty()) motion = still_motion(common.assets.tables, actor, options, view);
   film.view.camera = options.camera.value_or(film.view.look_at.empty() ? view : "follow");
   film.legend =
       film.legend && !(options.motion.empty() && options.pose.empty()) && !film.transparent;

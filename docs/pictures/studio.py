@@ -21,6 +21,9 @@ def main():
         shutil.copy(os.path.join(HERE, "..", "studio", "tail.obj"), folder)
         subprocess.run([program, "studio", "--script", os.path.abspath(os.path.join(HERE, "..", "studio", "skeleton.txt"))], cwd=folder, check=True)
         convert(os.path.join(folder, "studio-skeleton.png"), os.path.join(HERE, "studio-skeleton.jpg"), 520)
+        subprocess.run([program, "studio", "--script", os.path.abspath(os.path.join(HERE, "..", "studio", "compare.txt"))], cwd=folder, check=True)
+        for name in ("compare", "plate"):
+            convert(os.path.join(folder, f"studio-{name}.png"), os.path.join(HERE, f"studio-{name}.jpg"), 900)
         session = os.path.join(folder, "session.txt")
         with open(os.path.join(HERE, "..", "studio", "insertion.txt")) as given, open(session, "w") as out:
             # with the card in view, in the midst of the work
@@ -29,7 +32,7 @@ def main():
         convert(os.path.join(folder, "window.png"), os.path.join(HERE, "studio-window.jpg"), 1200)
         at_window(program, os.path.abspath(os.path.join(HERE, "..", "studio", "tools.txt")), folder)
         shutil.copy(os.path.join(HERE, "..", "..", "data", "motions", "walk.bvh"), folder)
-        for name in ("new-muscle", "curves"):
+        for name in ("new-muscle", "curves", "side-by-side"):
             at_window(program, os.path.abspath(os.path.join(HERE, "..", "studio", name + ".txt")), folder)
         for name in ("shape", "limits", "cut", "draw", "curves"):
             convert(os.path.join(folder, name + ".png"), os.path.join(HERE, f"studio-{name}.jpg"), 900)

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 
@@ -144,6 +146,27 @@ void dilate_paper(std::vector<Muscle>& muscles, const std::vector<Muscle>& origi
 
 // --- ecorche ---------------------------------------------------------------------------
 
+// At the end of every stage, muscles that are held take the sections that they had then. The
+// stretch of the flesh is no stage, nor are muscles lifted off bones by themselves: both hand
+// changes on to those around, and take little time.
+class Stages {
+ public:
+  Stages(const DilationTrace& trace, Sections& sections) : trace_(trace), sections_(sections) {}
+
+  void follow() {
+    trace_.for_held(sections_.muscle_begin, [&](std::size_t k, std::size_t before) {
+      sections_.slices[k] = trace_.before->stages[done_][before];
+    });
+    ++done_;
+    if (trace_.record) trace_.record->stages.push_back(sections_.slices);
+  }
+
+ private:
+  const DilationTrace& trace_;
+  Sections& sections_;
+  std::size_t done_ = 0;
+};
+
 // Whether the sections of two muscles are each other's mirror images, to a millimetre.
 bool are_even(std::span<const Ellipse> left, std::span<const Ellipse> right, double plane) {
   constexpr double kEven = 1e-3;  // m
@@ -195,55 +218,72 @@ FreeEnds ends_of(const Muscle& muscle) {
 void share_room(Anatomy& anatomy, const std::vector<Muscle>& original,
                 std::span<const Ellipse> carried, Sections& sections,
                 const std::vector<int>& partners, const SkinRays& rays, const FatLayer& fat,
-                const DilateOptions& options, DilateReport& report) {
+                const DilateOptions& options, const DilationTrace& trace, Stages& stages,
+                DilateReport& report) {
   std::vector<Muscle>& muscles = anatomy.muscles;
+  const std::vector<int> given = trace.with_held(partners);
   std::vector<double> wanted;
   for (const MuscleDilation& muscle : report.muscles) wanted.push_back(muscle.wanted);
-  std::optional<BoneRays> bones;
-  if (options.share && !anatomy.bones.empty())
-    bones.emplace(make_bone_rays(anatomy, options.even_about));
+  std::shared_ptr<const BoneRays> bones = trace.before ? trace.before->bones : nullptr;
+  if (!bones && options.share && !anatomy.bones.empty())
+    bones = std::make_shared<const BoneRays>(make_bone_rays(anatomy, options.even_about));
+  if (trace.record) trace.record->bones = bones;
   if (bones) {
     lift_off_bones(muscles, sections.slices, carried, partners, *bones, rays);
     mirror_sections(partners, options.even_about.value_or(0), sections);
+    stages.follow();
     write_sections(sections, muscles);
   }
   if (options.share) {
-    straighten_strips(muscles, original, partners, sections.slices);
+    straighten_strips(muscles, original, given, sections.slices);
     mirror_sections(partners, options.even_about.value_or(0), sections);
     close_raphes(muscles, sections.slices);
     write_sections(sections, muscles);
-    lay_wall(anatomy, sections.slices, partners, rays);
+    lay_wall(anatomy, sections.slices, given, rays, bones.get());
     mirror_sections(partners, options.even_about.value_or(0), sections);
+    stages.follow();
     write_sections(sections, muscles);
-    report.rays += pack_muscles(anatomy, sections.slices, wanted, partners, rays, fat).rays;
+    report.rays +=
+        pack_muscles(anatomy, sections.slices, wanted, partners, rays, fat, {}, trace).rays;
   }
   if (options.most_volume)
     slim_muscles(muscles, sections.slices, wanted, partners, *options.most_volume, rays);
-  if (options.share) remove_spikes(muscles, original, partners, sections.slices);
+  if (options.share) remove_spikes(muscles, original, given, sections.slices);
   mirror_sections(partners, options.even_about.value_or(0), sections);
   mirror_outlines_of(partners, sections);
   write_sections(sections, muscles);
   if (!bones) return;
-  const std::vector<char> all(muscles.size(), 1);
-  report.rays += pull_inside_skin(muscles, sections.slices, all, rays).rays;
-  part_from_bones(muscles, sections.slices, partners, *bones);
+  std::vector<char> grown(muscles.size(), 1);
+  for (std::size_t m = 0; m < muscles.size(); ++m) grown[m] = !trace.holds(m);
+  report.rays += pull_inside_skin(muscles, sections.slices, grown, rays).rays;
+  part_from_bones(muscles, sections.slices, given, *bones);
   mirror_outlines_of(partners, sections);
+  stages.follow();
   write_sections(sections, muscles);
-  report.rays += restore_layers(anatomy, sections.slices, partners, rays, fat);
+  report.rays += restore_layers(anatomy, sections.slices, given, rays, fat);
+  // What was raised over ribs from beneath them holds them now.
+  constexpr double kLeftRaised = 0.03;
+  part_from_bones(muscles, sections.slices, given, *bones, kLeftRaised);
   mirror_outlines_of(partners, sections);
   // Which of two triangles a ray meets in their common edge depends on how the search tree was
   // built: what that leaves in the last digits goes.
   constexpr double kGrid = 1e-12;  // m
   for (Ellipse& slice : sections.slices)
     slice.center = (slice.center / kGrid).array().round() * kGrid;
+  trace.for_held(sections.muscle_begin, [&](std::size_t k, std::size_t before) {
+    sections.slices[k] = trace.before->finished[before];
+  });
   write_sections(sections, muscles);
 }
 
 void dilate_ecorche(Anatomy& anatomy, const std::vector<Muscle>& original, Sections& sections,
                     const SkinRays& rays, const FatLayer& fat, const DilateOptions& options,
-                    std::vector<StripCount>& counts, DilateReport& report) {
+                    const DilationTrace& trace, std::vector<StripCount>& counts,
+                    DilateReport& report) {
   std::vector<Muscle>& muscles = anatomy.muscles;
-  const std::vector<int> partners = left_partners(anatomy, sections, options);
+  const std::vector<int> partners = left_partners(anatomy, sections, options),
+                         given = trace.with_held(partners);
+  Stages stages(trace, sections);
   const double plane = options.even_about.value_or(0);
   TissueStretch flesh(anatomy, rays, fat);
   const std::vector<Ellipse> carried = sections.slices;
@@ -267,7 +307,7 @@ void dilate_ecorche(Anatomy& anatomy, const std::vector<Muscle>& original, Secti
                             options.least};
   const FatLayer skin = skin_of(fat);
   for_muscles(muscles.size(), [&](std::size_t m) {
-    if (partners[m] >= 0) return;
+    if (given[m] >= 0) return;
     const FatLayer& layer = lies_in_fat(muscles[m]) ? skin : fat;
     for_strips(
         muscles[m].strips, sections.of(m), [&](const Strip& strip, std::span<Ellipse> slices) {
@@ -284,7 +324,11 @@ void dilate_ecorche(Anatomy& anatomy, const std::vector<Muscle>& original, Secti
   report.rays += flesh.rays() + inside.rays;
   report.surface_outside = inside.outside;
   report.surface_left = inside.left;
-  share_room(anatomy, original, carried, sections, partners, rays, fat, options, report);
+  stages.follow();
+  for (std::size_t m = 0; m < muscles.size(); ++m)
+    if (trace.holds(m)) set_slices(muscles[m], sections.of(m));
+  share_room(anatomy, original, carried, sections, partners, rays, fat, options, trace, stages,
+             report);
 }
 
 // Where the skin crosses itself or folds, room can be shared out until sections have passed each
@@ -338,7 +382,8 @@ void check(const std::vector<Muscle>& carried, const std::vector<Muscle>& origin
 
 DilateReport dilate_muscles(Anatomy& anatomy, const std::vector<Muscle>& carried,
                             const std::vector<Muscle>& original, const SkinRays& rays,
-                            const FatLayer& layer, const DilateOptions& options) {
+                            const FatLayer& layer, const DilateOptions& options,
+                            const DilationTrace& trace) {
   const FatLayer fat = layer_over_muscles(layer);
   check(carried, original, rays, fat, options);
   if (&anatomy.muscles != &carried) anatomy.muscles = carried;
@@ -354,8 +399,12 @@ DilateReport dilate_muscles(Anatomy& anatomy, const std::vector<Muscle>& carried
   if (options.method == DilateMethod::paper)
     dilate_paper(muscles, original, sections, rays, fat, options, counts, report);
   else
-    dilate_ecorche(anatomy, original, sections, rays, fat, options, counts, report);
+    dilate_ecorche(anatomy, original, sections, rays, fat, options, trace, counts, report);
   report.collapsed = restore_collapsed(muscles, carried_sections, report.muscles, sections);
+  if (trace.record) {
+    trace.record->muscle_begin = sections.muscle_begin;
+    trace.record->finished = sections.slices;
+  }
   for_muscles(muscles.size(), [&](std::size_t m) {
     MuscleDilation& result = report.muscles[m];
     result.volume = muscles[m].volume = volume_of(muscles[m].strips, sections.of(m));

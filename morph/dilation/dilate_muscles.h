@@ -21,6 +21,7 @@
 
 #include "anatomy/anatomy.h"
 #include "anatomy/queries/ray_caster.h"
+#include "morph/dilation/dilation_record.h"
 #include "morph/fat/fat_layer.h"
 
 namespace ecorche::inline v1 {
@@ -77,9 +78,11 @@ struct DilateReport {
 // nothing. `carried`: the muscles of `original` carried into the body (fit_anatomy), same strips
 // and slices, with the wanted volumes in their sections; may be anatomy.muscles. Sets slices, and
 // Muscle::volume to what the sections now hold. `rays` and `fat` are of the same skin, closed. The
-// same bytes at any number of threads. Throws std::invalid_argument when the two sets do not match.
+// same bytes at any number of threads. `trace`: of method `ecorche` with `share`, see there. Throws
+// std::invalid_argument when the two sets do not match.
 DilateReport dilate_muscles(Anatomy& anatomy, const std::vector<Muscle>& carried,
                             const std::vector<Muscle>& original, const SkinRays& rays,
-                            const FatLayer& fat, const DilateOptions& options = {});
+                            const FatLayer& fat, const DilateOptions& options = {},
+                            const DilationTrace& trace = {});
 
 }  // namespace ecorche::inline v1

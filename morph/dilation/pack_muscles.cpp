@@ -35,6 +35,9 @@ constexpr double kSideways = 0.55;
 // another; smaller ones leave gaps.
 constexpr double kGrowRate = 0.8;      // fraction of the free room taken in a round
 constexpr double kMostGrowth = 0.045;  // m, beyond the ellipse
+// Sheets, where they are so many times as wide as thick, grow wider by at most so much, m: else
+// their free edges fill the room under the fat.
+constexpr double kFlat = 3, kMostWider = 0.003;
 constexpr double kMostSheath = 0.003;  // m in a round, of tendons: their sheaths
 constexpr double kTendonPower = 5;     // larger: what is a little belly grows like a whole one
 // Need is the target volume over the present one. A muscle grows into all of a deep room where its
@@ -89,20 +92,21 @@ class MusclePacking {
  public:
   MusclePacking(Anatomy& anatomy, std::span<Ellipse> slices, std::span<const double> wanted,
                 std::span<const int> partners, const SkinRays& skin, const FatLayer& fat,
-                const PackingLimits& limits)
+                const PackingLimits& limits, const DilationTrace& trace)
       : anatomy_(anatomy),
         given_(slices),
         wanted_(wanted),
         limits_(limits),
+        trace_(trace),
         surface_(make_muscle_surface(anatomy)),
-        all_(anatomy, surface_, slices, partners),
+        all_(anatomy, surface_, slices, trace.with_held(partners)),
         torn_(wanted.size(), 0),
         needs_(wanted.size(), 1.0),
         underside_(underside(skin.mesh(), fat)) {
     for (const Muscle& muscle : anatomy.muscles)
       thickening_.push_back(muscle.group == "face_jaw" || lies_in_fat(muscle)),
           staying_.push_back(thickening_.back() || muscle.layer == "deep"),
-          depth_in_wall_.push_back(depth_in_wall(muscle));
+          places_.push_back(place_in_wall(muscle));
     limit_by_skin(skin, fat);
     add_bones();
   }
@@ -149,7 +153,9 @@ class MusclePacking {
       level_off(strip, torn_[strip.muscle] ? kTornLevels : kLevels, next);
       for (std::size_t k = strip.begin; k < strip.end; ++k) all_.slices[k].outline = next[k];
     }
+    follow();
     mirror();
+    ++rounds_;
     if (kind != Round::settling) return;
     settled_.outlines.clear();
     for (const Ellipse& slice : all_.slices) settled_.outlines.push_back(slice.outline);
@@ -207,17 +213,24 @@ class MusclePacking {
     return out;
   }
 
-  // Muscles with points that stand off their neighbours and would not if sections were ellipses,
-  // some of them out of the surface, are kept level from here on.
-  void find_torn() {
-    update_muscle_surface(surface_, all_.slices, positions_);
-    const std::vector<SurfaceEdge> edges = inner_edges(surface_, positions_);
+  // How points stand off if sections are ellipses.
+  void look_at_ellipses() {
     std::vector<Ellipse> ellipses = all_.slices;
     for (Ellipse& ellipse : ellipses) ellipse.outline = kEllipticOutline;
     Points smooth;
     update_muscle_surface(surface_, ellipses, smooth);
-    const Standing is = standing_off(surface_, edges, positions_),
-                   was = standing_off(surface_, edges, smooth);
+    edges_ = inner_edges(surface_, smooth);
+    std::erase_if(edges_, [&](const SurfaceEdge& edge) { return is_mirrored(edge.muscle); });
+    of_ellipses_ = standing_off(surface_, edges_, smooth);
+  }
+
+  // Muscles with points that stand off their neighbours and would not if sections were ellipses,
+  // some of them out of the surface, are kept level from here on.
+  void find_torn() {
+    if (edges_.empty()) look_at_ellipses();
+    update_muscle_surface(surface_, all_.slices, positions_);
+    const Standing is = standing_off(surface_, edges_, positions_);
+    const Standing& was = of_ellipses_;
     const std::vector<double> steps = steps_along();
     std::vector<int> off(wanted_.size(), 0), out(wanted_.size(), 0);
     for (std::size_t v = 0; v < is.off.size(); ++v) {
@@ -275,6 +288,19 @@ class MusclePacking {
   const PackingReport& report() const { return report_; }
 
  private:
+  const PackingRound& round_before() const { return trace_.before->packing[rounds_]; }
+
+  // Muscles that are held take their outlines of this round.
+  void follow() {
+    trace_.for_held(all_.muscle_begin, [&](std::size_t k, std::size_t before) {
+      all_.slices[k].outline = round_before().outlines[before];
+    });
+    if (!trace_.record) return;
+    PackingRound& written = trace_.record->packing.emplace_back();
+    written.needs = needs_;
+    for (const Ellipse& slice : all_.slices) written.outlines.push_back(slice.outline);
+  }
+
   // Muscles end at the layer of fat, those that lie in it at the skin itself.
   void limit_by_skin(const SkinRays& skin, const FatLayer& fat) {
     std::vector<char> below, within;
@@ -373,6 +399,7 @@ class MusclePacking {
     leave_out_unseen();
   }
 
+  // Or held: its outlines come from elsewhere.
   bool is_mirrored(int muscle) const { return all_.partners[muscle] >= 0; }
 
   // What has moved since the last settling round.
@@ -437,6 +464,8 @@ class MusclePacking {
       const double volume = part_volume(surface_, part, positions_);
       needs_[m] = volume > 0 ? std::pow(std::clamp(wanted_[m] / volume, 0.5, 2.0), 2) : 1;
     }
+    for (std::size_t m = 0; m < needs_.size(); ++m)
+      if (trace_.holds(m)) needs_[m] = round_before().needs[std::size_t(trace_.held[m])];
     for (std::size_t m = 0; m < needs_.size(); ++m) {
       if (all_.partners[m] >= 0) needs_[m] = needs_[all_.partners[m]];
       all_.weights[m] = std::pow(needs_[m], -0.25);
@@ -455,16 +484,24 @@ class MusclePacking {
   // they grow for their volume's sake alone, and thicker, not wider.
   bool does_thicken(const StripPlace& strip) const { return thickening_[strip.muscle]; }
 
+  // How far a section may grow in a direction, beyond the ellipse, m.
+  double most_growth(std::size_t k, std::size_t i, const StripPlace& strip) const {
+    const Vec2& radii = all_.slices[k].radii;
+    if (!anatomy_.muscles[std::size_t(strip.muscle)].sheet || radii.x() <= kFlat * radii.y())
+      return kMostGrowth;
+    const double across = std::abs(outline_directions()[i].x());
+    return std::min(kMostGrowth, kMostWider / std::max(across, 1e-6));
+  }
+
   // Where a deep muscle lies next under the layer, others, tendons and vessels run over it: it
   // grows for its volume's sake alone.
   bool does_stay(const StripPlace& strip) const { return staying_[strip.muscle]; }
 
-  // Whether a ray of a sheet of the belly's wall comes out over one that covers it: where a big
-  // belly draws the outer one's strips apart, it lies lower between them.
+  // Whether a ray of a sheet of a wall comes out over one that covers it: where a big belly draws
+  // the outer one's strips apart, it lies lower between them.
   bool comes_through(int muscle, const RayInterval& cover, double now) const {
-    const int own = depth_in_wall_[std::size_t(muscle)],
-              over = cover.solid == kBone ? 0 : depth_in_wall_[std::size_t(cover.solid)];
-    return over > 0 && own > over && cover.from > 0 && cover.to < now;
+    return cover.solid != kBone && cover.from > 0 && cover.to < now &&
+           places_[std::size_t(muscle)].is_under(places_[std::size_t(cover.solid)]);
   }
 
   // The new radius in a direction, m.
@@ -506,7 +543,7 @@ class MusclePacking {
     const double least = limits_.least * base;
     if (!grows || end < now || (kind == Round::growing && all_.belly[k] <= 0))
       return std::max(end, least);
-    const double most = std::min(limits_.most * base, base + kMostGrowth);
+    const double most = std::min(limits_.most * base, base + most_growth(k, i, strip));
     if (covers(kind)) {
       const double asked = asked_[k * kDirectionsPackMuscles + i];
       const double tendons = std::pow(1 - all_.belly[k], kTendonPower);
@@ -646,7 +683,7 @@ class MusclePacking {
 
   void mirror() {
     for (std::size_t m = 0; m < anatomy_.muscles.size(); ++m) {
-      if (all_.partners[m] < 0) continue;
+      if (all_.partners[m] < 0 || all_.partners[m] == int(m)) continue;
       const auto of = [&](std::size_t muscle) {
         const std::size_t begin = all_.muscle_begin[muscle];
         return std::span(all_.slices).subspan(begin, all_.muscle_begin[muscle + 1] - begin);
@@ -659,9 +696,13 @@ class MusclePacking {
   std::span<Ellipse> given_;
   std::span<const double> wanted_;
   PackingLimits limits_;
+  DilationTrace trace_;
+  std::size_t rounds_ = 0;  // done
   MuscleSurface surface_;
   PackedSections all_;
-  std::vector<char> torn_;           // #muscles: kept level
+  std::vector<char> torn_;          // #muscles: kept level
+  std::vector<SurfaceEdge> edges_;  // of what is not given
+  Standing of_ellipses_;
   std::vector<double> needs_;        // #muscles: more than 1 where volume is wanting
   std::vector<RadialLimit> spokes_;  // #slices x #directions
   std::vector<float>
@@ -677,9 +718,9 @@ class MusclePacking {
   std::vector<char> pressed_along_;  // #slices x #directions, from each to the next
   Eigen::AlignedBox3d seen_;         // within sight
   std::optional<TouchedCells> touched_;
-  std::vector<char> thickening_;    // #muscles
-  std::vector<char> staying_;       // #muscles: that do not come up to the layer
-  std::vector<int> depth_in_wall_;  // #muscles
+  std::vector<char> thickening_;   // #muscles
+  std::vector<char> staying_;      // #muscles: that do not come up to the layer
+  std::vector<WallPlace> places_;  // #muscles
   Underside underside_;
   TriMesh mesh_;                       // muscles, then bones; triangles within sight
   Points positions_;                   // of the muscles' surface
@@ -692,9 +733,10 @@ class MusclePacking {
 
 PackingReport pack_muscles(Anatomy& anatomy, std::span<Ellipse> slices,
                            std::span<const double> wanted, std::span<const int> partners,
-                           const SkinRays& rays, const FatLayer& fat, const PackingLimits& limits) {
+                           const SkinRays& rays, const FatLayer& fat, const PackingLimits& limits,
+                           const DilationTrace& trace) {
   if (slices.empty()) return {};
-  MusclePacking sharing(anatomy, slices, wanted, partners, rays, fat, limits);
+  MusclePacking sharing(anatomy, slices, wanted, partners, rays, fat, limits, trace);
   sharing.begin();
   for (int round = 0; round < limits.parting; ++round) sharing.round(Round::parting, 1);
   for (int round = 0; round < limits.growing; ++round) sharing.round(Round::growing, 1);

@@ -22,6 +22,7 @@
 
 #include "anatomy/anatomy.h"
 #include "anatomy/queries/ray_caster.h"
+#include "morph/dilation/dilation_record.h"
 #include "morph/fat/fat_layer.h"
 
 namespace ecorche::inline v1 {
@@ -46,10 +47,10 @@ struct PackingReport {
 // `slices`: the sections of all muscles in order, as the strips hold them; both get their outlines.
 // `wanted`: #muscles, volumes, m^3. `partners`: #muscles, for a muscle that is its partner's mirror
 // image the partner's index, else -1. `rays`, `fat`: of the skin, closed. The same bytes at any
-// number of threads.
+// number of threads. Of `trace`, rounds are written and read.
 PackingReport pack_muscles(Anatomy& anatomy, std::span<Ellipse> slices,
                            std::span<const double> wanted, std::span<const int> partners,
                            const SkinRays& rays, const FatLayer& fat,
-                           const PackingLimits& limits = {});
+                           const PackingLimits& limits = {}, const DilationTrace& trace = {});
 
 }  // namespace ecorche::inline v1

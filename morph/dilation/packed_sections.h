@@ -34,7 +34,8 @@ struct PackedSections {
   std::vector<double> belly, thickness;   // #slices
   std::vector<char>
       drawn;  // #slices x kOutlinePoints: the factor moves a vertex of the drawn surface
-  std::vector<int> partners;    // #muscles: of a mirror image its partner, else -1
+  // #muscles: of a mirror image its partner, itself where its outlines are given, else -1
+  std::vector<int> partners;
   std::vector<double> weights;  // #muscles, of their levels
 
   // All of a tube's directions are drawn, of a sheet's strips the sides and the outer edges.

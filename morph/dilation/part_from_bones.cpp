@@ -14,12 +14,8 @@
 namespace ecorche::inline v1 {
 namespace {
 
-// Of a muscle's volume, that may be left in bone: `ecorche check` asks for no more than 5 % along
-// its own lines. Smaller: muscles that lie over many ribs or spines are cut away for what little
-// of them is pierced.
-constexpr double kPierced = 0.012;
-// The same, as seen along few lines, from which on more are looked at.
-constexpr double kSuspect = 0.005;
+// Of what may be left in bone, as seen along few lines, from which on more are looked at.
+constexpr double kSuspect = 0.4;
 constexpr int kPressRounds = 40;            // at most; most muscles need none
 constexpr double kBoneGap = 0.3e-3;         // m
 constexpr double kLeastFactor = 0.02;       // of outlines; larger: thick sheets stay in thin bones
@@ -71,8 +67,10 @@ struct LineVolume {
 // A muscle by itself and what was found to lie in its way.
 class PartedMuscle {
  public:
-  PartedMuscle(const Muscle& muscle, std::span<const Ellipse> slices, const BoneRays& bones)
-      : slices_(rounded_sections(slices)), bones_(bones) {
+  // `allowed`: share of its volume that may be left in bone.
+  PartedMuscle(const Muscle& muscle, std::span<const Ellipse> slices, const BoneRays& bones,
+               double allowed)
+      : slices_(rounded_sections(slices)), bones_(bones), allowed_(allowed) {
     alone_.muscles.push_back(muscle);
   }
 
@@ -80,11 +78,11 @@ class PartedMuscle {
   // is already.
   bool press() {
     find_lines(kFewPlaces);
-    if (pierced() < kSuspect * volume_) return false;
+    if (pierced() < kSuspect * allowed_ * volume_) return false;
     find_lines(kManyPlaces);
     std::stable_sort(lines_.begin(), lines_.end(),
                      [](const PiercedLine& a, const PiercedLine& b) { return a.worth > b.worth; });
-    double left = pierced() - kPierced * volume_;
+    double left = pierced() - allowed_ * volume_;
     if (left <= 0) return false;
     std::vector<float> ratios(slices_.size() * kOutlinePoints, 1);
     for (std::size_t i = 0; i < lines_.size() && left > 0; ++i) {
@@ -180,6 +178,7 @@ class PartedMuscle {
   Anatomy alone_;
   std::vector<Ellipse> slices_;  // to the micrometre
   const BoneRays& bones_;
+  double allowed_;
   MuscleSurface surface_;
   Points positions_, roots_;
   std::vector<PiercedLine> lines_;
@@ -189,12 +188,12 @@ class PartedMuscle {
 }  // namespace
 
 void part_from_bones(std::span<const Muscle> muscles, std::span<Ellipse> slices,
-                     std::span<const int> partners, const BoneRays& bones) {
+                     std::span<const int> partners, const BoneRays& bones, double allowed) {
   const std::vector<std::size_t> begin = slice_begins(muscles);
   tbb::parallel_for(std::size_t{0}, muscles.size(), [&](std::size_t m) {
     if (partners[m] >= 0) return;
     const std::span<Ellipse> own = slices.subspan(begin[m], begin[m + 1] - begin[m]);
-    PartedMuscle parted(muscles[m], own, bones);
+    PartedMuscle parted(muscles[m], own, bones, allowed);
     int rounds = kPressRounds;
     while (rounds > 0 && parted.press()) --rounds;
     for (std::size_t k = 0; k < own.size(); ++k) own[k].outline = parted.slices()[k].outline;

@@ -12,10 +12,17 @@
 
 namespace ecorche::inline v1 {
 
+// Of a muscle's volume, that may be left in bone: `ecorche check` asks for no more than 5 % along
+// its own lines. Smaller: muscles that lie over many ribs or spines are cut away for what little
+// of them is pierced.
+inline constexpr double kLeftInBone = 0.012;
+
 // `slices`: the sections of all muscles in order, as the strips hold them; their outlines are
-// changed, not the strips, those of mirror images (`partners` as for pack_muscles) excepted. The
-// same bytes at any number of threads.
+// changed, not the strips, those of mirror images (`partners` as for pack_muscles) excepted.
+// `allowed`: share of a muscle's volume that may be left in bone. The same bytes at any number of
+// threads.
 void part_from_bones(std::span<const Muscle> muscles, std::span<Ellipse> slices,
-                     std::span<const int> partners, const BoneRays& bones);
+                     std::span<const int> partners, const BoneRays& bones,
+                     double allowed = kLeftInBone);
 
 }  // namespace ecorche::inline v1

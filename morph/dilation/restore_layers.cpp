@@ -25,16 +25,41 @@ constexpr double kOver = 0.6e-3;        // m, that the raised muscle lies over w
 constexpr double kAboutRibs = 0.03;     // m
 constexpr double kUnderSkin = 2e-3;     // m, that sections keep
 constexpr float kMostFactor = 6;        // of an outline: thin sheets become no ridges
+constexpr double kSight = 0.06;         // m about sections that may be raised
 constexpr int kNone = -1;
 
 enum class Level { none, deeper, cover };
 
 bool is_rib(const Bone& bone) { return bone.name.starts_with("rib"); }
 
-// Muscles as drawn and ribs, in a body whose sections change.
+Eigen::AlignedBox3d wider(const Eigen::AlignedBox3d& box, double by) {
+  return {box.min() - Vec3::Constant(by), box.max() + Vec3::Constant(by)};
+}
+
+// About the ribs, as far as sections near them may be raised; may be empty.
+Eigen::AlignedBox3d sight_of(const Anatomy& anatomy, std::span<const Ellipse> slices,
+                             std::span<const int> partners) {
+  Eigen::AlignedBox3d ribs, near;
+  for (const Bone& bone : anatomy.bones)
+    for (Eigen::Index i = 0; is_rib(bone) && i < bone.mesh.V.rows(); ++i)
+      ribs.extend(Vec3(bone.mesh.V.row(i)));
+  const std::vector<std::size_t> begin = slice_begins(anatomy.muscles);
+  for (std::size_t m = 0; m < partners.size(); ++m)
+    for (std::size_t k = begin[m]; k < begin[m + 1] && partners[m] < 0; ++k) {
+      const double reach =
+          slices[k].radii.maxCoeff() * double(*std::ranges::max_element(slices[k].outline));
+      near.extend(wider(Eigen::AlignedBox3d(slices[k].center), reach));
+    }
+  if (ribs.isEmpty() || near.isEmpty()) return {};
+  return wider(ribs, kAboutRibs).intersection(wider(near, kSight));
+}
+
+// Muscles as drawn and ribs, in a body whose sections change, as far as they are in sight.
 class Chest {
  public:
-  Chest(const Anatomy& anatomy, const MuscleSurface& surface) : surface_(surface) {
+  Chest(const Anatomy& anatomy, const MuscleSurface& surface, std::span<const Ellipse> slices,
+        const Eigen::AlignedBox3d& box)
+      : surface_(surface), box_(box) {
     for (const Muscle& muscle : anatomy.muscles)
       levels_.push_back(lies_in_fat(muscle)             ? Level::none
                         : muscle.layer == "superficial" ? Level::cover
@@ -42,23 +67,30 @@ class Chest {
     std::vector<const TriMesh*> ribs;
     for (const Bone& bone : anatomy.bones)
       if (is_rib(bone)) ribs.push_back(&bone.mesh);
-    if (ribs.empty()) return;
     const TriMesh joined = join_meshes(ribs);
-    for (Eigen::Index i = 0; i < joined.V.rows(); ++i) box_.extend(Vec3(joined.V.row(i)));
-    box_.min().array() -= kAboutRibs;
-    box_.max().array() += kAboutRibs;
     mesh_.V.resize(surface.vertices() + joined.V.rows(), 3);
+    update_muscle_surface(surface, slices, positions_);
+    mesh_.V.topRows(positions_.rows()) = positions_;
     mesh_.V.bottomRows(joined.V.rows()) = joined.V;
-    mesh_.F.resize(surface.F.rows() + joined.F.rows(), 3);
-    mesh_.F.topRows(surface.F.rows()) = surface.F;
-    mesh_.F.bottomRows(joined.F.rows()) = (joined.F.array() + surface.vertices()).matrix();
-    for (Eigen::Index f = 0; f < surface.F.rows(); ++f)
-      solids_.push_back(surface.muscle[std::size_t(surface.F(f, 0))]);
-    solids_.insert(solids_.end(), std::size_t(joined.F.rows()), int(levels_.size()));
+    const int ribs_are = int(levels_.size());
     levels_.push_back(Level::deeper);
+    const Eigen::AlignedBox3d about = wider(box_, kSight);
+    std::vector<Eigen::RowVector3i> near;
+    const auto add = [&](const Eigen::RowVector3i& corners, int solid) {
+      Eigen::AlignedBox3d box;
+      for (const int v : corners) box.extend(Vec3(mesh_.V.row(v)));
+      if (!box.intersects(about)) return;
+      near.push_back(corners);
+      solids_.push_back(solid);
+    };
+    for (Eigen::Index f = 0; f < surface.F.rows(); ++f)
+      add(surface.F.row(f), surface.muscle[std::size_t(surface.F(f, 0))]);
+    for (Eigen::Index f = 0; f < joined.F.rows(); ++f)
+      add(joined.F.row(f).array() + surface.vertices(), ribs_are);
+    mesh_.F.resize(Eigen::Index(near.size()), 3);
+    for (std::size_t f = 0; f < near.size(); ++f) mesh_.F.row(Eigen::Index(f)) = near[f];
   }
 
-  bool has_ribs() const { return mesh_.F.rows() > 0; }
   const Eigen::AlignedBox3d& box() const { return box_; }
   const Triangles& F() const { return mesh_.F; }
 
@@ -127,11 +159,12 @@ std::vector<UndersideSample> samples_over(const Chest& chest, const SkinRays& sk
 
 long long restore_layers(const Anatomy& anatomy, std::span<Ellipse> slices,
                          std::span<const int> partners, const SkinRays& skin, const FatLayer& fat) {
+  const Eigen::AlignedBox3d sight = sight_of(anatomy, slices, partners);
+  if (sight.isEmpty()) return 0;
   const MuscleSurface surface = make_muscle_surface(anatomy);
-  Chest chest(anatomy, surface);
-  if (!chest.has_ribs()) return 0;
-  const std::vector<UndersideSample> samples = samples_over(chest, skin, fat);
   PackedSections sections(anatomy, surface, slices, partners);
+  Chest chest(anatomy, surface, sections.slices, sight);
+  const std::vector<UndersideSample> samples = samples_over(chest, skin, fat);
   for (int round = 0; round < kRounds; ++round) {
     chest.move(sections.slices);
     std::vector<Raise> raises(samples.size());

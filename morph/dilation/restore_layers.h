@@ -16,9 +16,9 @@
 namespace ecorche::inline v1 {
 
 // `slices`: the sections of all muscles in order, as the strips hold them; their outlines are
-// changed, not the strips, those of mirror images (`partners` as for pack_muscles) excepted.
-// `skin`: closed, with the layer `fat`. Returns the number of rays. Without ribs nothing is done.
-// The same bytes at any number of threads.
+// changed, not the strips, those of mirror images (`partners` as for pack_muscles), and of muscles
+// that are their own partners, excepted. `skin`: closed, with the layer `fat`. Returns the number
+// of rays. Without ribs nothing is done. The same bytes at any number of threads.
 long long restore_layers(const Anatomy& anatomy, std::span<Ellipse> slices,
                          std::span<const int> partners, const SkinRays& skin, const FatLayer& fat);
 

@@ -357,6 +357,15 @@ class SkinCarrier {
   Points normals_;
 };
 
+// What the template's own muscles are to hold, m^3.
+double muscle_volume_of(const Template& body_template) {
+  const Body& own = body_template.body;
+  const FitTables& tables = body_template.tables;
+  return muscle_mass(own.sex, own.age, tables.stature, kBodyDensity * tables.volume) /
+             kMuscleDensity +
+         fat_in_muscles(own);
+}
+
 // `wanted`, `size`: muscle and stature that the body has for the template's.
 void carry_all(const std::vector<Muscle>& muscles, const CarryMap& map, const InteriorMap& flesh,
                const SkinCarrier* with_skin, double wanted, double size, std::vector<Muscle>& out) {
@@ -418,24 +427,43 @@ Fit fit_anatomy(const Template& body_template, const Body& body, const FitOption
   part_bones(fit.anatomy.bones, body_template.anatomy.bones, fit.report.even_about);
 
   start = Clock::now();
-  const Body& own = body_template.body;
   const double mass =
       body.mass > 0 ? body.mass : kBodyDensity * inner_volume(tables.topology, skin);
   fit.report.muscle_mass = muscle_mass(body.sex, body.age, fit.report.stature, mass);
   fit.report.muscle_volume = fit.report.muscle_mass / kMuscleDensity + fat_in_muscles(body);
-  const double in_template =
-      muscle_mass(own.sex, own.age, tables.stature, kBodyDensity * tables.volume) / kMuscleDensity +
-      fat_in_muscles(own);
   std::optional<SkinCarrier> with_skin;
   if (std::ranges::any_of(tables.muscles, lies_in_fat)) with_skin.emplace(body_template, skin);
   const CarryMap by_joint = [&](const Vec3& x, int joint) { return parts.carry(x, joint); };
   carry_all(tables.muscles, by_joint, flesh, with_skin ? &*with_skin : nullptr,
-            fit.report.muscle_volume / in_template, fit.report.stature / tables.stature,
-            fit.anatomy.muscles);
+            fit.report.muscle_volume / muscle_volume_of(body_template),
+            fit.report.stature / tables.stature, fit.anatomy.muscles);
   fit.fascia = carry_fascia(tables.fascia, by_joint);
   fit.report.muscles_ms = since(start);
   measure_bones(tables, sides, warp, fit.anatomy, field, brackets, fit.report);
+  fit.placement = std::move(sides.placement);
   return fit;
+}
+
+std::vector<Muscle> carry_muscles_again(const Template& body_template, const Body& body,
+                                        const Fit& before, std::span<const int> held) {
+  const FitTables& tables = body_template.tables;
+  const SkeletonWarp warp(table_anatomy(body_template), tables.rules, before.placement);
+  const OwnParts parts(body_template.anatomy, table_anatomy(body_template), warp);
+  std::vector<Muscle> others, carried;
+  for (size_t m = 0; m < held.size(); ++m)
+    if (held[m] < 0) others.push_back(tables.muscles[m]);
+  std::optional<SkinCarrier> with_skin;
+  if (std::ranges::any_of(others, lies_in_fat))
+    with_skin.emplace(body_template, body.skin.V.topRows(tables.topology.skin_size));
+  carry_all(
+      others, [&](const Vec3& x, int joint) { return parts.carry(x, joint); }, {},
+      with_skin ? &*with_skin : nullptr,
+      before.report.muscle_volume / muscle_volume_of(body_template),
+      before.report.stature / tables.stature, carried);
+  std::vector<Muscle> out;
+  for (size_t m = 0, k = 0; m < held.size(); ++m)
+    out.push_back(held[m] < 0 ? std::move(carried[k++]) : before.anatomy.muscles[size_t(held[m])]);
+  return out;
 }
 
 }  // namespace ecorche::inline v1

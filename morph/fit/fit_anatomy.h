@@ -11,10 +11,12 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "anatomy/anatomy.h"
+#include "morph/placement/fitted_skeleton.h"
 #include "morph/placement/scale_groups.h"
 #include "morph/template/template.h"
 #include "morph/tissue/interior_warp.h"
@@ -68,12 +70,19 @@ struct Fit {
   Anatomy anatomy;  // muscles carried, not yet grown to the skin; no fascia
   std::vector<FasciaPlan> fascia;
   FitReport report;
-  TissueMesh tissue;  // carried into the body; empty without a mesh (bones, rbf)
+  TissueMesh tissue;         // carried into the body; empty without a mesh (bones, rbf)
+  SidedPlacement placement;  // of the bones, which carries muscles
 };
 
 // Throws UnfitError for a skin that has not the base mesh's vertices, is not finite, or is far from
 // any human shape, and as template_tissue does. Precondition: `body_template` comes from
 // read_template or build_template.
 Fit fit_anatomy(const Template& body_template, const Body& body, const FitOptions& options = {});
+
+// The template's muscles in a body that was fitted before with others, as fit_anatomy has them.
+// `held`: #muscles, which of before's it is; -1: it is carried. Preconditions: the same skeleton
+// and skin; carried by bones alone (Interior::bones).
+std::vector<Muscle> carry_muscles_again(const Template& body_template, const Body& body,
+                                        const Fit& before, std::span<const int> held);
 
 }  // namespace ecorche::inline v1

@@ -15,19 +15,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Strips of one muscle overlap: the volumes of all sections add up to more than is drawn. Ratio of
-// the volume of the union of the muscles to the sum over the strips.
-constexpr double kUnionRatio = 0.915;
-
-// The fat of a layer, without its skin, made thicker or thinner.
-void scale_fat(double factor, FatLayer& layer) {
-  for (std::vector<float>* all : {&layer.thickness, &layer.over_muscles})
-    for (std::size_t i = 0; i < all->size(); ++i) {
-      const float skin = i < layer.skin.size() ? layer.skin[i] : 0;
-      (*all)[i] = skin + float(factor) * std::max(0.0f, (*all)[i] - skin);
-    }
-}
-
 // What is told of how the muscles of a fitted body lie.
 FillReport judge(const Template& body_template, const FittedCharacter& fitted,
                  const BodyPackage& package, const FittingOptions& options,
@@ -49,11 +36,31 @@ FillReport judge(const Template& body_template, const FittedCharacter& fitted,
 
 }  // namespace
 
+DilateOptions dilation_of(const FittingOptions& options, const FitReport& fit) {
+  // Strips of one muscle overlap: the volumes of all sections add up to more than is drawn. Ratio
+  // of the volume of the union of the muscles to the sum over the strips.
+  constexpr double kUnionRatio = 0.915;
+  DilateOptions out = options.dilate;
+  out.even_about = fit.even_about;
+  if (!out.most_volume) out.most_volume = fit.muscle_volume / kUnionRatio;
+  return out;
+}
+
+FatLayer fat_of(const Template& body_template, const Body& body, const Anatomy& anatomy,
+                const SkinRays& wall, const FittingOptions& options) {
+  FatLayer fat = make_fat_layer(body_template.tables.fat, wall, anatomy, body);
+  if (options.layer != 1 || !options.layer_sites.empty())
+    scale_fat(options.layer, options.layer_sites, wall.mesh(), fat);
+  return fat;
+}
+
 FittedCharacter fit_character(const Template& body_template, const Body& body,
-                              const BodyPackage& package, const FittingOptions& options) {
+                              const BodyPackage& package, const FittingOptions& options,
+                              FitRecord* record) {
   FittedCharacter fitted;
   FittingReport& report = fitted.report;
   Fit fit = fit_anatomy(body_template, body, options.fit);
+  if (record) *record = {body_template.tables.muscles, fit, {}, {}, {}};
   report.fit = std::move(fit.report);
   fitted.anatomy = std::move(fit.anatomy);
   fitted.tissue = std::move(fit.tissue);
@@ -62,16 +69,15 @@ FittedCharacter fit_character(const Template& body_template, const Body& body,
   const TriMesh closed_skin = capped_skin(package, body.skin.V);
   // muscles and the layer over them lie under the chest's wall, not in the breasts
   const SkinRays wall(chest_wall_skin(package, body.sex, body.skin.V));
-  DilateOptions dilation = options.dilate;
-  dilation.even_about = report.fit.even_about;
-  if (!dilation.most_volume) dilation.most_volume = report.fit.muscle_volume / kUnionRatio;
+  const DilateOptions dilation = dilation_of(options, report.fit);
   const auto start = Clock::now();
-  fitted.fat = make_fat_layer(body_template.tables.fat, wall, fitted.anatomy, body);
-  if (options.layer != 1) scale_fat(options.layer, fitted.fat);
+  fitted.fat = fat_of(body_template, body, fitted.anatomy, wall, options);
   if (options.dilated) {
-    report.dilation = dilate_muscles(fitted.anatomy, fitted.undilated.muscles,
-                                     body_template.tables.muscles, wall, fitted.fat, dilation);
+    report.dilation =
+        dilate_muscles(fitted.anatomy, fitted.undilated.muscles, body_template.tables.muscles, wall,
+                       fitted.fat, dilation, {.record = record ? &record->dilation : nullptr});
     fitted.anatomy.fascia = lay_fascia(fit.fascia, fitted.anatomy, wall);
+    if (record) record->grown = fitted.anatomy.muscles, record->fascia = fitted.anatomy.fascia;
   }
   report.dilation_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/same_muscle.h"
 #include "skinning/bind/bind.h"
 
 namespace ecorche::inline v1 {
@@ -23,7 +24,10 @@ CharacterModel compile_character(Character character, const CompileOptions& opti
   out.character = std::move(character);
   const Anatomy& anatomy = out.character.anatomy;
   const TriMesh& skin = out.character.body.skin;
-  out.muscles = make_muscle_model(anatomy);
+  const CharacterModel* before = options.before;
+  out.muscles = make_muscle_model(
+      anatomy, before ? ContactBefore{&before->character.anatomy, &before->muscles.contact}
+                      : ContactBefore{});
   PosedAnatomy rest;
   ContactWorkspace contact;
   pose_muscles(out.muscles, anatomy.skeleton, rest_pose(anatomy.skeleton), rest, contact);
@@ -33,16 +37,20 @@ CharacterModel compile_character(Character character, const CompileOptions& opti
     const auto& [base, refinement] = *options.base;
     BoundRefinedSkin bound =
         bind_refined_skin(anatomy, rest, base, refinement, skin, options.bind, options.painted);
-    out.skin = make_refined_skin_model(anatomy, rest, base, refinement, bound);
+    out.skin = make_refined_skin_model(anatomy, rest, base, refinement, bound,
+                                       before ? &before->skin : nullptr);
     out.binding = std::move(bound.binding);
   } else {
     BoundSkin bound = bind_skin(anatomy, rest, skin, options.bind, options.painted);
-    out.skin = make_skin_model(anatomy, rest, skin, bound);
+    out.skin = make_skin_model(anatomy, rest, skin, bound, before ? &before->skin : nullptr);
     out.binding = std::move(bound.binding);
   }
   if (options.muscles == MuscleMotion::map)
     out.interior = std::make_shared<const BodyMap>(make_body_map(
-        anatomy, options.base ? options.base->mesh : skin, out.skin.base_blend->mesh.order, rest));
+        anatomy, options.base ? options.base->mesh : skin, out.skin.base_blend->mesh.order, rest,
+        before ? BodyMapBefore{before->interior.get(),
+                               shared_sections(anatomy, before->character.anatomy).before}
+               : BodyMapBefore{}));
   if (options.base)
     out.relief = make_skin_relief(
         anatomy, rest,

@@ -42,6 +42,9 @@ struct CompileOptions {
   double definition = 0;     // 0 .. 1, relief of the anatomy on a refined skin; others have none
   double layer = 0;          // m, ReliefOptions::layer
   std::vector<VeinPath> veins{};  // that the relief shows, too
+  // Of the same skin, bones and joints with other muscles: what rests on these, and what two
+  // muscles do that are the same, is taken over. Null: nothing is.
+  const CharacterModel* before = nullptr;
   CompileTimes* times = nullptr;  // filled where given
 };
 

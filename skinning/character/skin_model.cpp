@@ -52,22 +52,25 @@ RefinedMap make_refined_map(const Refinement& refinement, const BlendMesh& base,
 }  // namespace
 
 SkinModel make_skin_model(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin,
-                          const BoundSkin& bound) {
+                          const BoundSkin& bound, const SkinModel* before) {
   const BlendMesh& mesh = bound.blend->mesh;
   SkinModel out;
   out.blend = out.base_blend = bound.blend;
-  out.elastic = std::make_shared<const ElasticSkin>(make_elastic_skin(
-      anatomy.skeleton, skin, {bound.depth, bound.radius, bound.binding.joint_weights}, mesh.order,
-      mesh.triangles));
+  out.elastic =
+      before ? before->elastic
+             : std::make_shared<const ElasticSkin>(make_elastic_skin(
+                   anatomy.skeleton, skin, {bound.depth, bound.radius, bound.binding.joint_weights},
+                   mesh.order, mesh.triangles));
   if (!rest.slices.empty())
-    out.collision = make_muscle_collision(anatomy, rest, sorted_mesh(*out.elastic));
+    out.collision = make_muscle_collision(anatomy, rest, sorted_mesh(*out.elastic),
+                                          before ? before->collision : MuscleCollision{});
   return out;
 }
 
 SkinModel make_refined_skin_model(const Anatomy& anatomy, const PosedAnatomy& rest,
                                   const TriMesh& base, const Refinement& refinement,
-                                  const BoundRefinedSkin& bound) {
-  SkinModel out = make_skin_model(anatomy, rest, base, bound.base);
+                                  const BoundRefinedSkin& bound, const SkinModel* before) {
+  SkinModel out = make_skin_model(anatomy, rest, base, bound.base, before);
   out.blend = bound.blend;
   out.refined = std::make_shared<const RefinedMap>(make_refined_map(
       refinement, bound.base.blend->mesh, bound.blend->mesh, base.V, rest.X_WJ[0].translation()));

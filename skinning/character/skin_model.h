@@ -33,12 +33,13 @@ struct SkinModel {
   std::shared_ptr<const RefinedMap> refined;  // null: the skin itself relaxes
 };
 
-// `rest`: the anatomy's rest pose. `skin`: that was bound.
+// `rest`: the anatomy's rest pose. `skin`: that was bound. `before`: of the same skin, bones and
+// joints with other muscles, or null.
 SkinModel make_skin_model(const Anatomy& anatomy, const PosedAnatomy& rest, const TriMesh& skin,
-                          const BoundSkin& bound);
+                          const BoundSkin& bound, const SkinModel* before = nullptr);
 
 SkinModel make_refined_skin_model(const Anatomy& anatomy, const PosedAnatomy& rest,
                                   const TriMesh& base, const Refinement& refinement,
-                                  const BoundRefinedSkin& bound);
+                                  const BoundRefinedSkin& bound, const SkinModel* before = nullptr);
 
 }  // namespace ecorche::inline v1

@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "skinning/motion/require_joint.h"
 
@@ -13,7 +14,10 @@ namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kRing = 0.015;  // m; half length of the ring of skin that one sphere is fitted to
-constexpr std::size_t kFewest = 6;  // vertices that a proxy is fitted to, at least
+// What is wider than lean people's is fat, of which so much gives way where parts meet.
+constexpr double kGives = 0.4, kGivesMost = 0.022;  // , m
+constexpr double kLeanTrunk = 0.07;  // of the stature: half the depth of the trunk's ellipsoids
+constexpr std::size_t kFewest = 6;   // vertices that a proxy is fitted to, at least
 
 // A bone as a segment; each skin vertex belongs to the nearest.
 struct Axis {
@@ -52,12 +56,15 @@ class ProxyFitter {
     for (std::size_t s = 0; s < 2; ++s) {
       side_ = side_suffix(s == 0 ? Side::left : Side::right);
       std::vector<LimbSphere>&leg = out.limbs[s], &arm = out.limbs[2 + s];
-      for (const double t : {0.6, 0.8, 1.0}) ring(thigh[s], t, "hip", t, 0, leg);
-      for (const double t : {0.2, 0.4, 0.6, 0.8}) ring(shank[s], t, "knee", 1 - t, t, leg);
-      for (const double t : {0.0, 0.5, 1.0}) ring(foot[s], t, "subtalar", 0, 1, leg);
-      for (const double t : {0.25, 0.5, 0.75})
-        ring(fore[s], t, t < 0.4 ? "elbow" : "forearm", 1 - t, t, arm);
-      for (const double t : {0.1, 0.35, 0.65}) ring(hand[s], t, "wrist", 0, 1, arm);
+      // Radii of lean people, as parts of the bone's length.
+      for (const auto& [t, lean] : {std::pair{0.6, 0.185}, {0.8, 0.155}, {1.0, 0.135}})
+        ring(thigh[s], t, "hip", t, 0, lean, leg);
+      for (const auto& [t, lean] : {std::pair{0.2, 0.122}, {0.4, 0.122}, {0.6, 0.105}, {0.8, 0.08}})
+        ring(shank[s], t, "knee", 1 - t, t, lean, leg);
+      for (const double t : {0.0, 0.5, 1.0}) ring(foot[s], t, "subtalar", 0, 1, 1, leg);
+      for (const auto& [t, lean] : {std::pair{0.25, 0.155}, {0.5, 0.125}, {0.75, 0.105}})
+        ring(fore[s], t, t < 0.4 ? "elbow" : "forearm", 1 - t, t, lean, arm);
+      for (const double t : {0.1, 0.35, 0.65}) ring(hand[s], t, "wrist", 0, 1, 1, arm);
     }
     const double hip = at("hip_l").y();
     slab({pelvis, chest, thigh[0], thigh[1]}, hip - 0.03, at("l5").y(), "pelvis", out);
@@ -90,8 +97,9 @@ class ProxyFitter {
     }
   }
 
-  // A sphere from the ring of skin at fraction `t` of an axis.
-  void ring(int part, double t, const std::string& joint, double middle, double end,
+  // A sphere from the ring of skin at fraction `t` of an axis. `lean`: its radius in lean people,
+  // in lengths of the axis.
+  void ring(int part, double t, const std::string& joint, double middle, double end, double lean,
             std::vector<LimbSphere>& out) const {
     const Axis& axis = axes_[part];
     const Vec3 way = axis.to - axis.from, along = way.normalized(), here = axis.from + t * way;
@@ -112,7 +120,7 @@ class ProxyFitter {
     }
     for (const Vec3& p : points) radius += (p - centre).norm() / double(points.size());
     const int j = joint_of(skeleton_, joint + side_);
-    out.push_back({j, centre - rest_[j], radius, middle, end});
+    out.push_back({j, centre - rest_[j], radius, middle, end, gives(radius, lean * way.norm())});
   }
 
   // The trunk between two heights: an ellipsoid 1.5 times as high.
@@ -145,7 +153,15 @@ class ProxyFitter {
     Vec3 half = spread.cwiseProduct(sum.cwiseSqrt());
     if (height > 0) half.y() = height;
     const int j = joint_of(skeleton_, joint);
-    out.trunk.push_back({j, centre - rest_[j], half.cwiseMin(0.5 * (high - low).cwiseMax(height))});
+    half = half.cwiseMin(0.5 * (high - low).cwiseMax(height));
+    // Head and neck have little.
+    const double lean =
+        height > 0 ? kLeanTrunk * (skin_.col(1).maxCoeff() - skin_.col(1).minCoeff()) : HUGE_VAL;
+    out.trunk.push_back({j, centre - rest_[j], half, gives(std::min(half.x(), half.z()), lean)});
+  }
+
+  static double gives(double half, double lean) {
+    return std::clamp(kGives * (half - lean), 0.0, kGivesMost);
   }
 
   const Skeleton& skeleton_;

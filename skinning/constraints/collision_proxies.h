@@ -15,12 +15,14 @@ struct LimbSphere {
   double radius = 0;           // m
   // Fractions of a shift of knee or elbow, and of foot or hand, that displace the sphere, 0 .. 1.
   double middle = 0, end = 0;
+  double gives = 0;  // m; by which its fat gives way
 };
 
 struct TrunkEllipsoid {
   int joint = -1;              // that it moves with
   Vec3 centre = Vec3::Zero();  // in the joint's frame, m
   Vec3 half = Vec3::Zero();    // half axes, along the joint's, m
+  double gives = 0;            // m; by which its fat gives way
 };
 
 struct CollisionProxies {

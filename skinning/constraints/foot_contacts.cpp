@@ -6,6 +6,7 @@
 
 #include "anatomy/chain_kinematics.h"
 #include "anatomy/joint_angles.h"
+#include "skinning/constraints/temporal_smoothing.h"
 #include "skinning/motion/require_joint.h"
 
 namespace ecorche::inline v1 {
@@ -19,6 +20,9 @@ constexpr double kShortestFootContacts = 0.060;            // s; shorter contact
 constexpr double kGap = 0.060, kSamePlace = 0.03;          // s, m; smaller gaps are closed
 constexpr double kSampled = 240;                           // a second, of the path's curve
 constexpr double kSpeedSpan = 1.0 / 48;                    // s; speeds are means over it
+constexpr double kCalmed = 0.03;  // s; half the width of the mean that takes a recording's tremble
+// A foot that is shifted: the mean speed over twice kWay, and how long it stays before and after.
+constexpr double kWay = 0.05, kTravels = 0.3, kStays = 0.12;  // s, m/s, s
 
 // A Catmull-Rom curve through the points, `fine` samples from each to the next.
 std::vector<Vec3> sampled_curve(const std::vector<Vec3>& points, int fine) {
@@ -35,6 +39,51 @@ std::vector<Vec3> sampled_curve(const std::vector<Vec3>& points, int fine) {
     }
   }
   out.push_back(points[last]);
+  return out;
+}
+
+// Without what a recording trembles: means under a raised cosine, nearer to the ends less wide.
+std::vector<Vec3> calmed(const std::vector<Vec3>& curve, double rate) {
+  const int last = int(curve.size()) - 1, widest = int(std::lround(kCalmed * rate));
+  std::vector<Vec3> out;
+  for (int k = 0; k <= last; ++k) {
+    const int reach = std::min({widest, k, last - k});
+    out.push_back(raised_cosine_mean(reach, Vec3(Vec3::Zero()), [&](int i) -> const Vec3& {
+      return curve[std::size_t(k + i)];
+    }));
+  }
+  return out;
+}
+
+// Parts of runs of samples between which the point goes to another place.
+std::vector<Interval> in_places(const std::vector<Vec3>& curve, const std::vector<Interval>& runs,
+                                double rate) {
+  const int apart = std::max(1, int(std::lround(kWay * rate)));
+  const auto way = [&](int from, int to) {
+    return std::hypot(curve[std::size_t(to)].x() - curve[std::size_t(from)].x(),
+                      curve[std::size_t(to)].z() - curve[std::size_t(from)].z());
+  };
+  std::vector<Interval> out;
+  for (Interval run : runs) {
+    const auto travels = [&](int k) {
+      return k - apart >= run.begin && k + apart < run.end &&
+             way(k - apart, k + apart) > 2 * kWay * kTravels;
+    };
+    const Interval whole = run;
+    for (int k = whole.begin; k < whole.end; ++k) {
+      if (!travels(k)) continue;
+      int end = k;
+      while (travels(end)) ++end;
+      const int left = k - apart, there = end - 1 + apart;
+      if (std::min(left - run.begin, whole.end - there) >= kStays * rate &&
+          way(left, there) > kSamePlace) {
+        out.push_back({run.begin, left + 1});
+        run.begin = there;
+      }
+      k = end;
+    }
+    out.push_back(run);
+  }
   return out;
 }
 
@@ -133,7 +182,7 @@ std::vector<Interval> standing_intervals(const std::vector<Vec3>& path,
   const int n = int(path.size());
   const int fine = std::max(1, int(std::lround(kSampled / fps)));  // samples a frame
   const double rate = fine * fps;
-  const std::vector<Vec3> curve = n > 1 ? sampled_curve(path, fine) : path;
+  const std::vector<Vec3> curve = calmed(n > 1 ? sampled_curve(path, fine) : path, rate);
   const int samples = int(curve.size()), apart = std::max(1, int(std::lround(kSpeedSpan * rate)));
   // The slower of the ways before and after: the first and last sample on the ground count as
   // standing.
@@ -165,7 +214,7 @@ std::vector<Interval> standing_intervals(const std::vector<Vec3>& path,
       runs.push_back(run);
   }
   std::vector<Interval> out;
-  for (const Interval& run : runs) {
+  for (const Interval& run : in_places(curve, runs, rate)) {
     if (run.end - run.begin < kShortestFootContacts * rate) continue;
     const double onset = double(run.begin) / fine, lift = double(run.end - 1) / fine;
     Interval span{int(std::ceil(onset)), int(std::floor(lift)) + 1};

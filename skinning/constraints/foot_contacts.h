@@ -55,8 +55,10 @@ struct Interval {
 
 // Spans in which a point stands: lower than 40 mm over the floor and slower than 0.6 m/s
 // throughout, somewhere lower than 25 mm and slower than 0.35 m/s, at least 60 ms long; gaps
-// shorter than 60 ms at one position are closed. The path is seen as a smooth curve through its
-// frames, and speeds over one time, so that spans hardly depend on the rate. `beside`: spans in
+// shorter than 60 ms at one position are closed. A point that goes on by more than 30 mm between
+// two places in which it stays for 0.12 s stands in both and not between. The path is seen as a
+// smooth curve near its frames, a mean over 0.03 s to either side, and speeds over one time, so
+// that spans hardly depend on the rate or on a recording's tremble. `beside`: spans in
 // which another point of that foot stands. Where they overlap by 60 ms this one stands, too, though
 // it comes nowhere so low and slow.
 std::vector<Interval> standing_intervals(const std::vector<Vec3>& path,

@@ -2,15 +2,36 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <string>
 
 #include "anatomy/chain_kinematics.h"
 #include "anatomy/compute/smooth_step.h"
+#include "skinning/motion/require_joint.h"
 
 namespace ecorche::inline v1 {
 namespace {
 
 constexpr double kAside = 0, kDown = 0.25;  // cosines of a sole's tilt; toes that push off: 0.4
 constexpr double kSeen = 0.3;               // m
+
+struct Leg {
+  std::size_t hip = 0, ankle = 0;
+  double length = 1;  // m
+};
+
+Leg leg_of(const Skeleton& skeleton, Side side) {
+  const auto at = [&](const char* stem) {
+    return std::size_t(joint_of(skeleton, std::string(stem) + side_suffix(side)));
+  };
+  const auto reach = [&](const char* stem) {
+    return skeleton.joints[at(stem)].X_PJ.translation().norm();
+  };
+  return {at("hip"), at("ankle"), reach("knee") + reach("ankle")};
+}
+
+double stretched(const Leg& leg, const std::vector<Transform>& X) {
+  return (X[leg.hip].translation() - X[leg.ankle].translation()).norm() / leg.length;
+}
 
 }  // namespace
 
@@ -49,6 +70,7 @@ std::vector<GroundHeights> ground_heights(const Skeleton& skeleton, const Ground
       joints_of(skeleton, {&points.body, &points.elbows[0], &points.elbows[1], &points.hands[0],
                            &points.hands[1], &points.fingers[0], &points.fingers[1],
                            &points.feet[0], &points.feet[1]});
+  const std::array<Leg, 2> legs{leg_of(skeleton, Side::left), leg_of(skeleton, Side::right)};
   std::vector<GroundHeights> out;
   std::vector<Transform> X;
   for (const Pose& pose : motion.frames) {
@@ -56,13 +78,8 @@ std::vector<GroundHeights> ground_heights(const Skeleton& skeleton, const Ground
     GroundHeights& here = out.emplace_back();
     here.body = height_over_ground(points.body, X);
     for (std::size_t side = 0; side < 2; ++side) {
-      const std::vector<GroundPatch>& foot = points.feet[side];
-      here.feet[side] = height_over_ground(foot, X);
-      // A sole that looks down is planted (plant_feet.h).
-      if (!foot.empty()) {
-        const double down = share_on_sole(X[std::size_t(foot.front().joint)]);
-        here.body = std::min(here.body, (1 - down) * here.feet[side] + down * kSeen);
-      }
+      here.feet[side] = height_over_ground(points.feet[side], X);
+      if (!points.feet[side].empty()) here.stretched[side] = stretched(legs[side], X);
       here.elbows[side] = height_over_ground(points.elbows[side], X);
       here.hands[side] = std::min(height_over_ground(points.hands[side], X),
                                   height_over_ground(points.fingers[side], X));

@@ -20,10 +20,12 @@ double share_on_sole(const Transform& foot);
 
 // Height of the lowest point of a pose's parts over y = 0, m. Beyond 0.3 m it may be more.
 struct GroundHeights {
-  double body = 0;                          // with feet that do not stand on their soles
+  double body = 0;
   std::array<double, 2> elbows{}, hands{};  // left, right; hands with their fingers
-  std::array<double, 2> feet{};             // however they are turned
-  double least() const;                     // of all but feet that stand on their soles
+  std::array<double, 2> feet{};
+  double least() const;  // of all but feet
+  // From hip to ankle, of a leg's length: a leg that is stretched cannot raise its foot.
+  std::array<double, 2> stretched{1, 1};
 };
 
 std::vector<GroundHeights> ground_heights(const Skeleton& skeleton, const GroundPoints& points,

@@ -43,9 +43,9 @@ using Angles = Eigen::Matrix<double, kMost, 1>;
 // One limb in one frame.
 class LimbSolver {
  public:
-  LimbSolver(const Skeleton& skeleton, const LimbChain& chain, const Transform& base,
-             const Transform& wanted, const Vec3& middle, const LimbTolerance& tolerance,
-             const FootStand& stand, const Pose& start)
+  LimbSolver(const Skeleton& skeleton, const std::vector<Mat3>& zeros, const LimbChain& chain,
+             const Transform& base, const Transform& wanted, const Vec3& middle,
+             const LimbTolerance& tolerance, const FootStand& stand, const Pose& start)
       : skeleton_(skeleton),
         chain_(chain),
         base_(base),
@@ -55,19 +55,30 @@ class LimbSolver {
         stand_(stand) {
     for (int k = 0; k < 4; ++k) {
       const Joint& joint = skeleton.joints[chain.joints[k]];
-      const Vec3 angles = joint_angles(joint, start.rotations[chain.joints[k]]);
-      from_zero_[k] = joint_turn(joint, joint.zero).transpose() * joint.axes.transpose();
+      const Mat3& zero = zeros[std::size_t(chain.joints[k])];
+      const Vec3 angles = joint_angles(joint, start.rotations[chain.joints[k]], zero);
+      from_zero_[k] = zero.transpose();
       for (int a = 0; a < 3; ++a) {
         const int i = 3 * k + a;
         const double room = joint.max[a] - joint.min[a], ease = std::min(kLast, room / 10);
         low_[i] = joint.min[a], high_[i] = joint.max[a], ease_[i] = ease;
         stray_[i] = chain.leg && k > 0 && a == 2 ? kTwist : kStray;
-        free_[i] = room >= kHinge;
-        const bool rests = chain.leg && k == 1 && !free_[i];  // the knee's own valgus
+        const bool free = room >= kHinge;
+        if (free) free_[count_++] = i;
+        const bool rests = chain.leg && k == 1 && !free;  // the knee's own valgus
         x_[i] = rests ? joint.zero[a] : std::clamp(angles[a], low_[i], high_[i]);
       }
     }
     start_ = x_;
+  }
+
+  // Searches from these rotations of the joints on, in place of the angles that it stays near.
+  void begin_from(const std::array<Quat, 4>& rotations, const std::vector<Mat3>& zeros) {
+    for (int k = 0; k < 4; ++k) {
+      const Vec3 angles =
+          joint_angles(joint(k), rotations[std::size_t(k)], zeros[std::size_t(joint_at(k))]);
+      for (int a = 0; a < 3; ++a) begin_at(3 * k + a, angles[a]);
+    }
   }
 
   void solve(Pose& pose) {
@@ -98,9 +109,14 @@ class LimbSolver {
   }
 
  private:
-  static constexpr int kRows = 21, kAlways = 15;  // of the latter: also of what is off the ground
+  // Of the latter: also of what is off the ground. Both are filled up to whole vector registers.
+  static constexpr int kRows = 24, kAlways = 16;
   using Residual = Eigen::Matrix<double, kRows, 1>;
   using Jacobian = Eigen::Matrix<double, kRows, kMost>;
+
+  void begin_at(int i, double angle) {
+    if (high_[i] - low_[i] >= kHinge) x_[i] = std::clamp(angle, low_[i], high_[i]);
+  }
 
   int joint_at(int k) const { return chain_.joints[k]; }
   const Joint& joint(int k) const { return skeleton_.joints[joint_at(k)]; }
@@ -143,8 +159,8 @@ class LimbSolver {
                            int angles) {
       out.segment<3>(row) = (point - wanted).cwiseProduct(scale);
       if (J == nullptr) return;
-      for (int i = 0; i < angles; ++i)
-        J->block<3, 1>(row, i) = moves(limb, point, i).cwiseProduct(scale);
+      for (int k = 0; k < count_ && free_[k] < angles; ++k)
+        J->block<3, 1>(row, k) = moves(limb, point, free_[k]).cwiseProduct(scale);
     };
     place(12, limb.at[1], middle_, Vec3::Constant(1 / kMiddle), 3);
     const bool on_ground = chain_.leg && tolerance_.on_ground;
@@ -176,19 +192,19 @@ class LimbSolver {
       const double hold = 1 / (kStands * (1 + high * high)), off = (heel - heel_wanted).dot(across);
       out[15] = hold * off;
       out[16] = (heel.y() - heel_wanted.y()) / kRises;
-      for (int i = 0; J != nullptr && i < kMost; ++i) {
-        const Vec3 way = moves(limb, heel, i);
-        (*J)(15, i) = hold * way.dot(across) -
+      for (int k = 0; J != nullptr && k < count_; ++k) {
+        const Vec3 way = moves(limb, heel, free_[k]);
+        (*J)(15, k) = hold * way.dot(across) -
                       2 * kStands * hold * hold * off * high * (high > 0 ? way.y() / kRisen : 0);
-        (*J)(16, i) = way.y() / kRises;
+        (*J)(16, k) = way.y() / kRises;
       }
     }
     const std::array<Vec3, 3> soles = {heel, ball, X * chain_.toes_up};
     for (int p = 0; p < 3; ++p) {
       if (soles[p].y() >= 0) continue;
       out[18 + p] = soles[p].y() / kSinks;
-      for (int i = 0; J != nullptr && i < kMost; ++i)
-        (*J)(18 + p, i) = moves(limb, soles[p], i).y() / kSinks;
+      for (int k = 0; J != nullptr && k < count_; ++k)
+        (*J)(18 + p, k) = moves(limb, soles[p], free_[k]).y() / kSinks;
     }
     return out;
   }
@@ -199,9 +215,9 @@ class LimbSolver {
     const Mat3& R = limb.end.linear();
     for (int a = 0; a < 3; ++a)
       out.segment<3>(3 + 3 * a) = scale * (R.col(a) - wanted_.linear().col(a));
-    for (int i = 0; J != nullptr && i < kMost; ++i)
+    for (int k = 0; J != nullptr && k < count_; ++k)
       for (int a = 0; a < 3; ++a)
-        J->block<3, 1>(3 + 3 * a, i) = scale * limb.axes.col(i).cross(R.col(a));
+        J->block<3, 1>(3 + 3 * a, k) = scale * limb.axes.col(free_[k]).cross(R.col(a));
     give_way<9>(3, kYields / tolerance, out, J);
   }
 
@@ -228,54 +244,61 @@ class LimbSolver {
 
   double cost(const Angles& x, const Posed& limb) const {
     double sum = residuals(limb, nullptr).squaredNorm();
-    for (int i = 0; i < kMost; ++i)
-      sum += free_[i] ? std::pow((x[i] - start_[i]) / stray_[i], 2) +
-                            std::pow(beyond(x[i], i) / kNear, 2)
-                      : 0;
+    for (int k = 0; k < count_; ++k) {
+      const int i = free_[k];
+      const double away = (x[i] - start_[i]) / stray_[i], near = beyond(x[i], i) / kNear;
+      sum += away * away + near * near;
+    }
     return sum;
   }
 
+  // Of the free angles, one after another.
   void linearize(const Posed& limb) {
     Jacobian J;
     const Residual here = residuals(limb, &J);
-    for (int i = 0; i < kMost; ++i)
-      if (!free_[i]) J.col(i).setZero();
     // Eigen's blocked product costs more than it saves at this size.
     if (chain_.leg && tolerance_.on_ground)
-      set_normal_equations(J, here);
+      set_normal_equations<kRows>(J, here);
     else
-      set_normal_equations(J.topRows<kAlways>(), here.head<kAlways>());
-    for (int i = 0; i < kMost; ++i) {
-      if (!free_[i]) continue;
+      set_normal_equations<kAlways>(J, here);
+    for (int k = 0; k < count_; ++k) {
+      const int i = free_[k];
       const double off = beyond(x_[i], i);
-      hessian_(i, i) += 1 / (stray_[i] * stray_[i]) + (off != 0 ? 1 / (kNear * kNear) : 0);
-      slope_[i] += (x_[i] - start_[i]) / (stray_[i] * stray_[i]) + off / (kNear * kNear);
+      hessian_(k, k) += 1 / (stray_[i] * stray_[i]) + (off != 0 ? 1 / (kNear * kNear) : 0);
+      slope_[k] += (x_[i] - start_[i]) / (stray_[i] * stray_[i]) + off / (kNear * kNear);
     }
   }
 
-  template <typename Rows, typename Values>
-  void set_normal_equations(const Rows& J, const Values& here) {
-    for (int i = 0; i < kMost; ++i) {
-      for (int j = 0; j <= i; ++j) hessian_(i, j) = hessian_(j, i) = J.col(i).dot(J.col(j));
-      slope_[i] = J.col(i).dot(here);
+  template <int kCount>
+  void set_normal_equations(const Jacobian& J, const Residual& here) {
+    for (int i = 0; i < count_; ++i) {
+      const auto column = J.col(i).template head<kCount>();
+      for (int j = 0; j <= i; ++j) hessian_(i, j) = column.dot(J.col(j).template head<kCount>());
+      slope_[i] = column.dot(here.template head<kCount>());
     }
   }
 
   // A damped Newton step. Angles at a limit that the gradient pushes outwards are held (active
   // set).
   Angles descent(double damping) const {
-    Eigen::Matrix<double, kMost, kMost> H = hessian_;
-    Angles g = slope_;
-    for (int i = 0; i < kMost; ++i) {
-      const bool held = (x_[i] >= high_[i] && g[i] < 0) || (x_[i] <= low_[i] && g[i] > 0);
-      if (free_[i] && !held) {
-        H(i, i) += damping * (1 + H(i, i));
-        continue;
-      }
-      H.row(i).setZero(), H.col(i).setZero();
-      H(i, i) = 1, g[i] = 0;
+    std::array<int, kMost> moved{};
+    int count = 0;
+    for (int k = 0; k < count_; ++k) {
+      const int i = free_[k];
+      const bool held = (x_[i] >= high_[i] && slope_[k] < 0) || (x_[i] <= low_[i] && slope_[k] > 0);
+      if (!held) moved[count++] = k;
     }
-    return -solve_llt_small(H, g);
+    Eigen::Matrix<double, kMost, kMost> H;
+    Angles g;
+    for (int a = 0; a < count; ++a) {
+      for (int b = 0; b <= a; ++b) H(a, b) = hessian_(moved[a], moved[b]);
+      H(a, a) += damping * (1 + H(a, a));
+      g[a] = -slope_[moved[a]];
+    }
+    const Angles step = solve_llt_first<kMost>(count, H, g);
+    Angles out = Angles::Zero();
+    for (int a = 0; a < count; ++a) out[free_[moved[a]]] = step[a];
+    return out;
   }
 
   const Skeleton& skeleton_;
@@ -284,10 +307,11 @@ class LimbSolver {
   const Vec3 middle_;
   const LimbTolerance tolerance_;
   const FootStand stand_;
-  std::array<bool, kMost> free_{};
+  std::array<int, kMost> free_{};  // angles that are solved for
+  int count_ = 0;
   std::array<Mat3, 4> from_zero_;  // of each joint: out of its axes at the anatomical zero
   Angles x_, start_, low_, high_, ease_, stray_;
-  Eigen::Matrix<double, kMost, kMost> hessian_;
+  Eigen::Matrix<double, kMost, kMost> hessian_;  // lower half; of the free angles, as slope_
   Angles slope_;
 };
 
@@ -323,12 +347,58 @@ void raise_toes(const Skeleton& skeleton, const FootShape& foot, Pose& pose,
   }
 }
 
+// One limb of a pose whose trunk is inside its limits, with the toes of a leg. `given`: the pose
+// before; where it is another object, `pose` is a first guess. workspace.after is brought up to
+// date.
+void limit_limb(const Skeleton& skeleton, const LimitTables& tables, const LimbTolerance& tolerance,
+                const std::array<FootStand, 2>& stands, const LimbShifts& shifts, std::size_t l,
+                const Pose& given, Pose& pose, LimitWorkspace& workspace) {
+  const std::vector<Transform>& was = workspace.before;
+  std::vector<Transform>& is = workspace.after;
+  const LimbChain& limb = tables.limbs[l];
+  const std::size_t first = std::size_t(limb.joints[0]), end = std::size_t(limb.joints[3]),
+                    parent = std::size_t(skeleton.joints[first].parent),
+                    thorax = std::size_t(tables.thorax);
+  const Transform carried = limb.leg ? Transform::Identity() : is[thorax] * was[thorax].inverse();
+  std::array<Quat, 4> last;
+  for (std::size_t k = 0; k < 4; ++k) last[k] = pose.rotations[std::size_t(limb.joints[k])];
+  pose.rotations[first] =
+      clamped(skeleton.joints[first],
+              Quat(Mat3(is[parent].linear().transpose() * carried.linear() * was[first].linear()))
+                  .normalized(),
+              tables.zeros[first]);
+  for (std::size_t k = 1; k < 4; ++k) {
+    const std::size_t j = std::size_t(limb.joints[k]);
+    pose.rotations[j] = clamped(skeleton.joints[j], given.rotations[j], tables.zeros[j]);
+  }
+  const Vec3 middle = carried * was[std::size_t(limb.joints[1])].translation() + shifts[l].middle;
+  Transform wanted = carried * was[end];
+  wanted.pretranslate(shifts[l].end);
+  LimbSolver solver(skeleton, tables.zeros, limb, is[parent], wanted, middle, tolerance,
+                    limb.leg ? stands[l] : FootStand{}, pose);
+  if (&given != &pose) solver.begin_from(last, tables.zeros);
+  solver.solve(pose);
+  for (const int j : limb.joints)
+    is[std::size_t(j)] = joint_frame(skeleton, pose, is, std::size_t(j));
+  if (!limb.leg) return;
+  const FootShape& foot = tables.feet[l];
+  const Quat help = toe_help(is[end].linear().transpose() * was[end].linear());
+  for (const int toe : foot.mtp) {
+    const std::size_t j = std::size_t(toe);
+    pose.rotations[j] =
+        clamped(skeleton.joints[j], (help * given.rotations[j]).normalized(), tables.zeros[j]);
+    is[j] = joint_frame(skeleton, pose, is, j);
+  }
+  if (tolerance.on_ground) raise_toes(skeleton, foot, pose, is);
+}
+
 }  // namespace
 
 LimitTables make_limit_tables(const Skeleton& skeleton, double sole_height) {
   LimitTables tables;
   const std::vector<Vec3> rest = rest_positions(skeleton);
   tables.thorax = joint_of(skeleton, "thorax");
+  for (const Joint& joint : skeleton.joints) tables.zeros.push_back(joint_zero(joint));
   tables.kept.assign(skeleton.joints.size(), 0);
   for (std::size_t j = 0; j < skeleton.joints.size(); ++j) {
     const std::string& name = skeleton.joints[j].name;
@@ -345,13 +415,21 @@ LimitTables make_limit_tables(const Skeleton& skeleton, double sole_height) {
            foot.ball - subtalar,
            foot.heel - subtalar,
            foot.toes_up - subtalar,
-           true};
+           true,
+           {}};
     tables.feet[side] = foot;
     LimbChain& arm = tables.limbs[2 + side];
     arm.joints = {joint_of(skeleton, "shoulder" + s), joint_of(skeleton, "elbow" + s),
                   joint_of(skeleton, "forearm" + s), joint_of(skeleton, "wrist" + s)};
-    for (const LimbChain* limb : {&leg, &arm})
+    for (LimbChain* limb : {&leg, &arm}) {
+      std::vector<int> ends(limb->joints.begin(), limb->joints.end());
+      if (limb->leg)
+        ends.insert(ends.end(), foot.mtp.begin(), foot.mtp.end());
+      else
+        ends.push_back(tables.thorax);
+      limb->above = joints_up_from(skeleton, ends);
       for (const int j : limb->joints) tables.kept[j] = 2;
+    }
   }
   std::vector<int> moved;
   for (std::size_t j = 0; j < tables.kept.size(); ++j)
@@ -367,44 +445,42 @@ void enforce_limits(const Skeleton& skeleton, const LimitTables& tables,
   const std::vector<Transform>& was = workspace.before;
   std::vector<Transform>& is = workspace.after;
   is = was;
-  const std::size_t thorax = tables.thorax;
+  workspace.clamped.resize(skeleton.joints.size());
   for (std::size_t j = 1; j < skeleton.joints.size(); ++j) {
+    const char kept = tables.kept[j];
+    if (kept > 1) continue;
     const Joint& joint = skeleton.joints[j];
-    const std::size_t parent = joint.parent;
-    if (tables.kept[j] == 3)
+    if (kept == 1) {
+      const std::size_t parent = std::size_t(joint.parent);
       pose.rotations[j] =
-          (toe_help(is[parent].linear().transpose() * was[parent].linear()) * pose.rotations[j])
-              .normalized();
-    if (tables.kept[j] == 1)
-      pose.rotations[j] =
-          Quat(Mat3(is[parent].linear().transpose() * was[j].linear())).normalized();
-    if (tables.kept[j] != 2) pose.rotations[j] = clamped(joint, pose.rotations[j]);
-    for (std::size_t l = 0; l < tables.limbs.size(); ++l) {
-      const LimbChain& limb = tables.limbs[l];
-      if (limb.joints[0] != int(j)) continue;
-      const FootStand stand = limb.leg ? stands[l] : FootStand{};
-      const std::size_t end = limb.joints[3];
-      const Transform carried =
-          limb.leg ? Transform::Identity() : is[thorax] * was[thorax].inverse();
-      pose.rotations[j] = clamped(
-          joint, Quat(Mat3(is[parent].linear().transpose() * carried.linear() * was[j].linear()))
-                     .normalized());
-      for (std::size_t k = 1; k < 4; ++k) {
-        Quat& turn = pose.rotations[limb.joints[k]];
-        turn = clamped(skeleton.joints[limb.joints[k]], turn);
-      }
-      const Vec3 middle = carried * was[limb.joints[1]].translation() + shifts[l].middle;
-      Transform wanted = carried * was[end];
-      wanted.pretranslate(shifts[l].end);
-      LimbSolver(skeleton, limb, is[parent], wanted, middle, tolerance, stand, pose).solve(pose);
+          clamped(joint, Quat(Mat3(is[parent].linear().transpose() * was[j].linear())).normalized(),
+                  tables.zeros[j]);
+    } else {
+      // Fingers stay as they are for long.
+      LimitWorkspace::Clamped& last = workspace.clamped[j];
+      if (pose.rotations[j].coeffs() != last.given.coeffs())
+        last = {pose.rotations[j], clamped(joint, pose.rotations[j], tables.zeros[j])};
+      pose.rotations[j] = last.inside;
     }
     if (std::ranges::binary_search(tables.needed, int(j)))
       is[j] = joint_frame(skeleton, pose, is, j);
   }
-  if (tolerance.on_ground)
-    for (const FootShape& foot : tables.feet) raise_toes(skeleton, foot, pose, is);
+  for (std::size_t l = 0; l < tables.limbs.size(); ++l)
+    limit_limb(skeleton, tables, tolerance, stands, shifts, l, pose, pose, workspace);
   complete_pose(skeleton, pose);
-  chain_kinematics(skeleton, tables.needed, pose, is);
+}
+
+void renew_limbs(const Skeleton& skeleton, const LimitTables& tables,
+                 const LimbTolerance& tolerance, const std::array<FootStand, 2>& stands,
+                 const LimbShifts& shifts, const std::array<bool, 4>& which, const Pose& given,
+                 Pose& pose, LimitWorkspace& workspace) {
+  for (std::size_t l = 0; l < tables.limbs.size(); ++l) {
+    if (!which[l]) continue;
+    chain_kinematics(skeleton, tables.limbs[l].above, given, workspace.before);
+    chain_kinematics(skeleton, tables.limbs[l].above, pose, workspace.after);
+    limit_limb(skeleton, tables, tolerance, stands, shifts, l, given, pose, workspace);
+  }
+  complete_pose(skeleton, pose);
 }
 
 void stand_with_leg(const Skeleton& skeleton, const LimitTables& tables, Side side,
@@ -415,7 +491,8 @@ void stand_with_leg(const Skeleton& skeleton, const LimitTables& tables, Side si
   const std::size_t pelvis = skeleton.joints[leg.joints[0]].parent;
   std::vector<Transform>& X = workspace.before;
   chain_kinematics(skeleton, tables.needed, pose, X);
-  LimbSolver(skeleton, leg, X[pelvis], foot, X[leg.joints[1]].translation(), tolerance, stand, pose)
+  LimbSolver(skeleton, tables.zeros, leg, X[pelvis], foot, X[leg.joints[1]].translation(),
+             tolerance, stand, pose)
       .solve(pose);
   chain_kinematics(skeleton, tables.needed, pose, X);
   if (tolerance.on_ground) raise_toes(skeleton, tables.feet[s], pose, X);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "anatomy/chain_kinematics.h"
+#include "anatomy/compute/smooth_step.h"
 #include "anatomy/joint_angles.h"
 #include "skinning/constraints/self_collision.h"
 #include "skinning/constraints/temporal_smoothing.h"
@@ -15,8 +16,11 @@
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kLeft = 0.002;          // m; what is shallower stays
-constexpr double kArm = 0.06;            // m; an arm gives way by so much
+constexpr double kLeft = 0.002;  // m; what is shallower stays
+constexpr double kArm = 0.06;    // m; an arm gives way by so much
+constexpr double kLeg = 0.06;    // m; a bent leg raises its foot by so much
+// Of its length: a leg that is stretched so far begins to give way by less, and gives way no more.
+constexpr double kBent = 0.85, kStretched = 0.96;
 constexpr double kMost = 0.2;            // m
 constexpr double kRising = 0.12;         // s to either side
 constexpr double kOpening = 0.1;         // s to either side
@@ -90,27 +94,34 @@ class HandOpener {
 
 bool renew_clearance(const std::vector<GroundHeights>& heights, bool whole, double fps,
                      GroundClearance& clearance) {
-  const auto deep = [](const GroundHeights& one) { return one.least() < -kLeft; };
+  const auto deep = [](const GroundHeights& one) {
+    return std::min({one.least(), one.feet[0], one.feet[1]}) < -kLeft;
+  };
   if (std::ranges::none_of(heights, deep)) return false;
   const std::size_t frames = heights.size();
   clearance.lift.resize(frames, 0.0);
   clearance.shifts.resize(frames);
   for (std::size_t f = 0; f < frames; ++f) {
     const GroundHeights& here = heights[f];
-    LimbShifts& arms = clearance.shifts[f];
+    LimbShifts& limbs = clearance.shifts[f];
     const double before = clearance.lift[f];
     // Of each part, by arm and figure together.
     double wanted = before - (whole ? here.least() : here.body);
     std::array<double, 2> elbows{}, hands{};
     for (std::size_t side = 0; side < 2 && !whole; ++side) {
-      elbows[side] = before + arms[2 + side].middle.y() - here.elbows[side];
-      hands[side] = before + arms[2 + side].end.y() - here.hands[side];
+      elbows[side] = before + limbs[2 + side].middle.y() - here.elbows[side];
+      hands[side] = before + limbs[2 + side].end.y() - here.hands[side];
       wanted = std::max({wanted, elbows[side] - kArm, hands[side] - kArm});
+      // A foot that stands does not rise with the figure. What its leg does not give is left to
+      // ground_lift.h.
+      const double most = kLeg * (1 - smooth_step(kBent, kStretched, here.stretched[side])),
+                   foot = std::clamp(limbs[side].end.y() - here.feet[side], 0.0, most);
+      limbs[side] = {0.5 * foot * Vec3::UnitY(), foot * Vec3::UnitY()};
     }
     const double lift = clearance.lift[f] = std::clamp(wanted, 0.0, kMost);
     for (std::size_t side = 0; side < 2 && !whole; ++side)
-      arms[2 + side] = {std::clamp(elbows[side] - lift, 0.0, kArm) * Vec3::UnitY(),
-                        std::clamp(hands[side] - lift, 0.0, kArm) * Vec3::UnitY()};
+      limbs[2 + side] = {std::clamp(elbows[side] - lift, 0.0, kArm) * Vec3::UnitY(),
+                         std::clamp(hands[side] - lift, 0.0, kArm) * Vec3::UnitY()};
   }
   smooth_maximum(std::max(1, int(std::lround(kRising * fps))), clearance.lift, std::greater<>());
   if (!whole) smooth_shifts(fps, clearance.shifts);

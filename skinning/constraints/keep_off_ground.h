@@ -1,9 +1,11 @@
-// Knees, hands, elbows, trunk and head stay out of the ground, as feet do.
+// Knees, hands, elbows, trunk and head stay out of the ground, as feet do, also feet that joint
+// limits have rolled.
 //
 // A figure that kneels, crawls, falls or lies comes down on parts whose flesh is as thick as this
 // body's. Hands that would be in the ground are opened, they and elbows are raised by their arms,
-// and for the rest the figure rises as a whole; feet that stand stay where they are. Corrections
-// begin before they are needed and fade after it (temporal_smoothing.h).
+// feet by legs that are bent, and for the rest the figure rises as a whole; feet that stand stay
+// where they are. Corrections begin before they are needed and fade after it
+// (temporal_smoothing.h).
 #pragma once
 
 #include <vector>
@@ -18,7 +20,7 @@ namespace ecorche::inline v1 {
 // What a motion is corrected by, an entry a frame.
 struct GroundClearance {
   std::vector<double> lift;        // of the whole figure, m
-  std::vector<LimbShifts> shifts;  // of its arms
+  std::vector<LimbShifts> shifts;  // of its arms, and of legs whose feet are too deep
 };
 
 // What takes a motion off the ground that is corrected by `clearance` and has these heights, where

@@ -41,7 +41,7 @@ double straight_leg(const Skeleton& skeleton, const FootShape& foot,
 double hip_drop(const Vec3& hip, const Vec3& ankle, double reach) {
   const double level = std::hypot(ankle.x() - hip.x(), ankle.z() - hip.z());
   if (level >= reach) return 0;
-  return std::max(0.0, hip.y() - ankle.y() - std::sqrt(reach * reach - level * level));
+  return hip.y() - ankle.y() - std::sqrt(reach * reach - level * level);
 }
 
 double reach_with_leg(const Skeleton& skeleton, const FootShape& foot, const Vec3& ankle,

@@ -21,8 +21,8 @@ double reach_with_leg(const Skeleton& skeleton, const FootShape& foot, const Vec
 double straight_leg(const Skeleton& skeleton, const FootShape& foot,
                     const std::vector<Transform>& X_WJ);
 
-// How far a hip is to sink so that a leg of length `reach` comes down to `ankle`, m; 0 where it
-// does already, or where the ankle is too far aside for any height.
+// How far a hip is to sink so that a leg of length `reach` comes down to `ankle`, m: below 0 where
+// it may rise by so much; 0 where the ankle is too far aside for any height.
 double hip_drop(const Vec3& hip, const Vec3& ankle, double reach);
 
 // Moves the component of the foot's rotation that ankle and subtalar joint have no axis for,

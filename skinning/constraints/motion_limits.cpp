@@ -12,10 +12,14 @@ LimbShifts sum(LimbShifts a, const LimbShifts& b) {
   return a;
 }
 
-bool moves_any(const LimbShifts& shifts) {
-  return std::any_of(shifts.begin(), shifts.end(), [](const LimbShift& one) {
-    return !one.middle.isZero(0) || !one.end.isZero(0);
-  });
+bool moves(const LimbShift& one) { return !one.middle.isZero(0) || !one.end.isZero(0); }
+
+bool moves_any(const LimbShifts& shifts) { return std::ranges::any_of(shifts, moves); }
+
+bool same(const Pose& a, const Pose& b) {
+  return a.root == b.root && std::ranges::equal(a.rotations, b.rotations, [](auto& p, auto& q) {
+           return p.coeffs() == q.coeffs();
+         });
 }
 
 }  // namespace
@@ -27,13 +31,19 @@ MotionLimiter::MotionLimiter(const Skeleton& skeleton, double sole_height,
   ends_.push_back({find_joint(skeleton, "head"), Vec3::Zero(), {.end = "head"}});
   for (const LimbChain& limb : tables_.limbs)
     ends_.push_back({limb.joints[3], limb.point, {.end = skeleton.joints[limb.joints[3]].name}});
+  for (std::size_t j = 0; j < skeleton.joints.size(); ++j)
+    if (tables_.kept[j] > 1 || skeleton.joints[j].name.starts_with("patella"))
+      limb_joints_.push_back(int(j));
 }
 
 void MotionLimiter::run(const LimbTolerance& tolerance, const std::vector<Contact>& contacts,
-                        const std::vector<LimbShifts>& shifts, Motion& motion) {
+                        const std::vector<LimbShifts>& shifts, Motion& motion, bool legs_alone) {
   std::vector<Pose> given = motion.frames;
   std::vector<LimbShifts> wanted = shifts.empty() ? std::vector<LimbShifts>(given.size()) : shifts;
+  if (tolerance != tolerance_ || legs_alone != legs_alone_) limited_.clear();
+  limited_.resize(given.size());
   tolerance_ = tolerance;
+  legs_alone_ = legs_alone;
   stands_.assign(given.size(), {});
   for (const Contact& contact : contacts)
     for (int f = contact.begin; f < contact.end; ++f) {
@@ -41,16 +51,12 @@ void MotionLimiter::run(const LimbTolerance& tolerance, const std::vector<Contac
       (contact.heel ? foot.heel : foot.ball) = true;
     }
   for (std::size_t f = 0; f < given.size(); ++f) {
-    enforce_limits(skeleton_, tables_, tolerance_, stands_[f], wanted[f], motion.frames[f],
-                   workspace_);
+    limit(f, wanted[f], motion.frames[f]);
     for (std::size_t e = 0; e < ends_.size(); ++e) {
-      End& end = ends_[e];
-      const std::size_t j = end.joint;
-      const Vec3 shift = e > 0 ? wanted[f][e - 1].end : Vec3(Vec3::Zero());
-      const double moved =
-          (workspace_.before[j] * end.point + shift - workspace_.after[j] * end.point).norm();
-      end.move.mean += moved / double(given.size());
-      if (moved > end.move.most) end.move.most = moved, end.move.worst_frame = int(f);
+      EndMove& move = ends_[e].move;
+      const double moved = limited_[f].moved[e];
+      move.mean += moved / double(given.size());
+      if (moved > move.most) move.most = moved, move.worst_frame = int(f);
     }
   }
   if (tolerance.on_ground) raise_pelvis(given, wanted, motion);
@@ -59,10 +65,57 @@ void MotionLimiter::run(const LimbTolerance& tolerance, const std::vector<Contac
   separate(given, wanted, motion);
 }
 
-void MotionLimiter::limit(std::size_t frame, const Pose& given, const LimbShifts& shifts,
-                          Pose& pose) {
-  pose = given;
-  enforce_limits(skeleton_, tables_, tolerance_, stands_[frame], shifts, pose, workspace_);
+void MotionLimiter::limit(std::size_t frame, const LimbShifts& shifts, Pose& pose) {
+  Limited& last = limited_[frame];
+  last.followed = 0;
+  last.as_before = last.stands == stands_[frame] && last.shifts == shifts && same(last.given, pose);
+  if (last.as_before) {
+    pose = last.pose;
+    return;
+  }
+  last.renewals.clear();
+  last.given = pose;
+  last.shifts = shifts;
+  last.stands = stands_[frame];
+  std::array<bool, 4> which{true, true, true, true};
+  if (legs_alone_) {
+    which = {true, true, moves(shifts[2]), moves(shifts[3])};
+    renew_limbs(skeleton_, tables_, tolerance_, stands_[frame], shifts, which, last.given, pose,
+                workspace_);
+  } else {
+    enforce_limits(skeleton_, tables_, tolerance_, stands_[frame], shifts, pose, workspace_);
+  }
+  last.pose = pose;
+  for (std::size_t e = 0; e < ends_.size(); ++e) {
+    const End& end = ends_[e];
+    const std::size_t j = std::size_t(end.joint);
+    const Vec3 shift = e > 0 ? shifts[e - 1].end : Vec3(Vec3::Zero());
+    const bool stays = e > 0 ? !which[e - 1] : legs_alone_;
+    last.moved[e] =
+        stays ? 0
+              : (workspace_.before[j] * end.point + shift - workspace_.after[j] * end.point).norm();
+  }
+}
+
+void MotionLimiter::renew(std::size_t frame, const Pose& given, const LimbShifts& shifts,
+                          const std::array<bool, 4>& which, Pose& pose) {
+  Limited& last = limited_[frame];
+  pose.root = given.root;
+  if (last.as_before && last.followed < last.renewals.size()) {
+    const Renewal& next = last.renewals[last.followed];
+    if (next.root == given.root && next.which == which && next.shifts == shifts) {
+      for (std::size_t k = 0; k < limb_joints_.size(); ++k)
+        pose.rotations[std::size_t(limb_joints_[k])] = next.rotations[k];
+      ++last.followed;
+      return;
+    }
+  }
+  last.as_before = false;
+  last.renewals.resize(last.followed++);
+  renew_limbs(skeleton_, tables_, tolerance_, stands_[frame], shifts, which, given, pose,
+              workspace_);
+  Renewal& made = last.renewals.emplace_back(Renewal{given.root, shifts, which, {}});
+  for (const int j : limb_joints_) made.rotations.push_back(pose.rotations[std::size_t(j)]);
 }
 
 void MotionLimiter::raise_pelvis(std::vector<Pose>& given, std::vector<LimbShifts>& shifts,
@@ -103,7 +156,7 @@ void MotionLimiter::raise_pelvis(std::vector<Pose>& given, std::vector<LimbShift
       shifts[f] = sum(shifts[f], more[f]);
       given[f].root -= more[f][0].end;
       raised[f] -= more[f][0].end.y();
-      limit(f, given[f], shifts[f], motion.frames[f]);
+      renew(f, given[f], shifts[f], {true, true, false, false}, motion.frames[f]);
     }
   }
 }
@@ -126,7 +179,9 @@ void MotionLimiter::separate(const std::vector<Pose>& given, const std::vector<L
     for (std::size_t f = 0; f < given.size(); ++f) {
       if (!moves_any(more[f])) continue;
       found[f] = sum(found[f], more[f]);
-      limit(f, given[f], sum(shifts[f], found[f]), motion.frames[f]);
+      std::array<bool, 4> which{};
+      for (std::size_t l = 0; l < which.size(); ++l) which[l] = moves(more[f][l]);
+      renew(f, given[f], sum(shifts[f], found[f]), which, motion.frames[f]);
     }
   }
 }

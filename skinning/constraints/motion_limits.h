@@ -24,9 +24,10 @@ class MotionLimiter {
   // found again with them in place, in alternation. `contacts`: of the standing feet. With
   // tolerance.on_ground the feet are planted already and stay: only knees are shifted, and where
   // hip and ankle together reach their limits, so that a knee would have to leave its position, the
-  // pelvis is raised.
+  // pelvis is raised. `legs_alone`: trunk and arms are inside their limits already, as an earlier
+  // run has left them, and stay, arms that are shifted excepted.
   void run(const LimbTolerance& tolerance, const std::vector<Contact>& contacts,
-           const std::vector<LimbShifts>& shifts, Motion& motion);
+           const std::vector<LimbShifts>& shifts, Motion& motion, bool legs_alone = false);
 
   const LimitTables& tables() const { return tables_; }
 
@@ -44,7 +45,27 @@ class MotionLimiter {
     Vec3 point;
     EndMove move;
   };
-  void limit(std::size_t frame, const Pose& given, const LimbShifts& shifts, Pose& pose);
+  // Limbs that were brought inside anew, and the rotations of `limb_joints_` that came of it.
+  struct Renewal {
+    Vec3 root;
+    LimbShifts shifts;
+    std::array<bool, 4> which;
+    std::vector<Quat> rotations;
+  };
+  // What a frame was made of and what became of it.
+  struct Limited {
+    Pose given;
+    LimbShifts shifts;
+    std::array<FootStand, 2> stands;
+    Pose pose;
+    std::array<double, 5> moved{};  // ends, m
+    std::vector<Renewal> renewals;  // after that, in their order
+    std::size_t followed = 0;       // of them, in this run
+    bool as_before = false;         // so far this run has met what the last one did
+  };
+  void limit(std::size_t frame, const LimbShifts& shifts, Pose& pose);
+  void renew(std::size_t frame, const Pose& given, const LimbShifts& shifts,
+             const std::array<bool, 4>& which, Pose& pose);
   void raise_pelvis(std::vector<Pose>& given, std::vector<LimbShifts>& shifts, Motion& motion);
   void separate(const std::vector<Pose>& given, const std::vector<LimbShifts>& shifts,
                 Motion& motion);
@@ -54,8 +75,13 @@ class MotionLimiter {
   std::optional<SelfCollisionTables> collision_;
   LimitWorkspace workspace_;
   LimbTolerance tolerance_;
+  bool legs_alone_ = false;
   std::vector<std::array<FootStand, 2>> stands_;  // a frame
   std::vector<End> ends_;
+  std::vector<int> limb_joints_;  // of limbs, with toes and patellae
+  // A frame, of the last run with this tolerance: frames that have not changed come out as they
+  // did.
+  std::vector<Limited> limited_;
   std::vector<Penetration> initial_penetrations_;
 };
 

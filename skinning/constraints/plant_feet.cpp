@@ -2,25 +2,29 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "anatomy/chain_kinematics.h"
 #include "anatomy/compute/smooth_step.h"
+#include "anatomy/joint_angles.h"
+#include "skinning/constraints/contact_spans.h"
 #include "skinning/constraints/ground_heights.h"
 #include "skinning/constraints/leg_ik.h"
-#include "skinning/constraints/temporal_smoothing.h"
+#include "skinning/constraints/reach_planted.h"
 
 namespace ecorche::inline v1 {
 namespace {
 
-constexpr double kFade = 0.10;       // s; corrections fade around a stance. Shorter: feet snap
-constexpr double kHandOver = 0.05;   // s; transition of the fixed point between heel and ball
-constexpr double kSunk = 0.001;      // m; flesh that is shallower stays in the ground
+constexpr double kFade = 0.10;      // s; corrections fade around a stance. Shorter: feet snap
+constexpr double kHandOver = 0.05;  // s; transition of the fixed point between heel and ball
+constexpr double kSunk = 0.001;     // m; flesh that is shallower stays in the ground
+constexpr double kLanding = 0.06, kLandingHeight = 0.04;  // s, m
 constexpr double kShortFlat = 0.01;  // s; feet that are flat for less are not levelled
 constexpr double kSampled = 240;     // a second, of medians
 constexpr double kStep = 0.06;       // m; a higher contact stands on an object and is not lowered
 constexpr double kMostDrop = 0.10;   // m; the pelvis is lowered by at most so much
-constexpr double kSinking = 0.06;    // s; width of the pelvis' temporal smoothing
+// Of its length: a leg that carries the body, as who kneels or squats does not.
+constexpr double kBentLeg = 0.75, kNearStraight = 0.9;
+constexpr double kMostRise = 10 * kDegree;  // of a heel whose leg is too short
 // Fraction of its length to which a planted leg extends: 6 deg of knee flexion.
 constexpr double kStraight = 0.9985;
 // rad (35 deg); a foot with more pitch, or more than its toes extend, rolls over the tip of its
@@ -51,6 +55,7 @@ double median(std::vector<double> values) {
 struct Anchor {
   Interval when;
   Vec3 position = Vec3::Zero();
+  double height = 0;  // m, of the unplanted point: its median
 };
 
 // Contacts and corrections of one foot over the whole motion.
@@ -63,69 +68,17 @@ struct FootPlan {
   std::vector<Interval> stances;  // either stands
   // by frame of a stance: weight of the heel's anchor; the ball's has the rest
   std::vector<double> heel_weight;
+  std::vector<double> heel_height, ball_height;  // over their anchors, m
   std::vector<Vec3> heel_position, ball_position;
   std::vector<Quat> rotation;  // correction of the foot: rotated by this in the world, ...
-  std::vector<Vec3> shift;     // ... then shifted
+  std::vector<Vec3> shift;     // ... then shifted, ...
+  std::vector<double> rise;    // ... and its heel raised over the ball, rad
 };
-
-bool inside(const Interval& i, int f) { return i.begin <= f && f < i.end; }
-
-// What both spans have; it may be empty.
-Interval common(const Interval& a, const Interval& b) {
-  Interval out{std::max(a.begin, b.begin), std::min(a.end, b.end)};
-  out.early = out.begin - std::max(a.onset(), b.onset());
-  out.late = std::min(a.lift(), b.lift()) - (out.end - 1);
-  return out;
-}
-
-// A heel contact that spans two contacts of its ball is split between them: the foot was shifted.
-std::vector<Interval> split_heels(const std::vector<Interval>& heels,
-                                  const std::vector<Interval>& balls) {
-  std::vector<Interval> parts;
-  for (Interval heel : heels) {
-    for (size_t k = 0; k + 1 < balls.size(); ++k) {
-      const Interval gap{balls[k].end, balls[k + 1].begin};
-      if (!inside(heel, gap.begin - 1) || !inside(heel, gap.end)) continue;
-      parts.push_back({heel.begin, gap.begin, heel.early, balls[k].late});
-      heel.begin = gap.end;
-      heel.early = balls[k + 1].early;
-    }
-    parts.push_back(heel);
-  }
-  return parts;
-}
 
 const Anchor* anchor_at(const std::vector<Anchor>& anchors, int f) {
   for (const Anchor& a : anchors)
     if (inside(a.when, f)) return &a;
   return nullptr;
-}
-
-// Extends values that are known inside of intervals into the gaps: each edge's value fades out
-// within `fade` frames, or half the gap. `edges`: values at the intervals' onsets and lifts.
-template <typename Value, typename Blend>
-void fade_out(const std::vector<Interval>& known, const std::vector<std::array<Value, 2>>& edges,
-              std::vector<Value>& values, double fade, const Value& nothing, Blend blend) {
-  for (int f = 0; f < int(values.size()); ++f) {
-    int before = -1, after = -1;
-    bool is_known = false;
-    for (int i = 0; i < int(known.size()); ++i) {
-      if (known[i].end <= f && (before < 0 || known[i].end > known[before].end)) before = i;
-      if (known[i].begin > f && (after < 0 || known[i].begin < known[after].begin)) after = i;
-      is_known |= inside(known[i], f);
-    }
-    if (is_known) continue;
-    const double gap =
-        before >= 0 && after >= 0 ? known[after].onset() - known[before].lift() : HUGE_VAL;
-    const double reach = std::max(1e-9, std::min(fade, 0.5 * gap));
-    values[f] = nothing;
-    if (before >= 0)
-      values[f] =
-          blend(values[f], edges[before][1], 1 - smooth_step((f - known[before].lift()) / reach));
-    if (after >= 0)
-      values[f] =
-          blend(values[f], edges[after][0], 1 - smooth_step((known[after].onset() - f) / reach));
-  }
 }
 
 FootPoints rotated_about(FootPoints points, const Mat3& turn, const Vec3& pivot) {
@@ -162,10 +115,10 @@ class Planter {
     }
     read_feet();
     stand_on_ground();
-    for (FootPlan& foot : feet_) position_anchors(foot);
+    for (FootPlan& foot : feet_) position_anchors(foot), keep_landings(foot);
     if (!lift.empty()) rise(lift);
     for (FootPlan& foot : feet_) blend_anchors(foot), plan_corrections(foot);
-    const std::vector<double> sunk = lower_pelvis();
+    const std::vector<double> sunk = lower_pelvis(lift);
     for (int f = 0; f < frames_; ++f) plant_frame(f, sunk[f]);
   }
 
@@ -223,6 +176,7 @@ class Planter {
             [&](int) -> std::vector<double>& { return values; });
         anchor.position[k] = median(std::move(values));
       }
+      anchor.height = anchor.position.y();
       if (std::abs(anchor.position.y()) < kStep) anchor.position.y() = 0;
     };
     for (Anchor& a : foot.heels) place(a, [](const FootPoints& p) { return p.heel; });
@@ -241,6 +195,24 @@ class Planter {
         along.y() = ball.position.y() - heel.position.y();
         heel.position = ball.position - length * along.normalized();
       }
+  }
+
+  // A point that comes down, or is about to leave, is as high over its place as it was.
+  void keep_landings(FootPlan& foot) const {
+    const auto keep = [&](const std::vector<Anchor>& anchors, auto point, auto& heights) {
+      heights.assign(frames_, 0);
+      for (const Anchor& a : anchors)
+        for (int f = a.when.begin; f < a.when.end; ++f) {
+          const double from_edge =
+              std::min(f - a.when.onset(), a.when.lift() - f) / (kLanding * motion_.fps);
+          heights[f] = (1 - smooth_step(from_edge)) *
+                       std::clamp(point(foot.before[f]).y() - a.height, 0.0, kLandingHeight);
+        }
+    };
+    keep(
+        foot.heels, [](const FootPoints& p) { return p.heel; }, foot.heel_height);
+    keep(
+        foot.balls, [](const FootPoints& p) { return p.ball; }, foot.ball_height);
   }
 
   // Stances, and the blend between the anchors of heel and ball while both stand.
@@ -262,8 +234,11 @@ class Planter {
         foot.stances.push_back({f, f, std::max(begins(heel), begins(ball)), 0});
       foot.stances.back().end = f + 1;
       foot.stances.back().late = std::max(ends(heel), ends(ball));
-      if (heel != nullptr) foot.heel_position[f] = heel->position;
-      if (ball != nullptr) foot.ball_position[f] = ball->position;
+      if (heel != nullptr)
+        foot.heel_position[f] = heel->position + foot.heel_height[f] * Vec3::UnitY();
+      if (ball != nullptr)
+        foot.ball_position[f] = ball->position + foot.ball_height[f] * Vec3::UnitY();
+      if (heel != nullptr && ball != nullptr) turn_about_lower(foot, f);
       auto share = [&](const Anchor* mine, const std::vector<Anchor>& other) {
         if (mine == nullptr) return 0.0;
         double in = 1;
@@ -281,6 +256,19 @@ class Planter {
     }
   }
 
+  // A point of a standing foot that is higher than the other turns about it.
+  static void turn_about_lower(FootPlan& foot, int f) {
+    const Vec3 along = foot.ball_position[f] - foot.heel_position[f];
+    const double length = (foot.shape.ball - foot.shape.heel).norm(),
+                 nearer =
+                     length - std::sqrt(std::max(0.0, length * length - along.y() * along.y()));
+    const Vec3 shift = nearer * Vec3(along.x(), 0, along.z()).normalized();
+    if (along.y() < 0)
+      foot.heel_position[f] += shift;
+    else
+      foot.ball_position[f] -= shift;
+  }
+
   // Rotation and shift of every frame: in stances from the anchors, between them fading.
   void plan_corrections(FootPlan& foot) {
     const Vec3 own = foot.shape.ball - foot.shape.heel;
@@ -295,8 +283,10 @@ class Planter {
     // What puts the foot as it is in frame f where it stands in frame `stands`.
     const auto standing_turn = [&](int f, int stands) {
       const Vec3 along = foot.ball_position[stands] - foot.heel_position[stands];
-      const double heading = std::atan2(along.x(), along.z()) - std::atan2(own.x(), own.z());
-      return Quat(Mat3(Eigen::AngleAxisd(heading, Vec3::UnitY()).toRotationMatrix() *
+      const double heading = std::atan2(along.x(), along.z()) - std::atan2(own.x(), own.z()),
+                   pitch = std::asin(std::clamp(-along.normalized().y(), -1.0, 1.0));
+      return Quat(Mat3(heel_up(along, pitch) *
+                       Eigen::AngleAxisd(heading, Vec3::UnitY()).toRotationMatrix() *
                        rotation[f].transpose()));
     };
     const auto standing_shift = [&](int f, int stands) {
@@ -352,24 +342,48 @@ class Planter {
            toes * ((1 - std::cos(excess)) * forward + std::sin(excess) * Vec3::UnitY());
   }
 
-  // Lowers the pelvis, smoothly, so that the planted legs reach. Returns the amount by frame, m.
-  std::vector<double> lower_pelvis() {
-    std::vector<double> sunk(frames_, 0.0);
+  static Mat3 heel_up(const Vec3& along, double angle) {
+    return Eigen::AngleAxisd(angle, Vec3::UnitY().cross(along).normalized()).toRotationMatrix();
+  }
+
+  // Of a planted leg, in the frame whose kinematics are X_. `lift`: by which the figure is to be
+  // higher than its feet, m.
+  LegReach leg_reach(const FootPlan& foot, int f, double lift) const {
+    LegReach out{anchor_at(foot.heels, f) != nullptr, anchor_at(foot.balls, f) != nullptr};
+    if (!out.heel && !out.ball) return out;
+    const FootShape& shape = foot.shape;
+    const Mat3 turn = foot.rotation[f].toRotationMatrix();
+    const Vec3 pivot = X_[shape.subtalar].translation(), hip = X_[shape.hip].translation(),
+               ankle = pivot + turn * (X_[shape.ankle].translation() - pivot) + foot.shift[f];
+    const double reach = kStraight * straight_leg(skeleton_, shape, X_);
+    const auto drop = [&](const Vec3& goal) {
+      return std::min(kMostDrop, hip_drop(hip, goal, reach));
+    };
+    out.flat = out.raised = drop(ankle);
+    out.low = (-foot.shift[f].y() - lift) *
+              smooth_step(kBentLeg, kNearStraight, (ankle - hip).norm() / reach);
+    if (!out.ball) return out;
+    const FootPoints points = rotated_about(foot_points(skeleton_, shape, X_), turn, pivot);
+    const Vec3 along = (points.ball - points.heel).normalized(), ball = points.ball + foot.shift[f];
+    out.most =
+        std::clamp(foot.most_pitch + std::asin(std::clamp(along.y(), -1.0, 1.0)), 0.0, kMostRise);
+    out.raised = std::min(out.flat, drop(ball + heel_up(along, out.most) * (ankle - ball)));
+    return out;
+  }
+
+  // Moves the pelvis so that planted legs reach, and sets how far heels rise. Returns by how much
+  // it is lowered, a frame, m.
+  std::vector<double> lower_pelvis(const std::vector<double>& lift) {
+    std::array<std::vector<LegReach>, 2> legs;
     for (int f = 0; f < frames_; ++f) {
       chain_kinematics(skeleton_, joints_, motion_.frames[f], X_);
-      for (const FootPlan& foot : feet_) {
-        if (anchor_at(foot.heels, f) == nullptr && anchor_at(foot.balls, f) == nullptr) continue;
-        const Vec3 hip = X_[foot.shape.hip].translation();
-        const Vec3 above = X_[foot.shape.ankle].translation(),
-                   pivot = X_[foot.shape.subtalar].translation();
-        const Vec3 ankle = pivot + foot.rotation[f] * (above - pivot) + foot.shift[f];
-        const double reach = kStraight * straight_leg(skeleton_, foot.shape, X_);
-        sunk[f] = std::max(sunk[f], std::min(kMostDrop, hip_drop(hip, ankle, reach)));
-      }
+      for (std::size_t s = 0; s < 2; ++s)
+        legs[s].push_back(leg_reach(feet_[s], f, lift.empty() ? 0 : lift[std::size_t(f)]));
     }
-    smooth_maximum(std::max(1, int(std::lround(kSinking * motion_.fps))), sunk, std::greater<>());
-    for (int f = 0; f < frames_; ++f) motion_.frames[f].root.y() -= sunk[f];
-    return sunk;
+    ReachPlan plan = plan_reach(legs, motion_.fps);
+    for (std::size_t s = 0; s < 2; ++s) feet_[s].rise = std::move(plan.rise[s]);
+    for (int f = 0; f < frames_; ++f) motion_.frames[f].root.y() -= plan.sunk[f];
+    return std::move(plan.sunk);
   }
 
   // `sunk`: amount by which the pelvis was lowered, which the feet do not follow, m.
@@ -384,6 +398,11 @@ class Planter {
           rotated_about(foot_points(skeleton_, shape, X_), turn, X_[shape.subtalar].translation());
       const Vec3 move = foot.shift[f] + Vec3(0, sunk, 0);
       for (Vec3* p : {&goal.heel, &goal.ball, &goal.tip}) *p += move;
+      if (foot.rise[f] > 0) {
+        const Mat3 up = heel_up((goal.ball - goal.heel).normalized(), foot.rise[f]);
+        R = up * R;
+        goal = rotated_about(goal, up, goal.ball);
+      }
       keep_above_ground(foot, f, goal, R);
       for (int lift = 0; lift < 3; ++lift) {
         put_foot(shape, goal, R, pose);
@@ -425,12 +444,13 @@ class Planter {
     const bool on_heel = anchor_at(foot.heels, f) != nullptr && goal.ball.y() < goal.heel.y();
     const bool on_ball = anchor_at(foot.balls, f) != nullptr && goal.heel.y() < goal.ball.y();
     if (on_heel || on_ball) {
-      const Vec3 along = (goal.ball - goal.heel).normalized(),
-                 across = Vec3::UnitY().cross(along).normalized();
-      const Mat3 back =
-          Eigen::AngleAxisd(std::asin(std::clamp(along.y(), -1.0, 1.0)), across).toRotationMatrix();
+      const Vec3 pivot = on_heel ? goal.heel : goal.ball, along = goal.ball - goal.heel;
+      const double length = along.norm(),
+                   least = std::asin(std::clamp(pivot.y() / length, 0.0, 1.0)),  // to touch down
+          pitch = std::asin(std::clamp(-along.y() / length, -1.0, 1.0));
+      const Mat3 back = heel_up(along, (on_heel ? least : -least) - pitch);
       R = back * R;
-      goal = rotated_about(goal, back, on_heel ? goal.heel : goal.ball);
+      goal = rotated_about(goal, back, pivot);
     } else {
       for (Vec3* p : {&goal.heel, &goal.ball, &goal.tip}) p->y() -= low;
     }

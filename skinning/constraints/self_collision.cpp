@@ -1,8 +1,11 @@
 #include "skinning/constraints/self_collision.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <utility>
+#include <vector>
 
 #include "skinning/constraints/temporal_smoothing.h"
 
@@ -25,11 +28,6 @@ struct Ellipsoid {
   Vec3 half = Vec3::Zero();
 };
 
-Vec3 sphere_centre(const LimbSphere& sphere, const std::vector<Transform>& X,
-                   const LimbShift& shift) {
-  return X[sphere.joint] * sphere.centre + sphere.middle * shift.middle + sphere.end * shift.end;
-}
-
 // Penetration of a sphere in another proxy, m, and the direction of separation.
 double depth_of(const Vec3& centre, double radius, const Ellipsoid& other, Vec3& out) {
   const Vec3 half = other.half.array() + radius;
@@ -46,28 +44,54 @@ double depth_of(const Vec3& centre, double radius, const Ellipsoid& other, Vec3&
   return std::min((1 - inside) * inside / steep, half.minCoeff());
 }
 
-// The proxies of one pose.
-struct PosedProxies {
-  const SelfCollisionTables& tables;
-  const std::vector<Transform>& X;
-
-  const LimbSphere& sphere(int limb, int s) const { return tables.proxies.limbs[limb][s]; }
-
-  double depth(const ProxyPair& pair, const LimbShifts& shifts, Vec3& out) const {
-    const LimbSphere& mine = sphere(pair.limb, pair.sphere);
-    const Vec3 centre = sphere_centre(mine, X, shifts[pair.limb]);
-    Ellipsoid other;
-    if (pair.other_limb >= 0) {
-      const LimbSphere& theirs = sphere(pair.other_limb, pair.other);
-      other.centre = sphere_centre(theirs, X, shifts[pair.other_limb]);
-      other.half.setConstant(theirs.radius);
-    } else {
-      const TrunkEllipsoid& ellipsoid = tables.proxies.trunk[pair.other];
-      const Transform& frame = X[ellipsoid.joint];
-      other = {frame * ellipsoid.centre, frame.linear(), ellipsoid.half};
+// The proxies of one pose, limbs as far as they are shifted.
+class PosedProxies {
+ public:
+  PosedProxies(const SelfCollisionTables& tables, const std::vector<Transform>& X)
+      : tables_(tables) {
+    for (std::size_t l = 0; l < tables.proxies.limbs.size(); ++l) {
+      first_[l] = int(at_.size());
+      for (const LimbSphere& sphere : tables.proxies.limbs[l])
+        at_.push_back(X[std::size_t(sphere.joint)] * sphere.centre);
     }
-    return depth_of(centre, mine.radius, other, out);
+    now_ = at_;
+    for (const TrunkEllipsoid& one : tables.proxies.trunk) {
+      const Transform& frame = X[std::size_t(one.joint)];
+      trunk_.push_back({frame * one.centre, frame.linear(), one.half});
+    }
   }
+
+  const LimbSphere& sphere(int limb, int s) const { return tables_.proxies.limbs[limb][s]; }
+  const Vec3& centre(int limb, int s) const { return now_[std::size_t(first_[limb] + s)]; }
+
+  void shift(const LimbShifts& shifts) {
+    std::size_t k = 0;
+    for (std::size_t l = 0; l < tables_.proxies.limbs.size(); ++l)
+      for (const LimbSphere& one : tables_.proxies.limbs[l]) {
+        now_[k] = at_[k] + one.middle * shifts[l].middle + one.end * shifts[l].end;
+        ++k;
+      }
+  }
+
+  double depth(const ProxyPair& pair, Vec3& out) const {
+    const Vec3& here = centre(pair.limb, pair.sphere);
+    const double radius = sphere(pair.limb, pair.sphere).radius;
+    if (pair.other_limb < 0) return depth_of(here, radius, trunk_[std::size_t(pair.other)], out);
+    const Vec3 way = here - centre(pair.other_limb, pair.other);
+    const double reach = radius + sphere(pair.other_limb, pair.other).radius,
+                 squared = way.squaredNorm();
+    // At the centre no direction is given.
+    if (squared >= reach * reach || squared < 1e-12 * reach * reach) return 0;
+    const double distance = std::sqrt(squared);
+    out = way / distance;
+    return reach - distance;
+  }
+
+ private:
+  const SelfCollisionTables& tables_;
+  std::array<int, 4> first_{};
+  std::vector<Vec3> at_, now_;  // centres of all limbs' spheres
+  std::vector<Ellipsoid> trunk_;
 };
 
 void add(const LimbSphere& sphere, const Vec3& move, double squares, LimbShift& shift) {
@@ -99,17 +123,20 @@ SelfCollisionTables make_collision_tables(const Skeleton& skeleton, CollisionPro
   const int head = find_joint(skeleton, "head");
   const PosedProxies proxies{tables, X};
   for (ProxyPair& one : tables.pairs) {
-    double yield = kTissueYield, size = proxies.sphere(one.limb, one.sphere).radius;
+    double yield = kTissueYield, size = proxies.sphere(one.limb, one.sphere).radius,
+           gives = proxies.sphere(one.limb, one.sphere).gives;
     if (one.other_limb >= 0) {
       size += proxies.sphere(one.other_limb, one.other).radius;
+      gives += proxies.sphere(one.other_limb, one.other).gives;
     } else {
       const TrunkEllipsoid& ellipsoid = trunk[one.other];
       if (ellipsoid.joint == head) one.kind = CollisionKind::arm_head;
       if (ellipsoid.joint != head) yield = kTrunkYield;
       size += ellipsoid.half.minCoeff();
+      gives += ellipsoid.gives;
     }
     Vec3 out;
-    one.allowed = std::max(yield * size, proxies.depth(one, {}, out));
+    one.allowed = std::max(yield * size + gives, proxies.depth(one, out));
   }
   return tables;
 }
@@ -121,7 +148,7 @@ PenetrationDepths penetration_depths(const SelfCollisionTables& tables,
   Vec3 out;
   for (const ProxyPair& pair : tables.pairs) {
     double& deepest = depths[int(pair.kind)];
-    deepest = std::max(deepest, proxies.depth(pair, {}, out) - pair.allowed);
+    deepest = std::max(deepest, proxies.depth(pair, out) - pair.allowed);
   }
   return depths;
 }
@@ -132,7 +159,7 @@ void find_proxy_contacts(const SelfCollisionTables& tables, const std::vector<Tr
   const PosedProxies proxies{tables, X};
   for (const ProxyPair& pair : tables.pairs) {
     ProxyContact contact;
-    const double depth = proxies.depth(pair, {}, contact.out);
+    const double depth = proxies.depth(pair, contact.out);
     if (depth <= pair.allowed) continue;
     const LimbSphere& mine = proxies.sphere(pair.limb, pair.sphere);
     contact.joint = mine.joint;
@@ -140,13 +167,14 @@ void find_proxy_contacts(const SelfCollisionTables& tables, const std::vector<Tr
                               ? proxies.sphere(pair.other_limb, pair.other).joint
                               : tables.proxies.trunk[std::size_t(pair.other)].joint;
     contact.depth = depth - pair.allowed;
-    contact.point = sphere_centre(mine, X, {}) - (mine.radius - 0.5 * depth) * contact.out;
+    contact.point =
+        proxies.centre(pair.limb, pair.sphere) - (mine.radius - 0.5 * depth) * contact.out;
     out.push_back(contact);
   }
 }
 
 LimbShifts separate_limbs(const SelfCollisionTables& tables, const std::vector<Transform>& X) {
-  const PosedProxies proxies{tables, X};
+  PosedProxies proxies{tables, X};
   LimbShifts own;
   for (int pass = 0; pass < kPasses; ++pass) {
     // All pairs at once, so that left and right are treated alike.
@@ -154,7 +182,7 @@ LimbShifts separate_limbs(const SelfCollisionTables& tables, const std::vector<T
     std::array<int, 4> counts{};
     for (const ProxyPair& pair : tables.pairs) {
       Vec3 out;
-      const double deep = proxies.depth(pair, own, out) - pair.allowed;
+      const double deep = proxies.depth(pair, out) - pair.allowed;
       if (deep <= 0) continue;
       const LimbSphere& mine = proxies.sphere(pair.limb, pair.sphere);
       double squares = mine.middle * mine.middle + mine.end * mine.end;
@@ -173,6 +201,7 @@ LimbShifts separate_limbs(const SelfCollisionTables& tables, const std::vector<T
       own[l].middle += kOverRelaxation / counts[l] * step[l].middle;
       own[l].end += kOverRelaxation / counts[l] * step[l].end;
     }
+    proxies.shift(own);
   }
   return own;
 }

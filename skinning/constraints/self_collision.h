@@ -2,8 +2,8 @@
 //
 // A motion of one body on another lets knees pass through each other and hands into hips. Limbs are
 // represented by spheres, trunk and head by ellipsoids (collision_proxies.h). Where two penetrate
-// deeper than soft tissue yields, knee or elbow and foot or hand are shifted by the least amount
-// that separates them (after the position based dynamics of Muller et al.
+// deeper than soft tissue yields and fat gives way, knee or elbow and foot or hand are shifted by
+// the least amount that separates them (after the position based dynamics of Muller et al.
 // 2007, 10.1016/j.jvcir.2007.01.005). Two limbs share the correction equally, trunk and head stay.
 // Over a motion the shifts are smoothed and increased in alternation, so that a limb begins to move
 // before the collision.

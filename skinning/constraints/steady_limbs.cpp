@@ -4,13 +4,13 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <vector>
 
 #include "anatomy/chain_kinematics.h"
 #include "anatomy/compute/smooth_step.h"
 #include "anatomy/joint_angles.h"
 #include "skinning/constraints/span_speed.h"
+#include "skinning/constraints/temporal_smoothing.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -254,15 +254,10 @@ class LimbSteadier {
   // Mean of the values within a frame's width.
   Angles mean(const std::vector<Angles>& values, std::size_t frame) const {
     const double width = width_[frame] * motion_.fps;
-    const int last = int(values.size()) - 1, f = int(frame), reach = int(width);
-    Angles sum = Angles::Zero(values.front().size());
-    double weight = 0;
-    for (int g = f - reach; g <= f + reach; ++g) {
-      const double share = 1 + std::cos(std::numbers::pi * (g - f) / (width + 1));
-      sum += share * values[std::size_t(std::clamp(g, 0, last))];
-      weight += share;
-    }
-    return sum / weight;
+    const int last = int(values.size()) - 1, f = int(frame);
+    return raised_cosine_mean(
+        width, Angles(Angles::Zero(values.front().size())),
+        [&](int k) -> const Angles& { return values[std::size_t(std::clamp(f + k, 0, last))]; });
   }
 
   void set_angles(const Angles& wanted, Pose& pose) const {

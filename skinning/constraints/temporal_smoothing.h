@@ -9,6 +9,20 @@
 
 namespace ecorche::inline v1 {
 
+// Mean of at(k), k whole and no farther from 0 than `width`, under a raised cosine. `zero`: of the
+// values' kind and size.
+template <typename Value, typename At>
+Value raised_cosine_mean(double width, Value zero, const At& at) {
+  const int reach = int(width);
+  double weight = 0;
+  for (int k = -reach; k <= reach; ++k) {
+    const double share = 1 + std::cos(std::numbers::pi * k / (width + 1));
+    zero += share * at(k);
+    weight += share;
+  }
+  return zero / weight;
+}
+
 // Every value becomes the largest within `reach` frames of it (`larger(a, b)`: whether a is larger
 // than b), then the mean under a raised cosine of the same width. An isolated value is reached in
 // its own frame and exceeded nowhere. The first and last values extend beyond the ends. `reach`
@@ -23,14 +37,9 @@ void smooth_maximum(int reach, std::vector<Value>& values, Larger larger) {
     for (int g = std::max(0, f - reach); g <= std::min(count - 1, f + reach); ++g)
       if (larger(at(values, g), at(largest, f))) at(largest, f) = at(values, g);
   for (int f = 0; f < count; ++f) {
-    Value sum = 0 * at(largest, f);
-    double weight = 0;
-    for (int g = f - reach; g <= f + reach; ++g) {
-      const double share = 1 + std::cos(std::numbers::pi * (g - f) / (reach + 1));
-      sum += share * at(largest, std::clamp(g, 0, count - 1));
-      weight += share;
-    }
-    at(values, f) = sum / weight;
+    at(values, f) = raised_cosine_mean(
+        reach, Value(0 * at(largest, f)),
+        [&](int k) -> const Value& { return at(largest, std::clamp(f + k, 0, count - 1)); });
   }
 }
 

@@ -22,8 +22,15 @@ struct GroundComparison {
   // Times of landings and take-offs, estimated after measured, s: mean and mean distance.
   double landing = 0, landing_off = 0, leaving = 0, leaving_off = 0;
   int contacts = 0;  // that both have
+  // Steps that miss the plates; and the part of the frames in which each foot, and both, are
+  // compared.
+  int beside = 0;
+  std::array<double, 3> compared{};  // left, right, both
 };
 
+// A foot that bears the body while plates measure nothing under it stands beside them: it is left
+// out for that step, and the sum of both feet with it.
+//
 // measured: #frames. Forwards and sideways are those of the pelvis. The first and last 0.05 s are
 // left out, as in the figures of MotionDynamics.
 GroundComparison compare_ground(const MotionDynamics& dynamics,

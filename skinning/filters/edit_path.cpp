@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "anatomy/errors.h"
+#include "skinning/constraints/temporal_smoothing.h"
 
 namespace ecorche::inline v1 {
 namespace {
@@ -39,14 +40,8 @@ std::vector<Value> smoothed(const std::vector<Value>& given, int reach) {
   };
   std::vector<Value> out;
   for (int f = 0; f <= last; ++f) {
-    Value sum = 0 * given.front();
-    double total = 0;
-    for (int k = -reach; k <= reach; ++k) {
-      const double weight = 1 + std::cos(std::numbers::pi * k / (reach + 1));
-      sum += weight * at(f + k);
-      total += weight;
-    }
-    out.push_back(sum / total);
+    out.push_back(
+        raised_cosine_mean(reach, Value(0 * given.front()), [&](int k) { return at(f + k); }));
   }
   return out;
 }

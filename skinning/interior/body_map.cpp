@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <memory>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -67,29 +69,38 @@ void bond_to_skin(const Anatomy& anatomy, const SkinRays& skin, std::span<const 
   });
 }
 
-// The share of each cell that muscles fill, from 0, little or none, to 1, most.
-std::vector<double> muscle_shares(const BodyLattice& lattice, const SkinRays& skin,
-                                  std::span<const SliceRange> strips,
-                                  std::span<const Ellipse> sections) {
+// The flesh that a strip has in the lattice's cells, m^3, nodes ascending.
+std::vector<LatticeShare> flesh_of(const BodyLattice& lattice, const SkinRays& skin,
+                                   std::span<const Ellipse> strip) {
   constexpr int kSamples = 16;
+  std::map<int, double> found;
+  for (std::size_t k = 0; k < strip.size(); ++k) {
+    const Ellipse& section = strip[k];
+    const Vec3 &before = strip[k > 0 ? k - 1 : 0].center,
+               &after = strip[std::min(k + 1, strip.size() - 1)].center;
+    const double volume =
+        std::numbers::pi * section.radii.prod() * 0.5 * (after - before).norm() / kSamples;
+    for (int i = 0; i < kSamples; ++i) {  // on two rings of equal areas
+      const double angle = 2 * std::numbers::pi * i / kSamples, ring = i % 2 == 0 ? 0.5 : 0.87;
+      const Vec3 p = section.center +
+                     ring * section.radii.x() * std::cos(angle) * section.axes.col(0) +
+                     ring * section.radii.y() * std::sin(angle) * section.axes.col(1);
+      for (const LatticeShare& share : lattice_shares(lattice, skin, p))
+        found[share.node] += share.weight * volume;
+    }
+  }
+  std::vector<LatticeShare> out;
+  for (const auto& [node, volume] : found) out.push_back({node, volume});
+  return out;
+}
+
+// The share of each cell that muscles fill, from 0, little or none, to 1, most.
+std::vector<double> filled_shares(const BodyLattice& lattice,
+                                  std::span<const std::vector<LatticeShare>> flesh) {
   std::vector<double> filled(lattice.nodes(), 0.0);
   const double cell = std::pow(lattice.spacing, 3);
-  for (const SliceRange& strip : strips)
-    for (int k = strip.begin; k < strip.end; ++k) {
-      const Ellipse& section = sections[k];
-      const Vec3 &before = sections[std::max(k - 1, strip.begin)].center,
-                 &after = sections[std::min(k + 1, strip.end - 1)].center;
-      const double volume =
-          std::numbers::pi * section.radii.prod() * 0.5 * (after - before).norm() / kSamples;
-      for (int i = 0; i < kSamples; ++i) {  // on two rings of equal areas
-        const double angle = 2 * std::numbers::pi * i / kSamples, ring = i % 2 == 0 ? 0.5 : 0.87;
-        const Vec3 p = section.center +
-                       ring * section.radii.x() * std::cos(angle) * section.axes.col(0) +
-                       ring * section.radii.y() * std::sin(angle) * section.axes.col(1);
-        for (const LatticeShare& share : lattice_shares(lattice, skin, p))
-          filled[share.node] += share.weight * volume / cell;
-      }
-    }
+  for (const std::vector<LatticeShare>& strip : flesh)
+    for (const LatticeShare& share : strip) filled[share.node] += share.weight / cell;
   for (double& share : filled) share = smooth_step(kLeastFilled, kFilled, share);
   return filled;
 }
@@ -245,22 +256,13 @@ Mat3 section_axes(const Vec3& width, const Vec3& thickness, const Vec3& line, do
   return Eigen::AngleAxisd(over, about.normalized()).toRotationMatrix() * out;
 }
 
-}  // namespace
-
-BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<const int> order,
-                      const PosedAnatomy& rest) {
-  const SkinRays rays(skin);
-  const SkinControls controls = choose_skin_controls(skin, kControlSpacing);
-  const MapWeights weights = make_map_weights(anatomy, rays, controls);
-  BodyMap out;
-  out.joints = rest_positions(anatomy.skeleton);
-  for (const Joint& joint : anatomy.skeleton.joints) out.parents.push_back(joint.parent);
-  std::vector<int> sorted(skin.V.rows());
-  std::iota(sorted.begin(), sorted.end(), 0);
-  for (std::size_t s = 0; s < order.size(); ++s) sorted[order[s]] = int(s);
+// Vertices of the skin that the map has as controls, and where they and the lattice's nodes are.
+void place_controls(const TriMesh& skin, const SkinRays& rays, const SkinControls& controls,
+                    std::span<const int> sorted, BodyMap& out) {
+  const MapWeights& weights = *out.weights;
   std::vector<MapPoint> points;
   for (const int v : controls.vertices) {
-    out.control_vertices.push_back(sorted[v]);
+    out.control_vertices.push_back(sorted[std::size_t(v)]);
     points.push_back(place_point(weights, rays, skin.V.row(v)));
   }
   out.controls = pack_points(points);
@@ -269,52 +271,124 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
     points[i] = place_point(weights, rays, weights.coarse.points[i]);
   });
   out.nodes = pack_points(points);
+}
+
+// Points of sections before they are packed.
+struct SectionPoints {
+  std::vector<MapPoint> centers, outlines;
+};
+
+void place_strip(const Anatomy& anatomy, const SkinRays& rays, const PosedAnatomy& rest,
+                 const SliceRange& range, BodyMap& out, SectionPoints& points) {
+  const MapWeights& weights = *out.weights;
+  const Muscle& muscle = anatomy.muscles[range.muscle];
+  const Strip& strip = muscle.strips[range.strip];
+  const std::span<const Ellipse> slices =
+      std::span(rest.slices).subspan(range.begin, std::size_t(range.end - range.begin));
+  const std::vector<BoneHold> holds = bone_holds(muscle, strip, slices);
+  const std::vector<GlideHold> glides = glide_holds(strip, slices);
+  const std::vector<std::vector<double>> owns =
+      own_joints(strip, muscle.sheet, out.parents, slices);
+  for (int k = range.begin; k < range.end; ++k) {
+    MapSection& section = out.sections[k];
+    const auto [center, right, left, up, down] = places_of(rest.slices[k]);
+    const BoneHold& hold = holds[std::size_t(k - range.begin)];
+    const std::span<const double> own = owns[std::size_t(k - range.begin)];
+    const GlideHold& glide = glides[std::size_t(k - range.begin)];
+    section.held = hold.share;
+    points.centers[k] = place_point(weights, rays, center, own, hold, glide);
+    for (const auto& [side, place] : {std::pair(0, right), {1, left}, {2, up}, {3, down}})
+      points.outlines[4 * std::size_t(k) + std::size_t(side)] =
+          place_point(weights, rays, place, own, hold, glide);
+    section.rest = rest.slices[k];
+    section.width = (right - left).norm();
+    section.thickness = (up - down).norm();
+    if (k + 1 < range.end) section.gap = (rest.slices[k + 1].center - rest.slices[k].center).norm();
+    section.lean = std::max(
+        kMostLean,
+        angle_between(rest.slices[k].axes.col(2), line_at(rest.slices, range.begin, range.end, k)));
+    section.sheet = muscle.sheet;
+  }
+}
+
+// Where sections were of strips that lie in the pose of rest as they did: muscles beside them may
+// push them there.
+std::vector<int> sections_before(const BodyMapBefore& before, std::span<const SliceRange> strips,
+                                 const PosedAnatomy& rest) {
+  constexpr double kSame = 1e-6;  // m
+  std::vector<int> out = before.sections;
+  for (const SliceRange& strip : strips) {
+    bool same = true;
+    for (int k = strip.begin; k < strip.end && same; ++k) {
+      if (out[std::size_t(k)] < 0) break;
+      const Ellipse &here = rest.slices[std::size_t(k)],
+                    &there = before.map->sections[std::size_t(out[std::size_t(k)])].rest;
+      same = (here.center - there.center).norm() < kSame &&
+             (here.radii - there.radii).norm() < kSame && here.axes.isApprox(there.axes, kSame);
+    }
+    if (!same) std::fill(out.begin() + strip.begin, out.begin() + strip.end, -1);
+  }
+  return out;
+}
+
+}  // namespace
+
+BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<const int> order,
+                      const PosedAnatomy& rest, const BodyMapBefore& before) {
+  const SkinRays rays(skin);
+  BodyMap out;
+  out.joints = rest_positions(anatomy.skeleton);
+  for (const Joint& joint : anatomy.skeleton.joints) out.parents.push_back(joint.parent);
+  std::vector<int> sorted(skin.V.rows());
+  std::iota(sorted.begin(), sorted.end(), 0);
+  for (std::size_t s = 0; s < order.size(); ++s) sorted[order[s]] = int(s);
+  const BodyMap* was = before.map && before.map->weights ? before.map : nullptr;
   const std::vector<SliceRange> strips = slice_ranges(anatomy);
-  std::vector<SliceRange> inner = strips;
-  std::erase_if(
-      inner, [&](const SliceRange& range) { return lies_in_fat(anatomy.muscles[range.muscle]); });
-  out.pressure = make_pressure_table(weights.coarse, weights.bone,
-                                     muscle_shares(weights.coarse, rays, inner, rest.slices));
+  std::vector<int> then(rest.slices.size(), -1);  // where sections were
+  if (was) {
+    then = sections_before(before, strips, rest);
+    out.weights = was->weights;
+    out.control_vertices = was->control_vertices;
+    out.controls = was->controls;
+    out.nodes = was->nodes;
+  } else {
+    const SkinControls controls = choose_skin_controls(skin, kControlSpacing);
+    out.weights = std::make_shared<const MapWeights>(make_map_weights(anatomy, rays, controls));
+    place_controls(skin, rays, controls, sorted, out);
+  }
   out.sections.resize(rest.slices.size());
-  points.resize(out.sections.size());
-  std::vector<MapPoint> outlines(4 * out.sections.size());
+  out.flesh.resize(strips.size());
+  SectionPoints points;
+  points.centers.resize(out.sections.size());
+  points.outlines.resize(4 * out.sections.size());
   tbb::parallel_for(std::size_t{0}, strips.size(), [&](std::size_t s) {
     const SliceRange& range = strips[s];
-    const Muscle& muscle = anatomy.muscles[range.muscle];
-    const Strip& strip = muscle.strips[range.strip];
-    const std::span<const Ellipse> slices =
-        std::span(rest.slices).subspan(range.begin, std::size_t(range.end - range.begin));
-    const std::vector<BoneHold> holds = bone_holds(muscle, strip, slices);
-    const std::vector<GlideHold> glides = glide_holds(strip, slices);
-    const std::vector<std::vector<double>> owns =
-        own_joints(strip, muscle.sheet, out.parents, slices);
+    const std::size_t begin = std::size_t(range.begin), count = std::size_t(range.end) - begin;
+    if (then[begin] >= 0) {
+      const auto first = was->sections.begin() + then[begin];
+      std::copy_n(first, count, out.sections.begin() + long(begin));
+      out.flesh[s] = was->flesh[std::size_t(first->strip)];
+    } else {
+      place_strip(anatomy, rays, rest, range, out, points);
+      if (!lies_in_fat(anatomy.muscles[range.muscle]))
+        out.flesh[s] =
+            flesh_of(out.weights->coarse, rays, std::span(rest.slices).subspan(begin, count));
+    }
     for (int k = range.begin; k < range.end; ++k) {
-      MapSection& section = out.sections[k];
-      const auto [center, right, left, up, down] = places_of(rest.slices[k]);
-      const BoneHold& hold = holds[std::size_t(k - range.begin)];
-      const std::span<const double> own = owns[std::size_t(k - range.begin)];
-      const GlideHold& glide = glides[std::size_t(k - range.begin)];
-      section.held = hold.share;
-      points[k] = place_point(weights, rays, center, own, hold, glide);
-      for (const auto& [side, place] : {std::pair(0, right), {1, left}, {2, up}, {3, down}})
-        outlines[4 * std::size_t(k) + std::size_t(side)] =
-            place_point(weights, rays, place, own, hold, glide);
-      section.rest = rest.slices[k];
-      section.width = (right - left).norm();
-      section.thickness = (up - down).norm();
-      if (k + 1 < range.end)
-        section.gap = (rest.slices[k + 1].center - rest.slices[k].center).norm();
+      MapSection& section = out.sections[std::size_t(k)];
       section.strip = int(s);
       section.begin = range.begin;
       section.end = range.end;
-      section.lean =
-          std::max(kMostLean, angle_between(rest.slices[k].axes.col(2),
-                                            line_at(rest.slices, range.begin, range.end, k)));
-      section.sheet = muscle.sheet;
+      section.bonds = -1;
     }
   });
-  out.centers = pack_points(points);
-  out.outlines = pack_points(outlines);
+  out.pressure = make_pressure_table(out.weights->coarse, out.weights->bone,
+                                     filled_shares(out.weights->coarse, out.flesh));
+  std::vector<int> outlines;  // as `then`, of four points each
+  for (const int k : then)
+    for (int side = 0; side < 4; ++side) outlines.push_back(k < 0 ? -1 : 4 * k + side);
+  out.centers = pack_points(points.centers, then, was ? was->centers : MapPoints());
+  out.outlines = pack_points(points.outlines, outlines, was ? was->outlines : MapPoints());
   bond_to_skin(anatomy, rays, sorted, strips, out);
   return out;
 }

@@ -22,6 +22,7 @@
 // bellies are kept but for what cells are too coarse for: restore_volumes() brings the rest.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -45,6 +46,8 @@ struct MapSection {
   double held = 0;  // by the bone of an end, 0 to 1
 };
 
+struct MapWeights;  // map_weights.h
+
 // Constant after it is made.
 struct BodyMap {
   std::vector<MapSection> sections;  // #all slices
@@ -58,6 +61,15 @@ struct BodyMap {
   MapPoints nodes;           // of the pressure's lattice
   std::vector<Vec3> joints;  // at rest
   std::vector<int> parents;
+  std::shared_ptr<const MapWeights> weights;  // by which its points were placed
+  // of each strip, the flesh that it has in the pressure's cells, m^3
+  std::vector<std::vector<LatticeShare>> flesh;
+};
+
+// The map of a body with the same skin, bones and joints, and with many of the same muscles.
+struct BodyMapBefore {
+  const BodyMap* map = nullptr;  // null: there is none
+  std::vector<int> sections{};   // #sections now, which of the map's each is, -1: none
 };
 
 // Memory of carry_muscles(). Its content has no meaning between calls.
@@ -77,9 +89,9 @@ struct BodyMapWorkspace {
 
 // `skin`: closed but for small openings, the mesh that relaxes. `order`: its vertices as they are
 // sorted in frames, or empty. `rest`: of the anatomy. Throws UnfitError where no bone lies in the
-// skin. About a second for a whole body.
+// skin. About a second for a whole body. What lies in `before`, too, is taken over.
 BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<const int> order,
-                      const PosedAnatomy& rest);
+                      const PosedAnatomy& rest, const BodyMapBefore& before = {});
 
 // Carries the sections of `posed`, which pose_muscles() has filled. `positions`, `normals`: of the
 // skin in this pose, #V x 4, sorted. The rest pose stays as it is, but for rounding. The same bytes

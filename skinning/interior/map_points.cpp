@@ -54,7 +54,10 @@ Float8 blended(const JointMotions& motions, const MapPoints& points, std::size_t
 
 }  // namespace
 
-MapPoints pack_points(std::span<const MapPoint> points) {
+MapPoints pack_points(std::span<const MapPoint> points) { return pack_points(points, {}, {}); }
+
+MapPoints pack_points(std::span<const MapPoint> points, std::span<const int> was,
+                      const MapPoints& before) {
   MapPoints out;
   const auto add = [&](const SourceWeights& weights) {
     const int begin = int(out.shares.size());
@@ -62,14 +65,24 @@ MapPoints pack_points(std::span<const MapPoint> points) {
       out.shares.push_back({weights.source[std::size_t(k)], weights.weight[std::size_t(k)]});
     return begin;
   };
-  for (const MapPoint& point : points) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
     MapPoints::Head head;
-    head.rest = point.rest.cast<float>();
-    head.joints = add(point.joints);
-    head.skin = add(point.skin);
-    head.cells = int(out.shares.size());
-    for (const LatticeShare& share : point.cells)
-      out.shares.push_back({share.node, float(share.weight)});
+    if (!was.empty() && was[i] >= 0) {
+      const std::size_t k = std::size_t(was[i]);
+      const int shift = int(out.shares.size()) - before.heads[k].joints;
+      head = before.heads[k];
+      for (int* begin : {&head.joints, &head.skin, &head.cells}) *begin += shift;
+      out.shares.insert(out.shares.end(), before.shares.begin() + before.heads[k].joints,
+                        before.shares.begin() + before.heads[k + 1].joints);
+    } else {
+      const MapPoint& point = points[i];
+      head.rest = point.rest.cast<float>();
+      head.joints = add(point.joints);
+      head.skin = add(point.skin);
+      head.cells = int(out.shares.size());
+      for (const LatticeShare& share : point.cells)
+        out.shares.push_back({share.node, float(share.weight)});
+    }
     out.heads.push_back(head);
   }
   MapPoints::Head end;

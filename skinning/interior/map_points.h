@@ -36,6 +36,9 @@ struct MapPoints {
 };
 
 MapPoints pack_points(std::span<const MapPoint> points);
+// The same; `was`, #points: which of `before` a point is in all, -1: none.
+MapPoints pack_points(std::span<const MapPoint> points, std::span<const int> was,
+                      const MapPoints& before);
 
 // How joints have moved from rest, against the root's motion in single precision: as exact far from
 // the world's origin.

@@ -228,13 +228,14 @@ void add_limbs(const CarryModel& model, const BodyFrames& frames, ContactSystem&
 }
 
 void shape_skin(const CarryModel& model, const BodyFrames& frames, CarryState& state) {
-  if (model.shaper && state.steps % model.options.shape_steps == 0) {
+  const int every = std::max(1, int(std::lround(model.options.shape_time / model.options.step)));
+  if (model.shaper && state.steps % every == 0) {
     Points shaped;
     model.shaper(state.body.pose, shaped);
     fit_shape(model.patient, frames.X_WJ, shaped, state.wanted_shape);
     if (state.steps == 0) state.shape = state.wanted_shape;
   }
-  if (model.shaper) state.shape += (state.wanted_shape - state.shape) / model.options.shape_steps;
+  if (model.shaper) state.shape += (state.wanted_shape - state.shape) / every;
   carried_skin(model.patient, frames.X_WJ, state.shape, state.skin);
 }
 

@@ -27,8 +27,8 @@ struct CarryOptions {
   // 1/s, of the sheet's and the body's motion through the air and by an attendant's hand. Larger:
   // swinging ends sooner. 0: it goes on.
   double drag = 0.8;
-  // Steps between calls of the skin's shaper, over which its shape is taken on.
-  int shape_steps = 20;
+  // s between calls of the skin's shaper, over which its shape is taken on.
+  double shape_time = 1.0 / 3;
 };
 
 struct CarryModel {

@@ -300,6 +300,7 @@ class MarkerFitter {
     clip.fps = take_.fps;
     clip.up = 'y';
     clip.metres_per_unit = 1;
+    clip.captured = true;
     clip.warnings = take_.warnings;
     for (const Joint& joint : model_.figure.skeleton.joints) {
       ClipJoint& made = clip.joints.emplace_back();

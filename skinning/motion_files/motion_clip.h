@@ -35,6 +35,9 @@ struct MotionClip {
   // neither. Retargeting measures both on the figure and does not read them.
   std::optional<double> metres_per_unit;
   std::optional<char> up;
+  // Solved from markers on joints that are ours: of a person who may be of another size and go
+  // beyond our limits, whose feet stand as markers tell.
+  bool captured = false;
   std::vector<std::string> warnings;
 };
 

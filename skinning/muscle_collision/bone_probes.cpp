@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
 #include <utility>
 
 #include "anatomy/queries/nearest_surface.h"
@@ -20,7 +23,7 @@ constexpr std::size_t kBlock = 1024;
 
 struct Candidate {
   BoneProbe probe;
-  double depth = 0;  // m, at rest
+  double depth = std::numeric_limits<double>::infinity();  // m, at rest; of those not near
 };
 
 // The points of a bone that are near the skin at rest.
@@ -29,10 +32,11 @@ std::vector<Candidate> candidates_of(const Bone& bone, const Vec3& joint, const 
   std::vector<Candidate> all(bone.mesh.V.rows());
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
     const Vec3 p = bone.mesh.V.row(i);
-    const SurfacePoint hit = nearest.nearest(p);
-    all[i] = {{bone.joint, (p - joint).cast<float>(), nearest_vertex(skin, hit, p)}, hit.distance};
+    if (const std::optional<SurfacePoint> hit = nearest.nearest_within(p, kNear))
+      all[i] = {{bone.joint, (p - joint).cast<float>(), nearest_vertex(skin, *hit, p)},
+                hit->distance};
   });
-  std::erase_if(all, [](const Candidate& c) { return c.depth > kNear; });
+  std::erase_if(all, [](const Candidate& c) { return std::isinf(c.depth); });
   return all;
 }
 

@@ -8,7 +8,7 @@
 namespace ecorche::inline v1 {
 
 MuscleCollision make_muscle_collision(const Anatomy& anatomy, const PosedAnatomy& rest,
-                                      const TriMesh& skin) {
+                                      const TriMesh& skin, const MuscleCollision& before) {
   auto data = std::make_shared<CollisionTables>();
   data->sections = rest.slices.size();
   data->vertices = skin.V.rows();
@@ -28,7 +28,9 @@ MuscleCollision make_muscle_collision(const Anatomy& anatomy, const PosedAnatomy
       std::fill(data->thickness.begin() + range.begin, data->thickness.begin() + range.end,
                 part.thickness);
   }
-  data->bones = place_bone_probes(anatomy, skin, data->rings);
+  data->bones = !before.empty() && before.data->triangles == data->triangles
+                    ? before.data->bones
+                    : place_bone_probes(anatomy, skin, data->rings);
   data->joints = anatomy.skeleton.joints.size();
   data->probes = place_probes(rest.slices, data->thickness, skin, data->rings);
   for (const SliceRange& range : data->strips) {

@@ -28,8 +28,9 @@ struct MuscleCollision {
 };
 
 // `rest`: the anatomy's rest pose, without contact or with it. `skin`: the rest shape of the mesh
-// that relaxes, in its vertex order.
+// that relaxes, in its vertex order. `before`: of the same skin, bones and joints, whose probes of
+// bones are taken over.
 MuscleCollision make_muscle_collision(const Anatomy& anatomy, const PosedAnatomy& rest,
-                                      const TriMesh& skin);
+                                      const TriMesh& skin, const MuscleCollision& before = {});
 
 }  // namespace ecorche::inline v1

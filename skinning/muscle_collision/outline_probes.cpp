@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <optional>
 
 #include "anatomy/muscles/slice_outline.h"
 #include "anatomy/queries/nearest_surface.h"
@@ -72,10 +73,10 @@ std::vector<SectionProbes> place_probes(std::span<const Ellipse> rest,
       for (std::size_t lane = 0; lane < 8; ++lane) {
         const int at = lane;
         const Vec3 p = rest[k].center + Vec3(radials.x[at], radials.y[at], radials.z[at]);
-        const SurfacePoint hit = nearest.nearest(p);
-        if (hit.distance > kNear) continue;
+        const std::optional<SurfacePoint> hit = nearest.nearest_within(p, kNear);
+        if (!hit) continue;
         probes.lanes |= 1u << lane;
-        probes.vertex[lane] = nearest_vertex(skin, hit, p);
+        probes.vertex[lane] = nearest_vertex(skin, *hit, p);
       }
       if (probes.lanes == 0) continue;
       fill_up(probes);

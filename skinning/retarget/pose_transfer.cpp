@@ -46,12 +46,12 @@ double relaxed_flexion(const std::string& stem) {
 
 // The rotation without the components of axes with next to no range: a hinge only bends, a knuckle
 // has no axial rotation.
-Quat without_locked_axes(const Joint& joint, const Quat& turn) {
-  Vec3 angles = joint_angles(joint, turn);
+Quat without_locked_axes(const Joint& joint, const Mat3& zero, const Quat& turn) {
+  Vec3 angles = joint_angles(joint, turn, zero);
   for (int a : {1, 2})
     if (joint.max[a] - joint.min[a] < 5 * kDegree)
       angles[a] = std::clamp(angles[a], joint.min[a], joint.max[a]);
-  return joint_rotation(joint, angles);
+  return joint_rotation(joint, angles, zero);
 }
 
 }  // namespace
@@ -77,11 +77,14 @@ PoseTransfer::PoseTransfer(const MotionClip& source, const JointMapping& mapping
     if (has(skeleton_.joints[j].name)) plans_[j] = Plan{Rule::direct, skeleton_.joints[j].name};
   plan_trunk();
   plan_limbs();
+  plan_sides();
+  for (const Joint& joint : skeleton_.joints) zeros_.push_back(joint_zero(joint));
   for (size_t j = 0; j < plans_.size(); ++j) {
     Plan& p = plans_[j];
     if (p.rule == Rule::finger) p.still = p.relaxed.toRotationMatrix();
     if ((p.rule == Rule::finger || p.rule == Rule::follow) && !alignment_.same_rest)
-      p.still = without_locked_axes(skeleton_.joints[j], Quat(p.still)).toRotationMatrix();
+      p.still =
+          without_locked_axes(skeleton_.joints[j], zeros_[j], Quat(p.still)).toRotationMatrix();
   }
 }
 
@@ -102,11 +105,12 @@ std::vector<PoseTransfer::Knot> PoseTransfer::knots(const std::string& from,
   for (size_t k = 1; k < stops.size(); ++k)
     along.push_back(along.back() + source_.joints[stops[k]].offset.norm());
   const double total = along.back();
-  std::vector<Knot> out = {{0, from, -1}};
+  std::vector<Knot> out = {{0, file_turn(from)}};
+  // A spine or neck joint of the file has the rest alignment of the trunk.
   for (size_t k = 0; k + 1 < stops.size(); ++k)
     out.push_back({total > 0 ? 0.5 * (along[k] + along[k + 1]) / total : (k + 1.0) / stops.size(),
-                   "", stops[k]});
-  out.push_back({1, to, -1});
+                   {stops[k], alignment_.W, alignment_.trunk.at(stops[k])}});
+  out.push_back({1, file_turn(to)});
   return out;
 }
 
@@ -165,31 +169,67 @@ void PoseTransfer::plan_limbs() {
   }
 }
 
-Mat3 PoseTransfer::file_rotation(const std::vector<Transform>& X, const std::string& joint) const {
-  return alignment_.W * X[mapping_.rotation_joint.at(joint)].linear() *
-         alignment_.from_source.at(joint);
+PoseTransfer::FileTurn PoseTransfer::file_turn(const std::string& part) const {
+  return {mapping_.rotation_joint.at(part), alignment_.W, alignment_.from_source.at(part)};
 }
 
-// World rotation at fraction s of the chain; a spine or neck joint of the file has the rest
-// alignment of the trunk.
-Quat PoseTransfer::along(const std::vector<Transform>& X, const std::vector<Knot>& knots,
-                         double s) const {
-  auto rotation = [&](const Knot& knot) {
-    if (!knot.part.empty()) return Quat(file_rotation(X, knot.part));
-    return Quat(Mat3(alignment_.W * X[knot.joint].linear() * alignment_.trunk.at(knot.joint)));
+void PoseTransfer::plan_sides() {
+  thorax_ = ours("thorax");
+  hips_from_root_ = 0.5 * (rest_[ours("hip_l")] + rest_[ours("hip_r")]) - rest_[0];
+  std::size_t l = 0;
+  for (const auto& [upper, middle, lower] :
+       {std::array<const char*, 3>{"shoulder", "elbow", "wrist"}, {"hip", "knee", "ankle"}})
+    for (const std::string s : kSides) {
+      Limb& limb = limbs_[l++];
+      limb.upper = file_turn(upper + s);
+      limb.lower = file_turn(middle + s);
+      limb.rest_upper = rest_[ours(middle + s)] - rest_[ours(upper + s)];
+      limb.rest_lower = rest_[ours(lower + s)] - rest_[ours(middle + s)];
+      limb.hinge = skeleton_.joints[ours(middle + s)].axes.col(0);
+    }
+  for (std::size_t side = 0; side < 2; ++side) {
+    const std::string s = kSides[side];
+    SidePlan& here = sides_[side];
+    here.elbow = file_turn("elbow" + s);
+    here.wrist = has("wrist" + s) ? file_turn("wrist" + s) : here.elbow;
+    here.ankle = file_turn("ankle" + s);
+    here.arm = limbs_[side].rest_upper;
+    here.scapula = rest_[ours("scapula" + s)];
+    here.wrist_at = rest_[ours("wrist" + s)];
+    here.hip = mapping_.position_joint.at("hip" + s);
+    here.foot = mapping_.position_joint.at("ankle" + s);
+    if (matching_rig_ == nullptr) continue;
+    const auto point_of = [&](int joint) {
+      const auto at = std::ranges::find_if(matching_rig_->points, [&](const MatchedPoint& point) {
+        return point.joint == joint && point.part == joint;
+      });
+      return at == matching_rig_->points.end() ? nullptr : &*at;
+    };
+    here.rig_hip = point_of(ours("hip" + s));
+    here.rig_ankle = point_of(ours("ankle" + s));
+  }
+  for (std::size_t j = 0; j < plans_.size(); ++j) {
+    Plan& plan = plans_[j];
+    plan.side = side_index(side_of(skeleton_.joints[j].name));
+    if (!plan.part.empty()) plan.turn = file_turn(plan.part);
+    for (std::size_t k = 0; k < limbs_.size(); ++k)
+      if (plan.part == (k < 2 ? "shoulder" : "hip") + std::string(kSides[k % 2]))
+        plan.limb = int(k);
+  }
+}
+
+// At fraction plan.bending of the chain as to where it points, at plan.turning as to its twist.
+Mat3 PoseTransfer::spread(const std::vector<Knot>& knots, const Plan& plan) const {
+  const auto along = [&](double s) {
+    std::size_t k = 1;
+    while (k + 1 < knots.size() && knots[k].s < s) ++k;
+    const double span = knots[k].s - knots[k - 1].s;
+    const double t = span > 1e-9 ? std::clamp((s - knots[k - 1].s) / span, 0.0, 1.0) : 1;
+    return knots[k - 1].now.slerp(t, knots[k].now);
   };
-  size_t k = 1;
-  while (k + 1 < knots.size() && knots[k].s < s) ++k;
-  const double span = knots[k].s - knots[k - 1].s;
-  const double t = span > 1e-9 ? std::clamp((s - knots[k - 1].s) / span, 0.0, 1.0) : 1;
-  return rotation(knots[k - 1]).slerp(t, rotation(knots[k]));
-}
-
-Mat3 PoseTransfer::spread(const std::vector<Transform>& X, const std::vector<Knot>& knots,
-                          const Plan& plan) const {
-  const Quat base = along(X, knots, 0);
-  const Quat bent = base.conjugate() * along(X, knots, plan.bending),
-             turned = base.conjugate() * along(X, knots, plan.turning);
+  const Quat base = along(0);
+  const Quat bent = base.conjugate() * along(plan.bending),
+             turned = base.conjugate() * along(plan.turning);
   const Quat swing = bent * twist_of(bent, Vec3::UnitY()).conjugate();
   return (base * swing * twist_of(turned, Vec3::UnitY())).toRotationMatrix();
 }
@@ -200,65 +240,52 @@ Mat3 PoseTransfer::spread(const std::vector<Transform>& X, const std::vector<Kno
 // across both bones is damped for small bends, where a large turn gains little. Straight limbs keep
 // the file's rotation.
 void PoseTransfer::limb_rotations(const std::vector<Transform>& X) {
-  for (const std::string s : kSides)
-    for (const auto& [upper, middle, lower] :
-         {std::array<const char*, 3>{"shoulder", "elbow", "wrist"}, {"hip", "knee", "ankle"}}) {
-      Mat3 R = file_rotation(X, upper + s);
-      const Mat3 L = file_rotation(X, middle + s);
-      const Vec3 rest_upper = rest_[ours(middle + s)] - rest_[ours(upper + s)],
-                 rest_lower = rest_[ours(lower + s)] - rest_[ours(middle + s)];
-      const Vec3 a = (R * rest_upper).normalized(), b = (L * rest_lower).normalized();
-      const Vec3 hinge = R * skeleton_.joints[ours(middle + s)].axes.col(0), wanted = a.cross(b);
-      const Vec3 h = hinge - a.dot(hinge) * a;
-      if (!alignment_.same_rest && h.norm() > 0.5) {
-        const double angle = std::atan2(a.dot(h.cross(wanted)), h.dot(wanted));
-        // The hinge leans on both bones at rest as it does now.
-        const Vec3 axis = skeleton_.joints[ours(middle + s)].axes.col(0);
-        const double lean = rest_lower.normalized().dot(axis) - a.dot(hinge) * a.dot(b),
-                     sine = wanted.norm();
-        const double more = sine * lean / (h.norm() * (sine * sine + kLean * kLean));
-        // More than 60 deg is a limb bent the wrong way, which is left to the report.
-        const double share =
-            smooth_step(std::sin(4 * kDegree), std::sin(20 * kDegree), wanted.norm()) *
-            (1 - smooth_step(50 * kDegree, 70 * kDegree, std::abs(angle)));
-        // A hinge across both bones comes towards the lower one by a turn backwards about the
-        // upper.
-        R = Eigen::AngleAxisd(share * (angle - more), a).toRotationMatrix() * R;
-      }
-      limb_[upper + s] = R;
-    }
+  for (Limb& limb : limbs_) {
+    Mat3& R = limb.R = limb.upper.in(X);
+    const Mat3 L = limb.lower.in(X);
+    const Vec3 a = (R * limb.rest_upper).normalized(), b = (L * limb.rest_lower).normalized();
+    const Vec3 hinge = R * limb.hinge, wanted = a.cross(b);
+    const Vec3 h = hinge - a.dot(hinge) * a;
+    if (alignment_.same_rest || h.norm() <= 0.5) continue;
+    const double angle = std::atan2(a.dot(h.cross(wanted)), h.dot(wanted));
+    // The hinge leans on both bones at rest as it does now.
+    const double lean = limb.rest_lower.normalized().dot(limb.hinge) - a.dot(hinge) * a.dot(b),
+                 sine = wanted.norm();
+    const double more = sine * lean / (h.norm() * (sine * sine + kLean * kLean));
+    // More than 60 deg is a limb bent the wrong way, which is left to the report.
+    const double share = smooth_step(std::sin(4 * kDegree), std::sin(20 * kDegree), sine) *
+                         (1 - smooth_step(50 * kDegree, 70 * kDegree, std::abs(angle)));
+    // A hinge across both bones comes towards the lower one by a turn backwards about the upper.
+    R = Eigen::AngleAxisd(share * (angle - more), a).toRotationMatrix() * R;
+  }
 }
 
 Mat3 PoseTransfer::rotate_joint(const std::vector<Transform>& X, int j) const {
   const Plan& plan = plans_[j];
   const Joint& joint = skeleton_.joints[j];
   const Mat3 parent = joint.parent < 0 ? Mat3(Mat3::Identity()) : R_[joint.parent];
-  const Side side = side_of(joint.name);
-  const std::string s = side_suffix(side);
+  const SidePlan& side = sides_[plan.side];
   auto girdle = [&] {
-    const Mat3& thorax = R_[ours("thorax")];
-    const Vec3 arm = rest_[ours("elbow" + s)] - rest_[ours("shoulder" + s)];
-    return girdle_rhythm(side, arm, thorax.transpose() * limb_.at("shoulder" + s) * arm);
+    return girdle_rhythm(plan.side == 0 ? Side::left : Side::right, side.arm,
+                         R_[thorax_].transpose() * limbs_[plan.side].R * side.arm);
   };
   switch (plan.rule) {
     case Rule::collar: {
       // A collar bone of the file may carry all motion of the shoulder: its long axis is followed
       // within the range of a real one.
-      const Quat turn(Mat3(parent.transpose() * file_rotation(X, plan.part)));
-      const Vec3 along_bone = (rest_[ours("scapula" + s)] - rest_[j]).normalized();
+      const Quat turn(Mat3(parent.transpose() * plan.turn.in(X)));
+      const Vec3 along_bone = (side.scapula - rest_[j]).normalized();
       const Eigen::AngleAxisd swing(Quat::FromTwoVectors(along_bone, turn * along_bone));
       return parent *
              Eigen::AngleAxisd(soft_limit(swing.angle(), 15 * kDegree, 30 * kDegree), swing.axis())
                  .toRotationMatrix();
     }
-    case Rule::direct: {
-      const auto limb = limb_.find(plan.part);
-      return limb != limb_.end() ? limb->second : file_rotation(X, plan.part);
-    }
+    case Rule::direct:
+      return plan.limb >= 0 ? limbs_[std::size_t(plan.limb)].R : plan.turn.in(X);
     case Rule::spine:
-      return spread(X, spine_knots_, plan);
+      return spread(spine_knots_, plan);
     case Rule::neck:
-      return spread(X, neck_knots_, plan);
+      return spread(neck_knots_, plan);
     case Rule::clavicle:
       return parent * girdle().clavicle.toRotationMatrix();
     case Rule::scapula: {
@@ -271,8 +298,8 @@ Mat3 PoseTransfer::rotate_joint(const std::vector<Transform>& X, int j) const {
       // The ulna only bends; the axial rotation of the file's forearm goes to the radius.
       // It bends about its hinge, which the forearm need not be perpendicular to; what is left over
       // is for the limits.
-      const Vec3 along = (rest_[ours("wrist" + s)] - rest_[j]).normalized(),
-                 wanted = parent.transpose() * file_rotation(X, "elbow" + s) * along;
+      const Vec3 along = limbs_[plan.side].rest_lower.normalized(),
+                 wanted = parent.transpose() * side.elbow.in(X)*along;
       const Vec3 hinge = joint.axes.col(0);
       const double bend =
           alignment_.same_rest
@@ -283,18 +310,18 @@ Mat3 PoseTransfer::rotate_joint(const std::vector<Transform>& X, int j) const {
       return parent * Quat::FromTwoVectors(bent * along, wanted).toRotationMatrix() * bent;
     }
     case Rule::forearm: {
-      if (alignment_.same_rest) return file_rotation(X, "elbow" + s);
-      const Vec3 along = (rest_[ours("wrist" + s)] - rest_[j]).normalized();
-      const Mat3 hand = file_rotation(X, (has("wrist" + s) ? "wrist" : "elbow") + s);
-      return parent * twist_of(Quat(Mat3(parent.transpose() * hand)), along).toRotationMatrix();
+      if (alignment_.same_rest) return side.elbow.in(X);
+      const Vec3 along = (side.wrist_at - rest_[j]).normalized();
+      return parent *
+             twist_of(Quat(Mat3(parent.transpose() * side.wrist.in(X))), along).toRotationMatrix();
     }
     case Rule::ankle: {
       // The ankle takes the rotation about its own axis, the subtalar joint the rest.
-      const Quat foot(Mat3(parent.transpose() * file_rotation(X, "ankle" + s)));
+      const Quat foot(Mat3(parent.transpose() * side.ankle.in(X)));
       return parent * twist_of(foot, joint.axes.col(0)).toRotationMatrix();
     }
     case Rule::subtalar:
-      return file_rotation(X, "ankle" + s);
+      return side.ankle.in(X);
     case Rule::finger:
     case Rule::follow:
       return parent * plan.still;
@@ -304,6 +331,8 @@ Mat3 PoseTransfer::rotate_joint(const std::vector<Transform>& X, int j) const {
 
 void PoseTransfer::transfer(const std::vector<Transform>& X, Pose& pose) {
   limb_rotations(X);
+  for (std::vector<Knot>* knots : {&spine_knots_, &neck_knots_})
+    for (Knot& knot : *knots) knot.now = Quat(knot.turn.in(X));
   pose.rotations.resize(skeleton_.joints.size());
   for (size_t j = 0; j < skeleton_.joints.size(); ++j) {
     R_[j] = rotate_joint(X, int(j));
@@ -312,9 +341,9 @@ void PoseTransfer::transfer(const std::vector<Transform>& X, Pose& pose) {
     const Rule rule = plans_[j].rule;
     if (parent >= 0 && !alignment_.same_rest && rule != Rule::subtalar && rule != Rule::ankle &&
         rule != Rule::finger && rule != Rule::follow)
-      R_[j] = R_[parent] *
-              without_locked_axes(skeleton_.joints[j], Quat(Mat3(R_[parent].transpose() * R_[j])))
-                  .toRotationMatrix();
+      R_[j] = R_[parent] * without_locked_axes(skeleton_.joints[j], zeros_[j],
+                                               Quat(Mat3(R_[parent].transpose() * R_[j])))
+                               .toRotationMatrix();
   }
   if (matching_rig_)
     for (const MatchedChain& chain : matching_rig_->chains)
@@ -324,27 +353,19 @@ void PoseTransfer::transfer(const std::vector<Transform>& X, Pose& pose) {
     pose.rotations[j] =
         Quat(parent < 0 ? R_[j] : Mat3(R_[parent].transpose() * R_[j])).normalized();
   }
-  const Vec3 hips = 0.5 * (X[mapping_.position_joint.at("hip_l")].translation() +
-                           X[mapping_.position_joint.at("hip_r")].translation());
-  const Vec3 offset = 0.5 * (rest_[ours("hip_l")] + rest_[ours("hip_r")]) - rest_[0];
-  pose.root = scale_ * (alignment_.W * hips) - R_[0] * offset;
+  const Vec3 hips = 0.5 * (X[std::size_t(sides_[0].hip)].translation() +
+                           X[std::size_t(sides_[1].hip)].translation());
+  pose.root = scale_ * (alignment_.W * hips) - R_[0] * hips_from_root_;
   if (!mapping_.ours) complete_pose(skeleton_, pose);
   if (!matching_rig_) return;
   forward_kinematics(skeleton_, pose, X_WJ_);
   pose.root += shift_to_rig(*matching_rig_, X, rest_, X_WJ_);
 }
 
-Vec3 PoseTransfer::file_joint_position(const std::vector<Transform>& X, const char* part,
-                                       Side side) const {
-  if (matching_rig_) {
-    const int joint = ours(std::string(part) + side_suffix(side));
-    for (const MatchedPoint& point : matching_rig_->points)
-      if (point.joint == joint && point.part == joint)
-        return file_position(*matching_rig_, X, point);
-  }
-  return scale_ *
-         (alignment_.W *
-          X[mapping_.position_joint.at(std::string(part) + side_suffix(side))].translation());
+Vec3 PoseTransfer::file_place(const std::vector<Transform>& X, int joint,
+                              const MatchedPoint* point) const {
+  if (point != nullptr) return file_position(*matching_rig_, X, *point);
+  return scale_ * (alignment_.W * X[std::size_t(joint)].translation());
 }
 
 }  // namespace ecorche::inline v1

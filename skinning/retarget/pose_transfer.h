@@ -1,7 +1,8 @@
 // One frame of the file -> one pose of ours: rotations and root, before any constraint.
 #pragma once
 
-#include <map>
+#include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -28,14 +29,18 @@ class PoseTransfer {
 
   // Positions of the file's hip and ankle: scaled, our axes.
   Vec3 file_hip(const std::vector<Transform>& X, Side side) const {
-    return file_joint_position(X, "hip", side);
+    const SidePlan& here = sides_[side_index(side)];
+    return file_place(X, here.hip, here.rig_hip);
   }
   Vec3 file_ankle(const std::vector<Transform>& X, Side side) const {
-    return file_joint_position(X, "ankle", side);
+    const SidePlan& here = sides_[side_index(side)];
+    return file_place(X, here.foot, here.rig_ankle);
   }
 
-  // World rotation of our joint's counterpart in the file. Precondition: the joint has one.
-  Mat3 file_rotation(const std::vector<Transform>& X, const std::string& joint) const;
+  // World rotation of our ankle's counterpart in the file.
+  Mat3 file_ankle_rotation(const std::vector<Transform>& X, Side side) const {
+    return sides_[side_index(side)].ankle.in(X);
+  }
 
  private:
   enum class Rule {
@@ -52,9 +57,20 @@ class PoseTransfer {
     subtalar,
     finger
   };
+  // World rotation of one of our joints as the file has it.
+  struct FileTurn {
+    int joint = 0;  // the file's
+    Mat3 before = Mat3::Identity(), after = Mat3::Identity();
+    Mat3 in(const std::vector<Transform>& X) const {
+      return before * X[std::size_t(joint)].linear() * after;
+    }
+  };
   struct Plan {
     Rule rule = Rule::follow;
     std::string part;  // whose rotation in the file
+    FileTurn turn{};   // that rotation
+    int limb = -1;     // or that of a limb's upper bone, into limbs_
+    std::size_t side = 0;
     // fraction of bending and axial rotation of spine or neck up to here, from below
     double bending = 0, turning = 0;
     Quat relaxed = Quat::Identity();
@@ -63,20 +79,34 @@ class PoseTransfer {
   };
   struct Knot {
     double s = 0;
-    std::string part;  // "pelvis", "thorax", "head", or empty: `joint`
-    int joint = -1;
+    FileTurn turn;
+    Quat now = Quat::Identity();  // this frame
+  };
+  // Upper and lower bone of an arm or a leg.
+  struct Limb {
+    FileTurn upper, lower;
+    Vec3 rest_upper = Vec3::Zero(), rest_lower = Vec3::Zero(), hinge = Vec3::Zero();
+    Mat3 R = Mat3::Identity();  // of the upper bone, this frame, with a corrected hinge axis
+  };
+  struct SidePlan {
+    FileTurn elbow, wrist, ankle;
+    Vec3 arm = Vec3::Zero();                               // from the shoulder to the elbow at rest
+    Vec3 scapula = Vec3::Zero(), wrist_at = Vec3::Zero();  // our joints at rest
+    int hip = -1, foot = -1;  // joints of the file at our hip and ankle
+    const MatchedPoint *rig_hip = nullptr, *rig_ankle = nullptr;
   };
 
+  static std::size_t side_index(Side side) { return side == Side::right ? 1 : 0; }
   void plan_trunk();
   void plan_limbs();
+  void plan_sides();
+  FileTurn file_turn(const std::string& part) const;
   std::vector<Knot> knots(const std::string& from, const std::vector<int>& chain,
                           const std::string& to, bool from_base) const;
-  Quat along(const std::vector<Transform>& X, const std::vector<Knot>& knots, double s) const;
-  Mat3 spread(const std::vector<Transform>& X, const std::vector<Knot>& knots,
-              const Plan& plan) const;
+  Mat3 spread(const std::vector<Knot>& knots, const Plan& plan) const;
   void limb_rotations(const std::vector<Transform>& X);
   Mat3 rotate_joint(const std::vector<Transform>& X, int joint) const;
-  Vec3 file_joint_position(const std::vector<Transform>& X, const char* part, Side side) const;
+  Vec3 file_place(const std::vector<Transform>& X, int joint, const MatchedPoint* point) const;
   bool has(const std::string& part) const { return alignment_.from_source.count(part) > 0; }
   int ours(const std::string& name) const;
 
@@ -90,10 +120,13 @@ class PoseTransfer {
   std::vector<Vec3> rest_;
   std::vector<Plan> plans_;
   std::vector<Knot> spine_knots_, neck_knots_;
-  // shoulder, hip: world rotations of this frame, with corrected hinge axes
-  std::map<std::string, Mat3> limb_;
-  std::vector<Mat3> R_;          // world rotations of ours, this frame
-  std::vector<Transform> X_WJ_;  // world frames of ours, this frame, with a matching rig
+  std::array<Limb, 4> limbs_;  // arms, legs; left before right
+  std::array<SidePlan, 2> sides_;
+  std::vector<Mat3> zeros_;  // by joint: joint_zero()
+  int thorax_ = -1;
+  Vec3 hips_from_root_ = Vec3::Zero();  // middle of ours at rest
+  std::vector<Mat3> R_;                 // world rotations of ours, this frame
+  std::vector<Transform> X_WJ_;         // world frames of ours, this frame, with a matching rig
 };
 
 }  // namespace ecorche::inline v1

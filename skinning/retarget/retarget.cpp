@@ -127,7 +127,7 @@ LimbShifts stance_shifts(const PoseTransfer& transfer, const std::vector<Transfo
 void add_foot(const PoseTransfer& transfer, const std::vector<Transform>& X, Side side,
               const FootShape& shape, const Vec3& rest, FootPaths& foot) {
   const Vec3 ankle = transfer.file_ankle(X, side);
-  const Mat3 R = transfer.file_rotation(X, std::string("ankle") + side_suffix(side));
+  const Mat3 R = transfer.file_ankle_rotation(X, side);
   foot.heel.push_back(ankle + R * (shape.heel - rest));
   foot.ball.push_back(ankle + R * (shape.ball - rest));
 }
@@ -137,8 +137,13 @@ std::vector<LimitBreak> limit_breaks(const Skeleton& skeleton, const Motion& mot
   for (size_t j = 1; j < skeleton.joints.size(); ++j) {
     if (skeleton.joints[j].name.starts_with("patella")) continue;  // it follows the knee
     LimitBreak broken{skeleton.joints[j].name};
+    const Mat3 zero = joint_zero(skeleton.joints[j]);
+    double excess = 0;
     for (size_t f = 0; f < motion.frames.size(); ++f) {
-      const double excess = limit_excess(skeleton.joints[j], motion.frames[f].rotations[j]);
+      const Quat& turn = motion.frames[f].rotations[j];
+      // Fingers stay as they are for long.
+      if (f == 0 || turn.coeffs() != motion.frames[f - 1].rotations[j].coeffs())
+        excess = limit_excess(skeleton.joints[j], turn, zero);
       if (excess <= kLimitTolerance) continue;
       ++broken.frames;
       if (excess > broken.worst) broken.worst = excess, broken.worst_frame = int(f);
@@ -283,7 +288,7 @@ void plant_within_limits(const std::string& name, const Skeleton& ours, double s
   const auto plant = [&] {
     plant_feet(ours, sole, contacts, filtered.lock, clearance.lift, ground ? &*ground : nullptr,
                motion);
-    limiter.run(kPlanted, contacts, clearance.shifts, motion);
+    limiter.run(kPlanted, contacts, clearance.shifts, motion, source != nullptr);
   };
   for (int round = 0;; ++round) {
     plant();
@@ -445,6 +450,7 @@ Motion retarget(const MotionClip& given, const Skeleton& ours, const RetargetOpt
   PoseTransfer transfer(source, mapping, alignment, matching_rig ? &*matching_rig : nullptr, ours,
                         options.shoulder_rhythm);
   report.scale = transfer.scale();
+  report.turn = alignment.W;
   if (source.frame_count == 0)
     report.warnings.push_back(
         fmt::format("{}: it holds no frames; its rest pose is taken as one", source.name));
@@ -464,10 +470,11 @@ Motion retarget(const MotionClip& given, const Skeleton& ours, const RetargetOpt
       const FootShape foot = foot_shape(ours, side, sole);
       for (Pose& pose : moved.motion.frames) turn_shin_with_foot(ours, foot, pose);
     }
+  const bool strange = !matching_rig || source.captured;
   constrain(source.name, ours, options,
-            {options.clamp_limits.value_or(!alignment.same_rest),
-             options.plant_feet.value_or(!matching_rig || moves_feet(options.filters)),
-             options.ballistic_flights.value_or(!matching_rig), sole},
+            {options.clamp_limits.value_or(!alignment.same_rest || source.captured),
+             options.plant_feet.value_or(strange || moves_feet(options.filters)),
+             options.ballistic_flights.value_or(strange), sole},
             moved, report);
   return std::move(moved.motion);
 }

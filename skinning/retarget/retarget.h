@@ -41,7 +41,7 @@ struct RetargetOptions {
   // world y of the soles in the skeleton's rest pose; from the toe joints if absent
   std::optional<double> sole_height;
   // Foot planting. Absent: unless the file's rig matches this very body (matching_rig.h), since
-  // its author has placed the feet.
+  // its author has placed the feet; also then where markers tell it.
   std::optional<bool> plant_feet;
   // The centre of mass in free flight on a parabola of 9.81 m/s^2. Absent: as plant_feet.
   std::optional<bool> ballistic_flights;
@@ -50,7 +50,7 @@ struct RetargetOptions {
   // also where a matching rig would leave them.
   std::vector<MotionFilter> filters;
   // Enforce the joint limits (joint_limits.h); otherwise joints beyond them are only reported.
-  // Absent: unless the file's rest pose is ours.
+  // Absent: unless the file's rest pose is ours by its author's choice, not by fitted markers.
   std::optional<bool> clamp_limits;
   // Where limits are enforced and `proxies` are given, also resolve self-collision
   // (self_collision.h).
@@ -66,12 +66,13 @@ struct RetargetReport {
   // unit", ... or "unknown"
   std::string unit;
   double metres_per_unit = 1;
-  char up = 'y';              // of the file
-  std::string facing;         // of the rest pose, file axes: "+z"
-  double source_leg = 0;      // hip to ankle along the leg, file units
-  double scale = 1;           // file units -> metres of our figure
-  bool same_rest = false;     // taken over rotation for rotation
-  bool matching_rig = false;  // and position for position
+  char up = 'y';                 // of the file
+  std::string facing;            // of the rest pose, file axes: "+z"
+  double source_leg = 0;         // hip to ankle along the leg, file units
+  double scale = 1;              // file units -> metres of our figure
+  Mat3 turn = Mat3::Identity();  // file axes -> ours
+  bool same_rest = false;        // taken over rotation for rotation
+  bool matching_rig = false;     // and position for position
   // pose the rest alignment starts from: -1 the file's rest pose, else a frame near standing
   int reference_frame = -1;
   int dropped_frames = 0;           // at the start: a calibration pose

@@ -10,6 +10,7 @@
 #include "anatomy/bones/bone_package.h"
 #include "anatomy/bones/mirror.h"
 #include "anatomy/errors.h"
+#include "tests/anatomy/source_skeleton.h"
 #include "tests/test_assets.h"
 
 namespace ecorche {
@@ -108,12 +109,7 @@ TEST(CapsuleTable, ASleeveLiesBetweenTheFacesOfItsBones) {
 }
 
 TEST(CapsuleTable, RightIsTheMirrorImageOfLeft) {
-  Anatomy source;
-  try {
-    source = read_source_skeleton(test_assets());
-  } catch (const InputError& e) {
-    GTEST_SKIP() << e.what();
-  }
+  NEED_SOURCE_SKELETON(source);
   const auto plans = place_capsules(read_capsule_rules(test_assets().tables), source);
   ASSERT_GE(plans.size(), 100u);
   for (std::size_t n = 0; n + 1 < plans.size(); ++n) {

@@ -11,7 +11,10 @@
 #include "anatomy/bones/mirror.h"
 #include "anatomy/errors.h"
 #include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/fascia_again.h"
 #include "anatomy/muscles/fascia_surface.h"
+#include "anatomy/muscles/thinned_fascia.h"
+#include "tests/anatomy/source_skeleton.h"
 #include "tests/anatomy/strips.h"
 #include "tests/test_assets.h"
 
@@ -75,16 +78,10 @@ TEST(FasciaTable, BadLinesAreNamed) {
             "f.txt:3: band: unknown keyword 'colour'");
   EXPECT_EQ(error_of("row\n"), "f.txt:1: 'row' outside a sheet; expected fascia");
   EXPECT_EQ(error_of(std::string(kGood) + kGood), "f.txt:11: band: the sheet is given twice");
-  EXPECT_NE(error_of(changed("  row\n", "  middle\n  on femur\n  row\n")), "");
 }
 
 TEST(FasciaTable, RightIsTheMirrorImageOfLeft) {
-  Anatomy source;
-  try {
-    source = read_source_skeleton(test_assets());
-  } catch (const InputError& e) {
-    GTEST_SKIP() << e.what();
-  }
+  NEED_SOURCE_SKELETON(source);
   const MuscleTable landmarks = read_muscle_table(test_assets().tables);
   const auto plans =
       place_fascia(read_fascia_table(test_assets().tables, landmarks), landmarks, source);
@@ -97,6 +94,7 @@ TEST(FasciaTable, RightIsTheMirrorImageOfLeft) {
         EXPECT_LT((plans[i + 1].points[k].rest - mirror_point(plan.points[k].rest)).norm(), 1e-9)
             << plan.name;
     } else if (plan.side == Side::middle) {
+      for (const std::string& bone : plan.bones) EXPECT_FALSE(bone.ends_with("_l")) << plan.name;
       for (int r = 0; r < plan.rows; ++r)
         for (int c = 0; c < plan.columns; ++c) {
           const auto at = [&](int column) {
@@ -106,6 +104,18 @@ TEST(FasciaTable, RightIsTheMirrorImageOfLeft) {
         }
     }
   }
+}
+
+// A sheet of both sides that one side's bone carries would follow that side alone.
+TEST(FasciaTable, BonesOfOneSideCarryNoSheetOfBoth) {
+  NEED_SOURCE_SKELETON(source);
+  const auto place = [&](const std::string& bone) {
+    const std::string on = "  middle\n  on " + bone + "\n  row\n";
+    place_fascia(read_fascia_text(changed("  row\n", on), "f.txt", one_landmark()), one_landmark(),
+                 source);
+  };
+  EXPECT_THROW(place("femur"), InputError);
+  EXPECT_NO_THROW(place("t7"));
 }
 
 // Two joints 0.4 m apart, a bone on each, a round muscle of 20 mm between them along y, and a sheet
@@ -341,6 +351,133 @@ TEST(FasciaSurface, ASleeveIsPushedOutOfBentBones) {
       EXPECT_GT(upper, 0.0165) << angle << ' ' << i;
     }
   }
+}
+
+// The point of `fine` that is nearest to each of `coarse`, and how far that is.
+double farthest_from(const PointsF& coarse, const PointsF& fine) {
+  double most = 0;
+  for (Eigen::Index i = 0; i < coarse.rows(); ++i)
+    most = std::max(most, double((fine.rowwise() - coarse.row(i)).rowwise().norm().minCoeff()));
+  return most;
+}
+
+TEST(ThinnedFascia, IsPointsOfTheSameSheetsThatGoAsTheyDid) {
+  for (const bool sleeve : {false, true}) {
+    const Anatomy anatomy = sleeve ? hinge() : figure(true);
+    const FasciaSurface fine = make_fascia_surface(anatomy),
+                        coarse = thinned_fascia(fine, sleeve ? 0.02 : 0.06);
+    ASSERT_EQ(coarse.parts.size(), fine.parts.size());
+    EXPECT_LT(3 * coarse.vertices(), fine.vertices());
+    EXPECT_LT(coarse.F.maxCoeff(), coarse.vertices());
+    EXPECT_EQ(coarse.parts[0].face_end, coarse.F.rows());
+    const PosedAnatomy posed = bent(anatomy, 0.7);
+    PointsF at, all, normals;
+    update_fascia_surface(fine, posed, all);
+    update_fascia_surface(coarse, posed, at, &normals);
+    EXPECT_LT(farthest_from(at, all), 1e-6);
+    EXPECT_LT((at.row(0) - all.row(0)).norm(), 1e-6);  // its corners stay
+    EXPECT_LT((at.bottomRows(1) - all.bottomRows(1)).norm(), 1e-6);
+    EXPECT_NEAR(normals.rowwise().norm().minCoeff(), 1, 1e-5);
+  }
+}
+
+TEST(ThinnedFascia, RisesOverAMuscleAsItDid) {
+  const Anatomy anatomy = figure(true);
+  const FasciaSurface fine = make_fascia_surface(anatomy);
+  PosedAnatomy posed = at_rest(anatomy);
+  for (Ellipse& slice : posed.slices) slice.center.z() += 0.008;
+  PointsF at, all;
+  update_fascia_surface(fine, posed, all);
+  update_fascia_surface(thinned_fascia(fine, 0.01), posed, at);
+  EXPECT_GT(at.col(2).maxCoeff(), 0.026f);
+  EXPECT_LT(farthest_from(at, all), 1e-3);
+}
+
+// The figure, another of its kind far to the side, and a sleeve.
+Anatomy two_figures() {
+  Anatomy out = figure(false);
+  Muscle far = out.muscles.front();
+  far.name = "far";
+  for (PathPoint& point : far.strips[0].path) point.rest.x() += 0.5;
+  out.muscles.push_back(far);
+  FasciaSheet sheet = out.fascia.front();
+  sheet.name = "far sheet";
+  sheet.V.col(0).array() += 0.5;
+  out.fascia.push_back(sheet);
+  FasciaSheet sleeve = hinge().fascia.front();
+  sleeve.V.col(1).array() += 0.8;
+  out.fascia.push_back(sleeve);
+  sheet.name = "over both";
+  sheet.bones = {"upper", "lower"};
+  out.fascia.push_back(sheet);
+  sheet.name = "band";  // the sleeve's bones push it
+  sheet.bones = {"upper", "lower", "third"};
+  out.bones.push_back(out.bones.back());
+  out.bones.back().name = "third";
+  out.bones.back().mesh.V.col(1).array() -= 0.1;
+  out.fascia.push_back(sheet);
+  return out;
+}
+
+void expect_same(const FasciaSurface& a, const FasciaSurface& b) {
+  EXPECT_EQ(a.term_begin, b.term_begin);
+  ASSERT_EQ(a.terms.size(), b.terms.size());
+  for (std::size_t t = 0; t < a.terms.size(); ++t) {
+    const FasciaSurface::Term &x = a.terms[t], &y = b.terms[t];
+    EXPECT_EQ(x.carrier, y.carrier) << t;
+    EXPECT_EQ(x.weight, y.weight) << t;
+    EXPECT_EQ(x.at, y.at) << t;
+    EXPECT_EQ(x.outline, y.outline) << t;
+    EXPECT_EQ(x.out, y.out) << t;
+  }
+  EXPECT_EQ(a.F, b.F);
+  EXPECT_EQ(a.along, b.along);
+  EXPECT_EQ(a.across, b.across);
+  EXPECT_EQ(a.clearances, b.clearances);
+  EXPECT_EQ(a.reaches.size(), b.reaches.size());
+  EXPECT_EQ(a.lift.begin, b.lift.begin);
+  ASSERT_EQ(a.lift.covers.size(), b.lift.covers.size());
+  for (std::size_t k = 0; k < a.lift.covers.size(); ++k) {
+    EXPECT_EQ(a.lift.covers[k].begin, b.lift.covers[k].begin) << k;
+    EXPECT_EQ(a.lift.covers[k].end, b.lift.covers[k].end) << k;
+    EXPECT_EQ(a.lift.covers[k].rest, b.lift.covers[k].rest) << k;
+  }
+  for (std::size_t n = 0; n < a.parts.size(); ++n) {
+    EXPECT_EQ(a.parts[n].sheet, b.parts[n].sheet) << n;
+    EXPECT_EQ(a.parts[n].vertex_begin, b.parts[n].vertex_begin) << n;
+    EXPECT_EQ(a.parts[n].reaches, b.parts[n].reaches) << n;
+    EXPECT_EQ(a.parts[n].push_begin, b.parts[n].push_begin) << n;
+  }
+}
+
+TEST(FasciaAgain, IsAsMadeAnewWhereMusclesOrSheetsHaveChanged) {
+  const Anatomy before = two_figures();
+  const FasciaSurface surface = make_fascia_surface(before);
+  ASSERT_FALSE(surface.parts[2].reaches.empty());
+  EXPECT_EQ(surface.parts.back().reaches, surface.parts[2].reaches);
+  const auto expect_alike = [&](const Anatomy& now) {
+    expect_same(make_fascia_again(now, {&before, &surface}), make_fascia_surface(now));
+  };
+  expect_alike(before);
+  Anatomy now = before;
+  for (Slice& slice : now.muscles.back().strips[0].slices) slice.radii *= 1.2;
+  expect_alike(now);
+  now.muscles.insert(now.muscles.begin(), now.muscles.back());  // others have other numbers
+  now.muscles.front().name = "new";
+  for (PathPoint& point : now.muscles.front().strips[0].path) point.rest.x() += 0.01;
+  expect_alike(now);
+  now = before;
+  now.muscles.erase(now.muscles.begin());
+  now.fascia.pop_back();
+  expect_alike(now);
+  now = before;
+  now.fascia[2].V.col(2).array() += 1e-3;  // the sleeve
+  expect_alike(now);
+  now.fascia.erase(now.fascia.begin() + 2);
+  expect_alike(now);
+  now = before;
+  now.bones[1].mesh.V.col(2).array() += 1e-3;
+  expect_alike(now);
 }
 
 TEST(FasciaSurface, GridsThatAreNoneAreRefused) {

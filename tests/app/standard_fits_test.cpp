@@ -4,7 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "anatomy/muscles/action_line.h"
@@ -95,6 +99,31 @@ class Judge {
   Columns skins_[3];
 };
 
+// Of the 5 mm squares of the back, seen from behind, in which both sheets lie, the share where the
+// trapezius is the outer one.
+double trapezius_over_others(const Anatomy& anatomy, const MuscleSurface& surface,
+                             const Points& positions) {
+  constexpr double kSide = 0.005;
+  std::map<std::pair<int, int>, std::array<double, 2>> cells;  // how far back: trapezius, others
+  for (int v = 0; v < surface.vertices(); ++v) {
+    const std::string& name = anatomy.muscles[std::size_t(surface.muscle[v])].name;
+    const bool over = name.starts_with("trapezius_lower");
+    if (!over && !name.starts_with("latissimus_dorsi_thoracic") &&
+        !name.starts_with("rhomboid_major"))
+      continue;
+    const auto at = cells.try_emplace(
+        {int(std::floor(positions(v, 0) / kSide)), int(std::floor(positions(v, 1) / kSide))},
+        std::array{-1.0, -1.0});
+    double& back = at.first->second[over ? 0 : 1];
+    back = std::max(back, -positions(v, 2));
+  }
+  int both = 0, outer = 0;
+  for (const auto& [place, back] : cells)
+    if (back[0] > -1 && back[1] > -1) ++both, outer += back[0] > back[1];
+  EXPECT_GT(both, 100);
+  return double(outer) / both;
+}
+
 class StandardFits : public BodyFixture {};
 
 TEST_F(StandardFits, MeetTheirFigures) {
@@ -128,6 +157,7 @@ TEST_F(StandardFits, MeetTheirFigures) {
     EXPECT_NEAR(muscle_outside, report.fill.points_outside,
                 1e-4 * double(positions.rows()));  // the report says the same
 
+    EXPECT_GE(trapezius_over_others(anatomy, surface, positions), 0.75);
     EXPECT_LE(std::abs(report.fill.superficial_gap_median), 3e-3);
     EXPECT_GE(report.fill.superficial_slices, 500);
     EXPECT_EQ(report.dilation.misses, 0);

@@ -6,16 +6,18 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <random>
 #include <set>
+#include <sstream>
 
 #include "anatomy/authoring/muscle_text.h"
 #include "anatomy/errors.h"
 #include "anatomy/muscles/action_line.h"
-#include "app/edit/edit_muscle.h"
+#include "app/edit/document/edit_muscle.h"
 #include "app/edit/project.h"
 #include "app/edit/refit.h"
 #include "app/edit/session.h"
@@ -63,7 +65,7 @@ std::string why(const std::function<void()>& run) {
 }
 
 // An edit by chance; some of them cannot be done.
-constexpr std::size_t kOfMuscles = 20, kOfAll = 34;  // kinds of edits
+constexpr std::size_t kOfMuscles = 20, kOfAll = 40;  // kinds of edits
 std::string chance_line(std::mt19937& random, const Document& document,
                         std::size_t kinds = kOfMuscles) {
   const auto below = [&](std::size_t n) { return int(random() % n); };
@@ -146,6 +148,20 @@ std::string chance_line(std::mt19937& random, const Document& document,
       return "remove_joint " + (below(2) ? made : "toe_dip" + std::to_string(1 + below(5)));
     case 32:
       return "snap_joint " + std::string(below(2) ? "hip" : "elbow");
+    case 33:
+      return "activate " + split_side(name()).first + " value=" + share + " at=0." +
+             std::to_string(below(5)) + "s";
+    case 34:
+      return "relax " + std::string(below(2) ? "all" : split_side(name()).first);
+    case 35:
+      return "compare " + std::string(below(2) ? "saved how=wiped" : "linear_blend");
+    case 36:
+      return "set_layer factor=1." + std::to_string(below(10)) +
+             (below(2) ? " site=abdominal" : " site=triceps");
+    case 37:
+      return "activate function:elbow_flexion value=" + share;
+    case 38:
+      return "pose " + std::string(below(2) ? "squat" : "rest");
     default:
       return "set_fit rays=" + std::to_string(8 + below(40)) + " alpha=0.37";
   }
@@ -164,11 +180,41 @@ int walk(Session& session, int tries, unsigned seed) {
 
 // Arguments of an example with files of the test's own.
 std::string with_files(std::string line, const fs::path& folder) {
-  for (const char* name :
-       {"anna.glb", "walk.bvh", "soleus.txt", "my-arm", "arm.glb", "arm.png", "tail.obj"})
+  for (const char* name : {"anna.glb", "walk.bvh", "soleus.txt", "my-arm", "arm.glb", "arm.png",
+                           "tail.obj", "biceps.obj"})
     if (const auto at = line.find(name); at != std::string::npos)
       line.replace(at, std::string(name).size(), (folder / name).string());
   return line;
+}
+
+// A closed spindle, m, as an OBJ file.
+std::string spindle_obj(const Vec3& from, const Vec3& to, double radius) {
+  constexpr int kRings = 14, kAround = 20;
+  const Vec3 along = (to - from).normalized(), side = along.unitOrthogonal(),
+             other = along.cross(side);
+  std::ostringstream out;
+  const auto vertex = [&](const Vec3& v) {
+    out << "v " << v.x() << " " << v.y() << " " << v.z() << "\n";
+  };
+  vertex(from);
+  for (int k = 1; k < kRings; ++k)
+    for (int i = 0; i < kAround; ++i) {
+      const double s = double(k) / kRings, angle = 2 * M_PI * i / kAround;
+      const double r = radius * std::sin(M_PI * s);
+      vertex(from + s * (to - from) + r * (std::cos(angle) * side + std::sin(angle) * other));
+    }
+  vertex(to);
+  const int last = 2 + (kRings - 1) * kAround;
+  const auto at = [&](int k, int i) { return 2 + (k - 1) * kAround + i % kAround; };
+  for (int i = 0; i < kAround; ++i) {
+    out << "f 1 " << at(1, i + 1) << " " << at(1, i) << "\n";
+    out << "f " << last << " " << at(kRings - 1, i) << " " << at(kRings - 1, i + 1) << "\n";
+    for (int k = 1; k + 1 < kRings; ++k) {
+      out << "f " << at(k, i) << " " << at(k, i + 1) << " " << at(k + 1, i) << "\n";
+      out << "f " << at(k, i + 1) << " " << at(k + 1, i + 1) << " " << at(k + 1, i) << "\n";
+    }
+  }
+  return out.str();
 }
 
 TEST_F(StudioActions, EachHasANameHelpAndAnExampleThatReads) {
@@ -192,12 +238,15 @@ TEST_F(StudioActions, EachHasANameHelpAndAnExampleThatReads) {
 TEST_F(StudioActions, EachDoesTheSameByScriptAndByItsValue) {
   NEED_PACKAGES();
   // these fit and draw: the command line's test runs them
-  const std::set<std::string> fits{"write_character", "render", "report", "curves"};
+  const std::set<std::string> fits{"write_character", "write_template", "write_model",
+                                   "render",          "film",           "report",
+                                   "curves",          "check_bones"};
   Session by_script = session(), by_value = session();
   file("anna.glb", "");
   file("walk.bvh", "");
   file("tail.obj",
        "v 0 0 0\nv 9 -80 0\nv -9 -80 0\nv 0 -80 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  file("biceps.obj", spindle_obj(Vec3(0.16, 1.42, -0.18), Vec3(0.19, 1.16, -0.16), 0.018));
   by_script.run_line("export_muscle soleus " + (folder_ / "soleus.txt").string());
   for (const ActionKind& kind : action_kinds()) {
     if (fits.contains(kind.name)) continue;
@@ -299,6 +348,9 @@ TEST_F(StudioActions, AProjectReadsBackAsItWasSaved) {
   walk(s, 150, 3);
   for (const char* line :
        {"move_joint elbow by=0.1,2,0.3", "set_limits elbow_l flexion min=1 max=141",
+        "set_layer factor=1.4 site=abdominal", "activate soleus value=0.2 at=0.5",
+        "activate soleus value=0.9 at=0.7s", "activate soleus value=0.4 at=0.75s from=0.7s",
+        "activate nerve:femoral_nerve value=0.3", "compare dual_quaternion how=wiped share=0.31",
         "turn_axes knee rotation=3.3", "set_measure waist_girth 78.2cm", "set_layer 0.83",
         "pose squat", "turn_joint elbow flexion=33.3", "pick soleus_r"})
     s.run_line(line);
@@ -485,6 +537,71 @@ TEST_F(StudioActions, APointSnapsOntoABone) {
   EXPECT_LT((s.workshop().on_bone("humerus", place) - place).norm(), 1e-6);
 }
 
+TEST_F(StudioActions, APaintedEndIsSpreadOverTheBoneInTheOrderOfItsStrips) {
+  NEED_PACKAGES();
+  Session s = session();
+  const auto entry = [&](const Session& of) -> const EditedMuscle& {
+    return *of.document().muscles[std::size_t(find_entry(of.document(), "adductor_magnus_middle"))];
+  };
+  s.run_line("remove_strip adductor_magnus_middle strip=1");
+  s.run_line("undo");
+  const EditedMuscle before = entry(s);
+  const std::size_t strips = before.left.strips.size();
+  std::string places;
+  for (int k = 0; k < 24; ++k)
+    places += (k ? ";femur@90," : "femur@90,") + std::to_string(600 + 8 * k) + ",-190";
+  s.run_line("paint_end adductor_magnus_middle end=insertion \"places=" + places + "\"");
+  const EditedMuscle& after = entry(s);
+  EXPECT_FALSE(after.right) << "both sides";
+  ASSERT_EQ(after.left.strips.size(), strips);
+  std::vector<std::pair<double, double>> heights;  // before and now
+  for (std::size_t k = 0; k < strips; ++k) {
+    const TablePoint& end = after.left.strips[k].path.back();
+    const Vec3 place = position(*s.document().frame, end);
+    EXPECT_EQ(s.document().frame->landmarks[std::size_t(end.landmark)].carrier, "femur");
+    EXPECT_LT((s.workshop().on_bone("femur", place) - place).norm(), 1e-4);
+    EXPECT_GT(place.y(), 0.58);
+    EXPECT_LT(place.y(), 0.81);
+    EXPECT_EQ(after.left.strips[k].path.front().landmark,
+              before.left.strips[k].path.front().landmark)
+        << "the other end stays";
+    heights.emplace_back(position(*s.document().frame, before.left.strips[k].path.back()).y(),
+                         place.y());
+  }
+  std::ranges::sort(heights);
+  for (std::size_t k = 1; k < heights.size(); ++k)
+    EXPECT_GT(heights[k].second, heights[k - 1].second) << "strips do not cross";
+  s.run_line("paint_end adductor_magnus_middle_r end=insertion places=femur@90,700,-190");
+  EXPECT_TRUE(entry(s).right);
+}
+
+TEST_F(StudioActions, AMeshBecomesAMuscleOfItsVolumeAlongIt) {
+  NEED_PACKAGES();
+  Session s = session();
+  const Vec3 from(0.165, 1.42, -0.19), to(0.19, 1.16, -0.17);
+  const fs::path mesh = file("spindle.obj", spindle_obj(from, to, 0.018));
+  s.run_line("resample_mesh my_spindle file=" + mesh.string() + " points=2 slices=14");
+  const TableMuscle muscle =
+      s.document().muscles[std::size_t(find_entry(s.document(), "my_spindle"))]->left;
+  const double radius = 0.018, volume = 0.5 * M_PI * radius * radius * (to - from).norm();
+  EXPECT_NEAR(muscle.volume_male / volume, 1, 0.04);
+  ASSERT_EQ(muscle.strips.size(), 1u);
+  EXPECT_EQ(muscle.strips[0].path.size(), 4u);
+  EXPECT_EQ(muscle.strips[0].sections.size(), 14u);
+  double widest = 0;
+  for (const TableSection& section : muscle.strips[0].sections)
+    widest = std::max(widest, section.radii.x());
+  EXPECT_NEAR(widest, radius, 0.0015);
+  // the points between lie on its middle
+  for (const std::size_t k : {1u, 2u}) {
+    const Vec3 place =
+        table_place(position(*s.document().frame, muscle.strips[0].path[k]), Side::left);
+    const Vec3 along = (to - from).normalized(), away = place - from;
+    EXPECT_LT((away - away.dot(along) * along).norm(), 0.003);
+  }
+  EXPECT_NO_THROW(placed_entry(s.workshop(), s.document(), find_entry(s.document(), "my_spindle")));
+}
+
 TEST_F(StudioActions, MistakesSayFileLineActionArgumentValueAndTheRightWord) {
   Session s = session();
   const std::string start = document_text(s.document());
@@ -511,6 +628,13 @@ TEST_F(StudioActions, MistakesSayFileLineActionArgumentValueAndTheRightWord) {
   says("remove_wrap elbow_front", {"elbow_front", "leave_wrap"});
   says("undo", {"undo", "nothing to take back"});
   says("include none.txt", {"none.txt"});
+  says("activate nerve:femural_nerve value=1", {"femural", "nerve:femoral_nerve"});
+  says("activate soleus value=1 from=0.5", {"'at' is missing"});
+  says("activate soleus value=1 at=1 from=0.5", {"'from': '0.5'", "no key"});
+  says("relax soleus", {"'muscles': 'soleus'", "not activated"});
+  says("compare liner_blend", {"'with': 'liner_blend'", "linear_blend"});
+  says("set_layer 1.2 site=bely", {"'site': 'bely'", "no such site"});
+  says("set_body " + folder_.string(), {"a folder", "ecorche studio FOLDER"});
   says("describe_muscle soleus \"note=never ends", {"quotation"});
   says("include bad.txt", {"include"});
   EXPECT_EQ(document_text(s.document()), start);

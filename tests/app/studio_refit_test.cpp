@@ -137,8 +137,8 @@ TEST_F(StudioRefit, ABicepsFromNothingInTwelveActionsIsTheBuiltInOne) {
   const Distance there = distance_of(a, b), back = distance_of(b, a);
   RecordProperty("mean_mm", std::to_string(1e3 * std::max(there.mean, back.mean)));
   RecordProperty("most_mm", std::to_string(1e3 * std::max(there.most, back.most)));
-  EXPECT_LT(std::max(there.mean, back.mean), 2e-3);
-  EXPECT_LT(std::max(there.most, back.most), 5e-3);
+  EXPECT_LT(std::max(there.mean, back.mean), 0.5e-3);
+  EXPECT_LT(std::max(there.most, back.most), 2e-3);
   EXPECT_NEAR(rest_volume(made) / rest_volume(own), 1, 0.03);
   EXPECT_NEAR(made.strips[0].rest_length, own.strips[0].rest_length, 3e-3);
 }

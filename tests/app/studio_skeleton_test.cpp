@@ -10,12 +10,12 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/mesh_files/mesh_io.h"
-#include "app/edit/edited_skeleton.h"
+#include "app/edit/document/edited_skeleton.h"
 #include "app/edit/project.h"
 #include "app/edit/refit.h"
 #include "app/edit/session.h"
-#include "app/studio/design/axis_handles.h"
-#include "app/studio/design/dropped_bone.h"
+#include "app/studio/handles/axis_handles.h"
+#include "app/studio/handles/dropped_bone.h"
 #include "tests/test_assets.h"
 
 namespace ecorche {

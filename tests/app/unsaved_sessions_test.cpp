@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "anatomy/errors.h"
-#include "app/edit/document.h"
+#include "app/edit/document/document.h"
 #include "app/edit/journal.h"
 #include "app/edit/session.h"
 #include "app/edit/unsaved_sessions.h"

@@ -762,8 +762,32 @@ def studio(t):
     t.check(all(abs((b[1] - a[1]) / (b[0] - a[0]) - at[2]) < 2 for a, at, b in zip(rows, rows[1:], rows[2:])) and rows[-1][0] > 1, "speeds are those of the lengths")
     t.says(t.run(3, "studio", "--script", t.write("no-motion.txt", "pick soleus\ncurves none.csv\n")), "play_motion FILE takes one")
     t.says(t.run(2, "studio", "--script", more, "--frames", 2), "--frames belong to the window")
+    studio_outputs(t)
     unsaved_sessions(t)
     studio_window(t)
+
+
+def studio_outputs(t):
+    """Templates, models, plates, films and comparisons by script."""
+    script = t.write("outputs.txt", "set_muscle soleus volume=520ml\nwrite_template own-template.glb\nwrite_model own.xml meshes=no ground=yes\ncheck_bones\n")
+    done = t.run(0, "studio", "--script", script, "--report", "outputs.json")
+    t.check("palpable points" in done.stdout and t.json("outputs.json")["studio"]["points_off"] >= 0, f"check_bones: {done.stdout}")
+    t.check(b"soleus_l" in t.bytes("own.xml") and b"<mesh " not in t.bytes("own.xml"), "write_model")
+    t.run((0, 8), "fit", "anna.glb", "--template", "own-template.glb", "-o", "by-template.glb", "--report", "by-template.json")
+    t.run((0, 8), "studio", "anna.glb", "--script", t.write("same.txt", "set_muscle soleus volume=520ml\n"), "-o", "by-studio.glb", "--report", "by-studio.json")
+    one, other = (t.json(f"by-{name}.json")["fit"]["muscle_volume"] for name in ("template", "studio"))
+    t.check(abs(one / other - 1) < 0.01, f"a template fits as its document does: {one}, {other}")
+    t.says(t.run(4, "studio", "--script", t.write("moved.txt", "move_joint elbow by=0,2,0\nwrite_template moved.glb\n")), "a template does not carry")
+    pictures = ["turn_joint elbow flexion=90", "render ours.png size=240x160", "compare linear_blend", "render halves.png size=240x160", "compare linear_blend how=wiped share=0.25", "render wiped.png size=240x160",
+                "compare none", "render plain.png size=300x400 camera=front layers=muscles,bones", "render plate.png size=300x400 camera=front layers=muscles,bones labels=function:elbow_flexion",
+                "film around/%02d.png size=90x60 fps=4 \"shots=around 1s; front@elbow_l 0.5s\""]
+    t.run(0, "studio", "anna.glb", "--script", t.write("pictures.txt", "\n".join(pictures) + "\n"))
+    wiped, ours = png_rows(t.bytes("wiped.png"))[1], png_rows(t.bytes("ours.png"))[1]
+    t.check([row[:3 * 52] for row in wiped[24:]] == [row[:3 * 52] for row in ours[24:]] and wiped != ours and t.bytes("halves.png") != t.bytes("wiped.png"), "left of the line is the picture without a comparison")
+    plain, plate = png_rows(t.bytes("plain.png"))[1], png_rows(t.bytes("plate.png"))[1]
+    t.check(sum(a != b for a, b in zip(plain, plate)) > 20, "labels are written")
+    t.check(sorted(os.listdir(t.path("around"))) == ["01.png", "02.png", "03.png", "04.png", "05.png", "06.png"] and len({t.bytes(f"around/{name}") for name in os.listdir(t.path("around"))}) == 5, "a turn of four pictures and a close shot of two that stand")
+    t.says(t.run(3, "studio", "--script", t.write("no-shot.txt", "film a.mp4 \"shots=front 0-1\"\n")), "there is no motion")
 
 
 def left_session(t, name):
@@ -924,7 +948,7 @@ def benches(t):
 
 
 def demo(t):
-    done = t.run((0, 8), "demo", "-o", "jump", "--activation", "none", "--progress", "lines", timeout=1500)
+    done = t.run((0, 8), "demo", "-o", "jump", "--size", "320x180", "--activation", "none", "--progress", "lines", timeout=1500)
     for name in ("long-jump.mp4", "athlete.glb", "long-jump.pc2", "report.html"):
         t.there("jump/" + name, 10000)
     t.check(t.json("jump/report.json")["exit_code"] == done.returncode, "report.json says how the run ended")

@@ -4,7 +4,7 @@
 layers    Rooms include what layers.csv lets them, and no file or room includes itself by a detour.
 pairs     What x.h declares is defined in x.cpp, and every x.cpp has an x.h.
 types     No two headers define a type of the same name: rooms share one namespace.
-rooms     Folders have at most 45 files and a README.md.
+rooms     Folders have at most 45 files and a README.md that begins with a heading.
 lines     Lines have at most 100 columns, and casts are rare.
 format    The formatter has nothing to change.
 includes  A header includes the standard header of every std:: name that it uses.
@@ -22,6 +22,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import tempfile
 
 TOPS = ("anatomy", "morph", "skinning", "viewer", "app")
 MOST_FILES = 45
@@ -174,8 +175,11 @@ def check_rooms(root):
             name = folder.relative_to(root)
             if len(files) > MOST_FILES:
                 yield f"{name}: {len(files)} files in one folder"
-            if not (folder / "README.md").exists():
+            readme = folder / "README.md"
+            if not readme.exists():
                 yield f"{name}: has no README.md"
+            elif not readme.read_text().startswith("# "):
+                yield f"{name}/README.md: does not begin with a heading"
 
 
 def check_lines(root):
@@ -240,22 +244,46 @@ def check_includes(root):
                 yield f"{path}:{number}: uses {used[0]} without <{header}>"
 
 
+def uses_eigen(root, header):
+    return "Eigen::" in re.sub(r"//.*", "", (root / header).read_text())
+
+
+def includes_eigen(root, header, seen):
+    """Whether a header includes one of Eigen's, by way of others of ours too."""
+    seen.add(header)
+    text = (root / header).read_text()
+    ours = set(re.findall(r'#include "([^"]+/[^"]+)"', text)) - seen
+    return "#include <Eigen/" in text or any(includes_eigen(root, other, seen) for other in ours)
+
+
 def check_headers(root, build):
+    """Standard headers and Eigen's come precompiled, for speed; who includes them is read."""
     commands = json.loads((build / "compile_commands.json").read_text())
     words = shlex.split(next(c["command"] for c in commands if "anatomy.dir" in c["command"]))
-    flags = [w for w in words if re.match(r"-(I|isystem|std|D|m|W)", w) and w != "-Winvalid-pch"]
+    flags = [w for w in words if re.match(r"-(I|std|D|m|W)", w) and w != "-Winvalid-pch"]
     flags += ["-isystem", "/usr/include/eigen3"]
     headers = (build / "installed_headers.txt").read_text().split()
+    names = {name for names in STANDARD for name in names.split("|")}
+    names |= {"Eigen/Core", "Eigen/Geometry", "Eigen/SparseCore"}
+    for header in headers:
+        if uses_eigen(root, header) and not includes_eigen(root, header, set()):
+            yield f"{header}:1: uses Eigen:: without a header of it"
 
-    def compile_alone(header):
-        run = subprocess.run(["g++", *flags, "-fsyntax-only", "-Wno-pragma-once-outside-header", "-x",
-                              "c++", header], cwd=root, text=True, capture_output=True)
-        wrong = [line for line in run.stderr.splitlines() if " error: " in line or " warning: " in line]
-        return wrong[:1] if wrong else []
+    with tempfile.TemporaryDirectory() as folder:
+        known = pathlib.Path(folder, "known.h")
+        known.write_text("".join(f"#include <{name}>\n" for name in sorted(names)))
+        subprocess.run(["g++", *flags, "-x", "c++-header", known], check=True)
 
-    with concurrent.futures.ThreadPoolExecutor(2) as pool:
-        for wrong in pool.map(compile_alone, headers):
-            yield from (line for line in wrong if "#pragma once in main file" not in line)
+        def compile_alone(header):
+            run = subprocess.run(["g++", *flags, "-include", known, "-fsyntax-only",
+                                  "-Wno-pragma-once-outside-header", "-x", "c++", header],
+                                 cwd=root, text=True, capture_output=True)
+            wrong = (w for w in run.stderr.splitlines() if " error: " in w or " warning: " in w)
+            return [w for w in wrong if "#pragma once in main file" not in w][:1]
+
+        with concurrent.futures.ThreadPoolExecutor(2) as pool:
+            for wrong in pool.map(compile_alone, headers):
+                yield from wrong
     print(f"{len(headers)} headers")
 
 

@@ -1,5 +1,5 @@
-// Laws of the belly's wall: a deeper sheet that lies over the one that covers it goes below it,
-// one that lies below stays, ends on bones stay, and nothing else moves.
+// Laws of walls: a deeper sheet that lies over the one that covers it goes below it, but into no
+// bone, one that lies below stays, ends on bones stay, and nothing else moves.
 #include "morph/dilation/lay_wall.h"
 
 #include <gtest/gtest.h>
@@ -84,6 +84,39 @@ TEST(LayWall, EndsOnBonesStay) {
   wall.lay();
   EXPECT_LT(wall.moved(Wall::kInner), 0.004);
   EXPECT_GT(wall.moved(Wall::kEnd - 1), 0.01);
+}
+
+Wall wall_of_back(double x) {
+  Wall out(wall_sheet("superficial", {x}, 0.012));
+  out.anatomy.muscles[0].name = "trapezius_lower_l";
+  out.anatomy.muscles[1].name = "latissimus_dorsi_thoracic_l";
+  for (Muscle& muscle : out.anatomy.muscles) muscle.group = "trunk_shoulder";
+  return out;
+}
+
+TEST(LayWall, SheetsOfTheBackGoBelowTheTrapezius) {
+  Wall wall = wall_of_back(0);
+  EXPECT_GT(wall.lay(), 0.01);
+  wall.slices = wall.before;
+  wall.anatomy.muscles[0].group = "trunk_abdomen";  // the belly's wall is another
+  EXPECT_EQ(wall.lay(), 0);
+}
+
+// There the cover is as wide as it is drawn, 15 mm beyond its last line; the belly's ends at it.
+TEST(LayWall, SheetsOfTheBackGoBelowTheEdgeToo) {
+  EXPECT_GT(wall_of_back(0.07).lay(), 0.01);
+  EXPECT_EQ(wall_of_back(0.09).lay(), 0);
+  EXPECT_EQ(Wall(wall_sheet("intermediate", {0.07}, 0.012)).lay(), 0);
+}
+
+TEST(LayWall, SheetsAreNotLaidIntoBones) {
+  TriMesh bone = slab_of_skin();
+  bone.V.col(2).array() -= 0.018;
+  Wall wall(wall_sheet("intermediate", {0}, 0.012));
+  wall.anatomy.bones.push_back({"scapula_l", Side::left, 0, bone});
+  const BoneRays bones = make_bone_rays(wall.anatomy, std::nullopt);
+  EXPECT_NEAR(lay_wall(wall.anatomy, wall.slices, std::vector<int>{-1, -1}, wall.skin, &bones),
+              0.004, 1e-5);
 }
 
 TEST(LayWall, OtherMusclesAndMirrorImagesStay) {

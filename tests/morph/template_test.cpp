@@ -5,8 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <string>
 
 #include "anatomy/errors.h"
+#include "anatomy/geometry/overlap_volumes.h"
+#include "anatomy/muscles/action_line.h"
+#include "anatomy/muscles/muscle_surface.h"
 #include "anatomy/queries/signed_distance.h"
 #include "morph/template/template_cache.h"
 #include "tests/morph/built_template.h"
@@ -45,6 +49,36 @@ TEST(Template, NoBoneVertexIsOutsideItsSkin) {
     for (int i = 0; i < bone.mesh.V.rows(); ++i)
       outside += skin.winding_number(bone.mesh.V.row(i)) < 0.5;
   EXPECT_EQ(outside, 0);
+}
+
+// Where a section's middle lies in a neighbour, packing presses it to a rag: the recti ended in two
+// stalks below a hole while they began within the pectorals.
+TEST(Template, NoRectusRunsThroughAPectoral) {
+  NEED_TEMPLATE();
+  const MuscleSurface surface = make_muscle_surface(tmpl.anatomy);
+  Points drawn;
+  update_muscle_surface(surface, rest_slices(tmpl.anatomy), drawn);
+  constexpr int kAcross = 3;  // points over the middle quarter of a section's width
+  for (const std::string side : {"_l", "_r"}) {
+    const int rectus = find_muscle(tmpl.anatomy, "rectus_abdominis" + side);
+    ASSERT_GE(rectus, 0);
+    const std::vector<Ellipse> sections =
+        rest_slices(tmpl.anatomy.muscles[std::size_t(rectus)].strips[0]);
+    Points middles(kAcross * Eigen::Index(sections.size()), 3);
+    for (std::size_t k = 0; k < sections.size(); ++k)
+      for (int i = 0; i < kAcross; ++i)
+        middles.row(kAcross * Eigen::Index(k) + i) =
+            sections[k].center +
+            0.25 * (2.0 * i / (kAcross - 1) - 1) * sections[k].radii.x() * sections[k].axes.col(0);
+    for (const MuscleSurface::Part& part : surface.parts) {
+      const Muscle& other = tmpl.anatomy.muscles[std::size_t(part.muscle)];
+      if (!other.name.starts_with("pectoralis_major")) continue;
+      int within = 0;
+      for (const int turns : winding_numbers(part_mesh(surface, part, drawn), middles))
+        within += turns != 0;
+      EXPECT_EQ(within, 0) << other.name << " holds middles of " << side;
+    }
+  }
 }
 
 TEST(Template, CentreRegressorGivesTheTemplatesOwnCentres) {

@@ -320,6 +320,32 @@ TEST(BodyMap, IsTheSameAtAnyNumberOfThreads) {
   }
 }
 
+TEST(BodyMap, MadeOfTheOneBeforeIsAsMadeAnew) {
+  const CharacterModel before = two_muscles();
+  Anatomy anatomy = before.character.anatomy;
+  Muscle third = anatomy.muscles.front();  // comes first: sections have other numbers
+  third.name = "third_l";
+  for (PathPoint& point : third.strips[0].path) point.rest.z() -= 0.012;
+  anatomy.muscles.insert(anatomy.muscles.begin(), third);
+  for (Slice& slice : anatomy.muscles.back().strips[0].slices) slice.radii *= 0.9;
+  const TriMesh& skin = before.character.body.skin;
+  const CharacterModel whole = test::compile_figure(anatomy, skin, {.muscles = MuscleMotion::map}),
+                       again = test::compile_figure(
+                           anatomy, skin, {.muscles = MuscleMotion::map, .before = &before});
+  EXPECT_EQ(again.interior->weights, before.interior->weights);
+  EXPECT_EQ(again.skin.elastic, before.skin.elastic);
+  CharacterState one(whole), other(again);
+  evaluate(whole, bent(whole, 1.2), {}, one);
+  evaluate(again, bent(again, 1.2), {}, other);
+  ASSERT_EQ(one.posed.slices.size(), std::size_t(3 * kSections));
+  for (std::size_t k = 0; k < one.posed.slices.size(); ++k) {
+    EXPECT_LT((one.posed.slices[k].center - other.posed.slices[k].center).norm(), 2e-6) << k;
+    EXPECT_LT((one.posed.slices[k].radii - other.posed.slices[k].radii).norm(), 2e-6) << k;
+  }
+  for (std::size_t k = 0; k < one.skin.positions.size(); ++k)
+    ASSERT_NEAR(one.skin.positions[k], other.skin.positions[k], 2e-6f) << k;
+}
+
 TEST(BodyMap, RefusesASkinWithoutBones) { EXPECT_THROW(two_muscles(false), UnfitError); }
 
 TEST(BodyLattice, HasNoLinksAcrossTheSkin) {

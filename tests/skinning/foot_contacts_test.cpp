@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -58,5 +59,20 @@ TEST(FootContacts, BeginAndEndBetweenFrames) {
     EXPECT_LT(found[0].early, 1);
     EXPECT_GE(found[0].late, 0);
     EXPECT_LT(found[0].late, 1);
+  }
+}
+
+// A foot that is shifted slowly while it stands does not stand between its two places.
+TEST(FootContacts, AShiftedFootStandsInTwoPlaces) {
+  constexpr double kShift = 0.08, kFrom = 0.5, kTo = 0.7;  // m, s
+  for (const double fps : {24.0, 60.0, 120.0}) {
+    std::vector<Vec3> path;
+    for (int f = 0; f <= int(1.2 * fps); ++f)
+      path.emplace_back(kShift * std::clamp((f / fps - kFrom) / (kTo - kFrom), 0.0, 1.0), 0, 0);
+    const std::vector<Interval> found =
+        standing_intervals(path, std::vector<double>(path.size(), 0.0), fps);
+    ASSERT_EQ(found.size(), 2u) << fps;
+    EXPECT_NEAR(found[0].lift() / fps, kFrom, 0.04) << fps;
+    EXPECT_NEAR(found[1].onset() / fps, kTo, 0.04) << fps;
   }
 }

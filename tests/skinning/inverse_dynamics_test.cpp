@@ -342,4 +342,12 @@ TEST(InverseDynamics, ATreadmillIsAFloorThatMoves) {
       inverse_dynamics(skeleton, segments, kSole, walk, {-1, true, feet});
   EXPECT_LT(compare_ground(measured, feet).both.vertical_rms, 1e-12);
   EXPECT_NEAR(measured.residual_force_rms, floor.residual_force_rms, 1e-9);
+  // a foot that stands beside the plates for a while is left out for so long
+  EXPECT_EQ(compare_ground(floor, feet).beside, 0);
+  for (std::size_t f = 0; f < feet.size() / 2 || feet[f][0].force.y() > 0; ++f) feet[f][0] = {};
+  const GroundComparison beside = compare_ground(floor, feet);
+  EXPECT_GE(beside.beside, 2);
+  EXPECT_LT(beside.both.vertical_rms, 0.15);
+  EXPECT_LT(beside.compared[2], 0.9);
+  EXPECT_NEAR(beside.compared[1], 1, 1e-9);
 }

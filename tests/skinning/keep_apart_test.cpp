@@ -20,7 +20,7 @@ const fs::path kCaptures = fs::path(ECORCHE_SHARED_DIR) / "testdata" / "motion";
 
 // A skin of rings: tubes of 50 mm about the bones of arms and legs, a head of 90 mm and a trunk 280
 // mm by 200 mm.
-Points ringed_skin(const Skeleton& skeleton) {
+Points ringed_skin(const Skeleton& skeleton, double thigh = 0.05) {
   const std::vector<Vec3> rest = rest_positions(skeleton);
   const auto at = [&](const std::string& name) { return rest[find_joint(skeleton, name)]; };
   std::vector<Vec3> points;
@@ -39,7 +39,8 @@ Points ringed_skin(const Skeleton& skeleton) {
                                    {"shoulder", "elbow"},
                                    {"elbow", "wrist"},
                                    {"wrist", "dip3"}})
-      tube(at(from + s), at(to + s), 0.05, 0.05);
+      tube(at(from + s), at(to + s), from == std::string("hip") ? thigh : 0.05,
+           from == std::string("hip") ? thigh : 0.05);
   }
   tube(at("pelvis"), at("c7") - Vec3(0, 0.04, 0), 0.14, 0.10);
   tube(at("c7"), at("head"), 0.05, 0.05);
@@ -108,6 +109,27 @@ TEST_F(KeepApart, BallsAndRoundsAreAsThickAsTheSkin) {
   EXPECT_NEAR(waist.half.x(), 0.14, 0.01);
   EXPECT_NEAR(waist.half.z(), 0.10, 0.01);
   EXPECT_NEAR(head.half.x(), 0.09, 0.012);
+}
+
+// Thighs that are wider than muscle makes them give way to each other, by 22 mm each at most; lean
+// ones do not.
+TEST_F(KeepApart, FatGivesWay) {
+  const auto allowed = [&](double thigh) {
+    CollisionProxies proxies = measure_proxies(skeleton_, ringed_skin(skeleton_, thigh));
+    double least = HUGE_VAL, lean = 0;
+    for (const ProxyPair& pair : make_collision_tables(skeleton_, proxies).pairs)
+      if (pair.kind == CollisionKind::leg_leg && pair.sphere == 0 && pair.other == 0)
+        least = pair.allowed,
+        lean = 0.08 * (proxies.limbs[0][0].radius + proxies.limbs[1][0].radius);
+    return least - lean;
+  };
+  EXPECT_NEAR(allowed(0.05), 0, 1e-9);
+  const double some = allowed(0.09);
+  EXPECT_GT(some, 0.005);
+  EXPECT_LT(some, 0.03);
+  EXPECT_EQ(rounds_.limbs[0][0].gives, 0);
+  const CollisionProxies wide = measure_proxies(skeleton_, ringed_skin(skeleton_, 0.2));
+  EXPECT_NEAR(wide.limbs[0][0].gives, 0.022, 1e-9);
 }
 
 TEST_F(KeepApart, LegsThatPassThroughEachOtherComeOutApart) {

@@ -47,6 +47,9 @@ TEST(NearestSurface, EqualsASearchOverAllTriangles) {
     const SurfacePoint hinted = surface.nearest(p, q % 300);
     EXPECT_EQ(hinted.triangle, hit.triangle);
     EXPECT_EQ(hinted.distance, hit.distance);
+    const std::optional<SurfacePoint> within = surface.nearest_within(p, 0.15);
+    ASSERT_EQ(within.has_value(), hit.distance <= 0.15);
+    if (within) EXPECT_EQ(within->triangle, hit.triangle);
   }
 }
 

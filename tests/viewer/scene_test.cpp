@@ -366,6 +366,37 @@ TEST_F(FilmTest, two_scenes_in_turn_draw_what_one_would) {
   }
 }
 
+TEST_F(FilmTest, two_scenes_are_halves_of_a_picture_or_wiped_over_each_other) {
+  Renderer renderer;
+  Scene scene;
+  const auto alone = [&](int f, int width) {
+    source()(f, scene);
+    return renderer.render(scene.list, width, 40);
+  };
+  for (const Pairing pairing : {Pairing::beside, Pairing::wiped}) {
+    Image seen;
+    FilmOptions options{.output = folder_ / "still.png", .width = 60, .height = 40};
+    options.pairing = pairing;
+    options.wipe = 0.25f;
+    options.finish = [&](int frame, Image& picture) {
+      EXPECT_EQ(frame, 0);
+      seen = picture;
+    };
+    EXPECT_EQ(make_film(options, 1, source()).frames, 1);
+    const bool beside = pairing == Pairing::beside;
+    const Image first = alone(0, beside ? 30 : 60), second = alone(1, beside ? 30 : 60);
+    const int line = beside ? 30 : 15;
+    int differ = 0;
+    for (int y = 0; y < 40; ++y)
+      for (int x = 0; x < 60; ++x) {
+        const std::uint8_t* from =
+            x < line ? first.pixel(x, y) : second.pixel(beside ? x - line : x, y);
+        differ += !std::equal(from, from + 3, seen.pixel(x, y));
+      }
+    EXPECT_EQ(differ, 0);
+  }
+}
+
 TEST_F(FilmTest, a_film_of_odd_size_is_made_even_and_the_same_twice) {
   FilmOptions options{.output = folder_ / "a.mp4", .width = 63, .height = 41};
   FilmReport report;

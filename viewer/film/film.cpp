@@ -178,18 +178,54 @@ void write_frames(Pipeline& pipeline, FrameWriter& writer, const std::function<v
   }
 }
 
-void draw_frames(Pipeline& pipeline, Renderer& renderer, int width, int height,
-                 const FrameFinish& finish, double& seconds) {
+// The columns of `second` from `begin` on, put into the picture from column `to` on.
+void put_columns(const Image& second, int begin, int to, Image& picture) {
+  const int count = std::min(second.width - begin, picture.width - to);
+  for (int y = 0; y < picture.height && count > 0; ++y)
+    std::copy_n(second.pixel(begin, y), 4 * std::size_t(count), picture.pixel(to, y));
+}
+
+struct PictureSize {
+  int width, height;
+};
+
+// A frame's picture of its scene, or of the two that are full next. False: there are no more.
+bool draw_frame(Pipeline& pipeline, Renderer& renderer, const FilmOptions& options,
+                const PictureSize& size, int scene, Image& picture) {
+  const auto draw = [&](int slot, int width) {
+    Image out = renderer.render(pipeline.scenes[slot].list, width, size.height);
+    pipeline.free_scenes.put(slot);
+    return out;
+  };
+  if (options.pairing == Pairing::none) {
+    picture = draw(scene, size.width);
+    return true;
+  }
+  const bool beside = options.pairing == Pairing::beside;
+  const int half = beside ? size.width / 2 : size.width;
+  const Image first = draw(scene, half);
+  const std::optional<int> other = pipeline.full_scenes.take();
+  if (!other) return false;
+  const Image second = draw(*other, size.width - (beside ? half : 0));
+  const int line = beside ? half : int(std::clamp(options.wipe, 0.0f, 1.0f) * float(size.width));
+  picture = make_image(size.width, size.height);
+  picture.transparent = first.transparent;
+  put_columns(first, 0, 0, picture);
+  put_columns(second, beside ? 0 : line, line, picture);
+  return true;
+}
+
+void draw_frames(Pipeline& pipeline, Renderer& renderer, const FilmOptions& options,
+                 const PictureSize& size, double& seconds) {
   try {
     int frame = 0;
     while (const std::optional<int> scene = pipeline.full_scenes.take()) {
       const std::optional<int> image = pipeline.free_images.take();
       if (!image || pipeline.stopped()) return;
       const Clock::time_point start = Clock::now();
-      pipeline.images[*image] = renderer.render(pipeline.scenes[*scene].list, width, height);
-      if (finish) finish(frame++, pipeline.images[*image]);
+      if (!draw_frame(pipeline, renderer, options, size, *scene, pipeline.images[*image])) break;
+      if (options.finish) options.finish(frame++, pipeline.images[*image]);
       seconds += since(start);
-      pipeline.free_scenes.put(*scene);
       pipeline.full_images.put(*image);
     }
     pipeline.full_images.close();
@@ -234,11 +270,11 @@ FilmReport make_film(const FilmOptions& options, int frames, const FrameSource& 
   FrameWriter writer(options, report.width, report.height);
   Pipeline pipeline;
   {
-    const std::jthread poser([&] { pose_frames(pipeline, frames, source, report.pose_seconds); });
+    const int scenes = options.pairing == Pairing::none ? frames : 2 * frames;
+    const std::jthread poser([&] { pose_frames(pipeline, scenes, source, report.pose_seconds); });
     const std::jthread encoder(
         [&] { write_frames(pipeline, writer, progress, report.write_seconds); });
-    draw_frames(pipeline, renderer, report.width, report.height, options.finish,
-                report.draw_seconds);
+    draw_frames(pipeline, renderer, options, {report.width, report.height}, report.draw_seconds);
   }
   if (pipeline.error) std::rethrow_exception(pipeline.error);
   writer.finish();

@@ -14,12 +14,17 @@ namespace ecorche {
 // Called with each finished picture, in order, before it is written: legends and titles.
 using FrameFinish = std::function<void(int frame, Image& picture)>;
 
+// Two scenes a frame: halves of the picture, or the second over the first, right of a line.
+enum class Pairing { none, beside, wiped };
+
 struct FilmOptions {
   std::filesystem::path output;  // FILM.mp4, DIR/%04d.png (any width), or STILL.png for one frame
   int first_number = 1, number_step = 1;  // of numbered pictures
   int width = 1280, height = 720;         // made even for an .mp4
   VideoOptions video{};
   RenderOptions render{};
+  Pairing pairing = Pairing::none;
+  float wipe = 0.5f;  // where that line is, of the picture's width
   FrameFinish finish{};
 };
 
@@ -32,7 +37,7 @@ struct FilmReport {
 };
 
 // Called for frames 0, 1, 2, ... in order from a thread of its own; writes into a scene that it may
-// have written to before.
+// have written to before. Of a pairing it is called for the two scenes of frame f as 2 f, 2 f + 1.
 using FrameSource = std::function<void(int frame, Scene& scene)>;
 
 // Throws UsageError (size, name, no frames, several for a still), LimitError (size), OutputError

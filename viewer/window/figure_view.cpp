@@ -92,7 +92,7 @@ void FigureView::show(const Size& size, bool again) {
             to_end = std::min(int(std::lround(float(end) / share_)), size.width);
   const PixelBox seen{to_begin, 0, to_end, size.height};
   gl_.BindFramebuffer(GL_FRAMEBUFFER, 0);
-  if (columns_ > 0) {
+  if (columns_ > 0 && !size.over) {
     gl_.Disable(GL_SCISSOR_TEST);
     gl_.ClearBufferfv(GL_COLOR, 0, kBeside);
   }
@@ -129,6 +129,17 @@ void FigureView::bring_up(const SceneModel& model, const PosedAnatomy& posed,
   shown.drawn = appearance;
 }
 
+template <class Use>
+void FigureView::with_tool(const PosedAnatomy& posed, const Appearance& appearance, DrawList& list,
+                           const Use& use) {
+  const std::size_t meshes = list.meshes.size(), items = list.items.size();
+  if (tool_.add) tool_.add(posed, appearance, list);
+  use();
+  list.meshes.resize(meshes);
+  list.items.resize(items);
+  list.cut.reset();
+}
+
 void FigureView::render(const PosedAnatomy& posed, const Appearance& appearance,
                         const ViewDocument& document, Shown& shown) {
   const bool fine = detail_ == Detail::fine;
@@ -142,13 +153,10 @@ void FigureView::render(const PosedAnatomy& posed, const Appearance& appearance,
   DrawList& list = shown.scene.list;
   list.ground.visible = document.ground;
   list.camera = camera_;
-  const std::size_t meshes = list.meshes.size(), items = list.items.size();
-  if (tool_.add) tool_.add(posed, appearance, list);
-  cut(document, posed, appearance, list);
-  renderer_.render_to(list, kept_.width(), kept_.height(), kept_.framebuffer());
-  list.meshes.resize(meshes);
-  list.items.resize(items);
-  list.cut.reset();
+  with_tool(posed, appearance, list, [&] {
+    cut(document, posed, appearance, list);
+    renderer_.render_to(list, kept_.width(), kept_.height(), kept_.framebuffer());
+  });
 }
 
 // Faces are found again where what they cut has changed, not where the eye has: in the fine scene,
@@ -168,11 +176,7 @@ void FigureView::cut(const ViewDocument& document, const PosedAnatomy& posed,
       faces_ = cut_faces(plane, whole, rooms);
     } else {
       bring_up(*subject_.model, posed, appearance, fine_);
-      const std::size_t meshes = whole.meshes.size(), items = whole.items.size();
-      if (tool_.add) tool_.add(posed, appearance, whole);
-      faces_ = cut_faces(plane, whole, rooms);
-      whole.meshes.resize(meshes);
-      whole.items.resize(items);
+      with_tool(posed, appearance, whole, [&] { faces_ = cut_faces(plane, whole, rooms); });
     }
   }
   cut_ = plane;

@@ -30,6 +30,7 @@ class FigureView {
     int width = 1, height = 1;  // of the window, pixels
     float unit = 1;             // pixels of a unit of the room
     ViewRoom room{};            // in units
+    bool over = false;          // what another figure has drawn beside it stays
   };
   // moving: quickly, where the driver is slow; still: as well as a job leaves time for.
   enum class Wish { moving, still, finest };
@@ -57,6 +58,10 @@ class FigureView {
                 Shown& shown);
   void render(const PosedAnatomy& posed, const Appearance& appearance, const ViewDocument& document,
               Shown& shown);
+  // The scene with what the tool adds, as `use` sees it.
+  template <class Use>
+  void with_tool(const PosedAnatomy& posed, const Appearance& appearance, DrawList& list,
+                 const Use& use);
   void cut(const ViewDocument& document, const PosedAnatomy& posed, const Appearance& appearance,
            DrawList& list);
   void show(const Size& size, bool again);

@@ -184,7 +184,7 @@ void draw_state(const ViewDocument& document, float left, float bottom) {
 }  // namespace
 
 void name_place(ViewDocument& document, const std::string& name) {
-  if (!document.recorded) return;
+  if (!document.recorded && !document.names_places) return;
   const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
   document.places[name] = {0.5f * (low.x + high.x), 0.5f * (low.y + high.y)};
 }

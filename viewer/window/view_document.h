@@ -81,7 +81,7 @@ struct ViewDocument {
   std::uint64_t touched = 0;  // a new value: a tool has changed what it adds to the picture
   // Middles of what the last frame showed, pixels, by the names that recorded sessions have for it;
   // kept while one is played.
-  bool recorded = false;
+  bool recorded = false, names_places = false;  // the latter: a tool wants them
   std::map<std::string, Eigen::Vector2f> places{};
 };
 

@@ -234,6 +234,10 @@ struct Session {
   PanelPixels panels;
   ViewDocument document, shown;
   std::optional<RecordedInput> recorded{};
+  // another figure beside it, drawn by a view of its own
+  const ViewSubject* beside_of = nullptr;
+  WindowTool beside_tool{};
+  std::unique_ptr<FigureView> beside{};
   Mouse mouse{};
   ViewRoom room{};
   ViewProjection projection{};  // of the frame before
@@ -248,6 +252,12 @@ struct Session {
   void read_events(float width, float height);
   std::optional<Point> take_input(const PosedAnatomy& posed, float height);
   void frame_view(const ViewRoom& now, bool jumped);
+  struct Halves {
+    ViewRoom own, other;        // what is seen of each
+    ViewRoom own_view, camera;  // that the cameras fill
+  };
+  Halves halves_of(const ViewRoom& whole, const FigureBeside& figure) const;
+  void take_beside(const FigureBeside& figure);
   void show(int frame, int width, int height, Point unit);
 };
 
@@ -301,6 +311,27 @@ void Session::frame_view(const ViewRoom& now, bool jumped) {
   room = now;
 }
 
+Session::Halves Session::halves_of(const ViewRoom& whole, const FigureBeside& figure) const {
+  if (!figure.subject) return {whole, whole, whole, whole};
+  const float left = whole.width * (figure.wiped ? std::clamp(figure.share, 0.0f, 1.0f) : 0.5f);
+  ViewRoom own = whole, other = whole;
+  own.width = left;
+  other.x += left;
+  other.width -= left;
+  own.alone = other.alone = true;
+  if (figure.wiped) return {own, other, whole, whole};
+  return {own, other, own, other};
+}
+
+void Session::take_beside(const FigureBeside& figure) {
+  if (figure.subject == beside_of) return;
+  beside_of = figure.subject;
+  beside.reset();
+  beside_tool = {};
+  beside_tool.dress = tool.dress_beside;
+  if (beside_of) beside = std::make_unique<FigureView>(*beside_of, beside_tool, window_proc);
+}
+
 void Session::show(int frame, int width, int height, Point unit) {
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
@@ -309,12 +340,17 @@ void Session::show(int frame, int width, int height, Point unit) {
   ImGui::NewFrame();
   const PosedAnatomy& posed = view.pose(document);
   const float azimuth = document.azimuth, elevation = document.elevation;
-  const ViewRoom now =
+  const ViewRoom whole =
       tool.panels ? tool.panels(posed, document) : draw_panels(subject, posed, document);
+  const FigureBeside figure = tool.beside ? tool.beside() : FigureBeside{};
+  take_beside(figure);
+  const Halves halves = halves_of(whole, figure);
+  const ViewRoom now = halves.own_view;
   if (document.recorded)
     document.places["view"] = {now.x + 0.5f * now.width, now.y + 0.9f * now.height};
   const float turned = document.azimuth, tilted = document.elevation;
-  const auto clicked = take_input(posed, now.height);
+  auto clicked = take_input(posed, now.height);
+  if (figure.subject && clicked && clicked->x > halves.other.x) clicked.reset();
   const bool dragged = mouse.down && mouse.travelled > 0;
   frame_view(now, azimuth != turned || elevation != tilted ||
                       (!dragged && (document.azimuth != turned || document.elevation != tilted)));
@@ -327,10 +363,13 @@ void Session::show(int frame, int width, int height, Point unit) {
   projection = ViewProjection(camera, window_width, window_height);
   if (tool.draw_over) tool.draw_over(view.pose(document), projection, document);
   const bool pictured = is_last(frame) || document.wants_picture || !wanted.empty();
-  view.draw(document, camera, {width, height, unit.x, room},
-            pictured                    ? FigureView::Wish::finest
-            : !recorded && is_settled() ? FigureView::Wish::still
-                                        : FigureView::Wish::moving);
+  const FigureView::Wish wish = pictured                    ? FigureView::Wish::finest
+                                : !recorded && is_settled() ? FigureView::Wish::still
+                                                            : FigureView::Wish::moving;
+  view.draw(document, camera, {width, height, unit.x, figure.subject ? halves.own : room}, wish);
+  if (beside)
+    beside->draw(document, beside->camera(document, halves.camera, window_width, window_height),
+                 {width, height, unit.x, halves.other, true}, wish);
   write_names(view.cut_rooms(), *subject.anatomy, projection);
   if (clicked) document.selected = view.part_at(clicked->x * unit.x, clicked->y * unit.y);
   if (clicked && tool.picked) tool.picked(document.selected);
@@ -344,6 +383,7 @@ void Session::show(int frame, int width, int height, Point unit) {
   if (!wanted.empty()) write_png(wanted, read_window(width, height));
   glfwSwapBuffers(screen.window());
   view.took(glfwGetTime() - began);
+  if (beside) beside->took(glfwGetTime() - began);
   // A picture of a session is drawn as finely as can be, which a person never waits for.
   if (tool.shown && wanted.empty()) tool.shown(began, glfwGetTime() - began, document);
 }

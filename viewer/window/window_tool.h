@@ -33,6 +33,13 @@ class ViewProjection {
   float width_ = 1, height_ = 1;
 };
 
+// Another figure in the same view.
+struct FigureBeside {
+  const ViewSubject* subject = nullptr;  // null: there is none
+  bool wiped = false;  // over the tool's own, right of a line; else each has half of the room
+  float share = 0.5f;  // of the room's width, where that line is
+};
+
 struct KeyLine {
   std::string name, effect;
 };
@@ -42,6 +49,9 @@ struct WindowTool {
   std::function<ViewRoom(const PosedAnatomy& posed, ViewDocument& document)> panels{};
   // Changes how the figure looks; of the document's look.
   std::function<void(Appearance& appearance)> dress{};
+  // The figure beside, and how it looks; of the document's look.
+  std::function<FigureBeside()> beside{};
+  std::function<void(Appearance& appearance)> dress_beside{};
   // Adds meshes and items to the picture; they are gone again after it.
   std::function<void(const PosedAnatomy& posed, const Appearance& appearance, DrawList& list)>
       add{};

@@ -70,7 +70,11 @@ std::vector<WindowLine> bench_window(const Common& common, Report& report) {
       {"studio_stall", "studio: longest frame while a body is fitted", ms("while_fitting.most_ms"),
        100},
       {"studio_stall_own", "the same, CPU time of the window's thread",
-       ms("while_fitting.own_most_ms"), 100}};
+       ms("while_fitting.own_most_ms"), 100},
+      {"studio_settled", "studio: a body fitted again after an edit of a muscle", ms("fit_ms"),
+       2000},
+      {"studio_settled_cpu", "the same, CPU time of all threads, the window's drawing included",
+       ms("fit_cpu_ms"), 2000}};
 }
 
 }  // namespace ecorche

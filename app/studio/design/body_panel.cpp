@@ -8,6 +8,7 @@
 
 #include "anatomy/joint_angles.h"
 #include "app/studio/design/fields.h"
+#include "app/studio/design/recent_list.h"
 #include "app/studio/design/skeleton_panel.h"
 #include "morph/measures/measure_table.h"
 #include "morph/placement/bone_groups.h"
@@ -174,10 +175,25 @@ void draw_body_panel(DesignSession& session, PanelState& state, ViewDocument& do
       !state.body_file.empty())
     session.run("set_body " + ecorche::quoted(state.body_file), "body");
   help_of_last("A body, a character, or a skin on the base mesh; none: the template's own");
+  draw_recent(session, "body", "set_body", "body", document);
   show_fault(session, "body");
   ImGui::TextUnformatted("fat over the muscles");
   action_slider(session, "##layer", body.layer, 0.2, 2.5, "%.2f times", "set_layer ", "body");
   name_place(document, "layer");
+  const bool sites = ImGui::TreeNode("by site");
+  name_place(document, "layer sites");
+  if (sites) {
+    for (const std::string& site : session.workshop().fat_sites()) {
+      const auto own = body.layer_sites.find(site);
+      ImGui::PushID(site.c_str());
+      ImGui::TextUnformatted(spaced(site).c_str());
+      action_slider(session, "##site", own == body.layer_sites.end() ? 1 : own->second, 0.2, 3,
+                    "%.2f times", fmt::format("set_layer site={} factor=", site), "body");
+      name_place(document, "layer:" + site);
+      ImGui::PopID();
+    }
+    ImGui::TreePop();
+  }
   ImGui::Separator();
   ImGui::TextUnformatted("Measures");
   if (ImGui::BeginTable("measures", 3)) {
@@ -239,15 +255,22 @@ void draw_trial_panel(DesignSession& session, ViewDocument& document) {
   } else {
     quiet_text("Drop a motion into the window, or Ctrl + O, to play it.");
   }
+  draw_recent(session, "motion", "play_motion", "try", document);
   show_fault(session, "try");
   ImGui::Separator();
   ImGui::TextUnformatted("Activation");
-  for (const auto& [name, value] : trial.activations) {
+  for (const auto& [name, effort] : trial.activations) {
+    const std::string word = name == "*" ? "all" : ecorche::quoted(name);
     ImGui::PushID(name.c_str());
+    if (ImGui::SmallButton("x")) session.run("relax " + word, "effort");
+    help_of_last("Relax it");
+    ImGui::SameLine();
     ImGui::TextUnformatted(name == "*" ? "every muscle" : name.c_str());
-    action_slider(session, "##value", value, 0, 1, "%.2f",
-                  fmt::format("activate {} value=", name == "*" ? "all" : ecorche::quoted(name)),
-                  "effort");
+    if (effort.keys.empty())
+      action_slider(session, "##value", effort.value, 0, 1, "%.2f",
+                    fmt::format("activate {} value=", word), "effort");
+    else
+      quiet_text(fmt::format("a curve of {} keys over the motion", effort.keys.size()));
     ImGui::PopID();
   }
   static std::string wanted;

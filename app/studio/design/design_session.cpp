@@ -1,17 +1,16 @@
 #include "app/studio/design/design_session.h"
 
 #include <fmt/format.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <utility>
 
 #include "anatomy/errors.h"
-#include "anatomy/geometry/mesh_measures.h"
-#include "anatomy/muscles/action_line.h"
 #include "anatomy/muscles/muscle_surface.h"
 #include "anatomy/posing/pose_anatomy.h"
-#include "app/edit/edited_skeleton.h"
+#include "app/edit/document/edited_skeleton.h"
+#include "app/edit/recent_files.h"
+#include "app/edit/trial_pose.h"
 #include "morph/placement/bone_groups.h"
 #include "viewer/scene_order.h"
 
@@ -21,18 +20,10 @@ namespace {
 // Actions that take long: they run beside, on the document as it is.
 bool takes_long(const Action& action) {
   return std::holds_alternative<WriteCharacter>(action) || std::holds_alternative<Render>(action) ||
+         std::holds_alternative<Film>(action) || std::holds_alternative<WriteTemplate>(action) ||
+         std::holds_alternative<WriteModel>(action) ||
          std::holds_alternative<ReportMuscle>(action) ||
-         std::holds_alternative<WriteCurves>(action);
-}
-
-void stand(const Character& character, PosedAnatomy& posed, SkinFrame& frame) {
-  const Anatomy& anatomy = character.anatomy;
-  forward_kinematics(anatomy.skeleton, rest_pose(anatomy.skeleton), posed.X_WJ);
-  posed.slices = rest_slices(anatomy);
-  posed.lengths.clear();
-  for (const Muscle& muscle : anatomy.muscles)
-    for (const Strip& strip : muscle.strips) posed.lengths.push_back(strip.rest_length);
-  to_frame(character.body.skin.V, vertex_normals(character.body.skin), frame);
+         std::holds_alternative<CheckBones>(action) || std::holds_alternative<WriteCurves>(action);
 }
 
 }  // namespace
@@ -42,7 +33,8 @@ DesignSession::DesignSession(Session& session, const Common& common, Session::Dr
       common_(common),
       shown_(
           unfitted_body(common.assets, session.workshop().base(), session.workshop().built_in())),
-      fit_(common, session.workshop().built_in(), shown_, std::move(draw)) {
+      fit_(common, session.workshop().built_in(), shown_, std::move(draw)),
+      beside_(common, session.workshop().built_in(), shown_) {
   workshop().warp();  // read before a hand waits for it
   take_shown(shown_);
 }
@@ -101,15 +93,27 @@ bool DesignSession::run(const std::string& line, const std::string& where) {
     const std::optional<Action> action = read_action(line);
     if (!action) return false;
     if (takes_long(*action))
-      fit_.run_beside(session_.document(), action_line(*action));
+      fit_.run_beside(session_.document(), session_.compared(), action_line(*action));
     else
       session_.run(*action);
     if (std::holds_alternative<Save>(*action)) message_ = "saved";
+    note_file(*action);
     return true;
   } catch (const std::exception& error) {
     refuse(error, where);
     return false;
   }
+}
+
+// For the lists of recent files.
+void DesignSession::note_file(const Action& action) const {
+  const std::filesystem::path& states = session_.kept_unsaved();
+  if (const auto* body = std::get_if<SetBody>(&action); body && body->file != "none")
+    note_recent(states, {"body", body->file});
+  if (const auto* motion = std::get_if<PlayMotion>(&action); motion && motion->file != "none")
+    note_recent(states, {"motion", motion->file});
+  if (const auto* save = std::get_if<Save>(&action); save && !save->folder.empty())
+    note_recent(states, {"project", save->folder});
 }
 
 void DesignSession::take_up(const std::filesystem::path& session) {
@@ -184,6 +188,7 @@ void DesignSession::update() {
   else if (!said.text.empty())
     message_ = std::move(said.text);
   if (auto newest = fit_.newest(); newest != shown_) take_shown(std::move(newest));
+  beside_.update(seen(), session_.compared(), shown_);
   if (seen().trial == trial_) return;
   trial_ = seen().trial;
   ++revision_;
@@ -195,10 +200,10 @@ bool DesignSession::follow() {
   std::vector<double> activation(live_.muscles.size(), 0);
   for (std::size_t m = 0; m < activation.size(); ++m) {
     const int own = find_muscle(anatomy(), live_.muscles[m].name);
-    if (own >= 0 && std::size_t(own) < activation_.size())
-      activation[m] = activation_[std::size_t(own)];
+    if (own >= 0 && std::size_t(own) < frame_.efforts.size())
+      activation[m] = frame_.efforts[std::size_t(own)];
   }
-  pose_anatomy(live_table_, live_anatomy_.skeleton, pose_, live_posed_, 1, activation);
+  pose_anatomy(live_table_, live_anatomy_.skeleton, frame_.pose, live_posed_, 1, activation);
   return changed;
 }
 
@@ -210,15 +215,14 @@ const std::string& DesignSession::figures(const std::string& joint, bool playing
   figures_.clear();
   const int muscle = find_muscle(anatomy(), seen().picked + "_l");
   if (muscle < 0 || !state_) return figures_;
-  int about = joint.empty() ? -1 : find_joint(anatomy().skeleton, joint + "_l");
-  if (about < 0 && !joint.empty()) about = find_joint(anatomy().skeleton, joint);
-  std::vector<double> effort = activation_;
+  const int about = joint_beside(anatomy().skeleton, joint, "_l");
+  std::vector<double> effort = frame_.efforts;
   effort.resize(anatomy().muscles.size(), 0);
-  const MuscleFigures f = muscle_figures(anatomy(), muscle, pose_, effort, -1, 0);
-  figures_ = fmt::format("{:.1f} mm long ({:+.1f} % of rest), {:.1f} ml, {:.0f} N", 1e3 * f.length,
+  const MuscleFigures f = muscle_figures(anatomy(), muscle, frame_.pose, effort, -1, 0);
+  figures_ = fmt::format("{:.1f} mm long, {:+.1f} % of rest\n{:.3g} ml, {:.0f} N", 1e3 * f.length,
                          100 * (f.length / f.rest_length - 1), 1e6 * f.volume, f.force);
   for (int axis = 0; axis < 3 && about >= 0; ++axis) {
-    const auto arm = muscle_figures(anatomy(), muscle, pose_, effort, about, axis).moment_arm;
+    const auto arm = muscle_figures(anatomy(), muscle, frame_.pose, effort, about, axis).moment_arm;
     if (arm)
       figures_ += fmt::format("\nmoment arm {:.1f} mm about {} {}", 1e3 * *arm, joint,
                               kAngleNames[std::size_t(axis)]);
@@ -226,62 +230,44 @@ const std::string& DesignSession::figures(const std::string& joint, bool playing
   return figures_;
 }
 
-const DesignSession::Curves& DesignSession::curves(const std::string& joint, int axis) {
-  constexpr std::size_t at_once = 40;  // frames, so that no picture waits
+const MuscleCurves& DesignSession::curves(const std::string& joint, int axis) {
+  constexpr std::size_t at_once = 30;  // frames, so that no picture waits
   const Motion& motion = *shown_->motion;
   const std::string of = fmt::format("{} {} {} {}", revision_, seen().picked, joint, axis);
   if (of != curves_of_) {
     curves_of_ = of;
     curves_ = {};
     gauge_.reset();
-    const int muscle = find_muscle(anatomy(), seen().picked + "_l");
-    if (muscle < 0 || !state_) return curves_;
-    int about = joint.empty() ? -1 : find_joint(anatomy().skeleton, joint + "_l");
-    if (about < 0 && !joint.empty()) about = find_joint(anatomy().skeleton, joint);
-    const std::vector<double> effort = trial_activation(seen(), anatomy());
-    gauge_.emplace(anatomy(), muscle, effort[std::size_t(muscle)], about, axis);
+    gauged_ = find_muscle(anatomy(), seen().picked + "_l");
+    if (gauged_ < 0 || !state_) return curves_;
+    gauge_.emplace(anatomy(), gauged_, joint_beside(anatomy().skeleton, joint, "_l"), axis);
+    efforts_ = trial_activations(seen(), anatomy());
   }
   if (!gauge_) return curves_;
   const std::size_t end = std::min(curves_.lengths.size() + at_once, motion.frames.size());
+  std::vector<double> effort;
   for (std::size_t k = curves_.lengths.size(); k < end; ++k) {
-    const Pose pose = trial_pose(workshop(), seen(), anatomy().skeleton, motion.frames[k]);
-    curves_.lengths.push_back(gauge_->length(pose));
-    curves_.moment_arms.push_back(gauge_->moment_arm(pose).value_or(0));
+    activation_at(efforts_, double(k) / motion.fps, effort);
+    add_frame(*gauge_, trial_pose(workshop(), seen(), anatomy().skeleton, motion.frames[k]),
+              effort.empty() ? 0 : effort[std::size_t(gauged_)], curves_);
   }
   if (end == motion.frames.size() && curves_.speeds.size() != end)
-    curves_.speeds = speeds_of(curves_.lengths, motion.fps);
+    finish(*gauge_, motion.fps, curves_);
   return curves_;
 }
 
 void DesignSession::pose(int frame, bool quick, PosedAnatomy& posed, SkinFrame& skin) {
-  const Character& character = shown_->character();
-  const Skeleton& skeleton = character.anatomy.skeleton;
   ++pose_number_;
-  pose_ = shown_->motion
-              ->frames[std::size_t(std::clamp(frame, 0, int(shown_->motion->frames.size()) - 1))];
-  activation_.clear();
-  if (!state_) {
-    stand(character, posed, skin);
-    return;
-  }
   try {
-    pose_ = trial_pose(workshop(), seen(), skeleton, pose_);
-    activation_ = trial_activation(seen(), character.anatomy);
+    frame_ = tried_frame(workshop(), seen(), *shown_, frame);
   } catch (const std::exception& error) {
     refuse(error, "try");
+    frame_ = {shown_->motion->frames.front(), {}};
   }
-  std::swap(state_->posed, posed);
-  std::swap(state_->skin, skin);
-  const Actor& actor = *shown_->actor;
-  if (quick) {
-    pose_muscles(actor.muscles, skeleton, pose_, state_->posed, state_->contact,
-                 tbb::this_task_arena::max_concurrency(), activation_);
-    evaluate_posed_skin(actor, SkinMethod::anchors, *state_);
-  } else {
-    evaluate(actor, pose_, {activation_, {}}, *state_);
-  }
-  std::swap(state_->posed, posed);
-  std::swap(state_->skin, skin);
+  if (state_)
+    evaluate_tried(*shown_->actor, frame_, quick, *state_, posed, skin);
+  else
+    stand(shown_->character(), posed, skin);
 }
 
 bool DesignSession::is_replaced(int muscle) const {

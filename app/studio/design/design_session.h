@@ -13,13 +13,15 @@
 #include <vector>
 
 #include "anatomy/posing/posing_table.h"
+#include "app/edit/muscle_gauge.h"
 #include "app/edit/session.h"
-#include "app/edit/trial_pose.h"
 #include "app/files/actor.h"
-#include "app/studio/design/background_fit.h"
-#include "app/studio/design/give_way.h"
-#include "app/studio/design/handles.h"
-#include "app/studio/design/live_muscles.h"
+#include "app/studio/bodies/background_fit.h"
+#include "app/studio/bodies/compared_body.h"
+#include "app/studio/bodies/posed_body.h"
+#include "app/studio/handles/give_way.h"
+#include "app/studio/handles/handles.h"
+#include "app/studio/handles/live_muscles.h"
 #include "viewer/draw_list.h"
 #include "viewer/scene.h"
 
@@ -49,6 +51,7 @@ class DesignSession {
   const Anatomy& anatomy() const { return shown_->character().anatomy; }
   const ShownBody& shown() const { return *shown_; }
   BackgroundFit& fit() { return fit_; }
+  ComparedBody& beside() { return beside_; }
 
   // Runs a line of a script as one step. What fails is said by fault().
   bool run(const std::string& line, const std::string& where);
@@ -100,10 +103,7 @@ class DesignSession {
   const std::string& figures(const std::string& joint, bool playing);
   // The left picked muscle over the motion, as far as it has been measured; some more with each
   // call.
-  struct Curves {
-    std::vector<double> lengths, speeds, moment_arms;  // m, m/s (once all are there), m
-  };
-  const Curves& curves(const std::string& joint, int axis);
+  const MuscleCurves& curves(const std::string& joint, int axis);
   const BoneCarrier& carrier();
   // Names without sides of the joints that the document has, and whether a side's name is of one.
   const std::vector<std::string>& joint_names();
@@ -111,6 +111,7 @@ class DesignSession {
   const std::vector<Vec3>& joint_rest() const { return shown_->model->joint_rest; }
 
  private:
+  void note_file(const Action& action) const;
   void take_shown(std::shared_ptr<const ShownBody> body);
   bool make_live();
   std::vector<MovedSection> moved_sections(const PosedAnatomy& posed) const;
@@ -119,6 +120,7 @@ class DesignSession {
   const Common& common_;
   std::shared_ptr<const ShownBody> shown_;
   BackgroundFit fit_;
+  ComparedBody beside_;
   std::optional<ActorState> state_;
   std::optional<LiveMuscleMaker> maker_;
   LiveMuscles live_;
@@ -130,8 +132,7 @@ class DesignSession {
   PointsF live_positions_, live_normals_;
   std::uint64_t live_shape_ = 0, live_revision_ = 0, live_key_ = fresh_scene_key() << 32;
   std::map<std::uint64_t, GivingWay> giving_way_;  // by the keys of skin, muscles and fascia
-  Pose pose_;
-  std::vector<double> activation_;
+  TriedFrame frame_;                               // of the last pose()
   std::optional<Document> trying_;
   std::optional<Document> compared_;  // what was saved, in the trial of now
   std::string tried_line_;
@@ -140,10 +141,12 @@ class DesignSession {
   Shared<EditedSkeleton> joint_names_of_;
   std::vector<std::string> joint_names_;
   std::optional<MuscleGauge> gauge_;
-  Curves curves_;
+  int gauged_ = -1;  // muscle of the shown anatomy
+  Activations efforts_;
+  MuscleCurves curves_;
   std::string curves_of_;
   std::string figures_, figures_of_;                  // and what they were made for
-  std::uint64_t pose_number_ = 0, figures_pose_ = 0;  // of pose_
+  std::uint64_t pose_number_ = 0, figures_pose_ = 0;  // of frame_
   Fault fault_;
   bool fault_seen_ = false;
   std::string message_;

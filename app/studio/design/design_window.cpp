@@ -11,23 +11,19 @@
 #include <thread>
 #include <utility>
 
-#include "anatomy/base_mesh/skin_import.h"
-#include "anatomy/mesh_files/mesh_io.h"
-#include "app/edit/project.h"
-#include "app/files/open_motion.h"
 #include "app/studio/design/body_panel.h"
+#include "app/studio/design/bone_input.h"
+#include "app/studio/design/comparison_view.h"
 #include "app/studio/design/design_session.h"
 #include "app/studio/design/draw_handles.h"
-#include "app/studio/design/dropped_bone.h"
+#include "app/studio/design/dropped_files.h"
 #include "app/studio/design/fields.h"
 #include "app/studio/design/frame_times.h"
 #include "app/studio/design/muscle_card.h"
 #include "app/studio/design/muscle_list.h"
 #include "app/studio/design/panel_state.h"
 #include "app/studio/design/script_panel.h"
-#include "morph/placement/bone_groups.h"
-#include "skinning/files/character_read.h"
-#include "skinning/motion_files/read_motion.h"
+#include "app/studio/design/tour.h"
 #include "viewer/window/file_panel.h"
 #include "viewer/window/panels.h"
 
@@ -47,19 +43,23 @@ float em() { return ImGui::GetFontSize(); }
 class DesignWindow {
  public:
   DesignWindow(Session& session, const Common& common, const Session::Drawer& draw)
-      : work_(session, common, draw) {
+      : work_(session, common, draw), comparison_(work_) {
     if (!session.has_project()) state_.left = unsaved_sessions(session.kept_unsaved());
     subject_.update = [this](ViewDocument& document, bool wait) { update(document, wait); };
     subject_.pose = [this](int frame, PosedAnatomy& posed, SkinFrame& skin) {
       work_.pose(frame, quick_, posed, skin);
     };
-    subject_.open = [this](const std::filesystem::path& file) { open(file); };
+    subject_.open = [this](const std::filesystem::path& file) {
+      open_dropped(work_, state_, file);
+    };
     show();
   }
 
   ViewSubject& subject() { return subject_; }
   WindowTool tool();
   const FrameTimes& times() const { return times_; }
+  const ShownBody& shown_body() const { return work_.shown(); }
+  void begin_tour() { state_.asks_tour = true; }
 
  private:
   void update(ViewDocument& document, bool wait);
@@ -67,17 +67,18 @@ class DesignWindow {
   ViewRoom panels(const PosedAnatomy& posed, ViewDocument& document);
   void draw_left(const PosedAnatomy& posed, ViewDocument& document, float bottom);
   void draw_right(ViewDocument& document, float bottom);
-  void dress(Appearance& appearance) const;
+  void dress(Appearance& appearance, bool beside) const;
   bool take(const WindowEvent& event, const ViewProjection& view, ViewDocument& document);
-  bool take_bone_click(const WindowEvent& event, const ViewProjection& view);
   bool take_key(const WindowEvent& event, ViewDocument& document);
-  void open(const std::filesystem::path& file);
-  void guess_joint(const WindowEvent& event, const ViewProjection& view);
   void pick(std::uint32_t part);
   void follow_pick(ViewDocument& document);
   void shown(double seconds, const ViewDocument& document);
 
   DesignSession work_;
+  ComparisonView comparison_;
+  Tour tour_;
+  BarPlace bar_{};  // below the bar of the last frame
+  ViewRoom room_;   // of the last frame's figure
   PanelState state_;
   ViewSubject subject_;
   const PosedAnatomy* posed_ = nullptr;  // of this frame
@@ -111,7 +112,7 @@ void DesignWindow::show() {
 void DesignWindow::update(ViewDocument& document, bool wait) {
   times_.begin();
   work_.update();
-  while (wait && work_.fit().busy()) {
+  while (wait && (work_.fit().busy() || work_.beside().busy())) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     work_.update();
   }
@@ -128,7 +129,8 @@ void DesignWindow::update(ViewDocument& document, bool wait) {
     quick_ = !quick_;
     ++subject_.revision;
   }
-  document.busy = work_.fit().busy();
+  comparison_.update();
+  document.busy = work_.fit().busy() || work_.beside().busy();
   follow_pick(document);
 }
 
@@ -154,81 +156,7 @@ void DesignWindow::pick(std::uint32_t part) {
   followed_ = name;
 }
 
-// A press that does not travel is a click on a bone; others turn the view as ever.
-bool DesignWindow::take_bone_click(const WindowEvent& event, const ViewProjection& view) {
-  using Kind = WindowEvent::Kind;
-  const Vec2f at(event.x, event.y);
-  if (event.kind == Kind::key && event.key == GLFW_KEY_ESCAPE) {
-    state_.bone_click.reset();
-    return true;
-  }
-  if (event.kind == Kind::press) state_.pressed = at;
-  if (event.kind != Kind::release || event.key != GLFW_MOUSE_BUTTON_LEFT || !posed_ ||
-      ImGui::GetIO().WantCaptureMouse || (at - state_.pressed).norm() > 3)
-    return false;
-  state_.bone_clicked = true;
-  const auto place =
-      bone_under(work_.anatomy(), work_.joint_rest(), *posed_, view, at, work_.workshop());
-  if (!place) {
-    work_.say("there is no bone of the built-in skeleton; click on one");
-    return false;
-  }
-  work_.say({});
-  if (state_.bone_click->what == BoneClick::For::origin) {
-    state_.bone_click->what = BoneClick::For::insertion;
-    state_.bone_click->origin = place;
-    return false;
-  }
-  const std::string line = line_of_click(*state_.bone_click, *place, work_.session().document());
-  if (!work_.run(line, "bar")) return false;
-  if (state_.bone_click->what == BoneClick::For::insertion)
-    work_.run("pick " + split_words(line)[1], "bar");
-  state_.bone_click.reset();
-  return false;
-}
-
-// A motion, a body, or a mesh that may become a bone.
-void DesignWindow::open(const std::filesystem::path& file) {
-  if (names_motion(file) || is_project(file) || has_body_notes(file)) {
-    work_.run((names_motion(file) ? "play_motion " : "set_body ") + ecorche::quoted(file.string()),
-              "view");
-    return;
-  }
-  work_.forget_fault();
-  try {
-    const MeshFile mesh = read_mesh_file(file);
-    if (has_base_skin(mesh, work_.workshop().package())) {
-      work_.run("set_body " + ecorche::quoted(file.string()), "view");
-      return;
-    }
-    std::vector<std::string> taken = work_.workshop().bone_names();
-    for (const SourceLandmark& landmark : work_.seen().frame->landmarks)
-      taken.push_back(landmark.id);
-    state_.dropped = dropped_bone(file, mesh, taken);
-    state_.asks_tab = "Joints";
-  } catch (const std::exception& error) {
-    work_.refuse(error, "view");
-  }
-}
-
-// Of what is dropped onto the figure: the joint that is seen nearest to it.
-void DesignWindow::guess_joint(const WindowEvent& event, const ViewProjection& view) {
-  if (!posed_ || !state_.joint.empty() || ImGui::GetIO().WantCaptureMouse) return;
-  std::vector<Handle> joints;
-  add_joints(work_.anatomy().skeleton, *posed_, joints);
-  float least = 6 * em();
-  for (const Handle& handle : joints) {
-    const auto at = view.pixel(handle.place.cast<float>());
-    const std::string& name = work_.anatomy().skeleton.joints[std::size_t(handle.joint)].name;
-    if (!at || !work_.has_joint(name)) continue;
-    const float distance = (*at - Vec2f(event.x, event.y)).norm();
-    if (distance >= least) continue;
-    least = distance;
-    state_.joint = split_side(name).first;
-  }
-}
-
-void DesignWindow::dress(Appearance& appearance) const {
+void DesignWindow::dress(Appearance& appearance, bool beside) const {
   std::set<std::uint32_t> hidden(appearance.hidden.begin(), appearance.hidden.end());
   const Anatomy& anatomy = work_.anatomy();
   const std::string& picked = work_.seen().picked;
@@ -236,7 +164,7 @@ void DesignWindow::dress(Appearance& appearance) const {
     const Muscle& muscle = anatomy.muscles[std::size_t(m)];
     const bool own = muscle.name.size() == picked.size() + 2 && muscle.name.starts_with(picked);
     const int depth = muscle.layer == "deep" ? 3 : muscle.layer == "intermediate" ? 2 : 1;
-    if (work_.is_replaced(m) || state_.bone_click || (depth <= state_.peel && !own))
+    if ((!beside && work_.is_replaced(m)) || state_.bone_click || (depth <= state_.peel && !own))
       hidden.insert(kFirstMusclePart + std::uint32_t(m));
   }
   for (std::size_t f = 0; (state_.peel > 0 || state_.bone_click) && f < anatomy.fascia.size(); ++f)
@@ -271,6 +199,7 @@ void DesignWindow::draw_left(const PosedAnatomy& posed, ViewDocument& document, 
     if (ImGui::Checkbox("as it was saved", &saved)) work_.show_saved(saved);
     name_place(document, "as it was saved");
     help_of_last("Before and after what is not saved, in the same pose (key C)");
+    draw_comparison_choice(work_, document);
     ImGui::Separator();
     draw_muscle_list(work_, state_, document);
   }
@@ -291,6 +220,7 @@ void DesignWindow::draw_right(ViewDocument& document, float bottom) {
       name_place(document, std::string("tab:") + name);
       if (!open) return;
       state_.joint_tab = std::string(name) == "Joints";
+      state_.script_tab = std::string(name) == "Script";
       ImGui::BeginChild(name);
       if (asked) {
         ImGui::SetScrollY(0);
@@ -327,11 +257,14 @@ ViewRoom DesignWindow::panels(const PosedAnatomy& posed, ViewDocument& document)
   const BarPlace bar{left, edge, std::max(size.x - left - right, 20 * em())};
   const float under = draw_top_bar(work_, state_, document, bar);
   draw_actions_box(work_, state_, document, {bar.left, under, bar.width});
+  bar_ = {bar.left, under, bar.width};
   if (state_.look) act(*std::exchange(state_.look, std::nullopt), subject_, posed, document);
   if (state_.closes) document.closing = true;
   if (size.x - left - right > 0.3f * size.x) room = {left, 0, size.x - left - right, 0, true};
   room.y = 3 * em();
   room.height = std::max(size.y - timeline - room.y, 0.35f * size.y);
+  comparison_.draw(room);
+  room_ = room;
   return room;
 }
 
@@ -381,11 +314,15 @@ bool DesignWindow::take_key(const WindowEvent& event, ViewDocument& document) {
 bool DesignWindow::take(const WindowEvent& event, const ViewProjection& view,
                         ViewDocument& document) {
   if (event.kind == WindowEvent::Kind::drop) {
-    guess_joint(event, view);
-    for (const std::filesystem::path& file : event.files) open(file);
+    guess_joint(work_, state_, posed_, event, view);
+    for (const std::filesystem::path& file : event.files) open_dropped(work_, state_, file);
     return true;
   }
-  if (state_.bone_click && take_bone_click(event, view)) return true;
+  if (state_.bone_click && take_bone_click(work_, state_, posed_, event, view)) return true;
+  if (comparison_.take(event, room_)) {
+    ++document.touched;
+    return true;
+  }
   if (posed_ && !state_.bone_click && take_handle(work_, state_, *posed_, event, view)) {
     ++document.touched;
     return true;
@@ -417,7 +354,12 @@ WindowTool DesignWindow::tool() {
   out.panels = [this](const PosedAnatomy& posed, ViewDocument& document) {
     return panels(posed, document);
   };
-  out.dress = [this](Appearance& appearance) { dress(appearance); };
+  out.dress = [this](Appearance& appearance) { dress(appearance, false); };
+  out.beside = [this] { return comparison_.figure(); };
+  out.dress_beside = [this](Appearance& appearance) {
+    dress(appearance, true);
+    comparison_.dress(appearance);
+  };
   out.add = [this](const PosedAnatomy& posed, const Appearance& appearance, DrawList& list) {
     work_.add_live(posed, appearance, list);
   };
@@ -425,6 +367,10 @@ WindowTool DesignWindow::tool() {
                          ViewDocument& document) {
     if (work_.follow()) ++document.touched;
     draw_handles(work_, state_, posed, view, document);
+    if (std::exchange(state_.asks_tour, false)) tour_.begin();
+    document.names_places = tour_.runs();
+    if (document.panels && !state_.actions)
+      tour_.draw(work_, state_, bar_.left, bar_.top + 0.4f * em(), bar_.width, document);
   };
   out.take = [this](const WindowEvent& event, const ViewProjection& view, ViewDocument& document) {
     return take(event, view, document);
@@ -458,9 +404,15 @@ void run_design_window(Session& session, const Common& common, Report& report,
   DesignWindow window(session, common, draw);
   ViewDocument begin;
   begin.look.skin = 0.1f;
+  // not of pictures and played sessions
+  if (options.input.empty() && options.frames == 0 && is_first_run(session.kept_unsaved()))
+    window.begin_tour();
   const WindowTool tool = window.tool();
   run_window(window.subject(), options, begin, tool);
   window.times().report(report);
+  const ShownBody& shown = window.shown_body();
+  report.set("window.fit_ms", 1e3 * shown.fit_seconds);
+  report.set("window.fit_cpu_ms", 1e3 * shown.fit_cpu_seconds);
 }
 
 }  // namespace ecorche

@@ -7,10 +7,10 @@
 
 #include <algorithm>
 
-#include "app/studio/design/axis_handles.h"
 #include "app/studio/design/fields.h"
-#include "app/studio/design/limit_arcs.h"
 #include "app/studio/design/shape_handles.h"
+#include "app/studio/handles/axis_handles.h"
+#include "app/studio/handles/limit_arcs.h"
 
 namespace ecorche {
 namespace {
@@ -233,6 +233,9 @@ void draw_bone_click(DesignSession& session, const BoneClick& click, const Posed
     for (const Bone& bone : session.anatomy().bones)
       if (const auto at = seen(bone.mesh.V.colwise().mean().transpose(), bone.joint))
         document.places["bone:" + bone.name] = *at;
+  for (const BonePlace& place : click.painted)
+    if (const auto at = seen(place.rest, place.joint))
+      list.AddCircleFilled({at->x(), at->y()}, 0.3f * ImGui::GetFontSize(), kPointFill);
   if (!click.origin) return;
   const auto from = seen(click.origin->rest, click.origin->joint);
   if (!from) return;
@@ -290,7 +293,7 @@ void draw_handles(DesignSession& session, PanelState& state, const PosedAnatomy&
     if (!at) continue;
     const bool held = state.drag && state.drag->handle.name == handle.name;
     draw_point(handle, {at->x(), at->y()}, held || k == state.hovered, list);
-    if (document.recorded) document.places[handle.name] = *at;
+    if (document.recorded || document.names_places) document.places[handle.name] = *at;
   }
   if (state.hovered >= 0 && !state.drag) tell(state.handles[std::size_t(state.hovered)], session);
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "app/studio/design/fields.h"
+#include "app/studio/design/motion_curves.h"
 #include "app/studio/design/muscle_lines.h"
 
 namespace ecorche {
@@ -63,51 +64,17 @@ void draw_words(const TableMuscle& m) {
 void draw_effort(DesignSession& session, const std::string& name, ViewDocument& document) {
   const auto& values = session.seen().trial->activations;
   const auto own = values.find(name);
+  if (own != values.end() && !own->second.keys.empty()) {
+    ImGui::TextUnformatted("activation: as its curve over the motion");
+    show_fault(session, "effort");
+    return;
+  }
   ImGui::TextUnformatted("activation");
-  action_slider(session, "##activation", own == values.end() ? 0 : own->second, 0, 1, "%.2f",
+  action_slider(session, "##activation", own == values.end() ? 0 : own->second.value, 0, 1, "%.2f",
                 fmt::format("activate {} value=", name), "effort");
   name_place(document, "activation");
   help_of_last("0 relaxed, 1 full effort: the belly shortens and bulges");
   show_fault(session, "effort");
-}
-
-// A curve with its range, and a line at the moment that is shown.
-void draw_curve(const char* name, const char* unit, const std::vector<double>& values,
-                std::size_t frames, double moment) {
-  if (values.empty()) return;
-  std::vector<float> shown(values.size());
-  std::ranges::transform(values, shown.begin(), [](double value) { return float(1e3 * value); });
-  const auto [low, high] = std::ranges::minmax(shown);
-  const std::size_t now =
-      std::min(std::size_t(moment * double(frames - 1) + 0.5), shown.size() - 1);
-  ImGui::TextUnformatted(
-      fmt::format("{} {:.1f} {}, {:.1f} to {:.1f}", name, shown[now], unit, low, high).c_str());
-  ImGui::PushID(name);
-  ImGui::PlotLines("##curve", shown.data(), int(shown.size()), 0, nullptr, low, high,
-                   {ImGui::GetContentRegionAvail().x, 3 * em_card()});
-  ImGui::PopID();
-  const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
-  const float x = from.x + (to.x - from.x) * float(moment);
-  ImGui::GetWindowDrawList()->AddLine({x, from.y}, {x, to.y}, IM_COL32(250, 205, 60, 255), 2);
-}
-
-void draw_curves(DesignSession& session, PanelState& state, ViewDocument& document) {
-  ImGui::SetNextItemWidth(-1);
-  if (ImGui::BeginCombo("##about", kAngleNames[std::size_t(state.curve_axis)])) {
-    for (int axis = 0; axis < 3; ++axis)
-      if (ImGui::Selectable(kAngleNames[std::size_t(axis)], axis == state.curve_axis))
-        state.curve_axis = axis;
-    ImGui::EndCombo();
-  }
-  help_of_last("The angle of the moment arm; its joint is the one chosen under Joints");
-  const Motion& motion = *session.shown().motion;
-  const DesignSession::Curves& curves = session.curves(state.joint, state.curve_axis);
-  const std::size_t frames = motion.frames.size();
-  const double moment = std::clamp(document.time * motion.fps / double(frames - 1), 0.0, 1.0);
-  draw_curve("length", "mm", curves.lengths, frames, moment);
-  draw_curve("speed", "mm/s", curves.speeds, frames, moment);
-  if (!state.joint.empty()) draw_curve("moment arm", "mm", curves.moment_arms, frames, moment);
-  quiet_text("export FILE.csv writes them.");
 }
 
 void draw_first_steps() {
@@ -135,6 +102,7 @@ void draw_muscle_card(DesignSession& session, PanelState& state, ViewDocument& d
   ImGui::TextWrapped("%s", m.label.empty() ? m.name.c_str() : m.label.c_str());
   quiet_text(fmt::format("{}, {}, {}", m.name, m.group, m.layer));
   if (ImGui::Button("closely")) state.look = ViewAction::frame_selected;
+  name_place(document, "closely");
   help_of_last("Bring it near (key .)");
   ImGui::SameLine();
   if (ImGui::Button("only this")) state.look = ViewAction::isolate;
@@ -156,7 +124,7 @@ void draw_muscle_card(DesignSession& session, PanelState& state, ViewDocument& d
   }
   show_fault(session, "muscle");
   if (const std::string& now = session.figures(state.joint, document.playing); !now.empty()) {
-    ImGui::TextWrapped("now: %s", now.c_str());
+    ImGui::TextUnformatted(("now " + now).c_str());  // wrapped, numbers would break at their points
     help_of_last(
         "The left one in the pose that is shown; choose a joint under Joints to see the moment "
         "arms about it");
@@ -165,7 +133,7 @@ void draw_muscle_card(DesignSession& session, PanelState& state, ViewDocument& d
   if (session.shown().motion->frames.size() > 1) {
     const bool open = ImGui::CollapsingHeader("Over the motion");
     name_place(document, "section:Over the motion");
-    if (open) draw_curves(session, state, document);
+    if (open) draw_motion_curves(session, state, document);
   }
   ImGui::SetNextItemOpen(true, ImGuiCond_FirstUseEver);
   if (ImGui::CollapsingHeader("Line and sections")) draw_muscle_lines(session, state, m, document);

@@ -183,6 +183,13 @@ void draw_muscle_lines(DesignSession& session, PanelState& state, const TableMus
   ImGui::Checkbox("wraps", &state.wraps);
   ImGui::Checkbox("drags move one side only", &state.one_side);
   quiet_text("Drag a point in the figure, or type a place.");
+  for (const bool origin : {true, false}) {
+    if (ImGui::SmallButton(origin ? "paint its origin" : "paint its insertion"))
+      state.bone_click = BoneClick{.what = BoneClick::For::area, .paints_origin = origin};
+    name_place(document, origin ? "paint origin" : "paint insertion");
+    help_of_last("As an area of bone: its strips are spread over it");
+    if (origin) ImGui::SameLine();
+  }
   show_fault(session, "line");
   const int strips = int(muscle.strips.size());
   for (int k = 1; k <= strips; ++k) {

@@ -19,15 +19,63 @@ std::string lowered(std::string text) {
   return text;
 }
 
+std::vector<std::uint32_t> parts_of(const DesignSession& session, const std::string& muscle) {
+  std::vector<std::uint32_t> out;
+  for (const char* side : {"_l", "_r"})
+    if (const int own = find_muscle(session.anatomy(), muscle + side); own >= 0)
+      out.push_back(kFirstMusclePart + std::uint32_t(own));
+  return out;
+}
+
+bool is_seen(const DesignSession& session, const std::string& muscle,
+             const ViewDocument& document) {
+  return std::ranges::none_of(parts_of(session, muscle),
+                              [&](auto part) { return is_hidden(document, part); });
+}
+
+void show_muscle(const DesignSession& session, const std::string& muscle, bool shown,
+                 ViewDocument& document) {
+  for (const std::uint32_t part : parts_of(session, muscle)) set_hidden(part, !shown, document);
+}
+
+// Shown or hidden, all of a group.
+void group_box(const DesignSession& session, const std::vector<const TableMuscle*>& muscles,
+               ViewDocument& document) {
+  bool seen = std::ranges::all_of(
+      muscles, [&](const TableMuscle* each) { return is_seen(session, each->name, document); });
+  if (ImGui::Checkbox("##all", &seen))
+    for (const TableMuscle* each : muscles) show_muscle(session, each->name, seen, document);
+  help_of_last("the group shown or hidden");
+  ImGui::SameLine();
+}
+
+// By the right button on a group: it alone, or its effort.
+void group_menu(DesignSession& session, Grouping grouping, const std::string& group,
+                const std::vector<const TableMuscle*>& muscles, ViewDocument& document) {
+  help_of_last("right button: only these, tense, relax");
+  if (!ImGui::BeginPopupContextItem("group")) return;
+  if (ImGui::Selectable("only these"))
+    for (const auto& each : session.seen().muscles)
+      show_muscle(session, each->left.name,
+                  std::ranges::find(muscles, each->left.name, &TableMuscle::name) != muscles.end(),
+                  document);
+  if (ImGui::Selectable("all muscles again"))
+    for (const auto& each : session.seen().muscles)
+      show_muscle(session, each->left.name, true, document);
+  std::string word = group;
+  std::ranges::replace(word, ' ', '_');
+  if (grouping == Grouping::nerve || grouping == Grouping::function) {
+    word = (grouping == Grouping::nerve ? "nerve:" : "function:") + word;
+    if (ImGui::Selectable("tense")) session.run("activate " + word + " value=1", "list");
+    if (ImGui::Selectable("relax")) session.run("relax " + word, "list");
+  }
+  ImGui::EndPopup();
+}
+
 void muscle_row(DesignSession& session, const TableMuscle& muscle, ViewDocument& document) {
   ImGui::PushID(muscle.name.c_str());
-  std::vector<std::uint32_t> parts;
-  for (const char* side : {"_l", "_r"})
-    if (const int own = find_muscle(session.anatomy(), muscle.name + side); own >= 0)
-      parts.push_back(kFirstMusclePart + std::uint32_t(own));
-  bool seen = std::ranges::none_of(parts, [&](auto part) { return is_hidden(document, part); });
-  if (ImGui::Checkbox("##seen", &seen))
-    for (const std::uint32_t part : parts) set_hidden(part, !seen, document);
+  bool seen = is_seen(session, muscle.name, document);
+  if (ImGui::Checkbox("##seen", &seen)) show_muscle(session, muscle.name, seen, document);
   help_of_last("shown or hidden");
   ImGui::SameLine();
   const std::string label = muscle.label.empty() ? spaced(muscle.name) : muscle.label;
@@ -52,6 +100,16 @@ bool is_found(const TableMuscle& muscle, const std::string& find) {
   return true;
 }
 
+std::vector<std::string> groups_of(const TableMuscle& muscle, Grouping grouping,
+                                   const MuscleGroups& groups) {
+  if (grouping == Grouping::region) return {spaced(muscle.group)};
+  if (grouping == Grouping::layer) return {muscle.layer};
+  const auto entry = groups.find(muscle.name);
+  if (entry == groups.end()) return {"not known (its own)"};
+  if (grouping == Grouping::nerve) return {entry->second.nerve};
+  return entry->second.functions;
+}
+
 void draw_muscle_list(DesignSession& session, PanelState& state, ViewDocument& document) {
   const bool entered =
       text_field("##find", state.find, "find: soleus, heel bone", ImGui::GetContentRegionAvail().x);
@@ -63,29 +121,50 @@ void draw_muscle_list(DesignSession& session, PanelState& state, ViewDocument& d
   }
   name_place(document, "new muscle");
   help_of_last("Draw one: click on a bone where it begins, then where it ends");
-  std::map<std::string, std::vector<const TableMuscle*>> regions;
-  const Document& seen = session.seen();
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::BeginCombo("##grouped", kGroupings[std::size_t(state.grouped)])) {
+    for (int k = 0; k < int(kGroupings.size()); ++k) {
+      if (ImGui::Selectable(kGroupings[std::size_t(k)], k == state.grouped)) state.grouped = k;
+      name_place(document, fmt::format("grouped:{}", kGroupings[std::size_t(k)]));
+    }
+    ImGui::EndCombo();
+  }
+  name_place(document, "grouped");
+  help_of_last("Groups by region, by the nerve that moves them, by what they do, or by layer");
+  std::map<std::string, std::vector<const TableMuscle*>> groups;
+  // A copy of the pointers' document: a row that is clicked makes a new one.
+  const Document held = session.seen();
   int found = 0;
-  for (const auto& muscle : seen.muscles)
+  for (const auto& muscle : held.muscles)
     if (is_found(muscle->left, state.find)) {
-      regions[muscle->left.group].push_back(&muscle->left);
+      for (const std::string& group :
+           groups_of(muscle->left, Grouping(state.grouped), session.workshop().groups()))
+        groups[group].push_back(&muscle->left);
       ++found;
     }
-  if (entered && found > 0) session.run("pick " + regions.begin()->second.front()->name, "list");
+  if (entered && found > 0) session.run("pick " + groups.begin()->second.front()->name, "list");
   quiet_text(state.find.empty() ? fmt::format("{} muscles, both sides of each", found)
-                                : fmt::format("{} of {} muscles", found, seen.muscles.size()));
+                                : fmt::format("{} of {} muscles", found, held.muscles.size()));
   show_fault(session, "list");
   ImGui::BeginChild("muscles");
-  // A copy of the pointers' document: a row that is clicked makes a new one.
-  const Document held = seen;
   const int picked = find_entry(held, held.picked);
-  for (const auto& [region, muscles] : regions) {
+  for (const auto& [group, muscles] : groups) {
+    const bool own =
+        picked >= 0 &&
+        std::ranges::find(muscles, &held.muscles[std::size_t(picked)]->left) != muscles.end();
+    ImGui::PushID(group.c_str());
+    group_box(session, muscles, document);
+    const std::string title = fmt::format("{}  ({})", group, muscles.size());
     if (!state.find.empty() && found < 40) ImGui::SetNextItemOpen(true);
-    const bool own = picked >= 0 && held.muscles[std::size_t(picked)]->left.group == region;
-    const std::string title = fmt::format("{}  ({})###{}", spaced(region), muscles.size(), region);
-    if (!ImGui::TreeNodeEx(title.c_str(), own ? ImGuiTreeNodeFlags_DefaultOpen : 0)) continue;
-    for (const TableMuscle* muscle : muscles) muscle_row(session, *muscle, document);
-    ImGui::TreePop();
+    const bool open = ImGui::TreeNodeEx(title.c_str(), own ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+    name_place(document, "group:" + group);
+    group_menu(session, Grouping(state.grouped), group, muscles, document);
+    if (open) {
+      for (const TableMuscle* muscle : muscles) muscle_row(session, *muscle, document);
+      ImGui::TreePop();
+    }
+    ImGui::PopID();
   }
   ImGui::EndChild();
 }

@@ -8,6 +8,7 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
+#include "app/studio/design/export_panel.h"
 #include "app/studio/design/fields.h"
 
 namespace ecorche {
@@ -71,8 +72,34 @@ void draw_folder(DesignSession& session, PanelState& state, ViewDocument& docume
   if (ImGui::Button("not now")) state.asks_folder = state.asks_to_close = false;
 }
 
-void draw_asked_click(PanelState& state, ViewDocument& document) {
+// An area is done when the person says so: more strokes may follow.
+void draw_asked_area(DesignSession& session, PanelState& state, ViewDocument& document) {
+  BoneClick& click = *state.bone_click;
+  ImGui::TextWrapped("%s",
+                     fmt::format("Paint the {} on the bone: hold the button and move over it.",
+                                 click.paints_origin ? "origin" : "insertion")
+                         .c_str());
+  if (!click.painted.empty()) {
+    const bool done = ImGui::Button("done###area done");
+    name_place(document, "area done");
+    ImGui::SameLine();
+    if (ImGui::Button("again###area again")) click.painted.clear();
+    ImGui::SameLine();
+    if (done && session.run(line_of_area(click, session.session().document()), "bar")) {
+      state.bone_click.reset();
+      return;
+    }
+  }
+  if (ImGui::Button("leave it###no click")) state.bone_click.reset();
+  name_place(document, "no click");
+}
+
+void draw_asked_click(DesignSession& session, PanelState& state, ViewDocument& document) {
   using For = BoneClick::For;
+  if (state.bone_click->what == For::area) {
+    draw_asked_area(session, state, document);
+    return;
+  }
   const For what = state.bone_click->what;
   ImGui::TextWrapped(
       "%s", what == For::origin      ? "A new muscle: click on a bone where it begins (its origin)."
@@ -81,44 +108,6 @@ void draw_asked_click(PanelState& state, ViewDocument& document) {
   if (ImGui::Button("leave it###no click")) state.bone_click.reset();
   name_place(document, "no click");
   help_of_last("Escape");
-}
-
-// What a file's ending asks for, as a line of a script; empty for another one.
-std::string export_line(const std::string& file) {
-  const std::filesystem::path kind = std::filesystem::path(file).extension();
-  const char* action = kind == ".glb"   ? "write_character file="
-                       : kind == ".png" ? "render file="
-                       : kind == ".txt" ? "export_muscle file="
-                       : kind == ".csv" ? "curves file="
-                                        : nullptr;
-  return action ? action + ecorche::quoted(file) : std::string();
-}
-
-void draw_export(DesignSession& session, PanelState& state, ViewDocument& document) {
-  if (!state.asks_export) return;
-  ImGui::TextWrapped(
-      "Write FILE.glb: the character, FILE.png: a picture, FILE.txt: the picked muscle, "
-      "FILE.csv: its curves over the motion");
-  const bool entered =
-      text_field("##export", state.export_file, "my-arm.glb", 9 * ImGui::GetFontSize());
-  name_place(document, "export file");
-  ImGui::SameLine();
-  if ((ImGui::Button("write it") || entered) && !state.export_file.empty()) {
-    const std::string line = export_line(state.export_file);
-    if (line.empty())
-      session.refuse(
-          InputError(state.export_file + ": expected a name with .glb, .png, .txt or .csv"),
-          "export");
-    else if (session.run(line, "export")) {
-      state.asks_export = false;
-      session.say(
-          fmt::format("writing {} ...", std::filesystem::absolute(state.export_file).string()));
-    }
-  }
-  name_place(document, "write it");
-  ImGui::SameLine();
-  if (ImGui::Button("not now###no export")) state.asks_export = false;
-  show_fault(session, "export");
 }
 
 void draw_closing(DesignSession& session, PanelState& state, ViewDocument& document) {
@@ -254,7 +243,8 @@ float draw_top_bar(DesignSession& session, PanelState& state, ViewDocument& docu
     ImGui::SameLine();
     if (ImGui::Button("export")) state.asks_export = !state.asks_export;
     name_place(document, "export");
-    help_of_last("The character, a picture or a muscle into a file; F12: a picture of this view");
+    help_of_last(
+        "Characters, models, pictures, films and tables into files; F12: a picture of this view");
     ImGui::SameLine();
     if (ImGui::Button("actions")) state.actions = state.actions_begin = !state.actions;
     name_place(document, "actions");
@@ -263,10 +253,14 @@ float draw_top_bar(DesignSession& session, PanelState& state, ViewDocument& docu
     if (ImGui::Button("keys")) document.help = !document.help;
     name_place(document, "keys");
     help_of_last("F1");
+    ImGui::SameLine();
+    if (ImGui::Button("tour")) state.asks_tour = true;
+    name_place(document, "tour");
+    help_of_last("The first steps, shown where they are done");
     draw_left_sessions(session, state, document);
     if (!session.session().no_journal().empty()) fault_text(session.session().no_journal());
     if (session.shows_saved()) ImGui::TextUnformatted("as it was saved; C: as it is");
-    if (state.bone_click) draw_asked_click(state, document);
+    if (state.bone_click) draw_asked_click(session, state, document);
     draw_folder(session, state, document);
     draw_export(session, state, document);
     draw_closing(session, state, document);

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/edit/edit_muscle.h"
+#include "app/edit/document/edit_muscle.h"
 
 namespace ecorche {
 namespace {

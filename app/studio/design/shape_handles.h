@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/studio/design/design_session.h"
-#include "app/studio/design/handles.h"
+#include "app/studio/handles/handles.h"
 
 namespace ecorche {
 

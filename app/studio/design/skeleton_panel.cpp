@@ -5,11 +5,22 @@
 
 #include <algorithm>
 
+#include "app/edit/palpable_points.h"
 #include "app/studio/design/fields.h"
 #include "morph/placement/bone_groups.h"
 
 namespace ecorche {
 namespace {
+
+// Points of the body that is shown.
+void draw_palpable(DesignSession& session, PanelState&, ViewDocument&) {
+  const std::vector<LandmarkDepth> off = points_off(session.shown().landmarks);
+  if (session.shown().landmarks.empty())
+    quiet_text("The body is still being fitted.");
+  else if (off.empty())
+    quiet_text("All lie as deep as people have them.");
+  for (const LandmarkDepth& point : off) fault_text(point_text(point));
+}
 
 void draw_groups(DesignSession& session, PanelState& state, ViewDocument& document) {
   ImGui::SetNextItemWidth(-1);
@@ -186,6 +197,11 @@ void draw_skeleton_panel(DesignSession& session, PanelState& state, ViewDocument
     name_place(document, std::string("section:") + name);
     if (open) draw(session, state, document);
   };
+  const std::size_t off = points_off(session.shown().landmarks).size();
+  if (off > 0)
+    fault_text(
+        fmt::format("{} palpable {} of bones out of bounds", off, off == 1 ? "point" : "points"));
+  section("Palpable points", draw_palpable);
   section("Measures of bones", draw_groups);
   section("Joints added and taken away", draw_own_joints);
   section("Bones of one's own", draw_own_bones, state.shows_bones);

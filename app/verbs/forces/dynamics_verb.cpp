@@ -140,6 +140,15 @@ void add_joint_plots(const Found& found, HtmlPage& page) {
   }
 }
 
+// What is left out, as the end of a sentence; empty: nothing.
+std::string beside_plates(const GroundComparison& c) {
+  if (c.beside == 0) return "";
+  return fmt::format(
+      "; {} steps beside the plates are left out ({:.0f} % of the time is compared for both feet, "
+      "{:.0f} and {:.0f} % for left and right)",
+      c.beside, 100 * c.compared[2], 100 * c.compared[0], 100 * c.compared[1]);
+}
+
 void add_plate_table(const GroundComparison& c, HtmlPage& page) {
   const auto row = [](const char* what, const GroundDifference& d) {
     return std::vector<std::string>{what,
@@ -152,8 +161,8 @@ void add_plate_table(const GroundComparison& c, HtmlPage& page) {
   page.add_paragraph(fmt::format(
       "Estimated beside measured, root mean square in % of the body's weight. Plates measured "
       "{:.2f} "
-      "weights in the mean; feet land {:+.0f} ms and leave {:+.0f} ms after the plates' times.",
-      c.measured_mean, 1e3 * c.landing, 1e3 * c.leaving));
+      "weights in the mean; feet land {:+.0f} ms and leave {:+.0f} ms after the plates' times{}.",
+      c.measured_mean, 1e3 * c.landing, 1e3 * c.leaving, beside_plates(c)));
   const std::vector<std::string> header{"",         "vertical",          "forwards",
                                         "sideways", "r of the vertical", "peak (plates)"};
   const std::vector<std::vector<std::string>> rows{row("both feet", c.both), row("left", c.feet[0]),
@@ -174,6 +183,8 @@ void report_plates(const GroundComparison& c, Report& report) {
   }
   report.set("dynamics.plates.measured_mean", c.measured_mean);
   report.set("dynamics.plates.contacts", c.contacts);
+  report.set("dynamics.plates.steps_beside", c.beside);
+  report.set("dynamics.plates.compared", c.compared[2]);
   report.set("dynamics.plates.landing", c.landing);
   report.set("dynamics.plates.landing_off", c.landing_off);
   report.set("dynamics.plates.leaving", c.leaving);
@@ -269,14 +280,18 @@ std::string describe_efforts(const MuscleEfforts& efforts, const Skeleton& skele
       skeleton.joints[std::size_t(worst.joint)].name);
 }
 
-std::string describe_plates(const GroundComparison& c) {
+// weight: the body's, N.
+std::string describe_plates(const GroundComparison& c, double weight) {
   return fmt::format(
-      "beside the plates: vertical force {:.1f} % of the weight off (RMS; r {:.3f}), peaks {:.2f} "
-      "({:.2f}), forwards {:.1f} %, sideways {:.1f} %; feet land {:+.0f} ms and leave {:+.0f} ms "
-      "after; plates measured {:.2f} weights in the mean",
-      100 * c.both.vertical_rms, c.both.correlation, c.both.peak, c.both.measured_peak,
-      100 * c.both.forward_rms, 100 * c.both.sideways_rms, 1e3 * c.landing, 1e3 * c.leaving,
-      c.measured_mean);
+             "beside the plates: vertical force {:.1f} % of the weight off (RMS; r {:.3f}), peaks "
+             "{:.2f} "
+             "({:.2f}), forwards {:.1f} %, sideways {:.1f} %; feet land {:+.0f} ms and leave "
+             "{:+.0f} ms "
+             "after; plates measured {:.2f} weights in the mean, as of a person of {:.0f} kg",
+             100 * c.both.vertical_rms, c.both.correlation, c.both.peak, c.both.measured_peak,
+             100 * c.both.forward_rms, 100 * c.both.sideways_rms, 1e3 * c.landing, 1e3 * c.leaving,
+             c.measured_mean, c.measured_mean * weight / kGravity) +
+         beside_plates(c);
 }
 
 int run_dynamics(const DynamicsVerbOptions& options, const Common& common, Report& report) {
@@ -306,8 +321,9 @@ int run_dynamics(const DynamicsVerbOptions& options, const Common& common, Repor
   const SegmentInertia inertia = weigh_character(character, actor.binding, report);
   DynamicsOptions wanted{options.cutoff, !options.no_ground};
   if (!options.plates.empty())
-    wanted.measured = open_plates(options.plates, character.anatomy.skeleton, motion,
-                                  {options.plates_start.value_or(place.start), place.scale});
+    wanted.measured =
+        open_plates(options.plates, character.anatomy.skeleton, motion,
+                    {options.plates_start.value_or(place.start), place.scale, place.turn});
   MotionDynamics dynamics;
   {
     const StageTimer timer(report, "dynamics");
@@ -319,7 +335,7 @@ int run_dynamics(const DynamicsVerbOptions& options, const Common& common, Repor
   if (!wanted.measured.empty()) {
     plates = compare_ground(dynamics, wanted.measured);
     report_plates(*plates, report);
-    note(common, describe_plates(*plates));
+    note(common, describe_plates(*plates, dynamics.weight));
   }
   std::optional<MuscleEfforts> efforts;
   if (!options.activations.empty() || !options.muscles.empty()) {

@@ -35,9 +35,7 @@ void add_film_options(CLI::App& verb, CarriedOptions& options) {
 }
 
 void set_picture(CarriedOptions& options) {
-  if (!read_picture_size(options.size, options.film.width, options.film.height))
-    throw UsageError(fmt::format(
-        "--size: '{}' is no size; write WIDTHxHEIGHT, for example 1280x720", options.size));
+  require_picture_size(options.size, options.film.width, options.film.height);
   options.film.scale = 1e3 * options.scale_kpa;
 }
 

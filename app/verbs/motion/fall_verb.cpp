@@ -167,9 +167,7 @@ int run_fall(FallVerbOptions options, const Common& common, Report& report) {
   int width = 0, height = 0;
   for (const fs::path& output : options.outputs)
     require_ending(output, {".mp4", ".png", ".bvh", ".glb", ".fbx"});
-  if (!read_picture_size(options.size, width, height))
-    throw UsageError(fmt::format(
-        "--size: '{}' is no size; write WIDTHxHEIGHT, for example 1280x720", options.size));
+  require_picture_size(options.size, width, height);
   if (options.at > 0 && !names_file(options.from))
     throw UsageError("--at: a moment of a motion; name its file with --from");
   std::vector<fs::path> files = options.outputs;

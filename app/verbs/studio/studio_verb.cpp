@@ -14,6 +14,7 @@
 #include "app/edit/unsaved_sessions.h"
 #include "app/options/picture_size.h"
 #include "app/pages/actor_film.h"
+#include "app/pages/film_shots.h"
 #include "viewer/part_names.h"
 #ifdef ECORCHE_WINDOW
 #include "app/studio/design/design_window.h"
@@ -57,33 +58,70 @@ void set_ground(const std::string& text, ActorFilm& film) {
   film.background = Vec3f(float(red), float(green), float(blue)) / 255;
 }
 
-// The picture that the action `render` asks for.
-void draw_still(const Actor& actor, const Motion& motion, const Activations& activations,
-                const Render& render, const Common& common) {
-  ActorFilm film;
-  film.activations = activations;
-  film.output = render.file;
-  film.from = film.to = 0;
-  film.legend = false;
-  set_layers_of(render.layers, film);
-  set_ground(render.background, film);
-  if (!read_picture_size(render.size, film.width, film.height))
-    throw InputError(fmt::format("argument 'size': '{}': expected WIDTHxHEIGHT", render.size));
+// Parts that are left away: those of `hide`, or all but those of `only`.
+std::vector<std::uint32_t> hidden_parts(const Anatomy& anatomy, const Render& picture) {
+  std::vector<std::uint32_t> out = parts_of_list(anatomy, picture.hide, "argument 'hide'");
+  if (picture.only.empty()) return out;
+  const std::vector<std::uint32_t> only = parts_of_list(anatomy, picture.only, "argument 'only'");
+  for (const std::uint32_t part : all_parts(anatomy))
+    if (!std::ranges::binary_search(only, part)) out.push_back(part);
+  std::ranges::sort(out);
+  return out;
+}
+
+void set_labels(const Tried& tried, const Render& picture, ActorFilm& film) {
+  if (picture.labels.empty()) return;
+  if (picture.labels == "picked" && tried.picked.empty())
+    throw InputError("argument 'labels': 'picked': no muscle is; pick MUSCLE first");
+  film.labels = parts_of_list(tried.own.actor->character.anatomy,
+                              picture.labels == "picked" ? tried.picked : picture.labels,
+                              "argument 'labels'");
+}
+
+void set_second(const Tried& tried, const Render& picture, ActorFilm& film) {
+  if (!tried.other) return;
+  SecondFigure& second = film.second.emplace();
+  second.actor = tried.other->actor;
+  second.motion = &tried.other->motion;
+  second.activations = tried.other->activations;
+  second.hidden = hidden_parts(tried.other->actor->character.anatomy, picture);
+  second.pairing = tried.comparison.wiped ? Pairing::wiped : Pairing::beside;
+  second.wipe = float(tried.comparison.share);
+  second.first_name = tried.names.own;
+  second.name = tried.names.other;
+}
+
+// What the actions `render` and `film` ask for.
+void draw(const Tried& tried, const Film& asked, const Common& common) {
+  const Render& picture = asked.picture;
+  const Actor& actor = *tried.own.actor;
   const Anatomy& anatomy = actor.character.anatomy;
-  film.hidden = parts_of_list(anatomy, render.hide, "argument 'hide'");
-  if (!render.only.empty()) {
-    const std::vector<std::uint32_t> only = parts_of_list(anatomy, render.only, "argument 'only'");
-    for (const std::uint32_t part : all_parts(anatomy))
-      if (!std::ranges::binary_search(only, part)) film.hidden.push_back(part);
-    std::ranges::sort(film.hidden);
-  }
-  if (!render.section.empty())
-    film.section = read_section_plane(render.section, anatomy.skeleton, "argument 'section'");
-  film.view.look_at = render.look_at;
-  film.view.camera = !render.camera.empty()   ? render.camera
-                     : render.look_at.empty() ? "oblique"
-                                              : "follow";
-  film_actor(actor, motion, film, common);
+  ActorFilm film;
+  film.activations = tried.own.activations;
+  film.output = picture.file;
+  film.fps = asked.fps;
+  film.from = film.to = 0;
+  film.muscle_colors = picture.colour == "length"       ? MuscleColors::shortening
+                       : picture.colour == "activation" ? MuscleColors::activation
+                                                        : MuscleColors::flesh;
+  film.legend = film.muscle_colors != MuscleColors::flesh;
+  set_layers_of(picture.layers, film);
+  set_ground(picture.background, film);
+  if (!read_picture_size(picture.size, film.width, film.height))
+    throw InputError(fmt::format("argument 'size': '{}': expected WIDTHxHEIGHT", picture.size));
+  film.hidden = hidden_parts(anatomy, picture);
+  set_labels(tried, picture, film);
+  set_second(tried, picture, film);
+  if (!picture.section.empty())
+    film.section = read_section_plane(picture.section, anatomy.skeleton, "argument 'section'");
+  if (!asked.shots.empty())
+    film.shots = read_shots(asked.shots, tried.moment, tried.own.motion.frames.size() > 1,
+                            "argument 'shots'");
+  film.view.look_at = picture.look_at;
+  film.view.camera = !picture.camera.empty()   ? picture.camera
+                     : picture.look_at.empty() ? "oblique"
+                                               : "follow";
+  film_actor(actor, tried.own.motion, film, common);
 }
 
 bool wants_window(const StudioOptions& options) {
@@ -180,20 +218,20 @@ int run_studio(const StudioOptions& options, const Common& common, Report& repor
   std::vector<fs::path> inputs = options.scripts;
   inputs.push_back(options.input);
   check_outputs(common, {options.output, options.screenshot}, inputs);
-  const Session::Drawer draw = [&common](const Actor& actor, const Motion& motion,
-                                         const Activations& activations, const Render& render) {
-    draw_still(actor, motion, activations, render, common);
+  const Session::Drawer drawer = [&common](const Tried& tried, const Film& film) {
+    draw(tried, film, common);
   };
   Session session(common, report,
-                  {starts_with_project ? options.start : options.project, options.discard}, draw);
+                  {starts_with_project ? options.start : options.project, options.discard}, drawer);
   if (!options.start.empty() && !starts_with_project) session.run(SetBody{options.start.string()});
   if (!options.motion.empty()) session.run(PlayMotion{options.motion.string()});
   session.keep_unsaved(unsaved_sessions_folder());
   take_up_or_tell(options, session, common, report);
   const std::size_t before = session.history().now;
   run_scripts(options, session);
-  if (wants_window(options)) open_window(options, session, common, report, draw);
-  const int actions = int(session.history().now) - int(before);
+  if (wants_window(options)) open_window(options, session, common, report, drawer);
+  // what was done again at the start may be undone
+  const int actions = std::max(int(session.history().now) - int(before), 0);
   report.set("actions", actions);
   note(common, fmt::format("{} actions", actions));
   std::vector<std::string> missed;
