@@ -306,7 +306,9 @@ class JointMapper {
           parts_[j] == "shoulder?" + side)
         path.insert(path.begin(), j);
     if (!path.empty()) set("clavicle" + side, path[0], path[0]);
-    if (path.size() > 1) set("scapula" + side, path.back(), path.back());
+    if (path.size() < 2) return;
+    set("scapula" + side, path.back(), path.back());
+    if (parts_[path.back()] != "scapula" + side) mapping_.outer_collars.insert("scapula" + side);
   }
 
   void digits(const std::string& side) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,9 @@ struct JointMapping {
   // it takes. They differ where the file splits a limb into several bones: the first one sits at
   // the joint, the last one has the whole rotation.
   std::map<std::string, int> position_joint, rotation_joint;
-  std::vector<int> spine, neck;     // between hips and chest, between chest and head, from below
+  std::vector<int> spine, neck;  // between hips and chest, between chest and head, from below
+  // Our scapulae for which only a further joint of the file's collar stands, no shoulder blade.
+  std::set<std::string> outer_collars;
   bool ours = false;                // the file has our own joint names
   std::vector<JointMatch> matches;  // one a joint of the file
   std::vector<std::string> warnings;

@@ -16,7 +16,7 @@ namespace {
 constexpr std::array<double, 7> kUnits{1, 0.1, 0.01, 0.001, 0.0254, 0.3048, 0.9144};  // m
 // Largest relative deviation of the fitted scale from a unit of length: rigs and bodies measure
 // their limbs between different points.
-constexpr double kScaleOff = 0.012;
+constexpr double kScaleOff = 0.02;
 // Largest distance of the rig's limb joints, and of its hips, from ours. Larger: rigs of other
 // bodies match.
 constexpr double kBeside = 0.03, kHipBeside = 0.06;  // m
@@ -99,7 +99,7 @@ std::optional<MatchingRig> find_matching_rig(const MotionClip& source, const Joi
   const std::vector<Vec3> rest = rest_positions(ours);
   const Fitting fitting = fit_without_rotation(X, mapping, alignment.W, ours, rest);
   if (!fitting.fits) return std::nullopt;
-  MatchingRig out{fitting.metres, alignment.W, {}, {}};
+  MatchingRig out{fitting.metres, alignment.W, {}, {}, {}};
   // Precondition: the file rotates the part.
   const auto place = [&](const std::string& part, const std::string& name, double share) {
     const int joint = joint_of(ours, name), file_joint = mapping.rotation_joint.at(part);
@@ -127,6 +127,15 @@ std::optional<MatchingRig> find_matching_rig(const MotionClip& source, const Joi
       return mapping.rotation_joint.contains(ours.joints[j].name);
     });
     if (!told) out.chains.push_back(chain);
+  }
+  for (const char* side : {"_l", "_r"}) {
+    const std::string clavicle = "clavicle" + std::string(side),
+                      scapula = "scapula" + std::string(side),
+                      shoulder = "shoulder" + std::string(side);
+    if (mapping.outer_collars.contains(scapula) && mapping.rotation_joint.contains("thorax"))
+      out.collars.push_back({joint_of(ours, clavicle), joint_of(ours, scapula),
+                             joint_of(ours, shoulder), place("thorax", clavicle, 0),
+                             place(scapula, shoulder, 0)});
   }
   return out;
 }
@@ -170,6 +179,17 @@ void bend_to_rig(const MatchingRig& rig, const MatchedChain& chain, const std::v
       if (angle > 0) own = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() * own;
     }
   }
+}
+
+void reach_with_collar(const MatchingRig& rig, const MatchedCollar& collar,
+                       const std::vector<Transform>& X, const std::vector<Vec3>& rest,
+                       std::vector<Mat3>& R) {
+  const std::size_t clavicle = collar.clavicle, scapula = collar.scapula,
+                    shoulder = collar.shoulder;
+  const Vec3 wanted = file_position(rig, X, collar.end) - file_position(rig, X, collar.begin) -
+                      R[scapula] * (rest[shoulder] - rest[scapula]);
+  const Vec3 now = R[clavicle] * (rest[scapula] - rest[clavicle]);
+  R[clavicle] = Quat::FromTwoVectors(now, wanted).toRotationMatrix() * R[clavicle];
 }
 
 Vec3 shift_to_rig(const MatchingRig& rig, const std::vector<Transform>& X,

@@ -35,11 +35,20 @@ struct MatchedChain {
   MatchedPoint begin, end;
 };
 
+// A collar of several joints in the file, none of which is a shoulder blade.
+struct MatchedCollar {
+  int clavicle = 0, scapula = 0, shoulder = 0;  // ours
+  // position of our clavicle, moving with the file's chest; of our shoulder, moving with the last
+  // joint of the file's collar
+  MatchedPoint begin, end;
+};
+
 struct MatchingRig {
   double metres = 1;  // a unit of the file
   Mat3 W = Mat3::Identity();
   std::vector<MatchedPoint> points;
   std::vector<MatchedChain> chains;  // spine, neck, unless the file rotates their joints itself
+  std::vector<MatchedCollar> collars;
 };
 
 // None where the file's rest pose is not ours, where limbs' joints lie more than 3 cm beside ours
@@ -47,6 +56,12 @@ struct MatchingRig {
 // for a skeleton that is not ours.
 std::optional<MatchingRig> find_matching_rig(const MotionClip& source, const JointMapping& mapping,
                                              const RestAlignment& alignment, const Skeleton& ours);
+
+// Points the clavicle so that, with the scapula as it is turned, the shoulder comes nearest to its
+// position in the rig. R, `rest` as in bend_to_rig.
+void reach_with_collar(const MatchingRig& rig, const MatchedCollar& collar,
+                       const std::vector<Transform>& X, const std::vector<Vec3>& rest,
+                       std::vector<Mat3>& R);
 
 // Position of a point in the file, m, our axes. X: clip_kinematics of the frame.
 Vec3 file_position(const MatchingRig& rig, const std::vector<Transform>& X,

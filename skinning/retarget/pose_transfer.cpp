@@ -146,6 +146,9 @@ void PoseTransfer::plan_limbs() {
     if (Plan& p = plans_[ours("clavicle" + s)]; p.rule == Rule::direct && !alignment_.same_rest)
       p.rule = Rule::collar;
     if (rhythm_) take("clavicle", Rule::clavicle), take("scapula", Rule::scapula);
+    // Where the shoulder is, the collar tells (matching_rig.h).
+    if (matching_rig_ && mapping_.outer_collars.contains("scapula" + s))
+      plans_[ours("scapula" + s)].rule = Rule::blade;
     if (!has("forearm" + s))
       plans_[ours("elbow" + s)].rule = Rule::elbow,
                             plans_[ours("forearm" + s)].rule = Rule::forearm;
@@ -294,6 +297,11 @@ Mat3 PoseTransfer::rotate_joint(const std::vector<Transform>& X, int j) const {
       const Girdle g = girdle();
       return parent * (g.clavicle.conjugate() * g.scapula).toRotationMatrix();
     }
+    case Rule::blade: {
+      // Half of it is the rhythm's, half the collar's own.
+      const Quat by_rhythm(Mat3(R_[thorax_] * girdle().scapula.toRotationMatrix()));
+      return by_rhythm.slerp(0.5, Quat(plan.turn.in(X))).toRotationMatrix();
+    }
     case Rule::elbow: {
       // The ulna only bends; the axial rotation of the file's forearm goes to the radius.
       // It bends about its hinge, which the forearm need not be perpendicular to; what is left over
@@ -345,9 +353,12 @@ void PoseTransfer::transfer(const std::vector<Transform>& X, Pose& pose) {
                                                Quat(Mat3(R_[parent].transpose() * R_[j])))
                                .toRotationMatrix();
   }
-  if (matching_rig_)
+  if (matching_rig_) {
     for (const MatchedChain& chain : matching_rig_->chains)
       bend_to_rig(*matching_rig_, chain, X, rest_, R_);
+    for (const MatchedCollar& collar : matching_rig_->collars)
+      reach_with_collar(*matching_rig_, collar, X, rest_, R_);
+  }
   for (size_t j = 0; j < skeleton_.joints.size(); ++j) {
     const int parent = skeleton_.joints[j].parent;
     pose.rotations[j] =

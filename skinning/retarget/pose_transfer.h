@@ -51,6 +51,7 @@ class PoseTransfer {
     neck,
     clavicle,
     scapula,
+    blade,
     elbow,
     forearm,
     ankle,
