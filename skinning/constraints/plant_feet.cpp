@@ -9,6 +9,7 @@
 #include "skinning/constraints/contact_spans.h"
 #include "skinning/constraints/ground_heights.h"
 #include "skinning/constraints/leg_ik.h"
+#include "skinning/constraints/leg_room.h"
 #include "skinning/constraints/reach_planted.h"
 
 namespace ecorche::inline v1 {
@@ -25,8 +26,6 @@ constexpr double kMostDrop = 0.10;   // m; the pelvis is lowered by at most so m
 // Of its length: a leg that carries the body, as who kneels or squats does not.
 constexpr double kBentLeg = 0.75, kNearStraight = 0.9;
 constexpr double kMostRise = 10 * kDegree;  // of a heel whose leg is too short
-// Fraction of its length to which a planted leg extends: 6 deg of knee flexion.
-constexpr double kStraight = 0.9985;
 // rad (35 deg); a foot with more pitch, or more than its toes extend, rolls over the tip of its
 // toes
 constexpr double kToeExtension = 0.61;
@@ -70,9 +69,11 @@ struct FootPlan {
   std::vector<double> heel_weight;
   std::vector<double> heel_height, ball_height;  // over their anchors, m
   std::vector<Vec3> heel_position, ball_position;
-  std::vector<Quat> rotation;  // correction of the foot: rotated by this in the world, ...
-  std::vector<Vec3> shift;     // ... then shifted, ...
-  std::vector<double> rise;    // ... and its heel raised over the ball, rad
+  std::vector<Quat> rotation;     // correction of the foot: rotated by this in the world, ...
+  std::vector<Vec3> shift;        // ... then shifted, ...
+  std::vector<double> rise;       // ... and its heel raised over the ball, rad
+  std::vector<double> held;       // 1 in a stance, fading around it
+  std::vector<double> stretched;  // of a planted leg, of its length; 0: it is free
 };
 
 const Anchor* anchor_at(const std::vector<Anchor>& anchors, int f) {
@@ -177,7 +178,7 @@ class Planter {
         anchor.position[k] = median(std::move(values));
       }
       anchor.height = anchor.position.y();
-      if (std::abs(anchor.position.y()) < kStep) anchor.position.y() = 0;
+      if (anchor.position.y() < kStep) anchor.position.y() = 0;
     };
     for (Anchor& a : foot.heels) place(a, [](const FootPoints& p) { return p.heel; });
     for (Anchor& a : foot.balls) place(a, [](const FootPoints& p) { return p.ball; });
@@ -305,6 +306,12 @@ class Planter {
         [](const Quat& rest, const Quat& edge, double share) {
           return (Quat::Identity().slerp(share, edge) * rest).normalized();
         });
+    foot.held.assign(frames_, 0);
+    for (const Interval& stance : foot.stances)
+      std::fill(foot.held.begin() + stance.begin, foot.held.begin() + stance.end, 1.0);
+    fade_out(foot.stances, std::vector<std::array<double, 2>>(foot.stances.size(), {1, 1}),
+             foot.held, fade, 0.0,
+             [](double rest, double edge, double share) { return rest + share * edge; });
     foot.shift.assign(frames_, Vec3::Zero());
     correct(
         foot.stances, standing_shift, foot.shift, fade, Vec3(Vec3::Zero()),
@@ -342,32 +349,40 @@ class Planter {
            toes * ((1 - std::cos(excess)) * forward + std::sin(excess) * Vec3::UnitY());
   }
 
-  static Mat3 heel_up(const Vec3& along, double angle) {
-    return Eigen::AngleAxisd(angle, Vec3::UnitY().cross(along).normalized()).toRotationMatrix();
-  }
-
-  // Of a planted leg, in the frame whose kinematics are X_. `lift`: by which the figure is to be
-  // higher than its feet, m.
-  LegReach leg_reach(const FootPlan& foot, int f, double lift) const {
+  // Of a leg in the frame whose kinematics are X_; one that neither stands nor is in the ground
+  // needs nothing. `lift`: by which the figure is to be higher than its feet, m. Moves the leg's
+  // frames in X_.
+  LegReach leg_reach(const FootPlan& foot, int f, double lift) {
     LegReach out{anchor_at(foot.heels, f) != nullptr, anchor_at(foot.balls, f) != nullptr};
-    if (!out.heel && !out.ball) return out;
+    const bool stands = out.heel || out.ball;
     const FootShape& shape = foot.shape;
-    const Mat3 turn = foot.rotation[f].toRotationMatrix();
+    const Mat3 turn = foot.rotation[f].toRotationMatrix(), R = turn * X_[shape.subtalar].linear();
     const Vec3 pivot = X_[shape.subtalar].translation(), hip = X_[shape.hip].translation(),
                ankle = pivot + turn * (X_[shape.ankle].translation() - pivot) + foot.shift[f];
-    const double reach = kStraight * straight_leg(skeleton_, shape, X_);
+    const FootPoints points = rotated_about(foot_points(skeleton_, shape, X_), turn, pivot);
+    const double low = std::min(points.heel.y(), points.ball.y()) + foot.shift[f].y();
+    if (!stands && low >= 0) return out;
+    const double length = straight_leg(skeleton_, shape, X_), reach = kStraight * length;
+    scratch_ = motion_.frames[f];
+    out.folded = fold_rise(skeleton_, shape, ankle - Vec3(0, stands ? 0 : low, 0), R, scratch_, X_);
+    if (!stands) return out;
     const auto drop = [&](const Vec3& goal) {
       return std::min(kMostDrop, hip_drop(hip, goal, reach));
     };
+    out.length = length;
+    out.ankle = ankle - hip;
     out.flat = out.raised = drop(ankle);
     out.low = (-foot.shift[f].y() - lift) *
               smooth_step(kBentLeg, kNearStraight, (ankle - hip).norm() / reach);
     if (!out.ball) return out;
-    const FootPoints points = rotated_about(foot_points(skeleton_, shape, X_), turn, pivot);
     const Vec3 along = (points.ball - points.heel).normalized(), ball = points.ball + foot.shift[f];
-    out.most =
-        std::clamp(foot.most_pitch + std::asin(std::clamp(along.y(), -1.0, 1.0)), 0.0, kMostRise);
+    const double room =  // until its toes extend no further
+        std::max(0.0, foot.most_pitch + std::asin(std::clamp(along.y(), -1.0, 1.0)));
+    out.most = std::min(kMostRise, room);
     out.raised = std::min(out.flat, drop(ball + heel_up(along, out.most) * (ankle - ball)));
+    const Vec3 lower(0, -out.folded, 0);
+    out.bent =
+        std::min(room, bent_rise(skeleton_, shape, ankle + lower, R, ball + lower, scratch_, X_));
     return out;
   }
 
@@ -381,12 +396,19 @@ class Planter {
         legs[s].push_back(leg_reach(feet_[s], f, lift.empty() ? 0 : lift[std::size_t(f)]));
     }
     ReachPlan plan = plan_reach(legs, motion_.fps);
-    for (std::size_t s = 0; s < 2; ++s) feet_[s].rise = std::move(plan.rise[s]);
+    for (std::size_t s = 0; s < 2; ++s) {
+      feet_[s].rise = std::move(plan.rise[s]);
+      feet_[s].stretched.assign(frames_, 0);
+      for (int f = 0; f < frames_; ++f)
+        if (const LegReach& leg = legs[s][f]; leg.heel || leg.ball)
+          feet_[s].stretched[f] =
+              std::min(kStraight, (leg.ankle + Vec3(0, plan.sunk[f], 0)).norm() / leg.length);
+    }
     for (int f = 0; f < frames_; ++f) motion_.frames[f].root.y() -= plan.sunk[f];
     return std::move(plan.sunk);
   }
 
-  // `sunk`: amount by which the pelvis was lowered, which the feet do not follow, m.
+  // `sunk`: by which the pelvis was lowered, m. Feet stay; free ones follow a pelvis that rises.
   void plant_frame(int f, double sunk) {
     Pose& pose = motion_.frames[f];
     chain_kinematics(skeleton_, joints_, pose, X_);
@@ -396,13 +418,14 @@ class Planter {
       Mat3 R = turn * X_[shape.subtalar].linear();
       FootPoints goal =
           rotated_about(foot_points(skeleton_, shape, X_), turn, X_[shape.subtalar].translation());
-      const Vec3 move = foot.shift[f] + Vec3(0, sunk, 0);
+      const Vec3 move = foot.shift[f] + Vec3(0, std::max(sunk, sunk * foot.held[f]), 0);
       for (Vec3* p : {&goal.heel, &goal.ball, &goal.tip}) *p += move;
       if (foot.rise[f] > 0) {
         const Mat3 up = heel_up((goal.ball - goal.heel).normalized(), foot.rise[f]);
         R = up * R;
         goal = rotated_about(goal, up, goal.ball);
       }
+      if (foot.stretched[f] == 0) give_way(foot, f, R, goal);
       keep_above_ground(foot, f, goal, R);
       for (int lift = 0; lift < 3; ++lift) {
         put_foot(shape, goal, R, pose);
@@ -412,6 +435,35 @@ class Planter {
         goal.heel.y() -= low, goal.ball.y() -= low;
       }
     }
+  }
+
+  // Up to which part of its length a free leg stretches as it likes: further beside a stance in
+  // which it does.
+  double stretches(const FootPlan& foot, int f) const {
+    const double fade = kFade * motion_.fps;
+    double out = kStretches;
+    for (const int way : {-1, 1})
+      for (int k = 1; k < fade && f + way * k >= 0 && f + way * k < frames_; ++k) {
+        const double edge = foot.stretched[f + way * k];
+        if (edge == 0) continue;
+        out = std::max(out, edge - (edge - kStretches) * smooth_step(k / fade));
+        break;
+      }
+    return out;
+  }
+
+  // A free foot that a fading correction would pull from its leg gives way towards the hip. X_ are
+  // the frames before the correction.
+  void give_way(const FootPlan& foot, int f, const Mat3& R, FootPoints& goal) const {
+    const FootShape& shape = foot.shape;
+    const Vec3 hip = X_[shape.hip].translation(), was = X_[shape.ankle].translation(),
+               ankle = goal.heel + R * X_[shape.subtalar].linear().transpose() *
+                                       (was - foot_points(skeleton_, shape, X_).heel);
+    const double length = straight_leg(skeleton_, shape, X_), far = (ankle - hip).norm();
+    if (far <= kStretches * length) return;
+    const double near = eased_reach(far, (was - hip).norm(), length, stretches(foot, f));
+    const Vec3 back = (near / far - 1) * (ankle - hip);
+    for (Vec3* p : {&goal.heel, &goal.ball, &goal.tip}) *p += back;
   }
 
   // How much deeper than it may be a sole's skin is (negative), m.
@@ -489,6 +541,7 @@ class Planter {
   double strength_;
   std::array<FootPlan, 2> feet_;
   std::vector<Transform> X_;
+  Pose scratch_;
 };
 
 }  // namespace

@@ -290,11 +290,22 @@ void plant_within_limits(const std::string& name, const Skeleton& ours, double s
                motion);
     limiter.run(kPlanted, contacts, clearance.shifts, motion, source != nullptr);
   };
+  const auto steady = [&](Motion& planted) {
+    steady_limbs(ours, limiter.tables(), source != nullptr ? *source : free, free, contacts,
+                 planted);
+  };
+  const auto no_snap = [](const std::vector<std::vector<int>>& snaps) {
+    return std::ranges::all_of(snaps, [](const auto& one) { return one.empty(); });
+  };
   for (int round = 0;; ++round) {
     plant();
     if (round >= rounds) break;
-    const std::vector<std::vector<int>> snaps = contact_snaps(ours, free, motion, contacts);
-    if (std::ranges::all_of(snaps, [](const auto& one) { return one.empty(); })) break;
+    if (no_snap(contact_snaps(ours, free, motion, contacts))) break;
+    // What legs can be slowed for is kept.
+    Motion slowed = motion;
+    steady(slowed);
+    const std::vector<std::vector<int>> snaps = contact_snaps(ours, free, slowed, contacts);
+    if (no_snap(snaps)) break;
     contacts = contacts_between_snaps(contacts, snaps, kLetGo[std::size_t(round)], motion.fps);
     motion = free;
   }
@@ -311,9 +322,7 @@ void plant_within_limits(const std::string& name, const Skeleton& ours, double s
     motion = free;
     plant();
   }
-  if (rounds > 0)
-    steady_limbs(ours, limiter.tables(), source != nullptr ? *source : free, free, contacts,
-                 motion);
+  if (rounds > 0) steady(motion);
   lift_from_ground(ours, sole, opened_heights(), motion);
   if (const double left = frames_of(contacts); left < found)
     warnings.push_back(

@@ -8,7 +8,10 @@
 #include <random>
 #include <string>
 
+#include "anatomy/joint_angles.h"
 #include "skinning/constraints/foot_contacts.h"
+#include "skinning/constraints/leg_ik.h"
+#include "skinning/constraints/leg_room.h"
 #include "skinning/motion_files/read_motion.h"
 #include "skinning/retarget/retarget.h"
 #include "tests/skinning/plain_legs.h"
@@ -33,6 +36,32 @@ Skeleton read_back(Skeleton skeleton) {
   for (Joint& joint : skeleton.joints)
     for (int k = 0; k < 3; ++k) joint.X_PJ.translation()[k] *= 1 + rounding(random);
   return skeleton;
+}
+
+constexpr double kFps = 120;
+
+// Feet at their places of the rest pose but for `moved`, m, by side, under a pelvis that sinks by
+// `sinks`, m.
+Pose standing_pose(const Skeleton& skeleton, double sinks, const std::array<Vec3, 2>& moved) {
+  Pose pose;
+  pose.rotations.assign(skeleton.joints.size(), Quat::Identity());
+  pose.root = rest_positions(skeleton)[0] - Vec3(0, kSole + sinks, 0);
+  std::vector<Transform> X;
+  const std::vector<Vec3> rest = rest_positions(skeleton);
+  for (int side = 0; side < 2; ++side) {
+    const FootShape foot = foot_shape(skeleton, side == 0 ? Side::left : Side::right, kSole);
+    forward_kinematics(skeleton, pose, X);
+    reach_with_leg(skeleton, foot, rest[std::size_t(foot.ankle)] - Vec3(0, kSole, 0) + moved[side],
+                   Mat3::Identity(), pose, X);
+  }
+  return pose;
+}
+
+std::vector<Contact> standing(int begin, int end, std::initializer_list<Side> sides) {
+  std::vector<Contact> out;
+  for (const Side side : sides)
+    for (const bool heel : {true, false}) out.push_back({side, heel, begin, end});
+  return out;
 }
 
 }  // namespace
@@ -79,4 +108,57 @@ TEST(PlantFeet, ABallStaysDownWhileItsHeelLeaves) {
     }
   }
   EXPECT_LT(high, 1.5e-3);
+}
+
+// Who squats deeper than hips and ankles bend has a higher pelvis, and heels that rise.
+TEST(PlantFeet, LegsFoldNoFurtherThanTheirJointsBend) {
+  Skeleton skeleton = skeleton_with_legs();
+  for (const char* hip : {"hip_l", "hip_r"})
+    skeleton.joints[std::size_t(find_joint(skeleton, hip))].max[0] = 30 * kDegree;
+  Motion motion{kFps, {}};
+  for (int f = 0; f <= 240; ++f)
+    motion.frames.push_back(standing_pose(skeleton, 0.23 * (1 - std::cos(2 * M_PI * f / 240)),
+                                          {Vec3::Zero(), Vec3::Zero()}));
+  const Motion given = motion;
+  plant_feet(skeleton, kSole, standing(0, 241, {Side::left, Side::right}), 1, {}, nullptr, motion);
+  std::vector<Transform> X, Y;
+  double asked = 0;
+  for (std::size_t f = 0; f < motion.frames.size(); ++f) {
+    forward_kinematics(skeleton, motion.frames[f], X);
+    forward_kinematics(skeleton, given.frames[f], Y);
+    for (const Side side : {Side::left, Side::right}) {
+      const FootShape foot = foot_shape(skeleton, side, kSole);
+      const auto bent = [&](int j, const Motion& of) {
+        return joint_angles(skeleton.joints[std::size_t(j)],
+                            of.frames[f].rotations[std::size_t(j)])[0] /
+               kDegree;
+      };
+      EXPECT_LT(bent(foot.hip, motion), 38) << f;
+      EXPECT_LT(bent(foot.ankle, motion), std::max(36.0, bent(foot.ankle, given) - 20)) << f;
+      asked = std::max(asked, bent(foot.hip, given));
+      const Vec3 ball = foot_points(skeleton, foot, X).ball,
+                 was = foot_points(skeleton, foot, Y).ball;
+      EXPECT_LT((ball - was).norm(), 2e-3) << f;
+    }
+    if (f < 2) continue;
+    const double turn =
+        (motion.frames[f].root - 2 * motion.frames[f - 1].root + motion.frames[f - 2].root).norm() *
+        kFps * kFps;
+    EXPECT_LT(turn, 15) << f;  // m/s^2; of the squat itself: 3
+  }
+  EXPECT_GT(asked, 40);
+}
+
+// A free leg that is pulled stretches less and less, and stays where it is straight by itself.
+TEST(LegRoom, AFreeLegEasesOut) {
+  double last = 0;
+  for (double far = 0.9; far < 1.1; far += 1e-3) {
+    const double near = eased_reach(far, 0.9, 1, kStretches);
+    EXPECT_GE(near, last);
+    EXPECT_LE(near, kStraight);
+    if (far < kStretches) EXPECT_EQ(near, far);
+    last = near;
+  }
+  EXPECT_EQ(eased_reach(0.9995, 0.9995, 1, kStretches), 0.9995);  // as it was by itself
+  EXPECT_EQ(eased_reach(0.995, 0.9, 1, 0.996), 0.995);
 }

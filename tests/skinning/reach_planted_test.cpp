@@ -72,3 +72,22 @@ TEST(ReachPlanted, HeelsRiseBeforeThePelvisSinks) {
   const ReachPlan stiff = plan_reach(legs, kFps);
   EXPECT_GE(stiff.sunk[90], 0.02 - 1e-4);
 }
+
+// A pelvis whose legs fold no further rises, and no more suddenly than one that sinks.
+TEST(ReachPlanted, ThePelvisRisesOverFoldedLegs) {
+  constexpr double kFps = 120;
+  std::array<std::vector<LegReach>, 2> legs;
+  for (auto& leg : legs)
+    leg.assign(361, {.heel = true, .ball = true, .flat = -0.3, .raised = -0.3});
+  for (int f = 150; f <= 210; ++f) legs[0][std::size_t(f)].folded = 0.08;
+  for (int f = 150; f <= 210; ++f) legs[0][std::size_t(f)].bent = 0.2;
+  const ReachPlan plan = plan_reach(legs, kFps);
+  for (int f = 150; f <= 210; ++f) {
+    EXPECT_LE(plan.sunk[std::size_t(f)], -0.08 + 1e-6) << f;
+    EXPECT_GE(plan.sunk[std::size_t(f)], -0.10) << f;
+    EXPECT_GE(plan.rise[0][std::size_t(f)], 0.2 - 1e-9) << f;
+  }
+  EXPECT_NEAR(plan.sunk.front(), 0, 0.005);
+  EXPECT_LT(fastest_change(plan.sunk, kFps), 6);
+  EXPECT_EQ(plan.rise[1][180], 0);
+}
