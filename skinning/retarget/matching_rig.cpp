@@ -128,15 +128,11 @@ std::optional<MatchingRig> find_matching_rig(const MotionClip& source, const Joi
     });
     if (!told) out.chains.push_back(chain);
   }
-  for (const char* side : {"_l", "_r"}) {
-    const std::string clavicle = "clavicle" + std::string(side),
-                      scapula = "scapula" + std::string(side),
-                      shoulder = "shoulder" + std::string(side);
-    if (mapping.outer_collars.contains(scapula) && mapping.rotation_joint.contains("thorax"))
-      out.collars.push_back({joint_of(ours, clavicle), joint_of(ours, scapula),
-                             joint_of(ours, shoulder), place("thorax", clavicle, 0),
-                             place(scapula, shoulder, 0)});
-  }
+  for (const std::string side : {"_l", "_r"})
+    if (mapping.outer_collars.contains("scapula" + side) &&
+        mapping.rotation_joint.contains("thorax"))
+      out.collars.push_back(
+          {place("thorax", "clavicle" + side, 0), place("scapula" + side, "shoulder" + side, 0)});
   return out;
 }
 
@@ -184,10 +180,10 @@ void bend_to_rig(const MatchingRig& rig, const MatchedChain& chain, const std::v
 void reach_with_collar(const MatchingRig& rig, const MatchedCollar& collar,
                        const std::vector<Transform>& X, const std::vector<Vec3>& rest,
                        std::vector<Mat3>& R) {
-  const std::size_t clavicle = collar.clavicle, scapula = collar.scapula,
-                    shoulder = collar.shoulder;
-  const Vec3 wanted = file_position(rig, X, collar.end) - file_position(rig, X, collar.begin) -
-                      R[scapula] * (rest[shoulder] - rest[scapula]);
+  const int clavicle = collar.clavicle.joint, scapula = collar.shoulder.part;
+  const Vec3 wanted = file_position(rig, X, collar.shoulder) -
+                      file_position(rig, X, collar.clavicle) -
+                      R[scapula] * (rest[collar.shoulder.joint] - rest[scapula]);
   const Vec3 now = R[clavicle] * (rest[scapula] - rest[clavicle]);
   R[clavicle] = Quat::FromTwoVectors(now, wanted).toRotationMatrix() * R[clavicle];
 }

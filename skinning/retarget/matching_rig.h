@@ -4,7 +4,8 @@
 // goes. A rig's joints differ from the anatomical ones (its hip lies up to 5 cm beside ours, its
 // spine in the middle of the body), so equal rotations displace a part. The vertebrae between
 // pelvis and thorax, thorax and head, which are more than the rig's, bend so that thorax and head
-// come near to their positions in the rig, and the root is placed where the parts of the body,
+// come near to their positions in the rig. Clavicles do so for the shoulders, where the rig's
+// collar has several joints and no shoulder blade. The root is placed where the parts of the body,
 // weighted by their area of skin, are nearest to the rig. In the file's rest pose that is our rest
 // pose within rounding, wherever the rig's own root lies.
 #pragma once
@@ -37,10 +38,9 @@ struct MatchedChain {
 
 // A collar of several joints in the file, none of which is a shoulder blade.
 struct MatchedCollar {
-  int clavicle = 0, scapula = 0, shoulder = 0;  // ours
-  // position of our clavicle, moving with the file's chest; of our shoulder, moving with the last
-  // joint of the file's collar
-  MatchedPoint begin, end;
+  // position of our clavicle, moving with the thorax; of our shoulder, moving with what stands for
+  // the scapula, the last joint of the file's collar
+  MatchedPoint clavicle, shoulder;
 };
 
 struct MatchingRig {

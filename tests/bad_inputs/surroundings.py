@@ -202,8 +202,9 @@ def row_77(t):
     """No home, a cache that cannot be written, is damaged, or is another's."""
     from files import noise
     good = t.bench.file("cache_good.glb")
-    # Made anew, too: another program's template, in the same cache, may differ in its last bits.
-    t.bench.run(["fit", t.body, "-o", good], seconds=240, megabytes=3000, environment={"XDG_CACHE_HOME": str(t.bench.file("cache_fresh"))})
+    slow = {"seconds": 240, "megabytes": 3000}  # the template is built anew
+    # Another program's template, in the same cache, may differ in its last bits.
+    t.bench.run(["fit", t.body, "-o", good], **slow, environment={"XDG_CACHE_HOME": str(t.bench.file("cache_fresh"))})
 
     def same(out, done):
         return "" if (out / "c.glb").read_bytes() == good.read_bytes() else "other bytes come out"
@@ -236,7 +237,6 @@ def row_77(t):
         t.bench.skip(77, "caches", "there are none")
         return
     arguments = ["fit", t.body, "-o", "{out}/c.glb"]
-    slow = {"seconds": 240, "megabytes": 3000}  # the template is built anew
     t.bench.case(77, "damaged caches", arguments, (0, 8), environment=with_caches("damaged", damage), after=same, **slow)
     t.bench.case(77, "another's cache", arguments, (0, 8), environment=with_caches("swapped", swap), after=same, **slow)
     t.bench.case(77, "no home", ["body", "new", "--sex", "male", "-o", "{out}/b.glb"], 0, environment={"HOME": None, "XDG_CACHE_HOME": None})

@@ -190,6 +190,37 @@ TEST_F(RigMotion, GameEngineRigIsTakenOver) {
 
 namespace {
 
+std::size_t joint_named(const BvhMotion& file, const std::string& name) {
+  for (std::size_t k = 0; k < file.joints.size(); ++k)
+    if (file.joints[k].name == name) return k;
+  throw std::invalid_argument(name);
+}
+
+// The frames of a rig's file, in cm, at rest (its first frame) and in another one.
+class RigFrames {
+ public:
+  RigFrames(const BvhMotion& file, const Skeleton& skeleton)
+      : file_(file),
+        skeleton_(skeleton),
+        clip_(clip_from_bvh(file)),
+        rest_(rest_positions(skeleton)) {
+    clip_kinematics(clip_, 0, still_);
+  }
+  void go_to(int frame) { clip_kinematics(clip_, frame, now_); }
+  // Where one of our joints is that moves with a joint of the rig, m.
+  Vec3 place(const std::string& rig_joint, const std::string& ours) const {
+    const std::size_t j = joint_named(file_, rig_joint);
+    return 0.01 * (now_[j] * (still_[j].inverse() * (100 * rest_[find_joint(skeleton_, ours)])));
+  }
+
+ private:
+  const BvhMotion& file_;
+  const Skeleton& skeleton_;
+  const MotionClip clip_;
+  const std::vector<Vec3> rest_;  // of our joints, m
+  std::vector<Transform> still_, now_;
+};
+
 // The rest pose, and then frames of a swing.
 BvhMotion rest_and_swing(const Rig& rig) {
   BvhMotion file = swing(rig, false, 0.01);
@@ -225,18 +256,11 @@ TEST_F(RigMotion, AnOwnRigTakesTheWholeBodyAlong) {
   const BvhMotion file = rest_and_swing(rig);
   RetargetReport report;
   const Motion motion = retarget(clip_from_bvh(file), skeleton, {}, report);
-  const std::vector<Vec3> rest = rest_positions(skeleton);
-  const auto joint = [&](const std::string& name) {
-    for (std::size_t k = 0; k < file.joints.size(); ++k)
-      if (file.joints[k].name == name) return k;
-    throw std::invalid_argument(name);
-  };
-  const MotionClip clip = clip_from_bvh(file);
-  std::vector<Transform> still, theirs, ours;
-  clip_kinematics(clip, 0, still);
+  RigFrames theirs(file, skeleton);
+  std::vector<Transform> ours;
   double worst = 0;
   for (int f = 0; f < file.frames; ++f) {
-    clip_kinematics(clip, f, theirs);
+    theirs.go_to(f);
     forward_kinematics(skeleton, motion.frames[f], ours);
     Vec3 mean = Vec3::Zero();
     const std::vector<std::pair<std::string, std::string>> places{{"upperleg02.", "hip_"},
@@ -245,11 +269,10 @@ TEST_F(RigMotion, AnOwnRigTakesTheWholeBodyAlong) {
                                                                   {"upperarm02.", "shoulder_"}};
     for (const auto& [bone, own] : places)
       for (const bool left : {true, false}) {
-        const std::size_t b = joint(bone + (left ? "L" : "R"));
-        const std::size_t j = find_joint(skeleton, own + (left ? "l" : "r"));
-        mean +=
-            (0.01 * (theirs[b] * (still[b].inverse() * (100 * rest[j]))) - ours[j].translation()) /
-            8;
+        const std::string here = own + (left ? "l" : "r");
+        mean += (theirs.place(bone + (left ? "L" : "R"), here) -
+                 ours[find_joint(skeleton, here)].translation()) /
+                8;
       }
     worst = std::max(worst, mean.norm());
   }
@@ -262,36 +285,28 @@ TEST_F(RigMotion, ThoraxAndHeadComeToWhereAnOwnRigHasThem) {
   const Skeleton skeleton = plain_skeleton();
   BvhMotion file = rest_and_swing(read_rig(package(), "default", package().points));
   std::fill(file.samples.begin() + file.channels, file.samples.end(), 0.0);
-  const auto joint = [&](const std::string& name) {
-    return std::size_t(std::find_if(file.joints.begin(), file.joints.end(),
-                                    [&](const BvhJoint& j) { return j.name == name; }) -
-                       file.joints.begin());
-  };
   for (int f = 0; f < file.frames; ++f)
     for (const char* bone : {"spine05", "spine04", "spine03", "spine02", "spine01", "neck01",
                              "neck02", "neck03"})  // Z-X-Y
-      file.samples[f * file.channels + file.joints[joint(bone)].first_channel + 1] =
+      file.samples[f * file.channels + file.joints[joint_named(file, bone)].first_channel + 1] =
           8.0 * f / file.frames;
   RetargetReport report;
   const Motion motion = retarget(clip_from_bvh(file), skeleton, {}, report);
-  const std::vector<Vec3> rest = rest_positions(skeleton);
-  const MotionClip clip = clip_from_bvh(file);
-  std::vector<Transform> still, theirs, ours;
-  clip_kinematics(clip, 0, still);
-  clip_kinematics(clip, file.frames - 1, theirs);
-  const auto place = [&](const char* bone, const char* own) {
-    const std::size_t b = joint(bone);
-    return Vec3(0.01 *
-                (theirs[b] * (still[b].inverse() * (100 * rest[find_joint(skeleton, own)]))));
-  };
+  RigFrames theirs(file, skeleton);
+  theirs.go_to(file.frames - 1);
+  std::vector<Transform> ours;
   forward_kinematics(skeleton, motion.frames.back(), ours);
   const auto at = [&](const char* own) {
     return Vec3(ours[find_joint(skeleton, own)].translation());
   };
-  EXPECT_LT(((at("c7") - at("l5")) - (place("spine01", "c7") - place("root", "l5"))).norm(), 0.008)
+  EXPECT_LT(
+      ((at("c7") - at("l5")) - (theirs.place("spine01", "c7") - theirs.place("root", "l5"))).norm(),
+      0.008)
       << "m";
-  EXPECT_LT(((at("head") - at("c7")) - (place("head", "head") - place("spine01", "c7"))).norm(),
-            0.010)
+  EXPECT_LT(
+      ((at("head") - at("c7")) - (theirs.place("head", "head") - theirs.place("spine01", "c7")))
+          .norm(),
+      0.010)
       << "m";
   const Pose &pose = motion.frames.back(), before = motion.frames[motion.frames.size() - 2];
   for (const char* name :
@@ -327,23 +342,16 @@ TEST_F(RigMotion, ACollarTakesTheShoulderToWhereAnOwnRigHasIt) {
       turned(read_rig(package(), "default", package().points), {"clavicle.L", "shoulder01.L"}, 15);
   RetargetReport report;
   const Motion motion = retarget(clip_from_bvh(file), skeleton, {}, report);
-  const std::vector<Vec3> rest = rest_positions(skeleton);
-  const MotionClip clip = clip_from_bvh(file);
-  std::vector<Transform> still, theirs, ours;
-  clip_kinematics(clip, 0, still);
-  clip_kinematics(clip, file.frames - 1, theirs);
+  RigFrames theirs(file, skeleton);
+  theirs.go_to(file.frames - 1);
+  std::vector<Transform> ours;
   forward_kinematics(skeleton, motion.frames.back(), ours);
-  const auto place = [&](const std::string& bone, const char* own) {
-    std::size_t b = 0;
-    while (file.joints[b].name != bone) ++b;
-    return Vec3(0.01 *
-                (theirs[b] * (still[b].inverse() * (100 * rest[find_joint(skeleton, own)]))));
-  };
   const auto reach = [&](const std::vector<Transform>& X) {
     return Vec3(X[find_joint(skeleton, "shoulder_l")].translation() -
                 X[find_joint(skeleton, "clavicle_l")].translation());
   };
-  const Vec3 wanted = place("shoulder01.L", "shoulder_l") - place("spine01", "clavicle_l");
+  const Vec3 wanted =
+      theirs.place("shoulder01.L", "shoulder_l") - theirs.place("spine01", "clavicle_l");
   EXPECT_LT((reach(ours) - wanted).norm(), 0.010) << "m";
 }
 
