@@ -205,6 +205,7 @@ FoundPairs find_pairs(const ContactCandidates& table, const Places& places,
       wide[s].add(posed.sections[i], posed.spheres[i][3]);
     }
   FoundPairs out;
+  std::vector<int> reached;
   for (std::size_t s = 0; s < n; ++s)
     for (std::size_t t = 0; t < n; ++t) {
       if (places.strips[s].muscle == places.strips[t].muscle || !near[s].meets(wide[t]) ||
@@ -215,7 +216,8 @@ FoundPairs find_pairs(const ContactCandidates& table, const Places& places,
         Box box;
         box.add(own, -posed.own_spheres[a][3]);
         if (!box.meets(wide[t])) continue;
-        for (int b = places.strips[t].begin; b < places.strips[t].end; ++b) {
+        find_in_reach(posed, a, places.strips[t].begin, places.strips[t].end, reached);
+        for (const int b : reached) {
           const float overlap = overlap_volume(table, posed, rest, a, b);
           if (!(overlap > limits.least)) continue;
           const std::uint64_t pair = std::uint64_t(a) << 32 | std::uint64_t(b);

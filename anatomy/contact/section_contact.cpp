@@ -270,6 +270,19 @@ void place_sections(const ContactCandidates& table, std::span<const Ellipse> sli
                       });
 }
 
+void find_in_reach(const SectionContactWorkspace& workspace, int own, int first, int last,
+                   std::vector<int>& reached) {
+  const Float4 sphere = own_sphere(workspace, own);
+  reached.clear();
+  for (int k = first; k < last; k += int(kLanesAtOnce)) {
+    std::array<int, kLanesAtOnce> others;
+    for (int i = 0; i < int(kLanesAtOnce); ++i) others[i] = std::min(k + i, last - 1);
+    const Int8 touch = in_reach(workspace, sphere, others.data());
+    for (int i = 0; i < int(kLanesAtOnce) && k + i < last; ++i)
+      if (touch[i]) reached.push_back(k + i);
+  }
+}
+
 bool find_penetration(const SectionContactWorkspace& workspace, int own, int first, int last,
                       RadialSamples& penetration, RadialSamples& blocked) {
   bool met = false;

@@ -81,6 +81,11 @@ void place_sections(const ContactCandidates& candidates, std::span<const Ellipse
                     const Vec3& origin, SectionContactWorkspace& workspace,
                     Threads threads = Threads::one);
 
+// Members among first .. last - 1 that may be in contact with `own`, ascending: those whose spheres
+// touch. Precondition: placed sections.
+void find_in_reach(const SectionContactWorkspace& workspace, int own, int first, int last,
+                   std::vector<int>& reached);
+
 // Penetration of member `own` in the members first .. last, and how far they block its growth.
 // False, and nothing set, where they are out of each other's reach. Precondition: placed sections.
 bool find_penetration(const SectionContactWorkspace& workspace, int own, int first, int last,

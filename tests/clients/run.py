@@ -75,15 +75,14 @@ def main():
         show(t, "vertex caches in Blender", blender, os.path.join(HERE, "blender_caches.py"), t.folder)
         for clip in CLIPS:
             show(t, f"{clip} in Blender", blender, os.path.join(HERE, "blender_clip.py"), t.path(f"{clip}.glb"), *caches(t, clip), FPS)
-        for file in ("anna-anatomy.glb", "light.glb"):
-            show(t, f"the looks of {file} in Blender", blender, os.path.join(HERE, "blender_looks.py"), t.path(file))
+        show(t, "the looks of light.glb in Blender", blender, os.path.join(HERE, "blender_looks.py"), t.path("light.glb"))
         show(t, "tables", blender, os.path.join(HERE, "tables.py"), t.folder)
     else:
         print("skipped: Blender is not here")
     if has_browser:
         for file in ("anna-anatomy.glb", "light.glb"):
             show(t, f"the validator on {file}", "node", os.path.join(HERE, "validate.cjs"), modules, t.path(file))
-            show(t, f"the looks of {file} in three.js", "node", os.path.join(HERE, "three_looks.mjs"), modules, t.path(file))
+        show(t, "the looks of anna-anatomy.glb in three.js", "node", os.path.join(HERE, "three_looks.mjs"), modules, t.path("anna-anatomy.glb"))
         for clip in CLIPS:
             show(t, f"the validator on {clip}.glb", "node", os.path.join(HERE, "validate.cjs"), modules, t.path(f"{clip}.glb"))
             show(t, f"{clip} in three.js", "node", os.path.join(HERE, "three_clip.mjs"), modules, t.path(f"{clip}.glb"), *caches(t, clip), FPS)

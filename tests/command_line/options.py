@@ -3,6 +3,7 @@
 run here has used.   Usage: options.py ECORCHE SOURCE_FOLDER"""
 import json
 import os
+import pathlib
 import re
 import shutil
 import struct
@@ -11,9 +12,21 @@ import sys
 import zlib
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "bad_inputs"))
+import files  # noqa: E402
 from runner import Runner  # noqa: E402
 
 VIEW = ["xvfb-run", "-a"]
+# What is kept of a character where an option is tried that does not ask for all of it.
+MUSCLES = [f"{name}_{side}" for side in "lr" for name in ("biceps_brachii_long", "biceps_brachii_short", "biceps_femoris_long", "deltoid_middle", "gastrocnemius_lateral", "gastrocnemius_medial", "gluteus_maximus_superior",
+                                                          "rectus_abdominis", "rectus_femoris", "soleus", "vastus_lateralis")]
+BONES = ["sacrum", "skull", *(f"{name}_{side}" for side in "lr" for name in ("calcaneus", "femur", "fibula", "hip_bone", "humerus", "radius", "scapula", "tibia", "ulna"))]
+
+
+def write_part(t, source, name):
+    """A character with some of its muscles and bones: a run on it takes a third of the time."""
+    parts = files.smaller(*files.read_glb(pathlib.Path(t.path(source))), MUSCLES, BONES, ("linea_alba",))
+    pathlib.Path(t.path(name)).write_bytes(files.glb(*parts))
 
 
 def short_motion(source, target, frames):
@@ -233,8 +246,10 @@ def landmark(t, body, name, scale):
 def fits(t):
     t.run((0, 8), "fit", "anna.glb", "-o", "anna-anatomy.glb", "--report", "fit.json")
     t.check(t.json("fit.json")["fit"]["bone_vertices"] > 1e5, "a fit reports its bones")
+    write_part(t, "anna-anatomy.glb", "some.glb")
     t.run((0, 8), "fit", "anna.glb", "--skin", "fine", "--method", "ellipses", "-o", "fine.glb", "--report", "fine.json")
     t.check(skin_of(t.bytes("fine.glb"))[2] >= 120404, "--skin fine")
+    write_part(t, "fine.glb", "fine-some.glb")
     t.run((0, 8), "fit", "anna.glb", "--method", "paper", "--alpha", 0.6, "-o", "paper.glb")
     t.run((0, 8), "fit", "anna.glb", "--method", "paper", "-o", "paper-04.glb")
     t.check(t.bytes("paper.glb") != t.bytes("paper-04.glb"), "--alpha")
@@ -242,17 +257,18 @@ def fits(t):
     t.run((0, 8), "fit", "anna.glb", "--interior", "lattice", "--tissue", "tissue.vtk", "--method", "ellipses", "-o", "lattice.glb", "--report", "lattice.json")
     t.check(t.json("lattice.json")["fit"]["tissue"]["tetrahedra"] > 1000 and b"UNSTRUCTURED_GRID" in t.bytes("tissue.vtk"), "--interior, --tissue")
     obj = write_obj(t, "anna.obj", 100 / 2.54)
-    t.run((0, 8), "fit", obj, "--unit", "in", "--sex", "female", "-o", "from-obj.glb", "--report", "obj.json")
+    t.run((0, 8), "fit", obj, "--unit", "in", "--sex", "female", "--method", "ellipses", "-o", "from-obj.glb", "--report", "obj.json")
     t.check(abs(t.json("obj.json")["fit"]["stature"] - 1.68) < 0.002, "--unit in")
     # A bare skin comes without a mass.
-    t.run(0, "render", "from-obj.glb", "--pose", "standing", "--definition", 0.5, "--size", "64x64", "-o", "from-obj.png")
+    write_part(t, "from-obj.glb", "from-obj-some.glb")
+    t.run(0, "render", "from-obj-some.glb", "--pose", "standing", "--definition", 0.5, "--size", "64x64", "-o", "from-obj.png")
     inches = json.loads(t.run(0, "body", "measure", obj, "--skin-unit", "in", "--json").stdout)
     t.check(abs(inches["stature"] - 1.68) < 0.002 and abs(inches["waist_girth"] - measures(t, "anna.glb")["waist_girth"]) < 0.002, "body measure of a bare skin")
     t.run(0, "body", "size", obj, "--skin-unit", "in", "--sex", "female")
     t.run(0, "body", "statistics", obj, "--skin-unit", "in", "--sex", "female")
     t.run((0, 8), "body", "modify", obj, "--skin-unit", "in", "--sex", "female", "--fat", 30, "-o", "obj-fatter.glb")
     t.check(abs(measures(t, "fine.glb")["waist_girth"] - measures(t, "anna.glb")["waist_girth"]) < 0.004, "body measure of a character with the fine skin")
-    t.run((0, 8), "fit", obj, "--unit", "in", "--sex", "male", "-o", "as-male.glb")
+    t.run((0, 8), "fit", obj, "--unit", "in", "--sex", "male", "--method", "ellipses", "-o", "as-male.glb")
     t.check(t.bytes("as-male.glb") != t.bytes("from-obj.glb"), "--sex decides the layer of fat")
     t.run(0, "weights", "anna-anatomy.glb", "-o", "weights.csv", "--joint", "knee_l,hip_l", "--picture", "weights.png")
     rows = t.bytes("weights.csv").decode().splitlines()
@@ -283,7 +299,7 @@ def fits(t):
 def animations(t):
     short_motion(t.data("motions", "walk.bvh"), t.path("walk.bvh"), 8)
     short_motion(t.data("motions", "long_jump.bvh"), t.path("jump.bvh"), 16)
-    animate = lambda *words, codes=(0, 8): t.run(codes, "animate", "anna-anatomy.glb", *words)  # noqa: E731
+    animate = lambda *words, codes=(0, 8): t.run(codes, "animate", "some.glb", *words)  # noqa: E731
     done = animate("walk.bvh", "-o", "walk.glb", "-o", "walk.pc2", "-o", "walk.mdd", "-o", "objs/%03d.obj", "--report", "walk.json", "-v")
     t.says(done, "walk.bvh: 8 frames at")
     t.says(done, "timings_ms.frames")
@@ -297,22 +313,22 @@ def animations(t):
     animate("walk.bvh", "-o", "blender.pc2", "-o", "blender.glb", "--cache-for", "glb")
     t.check(struct.unpack("<i", t.bytes("blender.pc2")[16:20])[0] > 13380, "--cache-for glb")
     animate("walk.bvh", "-o", "light-walk.glb", "--detail", "low")
-    t.check(len(t.bytes("light-walk.glb")) < len(t.bytes("walk.glb")) / 3, "--detail of animate")
+    t.check(len(t.bytes("light-walk.glb")) < len(t.bytes("walk.glb")) / 1.3, f"--detail of animate: {len(t.bytes('light-walk.glb'))} of {len(t.bytes('walk.glb'))} bytes")
     animate("walk.bvh", "-o", "walk.mot", "-o", "walk.trc", "--table", "lengths=lengths.csv", "--table", "moment-arms:knee_l_flexion=arms.sto", "--table", "velocities=velocities.csv",
             "--table", "bellies=bellies.csv", "--table", "tendons=tendons.csv", "--table", "activations=activations.csv")
     for name in ("lengths.csv", "velocities.csv", "bellies.csv", "tendons.csv", "activations.csv"):
         rows = [line for line in t.bytes(name).decode().splitlines() if line and not line.startswith("#")]
         t.check(len(rows) == 9 and rows[0].startswith("time"), f"{name}: a row a frame, {len(rows)}")
     t.check(b"endheader" in t.bytes("walk.mot") and b"endheader" in t.bytes("arms.sto") and b"PathFileType" in t.bytes("walk.trc"), "headers of .mot, .sto and .trc")
-    t.says(t.run(2, "animate", "anna-anatomy.glb", "walk.bvh", "--table", "lenghts=x.csv"), "lengths")
-    t.says(t.run(2, "animate", "anna-anatomy.glb", "walk.bvh", "--table", "moment-arms:kne_l_flexion=x.csv"), "knee_l_flexion")
-    t.says(t.run(2, "animate", "anna-anatomy.glb", "walk.bvh", "-o", "no.glb", "--layers", "skin"), ".pc2")
+    t.says(t.run(2, "animate", "some.glb", "walk.bvh", "--table", "lenghts=x.csv"), "lengths")
+    t.says(t.run(2, "animate", "some.glb", "walk.bvh", "--table", "moment-arms:kne_l_flexion=x.csv"), "knee_l_flexion")
+    t.says(t.run(2, "animate", "some.glb", "walk.bvh", "-o", "no.glb", "--layers", "skin"), ".pc2")
     animate("walk.bvh", "-o", "lbs.pc2", "--skin", "lbs")
     t.check(difference(t.bytes("lbs.pc2"), t.bytes("walk.pc2")) > 1e-3, "--skin lbs")
     t.write("tense.csv", "time,muscle,value\n0,biceps_brachii_*,1\n0,gastrocnemius_*,1\n")
     animate("walk.bvh", "-o", "tense.pc2", "--activation", "tense.csv", "--report", "tense.json")
     t.check(t.json("tense.json")["activation"]["muscles"] > 0 and difference(t.bytes("tense.pc2"), t.bytes("walk.pc2")) > 1e-4, "--activation")
-    t.says(t.run(2, "animate", "anna-anatomy.glb", "walk.bvh", "-o", "no.mot", "--activation", "tense.csv"), "no.glb")
+    t.says(t.run(2, "animate", "some.glb", "walk.bvh", "-o", "no.mot", "--activation", "tense.csv"), "no.glb")
     animate("walk.bvh", "-o", "tense.glb", "--activation", "tense.csv")
     t.check(t.bytes("tense.glb") != t.bytes("walk.glb"), "--activation of a .glb")
     t.run((0, 8), "animate", "tense.glb", "walk.bvh", "-o", "again.mot")  # still a character
@@ -321,11 +337,11 @@ def animations(t):
     t.check(difference(t.bytes("jump.pc2"), t.bytes("loose.pc2")) > 1e-5, "--dynamics")
     animate("walk.bvh", "-o", "plain.pc2", "--definition", 0)
     t.check(t.bytes("plain.pc2") == t.bytes("walk.pc2"), "--definition 0")
-    t.says(t.run(4, "animate", "anna-anatomy.glb", "walk.bvh", "-o", "no.pc2", "--definition", 1), "--skin fine")
+    t.says(t.run(4, "animate", "some.glb", "walk.bvh", "-o", "no.pc2", "--definition", 1), "--skin fine")
     for definition in (0, 1):
-        t.run((0, 8), "animate", "fine.glb", "walk.bvh", "-o", f"defined{definition}.pc2", "--definition", definition)
+        t.run((0, 8), "animate", "fine-some.glb", "walk.bvh", "-o", f"defined{definition}.pc2", "--definition", definition)
     t.check(difference(t.bytes("defined1.pc2"), t.bytes("defined0.pc2")) > 1e-4, "--definition")
-    t.says(t.run(2, "animate", "anna-anatomy.glb", "walk.bvh", "-o", "no.pc2", "--skin", "lbs", "--definition", 1), "--skin")
+    t.says(t.run(2, "animate", "some.glb", "walk.bvh", "-o", "no.pc2", "--skin", "lbs", "--definition", 1), "--skin")
     animate("walk.bvh", "-o", "painted.pc2", "--weights", "painted.csv")
     t.check(difference(t.bytes("painted.pc2"), t.bytes("walk.pc2")) > 1e-3, "--weights")
     joints = re.findall(r"^\s*(?:ROOT|JOINT) (\S+)", open(t.path("walk.bvh"), encoding="utf-8").read(), re.M)
@@ -353,12 +369,12 @@ def animations(t):
     t.check(t.json("planted.json")["motion"]["contacts"] > 0, "--plant")
     t.run((0, 8), "animate", "crowd.glb", "walk.bvh", "-o", "walking.glb", "--stagger", 0.5)
     t.check(b"walk" in t.bytes("walking.glb"), "a crowd that walks")
-    done = t.run((0, 8), "bake", "anna-anatomy.glb", "walk.bvh", "jump.bvh", "-o", "baked.glb", "--morphs", 4, "--helpers", 6, "--samples", 10, "--weights", "painted.csv",
+    done = t.run((0, 8), "bake", "some.glb", "walk.bvh", "jump.bvh", "-o", "baked.glb", "--morphs", 4, "--helpers", 6, "--samples", 10, "--weights", "painted.csv",
                  "--map", "map.txt", "--up", "y", "--motion-fps", 30, "--limits", "keep", "--no-apart", "--no-plant", "--report", "bake.json", "--progress", "lines")
     bake = t.json("bake.json")["bake"]
     t.check(bake["morphs"] <= 4 and bake["helpers"] <= 6 and bake["frames"] == 24, "--morphs, --helpers")
-    t.run((0, 8), "bake", "anna-anatomy.glb", "walk.bvh", "-o", "planted.glb", "--morphs", 2, "--helpers", 0, "--samples", 8, "--plant", "--definition", 0)
-    t.run((0, 8), "bake", "anna-anatomy.glb", "walk.bvh", "-o", "mapped.glb", "--morphs", 2, "--helpers", 0, "--samples", 4, "--maps", 256, "--definition", 1, "--report", "maps.json")
+    t.run((0, 8), "bake", "some.glb", "walk.bvh", "-o", "planted.glb", "--morphs", 2, "--helpers", 0, "--samples", 8, "--plant", "--definition", 0)
+    t.run((0, 8), "bake", "some.glb", "walk.bvh", "-o", "mapped.glb", "--morphs", 2, "--helpers", 0, "--samples", 4, "--maps", 256, "--definition", 1, "--report", "maps.json")
     normal_maps(t)
 
     motions_of_other_formats(t)
@@ -367,18 +383,18 @@ def animations(t):
 
 def markers(t):
     """Markers on our own walk come back as that walk; a table of one's own names them; plates are compared."""
-    t.run((0, 8), "animate", "anna-anatomy.glb", "walk.bvh", "-o", "walk.trc")
-    t.run((0, 8), "retarget", "walk.trc", "anna-anatomy.glb", "-o", "from-markers.bvh", "--report", "from-markers.json")
+    t.run((0, 8), "animate", "some.glb", "walk.bvh", "-o", "walk.trc")
+    t.run((0, 8), "retarget", "walk.trc", "some.glb", "-o", "from-markers.bvh", "--report", "from-markers.json")
     found = t.json("from-markers.json")
     t.check(found["markers"]["rms"] < 0.012 and abs(found["markers"]["size"]["thigh"] - 1) < 0.08 and found["motion"]["frames"] == 8, f"markers of our own walk: {found['markers']['rms']}")
     with open(t.path("markers.csv"), "w", encoding="utf-8") as file:
         file.write("marker,place,joint,out_front,spread_mm\nthelion_l,,thorax,1,60\nbuttock_l,,pelvis,-1,80\nforearm_r,forearm_r,,,\n")
     own = ("--markers", "markers.csv")
-    t.run((0, 8), "animate", "anna-anatomy.glb", "walk.trc", "-o", "from-markers.mot", *own, "--report", "own-markers.json")
+    t.run((0, 8), "animate", "some.glb", "walk.trc", "-o", "from-markers.mot", *own, "--report", "own-markers.json")
     t.check(t.json("own-markers.json")["markers"]["known"] == found["markers"]["known"] + 2, "--markers")
-    t.run((0, 8), "retarget", "walk.trc", "anna-anatomy.glb", "-o", "from-markers.glb", *own)
-    t.run((0, 8), "bake", "anna-anatomy.glb", "walk.trc", "-o", "marked.glb", "--morphs", 2, "--helpers", 0, "--samples", 4, *own)
-    t.run((0, 8), "render", "anna-anatomy.glb", "walk.trc", "--at", 0.02, "--size", "96x80", "-o", "marked.png", *own)
+    t.run((0, 8), "retarget", "walk.trc", "some.glb", "-o", "from-markers.glb", *own)
+    t.run((0, 8), "bake", "some.glb", "walk.trc", "-o", "marked.glb", "--morphs", 2, "--helpers", 0, "--samples", 4, *own)
+    t.run((0, 8), "render", "some.glb", "walk.trc", "--at", 0.02, "--size", "96x80", "-o", "marked.png", *own)
     with open(t.path("plates.mot"), "w", encoding="utf-8") as file:
         axes = [f"{side}_ground_force_{what}{axis}" for side in "RL" for what in "vp" for axis in "xyz"]
         file.write("plates\nnRows=3\nnColumns=13\nendheader\ntime\t" + "\t".join(axes) + "\n")
@@ -389,7 +405,7 @@ def markers(t):
     t.check(t.json("plates.json")["dynamics"]["plates"]["measured_mean"] > 0.5, "--plates")
     t.says(t.run(4, "dynamics", "anna-anatomy.glb", "walk.trc", "-o", "no.sto", "--plates", "plates.mot"), "it lasts from 10")
     t.says(t.run(4, "dynamics", "anna-anatomy.glb", "walk.trc", "-o", "no.sto", "--plates", "legs.mot"), "no force of a plate")
-    t.says(t.run(2, "retarget", "walk.bvh", "anna-anatomy.glb", "-o", "no.bvh", *own), "--markers")
+    t.says(t.run(2, "retarget", "walk.bvh", "some.glb", "-o", "no.bvh", *own), "--markers")
 
 
 def normal_maps(t):
@@ -438,7 +454,7 @@ def filters(t):
     """Each filter does what it says, and says what it does not take."""
     def run(codes, *words, motion="person_01.amc"):
         more = [part for word in words for part in ("--filter", word)]
-        return t.run(codes, "retarget", motion, "anna-anatomy.glb", "-o", "filtered.bvh", "--report", "filtered.json", *more)
+        return t.run(codes, "retarget", motion, "some.glb", "-o", "filtered.bvh", "--report", "filtered.json", *more)
     frames = lambda: t.json("filtered.json")["motion"]["frames"]  # noqa: E731
     run((0, 8), "speed=0.5", "smooth=50ms", "lock=80%", "mirror", "turn=90")
     t.check(frames() == 15, "half the speed")
@@ -458,28 +474,28 @@ def motions_of_other_formats(t):
     for name in ("person.asf", "person_01.amc", "character_person.txt", "person_walk.txt", "legs.mot"):
         shutil.copy(os.path.join(corpus, name), t.path(name))
     frames = lambda name: t.json(name)["motion"]["frames"]  # noqa: E731
-    t.run((0, 8), "animate", "anna-anatomy.glb", "person_01.amc", "-o", "amc.mot", "--report", "amc.json")
-    t.run((0, 8), "animate", "anna-anatomy.glb", "person_01.amc", "-o", "part.mot", "--filter", "slope=4", "--from", "2f", "--to", "5f", "--report", "part.json")
+    t.run((0, 8), "animate", "some.glb", "person_01.amc", "-o", "amc.mot", "--report", "amc.json")
+    t.run((0, 8), "animate", "some.glb", "person_01.amc", "-o", "part.mot", "--filter", "slope=4", "--from", "2f", "--to", "5f", "--report", "part.json")
     t.check(frames("amc.json") == 8 and frames("part.json") == 4, "--from, --to")
-    t.run((0, 8), "animate", "anna-anatomy.glb", "person_walk.txt", "--skeleton", "character_person.txt", "-o", "deepmimic.mot", "--report", "deepmimic.json")
+    t.run((0, 8), "animate", "some.glb", "person_walk.txt", "--skeleton", "character_person.txt", "-o", "deepmimic.mot", "--report", "deepmimic.json")
     t.check(frames("deepmimic.json") == 8, "--skeleton")
-    t.says(t.run((0, 8), "animate", "anna-anatomy.glb", "legs.mot", "-o", "legs-too.mot"), "arm_flex")
-    t.says(t.run(3, "animate", "anna-anatomy.glb", "person_01.amc", "--skeleton", "character_person.txt", "-o", "no.mot"), "character_person.txt")
-    t.run((0, 8), "retarget", "walk.bvh", "anna-anatomy.glb", "-o", "alone.bvh", "-o", "alone.glb", "--report", "alone.json")
+    t.says(t.run((0, 8), "animate", "some.glb", "legs.mot", "-o", "legs-too.mot"), "arm_flex")
+    t.says(t.run(3, "animate", "some.glb", "person_01.amc", "--skeleton", "character_person.txt", "-o", "no.mot"), "character_person.txt")
+    t.run((0, 8), "retarget", "walk.bvh", "some.glb", "-o", "alone.bvh", "-o", "alone.glb", "--report", "alone.json")
     for name in ("alone.bvh", "alone.glb"):
-        t.run((0, 8), "retarget", name, "anna-anatomy.glb", "-o", "again.bvh", "--report", "again.json")
+        t.run((0, 8), "retarget", name, "some.glb", "-o", "again.bvh", "--report", "again.json")
         t.check(frames("again.json") == 8 and t.json("again.json")["motion"]["own_rig"], f"{name} is a motion of the same body")
-    t.run((0, 8), "retarget", "walk.bvh", "anna-anatomy.glb", "-o", "some.bvh", "--from", "10ms", "--to", "4f", "--map", "map.txt", "--up", "y", "--motion-fps", 30, "--limits", "keep", "--no-apart",
+    t.run((0, 8), "retarget", "walk.bvh", "some.glb", "-o", "some.bvh", "--from", "10ms", "--to", "4f", "--map", "map.txt", "--up", "y", "--motion-fps", 30, "--limits", "keep", "--no-apart",
           "--no-plant", "--report", "some.json")
     t.check(frames("some.json") == 3, "--from, --to of retarget")
-    t.run((0, 8), "retarget", "person_01.amc", "anna-anatomy.glb", "-o", "planted.bvh", "--skeleton", "person.asf", "--plant")
-    t.run((0, 8), "retarget", "alone.glb", "anna-anatomy.glb", "-o", "taken.bvh", "--take", "1")
-    t.run((0, 8), "retarget", "walk.bvh", "anna-anatomy.glb", "-o", "alone.fbx")
-    t.run((0, 8), "retarget", "alone.fbx", "anna-anatomy.glb", "-o", "from-fbx.bvh", "--report", "from-fbx.json")
+    t.run((0, 8), "retarget", "person_01.amc", "some.glb", "-o", "planted.bvh", "--skeleton", "person.asf", "--plant")
+    t.run((0, 8), "retarget", "alone.glb", "some.glb", "-o", "taken.bvh", "--take", "1")
+    t.run((0, 8), "retarget", "walk.bvh", "some.glb", "-o", "alone.fbx")
+    t.run((0, 8), "retarget", "alone.fbx", "some.glb", "-o", "from-fbx.bvh", "--report", "from-fbx.json")
     t.check(frames("from-fbx.json") == 8 and t.json("from-fbx.json")["motion"]["same_rest"], "alone.fbx is a motion of the same skeleton")
     filters(t)
-    t.run((0, 8), "bake", "anna-anatomy.glb", "person_01.amc", "-o", "part.glb", "--morphs", 2, "--helpers", 0, "--samples", 4, "--skeleton", "person.asf", "--from", "1f", "--to", "4f", "--filter", "mirror")
-    t.run((0, 8), "render", "anna-anatomy.glb", "person_01.amc", "--skeleton", "person.asf", "--filter", "turn=10", "--at", 0.02, "--size", "96x80", "-o", "amc.png")
+    t.run((0, 8), "bake", "some.glb", "person_01.amc", "-o", "part.glb", "--morphs", 2, "--helpers", 0, "--samples", 4, "--skeleton", "person.asf", "--from", "1f", "--to", "4f", "--filter", "mirror")
+    t.run((0, 8), "render", "some.glb", "person_01.amc", "--skeleton", "person.asf", "--filter", "turn=10", "--at", 0.02, "--size", "96x80", "-o", "amc.png")
 
 
 def channel_columns(text, joint):
@@ -569,7 +585,7 @@ def forces(t):
 
 def pictures(t):
     def render(*words, codes=0):
-        return t.run(codes, "render", "anna-anatomy.glb", *words)
+        return t.run(codes, "render", "some.glb", *words)
     render("walk.bvh", "-o", "film.mp4", "--size", "160x90", "--fps", 4, "--layers", "muscles,bones", "--camera", "left", "--colour-map", "--report", "film.json")
     t.there("film.mp4")
     t.check(t.json("film.json")["film"]["frames"] >= 1, "--fps")
@@ -593,7 +609,7 @@ def pictures(t):
     t.there("loose/01.png")
     still = lambda name, *words: render("-o", f"{name}.png", "--size", "160x120", *words)  # noqa: E731
     still("rest")
-    for name, words in (("squat", ["--pose", "squat"]), ("torn", ["--pose", "squat", "--muscles", "lines", "--layers", "muscles"]), ("mapped", ["--pose", "squat", "--layers", "muscles"]), ("white", ["--background", "white"]), ("knee", ["--look-at", "knee_l"]), ("hidden", ["--hide", "trunk_back", "--layers", "muscles"]),
+    for name, words in (("squat", ["--pose", "squat"]), ("torn", ["--pose", "squat", "--muscles", "lines", "--layers", "muscles"]), ("mapped", ["--pose", "squat", "--layers", "muscles"]), ("white", ["--background", "white"]), ("knee", ["--look-at", "knee_l"]), ("hidden", ["--hide", "thigh", "--layers", "muscles"]),
                         ("only", ["--only", "femur_*", "--layers", "bones"]), ("slice", ["--section", "hip_l-knee_l:50%"])):
         still(name, *words)
         t.check(png(f"{name}.png") != png("rest.png"), f"render {' '.join(words)} changes nothing")
@@ -610,19 +626,19 @@ def pictures(t):
     t.check(light["behind"] > 0.85 * light["before"], f"a still from behind lies in the dark: {light}")
     still("own", "--pose", "bent", "--poses", t.write("own.csv", "name,label,view,angles\nbent,bent,front,elbow 90\n"))
     still("shares", "--pose", "arm_bent", "--poses", t.write("shares.csv", "pose,joint,flexion,abduction,rotation\narm_bent,elbow,0.6,0,0\n"))
-    t.says(t.run(2, "render", "anna-anatomy.glb", "-o", "no.png", "--pose", "sqat"), "squat")
-    t.says(t.run(2, "render", "anna-anatomy.glb", "-o", "no.png", "--look-at", "kne_l"), "knee_l")
-    t.says(t.run(2, "render", "anna-anatomy.glb", "-o", "no.png", "--section", "hip_l-kne_l:50%"), "knee_l")
+    t.says(t.run(2, "render", "some.glb", "-o", "no.png", "--pose", "sqat"), "squat")
+    t.says(t.run(2, "render", "some.glb", "-o", "no.png", "--look-at", "kne_l"), "knee_l")
+    t.says(t.run(2, "render", "some.glb", "-o", "no.png", "--section", "hip_l-kne_l:50%"), "knee_l")
     render("walk.bvh", "-o", "moment.png", "--at", 0.1, "--size", "160x120")
     render("walk.bvh", "-o", "part/%02d.png", "--from", 0.05, "--to", 0.1, "--fps", 60, "--size", "96x80")
     t.check(os.listdir(t.path("part")) and "01.png" in os.listdir(t.path("part")), "--from, --to")
     render("walk.bvh", "-o", "frames/%02d.png", "--frames", "2-6x2", "--size", "96x80")
     t.check(sorted(os.listdir(t.path("frames"))) == ["02.png", "04.png", "06.png"], f"--frames 2-6x2: {os.listdir(t.path('frames'))}")
-    done = t.run((0, 8), "posebook", "anna-anatomy.glb", "ben-anatomy.glb", "-o", "poses", "--poses", t.write("poses.csv", "name,label,view,angles\nbent,bent,front,elbow 90\n"),
+    done = t.run((0, 8), "posebook", "some.glb", "ben-anatomy.glb", "-o", "poses", "--poses", t.write("poses.csv", "name,label,view,angles\nbent,bent,front,elbow 90\n"),
                  "--methods", "ecorche,lbs", "--cell", "100x120")
     t.there("poses/ecorche.png")
     t.check(not os.path.exists(t.path("poses/dqs.png")) and "lbs" in done.stdout, "--methods")
-    t.run((0, 8), "posebook", "anna-anatomy.glb", "-o", "figures", "--poses", "poses.csv", "--methods", "ecorche", "--no-pictures")
+    t.run((0, 8), "posebook", "some.glb", "-o", "figures", "--poses", "poses.csv", "--methods", "ecorche", "--no-pictures")
     t.there("figures/figures.csv")
     t.absent("figures/ecorche.png")
 
@@ -919,18 +935,18 @@ def window(t):
         t.used.setdefault("view", set()).update(name for group in t.options_of("view") for name in group)
         return
     view = lambda *words, codes=0: t.run(codes, "view", *words, under=VIEW)  # noqa: E731
-    view("anna-anatomy.glb", "person_01.amc", "--skeleton", "person.asf", "--filter", "mirror", "--from", "2f", "--to", "6f", "--frames", 2, "--screenshot", "amc-view.png")
-    view("anna-anatomy.glb", "walk.trc", "--markers", "markers.csv", "--frames", 2, "--screenshot", "marked-view.png")
+    view("some.glb", "person_01.amc", "--skeleton", "person.asf", "--filter", "mirror", "--from", "2f", "--to", "6f", "--frames", 2, "--screenshot", "amc-view.png")
+    view("some.glb", "walk.trc", "--markers", "markers.csv", "--frames", 2, "--screenshot", "marked-view.png")
     view("own.glb", "own-walk.glb", "--take", "1", "--frames", 2, "--screenshot", "own-view.png")
-    view("anna-anatomy.glb", "walk.bvh", "--frames", 3, "--screenshot", "a.png", "--pick", "0.5,0.5")
+    view("some.glb", "walk.bvh", "--frames", 3, "--screenshot", "a.png", "--pick", "0.5,0.5")
     t.check(t.bytes("a.png")[:4] == b"\x89PNG", "--screenshot")
     view("--sliders", "--sex", "female", "--measure", "stature=170cm", "--frames", 2, "-o", "edited.glb", codes=(0, 8))
     t.check(abs(measures(t, "edited.glb")["stature"] - 1.70) < 0.002, "--sliders --measure")
-    view("anna-anatomy.glb", "jump.bvh", "--frames", 2, "--dynamics", "--definition", 0, "--map", "map.txt", "--up", "y", "--motion-fps", 30, "--limits", "keep", "--no-apart",
+    view("some.glb", "jump.bvh", "--frames", 2, "--dynamics", "--definition", 0, "--map", "map.txt", "--up", "y", "--motion-fps", 30, "--limits", "keep", "--no-apart",
          "--no-plant")
-    view("anna-anatomy.glb", "walk.bvh", "--frames", 2, "--plant")
+    view("some.glb", "walk.bvh", "--frames", 2, "--plant")
     for name, words in (("back", ["--camera", "back"]), ("bones", ["--only", "femur_*,tibia_*"]), ("bare", ["--hide", "thigh"])):
-        view("anna-anatomy.glb", "--frames", 2, "--screenshot", f"{name}.png", *words)
+        view("some.glb", "--frames", 2, "--screenshot", f"{name}.png", *words)
     t.check(len({t.bytes(f"{name}.png") for name in ("back", "bones", "bare")}) == 3, "--camera, --only, --hide")
     view("anna-anatomy.glb", "--sliders", "--template", "imported.glb", "--frames", 2)
 
@@ -957,13 +973,13 @@ def demo(t):
 def common_options(t):
     t.run((0, 8), "fit", "anna.glb", "-o", "one.glb", "--threads", 1, "-q", "--report", "one.json")
     t.check(t.bytes("one.glb") == t.bytes("anna-anatomy.glb") and t.json("one.json")["threads"] == 1, "--threads")
-    t.check(t.run((0, 8), "fit", "anna.glb", "-o", "one.glb", "-q").stderr == "", "-q")
-    t.says(t.run((0, 8), "fit", "anna.glb", "-o", "one.glb", "-v"), "timings_ms.fit_bones")
+    t.check(t.run((0, 8), "fit", "anna.glb", "-o", "one.glb", "--method", "ellipses", "-q").stderr == "", "-q")
+    t.says(t.run((0, 8), "fit", "anna.glb", "-o", "one.glb", "--method", "ellipses", "-v"), "timings_ms.fit_bones")
     t.run((0, 8), "body", "population", "--count", 1, "--seed", 6, "--skins", "-o", "other")
     t.check(t.bytes("other/person-0001.glb") != t.bytes("drawn/person-0001.glb"), "--seed")
     t.run(2, "fit", "anna.glb", "-o", "no.glb", "--threads", -1)
     t.run(2, "fit", "anna.glb", "-o", "no.glb", "--seed", -1)
-    t.says(t.run((0, 8), "animate", "anna-anatomy.glb", t.data("motions", "walk.bvh"), "-o", "lines.pc2", "--progress", "lines"), "frames: ")
+    t.says(t.run((0, 8), "animate", "some.glb", t.data("motions", "walk.bvh"), "-o", "lines.pc2", "--progress", "lines"), "frames: ")
 
 
 def main(program, source):
