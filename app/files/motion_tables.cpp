@@ -125,18 +125,9 @@ TableRequest table_request(const std::filesystem::path& output) {
   return {output.extension() == ".mot" ? "angles" : "markers", output};
 }
 
-MotionTables::MotionTables(const Assets& assets, std::vector<TableRequest> requests,
-                           const Actor& actor, const Motion& motion, const Activations& activations)
-    : requests_(std::move(requests)), actor_(actor), motion_(motion), activations_(activations) {
-  const auto coordinates = model_coordinates(actor.character.anatomy.skeleton);
-  for (const TableRequest& request : requests_) {
-    if (request.what == "markers" && marker_vertices_.empty()) {
-      for (const SkinMarker& marker : skin_markers(assets, actor.character)) {
-        markers_.names.push_back(marker.name);
-        marker_vertices_.push_back(marker.vertex);
-      }
-      markers_.fps = motion.fps;
-    }
+void require_coordinates(const std::vector<TableRequest>& requests, const Skeleton& skeleton) {
+  const auto coordinates = model_coordinates(skeleton);
+  for (const TableRequest& request : requests) {
     if (!request.what.starts_with(kArms)) continue;
     const std::string name = request.what.substr(kArms.size());
     if (std::none_of(coordinates.begin(), coordinates.end(),
@@ -147,6 +138,20 @@ MotionTables::MotionTables(const Assets& assets, std::vector<TableRequest> reque
                       "`--table angles=FILE.csv` lists them all",
                       request.what, name));
   }
+}
+
+MotionTables::MotionTables(const Assets& assets, std::vector<TableRequest> requests,
+                           const Actor& actor, const Motion& motion, const Activations& activations)
+    : requests_(std::move(requests)), actor_(actor), motion_(motion), activations_(activations) {
+  require_coordinates(requests_, actor.character.anatomy.skeleton);
+  if (std::none_of(requests_.begin(), requests_.end(),
+                   [](const TableRequest& request) { return request.what == "markers"; }))
+    return;
+  for (const SkinMarker& marker : skin_markers(assets, actor.character)) {
+    markers_.names.push_back(marker.name);
+    marker_vertices_.push_back(marker.vertex);
+  }
+  markers_.fps = motion.fps;
 }
 
 void MotionTables::add(const CharacterState& frame) {

@@ -34,10 +34,12 @@ std::vector<TableRequest> table_requests(const std::vector<std::string>& texts);
 bool is_table(const std::filesystem::path& output);
 TableRequest table_request(const std::filesystem::path& output);
 
+// Throws UsageError for moment arms about a coordinate that the skeleton has not.
+void require_coordinates(const std::vector<TableRequest>& requests, const Skeleton& skeleton);
+
 class MotionTables {
  public:
-  // Throws UsageError for a coordinate that the skeleton has not, UnfitError for markers on a skin
-  // without landmarks.
+  // Throws as require_coordinates(), UnfitError for markers on a skin without landmarks.
   MotionTables(const Assets& assets, std::vector<TableRequest> requests, const Actor& actor,
                const Motion& motion, const Activations& activations);
 

@@ -35,10 +35,10 @@ bool is_named(const std::string& known, const std::string& asked) {
 
 // The base mesh's vertices of a landmark of data/body/landmarks.csv, on the side asked for, or on
 // both.
-std::vector<int> vertices_named(const Assets& assets, const Actor& actor, const std::string& name,
-                                std::vector<std::string>& known) {
+std::vector<int> vertices_named(const Assets& assets, const Character& character,
+                                const std::string& name, std::vector<std::string>& known) {
   const BodyPackage package = read_body_package(assets);
-  if (actor.character.own || actor.character.body.skin.V.rows() != package.skin_size) return {};
+  if (character.own || character.body.skin.V.rows() != package.skin_size) return {};
   std::vector<int> vertices;
   for (const SkinLandmark& landmark :
        read_measure_table(package, package.tables / "body").landmarks) {
@@ -51,8 +51,8 @@ std::vector<int> vertices_named(const Assets& assets, const Actor& actor, const 
   return vertices;
 }
 
-Target find_target(const Assets& assets, const Actor& actor, const std::string& name) {
-  const Anatomy& anatomy = actor.character.anatomy;
+Target find_target(const Assets& assets, const Character& character, const std::string& name) {
+  const Anatomy& anatomy = character.anatomy;
   Target target;
   const std::vector<std::uint32_t> parts = parts_named(anatomy, name);
   const bool exact = std::ranges::any_of(
@@ -69,7 +69,7 @@ Target find_target(const Assets& assets, const Actor& actor, const std::string& 
       if (part.kind == Part::Kind::muscle) target.muscles.push_back(part.index);
     }
   if (target.joints.empty() && target.bones.empty() && target.muscles.empty())
-    target.vertices = vertices_named(assets, actor, name, known);
+    target.vertices = vertices_named(assets, character, name, known);
   if (target.bones.empty() && target.muscles.empty()) target.least = kJointBall;
   if (!target.joints.empty() || !target.vertices.empty() || target.least == 0) return target;
   for (const std::uint32_t part : all_parts(anatomy))
@@ -227,7 +227,8 @@ std::vector<Camera> whole_figure(const Actor& actor, const Motion& motion,
 
 std::vector<Camera> close_ups(const Assets& assets, const Actor& actor, const Motion& motion,
                               std::span<const double> moments, const FilmView& view, float aspect) {
-  const Tracked tracked = track(actor, motion, moments, find_target(assets, actor, view.look_at));
+  const Tracked tracked =
+      track(actor, motion, moments, find_target(assets, actor.character, view.look_at));
   const ViewAngles angles = view.camera == "follow" ? tracked.angles : view_angles(view.camera);
   std::vector<Camera> cameras;
   for (const Vec3f& center : tracked.centers) {
@@ -240,16 +241,25 @@ std::vector<Camera> close_ups(const Assets& assets, const Actor& actor, const Mo
   return cameras;
 }
 
-}  // namespace
-
-std::vector<Camera> film_cameras(const Assets& assets, const Actor& actor, const Motion& motion,
-                                 std::span<const double> moments, std::span<const Look> looks,
-                                 const FilmView& view, double fps, float aspect) {
+void require_numbers(const FilmView& view) {
   if (!(view.zoom > 0) || !std::isfinite(view.zoom))
     throw UsageError(fmt::format("--zoom: {}: must be above 0", view.zoom));
   if (view.distance && (!(*view.distance > 0) || !std::isfinite(*view.distance)))
     throw UsageError(fmt::format("--distance: {}: must be above 0 m", *view.distance));
-  if (view.camera != "follow") view_angles(view.camera);  // before what takes long
+  if (view.camera != "follow") view_angles(view.camera);
+}
+
+}  // namespace
+
+void check_view(const Assets& assets, const Character& character, const FilmView& view) {
+  require_numbers(view);
+  if (!view.look_at.empty()) find_target(assets, character, view.look_at);
+}
+
+std::vector<Camera> film_cameras(const Assets& assets, const Actor& actor, const Motion& motion,
+                                 std::span<const double> moments, std::span<const Look> looks,
+                                 const FilmView& view, double fps, float aspect) {
+  require_numbers(view);
   std::vector<Camera> cameras = view.look_at.empty()
                                     ? whole_figure(actor, motion, moments, looks, view, fps, aspect)
                                     : close_ups(assets, actor, motion, moments, view, aspect);

@@ -24,6 +24,10 @@ struct FilmView {
       distance;  // m, from the eye to what is looked at; as far as needed when left out
 };
 
+// Throws for the view what film_cameras() would: before a character is compiled, which takes
+// seconds.
+void check_view(const Assets& assets, const Character& character, const FilmView& view);
+
 // A camera a moment (s of the motion, `fps` of them a second in the film). `looks`: the figures
 // side by side. aspect: width / height. Throws UsageError for a view or a name that is not known
 // (the nearest is named) and for numbers that are not above 0.

@@ -25,12 +25,16 @@ Ragdoll character_ragdoll(const std::string& file, const Character& character,
 
 double ground_height(const Character& character) { return character.body.skin.V.col(1).minCoeff(); }
 
+void require_limp_joints(const Skeleton& skeleton, const std::vector<std::string>& joints) {
+  for (const std::string& name : joints)
+    if (find_joint(skeleton, name) < 0)
+      throw UsageError("--passive: " + no_such_joint(skeleton, name));
+}
+
 Motion with_limp_joints(const std::string& file, const Character& character, const Binding& binding,
                         const std::vector<std::string>& joints, const Motion& motion,
                         const Common& common, Report& report) {
-  for (const std::string& name : joints)
-    if (find_joint(character.anatomy.skeleton, name) < 0)
-      throw UsageError("--passive: " + no_such_joint(character.anatomy.skeleton, name));
+  require_limp_joints(character.anatomy.skeleton, joints);
   const Ragdoll ragdoll = character_ragdoll(file, character, binding, report);
   const StageTimer timer(report, "limp");
   RagdollOptions options;

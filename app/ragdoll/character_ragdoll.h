@@ -20,6 +20,9 @@ Ragdoll character_ragdoll(const std::string& file, const Character& character,
 // The height of the ground: of the soles at rest.
 double ground_height(const Character& character);
 
+// Names of --passive. Throws UsageError for joints that are none.
+void require_limp_joints(const Skeleton& skeleton, const std::vector<std::string>& joints);
+
 // --passive: joints of the motion go limp. Returns the motion with them swinging; a note and the
 // report (`limp`) say which and how. Throws UsageError for joints that are none or cannot swing.
 Motion with_limp_joints(const std::string& file, const Character& character, const Binding& binding,

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
@@ -158,8 +159,11 @@ int run_animate(const AnimateOptions& options, const Common& common, Report& rep
   if (options.stagger > 0)
     throw UsageError("--stagger: for crowds, whose people then begin one after the other");
   require_settling(options.dynamics, options.skin);
+  Character character = open_character(options.character, common, report);
+  require_coordinates(table_requests(options.tables), character.anatomy.skeleton);
+  require_limp_joints(character.anatomy.skeleton, options.passive);
   auto [actor, motion] = open_moved_actor(
-      options.motion, open_character(options.character, common, report),
+      options.motion, std::move(character),
       {.weights = options.weights, .definition = to_definition(options.definition, options.skin)},
       options.retarget, common, report);
   choose_skin(common.assets, actor, options.skin);

@@ -41,8 +41,9 @@ struct BakeVerbOptions {
 
 constexpr double kAskedRms = 2e-3, kAskedMax = 6e-3;  // m
 
-std::vector<BakedMotion> open_motions(const BakeVerbOptions& options, const Actor& actor,
-                                      const Common& common, Report& report) {
+std::vector<BakedMotion> open_motions(const BakeVerbOptions& options, const Character& character,
+                                      const Binding& binding, const Common& common,
+                                      Report& report) {
   std::vector<BakedMotion> out;
   std::set<std::string> names;
   for (const fs::path& file : options.motions) {
@@ -50,7 +51,7 @@ std::vector<BakedMotion> open_motions(const BakeVerbOptions& options, const Acto
     each.name = printable(file.stem().string());
     for (int k = 2; !names.insert(each.name).second; ++k)
       each.name = fmt::format("{}_{}", printable(file.stem().string()), k);
-    each.motion = open_motion(file, actor, options.retarget, common, report);
+    each.motion = open_motion(file, character, binding, options.retarget, common, report);
     out.push_back(std::move(each));
   }
   return out;
@@ -74,10 +75,9 @@ std::string in_words(const BakeError& error) {
 }
 
 // The character's own file again, moved by its own joints.
-int bake_own_rig(const BakeVerbOptions& options, const Actor& actor, const Common& common,
-                 Report& report) {
+int bake_own_rig(const BakeVerbOptions& options, const Actor& actor,
+                 const std::vector<BakedMotion>& motions, const Common& common, Report& report) {
   const OwnRig rig(*actor.character.own, printable(options.character.string()));
-  const std::vector<BakedMotion> motions = open_motions(options, actor, common, report);
   std::vector<OwnRigMotion> out;
   ActorState frame(actor);
   {
@@ -155,26 +155,30 @@ int run_bake(const BakeVerbOptions& options, const Common& common, Report& repor
   if (options.maps > 0)
     outputs.insert(outputs.end(), {map_file(options, "normal"), map_file(options, "displacement")});
   check_outputs(common, outputs, inputs);
-  Actor actor = make_actor(common.assets, open_character(options.character, common, report), report,
+  Character opened = open_character(options.character, common, report);
+  if (options.rig == "own" && !opened.own)
+    throw UnfitError(
+        fmt::format("{}: it has no rig of its own; leave --rig out", options.character.string()));
+  // Before the character is compiled, which takes seconds; motions of own skins need that.
+  std::vector<BakedMotion> motions;
+  if (!opened.own) motions = open_motions(options, opened, Binding{}, common, report);
+  Actor actor = make_actor(common.assets, std::move(opened), report,
                            {.weights = options.weights,
                             .muscles = MuscleMotion::lines,
                             .definition = options.maps > 0 ? 0 : options.definition.value_or(0)});
   const Character& character = actor.character;
-  if (options.rig == "own" && !character.own)
-    throw UnfitError(
-        fmt::format("{}: it has no rig of its own; leave --rig out", options.character.string()));
+  if (character.own) motions = open_motions(options, character, actor.binding, common, report);
   if (character.own &&
       (options.rig == "own" ||
        (options.rig == "auto" &&
         !read_source_rig(*character.own->source, options.character.string()).joints.empty())))
-    return bake_own_rig(options, actor, common, report);
+    return bake_own_rig(options, actor, motions, common, report);
   ActorState frame(actor);
   const ExactSkin exact = [&](const Pose& pose, SkinFrame& out) {
     out = evaluate_skin(actor, pose, {}, frame);
   };
   Bake bake;
   {
-    std::vector<BakedMotion> motions = open_motions(options, actor, common, report);
     const StageTimer timer(report, "bake");
     Progress progress(common, options.output.filename().string(), 100);
     bake = bake_skin(

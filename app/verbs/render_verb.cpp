@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
+#include <utility>
 #include <vector>
 
 #include "anatomy/errors.h"
@@ -151,22 +153,35 @@ Posture find_posture(const fs::path& tables, const RenderVerbOptions& options,
 }
 
 // One frame: at rest, or in the pose, its lowest point on the ground as at rest.
-Motion still_motion(const fs::path& tables, const Actor& actor, const RenderVerbOptions& options,
-                    std::string& view) {
-  const Skeleton& skeleton = actor.character.anatomy.skeleton;
+Motion still_motion(const Actor& actor, const std::optional<Posture>& posture) {
   Motion motion;
-  motion.frames.push_back(rest_pose(skeleton));
-  view = "oblique";
-  if (options.pose.empty()) return motion;
-  Posture posture = find_posture(tables, options, skeleton);
+  motion.frames.push_back(rest_pose(actor.character.anatomy.skeleton));
+  if (!posture) return motion;
+  Pose& pose = motion.frames.front();
+  pose = posture->pose;
   ActorState frame(actor);
-  evaluate_skin(actor, posture.pose, {}, frame);
+  evaluate_skin(actor, pose, {}, frame);
   Points skin;
   to_points(frame.skin, skin);
-  posture.pose.root.y() += actor.character.body.skin.V.col(1).minCoeff() - skin.col(1).minCoeff();
-  motion.frames.front() = posture.pose;
-  view = posture.view;
+  pose.root.y() += actor.character.body.skin.V.col(1).minCoeff() - skin.col(1).minCoeff();
   return motion;
+}
+
+// What is shown of the character and from where, before it is compiled, which takes seconds.
+std::optional<Posture> choose_view(const Assets& assets, const RenderVerbOptions& options,
+                                   const Character& character, ActorFilm& film) {
+  const Skeleton& skeleton = character.anatomy.skeleton;
+  film.hidden = hidden_parts(options, character.anatomy);
+  if (!options.section.empty())
+    film.section = read_section_plane(options.section, skeleton, "--section");
+  std::optional<Posture> posture;
+  if (!options.pose.empty()) posture = find_posture(assets.tables, options, skeleton);
+  const std::string view = !options.motion.empty() || !film.view.look_at.empty() ? "follow"
+                           : posture                                             ? posture->view
+                                                                                 : "oblique";
+  film.view.camera = options.camera.value_or(view);
+  check_view(assets, character, film.view);
+  return posture;
 }
 
 int run_render(RenderVerbOptions options, const Common& common, Report& report) {
@@ -189,19 +204,14 @@ int run_render(RenderVerbOptions options, const Common& common, Report& report) 
                          .definition = to_definition(options.definition, options.skin),
                          .refinement = true};
   Character character = open_character(options.character, common, report);
+  const std::optional<Posture> posture = choose_view(common.assets, options, character, film);
   auto [actor, motion] =
       options.motion.empty()
           ? MovedActor{make_actor(common.assets, std::move(character), report, how), Motion{}}
           : open_moved_actor(options.motion, std::move(character), how, options.retarget, common,
                              report);
   choose_skin(common.assets, actor, options.skin);
-  film.hidden = hidden_parts(options, actor.character.anatomy);
-  if (!options.section.empty())
-    film.section =
-        read_section_plane(options.section, actor.character.anatomy.skeleton, "--section");
-  std::string view = "follow";
-  if (options.motion.empty()) motion = still_motion(common.assets.tables, actor, options, view);
-  film.view.camera = options.camera.value_or(film.view.look_at.empty() ? view : "follow");
+  if (options.motion.empty()) motion = still_motion(actor, posture);
   film.legend =
       film.legend && !(options.motion.empty() && options.pose.empty()) && !film.transparent;
   film.activations = open_activations(common.assets, options.activation, actor, motion, report);

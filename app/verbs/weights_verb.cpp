@@ -99,11 +99,11 @@ int run_weights(const WeightsVerbOptions& options, const Common& common, Report&
     throw UsageError("weights: --joint and --picture belong together");
   check_outputs(common, {options.table, options.picture}, {options.character, options.weights});
   Character character = open_character(options.character, common, report);
+  const std::vector<int> joints = read_joints(options.joints, character.anatomy.skeleton);
   const std::optional<BaseSkin> base = find_base(common.assets, character);
   const Actor actor = make_actor(common.assets, std::move(character), report,
                                  {base ? &*base : nullptr, options.weights, MuscleMotion::lines});
   const Skeleton& skeleton = actor.character.anatomy.skeleton;
-  const std::vector<int> joints = read_joints(options.joints, skeleton);
   const std::vector<std::vector<Influence>> rows = joint_weights_of(*actor.skin.base_blend);
   size_t entries = 0;
   for (const std::vector<Influence>& row : rows) entries += row.size();

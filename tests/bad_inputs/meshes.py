@@ -546,7 +546,7 @@ def row_37(t):
         codes, says = ((0, 8), ()) if name == "nearly" else (4, name)
         # In one kind of file each: registration takes 10 s.
         kinds = {"obj": obj, "ply": ply, "glb": lambda *m: glb(*mesh_scene(*m))}
-        for ending in {"ball": ["obj"], "plane": ["ply"], "nearly": ["glb"]}.get(name, kinds if mesh[1] else ["obj", "ply"]):
+        for ending in {"ball": ["ply"], "plane": ["obj"], "nearly": ["glb"]}.get(name, kinds if mesh[1] else ["obj", "ply"]):
             fit(t, 37, f"{name}.{ending}", kinds[ending](*mesh), codes, says, seconds=120)
     t.bench.case(37, "a muscle that is a plane", ["template", "resample", t.bench.file("plane.obj")], (0, 4))
 

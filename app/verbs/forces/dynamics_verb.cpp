@@ -13,6 +13,7 @@
 
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
+#include "anatomy/posing/posing_table.h"
 #include "app/files/actor.h"
 #include "app/files/body_inertia.h"
 #include "app/files/dynamics_tables.h"
@@ -307,18 +308,18 @@ int run_dynamics(const DynamicsVerbOptions& options, const Common& common, Repor
   files.push_back(options.html);
   check_outputs(common, files,
                 {options.character, options.motion, options.retarget.map_file, options.plates});
-  const Actor actor =
-      make_actor(common.assets, open_character(options.character, common, report), report);
+  const BoundCharacter bound =
+      bind_character(common.assets, open_character(options.character, common, report), report);
+  const Character& character = bound.character;
+  const std::vector<ChosenMuscles> chosen =
+      choose_muscles(character.anatomy, options.muscles.empty() ? gait_muscles() : options.muscles);
   MotionPlace place;
-  const Motion motion =
-      open_motion(options.motion, actor, options.retarget, common, report, &place);
+  const Motion motion = open_motion(options.motion, character, bound.binding, options.retarget,
+                                    common, report, &place);
   if (motion.frames.size() < 3)
     throw UnfitError(fmt::format("{}: {} frames have no acceleration; at least 3 are needed",
                                  options.motion.string(), motion.frames.size()));
-  const Character& character = actor.character;
-  const std::vector<ChosenMuscles> chosen =
-      choose_muscles(character.anatomy, options.muscles.empty() ? gait_muscles() : options.muscles);
-  const SegmentInertia inertia = weigh_character(character, actor.binding, report);
+  const SegmentInertia inertia = weigh_character(character, bound.binding, report);
   DynamicsOptions wanted{options.cutoff, !options.no_ground};
   if (!options.plates.empty())
     wanted.measured =
@@ -340,7 +341,8 @@ int run_dynamics(const DynamicsVerbOptions& options, const Common& common, Repor
   std::optional<MuscleEfforts> efforts;
   if (!options.activations.empty() || !options.muscles.empty()) {
     const StageTimer timer(report, "activation");
-    efforts = static_optimization(actor.muscles.posing, character.anatomy, dynamics);
+    efforts =
+        static_optimization(make_posing_table(character.anatomy), character.anatomy, dynamics);
     report_efforts(*efforts, character.anatomy.skeleton, report);
     note(common, describe_efforts(*efforts, character.anatomy.skeleton));
   }
