@@ -38,9 +38,12 @@ def smaller(document, binary, muscles, bones, fascia):
     kept_parts = {"bone": bones, "muscle": muscles, "fascia": fascia}
     keep = [name.partition("/")[0] not in kept_parts or name.partition("/")[2] in kept_parts[name.partition("/")[0]] for name in names]
     places = {old: new for new, old in enumerate(i for i, kept in enumerate(keep) if kept)}
-    meshes, accessors, views = [], [], []
+    meshes, accessors, views, taken = [], [], [], {}
 
     def take(index):
+        if index in taken:  # primitives of a mesh share their vertices
+            return taken[index]
+        taken[index] = len(accessors)
         accessor = dict(document["accessors"][index])
         view = dict(document["bufferViews"][accessor["bufferView"]])
         begin = view.get("byteOffset", 0)
@@ -49,7 +52,7 @@ def smaller(document, binary, muscles, bones, fascia):
         out.extend(binary[begin:begin + view["byteLength"]])
         views.append(view)
         accessors.append({**accessor, "bufferView": len(views) - 1})
-        return len(accessors) - 1
+        return taken[index]
 
     nodes = [node for node, kept in zip(document["nodes"], keep) if kept]
     for node in nodes:

@@ -311,8 +311,7 @@ int run_dynamics(const DynamicsVerbOptions& options, const Common& common, Repor
   const BoundCharacter bound =
       bind_character(common.assets, open_character(options.character, common, report), report);
   const Character& character = bound.character;
-  const std::vector<ChosenMuscles> chosen =
-      choose_muscles(character.anatomy, options.muscles.empty() ? gait_muscles() : options.muscles);
+  const std::vector<ChosenMuscles> chosen = choose_muscles(character.anatomy, options.muscles);
   MotionPlace place;
   const Motion motion = open_motion(options.motion, character, bound.binding, options.retarget,
                                     common, report, &place);

@@ -28,15 +28,25 @@ std::vector<double> mean_effort(const Anatomy& anatomy, const MuscleEfforts& eff
   return out;
 }
 
-}  // namespace
-
-std::string gait_muscles() {
-  return "gluteus_maximus_*,gluteus_medius_*,psoas_major,rectus_femoris,vastus_*,semimembranosus,"
-         "biceps_femoris_long,adductor_longus,tibialis_anterior,gastrocnemius_medial,soleus,"
-         "tibialis_posterior,peroneus_longus";
+// Those that gait laboratories record of a leg, as far as the anatomy has them.
+std::vector<ChosenMuscles> gait_muscles(const Anatomy& anatomy) {
+  constexpr const char* kNames[] = {
+      "gluteus_maximus_*",    "gluteus_medius_*", "psoas_major",
+      "rectus_femoris",       "vastus_*",         "semimembranosus",
+      "biceps_femoris_long",  "adductor_longus",  "tibialis_anterior",
+      "gastrocnemius_medial", "soleus",           "tibialis_posterior",
+      "peroneus_longus"};
+  std::vector<ChosenMuscles> out;
+  for (const char* name : kNames)
+    if (std::vector<int> meant = muscles_meant(anatomy, name); !meant.empty())
+      out.push_back({name, std::move(meant)});
+  return out;
 }
 
+}  // namespace
+
 std::vector<ChosenMuscles> choose_muscles(const Anatomy& anatomy, const std::string& list) {
+  if (list.empty()) return gait_muscles(anatomy);
   std::vector<ChosenMuscles> out;
   std::istringstream names(list);
   for (std::string name; std::getline(names, name, ',');) {

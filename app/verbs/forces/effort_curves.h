@@ -10,11 +10,9 @@
 
 namespace ecorche {
 
-// Muscles of a leg that gait laboratories record.
-std::string gait_muscles();
-
 // Indices of the muscles that a list with commas names (muscles_meant), in its order, a word an
-// entry. Throws UsageError for a name that means none.
+// entry; of an empty list, those that gait laboratories record of a leg, as far as the anatomy has
+// them. Throws UsageError for a name that means none.
 struct ChosenMuscles {
   std::string name;
   std::vector<int> muscles;
