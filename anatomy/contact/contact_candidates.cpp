@@ -216,7 +216,7 @@ FoundPairs find_pairs(const ContactCandidates& table, const Places& places,
         Box box;
         box.add(own, -posed.own_spheres[a][3]);
         if (!box.meets(wide[t])) continue;
-        find_in_reach(posed, a, places.strips[t].begin, places.strips[t].end, reached);
+        find_in_reach(posed, a, places.strips[t].begin, places.strips[t].end - 1, reached);
         for (const int b : reached) {
           const float overlap = overlap_volume(table, posed, rest, a, b);
           if (!(overlap > limits.least)) continue;

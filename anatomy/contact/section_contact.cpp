@@ -274,11 +274,12 @@ void find_in_reach(const SectionContactWorkspace& workspace, int own, int first,
                    std::vector<int>& reached) {
   const Float4 sphere = own_sphere(workspace, own);
   reached.clear();
-  for (int k = first; k < last; k += int(kLanesAtOnce)) {
+  constexpr int eight = kLanesAtOnce;
+  for (int k = first; k <= last; k += eight) {
     std::array<int, kLanesAtOnce> others;
-    for (int i = 0; i < int(kLanesAtOnce); ++i) others[i] = std::min(k + i, last - 1);
+    for (int i = 0; i < eight; ++i) others[i] = std::min(k + i, last);
     const Int8 touch = in_reach(workspace, sphere, others.data());
-    for (int i = 0; i < int(kLanesAtOnce) && k + i < last; ++i)
+    for (int i = 0; i < eight && k + i <= last; ++i)
       if (touch[i]) reached.push_back(k + i);
   }
 }

@@ -81,7 +81,7 @@ void place_sections(const ContactCandidates& candidates, std::span<const Ellipse
                     const Vec3& origin, SectionContactWorkspace& workspace,
                     Threads threads = Threads::one);
 
-// Members among first .. last - 1 that may be in contact with `own`, ascending: those whose spheres
+// Members among first .. last that may be in contact with `own`, ascending: those whose spheres
 // touch. Precondition: placed sections.
 void find_in_reach(const SectionContactWorkspace& workspace, int own, int first, int last,
                    std::vector<int>& reached);

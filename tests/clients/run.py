@@ -10,7 +10,7 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "command_line"))
-from options import short_motion  # noqa: E402
+from inputs import short_motion  # noqa: E402
 from runner import Runner  # noqa: E402
 
 FRAMES = 21

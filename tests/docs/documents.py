@@ -18,7 +18,7 @@ import time
 import zipfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "command_line"))
-from options import short_motion, spindle, write_scan  # noqa: E402
+from inputs import short_motion, spindle, write_scan  # noqa: E402
 from runner import Runner  # noqa: E402
 
 ROOMS = ("anatomy", "morph", "skinning", "viewer", "app", "data", "docs", "tests")
