@@ -78,26 +78,25 @@ def landmark(t, body, name, scale):
     return [scale * x, -scale * z, scale * y]
 
 
-def channel_columns(text, joint):
-    """Columns of a joint's rotation channels in a BVH file."""
+def channel_column(text, joint, channel):
+    """Column of a joint's channel in the rows of a BVH file; None: it has none."""
     column, found = 0, None
     for name, count, channels in re.findall(r"(?:ROOT|JOINT) (\S+).*?CHANNELS (\d+) ([^\n]*)", text, re.S):
-        for k, channel in enumerate(channels.split()):
-            if name == joint and channel == "Xrotation":
-                found = column + k
+        if name == joint and channel in channels.split():
+            found = column + channels.split().index(channel)
         column += int(count)
     return found
 
 
-def change_column(text, joint, axis_value):
-    column = channel_columns(text, joint)
+def change_column(text, joint, by, channel="Xrotation"):
+    column = channel_column(text, joint, channel)
     assert column is not None, joint
     head, rows = text.split("Frame Time:", 1)
     time, rows = rows.split("\n", 1)
     out = []
     for row in rows.strip().splitlines():
         values = row.split()
-        values[column] = str(float(values[column]) + axis_value)
+        values[column] = str(float(values[column]) + by)
         out.append(" ".join(values))
     return head + "Frame Time:" + time + "\n" + "\n".join(out) + "\n"
 
@@ -115,22 +114,9 @@ def bend_knees(text):
 
 def cross_legs(text):
     """Thighs turned towards each other."""
-    names = [n for n in re.findall(r"(?:ROOT|JOINT) (\S+)", text) if re.search(r"up.?leg|thigh", n, re.I)]
-    for name in names:
-        for axis in ("Zrotation",):
-            column, found = 0, None
-            for each, count, channels in re.findall(r"(?:ROOT|JOINT) (\S+).*?CHANNELS (\d+) ([^\n]*)", text, re.S):
-                if each == name:
-                    found = column + channels.split().index(axis)
-                column += int(count)
-            head, rows = text.split("Frame Time:", 1)
-            time, rows = rows.split("\n", 1)
-            lines = []
-            for row in rows.strip().splitlines():
-                values = row.split()
-                values[found] = str(float(values[found]) + (-25 if "left" in name.lower() or name.lower().startswith("l") else 25))
-                lines.append(" ".join(values))
-            text = head + "Frame Time:" + time + "\n" + "\n".join(lines) + "\n"
+    for name in re.findall(r"(?:ROOT|JOINT) (\S+)", text):
+        if re.search(r"up.?leg|thigh", name, re.I):
+            text = change_column(text, name, -25 if name.lower().startswith("l") or "left" in name.lower() else 25, "Zrotation")
     return text
 
 

@@ -11,7 +11,7 @@ import sys
 import time
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from inputs import short_motion, write_part  # noqa: E402
+from inputs import short_motion, spindle, write_part  # noqa: E402
 from runner import Runner  # noqa: E402
 
 # Verb: the words before the output's name, the output's option, its name. {} stands for the folder that the output is put into.
@@ -70,7 +70,6 @@ def prepare(t):
     short_motion(t.data("motions", "walk.bvh"), t.path("walk.bvh"), 6)
     shutil.copy(t.data("motions", "walk.bvh"), t.path("long.bvh"))
     t.write("poses.csv", "name,label,view,angles\nbent,bent,front,elbow 90\n")
-    from inputs import spindle
     t.write("spindle.obj", spindle())
 
 
