@@ -6,7 +6,7 @@ export CCACHE_DEPEND := 1
 export CCACHE_SLOPPINESS := pch_defines,time_macros
 export ECORCHE_PACKAGES ?= $(CURDIR)/$(BUILD)/packages
 
-.PHONY: all setup build demo pictures test clients asan bench clean
+.PHONY: all setup build demo pictures test thorough clients asan bench clean
 all: build
 
 setup:
@@ -39,7 +39,11 @@ clients: setup
 
 test: setup clients $(BUILD)/build.ninja
 	@$(NINJA)
-	@ctest --test-dir $(BUILD) --output-on-failure --timeout 600 -j 2
+	@ctest --test-dir $(BUILD) --output-on-failure --timeout 1500 -j 2
+
+# The same tests with nothing left out: all standard bodies, all command lines, more mutants. Some two hours.
+thorough: export ECORCHE_THOROUGH := 1
+thorough: test
 
 asan: setup
 	@cmake --preset asan > /dev/null && ninja -C $(BUILD)/asan parser_tests

@@ -18,6 +18,7 @@ void add_skin_option(CLI::App& verb, std::string& method) {
           "--skin", method,
           "How the skin is moved: ecorche; anchors (the same before it settles, faster); or by the "
           "body package's weights lbs, dqs or deltamush, or paper (the nearest part)")
+      ->check(one_of({"ecorche", "anchors", "lbs", "dqs", "deltamush", "paper"}))
       ->capture_default_str();
 }
 

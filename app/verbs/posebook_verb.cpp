@@ -265,11 +265,12 @@ int run_posebook(const PoseBookOptions& options, const Common& common, Report& r
   std::vector<NamedPose> book;
   int at_rest = 0;
   for (const fs::path& file : options.characters) {
-    Actor actor = make_actor(common.assets, open_character(file, common, report), report);
-    const Skeleton& skeleton = actor.character.anatomy.skeleton;
+    Character character = open_character(file, common, report);
     book = read_pose_table(
         options.poses.empty() ? common.assets.tables / "poses" / "poses.csv" : options.poses,
-        skeleton);
+        character.anatomy.skeleton);
+    Actor actor = make_actor(common.assets, std::move(character), report);
+    const Skeleton& skeleton = actor.character.anatomy.skeleton;
     volumes = volume_poses(skeleton);
     names.push_back(file.stem().string());
     at_rest = std::max(at_rest, count_self_intersections(actor.character.body.skin.F,

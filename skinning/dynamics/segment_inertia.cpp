@@ -304,6 +304,11 @@ BodySegment to_segment(const Piece& p, const Tissues& tissues, const Vec3& origi
                                                        : tissues.organs;
   const double muscle =
       tissues.muscle_share * kMuscleDensity + (1 - tissues.muscle_share) * kAdiposeDensity;
+  if (!(p.skin.volume > 0))
+    throw UnfitError(
+        fmt::format("segment '{}': a volume of {:.3g} l; the anatomy lacks its bones, or the skin "
+                    "has no inside there (holes, or triangles turned inwards)",
+                    p.name, 1e3 * p.skin.volume));
   SolidMoments sum;  // weighted by density: kg, kg m, kg m^2
   // the skin's own tissue lies where the piece has its mass, near enough
   const double skin = kSkinThickness * p.skin_area * (kSkin - filling) / p.skin.volume;
@@ -311,11 +316,10 @@ BodySegment to_segment(const Piece& p, const Tissues& tissues, const Vec3& origi
   add_moments(p.bones, kBone - filling, sum);
   add_moments(p.muscles, muscle - filling, sum);
   add_moments(p.lungs, kLungs - filling, sum);
-  if (!(p.skin.volume > 0) || !(sum.volume > 0))
-    throw UnfitError(
-        fmt::format("segment '{}': a volume of {:.3g} l with a mass of {:.3g} kg; the "
-                    "skin has no inside there (holes, or triangles turned inwards)",
-                    p.name, 1e3 * p.skin.volume, sum.volume));
+  if (!(sum.volume > 0))
+    throw UnfitError(fmt::format("segment '{}': a mass of {:.3g} kg in {:.3g} l of skin; bones and "
+                                 "muscles overlap there",
+                                 p.name, sum.volume, 1e3 * p.skin.volume));
   return {p.name, p.joint, sum.volume, sum.first / sum.volume - origin, central_inertia(sum)};
 }
 

@@ -61,6 +61,7 @@ expect 0,8 "a fit" "$ecorche" fit anna.glb -o anna-1.glb --threads 1 --report fi
 there anna-1.glb; there fit.json
 expect 0,8 "the same fit with two threads" "$ecorche" fit anna.glb -o anna-2.glb --threads 2
 if cmp -s anna-1.glb anna-2.glb; then ok; else bad "one and two threads give different bytes"; fi
+expect 0 "a part of it, for what does not need all muscles" python3 "$source/tests/command_line/part.py" anna-1.glb some.glb
 
 # Sizes, changes, many people.
 expect 0 "a size" "$ecorche" body new --sex female --size M -o m.glb
@@ -88,10 +89,9 @@ says "ears.csv:1"
 expect 2 "neither file nor number" "$ecorche" body population -o none
 expect 0,8 "people by chance, with anatomy, side by side" "$ecorche" body population --count 2 --sex male -o chance
 there chance/person-0001.glb
-expect 0,8 "the same on one core" "$ecorche" body population --count 2 --sex male --threads 1 -o single
-for file in person-0001.glb person-0002.glb population.csv; do
-  if cmp -s chance/$file single/$file; then ok; else bad "$file of a population depends on the number of threads"; fi
-done
+expect 0,8 "the first of them on one core" "$ecorche" body population --count 1 --sex male --threads 1 -o single
+if cmp -s chance/person-0001.glb single/person-0001.glb; then ok; else bad "a person of a population depends on the number of threads"; fi
+if [ "$(head -2 chance/population.csv)" = "$(head -2 single/population.csv)" ]; then ok; else bad "population.csv depends on the number of threads"; fi
 expect 0,8 "a crowd" "$ecorche" body population people.csv -o crowd --crowd crowd.glb
 there crowd.glb; there crowd/ada.bin; absent crowd/bob.bin
 expect 0,8 "the same crowd, turned round, one of its people made anew" bash -c "cp crowd.glb first.glb; rm crowd/cyd.bin; exec '$ecorche' body population turned.csv -o crowd --crowd crowd.glb --report crowd.json"
@@ -117,7 +117,7 @@ expect 0 "one of a crowd, as a character" "$ecorche" export 'crowd/crowd.gltf#ad
 there ada.osim
 expect 2 "tissue without a mesh" "$ecorche" fit anna.glb -o c.glb --tissue t.vtk
 says "interior"; absent c.glb
-expect 0,8 "a fit by a warp of the tissue" "$ecorche" fit anna.glb -o anna-tetgen.glb --interior tetgen --tissue t.vtk --method ellipses
+expect 0,8 "a fit by a warp of the tissue" "$ecorche" fit anna.glb -o anna-tetgen.glb --interior tetgen --tissue t.vtk --method paper
 there anna-tetgen.glb; there t.vtk
 
 # Names and places.
@@ -172,19 +172,19 @@ for name in walk long_jump; do
 done
 walk=$folder/walk.bvh
 expect 4 "a character that is a body" "$ecorche" animate anna.glb "$walk" -o a.glb
-expect 3 "a motion that is not there" "$ecorche" animate anna-1.glb none.bvh -o a.glb
-expect 2 "an unknown kind of output" "$ecorche" animate anna-1.glb "$walk" -o a.fbx
-expect 0 "a walk" "$ecorche" animate anna-1.glb "$walk" -o walk.glb -o walk.pc2 --report walk.json
+expect 3 "a motion that is not there" "$ecorche" animate some.glb none.bvh -o a.glb
+expect 2 "an unknown kind of output" "$ecorche" animate some.glb "$walk" -o a.fbx
+expect 0 "a walk" "$ecorche" animate some.glb "$walk" -o walk.glb -o walk.pc2 --report walk.json
 there walk.glb; there walk.pc2; there walk.json
-expect 2 "a skin of no known kind" "$ecorche" animate anna-1.glb "$walk" -o a.pc2 --skin rubber
+expect 2 "a skin of no known kind" "$ecorche" animate some.glb "$walk" -o a.pc2 --skin rubber
 says "deltamush"; absent a.pc2
-expect 2 "one OBJ file for a motion" "$ecorche" animate anna-1.glb "$walk" -o a.obj
+expect 2 "one OBJ file for a motion" "$ecorche" animate some.glb "$walk" -o a.obj
 says "%04d.obj"
-for skin in ecorche lbs dqs deltamush paper anchors; do expect 0 "some steps by $skin" "$ecorche" animate anna-1.glb "$walk" -o "$skin.pc2" --to 9f --skin $skin; done
+for skin in ecorche lbs dqs deltamush paper anchors; do expect 0 "some steps by $skin" "$ecorche" animate some.glb "$walk" -o "$skin.pc2" --to 9f --skin $skin; done
 if cmp -s lbs.pc2 dqs.pc2 || cmp -s lbs.pc2 deltamush.pc2 || cmp -s ecorche.pc2 paper.pc2; then bad "two skins are the same"; else ok; fi
-expect 0 "a walk for other programs" "$ecorche" animate anna-1.glb "$walk" -o walk.mdd -o "objs/%03d.obj" --to 9f
+expect 0 "a walk for other programs" "$ecorche" animate some.glb "$walk" -o walk.mdd -o "objs/%03d.obj" --to 9f
 there walk.mdd; there objs/001.obj
-expect 0,8 "a bake" "$ecorche" bake anna-1.glb "$walk" long_jump.bvh -o baked.glb --samples 30 --morphs 8 --report bake.json
+expect 0,8 "a bake" "$ecorche" bake some.glb "$walk" long_jump.bvh -o baked.glb --samples 30 --morphs 8 --report bake.json
 there baked.glb
 if grep -q '"rms"' bake.json; then ok; else bad "the bake does not state its error"; fi
 expect 0 "a crowd that walks" "$ecorche" animate crowd.glb "$walk" -o walking.glb --stagger 0.3 --report walking.json
@@ -192,52 +192,52 @@ there walking.glb
 if grep -q '"people": 2' walking.json; then ok; else bad "not everybody walks"; fi
 expect 2 "a crowd's vertices" "$ecorche" animate crowd.glb "$walk" -o a.pc2
 says "crowd.glb#NAME"; absent a.pc2
-expect 2 "one person, one after the other" "$ecorche" animate anna-1.glb "$walk" -o a.glb --stagger 1
+expect 2 "one person, one after the other" "$ecorche" animate some.glb "$walk" -o a.glb --stagger 1
 absent a.glb
 printf 'name,label,view,angles\nbent,bent,front,elbow 90\n' > poses.csv
-expect 0,8 "a pose book" "$ecorche" posebook anna-1.glb -o poses --poses poses.csv
+expect 0,8 "a pose book" "$ecorche" posebook some.glb -o poses --poses poses.csv
 there poses/ecorche.png; there poses/lbs.png; there poses/figures.csv
 printf 'name,label,view,angles\nbent,bent,front,tail 90\n' > poses.csv
-expect 3 "a pose of a tail" "$ecorche" posebook anna-1.glb -o poses --poses poses.csv --no-pictures
+expect 3 "a pose of a tail" "$ecorche" posebook some.glb -o poses --poses poses.csv --no-pictures
 says "tail"
-expect 2 "an unknown layer" "$ecorche" render anna-1.glb "$walk" -o "f/%04d.png" --layers fat
-expect 2 "a size without height" "$ecorche" render anna-1.glb "$walk" -o "f/%04d.png" --size 100
-expect 0 "a film" "$ecorche" render anna-1.glb "$walk" -o film.mp4 --size 160x90 --fps 4 --layers muscles,bones
+expect 2 "an unknown layer" "$ecorche" render some.glb "$walk" -o "f/%04d.png" --layers fat
+expect 2 "a size without height" "$ecorche" render some.glb "$walk" -o "f/%04d.png" --size 100
+expect 0 "a film" "$ecorche" render some.glb "$walk" -o film.mp4 --size 160x90 --fps 4 --layers muscles,bones
 there film.mp4
-expect 0 "pictures" "$ecorche" render anna-1.glb "$walk" -o "frames/%04d.png" --size 96x96 --fps 2
+expect 0 "pictures" "$ecorche" render some.glb "$walk" -o "frames/%04d.png" --size 96x96 --fps 2
 there frames/0001.png
-expect 0 "every third frame of some" "$ecorche" render anna-1.glb "$walk" -o "some/%04d.png" --frames 10-16x3 --size 64x64
+expect 0 "every third frame of some" "$ecorche" render some.glb "$walk" -o "some/%04d.png" --frames 10-16x3 --size 64x64
 there some/0010.png; there some/0016.png; absent some/0011.png; absent some/0017.png
-expect 0 "a part of the motion" "$ecorche" render anna-1.glb "$walk" -o part.mp4 --from 0.5 --to 1 --fps 10 --size 64x64 --report part.json
+expect 0 "a part of the motion" "$ecorche" render some.glb "$walk" -o part.mp4 --from 0.5 --to 1 --fps 10 --size 64x64 --report part.json
 if grep -q '"frames": 6' part.json; then ok; else bad "half a second at 10 a second is not 6 frames"; fi
-expect 2 "a part beyond the end" "$ecorche" render anna-1.glb "$walk" -o a.mp4 --from 900
-expect 2 "a part that is no number" "$ecorche" render anna-1.glb "$walk" -o a.mp4 --from nan
-expect 2 "frames that are none" "$ecorche" render anna-1.glb "$walk" -o a.mp4 --frames 9-3
-expect 2 "frames beyond the end" "$ecorche" render anna-1.glb "$walk" -o a.mp4 --frames 1-99999
-expect 2 "a zoom of nothing" "$ecorche" render anna-1.glb "$walk" -o a.mp4 --zoom nan
-expect 2 "no layer" "$ecorche" render anna-1.glb "$walk" -o a.mp4 --layers ""
+expect 2 "a part beyond the end" "$ecorche" render some.glb "$walk" -o a.mp4 --from 900
+expect 2 "a part that is no number" "$ecorche" render some.glb "$walk" -o a.mp4 --from nan
+expect 2 "frames that are none" "$ecorche" render some.glb "$walk" -o a.mp4 --frames 9-3
+expect 2 "frames beyond the end" "$ecorche" render some.glb "$walk" -o a.mp4 --frames 1-99999
+expect 2 "a zoom of nothing" "$ecorche" render some.glb "$walk" -o a.mp4 --zoom nan
+expect 2 "no layer" "$ecorche" render some.glb "$walk" -o a.mp4 --layers ""
 absent a.mp4
-expect 0 "a still at rest" "$ecorche" render anna-1.glb -o rest.png --size 96x96
+expect 0 "a still at rest" "$ecorche" render some.glb -o rest.png --size 96x96
 there rest.png
-expect 0 "a close-up in a pose, without background" "$ecorche" render anna-1.glb -o knee.png --pose squat --look-at knee_l --hide skin --background transparent --size 96x96
+expect 0 "a close-up in a pose, without background" "$ecorche" render some.glb -o knee.png --pose squat --look-at knee_l --hide skin --background transparent --size 96x96
 there knee.png
-expect 0 "a close-up of a landmark in a motion" "$ecorche" render anna-1.glb "$walk" -o elbow.png --at 1 --look-at olecranon_r --size 96x96
-expect 2 "a film without a motion" "$ecorche" render anna-1.glb -o a.mp4
+expect 0 "a close-up of a landmark in a motion" "$ecorche" render some.glb "$walk" -o elbow.png --at 1 --look-at olecranon_r --size 96x96
+expect 2 "a film without a motion" "$ecorche" render some.glb -o a.mp4
 says "needs a motion"
-expect 2 "a still of no moment" "$ecorche" render anna-1.glb "$walk" -o a.png
+expect 2 "a still of no moment" "$ecorche" render some.glb "$walk" -o a.png
 says "--at"
-expect 2 "a film without a background" "$ecorche" render anna-1.glb "$walk" -o a.mp4 --background transparent
-expect 2 "an unknown pose" "$ecorche" render anna-1.glb -o a.png --pose sqaut
+expect 2 "a film without a background" "$ecorche" render some.glb "$walk" -o a.mp4 --background transparent
+expect 2 "an unknown pose" "$ecorche" render some.glb -o a.png --pose sqaut
 says "squat"
-expect 2 "an unknown part" "$ecorche" render anna-1.glb -o a.png --only femr
+expect 2 "an unknown part" "$ecorche" render some.glb -o a.png --only femr
 says "femur"
-expect 2 "an unknown thing to look at" "$ecorche" render anna-1.glb -o a.png --look-at patela
+expect 2 "an unknown thing to look at" "$ecorche" render some.glb -o a.png --look-at patela
 says "patella"
 absent a.png; absent a.mp4
 if mount -t tmpfs -o size=16k none full 2> /dev/null; then
-  expect 6 "a film on a full disk" "$ecorche" render anna-1.glb "$walk" -o full/a.mp4 --size 320x180 --fps 4
+  expect 6 "a film on a full disk" "$ecorche" render some.glb "$walk" -o full/a.mp4 --size 320x180 --fps 4
   says "space"
-  expect 6 "a still on a full disk" "$ecorche" render anna-1.glb -o full/a.png --size 640x360
+  expect 6 "a still on a full disk" "$ecorche" render some.glb -o full/a.png --size 640x360
   if [ -z "$(ls -A full)" ]; then ok; else bad "left on the full disk: $(ls -A full)"; fi
   umount full
 else
@@ -245,11 +245,11 @@ else
 fi
 mkdir -p tools
 printf '#!/bin/sh\ncat > /dev/null\n' > tools/ffmpeg; chmod +x tools/ffmpeg
-expect 6 "an ffmpeg that writes nothing" env PATH="$folder/tools:$PATH" "$ecorche" render anna-1.glb "$walk" -o a.mp4 --size 64x64 --fps 2
+expect 6 "an ffmpeg that writes nothing" env PATH="$folder/tools:$PATH" "$ecorche" render some.glb "$walk" -o a.mp4 --size 64x64 --fps 2
 says "empty"
-expect 6 "no ffmpeg" env PATH="$folder/none" "$ecorche" render anna-1.glb "$walk" -o a.mp4 --size 64x64 --fps 2
+expect 6 "no ffmpeg" env PATH="$folder/none" "$ecorche" render some.glb "$walk" -o a.mp4 --size 64x64 --fps 2
 says "install the package ffmpeg"
-expect 6 "no graphics driver" env ECORCHE_GL=egl __EGL_VENDOR_LIBRARY_DIRS="$folder/none" "$ecorche" render anna-1.glb -o a.png --size 64x64
+expect 6 "no graphics driver" env ECORCHE_GL=egl __EGL_VENDOR_LIBRARY_DIRS="$folder/none" "$ecorche" render some.glb -o a.png --size 64x64
 says "libegl1"
 absent a.mp4; absent a.png
 
@@ -263,7 +263,7 @@ expect 0 "an import" "$ecorche" template import anna.osim -o back.glb --report i
 there back.glb; there import.json
 expect 0 "what a template holds" "$ecorche" template info back.glb
 expect 0 "the check of a template" "$ecorche" template check back.glb
-expect 0,8 "a fit of an imported template" "$ecorche" fit anna.glb --template back.glb -o anna-back.glb
+expect 0,8 "a fit of an imported template" "$ecorche" fit anna.glb --template back.glb -o anna-back.glb --method paper
 there anna-back.glb
 expect 4 "a character that is no template" "$ecorche" fit anna.glb --template anna-1.glb -o c.glb
 says "template"; absent c.glb
@@ -272,7 +272,7 @@ expect 3 "a model that leaves its folder" "$ecorche" template import "$source/te
 says "folder"; absent c.glb
 
 if command -v xvfb-run > /dev/null; then
-  expect 0 "the window" xvfb-run -a "$ecorche" view anna-1.glb "$walk" --frames 3 --screenshot window.png
+  expect 0 "the window" xvfb-run -a "$ecorche" view some.glb "$walk" --frames 3 --screenshot window.png
   there window.png
   expect 0 "a slider moved" xvfb-run -a "$ecorche" view anna-1.glb --sliders --measure stature=172cm --frames 2 -o edited.glb
   expect 0 "its stature" "$ecorche" body measure edited.glb
@@ -280,14 +280,14 @@ if command -v xvfb-run > /dev/null; then
   expect 0 "the anatomy of what a slider made, fitted once more" "$ecorche" fit edited.glb -o edited-fitted.glb
   expect 8 "a slider where no fit is good" xvfb-run -a "$ecorche" view --sex female --sliders --measure weight=125kg --measure stature=158cm --frames 2 -o stout.glb
   says "missed"; there stout.glb
-  expect 0 "a window from the left on some parts" xvfb-run -a "$ecorche" view anna-1.glb --only thigh_l --camera left --frames 2 --screenshot parts.png
+  expect 0 "a window from the left on some parts" xvfb-run -a "$ecorche" view some.glb --only thigh_l --camera left --frames 2 --screenshot parts.png
   there parts.png
-  expect 2 "a window on no part" "$ecorche" view anna-1.glb --only thihg --frames 2
+  expect 2 "a window on no part" "$ecorche" view some.glb --only thihg --frames 2
   says "thigh"
 else
   skip "the window: xvfb-run is not installed"
 fi
-expect 4,6 "the window without a display" env -u DISPLAY -u WAYLAND_DISPLAY "$ecorche" view anna-1.glb --frames 1
+expect 4,6 "the window without a display" env -u DISPLAY -u WAYLAND_DISPLAY "$ecorche" view some.glb --frames 1
 
 # Other people's programs.
 if [ -d "$build/clients/node_modules/gltf-validator" ]; then

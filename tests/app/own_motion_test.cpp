@@ -143,13 +143,14 @@ class OwnMotionTest : public BodyFixture {
     BodyFixture::SetUp();
     if (IsSkipped()) return;
     NEED_TEMPLATE();
+    file = std::filesystem::temp_directory_path() / "ecorche_own_motion_test.glb";
+    if (stranger.source) return;  // once for all tests
     registration = in_stance(package());
     stranger = make_stranger(test::stranger_glb(package(), registration), "stranger.glb");
     Report aside;
     FittedForFile fitted = fit_stranger(test_assets(), tmpl, stranger, registration, package(),
                                         {.fitting = {.tissues = false}}, aside);
     actor = make_actor(test_assets(), std::move(fitted.bound.character), aside);
-    file = std::filesystem::temp_directory_path() / "ecorche_own_motion_test.glb";
   }
   void TearDown() override { std::filesystem::remove(file); }
 
@@ -158,9 +159,9 @@ class OwnMotionTest : public BodyFixture {
                       actor.character.body.skin.V, actor.binding.joint_weights);
   }
 
-  Registration registration;
-  Stranger stranger;
-  Actor actor;
+  static inline Registration registration;
+  static inline Stranger stranger;
+  static inline Actor actor;
   std::filesystem::path file;
 };
 

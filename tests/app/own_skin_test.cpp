@@ -210,6 +210,7 @@ class WrittenStranger : public OwnSkinTest {
     OwnSkinTest::SetUp();
     if (IsSkipped()) return;
     NEED_TEMPLATE();
+    if (!file.empty()) return;  // once for all tests
     Report report;
     fitted = fit_stranger(test_assets(), tmpl, stranger, registration, package(),
                           {.fitting = {.tissues = false}}, report);
@@ -219,12 +220,12 @@ class WrittenStranger : public OwnSkinTest {
     write_character_file(test_assets(), file, fitted.bound.character, fitted.bound.binding,
                          Detail::full, package());
   }
-  void TearDown() override {
+  static void TearDownTestSuite() {
     if (!file.empty() && !std::getenv("ECORCHE_KEEP")) fs::remove(file);
   }
 
-  FittedForFile fitted;
-  fs::path file;
+  static inline FittedForFile fitted;
+  static inline fs::path file;
 };
 
 TEST_F(WrittenStranger, TheMeshThatGoesOutIsTheOneThatCameIn) {

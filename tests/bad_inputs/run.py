@@ -4,6 +4,7 @@
 run.py PROGRAM SOURCE_FOLDER [--rows 3,17] [--seed N] [--mutants N] [--thorough] [--verbose] [--keep]
 
 --seed     other mutants, from other places; the one that is used is said
+--thorough more of them, and what is taken is fitted to the end; some ten minutes of a core more. As ECORCHE_THOROUGH in the environment
 --keep     leave the inputs in the folder that is said
 """
 import argparse
@@ -48,7 +49,7 @@ class Things:
         for folder in (found.scratch, self.made):
             folder.chmod(0o755)
         self.body = self._make("anna.glb", ["body", "new", "--sex", "female", "--age", "30", "--height", "1.68", "--mass", "60", "-o"])
-        whole = self._make("anna-anatomy.glb", ["fit", self.body, "-o"])
+        whole = self._make("anna-anatomy.glb", ["fit", self.body, "--method", "ellipses", "-o"])
         self.skin = files.skin_of(*files.read_glb(self.body))
         self._small = files.smaller(*files.read_glb(whole), MUSCLES, BONES, FASCIA)
         self.small = found.file("small.glb", files.glb(*self._small))
@@ -213,11 +214,14 @@ def main():
     parser.add_argument("source", type=pathlib.Path)
     parser.add_argument("--rows", default="")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--mutants", type=int, default=40)
+    parser.add_argument("--mutants", type=int)
     parser.add_argument("--workers", type=int, default=2)
     for flag in ("thorough", "verbose", "keep"):
         parser.add_argument("--" + flag, action="store_true")
     options = parser.parse_args()
+    options.thorough |= "ECORCHE_THOROUGH" in os.environ
+    if options.mutants is None:
+        options.mutants = 40 if options.thorough else 6
     scratch = pathlib.Path(tempfile.mkdtemp(prefix="ecorche-bad-inputs-"))
     begin = time.monotonic()
     only = {int(row) for row in options.rows.split(",") if row}

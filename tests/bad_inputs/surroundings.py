@@ -102,7 +102,7 @@ def row_68(t):
     if t.bench.only and 68 not in t.bench.only:
         return
     out = t.bench.file("vanished.glb")
-    child = subprocess.Popen([t.bench.program, "fit", copy, "-o", out], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    child = subprocess.Popen([t.bench.program, "fit", copy, "-o", out, "--method", "paper"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     time.sleep(1.0)
     copy.unlink()
     words = child.communicate()[1].decode()
@@ -204,7 +204,8 @@ def row_77(t):
     good = t.bench.file("cache_good.glb")
     slow = {"seconds": 240, "megabytes": 3000}  # the template is built anew
     # Another program's template, in the same cache, may differ in its last bits.
-    t.bench.run(["fit", t.body, "-o", good], **slow, environment={"XDG_CACHE_HOME": str(t.bench.file("cache_fresh"))})
+    fit = ["fit", t.body, "--method", "paper", "-o"]
+    t.bench.run([*fit, good], **slow, environment={"XDG_CACHE_HOME": str(t.bench.file("cache_fresh"))})
 
     def same(out, done):
         return "" if (out / "c.glb").read_bytes() == good.read_bytes() else "other bytes come out"
@@ -236,7 +237,7 @@ def row_77(t):
     if not t.caches():
         t.bench.skip(77, "caches", "there are none")
         return
-    arguments = ["fit", t.body, "-o", "{out}/c.glb"]
+    arguments = [*fit, "{out}/c.glb"]
     t.bench.case(77, "damaged caches", arguments, (0, 8), environment=with_caches("damaged", damage), after=same, **slow)
     t.bench.case(77, "another's cache", arguments, (0, 8), environment=with_caches("swapped", swap), after=same, **slow)
     t.bench.case(77, "no home", ["body", "new", "--sex", "male", "-o", "{out}/b.glb"], 0, environment={"HOME": None, "XDG_CACHE_HOME": None})

@@ -1,4 +1,5 @@
 """Runs the program as a user does and remembers which options were used in runs that succeeded."""
+import functools
 import json
 import os
 import re
@@ -39,6 +40,7 @@ class Runner:
             out.write(text)
         return name
 
+    @functools.cache  # asked for by every run
     def help_of(self, verb):
         return subprocess.run([self.program, *verb.split(), "--help"], capture_output=True, text=True, check=True).stdout
 

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Runs every command line of README.md, docs/*.md and the help texts as a reader would, and looks for every path that they name.
 
-    documents.py ECORCHE SOURCE_FOLDER [DOCUMENT...]
+    documents.py ECORCHE SOURCE_FOLDER [--thorough] [DOCUMENT...]
 
 A block of code after a line `<!-- output of: COMMAND -->` is what that command printed: each of its lines must be printed again, words alike and numbers within 3 % or one
 unit of the last digit; "..." stands for lines left out.
 Commands are lines of code that begin with `ecorche` or `build/ecorche`. They are run in a folder that holds what their readers have: a body, characters, motions, tables.
-A command ends 0 or 8. Commands that a line `<!-- not run: WHY -->` stands before are only looked at: their verbs and options must exist.
+A command ends 0 or 8. Of two that ask for the same things (verb, options, kinds of files) the first is run, the other is looked at, and the characters have few of
+their muscles; `--thorough`, or ECORCHE_THOROUGH in the environment, runs all, on whole ones. Commands that a line `<!-- not run: WHY -->` stands before are only looked at: their verbs and options must exist.
 """
 import glob
 import os
@@ -18,7 +19,7 @@ import time
 import zipfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "command_line"))
-from inputs import short_motion, spindle, write_scan  # noqa: E402
+from inputs import short_motion, spindle, write_part, write_scan  # noqa: E402
 from runner import Runner  # noqa: E402
 
 ROOMS = ("anatomy", "morph", "skinning", "viewer", "app", "data", "docs", "tests")
@@ -68,6 +69,34 @@ def shorter(command):
     return line
 
 
+def things_of(verb, words):
+    """What a command line asks for: options, and endings of files, of a verb."""
+    endings = re.findall(r"[\w*%]\.([a-z]\w*)\b", " ".join(words))
+    return {(verb, word.split("=")[0]) for word in words if word.startswith("-") and not re.match(r"-[\d.]", word)} | {(verb, "." + ending) for ending in endings} | {(verb, "")}
+
+
+def outputs_named(command):
+    """Files and folders that a command line names as its own, by their first part."""
+    return {word.split("/")[0].split(".")[0].split("%")[0] for word in re.findall(r"(?:-o|--output|--report|--table|--html|--page|--posed|--tissue|--crowd|--picture|>)[ =](?:[\w:-]+=)?(\S+)", command)} - {""}
+
+
+def worth_running(lines, verb_of):
+    """The commands, of (where, command), that ask for what none before them did, and those whose outputs such a one takes."""
+    seen, chosen = set(), set()
+    for k, (_, command) in enumerate(lines):
+        words = re.sub(r"[|;>].*", "", command).split()[1:]
+        things = things_of(verb_of(words), words)
+        if not things <= seen:
+            chosen.add(k)
+        seen |= things
+    for k in reversed(range(len(lines))):
+        takers = (j for j in chosen if j > k)
+        made = outputs_named(lines[k][1])
+        if k not in chosen and any(re.search(rf"(?<![\w.-]){re.escape(name)}\b", lines[j][1]) for j in takers for name in made):
+            chosen.add(k)
+    return {lines[k] for k in chosen}
+
+
 def alike(written, printed):
     """Whether two lines have the same words, and nearly the same numbers."""
     number = r"-?\d+(?:\.\d+)?"
@@ -83,14 +112,16 @@ def alike(written, printed):
 class Reader:
     """What readers of the documents have before them."""
 
-    def __init__(self, program, source):
+    def __init__(self, program, source, whole):
         self.tools = Runner(program, source)
         self.program, self.source, self.folder = self.tools.program, self.tools.source, self.tools.folder
         t = self.tools
         t.run((0, 8), "body", "new", "--sex", "female", "--age", 30, "--height", "168cm", "--mass", "60kg", "-o", "anna.glb")
-        t.run((0, 8), "fit", "anna.glb", "-o", "anna-anatomy.glb", "--method", "ellipses")
         t.run((0, 8), "body", "new", "--sex", "male", "-o", "ben.glb")
-        t.run((0, 8), "fit", "ben.glb", "-o", "ben-anatomy.glb", "--method", "ellipses")
+        for name in ("anna", "ben"):
+            t.run((0, 8), "fit", f"{name}.glb", "-o", f"{name}-anatomy.glb", "--method", "ellipses")
+            if not whole:
+                write_part(t, f"{name}-anatomy.glb", f"{name}-anatomy.glb", bones=t.run(0, "list", "bones", "--names").stdout.split())
         write_scan(t, "anna.glb", "scan.ply", 1000)
         write_scan(t, "anna.glb", "scan.obj", 1000)
         t.run(0, "export", "anna-anatomy.glb", "-o", "gait.osim")
@@ -194,35 +225,42 @@ def examples_of(help_text):
     return [line.strip() for line in found.group(1).splitlines() if "ecorche " in line] if found else []
 
 
-def main():
-    source = os.path.abspath(sys.argv[2])
-    reader = Reader(sys.argv[1], source)
-    chosen = sys.argv[3:] or documents(source) + ["help"]
+def gather(reader, source, chosen):
+    """(where, command, why it is not run or None) of all documents, and (where, command, lines) of what they say was printed. Looks for paths on the way."""
+    lines, printed = [], []
     for name in chosen:
         if name == "help":
             for verb in reader.tools.verbs:
-                text = reader.tools.help_of(verb)
-                examples = examples_of(text)
+                examples = examples_of(reader.tools.help_of(verb))
                 reader.tools.check(examples, f"{verb} --help has no example")
-                for command in examples:
-                    if verb in HELP_VERBS_NOT_RUN:
-                        reader.look(f"{verb} --help", command)
-                    else:
-                        reader.run(f"{verb} --help", command)
+                lines += [(f"{verb} --help", command, HELP_VERBS_NOT_RUN.get(verb)) for command in examples]
             continue
         with open(os.path.join(source, name), encoding="utf-8") as file:
             text = file.read()
         look_for_paths(reader, name, text)
-        for command, lines in outputs_of(text):
-            reader.compare(name, command, lines)
-        for command, reason in commands_of(text):
-            if reason:
-                reader.look(name, command)
-                print(f"{name}: not run ({reason}): {command}")
-            else:
-                reader.run(name, command)
-        print(name, flush=True)
-    print(f"{len(reader.done)} commands run")
+        printed += [(name, *each) for each in outputs_of(text)]
+        lines += [(name, *each) for each in commands_of(text)]
+    return lines, printed
+
+
+def main():
+    source = os.path.abspath(sys.argv[2])
+    everything = "--thorough" in sys.argv or "ECORCHE_THOROUGH" in os.environ
+    reader = Reader(sys.argv[1], source, everything)
+    names = [name for name in sys.argv[3:] if name != "--thorough"]
+    lines, printed = gather(reader, source, names or documents(source) + ["help"])
+    for each in printed:
+        reader.compare(*each)
+    run = [(where, command) for where, command, reason in lines if not reason]
+    worth = set(run) if everything or names else worth_running(run, reader.tools.verb_of)
+    for where, command, reason in lines:
+        if not reason and (where, command) in worth:
+            reader.run(where, command)
+            continue
+        reader.look(where, command)
+        if reason:
+            print(f"{where}: not run ({reason}): {command}")
+    print(f"{len(reader.done)} commands run, of {len(set(command for _, command in run))}")
     reader.tools.finish()
 
 

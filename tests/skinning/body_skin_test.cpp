@@ -22,6 +22,7 @@
 #include "skinning/retarget/retarget.h"
 #include "tests/body_fixture.h"
 #include "tests/skinning/compiled_arm.h"
+#include "tests/some_of.h"
 #include "tests/test_assets.h"
 
 namespace ecorche {
@@ -100,7 +101,7 @@ Pose bent_pose(const Figure& figure, const char* upper, const char* middle, cons
 
 // The lower lip and the chin go with the jaw, the upper lip and the nose stay.
 TEST_F(BodySkin, MouthsOpenOnEveryBuild) {
-  for (const BodySpec& spec : standard_bodies()) {
+  for (const BodySpec& spec : some_of(standard_bodies(), 1)) {
     const Figure body = figure(spec);
     const int jaw = int(body.joint("jaw"));
     const auto share = [&](int vertex) {
@@ -116,8 +117,9 @@ TEST_F(BodySkin, MouthsOpenOnEveryBuild) {
 }
 
 TEST_F(BodySkin, BentElbowsAndKneesKeepTheirVolumeOnEveryBuild) {
-  for (const char* name : {"default_male", "default_female", "thin_male", "heavy_male",
-                           "muscular_male", "short_male", "tall_male", "old_male"}) {
+  const std::vector<const char*> names{"default_male",  "default_female", "thin_male", "heavy_male",
+                                       "muscular_male", "short_male",     "tall_male", "old_male"};
+  for (const char* name : some_of(names, 2)) {
     Figure body = figure(standard_body(name));
     ASSERT_EQ(body.sections.size(), 4u);
     for (const auto& [upper, middle, lower, section] :
@@ -150,7 +152,8 @@ TEST_F(BodySkin, BentElbowsAndKneesKeepTheirVolumeOnEveryBuild) {
 
 // As in people: a raised arm's flesh goes to chest and back, none comes from there.
 TEST_F(BodySkin, ShouldersOfRaisedArmsLoseALittleAndGainNothing) {
-  for (const char* name : {"default_male", "default_female", "heavy_male", "thin_male"}) {
+  const std::vector<const char*> names{"thin_male", "default_female", "default_male", "heavy_male"};
+  for (const char* name : some_of(names, 1, 2)) {
     Figure body = figure(standard_body(name));
     const Skeleton& skeleton = body.anatomy.skeleton;
     for (const char* arms : {"arm 90 0", "arm 90 90", "arm 150 0", "arm 175 45"}) {
@@ -217,7 +220,8 @@ TEST_F(BodySkin, ArmsOverheadFoldNoKnobBeforeTheShoulder) {
 
 // The shoulder blade turns its medial border down; the trapezius glides over it.
 TEST_F(BodySkin, MiddleTrapeziusShortensAsArmsRise) {
-  for (const char* name : {"default_male", "heavy_male", "default_female"}) {
+  const std::vector<const char*> names{"default_male", "default_female", "heavy_male"};
+  for (const char* name : some_of(names, 1)) {
     Figure body = figure(standard_body(name));
     const auto lengths = [&](const char* arms) {
       body.play(pose_of_angles(arms, body.anatomy.skeleton, "this test"));
@@ -249,7 +253,8 @@ TEST_F(BodySkin, WhatContactPressesAwaySwellsElsewhere) {
 }
 
 TEST_F(BodySkin, TenseMusclesThickenAsMeasuredInPeople) {
-  for (const char* name : {"default_male", "default_female", "tall_male", "old_male"}) {
+  const std::vector<const char*> names{"default_male", "default_female", "tall_male", "old_male"};
+  for (const char* name : some_of(names)) {
     const Figure body = figure(standard_body(name));
     const Bulges bulges = measure_bulges(
         test::compile_figure(body.anatomy, body.skin, {.muscles = MuscleMotion::map}));
@@ -277,7 +282,7 @@ TEST_F(BodySkin, NoFoldsOverTheLongJump) {
   const Motion motion =
       retarget(read_motion(std::string(ECORCHE_TEST_DIR) + "/../data/motions/long_jump.bvh"),
                body.anatomy.skeleton, {}, found);
-  for (size_t f = 0; f < motion.frames.size(); f += 2) {
+  for (size_t f = 0; f < motion.frames.size(); f += thorough() ? 2 : 8) {
     const SkinQuality mine = body.quality(body.play(motion.frames[f])),
                       blend = body.quality(body.linear());
     EXPECT_EQ(mine.not_finite, 0) << f;
