@@ -165,6 +165,30 @@ std::string Session::take_up(const std::filesystem::path& session) {
   return fault;
 }
 
+std::string Session::take_up_project(const std::filesystem::path& project) {
+  const std::filesystem::path file = project / kJournalFile;
+  const std::vector<std::string> lines = read_journal(file);
+  const std::string aside = begin_of_journal(lines).folder;
+  const bool written = !aside.empty() || is_project(project);
+  if (!written && lines.empty())  // one that was never saved is its journal alone
+    throw InputError(fmt::format("{}: is no project", project.string()));
+  Document begin =
+      written ? read_project(workshop_, project / aside).document : workshop_.built_in();
+  auto journal = std::make_unique<Journal>(file);
+  forget_unsaved();
+  journal_ = std::move(journal);
+  project_ = kept_in_ = project;
+  no_journal_.clear();
+  aside_ = aside;
+  history_ = begin_history(std::move(begin));
+  journal_begin_ = 0;
+  saved_ = aside.empty() ? history_.now : kNeverAgain;
+  saved_document_ = document();
+  std::string fault = do_again(file, lines);
+  if (!fault.empty()) begin_journal_here(kFrom);
+  return fault;
+}
+
 void Session::forget_unsaved() {
   if (has_project() || !journal_) return;
   journal_.reset();

@@ -52,6 +52,10 @@ class Session {
   // done again; the document is then as it was before that. Throws OutputError where a session
   // that runs has it, InputError where it cannot be read; nothing has changed then.
   std::string take_up(const std::filesystem::path& session);
+  // Goes on with a project in place of all that this session, which has none, has done; actions of
+  // its journal that were not saved are done again. Returns and throws as take_up(); InputError
+  // also where there is no project.
+  std::string take_up_project(const std::filesystem::path& project);
   // Ends well without a project: nobody is to take it up.
   void forget_unsaved();
   // Why there is no journal; empty where there is one, or none is wanted yet.
@@ -76,6 +80,7 @@ class Session {
   void begin_here();                                         // what it was opened with is no change
   const Document& saved() const { return saved_document_; }  // or as it began
   bool has_project() const { return !project_.empty(); }
+  const std::filesystem::path& project() const { return project_; }
 
  private:
   void note_in_journal(const Action& action);

@@ -26,6 +26,7 @@
 #include "app/files/open_motion.h"
 #include "app/options/option_values.h"
 #ifdef ECORCHE_WINDOW
+#include "app/studio/design/bench_history.h"
 #include "app/studio/design/bench_window.h"
 #endif
 #include "morph/dilation/slice_clearance.h"
@@ -212,6 +213,13 @@ int run_studio_bench(const Common& common, Report& report) {
     report.set("bench." + line.name + ".ms", line.ms);
     fmt::print("{:<66} {:>10.1f} {:>7} {:>7.1f}\n", line.what, line.ms, "", line.asked);
   }
+  const HistoryCost history = bench_history(common, report, 1000);
+  report.set("bench.studio_history.megabytes", history.megabytes);
+  report.set("bench.studio_history.longest_undo_ms", 1e3 * history.longest_undo);
+  fmt::print("{:<66} {:>10.1f} {:>7} {:>7.1f}\n", "studio: any of 1,000 edits taken back, longest",
+             1e3 * history.longest_undo, "", 30.0);
+  fmt::print("{:<66} {:>10.1f} {:>7} {:>7.1f}\n", "studio: the memory of 1,000 edits",
+             history.megabytes, "MB", 200.0);
   return 0;
 #else
   (void)common, (void)report;

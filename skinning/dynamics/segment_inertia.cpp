@@ -317,9 +317,10 @@ BodySegment to_segment(const Piece& p, const Tissues& tissues, const Vec3& origi
   add_moments(p.muscles, muscle - filling, sum);
   add_moments(p.lungs, kLungs - filling, sum);
   if (!(sum.volume > 0))
-    throw UnfitError(fmt::format("segment '{}': a mass of {:.3g} kg in {:.3g} l of skin; bones and "
-                                 "muscles overlap there",
-                                 p.name, sum.volume, 1e3 * p.skin.volume));
+    throw UnfitError(
+        fmt::format("segment '{}': a mass of {:.3g} kg in {:.3g} l of skin; bones and "
+                    "muscles overlap there",
+                    p.name, sum.volume, 1e3 * p.skin.volume));
   return {p.name, p.joint, sum.volume, sum.first / sum.volume - origin, central_inertia(sum)};
 }
 

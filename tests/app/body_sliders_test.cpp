@@ -164,7 +164,8 @@ TEST_P(BodySlidersTest, what_is_shown_is_what_fit_makes) {
       << "let go, it is the person again";
 }
 
-INSTANTIATE_TEST_SUITE_P(BothSexes, BodySlidersTest, testing::ValuesIn(some_of<Sex>({Sex::female, Sex::male}, 0, 2)),
+INSTANTIATE_TEST_SUITE_P(BothSexes, BodySlidersTest,
+                         testing::ValuesIn(some_of<Sex>({Sex::female, Sex::male}, 0, 2)),
                          [](const auto& sex) { return sex.param == Sex::male ? "men" : "women"; });
 
 TEST(BodySliders, what_is_written_is_fitted_and_judged) {

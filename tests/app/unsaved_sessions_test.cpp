@@ -128,6 +128,36 @@ TEST_F(UnsavedSessions, WhatIsSavedIsLeftNoMore) {
   EXPECT_EQ(read_journal(folder_ / "project" / kJournalFile).size(), 1u);
 }
 
+// In place of a session in which nothing was done: its window offers the latest projects.
+TEST_F(UnsavedSessions, AProjectIsGoneOnWith) {
+  const fs::path project = folder_ / "project";
+  {
+    const std::unique_ptr<Session> s = session();
+    EXPECT_THROW(s->take_up_project(project), InputError) << "there is none yet";
+    EXPECT_FALSE(s->has_project());
+    s->run_line(move(0));
+    s->run_line("save \"" + project.string() + "\"");
+    EXPECT_THROW(session()->take_up_project(project), OutputError) << "it runs";
+  }
+  {
+    const std::unique_ptr<Session> s = session();
+    EXPECT_EQ(s->take_up_project(project), "");
+    EXPECT_EQ(document_text(s->document()), text_after(1));
+    EXPECT_EQ(document_text(s->saved()), text_after(1));
+    EXPECT_TRUE(s->has_project());
+    EXPECT_FALSE(s->unsaved());
+    EXPECT_FALSE(fs::exists(states_) && !fs::is_empty(states_));
+    s->run_line(move(1));  // and it is killed
+  }
+  const std::unique_ptr<Session> again = session();
+  EXPECT_EQ(again->take_up_project(project), "");
+  EXPECT_EQ(document_text(again->document()), text_after(2));
+  EXPECT_EQ(document_text(again->saved()), text_after(1));
+  EXPECT_TRUE(again->unsaved());
+  again->run_line("undo");
+  EXPECT_FALSE(again->unsaved());
+}
+
 // As one of an older version, whose action has another name by now.
 TEST_F(UnsavedSessions, ALineThatIsRefusedEndsWhatIsDoneAgain) {
   kill_after(3);

@@ -49,7 +49,7 @@ class Things:
         for folder in (found.scratch, self.made):
             folder.chmod(0o755)
         self.body = self._make("anna.glb", ["body", "new", "--sex", "female", "--age", "30", "--height", "1.68", "--mass", "60", "-o"])
-        whole = self._make("anna-anatomy.glb", ["fit", self.body, "--method", "ellipses", "-o"])
+        whole = self._make("anna-anatomy.glb", ["fit", self.body, "-o"])
         self.skin = files.skin_of(*files.read_glb(self.body))
         self._small = files.smaller(*files.read_glb(whole), MUSCLES, BONES, FASCIA)
         self.small = found.file("small.glb", files.glb(*self._small))

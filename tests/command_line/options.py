@@ -708,6 +708,11 @@ def studio_window(t):
     go_on = t.write("go-on.txt", "frames 3\nclick go on with it\nframes 3\nclick save\nclick folder\ntype gone-on\nkey Enter\nframes 3\n")
     t.run(0, "studio", "--input", go_on, under=VIEW, env={"XDG_STATE_HOME": t.path("state")})
     t.check(b"soleus" in t.bytes("gone-on/project.txt") and not os.path.exists(left), "a session that was left is gone on with in the window")
+    t.check(b"project /" in t.bytes("state/ecorche/studio/recent.txt"), "a project that was saved is among the recent ones")
+    again = t.write("again.txt", "frames 3\nclick project:gone-on\nframes 3\nclick find\ntype soleus\nframes 3\nclick list:soleus\nwait\ndrag point:1:6 20,-20\nwait\nkey Ctrl + S\nframes 3\n")
+    before = t.bytes("gone-on/muscles/soleus.txt")
+    t.run(0, "studio", "--input", again, "--size", "1280x720", under=VIEW, env={"XDG_STATE_HOME": t.path("state")})
+    t.check(t.bytes("gone-on/muscles/soleus.txt") != before and t.bytes("gone-on/journal.txt") == b"", "a recent project is gone on with in the window, and saved")
     t.run(0, "studio", "--project", "by-script", "--script", "studio-0001.txt", "--script", t.write("keep.txt", "save\n"))
     lines = t.bytes("studio-0001.txt").decode().splitlines()
     t.check(len(lines) == 2 and lines[0] == "pick muscle=soleus" and lines[1].startswith("move_point muscle=soleus point=6 by="), f"one line a drag, none for what was taken back: {lines}")
@@ -811,6 +816,7 @@ def benches(t):
         return
     out = t.run(0, "bench", "--studio", "--report", "studio-bench.json", under=VIEW).stdout
     t.check("dragged till drawn" in out and t.json("studio-bench.json")["bench"]["studio_undo"]["ms"] > 0, "bench --studio")
+    t.check(0 < t.json("studio-bench.json")["bench"]["studio_history"]["megabytes"] < 200, "the memory of 1,000 edits")
 
 
 def demo(t):

@@ -117,12 +117,21 @@ void DesignSession::note_file(const Action& action) const {
 }
 
 void DesignSession::take_up(const std::filesystem::path& session) {
+  go_on("done again; undo takes it back", [&] { return session_.take_up(session); });
+}
+
+void DesignSession::take_up_project(const std::filesystem::path& project) {
+  go_on(project.string(), [&] { return session_.take_up_project(project); });
+  if (session_.has_project()) note_recent(session_.kept_unsaved(), {"project", project});
+}
+
+void DesignSession::go_on(std::string message, const std::function<std::string()>& take) {
   let_go();
   compared_.reset();
   fault_ = {};
-  message_ = "done again; undo takes it back";
+  message_ = std::move(message);
   try {
-    const std::string fault = session_.take_up(session);
+    const std::string fault = take();
     if (!fault.empty()) fault_ = {"bar", "done again up to a line that is refused: " + fault};
   } catch (const std::exception& error) {
     message_.clear();

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -57,6 +58,7 @@ class DesignSession {
   bool run(const std::string& line, const std::string& where);
   // Goes on with a session that was left; what fails is said by fault() as of the bar.
   void take_up(const std::filesystem::path& session);
+  void take_up_project(const std::filesystem::path& project);  // likewise
   // Shows what an action would do; the next run() or let_go() ends it.
   void try_out(const Action& action, const std::string& where);
   void try_line(const std::string& line, const std::string& where);
@@ -112,6 +114,7 @@ class DesignSession {
 
  private:
   void note_file(const Action& action) const;
+  void go_on(std::string message, const std::function<std::string()>& take);
   void take_shown(std::shared_ptr<const ShownBody> body);
   bool make_live();
   std::vector<MovedSection> moved_sections(const PosedAnatomy& posed) const;

@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "app/edit/recent_files.h"
 #include "app/studio/design/body_panel.h"
 #include "app/studio/design/bone_input.h"
 #include "app/studio/design/comparison_view.h"
@@ -39,12 +40,26 @@ constexpr const char* kPeeled[] = {"all layers", "without the superficial",
 
 float em() { return ImGui::GetFontSize(); }
 
+std::vector<std::filesystem::path> recent_projects(const std::filesystem::path& states) {
+  constexpr std::size_t kShown = 4;
+  std::vector<std::filesystem::path> out;
+  for (const RecentFile& each : recent_files(states))
+    if (each.kind == "project" && out.size() < kShown) out.push_back(each.file);
+  return out;
+}
+
 // Everything of one window; its members are what the hooks of the window work on.
 class DesignWindow {
  public:
   DesignWindow(Session& session, const Common& common, const Session::Drawer& draw)
       : work_(session, common, draw), comparison_(work_) {
-    if (!session.has_project()) state_.left = unsaved_sessions(session.kept_unsaved());
+    const std::filesystem::path& states = session.kept_unsaved();
+    if (session.has_project()) {
+      note_recent(states, {"project", session.project()});
+    } else {
+      state_.left = unsaved_sessions(states);
+      state_.projects = recent_projects(states);
+    }
     subject_.update = [this](ViewDocument& document, bool wait) { update(document, wait); };
     subject_.pose = [this](int frame, PosedAnatomy& posed, SkinFrame& skin) {
       work_.pose(frame, quick_, posed, skin);

@@ -1,6 +1,7 @@
 // What the studio's panels remember between frames, and where the mouse is in a drag.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,12 +21,13 @@ struct HandleDrag {
 };
 
 struct PanelState {
-  std::vector<UnsavedSession> left;  // by sessions that were killed, to go on with
-  std::string find;                  // over the list of muscles
-  int grouped = 0;                   // by kGroupings
-  int peel = 0;                      // layers of muscles that are taken off, 0 .. 3
-  bool one_side = false;             // drags move the handle's side alone
-  bool mark_changed = false;         // colour what differs from what was saved
+  std::vector<UnsavedSession> left;             // by sessions that were killed, to go on with
+  std::vector<std::filesystem::path> projects;  // of other sessions, to go on with
+  std::string find;                             // over the list of muscles
+  int grouped = 0;                              // by kGroupings
+  int peel = 0;                                 // layers of muscles that are taken off, 0 .. 3
+  bool one_side = false;                        // drags move the handle's side alone
+  bool mark_changed = false;                    // colour what differs from what was saved
   bool points = true, sections = true, wraps = true, joints = false;
   bool axes = false;           // ends of the chosen joint's axes, to drag
   bool joint_tab = false;      // its panel is open: the chosen joint's limits are seen

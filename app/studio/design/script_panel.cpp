@@ -145,6 +145,27 @@ void draw_left_sessions(DesignSession& session, PanelState& state, ViewDocument&
   if (forgotten) forget_unsaved_session(folder);
 }
 
+// Where nothing has been done yet.
+void draw_recent_projects(DesignSession& session, PanelState& state, ViewDocument& document) {
+  const Session& now = session.session();
+  if (state.projects.empty() || now.has_project() || now.unsaved() ||
+      now.history().steps.size() > 1)
+    return;
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted("Go on with");
+  std::optional<std::filesystem::path> taken;
+  for (const std::filesystem::path& project : state.projects) {
+    const std::string name = project.filename().string();
+    ImGui::SameLine();
+    ImGui::PushID(project.c_str());
+    if (ImGui::Button(name.c_str())) taken = project;
+    name_place(document, "project:" + name);
+    help_of_last(project.string());
+    ImGui::PopID();
+  }
+  if (taken) session.take_up_project(*taken);
+}
+
 bool has_word(const ActionKind& kind, const std::string& typed) {
   const std::string word = typed.substr(0, typed.find(' '));
   const std::string all = fmt::format("{} {} {}", kind.name, kind.group, kind.help);
@@ -258,6 +279,7 @@ float draw_top_bar(DesignSession& session, PanelState& state, ViewDocument& docu
     name_place(document, "tour");
     help_of_last("The first steps, shown where they are done");
     draw_left_sessions(session, state, document);
+    draw_recent_projects(session, state, document);
     if (!session.session().no_journal().empty()) fault_text(session.session().no_journal());
     if (session.shows_saved()) ImGui::TextUnformatted("as it was saved; C: as it is");
     if (state.bone_click) draw_asked_click(session, state, document);
