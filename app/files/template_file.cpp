@@ -11,10 +11,10 @@
 namespace ecorche {
 
 Template open_template(const Assets& assets, const std::filesystem::path& file) {
-  Template built_in = read_template(assets);
-  if (file.empty()) return built_in;
+  if (file.empty()) return read_template(assets);
   refuse_crowd(file);
-  Character character = read_character(file);
+  Character character = read_character(file);  // first: the built-in one may have to be made
+  Template built_in = read_template(assets);
   const auto &own = character.anatomy.skeleton.joints, &known = built_in.anatomy.skeleton.joints;
   for (size_t j = 0; j < std::max(own.size(), known.size()); ++j) {
     if (j >= own.size() || j >= known.size() || own[j].name != known[j].name ||
