@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <utility>
 
 #include "anatomy/authoring/muscle_table.h"
 #include "skinning/dynamics/auto_activations.h"
@@ -37,11 +38,17 @@ void add_activation_option(CLI::App& verb, std::string& source) {
       ->capture_default_str();
 }
 
-Activations open_activations(const Assets& assets, const std::string& source,
+Activations read_activation_table(const Assets& assets, const std::string& source,
+                                  const Anatomy& anatomy) {
+  if (source == "none" || source == "auto") return {};
+  return read_activations(source, anatomy, other_names(assets));
+}
+
+Activations open_activations(const std::string& source, Activations table,
                              const CharacterModel& model, const Motion& motion, Report& report) {
   if (source == "none") return {};
   const Anatomy& anatomy = model.character.anatomy;
-  Activations activations;
+  Activations activations = std::move(table);
   if (source == "auto") {
     const StageTimer timer(report, "activation");
     AutoActivations found = auto_activations(model.muscles.posing, anatomy, model.character.body,
@@ -51,8 +58,6 @@ Activations open_activations(const Assets& assets, const std::string& source,
     report.set("activation.ground_force_peak", found.ground_force_peak);
     report.set("activation.residual_force", found.residual_force);
     report.set("activation.masses", found.table_masses ? "table" : "tissues");
-  } else {
-    activations = read_activations(source, anatomy, other_names(assets));
   }
   std::vector<char> driven(anatomy.muscles.size(), 0);
   double largest = 0;

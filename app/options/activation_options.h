@@ -15,13 +15,17 @@ class App;
 
 namespace ecorche {
 
-// --activation: for open_activations().
+// --activation: for read_activation_table() and open_activations().
 void add_activation_option(CLI::App& verb, std::string& source);
 
-// "none": no activations. "auto": auto_activations of the motion. Otherwise a file
-// (read_activations), whose muscles may have the names that the muscle table lists for
-// comparison. Figures go to the report under `activation`. Throws InputError.
-Activations open_activations(const Assets& assets, const std::string& source,
+// Of a file (read_activations), whose muscles may have the names that the muscle table lists for
+// comparison; none for "none" and "auto". Before a character is compiled. Throws InputError.
+Activations read_activation_table(const Assets& assets, const std::string& source,
+                                  const Anatomy& anatomy);
+
+// "none": no activations. "auto": auto_activations of the motion. Otherwise those that
+// read_activation_table() has read. Figures go to the report under `activation`.
+Activations open_activations(const std::string& source, Activations table,
                              const CharacterModel& model, const Motion& motion, Report& report);
 
 // How far muscles give what joints ask for, under `activation`.

@@ -162,6 +162,7 @@ int run_animate(const AnimateOptions& options, const Common& common, Report& rep
   Character character = open_character(options.character, common, report);
   require_coordinates(table_requests(options.tables), character.anatomy.skeleton);
   require_limp_joints(character.anatomy.skeleton, options.passive);
+  Activations table = read_activation_table(common.assets, options.activation, character.anatomy);
   auto [actor, motion] = open_moved_actor(
       options.motion, std::move(character),
       {.weights = options.weights, .definition = to_definition(options.definition, options.skin)},
@@ -171,7 +172,7 @@ int run_animate(const AnimateOptions& options, const Common& common, Report& rep
     motion = with_limp_joints(options.character.string(), actor.character, actor.binding,
                               options.passive, motion, common, report);
   const Activations activations =
-      open_activations(common.assets, options.activation, actor, motion, report);
+      open_activations(options.activation, std::move(table), actor, motion, report);
   const MotionQuality quality = write_outputs(options, actor, motion, activations, common, report);
   for (const fs::path& output : options.outputs)
     for (const fs::path& file :

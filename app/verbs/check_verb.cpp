@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "anatomy/errors.h"
 #include "anatomy/files/atomic_file.h"
@@ -111,15 +112,16 @@ void check_options(const CheckVerbOptions& options, const Common& common) {
 int run_check(const CheckVerbOptions& options, const Common& common, Report& report) {
   check_options(options, common);
   if (options.character == "bodies") return run_bodies(options, common, report);
-  const Actor actor = make_actor(common.assets, open_subject(options.character, common, report),
-                                 report, {.muscles = to_muscle_motion(options.muscles)});
-  const BodyPackage package = read_body_package(common.assets);
-  const Skeleton& skeleton = actor.character.anatomy.skeleton;
+  const MuscleMotion muscles = to_muscle_motion(options.muscles);
+  Character subject = open_subject(options.character, common, report);
+  const Skeleton& skeleton = subject.anatomy.skeleton;
   std::vector<LimitPose> poses;
   if (options.poses.empty())
     poses = standard_limit_poses(common.assets.tables, skeleton);
   else if (options.poses != "none")
     poses = read_check_poses(options.poses, skeleton);
+  const Actor actor = make_actor(common.assets, std::move(subject), report, {.muscles = muscles});
+  const BodyPackage package = read_body_package(common.assets);
   CheckOptions how;
   if (options.no_sweeps) how.sweep_step = 0;
   const Template body_template = read_template(common.assets);

@@ -12,6 +12,7 @@
 #include "app/files/motion_figures.h"
 #include "app/files/open_motion.h"
 #include "app/options/activation_options.h"
+#include "app/options/option_values.h"
 #include "app/options/picture_size.h"
 #include "app/pages/actor_film.h"
 #include "app/pages/demo_page.h"
@@ -32,6 +33,7 @@ namespace fs = std::filesystem;
 struct DemoOptions {
   std::string activation = "none", size = "1280x720";
   fs::path folder = "out/long-jump";
+  double fps = ActorFilm{}.fps;
 };
 
 // The motion's world: the take-off line lies at z = 0 and the pit begins a metre behind it
@@ -193,6 +195,7 @@ Template timed_template(const Assets& assets, Report& report) {
 int run_demo(const DemoOptions& options, const Common& common, Report& report) {
   ActorFilm film;
   require_picture_size(options.size, film.width, film.height);
+  film.fps = options.fps;
   make_output_folder(options.folder);
   note(common, "template");
   const Template body_template = timed_template(common.assets, report);
@@ -213,8 +216,9 @@ int run_demo(const DemoOptions& options, const Common& common, Report& report) {
   const Motion motion =
       open_motion(common.assets.tables / "motions" / "long_jump.bvh", actor, {}, common, report);
   report.set("frame_ms", mean_frame_ms(actor, motion));
-  const Activations activations =
-      open_activations(common.assets, options.activation, actor, motion, report);
+  const Activations activations = open_activations(
+      options.activation, read_activation_table(common.assets, options.activation, anatomy), actor,
+      motion, report);
 
   note(common, "files");
   DemoRecord record;
@@ -272,6 +276,9 @@ void add_demo_verb(VerbRegistry& registry) {
       ->capture_default_str();
   verb->add_option("--size", options->size,
                    "Of the film, WIDTHxHEIGHT in pixels; smaller ones are made sooner")
+      ->capture_default_str();
+  verb->add_option("--fps", options->fps, "Frames a second of the film; fewer are made sooner")
+      ->check(between(1.0, 240.0))
       ->capture_default_str();
   add_activation_option(*verb, options->activation);
 }

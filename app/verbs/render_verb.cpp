@@ -205,6 +205,7 @@ int run_render(RenderVerbOptions options, const Common& common, Report& report) 
                          .refinement = true};
   Character character = open_character(options.character, common, report);
   const std::optional<Posture> posture = choose_view(common.assets, options, character, film);
+  Activations table = read_activation_table(common.assets, options.activation, character.anatomy);
   auto [actor, motion] =
       options.motion.empty()
           ? MovedActor{make_actor(common.assets, std::move(character), report, how), Motion{}}
@@ -214,7 +215,7 @@ int run_render(RenderVerbOptions options, const Common& common, Report& report) 
   if (options.motion.empty()) motion = still_motion(actor, posture);
   film.legend =
       film.legend && !(options.motion.empty() && options.pose.empty()) && !film.transparent;
-  film.activations = open_activations(common.assets, options.activation, actor, motion, report);
+  film.activations = open_activations(options.activation, std::move(table), actor, motion, report);
   const FilmReport done = film_actor(actor, motion, film, common);
   report.set("timings_ms.film", 1e3 * done.seconds);
   report.set("film.frames", done.frames);

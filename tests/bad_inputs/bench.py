@@ -9,11 +9,13 @@ import resource
 import shutil
 import signal
 import subprocess
+import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 
 SECONDS, MEGABYTES = 30, 1500  # of a processor, of memory, unless a case states others
+THOROUGH = "--thorough" in sys.argv or "ECORCHE_THOROUGH" in os.environ
 PATIENCE = 12  # times its seconds on the clock: others may use the machine
 
 

@@ -219,7 +219,7 @@ def main():
     for flag in ("thorough", "verbose", "keep"):
         parser.add_argument("--" + flag, action="store_true")
     options = parser.parse_args()
-    options.thorough |= "ECORCHE_THOROUGH" in os.environ
+    options.thorough = bench.THOROUGH
     if options.mutants is None:
         options.mutants = 40 if options.thorough else 6
     scratch = pathlib.Path(tempfile.mkdtemp(prefix="ecorche-bad-inputs-"))

@@ -4,6 +4,7 @@ import json
 import math
 import struct
 
+from bench import THOROUGH
 from files import CUBE, noise, stl
 
 BAD, CANNOT, LIMIT = 3, 4, 5
@@ -11,10 +12,11 @@ ANY = (BAD, CANNOT, LIMIT)  # a damaged file may still be a cube, which is no bo
 
 
 def damaged(good, name, ending, cuts=24, changes=24):
-    """Copies cut and changed at places spread over the file; the last ones may still be read, and be no body."""
-    for k in range(cuts):
+    """Copies cut and changed at places spread over the file; the last ones may still be read, and be no body. A fifth of them, unless --thorough."""
+    step = 1 if THOROUGH else 5
+    for k in range(0, cuts, step):
         yield f"{name}_cut_{k}.{ending}", good[: len(good) * k // cuts] or b"\n", ANY, ()
-    for k in range(changes):
+    for k in range(0, changes, step):
         at = len(good) * k // changes
         yield f"{name}_changed_{k}.{ending}", good[:at] + bytes([good[at] ^ (0x10 if k % 2 else 0xFF)]) + good[at + 1:], ANY, ()
 

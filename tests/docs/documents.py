@@ -27,7 +27,7 @@ HELP_VERBS_NOT_RUN = {"demo": "run by make demo and by the options' test", "benc
 # Readers have minutes for a film, a fit by the best method or sixty poses; here a piece of it says as much. What is added to a command line, unless it says itself.
 SHORTER = [(r"ecorche fit ", "--method", "--method ellipses"), (r"ecorche animate .*data/motions", "--to", "--to 24f"), (r"ecorche render .*(\.mp4|%04d\.png)", "--size", "--size 320x180"),
            (r"ecorche lift .*\.mp4", "--size", "--size 320x180 --fps 5"), (r"ecorche lift ", "--spacing", "--spacing 0.1"), (r"ecorche sit .*\.mp4", "--size", "--size 320x180 --fps 5"), (r"ecorche check (?!bodies)", "--no-sweeps", "--no-sweeps"), (r"ecorche fall .*\.mp4", "--size", "--size 320x180 --fps 10 --seconds 0.5"), (r"ecorche render .*data/motions.*\.mp4", "--(from|to|frames|at)", "--to 0.4"), (r"ecorche posebook ", "--poses", "--poses few-poses.csv"),
-           (r"ecorche check (?!bodies)", "--poses", "--poses my-poses.csv"), (r"ecorche check bodies", "--body", "--body default_male --body heavy_female")]
+           (r"ecorche check (?!bodies)", "--poses", "--poses my-poses.csv"), (r"ecorche check bodies", "--body", "--body heavy_female")]
 
 
 def documents(source):
