@@ -14,6 +14,9 @@ import subprocess
 import sys
 import tempfile
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "command_line"))
+from inputs import short_motion  # noqa: E402
+
 PROJECT = """cmake_minimum_required(VERSION 3.25)
 project(user LANGUAGES CXX)
 find_package(ecorche 0.2 REQUIRED)
@@ -65,7 +68,7 @@ def main():
         # The tables are those that are installed; packages lie where the build fetched them.
         clean = {k: v for k, v in os.environ.items() if k != "ECORCHE_DATA"}
         clean["ECORCHE_PACKAGES"] = os.environ.get("ECORCHE_PACKAGES", str(build / "packages"))
-        shutil.copy(source / "data/motions/walk.bvh", user / "walk.bvh")
+        short_motion(source / "data/motions/walk.bvh", user / "walk.bvh", 12)
         run(user / "build/user", cwd=user, env=clean)
 
         installed = prefix / "bin/ecorche"
