@@ -37,12 +37,14 @@ clients: setup
 	@data/setup.sh $(BUILD)/packages tests/clients/apt.txt
 	@tests/clients/setup.sh $(BUILD)/clients
 
+TIMEOUT := 600
 test: setup clients $(BUILD)/build.ninja
 	@$(NINJA)
-	@ctest --test-dir $(BUILD) --output-on-failure --timeout 1500 -j 2
+	@ctest --test-dir $(BUILD) --output-on-failure --timeout $(TIMEOUT) -j 2
 
 # The same tests with nothing left out: all standard bodies, all command lines, more mutants. Some two hours.
 thorough: export ECORCHE_THOROUGH := 1
+thorough: TIMEOUT := 3000
 thorough: test
 
 asan: setup

@@ -152,13 +152,18 @@ std::string Session::take_up(const std::filesystem::path& session) {
   History begin = begin_history(aside.empty() ? workshop_.built_in()
                                               : read_project(workshop_, session / aside).document);
   forget_unsaved();
-  journal_ = std::move(journal);
   kept_in_ = session;
   aside_ = aside;
   history_ = std::move(begin);
-  journal_begin_ = 0;
   saved_ = kNeverAgain;
   saved_document_ = workshop_.built_in();
+  return go_on_with(std::move(journal), file, lines);
+}
+
+std::string Session::go_on_with(std::unique_ptr<Journal> journal, const std::filesystem::path& file,
+                                const std::vector<std::string>& lines) {
+  journal_ = std::move(journal);
+  journal_begin_ = 0;
   std::string fault = do_again(file, lines);
   // the line would stop the next one that takes it up, too
   if (!fault.empty()) begin_journal_here(kFrom);
@@ -176,17 +181,13 @@ std::string Session::take_up_project(const std::filesystem::path& project) {
       written ? read_project(workshop_, project / aside).document : workshop_.built_in();
   auto journal = std::make_unique<Journal>(file);
   forget_unsaved();
-  journal_ = std::move(journal);
   project_ = kept_in_ = project;
   no_journal_.clear();
   aside_ = aside;
   history_ = begin_history(std::move(begin));
-  journal_begin_ = 0;
   saved_ = aside.empty() ? history_.now : kNeverAgain;
   saved_document_ = document();
-  std::string fault = do_again(file, lines);
-  if (!fault.empty()) begin_journal_here(kFrom);
-  return fault;
+  return go_on_with(std::move(journal), file, lines);
 }
 
 void Session::forget_unsaved() {

@@ -101,6 +101,8 @@ class Session {
   bool open_project(bool discard);  // false: there is none
   void recover(const std::filesystem::path& file);
   std::string do_again(const std::filesystem::path& file, const std::vector<std::string>& lines);
+  std::string go_on_with(std::unique_ptr<Journal> journal, const std::filesystem::path& file,
+                         const std::vector<std::string>& lines);
   bool begin_unsaved();
   void lose_journal(const OutputError& error);
   void begin_journal_here(std::string_view word);

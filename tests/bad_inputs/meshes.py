@@ -11,7 +11,7 @@ import zlib
 
 from files import CUBE, glb, grid, mesh_scene, noise, obj, ply, read_glb, skin_of, stl
 
-REGISTER = ("body", "register")
+REGISTER = ("body", "register", "-o", "{out}/c.glb")
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 
 
@@ -21,8 +21,8 @@ def fit(t, row, name, data, codes, says=(), method="paper", instead=("body", "me
     What is taken need not be fitted to show that it is read: unless --thorough, the verb `instead` reads it, in a tenth of the time."""
     path = t.bench.file(name, data)
     command = ["fit", path, "-o", "{out}/c.glb", "--method", method]
-    if instead and not t.thorough and codes != 4 and 0 in (codes if isinstance(codes, tuple) else (codes,)):
-        command = [*instead, path, *(("-o", "{out}/c.glb") if instead == REGISTER else ())]
+    if instead and not t.thorough and 0 in (codes if isinstance(codes, tuple) else (codes,)):
+        command = [*instead, path]
     t.bench.case(row, name, command, codes, says, names=path.name, **options)
 
 
