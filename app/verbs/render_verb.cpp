@@ -199,10 +199,13 @@ int run_render(RenderVerbOptions options, const Common& common, Report& report) 
                 {options.character, options.motion, options.weights, options.activation,
                  options.poses, options.retarget.map_file});
   require_settling(film.dynamics, options.skin);
+  // A fine skin with relief takes as long as all the rest: only where it is seen.
+  const bool skin_shown = film.skin || film.dissolve;
+  const std::optional<double> definition = to_definition(options.definition, options.skin);
   const ActorOptions how{.weights = options.weights,
                          .muscles = to_muscle_motion(options.muscles, options.skin),
-                         .definition = to_definition(options.definition, options.skin),
-                         .refinement = true};
+                         .definition = skin_shown ? definition : 0,
+                         .refinement = skin_shown};
   Character character = open_character(options.character, common, report);
   const std::optional<Posture> posture = choose_view(common.assets, options, character, film);
   Activations table = read_activation_table(common.assets, options.activation, character.anatomy);

@@ -390,6 +390,7 @@ BodyMap make_body_map(const Anatomy& anatomy, const TriMesh& skin, std::span<con
   out.centers = pack_points(points.centers, then, was ? was->centers : MapPoints());
   out.outlines = pack_points(points.outlines, outlines, was ? was->outlines : MapPoints());
   bond_to_skin(anatomy, rays, sorted, strips, out);
+  out.beds = make_bone_beds(anatomy, rest.slices);
   return out;
 }
 
@@ -477,6 +478,7 @@ void carry_muscles(const BodyMap& map, std::span<const float> positions,
     out.outline = section.rest.outline;
     out.axes = section_axes(axes.col(0), axes.col(1), line, section.lean);
   });
+  lift_over_bones(map.beds, posed.X_WJ, posed.slices, workspace.beds);
 }
 
 }  // namespace ecorche::inline v1

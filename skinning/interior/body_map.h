@@ -19,7 +19,8 @@
 // Sections take centre and axes from the map, evened along each strip; where the strip has opened
 // or closed more than it may, they slide along it (slide_sections.h). From pose_anatomy() they take
 // the share by which their substance has slid along the line, bulged or turned rounder. Volumes of
-// bellies are kept but for what cells are too coarse for: restore_volumes() brings the rest.
+// bellies are kept but for what cells are too coarse for: restore_volumes() brings the rest. Sheets
+// that glide over a bone rise over it last (bone_beds.h).
 #pragma once
 
 #include <memory>
@@ -28,6 +29,7 @@
 
 #include "anatomy/posed_anatomy.h"
 #include "anatomy/queries/skin_bonds.h"
+#include "skinning/interior/bone_beds.h"
 #include "skinning/interior/map_points.h"
 #include "skinning/interior/pressure_projection.h"
 #include "skinning/interior/slide_sections.h"
@@ -58,6 +60,7 @@ struct BodyMap {
   MapPoints controls;
   std::vector<SkinBond> bonds;  // vertices as they are sorted in frames
   PressureTable pressure;
+  BoneBeds beds;
   MapPoints nodes;           // of the pressure's lattice
   std::vector<Vec3> joints;  // at rest
   std::vector<int> parents;
@@ -85,6 +88,7 @@ struct BodyMapWorkspace {
   std::vector<Mat3> turns;            // #nodes
   std::vector<float> straight;        // #nodes, share of straight lines
   PressureWorkspace pressure;
+  BoneBedWorkspace beds;
 };
 
 // `skin`: closed but for small openings, the mesh that relaxes. `order`: its vertices as they are
