@@ -17,7 +17,8 @@ namespace {
 
 constexpr SelfContactParameters kParametersSelfContact;
 constexpr int kBlockSelfContact = 512;  // vertices a task
-constexpr std::size_t kPatches = 16;    // a task
+constexpr int kThicknessRings = 2;
+constexpr std::size_t kPatches = 16;  // a task
 constexpr std::size_t kManyRays = 4;  // rays of a patch from which on triangles are gathered first
 
 struct Surface {
@@ -175,6 +176,25 @@ void find_triangles(std::span<const int> triangles, std::size_t vertices, SelfCo
       for (std::size_t c = 0; c < 3; ++c) out.about[next[triangles[f + k]]++] = triangles[f + c];
 }
 
+// How thick the skin's part is at each vertex, square to it, the least within kThicknessRings, m.
+std::vector<float> part_thickness(const Membrane& rings, const Surface& surface,
+                                  std::span<const float> normals) {
+  std::vector<float> out(normals.size() / 4);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const float across =
+        next_back(surface.tree, surface.boxes, surface.positions, load4(&surface.positions[4 * i]),
+                  -load4(&normals[4 * i]), 0, kParametersSelfContact.thickest);
+    out[i] = across > 0 ? across : kParametersSelfContact.thickest;
+  }
+  for (int round = 0; round < kThicknessRings; ++round) {
+    const std::vector<float> before = out;
+    for (std::size_t i = 0; i < out.size(); ++i)
+      for (int k = rings.first[i]; k < rings.first[i + 1]; ++k)
+        out[i] = std::min(out[i], before[std::size_t(rings.neighbour[k])]);
+  }
+  return out;
+}
+
 }  // namespace
 
 SelfContact make_self_contact(const Membrane& rings, std::span<const float> positions,
@@ -185,6 +205,7 @@ SelfContact make_self_contact(const Membrane& rings, std::span<const float> posi
   fit_boxes(out.tree, positions, boxes);
   std::vector<float> normals(positions.size());
   vertex_normals(positions, triangles, normals);
+  const std::vector<float> thickness = part_thickness(rings, {out.tree, boxes, positions}, normals);
   for (std::size_t i = 0; i < tissue.size(); ++i) {
     const Float4 p = load4(&positions[4 * i]), n = load4(&normals[4 * i]);
     const bool inside =
@@ -193,9 +214,10 @@ SelfContact make_self_contact(const Membrane& rings, std::span<const float> posi
     const float before =
         front_seen(out.tree, boxes, positions, p, n, kParametersSelfContact.ray_start,
                    2 * kParametersSelfContact.gap);
-    out.max_push.push_back(inside ? 0
-                                  : float(kParametersSelfContact.push_of_tissue * tissue[i] +
-                                          kParametersSelfContact.least_push));
+    const float of_tissue = float(kParametersSelfContact.push_of_tissue * tissue[i] +
+                                  kParametersSelfContact.least_push);
+    out.max_push.push_back(
+        inside ? 0 : std::min(of_tissue, kParametersSelfContact.push_of_thickness * thickness[i]));
     out.gap.push_back(before > 0 ? before / 2 : kParametersSelfContact.gap);
   }
   find_triangles(triangles, tissue.size(), out);

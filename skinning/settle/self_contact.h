@@ -27,6 +27,10 @@ struct SelfContactParameters {
   // Bound of a vertex's push: a fraction of the tissue beneath it, and m more. Larger: thin parts
   // are pushed through.
   double push_of_tissue = 1, least_push = 1e-3;
+  // Bound of a vertex's push as a fraction of the part's thickness, the least within two rings:
+  // the tip of a toe would be pressed flat.
+  float push_of_thickness = 0.3f;
+  float thickest = 0.1f;  // m, as which thicker parts count
   // Depth to which rays look behind a vertex, as a fraction of the bound of its push. Deeper, the
   // far side of a thin part would be met.
   float look_behind = 1;
