@@ -1,6 +1,5 @@
 #include "skinning/interior/bone_beds.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +7,9 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <utility>
 
+#include "anatomy/compute/eigenvectors.h"
 #include "anatomy/compute/smooth_step.h"
 #include "anatomy/geometry/join_meshes.h"
 
@@ -32,11 +33,10 @@ constexpr float kSpread = 0.96f;  // of the neighbours' mean
 // Square to a flat bone's plane. None: it is not flat, as a rib cage.
 std::optional<Vec3> normal_of(const TriMesh& bone) {
   const Vec3 middle = bone.V.colwise().mean();
-  const Eigen::MatrixXd from_middle = bone.V.rowwise() - middle.transpose();
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(from_middle.transpose() * from_middle);
-  const Vec3 spread = solver.eigenvalues().cwiseMax(0).cwiseSqrt();  // rising
-  if (spread[0] > kFlat * spread[1]) return {};
-  return solver.eigenvectors().col(0);
+  const Points from_middle = bone.V.rowwise() - middle.transpose();
+  const SymmetricEigen<3> spread = symmetric_eigen<3>(from_middle.transpose() * from_middle);
+  if (spread.values[0] > kFlat * kFlat * spread.values[1]) return {};
+  return spread.vectors.col(0);
 }
 
 // Lets the heights fall beyond the bone's outline, so that what comes over it rises step by step.
@@ -235,26 +235,39 @@ bool ends_on(const Strip& strip, int joint) {
   return strip.path.front().joints[0] == joint || strip.path.back().joints[0] == joint;
 }
 
-template <class Act>
-void each_section(const BoneBeds& beds, const Act& act) {
-  std::size_t i = 0;
-  for (const BeddedSheet& sheet : beds.sheets)
-    for (const SliceRange& strip : sheet.strips)
-      for (int k = strip.begin; k < strip.end; ++k) act(sheet, std::size_t(k), i++);
+BeddedSheet make_sheet(const Anatomy& anatomy, std::span<const Ellipse> slices, const BoneBed& bed,
+                       const Transform& X_WJ, std::vector<SliceRange> strips) {
+  BeddedSheet out;
+  for (const SliceRange& strip : strips) {
+    const bool follows = !ends_on(
+        anatomy.muscles[std::size_t(strip.muscle)].strips[std::size_t(strip.strip)], bed.joint);
+    for (int k = strip.begin; k < strip.end; ++k) {
+      float most = follows ? std::numeric_limits<float>::infinity() : 0;
+      for (int i = std::max(k - 1, strip.begin); i < std::min(k + 2, strip.end); ++i)
+        most = std::max(most, wanted_by(bed, X_WJ, slices[std::size_t(i)]));
+      out.rest.push_back(most);
+    }
+    out.begins.push_back(int(out.rest.size()));
+  }
+  out.strips = std::move(strips);
+  return out;
 }
 
 }  // namespace
 
 BoneBeds make_bone_beds(const Anatomy& anatomy, std::span<const Ellipse> slices) {
   BoneBeds out;
+  std::vector<Transform> X_WJ;
+  forward_kinematics(anatomy.skeleton, rest_pose(anatomy.skeleton), X_WJ);
   const std::vector<SliceRange> strips = slice_ranges(anatomy);
   for (std::size_t m = 0; m < anatomy.muscles.size(); ++m) {
     std::map<int, std::vector<Vec3>> gliding;  // points, by the joint whose bones they glide on
     for (const Strip& strip : anatomy.muscles[m].strips)
       for (const PathPoint& point : strip.path)
         if (point.placing_joint >= 0) gliding[point.placing_joint].push_back(point.rest);
+    if (gliding.empty()) continue;
+    const std::vector<SliceRange> own = strips_of(strips, int(m));
     for (const auto& [joint, points] : gliding) {
-      const std::vector<SliceRange> own = strips_of(strips, int(m));
       auto bed = std::ranges::find(out.beds, joint, &BoneBed::joint);
       if (bed == out.beds.end()) {
         std::vector<Vec3> facing;
@@ -264,24 +277,9 @@ BoneBeds make_bone_beds(const Anatomy& anatomy, std::span<const Ellipse> slices)
         bed = out.beds.insert(bed, make_bed(anatomy, joint, points, facing));
       }
       if (bed->heights.empty()) continue;
-      out.sheets.push_back(
-          {int(bed - out.beds.begin()), with_sheets_beside(anatomy, strips, slices, own)});
-    }
-  }
-  std::vector<Transform> X_WJ;
-  forward_kinematics(anatomy.skeleton, rest_pose(anatomy.skeleton), X_WJ);
-  for (const BeddedSheet& sheet : out.sheets) {
-    const BoneBed& bed = out.beds[std::size_t(sheet.bed)];
-    for (const SliceRange& strip : sheet.strips) {
-      const bool follows = !ends_on(
-          anatomy.muscles[std::size_t(strip.muscle)].strips[std::size_t(strip.strip)], bed.joint);
-      for (int k = strip.begin; k < strip.end; ++k) {
-        float most = follows ? kMostLift : 0;
-        for (int i = std::max(k - 1, strip.begin); i < std::min(k + 2, strip.end); ++i)
-          most =
-              std::max(most, wanted_by(bed, X_WJ[std::size_t(bed.joint)], slices[std::size_t(i)]));
-        out.rest.push_back(most);
-      }
+      out.sheets.push_back(make_sheet(anatomy, slices, *bed, X_WJ[std::size_t(joint)],
+                                      with_sheets_beside(anatomy, strips, slices, own)));
+      out.sheets.back().bed = int(bed - out.beds.begin());
     }
   }
   return out;
@@ -289,34 +287,27 @@ BoneBeds make_bone_beds(const Anatomy& anatomy, std::span<const Ellipse> slices)
 
 void lift_over_bones(const BoneBeds& beds, std::span<const Transform> X_WJ,
                      std::span<Ellipse> slices, BoneBedWorkspace& workspace) {
-  workspace.wanted.resize(beds.rest.size());
-  workspace.lifts.resize(beds.rest.size());
-  each_section(beds, [&](const BeddedSheet& sheet, std::size_t k, std::size_t i) {
-    const BoneBed& bed = beds.beds[std::size_t(sheet.bed)];
-    workspace.wanted[i] =
-        beds.rest[i] < kMostLift
-            ? std::max(0.0f, wanted_by(bed, X_WJ[std::size_t(bed.joint)], slices[k]) - beds.rest[i])
-            : 0;
-  });
-  std::size_t first = 0;
-  std::vector<int>& begins = workspace.begins;
   for (const BeddedSheet& sheet : beds.sheets) {
-    begins.assign(1, 0);
-    for (const SliceRange& strip : sheet.strips)
-      begins.push_back(begins.back() + strip.end - strip.begin);
-    const std::size_t count = std::size_t(begins.back());
-    const std::span<const float> wanted = std::span(workspace.wanted).subspan(first, count);
-    const std::span<float> lifts = std::span(workspace.lifts).subspan(first, count);
-    first += count;
-    if (std::ranges::all_of(wanted, [](float w) { return w == 0; })) continue;
-    spread_along(begins, wanted, lifts);
     const BoneBed& bed = beds.beds[std::size_t(sheet.bed)];
-    const Vec3 out = X_WJ[std::size_t(bed.joint)].linear() * bed.axes.col(2);
+    const Transform& X_WB = X_WJ[std::size_t(bed.joint)];
+    workspace.wanted.assign(sheet.rest.size(), 0);
+    bool any = false;
+    std::size_t i = 0;
+    for (const SliceRange& strip : sheet.strips)
+      for (int k = strip.begin; k < strip.end; ++k, ++i) {
+        float& wanted = workspace.wanted[i];
+        if (std::isfinite(sheet.rest[i]))
+          wanted = std::max(0.0f, wanted_by(bed, X_WB, slices[std::size_t(k)]) - sheet.rest[i]);
+        any = any || wanted > 0;
+      }
+    if (!any) continue;
+    workspace.lifts.resize(sheet.rest.size());
+    spread_along(sheet.begins, workspace.wanted, workspace.lifts);
+    const Vec3 out = X_WB.linear() * bed.axes.col(2);
     for (std::size_t s = 0; s < sheet.strips.size(); ++s) {
       const SliceRange& strip = sheet.strips[s];
-      const std::size_t begin = std::size_t(begins[s]),
-                        sections = std::size_t(begins[s + 1] - begins[s]);
-      raise(lifts.subspan(begin, sections), out,
+      const std::size_t sections = std::size_t(strip.end - strip.begin);
+      raise(std::span(workspace.lifts).subspan(std::size_t(sheet.begins[s]), sections), out,
             slices.subspan(std::size_t(strip.begin), sections));
     }
   }

@@ -20,8 +20,8 @@ struct BoneBed {
   Vec3 corner = Vec3::Zero();    // of the grid, in `axes`, from the joint at rest, m
   Mat3 axes = Mat3::Identity();  // world at rest: the grid's two directions, outwards
   int columns = 0, rows = 0;
-  std::vector<float>
-      heights;  // #rows x columns, m outwards from the corner; falling beyond the bone
+  // #rows x columns, m outwards from the corner; falling beyond the bone
+  std::vector<float> heights;
 };
 
 // A muscle's strips that glide over a bed, and those of the sheets beside it, side by side. Strips
@@ -29,20 +29,19 @@ struct BoneBed {
 struct BeddedSheet {
   int bed = 0;
   std::vector<SliceRange> strips;
+  std::vector<int> begins{0};  // #strips + 1 into the sheet's sections, one after the other
+  // of its sections, m, how far they would have to rise at rest; infinity: they only follow
+  std::vector<float> rest;
 };
 
 struct BoneBeds {
   std::vector<BoneBed> beds;
   std::vector<BeddedSheet> sheets;
-  // of the sheets' sections, one after the other, m: how far they would have to rise at rest; what
-  // only follows never has to
-  std::vector<float> rest;
 };
 
 // Memory of lift_over_bones(). Its content has no meaning between calls.
 struct BoneBedWorkspace {
-  std::vector<float> wanted, lifts;  // of the sheets' sections
-  std::vector<int> begins;           // of a sheet's strips in them
+  std::vector<float> wanted, lifts;  // of a sheet's sections
 };
 
 // Of muscles with points that glide (PathPoint::placing_joint). `slices`: of all strips at rest.

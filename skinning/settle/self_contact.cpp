@@ -180,12 +180,13 @@ void find_triangles(std::span<const int> triangles, std::size_t vertices, SelfCo
 std::vector<float> part_thickness(const Membrane& rings, const Surface& surface,
                                   std::span<const float> normals) {
   std::vector<float> out(normals.size() / 4);
-  for (std::size_t i = 0; i < out.size(); ++i) {
+  each_vertex(int(out.size()), [&](int vertex) {
+    const std::size_t i = std::size_t(vertex);
     const float across =
         next_back(surface.tree, surface.boxes, surface.positions, load4(&surface.positions[4 * i]),
                   -load4(&normals[4 * i]), 0, kParametersSelfContact.thickest);
     out[i] = across > 0 ? across : kParametersSelfContact.thickest;
-  }
+  });
   for (int round = 0; round < kThicknessRings; ++round) {
     const std::vector<float> before = out;
     for (std::size_t i = 0; i < out.size(); ++i)
